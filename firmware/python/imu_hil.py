@@ -1,0 +1,138 @@
+"""The IMU emulator's firmware: host frames in over SCI, three sensor chips out over I2C.
+
+    SCI FIFO interrupt --> frame --> models (GPIO high to low) --> data of three chips
+    request of the sensor head --> own address, pointer byte, SDIR, I2CDXR/XRDY, SCD
+
+Step by step as the dissertation describes it (Figs. A.2 and A.4, sections 3.4 and 4.3.5),
+field by field: each assignment to a field is a read and a write of the whole register.
+
+A frame is six signed 16-bit values, low byte first: roll, pitch, yaw, then acceleration
+x, y, z. Until the real sensor models stand in their place the chips show these values:
+the gyroscope the angles, the accelerometer the accelerations, the magnetometer the
+angles again, each in its chip's byte order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+from firmware.python.startup import sci_fifo_receiver, start_i2c, start_pie, start_pin
+from periph_sim.board.dsp import Dsp
+from periph_sim.case.settings import Duration, HexBytes
+
+FRAME_BYTES = 12
+GYROSCOPE, ACCELEROMETER, MAGNETOMETER = 0x68, 0x53, 0x1E
+
+
+@dataclass
+class Settings:
+    """What a case may change: the cost of the models, the SDIR wait, the order of service, fixed data."""
+
+    model_cost: Duration = Fraction(250, 1_000_000)
+    sdir_wait: bool = True
+    order: tuple[int, ...] = (GYROSCOPE, ACCELEROMETER, MAGNETOMETER)
+    count: int = 6
+    brr: int = 40
+    pin: int = 34  # high while the models run
+    table: dict[str, HexBytes] = field(default_factory=dict)  # chip -> bytes served instead of the models' output
+
+
+class Emulator:
+    """The firmware's memory: the last frame, and the bytes of each chip."""
+
+    def __init__(self, dsp: Dsp, settings: Settings) -> None:
+        self.dsp = dsp
+        self.settings = settings
+        self.frame = bytes(FRAME_BYTES)
+        self.data = {address: bytes(6) for address in (GYROSCOPE, ACCELEROMETER, MAGNETOMETER)}
+        self.i2c = dsp.module("I2C-A")
+        self.sci = dsp.module("SCI-A") if dsp.has("SCI-A") else None
+        self.pie = dsp.module("PIE") if dsp.has("SCI-A") else None
+
+    # SCI ---------------------------------------------------------------------
+
+    def sci_received(self) -> None:
+        """SCIRXINTA: the FIFO holds a whole frame."""
+        sci, pie = self.sci, self.pie
+        assert sci is not None and pie is not None
+        self.frame = bytes(sci.SCIRXBUF.all & 0xFF for _ in range(FRAME_BYTES))
+        sci.SCIFFRX.RXFFOVRCLR = 1
+        sci.SCIFFRX.RXFFINTCLR = 1
+        pie.PIEACK.all = 0x100  # group 9
+
+    # Models ------------------------------------------------------------------
+
+    def model(self) -> None:
+        dsp, settings = self.dsp, self.settings
+        dsp.set_pin(settings.pin)
+        frame = self.frame
+        dsp.compute(settings.model_cost, "model")
+        angles, accelerations = frame[0:6], frame[6:12]
+        self.data[GYROSCOPE] = swapped(angles)
+        self.data[ACCELEROMETER] = accelerations
+        self.data[MAGNETOMETER] = swapped(angles[0:2] + angles[4:6] + angles[2:4])
+        for chip, fixed in settings.table.items():
+            self.data[int(chip, 0)] = fixed
+        dsp.clear_pin(settings.pin)
+
+    # I2C ---------------------------------------------------------------------
+
+    def slave_config(self, address: int) -> None:
+        """I2C_SLAVE_CONFIG (Fig. A.2)."""
+        i2c = self.i2c
+        i2c.I2CMDR.IRS = 0
+        i2c.I2CMDR.MST = 0
+        i2c.I2COAR.all = address
+        i2c.I2CMDR.IRS = 1
+
+    def batch_read(self, data: bytes) -> int:
+        """i2cBatchRead (Fig. A.4): serve one read; returns the NACK flag at its end."""
+        i2c, dsp = self.i2c, self.dsp
+        dsp.spin(lambda: i2c.I2CSTR.AAS == 1)
+        i2c.I2CCNT.all = 1
+        dsp.spin(lambda: i2c.I2CSTR.RRDY == 1)
+        i2c.I2CMDR.TRX = 1
+        i2c.I2CCNT.all = self.settings.count
+        i2c.I2CSTR.SCD = 1
+        if self.settings.sdir_wait:
+            dsp.spin(lambda: i2c.I2CSTR.SDIR == 1)
+        buffer = endless(data)
+        while True:
+            i2c.I2CDXR.all = next(buffer)
+            if dsp.spin_either(lambda: i2c.I2CSTR.XRDY == 1, lambda: i2c.I2CSTR.SCD == 1):
+                break
+        i2c.I2CMDR.IRS = 1
+        return i2c.I2CSTR.NACK
+
+    # The main loop -----------------------------------------------------------
+
+    def run(self) -> None:
+        dsp, settings = self.dsp, self.settings
+        start_pin(dsp, settings.pin)
+        start_i2c(dsp)
+        if self.sci is not None:
+            sci_fifo_receiver(dsp, settings.brr, FRAME_BYTES)
+            start_pie(dsp, {"SCIRXINTA": self.sci_received})
+        while True:
+            self.model()
+            for address in settings.order:
+                self.slave_config(address)
+                self.batch_read(self.data[address])
+
+
+def swapped(data: bytes) -> bytes:
+    """The same 16-bit values, high byte first."""
+    return bytes(data[i ^ 1] for i in range(len(data)))
+
+
+def endless(data: bytes) -> Iterator[int]:
+    """The bytes behind a pointer that C would move past the end of its buffer: zeros follow."""
+    yield from data
+    while True:
+        yield 0
+
+
+def main(dsp: Dsp, settings: Settings) -> None:
+    Emulator(dsp, settings).run()

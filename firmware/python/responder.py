@@ -1,0 +1,189 @@
+"""A slave that serves any device's data: address, replies and style of flag handling come by setting.
+
+    address, replies, busy  -->  polled | interrupt, with or without FIFO  -->  the bus
+
+Each read is answered with the next entry of `replies`; when its bytes run out `filler`
+follows. After the n-th write that a STOP ended the device is out of reach for `busy[n]`, as an
+EEPROM is while it stores, and at the start for `asleep`: the module is held in reset, so its
+address is not acknowledged.
+
+The surplus byte that a slave-transmitter of this module always asks for (SPRUG03B Figure
+17) is replaced at the next read: the first byte is written anew when SDIR says that a
+read has begun.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import chain, repeat
+from typing import Literal
+
+from firmware.python.startup import start_i2c, start_pie
+from periph_sim.board.dsp import Dsp
+from periph_sim.case.settings import Duration, HexBytes
+
+AAS_CODE, SCD_CODE, XRDY_CODE, RRDY_CODE, NACK_CODE = 7, 6, 5, 4, 2  # I2CISRC
+
+
+@dataclass
+class Settings:
+    """What a case may change."""
+
+    address: int = 0x50
+    replies: tuple[HexBytes, ...] = (bytes(range(1, 17)),)
+    style: Literal["polled", "interrupt"] = "polled"
+    fifo: bool = False
+    filler: int = 0xFF
+    asleep: Duration = Fraction(0)
+    busy: tuple[Duration, ...] = ()  # polled style only
+    ten_bit: bool = False
+
+
+class Responder:
+    """received: the bytes of each write, in order."""
+
+    def __init__(self, dsp: Dsp, settings: Settings) -> None:
+        self.dsp = dsp
+        self.settings = settings
+        self.i2c = dsp.module("I2C-A")
+        self.received: list[bytearray] = []
+        self._replies = iter(settings.replies)
+        self._busy = iter(settings.busy)
+        self._last = settings.replies[-1] if settings.replies else b""
+        self._bytes: Iterator[int] = iter(())
+
+    def configure(self) -> None:
+        i2c, settings = self.i2c, self.settings
+        i2c.I2CMDR.IRS = 0
+        i2c.I2COAR.all = settings.address
+        if settings.ten_bit:
+            i2c.I2CMDR.XA = 1
+        if settings.fifo:
+            i2c.I2CFFTX.all = 0x6000  # I2CFFEN, TXFFRST
+            i2c.I2CFFRX.all = 0x2000  # RXFFRST
+        i2c.I2CMDR.IRS = 1
+
+    def next_reply(self) -> Iterator[int]:
+        """The bytes of the next read, without end."""
+        return chain(next(self._replies, self._last), repeat(self.settings.filler))
+
+    def be_busy(self) -> None:
+        """Out of reach for as long as the device that is imitated was after this write."""
+        pause = next(self._busy, Fraction(0))
+        if pause:
+            self.i2c.I2CMDR.IRS = 0
+            self.dsp.compute(pause)
+            self.configure()
+
+    # Polled ------------------------------------------------------------------
+
+    def poll(self) -> None:
+        i2c, dsp = self.i2c, self.dsp
+        while True:
+            dsp.spin(lambda: i2c.I2CSTR.AAS == 1)
+            if i2c.I2CSTR.SDIR == 1:
+                self.send()
+            else:
+                self.receive()
+
+    def send(self) -> None:
+        i2c, dsp = self.i2c, self.dsp
+        data = self.next_reply()
+        if self.settings.fifo:
+            i2c.I2CFFTX.TXFFRST = 0
+            i2c.I2CFFTX.TXFFRST = 1
+            while True:
+                i2c.I2CDXR.all = next(data)
+                if dsp.spin_either(lambda: i2c.I2CFFTX.TXFFST < 4, lambda: i2c.I2CSTR.AAS == 0):
+                    return
+        while True:
+            i2c.I2CDXR.all = next(data)
+            if dsp.spin_either(lambda: i2c.I2CSTR.XRDY == 1, lambda: i2c.I2CSTR.AAS == 0):
+                return
+
+    def receive(self) -> None:
+        i2c, dsp = self.i2c, self.dsp
+        taken = bytearray()
+        self.received.append(taken)
+        if self.settings.fifo:
+            while not dsp.spin_either(lambda: i2c.I2CFFRX.RXFFST > 0, lambda: i2c.I2CSTR.AAS == 0):
+                taken.append(i2c.I2CDRR.all)
+        else:
+            while not dsp.spin_either(lambda: i2c.I2CSTR.RRDY == 1, lambda: i2c.I2CSTR.AAS == 0):
+                taken.append(i2c.I2CDRR.all)
+        if i2c.I2CSTR.BB == 0:  # a STOP, not a repeated START, ended the write
+            self.be_busy()
+
+    # Interrupt-driven ----------------------------------------------------------
+
+    def interrupt(self) -> None:
+        """I2CINT1A: one code after the other until none is left."""
+        i2c = self.i2c
+        code = i2c.I2CISRC.INTCODE
+        while code:
+            if code == AAS_CODE:
+                self.addressed()
+            elif code == XRDY_CODE:
+                i2c.I2CDXR.all = next(self._bytes)
+            elif code == RRDY_CODE:
+                self.received[-1].append(i2c.I2CDRR.all)
+            elif code in (SCD_CODE, NACK_CODE):
+                i2c.I2CIER.XRDY = 0
+            code = i2c.I2CISRC.INTCODE
+        self.dsp.module("PIE").PIEACK.all = 0x80
+
+    def addressed(self) -> None:
+        i2c = self.i2c
+        if i2c.I2CSTR.SDIR == 1:
+            self._bytes = self.next_reply()
+            if self.settings.fifo:
+                i2c.I2CFFTX.TXFFRST = 0
+                i2c.I2CFFTX.TXFFRST = 1
+                for _ in range(16):
+                    i2c.I2CDXR.all = next(self._bytes)
+                i2c.I2CFFTX.all = 0x6060 | 4  # ask again when four are left
+            else:
+                i2c.I2CDXR.all = next(self._bytes)
+                i2c.I2CIER.XRDY = 1
+        else:
+            self.received.append(bytearray())
+            if self.settings.fifo:
+                i2c.I2CFFRX.all = 0x2061  # ask at one byte
+
+    def fifo_interrupt(self) -> None:
+        """I2CINT2A: the transmit FIFO runs low, or something was received."""
+        i2c = self.i2c
+        while i2c.I2CFFRX.RXFFST > 0:
+            self.received[-1].append(i2c.I2CDRR.all)
+        if i2c.I2CSTR.SDIR == 1:
+            while i2c.I2CFFTX.TXFFST < 12:
+                i2c.I2CDXR.all = next(self._bytes)
+        else:
+            i2c.I2CFFTX.TXFFIENA = 0
+        i2c.I2CFFTX.TXFFINTCLR = 1
+        i2c.I2CFFRX.RXFFINTCLR = 1
+        self.dsp.module("PIE").PIEACK.all = 0x80
+
+    def run(self) -> None:
+        dsp, settings = self.dsp, self.settings
+        start_i2c(dsp)
+        if settings.asleep:
+            dsp.compute(settings.asleep)
+        self.configure()
+        if settings.style == "polled":
+            self.poll()
+            return
+        i2c = self.i2c
+        i2c.I2CIER.all = 0x62 if settings.fifo else 0x6A  # AAS, SCD, NACK; RRDY without FIFO
+        handlers = {"I2CINT1A": self.interrupt}
+        if settings.fifo:
+            handlers["I2CINT2A"] = self.fifo_interrupt
+        start_pie(dsp, handlers)
+        while True:
+            dsp.cpu.idle()
+
+
+def main(dsp: Dsp, settings: Settings) -> None:
+    Responder(dsp, settings).run()

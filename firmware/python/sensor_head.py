@@ -1,0 +1,95 @@
+"""The sensor head's own round with the F28335 as I2C master: three chips, every period, read by repeated START.
+
+    timer 0 --> round: gyroscope, accelerometer, magnetometer --> values
+
+A read is: pointer byte with STT and no STOP (RM = 0, STP = 0), wait for ARDY; then STT and
+STP as master-receiver, I2CCNT bytes through RRDY, wait until the STOP is out (STP reads 0).
+A NACK is answered with STP, as the application notes do it.
+
+Source: SPRUG03B Table 6 (RM, STT, STP) and section 2.5.4; TI's i2c_eeprom example for the settings.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from firmware.python.startup import start_i2c, start_pie
+from periph_sim.board.dsp import Dsp
+from periph_sim.case.settings import Duration
+
+CHIPS = {0x68: 0x1D, 0x53: 0x32, 0x1E: 0x03}  # address -> first data register
+
+
+@dataclass
+class Settings:
+    """What a case may change."""
+
+    period: Duration = Fraction(20, 1000)
+    count: int = 6
+    low: int = 45  # I2CCLKL: with 10 MHz and d = 5 the bus runs at 100 kHz
+    high: int = 45
+    order: tuple[int, ...] = (0x68, 0x53, 0x1E)
+
+
+class Head:
+    """rounds: what was read in each round, chip by chip; None where a chip did not answer."""
+
+    def __init__(self, dsp: Dsp, settings: Settings) -> None:
+        self.dsp = dsp
+        self.settings = settings
+        self.i2c = dsp.module("I2C-A")
+        self.due = 0
+        self.rounds: list[dict[int, bytes | None]] = []
+
+    def tick(self) -> None:
+        """TINT0: a round is due."""
+        self.due += 1
+        self.dsp.module("PIE").PIEACK.all = 1
+
+    def read(self, address: int, pointer: int) -> bytes | None:
+        i2c, dsp = self.i2c, self.dsp
+        dsp.spin(lambda: i2c.I2CMDR.STP == 0)
+        dsp.spin(lambda: i2c.I2CSTR.BB == 0)
+        i2c.I2CSAR.all = address
+        i2c.I2CCNT.all = 1
+        i2c.I2CDXR.all = pointer
+        i2c.I2CMDR.all = 0x6620  # FREE, STT, MST, TRX, IRS: START, address, pointer, then hold the bus
+        dsp.spin(lambda: i2c.I2CSTR.ARDY == 1)
+        if i2c.I2CSTR.NACK == 1:
+            i2c.I2CMDR.STP = 1
+            i2c.I2CSTR.all = 0x0002  # NACK
+            return None
+        i2c.I2CCNT.all = self.settings.count
+        i2c.I2CMDR.all = 0x6C20  # FREE, STT, STP, MST, IRS: repeated START, read I2CCNT bytes, STOP
+        got = bytearray()
+        for _ in range(self.settings.count):
+            dsp.spin(lambda: i2c.I2CSTR.RRDY == 1)
+            got.append(i2c.I2CDRR.all)
+        dsp.spin(lambda: i2c.I2CSTR.SCD == 1)
+        i2c.I2CSTR.all = 0x0020  # SCD
+        return bytes(got)
+
+    def run(self) -> None:
+        dsp, settings = self.dsp, self.settings
+        start_i2c(dsp)
+        i2c = self.i2c
+        i2c.I2CCLKL.all = settings.low
+        i2c.I2CCLKH.all = settings.high
+        i2c.I2CMDR.all = 0x0020
+        timer = dsp.module("TIMER0")
+        period = int(settings.period * dsp.control.sysclk_hz) - 1
+        timer.PRD.all = period & 0xFFFF
+        timer.PRDH.all = period >> 16
+        timer.TCR.all = 0x4020  # TIE, TRB
+        start_pie(dsp, {"TINT0": self.tick})
+        done = 0
+        while True:
+            while self.due == done:
+                dsp.cpu.idle()
+            done = self.due
+            self.rounds.append({chip: self.read(chip, CHIPS[chip]) for chip in settings.order})
+
+
+def main(dsp: Dsp, settings: Settings) -> None:
+    Head(dsp, settings).run()

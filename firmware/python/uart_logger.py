@@ -1,0 +1,79 @@
+"""A receiver that writes down all that comes in over SCI-A: words with their error bits, and breaks.
+
+    RX --> FIFO --polled--> log of words
+    BRKDT --> wait for the line to rise --> SW RESET, without which nothing more is received
+
+A receiver let out of SW RESET on a low line takes the rest of the break for a start bit: so the line is
+looked at first, through GPIO28, where the unit has the GPIO module.
+
+The error bits of a word are taken from SCIRXBUF with it; those of SCIRXST stay set until SW RESET and so
+do not tell which word was wrong.
+
+Source: SPRUFZ5A Tables 2-7 (BRKDT) and 2-8 (SCIFFFE, SCIFFPE).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Literal
+
+from firmware.python.startup import sci_fifo_receiver
+from periph_sim.board.dsp import Dsp
+
+LSPCLK_HZ = 37_500_000  # SYSCLKOUT/4, as after reset
+FE, PE = 1 << 15, 1 << 14  # of SCIRXBUF
+
+
+@dataclass
+class Settings:
+    """What a case may change: the line's format."""
+
+    baud: int = 115_200
+    bits: Literal[1, 2, 3, 4, 5, 6, 7, 8] = 8
+    parity: Literal["none", "odd", "even"] = "none"
+    stop: Literal[1, 2] = 1
+
+    @property
+    def brr(self) -> int:
+        """The divider whose rate is nearest: LSPCLK / 8 (BRR + 1)."""
+        return max(1, min(0xFFFF, round(Fraction(LSPCLK_HZ, 8 * self.baud)) - 1))
+
+    @property
+    def sciccr(self) -> int:
+        parity = {"none": 0, "odd": 0x20, "even": 0x60}[self.parity]
+        return (self.stop - 1) << 7 | parity | self.bits - 1
+
+
+class Logger:
+    """words: as read from SCIRXBUF, error bits included."""
+
+    def __init__(self, dsp: Dsp, settings: Settings) -> None:
+        self.dsp = dsp
+        self.sci = dsp.module("SCI-A")
+        self.settings = settings
+        self.words: list[int] = []
+        self.breaks = 0
+
+    def run(self) -> None:
+        dsp, sci = self.dsp, self.sci
+        sci_fifo_receiver(dsp, self.settings.brr, 1, self.settings.sciccr)
+        while True:
+            broken = dsp.spin_either(lambda: sci.SCIFFRX.RXFFST > 0, lambda: sci.SCIRXST.BRKDT == 1)
+            while sci.SCIFFRX.RXFFST > 0:
+                self.words.append(sci.SCIRXBUF.all)
+            if broken:
+                self.break_over()
+
+    def break_over(self) -> None:
+        dsp, sci = self.dsp, self.sci
+        self.breaks += 1
+        if dsp.has("GPIO"):
+            gpio = dsp.module("GPIO")
+            dsp.spin(lambda: gpio.GPADAT.GPIO28 == 1)
+        sci.SCICTL1.SWRESET = 0
+        sci.SCICTL1.SWRESET = 1
+
+
+def main(dsp: Dsp, settings: Settings) -> None:
+    Logger(dsp, settings).run()

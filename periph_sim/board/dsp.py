@@ -1,0 +1,406 @@
+"""One F28335 as a scene names it: its clock, the modules asked for, interrupts, and the CPU that runs the firmware.
+
+    modules --> sockets --> address map --> Cpu <-- firmware
+                   |  requests --> PIE --> CPU interrupts
+                   pins --> Router --> wires
+
+Only what is named is built: a unit without SCI has no SCI object, events or cost.
+System control, PIE and the CPU's interrupt logic belong to every unit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import partial
+
+from greenlet import GreenletExit
+
+from ..core.chip import Chip
+from ..core.kernel import Kernel
+from ..core.nearest import near
+from ..core.records import Recorder
+from ..core.socket import Socket
+from ..core.time import Clock, Timebase
+from ..core.wire import Wire
+from ..f28335 import clocks_map, gpio_map, pie_map, timer_map, xint_map
+from ..f28335.clocks import WDRST_CYCLES, SystemControl
+from ..f28335.cpu import CpuInterrupts, int13_source
+from ..f28335.cpu_timer import TINT0_PIE, TINT1_CPU, TINT2_CPU, CpuTimer
+from ..f28335.gpio import Gpio
+from ..f28335.i2c import I2c
+from ..f28335.i2c_options import I2cOptions
+from ..f28335.memory import AddressMap, Frame, Place
+from ..f28335.pie import Pie
+from ..f28335.sci import Sci
+from ..f28335.sci_options import SciOptions
+from ..f28335.system_options import SystemOptions
+from ..f28335.xint import Xint
+from ..host.cpu import Cpu
+from ..host.registers import ModulePort
+from .router import Port, Router
+
+SCI_BASES = {"SCI-A": 0x7050, "SCI-B": 0x7750, "SCI-C": 0x7770}
+I2C_BASE = 0x7900
+MODULES = (*SCI_BASES, "I2C-A", "GPIO", "XINT", "TIMER0", "TIMER1", "TIMER2")
+
+# The pins that TI's start-up code gives to each signal; used for wires when no GPIO module is in the scene.
+PIN_OF = {
+    "SDAA": 32,
+    "SCLA": 33,
+    "SCIRXDA": 28,
+    "SCITXDA": 29,
+    "SCIRXDB": 19,
+    "SCITXDB": 18,
+    "SCIRXDC": 62,
+    "SCITXDC": 63,
+}
+
+
+@dataclass
+class DspPlan:
+    """What a unit consists of. wires: GPIO number -> wire. ppm: error of its crystal."""
+
+    name: str
+    modules: tuple[str, ...]
+    wires: dict[int, Wire]
+    oscclk_hz: int = 30_000_000
+    pll: int = 10
+    ppm: Fraction = Fraction(0)
+    from_boot: bool = False
+    skip_polls: bool = True
+    strict: bool = False
+    system: SystemOptions = field(default_factory=SystemOptions)
+    i2c: I2cOptions = field(default_factory=I2cOptions)
+    sci: SciOptions = field(default_factory=SciOptions)
+
+
+class Dsp:
+    """A running F28335. Firmware is handed this object; its upper half is the firmware's view."""
+
+    def __init__(self, kernel: Kernel, timebase: Timebase, recorder: Recorder, plan: DspPlan) -> None:
+        self.name = plan.name
+        self.plan = plan
+        self._kernel = kernel
+        self._timebase = timebase
+        self._recorder = recorder
+        self.control = SystemControl(plan.oscclk_hz, plan.system)
+        began = 0 if plan.from_boot else start_up(self.control, plan.pll)
+        self.clock = Clock(timebase, self._sysclk_hz(), tick0=kernel.now, cycle0=began)
+        self.memory = AddressMap()
+        self.pie = Pie(plan.system)
+        self.core = CpuInterrupts(plan.system)
+        self._sockets: dict[str, Socket] = {}
+        self._ports: dict[str, ModulePort] = {}
+        self._firmware: Callable[[], None] = _nothing
+        self._gates = self.control.gates
+        self._lspclk = (self.control.lspclk_divider, self.control.lspclk_phase)
+        self.resets = 0
+        for name in plan.modules:
+            if name not in MODULES:
+                raise ValueError(f"{plan.name}: there is no module {name!r}; {near(name, MODULES)}")
+        self._build(plan)
+        self.cpu = Cpu(
+            kernel,
+            self.clock,
+            recorder,
+            plan.name,
+            self.memory,
+            self.core,
+            self.pie,
+            plan.system,
+            skip_polls=plan.skip_polls,
+            strict=plan.strict,
+        )
+        self.router = self._route(plan)
+
+    # The firmware's view -------------------------------------------------------
+
+    def has(self, module: str) -> bool:
+        return module in self._sockets
+
+    def module(self, name: str) -> ModulePort:
+        """The registers of a module: "I2C-A", "SCI-A", "GPIO", "PIE", "SYS", "TIMER0". KeyError if it is not built."""
+        if name not in self._sockets:
+            raise KeyError(f"{self.name} has no module {name!r}; {near(name, self._sockets)}")
+        if name not in self._ports:
+            self._ports[name] = ModulePort(self.cpu, self.memory.places[name])
+        return self._ports[name]
+
+    def spin(self, condition: Callable[[], object]) -> None:
+        """Wait until `condition()` is true, as `while (!...);` does."""
+        self.cpu.spin(condition)
+
+    def spin_either(self, ready: Callable[[], object], over: Callable[[], object]) -> bool:
+        """`while (!ready) if (over) break;`: True if `over` ended the wait."""
+        ended_by = ""
+
+        def either() -> bool:
+            nonlocal ended_by
+            if ready():
+                ended_by = "ready"
+            elif over():
+                ended_by = "over"
+            return bool(ended_by)
+
+        self.cpu.spin(either)
+        return ended_by == "over"
+
+    def compute(self, cost: Fraction | int, name: str = "") -> None:
+        """Work that takes `cost`: a whole number of cycles, or seconds (rounded up to a cycle)."""
+        cycles = cost if isinstance(cost, int) else -int(-cost * self._nominal_hz() // 1)
+        self.cpu.compute(cycles, name)
+
+    def set_pin(self, pin: int) -> None:
+        """GPxSET = bit: one whole-register write. Nothing where the scene has no GPIO."""
+        self._write_pin("SET", pin)
+
+    def clear_pin(self, pin: int) -> None:
+        """GPxCLEAR = bit."""
+        self._write_pin("CLEAR", pin)
+
+    def _write_pin(self, what: str, pin: int) -> None:
+        if self.has("GPIO"):
+            self.module("GPIO")[f"GP{'ABC'[pin // 32]}{what}"].all = 1 << pin % 32
+
+    def eallow(self) -> None:
+        self.cpu.eallow()
+
+    def edis(self) -> None:
+        self.cpu.edis()
+
+    def eint(self) -> None:
+        self.cpu.eint()
+
+    def dint(self) -> None:
+        self.cpu.dint()
+
+    def enable_interrupt(self, number: int) -> None:
+        """IER |= M_INTn."""
+        self.cpu.or_ier(1 << (number - 1))
+
+    def handle(self, name: str, handler: Callable[[], None]) -> tuple[int, int]:
+        """Make `handler` the service routine of a vector; returns its PIE group and line ((n, 0) for INTn)."""
+        self.cpu.handlers[name] = handler
+        if name in pie_map.LINES:
+            return pie_map.LINES[name]
+        if name in pie_map.CPU_VECTORS:
+            return pie_map.CPU_VECTORS[name], 0
+        raise KeyError(f"there is no vector {name!r}; {near(name, [*pie_map.LINES, *pie_map.CPU_VECTORS])}")
+
+    # Life ----------------------------------------------------------------------
+
+    def start(self, firmware: Callable[[], None]) -> None:
+        self._firmware = firmware
+        self.cpu.start(firmware)
+
+    def _sysclk_hz(self) -> Fraction:
+        return self.control.sysclk_hz * (1 + self.plan.ppm / 1_000_000)
+
+    def _nominal_hz(self) -> Fraction:
+        return self.control.sysclk_hz
+
+    def socket(self, name: str) -> Socket:
+        return self._sockets[name]
+
+    @property
+    def sockets(self) -> dict[str, Socket]:
+        return self._sockets
+
+    @property
+    def touched(self) -> set[str]:
+        """Open questions on whose answers the run depended so far, as "module.option"."""
+        found = {f"system.{name}" for name in self.core.touched}
+        for name, socket in self._sockets.items():
+            kind = {"I": "i2c", "S": "sci"}.get(name[0], "system") if "-" in name else "system"
+            found |= {f"{kind}.{option}" for option in socket.chip.touched}
+        return found
+
+    # Building ------------------------------------------------------------------
+
+    def _build(self, plan: DspPlan) -> None:
+        self._add("SYS", self.control, clocks_map.BASE, 0x20, Frame.PF2, self._lines_of("SYS"))
+        self._add("PIE", self.pie, pie_map.BASE, 0x20, Frame.PF0, _no_request)
+        self._sockets["SYS"].after = self._follow_control
+        self._sockets["PIE"].after = self._follow_pie
+        for name in plan.modules:
+            requests = self._lines_of(name)
+            if name in SCI_BASES:
+                sci = Sci(name, plan.sci)
+                self._add(name, sci, SCI_BASES[name], 16, Frame.PF2, requests)
+                sci.set_lspclk(self.clock.cycle_at(self._kernel.now), *self._lspclk)
+            elif name == "I2C-A":
+                self._add(name, I2c(plan.i2c), I2C_BASE, 0x40, Frame.PF2, requests)
+            elif name == "GPIO":
+                self._add(name, Gpio(plan.system), gpio_map.BASE, 0x80, Frame.PF1, requests)
+            elif name == "XINT":
+                self._add(name, Xint(), xint_map.BASE, 0x10, Frame.PF2, requests)
+            else:
+                number = int(name[-1])
+                self._add(name, CpuTimer(number, plan.system), timer_map.BASES[number], 8, Frame.PF0, requests)
+
+    def _add(
+        self, name: str, chip: Chip, base: int, size: int, frame: Frame, on_request: Callable[[int, int], None]
+    ) -> None:
+        socket = Socket(self._kernel, self.clock, self._recorder, f"{self.name}.{name}", chip, on_request)
+        socket.on_held = partial(self._held, pie_lines(name))
+        self._sockets[name] = socket
+        self.memory.add(Place(name, base, size, frame, socket))
+
+    def _lines_of(self, module: str) -> Callable[[int, int], None]:
+        """What a module's requests do: go to their PIE lines, or straight to INT13 and INT14."""
+        if module == "TIMER1":
+            return self._timer1_requested
+        if module == "TIMER2":
+            return lambda cycle, asked: self.cpu.request(cycle, TINT2_CPU)
+        return partial(self._requested, pie_lines(module))
+
+    def _timer1_requested(self, cycle: int, asked: int) -> None:
+        """INT13 is timer 1's unless XNMICR gives it to the XNMI pin (SPRUFB0D Table 123)."""
+        xint = self._sockets.get("XINT")
+        xnmicr = 0 if xint is None else xint.chip.peek(cycle, xint.chip.MAP["XNMICR"].offset)
+        if int13_source(xnmicr) == "TINT1":
+            self.cpu.request(cycle, TINT1_CPU)
+
+    def _requested(self, places: tuple[tuple[int, int], ...], cycle: int, asked: int) -> None:
+        for i, (group, line) in enumerate(places):
+            if asked >> i & 1:
+                self.pie.request(cycle, group, line)
+        self._sockets["PIE"].publish(cycle)
+
+    def _held(self, places: tuple[tuple[int, int], ...], cycle: int, held: int) -> None:
+        for i, (group, line) in enumerate(places):
+            self.pie.hold(cycle, group, line, bool(held >> i & 1))
+        self._sockets["PIE"].publish(cycle)
+
+    def _follow_pie(self, cycle: int) -> None:
+        pulses, self.pie.pulses = self.pie.pulses, 0
+        number = 1
+        while pulses:
+            if pulses & 1:
+                self.cpu.request(cycle, number)
+            pulses >>= 1
+            number += 1
+
+    def _follow_control(self, cycle: int) -> None:
+        """Clocks and gates as system control now says."""
+        control = self.control
+        hz = self._sysclk_hz()
+        if hz != self.clock.hz:
+            self.clock.retune(cycle, hz)
+            for socket in self._sockets.values():
+                socket.reclock()
+            self.cpu.reclock()
+        lspclk = (control.lspclk_divider, control.lspclk_phase)
+        if lspclk != self._lspclk:
+            self._lspclk = lspclk
+            for name in SCI_BASES:
+                if name in self._sockets:
+                    sci = self._sockets[name].chip
+                    assert isinstance(sci, Sci)
+                    sci.set_lspclk(cycle, *lspclk)
+                    self._sockets[name].publish(cycle)
+        if control.gates != self._gates:
+            self._gates = control.gates
+            self.gate(cycle)
+        if control.reset_requested:
+            self._kernel.at(self._kernel.now, self._reset)
+
+    def gate(self, cycle: int) -> None:
+        """Every module's clock on or off, as PCLKCR says."""
+        for name, socket in self._sockets.items():
+            chip = socket.chip
+            if isinstance(chip, Sci | I2c | CpuTimer):
+                chip.gate(cycle, self.control.enabled(name))
+                socket.publish(cycle)
+            elif isinstance(chip, Gpio):
+                chip.gpioin_enabled(cycle, self.control.enabled("GPIOIN"))
+                socket.publish(cycle)
+
+    def _route(self, plan: DspPlan) -> Router | None:
+        inputs: dict[str, Port] = {}
+        outputs: dict[str, Port] = {}
+        for name, socket in self._sockets.items():
+            if name == "I2C-A":
+                inputs |= {"SCLA": (socket, 0), "SDAA": (socket, 1)}
+                outputs |= {"SCLA": (socket, 0), "SDAA": (socket, 1)}
+            elif name in SCI_BASES:
+                inputs[f"SCIRXD{name[-1]}"] = (socket, 0)
+                outputs[f"SCITXD{name[-1]}"] = (socket, 0)
+        if "GPIO" in self._sockets:
+            socket = self._sockets["GPIO"]
+            gpio = socket.chip
+            assert isinstance(gpio, Gpio)
+            xint = self._sockets.get("XINT")
+            return Router(self._kernel, self.clock, gpio, socket, plan.name, plan.wires, inputs, outputs, xint)
+        for signal, (socket, index) in inputs.items():
+            wire = plan.wires.get(PIN_OF[signal])
+            if wire is not None:
+                wire.watch(self._straight(socket, index))
+        for signal, (socket, index) in outputs.items():
+            wire = plan.wires.get(PIN_OF[signal])
+            if wire is not None:
+                socket.connect(index, [wire.attach(f"{plan.name}.{signal}")])
+        return None
+
+    def _straight(self, socket: Socket, index: int) -> Callable[[int, int], None]:
+        """A pin without GPIO module: what happens on the wire is seen at the next SYSCLKOUT edge."""
+        clock = self.clock
+        return lambda tick, level: socket.pin(clock.cycle_at(tick), index, level)
+
+    # Watchdog reset --------------------------------------------------------------
+
+    def _reset(self) -> None:
+        """XRS by the watchdog: every module to its reset state, firmware from its first line."""
+        if not self.control.reset_requested:
+            return
+        self.resets += 1
+        cycle = self.clock.cycle_at(self._kernel.now)
+        self.cpu.kill(GreenletExit)
+        self.core.reset(cycle)
+        for socket in self._sockets.values():
+            socket.chip.reset(cycle)
+            socket.publish(cycle)
+        self.gate(cycle)
+        self.cpu.start(self._firmware, delay=WDRST_CYCLES)
+
+
+def pie_lines(module: str) -> tuple[tuple[int, int], ...]:
+    """Group and line of each of a module's interrupt lines, in the order of its LINES."""
+    if module == "TIMER0":
+        return (TINT0_PIE,)
+    if module in SCI_BASES:
+        return (pie_map.LINES[f"SCIRXINT{module[-1]}"], pie_map.LINES[f"SCITXINT{module[-1]}"])
+    if module == "I2C-A":
+        return (pie_map.LINES["I2CINT1A"], pie_map.LINES["I2CINT2A"])
+    if module == "XINT":
+        return tuple(pie_map.LINES[f"XINT{n}"] for n in range(1, 8))
+    if module == "SYS":
+        return (pie_map.LINES["WAKEINT"],)
+    return ()
+
+
+def start_up(control: SystemControl, pll: int) -> int:
+    """What TI's start-up code does before main: watchdog off, PLL at `pll`/2. Returns the cycle at which main is."""
+
+    def write(cycle: int, register: str, value: int) -> None:
+        control.write(cycle, clocks_map.MAP[register].offset, value)
+
+    write(1, "WDCR", 0x68)
+    write(2, "PLLSTS", 1 << 6)
+    write(3, "PLLCR", pll)
+    locked = control.next_wake
+    control.wake(locked)
+    write(locked + 1, "PLLSTS", 0)
+    write(locked + 2, "PLLSTS", 2 << 7)
+    control.touched.clear()  # what was done before main does not bear on the run
+    return locked + 100
+
+
+def _nothing() -> None:
+    """No firmware: the modules are alone."""
+
+
+def _no_request(cycle: int, asked: int) -> None:
+    raise AssertionError("this module has no interrupt lines")

@@ -1,0 +1,434 @@
+"""A running scene: a case goes in; wires, units, agents and measures are built, run, and summed up.
+
+    Case --> Scene --run--> Result
+             wires SDA, SCL, RX, TX; units; sensor head; host; budgets
+
+It builds only what the case names: no host, no RX wire; no controller, no agent.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import inspect
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass, field, is_dataclass, replace
+from fractions import Fraction
+from functools import partial
+from pathlib import Path
+from time import perf_counter
+from types import ModuleType
+from typing import TypeVar
+
+from pydantic import TypeAdapter, ValidationError
+
+from ..case.explain import complaint
+from ..case.model import Budget, Case, Controller, HostTable, RequestTable, Unit
+from ..core.chip import NEVER
+from ..core.kernel import Kernel
+from ..core.nearest import near
+from ..core.options import Value, options_from
+from ..core.records import Recorder
+from ..core.time import Timebase
+from ..core.wire import Wire
+from ..devices.host_pc import Host, HostSchedule, ramp
+from ..devices.sensor_head import CHIPS, Request, Round, Schedule, SensorHead
+from ..f28335.i2c_options import I2cOptions
+from ..f28335.sci_options import SciOptions
+from ..f28335.system_options import SystemOptions
+from ..lines.i2c_controller import BusTiming, I2cController, Transfer
+from ..lines.uart_peer import UartPeer
+from ..timing.budgets import BadBudget, Limit, Verdict
+from .dsp import MODULES, PIN_OF, Dsp, DspPlan
+
+T = TypeVar("T")
+
+I2C_PINS = {"SDA": PIN_OF["SDAA"], "SCL": PIN_OF["SCLA"]}
+SCI_PINS = {"RX": PIN_OF["SCIRXDA"], "TX": PIN_OF["SCITXDA"]}
+
+
+@dataclass
+class Result:
+    """What a run came to. wall_s: the run alone, building apart."""
+
+    case: str
+    verdict: str
+    fidelity: str
+    simulated_s: float
+    wall_s: float
+    events: int
+    wire_bytes: int
+    sci_bytes: int
+    budgets: list[Verdict]
+    counts: dict[str, int]
+    unknowns: list[str]
+    notes: list[str]
+    stuck: list[str]
+    wrong: dict[str, int] = field(default_factory=dict)
+
+
+class Scene:
+    """listeners: called while the scene is built, before anything runs; recorders subscribe there."""
+
+    def __init__(self, case: Case, subscribe: Callable[[Recorder, Timebase], None] | None = None) -> None:
+        self.case = case
+        self.timebase = Timebase(*(int(unit.oscclk * unit.pll / 2) for unit in case.unit.values()))
+        self.recorder = Recorder()
+        self.limits = [self._limit(i, budget) for i, budget in enumerate(case.budget)]
+        for limit in self.limits:
+            self.recorder.subscribe(limit.measure.kinds, limit.measure.record)
+        if subscribe is not None:
+            subscribe(self.recorder, self.timebase)
+        self.start = self.timebase.ticks(case.start, "nearest")
+        self.kernel = Kernel(self.start)
+        self.wires: dict[str, Wire] = {}
+        self.units: dict[str, Dsp] = {}
+        self.head: SensorHead | None = None
+        self.host: Host | None = None
+        self.wire_bytes = 0
+        self.nacked = 0
+        self.stuck_lines: list[str] = []
+        self._stuck_told: list[Callable[[int], None]] = []
+        for name, unit in case.unit.items():
+            self.units[name] = self._build_unit(name, unit)
+        if case.controller is not None:
+            self.head = self._build_head(case.controller)
+            self.head.on_transfer.append(self._count_transfer)
+        if case.host is not None:
+            self.host = self._build_host(case.host)
+        for limit in self.limits:
+            limit.measure.listen(self)
+
+    # Building ------------------------------------------------------------------
+
+    def _limit(self, entry: int, budget: Budget) -> Limit:
+        try:
+            return Limit(budget, self.timebase)
+        except BadBudget as error:
+            raise self.case.mistake(str(error), "budget", entry, error.key) from None
+
+    def wire(self, name: str) -> Wire:
+        if name not in self.wires:
+            self.wires[name] = Wire(self.kernel, name, self.recorder)
+        return self.wires[name]
+
+    def _build_unit(self, name: str, unit: Unit) -> Dsp:
+        wires: dict[int, Wire] = {}
+        if "I2C-A" in unit.modules:
+            wires |= {pin: self.wire(wire) for wire, pin in I2C_PINS.items()}
+        if "SCI-A" in unit.modules:
+            wires |= {pin: self.wire(wire) for wire, pin in SCI_PINS.items()}
+        for label, pin in unit.pins.items():
+            wires[pin] = self.wire(label)
+        for module in unit.modules:
+            if module not in MODULES:
+                hint = near(module, MODULES)
+                raise self.case.mistake(f"there is no module {module!r}; {hint}", "unit", name, "modules")
+        plan = DspPlan(
+            name,
+            unit.modules,
+            wires,
+            oscclk_hz=int(unit.oscclk),
+            pll=unit.pll,
+            ppm=unit.ppm,
+            from_boot=unit.from_boot,
+            skip_polls=unit.skip_polls,
+            strict=self.case.strict,
+            system=self._options(SystemOptions, unit.options.system, name, "system"),
+            i2c=self._options(I2cOptions, unit.options.i2c, name, "i2c"),
+            sci=self._options(SciOptions, unit.options.sci, name, "sci"),
+        )
+        dsp = Dsp(self.kernel, self.timebase, self.recorder, plan)
+        try:
+            firmware = load_firmware(unit.firmware)
+        except BadFirmware as error:
+            raise self.case.mistake(str(error), "unit", name, "firmware") from None
+        try:
+            settings = settings_for(firmware, unit.settings)
+        except BadSetting as error:
+            raise self.case.mistake(str(error), "unit", name, "settings", error.name) from None
+        dsp.start(partial(firmware.main, dsp, settings))
+        return dsp
+
+    def _options(self, kind: type[T], given: dict[str, Value], unit: str, group: str) -> T:
+        """Answers to open questions; each is checked by itself, so that a mistake is told with its line."""
+        for name, value in given.items():
+            try:
+                options_from(kind, {name: value})
+            except ValueError as error:
+                raise self.case.mistake(str(error), "unit", unit, "options", group, name) from None
+        return options_from(kind, given)
+
+    def _ticks(self, length: Fraction) -> int:
+        return self.timebase.ticks(length, "nearest")
+
+    def _build_head(self, table: Controller) -> SensorHead:
+        half = Fraction(1, 2) / table.rate
+        low = self._ticks(half if table.low is None else table.low)
+        high = self._ticks(half if table.high is None else table.high)
+        timing = BusTiming(low, high, self._ticks(table.hold), high, low, high, low)
+        controller = I2cController(
+            self.kernel,
+            self.recorder,
+            self.wire("SCL"),
+            self.wire("SDA"),
+            timing,
+            who="controller",
+            stuck_after=self._ticks(table.stuck_after),
+            on_stuck=self._stuck,
+        )
+        schedule = Schedule(
+            first=self._ticks(table.first),
+            period=self._ticks(table.period),
+            gap=self._ticks(table.gap),
+            jitter=self._ticks(table.jitter),
+            rounds=table.rounds,
+        )
+        requests = [self._chip(name, "controller", "order") for name in table.order]
+        requests += [self._request(i, request) for i, request in enumerate(table.request)]
+        if not requests:
+            raise self.case.mistake("it has no requests; give it order or [[controller.request]]", "controller")
+        by_stop = table.pointer_by == "STOP"
+        return SensorHead(self.kernel, controller, requests, schedule, by_stop=by_stop, seed=self.case.seed)
+
+    def _chip(self, name: str, *place: str | int) -> Request:
+        if name not in CHIPS:
+            raise self.case.mistake(f"there is no chip {name!r}; {near(name, CHIPS)}", *place)
+        chip = CHIPS[name]
+        return Request(name, chip.address, chip.pointer, 6)
+
+    def _request(self, entry: int, table: RequestTable) -> Request:
+        if table.chip is not None:
+            known = self._chip(table.chip, "controller", "request", entry, "chip")
+            return replace(known, name=table.name or known.name, expect=table.expect)
+        assert table.address is not None
+        name = table.name or f"{table.address:#04x}"
+        return Request(name, table.address, table.pointer, table.count, table.write, table.expect)
+
+    def _build_host(self, table: HostTable) -> Host:
+        bit = self.timebase.per_second / (Fraction(table.baud) * (1 + table.error / 100))
+        peer = UartPeer(self.kernel, self.recorder, self.wire("RX"), bit)
+        schedule = HostSchedule(
+            first=self._ticks(table.first),
+            period=self._ticks(table.period),
+            jitter=self._ticks(table.jitter),
+            gap=table.gap,
+            lose=frozenset(table.lose),
+            frames=table.frames,
+        )
+        return Host(self.kernel, peer, schedule, seed=self.case.seed + 1)
+
+    # What measures listen to ----------------------------------------------------
+
+    def listen_transfers(self, told: Callable[[Transfer], None]) -> None:
+        if self.head is not None:
+            self.head.on_transfer.append(told)
+
+    def listen_rounds(self, told: Callable[[Round], None]) -> None:
+        if self.head is not None:
+            self.head.on_round.append(told)
+
+    def listen_frames(self, told: Callable[[int, tuple[int, ...], int], None]) -> None:
+        if self.host is not None:
+            self.host.sent.append(told)
+
+    def listen_stuck(self, told: Callable[[int], None]) -> None:
+        self._stuck_told.append(told)
+
+    def listen_sci(self, told: Callable[[int, int, bool], None]) -> None:
+        for dsp in self.units.values():
+            if dsp.has("SCI-A"):
+                SciWatch(dsp, told)
+
+    def checks_host(self) -> bool:
+        return self.case.controller is not None and self.case.controller.check == "host"
+
+    def missed_rounds(self) -> int:
+        return 0 if self.head is None else self.head.missed
+
+    def host_values(self, number: int) -> tuple[int, ...]:
+        return ramp(number)
+
+    def _count_transfer(self, transfer: Transfer) -> None:
+        self.wire_bytes += transfer.wire_bytes
+        self.nacked += not transfer.acked
+
+    def _stuck(self, wire: Wire) -> None:
+        who = " and ".join(wire.held_by()) or "nobody"
+        at = self.timebase.show(self.kernel.now - self.start)
+        doing = "; ".join(f"{name} {self.doing(dsp)}" for name, dsp in self.units.items())
+        self.stuck_lines.append(f"{wire.name} is held low by {who} at {at}: {doing}")
+        for told in self._stuck_told:
+            told(self.kernel.now)
+
+    # Running --------------------------------------------------------------------
+
+    def doing(self, dsp: Dsp) -> str:
+        """What a unit's firmware does now, as a phrase."""
+        if dsp.cpu.finished:
+            return "has returned from main"
+        spin = dsp.cpu.spin_now
+        if spin is None:
+            return "computes"
+        since = self.timebase.show(dsp.clock.tick(spin.since) - self.start)
+        return f"waits for {spin.waits_for()} since {since}"
+
+    def run(self, duration: Fraction | None = None, progress: Callable[[float], None] | None = None) -> Result:
+        """Run for `duration` seconds (the case's own if None) and sum up. progress: told the part done, 0 to 1."""
+        length = self.timebase.ticks(self.case.duration if duration is None else duration, "nearest")
+        began = self.kernel.now
+        wall = perf_counter()
+        steps = 100 if progress is not None else 1
+        for step in range(1, steps + 1):
+            self.kernel.run_until(began + length * step // steps)
+            if progress is not None:
+                progress(step / steps)
+        wall = perf_counter() - wall
+        for limit in self.limits:
+            limit.measure.finish(self.kernel.now)
+        return self._result(length, wall)
+
+    def deadlocks(self) -> list[str]:
+        """Firmware that waits for what cannot happen: nothing is left that could act."""
+        if self.kernel.next_time() < NEVER:
+            return []
+        return [
+            f"{name} {self.doing(dsp)} and would for ever: no event is left in the scene that could change it"
+            for name, dsp in self.units.items()
+            if dsp.cpu.spin_now is not None
+        ]
+
+    def _result(self, length: int, wall: float) -> Result:
+        verdicts = [limit.verdict() for limit in self.limits]
+        stuck = [*self.stuck_lines[:10], *self.deadlocks()]
+        failed = any(v.verdict == "fail" for v in verdicts) or bool(self.deadlocks())
+        counts = {"rounds": 0, "missed": 0, "nacked": self.nacked, "frames": 0, "stuck": len(self.stuck_lines)}
+        if self.head is not None:
+            counts |= {"rounds": self.head.rounds, "missed": self.head.missed}
+        if self.host is not None:
+            counts |= {"frames": self.host.frames}
+        counts["overruns"] = sum(x.measure.count for x in self.limits if x.budget.measure == "overruns")
+        counts["polls_skipped"] = sum(dsp.cpu.polls_skipped for dsp in self.units.values())
+        counts["resets"] = sum(dsp.resets for dsp in self.units.values())
+        wrong: dict[str, int] = {}
+        for limit in self.limits:
+            wrong |= getattr(limit.measure, "where", {})
+        return Result(
+            case=self.case.name,
+            verdict="fail" if failed else "pass",
+            fidelity=self.case.fidelity,
+            simulated_s=float(self.timebase.seconds(length)),
+            wall_s=round(wall, 6),
+            events=self.kernel.events,
+            wire_bytes=self.wire_bytes,
+            sci_bytes=0 if self.host is None else self.host.bytes,
+            budgets=verdicts,
+            counts=counts,
+            unknowns=sorted({f"{name}.{t}" for name, dsp in self.units.items() for t in dsp.touched}),
+            notes=self._notes(),
+            stuck=stuck,
+            wrong=wrong,
+        )
+
+    def _notes(self) -> list[str]:
+        lines = []
+        for name, dsp in self.units.items():
+            for module, socket in dsp.sockets.items():
+                for cycle, note in socket.notes:
+                    at = self.timebase.show(dsp.clock.tick(cycle) - self.start)
+                    lines.append(f"{name} {module}, first at {at}: {note.text} [{note.source}]")
+            lines += [f"{name}: {note.text} [{note.source}] ({n} times)" for note, n in dsp.cpu.notes.items()]
+        return lines
+
+
+@dataclass(frozen=True)
+class Firmware:
+    """A program: its main function, and the dataclass of what a case may set, if it has one."""
+
+    name: str
+    main: Callable[[Dsp, object], None]
+    settings: object
+
+
+class SciWatch:
+    """Looks at a receive FIFO after each input: words waiting, and rising overrun flags."""
+
+    def __init__(self, dsp: Dsp, told: Callable[[int, int, bool], None]) -> None:
+        self._dsp = dsp
+        self._socket = dsp.socket("SCI-A")
+        self._told = told
+        chip_map = self._socket.chip.MAP
+        self._rx, self._status = chip_map["SCIFFRX"], chip_map["SCIRXST"]
+        self._words = 0
+        self._overrun = False
+        self._socket.watch(self._look)
+
+    def _look(self, cycle: int) -> None:
+        fifo = self._socket.chip.peek(cycle, self._rx.offset)
+        status = self._socket.chip.peek(cycle, self._status.offset)
+        words = self._rx["RXFFST"].of(fifo)
+        overrun = bool(self._rx["RXFFOVF"].of(fifo) or self._status["OE"].of(status))
+        if words != self._words or overrun != self._overrun:
+            self._told(self._dsp.clock.tick(cycle), words, overrun and not self._overrun)
+            self._words, self._overrun = words, overrun
+
+
+class BadFirmware(ValueError):
+    """A program that cannot be had; one sentence."""
+
+
+class BadSetting(ValueError):
+    """A setting that the firmware does not take. name: which."""
+
+    def __init__(self, what: str, name: str) -> None:
+        super().__init__(what)
+        self.name = name
+
+
+def load_firmware(name: str) -> Firmware:
+    """A program: a name under firmware/python, or the path of a .py file. BadFirmware if it cannot be had."""
+    try:
+        module = _firmware_file(Path(name)) if name.endswith(".py") else _firmware_module(name)
+    except BadFirmware:
+        raise
+    except Exception as error:
+        raise BadFirmware(f"firmware {name!r} cannot be loaded: {type(error).__name__}: {error}") from None
+    if not callable(getattr(module, "main", None)):
+        raise BadFirmware(f"firmware {name!r} has no function main(dsp, settings)")
+    return Firmware(name, module.main, getattr(module, "Settings", None))
+
+
+def _firmware_file(path: Path) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(f"firmware_file_{path.stem}", path) if path.is_file() else None
+    if spec is None or spec.loader is None:
+        raise BadFirmware(f"there is no firmware file {str(path)!r}")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # dataclasses look their module up by name
+    spec.loader.exec_module(module)
+    return module
+
+
+def _firmware_module(name: str) -> ModuleType:
+    folder = importlib.import_module("firmware.python")
+    known = [p.stem for root in folder.__path__ for p in Path(root).glob("*.py") if p.stem != "__init__"]
+    if name not in known:
+        raise BadFirmware(f"there is no firmware {name!r}; {near(name, sorted(known))}")
+    return importlib.import_module(f"firmware.python.{name}")
+
+
+def settings_for(firmware: Firmware, given: dict[str, object]) -> object:
+    """The firmware's Settings with the given values. BadSetting naming the setting otherwise."""
+    kind = firmware.settings
+    if not (inspect.isclass(kind) and is_dataclass(kind)):
+        for name in given:
+            raise BadSetting(f"firmware {firmware.name} takes no settings", name)
+        return None
+    known = inspect.signature(kind).parameters
+    for name in given:
+        if name not in known:
+            raise BadSetting(f"firmware {firmware.name} has no setting {name!r}; {near(name, known)}", name)
+    try:
+        return TypeAdapter(kind).validate_python(given)
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise BadSetting(complaint(first), str(first["loc"][0])) from None

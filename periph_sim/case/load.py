@@ -1,0 +1,89 @@
+"""TOML and `key=value` changes go in; a checked `Case` comes out, or one sentence that says what is wrong."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from ..core.nearest import near
+from .explain import explain
+from .model import BadCase, Case
+from .source import Place, Source
+
+
+def load(path: Path, changes: list[str] | None = None) -> Case:
+    """The case in a file, with `key=value` changes applied. BadCase with one sentence otherwise."""
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise BadCase(f"{path}: cannot be read ({error.strerror}); give the path of a case file") from None
+    try:
+        text = data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        found = f"byte {data[error.start]:#04x}"
+        raise BadCase(f"{path}, line {line}: {found} is not UTF-8; a case file is TOML, which is UTF-8 text") from None
+    try:
+        tree = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise BadCase(f"{path}: it is not TOML: {error}") from None
+    source = Source(path, text, tuple((change, apply(tree, change)) for change in changes or []))
+    try:
+        return Case.model_validate(tree).from_source(source)
+    except ValidationError as error:
+        raise BadCase(explain(source, error)) from None
+
+
+def apply(tree: dict[str, object], change: str) -> Place:
+    """Set one key of a case, as in "unit.dsp.settings.model_cost=400 us", and return its place.
+
+    BadCase if the change is not of that form.
+    """
+    key, found, value = change.partition("=")
+    names = [name.strip() for name in key.split(".")]
+    if not found or not all(names):
+        raise BadCase(f"--set {change!r}: expected key=value, for instance controller.period=10 ms")
+    try:
+        parsed = tomllib.loads(f"value = {value.strip()}")["value"]
+    except tomllib.TOMLDecodeError:
+        parsed = value.strip()
+    table: object = tree
+    place: list[str | int] = []
+    for name in names[:-1]:
+        step, table = _child(table, name, change)
+        place.append(step)
+    if isinstance(table, list):
+        number = _index(table, names[-1], change)
+        place.append(number)
+        table[number] = parsed
+    else:
+        assert isinstance(table, dict)
+        place.append(names[-1])
+        table[names[-1]] = parsed
+    return tuple(place)
+
+
+def _child(table: object, name: str, change: str) -> tuple[str | int, object]:
+    """The key or number of the named child, and the child; an empty table if there was none."""
+    if isinstance(table, list):
+        number = _index(table, name, change)
+        return number, _not_a_value(table[number], name, change)
+    assert isinstance(table, dict)
+    return name, _not_a_value(table.setdefault(name, {}), name, change)
+
+
+def _not_a_value(child: object, name: str, change: str) -> object:
+    if not isinstance(child, dict | list):
+        raise BadCase(f"--set {change!r}: {name} is a value, not a table")
+    return child
+
+
+def _index(table: list[object], name: str, change: str) -> int:
+    """An entry of a list of tables: by number, or by its `name`."""
+    for i, entry in enumerate(table):
+        if name == str(i) or (isinstance(entry, dict) and entry.get("name") == name):
+            return i
+    names = [str(e.get("name", i)) if isinstance(e, dict) else str(i) for i, e in enumerate(table)]
+    raise BadCase(f"--set {change!r}: there is no entry {name!r}; {near(name, names)}")

@@ -1,0 +1,201 @@
+"""What a case is: data that says what the scene consists of, who does what when, and which budgets must hold.
+
+The tables of a case file are the classes below; a key that none of them has is refused.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Annotated, Literal, TypeVar
+
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr, model_validator
+
+from ..core.options import Value
+from .settings import Duration, Frequency, HexBytes
+from .source import Source
+
+
+class BadCase(ValueError):
+    """A case file that cannot be run; the message is one sentence for the user."""
+
+
+def _exact(value: object) -> Fraction:
+    if isinstance(value, bool) or not isinstance(value, int | float | str | Fraction):
+        raise ValueError(f"{value!r} is not a number")
+    try:
+        return Fraction(str(value))
+    except (ValueError, ZeroDivisionError):
+        raise ValueError(f"{value!r} is not a number") from None
+
+
+def _above_zero(value: Fraction) -> Fraction:
+    if value <= 0:
+        raise ValueError("it must be longer than 0")
+    return value
+
+
+def _scalar(value: object) -> object:
+    if not isinstance(value, str | int):
+        raise ValueError("expected a text, a whole number, true or false")
+    return value
+
+
+def _limit(value: object) -> object:
+    if isinstance(value, bool) or not isinstance(value, str | int):
+        raise ValueError('expected a duration with its unit ("250 us"), or a whole number for counts')
+    return value
+
+
+Exact = Annotated[Fraction, BeforeValidator(_exact)]
+Answer = Annotated[Value, BeforeValidator(_scalar)]  # to an open question
+Extent = Annotated[str | int, BeforeValidator(_limit)]
+Length = Annotated[Duration, AfterValidator(_above_zero)]
+Address = Annotated[int, Field(ge=0, le=0x7F)]
+Byte = Annotated[int, Field(ge=0, le=0xFF)]
+BusRate = Annotated[Frequency, Field(le=5_000_000)]  # UM10204's fastest
+Crystal = Annotated[Frequency, Field(ge=4_000_000, le=150_000_000)]  # SPRS439: X1/X2 and XCLKIN
+Ppm = Annotated[Exact, Field(ge=-100_000, le=100_000)]
+RateError = Annotated[Exact, Field(ge=-50, le=50)]
+Bits = Annotated[Exact, Field(ge=0)]
+
+
+class Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", arbitrary_types_allowed=True, frozen=True)
+
+
+class Options(Table):
+    """Answers to open questions; names and values as `periph-sim regs --options` lists them."""
+
+    i2c: dict[str, Answer] = {}
+    sci: dict[str, Answer] = {}
+    system: dict[str, Answer] = {}
+
+
+class Unit(Table):
+    """One F28335. pins: names for GPIO pins to be watched; wires of SDA, SCL, RX, TX are connected by themselves."""
+
+    firmware: str
+    settings: dict[str, object] = {}
+    modules: tuple[str, ...]
+    oscclk: Crystal = Fraction(30_000_000)
+    pll: Annotated[int, Field(ge=1, le=10)] = 10
+    ppm: Ppm = Fraction(0)
+    from_boot: bool = False
+    skip_polls: bool = True
+    pins: dict[str, Annotated[int, Field(ge=0, le=87)]] = {}
+    options: Options = Options()
+
+
+class RequestTable(Table):
+    """One request of a round: `chip` names a known sensor, or address, pointer and count are given."""
+
+    chip: str | None = None
+    name: str | None = None
+    address: Address | None = None
+    pointer: Byte | None = None
+    count: Annotated[int, Field(ge=0, le=65535)] = 6
+    write: HexBytes = b""
+    expect: HexBytes | None = None
+
+    @model_validator(mode="after")
+    def _one_or_the_other(self) -> RequestTable:
+        if (self.chip is None) == (self.address is None):
+            raise ValueError("a request needs either chip or address")
+        said = sorted(self.model_fields_set & {"pointer", "count", "write"})
+        if self.chip is not None and said:
+            raise ValueError(f"chip says {' and '.join(said)} already; leave that out or give address instead of chip")
+        if self.expect is not None and len(self.expect) != self.count:
+            raise ValueError(f"expect has {len(self.expect)} bytes, but count is {self.count}")
+        return self
+
+
+class Controller(Table):
+    """The sensor head, or any other I2C controller that asks in rounds."""
+
+    rate: BusRate = Fraction(100_000)
+    low: Length | None = None  # else half a period
+    high: Length | None = None
+    hold: Duration = Fraction(300, 10**9)
+    first: Duration = Fraction(5, 1000)
+    period: Length = Fraction(20, 1000)
+    jitter: Duration = Fraction(0)
+    gap: Duration = Fraction(50, 10**6)
+    rounds: Annotated[int, Field(ge=1)] | None = None
+    pointer_by: Literal["repeated START", "STOP"] = "repeated START"
+    order: tuple[str, ...] = ()
+    request: tuple[RequestTable, ...] = ()
+    check: Literal["expect", "host"] = "expect"  # what "wrong bytes" compares with
+    stuck_after: Length = Fraction(25, 1000)
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Controller:
+        return _begins_in_order(self)
+
+
+class HostTable(Table):
+    """The host that sends frames over the UART. error: of its bit rate. lose: [frame, byte] pairs not sent."""
+
+    baud: Annotated[int, Field(ge=1, le=10_000_000)] = 115_200
+    error: RateError = Fraction(0)  # percent
+    first: Duration = Fraction(2, 1000)
+    period: Length = Fraction(20, 1000)
+    jitter: Duration = Fraction(0)
+    gap: Bits = Fraction(0)  # bits between bytes
+    frames: Annotated[int, Field(ge=0)] | None = None
+    lose: tuple[tuple[int, Annotated[int, Field(ge=0, le=11)]], ...] = ()
+
+    @model_validator(mode="after")
+    def _in_order(self) -> HostTable:
+        return _begins_in_order(self)
+
+
+Scheduled = TypeVar("Scheduled", Controller, HostTable)
+
+
+def _begins_in_order(table: Scheduled) -> Scheduled:
+    if table.jitter > table.period:
+        raise ValueError("jitter is longer than period, so one would begin before the last; shorten it")
+    return table
+
+
+class Budget(Table):
+    """A limit on a measure. max, min: a duration with its unit, or a whole number for counts."""
+
+    name: str
+    measure: str
+    max: Extent | None = None
+    min: Extent | None = None
+    why: str = ""
+    source: str = ""
+
+    @model_validator(mode="after")
+    def _has_a_limit(self) -> Budget:
+        if self.max is None and self.min is None:
+            raise ValueError("a budget needs max or min")
+        return self
+
+
+class Case(Table):
+    name: str
+    about: str = ""
+    duration: Duration
+    start: Duration = Fraction(0)
+    seed: int = 0
+    fidelity: Literal["edge"] = "edge"
+    strict: bool = False
+    unit: dict[str, Unit]
+    controller: Controller | None = None
+    host: HostTable | None = None
+    budget: tuple[Budget, ...] = ()
+    _source: Source | None = PrivateAttr(default=None)
+
+    def from_source(self, source: Source) -> Case:
+        """This case, which now knows the file it came from."""
+        self._source = source
+        return self
+
+    def mistake(self, what: str, *place: str | int) -> BadCase:
+        """An error about a place in this case: file and line if it came from a file."""
+        key = ".".join(str(part) for part in place)
+        where = f"case {self.name}" if self._source is None else self._source.where(place)
+        return BadCase(f"{where}: {key}: {what}")

@@ -1,0 +1,55 @@
+"""Where a case came from: a place in it goes in, "file, line N" or the `--set` that put it there comes out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+Place = tuple[str | int, ...]  # keys and entry numbers from the top of a case down
+
+
+@dataclass(frozen=True)
+class Source:
+    """text: the file as it was read. changes: the `key=value` texts applied to it since, and what each changed."""
+
+    path: Path
+    text: str
+    changes: tuple[tuple[str, Place], ...] = ()
+
+    def where(self, place: Place) -> str:
+        """Where a person finds this place."""
+        inside = ""
+        for change, changed in reversed(self.changes):
+            if place[: len(changed)] == changed:
+                return f"{self.path}, --set {change!r}"
+            if changed[: len(place)] == place:
+                inside = f" with --set {change!r}"
+        line = line_of(self.text, place)
+        return f"{self.path}, line {line}{inside}" if line else f"{self.path}{inside}"
+
+
+def line_of(text: str, place: Place) -> int:
+    """The line on which a key stands, or its table's header; 0 if neither is in the text."""
+    names = [str(part) for part in place if isinstance(part, str)]
+    entry = next((part for part in place if isinstance(part, int)), 0)
+    best = 0
+    header: list[str] = []
+    seen: dict[str, int] = {}
+    for number, raw in enumerate(text.splitlines(), 1):
+        line = raw.strip()
+        if line.startswith("["):
+            title = line.partition("#")[0].strip().strip("[]").strip()
+            header = [part.strip().strip("\"'") for part in title.split(".")]
+            if line.startswith("[["):
+                seen[title] = seen.get(title, -1) + 1
+                if seen[title] != entry:
+                    header = ["\0"]
+            if header[: len(names)] == names:
+                return number
+            if header == names[: len(header)]:
+                best = number
+        elif "=" in line and not line.startswith("#"):
+            keys = header + [part.strip().strip("\"'") for part in line.partition("=")[0].split(".")]
+            if keys == names[: len(keys)]:
+                return number
+    return best

@@ -1,0 +1,99 @@
+"""`periph-sim regs`: the register maps as tables, with their sources; and the options that answer open questions."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import click
+from rich.console import Console
+from rich.table import Table
+
+from ..core.nearest import near
+from ..core.options import allowed
+from ..core.registers import Register, RegisterMap
+from ..f28335 import clocks_map, gpio_map, pie_map, timer_map, xint_map
+from ..f28335.i2c_map import I2C_MAP
+from ..f28335.i2c_options import I2cOptions
+from ..f28335.sci_map import SCI_MAP
+from ..f28335.sci_options import SciOptions
+from ..f28335.system_options import SystemOptions
+
+MAPS: dict[str, tuple[int, RegisterMap]] = {
+    "SCI-A": (0x7050, SCI_MAP),
+    "SCI-B": (0x7750, SCI_MAP),
+    "SCI-C": (0x7770, SCI_MAP),
+    "I2C-A": (0x7900, I2C_MAP),
+    "GPIO": (gpio_map.BASE, gpio_map.GPIO),
+    "XINT": (xint_map.BASE, xint_map.XINT),
+    "SYS": (clocks_map.BASE, clocks_map.MAP),
+    "PIE": (pie_map.BASE, pie_map.MAP),
+    **{f"TIMER{n}": (timer_map.BASES[n], timer_map.MAP) for n in range(3)},
+}
+OPTIONS = {"i2c": I2cOptions, "sci": SciOptions, "system": SystemOptions}
+
+
+@click.command()
+@click.argument("name", required=False)
+@click.option("--options", "want_options", is_flag=True, help="List the open questions and their answers instead.")
+def regs(name: str | None, want_options: bool) -> None:
+    """Show the registers of MODULE, one register as MODULE.REGISTER, or all modules."""
+    console = Console()
+    if want_options:
+        show_options(console, name)
+    elif name is None:
+        show_modules(console)
+    else:
+        module, _, register = name.partition(".")
+        if module not in MAPS:
+            raise click.ClickException(f"there is no module {module!r}; {near(module, MAPS)}")
+        base, registers = MAPS[module]
+        if not register:
+            show_map(console, module, base, registers)
+        elif register in registers:
+            show_register(console, module, base, registers[register])
+        else:
+            hint = near(register, (r.name for r in registers))
+            raise click.ClickException(f"{module} has no register {register!r}; {hint}")
+
+
+def show_modules(console: Console) -> None:
+    table = Table("module", "base", "registers", "source")
+    for module, (base, registers) in MAPS.items():
+        table.add_row(module, f"{base:#06x}", str(len(registers.registers)), registers.source)
+    console.print(table)
+
+
+def show_map(console: Console, module: str, base: int, registers: RegisterMap) -> None:
+    table = Table("address", "register", "reset", "source", title=module, title_justify="left")
+    for register in registers:
+        table.add_row(f"{base + register.offset:#06x}", register.name, reset_of(register), register.source)
+    console.print(table)
+
+
+def show_register(console: Console, module: str, base: int, register: Register) -> None:
+    title = f"{module}.{register.name}  {base + register.offset:#06x}  reset {reset_of(register)}  [{register.source}]"
+    console.print(title, highlight=False, markup=False)
+    if register.protected:
+        console.print("writes need EALLOW")
+    table = Table("bits", "field", "access", "reset", "what it is")
+    for f in register.fields:
+        table.add_row(f.bits, f.name, f.access, f"{f.reset:#x}" if f.reset > 9 else str(f.reset), f.doc)
+    console.print(table)
+
+
+def reset_of(register: Register) -> str:
+    return f"{register.reset:#0{2 + register.width // 4}x}"
+
+
+def show_options(console: Console, name: str | None) -> None:
+    if name is not None and name not in OPTIONS:
+        raise click.ClickException(f"there are no options for {name!r}; {near(name, OPTIONS)}")
+    table = Table("option", "values, the default first", "question")
+    for group, kind in OPTIONS.items():
+        if name in (None, group):
+            for f in dataclasses.fields(kind):
+                values = allowed(f)
+                if "values" not in f.metadata:
+                    values = f"{f.default} ({values})"
+                table.add_row(f"{group}.{f.name}", values, str(f.metadata["question"]))
+    console.print(table)

@@ -1,0 +1,52 @@
+"""A result as a person reads it in the terminal: a Result goes in, tables come out."""
+
+from __future__ import annotations
+
+from rich.console import Console
+from rich.table import Table
+
+from ..board.scene import Result
+from ..timing.budgets import Verdict
+
+
+def show(console: Console, result: Result) -> None:
+    table = Table(title=f"{result.case}: {result.verdict.upper()}", title_justify="left", title_style="bold")
+    table.add_column("budget")
+    for name in ("worst", "limit", "margin", "count", "at"):
+        table.add_column(name, justify="right")
+    table.add_column("")
+    for verdict in result.budgets:
+        table.add_row(*row(verdict), style="red" if verdict.verdict == "fail" else "")
+    console.print(table)
+    counts = ", ".join(f"{value} {name.replace('_', ' ')}" for name, value in result.counts.items())
+    console.print(
+        f"{result.simulated_s:g} s simulated at {result.fidelity} fidelity; "
+        f"{result.wire_bytes} I2C bytes, {result.sci_bytes} SCI bytes, {result.events} events\n{counts}",
+        highlight=False,
+    )
+    for place, times in list(result.wrong.items())[:12]:
+        console.print(f"wrong: {place}, {times} times", highlight=False)
+    for line in result.stuck:
+        console.print(f"stuck: {line}", highlight=False, soft_wrap=True)
+    for line in result.notes:
+        console.print(f"note: {line}", highlight=False, soft_wrap=True)
+    if result.unknowns:
+        console.print(f"open questions touched: {', '.join(result.unknowns)}", highlight=False, soft_wrap=True)
+
+
+def row(verdict: Verdict) -> tuple[str, ...]:
+    def shown(value: float | int | None) -> str:
+        if value is None:
+            return "-"
+        return f"{value:.3f} us" if verdict.unit == "us" else f"{value}"
+
+    at = "-" if verdict.at_s is None else f"{verdict.at_s:.6f} s"
+    return (
+        verdict.name,
+        shown(verdict.worst),
+        shown(verdict.limit),
+        shown(verdict.margin),
+        str(verdict.count),
+        at,
+        verdict.verdict,
+    )

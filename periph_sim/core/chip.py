@@ -1,0 +1,61 @@
+"""What a pure chip looks like from outside: time, pins and register accesses in; levels, requests and a wake-up out.
+
+    pin, read, write, wake  -->  chip  -->  out, requests, held, next_wake, notes
+
+A chip knows no kernel, no wire, no file and no fidelity. Its time is the count of its
+own SYSCLKOUT cycles. Whoever owns it (`core.socket`, or a test) calls `wake` when
+`next_wake` has come, and looks at the outputs after every input.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Protocol
+
+from .registers import RegisterMap
+
+NEVER = 2**62  # a wake-up that no run reaches; compares and adds like any other
+
+
+class Note(NamedTuple):
+    """Something worth telling that is no fault of the simulation.
+
+    code: "duty" where firmware does what the manual forbids, "lost" where data or a
+    request went missing, "unknown" where the model cannot know what silicon does.
+    """
+
+    code: str
+    text: str
+    source: str
+
+
+class Chip(Protocol):
+    """Times are cycles of the chip's own clock, never falling from call to call.
+
+    INPUTS, OUTPUTS, LINES name the bits of pin indices, `out`, and `requests`/`held`.
+    """
+
+    MAP: RegisterMap
+    INPUTS: tuple[str, ...]
+    OUTPUTS: tuple[str, ...]
+    LINES: tuple[str, ...]
+
+    next_wake: int  # at the latest when an output or a readable value may change by itself
+    out: int  # bit i: level at OUTPUTS[i]; for an open-drain pin 1 means released
+    requests: int  # bit i: LINES[i] asked for an interrupt since the owner last set this to 0
+    held: int  # bit i: LINES[i] is held asserted (asks again as soon as it was served)
+    notes: list[Note]  # since the owner last cleared it
+    touched: set[str]  # open questions on whose option the run depended
+
+    def pin(self, now: int, index: int, level: int) -> None: ...
+
+    def wake(self, now: int) -> None: ...
+
+    def read(self, now: int, offset: int) -> int: ...
+
+    def write(self, now: int, offset: int, value: int) -> None: ...
+
+    def peek(self, now: int, offset: int) -> int:
+        """What a debugger reads: the register's value without any side effect."""
+
+    def reset(self, now: int) -> None:
+        """XRS: every register takes its reset value."""

@@ -1,0 +1,30 @@
+"""A queue of fixed depth that says when it had no room."""
+
+from __future__ import annotations
+
+from collections import deque
+
+
+class Fifo:
+    """depth: how many words fit. `words` holds them, oldest first."""
+
+    def __init__(self, depth: int) -> None:
+        self.depth = depth
+        self.words: deque[int] = deque()
+
+    def __len__(self) -> int:
+        return len(self.words)
+
+    def push(self, word: int) -> bool:
+        """True if the word was taken; False if the queue was full and nothing changed."""
+        if len(self.words) == self.depth:
+            return False
+        self.words.append(word)
+        return True
+
+    def pop(self) -> int:
+        """The oldest word, taken out. IndexError when empty: ask `len` first."""
+        return self.words.popleft()
+
+    def clear(self) -> None:
+        self.words.clear()

@@ -1,0 +1,50 @@
+"""Named answers to open questions: a frozen dataclass of choices goes in, a checked table comes out.
+
+What TI does not document is a field of such a class. The default is the first value
+named in its metadata; each field carries the question, so that docs, scene files and
+messages never repeat it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any, TypeVar
+
+from .nearest import near
+
+T = TypeVar("T")
+Value = str | int | bool
+
+
+def choice(*values: Value, question: str) -> Any:
+    """A field whose value is one of `values`; the first is the default."""
+    return dataclasses.field(default=values[0], metadata={"values": values, "question": question})
+
+
+def number(default: int, least: int, most: int, *, unit: str, question: str) -> Any:
+    """A field that takes a whole number from `least` to `most`."""
+    about = {"least": least, "most": most, "unit": unit, "question": question}
+    return dataclasses.field(default=default, metadata=about)
+
+
+def allowed(of: dataclasses.Field[Any]) -> str:
+    """What a field accepts, as a phrase, the default first."""
+    if "values" in of.metadata:
+        return " or ".join(str(v).lower() if isinstance(v, bool) else str(v) for v in of.metadata["values"])
+    return f"{of.metadata['least']} to {of.metadata['most']} {of.metadata['unit']}"
+
+
+def options_from(kind: type[T], given: dict[str, Value]) -> T:
+    """An instance of `kind` with the given values. ValueError names the option and the nearest right name or value."""
+    known = {f.name: f for f in dataclasses.fields(kind)}  # type: ignore[arg-type]
+    for name, value in given.items():
+        if name not in known:
+            raise ValueError(f"there is no option {name!r}; {near(name, known)}")
+        about = known[name].metadata
+        if "values" in about:
+            fits = any(value == v and type(value) is type(v) for v in about["values"])
+        else:
+            fits = type(value) is int and about["least"] <= value <= about["most"]
+        if not fits:
+            raise ValueError(f"option {name} is {value!r}; expected {allowed(known[name])}")
+    return kind(**given)

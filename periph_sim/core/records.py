@@ -1,0 +1,67 @@
+"""The vocabulary of a run, and who listens to it.
+
+Everything recorded is one of the kinds below, has a number, a time in ticks, a place, and
+the number of the record that caused it (0: nothing recorded did). Producers ask `wants`
+once, when a scene is built; what nobody wants is never made.
+
+    producer --> Recorder.emit --> sinks (budgets, files, diagrams)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from enum import Enum
+from typing import NamedTuple
+
+
+class Kind(Enum):
+    EDGE = "edge"  # a wire changed: what = level, who pulled in `text`
+    ACCESS = "access"  # a CPU access: what = R or W and the register, value
+    FLAG = "flag"  # a register field changed by itself or by an access
+    IRQ = "irq"  # interrupt requested, entered, left
+    SPAN = "span"  # a stretch of firmware begins (1) or ends (0)
+    BUS = "bus"  # what a party on the wire did or saw: START, address, byte, ACK, STOP
+    FRAME = "frame"  # a UART frame on the wire
+    NOTE = "note"  # a duty broken, something lost, something unknown
+
+
+class Record(NamedTuple):
+    number: int
+    tick: int
+    kind: Kind
+    where: str
+    what: str
+    value: int
+    text: str
+    cause: int
+
+
+Sink = Callable[[Record], None]
+
+
+class Recorder:
+    """Numbers records and hands each to the sinks that asked for its kind.
+
+    cause: the record under whose effects the simulation runs now; `core.socket` and
+    `core.wire` set it around each delivery.
+    """
+
+    def __init__(self) -> None:
+        self.cause = 0
+        self._number = 0
+        self._sinks: dict[Kind, list[Sink]] = {kind: [] for kind in Kind}
+
+    def subscribe(self, kinds: Iterable[Kind], sink: Sink) -> None:
+        for kind in kinds:
+            self._sinks[kind].append(sink)
+
+    def wants(self, kind: Kind) -> bool:
+        return bool(self._sinks[kind])
+
+    def emit(self, tick: int, kind: Kind, where: str, what: str, value: int = 0, text: str = "") -> int:
+        """The number of the new record; its cause is the record being worked under."""
+        self._number += 1
+        record = Record(self._number, tick, kind, where, what, value, text, self.cause)
+        for sink in self._sinks[kind]:
+            sink(record)
+        return self._number

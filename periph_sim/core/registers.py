@@ -1,0 +1,237 @@
+"""Registers as data: the manual's table goes in once; reset, effects, decode and docs come out.
+
+A field has four separate axes: what the CPU may do, what a read does, what a write
+does, and who wins when hardware and software act in the same cycle. A chip keeps the
+stored value; this file says what an access makes of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import Enum
+from functools import cached_property
+
+from .nearest import near
+
+
+class RegisterMapError(Exception):
+    """A register description contradicts itself."""
+
+
+class Cpu(Enum):
+    """What the CPU may do with a field."""
+
+    RW = "read and write"
+    R = "read only"
+    W = "write only, reads 0"
+
+
+class OnRead(Enum):
+    """What a CPU read does to the stored field."""
+
+    KEEP = "nothing"
+    CLEAR = "clears it"
+
+
+class OnWrite(Enum):
+    """What a CPU write does to the stored field."""
+
+    STORE = "takes the value"
+    ONE_CLEARS = "1 clears, 0 leaves"
+    ONE_SETS = "1 sets, 0 leaves"
+    STROBE = "1 fires an action, nothing is stored"
+    NOTHING = "ignored"
+
+
+class Tie(Enum):
+    """Whose value stays when hardware sets a field in the cycle of a CPU write."""
+
+    SOFTWARE = "software"
+    HARDWARE = "hardware"
+
+
+# The manual's shorthand for the first three axes.
+ACCESS: dict[str, tuple[Cpu, OnRead, OnWrite]] = {
+    "R/W": (Cpu.RW, OnRead.KEEP, OnWrite.STORE),
+    "R": (Cpu.R, OnRead.KEEP, OnWrite.NOTHING),
+    "R/W1C": (Cpu.RW, OnRead.KEEP, OnWrite.ONE_CLEARS),
+    "R/S": (Cpu.RW, OnRead.KEEP, OnWrite.ONE_SETS),
+    "RC": (Cpu.R, OnRead.CLEAR, OnWrite.NOTHING),
+    "W1": (Cpu.W, OnRead.KEEP, OnWrite.STROBE),
+    "W": (Cpu.W, OnRead.KEEP, OnWrite.STORE),
+}
+
+
+@dataclass(frozen=True)
+class Field:
+    name: str
+    msb: int
+    lsb: int
+    access: str
+    reset: int
+    tie: Tie
+    doc: str
+
+    @property
+    def cpu(self) -> Cpu:
+        return ACCESS[self.access][0]
+
+    @property
+    def on_read(self) -> OnRead:
+        return ACCESS[self.access][1]
+
+    @property
+    def on_write(self) -> OnWrite:
+        return ACCESS[self.access][2]
+
+    @cached_property
+    def mask(self) -> int:
+        return ((1 << (self.msb - self.lsb + 1)) - 1) << self.lsb
+
+    @property
+    def bits(self) -> str:
+        """The bits as the manual prints them: "7" or "12:8"."""
+        return f"{self.msb}" if self.msb == self.lsb else f"{self.msb}:{self.lsb}"
+
+    def of(self, value: int) -> int:
+        """This field's number, cut out of a whole register value."""
+        return (value & self.mask) >> self.lsb
+
+    def put(self, value: int, number: int) -> int:
+        """`value` with this field set to `number`; bits that do not fit are cut, as in C."""
+        return value & ~self.mask | number << self.lsb & self.mask
+
+
+def field(
+    name: str, bits: str, access: str = "R/W", reset: int = 0, doc: str = "", *, tie: Tie = Tie.SOFTWARE
+) -> Field:
+    """One field. `bits` as the manual prints them ("7", "12:8"); `access` a key of ACCESS."""
+    msb, _, lsb = bits.partition(":")
+    if access not in ACCESS:
+        raise RegisterMapError(f"{name}: access {access!r} is none of {', '.join(ACCESS)}")
+    return Field(name, int(msb), int(lsb or msb), access, reset, tie, doc)
+
+
+@dataclass(frozen=True)
+class Register:
+    """offset: in 16-bit words from the module's base. source: document and section."""
+
+    name: str
+    offset: int
+    source: str
+    fields: tuple[Field, ...]
+    protected: bool = False  # writes need EALLOW
+    width: int = 16
+    free_running: bool = False  # counts by itself, and no wake-up tells when it changes
+
+    def __post_init__(self) -> None:
+        seen = 0
+        for f in self.fields:
+            if f.mask >> self.width:
+                raise RegisterMapError(f"{self.name}.{f.name} [{f.bits}] does not fit {self.width} bits")
+            if f.mask & seen:
+                raise RegisterMapError(f"{self.name}.{f.name} [{f.bits}] overlaps a field above it")
+            if f.reset << f.lsb & ~f.mask:
+                raise RegisterMapError(f"{self.name}.{f.name} resets to {f.reset:#x}, wider than [{f.bits}]")
+            seen |= f.mask
+
+    def __getitem__(self, name: str) -> Field:
+        found = self._by_name.get(name)
+        if found is None:
+            raise KeyError(f"{self.name} has no field {name!r}; {near(name, self._by_name)}")
+        return found
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._by_name
+
+    @cached_property
+    def _by_name(self) -> dict[str, Field]:
+        return {f.name: f for f in self.fields}
+
+    def mask(self, on_write: OnWrite) -> int:
+        """The bits of all fields on which a write has this effect."""
+        return sum(f.mask for f in self.fields if f.on_write is on_write)
+
+    @cached_property
+    def reads_are_harmless(self) -> bool:
+        """True if a CPU read changes nothing in this register."""
+        return all(f.on_read is OnRead.KEEP for f in self.fields)
+
+    @cached_property
+    def reset(self) -> int:
+        return sum(f.reset << f.lsb for f in self.fields)
+
+    @cached_property
+    def _masks(self) -> tuple[int, int, int, int, int]:
+        hard = sum(f.mask for f in self.fields if f.tie is Tie.HARDWARE)
+        return (
+            self.mask(OnWrite.STORE),
+            self.mask(OnWrite.ONE_CLEARS),
+            self.mask(OnWrite.ONE_SETS),
+            self.mask(OnWrite.STROBE),
+            hard,
+        )
+
+    @cached_property
+    def _read_masks(self) -> tuple[int, int]:
+        shown = sum(f.mask for f in self.fields if f.cpu is not Cpu.W)
+        cleared = sum(f.mask for f in self.fields if f.on_read is OnRead.CLEAR)
+        return shown, ~cleared
+
+    def read(self, stored: int) -> tuple[int, int]:
+        """(what the CPU sees, what stays stored). Bits no field names read 0."""
+        shown, kept = self._read_masks
+        return stored & shown, stored & kept
+
+    def write(self, stored: int, written: int, set_now: int = 0) -> tuple[int, int]:
+        """(what stays stored, strobes fired).
+
+        set_now: bits that hardware set in this same cycle; they stay where the field's
+        tie says hardware.
+        """
+        store, clears, sets, strobe, hard = self._masks
+        new = (stored & ~store | written & store) & ~(written & clears) | written & sets
+        return new | set_now & hard, written & strobe
+
+    def decode(self, value: int) -> str:
+        """A value as a person reads it, zero fields left out."""
+        parts = (f"{f.name}={f.of(value):#x}" for f in self.fields if f.of(value))
+        return f"{self.name}={value:#06x} ({' '.join(parts) or 'all zero'})"
+
+
+@dataclass(frozen=True)
+class RegisterMap:
+    """All registers of one kind of module. source: the document the map was typed from."""
+
+    name: str
+    source: str
+    registers: tuple[Register, ...]
+
+    def __post_init__(self) -> None:
+        if len(self._by_offset) != len(self.registers) or len(self._by_name) != len(self.registers):
+            raise RegisterMapError(f"{self.name}: two registers share a name or an offset")
+
+    @cached_property
+    def _by_offset(self) -> dict[int, Register]:
+        return {r.offset: r for r in self.registers}
+
+    @cached_property
+    def _by_name(self) -> dict[str, Register]:
+        return {r.name: r for r in self.registers}
+
+    def at(self, offset: int) -> Register | None:
+        """The register at this word offset, or None where the map has a hole."""
+        return self._by_offset.get(offset)
+
+    def __getitem__(self, name: str) -> Register:
+        found = self._by_name.get(name)
+        if found is None:
+            raise KeyError(f"{self.name} has no register {name!r}; {near(name, self._by_name)}")
+        return found
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._by_name
+
+    def __iter__(self) -> Iterator[Register]:
+        return iter(self.registers)

@@ -1,0 +1,213 @@
+"""Puts a pure chip into a simulation: hands it inputs on its own clock, publishes what came of them.
+
+    wire edge, CPU access, wake-up --> chip --> wires, interrupt requests, records
+
+Every path into a chip ends in `publish`, so no output, request or wake-up is forgotten.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from .chip import NEVER, Chip, Note
+from .kernel import Kernel
+from .records import Kind, Recorder
+from .time import Clock
+from .wire import Pin
+
+
+class Socket:
+    """One chip on its clock. name: the module's, as in "I2C-A".
+
+    drive: called with (output index, level) for each output that changed.
+    on_request: called with (cycle, mask of LINES).
+    """
+
+    def __init__(
+        self,
+        kernel: Kernel,
+        clock: Clock,
+        recorder: Recorder,
+        name: str,
+        chip: Chip,
+        on_request: Callable[[int, int], None],
+    ) -> None:
+        self.name = name
+        self.chip = chip
+        self.pins: list[list[Pin]] = [[] for _ in chip.OUTPUTS]  # what each output drives, set by the router
+        self.out_delay = 0  # cycles from an output of the chip to its pin
+        self.before: Callable[[int], None] | None = None  # called before each access: what the chip must be told first
+        self.after: Callable[[int], None] | None = None  # the owner's look at the chip after each input
+        self.on_held: Callable[[int, int], None] | None = None  # told (cycle, mask) when the lines held change
+        self._held = 0
+        self.observed = recorder.wants(Kind.FLAG)  # somebody looks after every input
+        self._watchers: list[Callable[[int], None]] = []
+        self.notes: list[tuple[int, Note]] = []
+        self._note_count: dict[Note, int] = {}
+        self._kernel = kernel
+        self._clock = clock
+        self._recorder = recorder
+        self._on_request = on_request
+        self._out = chip.out
+        self._wake_cycle = NEVER
+        self._wake = 0  # the promise of that wake-up
+        self._last_cause = 0
+        self._flags = self._snapshot() if recorder.wants(Kind.FLAG) else None
+
+    # Inputs ------------------------------------------------------------------
+
+    def pin(self, cycle: int, index: int, level: int) -> None:
+        """An input changed; the chip sees it at `cycle`."""
+        chip = self.chip
+        chip.pin(cycle, index, level)
+        if (
+            chip.next_wake < self._wake_cycle
+            or chip.out != self._out
+            or chip.requests
+            or self.observed
+            or chip.notes
+            or chip.held != self._held
+        ):
+            self.publish(cycle)
+
+    def read(self, cycle: int, offset: int) -> int:
+        if self.before is not None:
+            self.before(cycle)
+        value = self.chip.read(cycle, offset)
+        self.publish(cycle)
+        return value
+
+    def peek(self, cycle: int, offset: int) -> int:
+        """What a debugger reads; nothing moves."""
+        if self.before is not None:
+            self.before(cycle)
+        return self.chip.peek(cycle, offset)
+
+    def write(self, cycle: int, offset: int, value: int) -> None:
+        if self.before is not None:
+            self.before(cycle)
+        self.chip.write(cycle, offset, value)
+        self.publish(cycle)
+
+    def _woken(self) -> None:
+        cycle = self._wake_cycle
+        self._wake_cycle = NEVER
+        chip = self.chip
+        if chip.next_wake <= cycle:
+            if self._flags is None:
+                chip.wake(cycle)
+            else:
+                outer, self._recorder.cause = self._recorder.cause, self._last_cause
+                chip.wake(cycle)
+                self.publish(cycle)
+                self._recorder.cause = outer
+                return
+        self.publish(cycle)
+
+    # Outputs -----------------------------------------------------------------
+
+    def publish(self, cycle: int) -> None:
+        """Bring wires, requests, wake-up and records up to what the chip shows after an input at `cycle`."""
+        chip = self.chip
+        if chip.out != self._out:
+            self._drive(cycle)
+        if chip.requests:
+            asked, chip.requests = chip.requests, 0
+            self._on_request(cycle, asked)
+        if chip.held != self._held and self.on_held is not None:
+            self._held = chip.held
+            self.on_held(cycle, chip.held)
+        if chip.next_wake < self._wake_cycle:
+            self._plan(cycle)
+        if self.after is not None:
+            self.after(cycle)
+        if self._watchers:
+            for watcher in tuple(self._watchers):
+                watcher(cycle)
+        if self._flags is not None:
+            self._record_flags(cycle)
+        if chip.notes:
+            self._take_notes(cycle)
+
+    def _plan(self, cycle: int) -> None:
+        if self._wake_cycle != NEVER:
+            self._kernel.cancel(self._wake)
+        self._wake_cycle = wake = max(self.chip.next_wake, cycle)
+        if wake < NEVER:
+            self._wake = self._kernel.at(max(self._clock.tick(wake), self._kernel.now), self._woken)
+
+    def _drive(self, cycle: int) -> None:
+        changed, self._out = self._out ^ self.chip.out, self.chip.out
+        tick = self._clock.tick(cycle + self.out_delay)
+        if tick > self._kernel.now:  # also where an edge fell between two cycles: the answer comes with the cycle
+            out = self._out
+            self._kernel.at(tick, partial(self._set_pins, changed, out))
+        else:
+            self._set_pins(changed, self._out)
+
+    def _set_pins(self, changed: int, out: int) -> None:
+        for index, pins in enumerate(self.pins):
+            if changed >> index & 1:
+                for pin in pins:
+                    pin.drive(out >> index & 1)
+
+    @property
+    def spied(self) -> bool:
+        """Whether a CPU waits for something to change here."""
+        return bool(self._watchers)
+
+    def watch(self, watcher: Callable[[int], None]) -> None:
+        """`watcher(cycle)` after every input from now on: a CPU that spins looks at the chip there."""
+        self._watchers.append(watcher)
+        self.observed = True
+
+    def unwatch(self, watcher: Callable[[int], None]) -> None:
+        self._watchers.remove(watcher)
+        self.observed = bool(self._watchers) or self._flags is not None
+
+    def reclock(self) -> None:
+        """The clock was retuned: a wake-up promised for a cycle moves to that cycle's new tick."""
+        if self._wake_cycle != NEVER:
+            self._kernel.cancel(self._wake)
+            self._wake_cycle = NEVER
+            self._plan(self._clock.cycle_at(self._kernel.now))
+
+    def connect(self, index: int, pins: list[Pin]) -> None:
+        """From now on output `index` drives exactly `pins`."""
+        for pin in self.pins[index]:
+            if pin not in pins:
+                pin.drive(1)
+        self.pins[index] = pins
+        for pin in pins:
+            pin.drive(self._out >> index & 1)
+
+    # Records -----------------------------------------------------------------
+
+    def _snapshot(self) -> list[int]:
+        return [self.chip.peek(0, r.offset) for r in self.chip.MAP]
+
+    def _record_flags(self, cycle: int) -> None:
+        assert self._flags is not None
+        tick = self._clock.tick(cycle)
+        if self._recorder.cause:
+            self._last_cause = self._recorder.cause
+        for i, register in enumerate(self.chip.MAP):
+            value = self.chip.peek(cycle, register.offset)
+            changed = value ^ self._flags[i]
+            if changed:
+                self._flags[i] = value
+                for f in register.fields:
+                    if changed & f.mask:
+                        self._recorder.emit(tick, Kind.FLAG, self.name, f"{register.name}.{f.name}", f.of(value))
+
+    def _take_notes(self, cycle: int) -> None:
+        for note in self.chip.notes:
+            seen = self._note_count.get(note, 0)
+            self._note_count[note] = seen + 1
+            if not seen:
+                self.notes.append((cycle, note))
+            if self._recorder.wants(Kind.NOTE):
+                tick = self._clock.tick(cycle)
+                self._recorder.emit(tick, Kind.NOTE, self.name, note.code, seen + 1, f"{note.text} [{note.source}]")
+        self.chip.notes.clear()

@@ -1,0 +1,125 @@
+"""Time as a whole number of ticks: seconds and clock cycles go in, exact ticks come out, or a refusal.
+
+One tick is 1/LCM(every clock that must divide, 1 GHz): with SYSCLKOUT at 150 MHz a tick
+is 1/3 ns, a cycle 20 ticks. A clock that does not divide (a ppm error, a 24 MHz analyser)
+maps its n-th edge by one exact rational rounded down to a tick, so it never drifts.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from math import lcm
+from typing import Literal
+
+GHZ = 1_000_000_000
+NO_TIME = -1
+
+UNITS: dict[str, Fraction] = {
+    "ns": Fraction(1, GHZ),
+    "us": Fraction(1, 1_000_000),
+    "ms": Fraction(1, 1000),
+    "s": Fraction(1),
+    "min": Fraction(60),
+    "h": Fraction(3600),
+    "d": Fraction(86400),
+}
+
+Rounding = Literal["exact", "down", "up", "nearest"]
+
+
+class TimeError(ValueError):
+    """A time that is not on the grid, or a text that is not a time."""
+
+
+def round_ratio(value: Fraction, rounding: Rounding) -> int:
+    """A whole number near `value`; with "exact" it must be whole. TimeError otherwise."""
+    if value.denominator == 1:
+        return value.numerator
+    if rounding == "down":
+        return value.numerator // value.denominator
+    if rounding == "up":
+        return -(-value.numerator // value.denominator)
+    if rounding == "nearest":
+        return (2 * value.numerator + value.denominator) // (2 * value.denominator)
+    raise TimeError(f"{value} does not fall on the grid; name a rounding: down, up or nearest")
+
+
+def seconds(text: str) -> Fraction:
+    """The length that "250 us" or "1.5 ms" says, in seconds, exactly. TimeError if it says none."""
+    number, _, unit = text.strip().partition(" ")
+    if not unit:
+        cut = len(number.rstrip("abcdefghijklmnopqrstuvwxyz"))
+        number, unit = number[:cut], number[cut:]
+    if not unit:
+        raise TimeError(f"{text!r} has no unit; write for instance {text.strip() or '20'} ms ({', '.join(UNITS)})")
+    if unit not in UNITS:
+        raise TimeError(f"{text!r}: unit {unit!r} is none of {', '.join(UNITS)}")
+    try:
+        return Fraction(number.replace("_", "")) * UNITS[unit]
+    except (ValueError, ZeroDivisionError):
+        raise TimeError(f"{text!r}: {number!r} is not a number") from None
+
+
+class Timebase:
+    """How long a tick is. per_second: ticks in a second."""
+
+    def __init__(self, *clocks_hz: int) -> None:
+        self.per_second = lcm(GHZ, *clocks_hz)
+        self.per_ns = self.per_second // GHZ
+
+    def ticks(self, length: Fraction | str, rounding: Rounding = "exact") -> int:
+        """A length of time in ticks. TimeError when it is not a whole number and no rounding is named."""
+        value = seconds(length) if isinstance(length, str) else length
+        return round_ratio(value * self.per_second, rounding)
+
+    def seconds(self, ticks: int) -> Fraction:
+        """A count of ticks in seconds, exactly."""
+        return Fraction(ticks, self.per_second)
+
+    def show(self, ticks: int) -> str:
+        """A time for people, in microseconds or milliseconds, three decimals, rounded to nearest."""
+        us = Fraction(ticks * 1_000_000, self.per_second)
+        if abs(us) < 10_000:
+            return f"{float(us):.3f} us"
+        return f"{float(us / 1000):.3f} ms" if abs(us) < 10_000_000 else f"{float(us / 1_000_000):.6f} s"
+
+
+class Clock:
+    """One clock's cycles on the common grid: cycle n begins at tick(n).
+
+    hz may be any positive rational. `retune` changes it from a cycle on: what came before
+    keeps its ticks, so cycle counts never jump.
+    """
+
+    def __init__(self, timebase: Timebase, hz: Fraction | int, *, tick0: int = 0, cycle0: int = 0) -> None:
+        self.timebase = timebase
+        self.hz = Fraction(hz)
+        self._tick0 = tick0
+        self._cycle0 = cycle0
+        self._num, self._den = self._period(self.hz)
+
+    def _period(self, hz: Fraction) -> tuple[int, int]:
+        if hz <= 0:
+            raise TimeError(f"a clock of {hz} Hz never ticks; it must be above 0")
+        period = self.timebase.per_second / hz
+        return period.numerator, period.denominator
+
+    def tick(self, cycle: int) -> int:
+        """The tick at which this cycle begins (rounded down where the clock does not divide)."""
+        if self._den == 1:
+            return self._tick0 + (cycle - self._cycle0) * self._num
+        return self._tick0 + (cycle - self._cycle0) * self._num // self._den
+
+    def cycle_at(self, tick: int) -> int:
+        """The first cycle that begins at or after this tick: what is seen without a synchroniser."""
+        return self._cycle0 - (self._tick0 - tick) * self._den // self._num
+
+    def cycle_after(self, tick: int) -> int:
+        """The first cycle that begins after this tick: what a synchroniser lets through."""
+        return self.cycle_at(tick + 1)
+
+    def retune(self, cycle: int, hz: Fraction | int) -> None:
+        """From `cycle` on the clock runs at `hz`."""
+        self._tick0, self._cycle0 = self.tick(cycle), cycle
+        self.hz = Fraction(hz)
+        self._num, self._den = self._period(self.hz)

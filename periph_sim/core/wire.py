@@ -1,0 +1,92 @@
+"""Wires: what several parties do to one line, and who is told.
+
+    Pin.drive --> level, low if anybody pulls --> settle --> watchers
+
+A wire has a pull-up and any number of parties that may pull it low. Watchers hear of a
+change after every party that acts in the same event has acted, in the order in which
+they asked; nobody hears of a level that does not outlast the event.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from .kernel import Kernel
+from .records import Kind, Recorder
+
+Watcher = Callable[[int, int], None]
+
+
+class Wire:
+    def __init__(self, kernel: Kernel, name: str, recorder: Recorder) -> None:
+        self.name = name
+        self.level = 1
+        self.cause = 0  # record of the last edge
+        self._kernel = kernel
+        self._recorder = recorder
+        self._recorded = recorder.wants(Kind.EDGE)
+        self._pulling = 0  # bit i: pin i pulls low
+        self._pins: list[str] = []
+        self._watchers: list[Watcher] = []
+        self._told = 1
+        self._queued = False
+        self._unsettled = kernel.unsettled
+
+    def attach(self, who: str) -> Pin:
+        """A new party's hold on the line, released."""
+        self._pins.append(who)
+        return Pin(self, 1 << (len(self._pins) - 1))
+
+    def watch(self, watcher: Watcher) -> None:
+        """`watcher(tick, level)` on every change that outlasts the event that made it."""
+        self._watchers.append(watcher)
+
+    def held_by(self) -> list[str]:
+        """Who pulls the line low now: what a person asks first of a stuck bus."""
+        return [who for i, who in enumerate(self._pins) if self._pulling >> i & 1]
+
+    def pull(self, mask: int, level: int) -> None:
+        """The parties of `mask` let go (1) or pull low (0)."""
+        pulling = self._pulling & ~mask if level else self._pulling | mask
+        self._pulling = pulling
+        self.level = level = 0 if pulling else 1
+        if level != self._told and not self._queued:
+            self._queued = True
+            self._unsettled.append(self)
+
+    def settle(self) -> None:
+        """Tell the watchers if the level is not what they were told last."""
+        self._queued = False
+        level = self.level
+        if level == self._told:
+            return
+        self._told = level
+        now = self._kernel.now
+        if self._recorded:
+            self._record(now, level)
+            return
+        for watcher in self._watchers:
+            watcher(now, level)
+
+    def _record(self, now: int, level: int) -> None:
+        recorder = self._recorder
+        outer = recorder.cause
+        self.cause = recorder.emit(now, Kind.EDGE, self.name, "level", level, ", ".join(self.held_by()))
+        recorder.cause = self.cause
+        for watcher in self._watchers:
+            watcher(now, level)
+        recorder.cause = outer
+
+
+class Pin:
+    """One party's hold on a wire."""
+
+    __slots__ = ("mask", "wire")
+
+    def __init__(self, wire: Wire, mask: int) -> None:
+        self.wire = wire
+        self.mask = mask
+
+    def drive(self, level: int) -> None:
+        """0 pulls the wire low, 1 lets go."""
+        self.wire.pull(self.mask, level)

@@ -1,0 +1,473 @@
+"""The I2C module: register accesses, SCL and SDA go in; SCL, SDA, I2CINT1A and I2CINT2A come out.
+
+    SCL, SDA --noise filter--> START, STOP, rise, fall --> I2cTarget, I2cMaster --> pulls --> SCL, SDA
+    registers <--> I2cState (flags, data path, FIFOs, interrupts) <--> the two
+
+This file joins them: what each register write means, resets, the clock gate, loopback,
+debugger halts; and it decides when anybody must be woken. An edge whose effect nobody can
+see (traffic for others, data bits in mid-byte) waits in a short list and is worked off
+with the next input.
+
+Source: SPRUG03B; clock gate SPRUFB0D section 5.1.
+
+Chosen:
+- With the clock gated off the module lets go of both lines and hears nothing; its registers keep their values.
+- A filtered edge acts one filter width after the edge; a shorter pulse is never seen.
+- A debugger halt as slave holds SCL low from the fall that ends the byte (or the transfer) on.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+
+from ..core.chip import NEVER
+from . import i2c_map as at
+from .i2c_map import (
+    I2C_MAP,
+    MDR_DLB,
+    MDR_FDF,
+    MDR_FREE,
+    MDR_IRS,
+    MDR_MST,
+    MDR_STP,
+    MDR_STT,
+    MDR_XA,
+    SCL,
+    SDA,
+    STR_SDIR,
+    STR_XRDY,
+)
+from .i2c_master import I2cMaster
+from .i2c_options import I2cOptions
+from .i2c_state import I2cState
+from .i2c_target import IGNORE, OFF, TRANSMIT, I2cTarget
+
+I2CSTR, I2CMDR = I2C_MAP["I2CSTR"], I2C_MAP["I2CMDR"]
+BOTH = SCL | SDA
+SEVEN_BIT_LEFTOVER = 0x380  # bits 9 to 7 of an address register
+MODULE_CLOCK_HZ = (7_000_000, 12_000_000)
+SYSCLK_HZ = 150_000_000  # what the check of the module clock assumes
+
+
+class I2c:
+    MAP = I2C_MAP
+    INPUTS = ("SCL", "SDA")
+    OUTPUTS = ("SCL", "SDA")
+    LINES = ("I2CINT1A", "I2CINT2A")
+
+    def __init__(self, options: I2cOptions = I2cOptions()) -> None:  # noqa: B008 (frozen)
+        self.options = options
+        self.state = I2cState(options)
+        self.target = I2cTarget(self.state)
+        self.master = I2cMaster(self.state)
+        self.next_wake = NEVER
+        self.out = BOTH
+        self.notes = self.state.notes
+        self.touched = self.state.touched
+        self._clocked = False
+        self._raw = BOTH  # the pins as they are
+        self._scl = self._sda = 1  # behind the filter
+        self._pending: deque[tuple[int, int, int, bool]] = deque()  # (due, index, level, someone cares)
+        self._filter = options.noise_filter_cycles
+        self._suspended = False
+        self._rise8_matters = options.aas_sdir_point == "rise8"
+        self._rise9_matters = options.rrdy_point == "rise9" or options.dxr_to_xsr_copy_point == "ack_rise9"
+
+    # `requests` and `held` live where the flags live.
+
+    @property
+    def requests(self) -> int:
+        return self.state.requests
+
+    @requests.setter
+    def requests(self, value: int) -> None:
+        self.state.requests = value
+
+    @property
+    def held(self) -> int:
+        return self.state.held
+
+    # Pins ------------------------------------------------------------------------
+
+    def pin(self, now: int, index: int, level: int) -> None:
+        self._advance(now)
+        bit = 1 << index
+        self._raw = self._raw | bit if level else self._raw & ~bit
+        if self.state.mdr & MDR_DLB:
+            return
+        self._edge(now, index, level)
+        self._plan()
+
+    def _edge(self, now: int, index: int, level: int) -> None:
+        """A line of the bus, or in loopback our own output, changed."""
+        if not self._clocked:
+            if index:
+                self._sda = level
+            else:
+                self._scl = level
+            return
+        if self.master.active:
+            self.master.line(now, index, level)
+        else:
+            if index:
+                self.master.sda = level
+            else:
+                self.master.scl = level
+        width = self._filter * self.state.tm
+        if not width:
+            self._event(now, index, level)
+            return
+        pending = self._pending
+        for i, (_, line, _, _) in enumerate(pending):
+            if line == index:  # shorter than the filter: it was never there
+                del pending[i]
+                return
+        pending.append((now + width, index, level, self._cares(index, level)))
+
+    def _cares(self, index: int, level: int) -> bool:
+        """Whether this edge can change what anybody sees, so that it must act in its very cycle."""
+        if self.master.active or self._pending:
+            return True
+        if index:
+            return bool(self._raw & SCL)
+        target = self.target
+        if not target.cares(level):
+            return False
+        if level and target.phase != TRANSMIT:
+            return self._rise9_matters if target.bit >= 8 else self._rise8_matters or target.bit != 7
+        return True
+
+    def _event(self, now: int, index: int, level: int) -> None:
+        """An edge behind the filter."""
+        if index:
+            self._sda = level
+            if self._scl and self.state.mdr & MDR_IRS:
+                if level:
+                    self.target.stop(now)
+                    self.master.bus_free(now)
+                    self.target.muted = self.master.active
+                else:
+                    self.target.start(now)
+            return
+        self._scl = level
+        if not self.state.mdr & MDR_IRS:
+            return
+        if level:
+            if self.master.active:
+                self.master.rise(now, self._sda)
+                self.target.muted = self.master.active
+            self.target.rise(now, self._sda)
+        else:
+            self.target.fall(now)
+            if self._suspended:
+                self._halt_target()
+
+    # Time ------------------------------------------------------------------------
+
+    def wake(self, now: int) -> None:
+        self._advance(now)
+        self._plan()
+
+    def _advance(self, now: int) -> None:
+        """Everything that is due by `now`, in order of time; filtered edges before timers."""
+        pending, target, master, state = self._pending, self.target, self.master, self.state
+        while True:
+            edge = pending[0][0] if pending else NEVER
+            timer = min(target.due, master.next_due, state.code_at)
+            if edge <= timer:
+                if edge > now:
+                    return
+                _, index, level, _ = pending.popleft()
+                self._event(edge, index, level)
+            else:
+                if timer > now:
+                    return
+                if state.code_at == timer:
+                    state.load_code(timer)
+                elif master.next_due == timer:
+                    master.timer(timer)
+                    target.muted = master.active
+                else:
+                    target.timer(timer)
+            if state.mdr & MDR_DLB:
+                self._loop(timer if timer < edge else edge)
+
+    def _loop(self, now: int) -> None:
+        """In loopback the module hears its own outputs."""
+        out = self._levels()
+        for index in (0, 1):
+            level = out >> index & 1
+            if level != (self.master.sda if index else self.master.scl):
+                self._edge(now, index, level)
+
+    def _levels(self) -> int:
+        if not self._clocked or not self.state.mdr & MDR_IRS:
+            return BOTH
+        return BOTH & ~(self.target.pulls | self.master.pulls)
+
+    def _plan(self) -> None:
+        """Outputs and wake-up after an input."""
+        self.out = self._levels()
+        wake = min(self.target.due, self.master.next_due, self.state.code_at)
+        for due, _, _, cares in self._pending:
+            if cares:
+                if due < wake:
+                    wake = due
+                break
+        self.next_wake = wake if self._clocked else NEVER
+
+    # Registers -----------------------------------------------------------------------
+
+    def read(self, now: int, offset: int) -> int:
+        self._advance(now)
+        if not self._accessible():
+            return 0
+        state = self.state
+        if offset == at.DRR:
+            value = state.read_drr(now)
+            self.target.drr_read(now)
+            self.master.drr_read(now)
+        elif offset == at.ISRC:
+            value = state.read_isrc(now)
+        else:
+            return self.peek(now, offset)
+        self._loop_and_plan(now)
+        return value
+
+    def _accessible(self) -> bool:
+        if self._clocked:
+            return True
+        self.touched.add("clock_gate_access")
+        return self.options.clock_gate_access == "accessible"
+
+    def peek(self, now: int, offset: int) -> int:
+        self._advance(now)
+        if not self._accessible():
+            return 0
+        state = self.state
+        if offset == at.STR:
+            return state.str
+        if offset == at.MDR:
+            return state.mdr
+        if offset == at.DRR:
+            return state.rx_fifo.words[0] if state.fifo and state.rx_fifo else state.drr
+        if offset == at.ISRC:
+            return state.code | state.isrc_high
+        if offset == at.FFTX:
+            return state.fftx | len(state.tx_fifo) << 8
+        if offset == at.FFRX:
+            return state.ffrx | len(state.rx_fifo) << 8
+        if offset == at.EMDR:
+            state.touched.add("emdr_present")
+            return state.bcm if self.options.emdr_present else 0
+        return {
+            at.OAR: state.oar,
+            at.IER: state.ier,
+            at.CLKL: state.clkl,
+            at.CLKH: state.clkh,
+            at.CNT: state.cnt,
+            at.SAR: state.sar,
+            at.DXR: state.dxr,
+            at.PSC: state.psc,
+        }.get(offset, 0)
+
+    def write(self, now: int, offset: int, value: int) -> None:
+        self._advance(now)
+        if not self._accessible():
+            return
+        state = self.state
+        if offset == at.DXR:
+            state.write_dxr(now, value)
+            self.target.dxr_written(now)
+            self.master.dxr_written(now)
+        elif offset == at.STR:
+            self._write_str(now, value)
+        elif offset == at.MDR:
+            self._write_mdr(now, value & ~(1 << 12))
+        elif offset == at.IER:
+            state.ier = value & 0x7F
+            if state.fifo and value & 0x18:
+                state.duty("I2CIER enables XRDY or RRDY in FIFO mode; expected 0 there", "SPRUG03B Table 9")
+            state.update(now)
+        elif offset == at.FFTX:
+            state.write_fftx(now, value)
+        elif offset == at.FFRX:
+            state.write_ffrx(now, value)
+        else:
+            self._write_plain(now, offset, value)
+        self._loop_and_plan(now)
+
+    def _loop_and_plan(self, now: int) -> None:
+        if self.state.mdr & MDR_DLB:
+            self._loop(now)
+        self._plan()
+
+    def _write_plain(self, now: int, offset: int, value: int) -> None:
+        """Registers that only hold a value; with the duties that TI names for them."""
+        state = self.state
+        if offset == at.OAR:
+            state.oar = value & 0x3FF
+            self._check_address("I2COAR", state.oar)
+            if state.mdr & MDR_IRS:
+                state.touched.add("oar_latch")
+                state.duty("I2COAR was written with IRS = 1; configuration belongs into IRS = 0", "SPRUG03B section 4")
+        elif offset == at.SAR:
+            state.sar = value & 0x3FF
+            self._check_address("I2CSAR", state.sar)
+        elif offset in (at.CLKL, at.CLKH):
+            if offset == at.CLKL:
+                state.clkl = value & 0xFFFF
+            else:
+                state.clkh = value & 0xFFFF
+            if not value & 0xFFFF:
+                name = "I2CCLKL" if offset == at.CLKL else "I2CCLKH"
+                state.duty(f"{name} was written 0; expected 1 to 65535", "SPRUG03B Tables 13, 14")
+        elif offset == at.CNT:
+            state.cnt = value & 0xFFFF
+            if self.options.cnt_copy_point == "write":
+                self.master.load_counter()
+        elif offset == at.ISRC:
+            state.isrc_high = value & 0xF00
+            if state.isrc_high:
+                state.duty("I2CISRC bits 11 to 8 were not written 0", "SPRUG03B Table 11")
+        elif offset == at.EMDR:
+            self._write_emdr(value)
+        elif offset == at.PSC:
+            self._write_psc(value & 0xFF)
+
+    def _write_emdr(self, value: int) -> None:
+        self.touched.add("emdr_present")
+        if self.options.emdr_present:
+            self.state.bcm = value & 1
+            if value & ~1:
+                self.state.duty("I2CEMDR bits 15 to 1 were not written 0", "SPRUG03B Table 8")
+
+    def _write_psc(self, value: int) -> None:
+        state = self.state
+        if state.mdr & MDR_IRS:
+            self.touched.add("psc_write_irs1")
+            state.duty("I2CPSC was written with IRS = 1, where it has no effect; write it in IRS = 0", "SPRUG03B §1.4")
+            if self.options.psc_write_irs1 == "dropped":
+                return
+        state.psc = value
+        least, most = MODULE_CLOCK_HZ
+        if not least <= SYSCLK_HZ // (value + 1) <= most:
+            mhz = SYSCLK_HZ / (value + 1) / 1e6
+            state.duty(
+                f"I2CPSC = {value} gives a module clock of {mhz:.2f} MHz at 150 MHz; expected 7 to 12 MHz",
+                "SPRUG03B §1.4",
+            )
+
+    def _check_address(self, name: str, value: int) -> None:
+        if value & SEVEN_BIT_LEFTOVER and not self.state.mdr & MDR_XA:
+            self.state.duty(
+                f"{name} = {value:#05x} has bits 9 to 7 set with XA = 0; expected 0 there", "SPRUG03B §5.8, §5.9"
+            )
+
+    def _write_str(self, now: int, value: int) -> None:
+        state = self.state
+        state.str, _ = I2CSTR.write(state.str, value)
+        if value & state.str & STR_XRDY:
+            self.touched.add("xrdy_w1c")
+            if self.options.xrdy_w1c == "yes":
+                state.str &= ~STR_XRDY
+        state.update(now)
+
+    # I2CMDR -----------------------------------------------------------------------------
+
+    def _write_mdr(self, now: int, value: int) -> None:
+        state = self.state
+        old = state.mdr
+        commands = MDR_STT | MDR_STP
+        if not old & MDR_IRS:
+            if value & MDR_IRS and value & commands:
+                self.touched.add("stt_with_irs_write")
+            if not value & MDR_IRS or self.options.stt_with_irs_write == "dropped":
+                value = value & ~commands | old & commands
+        state.mdr = value
+        if value & MDR_IRS and not old & MDR_IRS:
+            self._enable(now)
+        elif old & MDR_IRS and not value & MDR_IRS:
+            self._disable(now)
+            return
+        elif value & MDR_IRS and (self.target.pulls | self.master.pulls) & SCL:
+            self.touched.add("irs_write1_releases_bus")
+            if self.options.irs_write1_releases_bus:
+                self.target.release_bus()
+        if value & MDR_DLB:
+            self._loopback_on(now, old)
+        if value & MDR_IRS:
+            if not value & MDR_MST and self.master.active and not value & MDR_DLB:
+                state.duty("MST was cleared in the middle of a transfer", "SPRUG03B Table 5")
+            self.master.command(now, value)
+            self.target.muted = self.master.active
+
+    def _loopback_on(self, now: int, old: int) -> None:
+        value = self.state.mdr
+        self.state.clear(now, STR_SDIR)
+        if not value & MDR_MST and not old & MDR_DLB:
+            self.state.duty("DLB was set with MST = 0; loopback needs a master", "SPRUG03B Table 5")
+        if value & MDR_FDF:
+            self.state.duty("DLB and FDF are both 1; free data format has no loopback", "SPRUG03B §2.5.3")
+
+    def _enable(self, now: int) -> None:
+        state = self.state
+        state.tm = state.psc + 1
+        self.target.reset()
+        state.fifo_levels(now)
+        state.update(now)
+
+    def _disable(self, now: int) -> None:
+        self.target.reset()
+        self.master.reset()
+        self.target.muted = False
+        self.state.mdr &= ~(MDR_STT | MDR_STP)
+        self.state.irs_reset(now)
+
+    # Clock, debugger, reset ----------------------------------------------------------------
+
+    def gate(self, now: int, on: bool) -> None:
+        """PCLKCR0.I2CAENCLK acts from `now` on."""
+        self._advance(now)
+        if on and not self._clocked:
+            self._scl, self._sda = self._raw & 1, self._raw >> 1
+            self.master.scl, self.master.sda = self._scl, self._sda
+        self._clocked = on
+        self._pending.clear()
+        self._plan()
+
+    def suspend(self, now: int, on: bool) -> None:
+        """A breakpoint was reached (True), or the debugger lets the CPU run on."""
+        self._advance(now)
+        self._suspended = on and not self.state.mdr & MDR_FREE
+        if self._suspended:
+            self.master.halt(now)
+            if self.target.phase in (OFF, IGNORE):
+                self._halted_idle = True
+        else:
+            self.master.go_on(now)
+            self.target.pulls &= ~self._frozen_pull
+            self._frozen_pull = 0
+        self._plan()
+
+    _frozen_pull = 0
+    _halted_idle = False
+
+    def _halt_target(self) -> None:
+        target = self.target
+        if self.master.active or target.phase in (OFF, IGNORE):
+            return
+        self.touched.add("free_slave_unit")
+        if self.options.free_slave_unit == "byte" and target.bit == 0 and not target.pulls & SCL:
+            target.pulls |= SCL
+            self._frozen_pull = SCL
+
+    def reset(self, now: int) -> None:
+        """XRS: every register takes its reset value, the clock gate is off."""
+        self.state.reset()
+        self.target.reset()
+        self.master.reset()
+        self._clocked = False
+        self._pending.clear()
+        self._suspended = False
+        self._plan()

@@ -1,0 +1,598 @@
+"""The I2C module as master: commands in I2CMDR go in; SCL and SDA, bit by bit, and flags come out.
+
+    STT --> START --> [START byte] --> address --> data --> hold, repeated START, or STOP
+
+The generator works on the level that SCL really has: a low that others lengthen delays
+the high phase, a low that others begin starts ours at once. Data are looked at behind the
+noise filter (`rise`). Source: SPRUG03B sections 2.3 to 2.8, 5.7, Tables 5, 6.
+
+Chosen:
+- START hold, repeated START setup and STOP setup last one high time of SCL.
+- SDA changes one module clock after SCL fell.
+- A hold ends with the write that sets STT or STP, also where the bit was 1 already.
+- hold_scl_after_nack = no: a STOP follows a NACK by itself.
+- In loopback the module acknowledges itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ..core.chip import NEVER
+from .i2c_map import (
+    MDR_DLB,
+    MDR_FDF,
+    MDR_MST,
+    MDR_NACKMOD,
+    MDR_RM,
+    MDR_STB,
+    MDR_STP,
+    MDR_STT,
+    MDR_TRX,
+    MDR_XA,
+    SCL,
+    SDA,
+    STR_AL,
+    STR_ARDY,
+    STR_BB,
+    STR_NACK,
+    STR_NACKSNT,
+    STR_RSFULL,
+    STR_XSMT,
+)
+from .i2c_state import I2cState
+
+START_BYTE = 0x01
+
+
+class I2cMaster:
+    """active: this module has the bus. pulls, due: as I2cTarget's."""
+
+    def __init__(self, state: I2cState) -> None:
+        self.state = state
+        self.active = False
+        self.pulls = 0
+        self.due = NEVER
+        self.scl = self.sda = 1  # the lines as they are, before the filter
+        self.frozen = False  # a debugger halt took hold
+        self.halting = False  # a debugger halt waits for SCL to be low
+        self._step: Callable[[int], None] = self._nothing
+        self._waits_for_rise = False
+        self._waits_for_bus = False
+        self._let_go_at = 0
+        self._low_from = 0
+        self._high_phase = False
+        self._after_high: Callable[[int], None] = self._fall
+        self.reset()
+
+    def reset(self) -> None:
+        """IRS = 0: lines released, no transfer."""
+        self.active = False
+        self.pulls = 0
+        self.due = NEVER
+        self._step = self._nothing
+        self._waits_for_rise = self._waits_for_bus = self._high_phase = False
+        self.counter = 0
+        self._addresses: list[int] = []
+        self._kind = ""  # of the byte in progress: start byte, address, send, take
+        self._n = 8
+        self._bit = 0
+        self._byte = 0
+        self._in = 0
+        self._sampled = 1
+        self._driven = 1
+        self._answer_nack = False
+        self._nack_armed = False
+        self._stp_at_start = False
+        self._holds = ""  # why SCL is held low: command, data, room
+        self._rsr_waits = False
+        self._stopping = False
+        self._restart_next: list[int] = []  # addresses for a repeated START made by itself
+        self._data_bytes = 0
+        self._deliver_at = NEVER
+        self._deliver = 0
+
+    def _nothing(self, now: int) -> None:
+        self.due = NEVER
+
+    # Clock -------------------------------------------------------------------------
+
+    def _d(self) -> int:
+        return max(5, 8 - self.state.tm)  # Table 15: 7, 6, 5 for IPSC 0, 1, more
+
+    def low(self) -> int:
+        """SCL low time in cycles."""
+        return self.state.tm * (self.state.clkl + self._d())
+
+    def high(self) -> int:
+        """SCL high time in cycles."""
+        return self.state.tm * (self.state.clkh + self._d())
+
+    def _at(self, now: int, step: Callable[[int], None]) -> None:
+        self.due, self._step = now, step
+
+    def timer(self, now: int) -> None:
+        """`due` has come."""
+        if self._deliver_at <= now:
+            self._deliver_at = NEVER
+            self._received(now, self._deliver)
+            return
+        step, self.due, self._step = self._step, NEVER, self._nothing
+        step(now)
+
+    @property
+    def next_due(self) -> int:
+        return min(self.due, self._deliver_at)
+
+    # Commands -----------------------------------------------------------------------
+
+    def command(self, now: int, written: int) -> None:
+        """I2CMDR was written with `written`: act on STT and STP."""
+        state = self.state
+        mdr = state.mdr
+        if not mdr & MDR_MST or not written & (MDR_STT | MDR_STP):
+            return
+        if mdr & MDR_RM and mdr & MDR_STT and mdr & MDR_STP and not self.active:
+            return  # reserved: no activity (Table 6)
+        if not self.active:
+            if mdr & MDR_STT:
+                self._request_bus(now)
+            return
+        if self._holds == "command":
+            if mdr & MDR_STT:
+                self._restart(now)
+            elif mdr & MDR_STP:
+                self._stop_if_allowed(now)
+        elif self._holds == "data" and mdr & MDR_RM:
+            if mdr & MDR_STT:
+                self._restart(now)
+            elif mdr & MDR_STP:
+                self._stop(now)
+
+    def _request_bus(self, now: int) -> None:
+        state = self.state
+        if state.str & STR_BB:
+            state.touched.add("stt_while_busy")
+            policy = state.options.stt_while_busy
+            if policy == "foreign_al":
+                self.lose(now)
+                return
+            if policy == "foreign_waits":
+                self._waits_for_bus = True
+                return
+        self._start(now)
+
+    def bus_free(self, now: int) -> None:
+        """A STOP was seen."""
+        if self._stopping:
+            self._stopping = False
+            self.active = False
+            self.state.mdr &= ~(MDR_STP | MDR_MST)
+            self.state.wanted = False
+        elif self._waits_for_bus:
+            self._waits_for_bus = False
+            self._at(now + self.low(), self._start)
+
+    def _start(self, now: int) -> None:
+        if not self.scl or not self.sda:  # not free yet
+            self._at(now + self.low(), self._start)
+            return
+        self.active = True
+        self._begin_start(now)
+
+    def _begin_start(self, now: int) -> None:
+        state = self.state
+        self.pulls |= SDA
+        self._high_phase = False
+        state.wanted = state.trx
+        state.clear(now, STR_ARDY)
+        self._at(now + self.high(), self._started)
+
+    def _started(self, now: int) -> None:
+        """START is out: SCL goes low, the first byte is chosen."""
+        state = self.state
+        mdr = state.mdr
+        self._scl_low(now)
+        if self._restart_next:
+            self._addresses, self._restart_next = self._restart_next, []
+            self._next_address(now)
+            return
+        if mdr & MDR_STB and self._kind != "start byte":
+            self._kind = "start byte"
+            self._begin_byte(now, START_BYTE, 8)
+            return
+        state.mdr &= ~MDR_STT
+        self._stp_at_start = bool(mdr & MDR_STP)
+        self._data_bytes = 0
+        state.touched.add("cnt_copy_point")
+        if state.options.cnt_copy_point == "start":
+            self.load_counter()
+        state.wanted = bool(mdr & MDR_TRX)
+        state.update(now)
+        if mdr & MDR_FDF:
+            self._kind = ""
+            self._next_data(now)
+        else:
+            self._addresses = self._address_bytes()
+            self._next_address(now)
+
+    def load_counter(self) -> None:
+        self.counter = self.state.cnt or 65536
+
+    def _address_bytes(self) -> list[int]:
+        state = self.state
+        mdr = state.mdr
+        address = state.oar if mdr & MDR_DLB else state.sar
+        read = 0 if mdr & MDR_TRX else 1
+        if not mdr & MDR_XA:
+            return [(address & 0x7F) << 1 | read]
+        header = 0xF0 | address >> 7 & 6
+        if not read:
+            return [header, address & 0xFF]
+        state.touched.add("ten_bit_read")
+        if state.options.ten_bit_read == "full_address_first" and self._kind != "send":
+            self._restart_next = [header | 1]
+            return [header, address & 0xFF]
+        return [header | 1]
+
+    # Bytes --------------------------------------------------------------------------
+
+    def _next_address(self, now: int) -> None:
+        self._kind = "address"
+        self._begin_byte(now, self._addresses.pop(0), 8)
+
+    def _begin_byte(self, now: int, byte: int, n: int) -> None:
+        self._byte, self._n, self._bit, self._in = byte, n, 0, 0
+        self._answer_nack = self._nack_armed = False
+        self._holds = ""
+        self._at(max(now, self._low_from + self.state.tm), self._set_sda)
+
+    def _set_sda(self, now: int) -> None:
+        """SCL is low: the next bit goes to SDA, SCL is let go when the low time is over."""
+        bit, n = self._bit, self._n
+        if self._kind == "take":
+            level = int(self._answer_nack) if bit == n else 1
+        else:
+            level = 1 if bit == n else self._byte >> (n - 1 - bit) & 1
+        self._drive(level)
+        setup = self.state.options.sda_setup_before_scl_release * self.state.tm
+        self._at(max(self._low_from + self.low(), now + setup), self._release)
+
+    def _drive(self, level: int) -> None:
+        self._driven = level
+        if level:
+            self.pulls &= ~SDA
+        else:
+            self.pulls |= SDA
+
+    def _release(self, now: int) -> None:
+        if self.frozen:
+            return
+        self.pulls &= ~SCL
+        self._let_go_at = now
+        self._waits_for_rise = True
+        self.due = NEVER
+
+    def line(self, now: int, index: int, level: int) -> None:
+        """SCL (0) or SDA (1) really changed: the generator follows SCL."""
+        if index:
+            self.sda = level
+            return
+        self.scl = level
+        if level and self._waits_for_rise:
+            self._waits_for_rise = False
+            self._high_phase = True
+            late = 0
+            if now > self._let_go_at:
+                self.state.touched.add("scl_sync_cycles")
+                late = self.state.options.scl_sync_cycles * self.state.tm
+            self._at(now + late + self.high(), self._after_high)
+        elif not level and self._high_phase and self._after_high == self._fall:
+            self._fall(now)  # somebody's low began: ours begins, too
+
+    def rise(self, now: int, sda: int) -> None:
+        """SCL has risen, behind the filter: one bit."""
+        if not self.active or self._after_high != self._fall:
+            return
+        self._sampled = sda
+        if self._kind != "take" and self._bit < self._n and self._driven and not sda:
+            self.lose(now)
+            return
+        if self._kind == "take" and self._bit < self._n:
+            self._in = self._in << 1 | sda
+            if self._bit == self._n - 1:
+                self._nack_armed = bool(self.state.mdr & MDR_NACKMOD)
+        if self._kind == "take" and self._bit == self._n and self.state.options.rrdy_point == "rise9":
+            self._take(now)
+
+    def _scl_low(self, now: int) -> None:
+        self.pulls |= SCL
+        self._low_from = now
+        self._high_phase = False
+        if self.halting:
+            self.halting, self.frozen = False, True
+
+    def _fall(self, now: int) -> None:
+        self._scl_low(now)
+        self._bit = bit = self._bit + 1
+        if bit <= self._n:
+            if bit == self._n and self._kind == "take":
+                self._choose_answer()
+                if self.state.options.rrdy_point == "fall8":
+                    self._take(now)
+            if bit == self._n and self._kind == "send" and self.state.mdr & MDR_DLB:
+                self._loop_back(now)
+            self._at(now + self.state.tm, self._set_sda)
+            return
+        self._byte_over(now)
+
+    def _byte_over(self, now: int) -> None:
+        state = self.state
+        ack = self._sampled == 0 or bool(state.mdr & MDR_DLB)
+        kind = self._kind
+        if kind == "start byte":
+            self._restart(now)
+        elif kind == "address":
+            self._address_over(now, ack)
+        elif kind == "send":
+            self._sent(now, ack)
+        else:
+            self._taken(now)
+
+    def _address_over(self, now: int, ack: bool) -> None:
+        state = self.state
+        general_call = not state.mdr & MDR_XA and self._byte == 0
+        if ack and not general_call:
+            state.clear(now, STR_NACK)
+        elif ack:
+            state.nack_received(now, as_slave=False)
+        if not ack:
+            self._refused(now)
+        elif self._addresses:
+            self._next_address(now)
+        elif self._restart_next:
+            self._restart(now)
+        else:
+            self._next_data(now)
+
+    def _next_data(self, now: int) -> None:
+        """SCL is low, the bus is ours: the next data byte, or a wait for it."""
+        state = self.state
+        if not state.mdr & MDR_TRX:
+            self._kind = "take"
+            self._begin_byte(now, 0, state.bits)
+        elif state.copy_to_xsr(now):
+            state.xsr_full = False
+            self._kind = "send"
+            self._begin_byte(now, state.xsr, state.bits)
+        elif state.mdr & MDR_RM and state.mdr & MDR_STP:
+            self._stop(now)
+        else:
+            self._kind = "send"
+            self._holds = "data"
+            state.clear(now, STR_XSMT)
+            if state.mdr & MDR_RM and self._data_bytes:
+                state.set(now, STR_ARDY)
+
+    def dxr_written(self, now: int) -> None:
+        if self._holds == "data":
+            self._next_data(now)
+
+    def _sent(self, now: int, ack: bool) -> None:
+        state = self.state
+        self._data_bytes += 1
+        self.counter -= 1
+        if not ack:
+            self._refused(now)
+            return
+        if not (not state.mdr & MDR_XA and state.sar == 0 and not state.mdr & MDR_FDF):
+            state.clear(now, STR_NACK)
+        if state.mdr & MDR_RM:
+            state.set(now, STR_ARDY)
+            if state.mdr & MDR_STT:
+                self._restart(now)
+            elif state.mdr & MDR_STP and not state.tx_ready:
+                self._stop(now)
+            else:
+                self._next_data(now)
+        elif self.counter == 0:
+            self._done(now)
+        else:
+            self._next_data(now)
+
+    def _done(self, now: int) -> None:
+        """The counter has reached 0."""
+        state = self.state
+        if state.mdr & MDR_STP:
+            self._stop(now)
+            return
+        state.set(now, STR_ARDY)
+        if state.mdr & MDR_STT:
+            self._restart(now)
+        else:
+            self._holds = "command"
+
+    def _refused(self, now: int) -> None:
+        state = self.state
+        state.wanted = False
+        state.touched |= {"ardy_on_nack", "hold_scl_after_nack"}
+        if state.options.ardy_on_nack:
+            state.str |= STR_ARDY
+        state.nack_received(now, as_slave=False)
+        self._addresses = []
+        self._restart_next = []
+        if state.options.hold_scl_after_nack:
+            self._holds = "command"
+        else:
+            self._stop(now)
+
+    # Receiving ------------------------------------------------------------------------
+
+    def _repeat(self) -> bool:
+        if not self.state.mdr & MDR_RM:
+            return False
+        self.state.touched.add("rm_receiver")
+        return self._kind != "take" or self.state.options.rm_receiver == "allowed"
+
+    def _choose_answer(self) -> None:
+        state = self.state
+        stp = bool(state.mdr & MDR_STP)
+        if self._nack_armed:
+            self._answer_nack = True
+        elif self._repeat():
+            self._answer_nack = stp or bool(state.mdr & MDR_STT)
+        elif self.counter <= 1:
+            state.touched.add("mr_nack_at_count0")
+            self._answer_nack = stp or state.options.mr_nack_at_count0 == "always"
+        else:
+            self._answer_nack = stp and not self._stp_at_start
+
+    def _take(self, now: int) -> None:
+        state = self.state
+        value = self._in & 0xFF
+        if self._n < 8:
+            state.touched.add("bc_less_than_8_upper_bits")
+            if state.options.bc_less_than_8_upper_bits == "zeros":
+                value = self._in & (1 << self._n) - 1
+        self._received(now, value)
+
+    def _received(self, now: int, value: int) -> None:
+        state = self.state
+        if state.rx_blocked:
+            state.rsr = value
+            self._rsr_waits = True
+            state.overrun(now)
+        else:
+            state.received(now, value)
+
+    def _taken(self, now: int) -> None:
+        state = self.state
+        if state.options.rrdy_point == "fall9":
+            self._take(now)
+        if self._answer_nack:
+            if self._nack_armed:
+                state.mdr &= ~MDR_NACKMOD
+            state.set(now, STR_NACKSNT)
+        self.counter -= 1
+        self._data_bytes += 1
+        if self._rsr_waits:
+            self._holds = "room"
+            return
+        self._after_taken(now)
+
+    def _after_taken(self, now: int) -> None:
+        state = self.state
+        mdr = state.mdr
+        if self._repeat():
+            if mdr & MDR_STT:
+                self._restart(now)
+            elif mdr & MDR_STP:
+                self._stop(now)
+            elif self._answer_nack:
+                self._holds = "command"
+            else:
+                self._next_data(now)
+        elif self.counter <= 0:
+            self._done(now)
+        elif self._answer_nack:
+            if mdr & MDR_STP:
+                self._stop(now)
+            else:
+                self._holds = "command"
+        else:
+            self._next_data(now)
+
+    def drr_read(self, now: int) -> None:
+        state = self.state
+        if not self._rsr_waits or state.rx_blocked:
+            return
+        self._rsr_waits = False
+        state.str &= ~STR_RSFULL
+        state.received(now, state.rsr)
+        if self._holds == "room":
+            self._holds = ""
+            self._after_taken(now)
+
+    def _loop_back(self, now: int) -> None:
+        """The byte sent comes back n = 8 module clocks after its last bit, or after the write of I2CDXR."""
+        state = self.state
+        state.touched.add("dlb_delay")
+        self._deliver = self._byte & 0xFF
+        late = 8 * state.tm
+        self._deliver_at = now + late if state.options.dlb_delay == "after_last_bit" else now
+
+    # STOP, repeated START, loss ----------------------------------------------------------
+
+    def _stop_if_allowed(self, now: int) -> None:
+        state = self.state
+        if not self._data_bytes and not state.mdr & MDR_RM:
+            state.touched.add("stop_without_data")
+            if state.options.stop_without_data == "waits_for_data" and not state.str & STR_NACK:
+                return
+        self._stop(now)
+
+    def _stop(self, now: int) -> None:
+        self._begin_condition(now, 0, self._stop_high)
+
+    def _stop_high(self, now: int) -> None:
+        self._stopping = True
+        self._after_high = self._fall
+        self._high_phase = False
+        self.pulls &= ~SDA
+
+    def _restart(self, now: int) -> None:
+        self._begin_condition(now, 1, self._restart_high)
+
+    def _restart_high(self, now: int) -> None:
+        self._after_high = self._fall
+        self._begin_start(now)
+
+    def _begin_condition(self, now: int, sda: int, then: Callable[[int], None]) -> None:
+        """SCL is low: SDA to `sda`, SCL let go after the low time, `then` one high time after it rose."""
+        self._holds = ""
+        self._after_high = then
+        self._condition_sda = sda
+        self._at(max(now, self._low_from + self.state.tm), self._condition_low)
+
+    _condition_sda = 1
+
+    def _condition_low(self, now: int) -> None:
+        self._drive(self._condition_sda)
+        setup = self.state.options.sda_setup_before_scl_release * self.state.tm
+        self._at(max(self._low_from + self.low(), now + setup), self._release)
+
+    def lose(self, now: int) -> None:
+        """Arbitration is lost, or the bus was another's: AL, and the module is a slave-receiver."""
+        state = self.state
+        state.touched.add("al_clears_stt")
+        cleared = MDR_MST | MDR_STP
+        if state.options.al_clears_stt:
+            cleared |= MDR_STT
+        state.mdr &= ~cleared
+        self.active = False
+        self.pulls = 0
+        self._at(NEVER, self._nothing)
+        self._waits_for_rise = self._high_phase = False
+        self._addresses = []
+        self._restart_next = []
+        self._holds = ""
+        self._after_high = self._fall
+        state.wanted = False
+        state.set(now, STR_AL)
+
+    # Debugger ----------------------------------------------------------------------------
+
+    def halt(self, now: int) -> None:
+        if not self.active:
+            return
+        if self.pulls & SCL:
+            self.frozen = True
+        else:
+            self.halting = True
+
+    def go_on(self, now: int) -> None:
+        self.halting = False
+        if self.frozen:
+            self.frozen = False
+            if self._step == self._nothing and not self._holds and self.pulls & SCL:
+                self._at(now, self._release)

@@ -1,0 +1,539 @@
+"""The I2C module as slave, bit by bit: START, STOP, rise and fall go in; what it pulls low, and flags, come out.
+
+    OFF --START--> ADDRESS --match--> RECEIVE or TRANSMIT --STOP--> OFF
+                      +--no match, or NACK received--> IGNORE --START or STOP-->
+
+A byte is n bits (8 for addresses, BC for data). `bit` counts the rises of the present
+byte; "rise 8" and "fall 8" are those of its n-th pulse, "rise 9", "fall 9" of the
+acknowledge. Source: SPRUG03B sections 2 and 3, Table 1, Table 10, Figure 17.
+
+Chosen:
+- A slave that has sent a NACK goes on receiving until the START or STOP.
+- A NACK has been sent (NACKSNT, NACKMOD) at the fall that ends its slot.
+- In free data format a transmitter is loaded at the fall after START.
+- BCM = 0: the copy comes one module clock after the write, the release of SCL after the setup time.
+"""
+
+from __future__ import annotations
+
+from ..core.chip import NEVER
+from .i2c_map import (
+    MDR_FDF,
+    MDR_IRS,
+    MDR_MST,
+    MDR_NACKMOD,
+    MDR_XA,
+    SCL,
+    SDA,
+    STR_AAS,
+    STR_AD0,
+    STR_BB,
+    STR_NACK,
+    STR_NACKSNT,
+    STR_RSFULL,
+    STR_SCD,
+    STR_SDIR,
+    STR_XRDY,
+    STR_XSMT,
+)
+from .i2c_state import I2cState
+
+OFF, ADDRESS, ADDRESS_LOW, RECEIVE, TRANSMIT, IGNORE = range(6)
+TEN_BIT = 0b11110
+ONES = 0xFF
+
+
+class I2cTarget:
+    """pulls: mask of the lines held low. due: when it must be called by itself (`timer`), or NEVER."""
+
+    def __init__(self, state: I2cState) -> None:
+        self.state = state
+        self.pulls = 0
+        self.due = NEVER
+        self.phase = OFF
+        self.bit = 0
+        self.muted = False  # this module is master now: it hears, but answers nothing
+        self.halting = False  # a debugger halt waits for the end of this byte or transfer
+        self._n = 8
+        self._shift = 0
+        self._ack = False
+        self._nack_armed = False
+        self._read = False
+        self._selected = False  # 10-bit: the whole address matched in this transfer
+        self._own = False  # this transfer was for us
+        self._waits_for_data = False  # SCL held: transmitter without data
+        self._waits_for_room = False  # SCL held: receiver with I2CDRR unread
+        self._rsr_waits = False
+        self._copy_at = NEVER
+        self._sent = 0
+        self._first_byte = False
+        self._shifting = False
+        self._oar = 0
+
+    # What matters when ------------------------------------------------------------
+
+    def cares(self, level: int) -> bool:
+        """Whether the next SCL edge, to `level`, can change anything that anybody sees."""
+        if self.phase == OFF or self.phase == IGNORE:
+            return False
+        if self.phase == TRANSMIT:
+            return not level or self.bit >= self._n
+        return self.bit + level >= self._n
+
+    # Line events --------------------------------------------------------------------
+
+    def start(self, now: int) -> None:
+        state, options = self.state, self.state.options
+        self._let_go()
+        flags = STR_AD0
+        if options.sdir_clear == "any_start_or_stop":
+            flags |= STR_SDIR
+        if state.str & STR_SDIR:
+            state.touched.add("sdir_clear")
+        if not state.mdr & MDR_XA:
+            flags |= STR_AAS
+        state.str &= ~flags
+        state.wanted = False
+        state.set(now, STR_BB)
+        if options.oar_latch == "at_start":
+            self._oar = state.oar
+        self.bit = 0
+        self._shift = 0
+        self._n = 8
+        self._sent = 0
+        self._nack_armed = False
+        self.phase = ADDRESS
+        self._first_byte = True
+        if state.mdr & MDR_FDF and not state.mdr & MDR_MST:
+            self._own = True
+            self._n = state.bits
+            self.phase = TRANSMIT if state.trx else RECEIVE
+
+    def stop(self, now: int) -> None:
+        state, options = self.state, self.state.options
+        self._let_go()
+        if not self._own:
+            state.touched.add("scd_foreign")
+        if self._own or options.scd_foreign == "every_stop":
+            state.str |= STR_SCD
+        flags = STR_BB | STR_AD0 | STR_AAS
+        if options.sdir_clear == "any_start_or_stop":
+            flags |= STR_SDIR
+        state.wanted = False
+        state.clear(now, flags)
+        self.phase = OFF
+        self._own = self._selected = False
+
+    def rise(self, now: int, sda: int) -> None:
+        phase = self.phase
+        if phase == OFF or phase == IGNORE:
+            return
+        self.bit = bit = self.bit + 1
+        n = self._n
+        if bit <= n:
+            if phase != TRANSMIT:
+                self._shift = self._shift << 1 | sda
+                if bit == n:
+                    self._last_rise(now)
+        elif phase == TRANSMIT:
+            self._answered(now, sda)
+        elif self._ack:
+            self._ack_rise(now)
+
+    def fall(self, now: int) -> None:
+        phase = self.phase
+        if phase == OFF or phase == IGNORE:
+            return
+        bit, n = self.bit, self._n
+        if bit < n:
+            if phase == TRANSMIT:
+                if bit == 0 and self._first_byte:
+                    self._begin_byte(now, first=True)
+                else:
+                    self._drive(self.state.xsr >> (n - 1 - bit) & 1)
+        elif bit == n:
+            if phase == TRANSMIT:
+                self._drive(1)
+                self._shifting = False
+                self._eager(now)
+            elif phase == RECEIVE:
+                self._data_complete(now)
+            else:
+                self._address_complete(now)
+        else:
+            self._slot_ends(now)
+
+    # Address ------------------------------------------------------------------------
+
+    def _last_rise(self, now: int) -> None:
+        """Rise 8: NACKMOD is looked at; with aas_sdir_point = rise8 the address is judged already."""
+        state = self.state
+        self._nack_armed = bool(state.mdr & MDR_NACKMOD)
+        if self.phase == RECEIVE:
+            return
+        if state.options.aas_sdir_point == "rise8" and not self.muted and self._matches():
+            self._address_flags(now)
+
+    def _matches(self) -> bool:
+        """Whether the address byte in I2CRSR is ours; also says whether it asks us to send."""
+        state, options, byte = self.state, self.state.options, self._shift & 0xFF
+        own = state.oar if options.oar_latch == "live" else self._oar
+        self._read = False
+        if self.phase == ADDRESS_LOW:
+            return byte == own & 0xFF
+        if byte == 0:
+            state.touched.add("general_call")
+            return options.general_call == "acknowledged"
+        if byte == 1:
+            state.touched |= {"start_byte_ad0", "oar_zero"}
+            self._read = True
+            return own == 0 and not state.mdr & MDR_XA and options.oar_zero == "own_address_too"
+        self._read = bool(byte & 1)
+        if state.mdr & MDR_XA:
+            if byte >> 3 != TEN_BIT or byte >> 1 & 3 != own >> 8 & 3:
+                return False
+            return self._selected or not self._read
+        return byte >> 1 == own & 0x7F
+
+    def _whole_address(self) -> bool:
+        """False for the first byte of a 10-bit address, which sets no flag yet."""
+        return not self.state.mdr & MDR_XA or self.phase == ADDRESS_LOW or self._read or self._shift & 0xFF == 0
+
+    def _address_complete(self, now: int) -> None:
+        state, options = self.state, self.state.options
+        self._ack = not self.muted and self._matches()
+        if not self._ack:
+            if self._shift & 0xFF == 1 and options.start_byte_ad0 == "set" and not self.muted:
+                state.str |= STR_AD0
+            if state.mdr & MDR_XA:
+                state.clear(now, STR_AAS)
+                self._selected = False
+            self.phase = IGNORE
+            return
+        refused = self._nack_armed and options.nackmod_on_address == "address_too"
+        if refused:
+            self._ack = False
+        self._own = True
+        if self._read and options.stale_byte_next_read == "discarded" and state.tx_ready:
+            state.dxr_full = False
+            state.set(now, STR_XRDY)
+        if self._read and state.tx_ready:
+            state.touched.add("stale_byte_next_read")
+        state.touched.add("aas_sdir_point")
+        if options.aas_sdir_point == "fall8":
+            self._address_flags(now)
+        if self._ack:
+            self.pulls |= SDA
+
+    def _address_flags(self, now: int) -> None:
+        state = self.state
+        if not self._whole_address():
+            return
+        flags = STR_AAS
+        if self._read:
+            flags |= STR_SDIR
+            state.wanted = state.bcm == 1
+        if self._shift & 0xFF == 0 and self.phase == ADDRESS:
+            flags |= STR_AD0
+        state.set(now, flags)
+
+    # Receiving ------------------------------------------------------------------------
+
+    def _policy(self) -> str:
+        """What a byte without room meets: "stretch", "nack" or "overwrite"."""
+        state = self.state
+        if state.fifo:
+            state.touched.add("fifo_17th_byte")
+            return state.options.fifo_17th_byte
+        state.touched.add("rx_overrun_policy")
+        return state.options.rx_overrun_policy.partition("_")[0]
+
+    def _data_complete(self, now: int) -> None:
+        """Fall 8 of a data byte."""
+        state = self.state
+        self._ack = not self._nack_armed
+        blocked = state.rx_blocked
+        if blocked and self._policy() == "nack":
+            self._ack = False
+        if self._ack:
+            if blocked and self._policy() == "stretch" and state.options.rsfull_stretch_point == "before_ack":
+                state.touched.add("rsfull_stretch_point")
+                self.pulls |= SCL
+                self._waits_for_room = True
+            else:
+                self.pulls |= SDA
+        state.touched.add("rrdy_point")
+        if state.options.rrdy_point == "fall8" or self._waits_for_room:
+            self._take(now)
+
+    def _take(self, now: int) -> None:
+        """I2CRSR is complete: it moves on, or waits."""
+        state = self.state
+        value = self._value()
+        if self._first_byte and state.mdr & MDR_FDF:
+            state.touched.add("aas_fdf_point")
+        if state.rx_blocked:
+            self._rsr_waits = True
+            state.rsr = value
+            state.overrun(now)
+        else:
+            state.received(now, value)
+
+    def _value(self) -> int:
+        if self._n == 8:
+            return self._shift & 0xFF
+        self.state.touched.add("bc_less_than_8_upper_bits")
+        if self.state.options.bc_less_than_8_upper_bits == "zeros":
+            return self._shift & (1 << self._n) - 1
+        return self._shift & 0xFF
+
+    def _ack_rise(self, now: int) -> None:
+        """Rise 9 of a byte that we acknowledge."""
+        state, options = self.state, self.state.options
+        if self.phase == RECEIVE and options.rrdy_point == "rise9" and not self._rsr_waits:
+            self._take(now)
+        if self._read and self.phase == ADDRESS and options.dxr_to_xsr_copy_point == "ack_rise9" and state.bcm:
+            self._copy(now, xrdy=options.xrdy_rise_point == "at_copy")
+
+    def drr_read(self, now: int) -> None:
+        """The CPU has read I2CDRR: a waiting byte moves on, a stretch ends."""
+        if not self._rsr_waits or self.state.rx_blocked:
+            return
+        self._rsr_waits = False
+        self.state.str &= ~STR_RSFULL
+        self.state.received(now, self.state.rsr)
+        if self._waits_for_room:
+            self._waits_for_room = False
+            if self.bit == self._n:
+                self.pulls |= SDA
+            self.pulls &= ~SCL
+
+    # The acknowledge slot's end -----------------------------------------------------------
+
+    def _slot_ends(self, now: int) -> None:
+        state, options = self.state, self.state.options
+        phase = self.phase
+        self.pulls &= ~SDA
+        if phase == TRANSMIT:
+            self._begin_byte(now, first=False)
+            return
+        if not self._ack:
+            self._nack_was_sent(now)
+        elif phase in (ADDRESS, ADDRESS_LOW) and options.aas_sdir_point == "fall9":
+            self._address_flags(now)
+        if phase == RECEIVE:
+            self._data_slot_ends(now)
+        if self._ack and not self._read and options.dxr_to_xsr_copy_point == "any_ack_fall9" and state.bcm:
+            if state.tx_ready:
+                state.touched.add("dxr_to_xsr_copy_point")
+            self._copy(now)
+        self._next_byte(now)
+
+    def _data_slot_ends(self, now: int) -> None:
+        state = self.state
+        if state.options.rrdy_point == "fall9" or (state.options.rrdy_point == "rise9" and not self._ack):
+            self._take(now)
+        if self._first_byte and state.mdr & MDR_FDF:
+            state.set(now, STR_AAS)
+        if self._rsr_waits and self._ack and self._policy() == "stretch":
+            state.touched.add("rsfull_stretch_point")
+            self.pulls |= SCL
+            self._waits_for_room = True
+
+    def _nack_was_sent(self, now: int) -> None:
+        state = self.state
+        if self._nack_armed:
+            state.mdr &= ~MDR_NACKMOD
+        state.set(now, STR_NACKSNT)
+
+    def _next_byte(self, now: int) -> None:
+        state = self.state
+        phase, low = self.phase, self.phase == ADDRESS_LOW
+        self.bit = 0
+        self._nack_armed = False
+        self._first_byte = False
+        if phase in (ADDRESS, ADDRESS_LOW) and not self._ack:
+            self.phase = IGNORE
+        elif phase == ADDRESS and state.mdr & MDR_XA and not self._read and self._shift & 0xFF:
+            self.phase = ADDRESS_LOW
+        elif phase in (ADDRESS, ADDRESS_LOW) and self._read:
+            self.phase = TRANSMIT
+            self._begin_byte(now, first=True)
+        elif phase in (ADDRESS, ADDRESS_LOW):
+            self._selected = self._selected or low
+            self.phase = RECEIVE
+        self._n = 8 if self.phase == ADDRESS_LOW else state.bits
+        if self.phase != TRANSMIT and self._n == 8:
+            self._shift = 0
+
+    # Sending ---------------------------------------------------------------------------------
+
+    def _copy(self, now: int, xrdy: bool = True) -> bool:
+        return self.state.copy_to_xsr(now, xrdy)
+
+    def eager_now(self) -> bool:
+        """Whether a byte in I2CDXR goes to I2CXSR at once."""
+        state = self.state
+        point = state.options.dxr_to_xsr_copy_point
+        if point == "eager_if_trx":
+            return state.trx
+        return point in ("eager", "eager_reloaded_at_address")
+
+    def _eager(self, now: int) -> None:
+        if self.eager_now() and not self.state.xsr_full and not self._shifting and self.state.tx_ready:
+            self.state.touched.add("dxr_to_xsr_copy_point")
+            self._copy(now)
+
+    def dxr_written(self, now: int) -> None:
+        """The CPU wrote I2CDXR."""
+        state = self.state
+        if self._waits_for_data:
+            if state.bcm:
+                self._copy(now)
+                self._send(now)
+                self._waits_for_data = False
+                self._release(now)
+            elif self._copy_at == NEVER:
+                state.touched.add("xsmt_rule")
+                if state.options.xsmt_rule == "figure":
+                    state.clear(now, STR_XSMT)
+                self._copy_at = now + state.tm
+                self.due = min(self.due, self._copy_at)
+            return
+        if not self.muted and not state.mdr & MDR_MST:
+            self._eager(now)
+
+    def _release(self, now: int) -> None:
+        self.state.touched.add("sda_setup_before_scl_release")
+        setup = self.state.options.sda_setup_before_scl_release * self.state.tm
+        if setup:
+            self._release_at = now + setup
+            self.due = min(self._release_at, self._copy_at)
+        else:
+            self.pulls &= ~SCL
+
+    _release_at = NEVER
+
+    def timer(self, now: int) -> None:
+        """`due` has come."""
+        if self._copy_at <= now:
+            self._copy_at = NEVER
+            self._waits_for_data = False
+            self._copy(now)
+            self.state.set(now, STR_XSMT)
+            self._send(now)
+            self._release(now)
+        if self._release_at <= now:
+            self._release_at = NEVER
+            self.pulls &= ~SCL
+        self.due = min(self._copy_at, self._release_at)
+
+    def _begin_byte(self, now: int, first: bool) -> None:
+        """Fall 9 of an acknowledged byte (or the fall after START): the next byte of data begins."""
+        state, options = self.state, self.state.options
+        self.bit = 0
+        self._n = state.bits
+        self._first_byte = False
+        if options.cnt_in_slave_tx == "counts_bytes" and state.cnt and self._sent >= state.cnt:
+            state.touched.add("cnt_in_slave_tx")
+            state.xsr, state.xsr_full = ONES, True
+            self._send(now)
+            return
+        point = options.dxr_to_xsr_copy_point
+        if state.tx_ready and state.bcm:
+            state.touched.add("dxr_to_xsr_copy_point")
+        if not state.bcm:
+            state.wanted = True
+            self._copy(now)
+        elif (
+            point in ("any_ack_fall9", "ack_fall9")
+            or (point == "eager_reloaded_at_address" and first)
+            or not state.xsr_full
+        ):
+            self._copy(now)
+        elif point == "ack_rise9" and not state.dxr_full:
+            state.set(now, STR_XRDY)
+        if state.xsr_full:
+            self._send(now)
+        else:
+            self._underflow(now, first)
+
+    def _underflow(self, now: int, first: bool) -> None:
+        state, options = self.state, self.state.options
+        state.touched.add("tx_underflow_policy")
+        if state.bcm or options.xsmt_rule == "text":
+            state.str &= ~STR_XSMT
+        state.update(now)
+        if state.bcm:
+            if first:
+                state.touched.add("stretch_after_address_ack")
+            if first and not options.stretch_after_address_ack:
+                self._send(now)
+                return
+            if options.tx_underflow_policy != "stretch":
+                if options.tx_underflow_policy == "send_ones":
+                    state.xsr = ONES
+                self._send(now)
+                return
+        self.pulls |= SCL
+        self._waits_for_data = True
+
+    def _send(self, now: int) -> None:
+        """The byte in I2CXSR begins to be shifted out: its first bit goes to SDA."""
+        state = self.state
+        state.xsr_full = False
+        self._shifting = True
+        self._sent += 1
+        self._drive(state.xsr >> (self._n - 1) & 1)
+
+    def _drive(self, level: int) -> None:
+        if level:
+            self.pulls &= ~SDA
+        else:
+            self.pulls |= SDA
+
+    def _answered(self, now: int, sda: int) -> None:
+        """Rise 9 of a byte that we sent."""
+        state, options = self.state, self.state.options
+        if sda == 0:
+            state.clear(now, STR_NACK)
+            if options.dxr_to_xsr_copy_point == "ack_rise9" and state.bcm:
+                self._copy(now, xrdy=options.xrdy_rise_point == "at_copy")
+            return
+        self.phase = IGNORE
+        state.wanted = False
+        state.str &= ~STR_AAS
+        if state.tx_ready:
+            state.touched.add("nack_clears_dxr")
+            if options.nack_clears_dxr:
+                state.dxr_full = False
+                state.str |= STR_XRDY
+        else:
+            state.touched.add("xsmt_on_final_nack")
+            if options.xsmt_on_final_nack == "0_without_stretch":
+                state.str &= ~STR_XSMT
+        state.nack_received(now, as_slave=True)
+
+    # Reset and release ------------------------------------------------------------------------
+
+    def _let_go(self) -> None:
+        self.pulls = 0
+        self._waits_for_data = self._waits_for_room = False
+        self._copy_at = self._release_at = self.due = NEVER
+        self._shifting = False
+        self._ack = False
+
+    def reset(self) -> None:
+        """IRS = 0, or no clock: lines released, nothing going on."""
+        self._let_go()
+        self.phase = OFF
+        self.bit = 0
+        self._rsr_waits = self._own = self._selected = False
+        if self.state.mdr & MDR_IRS:
+            self._oar = self.state.oar
+
+    def release_bus(self) -> None:
+        """IRS = 1 written over 1, where that ends a stretch."""
+        self.pulls &= ~SCL
+        self._waits_for_data = self._waits_for_room = False
+        self._copy_at = self._release_at = self.due = NEVER

@@ -1,0 +1,59 @@
+"""What a firmware must be set to so that it answers as the captured target did: turns go in, settings come out.
+
+    turns of one address --> address, replies, asleep, busy
+
+A run of refused addresses becomes a time in which the firmware is out of reach: from the STOP of the write before
+it, or from the start, up to the middle between the last refusal and the START of the first turn that was answered.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+from .i2c_script import Turn
+
+
+@dataclass
+class AsTarget:
+    """Settings, times in positions of the capture. refused: refusals that neither `asleep` nor `busy` can imitate."""
+
+    address: int
+    replies: list[bytes] = field(default_factory=list)  # one a read
+    asleep: Fraction | None = None  # out of reach from the start up to here
+    busy: list[Fraction] = field(default_factory=list)  # after the n-th write that a STOP ended
+    refused: int = 0
+
+
+def as_target(address: int, turns: Iterable[Turn], end: int) -> AsTarget:
+    """The settings for one address. end: where a refusal that nothing follows is over."""
+    found = AsTarget(address)
+    refused: list[Turn] = []
+    last: Turn | None = None  # answered
+    for turn in turns:
+        if turn.address != address:
+            continue
+        if not turn.answer.ack:
+            refused.append(turn)
+            continue
+        if refused:
+            _out_of_reach(found, last, refused, Fraction(refused[-1].answered + turn.begin, 2))
+            refused = []
+        last = turn
+        if turn.read:
+            found.replies.append(turn.answer.data)
+        elif turn.stop is not None:
+            found.busy.append(Fraction(0))
+    if refused:
+        _out_of_reach(found, last, refused, Fraction(end))
+    return found
+
+
+def _out_of_reach(found: AsTarget, after: Turn | None, refused: list[Turn], until: Fraction) -> None:
+    if after is None:
+        found.asleep = until
+    elif not after.read and after.stop is not None:
+        found.busy[-1] = until - after.stop
+    else:
+        found.refused += len(refused)

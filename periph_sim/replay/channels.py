@@ -1,0 +1,51 @@
+"""Which channel of a capture is which line: `scl=0,sda=1` and the channels' names go in, a mapping comes out."""
+
+from __future__ import annotations
+
+from ..core.nearest import near
+from ..formats.capture import Capture
+from . import BadReplay
+
+I2C, UART = ("scl", "sda"), ("rx",)
+
+
+def channel_map(capture: Capture, text: str | None) -> dict[str, str]:
+    """Line -> channel, the lines being scl and sda, or rx. Without a text, channels that are called so are taken."""
+    if text is not None:
+        return _given(capture, text)
+    named = {channel.name.lower(): channel.name for channel in capture.channels}
+    for lines in (I2C, UART):
+        if all(line in named for line in lines):
+            return {line: named[line] for line in lines}
+    raise BadReplay(
+        f"{capture.path}: no channels called scl and sda, or rx; say which they are with --map scl=CHANNEL,sda=CHANNEL "
+        f"or --map rx=CHANNEL; it has {listed(capture)}"
+    )
+
+
+def _given(capture: Capture, text: str) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for part in text.split(","):
+        line, equals, wanted = (piece.strip() for piece in part.partition("="))
+        line = line.lower()
+        if not equals or not wanted:
+            raise BadReplay(f"--map {text!r}: expected scl=CHANNEL,sda=CHANNEL or rx=CHANNEL")
+        if line not in I2C + UART:
+            raise BadReplay(f"--map {text!r}: there is no line {line!r}; {near(line, I2C + UART)}")
+        try:
+            capture.channel(wanted)
+        except LookupError:
+            raise BadReplay(
+                f"--map {text!r}: {capture.path} has no single channel {wanted!r}; it has {listed(capture)}"
+            ) from None
+        found[line] = wanted
+    if set(found) not in (set(I2C), set(UART)):
+        raise BadReplay(f"--map {text!r}: expected scl and sda, or rx alone; found {', '.join(found)}")
+    if len({capture.channel(channel).index for channel in found.values()}) < len(found):
+        raise BadReplay(f"--map {text!r}: one channel cannot be both lines; {capture.path} has {listed(capture)}")
+    return found
+
+
+def listed(capture: Capture) -> str:
+    """The channels as a person may name them: 0 SCL, 1 SDA."""
+    return ", ".join(f"{channel.index} {channel.name}" for channel in capture.channels)

@@ -1,0 +1,172 @@
+"""A capture's I2C transfers as two halves: what the controller did, and what the targets answered.
+
+    decode.i2c transfers --> Moves of SCL and SDA, a list a transfer     (the controller's half)
+                         --> Turn: address, answer, how it ended         (the targets' half)
+
+The controller's half keeps every SCL edge of the capture: the lines do not show who held SCL low, so a stretch of
+the captured target becomes the controller's own slowness. Of SDA it keeps what the controller decided: START, STOP,
+the bits it sent and the ACKs it gave. Where an SDA change shares a sample with an SCL edge, or was not the
+controller's to see, it is put inside the low phase, half a sample or more away from both edges.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from statistics import median
+
+from ..decode.i2c import Bit, Byte, Condition, Party, Phase, Transfer
+from ..lines.i2c_player import Move
+from ..lines.i2c_target import Answer
+
+HALF = Fraction(1, 2)
+
+
+@dataclass(frozen=True, slots=True)
+class Turn:
+    """One addressed part of a transfer. Positions of the capture.
+
+    begin: its START. answered: rising SCL of the address's ninth bit. stop: the STOP that ended it, None if
+    a repeated START or the capture's end did.
+    """
+
+    address: int
+    read: bool
+    answer: Answer
+    begin: int
+    answered: int
+    stop: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class Edge:
+    """What the controller does to a line. at: a position of the capture."""
+
+    at: Fraction
+    clock: bool
+    level: int
+
+
+def controllers_half(transfer: Transfer, hold: Fraction) -> list[Edge]:
+    """The edges that the controller makes, in order. hold: from SCL's fall to SDA where the capture does not say."""
+    half = _ControllersHalf(hold)
+    for number, phase in enumerate(transfer.phases):
+        if not number:
+            half.toggle(phase.start, 0)
+        for byte in phase.bytes:
+            for bit in byte.bits:
+                half.bit(bit)
+        if number + 1 < len(transfer.phases):
+            half.condition(transfer.phases[number + 1].start, 0)
+        elif transfer.stop is not None:
+            half.condition(transfer.stop, 1)
+        else:
+            half.cut_off()
+    return half.edges
+
+
+def moves(edges: list[Edge], ticks_per_position: Fraction) -> list[Move]:
+    """The edges as an `I2cPlayer` takes them. Each falls on its own tick, rounded down: rounding does not add up."""
+    found = []
+    last = int(edges[0].at * ticks_per_position)
+    for edge in edges:
+        tick = int(edge.at * ticks_per_position)
+        found.append(Move(tick - last, edge.clock, edge.level))
+        last = tick
+    return found
+
+
+def usual_hold(transfers: list[Transfer]) -> Fraction:
+    """From SCL's fall to the controller's SDA, as this capture usually has it; in positions."""
+    seen = [
+        bit.sda - (bit.at - bit.low)
+        for transfer in transfers
+        for phase in transfer.phases
+        for byte in phase.bytes
+        for bit in byte.bits
+        if bit.driver is Party.CONTROLLER and bit.sda is not None and bit.low is not None
+    ]
+    return Fraction(median(seen)) if seen else HALF
+
+
+def turns(transfers: list[Transfer]) -> Iterator[Turn]:
+    """Every addressed part of the transfers, in order; none for an address that was cut off."""
+    for transfer in transfers:
+        for number, phase in enumerate(transfer.phases):
+            if phase.address is None or phase.read is None or len(phase.bytes[0].bits) < 9:
+                continue
+            last = number + 1 == len(transfer.phases)
+            stop = transfer.stop.at if last and transfer.stop is not None else None
+            ninth = phase.bytes[0].bits[8].at
+            yield Turn(phase.address, phase.read, _answer(phase), phase.start.at, ninth, stop)
+
+
+def most_frequent(of: list[Turn]) -> int | None:
+    """The address that answered most often; of equals the one asked most often, then the first. None without any."""
+    asked = Counter(turn.address for turn in of)
+    answered = Counter(turn.address for turn in of if turn.answer.ack)
+    return max(asked, key=lambda address: (answered[address], asked[address]), default=None)
+
+
+def _answer(phase: Phase) -> Answer:
+    ack = bool(phase.bytes[0].acked)
+    if phase.read:
+        return Answer(ack, bytes(_value(byte) for byte in phase.bytes[1:]))
+    return Answer(ack, acks=tuple(byte.acked is not False for byte in phase.bytes[1:]))
+
+
+def _value(byte: Byte) -> int:
+    """A byte's value; of one cut off its first bits, ones behind them."""
+    value = 0xFF
+    for place, bit in enumerate(byte.bits[:8]):
+        if not bit.value:
+            value &= ~(0x80 >> place)
+    return value
+
+
+class _ControllersHalf:
+    """Edges of one transfer as they are found. _fall: where SCL falls next, None if that is out of sight."""
+
+    def __init__(self, hold: Fraction) -> None:
+        self.edges: list[Edge] = []
+        self._hold = hold
+        self._fall: int | None = None
+        self._rise = -1  # the last one
+        self._sda = 1
+
+    def bit(self, bit: Bit) -> None:
+        ours = bit.driver is Party.CONTROLLER
+        self._pulse(bit.at, bit.value if ours else 1, bit.sda if ours else None)
+        self._fall = None if bit.high is None else bit.at + bit.high
+
+    def condition(self, condition: Condition, level: int) -> None:
+        """START, repeated START (level 0) or STOP (1), with the pulse before it if it has one of its own."""
+        if condition.high is not None and condition.at - condition.high > self._rise:
+            self._pulse(condition.at - condition.high, 1 - level, None)
+        self.toggle(condition, level)
+
+    def toggle(self, condition: Condition, level: int) -> None:
+        self._change_sda(Fraction(condition.at), level)
+        self._fall = None if condition.hold is None else condition.at + condition.hold
+
+    def cut_off(self) -> None:
+        """The capture ends here: SCL's last fall, if it saw one, and nothing more."""
+        if self._fall is not None:
+            self.edges.append(Edge(Fraction(self._fall), True, 0))
+
+    def _pulse(self, rise: int, sda: int, seen_at: int | None) -> None:
+        """SCL low up to `rise`, SDA to `sda` within."""
+        if self._fall is not None:
+            self.edges.append(Edge(Fraction(self._fall), True, 0))
+            at = self._fall + self._hold if seen_at is None else Fraction(seen_at)
+            first, last = self._fall + HALF, rise - HALF
+            self._change_sda(max(first, min(at, last)), sda)
+        self.edges.append(Edge(Fraction(rise), True, 1))
+        self._rise = rise
+
+    def _change_sda(self, at: Fraction, level: int) -> None:
+        if level != self._sda:
+            self._sda = level
+            self.edges.append(Edge(at, False, level))

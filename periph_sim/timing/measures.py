@@ -1,0 +1,298 @@
+"""What a budget can limit: happenings of a run go in as they happen, the worst value and when it was come out.
+
+A measure keeps no history, so memory does not grow with the run. Each class says what it
+measures and from which event to which. `MEASURES` is the list users choose from.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable
+from typing import Protocol
+
+from ..core.records import Kind, Record
+from ..core.time import NO_TIME
+from ..devices.host_pc import FRAME_BYTES
+from ..devices.sensor_head import CHIPS, Round
+from ..lines.i2c_controller import Transfer
+
+
+class Happenings(Protocol):
+    """What a scene lets a measure listen to and ask."""
+
+    def listen_transfers(self, told: Callable[[Transfer], None]) -> None: ...
+
+    def listen_rounds(self, told: Callable[[Round], None]) -> None: ...
+
+    def listen_frames(self, told: Callable[[int, tuple[int, ...], int], None]) -> None: ...
+
+    def listen_stuck(self, told: Callable[[int], None]) -> None: ...
+
+    def listen_sci(self, told: Callable[[int, int, bool], None]) -> None:
+        """`told(tick, words in the receive FIFO, something was overrun)` on every change."""
+
+    def checks_host(self) -> bool:
+        """Whether known chips are to show values of host frames."""
+
+    def missed_rounds(self) -> int: ...
+
+    def host_values(self, number: int) -> tuple[int, ...]: ...
+
+
+class Measure:
+    """unit: "time" (ticks) or a word for what is counted. worst is the largest value seen, least the smallest."""
+
+    unit = "time"
+    kinds: frozenset[Kind] = frozenset()
+
+    def __init__(self) -> None:
+        self.count = 0
+        self.worst = 0
+        self.least = 0
+        self.worst_at = NO_TIME
+        self.least_at = NO_TIME
+        self.total = 0
+
+    def listen(self, scene: Happenings) -> None:
+        """Ask the scene for what this measure needs."""
+
+    def record(self, record: Record) -> None:
+        """One record of `kinds`."""
+
+    def finish(self, now: int) -> None:
+        """The run is over."""
+
+    def take(self, value: int, at: int) -> None:
+        if not self.count or value > self.worst:
+            self.worst, self.worst_at = value, at
+        if not self.count or value < self.least:
+            self.least, self.least_at = value, at
+        self.count += 1
+        self.total += value
+
+
+class Counter(Measure):
+    """Counts something: worst is how many there were, worst_at when the last one was. Zero is a value."""
+
+    unit = "count"
+
+    def one_more(self, at: int, by: int = 1) -> None:
+        self.count += by
+        self.worst = self.least = self.count
+        self.worst_at = self.least_at = at
+
+
+class SpanTime(Measure):
+    """From the begin of a named stretch of firmware to its end, service routines in between included."""
+
+    kinds = frozenset({Kind.SPAN})
+
+    def __init__(self, name: str) -> None:
+        super().__init__()
+        self._name = name
+        self._began: dict[str, int] = {}
+
+    def record(self, record: Record) -> None:
+        if record.what != self._name:
+            return
+        if record.value:
+            self._began[record.where] = record.tick
+        elif record.where in self._began:
+            began = self._began.pop(record.where)
+            self.take(record.tick - began, began)
+
+
+class Response(Measure):
+    """From the SCL fall that ends the ACK slot of a read address to the SCL rise of the first data bit."""
+
+    def listen(self, scene: Happenings) -> None:
+        scene.listen_transfers(self._transfer)
+
+    def _transfer(self, transfer: Transfer) -> None:
+        for phase in transfer.phases:
+            if phase.read and phase.answer_at != NO_TIME:
+                self.take(phase.answer_at - phase.answer_from, phase.answer_from)
+
+
+class Stretch(Measure):
+    """Longest time the other side held SCL low beyond the controller's own low time, per acknowledged phase."""
+
+    def listen(self, scene: Happenings) -> None:
+        scene.listen_transfers(self._transfer)
+
+    def _transfer(self, transfer: Transfer) -> None:
+        for phase in transfer.phases:
+            if phase.acked:
+                self.take(phase.stretch, phase.start_at)
+
+
+class RoundTime(Measure):
+    """From the moment at which a round was due to its last STOP."""
+
+    def listen(self, scene: Happenings) -> None:
+        scene.listen_rounds(self._round)
+
+    def _round(self, over: Round) -> None:
+        self.take(over.end - over.due, over.due)
+
+
+class MissedRounds(Counter):
+    """Rounds that could not begin when they were due, since the one before still ran."""
+
+    def listen(self, scene: Happenings) -> None:
+        self._scene = scene
+
+    def finish(self, now: int) -> None:
+        if self._scene.missed_rounds():
+            self.one_more(now, self._scene.missed_rounds())
+
+
+class NackedRounds(Counter):
+    """Rounds with at least one request whose address nobody acknowledged."""
+
+    def listen(self, scene: Happenings) -> None:
+        scene.listen_rounds(self._round)
+
+    def _round(self, over: Round) -> None:
+        if over.nacked:
+            self.one_more(over.due)
+
+
+class Nacked(Counter):
+    """Requests whose address nobody acknowledged."""
+
+    def listen(self, scene: Happenings) -> None:
+        scene.listen_transfers(self._transfer)
+
+    def _transfer(self, transfer: Transfer) -> None:
+        if not transfer.acked and transfer.phases[0].start_at != NO_TIME:
+            self.one_more(transfer.phases[0].start_at)
+
+
+class WrongBytes(Measure):
+    """Bytes read that are not what they should be: `expect` of the request, or the values of a recent host frame.
+
+    worst is how many were wrong, count how many were compared: a run that compared nothing proves nothing.
+    """
+
+    RECENT = 8  # frames that a sample may come from
+    unit = "bytes"
+
+    def listen(self, scene: Happenings) -> None:
+        self._chips = {chip.address: chip for chip in CHIPS.values()} if scene.checks_host() else {}
+        self._recent: OrderedDict[int, tuple[int, ...]] = OrderedDict({-1: (0,) * 6})
+        self.where: dict[str, int] = {}  # "gyroscope byte 0" -> how often it was wrong
+        scene.listen_transfers(self._transfer)
+        scene.listen_frames(self._frame)
+
+    def _frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
+        self._recent[number] = values
+        while len(self._recent) > self.RECENT:
+            self._recent.popitem(last=False)
+
+    def _transfer(self, transfer: Transfer) -> None:
+        for phase in transfer.phases:
+            if phase.read and phase.got:
+                wanted = self._wanted(phase.address, bytes(phase.got), phase.expect)
+                wrong = [i for i, (a, b) in enumerate(zip(phase.got, wanted, strict=False)) if a != b]
+                self.count += min(len(phase.got), len(wanted))
+                if wrong:
+                    self.worst = self.least = self.worst + len(wrong)
+                    self.worst_at = self.least_at = phase.start_at
+                for i in wrong:
+                    place = f"{transfer.name} byte {i}"
+                    self.where[place] = self.where.get(place, 0) + 1
+
+    def _wanted(self, address: int, got: bytes, expect: bytes | None) -> bytes:
+        """What `got` should have been: of all candidates the one that agrees in the most bytes."""
+        if expect is not None:
+            return expect
+        if address not in self._chips:
+            return b""
+        chip = self._chips[address]
+        candidates = []
+        for values in self._recent.values():
+            three = values[3:6] if chip is CHIPS["accelerometer"] else values[0:3]
+            in_order = [three[axis] for axis in chip.order]
+            candidates.append(b"".join(v.to_bytes(2, "big" if chip.big else "little", signed=True) for v in in_order))
+        return max(candidates, key=lambda c: sum(a == b for a, b in zip(c, got, strict=False)))
+
+
+class Age(Measure):
+    """From the end of a host frame to the START of the first read that carries its values."""
+
+    RECENT = 64
+
+    def listen(self, scene: Happenings) -> None:
+        self._chip = CHIPS["gyroscope"]
+        self._waiting: OrderedDict[tuple[int, ...], int] = OrderedDict()
+        scene.listen_frames(self._frame)
+        scene.listen_transfers(self._transfer)
+
+    def _frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
+        self._waiting[values[0:3]] = tick
+        if len(self._waiting) > self.RECENT:
+            self._waiting.popitem(last=False)
+
+    def _transfer(self, transfer: Transfer) -> None:
+        for phase in transfer.phases:
+            if phase.read and phase.address == self._chip.address and len(phase.got) == 6:
+                sent = self._waiting.pop(self._chip.values(bytes(phase.got)), None)
+                if sent is not None:
+                    self.take(phase.start_at - sent, phase.start_at)
+
+
+class FifoHighWater(Measure):
+    """Most words that ever waited in the SCI receive FIFO."""
+
+    unit = "words"
+
+    def listen(self, scene: Happenings) -> None:
+        scene.listen_sci(self._sci)
+
+    def _sci(self, tick: int, words: int, overrun: bool) -> None:
+        self.take(words, tick)
+
+
+class Overruns(Counter):
+    """Characters lost in the SCI: FIFO overflow (RXFFOVF) or SCIRXBUF overrun (OE), counted as they happen."""
+
+    def listen(self, scene: Happenings) -> None:
+        scene.listen_sci(self._sci)
+
+    def _sci(self, tick: int, words: int, overrun: bool) -> None:
+        if overrun:
+            self.one_more(tick)
+
+
+class Stuck(Counter):
+    """Times a line was held low longer than the controller's `stuck_after`."""
+
+    def listen(self, scene: Happenings) -> None:
+        scene.listen_stuck(self.one_more)
+
+
+SPAN = "span:"
+
+MEASURES: dict[str, type[Measure]] = {
+    "response": Response,
+    "stretch": Stretch,
+    "round": RoundTime,
+    "missed rounds": MissedRounds,
+    "nacked rounds": NackedRounds,
+    "nacked": Nacked,
+    "wrong bytes": WrongBytes,
+    "age": Age,
+    "fifo high-water": FifoHighWater,
+    "overruns": Overruns,
+    "stuck": Stuck,
+}
+
+assert FRAME_BYTES == 12  # the word positions above are those of this frame
+
+
+def make(name: str) -> Measure:
+    """The measure that a budget names: one of MEASURES, or "span:NAME". KeyError otherwise."""
+    if name.startswith(SPAN):
+        return SpanTime(name.removeprefix(SPAN))
+    return MEASURES[name]()

@@ -1,0 +1,204 @@
+"""The real captures, decoded: every event of the independent decoder beside them, one for one.
+
+Compared are kind, value and first sample; the oracle's last samples are guesses. It does not report bytes that
+were cut off, so ours are counted apart, in CUT_BYTES.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections import Counter
+from fractions import Fraction
+
+import pytest
+
+from periph_sim import formats
+from periph_sim.decode import i2c, uart
+from periph_sim.formats import Capture
+from tests.captures.where import FOLDER, capture_of, decoded, needs_captures, oracle, remarks
+
+pytestmark = needs_captures
+
+# The sampling rate behind files that only have times.
+RATES = {
+    "i2c_ds3231_ex2_vcd": 4_000_000,
+    "i2c_mdfu_stretch_csv": 125_000_000,
+    "i2c_mdfu_write_csv": 125_000_000,
+    "i2c_nunchuk_init_simvcd": 1_000_000,
+    "uart_async115200_csv": 500_000_000,
+    "uart_hello_8n1_115200_vcd": 1_000_000,
+    "uart_mdfu_client_info": 125_000_000,
+}
+
+# Files whose channels have other names than those in the oracle's command, which it was given the source for.
+NAMES = {
+    "i2c_nunchuk_init_simvcd": {"SCL": "scl", "SDA": "sda"},
+    "uart_async115200_csv": {"RX": "Channel 0"},
+    "uart_mdfu_client_info": {"RX": "digital_0", "TX": "digital_1"},
+}
+
+# Bytes cut off, which we report and the oracle does not: every difference there is in the events of I2C.
+CUT_BYTES = {
+    "i2c_24aa025uid_busy_2ms": 64,  # after the NACK the master clocks once with SDA low, then repeats the START
+    "i2c_mcp23017_counter_a": 1,  # the capture ends inside a byte
+}
+
+# Files where the oracle's start bits stand a sample after our start edges: it subtracts half a bit, cut to
+# whole samples, from the middle of the bit, rounded up.
+ONE_SAMPLE_LATE = {
+    "uart_es51978_2400_7o1",
+    "uart_glitch_0x20",
+    "uart_glitch_0x45",
+    "uart_glitch_0x4f_2",
+    "uart_hello_8n1_921600",
+    "uart_hello_8n1_9600",
+    "uart_kern_1200",
+}
+
+TOO_LARGE = "i2c_cat24c256_flash_1M_edges"  # the oracle's file has its first 200 lines and the counts
+
+
+def load(name: str) -> Capture:
+    rate = RATES.get(name)
+    return formats.read(capture_of(name), None if rate is None else Fraction(rate))
+
+
+def options(name: str, kind: str) -> dict[str, str]:
+    """The decoder's options in the oracle's command: scl=SCL:sda=SDA and the like."""
+    match = re.search(rf"-P '?{kind}:(.*?)'? -A", remarks(name, kind))
+    assert match, f"{name}: no command at the head of the decode"
+    return dict(option.split("=") for option in match[1].split(":"))
+
+
+def channel(name: str, called: str) -> str:
+    return NAMES.get(name, {}).get(called, called)
+
+
+def i2c_lines(events: list[i2c.Event]) -> list[tuple[int, str]]:
+    """Our events in the oracle's words; nothing for a byte cut off."""
+    lines: list[tuple[int, str]] = []
+    for event in events:
+        match event:
+            case i2c.Start(at):
+                lines.append((at, "Start"))
+            case i2c.RepeatedStart(at):
+                lines.append((at, "Start repeat"))
+            case i2c.Address(at, value, read, rw_at):
+                way = "read" if read else "write"
+                lines += [(rw_at, way.capitalize()), (at, f"Address {way}: {value:02X}")]
+            case i2c.Data(at, value, read):
+                lines.append((at, f"Data {'read' if read else 'write'}: {value:02X}"))
+            case i2c.Ack(at):
+                lines.append((at, "ACK"))
+            case i2c.Nack(at):
+                lines.append((at, "NACK"))
+            case i2c.Stop(at):
+                lines.append((at, "Stop"))
+    return lines
+
+
+@pytest.mark.parametrize("name", [name for name in decoded("i2c") if name != TOO_LARGE])
+def test_i2c_events_are_the_oracles(name: str):
+    given = options(name, "i2c")
+    events = i2c.events(load(name), channel(name, given["scl"]), channel(name, given["sda"]))
+    assert i2c_lines(events) == [(said.at, said.text) for said in oracle(name, "i2c")]
+    assert sum(isinstance(event, i2c.Cut) for event in events) == CUT_BYTES.get(name, 0)
+
+
+def test_i2c_events_of_a_million_edges_are_the_oracles():
+    lines = i2c_lines(i2c.events(load(TOO_LARGE)))
+    first = [(said.at, said.text) for said in oracle(TOO_LARGE, "i2c")]
+    assert lines[: len(first)] == first and len(first) == 200
+    counts = dict(re.findall(r"([A-Za-z ]+)=(\d+)", remarks(TOO_LARGE, "i2c").split("# counts: ")[1]))
+    assert Counter(text.partition(":")[0] for _, text in lines) == {k.strip(): int(v) for k, v in counts.items()}
+
+
+def uart_lines(events: list[uart.Event], line: uart.Line, late: int) -> list[tuple[str, int | None]]:
+    """What the oracle says of one channel, each with the sample of its start edge where the oracle gives that."""
+    lines: list[tuple[str, int | None]] = []
+    breaks: list[uart.Break] = []
+    for event in events:
+        match event:
+            case uart.Frame(at, _, value, parity_error, frame_error):
+                lines.append(("Start bit", at + late))
+                lines.append((f"{value:0{-(-line.bits // 4)}X}", None))
+                if line.parity != "none":
+                    lines.append(("Parity error" if parity_error else "Parity bit", None))
+                if frame_error:
+                    lines.append(("Frame error", None))
+                lines.append(("Stop bit", None))
+            case uart.Break(at, _):
+                breaks.append(event)
+                lines.append(("Break condition", at + late))
+    return lines
+
+
+@pytest.mark.parametrize("name", decoded("uart"))
+def test_uart_frames_are_the_oracles(name: str):
+    given = options(name, "uart")
+    line = uart.Line(int(given["baudrate"]), int(given.get("data_bits", "8")), given.get("parity", "none"))
+    late = int(name in ONE_SAMPLE_LATE)
+    capture = load(name)
+    ours = [
+        uart_lines(uart.events(capture, channel(name, given[side]), line), line, late)
+        for side in ("rx", "tx")
+        if side in given
+    ]
+    said = [
+        (what.text, what.at if what.text in ("Start bit", "Break condition") else None) for what in oracle(name, "uart")
+    ]
+    assert is_merge(said, ours)
+
+
+def is_merge(whole: list[tuple[str, int | None]], parts: list[list[tuple[str, int | None]]]) -> bool:
+    """Whether `whole` is `parts` shuffled together, each in its own order: the oracle does not name the channel."""
+    if len(parts) == 1:
+        return whole == parts[0]
+    left, right = parts
+    reachable = {0}  # how many of `left` may be used up after each item
+    for done, item in enumerate(whole):
+        reachable = {n + 1 for n in reachable if n < len(left) and left[n] == item} | {
+            n for n in reachable if done - n < len(right) and right[done - n] == item
+        }
+    return len(left) in reachable and len(whole) == len(left) + len(right)
+
+
+def test_the_vendors_own_decoder_finds_the_same_bytes_at_the_same_instants():
+    capture = load("uart_async115200_csv")
+    frames = uart.events(capture, 0, uart.Line(115200))
+    with (FOLDER / "uart_async115200_csv.saleae.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    theirs = [(round(Fraction(row["start_time"]) * 500_000_000), int(row["data"], 16)) for row in rows]
+    assert [(f.at, f.value) for f in frames if isinstance(f, uart.Frame)] == theirs and len(theirs) == 2240
+
+
+def test_a_glitched_byte_is_read_as_the_oracle_reads_it_not_as_it_was_sent():
+    frames = uart.events(load("uart_glitch_0x4f_2"), "RX", uart.Line(115200))
+    assert [f.value for f in frames if isinstance(f, uart.Frame)] == [0x5F]
+
+
+def test_what_the_replay_needs_is_in_the_transfers_of_a_sensor_poll():
+    capture = load("i2c_trekstor_accel_pmic_rtc")
+    found = i2c.transfers(capture)
+    assert len(found) == 66 and all(transfer.complete for transfer in found)
+    assert {phase.address for transfer in found for phase in transfer.phases} == {0x15, 0x34, 0x51}
+    assert [transfer.gap is None for transfer in found] == [True] + [False] * 65
+    for transfer in found:
+        bits = [bit for phase in transfer.phases for byte in phase.bytes for bit in byte.bits]
+        assert all(bit.low is not None and bit.high is not None for bit in bits)
+
+
+def test_transfers_cut_by_the_ends_of_the_capture_are_marked():
+    begun_before = i2c.transfers(load("i2c_24aa025uid_trigger_sda_low"))
+    assert not begun_before[0].complete and len(begun_before[0].lead) == 28
+    assert [transfer.complete for transfer in begun_before[1:]] == [True] * 7
+    not_ended = i2c.transfers(load("i2c_mcp23017_counter_a"))
+    assert [transfer.complete for transfer in not_ended] == [True] * 96 + [False]
+
+
+def test_a_stretch_of_four_milliseconds_is_the_low_phase_of_the_ninth_bit():
+    capture = load("i2c_mdfu_stretch_csv")
+    ninth = [phase.bytes[0].bits[8] for transfer in i2c.transfers(capture) for phase in transfer.phases]
+    assert [bit.low for bit in ninth] == [507161, 505359, 503915]  # at 125 MHz
+    assert [bit.value for bit in ninth] == [1, 1, 1]

@@ -1,0 +1,110 @@
+"""The real UART captures into the SCI: the words it receives are the oracle's, error bits included.
+
+Where they are not, the byte that was sent is known, and it is the SCI's.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from fractions import Fraction
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from periph_sim.case.load import load as load_case
+from periph_sim.replay.report import Report
+from periph_sim.replay.uart import LEAD, UartReplay, line_format
+from tests.captures.test_captures_decode import channel, load, options
+from tests.captures.where import decoded, needs_captures, oracle
+
+pytestmark = needs_captures
+
+CASE = Path(__file__).resolve().parents[2] / "timing" / "uart_logger.toml"
+
+# A one-sample glitch of 500 ns in the middle of a bit: the oracle looks once and is fooled, two of the SCI's three
+# looks are not. 4F is what was sent (the capture's name).
+ORACLE_FOOLED = {"uart_glitch_0x4f_2": ("5F", "4F")}
+
+# The captures with errors, and what the SCI flags. A LIN break of 13 or 14 bits is a byte 00 with FE and no BRKDT,
+# which takes ten bits beyond the missing stop bit. The two lines of uart_mdfu_client_info go low for good at the end.
+FLAGGED = {
+    ("uart_lin_burst", "rx"): {"FE": 10},
+    ("uart_lin_single", "rx"): {"FE": 1},
+    ("uart_mdfu_client_info", "rx"): {"FE": 1, "BRKDT": 1},
+    ("uart_mdfu_client_info", "tx"): {"FE": 1, "BRKDT": 1},
+}
+
+# Lines low at the first sample: what came before is not known, and not played.
+BEGINS_LOW = {
+    ("uart_gps_9600", "tx"),
+    ("uart_mdfu_client_info", "tx"),
+    ("uart_pan1321_115200_undersampled", "rx"),
+    ("uart_pan1321_115200_undersampled", "tx"),
+}
+
+LINES = [(name, side) for name in decoded("uart") for side in ("rx", "tx") if side in options(name, "uart")]
+
+
+@cache
+def replayed(name: str, side: str) -> Report:
+    given = options(name, "uart")
+    frame = f"{given.get('data_bits', '8')}{given.get('parity', 'none')[0]}1"
+    line = line_format(int(given["baudrate"]), frame)
+    return UartReplay(load_case(CASE), load(name), channel(name, given[side]), line).run()
+
+
+@pytest.mark.parametrize(("name", "side"), LINES)
+def test_the_sci_receives_what_was_sent(name: str, side: str):
+    report = replayed(name, side)
+    if name in ORACLE_FOOLED:
+        expected, found = ORACLE_FOOLED[name]
+        first = report.first_divergence
+        assert first is not None and (first.index, first.expected, first.found) == (0, expected, found)
+        assert report.verdict == "fail" and report.bytes == report.events == 1
+        return
+    assert report.first_divergence is None and report.verdict == "pass"
+    assert report.bytes == report.events == report.agreed > 0
+    assert {flag: count for flag, count in report.errors.items() if count} == FLAGGED.get((name, side), {})
+    assert any("begins with the line low" in note for note in report.notes) == ((name, side) in BEGINS_LOW)
+
+
+@pytest.mark.parametrize("name", decoded("uart"))
+def test_no_byte_of_the_oracle_is_missing(name: str):
+    """Counted in the oracle's own file: every start bit it saw is a word the SCI received."""
+    sides = [side for side in ("rx", "tx") if side in options(name, "uart")]
+    counts = Counter(said.text for said in oracle(name, "uart"))
+    reports = [replayed(name, side) for side in sides]
+    assert sum(report.bytes for report in reports) == counts["Start bit"]
+    assert sum(report.errors["FE"] for report in reports) == counts["Frame error"]
+    assert sum(report.errors["PE"] for report in reports) == counts["Parity error"] == 0
+
+
+@pytest.mark.parametrize(
+    ("name", "sent", "right"),
+    [("uart_glitch_0x20", "20", 40), ("uart_glitch_0x4f_2", "4F", 40), ("uart_glitch_0x45", "45", 22)],
+)
+def test_a_glitch_is_outvoted_whatever_the_phase_of_the_sampling_clock(name: str, sent: str, right: int):
+    """In forty phases of SCICLK (41 LSPCLK at BRR = 40). uart_glitch_0x45 has a glitch in its start bit, where four
+    low samples in a row are asked for: there the phase decides."""
+    case, capture = load_case(CASE), load(name)
+    channel_of = options(name, "uart")["rx"]
+    step = Fraction(41, 37_500_000) / 40
+    found = []
+    for phase in range(40):
+        replay = UartReplay(case, capture, channel_of, line_format(115_200), lead=LEAD + phase * step)
+        replay.run()
+        found.append([word.words for word in replay.received()])
+    assert found.count([sent]) == right
+
+
+def test_odd_parity_read_as_even_is_an_error_in_every_word():
+    """The multimeter sends 7o1; its notes say 7e1."""
+    report = UartReplay(load_case(CASE), load("uart_es51978_2400_7o1"), "RX", line_format(2400, "7e1")).run()
+    assert report.first_divergence is None and report.errors["PE"] == report.bytes == 66
+
+
+def test_a_divergence_names_what_was_expected_and_found_and_when():
+    first = replayed("uart_glitch_0x4f_2", "rx").first_divergence
+    assert first is not None
+    assert first.capture_s == 2.5e-06 and first.replay_s == pytest.approx(89.5e-06, abs=2e-6)

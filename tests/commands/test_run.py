@@ -1,0 +1,163 @@
+"""`periph-sim run`: exit status, table, JSON, --set, --seconds, --record, and what is said of mistakes."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from periph_sim import formats
+from tests.commands.conftest import CASE, Run
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_budgets_that_hold_give_0_and_a_table(periph_sim: Run, desk: Path):
+    came = periph_sim("run", "small.toml")
+    assert (came.status, came.err) == (0, "")
+    assert "small: PASS" in came.out and "rounds in time" in came.out
+    assert "0.03 s simulated at edge fidelity; 2 I2C bytes, 0 SCI bytes" in came.out
+    assert "2 rounds, 0 missed, 2 nacked" in came.out
+
+
+def test_a_broken_budget_gives_1_and_says_which(periph_sim: Run, desk: Path):
+    came = periph_sim("run", "small.toml", "--set", "budget.rounds in time.max=100 us")
+    assert (came.status, came.err) == (1, "")
+    assert "small: FAIL" in came.out and "fail" in came.out
+
+
+def test_json_is_one_object_with_everything(periph_sim: Run, desk: Path):
+    came = periph_sim("run", "small.toml", "--json")
+    result = json.loads(came.out)
+    assert came.status == 0
+    assert (result["case"], result["verdict"], result["fidelity"]) == ("small", "pass", "edge")
+    assert result["simulated_s"] == 0.03 and result["wall_s"] > 0 and result["events"] > 0
+    (budget,) = result["budgets"]
+    assert budget["name"] == "rounds in time" and budget["limit"] == 5000.0 and budget["unit"] == "us"
+    assert budget["margin"] == pytest.approx(budget["limit"] - budget["worst"])
+
+
+@pytest.mark.parametrize(("seconds", "length"), [("0.01", 0.01), ("10 ms", 0.01), ("1", 1.0), ("0", 0.0)])
+def test_seconds_replaces_the_duration(periph_sim: Run, desk: Path, seconds: str, length: float):
+    assert json.loads(periph_sim("run", "small.toml", "--seconds", seconds, "--json").out)["simulated_s"] == length
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["smal.toml"], "smal.toml: cannot be read (No such file or directory); give the path of a case file"),
+        (["small.toml", "--seconds", "ten"], "--seconds: 'ten': unit 'ten' is none of ns, us, ms, s, min, h, d"),
+        (["small.toml", "--seconds", "-1"], "--seconds: '-1 s' is negative; a duration is 0 or more"),
+        (["small.toml", "--set", "seed"], "--set 'seed': expected key=value, for instance controller.period=10 ms"),
+        (
+            ["small.toml", "--set", "sed=1"],
+            "small.toml, --set 'sed=1': there is no key 'sed'; did you mean seed?",
+        ),
+        (
+            ["small.toml", "--set", "unit.dsp.firmware=imu"],
+            "small.toml, --set 'unit.dsp.firmware=imu': unit.dsp.firmware: there is no firmware 'imu'; "
+            "did you mean imu_hil?",
+        ),
+        (["small.toml", "--record", "no/run.vcd"], "no/run.vcd: cannot be written (No such file or directory)"),
+        (
+            ["small.toml", "--record", "run.vdc"],
+            "run.vdc: no recording is written as '.vdc'; did you mean .vcd?",
+        ),
+        (
+            ["small.toml", "--set", "unit.dsp.firmware=crash.py"],
+            "dsp: AttributeError at line 3 of crash.py: I2C-A.I2CSTR has no field 'AS'; did you mean AAS?",
+        ),
+        (
+            ["small.toml", "--set", "unit.dsp.firmware=crash.py", "--set", "unit.dsp.modules=[]"],
+            "dsp: KeyError at line 2 of crash.py: dsp has no module 'I2C-A'; it has SYS, PIE",
+        ),
+    ],
+)
+def test_a_mistake_is_one_sentence_on_standard_error_and_2(
+    periph_sim: Run, desk: Path, arguments: list[str], sentence: str
+):
+    (desk / "crash.py").write_text(CRASH, encoding="utf-8")
+    before = sorted(desk.iterdir())
+    assert periph_sim("run", *arguments) == (2, "", f"Error: {sentence}\n")
+    assert sorted(desk.iterdir()) == before
+
+
+CRASH = """\
+def main(dsp, settings):
+    i2c = dsp.module("I2C-A")
+    dsp.spin(lambda: i2c.I2CSTR.AS == 1)
+"""
+
+
+@pytest.mark.parametrize("suffix", [".vcd", ".jsonl"])
+def test_a_run_that_fails_midway_leaves_no_recording(periph_sim: Run, desk: Path, suffix: str):
+    late = "def main(dsp, settings):\n    dsp.compute(1_500_000)\n    raise ValueError('boom')\n"
+    (desk / "late.py").write_text(late, encoding="utf-8")
+    before = sorted(desk.iterdir())
+    came = periph_sim("run", "small.toml", "--set", "unit.dsp.firmware=late.py", "--record", f"run{suffix}")
+    assert came == (2, "", "Error: dsp: ValueError at line 3 of late.py: boom\n")
+    assert sorted(desk.iterdir()) == before
+
+
+def test_recordings_of_two_equal_runs_are_equal_and_of_another_seed_are_not(periph_sim: Run, desk: Path):
+    jitter = ["--set", "controller.jitter=3 ms"]
+    for name, seed in (("a", 1), ("b", 1), ("c", 2)):
+        periph_sim("run", "small.toml", "--record", f"{name}.jsonl", "--set", f"seed={seed}", *jitter)
+    a, b, c = ((desk / f"{name}.jsonl").read_bytes() for name in "abc")
+    assert a == b != c
+
+
+def test_a_recording_does_not_change_the_verdict(periph_sim: Run, desk: Path):
+    plain = json.loads(periph_sim("run", "small.toml", "--json").out)
+    recorded = json.loads(periph_sim("run", "small.toml", "--json", "--record", "run.vcd").out)
+    for result in (plain, recorded):
+        del result["wall_s"]
+    assert plain == recorded
+    assert formats.read(desk / "run.vcd").channel("SCL").edges.size > 0
+
+
+def test_a_fault_of_its_own_gives_3_and_asks_for_a_report(periph_sim: Run, desk: Path, monkeypatch):
+    def broken(*_: object) -> None:
+        raise AssertionError("a bug")
+
+    monkeypatch.setattr("periph_sim.commands.run.Scene", broken)
+    came = periph_sim("run", "small.toml")
+    assert came.status == 3
+    assert came.err.startswith("periph-sim: a fault of its own; please report it with the command and what follows.")
+    assert "AssertionError: a bug" in came.err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status"),
+    [
+        (["--version"], 0),
+        (["--help"], 0),
+        (["run", "--help"], 0),
+        ([], 2),
+        (["rum"], 2),
+        (["run"], 2),
+        (["run", "small.toml", "--sets"], 2),
+    ],
+)
+def test_usage(periph_sim: Run, desk: Path, arguments: list[str], status: int):
+    came = periph_sim(*arguments)
+    assert came.status == status
+    assert "Traceback" not in came.err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status"),
+    [(["run", "small.toml"], 0), (["run", "small.toml", "--seconds", "0"], 1), (["run", "missing.toml"], 2)],
+)
+def test_exit_statuses_as_a_shell_sees_them(desk: Path, arguments: list[str], status: int):
+    (desk / "small.toml").write_text(CASE.format(firmware="still.py"), encoding="utf-8")
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])}
+    done = subprocess.run(
+        [sys.executable, "-m", "periph_sim", *arguments], env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == status
+    assert "Traceback" not in done.stderr

@@ -1,0 +1,79 @@
+"""One total order: time, then phase, then who asked first; wires settle after every event."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from periph_sim.core.chip import NEVER
+from periph_sim.core.kernel import CPU, PROBE, STORM, TIMER, Kernel, SimulationStuck
+
+
+def test_inside_a_tick_timers_come_before_cpus_before_probes():
+    kernel, log = Kernel(), []
+    for phase, name in ((PROBE, "probe"), (CPU, "cpu"), (TIMER, "first timer"), (TIMER, "second timer")):
+        kernel.at(5, lambda name=name: log.append(name), phase)
+    kernel.run_until(5)
+    assert log == ["first timer", "second timer", "cpu", "probe"]
+
+
+@given(st.lists(st.tuples(st.integers(0, 50), st.sampled_from([TIMER, CPU, PROBE])), max_size=40))
+def test_events_run_in_the_order_of_their_keys(asked):
+    kernel, log = Kernel(), []
+    for number, (time, phase) in enumerate(asked):
+        kernel.at(time, lambda key=(time, phase, number): log.append(key), phase)
+    kernel.run_until(50)
+    assert log == sorted(log) and len(log) == len(asked) == kernel.events
+
+
+def test_a_cancelled_event_costs_nothing_and_never_runs():
+    kernel = Kernel()
+    promise = kernel.at(5, lambda: pytest.fail("it was cancelled"))
+    kernel.cancel(promise)
+    assert kernel.next_time() == NEVER
+    kernel.run_until(10)
+    assert kernel.events == 0
+
+
+def test_the_past_is_refused_with_who_asked():
+    kernel = Kernel(100)
+    with pytest.raises(ValueError, match=r"test_the_past.*asked for t=50, but it is already t=100"):
+        kernel.at(50, lambda: None)
+    with pytest.raises(ValueError, match="already t=100"):
+        kernel.run_until(99)
+
+
+def test_a_run_ends_with_its_last_tick_and_not_before():
+    kernel, log = Kernel(), []
+    kernel.at(10, lambda: log.append(10))
+    kernel.at(11, lambda: log.append(11))
+    kernel.run_until(10)
+    assert log == [10] and kernel.now == 10 and kernel.next_time() == 11
+
+
+def test_stop_ends_a_run_in_the_present_event():
+    kernel = Kernel()
+    kernel.at(3, kernel.stop)
+    kernel.at(4, lambda: pytest.fail("the run was stopped"))
+    kernel.run_until(10)
+    assert kernel.now == 3
+
+
+def test_a_lease_ends_at_the_next_event_or_after_the_horizon():
+    kernel, seen = Kernel(), []
+    kernel.at(2, lambda: seen.append(kernel.quiet_until()))
+    kernel.at(7, lambda: seen.append(kernel.quiet_until()))
+    kernel.run_until(20)
+    assert seen == [7, 21]
+
+
+def test_a_storm_inside_one_tick_is_told():
+    kernel = Kernel()
+
+    def again() -> None:
+        kernel.at(kernel.now, again)
+
+    kernel.at(1, again)
+    with pytest.raises(SimulationStuck, match=rf"{STORM} events at t=1 without time passing.*again"):
+        kernel.run_until(2)

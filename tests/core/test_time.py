@@ -1,0 +1,104 @@
+"""Time converts exactly or refuses; a clock that does not divide never drifts."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from periph_sim.core.time import Clock, Timebase, TimeError, round_ratio, seconds
+
+THIRTY_DAYS = 30 * 86_400
+
+
+def test_at_150_mhz_a_tick_is_a_third_of_a_nanosecond():
+    timebase = Timebase(150_000_000)
+    assert timebase.per_second == 3_000_000_000
+    assert timebase.ticks("1 ns") == 3
+    assert Clock(timebase, 150_000_000).tick(1) == 20
+
+
+@pytest.mark.parametrize("mhz", [30, 60, 75, 100, 120, 150])
+def test_every_usual_clock_divides(mhz):
+    timebase = Timebase(mhz * 1_000_000)
+    clock = Clock(timebase, mhz * 1_000_000)
+    assert clock.tick(mhz * 1_000_000) == timebase.per_second
+
+
+def test_a_time_off_the_grid_is_refused_unless_a_rounding_is_named():
+    timebase = Timebase(150_000_000)
+    with pytest.raises(TimeError, match="name a rounding"):
+        timebase.ticks(Fraction(1, 7))
+    assert [timebase.ticks(Fraction(1, 7), r) for r in ("down", "nearest", "up")] == [428571428, 428571429, 428571429]
+
+
+def test_rounding_of_negative_ratios():
+    half = Fraction(-7, 2)
+    assert [round_ratio(half, r) for r in ("down", "nearest", "up")] == [-4, -3, -3]
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("250 us", Fraction(1, 4000)),
+        ("1.5 ms", Fraction(3, 2000)),
+        ("30 d", Fraction(THIRTY_DAYS)),
+        ("20ns", Fraction(1, 50_000_000)),
+    ],
+)
+def test_texts_are_taken_exactly(text, value):
+    assert seconds(text) == value
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("20", "has no unit; write for instance 20 ms"),
+        ("20 parsec", "unit 'parsec' is none of ns, us"),
+        ("x ms", "'x' is not a number"),
+        ("1/0 ms", "is not a number"),
+    ],
+)
+def test_bad_texts_say_what_is_wrong(text, message):
+    with pytest.raises(TimeError, match=message):
+        seconds(text)
+
+
+@given(ppm=st.integers(-500, 500), cycle=st.integers(0, 150_000_000 * THIRTY_DAYS))
+def test_a_clock_that_does_not_divide_is_never_a_tick_off_after_thirty_days(ppm, cycle):
+    timebase = Timebase(150_000_000)
+    hz = Fraction(150_000_000) * (1_000_000 + ppm) / 1_000_000
+    clock = Clock(timebase, hz)
+    exact = cycle * timebase.per_second / hz
+    assert 0 <= exact - clock.tick(cycle) < 1
+    assert clock.cycle_at(clock.tick(cycle)) == cycle
+
+
+@given(hz=st.fractions(Fraction(1000), Fraction(10**9)), tick=st.integers(0, 10**16))
+def test_cycle_at_is_the_first_that_begins_at_or_after(hz, tick):
+    clock = Clock(Timebase(), hz)
+    cycle = clock.cycle_at(tick)
+    assert clock.tick(cycle) >= tick > clock.tick(cycle - 1)
+    assert clock.tick(clock.cycle_after(tick)) > tick
+
+
+def test_retuning_keeps_what_came_before():
+    timebase = Timebase(150_000_000)
+    clock = Clock(timebase, 15_000_000)
+    clock.retune(100, 150_000_000)
+    assert clock.tick(99) == clock.tick(100) - 20  # asked backwards the new length holds; nobody asks
+    assert clock.tick(100) == 100 * 200
+    assert clock.tick(101) == 100 * 200 + 20
+    with pytest.raises(TimeError, match="never ticks"):
+        clock.retune(200, 0)
+
+
+def test_times_for_people():
+    timebase = Timebase(150_000_000)
+    assert [timebase.show(timebase.ticks(t)) for t in ("250 us", "20 ms", "30 d")] == [
+        "250.000 us",
+        "20.000 ms",
+        "2592000.000000 s",
+    ]

@@ -1,0 +1,109 @@
+"""The sensor head's schedule on bare wires: nobody answers, so each transfer is START, address, NACK, STOP."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import pytest
+
+from periph_sim.devices.sensor_head import CHIPS, Request, Round, Schedule, SensorHead
+from periph_sim.lines.i2c_controller import Transfer
+from tests.lines.i2c_rig import TIMING, UNIT, I2cRig
+
+NACKED = 40 * UNIT  # a transfer that nobody acknowledges
+GYRO = Request("gyroscope", 0x68, 0x1D, 6)
+PLAIN = Request("plain", 0x10, None, 2)
+
+
+class Desk:
+    def __init__(self, schedule: Schedule, requests: list[Request], by_stop: bool = False, seed: int = 0) -> None:
+        self.rig = I2cRig()
+        self.head = SensorHead(self.rig.kernel, self.rig.controller, requests, schedule, by_stop=by_stop, seed=seed)
+        self.rounds: list[Round] = []
+        self.transfers: list[Transfer] = []
+        self.head.on_round.append(self.rounds.append)
+        self.head.on_transfer.append(self.transfers.append)
+
+    def run(self, ticks: int) -> list[Round]:
+        self.rig.run_until(self.rig.kernel.now + ticks)
+        return self.rounds
+
+
+def test_rounds_come_every_period_each_request_after_the_gap():
+    desk = Desk(Schedule(first=100, period=2000, gap=50, rounds=2), [PLAIN, PLAIN])
+    rounds = desk.run(10_000)
+    assert [(r.number, r.due, r.start, r.end) for r in rounds] == [
+        (1, 100, 100, 100 + 2 * NACKED + 50),
+        (2, 2100, 2100, 2100 + 2 * NACKED + 50),
+    ]
+    assert [(r.transfers, r.nacked) for r in rounds] == [(2, 2)] * 2
+    assert [t.phases[0].start_at for t in desk.transfers] == [100, 550, 2100, 2550]
+
+
+def test_a_gap_shorter_than_the_bus_free_time_is_the_bus_free_time():
+    desk = Desk(Schedule(first=0, period=5000, gap=1, rounds=1), [PLAIN, PLAIN])
+    desk.run(5000)
+    assert desk.transfers[1].phases[0].start_at == NACKED + TIMING.free
+
+
+def test_a_round_due_while_the_last_one_runs_is_missed():
+    desk = Desk(Schedule(first=0, period=NACKED - 1, gap=0, rounds=5), [PLAIN])
+    rounds = desk.run(10_000)
+    assert [r.number for r in rounds] == [1, 3, 5]
+    assert (desk.head.missed, desk.head.rounds) == (2, 3)
+
+
+def test_a_round_held_up_by_a_stretching_slave_makes_the_next_one_missed():
+    desk = Desk(Schedule(first=0, period=1000, gap=0, rounds=3), [PLAIN])
+    desk.rig.pull(60, "scl", 0)
+    desk.rig.pull(1500, "scl", 1)
+    rounds = desk.run(10_000)
+    assert [r.number for r in rounds] == [1, 3]
+    assert desk.head.missed == 1
+
+
+def test_jitter_comes_from_the_seed_alone_and_does_not_add_up():
+    schedule = Schedule(first=0, period=2000, gap=0, jitter=900, rounds=20)
+    starts = [r.start for r in Desk(schedule, [PLAIN], seed=1).run(60_000)]
+    assert starts == [r.start for r in Desk(schedule, [PLAIN], seed=1).run(60_000)]
+    assert starts != [r.start for r in Desk(schedule, [PLAIN], seed=2).run(60_000)]
+    late = [start - 2000 * n for n, start in enumerate(starts)]
+    assert all(0 <= x <= 900 for x in late) and len(set(late)) > 5
+    assert [r.due for r in Desk(schedule, [PLAIN], seed=1).run(60_000)] == [2000 * n for n in range(20)]
+
+
+@pytest.mark.parametrize(
+    ("request_", "by_stop", "phases"),
+    [
+        (GYRO, False, [[(False, b"\x1d", 0), (True, b"", 6)]]),
+        (GYRO, True, [[(False, b"\x1d", 0)], [(True, b"", 6)]]),
+        (PLAIN, False, [[(True, b"", 2)]]),
+        (Request("w", 0x10, 0x05, 0, write=b"\x0b"), False, [[(False, b"\x05\x0b", 0)]]),
+        (Request("w", 0x10, None, 0, write=b"\x0b"), True, [[(False, b"\x0b", 0)]]),
+        (Request("wr", 0x10, 0x05, 1, write=b"\x0b"), False, [[(False, b"\x05\x0b", 0), (True, b"", 1)]]),
+    ],
+)
+def test_the_transfers_of_a_request(request_: Request, by_stop: bool, phases: list[list[tuple[bool, bytes, int]]]):
+    transfers = request_.transfers(by_stop)
+    assert [[(p.read, p.data, p.count) for p in t.phases] for t in transfers] == phases
+
+
+@pytest.mark.parametrize(
+    ("chip", "data", "values"),
+    [
+        ("gyroscope", "0001 0002 fffd", (1, 2, -3)),
+        ("accelerometer", "0100 0200 fdff", (1, 2, -3)),
+        ("magnetometer", "0001 0002 fffd", (1, -3, 2)),  # the HMC5883L sends x, z, y
+    ],
+)
+def test_the_values_in_the_bytes_of_a_chip(chip: str, data: str, values: tuple[int, ...]):
+    assert CHIPS[chip].values(bytes.fromhex(data)) == values
+
+
+def test_a_chip_that_acknowledges_is_not_counted_as_nacked():
+    desk = Desk(Schedule(first=0, period=5000, gap=0, rounds=1), [Request("w", 0x10, None, 0, write=b"\xff")])
+    for slot in (33, 33 + 36):  # the ACK slots
+        desk.rig.kernel.at(slot * UNIT + 1, partial(desk.rig.partner["sda"].drive, 0))
+        desk.rig.kernel.at((slot + 4) * UNIT + 1, partial(desk.rig.partner["sda"].drive, 1))
+    rounds = desk.run(5000)
+    assert [(r.nacked, r.transfers) for r in rounds] == [(0, 1)]

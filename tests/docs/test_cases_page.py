@@ -1,0 +1,69 @@
+"""docs/cases.md names every table, key, default and measure of a case, and no other."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from typing import Annotated, Any
+
+import pytest
+from pydantic import TypeAdapter
+
+from periph_sim.board.dsp import MODULES
+from periph_sim.case.model import Budget, Case, Controller, HostTable, Options, RequestTable, Table, Unit
+from periph_sim.devices.sensor_head import CHIPS
+from periph_sim.timing.measures import MEASURES, SPAN, make
+from tests.docs.pages import ROOT
+
+PAGE = (ROOT / "docs" / "cases.md").read_text(encoding="utf-8")
+TABLES: dict[str, type[Table]] = {
+    "The case": Case,
+    "`[unit.NAME]`": Unit,
+    "`[controller]`": Controller,
+    "`[[controller.request]]`": RequestTable,
+    "`[host]`": HostTable,
+    "`[[budget]]`": Budget,
+}
+EMPTY: tuple[object, ...] = (None, "", (), {}, b"", Options())
+
+
+def rows(heading: str) -> list[list[str]]:
+    """The cells of the table under a heading, without its head."""
+    section = PAGE.split(f"\n## {heading}\n")[1].split("\n## ")[0]
+    lines = [line for line in section.splitlines() if line.startswith("|")][2:]
+    return [[cell.strip() for cell in line.strip("|").split(" | ")] for line in lines]
+
+
+@pytest.mark.parametrize("heading", TABLES)
+def test_every_key_with_its_default(heading: str):
+    fields = TABLES[heading].model_fields
+    shown = {key.strip("`"): default for key, _, default in rows(heading)}
+    assert list(shown) == list(fields)
+    for name, default in shown.items():
+        about = fields[name]
+        if default in ("required", "-"):
+            assert about.is_required() == (default == "required"), name
+            assert default == "required" or about.default in EMPTY, name
+        else:
+            kind: Any = Annotated[about.annotation, *about.metadata] if about.metadata else about.annotation
+            value = tomllib.loads(f"value = {default.strip('`')}")["value"]
+            assert TypeAdapter(kind).validate_python(value) == about.default, name
+
+
+def test_every_table_of_the_model_has_a_section():
+    kinds = {kind for kind in Table.__subclasses__() if kind.__module__ == Case.__module__}
+    assert kinds == {*TABLES.values(), Options}
+
+
+def test_every_measure_with_its_unit_and_meaning():
+    measures = {name: make(name) for name in [*MEASURES, f"{SPAN}NAME"]}
+    shown = [(name.strip("`"), unit, what.split(".")[0]) for name, unit, what in rows("Measures")]
+    assert shown == [
+        (name, measure.unit, (measure.__doc__ or "").strip().split(".")[0]) for name, measure in measures.items()
+    ]
+
+
+def test_every_module_and_chip_is_named():
+    what = {key.strip("`"): text for key, text, _ in rows("`[unit.NAME]`") + rows("`[controller]`")}
+    assert re.findall(r"[A-Z0-9]+(?:-[A-C])?", what["modules"]) == list(MODULES)
+    assert all(chip in what["order"] for chip in CHIPS)

@@ -1,0 +1,700 @@
+"""A wired-AND I2C bus in SYSCLKOUT cycles: bare chips, scripted partners, and what was said on it.
+
+    chips, Target, Foreign  -->  wires  -->  edges  -->  decode()  -->  "S 50W A 12 A P"
+
+`Bus` owns the time. Within a cycle the partners move first, then the wires settle, then
+the chips wake, then the firmware (the test) has its turn. Every edge is recorded. `decode`
+reads transfers out of the edges alone and shares no code with the model. `Bench` adds
+firmware: registers and fields under the manual's names (typed in here a second time on
+purpose), and the signals of timing diagrams (`tests/waves.py`).
+
+In the notation of transfers S is a START (also a repeated one), P a STOP, A and N the
+receiver's answer, 50W an address byte, other bytes are hexadecimal, ~101 a byte that was
+cut off after three bits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Iterable
+from typing import NamedTuple, Protocol
+
+from periph_sim.f28335.i2c import I2c
+
+from periph_sim.core.chip import NEVER, Note
+from periph_sim.core.options import Value, options_from
+from periph_sim.f28335.i2c_options import I2cOptions
+
+SCL, SDA = 0, 1
+LINES = ("SCL", "SDA")
+FREE = 0b11  # both lines released
+
+# TI's setting for 400 kHz at 150 MHz: Tmod 15 cycles, low 15 * (10 + 5), high 15 * (5 + 5).
+LOW, HIGH = 225, 150
+SLOT = LOW + HIGH
+HOLD = 20  # cycles from the fall of SCL until a scripted partner moves SDA
+
+
+class Edge(NamedTuple):
+    time: int
+    line: int
+    level: int
+
+
+class Party(Protocol):
+    """Anything that drives the two wires: a chip, or a scripted partner."""
+
+    next_wake: int
+    out: int
+
+    def pin(self, now: int, index: int, level: int) -> None: ...
+
+    def wake(self, now: int) -> None: ...
+
+
+# ---- what was said ------------------------------------------------------------------------------
+
+
+class Said(NamedTuple):
+    """One item of a transfer. start: cycle of the START, STOP or of the first SCL rise of the byte."""
+
+    start: int
+    text: str
+
+
+def decode(edges: Iterable[Edge], bits: int = 8, free: bool = False) -> list[Said]:
+    """The transfers in the edges. bits: in a data byte; free: no address byte follows a START."""
+    level = [1, 1]
+    said: list[Said] = []
+    got: list[int] = []  # bits of the byte under way, the answer included
+    rises: list[int] = []
+    active, first = False, False
+
+    def cut() -> None:  # START and STOP need SCL high: that rise was no bit
+        if got:
+            got.pop()
+        if got:
+            said.append(Said(rises[0], "~" + "".join(map(str, got))))
+        got.clear()
+        rises.clear()
+
+    for time, line, new in edges:
+        level[line] = new
+        if line == SDA and level[SCL]:
+            if active:
+                cut()
+            active = first = not new
+            said.append(Said(time, "P" if new else "S"))
+        elif line == SCL and new and active:
+            got.append(level[SDA])
+            rises.append(time)
+        elif line == SCL and active:  # a byte is only known to be complete when SCL falls after its answer
+            address = first and not free
+            if len(got) == (8 if address else bits) + 1:
+                *data, answer = got
+                value = int("".join(map(str, data)), 2)
+                text = f"{value >> 1:02x}{'R' if value & 1 else 'W'}" if address else f"{value:02x}"
+                said += [Said(rises[0], text), Said(rises[-1], "N" if answer else "A")]
+                first = False
+                got.clear()
+                rises.clear()
+    return said
+
+
+# ---- partners -------------------------------------------------------------------------------------
+
+
+class Target:
+    """A device that answers `address`, gives `gives` when read and keeps what it gets in `got`.
+
+    nack: numbers of received bytes it refuses (0 is the first data byte). stretch: SCL is held low
+    for so many cycles after fall `bit` of byte `byte` (0 is the address byte; fall 9 follows the
+    answer). free: no address, "r" receives, "t" transmits from the first byte on. also: further
+    address bytes that it acknowledges (0 is the general call).
+    """
+
+    def __init__(
+        self,
+        address: int = 0x50,
+        gives: Iterable[int] = (),
+        *,
+        nack: Iterable[int] = (),
+        stretch: dict[tuple[int, int], int] | None = None,
+        bits: int = 8,
+        free: str = "",
+        also: Iterable[int] = (),
+        absent: bool = False,
+    ) -> None:
+        self.address = address
+        self.gives = list(gives)
+        self.nack = set(nack)
+        self.stretch = stretch or {}
+        self.bits = bits
+        self.free = free
+        self.also = set(also)
+        self.absent = absent
+        self.got: list[int] = []
+        self.answers: list[int] = []  # of the master, to bytes given: 0 acknowledges
+        self.out = FREE
+        self.next_wake = NEVER
+        self._due: list[tuple[int, int, int]] = []  # (time, line, level)
+        self._level = [1, 1]
+        self._role = ""  # "a" address, "2" second address byte, "r", "t"; "" not spoken to
+        self._ten = False  # the 10-bit address has been matched since the last STOP
+        self._next = ""  # role in the next byte
+        self._byte = self._bit = self._value = self._given = 0
+
+    def _later(self, time: int, line: int, level: int) -> None:
+        self._due = sorted([*self._due, (time, line, level)])
+        self.next_wake = self._due[0][0]
+
+    def wake(self, now: int) -> None:
+        while self._due and self._due[0][0] <= now:
+            _, line, level = self._due.pop(0)
+            self.out = self.out & ~(1 << line) | level << line
+        self.next_wake = self._due[0][0] if self._due else NEVER
+
+    def pin(self, now: int, index: int, level: int) -> None:
+        self._level[index] = level
+        if index == SDA and self._level[SCL]:
+            self._begin() if not level else self._end()
+        elif index == SCL and level:
+            self._rise()
+        elif index == SCL:
+            self._fall(now)
+
+    def _begin(self) -> None:
+        self._role = self.free or "a"
+        self._byte = self._bit = self._value = 0
+
+    def _end(self) -> None:
+        self._role, self._ten = "", False
+
+    def _size(self) -> int:
+        return 8 if self._role in "a2" else self.bits
+
+    def _rise(self) -> None:
+        if not self._role:
+            return
+        self._bit += 1
+        if self._bit <= self._size():
+            self._value = self._value << 1 | self._level[SDA]
+        elif self._role == "t":
+            self.answers.append(self._level[SDA])
+            if self._level[SDA]:
+                self._role = ""
+
+    def _fall(self, now: int) -> None:
+        held = self.stretch.get((self._byte, self._bit), 0)
+        if held and self._bit:
+            self.out &= ~(1 << SCL)
+            self._later(now + held, SCL, 1)
+        if not self._role:
+            self._later(now + HOLD, SDA, 1)
+            return
+        if self._bit == self._size() + 1:
+            self._byte, self._bit, self._value = self._byte + 1, 0, 0
+            self._role = self._next
+        level = 1
+        if self._bit == self._size() and self._role != "t":
+            level = self._judge()
+        elif self._role == "t" and self._bit < self.bits:
+            if self._bit == 0:
+                self._given = self.gives.pop(0) if self.gives else 0xFF
+            level = self._given >> (self.bits - 1 - self._bit) & 1
+            self._next = "t"
+        self._later(now + HOLD, SDA, level)
+
+    def _judge(self) -> int:
+        """The answer to a byte that has come in full; sets the role for the next one."""
+        role, value = self._role, self._value
+        self._next = ""
+        if role == "r":
+            self.got.append(value)
+            refused = len(self.got) - 1 in self.nack
+            self._next = "" if refused else "r"
+            return int(refused)
+        if self.absent:
+            return 1
+        read = value & 1
+        if role == "2":
+            self._ten = value == self.address & 0xFF
+            self._next = "r" if self._ten else ""
+        elif self.address > 0x7F:
+            header = 0xF0 | self.address >> 8 << 1
+            if value == header:
+                self._next = "2"
+            elif value == header | 1 and self._ten:
+                self._next = "t"
+        elif value >> 1 == self.address or value in self.also:
+            self._next = "t" if read else "r"
+        return int(not self._next)
+
+
+class Wait(NamedTuple):
+    """What a scripted master waits for: so many cycles, or `line` at `level` if that comes earlier."""
+
+    cycles: int
+    line: int = -1
+    level: int = -1
+
+
+class Foreign:
+    """Another master that plays a script: "S 50W 12 P", "S 50R ?A ?N P", "+500" cycles of nothing.
+
+    at: the cycle at which it begins, or None to pull SDA down as soon as somebody else does
+    (that is: both start together). low, high: its own clock. `lost` once it released SDA and read
+    0 while sending. It asks nobody whether the bus is free. `got` holds the bytes it read, `heard`
+    the answers to what it sent.
+    """
+
+    def __init__(self, script: str, at: int | None = 0, *, low: int = LOW, high: int = HIGH) -> None:
+        self.low, self.high = low, high
+        self.lost = False
+        self.got: list[int] = []
+        self.heard = ""
+        self.done = False
+        self.out = FREE
+        self._level = [1, 1]
+        self._wait = Wait(0)
+        self._script = script
+        self.next_wake = 0 if at is None else at
+        self._join = at is None
+        self._fell = 0
+        self._now = 0
+        self._steps = self._play()
+
+    def pin(self, now: int, index: int, level: int) -> None:
+        self._level[index] = level
+        self._now = now
+        if index == SCL and not level:
+            self._fell = now
+        if self._wait.line == index and self._wait.level == level:
+            self._go(now)
+
+    def wake(self, now: int) -> None:
+        self._go(now)
+
+    def _go(self, now: int) -> None:
+        self._now = now
+        while True:
+            wait = next(self._steps, None)
+            if wait is None or self.done:
+                self.done, self.next_wake, self._wait = True, NEVER, Wait(0)
+                return
+            if (wait.line >= 0 and self._level[wait.line] == wait.level) or wait.cycles <= 0:
+                continue
+            self._wait = wait
+            self.next_wake = now + wait.cycles
+            return
+
+    def _pull(self, line: int) -> None:
+        self.out &= ~(1 << line)
+        self._level[line] = 0
+        if line == SCL:
+            self._fell = self._now
+
+    def _release(self, line: int) -> None:
+        self.out |= 1 << line
+
+    def _play(self) -> Generator[Wait, None, None]:
+        if self._join:
+            yield Wait(NEVER // 2, SDA, 0)
+        for word in self._script.split():
+            if word == "S":
+                yield from self._start()
+            elif word == "P":
+                yield from self._stop()
+            elif word.startswith("+"):
+                yield Wait(int(word[1:]))
+            elif word.startswith("?"):
+                value = 0
+                for _ in range(8):
+                    value = value << 1 | (yield from self._clock(1))
+                self.got.append(value)
+                yield from self._clock(int(word == "?N"))
+            else:
+                value = int(word.rstrip("RW"), 16)
+                if word[-1] in "RW":
+                    value = value << 1 | (word[-1] == "R")
+                for bit in range(7, -1, -1):
+                    level = yield from self._clock(value >> bit & 1)
+                    if level != value >> bit & 1:
+                        self.lost, self.out = True, FREE
+                        return
+                self.heard += "NA"[not (yield from self._clock(1))]
+
+    def _start(self) -> Generator[Wait, None, None]:
+        if self._level[SCL] == 0:
+            yield from self._raise(1)
+            yield Wait(self.high)
+        self._pull(SDA)
+        yield Wait(self.high, SCL, 0)
+        self._pull(SCL)
+
+    def _stop(self) -> Generator[Wait, None, None]:
+        yield from self._raise(0)
+        yield Wait(self.high)
+        self._release(SDA)
+        yield Wait(HOLD)
+
+    def _raise(self, sda: int) -> Generator[Wait, None, None]:
+        """Low phase: SDA put out, SCL let go after our low period, and really high."""
+        yield Wait(HOLD)
+        if sda:
+            self._release(SDA)
+        else:
+            self._pull(SDA)
+        yield Wait(self._fell + self.low - self._now)
+        self._release(SCL)
+        yield Wait(NEVER // 2, SCL, 1)
+
+    def _clock(self, sda: int) -> Generator[Wait, None, int]:
+        """One clock pulse with this bit on SDA; what SDA really was."""
+        yield from self._raise(sda)
+        level = self._level[SDA]
+        yield Wait(self.high, SCL, 0)
+        self._pull(SCL)
+        return level
+
+
+class Hand:
+    """A wire on each line that the test pulls down and lets go."""
+
+    def __init__(self) -> None:
+        self.out = FREE
+        self.next_wake = NEVER
+
+    def pin(self, now: int, index: int, level: int) -> None: ...
+
+    def wake(self, now: int) -> None: ...
+
+
+# ---- the bus --------------------------------------------------------------------------------------
+
+
+class Bus:
+    """Two wires. rise: cycles that a line needs to become high after the last driver let go."""
+
+    def __init__(self, chips: Iterable[I2c], partners: Iterable[Party] = (), rise: int = 0) -> None:
+        self.now = 0
+        self.hand = Hand()
+        self.chips = list(chips)
+        self.partners: list[Party] = [self.hand, *partners]
+        self.rise = rise
+        self.level = [1, 1]
+        self.edges: list[Edge] = []
+        self._rising = [NEVER, NEVER]
+
+    def join(self, partner: Party) -> None:
+        self.partners.append(partner)
+        for line in (SCL, SDA):
+            if not self.level[line]:
+                partner.pin(self.now, line, 0)
+
+    def settle(self) -> None:
+        """Until no wire moves any more."""
+        moved = True
+        while moved:
+            moved = False
+            both = FREE
+            for party in (*self.partners, *self.chips):
+                both &= party.out
+            for line in (SCL, SDA):
+                moved |= self._move(line, both >> line & 1)
+
+    def _move(self, line: int, driven: int) -> bool:
+        if driven and not self.level[line] and self.rise:
+            if self._rising[line] == NEVER:
+                self._rising[line] = self.now + self.rise
+            driven = int(self._rising[line] <= self.now)
+        elif not driven:
+            self._rising[line] = NEVER
+        if driven == self.level[line]:
+            return False
+        self._rising[line] = NEVER
+        self.level[line] = driven
+        self.edges.append(Edge(self.now, line, driven))
+        for party in (*self.partners, *self.chips):
+            party.pin(self.now, line, driven)
+        return True
+
+    def nearest(self) -> int:
+        return min(*self._rising, *(p.next_wake for p in (*self.partners, *self.chips)))
+
+    def _event(self) -> None:
+        """Everything that is due in this cycle."""
+        for _ in range(50):
+            for partner in self.partners:
+                if partner.next_wake <= self.now:
+                    partner.wake(self.now)
+            self.settle()
+            for chip in self.chips:
+                if chip.next_wake <= self.now:
+                    chip.wake(self.now)
+            self.settle()
+            if self.nearest() > self.now:
+                return
+        raise AssertionError(f"somebody asks to be woken at {self.now} again and again")
+
+    def run_until(self, time: int) -> None:
+        while self.nearest() <= time:
+            self.now = max(self.now, self.nearest())
+            self._event()
+        self.now = max(self.now, time)
+
+    def run(self, cycles: int) -> None:
+        self.run_until(self.now + cycles)
+
+    def until(self, done: Callable[[], object], cycles: int = 100 * SLOT) -> int:
+        """The cycle at which `done` holds, looked at after every event; AssertionError if it takes longer."""
+        limit = self.now + cycles
+        while not done():
+            nearest = self.nearest()
+            if nearest > limit:
+                raise AssertionError(f"not within {cycles} cycles; said until then: {self.said()}")
+            self.run_until(nearest)
+        return self.now
+
+    def said(self, since: int = 0, **how: bool | int) -> str:
+        """What `decode` reads from the edges of cycle `since` on."""
+        return " ".join(s.text for s in decode(self.edges, **how) if s.start >= since)  # type: ignore[arg-type]
+
+    def times(self, line: int, level: int, since: int = 0) -> list[int]:
+        return [e.time for e in self.edges if e.line == line and e.level == level and e.time >= since]
+
+    def edge(self, line: int, level: int, number: int = 1) -> int:
+        """Runs until so many such edges have come from now on; the cycle of the last."""
+        start, have = self.now, len(self.times(line, level))
+        self.until(lambda: len(self.times(line, level)) >= have + number)
+        assert self.now >= start
+        return self.times(line, level)[-1]
+
+    def pull(self, line: int) -> None:
+        self.hand.out &= ~(1 << line)
+        self.settle()
+
+    def let_go(self, line: int) -> None:
+        self.hand.out |= 1 << line
+        self.settle()
+
+    def pulse(self, line: int, cycles: int) -> None:
+        """A spike of the opposite level, as far as open-drain wires allow: low for so many cycles."""
+        self.pull(line)
+        self.run(cycles)
+        self.let_go(line)
+
+
+# ---- firmware -------------------------------------------------------------------------------------
+
+OFFSETS = {
+    "I2COAR": 0x00,
+    "I2CIER": 0x01,
+    "I2CSTR": 0x02,
+    "I2CCLKL": 0x03,
+    "I2CCLKH": 0x04,
+    "I2CCNT": 0x05,
+    "I2CDRR": 0x06,
+    "I2CSAR": 0x07,
+    "I2CDXR": 0x08,
+    "I2CMDR": 0x09,
+    "I2CISRC": 0x0A,
+    "I2CEMDR": 0x0B,
+    "I2CPSC": 0x0C,
+    "I2CFFTX": 0x20,
+    "I2CFFRX": 0x21,
+}
+
+MDR = {
+    "NACKMOD": 1 << 15,
+    "FREE": 1 << 14,
+    "STT": 1 << 13,
+    "STP": 1 << 11,
+    "MST": 1 << 10,
+    "TRX": 1 << 9,
+    "XA": 1 << 8,
+    "RM": 1 << 7,
+    "DLB": 1 << 6,
+    "IRS": 1 << 5,
+    "STB": 1 << 4,
+    "FDF": 1 << 3,
+}
+
+STR = {
+    "SDIR": 1 << 14,
+    "NACKSNT": 1 << 13,
+    "BB": 1 << 12,
+    "RSFULL": 1 << 11,
+    "XSMT": 1 << 10,
+    "AAS": 1 << 9,
+    "AD0": 1 << 8,
+    "SCD": 1 << 5,
+    "XRDY": 1 << 4,
+    "RRDY": 1 << 3,
+    "ARDY": 1 << 2,
+    "NACK": 1 << 1,
+    "AL": 1 << 0,
+}
+
+CODES = {"": 0, "AL": 1, "NACK": 2, "ARDY": 3, "RRDY": 4, "XRDY": 5, "SCD": 6, "AAS": 7}
+
+
+def mdr(names: str, bc: int = 0) -> int:
+    """The value of I2CMDR with these bits set, IRS always among them."""
+    value = MDR["IRS"] | bc
+    for name in names.split():
+        value |= MDR[name]
+    return value
+
+
+class Bench(Bus):
+    """`m`: the module under test, enabled with TI's clock setting and I2CSAR = 0x50.
+
+    second: options of a second module `s`, or None for none.
+    """
+
+    def __init__(
+        self,
+        *partners: Party,
+        options: I2cOptions | None = None,
+        second: I2cOptions | None = None,
+        rise: int = 0,
+        psc: int = 14,
+        clkl: int = 10,
+        clkh: int = 5,
+        enable: bool = True,
+    ) -> None:
+        self.m = I2c(options or I2cOptions())
+        chips = [self.m]
+        if second is not None:
+            chips.append(I2c(second))
+        super().__init__(chips, partners, rise)
+        self.s = chips[-1]
+        for chip in chips:
+            chip.gate(0, True)
+            self.w("I2CPSC", psc, chip)
+            self.w("I2CCLKL", clkl, chip)
+            self.w("I2CCLKH", clkh, chip)
+            self.w("I2CSAR", 0x50, chip)
+            if enable:
+                self.w("I2CMDR", MDR["IRS"], chip)
+        self.run(2 * SLOT)
+
+    # registers
+
+    def w(self, register: str, value: int, chip: I2c | None = None) -> None:
+        (chip or self.m).write(self.now, OFFSETS[register], value)
+        self.settle()
+
+    def r(self, register: str, chip: I2c | None = None) -> int:
+        value = (chip or self.m).read(self.now, OFFSETS[register])
+        self.settle()
+        return value
+
+    def peek(self, register: str, chip: I2c | None = None) -> int:
+        return (chip or self.m).peek(self.now, OFFSETS[register])
+
+    def mode(self, names: str, bc: int = 0, chip: I2c | None = None) -> None:
+        """Writes I2CMDR with these bits set, IRS always among them."""
+        self.w("I2CMDR", mdr(names, bc), chip)
+
+    def set(self, names: str, chip: I2c | None = None) -> None:
+        """Read-modify-write of I2CMDR: these bits become 1."""
+        value = self.r("I2CMDR", chip)
+        for name in names.split():
+            value |= MDR[name]
+        self.w("I2CMDR", value, chip)
+
+    def flag(self, name: str, chip: I2c | None = None) -> int:
+        """A bit of I2CSTR or I2CMDR as a debugger sees it."""
+        if name in STR:
+            return int(bool(self.peek("I2CSTR", chip) & STR[name]))
+        return int(bool(self.peek("I2CMDR", chip) & MDR[name]))
+
+    def flags(self, names: str, chip: I2c | None = None) -> str:
+        """Those of `names` that are 1."""
+        return " ".join(n for n in names.split() if self.flag(n, chip))
+
+    def clear(self, names: str, chip: I2c | None = None) -> None:
+        self.w("I2CSTR", sum(STR[n] for n in names.split()), chip)
+
+    # what firmware does
+
+    def feed(self, data: Iterable[int], chip: I2c | None = None, cycles: int = 100 * SLOT) -> None:
+        """Writes each byte to I2CDXR as soon as XRDY is 1."""
+        for byte in data:
+            self.until(lambda: self.flag("XRDY", chip), cycles)
+            self.w("I2CDXR", byte, chip)
+
+    def drain(self, count: int, chip: I2c | None = None, cycles: int = 100 * SLOT) -> list[int]:
+        """Reads I2CDRR each time RRDY is 1."""
+        got = []
+        for _ in range(count):
+            self.until(lambda: self.flag("RRDY", chip), cycles)
+            got.append(self.r("I2CDRR", chip))
+        return got
+
+    def send(self, data: Iterable[int], extra: str = "STP", bc: int = 0, count: int | None = None) -> None:
+        """START, address in I2CSAR, the bytes; `extra` are further bits of I2CMDR."""
+        data = list(data)
+        self.w("I2CCNT", len(data) if count is None else count)
+        self.mode(f"MST TRX STT {extra}", bc)
+        self.feed(data)
+
+    def stopped(self, cycles: int = 100 * SLOT) -> int:
+        """Runs until the module has sent its STOP and the bus is free; the cycle."""
+        return self.until(lambda: self.level == [1, 1] and not self.flag("BB") and not self.flag("STP"), cycles)
+
+    def write_all(self, data: Iterable[int], extra: str = "STP", bc: int = 0) -> str:
+        """A whole transfer; what was said."""
+        since = self.now
+        self.send(data, extra, bc)
+        self.stopped()
+        return self.said(since, bits=bc or 8)
+
+    def read_all(self, count: int, extra: str = "STP", bc: int = 0) -> list[int]:
+        self.w("I2CCNT", count)
+        self.mode(f"MST STT {extra}", bc)
+        got = self.drain(count)
+        self.stopped()
+        return got
+
+    def held(self, cycles: int = 4 * SLOT) -> bool:
+        """SCL is low now and stays so for the given time."""
+        before = len(self.edges)
+        self.run(cycles)
+        return self.level[SCL] == 0 and len(self.edges) == before
+
+    def quiet(self, cycles: int = 20 * SLOT) -> bool:
+        """No wire moves for the given time."""
+        before = len(self.edges)
+        self.run(cycles)
+        return len(self.edges) == before
+
+    def duties(self, chip: I2c | None = None) -> list[Note]:
+        """The notes about broken duties since they were last asked for."""
+        notes = (chip or self.m).notes
+        found = [n for n in notes if n.code == "duty"]
+        notes.clear()
+        return found
+
+    # timing diagrams
+
+    def drive(self, now: int, signal: str, level: int) -> None:
+        """SCL, SDA: pulled down with 0 by the test's hand; a register is written; a bit of I2CMDR is set."""
+        self.run_until(now)
+        if signal in LINES:
+            (self.let_go if level else self.pull)(LINES.index(signal))
+        elif signal in OFFSETS:
+            self.w(signal, level)
+        elif level:
+            self.set(signal)
+
+    def show(self, signal: str) -> int:
+        if signal in LINES:
+            return self.level[LINES.index(signal)]
+        return self.peek(signal) if signal in OFFSETS else self.flag(signal)
+
+
+def with_(**options: Value) -> I2cOptions:
+    """Options, checked; those not named keep their default."""
+    return options_from(I2cOptions, options)

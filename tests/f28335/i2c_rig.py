@@ -1,0 +1,334 @@
+"""A bare I2C module on a two-wire bus, opposite a partner that a test moves edge by edge.
+
+    partner (the test)  --pulls-->  SCL, SDA (wired-AND)  <--pulls--  chip.out
+                                        |
+                                        +--> chip.pin
+
+The partner is the bus's master. Its pulses are cut at the places of which the rules
+speak: `rise` and `fall` end exactly at the cycle of that edge, so that after the eighth
+`clock` of a byte the test stands at fall 8. A data bit changes a quarter of a bit after
+SCL fell. SCL is released half a bit after it fell, and if the chip still pulls it, the
+partner waits. For timing diagrams the rig has drive, run_until and show (tests/waves.py).
+
+The numbers below were typed from SPRUG03B's tables, not from the model's map: a slip in
+the map must show up in the tests.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from periph_sim.f28335.i2c import I2c
+
+from periph_sim.core.chip import NEVER
+from periph_sim.core.options import Value, options_from
+from periph_sim.f28335.i2c_options import I2cOptions
+
+# Table 4: register offsets.
+OFFSET = {
+    "I2COAR": 0x00,
+    "I2CIER": 0x01,
+    "I2CSTR": 0x02,
+    "I2CCLKL": 0x03,
+    "I2CCLKH": 0x04,
+    "I2CCNT": 0x05,
+    "I2CDRR": 0x06,
+    "I2CSAR": 0x07,
+    "I2CDXR": 0x08,
+    "I2CMDR": 0x09,
+    "I2CISRC": 0x0A,
+    "I2CEMDR": 0x0B,
+    "I2CPSC": 0x0C,
+    "I2CFFTX": 0x20,
+    "I2CFFRX": 0x21,
+}
+
+# I2CSTR, Table 10.
+AL, NACK, ARDY, RRDY, XRDY, SCD = (1 << n for n in range(6))
+AD0, AAS, XSMT, RSFULL, BB, NACKSNT, SDIR = (1 << n for n in range(8, 15))
+STR_RESET = XSMT | XRDY
+FLAGS = {
+    "AL": AL,
+    "NACK": NACK,
+    "ARDY": ARDY,
+    "RRDY": RRDY,
+    "XRDY": XRDY,
+    "SCD": SCD,
+    "AD0": AD0,
+    "AAS": AAS,
+    "XSMT": XSMT,
+    "RSFULL": RSFULL,
+    "BB": BB,
+    "NACKSNT": NACKSNT,
+    "SDIR": SDIR,
+}
+W1C = AL | NACK | ARDY | RRDY | SCD | NACKSNT | SDIR
+
+# I2CMDR, Table 5.
+FDF, STB, IRS, DLB, RM, XA, TRX, MST, STP = (1 << n for n in range(3, 12))
+STT, FREE, NACKMOD = 1 << 13, 1 << 14, 1 << 15
+
+# I2CIER, Table 9.
+IE_AL, IE_NACK, IE_ARDY, IE_RRDY, IE_XRDY, IE_SCD, IE_AAS = (1 << n for n in range(7))
+
+# I2CFFTX and I2CFFRX, Tables 21 and 22: the enable is in I2CFFTX, the rest has the same places in both.
+FFEN, FFRST, FFINT, FFINTCLR, FFIENA = 1 << 14, 1 << 13, 1 << 7, 1 << 6, 1 << 5
+
+# Pins and interrupt lines, as bit masks.
+SCL, SDA = 1, 2
+INT1, INT2 = 1, 2
+
+OWN = 0x48  # the own address of most tests
+OTHER = 0x2A
+BIT = 1500  # 100 kHz at 150 MHz
+NO_FILTER: dict[str, Value] = {"noise_filter_cycles": 0}
+
+
+class Rig:
+    """chip: the module under test, clocked, with IPSC 14 and its module in reset until `begin`.
+
+    Options are those of I2cOptions. Here the noise filter is off unless a test asks for it,
+    so that a flag moves in the cycle of its edge.
+    """
+
+    def __init__(self, *, bit: int = BIT, **options: Value) -> None:
+        self.chip = I2c(options_from(I2cOptions, NO_FILTER | options))
+        self.now = 0
+        self.bit = bit
+        self.hold = bit // 8  # diagrams: how long after its column's begin the partner moves SDA
+        self.partner = SCL | SDA  # what the partner releases
+        self.sampled = 1  # SDA just before the last fall of SCL
+        self.interrupts: list[tuple[int, int]] = []  # (cycle, lines)
+        self._seen = SCL | SDA  # levels last given to the chip
+        self._later: list[tuple[int, str, int]] = []
+        self.chip.gate(0, True)
+        self.write("I2CPSC", 14)
+        self.write("I2CCLKL", 10)
+        self.write("I2CCLKH", 5)
+        self.write("I2CSAR", 0)
+
+    # Registers
+
+    def read(self, name: str) -> int:
+        value = self.chip.read(self.now, OFFSET[name])
+        self._settle()
+        return value
+
+    def write(self, name: str, value: int) -> None:
+        self.chip.write(self.now, OFFSET[name], value)
+        self._settle()
+
+    def peek(self, name: str) -> int:
+        return self.chip.peek(self.now, OFFSET[name])
+
+    def begin(self, mode: int = 0, oar: int = OWN) -> None:
+        """Own address and mode, then IRS = 1."""
+        self.write("I2COAR", oar)
+        self.write("I2CMDR", mode | IRS)
+
+    def str(self, bits: int = 0xFFFF) -> int:
+        """I2CSTR, cut to `bits`, as a debugger sees it."""
+        return self.peek("I2CSTR") & bits
+
+    def flag(self, bit: int) -> int:
+        return int(self.str(bit) != 0)
+
+    def duties(self) -> list[str]:
+        """The "duty" notes since last asked."""
+        texts = [note.text for note in self.chip.notes if note.code == "duty"]
+        self.chip.notes.clear()
+        return texts
+
+    def asked(self) -> int:
+        """The interrupt lines that pulsed since last asked."""
+        lines = 0
+        for _, mask in self.interrupts:
+            lines |= mask
+        self.interrupts.clear()
+        return lines
+
+    def supply(self, *data: int) -> None:
+        """As a slave-transmitter's firmware does: each byte to I2CDXR as soon as XRDY is 1."""
+        for byte in data:
+            assert self.flag(XRDY), f"I2CDXR does not take {byte:#x}"
+            self.write("I2CDXR", byte)
+            self.wait(40)
+
+    # The wire
+
+    @property
+    def line(self) -> int:
+        """The levels on the bus: SCL in bit 0, SDA in bit 1."""
+        return self.partner & self.chip.out
+
+    @property
+    def stretching(self) -> bool:
+        return not self.chip.out & SCL
+
+    @property
+    def pulling_sda(self) -> bool:
+        return not self.chip.out & SDA
+
+    def _settle(self) -> None:
+        """Give the chip what the bus shows, until its answer changes nothing any more."""
+        for _ in range(8):
+            if self.chip.requests:
+                self.interrupts.append((self.now, self.chip.requests))
+                self.chip.requests = 0
+            changed = self.line ^ self._seen
+            if not changed:
+                return
+            index = 0 if changed & SCL else 1
+            self._seen ^= 1 << index
+            self.chip.pin(self.now, index, self._seen >> index & 1)
+        raise AssertionError(f"the bus does not settle at {self.now}")
+
+    def pull(self, scl: int | None = None, sda: int | None = None) -> None:
+        """The partner releases (1) or pulls (0) a line, now."""
+        if scl is not None:
+            self.partner = self.partner & ~SCL | scl
+        if sda is not None:
+            self.partner = self.partner & ~SDA | sda << 1
+        self._settle()
+
+    def run_until(self, time: int) -> None:
+        while True:
+            due = min(self.chip.next_wake, self._later[0][0] if self._later else NEVER)
+            if due > time:
+                break
+            assert due >= self.now, f"next_wake {due} lies before now, {self.now}"
+            self.now = due
+            if self._later and self._later[0][0] == due:
+                _, signal, level = self._later.pop(0)
+                self.pull(**{signal: level})
+            if self.chip.next_wake <= due:
+                self.chip.wake(due)
+                assert self.chip.next_wake > due, f"still wants to be woken at {due}"
+            self._settle()
+        self.now = max(self.now, time)
+
+    def wait(self, cycles: int) -> None:
+        self.run_until(self.now + cycles)
+
+    def wait_for(self, condition: Callable[[], object], limit: int = 20_000) -> int:
+        """Cycles until the condition holds, looked at in every cycle."""
+        begun = self.now
+        while not condition():
+            assert self.now - begun < limit, f"waited {limit} cycles in vain"
+            self.run_until(self.now + 1)
+        return self.now - begun
+
+    # The partner as master: edges
+
+    def rise(self, sda: int = 1) -> None:
+        """SCL has just fallen: put a bit on SDA, release SCL; ends at the cycle at which SCL is high."""
+        self.wait(self.bit // 4)
+        self.pull(sda=sda)
+        self.wait(self.bit // 4)
+        self.pull(scl=1)
+        given_up = self.now + 100 * self.bit
+        while not self.line & SCL:
+            assert self.now < given_up, f"SCL held low since {given_up - 100 * self.bit}"
+            self.run_until(min(max(self.chip.next_wake, self.now + 1), given_up))
+
+    def fall(self) -> None:
+        """SCL has just risen: pull it half a bit later; ends at that cycle."""
+        self.wait(self.bit // 2)
+        self.sampled = self.line >> 1 & 1
+        self.pull(scl=0)
+
+    def clock(self, sda: int = 1) -> int:
+        """One pulse; the level of SDA at its end. Ends at the fall."""
+        self.rise(sda)
+        self.fall()
+        return self.sampled
+
+    def start(self) -> None:
+        """START on a free bus; ends at the fall of SCL that follows."""
+        self.wait(self.bit)
+        self.pull(sda=0)
+        self.fall()
+
+    def restart(self) -> None:
+        """Repeated START; SCL has just fallen. Ends at the fall of SCL that follows."""
+        self.rise(1)
+        self.wait(self.bit // 4)
+        self.pull(sda=0)
+        self.fall()
+
+    def stop(self) -> None:
+        """STOP; SCL has just fallen. Ends at the rise of SDA."""
+        self.rise(0)
+        self.wait(self.bit // 4)
+        self.pull(sda=1)
+
+    # The partner as master: bytes
+
+    def send_bits(self, value: int, bits: int = 8) -> None:
+        """Data bits, most significant first; ends at the fall of the last."""
+        for n in reversed(range(bits)):
+            self.clock(value >> n & 1)
+
+    def acked(self) -> bool:
+        """The ninth pulse, SDA left to the chip; ends at fall 9."""
+        return self.clock(1) == 0
+
+    def send(self, value: int, bits: int = 8) -> bool:
+        """A byte to the chip; whether it was acknowledged. Ends at fall 9."""
+        self.send_bits(value, bits)
+        return self.acked()
+
+    def take_bits(self, bits: int = 8) -> int:
+        value = 0
+        for _ in range(bits):
+            value = value << 1 | self.clock(1)
+        return value
+
+    def take(self, ack: bool = True, bits: int = 8) -> int:
+        """A byte from the chip, answered with ACK or NACK. Ends at fall 9."""
+        value = self.take_bits(bits)
+        self.clock(0 if ack else 1)
+        return value
+
+    def address(self, address: int = OWN, read: int = 0) -> bool:
+        """START and the address byte; whether it was acknowledged. Ends at fall 9."""
+        self.start()
+        return self.send(address << 1 | read)
+
+    # Timing diagrams
+
+    def drive(self, now: int, signal: str, level: int) -> None:
+        """SCL, SDA: the partner, SDA a little after SCL. DXR: the CPU writes it. DRR, ISRC: the CPU reads it."""
+        self.run_until(now)
+        if signal == "SCL":
+            self.pull(scl=level)
+        elif signal == "SDA":
+            self._later.append((now + self.hold, "sda", level))
+        elif signal == "DXR":
+            self.write("I2CDXR", level)
+        elif signal in ("DRR", "ISRC"):
+            self.read("I2C" + signal)
+        else:
+            raise ValueError(f"a diagram can drive SCL, SDA, DXR, DRR and ISRC; not {signal}")
+
+    def show(self, signal: str) -> int:
+        """The bus (SCL, SDA), what the chip leaves released (scl, sda), a flag of I2CSTR, a FIFO count or a code."""
+        if signal in FLAGS:
+            return self.flag(FLAGS[signal])
+        if signal == "INTCODE":
+            return self.peek("I2CISRC") & 7
+        if signal in ("TXFFST", "RXFFST"):
+            return self.peek("I2CFF" + signal[:2]) >> 8 & 31
+        if signal in ("SCL", "SDA"):
+            return self.line >> (signal == "SDA") & 1
+        if signal in ("scl", "sda"):
+            return self.chip.out >> (signal == "sda") & 1
+        raise ValueError(f"no signal {signal}")
+
+
+def addressed(read: int = 0, *, mode: int = 0, **options: Value) -> Rig:
+    """A rig whose chip has just been addressed by its own address: fall 9 of the address byte."""
+    rig = Rig(**options)
+    rig.begin(mode)
+    assert rig.address(OWN, read)
+    return rig

@@ -1,0 +1,427 @@
+"""Open questions about the I2C module as master, its clock, loopback and debugger: every value of every option."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+
+import pytest
+
+from periph_sim.f28335.i2c_options import I2cOptions
+
+from .i2c_bus import HIGH, LOW, SCL, SDA, SLOT, Bench, Foreign, Target, mdr, with_
+
+rule = pytest.mark.rule
+
+TMOD = 15
+
+
+def test_the_choices_below_are_all_there_are():
+    """A value added to one of these options fails here until it has its test."""
+    tested = {
+        "hold_scl_after_nack": 2,
+        "ardy_on_nack": 2,
+        "cnt_copy_point": 2,
+        "stt_with_irs_write": 2,
+        "stt_while_busy": 3,
+        "al_clears_stt": 2,
+        "mr_nack_at_count0": 2,
+        "rm_receiver": 2,
+        "stop_without_data": 2,
+        "ten_bit_read": 2,
+        "own_general_call": 2,
+        "dlb_delay": 2,
+        "free_slave_unit": 2,
+        "psc_write_irs1": 2,
+        "bc_less_than_8_upper_bits": 2,
+        "start_byte_ad0": 2,
+        "cnt_in_slave_tx": 2,
+    }
+    known = {f.name: len(f.metadata["values"]) for f in dataclasses.fields(I2cOptions) if f.name in tested}
+    assert known == tested
+
+
+# ---- NACK ------------------------------------------------------------------------------------------
+
+
+@rule("I2C-250")
+@pytest.mark.parametrize("hold", [True, False])
+def test_open_hold_scl_after_nack(hold: bool):
+    b = Bench(options=with_(hold_scl_after_nack=hold))
+    b.send([], extra="", count=1)
+    b.until(lambda: b.flag("NACK"))
+    b.run(2 * SLOT)
+    assert b.level == [int(not hold), 1]
+    assert b.quiet(50 * SLOT)
+    assert "hold_scl_after_nack" in b.m.touched
+    b.set("STP")
+    b.run(4 * SLOT)
+    assert b.said() == "S 50W N P"
+    assert b.flags("BB MST STP") == ""
+
+
+@rule("I2C-246")
+@pytest.mark.parametrize("ardy", [True, False])
+def test_open_ardy_on_nack(ardy: bool):
+    b = Bench(options=with_(ardy_on_nack=ardy))
+    b.send([], extra="", count=1)
+    b.until(lambda: b.flag("NACK"))
+    b.run(2 * SLOT)
+    assert b.flag("ARDY") == ardy
+    assert "ardy_on_nack" in b.m.touched
+
+
+@rule("I2C-041")
+@pytest.mark.parametrize("how, said", [("address_counts", "S 50W N P"), ("waits_for_data", "S 50W N")])
+def test_open_stop_without_data(how: str, said: str):
+    b = Bench(options=with_(stop_without_data=how))
+    b.send([], extra="", count=1)
+    b.until(lambda: b.flag("NACK"))
+    b.run(SLOT)
+    b.set("STP")
+    b.run(20 * SLOT)
+    assert b.said() == said
+    assert b.flag("STP") == (how == "waits_for_data")
+    assert "stop_without_data" in b.m.touched
+
+
+# ---- count, receiver ----------------------------------------------------------------------------------
+
+
+@rule("I2C-132", "I2C-133")
+@pytest.mark.parametrize("point, sent", [("start", 2), ("write", 4)])
+def test_open_cnt_copy_point(point: str, sent: int):
+    """I2CCNT = 2; while the second byte is sent 3 is written."""
+    target = Target()
+    b = Bench(target, options=with_(cnt_copy_point=point))
+    b.w("I2CCNT", 2)
+    b.mode("MST TRX STT")
+    b.feed([1, 2])
+    b.until(lambda: len(target.got) == 1)
+    b.edge(SCL, 0, 3)
+    b.w("I2CCNT", 3)
+    b.feed(range(3, sent + 1))
+    b.until(lambda: b.flag("ARDY"))
+    assert len(target.got) == sent
+    assert "cnt_copy_point" in b.m.touched
+
+
+@rule("I2C-143")
+@pytest.mark.parametrize("how, answers", [("always", [0, 1]), ("only_with_stp", [0, 0])])
+def test_open_mr_nack_at_count0(how: str, answers: list[int]):
+    target = Target(gives=[1, 2, 3])
+    b = Bench(target, options=with_(mr_nack_at_count0=how))
+    b.w("I2CCNT", 2)
+    b.mode("MST STT")
+    assert b.drain(2) == [1, 2]
+    b.until(lambda: b.flag("ARDY"))
+    b.run(SLOT)
+    assert target.answers == answers
+    assert b.held()
+    assert "mr_nack_at_count0" in b.m.touched
+
+
+@rule("I2C-143", "I2C-191")
+@pytest.mark.parametrize("how", ["always", "only_with_stp"])
+def test_open_mr_nack_at_count0_with_stp_the_last_byte_is_refused(how: str):
+    target = Target(gives=[1, 2, 3])
+    b = Bench(target, options=with_(mr_nack_at_count0=how))
+    assert b.read_all(2) == [1, 2]
+    assert target.answers == [0, 1]
+
+
+@rule("I2C-062", "I2C-144", "I2C-190", "I2C-051", "I2C-058")
+@pytest.mark.parametrize("how", ["allowed", "ignored"])
+def test_open_rm_receiver(how: str):
+    """I2CCNT = 2: a repeat mode that exists reads on until STP refuses a byte; else two bytes are all."""
+    target = Target(gives=range(1, 9))
+    b = Bench(target, options=with_(rm_receiver=how))
+    b.w("I2CCNT", 2)
+    b.mode("MST STT RM")
+    assert b.drain(2) == [1, 2]
+    if how == "allowed":
+        assert b.drain(2) == [3, 4]
+        b.edge(SCL, 0, 3)
+        b.set("STP")
+        assert b.drain(1) == [5]
+        b.stopped()
+        assert b.said() == "S 50R A 01 A 02 A 03 A 04 A 05 N P"
+    else:
+        b.until(lambda: b.flag("ARDY"))
+        b.run(SLOT)
+        assert b.held(30 * SLOT)
+        assert not b.flag("RRDY")
+    assert "rm_receiver" in b.m.touched
+
+
+@rule("I2C-061", "I2C-144")
+def test_open_rm_receiver_allowed_ends_with_a_repeated_start():
+    b = Bench(Target(gives=range(1, 9)))
+    b.mode("MST STT RM")
+    assert b.drain(2) == [1, 2]
+    b.w("I2CCNT", 1)
+    b.mode("MST STT STP")
+    while not b.flag("SCD"):
+        b.run(25)
+        if b.flag("RRDY"):
+            b.r("I2CDRR")
+    words = b.said().split()
+    assert words[:3] == ["S", "50R", "A"] and words.count("S") == 2 and words[-1] == "P"
+
+
+@rule("I2C-070")
+@pytest.mark.parametrize("how, got", [("last_bits", [0x15, 0x5C]), ("zeros", [0x05, 0x0C])])
+def test_open_bc_less_than_8_upper_bits(how: str, got: list[int]):
+    """After the address byte 0xA1 four bits 5, then four bits C."""
+    b = Bench(Target(gives=[0x5, 0xC], bits=4), options=with_(bc_less_than_8_upper_bits=how))
+    assert b.read_all(2, bc=4) == got
+    assert "bc_less_than_8_upper_bits" in b.m.touched
+
+
+@rule("I2C-128")
+@pytest.mark.parametrize("how, read", [("no_effect", [1, 2, 3]), ("counts_bytes", [1, 2, 0xFF])])
+def test_open_cnt_in_slave_tx(how: str, read: list[int]):
+    foreign = Foreign("S 50R ?A ?A ?N P")
+    b = Bench(foreign, options=with_(cnt_in_slave_tx=how))
+    b.w("I2COAR", 0x50)
+    b.w("I2CCNT", 2)
+    b.until(lambda: b.flag("SDIR"))
+    data = [1, 2, 3, 4]
+    while not foreign.done:
+        b.run(25)
+        if b.flag("XRDY") and b.flag("SDIR") and data:
+            b.w("I2CDXR", data.pop(0))
+    assert foreign.got == read
+    assert "cnt_in_slave_tx" in b.m.touched
+
+
+# ---- START ----------------------------------------------------------------------------------------------
+
+
+@rule("I2C-033", "I2C-034")
+@pytest.mark.parametrize("how", ["accepted", "dropped"])
+def test_open_stt_with_irs_write(how: str):
+    b = Bench(Target(), options=with_(stt_with_irs_write=how), enable=False)
+    b.w("I2CCNT", 1)
+    b.w("I2CDXR", 0x12)
+    b.w("I2CMDR", 0x2E20)  # STT, STP, MST, TRX and IRS at once
+    assert b.flags("STT STP MST") == ("STT STP MST" if how == "accepted" else "MST")
+    assert "stt_with_irs_write" in b.m.touched
+    b.run(40 * SLOT)
+    assert b.said() == ("S 50W A 12 A P" if how == "accepted" else "")
+
+
+@rule("I2C-150", "I2C-258")
+@pytest.mark.parametrize("how", ["foreign_al", "foreign_waits", "always_repeated_start"])
+def test_open_stt_while_busy(how: str):
+    """STT in the second byte of a foreign transfer."""
+    foreign = Foreign("S 48W 77 P")
+    b = Bench(Target(0x48), Target(0x50), foreign, options=with_(stt_while_busy=how))
+    b.edge(SCL, 0, 12)
+    b.w("I2CCNT", 1)
+    b.w("I2CDXR", 0x12)
+    b.mode("MST TRX STT STP")
+    b.run(60 * SLOT)
+    assert "stt_while_busy" in b.m.touched
+    if how == "foreign_al":
+        assert b.said() == "S 48W A 77 A P"
+        assert b.flags("AL MST STP") == "AL"
+    elif how == "foreign_waits":
+        assert b.said() == "S 48W A 77 A P S 50W A 12 A P"
+        assert b.flags("AL MST STP") == ""
+    else:
+        assert b.said() != "S 48W A 77 A P"
+        assert b.said().count("S") == 2
+
+
+@rule("I2C-150")
+@pytest.mark.parametrize("how", ["foreign_al", "foreign_waits", "always_repeated_start"])
+def test_open_stt_while_busy_does_not_matter_on_the_own_bus(how: str):
+    b = Bench(Target(), options=with_(stt_while_busy=how))
+    b.send([1], extra="")
+    b.until(lambda: b.flag("ARDY"))
+    b.send([2])
+    b.stopped()
+    assert b.said() == "S 50W A 01 A S 50W A 02 A P"
+    assert not b.flag("AL")
+
+
+@rule("I2C-260")
+@pytest.mark.parametrize("clears", [True, False])
+def test_open_al_clears_stt(clears: bool):
+    foreign = Foreign("S 48W 77 P")
+    b = Bench(Target(0x48), foreign, options=with_(al_clears_stt=clears))
+    b.edge(SCL, 0, 4)
+    b.mode("MST TRX STT STP")
+    b.until(lambda: b.flag("AL"))
+    assert b.flags("STT STP MST") == ("" if clears else "STT")
+    assert "al_clears_stt" in b.m.touched
+    b.run(60 * SLOT)
+    assert b.said() == "S 48W A 77 A P"
+
+
+@rule("I2C-083", "I2C-086")
+@pytest.mark.parametrize(
+    "how, said", [("header_r_only", "S 7aR N"), ("full_address_first", "S 7aW A 34 A S 7aR A 99 N P")]
+)
+def test_open_ten_bit_read_from_idle(how: str, said: str):
+    """A device answers the header with R only if the whole address came before."""
+    b = Bench(Target(0x234, [0x99]), options=with_(ten_bit_read=how))
+    b.w("I2CSAR", 0x234)
+    b.w("I2CCNT", 1)
+    b.mode("MST STT STP XA")
+    b.run(50 * SLOT)
+    assert b.said().removesuffix(" P") == said.removesuffix(" P")
+    assert b.flag("RRDY") == (how == "full_address_first")
+    assert "ten_bit_read" in b.m.touched
+
+
+@rule("I2C-090", "I2C-089")
+@pytest.mark.parametrize("how, said", [("not_answered", "S 00W N"), ("answered", "S 00W A")])
+def test_open_own_general_call(how: str, said: str):
+    b = Bench(options=with_(own_general_call=how))
+    b.w("I2CSAR", 0)
+    b.send([], extra="", count=1)
+    b.run(15 * SLOT)
+    assert b.said() == said
+    assert "own_general_call" in b.m.touched
+
+
+@rule("I2C-063", "I2C-091")
+@pytest.mark.parametrize("how", ["stays_0", "set"])
+def test_open_start_byte_ad0(how: str):
+    b = Bench(Target(), second=with_(start_byte_ad0=how))
+    b.w("I2COAR", 0x21, b.s)
+    b.send([0x12], extra="STP STB")
+    seen = 0
+    while not b.flag("SCD"):
+        seen |= b.flag("AD0", b.s)
+        assert not b.flag("AAS", b.s)
+        b.run(25)
+    assert b.said() == "S 00R N S 50W A 12 A P"
+    assert seen == (how == "set")
+    assert "start_byte_ad0" in b.s.touched
+
+
+# ---- clock and filter -------------------------------------------------------------------------------------
+
+
+@rule("I2C-165", "I2C-171")
+@pytest.mark.parametrize("extra", [0, 2, 3, 16])
+def test_open_scl_sync_cycles(extra: int):
+    held = 900
+    b = Bench(Target(stretch={(0, 4): held}), options=with_(scl_sync_cycles=extra))
+    b.write_all([0x12])
+    highs = [y.time - x.time for x, y in _scl_pairs(b) if x.level]
+    assert highs[4] == HIGH + extra * TMOD
+    assert {h for n, h in enumerate(highs) if n != 4} == {HIGH}
+    assert "scl_sync_cycles" in b.m.touched
+
+
+def _scl_pairs(b: Bench) -> list[tuple]:
+    edges = [e for e in b.edges if e.line == SCL][1:]
+    return list(itertools.pairwise(edges))
+
+
+@rule("I2C-174")
+@pytest.mark.parametrize("width", [0, 1, 2, 5])
+@pytest.mark.parametrize("more", [-1, 1])
+def test_open_noise_filter_cycles(width: int, more: int):
+    """A low pulse on SDA a little shorter or longer than the filter."""
+    if width == 0 and more < 0:
+        pytest.skip("no pulse is shorter than nothing")
+    b = Bench(options=with_(noise_filter_cycles=width))
+    b.run(100)
+    b.pulse(SDA, width * TMOD + more)
+    b.run(300)
+    assert b.flag("SCD") == (more > 0)
+    assert "noise_filter_cycles" in b.m.touched
+
+
+@rule("I2C-159", "I2C-160", "I2C-174")
+@pytest.mark.parametrize("width", [0, 1, 3])
+def test_open_noise_filter_cycles_is_in_the_programmed_times(width: int):
+    """The divisors give the low and high time whatever the filter is."""
+    b = Bench(Target(), options=with_(noise_filter_cycles=width))
+    b.write_all([0x12])
+    assert {y.time - x.time for x, y in _scl_pairs(b)} == {LOW, HIGH}
+
+
+@rule("I2C-157", "I2C-158")
+@pytest.mark.parametrize("how, tmod", [("stored", 13), ("dropped", 15)])
+def test_open_psc_write_irs1(how: str, tmod: int):
+    b = Bench(Target(), options=with_(psc_write_irs1=how))
+    b.w("I2CPSC", 12)
+    assert b.r("I2CPSC") == tmod - 1
+    assert "psc_write_irs1" in b.m.touched
+    b.write_all([0x12])
+    assert {y.time - x.time for x, y in _scl_pairs(b)} == {LOW, HIGH}
+    b.w("I2CMDR", 0)
+    b.w("I2CMDR", mdr(""))
+    b.edges.clear()
+    b.write_all([0x12])
+    assert {y.time - x.time for x, y in _scl_pairs(b)} == {15 * tmod, 10 * tmod}
+
+
+@rule("I2C-130")
+@pytest.mark.parametrize("setup", [0, 1, 2, 8])
+def test_open_sda_setup_before_scl_release(setup: int):
+    """A slave-transmitter that was late: first its bit goes out, then SCL is released."""
+    foreign = Foreign("S 50R ?N P")
+    b = Bench(foreign, options=with_(sda_setup_before_scl_release=setup))
+    b.w("I2COAR", 0x50)
+    b.until(lambda: not b.flag("XSMT"))
+    b.run(5 * SLOT)
+    write = b.now
+    b.w("I2CDXR", 0x12)
+    assert b.edge(SCL, 1) - write in range(setup * TMOD, setup * TMOD + TMOD)
+    assert b.times(SDA, 0)[-1] <= write + 1
+    assert "sda_setup_before_scl_release" in b.m.touched
+
+
+# ---- loopback ------------------------------------------------------------------------------------------------
+
+
+@rule("I2C-308")
+@pytest.mark.parametrize("psc", [14, 12])
+@pytest.mark.parametrize("how", ["after_last_bit", "after_dxr_write"])
+def test_open_dlb_delay(how: str, psc: int):
+    """n = 8 (IPSC + 1) cycles from the rise of the last data bit, or from the write that ended an underflow."""
+    b = Bench(options=with_(dlb_delay=how), psc=psc)
+    b.w("I2COAR", 0x2A)
+    b.w("I2CCNT", 1)
+    b.mode("FREE MST TRX STT STP DLB")
+    b.until(lambda: not b.flag("XSMT"))
+    b.run(3 * SLOT)
+    write = b.now
+    b.w("I2CDXR", 0x5C)
+    came = b.until(lambda: b.flag("RRDY"))
+    assert b.r("I2CDRR") == 0x5C
+    n = 8 * (psc + 1)
+    if how == "after_dxr_write":
+        assert came - write == n
+    else:
+        last = b.times(SCL, 1, write)[7]
+        assert came - last in range(n, n + SLOT)
+    assert "dlb_delay" in b.m.touched
+
+
+# ---- debugger ---------------------------------------------------------------------------------------------------
+
+
+@rule("I2C-324")
+@pytest.mark.parametrize("how, heard", [("byte", "AAN"), ("whole_transfer", "AAA")])
+def test_open_free_slave_unit(how: str, heard: str):
+    """A breakpoint in the first of two data bytes, with FREE = 0."""
+    foreign = Foreign("S 50W 12 34 P")
+    b = Bench(foreign, options=with_(free_slave_unit=how))
+    b.w("I2COAR", 0x50)
+    b.edge(SCL, 0, 10 + 4)
+    b.m.suspend(b.now, True)
+    b.settle()
+    b.until(lambda: b.flag("RRDY"))
+    assert b.r("I2CDRR") == 0x12
+    b.run(30 * SLOT)
+    assert "free_slave_unit" in b.m.touched
+    assert foreign.heard[:2] == "AA"
+    assert b.flag("RRDY") == (how == "whole_transfer")

@@ -1,0 +1,857 @@
+"""Open questions of the I2C module that a slave, a receiver, a FIFO or the registers meet: every value of every option.
+
+TI does not say, or says two things. The first value of each list is the model's default.
+Each test also proves that the run is marked as depending on its option (`touched`).
+"""
+
+from __future__ import annotations
+
+import pytest
+
+from .i2c_rig import (
+    AAS,
+    AD0,
+    BB,
+    BIT,
+    FDF,
+    FFEN,
+    FFINTCLR,
+    FFRST,
+    IE_AAS,
+    IE_NACK,
+    IE_RRDY,
+    IE_SCD,
+    IE_XRDY,
+    INT1,
+    IRS,
+    NACK,
+    NACKMOD,
+    NACKSNT,
+    OTHER,
+    OWN,
+    RRDY,
+    RSFULL,
+    SCD,
+    SDIR,
+    TRX,
+    XRDY,
+    XSMT,
+    Rig,
+    addressed,
+)
+
+SOON = 20
+COPY_POINTS = ["any_ack_fall9", "ack_fall9", "ack_rise9", "eager", "eager_if_trx", "eager_reloaded_at_address"]
+
+
+def idle(mode: int = 0, **options) -> Rig:
+    rig = Rig(**options)
+    rig.begin(mode)
+    return rig
+
+
+def served(count: int, **options) -> Rig:
+    """The master has read `count` bytes 0x11, 0x12, ..., each written when wanted; the last got its NACK."""
+    rig = addressed(read=1, **options)
+    for n in range(count):
+        rig.write("I2CDXR", 0x11 + n)
+        assert rig.take(ack=n + 1 < count) == 0x11 + n
+    return rig
+
+
+# Slave-transmitter
+
+
+@pytest.mark.rule("I2C-002", "I2C-024")
+@pytest.mark.parametrize("present", [True, False])
+def test_open_emdr_present(present):
+    rig = Rig(emdr_present=present, xrdyint_when_idle="only_addressed")
+    assert rig.read("I2CEMDR") == int(present)
+    rig.write("I2CEMDR", 0)
+    assert rig.read("I2CEMDR") == 0
+    rig.write("I2CIER", IE_XRDY)
+    rig.begin()
+    rig.start()
+    rig.send_bits(OWN << 1 | 1)
+    rig.wait(SOON)
+    assert rig.peek("I2CISRC") == (0 if present else 5), "BCM = 0 asks later"
+    assert "emdr_present" in rig.chip.touched
+    rig.chip.reset(rig.now)
+    rig.chip.gate(rig.now, True)
+    rig.write("I2CEMDR", 1)
+    assert rig.read("I2CEMDR") == int(present)
+
+
+@pytest.mark.rule("I2C-024")
+@pytest.mark.parametrize("bcm", [1, 0])
+def test_open_bcm_reset(bcm):
+    rig = Rig(bcm_reset=bcm, xrdyint_when_idle="only_addressed")
+    assert rig.read("I2CEMDR") == bcm
+    rig.write("I2CIER", IE_XRDY)
+    rig.begin()
+    rig.start()
+    rig.send_bits(OWN << 1 | 1)
+    rig.wait(SOON)
+    assert rig.peek("I2CISRC") == 5 * bcm
+    assert "bcm_reset" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-113", "I2C-195", "I2C-216")
+@pytest.mark.parametrize("point", ["fall8", "rise8", "fall9"])
+def test_open_aas_sdir_point(point):
+    rig = idle(aas_sdir_point=point)
+    rig.start()
+    rig.send_bits(OWN, 7)
+    shown = []
+    rig.rise(1)
+    shown.append(("rise8", rig.str(AAS | SDIR)))
+    rig.fall()
+    shown.append(("fall8", rig.str(AAS | SDIR)))
+    rig.rise(1)
+    shown.append(("rise9", rig.str(AAS | SDIR)))
+    rig.fall()
+    shown.append(("fall9", rig.str(AAS | SDIR)))
+    places = [place for place, _ in shown]
+    assert shown == [(p, AAS | SDIR if places.index(p) >= places.index(point) else 0) for p in places]
+    assert "aas_sdir_point" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-115", "I2C-053")
+@pytest.mark.parametrize("point", COPY_POINTS)
+@pytest.mark.parametrize("trx", [0, TRX])
+def test_open_dxr_to_xsr_copy_point_idle(point, trx):
+    """0x11 is written on an idle bus, 0x22 over or behind it, then the master reads."""
+    rig = idle(trx, dxr_to_xsr_copy_point=point)
+    rig.write("I2CDXR", 0x11)
+    eager = point in ("eager", "eager_reloaded_at_address") or (point == "eager_if_trx" and trx != 0)
+    assert rig.flag(XRDY) == eager
+    rig.write("I2CDXR", 0x22)
+    assert rig.flag(XRDY) == 0
+    rig.address(OWN, 1)
+    assert rig.take() == (0x11 if eager and point != "eager_reloaded_at_address" else 0x22)
+    assert "dxr_to_xsr_copy_point" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-115")
+@pytest.mark.parametrize("point", COPY_POINTS)
+def test_open_dxr_to_xsr_copy_point_inside_the_ack_slot(point):
+    """0x11 is written in the first half of the address-ACK slot, 0x22 in the second half."""
+    rig = idle(dxr_to_xsr_copy_point=point)
+    rig.start()
+    rig.send_bits(OWN << 1 | 1)
+    rig.write("I2CDXR", 0x11)
+    rig.rise()
+    rig.wait(BIT // 4)
+    rig.write("I2CDXR", 0x22)
+    rig.fall()
+    first = 0x11 if point in ("ack_rise9", "eager") else 0x22
+    assert rig.take(ack=first == 0x11) == first
+    if first == 0x11:
+        assert rig.take(ack=False) == 0x22
+
+
+@pytest.mark.rule("I2C-115")
+@pytest.mark.parametrize("point", COPY_POINTS)
+def test_open_dxr_to_xsr_copy_point_while_receiving(point):
+    """0x11 waits in I2CDXR while a pointer byte is received: only one reading moves it on then."""
+    rig = addressed(dxr_to_xsr_copy_point=point)
+    rig.write("I2CDXR", 0x11)
+    before = rig.flag(XRDY)
+    rig.send(0x00)
+    assert before == (point in ("eager", "eager_reloaded_at_address"))
+    assert rig.flag(XRDY) == (before or point == "any_ack_fall9")
+
+
+@pytest.mark.rule("I2C-116", "I2C-118")
+@pytest.mark.parametrize("point", ["fall9", "at_copy"])
+def test_open_xrdy_rise_point(point):
+    rig = idle(xrdy_rise_point=point, dxr_to_xsr_copy_point="ack_rise9")
+    rig.start()
+    rig.send_bits(OWN << 1 | 1)
+    rig.write("I2CDXR", 0x11)
+    rig.rise()
+    assert rig.flag(XRDY) == (point == "at_copy")
+    rig.fall()
+    assert rig.flag(XRDY)
+    rig.write("I2CDXR", 0x22)
+    assert rig.take_bits(8) == 0x11
+    rig.rise(0)
+    assert rig.flag(XRDY) == (point == "at_copy")
+    rig.fall()
+    assert rig.flag(XRDY)
+    assert "xrdy_rise_point" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-112", "I2C-269")
+@pytest.mark.parametrize("when", ["level", "only_addressed"])
+def test_open_xrdyint_when_idle(when):
+    rig = idle(xrdyint_when_idle=when)
+    rig.write("I2CIER", IE_XRDY)
+    rig.wait(SOON)
+    assert rig.asked() == (INT1 if when == "level" else 0)
+    assert rig.peek("I2CISRC") == (5 if when == "level" else 0)
+    rig.start()
+    rig.send_bits(OWN << 1 | 1)
+    rig.wait(SOON)
+    assert rig.peek("I2CISRC") == 5
+    assert "xrdyint_when_idle" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-108", "I2C-110")
+@pytest.mark.parametrize("policy", ["stretch", "resend_previous", "send_ones"])
+def test_open_tx_underflow_policy(policy):
+    rig = addressed(read=1, tx_underflow_policy=policy)
+    rig.write("I2CDXR", 0x5A)
+    assert rig.take() == 0x5A
+    rig.wait(BIT)
+    assert rig.stretching == (policy == "stretch")
+    assert rig.flag(XSMT) == 0
+    if policy != "stretch":
+        assert rig.take(ack=False) == (0x5A if policy == "resend_previous" else 0xFF)
+    assert "tx_underflow_policy" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-108")
+@pytest.mark.parametrize("stretches", [True, False])
+def test_open_stretch_after_address_ack(stretches):
+    rig = served(1, stretch_after_address_ack=stretches)
+    rig.stop()
+    rig.address(OWN, 1)
+    rig.wait(BIT)
+    assert rig.stretching == stretches
+    if not stretches:
+        assert rig.take(ack=False) == 0x11, "what was left in I2CXSR"
+    assert "stretch_after_address_ack" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-124", "I2C-213", "I2C-214")
+@pytest.mark.parametrize("rule", ["text", "figure"])
+def test_open_xsmt_rule(rule):
+    """BCM = 0, at the end of the address-ACK slot; the figure has a time between write and copy, the text has not."""
+    rig = Rig(xsmt_rule=rule)
+    rig.write("I2CEMDR", 0)
+    rig.begin()
+    rig.address(OWN, 1)
+    assert rig.stretching
+    assert rig.str(XRDY | XSMT) == (XRDY if rule == "text" else XRDY | XSMT)
+    rig.write("I2CDXR", 0x5A)
+    assert rig.flag(XSMT) == (rule == "text")
+    rig.wait(BIT)
+    assert not rig.stretching
+    assert rig.str(XRDY | XSMT) == XRDY | XSMT
+    assert rig.take(ack=False) == 0x5A
+    assert "xsmt_rule" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-119")
+@pytest.mark.parametrize("fate", ["sent_first", "discarded"])
+def test_open_stale_byte_next_read(fate):
+    rig = addressed(read=1, stale_byte_next_read=fate)
+    rig.supply(0x11, 0x22)
+    assert rig.take(ack=False) == 0x11
+    rig.stop()
+    rig.address(OWN, 1)
+    rig.wait(BIT)
+    assert rig.stretching == (fate == "discarded")
+    rig.write("I2CDXR", 0x33)
+    assert rig.take(ack=False) == (0x22 if fate == "sent_first" else 0x33)
+    assert "stale_byte_next_read" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-237")
+@pytest.mark.parametrize(
+    "policy, sent", [("overwrite", [0x22]), ("ignored", [0x11]), ("queued_behind_xsr", [0x11, 0x22])]
+)
+def test_open_dxr_write_while_full(policy, sent):
+    rig = idle(dxr_write_while_full=policy)
+    rig.write("I2CDXR", 0x11)
+    rig.write("I2CDXR", 0x22)
+    assert rig.flag(XRDY) == 0
+    rig.address(OWN, 1)
+    assert [rig.take() for _ in sent] == sent
+    assert rig.stretching
+    assert "dxr_write_while_full" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-236", "I2C-333")
+@pytest.mark.parametrize("fate", ["data_kept_xrdy_1", "kept_and_still_sent"])
+def test_open_dxr_survives_irs(fate):
+    rig = idle(dxr_survives_irs=fate)
+    rig.write("I2CDXR", 0x5A)
+    rig.write("I2CMDR", 0)
+    rig.write("I2CMDR", IRS)
+    assert rig.flag(XRDY)
+    assert rig.read("I2CDXR") == 0x5A
+    rig.address(OWN, 1)
+    rig.wait(BIT)
+    assert rig.stretching == (fate == "data_kept_xrdy_1")
+    if rig.stretching:
+        rig.write("I2CDXR", 0x66)
+    assert rig.take(ack=False) == (0x66 if fate == "data_kept_xrdy_1" else 0x5A)
+    assert "dxr_survives_irs" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-119", "I2C-120")
+@pytest.mark.parametrize("clears", [False, True])
+def test_open_nack_clears_dxr(clears):
+    rig = addressed(read=1, nack_clears_dxr=clears)
+    rig.supply(0x11, 0x22)
+    rig.take(ack=False)
+    assert rig.flag(XRDY) == clears
+    rig.stop()
+    rig.address(OWN, 1)
+    rig.wait(BIT)
+    assert rig.stretching == clears
+    assert "nack_clears_dxr" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-120", "I2C-213")
+@pytest.mark.parametrize("what", ["stays_1", "0_without_stretch"])
+def test_open_xsmt_on_final_nack(what):
+    rig = served(1, xsmt_on_final_nack=what)
+    assert rig.flag(XSMT) == (what == "stays_1")
+    assert not rig.stretching
+    assert "xsmt_on_final_nack" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-251", "I2C-266")
+@pytest.mark.parametrize("asks", [True, False])
+def test_open_nackint_in_slave_tx(asks):
+    rig = addressed(read=1, nackint_in_slave_tx=asks)
+    rig.write("I2CIER", IE_NACK)
+    rig.write("I2CDXR", 0x5A)
+    rig.take(ack=False)
+    rig.wait(SOON)
+    assert rig.flag(NACK)
+    assert rig.peek("I2CISRC") == (2 if asks else 0)
+    assert rig.asked() == (INT1 if asks else 0)
+    assert "nackint_in_slave_tx" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-108")
+@pytest.mark.parametrize("clocks", [1, 0, 7])
+def test_open_sda_setup_before_scl_release(clocks):
+    """15 cycles a module clock."""
+    rig = addressed(read=1, sda_setup_before_scl_release=clocks)
+    rig.wait(BIT)
+    rig.write("I2CDXR", 0x00)
+    assert rig.pulling_sda
+    assert rig.wait_for(lambda: not rig.stretching) == clocks * 15
+    assert "sda_setup_before_scl_release" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-198", "I2C-199")
+@pytest.mark.parametrize("clear", ["any_start_or_stop", "until_next_address"])
+def test_open_sdir_clear(clear):
+    rig = served(1, sdir_clear=clear)
+    rig.stop()
+    assert rig.flag(SDIR) == (clear == "until_next_address")
+    rig.start()
+    assert rig.flag(SDIR) == (clear == "until_next_address")
+    rig.send(OWN << 1)
+    assert rig.flag(SDIR) == 0
+    assert "sdir_clear" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-128")
+@pytest.mark.parametrize("effect", ["no_effect", "counts_bytes"])
+def test_open_cnt_in_slave_tx(effect):
+    """I2CCNT = 2, the master reads 3 bytes."""
+    rig = Rig(cnt_in_slave_tx=effect)
+    rig.write("I2CCNT", 2)
+    rig.begin()
+    rig.address(OWN, 1)
+    got = []
+    for byte in (0x11, 0x22, 0x33):
+        rig.write("I2CDXR", byte)
+        got.append(rig.take(ack=byte != 0x33))
+    assert got == [0x11, 0x22, 0x33 if effect == "no_effect" else 0xFF]
+    assert rig.read("I2CCNT") == 2
+    assert "cnt_in_slave_tx" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-334")
+@pytest.mark.parametrize("releases", [False, True])
+def test_open_irs_write1_releases_bus(releases):
+    rig = addressed(read=1, irs_write1_releases_bus=releases)
+    assert rig.stretching
+    rig.write("I2CMDR", IRS)
+    rig.wait(BIT)
+    assert rig.stretching != releases
+    assert "irs_write1_releases_bus" in rig.chip.touched
+
+
+# Receiver
+
+
+@pytest.mark.rule("I2C-096", "I2C-239")
+@pytest.mark.parametrize("point", ["fall8", "rise9", "fall9"])
+def test_open_rrdy_point(point):
+    rig = addressed(rrdy_point=point)
+    rig.send_bits(0x5A, 7)
+    places = ["rise8", "fall8", "rise9", "fall9"]
+    shown = []
+    rig.rise(0)
+    shown.append(rig.flag(RRDY))
+    rig.fall()
+    shown.append(rig.flag(RRDY))
+    rig.rise(1)
+    shown.append(rig.flag(RRDY))
+    rig.fall()
+    shown.append(rig.flag(RRDY))
+    assert shown == [int(places.index(p) >= places.index(point)) for p in places]
+    assert rig.read("I2CDRR") == 0x5A
+    assert "rrdy_point" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-098", "I2C-100", "I2C-103", "I2C-188")
+@pytest.mark.parametrize("policy", ["stretch_after_second_byte", "nack", "overwrite"])
+def test_open_rx_overrun_policy(policy):
+    rig = addressed(rx_overrun_policy=policy)
+    rig.send(0x11)
+    assert rig.send(0x22) == (policy != "nack")
+    assert rig.flag(RSFULL)
+    assert rig.stretching == (policy == "stretch_after_second_byte")
+    if policy == "overwrite":
+        assert rig.send(0x33)
+    assert rig.read("I2CDRR") == 0x11
+    assert rig.read("I2CDRR") == (0x33 if policy == "overwrite" else 0x22)
+    assert "rx_overrun_policy" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-100")
+@pytest.mark.parametrize("point", ["after_fall9", "before_ack"])
+def test_open_rsfull_stretch_point(point):
+    rig = addressed(rsfull_stretch_point=point)
+    rig.send(0x11)
+    rig.send_bits(0x22)
+    rig.wait(BIT)
+    assert rig.stretching == (point == "before_ack")
+    if point == "before_ack":
+        rig.read("I2CDRR")
+        rig.wait(BIT)
+        assert not rig.stretching
+    assert rig.acked()
+    rig.wait(BIT)
+    assert rig.stretching == (point == "after_fall9")
+    assert "rsfull_stretch_point" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-070")
+@pytest.mark.parametrize("upper", ["last_bits", "zeros"])
+def test_open_bc_less_than_8_upper_bits(upper):
+    """1111 then 0101 with BC = 4: above the four bits stand the four before them, or zeros."""
+    rig = addressed(mode=4, bc_less_than_8_upper_bits=upper)
+    rig.send(0xF, 4)
+    rig.read("I2CDRR")
+    rig.send(0x5, 4)
+    assert rig.read("I2CDRR") == (0xF5 if upper == "last_bits" else 0x05)
+    assert "bc_less_than_8_upper_bits" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-182")
+@pytest.mark.parametrize("scope", ["data_only", "address_too"])
+def test_open_nackmod_on_address(scope):
+    rig = idle(NACKMOD, nackmod_on_address=scope)
+    assert rig.address() == (scope == "data_only")
+    if scope == "data_only":
+        assert not rig.send(0x11)
+    assert rig.flag(NACKSNT)
+    assert "nackmod_on_address" in rig.chip.touched
+
+
+# Bus state, addresses
+
+
+@pytest.mark.rule("I2C-209", "I2C-329", "I2C-338", "I2C-339")
+@pytest.mark.parametrize("what", ["keep", "clear"])
+def test_open_bb_on_irs_reset(what):
+    rig = addressed(bb_on_irs_reset=what)
+    rig.write("I2CMDR", 0)
+    assert rig.flag(BB) == (what == "keep")
+    rig.write("I2CMDR", IRS)
+    assert rig.flag(BB) == (what == "keep")
+    rig.restart()
+    assert rig.flag(BB)
+    rig.stop()
+    assert rig.flag(BB) == 0
+    assert "bb_on_irs_reset" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-337")
+@pytest.mark.parametrize("latch", ["live", "at_irs", "at_start"])
+def test_open_oar_latch(latch):
+    rig = idle(oar_latch=latch)
+    rig.start()
+    rig.send_bits(OTHER >> 4, 3)
+    rig.write("I2COAR", OTHER)
+    rig.send_bits(OTHER << 1 & 0x1F, 5)
+    assert rig.acked() == (latch == "live")
+    rig.stop()
+    assert rig.address(OTHER) == (latch != "at_irs")
+    rig.stop()
+    assert rig.address(OWN) == (latch == "at_irs")
+    rig.stop()
+    rig.write("I2CMDR", 0)
+    rig.write("I2CMDR", IRS)
+    assert rig.address(OTHER)
+    assert "oar_latch" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-090", "I2C-217")
+@pytest.mark.parametrize("answer", ["acknowledged", "ignored"])
+def test_open_general_call(answer):
+    rig = idle(general_call=answer)
+    assert rig.address(0) == (answer == "acknowledged")
+    assert rig.flag(AAS) == (answer == "acknowledged")
+    assert "general_call" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-231")
+@pytest.mark.parametrize("which", ["every_stop", "own_transfers"])
+def test_open_scd_foreign(which):
+    rig = idle(scd_foreign=which)
+    rig.address(OTHER)
+    rig.stop()
+    assert rig.flag(SCD) == (which == "every_stop")
+    assert "scd_foreign" in rig.chip.touched
+    rig.write("I2CSTR", SCD)
+    rig.address(OWN)
+    rig.stop()
+    assert rig.flag(SCD)
+
+
+@pytest.mark.rule("I2C-091")
+@pytest.mark.parametrize("what", ["stays_0", "set"])
+def test_open_start_byte_ad0(what):
+    rig = idle(start_byte_ad0=what)
+    rig.start()
+    assert not rig.send(0x01)
+    assert rig.str(AD0 | AAS) == (AD0 if what == "set" else 0)
+    assert "start_byte_ad0" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-090")
+@pytest.mark.parametrize("what", ["general_call_only", "own_address_too"])
+def test_open_oar_zero(what):
+    rig = Rig(oar_zero=what)
+    rig.begin(oar=0)
+    rig.start()
+    assert rig.send(0x01) == (what == "own_address_too")
+    assert rig.str(AAS | SDIR) == (AAS | SDIR if what == "own_address_too" else 0)
+    if what == "own_address_too":
+        rig.write("I2CDXR", 0x5A)
+        assert rig.take(ack=False) == 0x5A
+    rig.stop()
+    assert rig.address(0)
+    assert "oar_zero" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-218")
+@pytest.mark.parametrize("point", ["end_of_byte", "ack"])
+def test_open_aas_fdf_point(point):
+    rig = idle(FDF, aas_fdf_point=point)
+    rig.start()
+    rig.send_bits(0x33)
+    assert rig.flag(AAS) == (point == "end_of_byte")
+    rig.acked()
+    assert rig.flag(AAS)
+    assert "aas_fdf_point" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-174")
+@pytest.mark.parametrize("clocks", [1, 0, 4])
+def test_open_noise_filter_cycles(clocks):
+    """15 cycles a module clock: a shorter pulse is not seen, and an edge is seen that much later."""
+    width = clocks * 15
+    rig = idle(noise_filter_cycles=clocks)
+    rig.wait(BIT)
+    if width:
+        rig.pull(sda=0)
+        rig.wait(width - 1)
+        rig.pull(sda=1)
+        rig.wait(BIT)
+        assert rig.str(BB | SCD) == 0
+    rig.pull(sda=0)
+    assert rig.wait_for(lambda: rig.flag(BB)) == width
+    rig.fall()
+    assert rig.send(OWN << 1)
+    assert "noise_filter_cycles" in rig.chip.touched
+
+
+# Interrupts
+
+
+@pytest.mark.rule("I2C-285")
+@pytest.mark.parametrize("clears", [False, True])
+def test_open_isrc_read_clears_aas(clears):
+    rig = idle(isrc_read_clears_aas=clears)
+    rig.write("I2CIER", IE_AAS)
+    rig.address()
+    rig.wait(SOON)
+    assert rig.read("I2CISRC") == 7
+    assert rig.flag(AAS) != clears
+    assert rig.send(0x11), "the transfer goes on"
+    assert "isrc_read_clears_aas" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-238")
+@pytest.mark.parametrize("value", ["no", "yes"])
+def test_open_xrdy_w1c(value):
+    rig = idle(xrdy_w1c=value)
+    rig.write("I2CSTR", 0)
+    assert rig.flag(XRDY)
+    rig.write("I2CSTR", XRDY)
+    assert rig.flag(XRDY) == (value == "no")
+    assert "xrdy_w1c" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-281", "I2C-127")
+@pytest.mark.parametrize("line", ["pulse", "level"])
+def test_open_int_line(line):
+    rig = addressed(int_line=line)
+    rig.write("I2CIER", IE_SCD)
+    assert rig.chip.held == 0
+    rig.stop()
+    rig.wait(SOON)
+    assert rig.chip.held == (INT1 if line == "level" else 0)
+    assert rig.asked() == (0 if line == "level" else INT1)
+    rig.read("I2CISRC")
+    rig.wait(SOON)
+    assert rig.chip.held == 0
+    assert "int_line" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-270")
+@pytest.mark.parametrize("delay", [2, 0, 9])
+def test_open_event_to_isrc_delay(delay):
+    rig = addressed(event_to_isrc_delay=delay)
+    rig.write("I2CIER", IE_SCD)
+    rig.stop()
+    assert rig.flag(SCD), "the flag itself does not wait"
+    assert rig.wait_for(lambda: rig.peek("I2CISRC")) == delay
+    assert rig.interrupts == [(rig.now, INT1)]
+    assert "event_to_isrc_delay" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-280")
+@pytest.mark.parametrize("order, codes", [("ascending", [4, 6]), ("descending", [6, 4])])
+def test_open_int_priority(order, codes):
+    rig = addressed(int_priority=order)
+    rig.send(0x11)
+    rig.stop()
+    rig.write("I2CIER", IE_RRDY | IE_SCD)
+    rig.wait(SOON)
+    first = rig.read("I2CISRC")
+    if first == 4:
+        rig.read("I2CDRR")
+    rig.wait(SOON)
+    assert [first, rig.peek("I2CISRC")] == codes
+    assert "int_priority" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-280", "I2C-281")
+@pytest.mark.parametrize("rule, shown", [("highest", 2), ("first_come", 4)])
+def test_open_isrc_preempt(rule, shown):
+    """Code 4 is not read; then comes a NACK, code 2."""
+    rig = addressed(isrc_preempt=rule)
+    rig.write("I2CIER", IE_RRDY | IE_NACK)
+    rig.send(0x11)
+    rig.wait(SOON)
+    assert rig.peek("I2CISRC") == 4
+    rig.restart()
+    rig.send(OWN << 1 | 1)
+    rig.write("I2CDXR", 0x22)
+    rig.take(ack=False)
+    rig.wait(SOON)
+    assert rig.read("I2CISRC") == shown
+    rig.wait(SOON)
+    assert rig.peek("I2CISRC") == 6 - shown
+    assert "isrc_preempt" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-279")
+@pytest.mark.parametrize("rule", ["stays", "vanishes"])
+def test_open_isrc_follows_flag(rule):
+    rig = addressed(isrc_follows_flag=rule)
+    rig.write("I2CIER", IE_RRDY)
+    rig.send(0x11)
+    rig.wait(SOON)
+    assert rig.peek("I2CISRC") == 4
+    rig.read("I2CDRR")
+    rig.wait(SOON)
+    assert rig.read("I2CISRC") == (4 if rule == "stays" else 0)
+    assert "isrc_follows_flag" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-333")
+@pytest.mark.parametrize("clears", [True, False])
+def test_open_irs_clears_isrc(clears):
+    rig = addressed(irs_clears_isrc=clears)
+    rig.write("I2CIER", IE_SCD)
+    rig.stop()
+    rig.wait(SOON)
+    rig.write("I2CMDR", 0)
+    rig.wait(SOON)
+    assert rig.read("I2CISRC") == (0 if clears else 6)
+    assert "irs_clears_isrc" in rig.chip.touched
+
+
+# Clock, emulation, FIFO
+
+
+@pytest.mark.rule("I2C-157", "I2C-158")
+@pytest.mark.parametrize("what", ["stored", "dropped"])
+def test_open_psc_write_irs1(what):
+    """The module clock is seen through the noise filter, one module clock wide: 15 cycles with IPSC = 14, 5 with 4."""
+
+    def filter_width() -> int:
+        rig.wait(BIT)
+        rig.pull(sda=0)
+        width = rig.wait_for(lambda: rig.flag(BB))
+        rig.wait(BIT)
+        rig.pull(sda=1)
+        rig.wait(BIT)
+        return width
+
+    rig = idle(psc_write_irs1=what, noise_filter_cycles=1)
+    assert filter_width() == 15
+    rig.write("I2CPSC", 4)
+    assert rig.read("I2CPSC") == (4 if what == "stored" else 14)
+    assert filter_width() == 15
+    rig.write("I2CMDR", 0)
+    rig.write("I2CMDR", IRS)
+    assert filter_width() == (5 if what == "stored" else 15)
+    assert "psc_write_irs1" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-008")
+@pytest.mark.parametrize("what", ["reads_0", "accessible"])
+def test_open_clock_gate_access(what):
+    rig = Rig(clock_gate_access=what)
+    rig.write("I2COAR", OWN)
+    rig.chip.gate(rig.now, False)
+    assert rig.read("I2COAR") == (OWN if what == "accessible" else 0)
+    rig.write("I2COAR", OTHER)
+    rig.chip.gate(rig.now, True)
+    assert rig.read("I2COAR") == (OTHER if what == "accessible" else OWN)
+    assert "clock_gate_access" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-324")
+@pytest.mark.parametrize("unit", ["byte", "whole_transfer"])
+def test_open_free_slave_unit(unit):
+    """A breakpoint in the first data byte of three."""
+    rig = addressed(free_slave_unit=unit, rx_overrun_policy="overwrite")
+    rig.send_bits(0x1, 4)
+    rig.chip.suspend(rig.now, True)
+    rig.send_bits(0x1, 4)
+    assert rig.acked()
+    assert rig.peek("I2CDRR") == 0x11
+    rig.pull(scl=0)
+    rig.wait(BIT)
+    assert "free_slave_unit" in rig.chip.touched
+    if unit == "whole_transfer":
+        assert rig.send(0x22)
+        assert rig.flag(RSFULL)
+        rig.stop()
+        assert not rig.address()
+    else:
+        rig.send_bits(0x22)
+        assert rig.flag(RSFULL) == 0
+
+
+@pytest.mark.rule("I2C-293", "I2C-295")
+@pytest.mark.parametrize("mode", ["level", "edge"])
+def test_open_fifo_int_mode(mode):
+    """TXFFINT is cleared while TXFFST = 0."""
+    rig = Rig(fifo_int_mode=mode)
+    rig.write("I2CFFTX", FFEN | FFRST)
+    rig.begin()
+    rig.wait(SOON)
+    rig.write("I2CFFTX", FFEN | FFRST | FFINTCLR)
+    rig.wait(SOON)
+    assert rig.peek("I2CFFTX") >> 7 & 1 == (mode == "level")
+    assert "fifo_int_mode" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-287")
+@pytest.mark.parametrize("policy", ["stretch", "nack", "overwrite"])
+def test_open_fifo_17th_byte(policy):
+    rig = Rig(fifo_17th_byte=policy)
+    rig.write("I2CFFTX", FFEN)
+    rig.write("I2CFFRX", FFRST | 16)
+    rig.begin()
+    rig.address()
+    for n in range(16):
+        assert rig.send(n)
+    assert rig.send(16) == (policy != "nack")
+    assert rig.stretching == (policy == "stretch")
+    assert rig.flag(RSFULL)
+    assert rig.peek("I2CFFRX") >> 8 & 31 == 16
+    if policy == "overwrite":
+        rig.send(17)
+    assert [rig.read("I2CDRR") for _ in range(16)] == list(range(16))
+    assert rig.read("I2CDRR") == (17 if policy == "overwrite" else 16)
+    assert "fifo_17th_byte" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-290")
+@pytest.mark.parametrize("flushes", [False, True])
+def test_open_txfifo_reset_flushes_xsr(flushes):
+    """The pointer byte's ACK moved 0x11 to I2CXSR; then the FIFO is reset and gets 0x22."""
+    rig = Rig(txfifo_reset_flushes_xsr=flushes)
+    rig.write("I2CFFTX", FFEN | FFRST)
+    rig.write("I2CFFRX", FFRST)
+    rig.begin()
+    rig.address()
+    rig.write("I2CDXR", 0x11)
+    rig.send(0x00)
+    rig.write("I2CFFTX", FFEN)
+    rig.write("I2CFFTX", FFEN | FFRST)
+    rig.write("I2CDXR", 0x22)
+    rig.restart()
+    rig.send(OWN << 1 | 1)
+    first = rig.take(ack=False)
+    assert "txfifo_reset_flushes_xsr" in rig.chip.touched
+    assert first == 0x22, "the read's ACK loads I2CXSR anew either way"
+
+
+@pytest.mark.rule("I2C-287", "I2C-292", "I2C-299")
+@pytest.mark.parametrize("stage", ["no", "dxr_drr_behind"])
+def test_open_fifo_extra_stage(stage):
+    """Bytes until full, each way."""
+    extra = int(stage == "dxr_drr_behind")
+    rig = Rig(fifo_extra_stage=stage)
+    rig.write("I2CFFTX", FFEN | FFRST)
+    rig.write("I2CFFRX", FFRST)
+    rig.begin()
+    for n in range(16 + extra):
+        rig.write("I2CDXR", n)
+        assert rig.peek("I2CFFTX") >> 8 & 31 == n + 1 - extra
+    rig.address()
+    for n in range(16 + extra):
+        assert rig.send(n)
+        assert not rig.stretching
+    rig.send(0xEE)
+    assert rig.stretching
+    assert [rig.read("I2CDRR") for _ in range(16 + extra)] == list(range(16 + extra))
+    assert "fifo_extra_stage" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-333", "I2C-329")
+@pytest.mark.parametrize("clears", [False, True])
+def test_open_irs_clears_fifo(clears):
+    rig = Rig(irs_clears_fifo=clears)
+    rig.write("I2CFFTX", FFEN | FFRST)
+    rig.write("I2CFFRX", FFRST)
+    rig.begin()
+    rig.write("I2CDXR", 0x11)
+    rig.address()
+    rig.send(0x22)
+    rig.write("I2CMDR", 0)
+    left = [rig.peek(name) >> 8 & 31 for name in ("I2CFFTX", "I2CFFRX")]
+    assert left[1] == (0 if clears else 1)
+    if clears:
+        assert left[0] == 0
+    assert "irs_clears_fifo" in rig.chip.touched

@@ -1,0 +1,153 @@
+"""Break: a line that stays low for ten bits after a missing stop bit."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.f28335.sci_rig import SciRig, frame
+from tests.waves import play, tidy
+
+
+@pytest.mark.rule("SCI-086", "SCI-096", "SCI-059")
+def test_a_break_sets_fe_first_and_brkdt_ten_bits_later():
+    diagram = """
+        > RXD      1  0  ........  .  ........  .  .  .  1  .
+        < FE       0  .  ........  1  ........  .  .  .  .  .
+        < RXERROR  0  .  ........  1  ........  .  .  .  .  .
+        < BRKDT    0  .  ........  .  ........  .  1  .  .  .
+    """
+    rig = SciRig()
+    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+
+
+@pytest.mark.rule("SCI-087")
+@pytest.mark.parametrize("bits", [10, 12, 15, 18, 19])
+def test_a_shorter_low_sets_no_brkdt(bits):
+    rig = SciRig()
+    rig.send("0" * bits + "1" * 4)
+    assert rig.flags("FE", "BRKDT") == {"FE": 1, "BRKDT": 0}
+
+
+@pytest.mark.rule("SCI-086")
+@pytest.mark.parametrize(("fields", "frame_bits"), [({"SCICHAR": 4}, 7), ({"PARITYENA": 1, "PARITY": 1}, 11)])
+def test_the_ten_bits_begin_at_the_missing_stop_bit_of_any_format(fields, frame_bits):
+    for low, brkdt in ((frame_bits + 9, 0), (frame_bits + 11, 1)):
+        rig = SciRig(**fields)
+        rig.send("0" * low + "1" * 4)
+        assert (low, rig.get("BRKDT")) == (low, brkdt)
+
+
+@pytest.mark.rule("SCI-088")
+def test_one_high_sample_begins_the_ten_bits_anew():
+    rig = SciRig()
+    rig.send_samples("0" * 8 * 17 + "1" + "0" * 8 * 9 + "1" * 8)
+    assert rig.flags("FE", "BRKDT") == {"FE": 1, "BRKDT": 0}
+    rig = SciRig()
+    rig.send_samples("0" * 8 * 17 + "0" + "0" * 8 * 9 + "1" * 8)
+    assert rig.flags("FE", "BRKDT") == {"FE": 1, "BRKDT": 1}
+
+
+@pytest.mark.rule("SCI-089")
+@pytest.mark.parametrize("bits", [25, 60, 200])
+def test_however_long_a_break_loads_nothing_beyond_the_character_with_fe(bits):
+    rig = SciRig(fifo=True)
+    rig.send("0" * bits + "1" * 30)
+    assert rig.flags("RXFFST", "BRKDT") == {"RXFFST": 1, "BRKDT": 1}
+    assert rig.read("SCIRXBUF") & 0x80FF == 0x8000
+
+
+@pytest.mark.rule("SCI-089")
+def test_the_break_itself_raises_no_rxrdy():
+    rig = SciRig()
+    rig.send("0" * 12)
+    rig.read("SCIRXBUF")
+    rig.send("0" * 13 + "1" * 20)
+    assert rig.flags("BRKDT", "RXRDY", "OE") == {"BRKDT": 1, "RXRDY": 0, "OE": 0}
+
+
+@pytest.mark.rule("SCI-090", "SCI-092", "SCI-093")
+def test_after_a_break_nothing_is_received_and_brkdt_stays():
+    rig = SciRig(fifo=True)
+    rig.send("0" * 25 + "1" * 20)
+    rig.received()
+    rig.send(frame(0x4B) + frame(0xA5) + "1" * 12 + frame(0x11))
+    assert rig.flags("RXFFST", "BRKDT") == {"RXFFST": 0, "BRKDT": 1}
+
+
+@pytest.mark.rule("SCI-090", "SCI-092")
+def test_reads_and_writes_do_not_clear_brkdt():
+    rig = SciRig()
+    rig.send("0" * 25 + "1")
+    for register in ("SCIRXBUF", "SCIRXST", "SCIRXEMU"):
+        rig.read(register)
+        rig.write(register, 0xFF)
+    assert rig.get("BRKDT") == 1
+
+
+@pytest.mark.rule("SCI-090")
+def test_characters_that_follow_do_not_clear_brkdt_even_where_reception_goes_on():
+    rig = SciRig({"rx_after_break": "next_high"})
+    rig.send("0" * 25 + "1" * 3)
+    rig.read("SCIRXBUF")
+    rig.send(frame(0x4B) + "1")
+    assert rig.flags("RXRDY", "RXDT", "BRKDT") == {"RXRDY": 1, "RXDT": 0x4B, "BRKDT": 1}
+
+
+@pytest.mark.rule("SCI-091", "SCI-208")
+def test_sw_reset_toggled_after_a_break_enables_reception_again():
+    rig = SciRig(fifo=True)
+    rig.send("0" * 25 + "1" * 3)
+    rig.received()
+    rig.set(SWRESET=0)
+    assert rig.flags("BRKDT", "RXERROR", "FE") == {"BRKDT": 0, "RXERROR": 0, "FE": 0}
+    rig.set(SWRESET=1)
+    rig.send(frame(0x4B) + "1")
+    assert rig.received() == [0x4B]
+
+
+@pytest.mark.rule("SCI-092", "SCI-093")
+def test_system_reset_ends_a_break_too():
+    rig = SciRig()
+    rig.send("0" * 25 + "1" * 3)
+    rig.reset()
+    assert rig.get("BRKDT") == 0
+    rig.write("SCILBAUD", 24)
+    rig.set(SCICHAR=7)
+    rig.set(RXENA=1, SWRESET=1)
+    rig.wait(3)
+    rig.send(frame(0x4B) + "1")
+    rig.wait(1)
+    assert rig.flags("RXRDY", "RXDT") == {"RXRDY": 1, "RXDT": 0x4B}
+
+
+@pytest.mark.rule("SCI-094", "SCI-139")
+@pytest.mark.parametrize(("enabled", "requests"), [(1, 2), (0, 0)])
+def test_brkdt_requests_rxint_by_rx_bk_int_ena(enabled, requests):
+    diagram = f"""
+        > RXD    1  0  ........  .  ........  .  .  .  1
+        < BRKDT  0  .  ........  .  ........  .  1  .  .
+        < RXINT  0  .  ........  {"1" if enabled else "."}  ........  .  {"2" if enabled else "."}  .  .
+    """
+    rig = SciRig(RXBKINTENA=enabled)
+    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+    assert rig.count("RXINT") == requests
+
+
+@pytest.mark.rule("SCI-095")
+def test_a_break_is_seen_and_interrupts_in_sleep():
+    rig = SciRig(RXBKINTENA=1)
+    rig.send(frame(0x11) * 2 + "1")
+    rig.read("SCIRXBUF")
+    rig.set(SLEEP=1)
+    before = rig.count("RXINT")
+    rig.send("0" * 25 + "1")
+    assert rig.flags("BRKDT", "FE", "RXRDY") == {"BRKDT": 1, "FE": 0, "RXRDY": 0}
+    assert rig.count("RXINT") == before + 1
+
+
+@pytest.mark.rule("SCI-095")
+def test_a_break_is_seen_in_sleep_in_address_bit_mode():
+    rig = SciRig(RXBKINTENA=1, ADDRIDLE_MODE=1, SLEEP=1)
+    rig.send("0" * 25 + "1")
+    assert rig.flags("BRKDT", "RXRDY") == {"BRKDT": 1, "RXRDY": 0}
+    assert rig.count("RXINT") == 1

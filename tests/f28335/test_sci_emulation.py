@@ -1,0 +1,89 @@
+"""What a stop of the debugger does to the SCI, by SOFT and FREE."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.f28335.sci_rig import SciRig, frame
+from tests.waves import play, tidy
+
+
+@pytest.mark.rule("SCI-209")
+def test_soft_0_free_0_stops_the_transmitter_at_once():
+    diagram = """
+        > SCITXBUF  .  0  ....  ..........
+        > SUSPEND   .  .  ...1  ..........
+        < TXD       1  0  ....  ..........
+        < TXEMPTY   1  0  ....  ..........
+    """
+    rig = SciRig(SOFT=0, FREE=0)
+    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+
+
+@pytest.mark.rule("SCI-209")
+def test_soft_0_free_0_stops_the_receiver_at_once():
+    rig = SciRig(fifo=True)
+    begin = rig.send("0 1101")
+    rig.chip.suspend(rig.now, True)
+    rig.send("0010 1 1" + frame(0x22) + "1", at=begin + 5 * rig.bit)
+    assert rig.get("RXFFST") == 0
+
+
+@pytest.mark.rule("SCI-210")
+def test_soft_1_finishes_the_character_that_is_sent():
+    diagram = """
+        > SCITXBUF  .  5  3.......  .  .  ........
+        > SUSPEND   .  .  ...1....  .  .  ........
+        < TXD       1  0  1010....  1  .  ........
+    """
+    rig = SciRig(SOFT=1, FREE=0)
+    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+
+
+@pytest.mark.rule("SCI-210")
+def test_soft_1_finishes_the_character_that_is_received():
+    diagram = """
+        > RXD      1  0  11010010  1  1  0  10101010  1  1
+        > SUSPEND  .  .  ..1.....  .  .  .  ........  .  .
+        < RXFFST   0  .  ........  1  .  .  ........  .  .
+    """
+    rig = SciRig(fifo=True, SOFT=1, FREE=0)
+    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+
+
+@pytest.mark.rule("SCI-211")
+@pytest.mark.parametrize("soft", [0, 1])
+def test_free_1_runs_on(soft):
+    rig = SciRig(fifo=True, SOFT=soft, FREE=1)
+    for word in (0x11, 0x22, 0x33):
+        rig.write("SCITXBUF", word)
+    rig.wait(3)
+    rig.chip.suspend(rig.now, True)
+    rig.send(frame(0x4B) + frame(0xA5) + "1" * 15)
+    assert rig.received() == [0x4B, 0xA5]
+    assert rig.characters() == [0x11, 0x22, 0x33]
+
+
+@pytest.mark.rule("SCI-209", "SCI-210")
+@pytest.mark.parametrize("soft", [0, 1])
+def test_after_the_stop_everything_waiting_is_sent(soft):
+    rig = SciRig(fifo=True, SOFT=soft, FREE=0)
+    rig.write("SCITXBUF", 0xFF)
+    rig.write("SCITXBUF", 0x22)
+    rig.wait(3)
+    rig.chip.suspend(rig.now, True)
+    rig.wait(30)
+    assert len(rig.falls()) == 1
+    rig.chip.suspend(rig.now, False)
+    rig.wait(30)
+    assert len(rig.falls()) > 1
+    assert rig.flags("TXFFST", "TXEMPTY") == {"TXFFST": 0, "TXEMPTY": 1}
+
+
+@pytest.mark.rule("SCI-212")
+def test_a_debugger_reads_scirxemu_without_clearing_rxrdy():
+    rig = SciRig()
+    rig.send(frame(0x4B) + "1")
+    rig.chip.suspend(rig.now, True)
+    assert [rig.read("SCIRXEMU") for _ in range(3)] == [0x4B] * 3
+    assert rig.get("RXRDY") == 1

@@ -1,0 +1,195 @@
+"""SCIRXST and SCIRXBUF in standard mode: what sets each flag, and the few things that clear it."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.f28335.sci_rig import SciRig, frame
+from tests.waves import play, tidy
+
+ODD = {"PARITYENA": 1, "PARITY": 0}
+
+
+def with_every_flag() -> SciRig:
+    """RXRDY, RXWAKE, and all four errors set."""
+    rig = SciRig(**ODD)
+    rig.send(frame(0x12, parity="odd", bad="parity") + "1" * 13)
+    rig.send(frame(0x13, parity="odd", bad="stop") + "0" * 22 + "1")
+    return rig
+
+
+ALL = ("RXRDY", "RXWAKE", "RXERROR", "BRKDT", "FE", "OE", "PE")
+
+
+@pytest.mark.rule("SCI-040", "SCI-041")
+def test_rxrdy_rises_inside_the_stop_bit_and_falls_by_the_read():
+    diagram = """
+        > RXD      1  0  11010010  1  1  0  10100101  1  1
+        > READ     .  .  ........  .  1  .  ........  .  .
+        < RXRDY    0  .  ........  1  0  .  ........  1  .
+    """
+    rig = SciRig()
+    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+    assert rig.read("SCIRXBUF") == 0xA5
+
+
+@pytest.mark.rule("SCI-042", "SCI-049", "SCI-053", "SCI-057", "SCI-060", "SCI-091", "SCI-104")
+def test_sw_reset_clears_every_receive_flag():
+    rig = with_every_flag()
+    assert rig.flags(*ALL) == dict.fromkeys(ALL, 1)
+    rig.set(SWRESET=0)
+    assert rig.flags(*ALL) == dict.fromkeys(ALL, 0)
+    rig.set(SWRESET=1)
+    assert rig.flags(*ALL) == dict.fromkeys(ALL, 0)
+
+
+@pytest.mark.rule("SCI-043", "SCI-050", "SCI-054", "SCI-058", "SCI-060", "SCI-092", "SCI-105")
+def test_system_reset_clears_every_receive_flag():
+    rig = with_every_flag()
+    assert rig.flags(*ALL) == dict.fromkeys(ALL, 1)
+    rig.reset()
+    assert rig.flags(*ALL) == dict.fromkeys(ALL, 0)
+
+
+@pytest.mark.rule("SCI-050", "SCI-054", "SCI-058", "SCI-060", "SCI-092")
+def test_reading_and_writing_anything_else_clears_no_error():
+    rig = with_every_flag()
+    errors = ("RXERROR", "BRKDT", "FE", "OE", "PE")
+    for register in ("SCIRXBUF", "SCIRXEMU", "SCIRXST"):
+        rig.read(register)
+        rig.write(register, 0xFFFF)
+        rig.write(register, 0x0000)
+    rig.set(RXENA=0)
+    rig.set(RXENA=1)
+    rig.write("SCITXBUF", 0x55)
+    rig.wait(30)
+    assert rig.flags(*errors) == dict.fromkeys(errors, 1)
+
+
+@pytest.mark.rule("SCI-044", "SCI-045")
+def test_while_rxena_is_0_nothing_is_delivered_and_nothing_requested():
+    rig = SciRig(RXBKINTENA=1, RXERRINTENA=1, **ODD)
+    rig.send(frame(0x11, parity="odd") + "1")
+    assert rig.count("RXINT") == 1
+    rig.set(RXENA=0)
+    rig.send(frame(0x22, parity="odd") + "1" + frame(0x33, parity="odd", bad="parity") + "1")
+    assert rig.count("RXINT") == 1
+    assert rig.flags("OE", "PE", "RXDT") == {"OE": 0, "PE": 0, "RXDT": 0x11}
+
+
+@pytest.mark.rule("SCI-044")
+def test_while_rxena_is_0_the_fifo_takes_no_word():
+    rig = SciRig(fifo=True, RXENA=0)
+    rig.send(frame(0x22) + "1")
+    assert rig.get("RXFFST") == 0
+
+
+@pytest.mark.rule("SCI-047", "SCI-048", "SCI-050")
+def test_an_unread_character_is_overrun_and_replaced():
+    diagram = """
+        > RXD      1  0  11010010  1  1  0  10100101  1  1  0  00000000  1  1
+        > READ     .  .  ........  .  .  .  ........  .  1  .  ........  .  1
+        < RXRDY    0  .  ........  1  .  .  ........  .  0  .  ........  1  0
+        < OE       0  .  ........  .  .  .  ........  1  .  .  ........  .  .
+        < RXERROR  0  .  ........  .  .  .  ........  1  .  .  ........  .  .
+    """
+    rig = SciRig()
+    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+
+
+@pytest.mark.rule("SCI-048")
+def test_the_new_character_is_the_one_that_is_read():
+    rig = SciRig()
+    rig.send(frame(0x4B) + frame(0xA5) + "1")
+    assert rig.read("SCIRXBUF") == 0xA5
+
+
+@pytest.mark.rule("SCI-047")
+def test_a_character_read_in_time_is_not_overrun():
+    rig = SciRig()
+    for data in (0x4B, 0xA5, 0x11):
+        rig.send(frame(data))
+        assert rig.read("SCIRXBUF") == data
+    assert rig.get("OE") == 0
+
+
+@pytest.mark.rule("SCI-051", "SCI-054", "SCI-061", "SCI-059")
+def test_a_missing_stop_bit_sets_fe_for_good_and_the_character_is_delivered():
+    diagram = """
+        > RXD      1  0  11010010  0  1  0  11010010  1  1
+        > READ     .  .  ........  .  1  .  ........  .  .
+        < RXRDY    0  .  ........  1  0  .  ........  1  .
+        < FE       0  .  ........  1  .  .  ........  .  .
+        < RXERROR  0  .  ........  1  .  .  ........  .  .
+    """
+    rig = SciRig()
+    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+    assert rig.read("SCIRXBUF") == 0x4B
+
+
+@pytest.mark.rule("SCI-055", "SCI-058", "SCI-059", "SCI-061")
+def test_a_wrong_parity_bit_sets_pe_for_good_and_the_character_is_delivered():
+    diagram = """
+        > RXD      1  0  11010010 0  1  1  0  11010010 1  1  1
+        > READ     .  .  ........ .  .  1  .  ........ .  .  .
+        < RXRDY    0  .  ........ .  1  0  .  ........ .  1  .
+        < PE       0  .  ........ .  1  .  .  ........ .  .  .
+        < RXERROR  0  .  ........ .  1  .  .  ........ .  .  .
+    """
+    rig = SciRig(**ODD)
+    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+
+
+@pytest.mark.rule("SCI-052")
+def test_a_zero_in_the_second_stop_bit_is_no_framing_error():
+    rig = SciRig(fifo=True, STOPBITS=1)
+    rig.send_samples("0" * 8 + "1" * 8 * 8 + "1" * 8 + "0001" + "1" * 100)
+    assert rig.flags("FE", "RXFFST") == {"FE": 0, "RXFFST": 1}
+
+
+@pytest.mark.rule("SCI-056")
+def test_pe_reads_0_while_parity_is_off():
+    rig = SciRig(**ODD)
+    rig.send(frame(0x11, parity="odd", bad="parity") + "1")
+    assert rig.flags("PE", "RXERROR") == {"PE": 1, "RXERROR": 1}
+    rig.set(PARITYENA=0)
+    assert rig.flags("PE", "RXERROR") == {"PE": 0, "RXERROR": 0}
+
+
+@pytest.mark.rule("SCI-056")
+def test_without_parity_no_character_sets_pe():
+    rig = SciRig()
+    for data in range(0, 256, 17):
+        rig.send(frame(data) + "1")
+        rig.read("SCIRXBUF")
+    assert rig.peek("SCIRXST") == 0
+
+
+@pytest.mark.rule("SCI-059")
+@pytest.mark.parametrize(
+    ("text", "error"),
+    [
+        (frame(0x11, parity="odd", bad="parity") + "1", "PE"),
+        (frame(0x11, parity="odd", bad="stop") + "1", "FE"),
+        (frame(0x11, parity="odd") * 2 + "1", "OE"),
+    ],
+)
+def test_each_error_alone_sets_rxerror(text, error):
+    rig = SciRig(**ODD)
+    rig.send(text)
+    wanted = dict.fromkeys(("BRKDT", "FE", "OE", "PE"), 0) | {error: 1, "RXERROR": 1}
+    assert rig.flags(*wanted) == wanted
+
+
+@pytest.mark.rule("SCI-062")
+def test_all_flags_of_a_character_change_together():
+    rig = SciRig(brr=1, **ODD)
+    rig.send(frame(0x22, parity="odd") + frame(0x11, parity="odd", bad="parity")[:-1])
+    seen = [rig.peek("SCIRXST") & 0xFC]
+    rig.drive(rig.now, "RXD", 0)  # the missing stop bit
+    for _ in range(rig.bit):
+        rig.wait(cycles=1)
+        if rig.peek("SCIRXST") & 0xFC != seen[-1]:
+            seen.append(rig.peek("SCIRXST") & 0xFC)
+    # without RXWAKE: RXRDY of the first character; then RXERROR, RXRDY, FE, OE and PE in one step
+    assert seen == [0b0100_0000, 0b1101_1100]

@@ -1,0 +1,201 @@
+"""When the SCI looks at RXD: start search, votes, and how every frame is synchronised anew.
+
+In diagrams of one column an SCICLK, column n of a bit holds the bit's sub-sample n + 1 alone.
+"""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.f28335.sci_rig import SciRig, frame
+from tests.waves import play, tidy
+
+BITS_OF_0X4B = "11010010"
+
+
+def samples(text: str) -> str:
+    """Levels of one bit each, drawn as levels of one SCICLK each."""
+    return "".join(mark * 8 for mark in text.replace(" ", ""))
+
+
+@pytest.mark.rule("SCI-028", "SCI-031", "SCI-032")
+def test_a_bit_is_eight_sciclk_and_seven_of_the_stop_bit_show_rxrdy():
+    diagram = """
+        > RXD   1 0....... 1....... 1....... 0....... 1....... 0....... 0....... 1....... 0....... 1....... 1
+        < RXRDY 0 ........ ........ ........ ........ ........ ........ ........ ........ ........ .......1 .
+    """
+    rig = SciRig()
+    assert play(diagram, rig, rig.sciclk, rig.now) == tidy(diagram)
+    assert rig.read("SCIRXBUF") == 0x4B
+
+
+@pytest.mark.rule("SCI-029", "SCI-030")
+@pytest.mark.parametrize(("low", "found"), [(1, 0), (2, 0), (3, 0), (4, 1), (5, 1), (8, 1)])
+def test_a_start_bit_is_four_low_samples(low, found):
+    rig = SciRig(fifo=True)
+    rig.send_samples("1" + "0" * low + "1" * 90)
+    assert rig.flags("RXFFST", "RXERROR") == {"RXFFST": found, "RXERROR": 0}
+
+
+@pytest.mark.rule("SCI-030")
+@pytest.mark.parametrize("high", [1, 2, 3])
+def test_one_high_sample_begins_the_search_anew(high):
+    # The start bit's first samples are noisy; the frame counts from the first of four low ones.
+    rig = SciRig(fifo=True)
+    rig.send_samples("0" * high + "1" + samples("0" + BITS_OF_0X4B + "1") + "1" * 8)
+    assert rig.received() == [0x4B]
+    assert rig.peek("SCIRXST") == 0
+
+
+@pytest.mark.rule("SCI-030")
+def test_broken_starts_leave_no_trace():
+    rig = SciRig(fifo=True, RXERRINTENA=1, RXBKINTENA=1, RXFFIENA=1, RXFFIL=1)
+    rig.send_samples("0001" * 40 + "1" * 90)
+    assert (rig.get("RXFFST"), rig.get("RXERROR"), rig.count("RXINT")) == (0, 0, 0)
+
+
+@pytest.mark.rule("SCI-031")
+@pytest.mark.parametrize("late", range(9))
+def test_bits_are_counted_from_the_first_low_sample(late):
+    # A frame that begins `late` samples later is read the same: nothing but its own edge counts.
+    rig = SciRig(fifo=True)
+    rig.send_samples("1" * late + samples("0" + BITS_OF_0X4B + "1") + "1" * 8)
+    assert rig.received() == [0x4B]
+
+
+@pytest.mark.rule("SCI-031", "SCI-032", "SCI-035")
+@pytest.mark.parametrize("level", ["0", "1"])
+@pytest.mark.parametrize("place", range(1, 9))
+def test_only_sub_samples_4_5_and_6_decide(place, level):
+    other = "10"[int(level)]
+    wrong_outside = other * 3 + level * 3 + other * 2
+    drawn = samples("0") + "".join(
+        wrong_outside if i == place else samples(mark) for i, mark in enumerate("10101010", 1)
+    )
+    rig = SciRig(fifo=True)
+    rig.send_samples(drawn + samples("11"))
+    wanted = 0x55 & ~(1 << place - 1) | int(level) << place - 1
+    assert rig.received() == [wanted]
+
+
+@pytest.mark.rule("SCI-035")
+@pytest.mark.parametrize("sub", [1, 2, 3, 7, 8])
+def test_a_glitch_outside_the_votes_does_nothing(sub):
+    rig = SciRig(fifo=True)
+    rig.send(frame(0x4B) + "1", glitches=tuple((bit, sub) for bit in range(1, 9)))
+    assert rig.received() == [0x4B]
+
+
+@pytest.mark.rule("SCI-033")
+@pytest.mark.parametrize("sub", [4, 5, 6])
+def test_one_wrong_vote_of_three_changes_nothing(sub):
+    rig = SciRig(fifo=True)
+    rig.send(frame(0x4B) + "1", glitches=tuple((bit, sub) for bit in range(1, 9)))
+    assert rig.received() == [0x4B]
+
+
+@pytest.mark.rule("SCI-032", "SCI-034")
+@pytest.mark.parametrize("subs", [(4, 5), (5, 6), (4, 6)])
+@pytest.mark.parametrize("place", range(1, 9))
+def test_two_wrong_votes_change_the_bit(place, subs):
+    rig = SciRig(fifo=True)
+    rig.send(frame(0x4B) + "1", glitches=tuple((place, sub) for sub in subs))
+    assert rig.received() == [0x4B ^ 1 << place - 1]
+
+
+@pytest.mark.rule("SCI-036")
+@pytest.mark.parametrize(
+    ("stop_bit", "fe"),
+    [
+        ("11111111", 0),
+        ("11100011", 1),
+        ("00011111", 0),
+        ("11101111", 0),
+        ("11110111", 0),
+        ("11111011", 0),
+        ("11100111", 1),
+        ("11110011", 1),
+        ("11101011", 1),
+    ],
+)
+def test_the_stop_bit_is_voted_on_at_4_5_and_6(stop_bit, fe):
+    rig = SciRig()
+    rig.send_samples(samples("0" + BITS_OF_0X4B) + stop_bit + "1" * 8)
+    assert rig.flags("RXRDY", "FE") == {"RXRDY": 1, "FE": fe}
+
+
+@pytest.mark.rule("SCI-037")
+def test_the_sampling_phase_lies_within_one_sciclk_of_the_edge():
+    rig = SciRig(brr=24)
+    latencies = []
+    for phase in range(0, rig.sciclk, 7):
+        begin = rig.send("0 11010010", at=rig.align() + phase)
+        rig.drive(rig.now, "RXD", 1)
+        latencies.append(next(time for time, ready in rig.changes("RXRDY", 2 * rig.bit) if ready) - begin)
+        rig.wait(2)
+        rig.read("SCIRXBUF")
+    assert rig.sciclk - 14 <= max(latencies) - min(latencies) < rig.sciclk
+
+
+@pytest.mark.rule("SCI-037")
+def test_every_frame_is_synchronised_anew():
+    # Ten frames, each a third of an SCICLK out of step with the one before: every one is a fresh start.
+    rig = SciRig(fifo=True)
+    for i in range(10):
+        rig.send(frame(0x30 + i) + "1", at=rig.now + rig.sciclk // 3)
+    assert rig.received() == [0x30 + i for i in range(10)]
+
+
+@pytest.mark.rule("SCI-037", "SCI-038")
+def test_a_sender_off_by_percents_is_followed_frame_by_frame():
+    # Without a gap a fast sender's stop bit must last to its second vote: 77 of 80 SCICLK, 3.75 % at the worst phase.
+    for skew in (0.965, 0.98, 1.0, 1.02, 1.04):
+        rig = SciRig(fifo=True)
+        for i in range(12):
+            rig.send(frame(0x4B + i), bit=rig.bit * skew, at=rig.now)
+        rig.wait(1)
+        assert (skew, rig.received()) == (skew, [0x4B + i for i in range(12)])
+        assert rig.get("RXERROR") == 0
+
+
+@pytest.mark.rule("SCI-038")
+@pytest.mark.parametrize("second", range(0, 256, 5))
+def test_frames_without_a_gap_are_all_received(second):
+    rig = SciRig(brr=3, fifo=True)
+    rig.send(frame(0x4B) + frame(second) + frame(0xFF) + frame(0x00) + "1")
+    assert rig.received() == [0x4B, second, 0xFF, 0x00]
+
+
+@pytest.mark.rule("SCI-039", "SCI-044", "SCI-046")
+def test_the_receiver_keeps_shifting_while_rxena_is_0():
+    diagram = """
+        > RXENA    0  .  ........  .  .  .  ........  .  .  .  ...1....  .  .
+        > RXD      1  0  11010010  1  1  0  11010010  1  1  0  11010010  1  1
+        < RXRDY    0  .  ........  .  .  .  ........  .  .  .  ........  1  .
+    """
+    rig = SciRig()
+    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+    assert rig.read("SCIRXBUF") == 0x4B
+
+
+@settings(max_examples=60, deadline=None)
+@given(data=st.integers(0, 255), phase=st.integers(0, 799), skew=st.integers(-35, 35))
+def test_any_byte_at_any_phase_within_three_and_a_half_percent(data, phase, skew):
+    rig = SciRig()
+    rig.send(frame(data) + "1", bit=rig.bit * (1 + skew / 1000), at=rig.now + phase)
+    rig.wait(1)
+    assert rig.flags("RXRDY", "RXERROR", "RXDT") == {"RXRDY": 1, "RXERROR": 0, "RXDT": data}
+
+
+@settings(max_examples=30, deadline=None)
+@given(text=st.text("01", min_size=1, max_size=300))
+def test_no_noise_makes_it_lose_the_next_frame_after_ten_quiet_bits(text):
+    rig = SciRig(fifo=True)
+    rig.send_samples(text + "1" * 96)
+    if rig.get("BRKDT"):
+        return
+    rig.received()
+    rig.send(frame(0x5A) + "1")
+    assert rig.received() == [0x5A]

@@ -1,0 +1,111 @@
+"""Files and waves for tests: samples go in, the bytes of a capture file come out, the same on every machine."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections.abc import Iterable, Mapping, Sequence
+from fractions import Fraction
+from math import ceil
+
+
+def zip_bytes(members: Mapping[str, bytes], compression: int = zipfile.ZIP_STORED) -> bytes:
+    """A zip without date and host, so that equal members make equal bytes (stored; deflate differs by version)."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", compression) as archive:
+        for name, content in members.items():
+            info = zipfile.ZipInfo(name)
+            info.create_system = 3
+            info.compress_type = compression
+            archive.writestr(info, content)
+    return buffer.getvalue()
+
+
+def metadata(names: Sequence[str], rate: str, unitsize: int = 1) -> bytes:
+    probes = [f"probe{number}={name}" for number, name in enumerate(names, 1)]
+    lines = [
+        "[global]",
+        "sigrok version=0.5.2",
+        "",
+        "[device 1]",
+        "capturefile=logic-1",
+        f"total probes={len(names)}",
+        f"samplerate={rate}",
+        "total analog=0",
+        *probes,
+        f"unitsize={unitsize}",
+    ]
+    return "\n".join([*lines, ""]).encode()
+
+
+def sr_bytes(names: Sequence[str], rate: str, *chunks: bytes, unitsize: int = 1) -> bytes:
+    """A version 2 session: probe k of `names` is bit k of each little-endian sample."""
+    members = {"version": b"2", "metadata": metadata(names, rate, unitsize)}
+    members |= {f"logic-1-{number}": chunk for number, chunk in enumerate(chunks, 1)}
+    return zip_bytes(members)
+
+
+class I2cWave:
+    """Writes SCL (bit 0) and SDA (bit 1) sample by sample, as controller and targets would leave them.
+
+    SCL is low and high for `half` samples each; SDA changes `hold` samples after SCL has fallen.
+    """
+
+    def __init__(self, half: int = 20, hold: int = 4) -> None:
+        self.half = half
+        self.hold = hold
+        self.samples = bytearray()
+        self._sda = 1
+
+    def idle(self, samples: int) -> None:
+        self._put(1, 1, samples)
+
+    def start(self) -> None:
+        """SDA falls half a period before SCL does."""
+        self._put(1, 0, self.half)
+
+    def again(self) -> None:
+        """Repeated START: one more SCL pulse, SDA falls in its middle."""
+        self._low(1)
+        self._put(1, 1, self.half)
+        self._put(1, 0, self.half)
+
+    def stop(self) -> None:
+        self._low(0)
+        self._put(1, 0, self.half)
+        self._put(1, 1, self.half)
+
+    def bit(self, value: int) -> None:
+        self._low(value)
+        self._put(1, value, self.half)
+
+    def byte(self, value: int, ack: bool = True) -> None:
+        for place in range(7, -1, -1):
+            self.bit(value >> place & 1)
+        self.bit(0 if ack else 1)
+
+    def _low(self, value: int) -> None:
+        self._put(0, self._sda, self.hold)
+        self._put(0, value, self.half - self.hold)
+
+    def _put(self, scl: int, sda: int, samples: int) -> None:
+        self.samples += bytes([scl | sda << 1]) * samples
+        self._sda = sda
+
+
+def uart_wave(frames: Iterable[tuple[Fraction, Sequence[int]]], width: Fraction, length: int) -> bytes:
+    """A line that idles high; each frame is its begin in samples and the levels of its bits, each `width` samples."""
+    line = bytearray([1]) * length
+    for begin, bits in frames:
+        for number, bit in enumerate(bits):
+            first, last = ceil(begin + number * width), ceil(begin + (number + 1) * width)
+            line[first:last] = bytes([bit]) * (last - first)
+    return bytes(line[:length])
+
+
+def frame_bits(value: int, bits: int = 8, parity: str = "none", stop: int = 1) -> list[int]:
+    """Start, data from the least significant, parity, stop."""
+    data = [value >> place & 1 for place in range(bits)]
+    ones = sum(data)
+    checks = {"none": [], "even": [ones & 1], "odd": [1 - (ones & 1)], "mark": [1], "space": [0]}
+    return [0, *data, *checks[parity], *[1] * stop]

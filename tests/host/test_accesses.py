@@ -1,0 +1,173 @@
+"""What accesses cost, and in which cycle they act: wait states, write-to-read protection, EALLOW, bit-field writes."""
+
+from __future__ import annotations
+
+import pytest
+
+from periph_sim.core.records import Kind, Recorder
+from periph_sim.f28335.memory import Frame, NoSuchAddress
+from periph_sim.f28335.system_options import SystemOptions
+from tests.host.bench import Bench
+
+
+def cost_of(frame: Frame, access: str, options: SystemOptions | None = None, times: int = 1, base: int = 0x3000):
+    """Cycles of `times` accesses in a row to a module outside of the protected block."""
+    bench = Bench([], frame=frame, options=options, base=base)
+
+    def main() -> None:
+        for _ in range(times):
+            if access == "read":
+                _ = bench.flags.STATUS.all
+            else:
+                bench.flags.STATUS.all = 0
+        bench.note("end")
+
+    return bench.run(main, 1000)[0][1]
+
+
+@pytest.mark.rule("SYS-034", "SYS-035", "SYS-037", "I2C-006")
+@pytest.mark.parametrize(("frame", "read", "write"), [(Frame.PF0, 2, 1), (Frame.PF1, 3, 1), (Frame.PF2, 3, 1)])
+def test_an_access_costs_one_cycle_and_its_frames_wait_states(frame, read, write):
+    assert cost_of(frame, "read") == read
+    assert cost_of(frame, "write") == write
+
+
+@pytest.mark.rule("SYS-037")
+@pytest.mark.parametrize("wait_states", [0, 2, 5])
+def test_open_pf2_read_ws(wait_states):
+    assert cost_of(Frame.PF2, "read", SystemOptions(pf2_read_ws=wait_states)) == 1 + wait_states
+
+
+@pytest.mark.parametrize("wait_states", [0, 1])
+def test_open_pf2_write_ws(wait_states):
+    assert cost_of(Frame.PF2, "write", SystemOptions(pf2_write_ws=wait_states)) == 1 + wait_states
+
+
+@pytest.mark.rule("SYS-036")
+@pytest.mark.parametrize("extra", [1, 0])
+def test_open_pf1_back_to_back_write(extra):
+    options = SystemOptions(pf1_back_to_back_write=extra)
+    assert cost_of(Frame.PF1, "write", options, times=3) == 3 + 2 * extra
+    assert cost_of(Frame.PF2, "write", options, times=3) == 3
+
+
+@pytest.mark.rule("SYS-036")
+def test_an_instruction_between_two_pf1_writes_hides_the_extra_cycle():
+    bench = Bench([], frame=Frame.PF1)
+
+    def main() -> None:
+        bench.flags.STATUS.all = 0
+        bench.cpu.nop()
+        bench.flags.STATUS.all = 0
+        bench.note("end")
+
+    assert bench.run(main, 100) == [("end", 3)]
+
+
+@pytest.mark.rule("SYS-041")
+@pytest.mark.parametrize(("between", "wait"), [(0, 3), (1, 2), (2, 1), (3, 0), (4, 0)])
+def test_in_the_protected_block_a_read_waits_for_a_write(between, wait):
+    bench = Bench([], base=0x7100)
+
+    def main() -> None:
+        bench.flags.STATUS.all = 0
+        for _ in range(between):
+            bench.cpu.nop()
+        _ = bench.flags.STATUS.all
+        bench.note("end")
+
+    assert bench.run(main, 100) == [("end", 1 + between + wait + 3)]
+
+
+@pytest.mark.rule("SYS-042", "SYS-044")
+def test_outside_of_the_block_a_read_does_not_wait_for_a_write_inside():
+    bench = Bench([], base=0x7100)
+
+    def main() -> None:
+        bench.flags.STATUS.all = 0
+        _ = bench.pie_regs.PIECTRL.all  # PF0, outside: one wait state, no protection
+        bench.note("end")
+
+    assert bench.run(main, 100) == [("end", 1 + 2)]
+
+
+@pytest.mark.rule("SYS-043")
+def test_a_read_after_a_write_of_the_same_register_sees_the_write():
+    bench = Bench([(1, 4, -1)])
+
+    def main() -> None:
+        bench.cpu.compute(10)
+        bench.flags.STATUS.all = 4
+        bench.note(f"C={bench.flags.STATUS.C}")
+
+    assert bench.run(main, 100)[0][0] == "C=0"
+
+
+@pytest.mark.rule("SYS-046", "SYS-019", "I2C-004", "I2C-010", "SYS-123")
+def test_a_protected_write_counts_only_between_eallow_and_edis():
+    from periph_sim.board.dsp import Dsp, DspPlan
+    from periph_sim.core.kernel import Kernel
+    from periph_sim.core.time import Timebase
+
+    kernel = Kernel()
+    dsp = Dsp(kernel, Timebase(150_000_000), Recorder(), DspPlan("dsp", ("I2C-A",), {}))
+    seen: list[int] = []
+
+    def main() -> None:
+        clocks, i2c, pie = dsp.module("SYS"), dsp.module("I2C-A"), dsp.module("PIE")
+        clocks.PCLKCR0.all = 0x10
+        seen.append(clocks.PCLKCR0.all)
+        dsp.eallow()
+        clocks.PCLKCR0.all = 0x10
+        dsp.edis()
+        seen.append(clocks.PCLKCR0.all)
+        i2c.I2COAR.all = 0x68  # no EALLOW needed
+        pie.PIEIER8.all = 0x3
+        seen.extend((i2c.I2COAR.all, pie.PIEIER8.all))
+
+    dsp.start(main)
+    kernel.run_until(1_000_000)
+    assert seen == [0, 0x10, 0x68, 0x3]
+    assert [note.text for note in dsp.cpu.notes] == ["PCLKCR0 of SYS was written without EALLOW; the write is ignored"]
+
+
+def test_a_field_write_is_a_read_and_a_write_two_cycles_apart():
+    accesses = []
+    recorder = Recorder()
+    recorder.subscribe([Kind.ACCESS], accesses.append)
+    bench = Bench([], recorder=recorder)
+
+    def main() -> None:
+        bench.flags.STATUS.C = 1
+        bench.note("end")
+
+    assert bench.run(main, 100) == [("end", 5)]
+    assert [(a.tick // 20, a.what) for a in accesses] == [(2, "R FLAGS.STATUS"), (4, "W FLAGS.STATUS")]
+    assert accesses[0].text.startswith("main:")
+
+
+@pytest.mark.parametrize(("set_at", "lost"), [(1, True), (2, True), (3, False), (4, False), (5, False)])
+def test_a_flag_that_comes_between_read_and_write_survives_the_write_back(set_at, lost):
+    """C is write-1-to-clear. A write of A's field reads C first: if C is set by then, the write-back clears it."""
+    bench = Bench([(set_at, 4, -1)])
+
+    def main() -> None:
+        bench.flags.STATUS.A = 0  # a read-modify-write aimed at another field
+        bench.cpu.compute(20)
+        bench.note(f"C={bench.flags.STATUS.C}")
+
+    assert bench.run(main, 100)[0][0] == f"C={0 if lost else 1}"
+
+
+def test_wrong_names_and_addresses_say_what_is_near():
+    bench = Bench([])
+    with pytest.raises(AttributeError, match=r"FLAGS has no register 'STATSU'; did you mean STATUS\?"):
+        _ = bench.flags.STATSU
+    with pytest.raises(AttributeError, match=r"FLAGS\.STATUS has no field 'D'; it has A, B, C"):
+        bench.flags.STATUS.D = 1
+    with pytest.raises(NoSuchAddress, match=r"0x7200 belongs to no module of this scene, which has FLAGS 0x7100, PIE"):
+        bench.cpu.memory.find(0x7200)
+    with pytest.raises(NoSuchAddress, match=r"no module 'FLAG' in this scene; did you mean FLAGS\?"):
+        bench.cpu.memory.named("FLAG.STATUS")
+    place, register, half = bench.cpu.memory.find(0x7101)
+    assert (place.name, register.name, half) == ("FLAGS", "COUNT", 0)

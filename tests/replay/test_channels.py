@@ -1,0 +1,42 @@
+"""Which channel is which line: mappings, names, and what is said when they are wrong."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from periph_sim.replay import BadReplay
+from periph_sim.replay.channels import channel_map
+from tests.decode.drawing import of_bytes
+
+I2C = of_bytes(b"\x03", ("SCL", "SDA", "D2"))
+PLAIN = of_bytes(b"\x03", ("D0", "D1"))
+
+
+def test_channels_called_as_the_lines_need_no_map():
+    assert channel_map(I2C, None) == {"scl": "SCL", "sda": "SDA"}
+    assert channel_map(of_bytes(b"\x01", ("Rx",)), None) == {"rx": "Rx"}
+
+
+def test_a_channel_is_named_or_counted():
+    assert channel_map(I2C, "scl=0, SDA=D2") == {"scl": "0", "sda": "D2"}
+    assert channel_map(PLAIN, "rx=D1") == {"rx": "D1"}
+
+
+@pytest.mark.parametrize(
+    ("capture", "text", "said"),
+    [
+        (PLAIN, None, "samples: no channels called scl and sda, or rx; say which they are with --map"),
+        (PLAIN, None, "it has 0 D0, 1 D1"),
+        (PLAIN, "scl=7,sda=1", "'scl=7,sda=1': samples has no single channel '7'; it has 0 D0, 1 D1"),
+        (PLAIN, "scl", "'scl': expected scl=CHANNEL,sda=CHANNEL or rx=CHANNEL"),
+        (PLAIN, "sck=0,sda=1", "there is no line 'sck'; did you mean scl?"),
+        (PLAIN, "scl=0", "expected scl and sda, or rx alone; found scl"),
+        (PLAIN, "scl=0,sda=1,rx=1", "expected scl and sda, or rx alone; found scl, sda, rx"),
+        (PLAIN, "scl=0,sda=D0", "one channel cannot be both lines"),
+    ],
+)
+def test_a_wrong_map_is_refused_in_one_sentence(capture, text, said):
+    with pytest.raises(BadReplay, match=re.escape(said)):
+        channel_map(capture, text)

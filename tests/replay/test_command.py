@@ -1,0 +1,137 @@
+"""`periph-sim replay` as it is called: what it prints, its exit status, and its one sentence when it refuses."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+import pytest
+
+from periph_sim.cli import main
+from tests.formats.writers import sr_bytes
+
+ROOT = Path(__file__).resolve().parents[2]
+TRACES, CASES = ROOT / "traces", ROOT / "timing"
+HOST_FRAMES, IMU_ROUND = str(TRACES / "host_frames.sr"), str(TRACES / "imu_round.sr")
+LOGGER, RESPONDER = str(CASES / "uart_logger.toml"), str(CASES / "responder.toml")
+
+
+@pytest.fixture
+def call(monkeypatch, capsys):
+    """Runs a command line; returns exit status, standard output and standard error."""
+
+    def run(*arguments: str) -> tuple[object, str, str]:
+        monkeypatch.setattr(sys, "argv", ["periph-sim", *arguments])
+        with pytest.raises(SystemExit) as ended:
+            main()
+        out, err = capsys.readouterr()
+        return ended.value.code, out, err
+
+    return run
+
+
+def test_a_uart_trace_goes_into_the_sci(call):
+    status, out, err = call("replay", HOST_FRAMES, "--case", LOGGER, "--baud", "115200")
+    assert (status, err) == (0, "")
+    assert "uart_logger" in out and "PASS" in out and "24 of 24" in out and "FE 0, PE 0" in out
+
+
+def test_json_is_one_object_with_everything(call):
+    status, out, _ = call("replay", HOST_FRAMES, "--case", LOGGER, "--map", "rx=0", "--json")
+    report = json.loads(out)
+    assert status == 0
+    assert (report["case"], report["kind"], report["verdict"]) == ("uart_logger", "uart", "pass")
+    assert (report["events"], report["agreed"], report["bytes"], report["first_divergence"]) == (24, 24, 24, None)
+    assert report["errors"] == {"FE": 0, "PE": 0, "BRKDT": 0, "OE": 0, "RXFFOVF": 0}
+    assert report["capture"] == HOST_FRAMES and report["simulated_s"] > 0 and report["wall_s"] > 0
+
+
+TENS = """
+from dataclasses import dataclass
+
+from firmware.python.startup import sci_fifo_receiver
+
+
+@dataclass
+class Settings:
+    brr: int = 40
+
+
+def main(dsp, settings):
+    sci = dsp.module("SCI-A")
+    sci_fifo_receiver(dsp, settings.brr, 10)
+    while True:
+        dsp.spin(lambda: sci.SCIFFRX.RXFFST >= 10)
+        for _ in range(10):
+            sci.SCIRXBUF.all
+"""
+
+
+@pytest.fixture
+def tens(tmp_path) -> str:
+    """A case whose firmware takes ten words at a time, at a rate and in a format of its own."""
+    (tmp_path / "tens.py").write_text(TENS)
+    case = tmp_path / "tens.toml"
+    unit = f'[unit.dsp]\nfirmware = "{tmp_path / "tens.py"}"\nmodules = ["SCI-A"]\n'
+    case.write_text(f'name = "tens"\nduration = "1 s"\n{unit}')
+    return str(case)
+
+
+def test_words_still_in_the_fifo_are_told_and_are_no_divergence(call, tens):
+    status, out, _ = call("replay", HOST_FRAMES, "--case", tens, "--json")
+    report = json.loads(out)
+    assert status == 0 and (report["events"], report["bytes"]) == (24, 20)
+    assert "4 words are still in the FIFO: the firmware has not asked for them yet" in report["notes"]
+
+
+def test_a_divergence_is_exit_status_1_and_tells_where(call, tens):
+    """The firmware sets the SCI to eight data bits; seven are said of the line, so each eighth is a stop bit."""
+    status, out, _ = call("replay", HOST_FRAMES, "--case", tens, "--baud", "115200", "--format", "7n1")
+    assert status == 1 and "FAIL" in out and "0 of " in out
+    assert "first divergence" in out and "expected 00 FE at 0.000300 s" in out and "found 00 at" in out
+
+
+def test_a_rate_that_is_off_is_noted(call, tens):
+    _, out, _ = call("replay", HOST_FRAMES, "--case", tens, "--baud", "115200", "--set", "unit.dsp.settings.brr=42")
+    assert "note: the SCI runs at 109012 baud, -5.4 % off the line's 115200" in out
+
+
+def test_a_recording_of_the_replay(call, tmp_path):
+    status, _, _ = call("replay", HOST_FRAMES, "--case", LOGGER, "--record", str(tmp_path / "run.jsonl"))
+    assert status == 0 and "SCIRXBUF" in (tmp_path / "run.jsonl").read_text()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--map", "rx=4"], "has no single channel '4'; it has 0 RX"),
+        (["--baud", "115200", "--format", "9n1"], "'9n1' is no line format; expected data bits 1 to 8"),
+        (["--baud", "900000"], "samples a bit at 900000 baud; expected at least 2"),
+        (["--rate", "fast"], "--rate: 'fast' is no sample rate"),
+        (["--address", "0x80"], "--address: '0x80' is no 7-bit address"),
+        (["--set", "unit.dsp.modules=['GPIO']"], "no unit has SCI-A, which this capture is for"),
+        (["--set", "unit.dsp.firmware=nobody"], "there is no firmware 'nobody'"),
+        (["--record", "run.xyz"], "no recording is written as '.xyz'"),
+    ],
+)
+def test_bad_input_is_one_sentence_and_exit_status_2(call, arguments, said):
+    status, out, err = call("replay", HOST_FRAMES, "--case", LOGGER, *arguments)
+    assert status == 2 and out == ""
+    assert said in err and "Traceback" not in err
+
+
+def test_a_capture_that_is_no_capture_and_a_case_that_is_none(call, tmp_path):
+    noise = tmp_path / "noise.bin"
+    noise.write_bytes(bytes(range(256)))
+    status, _, err = call("replay", str(noise), "--case", LOGGER)
+    assert status == 2 and "noise.bin, " in err and "found" in err and "expected" in err
+    status, _, err = call("replay", HOST_FRAMES, "--case", str(tmp_path / "none.toml"))
+    assert status == 2 and "none.toml: cannot be read" in err
+
+
+def test_lines_without_a_transfer_are_refused(call, tmp_path):
+    quiet = tmp_path / "quiet.sr"
+    quiet.write_bytes(sr_bytes(["SCL", "SDA"], "1 MHz", b"\x03" * 100))
+    status, _, err = call("replay", str(quiet), "--case", RESPONDER)
+    assert status == 2 and "no I2C transfer on 'SCL' and 'SDA'; the lines may be mapped the wrong way round" in err

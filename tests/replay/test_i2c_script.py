@@ -1,0 +1,201 @@
+"""A capture taken apart: the controller's edges, the targets' answers, and that both together are the capture again."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from periph_sim import formats
+from periph_sim.decode import i2c
+from periph_sim.decode.i2c import Transfer
+from periph_sim.formats import Capture
+from periph_sim.lines.i2c_player import Move
+from periph_sim.lines.i2c_target import Answer
+from periph_sim.replay.i2c_script import Edge, Turn, controllers_half, most_frequent, moves, turns, usual_hold
+from tests.decode.drawing import drawn, of_bytes
+from tests.formats.make_traces import FOLDER, read_registers
+from tests.formats.writers import I2cWave
+from tests.replay.bus import both_halves
+
+SCL, SDA = True, False
+
+
+def capture_of(wave: I2cWave) -> Capture:
+    return of_bytes(bytes(wave.samples), ("SCL", "SDA"))
+
+
+def edges_of(capture: Capture, hold: Fraction = Fraction(1)) -> list[tuple[float, str]]:
+    """The controller's edges of the first transfer: position and "scl 0"."""
+    (transfer, *_) = i2c.transfers(capture)
+    return [(float(e.at), f"{'scl' if e.clock else 'sda'} {e.level}") for e in controllers_half(transfer, hold)]
+
+
+READ_OF_ONES = """
+    SCL ---- __-- __-- __-- __-- __-- __-- __-- __-- __-- __-- __-- __-- __-- __-- __-- __-- __-- __-- __--
+    SDA ---_ _--- ---- ---- ---- ---- ---- ---- ---- -___ _--- ---- ---- ---- ---- ---- ---- ---- -___ ___-
+"""
+
+
+def test_the_controller_keeps_every_edge_of_scl_and_lets_go_of_sda_where_the_target_speaks():
+    edges = edges_of(drawn(READ_OF_ONES))
+    clock = [(at, what) for at, what in edges if what.startswith("scl")]
+    assert clock[:4] == [(4, "scl 0"), (6, "scl 1"), (8, "scl 0"), (10, "scl 1")] and len(clock) == 2 * 19
+    # START; all ones; the target's ACK is not ours; our own ACK after the byte, where SDA fell; let go; STOP
+    assert [(at, what) for at, what in edges if what.startswith("sda")] == [
+        (3, "sda 0"),
+        (5, "sda 1"),
+        (73, "sda 0"),
+        (79, "sda 1"),
+    ]
+
+
+def test_an_sda_edge_in_the_sample_of_an_scl_edge_is_put_half_a_sample_inside_the_low_phase():
+    with_fall = drawn(
+        """
+        SCL ---- __-- __-- __-- __-- __-- __-- __-- __-- __-- __--
+        SDA ---_ ---- ____ ---- ____ ---- ____ ---- ____ ____ ___-
+        """
+    )
+    assert edges_of(with_fall)[:6] == [
+        (3, "sda 0"),
+        (4, "scl 0"),
+        (4.5, "sda 1"),
+        (6, "scl 1"),
+        (8, "scl 0"),
+        (8.5, "sda 0"),
+    ]
+    with_rise = drawn(
+        """
+        SCL ---- __-- __-- __-- __-- __-- __-- __-- __-- __-- __--
+        SDA ---_ __-- --__ __-- --__ __-- --__ __-- --__ ____ ___-
+        """
+    )
+    assert edges_of(with_rise)[:6] == [
+        (3, "sda 0"),
+        (4, "scl 0"),
+        (5.5, "sda 1"),
+        (6, "scl 1"),
+        (8, "scl 0"),
+        (9.5, "sda 0"),
+    ]
+
+
+def test_edges_become_moves_whose_rounding_does_not_add_up():
+    edges = [Edge(Fraction(n), SCL, n & 1) for n in range(100, 108)]
+    assert [move.after for move in moves(edges, Fraction(10, 3))] == [0, 3, 4, 3, 3, 4, 3, 3]
+    assert moves(edges[:2], Fraction(4)) == [Move(0, SCL, 0), Move(4, SCL, 1)]
+
+
+def test_the_targets_half_is_a_turn_for_each_address():
+    wave = I2cWave(4, 1)
+    wave.idle(10)
+    read_registers(wave, 0x53, 0x32, (0xFB, 0xFF))
+    wave.idle(10)
+    wave.start()
+    wave.byte(0x68 << 1, ack=False)
+    wave.stop()
+    found = i2c.transfers(capture_of(wave))
+    written, read, refused = turns(found)
+    assert written == Turn(0x53, False, Answer(True, acks=(True,)), 10, 10 + 4 + 8 * 8 + 4, None)
+    stops = [transfer.stop.at for transfer in found if transfer.stop is not None]
+    assert read.answer == Answer(True, b"\xfb\xff") and read.read
+    assert refused.answer == Answer(False)
+    assert [read.stop, refused.stop] == stops
+    assert most_frequent([written, read, refused]) == 0x53
+    assert most_frequent([refused, written]) == 0x53, "an answer counts more than a question"
+    assert most_frequent([]) is None
+
+
+def test_a_byte_the_capture_cut_off_is_answered_with_its_first_bits_and_ones():
+    wave = I2cWave(4, 1)
+    wave.idle(10)
+    wave.start()
+    wave.byte(0x53 << 1 | 1)
+    for bit in (0, 1, 0):
+        wave.bit(bit)
+    (turn,) = turns(i2c.transfers(capture_of(wave)))
+    assert turn.answer.data == bytes([0b01011111]) and turn.stop is None
+
+
+def test_the_usual_hold_is_the_controllers_median_and_half_a_position_where_it_never_moved():
+    wave = I2cWave(20, 7)
+    wave.idle(10)
+    read_registers(wave, 0x53, 0x32, (0xFB,))
+    assert usual_hold(i2c.transfers(capture_of(wave))) == 7
+    assert usual_hold([]) == Fraction(1, 2)
+
+
+# Both halves ----------------------------------------------------------------------
+
+
+def again(capture: Capture, transfers: list[Transfer] | None = None) -> None:
+    found = i2c.transfers(capture) if transfers is None else transfers
+    outcome = both_halves(capture, found)
+    assert outcome.divergence is None and outcome.agreed == len(i2c.events(capture))
+    assert outcome.lag == 0
+
+
+@pytest.mark.parametrize("name", ["imu_round.sr", "nack.sr"])
+def test_both_halves_together_are_the_capture(name: str):
+    again(formats.read(FOLDER / name))
+
+
+def test_both_halves_of_unusual_endings():
+    """A repeated START after one bit of a byte; a read whose last byte is acknowledged; STOP in the ninth pulse."""
+    wave = I2cWave(4, 1)
+    wave.idle(10)
+    wave.start()
+    wave.byte(0x50 << 1, ack=False)
+    wave.bit(0)
+    wave.again()
+    wave.byte(0x50 << 1 | 1)
+    wave.byte(0xFF, ack=True)
+    wave.samples += bytes([0b11]) * 8  # SDA rises while SCL is still high
+    wave.start()
+    wave.stop()
+    again(capture_of(wave))
+
+
+def test_both_halves_of_a_capture_that_ends_within_a_byte():
+    for ending in (1, 6):  # with SCL low, and with SCL high
+        wave = I2cWave(4, 1)
+        wave.idle(10)
+        wave.start()
+        wave.byte(0x50 << 1)
+        wave.bit(1)
+        wave.bit(0)
+        wave.samples += bytes([0b00]) * ending
+        again(capture_of(wave))
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    half=st.integers(1, 12),
+    data=st.data(),
+    turns_=st.lists(
+        st.tuples(st.integers(0, 127), st.booleans(), st.binary(max_size=3), st.booleans(), st.booleans()),
+        min_size=1,
+        max_size=4,
+    ),
+)
+def test_both_halves_of_any_traffic_are_that_traffic(half, data, turns_):
+    wave = I2cWave(half, data.draw(st.integers(0, half - 1)))
+    wave.idle(3)
+    wave.start()
+    for number, (address, read, content, acked, restart) in enumerate(turns_):
+        wave.byte(address << 1 | read, ack=acked)
+        for place, byte in enumerate(content if acked else b""):
+            wave.byte(byte, ack=not read or place + 1 < len(content))
+        if number + 1 < len(turns_):
+            if restart:
+                wave.again()
+            else:
+                wave.stop()
+                wave.idle(5)
+                wave.start()
+    wave.stop()
+    wave.idle(1)
+    again(capture_of(wave))

@@ -37,7 +37,7 @@ class Settings:
     fifo: bool = False
     filler: int = 0xFF
     asleep: Duration = Fraction(0)
-    busy: tuple[Duration, ...] = ()  # polled style only
+    busy: tuple[Duration, ...] = ()
     ten_bit: bool = False
 
 
@@ -53,6 +53,8 @@ class Responder:
         self._busy = iter(settings.busy)
         self._last = settings.replies[-1] if settings.replies else b""
         self._bytes: Iterator[int] = iter(())
+        self._writing = False  # interrupt style: the last address asked to write
+        self._stored = False  # a STOP has ended that write
 
     def configure(self) -> None:
         i2c, settings = self.i2c, self.settings
@@ -131,12 +133,15 @@ class Responder:
                 self.received[-1].append(i2c.I2CDRR.all)
             elif code in (SCD_CODE, NACK_CODE):
                 i2c.I2CIER.XRDY = 0
+                if code == SCD_CODE and self._writing:
+                    self._writing, self._stored = False, True
             code = i2c.I2CISRC.INTCODE
         self.dsp.module("PIE").PIEACK.all = 0x80
 
     def addressed(self) -> None:
         i2c = self.i2c
-        if i2c.I2CSTR.SDIR == 1:
+        self._writing = i2c.I2CSTR.SDIR == 0
+        if not self._writing:
             self._bytes = self.next_reply()
             if self.settings.fifo:
                 i2c.I2CFFTX.TXFFRST = 0
@@ -183,6 +188,9 @@ class Responder:
         start_pie(dsp, handlers)
         while True:
             dsp.cpu.idle()
+            if self._stored:
+                self._stored = False
+                self.be_busy()
 
 
 def main(dsp: Dsp, settings: Settings) -> None:

@@ -22,6 +22,27 @@ from ..f28335.xint import Xint
 Port = tuple[Socket, int]  # a peripheral and the index of one of its pins
 
 
+class Pad:
+    """One pad's way in. socket: the peripheral it feeds without any delay, or None."""
+
+    __slots__ = ("_clock", "_n", "_router", "gpio", "index", "socket")
+
+    def __init__(self, router: Router, n: int, clock: Clock) -> None:
+        self._router = router
+        self._n = n
+        self._clock = clock
+        self.gpio = router.gpio_socket
+        self.socket: Socket | None = None
+        self.index = 0
+
+    def edge(self, tick: int, level: int) -> None:
+        """The wire at this pad changed."""
+        if self.socket is None or self.gpio.watchers:
+            self._router.edge(self._n, tick, level)
+        else:
+            self.socket.pin(self._clock.cycle_at(tick), self.index, level)
+
+
 class Router:
     """pads: GPIO number -> wire. inputs, outputs: signal of the pin table -> the peripheral's pin."""
 
@@ -40,17 +61,18 @@ class Router:
         self._kernel = kernel
         self._clock = clock
         self._gpio = gpio
-        self._socket = gpio_socket
+        self.gpio_socket = gpio_socket
         self._pads = pads
         self._inputs = inputs
         self._outputs = outputs
         self._pins: dict[int, Pin] = {n: wire.attach(f"{who}.GPIO{n}") for n, wire in pads.items()}
-        self._feeds: dict[int, tuple[str, Socket, int]] = {}
+        self._feeds: dict[int, Port] = {}  # pin -> the peripheral it feeds
         self._xint = xint
         self._routes = -1
         self._outs = -1
+        self._direct = {n: Pad(self, n, clock) for n in pads}
         for n, wire in pads.items():
-            wire.watch(partial(self._edge, n))
+            wire.watch(self._direct[n].edge)
         for socket, _ in outputs.values():
             socket.out_delay = gpio.out_delay
         self._xint_chip: Xint | None = None
@@ -64,20 +86,19 @@ class Router:
         gpio_socket.before = self.tell_pads
         self.look(clock.cycle_at(kernel.now))
 
-    def _edge(self, n: int, tick: int, level: int) -> None:
+    def edge(self, n: int, tick: int, level: int) -> None:
+        """A wire changed at a pad that is synchronised, or whose level somebody reads."""
         clock = self._clock
         cycle = clock.cycle_at(tick)
         feed = self._feeds.get(n)
         exact = clock.tick(cycle) == tick
         seen = self._gpio.seen_at(cycle, n, exact)
         if feed is not None and seen == cycle:
-            feed[1].pin(cycle, feed[2], level)
-            if not self._socket.spied:
-                return
+            feed[0].pin(cycle, feed[1], level)
         self._gpio.pin(cycle, n, level, exact)
-        self._socket.publish(cycle)
+        self.gpio_socket.publish(cycle)
         if feed is not None and seen == cycle + 1:
-            self._kernel.at(clock.tick(seen), partial(feed[1].pin, seen, feed[2], level))
+            self._kernel.at(clock.tick(seen), partial(feed[0].pin, seen, feed[1], level))
 
     def tell_pads(self, cycle: int) -> None:
         """The levels of the pads that were not told edge by edge."""
@@ -119,12 +140,17 @@ class Router:
         gpio = self._gpio
         self.tell_pads(cycle)
         self._feeds = {}
+        for pad in self._direct.values():
+            pad.socket = None
         for signal in INPUTS:
             if signal in self._inputs:
                 socket, index = self._inputs[signal]
                 pin = gpio.source(signal)
                 if pin is not None:
-                    self._feeds[pin] = (signal, socket, index)
+                    self._feeds[pin] = (socket, index)
+                    if pin in self._direct and gpio.seen_at(cycle, pin, exact=True) == cycle:
+                        self._direct[pin].socket = socket
+                        self._direct[pin].index = index
                 socket.pin(cycle, index, gpio.peripheral_level(cycle, signal))
         after = self._clock.tick(cycle + gpio.out_delay)
         self._kernel.at(max(after, self._kernel.now), self._reconnect)

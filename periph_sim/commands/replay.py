@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+from collections.abc import Mapping
 from fractions import Fraction
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from rich.table import Table
 
 from .. import formats
 from ..case.load import load
+from ..case.settings import duration
 from ..recording import recording
 from ..replay.channels import channel_map
 from ..replay.i2c import I2cReplay
@@ -30,8 +32,9 @@ from .trouble import told_plainly
 @click.option("--rate", metavar="RATE", help="Samples a second, where the file does not say: '4 MHz'.")
 @click.option("--address", "addresses", multiple=True, metavar="ADDRESS", help="I2C: an address of the firmware's.")
 @click.option("--first", type=click.IntRange(min=1), metavar="N", help="I2C: only the first N transfers.")
+@click.option("--longest-low", metavar="TIME", help="I2C: let SCL go after this long: '10 us'; else as captured.")
 @click.option("--baud", type=click.IntRange(min=1), help="UART: the line's rate; else as the firmware sets it.")
-@click.option("--format", "frame", default="8n1", show_default=True, help="UART: data bits, parity, stop bits.")
+@click.option("--format", "frame", metavar="FORMAT", help="UART: data bits, parity and stop bits with --baud: 8n1.")
 @click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
 @click.option("--record", type=click.Path(path_type=Path), help="Write the run to a file; its suffix says the format.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
@@ -42,8 +45,9 @@ def replay(
     rate: str | None,
     addresses: tuple[str, ...],
     first: int | None,
+    longest_low: str | None,
     baud: int | None,
-    frame: str,
+    frame: str | None,
     changes: tuple[str, ...],
     record: Path | None,
     as_json: bool,
@@ -58,13 +62,16 @@ def replay(
         given = formats.read(capture, None if rate is None else _rate(rate))
         lines = channel_map(given, mapping)
         own = [_address(text) for text in addresses]
-        line = None if baud is None else line_format(baud, frame)
+        low = None if longest_low is None else _low(longest_low)
+        line = None if baud is None else line_format(baud, frame or "8n1")
+        i2c_only = {"--address": own, "--first": first, "--longest-low": low}
+        _refuse("rx" in lines, i2c_only, {"--baud": baud, "--format": frame})
         with recording(record, recorded_modules(case)) as (subscribe, ended_at):
             player: I2cReplay | UartReplay
             if "rx" in lines:
                 player = UartReplay(case, given, lines["rx"], line, subscribe)
             else:
-                player = I2cReplay(case, given, lines["scl"], lines["sda"], own, first, subscribe)
+                player = I2cReplay(case, given, lines["scl"], lines["sda"], own, first, low, subscribe)
             with progress(case.name) as told:
                 report = player.run(told)
             ended_at(player.kernel.now)
@@ -75,11 +82,30 @@ def replay(
     return 0 if report.verdict == "pass" else 1
 
 
+def _refuse(uart: bool, i2c_only: Mapping[str, object], uart_only: Mapping[str, object]) -> None:
+    """Options that would have no effect are mistakes."""
+    for name, value in (i2c_only if uart else uart_only).items():
+        if value:
+            raise click.ClickException(f"{name} is for {'I2C' if uart else 'UART'} captures; this one is not mapped so")
+    if uart_only["--format"] and not uart_only["--baud"]:
+        raise click.ClickException("--format needs --baud; without both the line is read as the firmware sets the SCI")
+
+
 def _rate(text: str) -> Fraction:
     try:
         return formats.rate_of(text)
     except ValueError as error:
         raise click.ClickException(f"--rate: {error}") from None
+
+
+def _low(text: str) -> Fraction:
+    try:
+        low = duration(text)
+    except ValueError as error:
+        raise click.ClickException(f"--longest-low: {error}") from None
+    if not low:
+        raise click.ClickException("--longest-low: expected more than 0")
+    return low
 
 
 def _address(text: str) -> int:
@@ -118,7 +144,7 @@ def rows(report: Report) -> list[tuple[str, str]]:
         found.append(("NACKs", str(report.nacks)))
         found.append(("longest stretch", f"{report.stretch_worst_us:.3f} us"))
         found.append(("all stretches", f"{report.stretch_total_us:.3f} us"))
-        found.append(("largest lag", f"{report.lag_worst_us:.3f} us"))
+        found.append(("largest difference in time", f"{report.lag_worst_us:.3f} us"))
     else:
         found.append(("errors", ", ".join(f"{name} {count}" for name, count in report.errors.items())))
         found.append(("start bit to read, at most", f"{report.lag_worst_us:.3f} us"))

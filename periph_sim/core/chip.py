@@ -39,6 +39,7 @@ class Chip(Protocol):
     OUTPUTS: tuple[str, ...]
     LINES: tuple[str, ...]
 
+    quiet_pins: bool  # an edge alone changes nothing readable; what it causes comes with a wake-up
     next_wake: int  # at the latest when an output or a readable value may change by itself
     out: int  # bit i: level at OUTPUTS[i]; for an open-drain pin 1 means released
     requests: int  # bit i: LINES[i] asked for an interrupt since the owner last set this to 0

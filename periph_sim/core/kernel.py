@@ -116,8 +116,11 @@ class Kernel:
                 )
             self.events += 1
             action()
-            if unsettled:
-                self.settled()
+            while unsettled:
+                unsettled.popleft().settle()
+                in_this_tick += 1
+                if in_this_tick > STORM:
+                    raise SimulationStuck(f"wires did not come to rest at t={self.now} after {STORM} steps")
         if not self._stop:
             self.now = time
 

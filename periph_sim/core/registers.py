@@ -124,6 +124,7 @@ class Register:
     protected: bool = False  # writes need EALLOW
     width: int = 16
     free_running: bool = False  # counts by itself, and no wake-up tells when it changes
+    read_acts: bool = False  # a read does something beyond this register: takes a word, clears another's flag
 
     def __post_init__(self) -> None:
         seen = 0
@@ -155,8 +156,8 @@ class Register:
 
     @cached_property
     def reads_are_harmless(self) -> bool:
-        """True if a CPU read changes nothing in this register."""
-        return all(f.on_read is OnRead.KEEP for f in self.fields)
+        """True if a CPU read changes nothing."""
+        return not self.read_acts and all(f.on_read is OnRead.KEEP for f in self.fields)
 
     @cached_property
     def reset(self) -> int:

@@ -42,7 +42,7 @@ class Socket:
         self.on_held: Callable[[int, int], None] | None = None  # told (cycle, mask) when the lines held change
         self._held = 0
         self.observed = recorder.wants(Kind.FLAG)  # somebody looks after every input
-        self._watchers: list[Callable[[int], None]] = []
+        self.watchers: list[Callable[[int], None]] = []  # told the cycle after each input that may show
         self.notes: list[tuple[int, Note]] = []
         self._note_count: dict[Note, int] = {}
         self._kernel = kernel
@@ -65,7 +65,7 @@ class Socket:
             chip.next_wake < self._wake_cycle
             or chip.out != self._out
             or chip.requests
-            or self.observed
+            or (self.observed and not chip.quiet_pins)
             or chip.notes
             or chip.held != self._held
         ):
@@ -122,8 +122,8 @@ class Socket:
             self._plan(cycle)
         if self.after is not None:
             self.after(cycle)
-        if self._watchers:
-            for watcher in tuple(self._watchers):
+        if self.watchers:
+            for watcher in tuple(self.watchers):
                 watcher(cycle)
         if self._flags is not None:
             self._record_flags(cycle)
@@ -152,19 +152,14 @@ class Socket:
                 for pin in pins:
                     pin.drive(out >> index & 1)
 
-    @property
-    def spied(self) -> bool:
-        """Whether a CPU waits for something to change here."""
-        return bool(self._watchers)
-
     def watch(self, watcher: Callable[[int], None]) -> None:
         """`watcher(cycle)` after every input from now on: a CPU that spins looks at the chip there."""
-        self._watchers.append(watcher)
+        self.watchers.append(watcher)
         self.observed = True
 
     def unwatch(self, watcher: Callable[[int], None]) -> None:
-        self._watchers.remove(watcher)
-        self.observed = bool(self._watchers) or self._flags is not None
+        self.watchers.remove(watcher)
+        self.observed = bool(self.watchers) or self._flags is not None
 
     def reclock(self) -> None:
         """The clock was retuned: a wake-up promised for a cycle moves to that cycle's new tick."""

@@ -89,6 +89,7 @@ class SystemControl:
         if oscclk_hz < 1:
             raise ValueError(f"OSCCLK is {oscclk_hz} Hz; expected a positive number")
         self.oscclk_hz = oscclk_hz
+        self.quiet_pins = False
         self.next_wake = NEVER
         self.out = 0
         self.requests = 0

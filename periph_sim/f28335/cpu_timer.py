@@ -48,6 +48,7 @@ class CpuTimer:
         if number not in (0, 1, 2):
             raise ValueError(f"there is no CPU timer {number!r}; there are 0, 1 and 2")
         self.base = BASES[number]
+        self.quiet_pins = False
         self.next_wake = NEVER
         self.out = 0
         self.requests = 0

@@ -76,6 +76,7 @@ class Gpio:
     LINES: tuple[str, ...] = ()
 
     def __init__(self, options: SystemOptions) -> None:
+        self.quiet_pins = False
         self.next_wake = NEVER
         self.out = 0  # mask: levels of the pins in `driven`; 0 elsewhere
         self.driven = 0  # mask: pads that this chip drives as general-purpose outputs

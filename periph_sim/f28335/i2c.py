@@ -24,6 +24,7 @@ from ..core.chip import NEVER
 from . import i2c_map as at
 from .i2c_map import (
     I2C_MAP,
+    MDR_BC,
     MDR_DLB,
     MDR_FDF,
     MDR_FREE,
@@ -39,11 +40,12 @@ from .i2c_map import (
 )
 from .i2c_master import I2cMaster
 from .i2c_options import I2cOptions
-from .i2c_state import I2cState
+from .i2c_state import DEPTH, I2cState
 from .i2c_target import IGNORE, OFF, TRANSMIT, I2cTarget
 
 I2CSTR, I2CMDR = I2C_MAP["I2CSTR"], I2C_MAP["I2CMDR"]
 BOTH = SCL | SDA
+BYTE_ENABLES = I2C_MAP["I2CIER"]["XRDY"].mask | I2C_MAP["I2CIER"]["RRDY"].mask
 SEVEN_BIT_LEFTOVER = 0x380  # bits 9 to 7 of an address register
 MODULE_CLOCK_HZ = (7_000_000, 12_000_000)
 SYSCLK_HZ = 150_000_000  # what the check of the module clock assumes
@@ -60,8 +62,12 @@ class I2c:
         self.state = I2cState(options)
         self.target = I2cTarget(self.state)
         self.master = I2cMaster(self.state)
+        self.quiet_pins = options.noise_filter_cycles > 0
         self.next_wake = NEVER
+        self._timer = NEVER  # the first of all timers inside, as of the last input
         self.out = BOTH
+        self.requests = 0
+        self.held = 0
         self.notes = self.state.notes
         self.touched = self.state.touched
         self._clocked = False
@@ -69,34 +75,55 @@ class I2c:
         self._scl = self._sda = 1  # behind the filter
         self._pending: deque[tuple[int, int, int, bool]] = deque()  # (due, index, level, someone cares)
         self._filter = options.noise_filter_cycles
+        self._passive = False  # enabled, no master, no loopback, no halt: edges only wait for the filter
+        self._width = 0  # of the filter, in cycles
         self._suspended = False
+        self._frozen_pull = 0  # what a halted slave pulls until the CPU runs on
         self._rise8_matters = options.aas_sdir_point == "rise8"
         self._rise9_matters = options.rrdy_point == "rise9" or options.dxr_to_xsr_copy_point == "ack_rise9"
-
-    # `requests` and `held` live where the flags live.
-
-    @property
-    def requests(self) -> int:
-        return self.state.requests
-
-    @requests.setter
-    def requests(self, value: int) -> None:
-        self.state.requests = value
-
-    @property
-    def held(self) -> int:
-        return self.state.held
 
     # Pins ------------------------------------------------------------------------
 
     def pin(self, now: int, index: int, level: int) -> None:
+        pending = self._pending
+        if self._passive:
+            while pending and pending[0][0] <= now and not pending[0][3]:
+                self._quiet_event()
+        if not self._passive or pending or self._timer <= now:
+            self._pin_at_work(now, index, level)
+            return
+        # The usual case: nothing is on its way, and another device moves the line.
+        due = now + self._width
+        if index:
+            self._raw = self._raw | SDA if level else self._raw & ~SDA
+            self.master.sda = level
+            cares = bool(self._raw & SCL)
+        else:
+            self._raw = self._raw | SCL if level else self._raw & ~SCL
+            self.master.scl = level
+            cares = self._cares_scl(level)
+        pending.append((due, index, level, cares))
+        if cares and due < self.next_wake:
+            self.next_wake = due
+
+    def _pin_at_work(self, now: int, index: int, level: int) -> None:
+        """An edge while something else goes on as well."""
         self._advance(now)
         bit = 1 << index
         self._raw = self._raw | bit if level else self._raw & ~bit
-        if self.state.mdr & MDR_DLB:
-            return
-        self._edge(now, index, level)
+        if not self.state.mdr & MDR_DLB:
+            self._edge(now, index, level)
         self._plan()
+
+    def _quiet_event(self) -> None:
+        """The oldest waiting edge, one that nobody cares about, has passed the filter."""
+        due, index, level, _ = self._pending.popleft()
+        if index:
+            self._sda = level
+        else:
+            self._scl = level
+            if level:
+                self.target.rise(due, self._sda)
 
     def _edge(self, now: int, index: int, level: int) -> None:
         """A line of the bus, or in loopback our own output, changed."""
@@ -128,8 +155,9 @@ class I2c:
         """Whether this edge can change what anybody sees, so that it must act in its very cycle."""
         if self.master.active or self._pending:
             return True
-        if index:
-            return bool(self._raw & SCL)
+        return bool(self._raw & SCL) if index else self._cares_scl(level)
+
+    def _cares_scl(self, level: int) -> bool:
         target = self.target
         if not target.cares(level):
             return False
@@ -158,6 +186,8 @@ class I2c:
                 self.target.muted = self.master.active
             self.target.rise(now, self._sda)
         else:
+            if self.master.active:
+                self.master.fell(now)
             self.target.fall(now)
             if self._suspended:
                 self._halt_target()
@@ -170,27 +200,38 @@ class I2c:
 
     def _advance(self, now: int) -> None:
         """Everything that is due by `now`, in order of time; filtered edges before timers."""
-        pending, target, master, state = self._pending, self.target, self.master, self.state
+        pending = self._pending
+        if self._timer > now and (not pending or pending[0][0] > now):
+            return
         while True:
             edge = pending[0][0] if pending else NEVER
-            timer = min(target.due, master.next_due, state.code_at)
+            timer = self._timer
             if edge <= timer:
                 if edge > now:
                     return
                 _, index, level, _ = pending.popleft()
                 self._event(edge, index, level)
+            elif timer > now:
+                return
             else:
-                if timer > now:
-                    return
-                if state.code_at == timer:
-                    state.load_code(timer)
-                elif master.next_due == timer:
-                    master.timer(timer)
-                    target.muted = master.active
-                else:
-                    target.timer(timer)
-            if state.mdr & MDR_DLB:
-                self._loop(timer if timer < edge else edge)
+                self._timer_due(timer)
+            if self.state.mdr & MDR_DLB:
+                self._loop(min(timer, edge))
+            self._timer = self._next_timer()
+
+    def _next_timer(self) -> int:
+        master = self.master
+        timer = min(self.target.due, self.state.code_at)
+        return min(timer, master.next_due) if master.active else min(timer, master.due)
+
+    def _timer_due(self, now: int) -> None:
+        if self.state.code_at == now:
+            self.state.load_code(now)
+        elif self.master.next_due == now:
+            self.master.timer(now)
+            self.target.muted = self.master.active
+        else:
+            self.target.timer(now)
 
     def _loop(self, now: int) -> None:
         """In loopback the module hears its own outputs."""
@@ -207,14 +248,26 @@ class I2c:
 
     def _plan(self) -> None:
         """Outputs and wake-up after an input."""
+        if not self._clocked:
+            self.out, self.next_wake, self._timer = BOTH, NEVER, NEVER
+            self._passive = False
+            return
+        state = self.state
+        if state.requests:
+            self.requests |= state.requests
+            state.requests = 0
+        self.held = state.held
+        self._width = self._filter * state.tm
+        mode = state.mdr & (MDR_IRS | MDR_DLB)
+        self._passive = mode == MDR_IRS and self._width > 0 and not self.master.active and not self._suspended
         self.out = self._levels()
-        wake = min(self.target.due, self.master.next_due, self.state.code_at)
+        self._timer = wake = self._next_timer()
         for due, _, _, cares in self._pending:
             if cares:
                 if due < wake:
                     wake = due
                 break
-        self.next_wake = wake if self._clocked else NEVER
+        self.next_wake = wake
 
     # Registers -----------------------------------------------------------------------
 
@@ -242,9 +295,9 @@ class I2c:
 
     def peek(self, now: int, offset: int) -> int:
         self._advance(now)
-        if not self._accessible():
-            return 0
         state = self.state
+        if not self._clocked and not self._accessible():
+            return 0
         if offset == at.STR:
             return state.str
         if offset == at.MDR:
@@ -256,9 +309,11 @@ class I2c:
         if offset == at.FFTX:
             return state.fftx | len(state.tx_fifo) << 8
         if offset == at.FFRX:
-            return state.ffrx | len(state.rx_fifo) << 8
+            return state.ffrx | min(len(state.rx_fifo), DEPTH) << 8
         if offset == at.EMDR:
             state.touched.add("emdr_present")
+            if not state.emdr_written:
+                state.touched.add("bcm_reset")
             return state.bcm if self.options.emdr_present else 0
         return {
             at.OAR: state.oar,
@@ -286,11 +341,13 @@ class I2c:
             self._write_mdr(now, value & ~(1 << 12))
         elif offset == at.IER:
             state.ier = value & 0x7F
-            if state.fifo and value & 0x18:
-                state.duty("I2CIER enables XRDY or RRDY in FIFO mode; expected 0 there", "SPRUG03B Table 9")
+            self._check_fifo_enables()
             state.update(now)
         elif offset == at.FFTX:
+            before = state.fifo
             state.write_fftx(now, value)
+            if not before:
+                self._check_fifo_enables()
         elif offset == at.FFRX:
             state.write_ffrx(now, value)
         else:
@@ -315,12 +372,14 @@ class I2c:
             state.sar = value & 0x3FF
             self._check_address("I2CSAR", state.sar)
         elif offset in (at.CLKL, at.CLKH):
+            name = "I2CCLKL" if offset == at.CLKL else "I2CCLKH"
+            if state.mdr & MDR_IRS:
+                state.duty(f"{name} was written with IRS = 1; configuration belongs into IRS = 0", "SPRUG03B section 4")
             if offset == at.CLKL:
                 state.clkl = value & 0xFFFF
             else:
                 state.clkh = value & 0xFFFF
             if not value & 0xFFFF:
-                name = "I2CCLKL" if offset == at.CLKL else "I2CCLKH"
                 state.duty(f"{name} was written 0; expected 1 to 65535", "SPRUG03B Tables 13, 14")
         elif offset == at.CNT:
             state.cnt = value & 0xFFFF
@@ -335,10 +394,16 @@ class I2c:
         elif offset == at.PSC:
             self._write_psc(value & 0xFF)
 
+    def _check_fifo_enables(self) -> None:
+        state = self.state
+        if state.fifo and state.ier & BYTE_ENABLES:
+            state.duty("I2CIER enables XRDY or RRDY in FIFO mode; expected 0 there", "SPRUG03B Table 9")
+
     def _write_emdr(self, value: int) -> None:
         self.touched.add("emdr_present")
         if self.options.emdr_present:
             self.state.bcm = value & 1
+            self.state.emdr_written = True
             if value & ~1:
                 self.state.duty("I2CEMDR bits 15 to 1 were not written 0", "SPRUG03B Table 8")
 
@@ -384,6 +449,8 @@ class I2c:
                 self.touched.add("stt_with_irs_write")
             if not value & MDR_IRS or self.options.stt_with_irs_write == "dropped":
                 value = value & ~commands | old & commands
+        if (value ^ old) & MDR_BC and state.tx_ready:
+            state.duty("BC was changed after I2CDXR was written; expected BC first", "SPRUG03B §5.12")
         state.mdr = value
         if value & MDR_IRS and not old & MDR_IRS:
             self._enable(now)
@@ -413,6 +480,7 @@ class I2c:
     def _enable(self, now: int) -> None:
         state = self.state
         state.tm = state.psc + 1
+        state.touched.add("noise_filter_cycles")
         self.target.reset()
         state.fifo_levels(now)
         state.update(now)
@@ -420,6 +488,7 @@ class I2c:
     def _disable(self, now: int) -> None:
         self.target.reset()
         self.master.reset()
+        self._frozen_pull = 0
         self.target.muted = False
         self.state.mdr &= ~(MDR_STT | MDR_STP)
         self.state.irs_reset(now)
@@ -442,23 +511,19 @@ class I2c:
         self._suspended = on and not self.state.mdr & MDR_FREE
         if self._suspended:
             self.master.halt(now)
-            if self.target.phase in (OFF, IGNORE):
-                self._halted_idle = True
         else:
             self.master.go_on(now)
             self.target.pulls &= ~self._frozen_pull
             self._frozen_pull = 0
         self._plan()
 
-    _frozen_pull = 0
-    _halted_idle = False
-
     def _halt_target(self) -> None:
         target = self.target
         if self.master.active or target.phase in (OFF, IGNORE):
             return
         self.touched.add("free_slave_unit")
-        if self.options.free_slave_unit == "byte" and target.bit == 0 and not target.pulls & SCL:
+        complete = self.options.free_slave_unit == "byte" or not target.own_transfer
+        if complete and target.bit == 0 and not target.pulls & SCL:
             target.pulls |= SCL
             self._frozen_pull = SCL
 
@@ -470,4 +535,5 @@ class I2c:
         self._clocked = False
         self._pending.clear()
         self._suspended = False
+        self._frozen_pull = 0
         self._plan()

@@ -57,7 +57,11 @@ I2CCLKH = Register(
 )
 I2CCNT = Register("I2CCNT", 0x05, "SPRUG03B table 18", (field("ICDC", "15:0", doc="Bytes to move; 0 is 65536."),))
 I2CDRR = Register(
-    "I2CDRR", 0x06, "SPRUG03B table 19", (field("DATA", "7:0", "R", doc="Byte received; output of the RX FIFO."),)
+    "I2CDRR",
+    0x06,
+    "SPRUG03B table 19",
+    (field("DATA", "7:0", "R", doc="Byte received; output of the RX FIFO."),),
+    read_acts=True,
 )
 I2CSAR = Register(
     "I2CSAR", 0x07, "SPRUG03B table 16", (field("SAR", "9:0", "R/W", 0x3FF, doc="Address sent next as master."),)
@@ -93,6 +97,7 @@ I2CISRC = Register(
         field("WRITE_ZEROS", "11:8", doc="Must be written 0."),
         field("INTCODE", "2:0", "RC", doc="0 none, 1 AL, 2 NACK, 3 ARDY, 4 RRDY, 5 XRDY, 6 SCD, 7 AAS."),
     ),
+    read_acts=True,
 )
 I2CEMDR = Register(
     "I2CEMDR",

@@ -43,6 +43,9 @@ from .i2c_map import (
 from .i2c_state import I2cState
 
 START_BYTE = 0x01
+SYSCLK_HZ = 150_000_000
+LEAST_KHZ, MOST_KHZ = 10, 400
+LEAST_LOW, LEAST_HIGH = 195, 90  # cycles: 1.3 us and 0.6 us
 
 
 class I2cMaster:
@@ -63,6 +66,7 @@ class I2cMaster:
         self._low_from = 0
         self._high_phase = False
         self._after_high: Callable[[int], None] = self._fall
+        self._rose_at = 0
         self.reset()
 
     def reset(self) -> None:
@@ -87,10 +91,12 @@ class I2cMaster:
         self._holds = ""  # why SCL is held low: command, data, room
         self._rsr_waits = False
         self._stopping = False
+        self._own_restart = False
         self._restart_next: list[int] = []  # addresses for a repeated START made by itself
         self._data_bytes = 0
         self._deliver_at = NEVER
         self._deliver = 0
+        self._free_from = 0  # the bus is free long enough for a START
 
     def _nothing(self, now: int) -> None:
         self.due = NEVER
@@ -138,15 +144,18 @@ class I2cMaster:
             if mdr & MDR_STT:
                 self._request_bus(now)
             return
+        if self._holds == "released":
+            self._scl_low(now)
+            self._holds = "command"
         if self._holds == "command":
             if mdr & MDR_STT:
                 self._restart(now)
             elif mdr & MDR_STP:
                 self._stop_if_allowed(now)
-        elif self._holds == "data" and mdr & MDR_RM:
+        elif self._holds == "data":
             if mdr & MDR_STT:
                 self._restart(now)
-            elif mdr & MDR_STP:
+            elif mdr & MDR_STP and mdr & MDR_RM:
                 self._stop(now)
 
     def _request_bus(self, now: int) -> None:
@@ -160,18 +169,22 @@ class I2cMaster:
             if policy == "foreign_waits":
                 self._waits_for_bus = True
                 return
-        self._start(now)
+        self._take_command()
+        self._at(max(now + state.tm, self._free_from), self._start)
 
     def bus_free(self, now: int) -> None:
         """A STOP was seen."""
         if self._stopping:
             self._stopping = False
             self.active = False
+            self._free_from = now + self.low()
             self.state.mdr &= ~(MDR_STP | MDR_MST)
             self.state.wanted = False
         elif self._waits_for_bus:
             self._waits_for_bus = False
-            self._at(now + self.low(), self._start)
+            self._free_from = now + self.low()
+            self._take_command()
+            self._at(self._free_from, self._start)
 
     def _start(self, now: int) -> None:
         if not self.scl or not self.sda:  # not free yet
@@ -188,12 +201,33 @@ class I2cMaster:
         state.clear(now, STR_ARDY)
         self._at(now + self.high(), self._started)
 
+    def _take_command(self) -> None:
+        """What the registers say with the START counts for the whole transfer."""
+        state = self.state
+        state.touched.add("cnt_copy_point")
+        if state.options.cnt_copy_point == "start":
+            self.load_counter()
+        self._own_restart = False
+        self._restart_next = []
+        self._addresses = [] if state.mdr & MDR_FDF else self._address_bytes()
+        self._check_rate()
+
+    def _check_rate(self) -> None:
+        """The limits that TI names for SCL, as a note; SYSCLKOUT is taken as 150 MHz."""
+        low, high = self.low(), self.high()
+        khz = SYSCLK_HZ / (low + high) / 1000
+        if not LEAST_KHZ <= khz <= MOST_KHZ:
+            self.state.duty(f"SCL would run at {khz:.1f} kHz; expected 10 to 400 kHz", "SPRUG03B section 1.1")
+        if low < LEAST_LOW or high < LEAST_HIGH:
+            times = f"{low / 150:.2f} us low, {high / 150:.2f} us high"
+            self.state.duty(f"SCL has {times}; expected at least 1.3 us and 0.6 us", "SPRS439M Table 6-31")
+
     def _started(self, now: int) -> None:
         """START is out: SCL goes low, the first byte is chosen."""
         state = self.state
         mdr = state.mdr
         self._scl_low(now)
-        if self._restart_next:
+        if self._own_restart and self._restart_next:
             self._addresses, self._restart_next = self._restart_next, []
             self._next_address(now)
             return
@@ -204,16 +238,12 @@ class I2cMaster:
         state.mdr &= ~MDR_STT
         self._stp_at_start = bool(mdr & MDR_STP)
         self._data_bytes = 0
-        state.touched.add("cnt_copy_point")
-        if state.options.cnt_copy_point == "start":
-            self.load_counter()
         state.wanted = bool(mdr & MDR_TRX)
         state.update(now)
         if mdr & MDR_FDF:
             self._kind = ""
             self._next_data(now)
         else:
-            self._addresses = self._address_bytes()
             self._next_address(now)
 
     def load_counter(self) -> None:
@@ -230,7 +260,7 @@ class I2cMaster:
         if not read:
             return [header, address & 0xFF]
         state.touched.add("ten_bit_read")
-        if state.options.ten_bit_read == "full_address_first" and self._kind != "send":
+        if state.options.ten_bit_read == "full_address_first" and not self.active:
             self._restart_next = [header | 1]
             return [header, address & 0xFF]
         return [header | 1]
@@ -242,7 +272,7 @@ class I2cMaster:
         self._begin_byte(now, self._addresses.pop(0), 8)
 
     def _begin_byte(self, now: int, byte: int, n: int) -> None:
-        self._byte, self._n, self._bit, self._in = byte, n, 0, 0
+        self._byte, self._n, self._bit = byte, n, 0
         self._answer_nack = self._nack_armed = False
         self._holds = ""
         self._at(max(now, self._low_from + self.state.tm), self._set_sda)
@@ -274,7 +304,7 @@ class I2cMaster:
         self.due = NEVER
 
     def line(self, now: int, index: int, level: int) -> None:
-        """SCL (0) or SDA (1) really changed: the generator follows SCL."""
+        """SCL (0) or SDA (1) really changed: a rise that was waited for begins our high phase."""
         if index:
             self.sda = level
             return
@@ -282,13 +312,31 @@ class I2cMaster:
         if level and self._waits_for_rise:
             self._waits_for_rise = False
             self._high_phase = True
+            self._rose_at = now
             late = 0
             if now > self._let_go_at:
                 self.state.touched.add("scl_sync_cycles")
                 late = self.state.options.scl_sync_cycles * self.state.tm
             self._at(now + late + self.high(), self._after_high)
-        elif not level and self._high_phase and self._after_high == self._fall:
-            self._fall(now)  # somebody's low began: ours begins, too
+        elif not level and self._high_phase and now - self._rose_at < self._filter():
+            self._high_phase = False  # that rise was a spike
+            self._waits_for_rise = True
+            self.due = NEVER
+
+    def _filter(self) -> int:
+        return self.state.options.noise_filter_cycles * self.state.tm
+
+    def fell(self, now: int) -> None:
+        """SCL has fallen, behind the filter. In our high phase it is somebody's low that begins: ours begins, too."""
+        if not self.active or self.scl:
+            return
+        if self._step == self._started:  # while our START was still held
+            self._started(now)
+        elif self._high_phase and self._after_high == self._fall:
+            self._fall(now)
+        else:
+            return
+        self._low_from = now - self._filter()
 
     def rise(self, now: int, sda: int) -> None:
         """SCL has risen, behind the filter: one bit."""
@@ -298,8 +346,8 @@ class I2cMaster:
         if self._kind != "take" and self._bit < self._n and self._driven and not sda:
             self.lose(now)
             return
-        if self._kind == "take" and self._bit < self._n:
-            self._in = self._in << 1 | sda
+        if self._bit < self._n:
+            self._in = (self._in << 1 | sda) & 0xFF
             if self._bit == self._n - 1:
                 self._nack_armed = bool(self.state.mdr & MDR_NACKMOD)
         if self._kind == "take" and self._bit == self._n and self.state.options.rrdy_point == "rise9":
@@ -313,6 +361,10 @@ class I2cMaster:
             self.halting, self.frozen = False, True
 
     def _fall(self, now: int) -> None:
+        if self._bit == self._n and self._kind in ("address", "send") and self._sampled and self._leaves_scl_high():
+            self._high_phase = False
+            self._refused(now)
+            return
         self._scl_low(now)
         self._bit = bit = self._bit + 1
         if bit <= self._n:
@@ -331,7 +383,7 @@ class I2cMaster:
         ack = self._sampled == 0 or bool(state.mdr & MDR_DLB)
         kind = self._kind
         if kind == "start byte":
-            self._restart(now)
+            self._restart(now, own=True)
         elif kind == "address":
             self._address_over(now, ack)
         elif kind == "send":
@@ -351,7 +403,7 @@ class I2cMaster:
         elif self._addresses:
             self._next_address(now)
         elif self._restart_next:
-            self._restart(now)
+            self._restart(now, own=True)
         else:
             self._next_data(now)
 
@@ -364,6 +416,7 @@ class I2cMaster:
         elif state.copy_to_xsr(now):
             state.xsr_full = False
             self._kind = "send"
+            state.clear(now, STR_ARDY)
             self._begin_byte(now, state.xsr, state.bits)
         elif state.mdr & MDR_RM and state.mdr & MDR_STP:
             self._stop(now)
@@ -375,6 +428,10 @@ class I2cMaster:
                 state.set(now, STR_ARDY)
 
     def dxr_written(self, now: int) -> None:
+        state = self.state
+        if state.mdr & MDR_DLB and self.active and state.options.dlb_delay == "after_dxr_write":
+            state.touched.add("dlb_delay")
+            self._deliver, self._deliver_at = state.dxr, now + 8 * state.tm
         if self._holds == "data":
             self._next_data(now)
 
@@ -389,9 +446,10 @@ class I2cMaster:
             state.clear(now, STR_NACK)
         if state.mdr & MDR_RM:
             state.set(now, STR_ARDY)
-            if state.mdr & MDR_STT:
-                self._restart(now)
-            elif state.mdr & MDR_STP and not state.tx_ready:
+        if state.mdr & MDR_STT:
+            self._restart(now)
+        elif state.mdr & MDR_RM:
+            if state.mdr & MDR_STP and not state.tx_ready:
                 self._stop(now)
             else:
                 self._next_data(now)
@@ -423,8 +481,15 @@ class I2cMaster:
         self._restart_next = []
         if state.options.hold_scl_after_nack:
             self._holds = "command"
-        else:
+        elif state.mdr & MDR_STP:
             self._stop(now)
+        else:
+            self._holds = "released"
+
+    def _leaves_scl_high(self) -> bool:
+        """Whether SCL stays high after a NACK until the next command, where it is not held low."""
+        mdr = self.state.mdr
+        return not self.state.options.hold_scl_after_nack and not mdr & (MDR_STP | MDR_DLB)
 
     # Receiving ------------------------------------------------------------------------
 
@@ -437,10 +502,10 @@ class I2cMaster:
     def _choose_answer(self) -> None:
         state = self.state
         stp = bool(state.mdr & MDR_STP)
-        if self._nack_armed:
+        if self._nack_armed or state.mdr & MDR_STT:
             self._answer_nack = True
         elif self._repeat():
-            self._answer_nack = stp or bool(state.mdr & MDR_STT)
+            self._answer_nack = stp
         elif self.counter <= 1:
             state.touched.add("mr_nack_at_count0")
             self._answer_nack = stp or state.options.mr_nack_at_count0 == "always"
@@ -483,10 +548,10 @@ class I2cMaster:
     def _after_taken(self, now: int) -> None:
         state = self.state
         mdr = state.mdr
-        if self._repeat():
-            if mdr & MDR_STT:
-                self._restart(now)
-            elif mdr & MDR_STP:
+        if mdr & MDR_STT and self._answer_nack:
+            self._restart(now)
+        elif self._repeat() or mdr & MDR_STT:
+            if mdr & MDR_STP and self._answer_nack:
                 self._stop(now)
             elif self._answer_nack:
                 self._holds = "command"
@@ -514,12 +579,11 @@ class I2cMaster:
             self._after_taken(now)
 
     def _loop_back(self, now: int) -> None:
-        """The byte sent comes back n = 8 module clocks after its last bit, or after the write of I2CDXR."""
+        """The byte sent comes back n = 8 module clocks after its last bit (or after the write of I2CDXR)."""
         state = self.state
         state.touched.add("dlb_delay")
-        self._deliver = self._byte & 0xFF
-        late = 8 * state.tm
-        self._deliver_at = now + late if state.options.dlb_delay == "after_last_bit" else now
+        if state.options.dlb_delay == "after_last_bit":
+            self._deliver, self._deliver_at = self._byte & 0xFF, now + 8 * state.tm
 
     # STOP, repeated START, loss ----------------------------------------------------------
 
@@ -527,11 +591,12 @@ class I2cMaster:
         state = self.state
         if not self._data_bytes and not state.mdr & MDR_RM:
             state.touched.add("stop_without_data")
-            if state.options.stop_without_data == "waits_for_data" and not state.str & STR_NACK:
+            if state.options.stop_without_data == "waits_for_data":
                 return
         self._stop(now)
 
     def _stop(self, now: int) -> None:
+        self.state.clear(now, STR_ARDY)
         self._begin_condition(now, 0, self._stop_high)
 
     def _stop_high(self, now: int) -> None:
@@ -540,7 +605,11 @@ class I2cMaster:
         self._high_phase = False
         self.pulls &= ~SDA
 
-    def _restart(self, now: int) -> None:
+    def _restart(self, now: int, *, own: bool = False) -> None:
+        """A repeated START; own: one that belongs to the command in progress."""
+        self._own_restart = own
+        if not own:
+            self._take_command()
         self._begin_condition(now, 1, self._restart_high)
 
     def _restart_high(self, now: int) -> None:

@@ -63,6 +63,7 @@ class I2cState:
         self.oar = self.ier = self.clkl = self.clkh = self.cnt = self.mdr = self.psc = 0
         self.sar = I2C_MAP["I2CSAR"].reset
         self.bcm = self.options.bcm_reset if self.options.emdr_present else 1
+        self.emdr_written = False
         self.isrc_high = 0
         self.tm = 1  # module clock in cycles, as taken over when IRS last rose
         self.dxr = self.xsr = self.drr = self.rsr = 0
@@ -71,6 +72,7 @@ class I2cState:
         self.fftx = self.ffrx = 0
         self.tx_fifo = Fifo(DEPTH)
         self.rx_fifo = Fifo(DEPTH)
+        self._tx_was_low = self._rx_was_high = False
         self.wanted = False  # a transmitter is in a transfer: data requests make sense
         self.nack_as_slave = False
         self.code = 0
@@ -326,9 +328,6 @@ class I2cState:
                 self.str &= ~STR_XRDY
             self.update(now)
 
-    _tx_was_low = False
-    _rx_was_high = False
-
     def _level_flag(self, register: int, condition: bool, before: bool) -> int:
         level = self.options.fifo_int_mode == "level"
         if condition and (level or not before) and not register & FFINT:
@@ -343,7 +342,6 @@ class I2cState:
         self.fftx, fired = I2CFFTX.write(before, value)
         if not self.fftx & FFRST:
             self.tx_fifo.clear()
-            self.fftx &= ~FFINT if not before & FFINT else ~0
             if self.xsr_full:
                 self.touched.add("txfifo_reset_flushes_xsr")
                 if self.options.txfifo_reset_flushes_xsr:

@@ -60,11 +60,12 @@ class I2cTarget:
         self._nack_armed = False
         self._read = False
         self._selected = False  # 10-bit: the whole address matched in this transfer
-        self._own = False  # this transfer was for us
+        self.own_transfer = False  # this transfer was for us
         self._waits_for_data = False  # SCL held: transmitter without data
         self._waits_for_room = False  # SCL held: receiver with I2CDRR unread
         self._rsr_waits = False
         self._copy_at = NEVER
+        self._release_at = NEVER
         self._sent = 0
         self._first_byte = False
         self._shifting = False
@@ -77,7 +78,10 @@ class I2cTarget:
         if self.phase == OFF or self.phase == IGNORE:
             return False
         if self.phase == TRANSMIT:
-            return not level or self.bit >= self._n
+            if level or self.bit >= self._n or self.bit == 0:
+                return not level or self.bit >= self._n
+            released = not self.pulls & SDA
+            return bool(self.state.xsr >> (self._n - 1 - self.bit) & 1) != released
         return self.bit + level >= self._n
 
     # Line events --------------------------------------------------------------------
@@ -105,24 +109,26 @@ class I2cTarget:
         self.phase = ADDRESS
         self._first_byte = True
         if state.mdr & MDR_FDF and not state.mdr & MDR_MST:
-            self._own = True
+            self.own_transfer = True
             self._n = state.bits
             self.phase = TRANSMIT if state.trx else RECEIVE
 
     def stop(self, now: int) -> None:
         state, options = self.state, self.state.options
         self._let_go()
-        if not self._own:
+        if not self.own_transfer:
             state.touched.add("scd_foreign")
-        if self._own or options.scd_foreign == "every_stop":
+        if self.own_transfer or options.scd_foreign == "every_stop":
             state.str |= STR_SCD
         flags = STR_BB | STR_AD0 | STR_AAS
+        if state.str & STR_SDIR:
+            state.touched.add("sdir_clear")
         if options.sdir_clear == "any_start_or_stop":
             flags |= STR_SDIR
         state.wanted = False
         state.clear(now, flags)
         self.phase = OFF
-        self._own = self._selected = False
+        self.own_transfer = self._selected = False
 
     def rise(self, now: int, sda: int) -> None:
         phase = self.phase
@@ -195,30 +201,41 @@ class I2cTarget:
             return self._selected or not self._read
         return byte >> 1 == own & 0x7F
 
+    def _answers_itself(self) -> bool:
+        """As master: whether this address byte is a general call of our own that we acknowledge."""
+        if self._shift & 0xFF or self.phase != ADDRESS:
+            return False
+        self._read = False
+        self.state.touched.add("own_general_call")
+        return self.state.options.own_general_call == "answered"
+
     def _whole_address(self) -> bool:
         """False for the first byte of a 10-bit address, which sets no flag yet."""
         return not self.state.mdr & MDR_XA or self.phase == ADDRESS_LOW or self._read or self._shift & 0xFF == 0
 
     def _address_complete(self, now: int) -> None:
         state, options = self.state, self.state.options
-        self._ack = not self.muted and self._matches()
+        self._ack = self._answers_itself() if self.muted else self._matches()
         if not self._ack:
             if self._shift & 0xFF == 1 and options.start_byte_ad0 == "set" and not self.muted:
                 state.str |= STR_AD0
             if state.mdr & MDR_XA:
                 state.clear(now, STR_AAS)
                 self._selected = False
+            if options.sdir_clear == "until_next_address":
+                state.str &= ~STR_SDIR
             self.phase = IGNORE
             return
-        refused = self._nack_armed and options.nackmod_on_address == "address_too"
-        if refused:
-            self._ack = False
-        self._own = True
-        if self._read and options.stale_byte_next_read == "discarded" and state.tx_ready:
-            state.dxr_full = False
-            state.set(now, STR_XRDY)
+        if self._nack_armed:
+            state.touched.add("nackmod_on_address")
+            if options.nackmod_on_address == "address_too":
+                self._ack = False
+        self.own_transfer = True
         if self._read and state.tx_ready:
             state.touched.add("stale_byte_next_read")
+            if options.stale_byte_next_read == "discarded":
+                state.dxr_full = False
+                state.set(now, STR_XRDY)
         state.touched.add("aas_sdir_point")
         if options.aas_sdir_point == "fall8":
             self._address_flags(now)
@@ -233,6 +250,10 @@ class I2cTarget:
         if self._read:
             flags |= STR_SDIR
             state.wanted = state.bcm == 1
+            if not state.emdr_written:
+                state.touched.add("bcm_reset")
+        elif state.options.sdir_clear == "until_next_address":
+            state.str &= ~STR_SDIR
         if self._shift & 0xFF == 0 and self.phase == ADDRESS:
             flags |= STR_AD0
         state.set(now, flags)
@@ -251,6 +272,10 @@ class I2cTarget:
     def _data_complete(self, now: int) -> None:
         """Fall 8 of a data byte."""
         state = self.state
+        if self._first_byte and state.mdr & MDR_FDF:
+            state.touched.add("aas_fdf_point")
+            if state.options.aas_fdf_point == "end_of_byte":
+                state.set(now, STR_AAS)
         self._ack = not self._nack_armed
         blocked = state.rx_blocked
         if blocked and self._policy() == "nack":
@@ -270,8 +295,6 @@ class I2cTarget:
         """I2CRSR is complete: it moves on, or waits."""
         state = self.state
         value = self._value()
-        if self._first_byte and state.mdr & MDR_FDF:
-            state.touched.add("aas_fdf_point")
         if state.rx_blocked:
             self._rsr_waits = True
             state.rsr = value
@@ -289,10 +312,16 @@ class I2cTarget:
 
     def _ack_rise(self, now: int) -> None:
         """Rise 9 of a byte that we acknowledge."""
-        state, options = self.state, self.state.options
-        if self.phase == RECEIVE and options.rrdy_point == "rise9" and not self._rsr_waits:
+        if self.phase == RECEIVE and self.state.options.rrdy_point == "rise9" and not self._rsr_waits:
             self._take(now)
-        if self._read and self.phase == ADDRESS and options.dxr_to_xsr_copy_point == "ack_rise9" and state.bcm:
+        if self._read and self.phase == ADDRESS:
+            self._copy_at_rise9(now)
+
+    def _copy_at_rise9(self, now: int) -> None:
+        """The copy, where it comes in the middle of the ACK slot; XRDY may rise with it or at the slot's end."""
+        state, options = self.state, self.state.options
+        if options.dxr_to_xsr_copy_point == "ack_rise9" and state.bcm and state.tx_ready:
+            state.touched |= {"dxr_to_xsr_copy_point", "xrdy_rise_point"}
             self._copy(now, xrdy=options.xrdy_rise_point == "at_copy")
 
     def drr_read(self, now: int) -> None:
@@ -394,6 +423,7 @@ class I2cTarget:
                 self._waits_for_data = False
                 self._release(now)
             elif self._copy_at == NEVER:
+                state.wanted = False
                 state.touched.add("xsmt_rule")
                 if state.options.xsmt_rule == "figure":
                     state.clear(now, STR_XSMT)
@@ -411,8 +441,6 @@ class I2cTarget:
             self.due = min(self._release_at, self._copy_at)
         else:
             self.pulls &= ~SCL
-
-    _release_at = NEVER
 
     def timer(self, now: int) -> None:
         """`due` has come."""
@@ -434,19 +462,18 @@ class I2cTarget:
         self.bit = 0
         self._n = state.bits
         self._first_byte = False
-        if options.cnt_in_slave_tx == "counts_bytes" and state.cnt and self._sent >= state.cnt:
+        if state.cnt and self._sent >= state.cnt:
             state.touched.add("cnt_in_slave_tx")
-            state.xsr, state.xsr_full = ONES, True
-            self._send(now)
-            return
+            if options.cnt_in_slave_tx == "counts_bytes":
+                state.xsr, state.xsr_full = ONES, True
+                self._send(now)
+                return
         point = options.dxr_to_xsr_copy_point
         if state.tx_ready and state.bcm:
             state.touched.add("dxr_to_xsr_copy_point")
-        if not state.bcm:
-            state.wanted = True
-            self._copy(now)
-        elif (
-            point in ("any_ack_fall9", "ack_fall9")
+        if (
+            not state.bcm
+            or point in ("any_ack_fall9", "ack_fall9")
             or (point == "eager_reloaded_at_address" and first)
             or not state.xsr_full
         ):
@@ -463,6 +490,7 @@ class I2cTarget:
         state.touched.add("tx_underflow_policy")
         if state.bcm or options.xsmt_rule == "text":
             state.str &= ~STR_XSMT
+        state.wanted = True
         state.update(now)
         if state.bcm:
             if first:
@@ -497,8 +525,7 @@ class I2cTarget:
         state, options = self.state, self.state.options
         if sda == 0:
             state.clear(now, STR_NACK)
-            if options.dxr_to_xsr_copy_point == "ack_rise9" and state.bcm:
-                self._copy(now, xrdy=options.xrdy_rise_point == "at_copy")
+            self._copy_at_rise9(now)
             return
         self.phase = IGNORE
         state.wanted = False
@@ -528,7 +555,7 @@ class I2cTarget:
         self._let_go()
         self.phase = OFF
         self.bit = 0
-        self._rsr_waits = self._own = self._selected = False
+        self._rsr_waits = self.own_transfer = self._selected = False
         if self.state.mdr & MDR_IRS:
             self._oar = self.state.oar
 

@@ -7,7 +7,8 @@ EALLOW), section 7.4 (block protection).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import Enum
+from enum import IntEnum
+from functools import cached_property
 
 from ..core.nearest import near
 from ..core.registers import Register
@@ -15,12 +16,12 @@ from ..core.socket import Socket
 from .system_options import SystemOptions
 
 
-class Frame(Enum):
+class Frame(IntEnum):
     """Peripheral frames differ in wait states and in the access widths they allow."""
 
-    PF0 = "PF0"  # PIE, CPU timers: 16 and 32 bits
-    PF1 = "PF1"  # GPIO: 16 and 32 bits
-    PF2 = "PF2"  # system control, SCI, I2C, XINT: 16 bits only
+    PF0 = 0  # PIE, CPU timers: 16 and 32 bits
+    PF1 = 1  # GPIO: 16 and 32 bits
+    PF2 = 2  # system control, SCI, I2C, XINT: 16 bits only
 
 
 # A read in here waits for a write in here to complete (PROTSTART, PROTRANGE as the boot ROM leaves them).
@@ -38,7 +39,7 @@ class Place:
     frame: Frame
     socket: Socket
 
-    @property
+    @cached_property
     def protected_block(self) -> bool:
         return self.base in PROTECTED_BLOCK
 
@@ -47,15 +48,9 @@ class WaitStates:
     """Extra cycles of one access, by frame. Wait states are the options' where TI leaves a doubt."""
 
     def __init__(self, options: SystemOptions) -> None:
-        self._read = {Frame.PF0: 1, Frame.PF1: 2, Frame.PF2: options.pf2_read_ws}
-        self._write = {Frame.PF0: 0, Frame.PF1: 0, Frame.PF2: options.pf2_write_ws}
+        self.read = {Frame.PF0: 1, Frame.PF1: 2, Frame.PF2: options.pf2_read_ws}
+        self.write = {Frame.PF0: 0, Frame.PF1: 0, Frame.PF2: options.pf2_write_ws}
         self.pf1_after_pf1 = options.pf1_back_to_back_write
-
-    def read(self, frame: Frame) -> int:
-        return self._read[frame]
-
-    def write(self, frame: Frame) -> int:
-        return self._write[frame]
 
 
 class NoSuchAddress(ValueError):
@@ -106,6 +101,4 @@ class AddressMap:
 def nearest(place: Place, offset: int) -> str:
     """The registers around a hole, with their addresses."""
     by_distance = sorted(place.socket.chip.MAP, key=lambda r: (abs(r.offset - offset), r.offset))[:2]
-    return " and ".join(
-        f"{r.name} {place.base + r.offset:#06x}" for r in sorted(by_distance, key=lambda r: r.offset)
-    )
+    return " and ".join(f"{r.name} {place.base + r.offset:#06x}" for r in sorted(by_distance, key=lambda r: r.offset))

@@ -50,6 +50,7 @@ class Pie:
 
     def __init__(self, options: SystemOptions) -> None:
         self.pulses = 0  # bit x - 1: INTx was pulsed since the owner last set this to 0
+        self.quiet_pins = False
         self.next_wake = NEVER
         self.out = 0
         self.requests = 0

@@ -36,7 +36,7 @@ def _pieier(group: int) -> Register:
 
 def _pieifr(group: int) -> Register:
     bits = tuple(field(f"INTx{y}", f"{y - 1}", doc=f"1: line {y} has asked", tie=Tie.HARDWARE) for y in range(8, 0, -1))
-    return Register(f"PIEIFR{group}", 2 * group + 1, "SPRUFB0D Table 116", bits)
+    return Register(f"PIEIFR{group}", 2 * group + 1, "SPRUFB0D Table 116", bits, read_acts=True)
 
 
 PIEIER: tuple[Register, ...] = tuple(_pieier(group) for group in range(1, GROUPS + 1))

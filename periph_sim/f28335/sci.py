@@ -78,6 +78,7 @@ class Sci:
     def __init__(self, name: str = "SCI-A", options: SciOptions = SciOptions()) -> None:  # noqa: B008 (frozen)
         self.name = name
         self.options = options
+        self.quiet_pins = True
         self.next_wake = NEVER
         self.out = 1
         self.requests = 0

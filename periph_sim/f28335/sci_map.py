@@ -91,6 +91,7 @@ SCI_MAP = RegisterMap(
                 field("SCIFFPE", "14", "R", doc="Parity error of the word at the FIFO's head (FIFO mode)."),
                 field("RXDT", "7:0", "R", doc="The character; reading it takes it."),
             ),
+            read_acts=True,
         ),
         Register(
             "SCITXBUF",

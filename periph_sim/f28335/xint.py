@@ -41,6 +41,7 @@ class Xint:
     LINES = INPUTS
 
     def __init__(self) -> None:
+        self.quiet_pins = False
         self.next_wake = NEVER
         self.out = 0
         self.requests = 0

@@ -54,7 +54,7 @@ class FirmwareError(Exception):
     """Firmware that cannot go on: it raised, or it did what a scene with `strict` does not allow."""
 
 
-@dataclass
+@dataclass(slots=True)
 class Poll:
     """One read made in a pass of a spin: where, what, and when its value was taken."""
 
@@ -65,8 +65,12 @@ class Poll:
     cycle: int
     value: int
 
+    def seen(self) -> tuple[Socket, int, int]:
+        """What to look at, and what it was: socket, offset and the 16 bits there."""
+        return self.place.socket, self.register.offset + self.half, self.value & 0xFFFF
 
-@dataclass
+
+@dataclass(slots=True)
 class Spin:
     """A wait in progress. since: the cycle at which it began. polls: reads of the present pass."""
 
@@ -81,6 +85,28 @@ class Spin:
 
     def waits_for(self) -> str:
         return " and ".join(dict.fromkeys(f"{p.place.name}.{p.register.name}.{p.field or 'all'}" for p in self.polls))
+
+
+class Lease:
+    """As long as nothing that a pass read has changed, every further pass comes out the same."""
+
+    __slots__ = ("_cpu", "_first", "_seen", "sockets")
+
+    def __init__(self, cpu: Cpu, spin: Spin) -> None:
+        self._cpu = cpu
+        self._first = cpu.cycle
+        self._seen = list(dict.fromkeys(p.seen() for p in spin.polls))
+        self.sockets = list(dict.fromkeys(socket for socket, _, _ in self._seen))
+
+    def broken(self, cycle: int) -> bool:
+        return any(socket.peek(cycle, offset) != value for socket, offset, value in self._seen)
+
+    def look(self, cycle: int) -> None:
+        """A module that was read has had an input."""
+        for socket, offset, value in self._seen:
+            if socket.peek(cycle, offset) != value:
+                self._cpu.resume_by(max(cycle, self._first))
+                return
 
 
 class Cpu:
@@ -125,13 +151,14 @@ class Cpu:
         self._options = options
         self._branch = max(0, options.poll_loop_cycles - 1 - options.pf2_read_ws)
         self._skip_polls = skip_polls
-        self._last_protected_write = -NEVER
+        self._free_from = 0  # from this cycle on reads in the protected block need not wait for a write
         self._last_pf1_write = -NEVER
         self._greenlet: greenlet | None = None
         self._hub: greenlet | None = None
         self._wake = 0  # the promise by which this CPU is resumed, 0 when there is none
         self._wake_tick = 0
         self._wake_cycle = 0
+        self._lease = 0  # before this cycle nothing but this CPU can act; 0: not known
         self._interruptible = False  # asleep at an instruction boundary
         self.finished = False
 
@@ -180,6 +207,7 @@ class Cpu:
 
     def _resume(self) -> None:
         self._wake = 0
+        self._lease = 0
         self._hub = getcurrent()
         assert self._greenlet is not None
         self._greenlet.switch()
@@ -193,21 +221,22 @@ class Cpu:
 
     def _go_to(self, cycle: int) -> None:
         """Let time pass to `cycle`, which no interrupt cuts short. The past is where a replay moves: free."""
-        kernel = self._kernel
-        tick = self._clock.tick(cycle)
-        if tick > kernel.now:
-            if tick < kernel.quiet_until():
-                kernel.now = tick
-            else:
+        if cycle >= self._lease:
+            self._lease = self._clock.cycle_at(self._kernel.quiet_until())
+            if cycle >= self._lease and self._clock.tick(cycle) > self._kernel.now:
                 self._wake_at(cycle)
                 self._sleep()
         self.cycle = cycle
 
     def instruction(self, cycles: int) -> None:
         """One instruction, or an inseparable few: interrupts wait for its end."""
-        self._go_to(self.cycle + cycles)
+        cycle = self.cycle + cycles
+        if cycle < self._lease:
+            self.cycle = cycle
+        else:
+            self._go_to(cycle)
         core = self.core
-        if core.ifr or core.next_wake <= self.cycle or core.owes_instruction:
+        if core.ifr or core.next_wake <= cycle or core.owes_instruction:
             self._serve()
 
     def compute(self, cycles: int, name: str = "") -> None:
@@ -257,9 +286,9 @@ class Cpu:
         if self._interruptible:
             due = self.core.next_wake if self.core.idlestat else self.core.earliest()
             if due < NEVER:
-                self._wake_by(max(due, cycle))
+                self.resume_by(max(due, cycle))
 
-    def _wake_by(self, cycle: int) -> None:
+    def resume_by(self, cycle: int) -> None:
         """Be resumed at `cycle`, or sooner if that is settled already."""
         if not self._wake or self._wake_tick > self._clock.tick(cycle):
             if self._wake:
@@ -374,53 +403,71 @@ class Cpu:
         spin = self.spin_now
         if spin is not None and spin.polls:
             self.instruction(cpu_costs.SB_NOT_TAKEN)  # the test of the value before, in the same pass
-        self._wait_for_write(place, spin)
-        at = self.cycle + self._waits.read(place.frame)
-        if spin is not None and at < spin.live_from:
-            value = spin.replay[spin.replayed].value
-            spin.replayed += 1
-            self.cycle = at
-        else:
+        if self.cycle < self._free_from and place.protected_block:
+            self._wait_for_write(spin)
+        at = self.cycle + self._waits.read[place.frame]
+        if spin is None:
             self._go_to(at)
             value = self._fetch(place, register, half)
-        if spin is not None:
+        else:
+            if at < spin.live_from:
+                value = spin.replay[spin.replayed].value
+                spin.replayed += 1
+                self.cycle = at
+            else:
+                self._go_to(at)
+                value = self._fetch(place, register, half)
             spin.polls.append(Poll(place, register, half, field_name, at, value))
-            spin.pure = spin.pure and not register.free_running and register.reads_are_harmless
+            if register.free_running or not register.reads_are_harmless:
+                spin.pure = False
         self.instruction(1)
         return value
 
-    def _wait_for_write(self, place: Place, spin: Spin | None) -> None:
-        stall = self._last_protected_write + 1 + WRITE_TO_READ - self.cycle if place.protected_block else 0
-        if stall > 0:
-            self._go_to(self.cycle + stall)
-            if spin is not None:
-                spin.pure = False
+    def _wait_for_write(self, spin: Spin | None) -> None:
+        """A read in the protected block waits until a write there has completed."""
+        self._go_to(self._free_from)
+        if spin is not None:
+            spin.pure = False
+
+    def _now(self) -> None:
+        """The kernel's time is this CPU's: an access happens. It may promise new events, so the lease ends."""
+        kernel = self._kernel
+        kernel.now = max(kernel.now, self._clock.tick(self.cycle))
+        self._lease = 0
 
     def _fetch(self, place: Place, register: Register, half: int) -> int:
-        socket, offset = place.socket, register.offset + half
-        if self._records_access:
-            outer = self._recorder.cause
-            seen = socket.peek(self.cycle, offset)  # before the read: what it sets off is recorded as caused by it
-            if register.width == 32 and not half:
-                seen |= socket.peek(self.cycle, offset + 1) << 16
-            self._recorder.cause = self._record_access("R", place, register, seen)
-            value = self._fetch_plain(socket, register, offset, half)
-            self._recorder.cause = outer
-            return value
-        return self._fetch_plain(socket, register, offset, half)
-
-    def _fetch_plain(self, socket: Socket, register: Register, offset: int, half: int) -> int:
-        value = socket.read(self.cycle, offset)
-        if register.width == 32 and not half:
-            value |= socket.read(self.cycle, offset + 1) << 16
+        if not self._records_access:
+            return self._fetch_plain(place.socket, register, half)
+        outer = self._recorder.cause
+        seen = self._peek(place.socket, register, half)  # recorded before the read, which causes what it sets off
+        self._recorder.cause = self._record_access("R", place, register, seen)
+        value = self._fetch_plain(place.socket, register, half)
+        self._recorder.cause = outer
         return value
+
+    def _peek(self, socket: Socket, register: Register, half: int) -> int:
+        offset = register.offset + half
+        value = socket.peek(self.cycle, offset)
+        if register.width == 32 and not half:
+            value |= socket.peek(self.cycle, offset + 1) << 16
+        return value
+
+    def _fetch_plain(self, socket: Socket, register: Register, half: int) -> int:
+        cycle, offset = self.cycle, register.offset + half
+        wide = register.width == 32 and not half
+        if register.reads_are_harmless:
+            value = socket.peek(cycle, offset)
+            return value | socket.peek(cycle, offset + 1) << 16 if wide else value
+        self._now()
+        value = socket.read(cycle, offset)
+        return value | socket.read(cycle, offset + 1) << 16 if wide else value
 
     def write(self, place: Place, register: Register, value: int, half: int = 0) -> None:
         """Write a register; costs one cycle and the frame's wait states. Ignored where EALLOW protects it."""
         spin = self.spin_now
         if spin is not None:
             spin.pure = False
-        at = self.cycle + self._waits.write(place.frame)
+        at = self.cycle + self._waits.write[place.frame]
         if place.frame is Frame.PF1:
             if self._last_pf1_write == self.cycle - 1:
                 at += self._waits.pf1_after_pf1
@@ -437,12 +484,13 @@ class Cpu:
         else:
             self._store(place, register, value, half)
         if place.protected_block:
-            self._last_protected_write = at
+            self._free_from = at + 1 + WRITE_TO_READ
         if register is PIEACK:
             self.core.wrote_pieack(at)
         self.instruction(1)
 
     def _store(self, place: Place, register: Register, value: int, half: int) -> None:
+        self._now()
         socket, offset = place.socket, register.offset + half
         socket.write(self.cycle, offset, value & 0xFFFF)
         if register.width == 32 and not half:
@@ -454,8 +502,9 @@ class Cpu:
         f = register[field_name]
         if self.spin_now is not None:
             self.spin_now.pure = False
-        self._wait_for_write(place, None)
-        self._go_to(self.cycle + self._waits.read(place.frame))
+        if self.cycle < self._free_from and place.protected_block:
+            self._wait_for_write(None)
+        self._go_to(self.cycle + self._waits.read[place.frame])
         value = self._fetch(place, register, 0)
         self._go_to(self.cycle + READ_TO_WRITE)
         self.write(place, register, f.put(value, number))
@@ -488,23 +537,20 @@ class Cpu:
 
     def _skip(self, spin: Spin) -> None:
         """Sleep over the passes that must come out as this one did, and set up the replay of the one in progress."""
-        if self.core.earliest() < NEVER or self._changed(spin):
+        if self.core.earliest() < NEVER:
+            return
+        lease = Lease(self, spin)
+        if lease.broken(self.cycle):
             return
         first = self.cycle
         period = first - spin.start
-        sockets = list(dict.fromkeys(p.place.socket for p in spin.polls))
-
-        def look(cycle: int) -> None:
-            if self._changed(spin):
-                self._wake_by(max(cycle, first))
-
-        for socket in sockets:
-            socket.watch(look)
+        for socket in lease.sockets:
+            socket.watch(lease.look)
         self._interruptible = True
         self._sleep()
         self._interruptible = False
-        for socket in sockets:
-            socket.unwatch(look)
+        for socket in lease.sockets:
+            socket.unwatch(lease.look)
         woken = max(first, self._clock.cycle_at(self._kernel.now))
         skipped = (woken - first) // period
         self.polls_skipped += skipped
@@ -512,17 +558,6 @@ class Cpu:
         spin.replay, spin.replayed, spin.live_from = spin.polls, 0, woken
         if self.core.ifr or self.core.next_wake <= self.cycle:  # the end of the branch back is a boundary, too
             self._serve()
-
-    def _changed(self, spin: Spin) -> bool:
-        cycle = self._clock.cycle_at(self._kernel.now)
-        return any(self._peek(p.place.socket, p.register, p.half, cycle) != p.value for p in spin.polls)
-
-    def _peek(self, socket: Socket, register: Register, half: int, cycle: int) -> int:
-        offset = register.offset + half
-        value = socket.peek(cycle, offset)
-        if register.width == 32 and not half:
-            value |= socket.peek(cycle, offset + 1) << 16
-        return value
 
 
 def raised_at(error: Exception) -> str:

@@ -16,8 +16,9 @@ from .cpu import Cpu
 class RegisterPort:
     """One register of one module. Field names read and write; `all` is the whole register."""
 
-    __slots__ = ("_cpu", "_place", "_register")
+    __slots__ = ("_cpu", "_fields", "_place", "_register")
     _cpu: Cpu
+    _fields: dict[str, Field]
     _place: Place
     _register: Register
 
@@ -25,6 +26,7 @@ class RegisterPort:
         object.__setattr__(self, "_cpu", cpu)
         object.__setattr__(self, "_place", place)
         object.__setattr__(self, "_register", register)
+        object.__setattr__(self, "_fields", {f.name: f for f in register.fields})
 
     def __getattr__(self, name: str) -> int:
         if name == "all":
@@ -39,10 +41,11 @@ class RegisterPort:
             self._cpu.modify(self._place, self._register, self._field(name).name, value)
 
     def _field(self, name: str) -> Field:
-        if name not in self._register:
-            hint = near(name, (f.name for f in self._register.fields))
-            raise AttributeError(f"{self._place.name}.{self._register.name} has no field {name!r}; {hint}")
-        return self._register[name]
+        found = self._fields.get(name)
+        if found is None:
+            where = f"{self._place.name}.{self._register.name}"
+            raise AttributeError(f"{where} has no field {name!r}; {near(name, self._fields)}")
+        return found
 
 
 class ModulePort:
@@ -51,8 +54,10 @@ class ModulePort:
     def __init__(self, cpu: Cpu, place: Place) -> None:
         self._name = place.name
         self._ports = {r.name: RegisterPort(cpu, place, r) for r in place.socket.chip.MAP}
+        self.__dict__.update(self._ports)  # plain attributes: no look-up of ours for each access
 
     def __getattr__(self, name: str) -> RegisterPort:
+        """Only for names that are not there."""
         ports: dict[str, RegisterPort] = self.__dict__["_ports"]
         if name not in ports:
             raise AttributeError(f"{self._name} has no register {name!r}; {near(name, ports)}")

@@ -69,19 +69,20 @@ class UartPeer:
             raise ValueError(f"{self.who}: asked to send while a burst is still on the wire")
         start = self._kernel.now
         edges: list[tuple[int, int]] = []
-        at = Fraction(0)
+        parts, pause = gap.denominator, gap.numerator  # a bit has `parts` parts, so that every instant is whole
+        num, den = self._bit.numerator, self._bit.denominator * parts
+        at = 0  # in parts of a bit
         level = 1
         for byte in data:
-            began = start + int(at * self._bit)
+            if self._recorder is not None:
+                self._kernel.at(start + at * num // den, partial(self._mark, byte))
             for bit in self._format.levels(byte):
                 if bit != level:
                     level = bit
-                    edges.append((start + int(at * self._bit), level))
-                at += 1
-            if self._recorder is not None:
-                self._kernel.at(began, partial(self._mark, byte))
-            at += gap
-        self._ends_at = start + int((at - gap) * self._bit)
+                    edges.append((start + at * num // den, level))
+                at += parts
+            at += pause
+        self._ends_at = start + (at - pause) * num // den
         self._done = done
         if not edges:
             done(start)

@@ -13,14 +13,19 @@ def channel_map(capture: Capture, text: str | None) -> dict[str, str]:
     """Line -> channel, the lines being scl and sda, or rx. Without a text, channels that are called so are taken."""
     if text is not None:
         return _given(capture, text)
-    named = {channel.name.lower(): channel.name for channel in capture.channels}
     for lines in (I2C, UART):
-        if all(line in named for line in lines):
-            return {line: named[line] for line in lines}
+        called = {line: [c.name for c in capture.channels if _last_part(c.name) == line] for line in lines}
+        if all(len(names) == 1 for names in called.values()):
+            return {line: names[0] for line, names in called.items()}
     raise BadReplay(
         f"{capture.path}: no channels called scl and sda, or rx; say which they are with --map scl=CHANNEL,sda=CHANNEL "
         f"or --map rx=CHANNEL; it has {listed(capture)}"
     )
+
+
+def _last_part(name: str) -> str:
+    """Of the scopes and name that a VCD gives, the name."""
+    return name.rpartition(".")[2].lower()
 
 
 def _given(capture: Capture, text: str) -> dict[str, str]:

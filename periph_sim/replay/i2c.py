@@ -27,7 +27,7 @@ from ..recording import Subscribe
 from . import BadReplay
 from .as_target import AsTarget, as_target
 from .compare import compare
-from .i2c_script import controllers_half, most_frequent, moves, turns, usual_hold
+from .i2c_script import controllers_half, hurried, most_frequent, moves, turns, usual_hold
 from .report import Report
 from .scenes import alone, settings_of, unit_with
 from .wire_log import WireLog
@@ -42,6 +42,8 @@ HOLD = Fraction(300, 10**9)  # of the other targets: UM10204 Table 11, data hold
 class I2cReplay:
     """One capture on one case. first: only so many transfers. addresses: those that are the firmware's.
 
+    longest_low: seconds that the controller holds SCL low at most; None: as long as SCL was low in the capture.
+
     By default the firmware answers the address that the case sets, else the one the capture asks most often; a
     firmware without a setting `address` answers all. BadCase or BadReplay if it cannot be built; LookupError if
     there is no such channel.
@@ -55,6 +57,7 @@ class I2cReplay:
         sda: str | int,
         addresses: Sequence[int] = (),
         first: int | None = None,
+        longest_low: Fraction | None = None,
         subscribe: Subscribe | None = None,
     ) -> None:
         if capture.rate is None:
@@ -83,6 +86,7 @@ class I2cReplay:
         self._log = WireLog(scene.wire("SCL"), scene.wire("SDA"))
         self._player = I2cPlayer(scene.kernel, scene.wire("SCL"), scene.wire("SDA"))
         self._hold = usual_hold(self._transfers)
+        self._longest_low = None if longest_low is None else longest_low * capture.rate
         self._next = 0
         self._over = False
         self._others()
@@ -101,7 +105,7 @@ class I2cReplay:
             return [own] if isinstance(own, int) else []
         address = most_frequent(self._turns)
         if address is None:
-            raise BadReplay(f"{self._capture.path}: no whole address byte in the capture; nothing to answer")
+            raise BadReplay(f"{self._capture.path}: no whole address byte; the lines may be mapped the wrong way round")
         return [address]
 
     def _as_target(self, address: int) -> dict[str, object]:
@@ -109,10 +113,11 @@ class I2cReplay:
         end = max(last.phases[-1].start.at, 0 if last.stop is None else last.stop.at)
         target = as_target(address, self._turns, end + int(self._rate))
         self._notes += _refusals(target)
-        if not any(turn.address == address and turn.answer.ack for turn in self._turns):
-            self._notes.append(
-                f"address {address:02X} is never acknowledged in the capture: the firmware stays out of reach"
-            )
+        answered = [turn.answer.ack for turn in self._turns if turn.address == address]
+        if not answered:
+            self._notes.append(f"the capture does not ask {address:02X}")
+        elif not any(answered):
+            self._notes.append(f"nobody acknowledges {address:02X} in the capture: the firmware stays out of reach")
         asleep = Fraction(0) if target.asleep is None else target.asleep / self._rate + LEAD
         return {
             "address": address,
@@ -143,9 +148,9 @@ class I2cReplay:
         self._plan()
         stuck = ""
         while not self._over and not stuck:
-            kernel.run_until(kernel.now + patience)
             since = self._player.waiting_since
-            if since != NO_TIME and kernel.now - since >= patience:
+            kernel.run_until((kernel.now if since == NO_TIME else since) + patience)
+            if since != NO_TIME and since == self._player.waiting_since:
                 who = " and ".join(self._scene.wire("SCL").held_by())
                 stuck = f"SCL is held low by {who} since {timebase.show(since - self._origin)}: the replay ends there"
             if progress is not None:
@@ -165,6 +170,8 @@ class I2cReplay:
 
     def _play(self) -> None:
         edges = controllers_half(self._transfers[self._next], self._hold)
+        if self._longest_low is not None:
+            edges = hurried(edges, self._longest_low)
         self._next += 1
         self._player.play(moves(edges, self._per_position), self._plan)
 
@@ -208,20 +215,20 @@ def _before(found: list[decode.Transfer]) -> list[str]:
     pulses = sum(len(transfer.lead) for transfer in found if not transfer.phases)
     if not pulses:
         return []
-    return [f"{pulses} clock pulses before the capture's first START are not played: their transfer is unknown"]
+    return [f"clock pulses before the capture's first START, of a transfer unknown and not played: {pulses}"]
 
 
 def _shared(capture: Capture, scl: str | int, sda: str | int) -> list[str]:
     count = decode.shared_edges(capture, scl, sda)
     if not count:
         return []
-    return [f"{count} samples hold an edge of both lines: SDA is put half a sample off SCL's edge there"]
+    return [f"samples with an edge of both lines, where SDA is put half a sample off SCL's edge: {count}"]
 
 
 def _refusals(target: AsTarget) -> list[str]:
     if not target.refused:
         return []
     return [
-        f"{target.refused} refusals of address {target.address:02X} follow neither a write that a STOP ended nor the "
-        "start: the firmware is not told of them"
+        f"refusals of {target.address:02X} that follow neither a write that a STOP ended nor the start, "
+        f"so that the firmware is not told of them: {target.refused}"
     ]

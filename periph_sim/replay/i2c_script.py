@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from statistics import median
 
@@ -65,6 +65,26 @@ def controllers_half(transfer: Transfer, hold: Fraction) -> list[Edge]:
         else:
             half.cut_off()
     return half.edges
+
+
+def hurried(edges: list[Edge], longest_low: Fraction) -> list[Edge]:
+    """The same, but SCL is let go `longest_low` after it fell at the latest, and all that follows comes earlier.
+
+    What is cut off was the target's stretching, or the controller's own pauses: whoever answers now must stretch.
+    """
+    found: list[Edge] = []
+    cut = Fraction(0)
+    for number, edge in enumerate(edges):
+        at = edge.at - cut
+        if edge.clock and edge.level and number:
+            fall = next((e.at for e in reversed(found) if e.clock and not e.level), at)
+            if at - fall > longest_low:
+                cut += at - fall - longest_low
+                at = fall + longest_low
+                if not found[-1].clock and found[-1].at > fall + longest_low / 2:
+                    found[-1] = replace(found[-1], at=fall + longest_low / 2)
+        found.append(replace(edge, at=at))
+    return found
 
 
 def moves(edges: list[Edge], ticks_per_position: Fraction) -> list[Move]:

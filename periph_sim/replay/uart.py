@@ -181,13 +181,13 @@ class UartReplay:
         notes = self._notes + self._rate_notes(line)
         left = self._left()
         if divergence is not None and divergence.found == NOTHING and len(frames) - outcome.agreed == left:
-            notes.append(f"{left} words are still in the FIFO: the firmware has not asked for them yet")
+            notes.append(f"words still in the FIFO, which the firmware has not asked for yet: {left}")
             divergence = None
         if breaks:
             width = self._rate / Fraction(line.baud)
             longest = max(float((event.end - event.at) / width) for event in breaks)
             notes.append(
-                f"{len(breaks)} times the line was low for a frame or longer, at most {longest:.1f} bits; "
+                f"low for a frame or longer, {longest:.1f} bits at most: {len(breaks)} times; "
                 "the SCI sets BRKDT after ten bits beyond a missing stop bit"
             )
         return Report(

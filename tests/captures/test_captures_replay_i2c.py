@@ -8,12 +8,15 @@ SCL's low phases are the capture's, so whatever the captured target needed the f
 
 from __future__ import annotations
 
+from fractions import Fraction
 from functools import cache
 from pathlib import Path
 
 import pytest
 
 from periph_sim.case.load import load as load_case
+from periph_sim.core.records import Kind, Record, Recorder
+from periph_sim.core.time import Timebase
 from periph_sim.decode import i2c
 from periph_sim.replay.i2c import I2cReplay
 from periph_sim.replay.report import Report
@@ -25,19 +28,43 @@ pytestmark = needs_captures
 
 CASE = Path(__file__).resolve().parents[2] / "timing" / "responder.toml"
 NAMES = decoded("i2c")
-FIRST = {TOO_LARGE: 60}  # transfers played of it, with more than 1400 refused polls among them
+FIRST = {TOO_LARGE: 200}  # transfers of the million edges: 42 busy times of 53 polls each among them
 
-# What no slave of this module can do.
+# What no slave of this module can do: where the wires part first, and why.
 CANNOT = {
-    "i2c_mlx90614_5s": (
-        "address 00 with the write bit is answered with data: the F28335 knows 00 as general call alone, to be written to"
-    ),
+    # The controller sends address 00 with the write bit and the sensor answers with data, so the bytes and their
+    # acknowledges come from the wrong sides. To the F28335 00 is the general call, and it acknowledges all of it.
+    "i2c_mlx90614_5s": (9, "NACK", "ACK"),
 }
 
-# Captures in which the firmware answers nothing, and why.
-NOBODY = {
-    "i2c_mdfu_stretch_csv": "the client refuses each time; its stretch in the ACK slot is played by the controller",
+# The client refuses its address three times, each time after holding SCL low for 4 ms in the ACK slot. No slave of this
+# module can stretch there: the controller plays the low phase, and the firmware stays out of reach.
+NOBODY = "i2c_mdfu_stretch_csv"
+
+# Captures with other devices on the bus than the one that answers most often: those an agent answers for.
+SEVERAL = {
+    "i2c_gigabyte_spd": [0x50, 0x69],
+    "i2c_trekstor_accel_pmic_rtc": [0x15, 0x34, 0x51],
 }
+
+# Captures that begin within a transfer: clock pulses before the first START, not played.
+BEGINS_WITHIN = {
+    "i2c_24aa025uid_trigger_sda_low": 28,
+    "i2c_24lc02b_powerup": 1,  # power-up
+    "i2c_at24c16c_powerup": 1,  # power-up
+    "i2c_atsha204a": 10,
+    "i2c_ds1307_200khz": 82,
+    "i2c_edid_le46b620r3p": 19,
+    "i2c_sla24c02_powerup": 2,  # power-up
+}
+
+STYLES = {
+    "polled": (),
+    "polled, FIFO": ("unit.dsp.settings.fifo=true",),
+    "interrupts": ("unit.dsp.settings.style=interrupt",),
+    "interrupts, FIFO": ("unit.dsp.settings.style=interrupt", "unit.dsp.settings.fifo=true"),
+}
+REPLAYED = [name for name in NAMES if name not in CANNOT]
 
 
 def lines(name: str) -> tuple[str, str]:
@@ -46,9 +73,14 @@ def lines(name: str) -> tuple[str, str]:
 
 
 @cache
-def replayed(name: str) -> Report:
+def run(name: str, style: str, address: int | None) -> Report:
     scl, sda = lines(name)
-    return I2cReplay(load_case(CASE), load(name), scl, sda, first=FIRST.get(name)).run()
+    own = [] if address is None else [address]
+    return I2cReplay(load_case(CASE, list(STYLES[style])), load(name), scl, sda, own, FIRST.get(name)).run()
+
+
+def replayed(name: str, style: str = "polled", address: int | None = None) -> Report:
+    return run(name, style, address)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -61,16 +93,75 @@ def test_both_halves_of_the_capture_put_together_are_the_capture(name: str):
     assert outcome.lag < 1e-9, "less than a tick of the wires"
 
 
-@pytest.mark.parametrize("name", [name for name in NAMES if name not in CANNOT])
-def test_the_firmwares_slave_answers_as_the_captured_target_did(name: str):
-    report = replayed(name)
-    assert report.first_divergence is None, report
+@pytest.mark.parametrize(
+    ("name", "style"),
+    [(name, style) for name in REPLAYED for style in STYLES if name not in FIRST or style == "polled"],
+)
+def test_the_firmwares_slave_answers_as_the_captured_target_did(name: str, style: str):
+    report = replayed(name, style)
+    assert report.first_divergence is None
     assert report.verdict == "pass" and report.events == report.agreed > 0
+    assert report.stretch_total_us == 0 and report.lag_worst_us < 1e-3, "the captured low phases are time enough"
 
 
-@pytest.mark.parametrize("name", [name for name in NAMES if name not in CANNOT and name not in FIRST])
+@pytest.mark.parametrize("name", [name for name in REPLAYED if name not in FIRST])
 def test_bytes_and_nacks_are_as_many_as_the_oracle_lists(name: str):
     texts = [said.text for said in oracle(name, "i2c")]
     report = replayed(name)
     assert report.bytes == sum(text.startswith(("Address", "Data")) for text in texts)
     assert report.nacks == texts.count("NACK")
+
+
+@pytest.mark.parametrize("name", [name for name in REPLAYED if name not in FIRST])
+def test_the_firmware_reads_from_i2cdrr_what_was_written_to_its_address(name: str):
+    scl, sda = lines(name)
+    capture = load(name)
+    taken: list[int] = []
+
+    def collect(record: Record) -> None:
+        if record.what == "R I2C-A.I2CDRR":
+            taken.append(record.value)
+
+    def listen(recorder: Recorder, timebase: Timebase) -> None:
+        recorder.subscribe([Kind.ACCESS], collect)
+
+    report = I2cReplay(load_case(CASE), capture, scl, sda, subscribe=listen).run()
+    own = int(report.addresses[0], 16)
+    phases = [phase for transfer in i2c.transfers(capture, scl, sda) for phase in transfer.phases]
+    written = [byte for p in phases if p.address == own and not p.read and p.bytes[0].acked for byte in p.data]
+    assert taken == written
+
+
+@pytest.mark.parametrize("name", CANNOT)
+def test_what_the_slave_cannot_do_is_where_the_wires_part(name: str):
+    report = replayed(name)
+    first = report.first_divergence
+    assert report.verdict == "fail" and first is not None
+    assert (first.index, first.expected, first.found) == CANNOT[name]
+
+
+@pytest.mark.parametrize(("name", "address"), [(name, address) for name, of in SEVERAL.items() for address in of])
+def test_any_device_of_a_bus_of_several_can_be_the_firmwares(name: str, address: int):
+    report = replayed(name, address=address)
+    assert report.verdict == "pass" and report.addresses == [f"{address:02X}"]
+    others = ", ".join(f"{other:02X}" for other in SEVERAL[name] if other != address)
+    assert f"an agent answers for {others}, as captured" in report.notes
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_what_is_not_played_or_not_answered_by_the_firmware_is_told(name: str):
+    notes = replayed(name).notes
+    within = [note for note in notes if "before the capture's first START" in note]
+    assert [note.rpartition(" ")[2] for note in within] == ([str(BEGINS_WITHIN[name])] if name in BEGINS_WITHIN else [])
+    assert any("stays out of reach" in note for note in notes) == (name == NOBODY)
+    assert any("an agent answers" in note for note in notes) == (name in SEVERAL)
+    assert not any("is not told of them" in note for note in notes), "every refusal can be imitated"
+
+
+def test_a_controller_in_a_hurry_leaves_the_pauses_to_the_firmware():
+    """The sensor's controller holds SCL low for up to 60 us; at 5 us the firmware still answers the same bytes."""
+    scl, sda = lines("i2c_sht21_nohold")
+    low = Fraction(5, 10**6)
+    report = I2cReplay(load_case(CASE), load("i2c_sht21_nohold"), scl, sda, longest_low=low).run()
+    assert report.verdict == "pass" and report.agreed == replayed("i2c_sht21_nohold").agreed
+    assert report.lag_worst_us > 100

@@ -132,6 +132,7 @@ class Target:
         self.free = free
         self.also = set(also)
         self.absent = absent
+        self.later: dict[int, int] = {}  # from this byte on (0 is the address byte) data have so many bits
         self.got: list[int] = []
         self.answers: list[int] = []  # of the master, to bytes given: 0 acknowledges
         self.out = FREE
@@ -193,6 +194,7 @@ class Target:
             return
         if self._bit == self._size() + 1:
             self._byte, self._bit, self._value = self._byte + 1, 0, 0
+            self.bits = self.later.get(self._byte, self.bits)
             self._role = self._next
         level = 1
         if self._bit == self._size() and self._role != "t":
@@ -445,7 +447,7 @@ class Bus:
     def run(self, cycles: int) -> None:
         self.run_until(self.now + cycles)
 
-    def until(self, done: Callable[[], object], cycles: int = 100 * SLOT) -> int:
+    def until(self, done: Callable[[], object], cycles: int = 400 * SLOT) -> int:
         """The cycle at which `done` holds, looked at after every event; AssertionError if it takes longer."""
         limit = self.now + cycles
         while not done():
@@ -619,13 +621,13 @@ class Bench(Bus):
 
     # what firmware does
 
-    def feed(self, data: Iterable[int], chip: I2c | None = None, cycles: int = 100 * SLOT) -> None:
+    def feed(self, data: Iterable[int], chip: I2c | None = None, cycles: int = 400 * SLOT) -> None:
         """Writes each byte to I2CDXR as soon as XRDY is 1."""
         for byte in data:
             self.until(lambda: self.flag("XRDY", chip), cycles)
             self.w("I2CDXR", byte, chip)
 
-    def drain(self, count: int, chip: I2c | None = None, cycles: int = 100 * SLOT) -> list[int]:
+    def drain(self, count: int, chip: I2c | None = None, cycles: int = 400 * SLOT) -> list[int]:
         """Reads I2CDRR each time RRDY is 1."""
         got = []
         for _ in range(count):
@@ -640,7 +642,7 @@ class Bench(Bus):
         self.mode(f"MST TRX STT {extra}", bc)
         self.feed(data)
 
-    def stopped(self, cycles: int = 100 * SLOT) -> int:
+    def stopped(self, cycles: int = 400 * SLOT) -> int:
         """Runs until the module has sent its STOP and the bus is free; the cycle."""
         return self.until(lambda: self.level == [1, 1] and not self.flag("BB") and not self.flag("STP"), cycles)
 
@@ -660,9 +662,9 @@ class Bench(Bus):
 
     def held(self, cycles: int = 4 * SLOT) -> bool:
         """SCL is low now and stays so for the given time."""
-        before = len(self.edges)
+        before = len(self.times(SCL, 1))
         self.run(cycles)
-        return self.level[SCL] == 0 and len(self.edges) == before
+        return self.level[SCL] == 0 and len(self.times(SCL, 1)) == before
 
     def quiet(self, cycles: int = 20 * SLOT) -> bool:
         """No wire moves for the given time."""

@@ -18,10 +18,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from periph_sim.f28335.i2c import I2c
-
 from periph_sim.core.chip import NEVER
 from periph_sim.core.options import Value, options_from
+from periph_sim.f28335.i2c import I2c
 from periph_sim.f28335.i2c_options import I2cOptions
 
 # Table 4: register offsets.
@@ -326,9 +325,16 @@ class Rig:
         raise ValueError(f"no signal {signal}")
 
 
-def addressed(read: int = 0, *, mode: int = 0, **options: Value) -> Rig:
-    """A rig whose chip has just been addressed by its own address: fall 9 of the address byte."""
+def addressed(read: int = 0, *, mode: int = 0, first: int | None = None, **options: Value) -> Rig:
+    """A rig whose chip has just been addressed by its own address: fall 9 of the address byte.
+
+    first: written to I2CDXR in the first half of the acknowledge slot, so that there is no underflow.
+    """
     rig = Rig(**options)
     rig.begin(mode)
-    assert rig.address(OWN, read)
+    rig.start()
+    rig.send_bits(OWN << 1 | read)
+    if first is not None:
+        rig.write("I2CDXR", first)
+    assert rig.acked()
     return rig

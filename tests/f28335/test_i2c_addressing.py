@@ -252,6 +252,21 @@ def test_10_bit_read_without_the_full_address_before_is_not_answered():
     assert rig.str(AAS | SDIR) == 0
 
 
+@pytest.mark.rule("I2C-086")
+@pytest.mark.parametrize("foreign", [[HEAD ^ 2], [HEAD, TEN & 0xFF ^ 1]])
+def test_10_bit_read_after_another_slave_was_addressed_is_not_answered(foreign):
+    rig = ten_bit()
+    rig.start()
+    assert rig.send(HEAD)
+    assert rig.send(TEN & 0xFF)
+    rig.restart()
+    for byte in foreign:
+        rig.send(byte)
+    rig.restart()
+    assert not rig.send(HEAD | 1)
+    assert rig.flag(SDIR) == 0
+
+
 @pytest.mark.rule("I2C-087")
 def test_a_10_bit_slave_does_not_answer_by_seven_bits():
     rig = Rig()

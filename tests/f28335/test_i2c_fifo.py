@@ -340,3 +340,26 @@ def test_irs_is_not_needed_to_reset_the_fifos():
     rig.write("I2CMDR", IRS)
     assert count(rig, "TX") == 0
     assert rig.peek("I2CFFTX") & FFINT
+
+
+@pytest.mark.rule("I2C-294", "I2C-335")
+@pytest.mark.parametrize("mode", ["level", "edge"])
+def test_after_xrs_the_transmit_flag_comes_anew(mode):
+    rig = fifos(fifo_int_mode=mode)
+    rig.wait(SOON)
+    assert raised(rig, "TX")
+    rig.chip.reset(rig.now)
+    rig.chip.gate(rig.now, True)
+    rig.begin()
+    rig.write("I2CFFTX", FFEN | FFRST)
+    assert raised(rig, "TX")
+
+
+@pytest.mark.rule("I2C-292")
+def test_a_17th_byte_for_the_transmit_fifo_is_lost_and_told():
+    rig = fifos()
+    for n in range(17):
+        rig.write("I2CDXR", n)
+    assert count(rig, "TX") == 16
+    assert [note.code for note in rig.chip.notes] == ["lost"]
+    assert read_out(rig, 16) == list(range(16))

@@ -50,7 +50,7 @@ def test_the_first_byte_has_bc_bits_too(bc: int):
 @rule("I2C-317", "I2C-319", "I2C-054", "I2C-316")
 @pytest.mark.parametrize("own", [0x00, 0x50])
 def test_a_slave_with_trx_0_takes_every_transfer_whatever_its_address(own: int):
-    foreign = Foreign("S 77 12 P")
+    foreign = Foreign("S 77 12 P", at=2000)
     b = Bench(foreign)
     b.w("I2COAR", own)
     b.mode("FDF")

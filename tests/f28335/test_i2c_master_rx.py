@@ -110,8 +110,7 @@ def test_a_change_of_bc_within_a_received_byte_acts_on_the_next():
     b.mode("MST STT STP")
     b.edge(SCL, 0, 10 + 4)
     b.w("I2CMDR", b.peek("I2CMDR") | 5)
-    b.until(lambda: target.answers)
-    target.bits = 5
+    target.later = {2: 5}
     first, second = b.drain(2)
     b.stopped()
     assert (first, second & 31) == (0xA5, 0x16)

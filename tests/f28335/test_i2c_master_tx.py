@@ -67,10 +67,9 @@ def test_a_change_of_bc_within_a_byte_acts_on_the_next_byte():
     target = Target()
     b = Bench(target)
     b.send([0xA5], extra="STP", count=2)
-    b.edge(SCL, 0, 4)
+    b.edge(SCL, 0, 10 + 4)
     b.w("I2CMDR", b.peek("I2CMDR") | 5)
-    b.until(lambda: target.got)
-    target.bits = 5
+    target.later = {2: 5}
     b.feed([0xF6])
     b.stopped()
     assert target.got == [0xA5, 0x16]

@@ -374,7 +374,8 @@ def test_open_sda_setup_before_scl_release(setup: int):
     b.run(5 * SLOT)
     write = b.now
     b.w("I2CDXR", 0x12)
-    assert b.edge(SCL, 1) - write in range(setup * TMOD, setup * TMOD + TMOD)
+    b.run((setup + 1) * TMOD)
+    assert b.times(SCL, 1, write)[0] - write in range(setup * TMOD, setup * TMOD + TMOD)
     assert b.times(SDA, 0)[-1] <= write + 1
     assert "sda_setup_before_scl_release" in b.m.touched
 

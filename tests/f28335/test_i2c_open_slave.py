@@ -52,9 +52,10 @@ def idle(mode: int = 0, **options) -> Rig:
 
 def served(count: int, **options) -> Rig:
     """The master has read `count` bytes 0x11, 0x12, ..., each written when wanted; the last got its NACK."""
-    rig = addressed(read=1, **options)
+    rig = addressed(read=1, first=0x11, **options)
     for n in range(count):
-        rig.write("I2CDXR", 0x11 + n)
+        if n:
+            rig.write("I2CDXR", 0x11 + n)
         assert rig.take(ack=n + 1 < count) == 0x11 + n
     return rig
 
@@ -94,6 +95,11 @@ def test_open_bcm_reset(bcm):
     rig.wait(SOON)
     assert rig.peek("I2CISRC") == 5 * bcm
     assert "bcm_reset" in rig.chip.touched
+    written = Rig(bcm_reset=bcm)
+    written.write("I2CEMDR", 1)
+    written.begin()
+    assert written.address(OWN, 1)
+    assert "bcm_reset" not in written.chip.touched
 
 
 @pytest.mark.rule("I2C-113", "I2C-195", "I2C-216")
@@ -162,6 +168,27 @@ def test_open_dxr_to_xsr_copy_point_while_receiving(point):
     assert rig.flag(XRDY) == (before or point == "any_ack_fall9")
 
 
+@pytest.mark.rule("I2C-118")
+@pytest.mark.parametrize("point", COPY_POINTS)
+def test_open_dxr_to_xsr_copy_point_between_data_bytes(point):
+    """0x22 waits in I2CDXR while 0x11 is on the bus: at which edge XRDY says that it moved on."""
+    rig = addressed(read=1, first=0x11, dxr_to_xsr_copy_point=point, xrdy_rise_point="at_copy", mode=TRX)
+    if not rig.flag(XRDY):
+        rig.wait(100)
+    rig.write("I2CDXR", 0x22)
+    rig.take_bits(7)
+    assert rig.flag(XRDY) == 0
+    rig.clock(1)
+    edges = {"fall8": rig.flag(XRDY)}
+    rig.rise(0)
+    edges["rise9"] = rig.flag(XRDY)
+    rig.fall()
+    edges["fall9"] = rig.flag(XRDY)
+    moved = "fall8" if point.startswith("eager") else "rise9" if point == "ack_rise9" else "fall9"
+    assert next(edge for edge, xrdy in edges.items() if xrdy) == moved
+    assert rig.take(ack=False) == 0x22
+
+
 @pytest.mark.rule("I2C-116", "I2C-118")
 @pytest.mark.parametrize("point", ["fall9", "at_copy"])
 def test_open_xrdy_rise_point(point):
@@ -200,8 +227,7 @@ def test_open_xrdyint_when_idle(when):
 @pytest.mark.rule("I2C-108", "I2C-110")
 @pytest.mark.parametrize("policy", ["stretch", "resend_previous", "send_ones"])
 def test_open_tx_underflow_policy(policy):
-    rig = addressed(read=1, tx_underflow_policy=policy)
-    rig.write("I2CDXR", 0x5A)
+    rig = addressed(read=1, first=0x5A, tx_underflow_policy=policy)
     assert rig.take() == 0x5A
     rig.wait(BIT)
     assert rig.stretching == (policy == "stretch")
@@ -253,6 +279,7 @@ def test_open_stale_byte_next_read(fate):
     rig.address(OWN, 1)
     rig.wait(BIT)
     assert rig.stretching == (fate == "discarded")
+    assert rig.flag(XRDY)
     rig.write("I2CDXR", 0x33)
     assert rig.take(ack=False) == (0x22 if fate == "sent_first" else 0x33)
     assert "stale_byte_next_read" in rig.chip.touched
@@ -342,13 +369,14 @@ def test_open_sda_setup_before_scl_release(clocks):
 
 @pytest.mark.rule("I2C-198", "I2C-199")
 @pytest.mark.parametrize("clear", ["any_start_or_stop", "until_next_address"])
-def test_open_sdir_clear(clear):
+@pytest.mark.parametrize("address", [OWN, OTHER])
+def test_open_sdir_clear(clear, address):
     rig = served(1, sdir_clear=clear)
     rig.stop()
     assert rig.flag(SDIR) == (clear == "until_next_address")
     rig.start()
     assert rig.flag(SDIR) == (clear == "until_next_address")
-    rig.send(OWN << 1)
+    rig.send(address << 1)
     assert rig.flag(SDIR) == 0
     assert "sdir_clear" in rig.chip.touched
 
@@ -356,16 +384,25 @@ def test_open_sdir_clear(clear):
 @pytest.mark.rule("I2C-128")
 @pytest.mark.parametrize("effect", ["no_effect", "counts_bytes"])
 def test_open_cnt_in_slave_tx(effect):
-    """I2CCNT = 2, the master reads 3 bytes."""
+    """I2CCNT = 2, the master reads 3 bytes, twice."""
     rig = Rig(cnt_in_slave_tx=effect)
     rig.write("I2CCNT", 2)
     rig.begin()
-    rig.address(OWN, 1)
-    got = []
-    for byte in (0x11, 0x22, 0x33):
-        rig.write("I2CDXR", byte)
-        got.append(rig.take(ack=byte != 0x33))
-    assert got == [0x11, 0x22, 0x33 if effect == "no_effect" else 0xFF]
+    for _ in range(2):
+        rig.start()
+        rig.send_bits(OWN << 1 | 1)
+        got = []
+        for byte in (0x11, 0x22, 0x33):
+            if rig.flag(XRDY):
+                rig.write("I2CDXR", byte)
+            if byte == 0x11:
+                rig.acked()
+            got.append(rig.take(ack=byte != 0x33))
+        rig.stop()
+        assert got[:2] == [0x11, 0x22]
+        assert got[2] == (0x33 if effect == "no_effect" else 0xFF)
+        rig.write("I2CMDR", 0)
+        rig.write("I2CMDR", IRS)
     assert rig.read("I2CCNT") == 2
     assert "cnt_in_slave_tx" in rig.chip.touched
 
@@ -388,7 +425,7 @@ def test_open_irs_write1_releases_bus(releases):
 @pytest.mark.parametrize("point", ["fall8", "rise9", "fall9"])
 def test_open_rrdy_point(point):
     rig = addressed(rrdy_point=point)
-    rig.send_bits(0x5A, 7)
+    rig.send_bits(0x5A >> 1, 7)
     places = ["rise8", "fall8", "rise9", "fall9"]
     shown = []
     rig.rise(0)
@@ -454,8 +491,8 @@ def test_open_bc_less_than_8_upper_bits(upper):
 def test_open_nackmod_on_address(scope):
     rig = idle(NACKMOD, nackmod_on_address=scope)
     assert rig.address() == (scope == "data_only")
-    if scope == "data_only":
-        assert not rig.send(0x11)
+    assert not rig.send(0x11)
+    assert rig.flag(RRDY) == (scope == "data_only")
     assert rig.flag(NACKSNT)
     assert "nackmod_on_address" in rig.chip.touched
 
@@ -615,7 +652,7 @@ def test_open_int_line(line):
     rig.stop()
     rig.wait(SOON)
     assert rig.chip.held == (INT1 if line == "level" else 0)
-    assert rig.asked() == (0 if line == "level" else INT1)
+    assert rig.asked() == INT1
     rig.read("I2CISRC")
     rig.wait(SOON)
     assert rig.chip.held == 0
@@ -741,37 +778,56 @@ def test_open_clock_gate_access(what):
 @pytest.mark.rule("I2C-324")
 @pytest.mark.parametrize("unit", ["byte", "whole_transfer"])
 def test_open_free_slave_unit(unit):
-    """A breakpoint in the first data byte of three."""
+    """A breakpoint in the first of two data bytes; after the second, STOP. The halted slave holds SCL, then goes on."""
     rig = addressed(free_slave_unit=unit, rx_overrun_policy="overwrite")
     rig.send_bits(0x1, 4)
     rig.chip.suspend(rig.now, True)
     rig.send_bits(0x1, 4)
     assert rig.acked()
     assert rig.peek("I2CDRR") == 0x11
-    rig.pull(scl=0)
     rig.wait(BIT)
+    assert rig.stretching == (unit == "byte")
+    if unit == "byte":
+        rig.chip.suspend(rig.now, False)
+    assert rig.send(0x22)
+    rig.stop()
+    assert rig.flag(BB) == 0
+    rig.start()
+    assert rig.stretching == (unit == "whole_transfer")
+    rig.chip.suspend(rig.now, False)
+    assert rig.send(OWN << 1)
     assert "free_slave_unit" in rig.chip.touched
-    if unit == "whole_transfer":
-        assert rig.send(0x22)
-        assert rig.flag(RSFULL)
-        rig.stop()
-        assert not rig.address()
-    else:
-        rig.send_bits(0x22)
-        assert rig.flag(RSFULL) == 0
 
 
-@pytest.mark.rule("I2C-293", "I2C-295")
+@pytest.mark.rule("I2C-293", "I2C-295", "I2C-300", "I2C-303")
 @pytest.mark.parametrize("mode", ["level", "edge"])
 def test_open_fifo_int_mode(mode):
-    """TXFFINT is cleared while TXFFST = 0."""
+    """Both flags are cleared while TXFFST = 0 and RXFFST = 1 still meet their levels; then the module is reset."""
     rig = Rig(fifo_int_mode=mode)
     rig.write("I2CFFTX", FFEN | FFRST)
+    rig.write("I2CFFRX", FFRST | 1)
     rig.begin()
-    rig.wait(SOON)
-    rig.write("I2CFFTX", FFEN | FFRST | FFINTCLR)
-    rig.wait(SOON)
-    assert rig.peek("I2CFFTX") >> 7 & 1 == (mode == "level")
+    rig.address()
+    rig.send(0x11)
+
+    def flags() -> list[int]:
+        rig.wait(SOON)
+        return [rig.peek(name) >> 7 & 1 for name in ("I2CFFTX", "I2CFFRX")]
+
+    def clear() -> None:
+        rig.write("I2CFFTX", FFEN | FFRST | FFINTCLR)
+        rig.write("I2CFFRX", FFRST | FFINTCLR | 1)
+
+    assert flags() == [1, 1]
+    clear()
+    assert flags() == ([1, 1] if mode == "level" else [0, 0])
+    rig.send(0x22)
+    assert flags() == ([1, 1] if mode == "level" else [0, 0])
+    rig.write("I2CMDR", 0)
+    clear()
+    assert flags() == [0, 0]
+    rig.write("I2CMDR", IRS)
+    assert flags() == [1, 1]
     assert "fifo_int_mode" in rig.chip.touched
 
 
@@ -799,7 +855,7 @@ def test_open_fifo_17th_byte(policy):
 @pytest.mark.rule("I2C-290")
 @pytest.mark.parametrize("flushes", [False, True])
 def test_open_txfifo_reset_flushes_xsr(flushes):
-    """The pointer byte's ACK moved 0x11 to I2CXSR; then the FIFO is reset and gets 0x22."""
+    """The pointer byte's ACK moved 0x11 to I2CXSR; then the FIFO is reset and the master reads."""
     rig = Rig(txfifo_reset_flushes_xsr=flushes)
     rig.write("I2CFFTX", FFEN | FFRST)
     rig.write("I2CFFRX", FFRST)
@@ -807,14 +863,17 @@ def test_open_txfifo_reset_flushes_xsr(flushes):
     rig.address()
     rig.write("I2CDXR", 0x11)
     rig.send(0x00)
+    assert rig.peek("I2CFFTX") >> 8 & 31 == 0
     rig.write("I2CFFTX", FFEN)
     rig.write("I2CFFTX", FFEN | FFRST)
-    rig.write("I2CDXR", 0x22)
     rig.restart()
     rig.send(OWN << 1 | 1)
-    first = rig.take(ack=False)
+    rig.wait(BIT)
+    assert rig.stretching == flushes
+    if flushes:
+        rig.write("I2CDXR", 0x22)
+    assert rig.take(ack=False) == (0x22 if flushes else 0x11)
     assert "txfifo_reset_flushes_xsr" in rig.chip.touched
-    assert first == 0x22, "the read's ACK loads I2CXSR anew either way"
 
 
 @pytest.mark.rule("I2C-287", "I2C-292", "I2C-299")
@@ -837,6 +896,19 @@ def test_open_fifo_extra_stage(stage):
     assert rig.stretching
     assert [rig.read("I2CDRR") for _ in range(16 + extra)] == list(range(16 + extra))
     assert "fifo_extra_stage" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-292")
+@pytest.mark.parametrize("stage", ["no", "dxr_drr_behind"])
+def test_open_fifo_extra_stage_keeps_the_order(stage):
+    extra = int(stage == "dxr_drr_behind")
+    rig = Rig(fifo_extra_stage=stage)
+    rig.write("I2CFFTX", FFEN | FFRST)
+    rig.begin()
+    for n in range(16 + extra):
+        rig.write("I2CDXR", 0x20 + n)
+    rig.address(OWN, 1)
+    assert [rig.take(ack=n < 15 + extra) for n in range(16 + extra)] == [0x20 + n for n in range(16 + extra)]
 
 
 @pytest.mark.rule("I2C-333", "I2C-329")

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from periph_sim.f28335.i2c import I2c
 
+from periph_sim.f28335.i2c import I2c
 from periph_sim.f28335.i2c_map import I2C_MAP
 
 from .i2c_rig import (
@@ -299,9 +299,3 @@ def test_xrs_brings_every_register_back_and_holds_the_module_in_reset():
 def test_names_of_pins_and_lines():
     assert I2c.INPUTS == I2c.OUTPUTS == ("SCL", "SDA")
     assert I2c.LINES == ("I2CINT1A", "I2CINT2A")
-
-
-def test_a_wrong_pin_or_offset_is_refused():
-    rig = Rig()
-    with pytest.raises(ValueError):
-        rig.chip.pin(0, 2, 1)

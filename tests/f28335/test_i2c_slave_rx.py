@@ -120,19 +120,6 @@ def test_rsfull_comes_with_the_second_unread_byte_and_not_before():
     assert rig.flag(RSFULL)
 
 
-@pytest.mark.rule("I2C-101", "I2C-240", "I2C-241")
-def test_clearing_rrdy_by_hand_is_not_reading_the_byte():
-    """The byte is still unread as far as I2CRSR is concerned: a further one waits behind it."""
-    rig = addressed()
-    rig.send(0x11)
-    rig.write("I2CSTR", RRDY)
-    assert rig.flag(RRDY) == 0
-    rig.send(0x22)
-    assert rig.flag(RSFULL)
-    assert rig.read("I2CDRR") == 0x11
-    assert rig.read("I2CDRR") == 0x22
-
-
 @pytest.mark.rule("I2C-103")
 def test_overwrite_the_newest_byte_stays_in_rsr_and_the_oldest_in_drr():
     rig = addressed(rx_overrun_policy="overwrite")
@@ -263,6 +250,23 @@ def test_short_data_bytes_are_right_justified(bc):
         assert rig.send(value, bc)
         assert rig.flag(RRDY)
         assert rig.read("I2CDRR") & mask == value
+
+
+@pytest.mark.rule("I2C-068")
+@pytest.mark.parametrize("bc", [1, 4, 7])
+@pytest.mark.parametrize("repeated", [False, True])
+def test_an_address_after_short_data_bytes_has_eight_bits_again(bc, repeated):
+    rig = addressed(mode=bc)
+    assert rig.send(0, bc)
+    rig.read("I2CDRR")
+    if repeated:
+        rig.restart()
+    else:
+        rig.stop()
+        rig.start()
+    assert rig.send(OWN << 1)
+    assert rig.send(1, bc)
+    assert rig.read("I2CDRR") & (1 << bc) - 1 == 1
 
 
 @pytest.mark.rule("I2C-066")

@@ -28,6 +28,8 @@ from .i2c_rig import (
     addressed,
 )
 
+SOON = 20  # cycles in which a request must have come
+
 
 def reading(bcm: int = 1, **options) -> Rig:
     """XRDY interrupt on; the master has sent START and the seven bits of the own address, and stands at fall 7."""
@@ -98,6 +100,43 @@ def test_bcm_0_requests_equal_bytes_sent():
     assert rig.peek("I2CISRC") == 0
     assert rig.str(XRDY | XSMT) == XRDY | XSMT
     assert requests == 3
+
+
+@pytest.mark.rule("I2C-124", "I2C-125")
+def test_bcm_0_a_byte_written_ahead_waits_for_its_turn():
+    rig = reading(bcm=0)
+    rig.clock(1)
+    rig.acked()
+    rig.supply(0x11)
+    rig.take_bits(3)
+    rig.write("I2CDXR", 0x22)
+    rig.wait(100)
+    assert rig.flag(XRDY) == 0
+    assert rig.take_bits(5) == 0x11
+    rig.clock(0)
+    assert rig.take(ack=False) == 0x22
+
+
+@pytest.mark.rule("I2C-112")
+@pytest.mark.parametrize("repeated", [False, True])
+def test_a_transfer_that_was_broken_off_asks_for_no_more_data(repeated):
+    """START or STOP in mid-byte, while the chip leaves SDA released."""
+    rig = reading(xrdyint_when_idle="only_addressed")
+    rig.clock(1)
+    rig.write("I2CDXR", 0xFF)
+    rig.acked()
+    rig.take_bits(2)
+    if repeated:
+        rig.restart()
+        rig.send(OTHER << 1)
+    rig.stop()
+    rig.write("I2CIER", 0)
+    rig.wait(SOON)
+    rig.read("I2CISRC")
+    rig.write("I2CIER", IE_XRDY)
+    rig.wait(SOON)
+    assert rig.flag(XRDY)
+    assert rig.peek("I2CISRC") == 0
 
 
 @pytest.mark.rule("I2C-119", "I2C-120", "I2C-121")
@@ -253,8 +292,7 @@ def test_an_empty_dxr_holds_scl_after_the_byte_until_it_is_written():
 @pytest.mark.rule("I2C-110")
 @pytest.mark.parametrize("previous", [0x11, 0xF0])
 def test_resend_previous_sends_the_last_byte_again(previous):
-    rig = addressed(read=1, tx_underflow_policy="resend_previous")
-    rig.write("I2CDXR", previous)
+    rig = addressed(read=1, first=previous, tx_underflow_policy="resend_previous")
     assert rig.take() == previous
     assert not rig.stretching
     assert rig.flag(XSMT) == 0

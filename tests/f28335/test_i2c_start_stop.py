@@ -106,6 +106,7 @@ def test_with_stp_a_stop_follows_the_last_counted_byte(count: int):
     b = Bench(Target())
     data = list(range(1, count + 1))
     b.send(data)
+    b.run(SLOT)
     assert b.flags("STP MST BB SCD") == "STP MST BB"
     rise = b.stopped()
     assert b.said() == " ".join(["S 50W A", *(f"{d:02x} A" for d in data), "P"])

@@ -22,6 +22,7 @@ class FlagChip:
         self.changes = sorted(changes)
         self.status = 0
         self.count = 0
+        self.quiet_pins = False
         self.out = self.requests = self.held = 0
         self.notes: list[Note] = []
         self.touched: set[str] = set()

@@ -32,7 +32,7 @@ class Line:
 
     def send(self, data: bytes, gap: Fraction = NONE) -> list[tuple[int, int]]:
         self.peer.send(data, gap, self.over.append)
-        self.kernel.run_until(self.kernel.now + 10_000_000)
+        self.kernel.run_until(self.kernel.now + 30_000_000)
         return self.edges
 
 

@@ -34,12 +34,6 @@ class Bus:
         if answers is not None:
             I2cTarget(self.kernel, self.scl, self.sda, answers, hold)
 
-    def pull(self, wire: Wire, begin: int, end: int) -> None:
-        """Somebody holds a line low for a while."""
-        pin = wire.attach("somebody")
-        self.kernel.at(begin, lambda: pin.drive(0))
-        self.kernel.at(end, lambda: pin.drive(1))
-
     def events(self) -> list[i2c.Event]:
         return i2c.events(self.log.capture(self.timebase, self.kernel.now))
 

@@ -17,6 +17,8 @@ PLAIN = of_bytes(b"\x03", ("D0", "D1"))
 def test_channels_called_as_the_lines_need_no_map():
     assert channel_map(I2C, None) == {"scl": "SCL", "sda": "SDA"}
     assert channel_map(of_bytes(b"\x01", ("Rx",)), None) == {"rx": "Rx"}
+    scoped = of_bytes(b"\x03", ("tb.bus.scl", "tb.bus.sda"))
+    assert channel_map(scoped, None) == {"scl": "tb.bus.scl", "sda": "tb.bus.sda"}
 
 
 def test_a_channel_is_named_or_counted():
@@ -29,6 +31,7 @@ def test_a_channel_is_named_or_counted():
     [
         (PLAIN, None, "samples: no channels called scl and sda, or rx; say which they are with --map"),
         (PLAIN, None, "it has 0 D0, 1 D1"),
+        (of_bytes(b"\x07", ("a.scl", "b.scl", "sda")), None, "no channels called scl and sda, or rx"),
         (PLAIN, "scl=7,sda=1", "'scl=7,sda=1': samples has no single channel '7'; it has 0 D0, 1 D1"),
         (PLAIN, "scl", "'scl': expected scl=CHANNEL,sda=CHANNEL or rx=CHANNEL"),
         (PLAIN, "sck=0,sda=1", "there is no line 'sck'; did you mean scl?"),

@@ -69,7 +69,7 @@ def main(dsp, settings):
 
 
 @pytest.fixture
-def tens(tmp_path) -> str:
+def tens(tmp_path: Path) -> str:
     """A case whose firmware takes ten words at a time, at a rate and in a format of its own."""
     (tmp_path / "tens.py").write_text(TENS)
     case = tmp_path / "tens.toml"
@@ -82,7 +82,7 @@ def test_words_still_in_the_fifo_are_told_and_are_no_divergence(call, tens):
     status, out, _ = call("replay", HOST_FRAMES, "--case", tens, "--json")
     report = json.loads(out)
     assert status == 0 and (report["events"], report["bytes"]) == (24, 20)
-    assert "4 words are still in the FIFO: the firmware has not asked for them yet" in report["notes"]
+    assert "words still in the FIFO, which the firmware has not asked for yet: 4" in report["notes"]
 
 
 def test_a_divergence_is_exit_status_1_and_tells_where(call, tens):
@@ -108,6 +108,8 @@ def test_a_recording_of_the_replay(call, tmp_path):
         (["--map", "rx=4"], "has no single channel '4'; it has 0 RX"),
         (["--baud", "115200", "--format", "9n1"], "'9n1' is no line format; expected data bits 1 to 8"),
         (["--baud", "900000"], "samples a bit at 900000 baud; expected at least 2"),
+        (["--first", "3"], "--first is for I2C captures; this one is not mapped so"),
+        (["--format", "8n1"], "--format needs --baud"),
         (["--rate", "fast"], "--rate: 'fast' is no sample rate"),
         (["--address", "0x80"], "--address: '0x80' is no 7-bit address"),
         (["--set", "unit.dsp.modules=['GPIO']"], "no unit has SCI-A, which this capture is for"),
@@ -135,3 +137,37 @@ def test_lines_without_a_transfer_are_refused(call, tmp_path):
     quiet.write_bytes(sr_bytes(["SCL", "SDA"], "1 MHz", b"\x03" * 100))
     status, _, err = call("replay", str(quiet), "--case", RESPONDER)
     assert status == 2 and "no I2C transfer on 'SCL' and 'SDA'; the lines may be mapped the wrong way round" in err
+
+
+def test_an_i2c_trace_against_a_firmware(call):
+    status, out, err = call("replay", IMU_ROUND, "--case", RESPONDER)
+    assert (status, err) == (0, "")
+    assert "PASS" in out and "63 of 63" in out and "answered by the firmware" in out
+    assert "note: an agent answers for 1E, 53, as captured" in out
+    assert "open questions touched: " in out
+
+
+def test_an_i2c_trace_mapped_by_hand_with_an_address_and_fewer_transfers(call):
+    arguments = ("--map", "scl=0,sda=1", "--address", "0x53", "--first", "2", "--longest-low", "2 us", "--json")
+    status, out, _ = call("replay", IMU_ROUND, "--case", RESPONDER, *arguments)
+    report = json.loads(out)
+    assert status == 0 and report["addresses"] == ["53"] and (report["events"], report["nacks"]) == (42, 2)
+    assert report["lag_worst_us"] > 100, "each low phase is 3 us shorter"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--map", "scl=SDA,sda=SCL"], "no whole address byte; the lines may be mapped the wrong way round"),
+        (["--baud", "9600"], "--baud is for UART captures; this one is not mapped so"),
+        (["--longest-low", "10"], "--longest-low: '10' has no unit"),
+        (["--longest-low", "0 us"], "--longest-low: expected more than 0"),
+        (["--set", "unit.dsp.modules=['GPIO']"], "no unit has I2C-A, which this capture is for"),
+        (["--address", "0x50", "--address", "0x51"], "firmware responder answers one address; 2 are given"),
+        (["--set", "unit.dsp.settings.style=guess"], "unit.dsp.settings.style"),
+    ],
+)
+def test_bad_input_for_i2c_is_one_sentence_and_exit_status_2(call, arguments, said):
+    status, out, err = call("replay", IMU_ROUND, "--case", RESPONDER, *arguments)
+    assert status == 2 and out == ""
+    assert said in err and "Traceback" not in err

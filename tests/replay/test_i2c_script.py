@@ -14,7 +14,7 @@ from periph_sim.decode.i2c import Transfer
 from periph_sim.formats import Capture
 from periph_sim.lines.i2c_player import Move
 from periph_sim.lines.i2c_target import Answer
-from periph_sim.replay.i2c_script import Edge, Turn, controllers_half, most_frequent, moves, turns, usual_hold
+from periph_sim.replay.i2c_script import Edge, Turn, controllers_half, hurried, most_frequent, moves, turns, usual_hold
 from tests.decode.drawing import drawn, of_bytes
 from tests.formats.make_traces import FOLDER, read_registers
 from tests.formats.writers import I2cWave
@@ -87,6 +87,21 @@ def test_edges_become_moves_whose_rounding_does_not_add_up():
     edges = [Edge(Fraction(n), SCL, n & 1) for n in range(100, 108)]
     assert [move.after for move in moves(edges, Fraction(10, 3))] == [0, 3, 4, 3, 3, 4, 3, 3]
     assert moves(edges[:2], Fraction(4)) == [Move(0, SCL, 0), Move(4, SCL, 1)]
+
+
+def test_a_controller_in_a_hurry_lets_scl_go_early_and_has_sda_ready_before():
+    edges = [
+        Edge(Fraction(0), SDA, 0),
+        Edge(Fraction(4), SCL, 0),
+        Edge(Fraction(90), SDA, 1),
+        Edge(Fraction(100), SCL, 1),
+        Edge(Fraction(105), SCL, 0),
+        Edge(Fraction(106), SDA, 0),
+        Edge(Fraction(110), SCL, 1),
+        Edge(Fraction(115), SDA, 1),
+    ]
+    assert [edge.at for edge in hurried(edges, Fraction(10))] == [0, 4, 9, 14, 19, 20, 24, 29]
+    assert hurried(edges, Fraction(96)) == edges
 
 
 def test_the_targets_half_is_a_turn_for_each_address():

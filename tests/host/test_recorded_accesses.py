@@ -1,0 +1,24 @@
+"""What a record of an access says: the value that was read or written, also where the read itself changes it."""
+
+from __future__ import annotations
+
+from periph_sim.core.records import Kind, Record, Recorder
+from tests.host.bench import Bench
+
+
+def test_a_recorded_read_has_the_value_that_the_firmware_got():
+    accesses: list[Record] = []
+    recorder = Recorder()
+    recorder.subscribe([Kind.ACCESS], accesses.append)
+    bench = Bench([(1, 4, -1), (2, 5, -1)], recorder=recorder)
+    got: list[int] = []
+
+    def main() -> None:
+        bench.cpu.compute(20)
+        got.append(bench.flags.STATUS.all)
+        got.append(bench.flags.COUNT.all)  # reading clears it
+        got.append(bench.flags.COUNT.all)
+
+    bench.run(main, 200)
+    assert got == [5, 2, 0]
+    assert [(a.what, a.value) for a in accesses] == [("R FLAGS.STATUS", 5), ("R FLAGS.COUNT", 2), ("R FLAGS.COUNT", 0)]

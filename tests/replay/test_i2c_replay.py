@@ -1,0 +1,222 @@
+"""Traces against firmware on the chip's model: what agrees, what is told where they part, what stretching does."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+from periph_sim import formats
+from periph_sim.case.load import load
+from periph_sim.formats import Capture
+from periph_sim.replay import BadReplay
+from periph_sim.replay.i2c import I2cReplay
+from periph_sim.replay.report import Report
+from tests.decode.drawing import of_bytes
+from tests.formats.make_traces import FOLDER, ROUND
+from tests.formats.writers import I2cWave
+
+CASES = Path(__file__).resolve().parents[2] / "timing"
+RESPONDER = CASES / "responder.toml"
+US = Fraction(1, 10**6)
+
+
+def replay(capture: Capture | str, *changes: str, case: Path = RESPONDER, **options) -> Report:
+    given = formats.read(FOLDER / capture) if isinstance(capture, str) else capture
+    return I2cReplay(load(case, list(changes)), given, "SCL", "SDA", **options).run()
+
+
+def ask(wave: I2cWave, address: int, data: bytes, stretched: int = 0) -> None:
+    """A read of `data`; SCL stays low for `stretched` more samples before the first byte."""
+    wave.start()
+    wave.byte(address << 1 | 1)
+    wave.samples += bytes([0b00]) * stretched
+    for place, byte in enumerate(data):
+        wave.byte(byte, ack=place + 1 < len(data))
+    wave.stop()
+
+
+def captured(wave: I2cWave, rate: int = 4_000_000) -> Capture:
+    wave.idle(40)
+    return of_bytes(bytes(wave.samples), ("SCL", "SDA"), rate)
+
+
+def new_wave(half: int = 20) -> I2cWave:
+    wave = I2cWave(half, half // 5)
+    wave.idle(400)
+    return wave
+
+
+# Agreement ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("style", ["polled", "interrupt"])
+@pytest.mark.parametrize("fifo", ["false", "true"])
+@pytest.mark.parametrize("address", [0x68, 0x53, 0x1E])
+def test_the_responder_answers_for_any_device_of_a_round(address, style, fifo):
+    settings = (f"unit.dsp.settings.style={style}", f"unit.dsp.settings.fifo={fifo}")
+    report = replay("imu_round.sr", *settings, addresses=[address])
+    assert report.verdict == "pass" and report.first_divergence is None
+    assert (report.events, report.agreed, report.bytes, report.nacks) == (63, 63, 27, 3)
+    assert report.addresses == [f"{address:02X}"]
+    others = ", ".join(f"{other:02X}" for other in sorted({0x68, 0x53, 0x1E} - {address}))
+    assert report.notes == [f"an agent answers for {others}, as captured"]
+    assert report.stretch_total_us == report.lag_worst_us == 0, "at 100 kHz this firmware need not stretch"
+
+
+SERVED = [f"unit.dsp.settings.table.{address:#x}='{bytes(values).hex()}'" for address, _, values in ROUND]
+
+
+def test_a_firmware_that_answers_several_addresses_is_left_all_of_them():
+    report = replay("imu_round.sr", *SERVED, case=CASES / "imu_hil.toml")
+    assert report.verdict == "pass" and report.agreed == 63
+    assert report.addresses == ["1E", "53", "68"] and report.notes == []
+
+
+def test_without_its_wait_for_sdir_that_firmware_sends_a_byte_too_early():
+    report = replay("imu_round.sr", *SERVED, "unit.dsp.settings.sdir_wait=false", case=CASES / "imu_hil.toml")
+    first = report.first_divergence
+    assert report.verdict == "fail" and first is not None
+    assert (first.index, first.expected, first.found) == (8, "data read 00", "data read 12")
+    assert first.capture_s == first.replay_s == pytest.approx(395e-6)
+
+
+@pytest.mark.parametrize("style", ["polled", "interrupt"])
+def test_refusals_before_the_first_answer_find_the_firmware_out_of_reach(style):
+    report = replay("nack.sr", f"unit.dsp.settings.style={style}")
+    assert report.verdict == "pass" and report.nacks == 3 and report.addresses == ["53"]
+
+
+@pytest.mark.parametrize("style", ["polled", "interrupt"])
+def test_refusals_after_a_write_find_the_firmware_busy(style):
+    wave = new_wave()
+    for acked in (True, False, False, True):
+        wave.start()
+        wave.byte(0x50 << 1, ack=acked)
+        if acked:
+            wave.byte(0xA5)
+        wave.stop()
+        wave.idle(200)
+    ask(wave, 0x50, b"\x12")
+    report = replay(captured(wave), f"unit.dsp.settings.style={style}")
+    assert report.verdict == "pass" and report.nacks == 3
+
+
+def test_an_address_that_the_case_sets_is_the_firmwares():
+    report = replay("imu_round.sr", "unit.dsp.settings.address=0x1E")
+    assert report.addresses == ["1E"] and report.verdict == "pass"
+
+
+# Divergence -----------------------------------------------------------------------
+
+
+def test_settings_that_the_case_gives_are_kept_and_a_wrong_byte_is_told_with_its_time():
+    report = replay("nack.sr", "unit.dsp.settings.replies=['e4']")
+    first = report.first_divergence
+    assert report.verdict == "fail" and first is not None
+    assert (first.expected, first.found) == ("data read E5", "data read E4")
+    assert report.agreed == first.index == 16 and report.events == 19
+    assert first.capture_s == first.replay_s
+
+
+def test_an_address_that_the_capture_does_not_ask_is_told():
+    report = replay("nack.sr", "unit.dsp.settings.address=0x50")
+    assert report.verdict == "pass" and report.addresses == ["50"]
+    assert report.notes == ["the capture does not ask 50", "an agent answers for 53, as captured"]
+
+
+def test_an_address_that_nobody_acknowledges_finds_the_firmware_out_of_reach():
+    wave = new_wave()
+    wave.start()
+    wave.byte(0x50 << 1, ack=False)
+    wave.stop()
+    report = replay(captured(wave))
+    assert report.verdict == "pass" and report.nacks == 1
+    assert report.notes == ["nobody acknowledges 50 in the capture: the firmware stays out of reach"]
+
+
+# Stretching -------------------------------------------------------------------------
+
+SLOW = """
+from dataclasses import dataclass
+from fractions import Fraction
+
+from firmware.python.startup import start_i2c
+
+
+@dataclass
+class Settings:
+    address: int = 0x50
+    wait: int = 0
+
+
+def main(dsp, settings):
+    i2c = dsp.module("I2C-A")
+    start_i2c(dsp, settings.address)
+    i2c.I2CMDR.IRS = 1
+    dsp.spin(lambda: i2c.I2CSTR.AAS == 1)
+    dsp.compute(Fraction(settings.wait, 10**6), "thinking")
+    i2c.I2CDXR.all = 0xA7
+    dsp.spin(lambda: False)
+"""
+
+
+@pytest.fixture
+def slow(tmp_path: Path) -> Path:
+    """A case whose firmware answers one read, `wait` microseconds after its address."""
+    (tmp_path / "slow.py").write_text(SLOW)
+    case = tmp_path / "slow.toml"
+    unit = f'[unit.dsp]\nfirmware = "{tmp_path / "slow.py"}"\nmodules = ["I2C-A"]\n'
+    case.write_text(f'name = "slow"\nduration = "1 s"\n{unit}')
+    return case
+
+
+def one_read(stretched: int = 0) -> Capture:
+    wave = new_wave()
+    ask(wave, 0x50, b"\xa7", stretched)
+    return captured(wave)
+
+
+def test_a_slow_firmware_stretches_and_the_rest_comes_later_by_as_much(slow):
+    report = replay(one_read(), "unit.dsp.settings.wait=100", case=slow)
+    assert report.verdict == "pass" and report.first_divergence is None
+    # AAS comes at the eighth falling SCL; ACK and the first bit's low phase would have taken 15 us.
+    assert 84 < report.stretch_worst_us < 86
+    assert report.stretch_total_us == pytest.approx(report.lag_worst_us, abs=0.001) == report.stretch_worst_us
+
+
+def test_a_capture_with_a_stretch_gives_the_firmware_that_time(slow):
+    report = replay(one_read(stretched=400), "unit.dsp.settings.wait=100", case=slow)
+    assert report.verdict == "pass" and report.stretch_total_us == 0
+
+
+def test_a_controller_that_lets_scl_go_early_leaves_the_stretch_to_the_firmware(slow):
+    report = replay(one_read(stretched=400), "unit.dsp.settings.wait=100", case=slow, longest_low=5 * US)
+    assert report.verdict == "pass"
+    assert 84 < report.stretch_worst_us < 86
+    assert 14 < report.lag_worst_us < 16, "the end comes earlier than captured"
+
+
+def test_a_firmware_that_never_answers_ends_the_replay(slow):
+    report = replay(one_read(), "unit.dsp.settings.wait=30000", case=slow)
+    assert report.verdict == "fail" and report.agreed == 3
+    assert report.first_divergence is not None and report.first_divergence.found == "nothing more"
+    assert re.fullmatch(r"SCL is held low by dsp\.SCLA since \d+\.\d+ us: the replay ends there", report.notes[0])
+
+
+# Refused ----------------------------------------------------------------------------
+
+
+def test_what_cannot_be_replayed_is_refused_in_one_sentence():
+    with pytest.raises(BadReplay, match="firmware responder answers one address; 2 are given"):
+        replay("imu_round.sr", addresses=[0x53, 0x68])
+    with pytest.raises(BadReplay, match="a replay needs a time base and the file states no rate"):
+        replay(dataclasses.replace(one_read(), rate=None))
+    cut = new_wave()
+    cut.start()
+    cut.bit(1)
+    with pytest.raises(BadReplay, match="no whole address byte; the lines may be mapped the wrong way round"):
+        replay(captured(cut))

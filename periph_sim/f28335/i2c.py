@@ -53,9 +53,9 @@ SYSCLK_HZ = 150_000_000  # what the check of the module clock assumes
 
 class I2c:
     MAP = I2C_MAP
-    INPUTS = ("SCL", "SDA")
-    OUTPUTS = ("SCL", "SDA")
-    LINES = ("I2CINT1A", "I2CINT2A")
+    INPUTS: tuple[str, ...] = ("SCL", "SDA")
+    OUTPUTS: tuple[str, ...] = ("SCL", "SDA")
+    LINES: tuple[str, ...] = ("I2CINT1A", "I2CINT2A")
 
     def __init__(self, options: I2cOptions = I2cOptions()) -> None:  # noqa: B008 (frozen)
         self.options = options

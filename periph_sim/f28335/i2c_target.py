@@ -10,6 +10,7 @@ acknowledge. Source: SPRUG03B sections 2 and 3, Table 1, Table 10, Figure 17.
 Chosen:
 - A slave that has sent a NACK goes on receiving until the START or STOP.
 - A NACK has been sent (NACKSNT, NACKMOD) at the fall that ends its slot.
+- With `eager_reloaded_at_address` I2CXSR is loaded anew where the read address matches, at fall 8.
 - In free data format a transmitter is loaded at the fall after START.
 - BCM = 0: the copy comes one module clock after the write, the release of SCL after the setup time.
 """
@@ -75,7 +76,7 @@ class I2cTarget:
 
     def cares(self, level: int) -> bool:
         """Whether the next SCL edge, to `level`, can change anything that anybody sees."""
-        if self.phase == OFF or self.phase == IGNORE:
+        if self.phase in (OFF, IGNORE):
             return False
         if self.phase == TRANSMIT:
             if level or self.bit >= self._n or self.bit == 0:
@@ -132,7 +133,7 @@ class I2cTarget:
 
     def rise(self, now: int, sda: int) -> None:
         phase = self.phase
-        if phase == OFF or phase == IGNORE:
+        if phase in (OFF, IGNORE):
             return
         self.bit = bit = self.bit + 1
         n = self._n
@@ -148,7 +149,7 @@ class I2cTarget:
 
     def fall(self, now: int) -> None:
         phase = self.phase
-        if phase == OFF or phase == IGNORE:
+        if phase in (OFF, IGNORE):
             return
         bit, n = self.bit, self._n
         if bit < n:
@@ -236,6 +237,8 @@ class I2cTarget:
             if options.stale_byte_next_read == "discarded":
                 state.dxr_full = False
                 state.set(now, STR_XRDY)
+        if self._read and options.dxr_to_xsr_copy_point == "eager_reloaded_at_address" and state.bcm:
+            self._copy(now)
         state.touched.add("aas_sdir_point")
         if options.aas_sdir_point == "fall8":
             self._address_flags(now)
@@ -471,12 +474,7 @@ class I2cTarget:
         point = options.dxr_to_xsr_copy_point
         if state.tx_ready and state.bcm:
             state.touched.add("dxr_to_xsr_copy_point")
-        if (
-            not state.bcm
-            or point in ("any_ack_fall9", "ack_fall9")
-            or (point == "eager_reloaded_at_address" and first)
-            or not state.xsr_full
-        ):
+        if not state.bcm or point in ("any_ack_fall9", "ack_fall9") or not state.xsr_full:
             self._copy(now)
         elif point == "ack_rise9" and not state.dxr_full:
             state.set(now, STR_XRDY)

@@ -78,9 +78,10 @@ class AddressMap:
                     register = place.socket.chip.MAP.at(offset - back)
                     if register is not None and register.width > 16 * back:
                         return place, register, back
+                last = place.base + place.size - 1
                 raise NoSuchAddress(
-                    f"{address:#06x} is not a register of {place.name} "
-                    f"({place.base:#06x} to {place.base + place.size - 1:#06x}); the nearest are {nearest(place, offset)}"
+                    f"{address:#06x} is not a register of {place.name} ({place.base:#06x} to {last:#06x}); "
+                    f"the nearest are {nearest(place, offset)}"
                 )
         here = ", ".join(f"{p.name} {p.base:#06x}" for p in self.places.values())
         raise NoSuchAddress(f"{address:#06x} belongs to no module of this scene, which has {here}")

@@ -67,11 +67,6 @@ class SystemOptions:
         0,
         question="How many cycles does a write in peripheral frame 1 directly after another one cost in addition?",
     )
-    flash_model: str = choice(
-        "none",
-        "row_buffer_prefetch",
-        question="Does the code run from RAM, or from flash with its row buffer and prefetch?",
-    )
     poll_loop_cycles: int = number(
         10,
         1,
@@ -120,16 +115,4 @@ class SystemOptions:
         "ignored",
         "reset",
         question="Does a wrong key in WDKEY do nothing (system guide) or reset at once (errata usage note)?",
-    )
-
-    # Libraries the firmware is linked with
-    float_lib: str = choice(
-        "fast_rts",
-        "plain_rts",
-        question="Which library supplies the float functions: the FPU fast one or the compiler's own?",
-    )
-    iqmath_table_location: str = choice(
-        "boot_rom",
-        "ram",
-        question="Do the IQmath tables lie in boot ROM, at one wait state, or in RAM, as the published counts assume?",
     )

@@ -489,6 +489,31 @@ class Cpu:
             self.core.wrote_pieack(at)
         self.instruction(1)
 
+    def load(self, address: int, width: int = 16) -> int:
+        """What a 16- or 32-bit read of an address sees. NoSuchAddress where no register is."""
+        place, register, half = self.memory.find(address)
+        if width == 32 and self._too_wide(place, register):
+            return 0
+        return self.read(place, register, half=half) & (1 << width) - 1
+
+    def store(self, address: int, value: int, width: int = 16) -> None:
+        """A 16- or 32-bit write to an address. NoSuchAddress where no register is."""
+        place, register, half = self.memory.find(address)
+        if width == 32 and self._too_wide(place, register):
+            return
+        if width == 16 and register.width == 32 and not half:
+            value |= self._fetch(place, register, 0) & 0xFFFF0000  # the other half stays
+        self.write(place, register, value, half)
+
+    def _too_wide(self, place: Place, register: Register) -> bool:
+        """Frame 2 has 16-bit accesses only: a wider one is not performed, and noted."""
+        if place.frame is not Frame.PF2:
+            return False
+        self.instruction(1 + self._waits.read[place.frame])
+        text = f"{register.name} of {place.name} was accessed with 32 bits; peripheral frame 2 takes 16 only"
+        self.note(Note("duty", text, "SPRUFB0D Table 88"))
+        return True
+
     def _store(self, place: Place, register: Register, value: int, half: int) -> None:
         self._now()
         socket, offset = place.socket, register.offset + half

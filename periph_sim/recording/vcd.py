@@ -5,7 +5,7 @@ Times are written in picoseconds, rounded down from ticks.
 
 from __future__ import annotations
 
-from typing import IO
+from typing import IO, cast
 
 from vcd import VCDWriter
 from vcd.writer import StringVariable, Variable
@@ -29,7 +29,7 @@ class VcdFile:
         self._writer = VCDWriter(file, timescale="1 ps", date=no_date, comment="periph-sim")
         self._wires: dict[str, Variable[int]] = {}
         self._flags: dict[tuple[str, str], Variable[int]] = {}
-        self._texts: dict[tuple[str, str], Variable[str]] = {}
+        self._texts: dict[tuple[str, str], StringVariable] = {}
         self._stacks: dict[tuple[str, str], list[str]] = {}
         for name in ("SCL", "SDA", "RX", "TX"):
             self._wire(name)
@@ -51,7 +51,7 @@ class VcdFile:
                 self._wire(module.removeprefix("pin:"))
 
     def _text(self, unit: str, what: str) -> StringVariable:
-        return self._writer.register_var(unit, what, "string", init="-")
+        return cast(StringVariable, self._writer.register_var(unit, what, "string", init="-"))
 
     def _registers(self, where: str, registers: RegisterMap) -> None:
         for register in registers:

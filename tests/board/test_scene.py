@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from periph_sim.f28335.i2c import I2c
 
 from periph_sim.board.dsp import Dsp
 from periph_sim.board.scene import Scene
 from periph_sim.core.chip import NEVER
 from periph_sim.f28335.gpio import Gpio
+from periph_sim.f28335.i2c import I2c
 from periph_sim.f28335.sci import Sci
 from tests.board.small import case, scene_with
 

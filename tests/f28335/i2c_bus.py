@@ -18,10 +18,9 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Iterable
 from typing import NamedTuple, Protocol
 
-from periph_sim.f28335.i2c import I2c
-
 from periph_sim.core.chip import NEVER, Note
 from periph_sim.core.options import Value, options_from
+from periph_sim.f28335.i2c import I2c
 from periph_sim.f28335.i2c_options import I2cOptions
 
 SCL, SDA = 0, 1

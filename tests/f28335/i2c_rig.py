@@ -125,12 +125,12 @@ class Rig:
         self.write("I2COAR", oar)
         self.write("I2CMDR", mode | IRS)
 
-    def str(self, bits: int = 0xFFFF) -> int:
+    def status(self, bits: int = 0xFFFF) -> int:
         """I2CSTR, cut to `bits`, as a debugger sees it."""
         return self.peek("I2CSTR") & bits
 
     def flag(self, bit: int) -> int:
-        return int(self.str(bit) != 0)
+        return int(self.status(bit) != 0)
 
     def duties(self) -> list[str]:
         """The "duty" notes since last asked."""

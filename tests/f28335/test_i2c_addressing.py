@@ -84,7 +84,7 @@ def test_after_a_foreign_address_data_are_not_acknowledged_either():
     assert not rig.address(OTHER)
     assert not rig.send(0x12)
     assert not rig.send(OWN << 1)
-    assert rig.str(RRDY | AAS | NACKSNT) == 0
+    assert rig.status(RRDY | AAS | NACKSNT) == 0
 
 
 @pytest.mark.rule("I2C-075", "I2C-085", "I2C-093")
@@ -128,7 +128,7 @@ def test_start_and_stop_bits_do_nothing_in_a_slave(bits):
     rig.write("I2CMDR", IRS | bits)
     rig.wait(100_000)
     assert rig.chip.out == 3
-    assert rig.str() == STR_RESET
+    assert rig.status() == STR_RESET
     assert rig.address()
     assert rig.send(0x5A)
     rig.write("I2CMDR", IRS | bits)
@@ -157,11 +157,11 @@ def test_a_slave_ignores_a_start_byte(stb, oar):
     rig.begin(stb, oar)
     rig.start()
     assert not rig.send(0x01)
-    assert rig.str(AAS | SDIR | RRDY) == 0
+    assert rig.status(AAS | SDIR | RRDY) == 0
     rig.restart()
     assert rig.send(oar << 1)
     rig.stop()
-    assert rig.str(AAS | BB) == 0
+    assert rig.status(AAS | BB) == 0
 
 
 @pytest.mark.rule("I2C-065")
@@ -169,7 +169,7 @@ def test_stb_changes_nothing_in_a_slave():
     plain, with_stb = addressed(mode=0), addressed(mode=STB)
     for rig in (plain, with_stb):
         rig.send(0x99)
-    assert plain.str() == with_stb.str()
+    assert plain.status() == with_stb.status()
     assert plain.read("I2CDRR") == with_stb.read("I2CDRR") == 0x99
 
 
@@ -182,7 +182,7 @@ def test_the_general_call_is_answered(mode, oar):
     rig = Rig()
     rig.begin(mode, oar)
     assert rig.address(0)
-    assert rig.str(AAS | AD0 | SDIR) == AAS | AD0
+    assert rig.status(AAS | AD0 | SDIR) == AAS | AD0
     assert rig.send(0x06)
     assert rig.read("I2CDRR") == 0x06
 
@@ -203,7 +203,7 @@ def test_a_10_bit_slave_acknowledges_both_address_bytes():
     assert rig.send(HEAD)
     assert rig.flag(AAS) == 0
     assert rig.send(TEN & 0xFF)
-    assert rig.str(AAS | SDIR | RRDY) == AAS
+    assert rig.status(AAS | SDIR | RRDY) == AAS
     assert rig.send(0x42)
     assert rig.read("I2CDRR") == 0x42
 
@@ -249,7 +249,7 @@ def test_10_bit_read_without_the_full_address_before_is_not_answered():
     rig.send(TEN & 0xFF ^ 1)
     rig.restart()
     assert not rig.send(HEAD | 1)
-    assert rig.str(AAS | SDIR) == 0
+    assert rig.status(AAS | SDIR) == 0
 
 
 @pytest.mark.rule("I2C-086")
@@ -295,7 +295,7 @@ def test_free_data_format_the_first_byte_is_data_whatever_it_is(oar):
     rig.begin(FDF, oar)
     rig.start()
     assert rig.send(0xB1)
-    assert rig.str(AAS | RRDY | SDIR) == AAS | RRDY
+    assert rig.status(AAS | RRDY | SDIR) == AAS | RRDY
     assert rig.read("I2CDRR") == 0xB1
     assert rig.send(0x00)
     assert rig.read("I2CDRR") == 0x00
@@ -312,7 +312,7 @@ def test_free_data_format_with_trx_the_slave_sends_from_the_first_bit_on():
     rig.write("I2CDXR", 0x3E)
     assert rig.take(ack=False) == 0x3E
     rig.stop()
-    assert rig.str(RRDY | BB) == 0
+    assert rig.status(RRDY | BB) == 0
 
 
 @pytest.mark.rule("I2C-315")
@@ -339,6 +339,6 @@ def test_a_high_speed_master_code_is_just_a_foreign_address():
     rig = Rig()
     rig.begin()
     assert not rig.address(0x08 >> 1)
-    assert rig.str(AAS | ARDY) == 0
+    assert rig.status(AAS | ARDY) == 0
     rig.stop()
     assert rig.flag(SCD)

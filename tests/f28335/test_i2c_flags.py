@@ -88,29 +88,29 @@ def general_call() -> Rig:
 @pytest.mark.parametrize("make", [read_and_refused, overrun, refused_and_stopped, general_call])
 def test_writing_zeros_changes_nothing(make):
     rig = make()
-    before = rig.str()
+    before = rig.status()
     rig.write("I2CSTR", 0)
-    assert rig.str() == before
+    assert rig.status() == before
 
 
 @pytest.mark.rule("I2C-194", "I2C-013")
 @pytest.mark.parametrize("make", [read_and_refused, overrun, refused_and_stopped, general_call, Rig])
 def test_writing_ones_clears_the_w1c_flags_and_no_other(make):
     rig = make()
-    before = rig.str()
+    before = rig.status()
     rig.write("I2CSTR", 0xFFFF & ~XRDY)
-    assert rig.str() == before & ~W1C
+    assert rig.status() == before & ~W1C
 
 
 @pytest.mark.rule("I2C-194")
 def test_the_read_only_flags_were_1_and_0_in_the_test_above():
     """So that it proved something for each of them, both ways."""
-    ones = overrun().str() | general_call().str()
+    ones = overrun().status() | general_call().status()
     assert ones & (BB | RSFULL | XSMT | AAS | AD0) == BB | RSFULL | XSMT | AAS | AD0
     starved = addressed(read=1)
     assert starved.flag(XSMT) == 0
     starved.write("I2CSTR", XSMT | BB | RSFULL | AAS | AD0)
-    assert starved.str(XSMT | RSFULL | AD0) == 0
+    assert starved.status(XSMT | RSFULL | AD0) == 0
 
 
 @pytest.mark.rule("I2C-196", "I2C-202", "I2C-233", "I2C-241", "I2C-254")
@@ -126,10 +126,10 @@ def test_the_read_only_flags_were_1_and_0_in_the_test_above():
 )
 def test_a_one_clears_its_flag_and_leaves_the_others(make, flag):
     rig = make()
-    before = rig.str()
+    before = rig.status()
     assert before & flag
     rig.write("I2CSTR", flag)
-    assert rig.str() == before & ~flag
+    assert rig.status() == before & ~flag
 
 
 @pytest.mark.rule(
@@ -157,13 +157,13 @@ def test_a_one_clears_its_flag_and_leaves_the_others(make, flag):
 )
 def test_irs_0_and_xrs_bring_the_default_values(make, ones):
     rig = make()
-    assert rig.str() & ones == ones
+    assert rig.status() & ones == ones
     rig.write("I2CMDR", 0)
-    assert rig.str() & ~BB == STR_RESET
+    assert rig.status() & ~BB == STR_RESET
     rig = make()
     rig.chip.reset(rig.now)
     rig.chip.gate(rig.now, True)
-    assert rig.str() == STR_RESET
+    assert rig.status() == STR_RESET
 
 
 @pytest.mark.rule("I2C-215", "I2C-236", "I2C-329")
@@ -171,7 +171,7 @@ def test_reset_sets_xsmt_and_xrdy():
     rig = addressed(read=1)
     assert rig.flag(XSMT) == 0
     rig.write("I2CMDR", 0)
-    assert rig.str(XSMT) == XSMT
+    assert rig.status(XSMT) == XSMT
     rig = Rig()
     rig.begin()
     rig.write("I2CDXR", 1)
@@ -195,7 +195,7 @@ def test_a_slave_never_sets_ardy():
     rig.write("I2CDXR", 0x22)
     rig.take(ack=False)
     rig.stop()
-    assert rig.str(ARDY | AL) == 0
+    assert rig.status(ARDY | AL) == 0
 
 
 # SDIR
@@ -221,7 +221,7 @@ def test_sdir_falls_with_a_repeated_start():
 @pytest.mark.rule("I2C-199", "I2C-220")
 def test_sdir_stays_after_the_final_nack_and_falls_with_the_stop():
     rig = read_and_refused()
-    assert rig.str(SDIR | AAS) == SDIR
+    assert rig.status(SDIR | AAS) == SDIR
     rig.rise(0)
     assert rig.flag(SDIR)
     rig.wait(rig.bit // 4)
@@ -316,11 +316,11 @@ def test_a_clock_edge_without_a_start_leaves_bb_alone():
 @pytest.mark.rule("I2C-210", "I2C-211", "I2C-239", "I2C-240")
 def test_reading_drr_clears_rrdy_and_rsfull_and_brings_the_next_byte():
     rig = overrun()
-    assert rig.str(RRDY | RSFULL) == RRDY | RSFULL
+    assert rig.status(RRDY | RSFULL) == RRDY | RSFULL
     rig.read("I2CDRR")
-    assert rig.str(RRDY | RSFULL) == RRDY
+    assert rig.status(RRDY | RSFULL) == RRDY
     rig.read("I2CDRR")
-    assert rig.str(RRDY | RSFULL) == 0
+    assert rig.status(RRDY | RSFULL) == 0
 
 
 @pytest.mark.rule("I2C-326", "I2C-327", "I2C-328")
@@ -328,7 +328,7 @@ def test_a_debugger_changes_nothing():
     rig = overrun()
     for _ in range(2):
         assert rig.peek("I2CDRR") == 0x11
-        assert rig.str(RRDY | RSFULL) == RRDY | RSFULL
+        assert rig.status(RRDY | RSFULL) == RRDY | RSFULL
         assert rig.stretching
     rig = read_and_refused()
     rig.write("I2CIER", IE_NACK)
@@ -358,16 +358,16 @@ def test_rrdy_comes_with_a_data_byte_and_with_no_address():
 @pytest.mark.rule("I2C-213", "I2C-214", "I2C-235", "I2C-237")
 def test_xrdy_and_xsmt_follow_dxr():
     rig = addressed(read=1)
-    assert rig.str(XRDY | XSMT) == XRDY
+    assert rig.status(XRDY | XSMT) == XRDY
     rig.write("I2CDXR", 0x11)
     rig.wait(100)
-    assert rig.str(XRDY | XSMT) == XRDY | XSMT
+    assert rig.status(XRDY | XSMT) == XRDY | XSMT
     rig.write("I2CDXR", 0x22)
-    assert rig.str(XRDY | XSMT) == XSMT
+    assert rig.status(XRDY | XSMT) == XSMT
     assert rig.take() == 0x11
-    assert rig.str(XRDY | XSMT) == XRDY | XSMT
+    assert rig.status(XRDY | XSMT) == XRDY | XSMT
     assert rig.take() == 0x22
-    assert rig.str(XRDY | XSMT) == XRDY
+    assert rig.status(XRDY | XSMT) == XRDY
 
 
 @pytest.mark.rule("I2C-238")
@@ -398,10 +398,10 @@ def test_aas_and_ad0_are_for_the_general_call():
     rig.begin()
     rig.start()
     rig.send_bits(0, 7)
-    assert rig.str(AAS | AD0) == 0
+    assert rig.status(AAS | AD0) == 0
     rig.clock(0)
     rig.acked()
-    assert rig.str(AAS | AD0) == AAS | AD0
+    assert rig.status(AAS | AD0) == AAS | AD0
 
 
 @pytest.mark.rule("I2C-218")
@@ -421,9 +421,9 @@ def test_7_bit_aas_falls_with_the_masters_nack():
     rig = addressed(read=1)
     rig.write("I2CDXR", 0x5A)
     rig.take_bits(8)
-    assert rig.str(AAS | NACK) == AAS
+    assert rig.status(AAS | NACK) == AAS
     rig.clock(1)
-    assert rig.str(AAS | NACK) == NACK
+    assert rig.status(AAS | NACK) == NACK
 
 
 @pytest.mark.rule("I2C-220", "I2C-231")
@@ -431,9 +431,9 @@ def test_7_bit_aas_falls_with_stop():
     rig = addressed()
     rig.rise(0)
     rig.wait(10)
-    assert rig.str(AAS | SCD) == AAS
+    assert rig.status(AAS | SCD) == AAS
     rig.pull(sda=1)
-    assert rig.str(AAS | SCD) == SCD
+    assert rig.status(AAS | SCD) == SCD
 
 
 @pytest.mark.rule("I2C-221")
@@ -531,7 +531,7 @@ def test_a_read_of_isrc_with_nothing_pending_clears_no_flag():
     rig.stop()
     rig.wait(20)
     assert rig.read("I2CISRC") == 0
-    assert rig.str(SCD | NACK) == SCD | NACK
+    assert rig.status(SCD | NACK) == SCD | NACK
 
 
 @pytest.mark.rule("I2C-204", "I2C-231")
@@ -574,4 +574,4 @@ def test_nack_falls_when_a_later_byte_is_acknowledged():
 def test_a_receivers_own_nack_is_not_nack():
     rig = addressed(mode=NACKMOD)
     rig.send(0x11)
-    assert rig.str(NACK | NACKSNT) == NACKSNT
+    assert rig.status(NACK | NACKSNT) == NACKSNT

@@ -225,7 +225,7 @@ def test_reading_a_code_brings_the_next_one_and_a_new_pulse():
     rig.send(0x11)
     rig.stop()
     rig.wait(SOON)
-    assert rig.str(RRDY | SCD | AAS) == RRDY | SCD
+    assert rig.status(RRDY | SCD | AAS) == RRDY | SCD
     rig.write("I2CIER", IE_RRDY | IE_SCD)
     rig.wait(SOON)
     assert rig.asked() == INT1
@@ -254,9 +254,9 @@ def test_a_code_that_is_not_read_brings_no_second_pulse():
 def test_reading_codes_1_2_and_6_clears_the_flag(make, enable, flag):
     rig = make(enable)
     rig.wait(SOON)
-    others = rig.str() & ~flag
+    others = rig.status() & ~flag
     rig.read("I2CISRC")
-    assert rig.str() == others
+    assert rig.status() == others
 
 
 @pytest.mark.rule("I2C-284", "I2C-285")
@@ -267,11 +267,11 @@ def test_reading_codes_1_2_and_6_clears_the_flag(make, enable, flag):
 def test_reading_codes_3_4_5_and_7_leaves_the_flag(make, enable, flag):
     rig = make(enable)
     rig.wait(SOON)
-    before = rig.str()
+    before = rig.status()
     rig.read("I2CISRC")
     rig.wait(SOON)
     assert rig.flag(flag)
-    assert rig.str() == before
+    assert rig.status() == before
 
 
 @pytest.mark.rule("I2C-283")
@@ -283,7 +283,7 @@ def test_reading_one_code_clears_no_other_flag():
     rig.wait(SOON)
     assert rig.read("I2CISRC") == 2
     rig.wait(SOON)
-    assert rig.str(NACK | SCD) == SCD
+    assert rig.status(NACK | SCD) == SCD
     assert rig.read("I2CISRC") == 6
 
 

@@ -110,13 +110,13 @@ def test_open_aas_sdir_point(point):
     rig.send_bits(OWN, 7)
     shown = []
     rig.rise(1)
-    shown.append(("rise8", rig.str(AAS | SDIR)))
+    shown.append(("rise8", rig.status(AAS | SDIR)))
     rig.fall()
-    shown.append(("fall8", rig.str(AAS | SDIR)))
+    shown.append(("fall8", rig.status(AAS | SDIR)))
     rig.rise(1)
-    shown.append(("rise9", rig.str(AAS | SDIR)))
+    shown.append(("rise9", rig.status(AAS | SDIR)))
     rig.fall()
-    shown.append(("fall9", rig.str(AAS | SDIR)))
+    shown.append(("fall9", rig.status(AAS | SDIR)))
     places = [place for place, _ in shown]
     assert shown == [(p, AAS | SDIR if places.index(p) >= places.index(point) else 0) for p in places]
     assert "aas_sdir_point" in rig.chip.touched
@@ -259,12 +259,12 @@ def test_open_xsmt_rule(rule):
     rig.begin()
     rig.address(OWN, 1)
     assert rig.stretching
-    assert rig.str(XRDY | XSMT) == (XRDY if rule == "text" else XRDY | XSMT)
+    assert rig.status(XRDY | XSMT) == (XRDY if rule == "text" else XRDY | XSMT)
     rig.write("I2CDXR", 0x5A)
     assert rig.flag(XSMT) == (rule == "text")
     rig.wait(BIT)
     assert not rig.stretching
-    assert rig.str(XRDY | XSMT) == XRDY | XSMT
+    assert rig.status(XRDY | XSMT) == XRDY | XSMT
     assert rig.take(ack=False) == 0x5A
     assert "xsmt_rule" in rig.chip.touched
 
@@ -564,7 +564,7 @@ def test_open_start_byte_ad0(what):
     rig = idle(start_byte_ad0=what)
     rig.start()
     assert not rig.send(0x01)
-    assert rig.str(AD0 | AAS) == (AD0 if what == "set" else 0)
+    assert rig.status(AD0 | AAS) == (AD0 if what == "set" else 0)
     assert "start_byte_ad0" in rig.chip.touched
 
 
@@ -575,7 +575,7 @@ def test_open_oar_zero(what):
     rig.begin(oar=0)
     rig.start()
     assert rig.send(0x01) == (what == "own_address_too")
-    assert rig.str(AAS | SDIR) == (AAS | SDIR if what == "own_address_too" else 0)
+    assert rig.status(AAS | SDIR) == (AAS | SDIR if what == "own_address_too" else 0)
     if what == "own_address_too":
         rig.write("I2CDXR", 0x5A)
         assert rig.take(ack=False) == 0x5A
@@ -608,7 +608,7 @@ def test_open_noise_filter_cycles(clocks):
         rig.wait(width - 1)
         rig.pull(sda=1)
         rig.wait(BIT)
-        assert rig.str(BB | SCD) == 0
+        assert rig.status(BB | SCD) == 0
     rig.pull(sda=0)
     assert rig.wait_for(lambda: rig.flag(BB)) == width
     rig.fall()

@@ -255,7 +255,7 @@ def test_without_its_clock_the_module_answers_nobody():
     assert not rig.address()
     rig.stop()
     rig.chip.gate(rig.now, True)
-    assert rig.str() == STR_RESET
+    assert rig.status() == STR_RESET
 
 
 @pytest.mark.rule("I2C-008")
@@ -293,7 +293,7 @@ def test_xrs_brings_every_register_back_and_holds_the_module_in_reset():
     assert rig.chip.out == SCL | SDA
     rig.pull(scl=1, sda=1)
     assert not rig.address(0)
-    assert rig.str(BB | RRDY) == 0
+    assert rig.status(BB | RRDY) == 0
 
 
 def test_names_of_pins_and_lines():

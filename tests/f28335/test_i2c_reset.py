@@ -98,9 +98,9 @@ def test_what_was_going_on_does_not_come_back_with_irs_1(make):
 def test_irs_0_gives_every_flag_its_default(make):
     rig = make()
     rig.write("I2CMDR", 0)
-    assert rig.str() & ~BB == STR_RESET
+    assert rig.status() & ~BB == STR_RESET
     rig.write("I2CMDR", IRS)
-    assert rig.str() & ~BB == STR_RESET
+    assert rig.status() & ~BB == STR_RESET
 
 
 @pytest.mark.rule("I2C-331")
@@ -112,7 +112,7 @@ def test_in_reset_no_address_is_answered():
     rig.restart()
     assert not rig.send(0)
     rig.stop()
-    assert rig.str() == STR_RESET
+    assert rig.status() == STR_RESET
     rig.write("I2CMDR", IRS)
     assert rig.address()
 
@@ -127,7 +127,7 @@ def test_a_slave_enabled_in_mid_byte_waits_for_the_next_start():
     rig.send_bits(OWN << 1 & 0x1F, 5)
     assert not rig.acked()
     rig.send(OWN << 1)
-    assert rig.str(AAS | RRDY) == 0
+    assert rig.status(AAS | RRDY) == 0
     rig.restart()
     assert rig.send(OWN << 1)
 
@@ -136,11 +136,11 @@ def test_a_slave_enabled_in_mid_byte_waits_for_the_next_start():
 def test_in_reset_no_start_and_no_stop_is_seen():
     rig = Rig()
     rig.address(0)
-    assert rig.str(BB | AD0) == 0
+    assert rig.status(BB | AD0) == 0
     rig.stop()
-    assert rig.str(SCD | BB) == 0
+    assert rig.status(SCD | BB) == 0
     rig.write("I2CMDR", IRS)
-    assert rig.str() == STR_RESET
+    assert rig.status() == STR_RESET
 
 
 @pytest.mark.rule("I2C-333")
@@ -174,7 +174,7 @@ def test_xrs_releases_the_bus_and_leaves_the_module_in_reset(make):
     rig.chip.reset(rig.now)
     rig.chip.gate(rig.now, True)
     assert rig.chip.out == SCL | SDA
-    assert rig.str() == STR_RESET
+    assert rig.status() == STR_RESET
     assert rig.read("I2CMDR") == 0
     rig.stop()
     assert not rig.address(0)

@@ -62,7 +62,7 @@ def test_every_byte_arrives_and_is_acknowledged(data, bit):
         got.append(rig.read("I2CDRR"))
     rig.stop()
     assert got == data
-    assert rig.str(RRDY | RSFULL | NACKSNT) == 0
+    assert rig.status(RRDY | RSFULL | NACKSNT) == 0
 
 
 @pytest.mark.rule("I2C-104")
@@ -93,7 +93,7 @@ def test_a_second_unread_byte_holds_scl_until_drr_is_read():
     rig = addressed()
     assert rig.send(0x11)
     assert rig.send(0x22)
-    assert rig.str(RRDY | RSFULL) == RRDY | RSFULL
+    assert rig.status(RRDY | RSFULL) == RRDY | RSFULL
     assert rig.stretching
     rig.wait(50 * rig.bit)
     assert rig.stretching
@@ -101,9 +101,9 @@ def test_a_second_unread_byte_holds_scl_until_drr_is_read():
     assert rig.read("I2CDRR") == 0x11
     rig.wait(rig.bit)
     assert not rig.stretching
-    assert rig.str(RRDY | RSFULL) == RRDY
+    assert rig.status(RRDY | RSFULL) == RRDY
     assert rig.read("I2CDRR") == 0x22
-    assert rig.str(RRDY | RSFULL) == 0
+    assert rig.status(RRDY | RSFULL) == 0
     assert rig.send(0x33)
     assert rig.read("I2CDRR") == 0x33
 
@@ -112,7 +112,7 @@ def test_a_second_unread_byte_holds_scl_until_drr_is_read():
 def test_rsfull_comes_with_the_second_unread_byte_and_not_before():
     rig = addressed()
     rig.send(0x11)
-    assert rig.str(RSFULL | RRDY) == RRDY
+    assert rig.status(RSFULL | RRDY) == RRDY
     rig.send_bits(0x22 >> 1, 7)
     assert rig.flag(RSFULL) == 0
     rig.clock(0)
@@ -126,7 +126,7 @@ def test_overwrite_the_newest_byte_stays_in_rsr_and_the_oldest_in_drr():
     for byte in (0x11, 0x22, 0x33):
         assert rig.send(byte)
         assert not rig.stretching
-    assert rig.str(RSFULL | RRDY) == RSFULL | RRDY
+    assert rig.status(RSFULL | RRDY) == RSFULL | RRDY
     assert rig.read("I2CDRR") == 0x11
     assert rig.read("I2CDRR") == 0x33
 
@@ -137,7 +137,7 @@ def test_nack_an_overrun_is_refused():
     assert rig.send(0x11)
     assert rig.flag(NACKSNT) == 0
     assert not rig.send(0x22)
-    assert rig.str(RSFULL | NACKSNT) == RSFULL | NACKSNT
+    assert rig.status(RSFULL | NACKSNT) == RSFULL | NACKSNT
     assert not rig.stretching
 
 
@@ -214,7 +214,7 @@ def test_nackmod_means_nothing_to_a_transmitter():
         assert rig.take() == 0x81
         rig.write("I2CDXR", 0x18)
         assert rig.take(ack=False) == 0x18
-    assert plain.str() == nackmod.str()
+    assert plain.status() == nackmod.status()
     assert nackmod.flag(NACKSNT) == 0
 
 
@@ -335,7 +335,7 @@ def test_nothing_moves_between_inputs_and_due_wakes(noise, fifo):
     assert rig.read("I2CDRR") == 0x5A
     rig.restart()
     assert rig.send(OWN << 1 | 1)
-    assert rig.str(AAS | SDIR) == AAS | SDIR
+    assert rig.status(AAS | SDIR) == AAS | SDIR
     rig.wait(100)
     rig.write("I2CDXR", 0x96)
     assert rig.take(ack=False) == 0x96

@@ -98,7 +98,7 @@ def test_bcm_0_requests_equal_bytes_sent():
     rig.stop()
     rig.wait(BIT)
     assert rig.peek("I2CISRC") == 0
-    assert rig.str(XRDY | XSMT) == XRDY | XSMT
+    assert rig.status(XRDY | XSMT) == XRDY | XSMT
     assert requests == 3
 
 
@@ -165,7 +165,7 @@ def test_bcm_1_requests_exceed_bytes_by_one_and_the_surplus_byte_stays():
     serve()
     rig.wait(BIT)
     assert requests == 4
-    assert rig.str(XRDY) == 0
+    assert rig.status(XRDY) == 0
     assert rig.peek("I2CDXR") == 0x44
 
 
@@ -278,14 +278,14 @@ def test_an_empty_dxr_holds_scl_after_the_byte_until_it_is_written():
     assert rig.flag(XSMT)
     assert rig.take() == 0x11
     assert rig.stretching
-    assert rig.str(XRDY | XSMT) == XRDY
+    assert rig.status(XRDY | XSMT) == XRDY
     rig.wait(100 * BIT)
     assert rig.stretching
-    assert rig.str(XRDY | XSMT) == XRDY
+    assert rig.status(XRDY | XSMT) == XRDY
     rig.write("I2CDXR", 0x22)
     rig.wait(BIT)
     assert not rig.stretching
-    assert rig.str(XRDY | XSMT) == XRDY | XSMT
+    assert rig.status(XRDY | XSMT) == XRDY | XSMT
     assert rig.take(ack=False) == 0x22
 
 
@@ -314,9 +314,9 @@ def test_bcm_changes_nothing_for_a_receiver():
         rig.write("I2CEMDR", bcm)
         rig.write("I2CIER", 0x6F)
         rig.begin()
-        trace = [rig.address(), rig.str(), rig.send(0x12), rig.str(), rig.read("I2CDRR")]
+        trace = [rig.address(), rig.status(), rig.send(0x12), rig.status(), rig.read("I2CDRR")]
         rig.stop()
-        seen.append([*trace, rig.str(), rig.interrupts, rig.chip.out])
+        seen.append([*trace, rig.status(), rig.interrupts, rig.chip.out])
     assert seen[0] == seen[1]
 
 
@@ -330,9 +330,9 @@ def test_bcm_changes_no_flag_but_xrdy_and_xsmt_and_no_byte():
         trace = [rig.address(OWN, 1)]
         for byte in (0x12, 0x34):
             rig.write("I2CDXR", byte)
-            trace += [rig.take(ack=byte == 0x12), rig.str() & ~(XRDY | XSMT)]
+            trace += [rig.take(ack=byte == 0x12), rig.status() & ~(XRDY | XSMT)]
         rig.stop()
-        seen.append([*trace, rig.str() & ~(XRDY | XSMT)])
+        seen.append([*trace, rig.status() & ~(XRDY | XSMT)])
     assert seen[0] == seen[1]
 
 
@@ -351,7 +351,7 @@ def test_the_request_ends_when_xrdy_falls(bcm):
     rig.write("I2CDXR", 0x00)
     if bcm:
         rig.wait(20)
-        assert rig.str(XRDY) == 0
+        assert rig.status(XRDY) == 0
         assert rig.chip.held == 0
 
 

@@ -16,7 +16,7 @@ class FlagChip:
     MAP = FLAGS
     INPUTS: tuple[str, ...] = ()
     OUTPUTS: tuple[str, ...] = ()
-    LINES = ("IRQ0", "IRQ1")
+    LINES: tuple[str, ...] = ("IRQ0", "IRQ1")
 
     def __init__(self, changes: list[tuple[int, int, int]]) -> None:
         self.changes = sorted(changes)

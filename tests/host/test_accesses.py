@@ -171,3 +171,21 @@ def test_wrong_names_and_addresses_say_what_is_near():
         bench.cpu.memory.named("FLAG.STATUS")
     place, register, half = bench.cpu.memory.find(0x7101)
     assert (place.name, register.name, half) == ("FLAGS", "COUNT", 0)
+
+
+@pytest.mark.rule("I2C-005", "SYS-040")
+def test_frame_2_takes_no_32_bit_access():
+    bench = Bench([(1, 4, -1)], base=0x7100)
+    bench.run(
+        lambda: (bench.cpu.store(0x7100, 0xFFFF_FFFF, width=32), bench.note(f"{bench.cpu.load(0x7100, 32)}")), 100
+    )
+    assert bench.log[0][0] == "0"  # nothing was read
+    assert bench.chip.status == 4  # nothing was written: C, which a 1 clears, still stands
+    (note,) = bench.cpu.notes
+    assert note.text == "STATUS of FLAGS was accessed with 32 bits; peripheral frame 2 takes 16 only"
+
+
+def test_an_address_reads_and_writes_its_register():
+    bench = Bench([(1, 4, -1)], base=0x7100)
+    bench.run(lambda: (bench.cpu.compute(9), bench.cpu.store(0x7100, 4), bench.note(f"{bench.cpu.load(0x7100)}")), 100)
+    assert bench.log[0][0] == "0"

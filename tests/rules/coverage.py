@@ -36,10 +36,17 @@ def rules_in(node: ast.AST) -> list[str]:
     return [
         argument.value
         for call in ast.walk(node)
-        if isinstance(call, ast.Call) and isinstance(call.func, ast.Attribute) and call.func.attr == "rule"
+        if isinstance(call, ast.Call) and name_of(call.func) == "rule"
         for argument in call.args
         if isinstance(argument, ast.Constant) and isinstance(argument.value, str)
     ]
+
+
+def name_of(function: ast.expr) -> str:
+    """`rule` of `pytest.mark.rule` and of `rule = pytest.mark.rule`."""
+    if isinstance(function, ast.Attribute):
+        return function.attr
+    return function.id if isinstance(function, ast.Name) else ""
 
 
 def not_modelled() -> dict[str, str]:

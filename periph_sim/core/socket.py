@@ -53,7 +53,7 @@ class Socket:
         self._wake_cycle = NEVER
         self._wake = 0  # the promise of that wake-up
         self._last_cause = 0
-        self._flags = self._snapshot() if recorder.wants(Kind.FLAG) else None
+        self._flags = self._snapshot(clock.cycle_at(kernel.now)) if recorder.wants(Kind.FLAG) else None
 
     # Inputs ------------------------------------------------------------------
 
@@ -179,19 +179,23 @@ class Socket:
 
     # Records -----------------------------------------------------------------
 
-    def _snapshot(self) -> list[int]:
-        return [self.chip.peek(0, r.offset) for r in self.chip.MAP]
+    def _snapshot(self, cycle: int) -> list[int]:
+        """All registers as a debugger reads them; looking is not depending on them."""
+        chip = self.chip
+        touched = frozenset(chip.touched)
+        values = [chip.peek(cycle, r.offset) for r in chip.MAP]
+        chip.touched.intersection_update(touched)
+        return values
 
     def _record_flags(self, cycle: int) -> None:
         assert self._flags is not None
         tick = self._clock.tick(cycle)
         if self._recorder.cause:
             self._last_cause = self._recorder.cause
-        for i, register in enumerate(self.chip.MAP):
-            value = self.chip.peek(cycle, register.offset)
-            changed = value ^ self._flags[i]
+        before, self._flags = self._flags, self._snapshot(cycle)
+        for was, value, register in zip(before, self._flags, self.chip.MAP, strict=True):
+            changed = value ^ was
             if changed:
-                self._flags[i] = value
                 for f in register.fields:
                     if changed & f.mask:
                         self._recorder.emit(tick, Kind.FLAG, self.name, f"{register.name}.{f.name}", f.of(value))

@@ -56,7 +56,15 @@ def read(path: Path, rate: Fraction | None = None) -> Capture:
     try:
         with zipfile.ZipFile(path) as archive:
             return _read(path, archive, rate)
-    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, OSError) as error:
+    except (
+        zipfile.BadZipFile,
+        zlib.error,
+        EOFError,
+        NotImplementedError,
+        RuntimeError,
+        OSError,
+        UnicodeDecodeError,
+    ) as error:
         found = f"a broken zip ({str(error) or type(error).__name__})"
         raise BadCapture(path, "the archive", found, "a whole sigrok session", "copy or save it again") from error
 

@@ -52,10 +52,8 @@ def shown(rounds: list[str]) -> str:
 
 
 def table() -> str:
-    lines = [
-        "| `dxr_to_xsr_copy_point` | with the wait, repeated START | without, repeated START | with, STOP | without, STOP |",
-        "|---|---|---|---|---|",
-    ]
+    heads = ("with the wait, repeated START", "without, repeated START", "with, STOP", "without, STOP")
+    lines = [f"| `dxr_to_xsr_copy_point` | {' | '.join(heads)} |", "|---|---|---|---|---|"]
     for point in POINTS:
         cells = [
             shown(read(point, wait=wait, pointer_by=by)) for by in ("repeated START", "STOP") for wait in (True, False)

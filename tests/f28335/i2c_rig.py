@@ -330,7 +330,7 @@ def addressed(read: int = 0, *, mode: int = 0, first: int | None = None, **optio
 
     first: written to I2CDXR in the first half of the acknowledge slot, so that there is no underflow.
     """
-    rig = Rig(**options)
+    rig = Rig(bit=BIT, **options)
     rig.begin(mode)
     rig.start()
     rig.send_bits(OWN << 1 | read)

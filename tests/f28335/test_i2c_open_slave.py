@@ -150,7 +150,7 @@ def test_open_dxr_to_xsr_copy_point_inside_the_ack_slot(point):
     rig.wait(BIT // 4)
     rig.write("I2CDXR", 0x22)
     rig.fall()
-    first = 0x11 if point in ("ack_rise9", "eager") else 0x22
+    first = 0x11 if point in ("ack_rise9", "eager", "eager_reloaded_at_address") else 0x22
     assert rig.take(ack=first == 0x11) == first
     if first == 0x11:
         assert rig.take(ack=False) == 0x22

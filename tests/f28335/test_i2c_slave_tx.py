@@ -146,7 +146,7 @@ def test_bcm_1_requests_exceed_bytes_by_one_and_the_surplus_byte_stays():
     surplus = iter((0x11, 0x22, 0x33, 0x44, 0x55))
     requests = 0
 
-    def serve():
+    def serve() -> None:
         nonlocal requests
         rig.wait(20)
         assert rig.flag(XSMT)

@@ -39,6 +39,7 @@ from ..f28335.system_options import SystemOptions
 from ..lines.i2c_controller import BusTiming, I2cController, Transfer
 from ..lines.uart_peer import UartPeer
 from ..timing.budgets import BadBudget, Limit, Verdict
+from ..timing.measures import WrongBytes
 from .dsp import MODULES, PIN_OF, Dsp, DspPlan
 
 T = TypeVar("T")
@@ -65,6 +66,7 @@ class Result:
     notes: list[str]
     stuck: list[str]
     wrong: dict[str, int] = field(default_factory=dict)
+    first_wrong: str = ""
 
 
 class Scene:
@@ -311,8 +313,10 @@ class Scene:
         counts["polls_skipped"] = sum(dsp.cpu.polls_skipped for dsp in self.units.values())
         counts["resets"] = sum(dsp.resets for dsp in self.units.values())
         wrong: dict[str, int] = {}
+        first_wrong = ""
         for limit in self.limits:
-            wrong |= getattr(limit.measure, "where", {})
+            if isinstance(limit.measure, WrongBytes):
+                wrong, first_wrong = limit.measure.where, limit.measure.first
         return Result(
             case=self.case.name,
             verdict="fail" if failed else "pass",
@@ -328,6 +332,7 @@ class Scene:
             notes=self._notes(),
             stuck=stuck,
             wrong=wrong,
+            first_wrong=first_wrong,
         )
 
     def _notes(self) -> list[str]:

@@ -24,6 +24,8 @@ def show(console: Console, result: Result) -> None:
         f"{result.wire_bytes} I2C bytes, {result.sci_bytes} SCI bytes, {result.events} events\n{counts}",
         highlight=False,
     )
+    if result.first_wrong:
+        console.print(f"first wrong: {result.first_wrong}", highlight=False)
     for place, times in list(result.wrong.items())[:12]:
         console.print(f"wrong: {place}, {times} times", highlight=False)
     for line in result.stuck:

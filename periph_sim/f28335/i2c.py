@@ -35,6 +35,7 @@ from .i2c_map import (
     MDR_XA,
     SCL,
     SDA,
+    STR_RRDY,
     STR_SDIR,
     STR_XRDY,
 )
@@ -431,6 +432,8 @@ class I2c:
 
     def _write_str(self, now: int, value: int) -> None:
         state = self.state
+        if value & state.str & STR_RRDY:
+            state.rrdy_cleared()
         state.str, _ = I2CSTR.write(state.str, value)
         if value & state.str & STR_XRDY:
             self.touched.add("xrdy_w1c")
@@ -490,7 +493,6 @@ class I2c:
         self.master.reset()
         self._frozen_pull = 0
         self.target.muted = False
-        self.state.mdr &= ~(MDR_STT | MDR_STP)
         self.state.irs_reset(now)
 
     # Clock, debugger, reset ----------------------------------------------------------------

@@ -77,6 +77,9 @@ class I2cOptions:
         "stretch_after_second_byte", "nack", "overwrite", question="A slave-receiver's second unread byte."
     )
     rsfull_stretch_point: str = choice("after_fall9", "before_ack", question="Where that stretch begins.")
+    rrdy_clear_reads_drr: bool = choice(
+        True, False, question="Is I2CDRR read for the overrun logic once RRDY was cleared by writing 1?"
+    )
     mr_nack_at_count0: str = choice(
         "always", "only_with_stp", question="Is a master-receiver's last byte answered NACK with STP = 0 too?"
     )
@@ -106,6 +109,7 @@ class I2cOptions:
     int_priority: str = choice("ascending", "descending", question="Which code goes first.")
     isrc_preempt: str = choice("highest", "first_come", question="May a later event of higher rank replace a code?")
     isrc_follows_flag: str = choice("stays", "vanishes", question="A code whose flag is cleared otherwise.")
+    irs_clears_commands: bool = choice(True, False, question="Does IRS = 0 clear STT, STP and NACKMOD?")
     irs_clears_isrc: bool = choice(True, False, question="Does IRS = 0 clear INTCODE?")
 
     # Master

@@ -7,7 +7,6 @@ Knows no edge: the bit engines (`i2c_target`, `i2c_master`) say what happened an
 so could a coarser line side. Source: SPRUG03B sections 3 (interrupts), 4 (reset), 5.
 
 Chosen:
-- "I2CDRR is unread" and RRDY are one thing: clearing RRDY by hand counts as having read.
 - A request dropped before its code was loaded (its flag was cleared) is forgotten.
 - In FIFO mode XRDY says that the TX FIFO has room, RRDY that the RX FIFO holds something.
 """
@@ -21,6 +20,8 @@ from .i2c_map import (
     MDR_BC,
     MDR_IRS,
     MDR_NACKMOD,
+    MDR_STP,
+    MDR_STT,
     MDR_TRX,
     STR_AAS,
     STR_NACK,
@@ -41,6 +42,7 @@ FFIENA = I2CFFTX["TXFFIENA"].mask
 FFIL = I2CFFTX["TXFFIL"].mask
 
 DEPTH = 16
+COMMANDS = MDR_STT | MDR_STP | MDR_NACKMOD
 SRC_AL, SRC_NACK, SRC_ARDY, SRC_RRDY, SRC_XRDY, SRC_SCD, SRC_AAS = (1 << n for n in range(7))
 CODE_CLEARS = {1: SRC_AL, 2: SRC_NACK, 6: SRC_SCD}  # I2CISRC code -> flag that its read clears (Table 11)
 INT1, INT2 = 1, 2
@@ -68,6 +70,7 @@ class I2cState:
         self.tm = 1  # module clock in cycles, as taken over when IRS last rose
         self.dxr = self.xsr = self.drr = self.rsr = 0
         self.dxr_full = self.xsr_full = False
+        self.drr_unread = False
         self.dxr_behind: list[int] = []  # bytes written behind a full I2CDXR (dxr_write_while_full)
         self.fftx = self.ffrx = 0
         self.tx_fifo = Fifo(DEPTH)
@@ -190,7 +193,11 @@ class I2cState:
         self.code_at = NEVER
         self._pending = 0
         self._active = self.sources() if self.mdr & MDR_IRS else 0
-        self.mdr &= ~MDR_NACKMOD
+        self.drr_unread = False
+        if self.mdr & COMMANDS:
+            self.touched.add("irs_clears_commands")
+            if self.options.irs_clears_commands:
+                self.mdr &= ~COMMANDS
         if self.tx_fifo or self.rx_fifo:
             self.touched.add("irs_clears_fifo")
             if self.options.irs_clears_fifo:
@@ -279,7 +286,7 @@ class I2cState:
         if self.fifo:
             room = DEPTH + (1 if self._extra_stage else 0)
             return len(self.rx_fifo) >= room if self.ffrx & FFRST else False
-        return bool(self.str & STR_RRDY)
+        return self.drr_unread
 
     def received(self, now: int, value: int) -> None:
         """I2CRSR is copied to I2CDRR, or to the RX FIFO."""
@@ -290,6 +297,7 @@ class I2cState:
                 self.set(now, STR_RRDY)
             return
         self.drr = value
+        self.drr_unread = True
         self.set(now, STR_RRDY)
 
     def read_drr(self, now: int) -> int:
@@ -300,9 +308,16 @@ class I2cState:
                     self.str &= ~STR_RRDY
                 self.fifo_levels(now)
         else:
+            self.drr_unread = False
             self.str &= ~STR_RRDY
         self.update(now)
         return self.drr
+
+    def rrdy_cleared(self) -> None:
+        """RRDY was cleared by writing 1 to it."""
+        self.touched.add("rrdy_clear_reads_drr")
+        if self.options.rrdy_clear_reads_drr:
+            self.drr_unread = False
 
     # FIFO registers ----------------------------------------------------------------
 

@@ -493,10 +493,10 @@ class I2cTarget:
         if state.bcm:
             if first:
                 state.touched.add("stretch_after_address_ack")
-            if first and not options.stretch_after_address_ack:
-                self._send(now)
-                return
-            if options.tx_underflow_policy != "stretch":
+                if not options.stretch_after_address_ack:
+                    self._send(now)
+                    return
+            elif options.tx_underflow_policy != "stretch":
                 if options.tx_underflow_policy == "send_ones":
                     state.xsr = ONES
                 self._send(now)

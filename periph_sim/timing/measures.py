@@ -72,14 +72,15 @@ class Measure:
 
 
 class Counter(Measure):
-    """Counts something: worst is how many there were, worst_at when the last one was. Zero is a value."""
+    """Counts something: worst is how many there were, worst_at when the first one was. Zero is a value."""
 
     unit = "count"
 
     def one_more(self, at: int, by: int = 1) -> None:
+        if not self.count:
+            self.worst_at = self.least_at = at
         self.count += by
         self.worst = self.least = self.count
-        self.worst_at = self.least_at = at
 
 
 class SpanTime(Measure):
@@ -182,6 +183,7 @@ class WrongBytes(Measure):
         self._chips = {chip.address: chip for chip in CHIPS.values()} if scene.checks_host() else {}
         self._recent: OrderedDict[int, tuple[int, ...]] = OrderedDict({-1: (0,) * 6})
         self.where: dict[str, int] = {}  # "gyroscope byte 0" -> how often it was wrong
+        self.first = ""  # the first wrong read, as a sentence
         scene.listen_transfers(self._transfer)
         scene.listen_frames(self._frame)
 
@@ -197,8 +199,10 @@ class WrongBytes(Measure):
                 wrong = [i for i, (a, b) in enumerate(zip(phase.got, wanted, strict=False)) if a != b]
                 self.count += min(len(phase.got), len(wanted))
                 if wrong:
+                    if not self.worst:
+                        self.worst_at = self.least_at = phase.start_at
+                        self.first = f"{transfer.name} read {phase.got.hex(' ')} where {wanted.hex(' ')} was expected"
                     self.worst = self.least = self.worst + len(wrong)
-                    self.worst_at = self.least_at = phase.start_at
                 for i in wrong:
                     place = f"{transfer.name} byte {i}"
                     self.where[place] = self.where.get(place, 0) + 1

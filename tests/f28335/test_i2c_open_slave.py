@@ -33,6 +33,7 @@ from .i2c_rig import (
     RSFULL,
     SCD,
     SDIR,
+    STP,
     TRX,
     XRDY,
     XSMT,
@@ -927,3 +928,27 @@ def test_open_irs_clears_fifo(clears):
     if clears:
         assert left[0] == 0
     assert "irs_clears_fifo" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-101", "I2C-210", "I2C-241")
+@pytest.mark.parametrize("read", [True, False])
+def test_open_rrdy_clear_reads_drr(read):
+    """RRDY is cleared by writing 1, I2CDRR is not read; the next byte finds it free, or occupied."""
+    rig = addressed(rrdy_clear_reads_drr=read)
+    rig.send(0x11)
+    rig.write("I2CSTR", RRDY)
+    assert rig.flag(RRDY) == 0
+    rig.send_bits(0x22)
+    assert (rig.flag(RSFULL), rig.flag(RRDY)) == ((0, 1) if read else (1, 0))
+    assert rig.peek("I2CDRR") == (0x22 if read else 0x11)
+    assert "rrdy_clear_reads_drr" in rig.chip.touched
+
+
+@pytest.mark.rule("I2C-033", "I2C-034")
+@pytest.mark.parametrize("cleared", [True, False])
+def test_open_irs_clears_commands(cleared):
+    rig = addressed(irs_clears_commands=cleared)
+    rig.write("I2CMDR", IRS | NACKMOD | STP)
+    rig.write("I2CMDR", NACKMOD | STP)  # IRS = 0
+    assert rig.peek("I2CMDR") & (NACKMOD | STP) == (0 if cleared else NACKMOD | STP)
+    assert "irs_clears_commands" in rig.chip.touched

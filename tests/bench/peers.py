@@ -1,0 +1,118 @@
+"""What others need for like work, on this machine, in this hour: a heap, SimPy, cocotb with Icarus Verilog.
+
+Each function gives a `Rate`, or a sentence that says why it could not be measured.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import shutil
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from heapq import heappop, heappush
+from pathlib import Path
+
+from .timed import Seconds, median_of, middle
+
+REPEATS = 5
+PENDING = 8  # promises that wait at a time; the sensor-head scene has about as many
+GET_THEM = "pip install -e '.[bench]'"
+
+# Open drain: whoever writes 0 pulls, whoever writes 1 lets go; tri1 is the pull-up.
+BUS = """\
+`timescale 1ns / 1ns
+module bus;
+    reg master_sda = 1, master_scl = 1, memory_sda = 1, memory_scl = 1;
+    tri1 sda, scl;
+    assign sda = master_sda ? 1'bz : 1'b0;
+    assign sda = memory_sda ? 1'bz : 1'b0;
+    assign scl = master_scl ? 1'bz : 1'b0;
+    assign scl = memory_scl ? 1'bz : 1'b0;
+endmodule
+"""
+
+
+@dataclass(frozen=True)
+class Rate:
+    """count things (events, bytes) in a median time."""
+
+    count: int
+    time: Seconds
+
+    @property
+    def per_second(self) -> float:
+        return self.count / self.time.wall
+
+
+def heap(count: int = 1_000_000) -> Rate:
+    """heapq alone, pushing and popping what a kernel would, with nothing done between: the floor of any event loop."""
+
+    def run() -> None:
+        queue = [(time, time, None) for time in range(PENDING)]
+        for number in range(PENDING, PENDING + count):
+            time, _, _ = heappop(queue)
+            heappush(queue, (time + PENDING, number, None))
+
+    return Rate(count, median_of(REPEATS, run)[1])
+
+
+def simpy_timeouts(count: int = 200_000) -> Rate | str:
+    """SimPy processes that do nothing but wait for a timeout again and again."""
+    if importlib.util.find_spec("simpy") is None:
+        return f"simpy is not installed; {GET_THEM}"
+    import simpy
+
+    def waiter(env: simpy.Environment) -> Iterator[simpy.Event]:
+        for _ in range(count // PENDING):
+            yield env.timeout(PENDING)
+
+    def run() -> None:
+        env = simpy.Environment()
+        for _ in range(PENDING):
+            env.process(waiter(env))
+        env.run()
+
+    return Rate(count, median_of(REPEATS, run)[1])
+
+
+def cocotb_i2c(rounds: int = 30) -> Rate | str:
+    """cocotbext-i2c's master and memory on a Verilog bus: bytes on the wire in the time of the simulation alone."""
+    absent = [name for name in ("cocotb", "cocotbext.i2c") if not installed(name)]
+    absent += [program for program in ("iverilog", "vvp") if shutil.which(program) is None]
+    if absent:
+        return f"not installed: {', '.join(absent)}; {GET_THEM}, and Icarus Verilog from the system's packages"
+    from cocotb_tools.runner import get_runner
+
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        source, log, answer = folder / "bus.v", folder / "log.txt", folder / "result.json"
+        source.write_text(BUS)
+        runner = get_runner("icarus")
+        found = []
+        try:
+            build = folder / "build"
+            runner.build(sources=[source], hdl_toplevel="bus", build_dir=build, log_file=folder / "build.txt")
+            for _ in range(REPEATS):
+                answer.unlink(missing_ok=True)
+                runner.test(
+                    test_module="tests.bench.cocotb_i2c",
+                    hdl_toplevel="bus",
+                    build_dir=build,
+                    test_dir=folder,
+                    extra_env={"BENCH_ROUNDS": str(rounds), "BENCH_RESULT": str(answer)},
+                    log_file=log,
+                )
+                found.append(json.loads(answer.read_text()))
+        except (Exception, SystemExit) as error:  # the runner leaves by SystemExit when a tool fails
+            last = log.read_text().splitlines()[-3:] if log.exists() else []
+            return f"did not run ({type(error).__name__}: {error}) {' '.join(last)}".strip()
+    return Rate(found[0]["wire_bytes"], middle([Seconds(run["wall"], run["cpu"]) for run in found]))
+
+
+def installed(module: str) -> bool:
+    try:
+        return importlib.util.find_spec(module) is not None
+    except ModuleNotFoundError:  # the package around it is absent
+        return False

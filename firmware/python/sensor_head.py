@@ -88,7 +88,8 @@ class Head:
             while self.due == done:
                 dsp.cpu.idle()
             done = self.due
-            self.rounds.append({chip: self.read(chip, CHIPS[chip]) for chip in settings.order})
+            with dsp.span("round"):
+                self.rounds.append({chip: self.read(chip, CHIPS[chip]) for chip in settings.order})
 
 
 def main(dsp: Dsp, settings: Settings) -> None:

@@ -10,7 +10,8 @@ System control, PIE and the CPU's interrupt logic belong to every unit.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
@@ -151,6 +152,15 @@ class Dsp:
         """Work that takes `cost`: a whole number of cycles, or seconds (rounded up to a cycle)."""
         cycles = cost if isinstance(cost, int) else -int(-cost * self._nominal_hz() // 1)
         self.cpu.compute(cycles, name)
+
+    @contextmanager
+    def span(self, name: str) -> Iterator[None]:
+        """A named stretch of firmware, for budgets and recordings; costs no cycles."""
+        self.cpu.mark_span(name, 1)
+        try:
+            yield
+        finally:
+            self.cpu.mark_span(name, 0)
 
     def set_pin(self, pin: int) -> None:
         """GPxSET = bit: one whole-register write. Nothing where the scene has no GPIO."""

@@ -41,6 +41,7 @@ from ..lines.uart_peer import UartPeer
 from ..timing.budgets import BadBudget, Limit, Verdict
 from ..timing.measures import WrongBytes
 from .dsp import MODULES, PIN_OF, Dsp, DspPlan
+from .stuck import hopeless
 
 T = TypeVar("T")
 
@@ -90,6 +91,7 @@ class Scene:
         self.wire_bytes = 0
         self.nacked = 0
         self.stuck_lines: list[str] = []
+        self._stuck_after_rounds = -1  # how many rounds were over when a line was last reported stuck
         self._stuck_told: list[Callable[[int], None]] = []
         for name, unit in case.unit.items():
             self.units[name] = self._build_unit(name, unit)
@@ -260,6 +262,8 @@ class Scene:
         at = self.timebase.show(self.kernel.now - self.start)
         doing = "; ".join(f"{name} {self.doing(dsp)}" for name, dsp in self.units.items())
         self.stuck_lines.append(f"{wire.name} is held low by {who} at {at}: {doing}")
+        if self.head is not None:
+            self._stuck_after_rounds = self.head.rounds
         for told in self._stuck_told:
             told(self.kernel.now)
 
@@ -271,7 +275,7 @@ class Scene:
             return "has returned from main"
         spin = dsp.cpu.spin_now
         if spin is None:
-            return "computes"
+            return "waits in IDLE for an interrupt" if dsp.core.idlestat else "computes"
         since = self.timebase.show(dsp.clock.tick(spin.since) - self.start)
         return f"waits for {spin.waits_for()} since {since}"
 
@@ -291,19 +295,30 @@ class Scene:
         return self._result(length, wall)
 
     def deadlocks(self) -> list[str]:
-        """Firmware that waits for what cannot happen: nothing is left that could act."""
+        """Firmware that waits for what cannot come, a sentence each: for what, since when, why it cannot."""
+        told = []
+        for name, dsp in self.units.items():
+            why = hopeless(dsp, self._may_move)
+            if why:
+                told.append(f"{name} {self.doing(dsp)} and would for ever: {why}")
+        return told
+
+    def _may_move(self, wire: Wire, parties: list[str]) -> bool:
+        """Whether one of these parties has something left to do, or an agent among them has done all it was to do."""
         if self.kernel.next_time() < NEVER:
-            return []
-        return [
-            f"{name} {self.doing(dsp)} and would for ever: no event is left in the scene that could change it"
-            for name, dsp in self.units.items()
-            if dsp.cpu.spin_now is not None
-        ]
+            return True
+        asking = self.head is not None and not self.head.at_rest
+        return any(who.partition(".")[0] not in self.units and not (asking and who == "controller") for who in parties)
+
+    def hangs(self) -> bool:
+        """A line that was reported stuck still keeps the controller from ending its transfer."""
+        return self.head is not None and not self.head.at_rest and self.head.rounds == self._stuck_after_rounds
 
     def _result(self, length: int, wall: float) -> Result:
         verdicts = [limit.verdict() for limit in self.limits]
-        stuck = [*self.stuck_lines[:10], *self.deadlocks()]
-        failed = any(v.verdict == "fail" for v in verdicts) or bool(self.deadlocks())
+        deadlocks = self.deadlocks()
+        stuck = [*self.stuck_lines[:10], *deadlocks]
+        failed = any(v.verdict == "fail" for v in verdicts) or bool(deadlocks) or self.hangs()
         counts = {"rounds": 0, "missed": 0, "nacked": self.nacked, "frames": 0, "stuck": len(self.stuck_lines)}
         if self.head is not None:
             counts |= {"rounds": self.head.rounds, "missed": self.head.missed}

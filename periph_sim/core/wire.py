@@ -41,6 +41,10 @@ class Wire:
         """`watcher(tick, level)` on every change that outlasts the event that made it."""
         self._watchers.append(watcher)
 
+    def parties(self) -> list[str]:
+        """Who has a hold on the line, pulling or not."""
+        return list(self._pins)
+
     def held_by(self) -> list[str]:
         """Who pulls the line low now: what a person asks first of a stuck bus."""
         return [who for i, who in enumerate(self._pins) if self._pulling >> i & 1]

@@ -119,6 +119,11 @@ class SensorHead:
         self._left: list[Transfer] = []
         self._plan()
 
+    @property
+    def at_rest(self) -> bool:
+        """No round is under way."""
+        return self._round is None
+
     def _plan(self) -> None:
         schedule = self._schedule
         if schedule.rounds is None or self._number < schedule.rounds:

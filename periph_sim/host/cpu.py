@@ -212,6 +212,11 @@ class Cpu:
         assert self._greenlet is not None
         self._greenlet.switch()
 
+    @property
+    def sleeps_in_spin(self) -> bool:
+        """A spin is being skipped: it goes on when a register that it reads changes, or an interrupt is due."""
+        return self.spin_now is not None and self._interruptible and not self._wake
+
     def _sleep(self) -> None:
         """Give way to the kernel; returns when `_resume` runs."""
         assert self._hub is not None, "firmware calls the CPU only from inside a run"
@@ -241,8 +246,8 @@ class Cpu:
 
     def compute(self, cycles: int, name: str = "") -> None:
         """A stretch of single-cycle instructions; interrupts cut in at any of them. A name makes it a span."""
-        if name and self._records_span:
-            self._recorder.emit(self._clock.tick(self.cycle), Kind.SPAN, self.name, name, 1)
+        if name:
+            self.mark_span(name, 1)
         left = cycles
         self.busy_cycles += cycles
         while left > 0:
@@ -251,8 +256,13 @@ class Cpu:
             left -= self.cycle - began
             if self.core.ifr or self.core.next_wake <= self.cycle:
                 self._serve()
-        if name and self._records_span:
-            self._recorder.emit(self._clock.tick(self.cycle), Kind.SPAN, self.name, name, 0)
+        if name:
+            self.mark_span(name, 0)
+
+    def mark_span(self, name: str, begins: int) -> None:
+        """Record that a named stretch of firmware begins (1) or ends (0) at this cycle."""
+        if self._records_span:
+            self._recorder.emit(self._clock.tick(self.cycle), Kind.SPAN, self.name, name, begins)
 
     def idle(self) -> None:
         """IDLE: nothing until an interrupt that IER enables; with INTM = 0 it is served first."""

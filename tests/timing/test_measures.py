@@ -173,7 +173,7 @@ def test_a_byte_that_is_not_in_its_frame_is_counted_and_named():
     data[0] ^= 0x10
     told.transfer(read(GYRO, bytes(data), at=300))
     told.transfer(read(GYRO, bytes(data), at=700))
-    assert told.came() == (2, 700, 2, 12)
+    assert told.came() == (2, 300, 2, 12)
     assert isinstance(told.measure, WrongBytes) and told.measure.where == {"chip byte 0": 2}
 
 

@@ -1,0 +1,70 @@
+"""Firmware that waits for what cannot come: a unit's wait goes in, the reason why it is hopeless, or none, comes out.
+
+    registers that the wait reads <-- what their modules have due by themselves
+                                  <-- wires, moved by other parties
+                                  <-- service routines, if interrupts are on: then every module counts
+
+An agent whose schedule is over could have gone on: who waits for more of it is idle, not stuck.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ..core.chip import NEVER
+from ..core.wire import Wire
+from ..host.cpu import Spin
+from .dsp import PIN_OF, Dsp
+
+INPUTS = {
+    "I2C-A": ("SDAA", "SCLA"),
+    "SCI-A": ("SCIRXDA",),
+    "SCI-B": ("SCIRXDB",),
+    "SCI-C": ("SCIRXDC",),
+    "TIMER0": (),
+    "TIMER1": (),
+    "TIMER2": (),
+    "SYS": (),
+}
+
+
+def hopeless(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool]) -> str:
+    """Why the wait that `dsp` is in cannot end, as a clause; empty if it can, or if it is in none.
+
+    may_move: whether the named parties, who are not of this unit, may ever move the wire.
+    """
+    spin = dsp.cpu.spin_now
+    if spin is None or not dsp.cpu.sleeps_in_spin:
+        return ""
+    modules = what_bears_on(dsp, spin)
+    wires = {wire.name: wire for module in modules for wire in wires_into(dsp, module)}
+    for wire in wires.values():
+        others = [who for who in wire.parties() if not who.startswith(f"{dsp.name}.")]
+        if others and may_move(wire, others):
+            return ""
+    if any(dsp.socket(module).chip.next_wake < NEVER for module in modules) or dsp.core.next_wake < NEVER:
+        return ""
+    due = f"{' and '.join(modules)} {'has' if len(modules) == 1 else 'have'} nothing due"
+    moved = f"nobody will move {' or '.join(wires)}" if wires else "no wire leads there"
+    return f"{due} and {moved}"
+
+
+def what_bears_on(dsp: Dsp, spin: Spin) -> list[str]:
+    """Modules on which the end of a wait depends."""
+    takes_interrupts = dsp.core.ier and not dsp.core.intm
+    read = list(dict.fromkeys(poll.place.name for poll in spin.polls))
+    if takes_interrupts or "PIE" in read:
+        return list(dsp.sockets)
+    return read
+
+
+def wires_into(dsp: Dsp, module: str) -> list[Wire]:
+    """Wires that a module may see: those of its usual pins, and all whose pins are of no module in particular."""
+    wires = dsp.plan.wires
+    if module not in INPUTS:
+        return list(wires.values())
+    if not INPUTS[module]:
+        return []
+    others = {PIN_OF[signal] for name, signals in INPUTS.items() if name != module for signal in signals}
+    outputs = {PIN_OF[signal] for signal in PIN_OF if signal.startswith("SCITXD")}
+    return [wire for pin, wire in wires.items() if pin not in others | outputs]

@@ -1,0 +1,23 @@
+"""docs/fidelity.md names tests: each file and each function must be there."""
+
+from __future__ import annotations
+
+import re
+
+from tests.docs.pages import ROOT
+
+PAGE = (ROOT / "docs" / "fidelity.md").read_text(encoding="utf-8")
+
+
+def test_every_test_file_that_the_page_names_is_there():
+    named = re.findall(r"`(tests/[\w/.]+)`", PAGE)
+    assert len(named) > 10
+    assert [path for path in named if not (ROOT / path).exists()] == []
+
+
+def test_every_test_that_the_page_names_is_there():
+    sources = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "tests").rglob("test_*.py"))
+    files = {path.name for path in (ROOT / "tests").rglob("test_*.py")}
+    named = [name for name in re.findall(r"`(test_\w+(?:\.py)?)`", PAGE) if name not in files]
+    assert len(named) >= 2
+    assert [name for name in named if f"def {name}(" not in sources] == []

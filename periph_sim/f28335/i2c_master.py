@@ -91,6 +91,7 @@ class I2cMaster:
         self._holds = ""  # why SCL is held low: command, data, room
         self._rsr_waits = False
         self._stopping = False
+        self._condition_sda = 1  # SDA while SCL rises for a STOP (0) or repeated START (1)
         self._own_restart = False
         self._restart_next: list[int] = []  # addresses for a repeated START made by itself
         self._data_bytes = 0
@@ -622,8 +623,6 @@ class I2cMaster:
         self._after_high = then
         self._condition_sda = sda
         self._at(max(now, self._low_from + self.state.tm), self._condition_low)
-
-    _condition_sda = 1
 
     def _condition_low(self, now: int) -> None:
         self._drive(self._condition_sda)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
@@ -10,15 +11,16 @@ from ..timing.budgets import Verdict
 
 
 def show(console: Console, result: Result) -> None:
-    table = Table(title=f"{result.case}: {result.verdict.upper()}", title_justify="left", title_style="bold")
+    title = f"{result.case}: {result.verdict.upper()}"
+    table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD)
     table.add_column("budget")
     for name in ("worst", "limit", "margin", "count", "at"):
-        table.add_column(name, justify="right")
-    table.add_column("")
+        table.add_column(name, justify="right", no_wrap=True)
+    table.add_column("", no_wrap=True)
     for verdict in result.budgets:
         table.add_row(*row(verdict), style="red" if verdict.verdict == "fail" else "")
     console.print(table)
-    counts = ", ".join(f"{value} {name.replace('_', ' ')}" for name, value in result.counts.items())
+    counts = ", ".join(f"{value} {name.replace('_', ' ')}" for name, value in result.counts.items() if value)
     console.print(
         f"{result.simulated_s:g} s simulated at {result.fidelity} fidelity; "
         f"{result.wire_bytes} I2C bytes, {result.sci_bytes} SCI bytes, {result.events} events\n{counts}",
@@ -40,7 +42,9 @@ def row(verdict: Verdict) -> tuple[str, ...]:
     def shown(value: float | int | None) -> str:
         if value is None:
             return "-"
-        return f"{value:.3f} us" if verdict.unit == "us" else f"{value}"
+        if verdict.unit != "us":
+            return f"{value}"
+        return f"{value:.3f} us" if abs(value) < 1000 else f"{value / 1000:.3f} ms"
 
     at = "-" if verdict.at_s is None else f"{verdict.at_s:.6f} s"
     return (

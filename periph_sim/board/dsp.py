@@ -115,6 +115,9 @@ class Dsp:
             strict=plan.strict,
         )
         self.router = self._route(plan)
+        cycle = self.clock.cycle_at(kernel.now)
+        for socket in self._sockets.values():
+            socket.publish(cycle)  # what a chip has due from the first cycle on: the watchdog, if boot left it on
 
     # The firmware's view -------------------------------------------------------
 

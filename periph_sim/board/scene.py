@@ -91,7 +91,8 @@ class Scene:
         self.wire_bytes = 0
         self.nacked = 0
         self.stuck_lines: list[str] = []
-        self._stuck_after_rounds = -1  # how many rounds were over when a line was last reported stuck
+        self._stuck_wire: Wire | None = None  # the line last reported stuck, and how many rounds were over then
+        self._stuck_after_rounds = 0
         self._stuck_told: list[Callable[[int], None]] = []
         for name, unit in case.unit.items():
             self.units[name] = self._build_unit(name, unit)
@@ -263,7 +264,7 @@ class Scene:
         doing = "; ".join(f"{name} {self.doing(dsp)}" for name, dsp in self.units.items())
         self.stuck_lines.append(f"{wire.name} is held low by {who} at {at}: {doing}")
         if self.head is not None:
-            self._stuck_after_rounds = self.head.rounds
+            self._stuck_wire, self._stuck_after_rounds = wire, self.head.rounds
         for told in self._stuck_told:
             told(self.kernel.now)
 
@@ -311,11 +312,14 @@ class Scene:
         return any(who.partition(".")[0] not in self.units and not (asking and who == "controller") for who in parties)
 
     def hangs(self) -> bool:
-        """A line that was reported stuck still keeps the controller from ending its transfer."""
-        return self.head is not None and not self.head.at_rest and self.head.rounds == self._stuck_after_rounds
+        """A line that was reported stuck is still held by somebody else than the controller, in the same round."""
+        wire, head = self._stuck_wire, self.head
+        if wire is None or head is None or head.at_rest or head.rounds != self._stuck_after_rounds:
+            return False
+        return any(who != head.who for who in wire.held_by())
 
     def _result(self, length: int, wall: float) -> Result:
-        verdicts = [limit.verdict() for limit in self.limits]
+        verdicts = [limit.verdict(self.start) for limit in self.limits]
         deadlocks = self.deadlocks()
         stuck = [*self.stuck_lines[:10], *deadlocks]
         failed = any(v.verdict == "fail" for v in verdicts) or bool(deadlocks) or self.hangs()

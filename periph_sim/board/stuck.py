@@ -1,7 +1,7 @@
 """Firmware that waits for what cannot come: a unit's wait goes in, the reason why it is hopeless, or none, comes out.
 
-    registers that the wait reads <-- what their modules have due by themselves
-                                  <-- wires, moved by other parties
+    registers that the wait reads <-- their modules, if they have a clock: what they have due by themselves,
+                                      and wires, moved by other parties
                                   <-- service routines, if interrupts are on: then every module counts
 
 An agent whose schedule is over could have gone on: who waits for more of it is idle, not stuck.
@@ -13,6 +13,9 @@ from collections.abc import Callable
 
 from ..core.chip import NEVER
 from ..core.wire import Wire
+from ..f28335.cpu_timer import CpuTimer
+from ..f28335.i2c import I2c
+from ..f28335.sci import Sci
 from ..host.cpu import Spin
 from .dsp import PIN_OF, Dsp
 
@@ -36,7 +39,9 @@ def hopeless(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool]) -> str:
     spin = dsp.cpu.spin_now
     if spin is None or not dsp.cpu.sleeps_in_spin:
         return ""
-    modules = what_bears_on(dsp, spin)
+    modules = [module for module in what_bears_on(dsp, spin) if has_clock(dsp, module)]
+    if not modules:
+        return f"PCLKCR gives {' and '.join(dict.fromkeys(poll.place.name for poll in spin.polls))} no clock"
     wires = {wire.name: wire for module in modules for wire in wires_into(dsp, module)}
     for wire in wires.values():
         others = [who for who in wire.parties() if not who.startswith(f"{dsp.name}.")]
@@ -56,6 +61,10 @@ def what_bears_on(dsp: Dsp, spin: Spin) -> list[str]:
     if takes_interrupts or "PIE" in read:
         return list(dsp.sockets)
     return read
+
+
+def has_clock(dsp: Dsp, module: str) -> bool:
+    return not isinstance(dsp.socket(module).chip, Sci | I2c | CpuTimer) or dsp.control.enabled(module)
 
 
 def wires_into(dsp: Dsp, module: str) -> list[Wire]:

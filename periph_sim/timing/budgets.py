@@ -22,7 +22,7 @@ class BadBudget(ValueError):
 
 @dataclass
 class Verdict:
-    """worst, limit, margin are in microseconds for times, else plain counts. at_s: when the worst was, in seconds."""
+    """worst, limit, margin: microseconds for times, else plain counts. at_s: when the worst was, from the start on."""
 
     name: str
     measure: str
@@ -65,8 +65,8 @@ class Limit:
             raise BadBudget(f"{given!r}, but {self.budget.measure!r} is {counted}; write a whole number", which)
         return given
 
-    def verdict(self) -> Verdict:
-        """What the run showed. A duration that was never measured is a failure, never a silent pass."""
+    def verdict(self, start: int = 0) -> Verdict:
+        """What a run that began at `start` showed. A duration never measured is a failure, never a silent pass."""
         measure = self.measure
         silent = not measure.count and not isinstance(measure, Counter)
         over = None if self._max is None else self._max - measure.worst
@@ -86,7 +86,7 @@ class Limit:
             margin=None if silent else self._show(margin),
             count=measure.count,
             verdict="fail" if silent or margin < 0 else "pass",
-            at_s=None if silent or at < 0 else float(self._timebase.seconds(at)),
+            at_s=None if silent or at < 0 else float(self._timebase.seconds(at - start)),
             why=self.budget.why,
         )
 

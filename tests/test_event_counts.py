@@ -1,0 +1,149 @@
+"""What a scene costs, in events: counts are the same on every machine, so they guard speed where seconds cannot.
+
+An I2C bit is two events of the controller (SCL let go, SCL falls), an SCI bit none: only its edges are.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+
+from periph_sim.board.scene import Scene
+from periph_sim.case.load import load
+from periph_sim.lines.uart_peer import UartPeer
+from tests.board.runs import TIMING, run_case, run_file
+from tests.board.small import case
+
+BIT_8N1 = 4 * 8 * (40 + 1)  # SYSCLKOUT cycles: LSPCLK is a quarter, BRR 40
+TICKS = 20  # per cycle of 150 MHz
+
+
+def i2c_events(request: dict[str, object], byte: str, modules: tuple[str, ...] = ("I2C-A",)) -> int:
+    """Events of one transfer with a responder that polls and answers with `byte` again and again."""
+    unit = {"firmware": "responder", "modules": modules, "settings": {"replies": [" ".join([byte] * 20)]}}
+    head = {"first": "1 ms", "rounds": 1, "request": [{"address": 0x50, **request}]}
+    ran = run_case(case(unit={"dsp": unit}, controller=head), "0.02")
+    assert ran.result.verdict == "pass" and ran.result.counts["nacked"] == 0
+    return ran.result.events
+
+
+@pytest.mark.parametrize(
+    ("byte", "events"),
+    [
+        # 9 bits of SCL are 18, the controller's ACK begins and ends: 2;
+        # the module three times (first bit, ACK, I2CXSR loaded), the CPU twice (sees XRDY, writes I2CDXR)
+        ("00", 18 + 2 + 3 + 2),
+        ("ff", 18 + 2 + 3 + 2),
+        ("55", 18 + 2 + 3 + 2 + 7),  # and SDA changes seven times between the bits
+        ("0f", 18 + 2 + 3 + 2 + 1),
+    ],
+)
+@pytest.mark.parametrize("count", [2, 5, 16])
+def test_an_i2c_byte_read_costs(byte: str, events: int, count: int):
+    assert i2c_events({"count": count + 1}, byte) - i2c_events({"count": count}, byte) == events
+
+
+@pytest.mark.parametrize(
+    ("byte", "events"),
+    [
+        # 9 bits of SCL are 18; the module gives and ends its ACK: 2; the CPU reads I2CDRR: 1
+        ("ff", 18 + 2 + 1),
+        ("55", 18 + 2 + 1 + 8),  # and the controller changes SDA eight times, the one before the ACK included
+    ],
+)
+@pytest.mark.parametrize("count", [2, 5, 16])
+def test_an_i2c_byte_written_costs(byte: str, events: int, count: int):
+    one_more = i2c_events({"count": 0, "write": " ".join([byte] * (count + 1))}, "00")
+    assert one_more - i2c_events({"count": 0, "write": " ".join([byte] * count)}, "00") == events
+
+
+def sci_events(data: bytes, modules: list[str]) -> int:
+    """Events of a burst at exactly the receiver's rate, each word taken from the FIFO by a polling loop."""
+    scene = Scene(case(unit={"dsp": {"firmware": "uart_logger", "modules": modules}}))
+    peer = UartPeer(scene.kernel, scene.recorder, scene.wire("RX"), Fraction(BIT_8N1 * TICKS))
+    scene.kernel.at(scene.timebase.ticks("1 ms"), lambda: peer.send(data, Fraction(0), lambda tick: None))
+    return scene.run(Fraction(20, 1000)).events
+
+
+@pytest.mark.parametrize(
+    ("byte", "events"),
+    [
+        # start bit falls and a rise ends it: 2 edges; the module wakes once, at the word's end; the CPU once
+        (0x00, 2 + 1 + 1),
+        (0xFF, 2 + 1 + 1),
+        (0x55, 10 + 1 + 1),  # ten bits, each begins with an edge
+        (0x0F, 4 + 1 + 1),
+    ],
+)
+@pytest.mark.parametrize("count", [1, 4, 11])
+@pytest.mark.parametrize("modules", [["SCI-A"], ["SCI-A", "GPIO"]])
+def test_an_sci_byte_costs(byte: int, events: int, count: int, modules: list[str]):
+    assert sci_events(bytes([byte] * (count + 1)), modules) - sci_events(bytes([byte] * count), modules) == events
+
+
+# Time that passes is free --------------------------------------------------------
+
+
+def per_round(name: str, period: str, seconds: str, *changes: str) -> Fraction:
+    both = (f"controller.period={period}", f"host.period={period}")
+    result = run_file(name, seconds, *both, *changes).result
+    assert result.counts["rounds"] == 20
+    return Fraction(result.events, 20)
+
+
+@pytest.mark.parametrize("name", ["imu_hil", "wrong_order", "imu_hil_no_sdir"])
+def test_a_round_every_2_s_costs_what_one_every_20_ms_does(name: str):
+    often, seldom = per_round(name, "20 ms", "0.4"), per_round(name, "2 s", "40")
+    assert abs(seldom - often) <= often / 10
+
+
+def test_an_hour_in_which_nothing_happens_costs_nothing():
+    once = ("controller.rounds=1", "host.frames=1")
+    assert run_file("imu_hil", "3600", *once).result.events == run_file("imu_hil", "0.02", *once).result.events
+
+
+@pytest.mark.parametrize("name", ["imu_hil", "two_dsps"])
+@pytest.mark.parametrize("start", ["30 d", "12345.678 s"])
+def test_a_round_after_30_days_costs_and_measures_what_the_first_did(name: str, start: str):
+    first = run_file(name, "0.2").result
+    late = run_file(name, "0.2", f"start={start}").result
+    assert late.events == first.events
+    assert late.budgets == first.budgets  # worst cases, counts, and when they were, from the start
+    assert late.counts == first.counts
+
+
+# What is not there costs nothing -------------------------------------------------
+
+
+def imu_without(*modules: str) -> Scene:
+    """The emulator with fixed data, no host, and only these modules."""
+    loaded = load(TIMING / "imu_hil_no_sdir.toml")
+    unit = loaded.unit["dsp"].model_copy(update={"modules": modules, "pins": {}})
+    scene = Scene(loaded.model_copy(update={"unit": {"dsp": unit}, "host": None}))
+    scene.run(Fraction(1, 10))
+    return scene
+
+
+def test_without_sci_there_is_no_socket_no_wire_and_no_event_of_it():
+    scene = imu_without("I2C-A")
+    assert set(scene.units["dsp"].sockets) == {"SYS", "PIE", "I2C-A"}
+    assert set(scene.wires) == {"SDA", "SCL"}
+    assert scene.units["dsp"].router is None
+    unused = imu_without("I2C-A", "SCI-A")
+    assert set(unused.wires) == {"SDA", "SCL", "RX", "TX"}
+    assert 0 <= unused.kernel.events - scene.kernel.events < 10  # its set-up alone: nobody sends
+
+
+def test_without_gpio_there_is_no_router_and_no_event_of_it():
+    with_gpio = imu_without("I2C-A", "GPIO")
+    without = imu_without("I2C-A")
+    assert "GPIO" not in without.units["dsp"].sockets and "GPIO" in with_gpio.units["dsp"].sockets
+    assert without.kernel.events < with_gpio.kernel.events
+
+
+def test_a_module_that_is_idle_adds_nothing_to_an_i2c_byte():
+    def cost(*modules: str) -> int:
+        return i2c_events({"count": 9}, "55", modules) - i2c_events({"count": 8}, "55", modules)
+
+    assert cost("I2C-A") == cost("I2C-A", "SCI-A", "SCI-B", "TIMER0", "TIMER1", "XINT")

@@ -8,21 +8,13 @@ It builds only what the case names: no host, no RX wire; no controller, no agent
 
 from __future__ import annotations
 
-import importlib.util
-import inspect
-import sys
 from collections.abc import Callable
-from dataclasses import dataclass, field, is_dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from functools import partial
-from pathlib import Path
 from time import perf_counter
-from types import ModuleType
 from typing import TypeVar
 
-from pydantic import TypeAdapter, ValidationError
-
-from ..case.explain import complaint
 from ..case.model import Budget, Case, Controller, HostTable, RequestTable, Unit
 from ..core.chip import NEVER
 from ..core.kernel import Kernel
@@ -38,36 +30,18 @@ from ..f28335.sci_options import SciOptions
 from ..f28335.system_options import SystemOptions
 from ..lines.i2c_controller import BusTiming, I2cController, Transfer
 from ..lines.uart_peer import UartPeer
-from ..timing.budgets import BadBudget, Limit, Verdict
+from ..timing.budgets import BadBudget, Limit
 from ..timing.measures import WrongBytes
 from .dsp import MODULES, PIN_OF, Dsp, DspPlan
+from .firmware import BadFirmware, BadSetting, load_firmware, settings_for
+from .result import Result
+from .sci_watch import SciWatch
 from .stuck import hopeless
 
 T = TypeVar("T")
 
 I2C_PINS = {"SDA": PIN_OF["SDAA"], "SCL": PIN_OF["SCLA"]}
 SCI_PINS = {"RX": PIN_OF["SCIRXDA"], "TX": PIN_OF["SCITXDA"]}
-
-
-@dataclass
-class Result:
-    """What a run came to. wall_s: the run alone, building apart."""
-
-    case: str
-    verdict: str
-    fidelity: str
-    simulated_s: float
-    wall_s: float
-    events: int
-    wire_bytes: int
-    sci_bytes: int
-    budgets: list[Verdict]
-    counts: dict[str, int]
-    unknowns: list[str]
-    notes: list[str]
-    stuck: list[str]
-    wrong: dict[str, int] = field(default_factory=dict)
-    first_wrong: str = ""
 
 
 class Scene:
@@ -363,96 +337,3 @@ class Scene:
                     lines.append(f"{name} {module}, first at {at}: {note.text} [{note.source}]")
             lines += [f"{name}: {note.text} [{note.source}] ({n} times)" for note, n in dsp.cpu.notes.items()]
         return lines
-
-
-@dataclass(frozen=True)
-class Firmware:
-    """A program: its main function, and the dataclass of what a case may set, if it has one."""
-
-    name: str
-    main: Callable[[Dsp, object], None]
-    settings: object
-
-
-class SciWatch:
-    """Looks at a receive FIFO after each input: words waiting, and rising overrun flags."""
-
-    def __init__(self, dsp: Dsp, told: Callable[[int, int, bool], None]) -> None:
-        self._dsp = dsp
-        self._socket = dsp.socket("SCI-A")
-        self._told = told
-        chip_map = self._socket.chip.MAP
-        self._rx, self._status = chip_map["SCIFFRX"], chip_map["SCIRXST"]
-        self._words = 0
-        self._overrun = False
-        self._socket.watch(self._look)
-
-    def _look(self, cycle: int) -> None:
-        fifo = self._socket.chip.peek(cycle, self._rx.offset)
-        status = self._socket.chip.peek(cycle, self._status.offset)
-        words = self._rx["RXFFST"].of(fifo)
-        overrun = bool(self._rx["RXFFOVF"].of(fifo) or self._status["OE"].of(status))
-        if words != self._words or overrun != self._overrun:
-            self._told(self._dsp.clock.tick(cycle), words, overrun and not self._overrun)
-            self._words, self._overrun = words, overrun
-
-
-class BadFirmware(ValueError):
-    """A program that cannot be had; one sentence."""
-
-
-class BadSetting(ValueError):
-    """A setting that the firmware does not take. name: which."""
-
-    def __init__(self, what: str, name: str) -> None:
-        super().__init__(what)
-        self.name = name
-
-
-def load_firmware(name: str) -> Firmware:
-    """A program: a name under firmware/python, or the path of a .py file. BadFirmware if it cannot be had."""
-    try:
-        module = _firmware_file(Path(name)) if name.endswith(".py") else _firmware_module(name)
-    except BadFirmware:
-        raise
-    except Exception as error:
-        raise BadFirmware(f"firmware {name!r} cannot be loaded: {type(error).__name__}: {error}") from None
-    if not callable(getattr(module, "main", None)):
-        raise BadFirmware(f"firmware {name!r} has no function main(dsp, settings)")
-    return Firmware(name, module.main, getattr(module, "Settings", None))
-
-
-def _firmware_file(path: Path) -> ModuleType:
-    spec = importlib.util.spec_from_file_location(f"firmware_file_{path.stem}", path) if path.is_file() else None
-    if spec is None or spec.loader is None:
-        raise BadFirmware(f"there is no firmware file {str(path)!r}")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # dataclasses look their module up by name
-    spec.loader.exec_module(module)
-    return module
-
-
-def _firmware_module(name: str) -> ModuleType:
-    folder = importlib.import_module("firmware.python")
-    known = [p.stem for root in folder.__path__ for p in Path(root).glob("*.py") if p.stem != "__init__"]
-    if name not in known:
-        raise BadFirmware(f"there is no firmware {name!r}; {near(name, sorted(known))}")
-    return importlib.import_module(f"firmware.python.{name}")
-
-
-def settings_for(firmware: Firmware, given: dict[str, object]) -> object:
-    """The firmware's Settings with the given values. BadSetting naming the setting otherwise."""
-    kind = firmware.settings
-    if not (inspect.isclass(kind) and is_dataclass(kind)):
-        for name in given:
-            raise BadSetting(f"firmware {firmware.name} takes no settings", name)
-        return None
-    known = inspect.signature(kind).parameters
-    for name in given:
-        if name not in known:
-            raise BadSetting(f"firmware {firmware.name} has no setting {name!r}; {near(name, known)}", name)
-    try:
-        return TypeAdapter(kind).validate_python(given)
-    except ValidationError as error:
-        first = error.errors()[0]
-        raise BadSetting(complaint(first), str(first["loc"][0])) from None

@@ -6,7 +6,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from ..board.scene import Result
+from ..board.result import Result
 from ..timing.budgets import Verdict
 
 

@@ -10,7 +10,8 @@ from pathlib import Path
 import click
 from rich.console import Console
 
-from ..board.scene import Result, Scene
+from ..board.result import Result
+from ..board.scene import Scene
 from ..case.load import load
 from ..case.model import Case
 from ..case.settings import duration

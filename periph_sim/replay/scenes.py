@@ -9,7 +9,7 @@ import inspect
 from collections.abc import Mapping
 from dataclasses import is_dataclass
 
-from ..board.scene import BadFirmware, load_firmware
+from ..board.firmware import BadFirmware, load_firmware
 from ..case.model import Case
 
 

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
-from periph_sim.board.scene import Result, Scene
+from periph_sim.board.result import Result
+from periph_sim.board.scene import Scene
 from periph_sim.case.load import load
 from periph_sim.commands.run import recorded_modules
 from periph_sim.recording import recording

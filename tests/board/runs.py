@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from periph_sim.board.scene import Result, Scene
+from periph_sim.board.result import Result
+from periph_sim.board.scene import Scene
 from periph_sim.case.load import load
 from periph_sim.case.model import Case
 from periph_sim.core.records import Kind, Record, Recorder

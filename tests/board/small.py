@@ -9,7 +9,8 @@ import pytest
 
 from periph_sim.board import scene as scene_module
 from periph_sim.board.dsp import Dsp
-from periph_sim.board.scene import Firmware, Scene
+from periph_sim.board.firmware import Firmware
+from periph_sim.board.scene import Scene
 from periph_sim.case.model import Case
 
 

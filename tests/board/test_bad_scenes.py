@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.board.scene import BadFirmware, Scene, load_firmware
+from periph_sim.board.firmware import BadFirmware, load_firmware
+from periph_sim.board.scene import Scene
 from periph_sim.case.load import load
 from periph_sim.case.model import BadCase
 from tests.board.small import case

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from firmware.python import responder as firmware
 from periph_sim.board import scene as scene_module
 from periph_sim.board.dsp import Dsp
-from periph_sim.board.scene import Firmware
+from periph_sim.board.firmware import Firmware
 from tests.board.runs import Ran, run_case
 from tests.board.small import case
 

@@ -10,7 +10,9 @@ import pytest
 from firmware.python.startup import sci_fifo_receiver, start_i2c
 from periph_sim.board import scene as scene_module
 from periph_sim.board.dsp import Dsp
-from periph_sim.board.scene import Firmware, Result, Scene
+from periph_sim.board.firmware import Firmware
+from periph_sim.board.result import Result
+from periph_sim.board.scene import Scene
 from periph_sim.case.load import load
 from tests.board.runs import TIMING
 from tests.board.small import case, scene_with

@@ -6,7 +6,8 @@ from fractions import Fraction
 
 import pytest
 
-from periph_sim.board.scene import Result, Scene
+from periph_sim.board.result import Result
+from periph_sim.board.scene import Scene
 from periph_sim.case.load import load
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase

@@ -1,0 +1,87 @@
+"""Finds a program and checks its settings: names and values of a case go in, a `Firmware` and its settings come out."""
+
+from __future__ import annotations
+
+import importlib.util
+import inspect
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass, is_dataclass
+from pathlib import Path
+from types import ModuleType
+
+from pydantic import TypeAdapter, ValidationError
+
+from ..case.explain import complaint
+from ..core.nearest import near
+from .dsp import Dsp
+
+
+@dataclass(frozen=True)
+class Firmware:
+    """A program: its main function, and the dataclass of what a case may set, if it has one."""
+
+    name: str
+    main: Callable[[Dsp, object], None]
+    settings: object
+
+
+class BadFirmware(ValueError):
+    """A program that cannot be had; one sentence."""
+
+
+class BadSetting(ValueError):
+    """A setting that the firmware does not take. name: which."""
+
+    def __init__(self, what: str, name: str) -> None:
+        super().__init__(what)
+        self.name = name
+
+
+def load_firmware(name: str) -> Firmware:
+    """A program: a name under firmware/python, or the path of a .py file. BadFirmware if it cannot be had."""
+    try:
+        module = _firmware_file(Path(name)) if name.endswith(".py") else _firmware_module(name)
+    except BadFirmware:
+        raise
+    except Exception as error:
+        raise BadFirmware(f"firmware {name!r} cannot be loaded: {type(error).__name__}: {error}") from None
+    if not callable(getattr(module, "main", None)):
+        raise BadFirmware(f"firmware {name!r} has no function main(dsp, settings)")
+    return Firmware(name, module.main, getattr(module, "Settings", None))
+
+
+def _firmware_file(path: Path) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(f"firmware_file_{path.stem}", path) if path.is_file() else None
+    if spec is None or spec.loader is None:
+        raise BadFirmware(f"there is no firmware file {str(path)!r}")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # dataclasses look their module up by name
+    spec.loader.exec_module(module)
+    return module
+
+
+def _firmware_module(name: str) -> ModuleType:
+    folder = importlib.import_module("firmware.python")
+    known = [p.stem for root in folder.__path__ for p in Path(root).glob("*.py") if p.stem != "__init__"]
+    if name not in known:
+        raise BadFirmware(f"there is no firmware {name!r}; {near(name, sorted(known))}")
+    return importlib.import_module(f"firmware.python.{name}")
+
+
+def settings_for(firmware: Firmware, given: dict[str, object]) -> object:
+    """The firmware's Settings with the given values. BadSetting naming the setting otherwise."""
+    kind = firmware.settings
+    if not (inspect.isclass(kind) and is_dataclass(kind)):
+        for name in given:
+            raise BadSetting(f"firmware {firmware.name} takes no settings", name)
+        return None
+    known = inspect.signature(kind).parameters
+    for name in given:
+        if name not in known:
+            raise BadSetting(f"firmware {firmware.name} has no setting {name!r}; {near(name, known)}", name)
+    try:
+        return TypeAdapter(kind).validate_python(given)
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise BadSetting(complaint(first), str(first["loc"][0])) from None

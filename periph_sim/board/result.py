@@ -1,0 +1,28 @@
+"""What a run came to: the figures that tables and `--json` show."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from ..timing.budgets import Verdict
+
+
+@dataclass
+class Result:
+    """What a run came to. wall_s: the run alone, building apart."""
+
+    case: str
+    verdict: str
+    fidelity: str
+    simulated_s: float
+    wall_s: float
+    events: int
+    wire_bytes: int
+    sci_bytes: int
+    budgets: list[Verdict]
+    counts: dict[str, int]
+    unknowns: list[str]
+    notes: list[str]
+    stuck: list[str]
+    wrong: dict[str, int] = field(default_factory=dict)
+    first_wrong: str = ""

@@ -29,6 +29,7 @@ from ..f28335.i2c_options import I2cOptions
 from ..f28335.sci_options import SciOptions
 from ..f28335.system_options import SystemOptions
 from ..lines.i2c_controller import BusTiming, I2cController, Transfer
+from ..lines.i2c_counter import I2cCounter
 from ..lines.uart_peer import UartPeer
 from ..timing.budgets import BadBudget, Limit
 from ..timing.measures import WrongBytes
@@ -62,7 +63,8 @@ class Scene:
         self.units: dict[str, Dsp] = {}
         self.head: SensorHead | None = None
         self.host: Host | None = None
-        self.wire_bytes = 0
+        self.wire_bytes = 0  # by the controller agent
+        self._counter: I2cCounter | None = None  # where there is none
         self.nacked = 0
         self.stuck_lines: list[str] = []
         self._stuck_wire: Wire | None = None  # the line last reported stuck, and how many rounds were over then
@@ -73,6 +75,8 @@ class Scene:
         if case.controller is not None:
             self.head = self._build_head(case.controller)
             self.head.on_transfer.append(self._count_transfer)
+        elif "SCL" in self.wires:
+            self._counter = I2cCounter(self.wires["SCL"], self.wires["SDA"])
         if case.host is not None:
             self.host = self._build_host(case.host)
         for limit in self.limits:
@@ -317,7 +321,7 @@ class Scene:
             simulated_s=float(self.timebase.seconds(length)),
             wall_s=round(wall, 6),
             events=self.kernel.events,
-            wire_bytes=self.wire_bytes,
+            wire_bytes=self.wire_bytes if self._counter is None else self._counter.bytes,
             sci_bytes=0 if self.host is None else self.host.bytes,
             budgets=verdicts,
             counts=counts,

@@ -79,7 +79,8 @@ class Scene:
             self._counter = I2cCounter(self.wires["SCL"], self.wires["SDA"])
         if case.host is not None:
             self.host = self._build_host(case.host)
-        for limit in self.limits:
+        for entry, limit in enumerate(self.limits):
+            self._check_needs(entry, limit)
             limit.measure.listen(self)
 
     # Building ------------------------------------------------------------------
@@ -89,6 +90,21 @@ class Scene:
             return Limit(budget, self.timebase)
         except BadBudget as error:
             raise self.case.mistake(str(error), "budget", entry, error.key) from None
+
+    def _check_needs(self, entry: int, limit: Limit) -> None:
+        """A budget on what this scene cannot have would always hold: it is a mistake, not a pass."""
+        there = {
+            "": True,
+            "controller": self.head is not None,
+            "host": self.host is not None,
+            "SCI-A": any(dsp.has("SCI-A") for dsp in self.units.values()),
+        }
+        needs = limit.measure.needs
+        if not there[needs]:
+            measure = limit.budget.measure
+            raise self.case.mistake(
+                f"{measure!r} needs {needs} in the scene, which has none", "budget", entry, "measure"
+            )
 
     def wire(self, name: str) -> Wire:
         if name not in self.wires:

@@ -43,6 +43,7 @@ class Measure:
     """unit: "time" (ticks) or a word for what is counted. worst is the largest value seen, least the smallest."""
 
     unit = "time"
+    needs = ""  # what a scene must have for this to mean anything: "controller", "host" or "SCI-A"
     kinds: frozenset[Kind] = frozenset()
 
     def __init__(self) -> None:
@@ -106,6 +107,8 @@ class SpanTime(Measure):
 class Response(Measure):
     """From the SCL fall that ends the ACK slot of a read address to the SCL rise of the first data bit."""
 
+    needs = "controller"
+
     def listen(self, scene: Happenings) -> None:
         scene.listen_transfers(self._transfer)
 
@@ -117,6 +120,8 @@ class Response(Measure):
 
 class Stretch(Measure):
     """Longest time the other side held SCL low beyond the controller's own low time, per acknowledged phase."""
+
+    needs = "controller"
 
     def listen(self, scene: Happenings) -> None:
         scene.listen_transfers(self._transfer)
@@ -130,6 +135,8 @@ class Stretch(Measure):
 class RoundTime(Measure):
     """From the moment at which a round was due to its last STOP."""
 
+    needs = "controller"
+
     def listen(self, scene: Happenings) -> None:
         scene.listen_rounds(self._round)
 
@@ -139,6 +146,8 @@ class RoundTime(Measure):
 
 class MissedRounds(Counter):
     """Rounds that could not begin when they were due, since the one before still ran."""
+
+    needs = "controller"
 
     def listen(self, scene: Happenings) -> None:
         self._scene = scene
@@ -151,6 +160,8 @@ class MissedRounds(Counter):
 class NackedRounds(Counter):
     """Rounds with at least one request whose address nobody acknowledged."""
 
+    needs = "controller"
+
     def listen(self, scene: Happenings) -> None:
         scene.listen_rounds(self._round)
 
@@ -161,6 +172,8 @@ class NackedRounds(Counter):
 
 class Nacked(Counter):
     """Requests whose address nobody acknowledged."""
+
+    needs = "controller"
 
     def listen(self, scene: Happenings) -> None:
         scene.listen_transfers(self._transfer)
@@ -176,6 +189,7 @@ class WrongBytes(Measure):
     worst is how many were wrong, count how many were compared: a run that compared nothing proves nothing.
     """
 
+    needs = "controller"
     RECENT = 8  # frames that a sample may come from
     unit = "bytes"
 
@@ -225,6 +239,7 @@ class WrongBytes(Measure):
 class Age(Measure):
     """From the end of a host frame to the START of the first read that carries its values."""
 
+    needs = "host"
     RECENT = 64
 
     def listen(self, scene: Happenings) -> None:
@@ -249,6 +264,7 @@ class Age(Measure):
 class FifoHighWater(Measure):
     """Most words that ever waited in the SCI receive FIFO."""
 
+    needs = "SCI-A"
     unit = "words"
 
     def listen(self, scene: Happenings) -> None:
@@ -261,6 +277,8 @@ class FifoHighWater(Measure):
 class Overruns(Counter):
     """Characters lost in the SCI: FIFO overflow (RXFFOVF) or SCIRXBUF overrun (OE), counted as they happen."""
 
+    needs = "SCI-A"
+
     def listen(self, scene: Happenings) -> None:
         scene.listen_sci(self._sci)
 
@@ -271,6 +289,8 @@ class Overruns(Counter):
 
 class Stuck(Counter):
     """Times a line was held low longer than the controller's `stuck_after`."""
+
+    needs = "controller"
 
     def listen(self, scene: Happenings) -> None:
         scene.listen_stuck(self.one_more)

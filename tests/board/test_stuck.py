@@ -78,7 +78,9 @@ def test_two_units_that_wait_for_each_other():
     unit = {"firmware": "responder", "modules": ["I2C-A"]}
     changes = [f"unit.{name}.{key}={value!r}" for name in ("a", "b") for key, value in unit.items()]
     loaded = load(TIMING / "responder.toml", changes)
-    alone = loaded.model_copy(update={"controller": None, "unit": {name: loaded.unit[name] for name in "ab"}})
+    alone = loaded.model_copy(
+        update={"controller": None, "budget": (), "unit": {name: loaded.unit[name] for name in "ab"}}
+    )
     result = Scene(alone).run()
     assert [line.split(" ")[0] for line in result.stuck] == ["a", "b"]
     assert all(line.endswith("I2C-A has nothing due and nobody will move SDA or SCL") for line in result.stuck)

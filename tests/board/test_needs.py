@@ -1,0 +1,28 @@
+"""A budget on something that the scene does not have is refused: it could only ever pass."""
+
+from __future__ import annotations
+
+import pytest
+
+from periph_sim.board.scene import Scene
+from periph_sim.case.model import BadCase, Case
+from periph_sim.timing.measures import MEASURES
+
+
+def alone(measure: str, limit: object) -> Case:
+    """One unit with nothing around it, and one budget."""
+    unit = {"firmware": "responder", "modules": ["I2C-A"]}
+    budget = {"name": "b", "measure": measure, "max": limit}
+    return Case.model_validate({"name": "alone", "duration": "1 ms", "unit": {"dsp": unit}, "budget": [budget]})
+
+
+@pytest.mark.parametrize("measure", MEASURES)
+def test_every_measure_says_what_it_needs(measure):
+    kind = MEASURES[measure]
+    limit = "1 ms" if kind.unit == "time" else 0
+    with pytest.raises(BadCase, match=rf"'{measure}' needs {kind.needs} in the scene, which has none"):
+        Scene(alone(measure, limit))
+
+
+def test_a_span_needs_nothing_but_its_firmware():
+    assert Scene(alone("span:model", "1 ms")).run().verdict == "fail"  # it was never measured

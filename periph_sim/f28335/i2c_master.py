@@ -75,6 +75,7 @@ class I2cMaster:
         self.pulls = 0
         self.due = NEVER
         self._step = self._nothing
+        self._after_high = self._fall
         self._waits_for_rise = self._waits_for_bus = self._high_phase = False
         self.counter = 0
         self._addresses: list[int] = []
@@ -139,7 +140,7 @@ class I2cMaster:
         mdr = state.mdr
         if not mdr & MDR_MST or not written & (MDR_STT | MDR_STP):
             return
-        if mdr & MDR_RM and mdr & MDR_STT and mdr & MDR_STP and not self.active:
+        if mdr & MDR_RM and mdr & MDR_STT and mdr & MDR_STP:
             return  # reserved: no activity (Table 6)
         if not self.active:
             if mdr & MDR_STT:
@@ -286,8 +287,7 @@ class I2cMaster:
         else:
             level = 1 if bit == n else self._byte >> (n - 1 - bit) & 1
         self._drive(level)
-        setup = self.state.options.sda_setup_before_scl_release * self.state.tm
-        self._at(max(self._low_from + self.low(), now + setup), self._release)
+        self._release_after_low(now)
 
     def _drive(self, level: int) -> None:
         self._driven = level
@@ -295,6 +295,15 @@ class I2cMaster:
             self.pulls &= ~SDA
         else:
             self.pulls |= SDA
+
+    def _release_after_low(self, now: int) -> None:
+        """SDA has its level: SCL is let go after the low time, or the setup time where it was held for that level."""
+        state = self.state
+        over = self._low_from + self.low()
+        if now > self._low_from + state.tm + self._filter():
+            state.touched.add("sda_setup_before_scl_release")
+            over = max(over, now + state.setup)
+        self._at(over, self._release)
 
     def _release(self, now: int) -> None:
         if self.frozen:
@@ -626,8 +635,7 @@ class I2cMaster:
 
     def _condition_low(self, now: int) -> None:
         self._drive(self._condition_sda)
-        setup = self.state.options.sda_setup_before_scl_release * self.state.tm
-        self._at(max(self._low_from + self.low(), now + setup), self._release)
+        self._release_after_low(now)
 
     def lose(self, now: int) -> None:
         """Arbitration is lost, or the bus was another's: AL, and the module is a slave-receiver."""

@@ -394,6 +394,11 @@ class I2cState:
     def trx(self) -> bool:
         return bool(self.mdr & MDR_TRX)
 
+    @property
+    def setup(self) -> int:
+        """Cycles from a bit on SDA to the release of SCL; never 0, both at once could be a START or a STOP."""
+        return max(1, self.options.sda_setup_before_scl_release * self.tm)
+
     def nack_received(self, now: int, as_slave: bool) -> None:
         self.nack_as_slave = as_slave
         self.set(now, STR_NACK)

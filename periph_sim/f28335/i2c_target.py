@@ -438,12 +438,8 @@ class I2cTarget:
 
     def _release(self, now: int) -> None:
         self.state.touched.add("sda_setup_before_scl_release")
-        setup = self.state.options.sda_setup_before_scl_release * self.state.tm
-        if setup:
-            self._release_at = now + setup
-            self.due = min(self._release_at, self._copy_at)
-        else:
-            self.pulls &= ~SCL
+        self._release_at = now + self.state.setup
+        self.due = min(self._release_at, self._copy_at)
 
     def timer(self, now: int) -> None:
         """`due` has come."""

@@ -65,9 +65,13 @@ class Poll:
     cycle: int
     value: int
 
-    def seen(self) -> tuple[Socket, int, int]:
-        """What to look at, and what it was: socket, offset and the 16 bits there."""
-        return self.place.socket, self.register.offset + self.half, self.value & 0xFFFF
+    def seen(self) -> list[tuple[Socket, int, int]]:
+        """What to look at, and what it was: socket, offset and the 16 bits there; both halves of a 32-bit read."""
+        socket, offset = self.place.socket, self.register.offset + self.half
+        low = (socket, offset, self.value & 0xFFFF)
+        if self.register.width == 32 and not self.half:
+            return [low, (socket, offset + 1, self.value >> 16 & 0xFFFF)]
+        return [low]
 
 
 @dataclass(slots=True)
@@ -95,7 +99,7 @@ class Lease:
     def __init__(self, cpu: Cpu, spin: Spin) -> None:
         self._cpu = cpu
         self._first = cpu.cycle
-        self._seen = list(dict.fromkeys(p.seen() for p in spin.polls))
+        self._seen = list(dict.fromkeys(seen for p in spin.polls for seen in p.seen()))
         self.sockets = list(dict.fromkeys(socket for socket, _, _ in self._seen))
 
     def broken(self, cycle: int) -> bool:

@@ -359,12 +359,12 @@ def test_open_nackint_in_slave_tx(asks):
 @pytest.mark.rule("I2C-108")
 @pytest.mark.parametrize("clocks", [1, 0, 7])
 def test_open_sda_setup_before_scl_release(clocks):
-    """15 cycles a module clock."""
+    """15 cycles a module clock; with 0 SCL still follows a cycle later, else both together could be a START."""
     rig = addressed(read=1, sda_setup_before_scl_release=clocks)
     rig.wait(BIT)
     rig.write("I2CDXR", 0x00)
     assert rig.pulling_sda
-    assert rig.wait_for(lambda: not rig.stretching) == clocks * 15
+    assert rig.wait_for(lambda: not rig.stretching) == max(1, clocks * 15)
     assert "sda_setup_before_scl_release" in rig.chip.touched
 
 

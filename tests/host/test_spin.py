@@ -8,6 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from periph_sim.board.dsp import Dsp, DspPlan
+from periph_sim.core.kernel import Kernel
+from periph_sim.core.records import Recorder
+from periph_sim.core.time import Timebase
+from periph_sim.core.wire import Wire
 from periph_sim.f28335.system_options import SystemOptions
 from tests.host.bench import Bench
 
@@ -132,3 +137,25 @@ def test_a_spin_on_a_register_that_a_read_changes_is_polled_for_real():
     bench.run(main, 300)
     assert bench.log == []  # every pass took what had come so far: never two at once
     assert bench.cpu.polls_skipped == 0
+
+
+@pytest.mark.parametrize("skip", [True, False])
+def test_a_wait_for_a_bit_in_the_upper_half_of_a_32_bit_register_ends(skip):
+    """GPIO28 is bit 28 of GPADAT: the wire behind it falls and rises while firmware waits for both."""
+    kernel, recorder = Kernel(), Recorder()
+    wire = Wire(kernel, "RX", recorder)
+    hand = wire.attach("hand")
+    dsp = Dsp(kernel, Timebase(150_000_000), recorder, DspPlan("dsp", ("GPIO",), {28: wire}, skip_polls=skip))
+    seen: list[int] = []
+
+    def main() -> None:
+        gpio = dsp.module("GPIO")
+        for level in (0, 1):
+            dsp.spin(lambda level=level: level == gpio.GPADAT.GPIO28)
+            seen.append(level)
+
+    dsp.start(main)
+    kernel.at(20_000, lambda: hand.drive(0))
+    kernel.at(60_000, lambda: hand.drive(1))
+    kernel.run_until(100_000)
+    assert seen == [0, 1]

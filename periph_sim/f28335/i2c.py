@@ -229,6 +229,7 @@ class I2c:
         if self.state.code_at == now:
             self.state.load_code(now)
         elif self.master.next_due == now:
+            self.master.sees_idle = bool(self._scl and self._sda)
             self.master.timer(now)
             self.target.muted = self.master.active
         else:

@@ -57,6 +57,7 @@ class I2cMaster:
         self.pulls = 0
         self.due = NEVER
         self.scl = self.sda = 1  # the lines as they are, before the filter
+        self.sees_idle = True  # whether both are high behind it, as of the timer that is due
         self.frozen = False  # a debugger halt took hold
         self.halting = False  # a debugger halt waits for SCL to be low
         self._step: Callable[[int], None] = self._nothing
@@ -189,7 +190,12 @@ class I2cMaster:
             self._at(self._free_from, self._start)
 
     def _start(self, now: int) -> None:
-        if not self.scl or not self.sda:  # not free yet
+        """The moment of the START has come; behind the filter a START of others may still be unseen: both go on."""
+        state = self.state
+        if state.str & STR_BB and state.options.stt_while_busy != "always_repeated_start":
+            self._request_bus(now)  # another master was earlier
+            return
+        if not self.sees_idle:
             self._at(now + self.low(), self._start)
             return
         self.active = True

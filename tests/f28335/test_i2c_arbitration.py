@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from periph_sim.f28335.i2c_options import I2cOptions
@@ -205,3 +205,61 @@ def test_arbitration_goes_on_after_a_repeated_start_that_both_send_at_the_same_p
     b.run(40 * SLOT)
     assert b.said() == f"S 50W A 33 A S {wins:02x}W A {0x66 if mine == wins else 0x77:02x} A P"
     assert (b.flag("AL"), foreign.lost) == (int(mine != wins), mine == wins)
+
+
+@rule("I2C-176", "I2C-258")
+@pytest.mark.parametrize("before, contest", [(1, True), (14, True), (15, False), (16, False), (200, False)])
+def test_a_start_of_another_that_is_not_yet_seen_behind_the_filter_is_joined(before: int, contest: bool):
+    """The module's START comes a module clock after STT; the other one came so many cycles before it."""
+    b = Bench(Target(0x50), Target(0x58))
+    b.w("I2CCNT", 1)
+    b.w("I2CDXR", 0x12)
+    foreign = Foreign("S 58W 77 P", at=b.now + 300 - before)
+    b.join(foreign)
+    b.run(300 - 15)
+    b.mode("MST TRX STT STP")
+    b.run(40 * SLOT)
+    assert b.said() == ("S 50W A 12 A P" if contest else "S 58W A 77 A P")
+    assert (foreign.lost, bool(b.flag("AL"))) == (contest, not contest)
+
+
+@rule("I2C-172", "I2C-173", "I2C-176", "I2C-179", "I2C-180", "I2C-258")
+@settings(max_examples=60, deadline=None)
+@given(
+    st.integers(0, 400),
+    st.tuples(st.integers(6, 30), st.integers(1, 30)),
+    st.tuples(st.sampled_from([0x21, 0x22, 0x50]), st.lists(st.integers(0, 255), min_size=1, max_size=3)),
+    st.tuples(st.sampled_from([0x21, 0x22, 0x50]), st.lists(st.integers(0, 255), min_size=1, max_size=3)),
+)
+def test_two_modules_of_any_clocks_that_start_about_together_lose_no_transfer_of_the_winner(
+    later: int, clock: tuple[int, int], first: tuple[int, list[int]], second: tuple[int, list[int]]
+):
+    """`later`: cycles between the two commands; the second module has its own clock."""
+    shorter = min(len(first[1]), len(second[1]))
+    assume(first == second or (first[0], first[1][:shorter]) != (second[0], second[1][:shorter]))  # I2C-181
+    targets = {a: Target(a) for a in (0x21, 0x22, 0x50)}
+    b = Bench(*targets.values(), second=I2cOptions())
+    b.w("I2CCLKL", clock[0], b.s)
+    b.w("I2CCLKH", clock[1], b.s)
+    jobs = [(b.m, *first, list(first[1])), (b.s, *second, list(second[1]))]
+    for n, (chip, address, data, _) in enumerate(jobs):
+        b.run(later * n)
+        b.w("I2CSAR", address, chip)
+        b.w("I2CCNT", len(data), chip)
+        b.mode("MST TRX STT STP", chip=chip)
+    quiet = 0
+    while quiet < 20 * SLOT:
+        before = len(b.edges)
+        for chip, _, _, left in jobs:
+            if b.flag("MST", chip) and b.flag("XRDY", chip) and left:
+                b.w("I2CDXR", left.pop(0), chip)
+        b.run(40)
+        quiet = quiet + 40 if len(b.edges) == before else 0
+    assert b.level == [1, 1]
+    winners = [(address, data) for chip, address, data, _ in jobs if not b.flag("AL", chip)]
+    assert winners
+    assert all(not b.flag("MST", chip) for chip, *_ in jobs)
+    for address, data in winners:
+        text = f"S {address:02x}W A " + "".join(f"{d:02x} A " for d in data) + "P"
+        assert text in b.said()
+        assert data in (targets[address].got, targets[address].got[: len(data)], targets[address].got[-len(data) :])

@@ -9,6 +9,7 @@ peripheral, and the pads are told to the GPIO machine only when somebody reads t
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 
 from ..core.kernel import Kernel
@@ -25,22 +26,30 @@ Port = tuple[Socket, int]  # a peripheral and the index of one of its pins
 class Pad:
     """One pad's way in. socket: the peripheral it feeds without any delay, or None."""
 
-    __slots__ = ("_clock", "_n", "_router", "gpio", "index", "socket")
+    __slots__ = ("_clock", "_n", "_router", "_watched", "index", "pin", "socket")
 
     def __init__(self, router: Router, n: int, clock: Clock) -> None:
         self._router = router
         self._n = n
         self._clock = clock
-        self.gpio = router.gpio_socket
+        self._watched = router.gpio_socket.watchers
         self.socket: Socket | None = None
         self.index = 0
+        self.pin: Callable[[int, int, int], int] = router.gpio_socket.chip.pin
+
+    def feed(self, socket: Socket, index: int) -> None:
+        """From now on edges go straight to this input of this peripheral."""
+        self.socket, self.index, self.pin = socket, index, socket.chip.pin
 
     def edge(self, tick: int, level: int) -> None:
         """The wire at this pad changed."""
-        if self.socket is None or self.gpio.watchers:
+        if self.socket is None or self._watched:
             self._router.edge(self._n, tick, level)
-        else:
-            self.socket.pin(self._clock.cycle_at(tick), self.index, level)
+            return
+        cycle = self._clock.cycle_at(tick)
+        looks = self.pin(cycle, self.index, level)
+        if looks:
+            self.socket.publish(cycle, looks)
 
 
 class Router:
@@ -149,8 +158,7 @@ class Router:
                 if pin is not None:
                     self._feeds[pin] = (socket, index)
                     if pin in self._direct and gpio.seen_at(cycle, pin, exact=True) == cycle:
-                        self._direct[pin].socket = socket
-                        self._direct[pin].index = index
+                        self._direct[pin].feed(socket, index)
                 socket.pin(cycle, index, gpio.peripheral_level(cycle, signal))
         after = self._clock.tick(cycle + gpio.out_delay)
         self._kernel.at(max(after, self._kernel.now), self._reconnect)

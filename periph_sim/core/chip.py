@@ -15,6 +15,10 @@ from .registers import RegisterMap
 
 NEVER = 2**62  # a wake-up that no run reaches; compares and adds like any other
 
+# What an input may have changed: nothing that shows; `out` and `next_wake` alone; any of the chip's attributes and
+# registers.
+NOTHING, OUTPUTS, ALL = range(3)
+
 
 class Note(NamedTuple):
     """Something worth telling that is no fault of the simulation.
@@ -39,7 +43,6 @@ class Chip(Protocol):
     OUTPUTS: tuple[str, ...]
     LINES: tuple[str, ...]
 
-    quiet_pins: bool  # an edge alone changes nothing readable; what it causes comes with a wake-up
     next_wake: int  # at the latest when an output or a readable value may change by itself
     out: int  # bit i: level at OUTPUTS[i]; for an open-drain pin 1 means released
     requests: int  # bit i: LINES[i] asked for an interrupt since the owner last set this to 0
@@ -47,9 +50,11 @@ class Chip(Protocol):
     notes: list[Note]  # since the owner last cleared it
     touched: set[str]  # open questions on whose option the run depended
 
-    def pin(self, now: int, index: int, level: int) -> None: ...
+    def pin(self, now: int, index: int, level: int) -> int:
+        """INPUTS[index] changed to `level`. Returns what the owner must look at: NOTHING, OUTPUTS or ALL."""
 
-    def wake(self, now: int) -> None: ...
+    def wake(self, now: int) -> int:
+        """`next_wake` has come. Returns what the owner must look at."""
 
     def read(self, now: int, offset: int) -> int: ...
 

@@ -5,7 +5,8 @@ which includes chips and agents); then the CPUs act (CPU); then probes look (PRO
 Within a phase, first asked is first done. Two runs of one scene are therefore equal.
 
 A CPU that runs ahead of the queue asks `quiet_until` how far it may go: up to that time,
-not including it, nothing else can happen (a lease), so it may move `now` by itself.
+not including it, nothing else can happen (a lease), so it may move `now` by itself. An agent
+that has one thing to do after the other asks `run_ahead`, step by step: nothing is queued then.
 """
 
 from __future__ import annotations
@@ -73,6 +74,17 @@ class Kernel:
             return self.now
         return min(self.next_time(), self._horizon + 1)
 
+    def run_ahead(self, time: int) -> bool:
+        """Make it `time` at once, if nothing else can happen up to then; the caller goes on as if by an event."""
+        if self.unsettled:
+            self.settled()
+        queue = self._queue
+        if time > self._horizon or self._stop or (queue and queue[0][0] < (time + 1) * _PHASES):
+            return False
+        self.now = time
+        self.events += 1
+        return True
+
     def stop(self) -> None:
         """End the present `run_until` after the event that runs now."""
         self._stop = True
@@ -98,23 +110,25 @@ class Kernel:
         last = (time + 1) * _PHASES
         instant = in_this_tick = 0
         while queue and not self._stop:
-            key, number, action = queue[0]
+            entry = heappop(queue)
+            key, number, action = entry
             if key >= last:
+                heappush(queue, entry)
                 break
-            heappop(queue)
             if dead and number in dead:
                 dead.remove(number)
                 continue
+            self.events += 1
             if key != instant:
                 instant = key
                 self.now = key // _PHASES
                 in_this_tick = 0
-            in_this_tick += 1
-            if in_this_tick > STORM:
-                raise SimulationStuck(
-                    f"{STORM} events at t={self.now} without time passing; the last: {describe(action)}"
-                )
-            self.events += 1
+            else:
+                in_this_tick += 1
+                if in_this_tick > STORM:
+                    raise SimulationStuck(
+                        f"{STORM} events at t={self.now} without time passing; the last: {describe(action)}"
+                    )
             action()
             while unsettled:
                 unsettled.popleft().settle()

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from .chip import NEVER, Chip, Note
+from .chip import ALL, NEVER, OUTPUTS, Chip, Note
 from .kernel import Kernel
 from .records import Kind, Recorder
 from .time import Clock
@@ -36,12 +36,12 @@ class Socket:
         self.name = name
         self.chip = chip
         self.pins: list[list[Pin]] = [[] for _ in chip.OUTPUTS]  # what each output drives, set by the router
+        self._set_output = [[partial(self._set_pins, i, level) for level in (0, 1)] for i in range(len(self.pins))]
         self.out_delay = 0  # cycles from an output of the chip to its pin
         self.before: Callable[[int], None] | None = None  # called before each access: what the chip must be told first
         self.after: Callable[[int], None] | None = None  # the owner's look at the chip after each input
         self.on_held: Callable[[int, int], None] | None = None  # told (cycle, mask) when the lines held change
         self._held = 0
-        self.observed = recorder.wants(Kind.FLAG)  # somebody looks after every input
         self.watchers: list[Callable[[int], None]] = []  # told the cycle after each input that may show
         self.notes: list[tuple[int, Note]] = []
         self._note_count: dict[Note, int] = {}
@@ -59,17 +59,9 @@ class Socket:
 
     def pin(self, cycle: int, index: int, level: int) -> None:
         """An input changed; the chip sees it at `cycle`."""
-        chip = self.chip
-        chip.pin(cycle, index, level)
-        if (
-            chip.next_wake < self._wake_cycle
-            or chip.out != self._out
-            or chip.requests
-            or (self.observed and not chip.quiet_pins)
-            or chip.notes
-            or chip.held != self._held
-        ):
-            self.publish(cycle)
+        looks = self.chip.pin(cycle, index, level)
+        if looks:
+            self.publish(cycle, looks)
 
     def read(self, cycle: int, offset: int) -> int:
         if self.before is not None:
@@ -94,21 +86,21 @@ class Socket:
         cycle = self._wake_cycle
         self._wake_cycle = NEVER
         chip = self.chip
-        if chip.next_wake <= cycle:
-            if self._flags is None:
-                chip.wake(cycle)
-            else:
-                outer, self._recorder.cause = self._recorder.cause, self._last_cause
-                chip.wake(cycle)
-                self.publish(cycle)
-                self._recorder.cause = outer
-                return
-        self.publish(cycle)
+        looks = chip.wake(cycle) if chip.next_wake <= cycle else OUTPUTS
+        if self._flags is None:
+            self.publish(cycle, looks)
+        else:
+            outer, self._recorder.cause = self._recorder.cause, self._last_cause
+            self.publish(cycle, looks)
+            self._recorder.cause = outer
 
     # Outputs -----------------------------------------------------------------
 
-    def publish(self, cycle: int) -> None:
-        """Bring wires, requests, wake-up and records up to what the chip shows after an input at `cycle`."""
+    def publish(self, cycle: int, looks: int = ALL) -> None:
+        """Bring wires, requests, wake-up and records up to what the chip shows after an input at `cycle`.
+
+        looks: OUTPUTS where nothing else than `out` and `next_wake` can have changed.
+        """
         chip = self.chip
         if chip.out != self._out:
             self._drive(cycle)
@@ -120,6 +112,8 @@ class Socket:
             self.on_held(cycle, chip.held)
         if chip.next_wake < self._wake_cycle:
             self._plan(cycle)
+        if looks == OUTPUTS:
+            return
         if self.after is not None:
             self.after(cycle)
         if self.watchers:
@@ -133,33 +127,34 @@ class Socket:
     def _plan(self, cycle: int) -> None:
         if self._wake_cycle != NEVER:
             self._kernel.cancel(self._wake)
-        self._wake_cycle = wake = max(self.chip.next_wake, cycle)
+        wake = self.chip.next_wake
+        self._wake_cycle = wake = wake if wake > cycle else cycle
         if wake < NEVER:
-            self._wake = self._kernel.at(max(self._clock.tick(wake), self._kernel.now), self._woken)
+            tick, now = self._clock.tick(wake), self._kernel.now
+            self._wake = self._kernel.at(tick if tick > now else now, self._woken)
 
     def _drive(self, cycle: int) -> None:
         changed, self._out = self._out ^ self.chip.out, self.chip.out
         tick = self._clock.tick(cycle + self.out_delay)
-        if tick > self._kernel.now:  # also where an edge fell between two cycles: the answer comes with the cycle
-            out = self._out
-            self._kernel.at(tick, partial(self._set_pins, changed, out))
-        else:
-            self._set_pins(changed, self._out)
-
-    def _set_pins(self, changed: int, out: int) -> None:
-        for index, pins in enumerate(self.pins):
+        later = tick > self._kernel.now  # also where an edge fell between two cycles: the answer comes with the cycle
+        for index, set_output in enumerate(self._set_output):
             if changed >> index & 1:
-                for pin in pins:
-                    pin.drive(out >> index & 1)
+                action = set_output[self._out >> index & 1]
+                if later:
+                    self._kernel.at(tick, action)
+                else:
+                    action()
+
+    def _set_pins(self, index: int, level: int) -> None:
+        for pin in self.pins[index]:
+            pin.wire.pull(pin.mask, level)
 
     def watch(self, watcher: Callable[[int], None]) -> None:
         """`watcher(cycle)` after every input from now on: a CPU that spins looks at the chip there."""
         self.watchers.append(watcher)
-        self.observed = True
 
     def unwatch(self, watcher: Callable[[int], None]) -> None:
         self.watchers.remove(watcher)
-        self.observed = bool(self.watchers) or self._flags is not None
 
     def reclock(self) -> None:
         """The clock was retuned: a wake-up promised for a cycle moves to that cycle's new tick."""

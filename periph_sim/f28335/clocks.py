@@ -31,7 +31,7 @@ from __future__ import annotations
 from fractions import Fraction
 from math import gcd
 
-from ..core.chip import NEVER, Note
+from ..core.chip import ALL, NEVER, Note
 from .clocks_map import (
     GATES,
     HISPCP,
@@ -89,7 +89,6 @@ class SystemControl:
         if oscclk_hz < 1:
             raise ValueError(f"OSCCLK is {oscclk_hz} Hz; expected a positive number")
         self.oscclk_hz = oscclk_hz
-        self.quiet_pins = False
         self.next_wake = NEVER
         self.out = 0
         self.requests = 0
@@ -149,11 +148,12 @@ class SystemControl:
 
     # Inputs -----------------------------------------------------------------
 
-    def pin(self, now: int, index: int, level: int) -> None:
+    def pin(self, now: int, index: int, level: int) -> int:
         raise ValueError("system control has no input pins")
 
-    def wake(self, now: int) -> None:
+    def wake(self, now: int) -> int:
         self._sync(now)
+        return ALL
 
     def read(self, now: int, offset: int) -> int:
         return self.peek(now, offset)

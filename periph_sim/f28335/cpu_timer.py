@@ -21,7 +21,7 @@ Chosen:
 
 from __future__ import annotations
 
-from ..core.chip import NEVER, Note
+from ..core.chip import ALL, NEVER, Note
 from .system_options import SystemOptions
 from .timer_map import BASES, MAP, PRD, PRDH, TCR, TIM, TIMH, TPR, TPRH
 
@@ -48,7 +48,6 @@ class CpuTimer:
         if number not in (0, 1, 2):
             raise ValueError(f"there is no CPU timer {number!r}; there are 0, 1 and 2")
         self.base = BASES[number]
-        self.quiet_pins = False
         self.next_wake = NEVER
         self.out = 0
         self.requests = 0
@@ -68,12 +67,13 @@ class CpuTimer:
 
     # Inputs -----------------------------------------------------------------
 
-    def pin(self, now: int, index: int, level: int) -> None:
+    def pin(self, now: int, index: int, level: int) -> int:
         raise ValueError("a CPU timer has no input pins")
 
-    def wake(self, now: int) -> None:
+    def wake(self, now: int) -> int:
         self._sync(now)
         self._schedule()
+        return ALL
 
     def read(self, now: int, offset: int) -> int:
         return self.peek(now, offset)

@@ -34,6 +34,7 @@ Chosen:
 
 from __future__ import annotations
 
+from ..core import chip
 from ..core.chip import NEVER, Note
 from ..core.registers import Register
 from . import gpio_map as at
@@ -76,7 +77,6 @@ class Gpio:
     LINES: tuple[str, ...] = ()
 
     def __init__(self, options: SystemOptions) -> None:
-        self.quiet_pins = False
         self.next_wake = NEVER
         self.out = 0  # mask: levels of the pins in `driven`; 0 elsewhere
         self.driven = 0  # mask: pads that this chip drives as general-purpose outputs
@@ -120,7 +120,7 @@ class Gpio:
 
     # Pads and peripherals ----------------------------------------------------
 
-    def pin(self, now: int, index: int, level: int, exact: bool = True) -> None:
+    def pin(self, now: int, index: int, level: int, exact: bool = True) -> int:
         """The level at the pad of GPIO`index` is `level`; `exact` if it changed on the SYSCLKOUT edge itself."""
         if self.next_wake < now:
             self._catch_up(now - 1)
@@ -130,6 +130,7 @@ class Gpio:
         self._wired |= bit
         if bool(self._pad & bit) != bool(level):
             self._flip(now, bit, exact)
+        return chip.ALL
 
     def seen_at(self, now: int, index: int, exact: bool) -> int:
         """The cycle from which a pad edge told with (now, index, exact) is seen inside; NEVER if `changed` tells."""
@@ -179,8 +180,9 @@ class Gpio:
 
     # The chip's protocol -----------------------------------------------------
 
-    def wake(self, now: int) -> None:
+    def wake(self, now: int) -> int:
         self._catch_up(now)
+        return chip.ALL
 
     def read(self, now: int, offset: int) -> int:
         return self.peek(now, offset)

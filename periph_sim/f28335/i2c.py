@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from collections import deque
 
-from ..core.chip import NEVER
+from ..core.chip import ALL, NEVER, NOTHING, OUTPUTS
 from . import i2c_map as at
 from .i2c_map import (
     I2C_MAP,
@@ -63,7 +63,6 @@ class I2c:
         self.state = I2cState(options)
         self.target = I2cTarget(self.state)
         self.master = I2cMaster(self.state)
-        self.quiet_pins = options.noise_filter_cycles > 0
         self.next_wake = NEVER
         self._timer = NEVER  # the first of all timers inside, as of the last input
         self.out = BOTH
@@ -74,10 +73,14 @@ class I2c:
         self._clocked = False
         self._raw = BOTH  # the pins as they are
         self._scl = self._sda = 1  # behind the filter
-        self._pending: deque[tuple[int, int, int, bool]] = deque()  # (due, index, level, someone cares)
+        self._pending: deque[tuple[int, int, int]] = deque()  # (due, index, level) of edges in the filter
+        self._waiting: list[tuple[int, int, int]] = []  # the same, of edges before those that nobody sees
         self._filter = options.noise_filter_cycles
         self._passive = False  # enabled, no master, no loopback, no halt: edges only wait for the filter
         self._width = 0  # of the filter, in cycles
+        self._patient = False  # passive, and no edge is in the filter that anybody will see
+        self._quiet = 0  # then so many edges of SCL can wait, and those of SDA while SCL is low
+        self._moved = [0, 0]  # when SCL and SDA changed last
         self._suspended = False
         self._frozen_pull = 0  # what a halted slave pulls until the CPU runs on
         self._rise8_matters = options.aas_sdir_point == "rise8"
@@ -85,46 +88,45 @@ class I2c:
 
     # Pins ------------------------------------------------------------------------
 
-    def pin(self, now: int, index: int, level: int) -> None:
-        pending = self._pending
-        if self._passive:
-            while pending and pending[0][0] <= now and not pending[0][3]:
-                self._quiet_event()
-        if not self._passive or pending or self._timer <= now:
-            self._pin_at_work(now, index, level)
-            return
-        # The usual case: nothing is on its way, and another device moves the line.
-        due = now + self._width
-        if index:
-            self._raw = self._raw | SDA if level else self._raw & ~SDA
-            self.master.sda = level
-            cares = bool(self._raw & SCL)
-        else:
-            self._raw = self._raw | SCL if level else self._raw & ~SCL
-            self.master.scl = level
-            cares = self._cares_scl(level)
-        pending.append((due, index, level, cares))
-        if cares and due < self.next_wake:
-            self.next_wake = due
-
-    def _pin_at_work(self, now: int, index: int, level: int) -> None:
-        """An edge while something else goes on as well."""
+    def pin(self, now: int, index: int, level: int) -> int:
+        raw = self._raw
+        if raw >> index & 1 == level:
+            return NOTHING
+        self._raw = raw ^ (1 << index)
+        since, self._moved[index] = self._moved[index], now
+        if self._patient and now - since >= self._width:
+            return self._into_the_filter(now + self._width, index, level)
+        planned = self.next_wake
         self._advance(now)
-        bit = 1 << index
-        self._raw = self._raw | bit if level else self._raw & ~bit
+        self._pending.extend(self._waiting)
+        self._waiting.clear()
+        if self._passive:
+            self.master.scl, self.master.sda = raw & SCL, raw >> 1
         if not self.state.mdr & MDR_DLB:
             self._edge(now, index, level)
         self._plan()
+        return OUTPUTS if self._passive and planned > now else ALL
 
-    def _quiet_event(self) -> None:
-        """The oldest waiting edge, one that nobody cares about, has passed the filter."""
-        due, index, level, _ = self._pending.popleft()
+    def _into_the_filter(self, due: int, index: int, level: int) -> int:
+        """The usual case: other devices move the lines, and no edge is on its way that anybody will see."""
         if index:
-            self._sda = level
-        else:
-            self._scl = level
-            if level:
-                self.target.rise(due, self._sda)
+            if not self._raw & SCL:
+                self._waiting.append((due, index, level))
+                return NOTHING
+        elif self._quiet:
+            self._quiet -= 1
+            self._waiting.append((due, index, level))
+            return NOTHING
+        self._patient = False
+        self._pending.append((due, index, level))
+        if due < self.next_wake:
+            self.next_wake = due
+        return OUTPUTS
+
+    def _tell_master(self) -> None:
+        """The master hears of the lines edge by edge when it works; else when it may begin to."""
+        if self._passive:
+            self.master.scl, self.master.sda = self._raw & SCL, self._raw >> 1
 
     def _edge(self, now: int, index: int, level: int) -> None:
         """A line of the bus, or in loopback our own output, changed."""
@@ -146,25 +148,11 @@ class I2c:
             self._event(now, index, level)
             return
         pending = self._pending
-        for i, (_, line, _, _) in enumerate(pending):
+        for i, (_, line, _) in enumerate(pending):
             if line == index:  # shorter than the filter: it was never there
                 del pending[i]
                 return
-        pending.append((now + width, index, level, self._cares(index, level)))
-
-    def _cares(self, index: int, level: int) -> bool:
-        """Whether this edge can change what anybody sees, so that it must act in its very cycle."""
-        if self.master.active or self._pending:
-            return True
-        return bool(self._raw & SCL) if index else self._cares_scl(level)
-
-    def _cares_scl(self, level: int) -> bool:
-        target = self.target
-        if not target.cares(level):
-            return False
-        if level and target.phase != TRANSMIT:
-            return self._rise9_matters if target.bit >= 8 else self._rise8_matters or target.bit != 7
-        return True
+        pending.append((now + width, index, level))
 
     def _event(self, now: int, index: int, level: int) -> None:
         """An edge behind the filter."""
@@ -195,12 +183,47 @@ class I2c:
 
     # Time ------------------------------------------------------------------------
 
-    def wake(self, now: int) -> None:
+    def wake(self, now: int) -> int:
+        if self._waiting:
+            self._work_off(now)
+        if self._passive and self._timer > now and self.target.in_mid_byte:
+            pending = self._pending
+            if len(pending) == 1 and pending[0][0] <= now and not pending[0][1]:  # SCL falls: the next bit we send
+                pending.clear()
+                self._scl = 0
+                self.target.fall(now)
+                self.out = self._levels()
+                self.next_wake = self._timer
+                self._quiet = self.target.quiet_edges(0, self._rise8_matters, self._rise9_matters)
+                self._patient = True
+                return OUTPUTS
         self._advance(now)
-        self._plan()
+        self._show()
+        return ALL
+
+    def _work_off(self, now: int) -> None:
+        """The edges that could wait and have passed the filter: no flag moves, nothing is planned anew."""
+        waiting, target = self._waiting, self.target
+        done = 0
+        for due, index, level in waiting:
+            if due > now or due >= self._timer:
+                break
+            done += 1
+            if index:
+                self._sda = level
+            else:
+                self._scl = level
+                if level:
+                    target.rise(due, self._sda)
+        del waiting[:done]
+        if waiting and waiting[0][0] <= now:  # a timer comes first
+            self._pending.extendleft(reversed(waiting))
+            waiting.clear()
 
     def _advance(self, now: int) -> None:
         """Everything that is due by `now`, in order of time; filtered edges before timers."""
+        if self._waiting:
+            self._work_off(now)
         pending = self._pending
         if self._timer > now and (not pending or pending[0][0] > now):
             return
@@ -210,7 +233,7 @@ class I2c:
             if edge <= timer:
                 if edge > now:
                     return
-                _, index, level, _ = pending.popleft()
+                _, index, level = pending.popleft()
                 self._event(edge, index, level)
             elif timer > now:
                 return
@@ -222,10 +245,13 @@ class I2c:
 
     def _next_timer(self) -> int:
         master = self.master
-        timer = min(self.target.due, self.state.code_at)
-        return min(timer, master.next_due) if master.active else min(timer, master.due)
+        timer = master.next_due if master.active else master.due
+        if self.target.due < timer:
+            timer = self.target.due
+        return self.state.code_at if self.state.code_at < timer else timer
 
     def _timer_due(self, now: int) -> None:
+        self._tell_master()
         if self.state.code_at == now:
             self.state.load_code(now)
         elif self.master.next_due == now:
@@ -249,10 +275,15 @@ class I2c:
         return BOTH & ~(self.target.pulls | self.master.pulls)
 
     def _plan(self) -> None:
+        """After an input that may have set or stopped a timer."""
+        self._timer = self._next_timer() if self._clocked else NEVER
+        self._show()
+
+    def _show(self) -> None:
         """Outputs and wake-up after an input."""
         if not self._clocked:
-            self.out, self.next_wake, self._timer = BOTH, NEVER, NEVER
-            self._passive = False
+            self.out, self.next_wake = BOTH, NEVER
+            self._passive = self._patient = False
             return
         state = self.state
         if state.requests:
@@ -262,14 +293,17 @@ class I2c:
         self._width = self._filter * state.tm
         mode = state.mdr & (MDR_IRS | MDR_DLB)
         self._passive = mode == MDR_IRS and self._width > 0 and not self.master.active and not self._suspended
+        self._patient = False
         self.out = self._levels()
-        self._timer = wake = self._next_timer()
-        for due, _, _, cares in self._pending:
-            if cares:
-                if due < wake:
-                    wake = due
-                break
-        self.next_wake = wake
+        self.next_wake = self._timer
+        if self._pending:
+            self._patient = False
+            if self._pending[0][0] < self._timer:
+                self.next_wake = self._pending[0][0]
+        elif self._passive:
+            self._patient = True
+            waiting = sum(1 for _, index, _ in self._waiting if not index)
+            self._quiet = self.target.quiet_edges(self._scl, self._rise8_matters, self._rise9_matters) - waiting
 
     # Registers -----------------------------------------------------------------------
 
@@ -445,6 +479,7 @@ class I2c:
     # I2CMDR -----------------------------------------------------------------------------
 
     def _write_mdr(self, now: int, value: int) -> None:
+        self._tell_master()
         state = self.state
         old = state.mdr
         commands = MDR_STT | MDR_STP
@@ -506,11 +541,13 @@ class I2c:
             self.master.scl, self.master.sda = self._scl, self._sda
         self._clocked = on
         self._pending.clear()
+        self._waiting.clear()
         self._plan()
 
     def suspend(self, now: int, on: bool) -> None:
         """A breakpoint was reached (True), or the debugger lets the CPU run on."""
         self._advance(now)
+        self._tell_master()
         self._suspended = on and not self.state.mdr & MDR_FREE
         if self._suspended:
             self.master.halt(now)
@@ -537,6 +574,7 @@ class I2c:
         self.master.reset()
         self._clocked = False
         self._pending.clear()
+        self._waiting.clear()
         self._suspended = False
         self._frozen_pull = 0
         self._plan()

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from ..core.options import choice, number
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class I2cOptions:
     # Slave-transmitter path
     emdr_present: bool = choice(True, False, question="Does the chip have I2CEMDR? Without it BCM = 1 holds.")

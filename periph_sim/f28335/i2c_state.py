@@ -51,6 +51,47 @@ INT1, INT2 = 1, 2
 class I2cState:
     """Everything of the module that is not bits on wires. Times are SYSCLKOUT cycles."""
 
+    __slots__ = (
+        "_active",
+        "_pending",
+        "_rx_was_high",
+        "_tx_was_low",
+        "bcm",
+        "clkh",
+        "clkl",
+        "cnt",
+        "code",
+        "code_at",
+        "drr",
+        "drr_unread",
+        "dxr",
+        "dxr_behind",
+        "dxr_full",
+        "emdr_written",
+        "ffrx",
+        "fftx",
+        "held",
+        "ier",
+        "isrc_high",
+        "mdr",
+        "nack_as_slave",
+        "notes",
+        "oar",
+        "options",
+        "psc",
+        "requests",
+        "rsr",
+        "rx_fifo",
+        "sar",
+        "str",
+        "tm",
+        "touched",
+        "tx_fifo",
+        "wanted",
+        "xsr",
+        "xsr_full",
+    )
+
     def __init__(self, options: I2cOptions) -> None:
         self.options = options
         self.notes: list[Note] = []

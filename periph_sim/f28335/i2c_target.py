@@ -42,6 +42,7 @@ from .i2c_state import I2cState
 OFF, ADDRESS, ADDRESS_LOW, RECEIVE, TRANSMIT, IGNORE = range(6)
 TEN_BIT = 0b11110
 ONES = 0xFF
+ENDLESS = 1 << 62
 
 
 class I2cTarget:
@@ -74,16 +75,39 @@ class I2cTarget:
 
     # What matters when ------------------------------------------------------------
 
-    def cares(self, level: int) -> bool:
-        """Whether the next SCL edge, to `level`, can change anything that anybody sees."""
+    def quiet_edges(self, scl: int, rise8_matters: bool, rise9_matters: bool) -> int:
+        """How many further SCL edges, SCL being at `scl`, change nothing that anybody sees."""
         if self.phase in (OFF, IGNORE):
-            return False
+            return ENDLESS
         if self.phase == TRANSMIT:
-            if level or self.bit >= self._n or self.bit == 0:
-                return not level or self.bit >= self._n
-            released = not self.pulls & SDA
-            return bool(self.state.xsr >> (self._n - 1 - self.bit) & 1) != released
-        return self.bit + level >= self._n
+            return self._quiet_while_sending(scl)
+        bit, n = self.bit, self._n
+        if bit >= n:
+            return int(not scl and n == 8 and not rise9_matters)  # rise 9, between fall 8 and fall 9
+        quiet = 2 * (n - 1 - bit) + scl  # the next that matters is rise n
+        return quiet + 1 if n == 8 and not rise8_matters else quiet
+
+    def _quiet_while_sending(self, scl: int) -> int:
+        """A sender is idle until SDA must change, or its byte is over."""
+        bit, n, xsr = self.bit, self._n, self.state.xsr
+        released = not self.pulls & SDA
+        quiet = 0
+        while True:
+            if not scl:
+                if bit >= n:
+                    return quiet
+                bit += 1
+                quiet += 1
+                scl = 1
+            if bit >= n or bit == 0 or bool(xsr >> (n - 1 - bit) & 1) != released:
+                return quiet
+            quiet += 1
+            scl = 0
+
+    @property
+    def in_mid_byte(self) -> bool:
+        """Sending, and neither at the first bit of the byte nor behind the last: a fall only brings the next bit."""
+        return self.phase == TRANSMIT and 0 < self.bit < self._n
 
     # Line events --------------------------------------------------------------------
 

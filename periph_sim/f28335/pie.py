@@ -20,7 +20,7 @@ Chosen:
 
 from __future__ import annotations
 
-from ..core.chip import NEVER, Note
+from ..core.chip import NEVER, NOTHING, Note
 from .pie_map import (
     BOOT_ROM_VECTORS,
     CPU_VECTORS,
@@ -50,7 +50,6 @@ class Pie:
 
     def __init__(self, options: SystemOptions) -> None:
         self.pulses = 0  # bit x - 1: INTx was pulsed since the owner last set this to 0
-        self.quiet_pins = False
         self.next_wake = NEVER
         self.out = 0
         self.requests = 0
@@ -127,11 +126,12 @@ class Pie:
 
     # The chip's interface ----------------------------------------------------
 
-    def pin(self, now: int, index: int, level: int) -> None:
+    def pin(self, now: int, index: int, level: int) -> int:
         raise ValueError("the PIE has no input pins; its inputs are `request` and `hold`")
 
-    def wake(self, now: int) -> None:
+    def wake(self, now: int) -> int:
         """Nothing here happens by itself."""
+        return NOTHING
 
     def gate(self, now: int, on: bool) -> None:
         """The PIE's clock cannot be switched off."""

@@ -24,7 +24,7 @@ Source: TI SPRUFZ5A; SPRUFB0D section 5.1 for the clock gate.
 
 from __future__ import annotations
 
-from ..core.chip import NEVER, Note
+from ..core.chip import ALL, NEVER, NOTHING, Note
 from .sci_autobaud import SciAutobaud
 from .sci_clock import SciClock
 from .sci_format import SciFormat
@@ -78,7 +78,6 @@ class Sci:
     def __init__(self, name: str = "SCI-A", options: SciOptions = SciOptions()) -> None:  # noqa: B008 (frozen)
         self.name = name
         self.options = options
-        self.quiet_pins = True
         self.next_wake = NEVER
         self.out = 1
         self.requests = 0
@@ -155,17 +154,20 @@ class Sci:
 
     # Inputs: pin, time, clock, debugger -------------------------------------
 
-    def pin(self, now: int, index: int, level: int) -> None:
+    def pin(self, now: int, index: int, level: int) -> int:
         if index:
             raise ValueError(f"{self.name} has one input, RXD, with index 0, not {index}")
-        if now > self.next_wake:
+        planned = self.next_wake
+        if now > planned:
             self._run(now - 1)
         self._rxd = level
         if not self._ccr & LOOPBKENA:
             self._line(now, level)
+        return ALL if self.next_wake != planned or self.requests else NOTHING
 
-    def wake(self, now: int) -> None:
+    def wake(self, now: int) -> int:
         self._run(now)
+        return ALL
 
     def gate(self, now: int, on: bool) -> None:
         """The module's bit in PCLKCR0."""

@@ -23,7 +23,7 @@ Chosen:
 
 from __future__ import annotations
 
-from ..core.chip import NEVER, Note
+from ..core.chip import ALL, NEVER, NOTHING, Note
 from .xint_map import XINT
 
 LINES = 7
@@ -41,7 +41,6 @@ class Xint:
     LINES = INPUTS
 
     def __init__(self) -> None:
-        self.quiet_pins = False
         self.next_wake = NEVER
         self.out = 0
         self.requests = 0
@@ -58,19 +57,21 @@ class Xint:
         """All lines' levels (bit 0: XINT1) as they have been; no edges. Enabled lines know theirs already."""
         self._level = self._level & self.enabled | levels & ~self.enabled
 
-    def pin(self, now: int, index: int, level: int) -> None:
+    def pin(self, now: int, index: int, level: int) -> int:
         """The level on LINES[index]."""
         bit = 1 << index
         if bool(self._level & bit) == bool(level):
-            return
+            return NOTHING
         self._level ^= bit
         if self.enabled & bit and self._is_valid(index, level):
             self.requests |= bit
             if index < len(self._since):
                 self._since[index] = now
+        return ALL
 
-    def wake(self, now: int) -> None:
+    def wake(self, now: int) -> int:
         """Nothing happens here by itself."""
+        return NOTHING
 
     def read(self, now: int, offset: int) -> int:
         return self.peek(now, offset)

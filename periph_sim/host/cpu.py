@@ -30,7 +30,7 @@ from greenlet import getcurrent, greenlet
 from ..core.chip import NEVER, Note
 from ..core.kernel import CPU, Kernel
 from ..core.records import Kind, Recorder
-from ..core.registers import Register
+from ..core.registers import Field, Register
 from ..core.socket import Socket
 from ..core.time import Clock
 from ..f28335 import cpu_costs
@@ -48,6 +48,7 @@ READ_TO_WRITE = 2  # cycles from the read of a read-modify-write to its write: R
 NAME_OF = {address: name for name, address in VECTORS.items()}
 
 Handler = Callable[[], None]
+Peek = Callable[[int, int], int]  # cycle and offset to what a debugger reads
 
 
 class FirmwareError(Exception):
@@ -61,17 +62,17 @@ class Poll:
     place: Place
     register: Register
     half: int
-    field: str
+    field: Field | None  # what firmware looked at; None: all of it
     cycle: int
     value: int
 
-    def seen(self) -> list[tuple[Socket, int, int]]:
-        """What to look at, and what it was: socket, offset and the 16 bits there; both halves of a 32-bit read."""
-        socket, offset = self.place.socket, self.register.offset + self.half
-        low = (socket, offset, self.value & 0xFFFF)
-        if self.register.width == 32 and not self.half:
-            return [low, (socket, offset + 1, self.value >> 16 & 0xFFFF)]
-        return [low]
+    @property
+    def mask(self) -> int:
+        """The bits that firmware looked at."""
+        return self.field.mask if self.field is not None else (1 << self.register.width) - 1
+
+    def __str__(self) -> str:
+        return f"{self.place.name}.{self.register.name}.{self.field.name if self.field is not None else 'all'}"
 
 
 @dataclass(slots=True)
@@ -88,29 +89,40 @@ class Spin:
     live_from: int = 0  # reads before this cycle are answered from `replay`
 
     def waits_for(self) -> str:
-        return " and ".join(dict.fromkeys(f"{p.place.name}.{p.register.name}.{p.field or 'all'}" for p in self.polls))
+        return " and ".join(dict.fromkeys(str(poll) for poll in self.polls))
 
 
 class Lease:
-    """As long as nothing that a pass read has changed, every further pass comes out the same."""
+    """As long as no bit that a pass looked at has changed, every further pass comes out the same."""
 
     __slots__ = ("_cpu", "_first", "_seen", "sockets")
 
     def __init__(self, cpu: Cpu, spin: Spin) -> None:
         self._cpu = cpu
         self._first = cpu.cycle
-        self._seen = list(dict.fromkeys(seen for p in spin.polls for seen in p.seen()))
-        self.sockets = list(dict.fromkeys(socket for socket, _, _ in self._seen))
+        self._seen: list[tuple[Peek, int, int, int]] = []  # of what, offset, bits that count, what they were
+        self.sockets: list[Socket] = []
+        for poll in spin.polls:
+            socket, offset, mask, value = poll.place.socket, poll.register.offset + poll.half, poll.mask, poll.value
+            peek = socket.chip.peek if socket.before is None else socket.peek
+            if socket not in self.sockets:
+                self.sockets.append(socket)
+            if mask & 0xFFFF:
+                self._seen.append((peek, offset, mask & 0xFFFF, value & mask & 0xFFFF))
+            if mask >> 16:
+                self._seen.append((peek, offset + 1, mask >> 16, (value & mask) >> 16))
 
     def broken(self, cycle: int) -> bool:
-        return any(socket.peek(cycle, offset) != value for socket, offset, value in self._seen)
+        """Whether a pass begun at `cycle` could come out otherwise."""
+        for peek, offset, mask, value in self._seen:
+            if peek(cycle, offset) & mask != value:
+                return True
+        return False
 
     def look(self, cycle: int) -> None:
         """A module that was read has had an input."""
-        for socket, offset, value in self._seen:
-            if socket.peek(cycle, offset) != value:
-                self._cpu.resume_by(max(cycle, self._first))
-                return
+        if self.broken(cycle):
+            self._cpu.resume_by(max(cycle, self._first))
 
 
 class Cpu:
@@ -119,6 +131,40 @@ class Cpu:
     skip_polls: False makes every pass of every spin for real (the brute force that the
     skipping is proven against).
     """
+
+    __slots__ = (
+        "_branch",
+        "_clock",
+        "_free_from",
+        "_greenlet",
+        "_hub",
+        "_interruptible",
+        "_kernel",
+        "_last_pf1_write",
+        "_lease",
+        "_options",
+        "_pie",
+        "_recorder",
+        "_records_access",
+        "_records_irq",
+        "_records_span",
+        "_skip_polls",
+        "_waits",
+        "_wake",
+        "_wake_cycle",
+        "_wake_tick",
+        "busy_cycles",
+        "core",
+        "cycle",
+        "finished",
+        "handlers",
+        "memory",
+        "name",
+        "notes",
+        "polls_skipped",
+        "spin_now",
+        "strict",
+    )
 
     def __init__(
         self,
@@ -412,7 +458,7 @@ class Cpu:
 
     # Accesses ----------------------------------------------------------------
 
-    def read(self, place: Place, register: Register, field_name: str = "", half: int = 0) -> int:
+    def read(self, place: Place, register: Register, looked_at: Field | None = None, half: int = 0) -> int:
         """The register's value as a CPU read sees it; costs one cycle and the frame's wait states."""
         spin = self.spin_now
         if spin is not None and spin.polls:
@@ -420,18 +466,21 @@ class Cpu:
         if self.cycle < self._free_from and place.protected_block:
             self._wait_for_write(spin)
         at = self.cycle + self._waits.read[place.frame]
-        if spin is None:
-            self._go_to(at)
-            value = self._fetch(place, register, half)
+        if spin is not None and at < spin.live_from:
+            value = spin.replay[spin.replayed].value
+            spin.replayed += 1
+            self.cycle = at
         else:
-            if at < spin.live_from:
-                value = spin.replay[spin.replayed].value
-                spin.replayed += 1
+            if at < self._lease:
                 self.cycle = at
             else:
                 self._go_to(at)
-                value = self._fetch(place, register, half)
-            spin.polls.append(Poll(place, register, half, field_name, at, value))
+            if self._records_access:
+                value = self._fetch_recorded(place, register, half)
+            else:
+                value = self._fetch(place.socket, register, half)
+        if spin is not None:
+            spin.polls.append(Poll(place, register, half, looked_at, at, value))
             if register.free_running or not register.reads_are_harmless:
                 spin.pure = False
         self.instruction(1)
@@ -449,13 +498,11 @@ class Cpu:
         kernel.now = max(kernel.now, self._clock.tick(self.cycle))
         self._lease = 0
 
-    def _fetch(self, place: Place, register: Register, half: int) -> int:
-        if not self._records_access:
-            return self._fetch_plain(place.socket, register, half)
+    def _fetch_recorded(self, place: Place, register: Register, half: int) -> int:
         outer = self._recorder.cause
         seen = self._peek(place.socket, register, half)  # recorded before the read, which causes what it sets off
         self._recorder.cause = self._record_access("R", place, register, seen)
-        value = self._fetch_plain(place.socket, register, half)
+        value = self._fetch(place.socket, register, half)
         self._recorder.cause = outer
         return value
 
@@ -466,15 +513,13 @@ class Cpu:
             value |= socket.peek(self.cycle, offset + 1) << 16
         return value
 
-    def _fetch_plain(self, socket: Socket, register: Register, half: int) -> int:
-        cycle, offset = self.cycle, register.offset + half
-        wide = register.width == 32 and not half
+    def _fetch(self, socket: Socket, register: Register, half: int) -> int:
         if register.reads_are_harmless:
-            value = socket.peek(cycle, offset)
-            return value | socket.peek(cycle, offset + 1) << 16 if wide else value
+            return self._peek(socket, register, half)
         self._now()
-        value = socket.read(cycle, offset)
-        return value | socket.read(cycle, offset + 1) << 16 if wide else value
+        offset = register.offset + half
+        value = socket.read(self.cycle, offset)
+        return value | socket.read(self.cycle, offset + 1) << 16 if register.width == 32 and not half else value
 
     def write(self, place: Place, register: Register, value: int, half: int = 0) -> None:
         """Write a register; costs one cycle and the frame's wait states. Ignored where EALLOW protects it."""
@@ -516,7 +561,7 @@ class Cpu:
         if width == 32 and self._too_wide(place, register):
             return
         if width == 16 and register.width == 32 and not half:
-            value |= self._fetch(place, register, 0) & 0xFFFF0000  # the other half stays
+            value |= self._peek(place.socket, register, 0) & 0xFFFF0000  # the other half stays
         self.write(place, register, value, half)
 
     def _too_wide(self, place: Place, register: Register) -> bool:
@@ -536,15 +581,17 @@ class Cpu:
             socket.write(self.cycle, offset + 1, value >> 16 & 0xFFFF)
         self._kernel.settled()
 
-    def modify(self, place: Place, register: Register, field_name: str, number: int) -> None:
+    def modify(self, place: Place, register: Register, f: Field, number: int) -> None:
         """A bit-field write as the compiler makes it: read the whole register, then write it, two cycles apart."""
-        f = register[field_name]
         if self.spin_now is not None:
             self.spin_now.pure = False
         if self.cycle < self._free_from and place.protected_block:
             self._wait_for_write(None)
         self._go_to(self.cycle + self._waits.read[place.frame])
-        value = self._fetch(place, register, 0)
+        if self._records_access:
+            value = self._fetch_recorded(place, register, 0)
+        else:
+            value = self._fetch(place.socket, register, 0)
         self._go_to(self.cycle + READ_TO_WRITE)
         self.write(place, register, f.put(value, number))
 

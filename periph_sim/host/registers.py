@@ -14,38 +14,47 @@ from .cpu import Cpu
 
 
 class RegisterPort:
-    """One register of one module. Field names read and write; `all` is the whole register."""
+    """One register of one module. Field names read and write; `all` is the whole register.
 
-    __slots__ = ("_cpu", "_fields", "_place", "_register")
-    _cpu: Cpu
-    _fields: dict[str, Field]
-    _place: Place
-    _register: Register
+    Each register has a class of its own, made by `register_port`, with a property for each field.
+    """
 
-    def __init__(self, cpu: Cpu, place: Place, register: Register) -> None:
-        object.__setattr__(self, "_cpu", cpu)
-        object.__setattr__(self, "_place", place)
-        object.__setattr__(self, "_register", register)
-        object.__setattr__(self, "_fields", {f.name: f for f in register.fields})
+    __slots__ = ()
+    where = ""  # "I2C-A.I2CSTR"
+    fields: tuple[str, ...] = ()
 
     def __getattr__(self, name: str) -> int:
-        if name == "all":
-            return self._cpu.read(self._place, self._register)
-        f = self._field(name)
-        return f.of(self._cpu.read(self._place, self._register, name))
+        """Only for names that are not there."""
+        raise AttributeError(f"{self.where} has no field {name!r}; {near(name, self.fields)}")
 
     def __setattr__(self, name: str, value: int) -> None:
-        if name == "all":
-            self._cpu.write(self._place, self._register, value)
-        else:
-            self._cpu.modify(self._place, self._register, self._field(name).name, value)
+        if name not in self.fields and name != "all":
+            self.__getattr__(name)
+        object.__setattr__(self, name, value)
 
-    def _field(self, name: str) -> Field:
-        found = self._fields.get(name)
-        if found is None:
-            where = f"{self._place.name}.{self._register.name}"
-            raise AttributeError(f"{where} has no field {name!r}; {near(name, self._fields)}")
-        return found
+
+def register_port(cpu: Cpu, place: Place, register: Register) -> RegisterPort:
+    """The port of one register."""
+    where = f"{place.name}.{register.name}"
+    names = tuple(f.name for f in register.fields)
+    ports: dict[str, object] = {f.name: _field_port(cpu, place, register, f) for f in register.fields}
+    ports["all"] = property(lambda port: cpu.read(place, register), lambda port, v: cpu.write(place, register, v))
+    made = type(where, (RegisterPort,), {"__slots__": (), "where": where, "fields": names, **ports})
+    port = made()
+    assert isinstance(port, RegisterPort)
+    return port
+
+
+def _field_port(cpu: Cpu, place: Place, register: Register, f: Field) -> property:
+    read, modify, mask, lsb = cpu.read, cpu.modify, f.mask, f.lsb
+
+    def value(port: RegisterPort) -> int:
+        return (read(place, register, f) & mask) >> lsb
+
+    def assign(port: RegisterPort, number: int) -> None:
+        modify(place, register, f, number)
+
+    return property(value, assign)
 
 
 class ModulePort:
@@ -53,7 +62,7 @@ class ModulePort:
 
     def __init__(self, cpu: Cpu, place: Place) -> None:
         self._name = place.name
-        self._ports = {r.name: RegisterPort(cpu, place, r) for r in place.socket.chip.MAP}
+        self._ports = {r.name: register_port(cpu, place, r) for r in place.socket.chip.MAP}
         self.__dict__.update(self._ports)  # plain attributes: no look-up of ours for each access
 
     def __getattr__(self, name: str) -> RegisterPort:

@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from ..core.chip import NEVER
 from ..core.kernel import Kernel
 from ..core.records import Kind, Recorder
 from ..core.time import NO_TIME
@@ -81,6 +82,41 @@ class Transfer:
 class I2cController:
     """who: its name on the wires and in records. limit: SCL low longer than this is reported by `on_stuck`."""
 
+    __slots__ = (
+        "_bit",
+        "_bus_busy",
+        "_byte",
+        "_done",
+        "_due",
+        "_guard",
+        "_high",
+        "_high_end",
+        "_in",
+        "_index",
+        "_kernel",
+        "_last_stop",
+        "_let_go_at",
+        "_on_stuck",
+        "_phase",
+        "_phase_index",
+        "_receiving",
+        "_recorder",
+        "_rising",
+        "_scl_mask",
+        "_scl_moved",
+        "_scl_wire",
+        "_sda_level",
+        "_sda_mask",
+        "_sda_wire",
+        "_step",
+        "_stepping",
+        "_stuck_after",
+        "_transfer",
+        "busy",
+        "timing",
+        "who",
+    )
+
     def __init__(
         self,
         kernel: Kernel,
@@ -108,6 +144,9 @@ class I2cController:
         self._rising = False  # SCL is let go and has not risen yet
         self._high = timing.high  # how long SCL stays high next, and what comes then
         self._high_end: Callable[[], None] = self._bit_end
+        self._due = NEVER  # when the next step is due, and which it is
+        self._step: Callable[[], None] = self._bit_end
+        self._stepping = False
         self._let_go_at = 0
         self._last_stop = -timing.free
         self._transfer = Transfer("", [])
@@ -135,14 +174,34 @@ class I2cController:
         self._done = done
         self._phase_index = 0
         start = max(self._kernel.now, self._last_stop + self.timing.free)
-        self._kernel.at(start, self._start)
+        self._then(start, self._start)
+
+    def _then(self, due: int, step: Callable[[], None]) -> None:
+        """`step` is next, at `due`: there is one at a time."""
+        self._due, self._step = due, step
+        if not self._stepping:
+            self._kernel.at(due, self._steps)
+
+    def _steps(self) -> None:
+        """The step that is due, and those after it as long as nothing else happens in between."""
+        kernel = self._kernel
+        self._stepping = True
+        while True:
+            self._due = NEVER
+            self._step()
+            due = self._due
+            if due == NEVER or not kernel.run_ahead(due):
+                break
+        self._stepping = False
+        if due != NEVER:
+            kernel.at(due, self._steps)
 
     def _start(self) -> None:
         now = self._kernel.now
         if not self._may_start(now):
             self._watch_stuck()
             free_at = self._last_stop + self.timing.free
-            self._kernel.at(free_at if free_at > now else now + self.timing.free, self._start)
+            self._then(free_at if free_at > now else now + self.timing.free, self._start)
             return
         self._calm()
         phase = self._phase = self._transfer.phases[self._phase_index]
@@ -151,7 +210,7 @@ class I2cController:
         self._mark("START" if self._phase_index == 0 else "repeated START", 0)
         byte = phase.address << 1 | phase.read if phase.address_byte is None else phase.address_byte
         self._load(byte, -1, receiving=False)
-        self._kernel.at(now + self.timing.start_hold, self._first_low)
+        self._then(now + self.timing.start_hold, self._first_low)
 
     def _may_start(self, now: int) -> bool:
         """Both lines are high; and the bus is free for long enough, or ours already."""
@@ -178,16 +237,19 @@ class I2cController:
 
     def _low(self, sda: int) -> None:
         """SCL falls; SDA goes to `sda` a hold time later; SCL is let go after the low time."""
-        kernel, timing = self._kernel, self.timing
+        timing = self.timing
         self._scl_wire.pull(self._scl_mask, 0)
-        now = kernel.now
-        if sda != self._sda_level:
+        now = self._kernel.now
+        if sda == self._sda_level:
+            self._then(now + timing.low, self._release)
+        else:
             self._sda_level = sda
-            kernel.at(now + timing.hold, self._sda_follows)
-        kernel.at(now + timing.low, self._release)
+            self._then(now + timing.hold, self._sda_follows)
 
     def _sda_follows(self) -> None:
+        timing = self.timing
         self._sda_wire.pull(self._sda_mask, self._sda_level)
+        self._then(self._kernel.now + timing.low - timing.hold, self._release)
 
     def _set_sda(self, level: int) -> None:
         self._sda_level = level
@@ -214,7 +276,7 @@ class I2cController:
     def _rose(self, now: int) -> None:
         if self._index == 0 and self._bit == 0:
             self._phase.answer_at = now
-        self._kernel.at(now + self._high, self._high_end)
+        self._then(now + self._high, self._high_end)
 
     def _bit_end(self) -> None:
         """End of the high phase: read SDA, go on to the next bit."""

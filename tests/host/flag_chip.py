@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from periph_sim.core.chip import NEVER, Note
+from periph_sim.core.chip import ALL, NEVER, Note
 from periph_sim.core.registers import Register, RegisterMap, field
 
 STATUS = Register("STATUS", 0, "test", (field("A", "0", "R"), field("B", "1", "R"), field("C", "2", "R/W1C")))
@@ -22,22 +22,22 @@ class FlagChip:
         self.changes = sorted(changes)
         self.status = 0
         self.count = 0
-        self.quiet_pins = False
         self.out = self.requests = self.held = 0
         self.notes: list[Note] = []
         self.touched: set[str] = set()
         self.next_wake = self.changes[0][0] if self.changes else NEVER
 
-    def pin(self, now: int, index: int, level: int) -> None:
+    def pin(self, now: int, index: int, level: int) -> int:
         raise AssertionError("no pins")
 
-    def wake(self, now: int) -> None:
+    def wake(self, now: int) -> int:
         while self.changes and self.changes[0][0] <= now:
             _, self.status, line = self.changes.pop(0)
             self.count += 1
             if line >= 0:
                 self.requests |= 1 << line
         self.next_wake = self.changes[0][0] if self.changes else NEVER
+        return ALL
 
     def read(self, now: int, offset: int) -> int:
         self.wake(now)

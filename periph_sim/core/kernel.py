@@ -76,8 +76,9 @@ class Kernel:
 
     def run_ahead(self, time: int) -> bool:
         """Make it `time` at once, if nothing else can happen up to then; the caller goes on as if by an event."""
-        if self.unsettled:
-            self.settled()
+        unsettled = self.unsettled
+        while unsettled:
+            unsettled.popleft().settle()
         queue = self._queue
         if time > self._horizon or self._stop or (queue and queue[0][0] < (time + 1) * _PHASES):
             return False

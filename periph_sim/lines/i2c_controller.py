@@ -177,7 +177,7 @@ class I2cController:
         self._then(start, self._start)
 
     def _then(self, due: int, step: Callable[[], None]) -> None:
-        """`step` is next, at `due`: there is one at a time."""
+        """`step` is next, at `due`: there is one at a time. Steps themselves set `_due` and `_step`."""
         self._due, self._step = due, step
         if not self._stepping:
             self._kernel.at(due, self._steps)
@@ -239,17 +239,16 @@ class I2cController:
         """SCL falls; SDA goes to `sda` a hold time later; SCL is let go after the low time."""
         timing = self.timing
         self._scl_wire.pull(self._scl_mask, 0)
-        now = self._kernel.now
         if sda == self._sda_level:
-            self._then(now + timing.low, self._release)
+            self._due, self._step = self._kernel.now + timing.low, self._release
         else:
             self._sda_level = sda
-            self._then(now + timing.hold, self._sda_follows)
+            self._due, self._step = self._kernel.now + timing.hold, self._sda_follows
 
     def _sda_follows(self) -> None:
         timing = self.timing
         self._sda_wire.pull(self._sda_mask, self._sda_level)
-        self._then(self._kernel.now + timing.low - timing.hold, self._release)
+        self._due, self._step = self._kernel.now + timing.low - timing.hold, self._release
 
     def _set_sda(self, level: int) -> None:
         self._sda_level = level

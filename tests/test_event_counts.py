@@ -1,6 +1,7 @@
 """What a scene costs, in events: counts are the same on every machine, so they guard speed where seconds cannot.
 
-An I2C bit is two events of the controller (SCL let go, SCL falls), an SCI bit none: only its edges are.
+An I2C bit is two events of the controller (SCL let go, SCL falls), an SCI bit none: only its edges are. Where
+nobody hears of each edge, the first seven pulses of an I2C byte are one event together.
 """
 
 from __future__ import annotations
@@ -12,18 +13,23 @@ import pytest
 from periph_sim.board.scene import Scene
 from periph_sim.case.load import load
 from periph_sim.lines.uart_peer import UartPeer
-from tests.board.runs import TIMING, run_case, run_file
+from tests.board.runs import TIMING, Edges, run_case, run_file
 from tests.board.small import case
 
 BIT_8N1 = 4 * 8 * (40 + 1)  # SYSCLKOUT cycles: LSPCLK is a quarter, BRR 40
 TICKS = 20  # per cycle of 150 MHz
 
 
-def i2c_events(request: dict[str, object], byte: str, modules: tuple[str, ...] = ("I2C-A",)) -> int:
-    """Events of one transfer with a responder that polls and answers with `byte` again and again."""
+def i2c_events(
+    request: dict[str, object], byte: str, modules: tuple[str, ...] = ("I2C-A",), heard: bool = False
+) -> int:
+    """Events of one transfer with a responder that polls and answers with `byte` again and again.
+
+    heard: somebody hears of every edge.
+    """
     unit = {"firmware": "responder", "modules": modules, "settings": {"replies": [" ".join([byte] * 20)]}}
     head = {"first": "1 ms", "rounds": 1, "request": [{"address": 0x50, **request}]}
-    ran = run_case(case(unit={"dsp": unit}, controller=head), "0.02")
+    ran = run_case(case(unit={"dsp": unit}, controller=head), "0.02", Edges().subscribe if heard else None)
     assert ran.result.verdict == "pass" and ran.result.counts["nacked"] == 0
     return ran.result.events
 
@@ -40,8 +46,24 @@ def i2c_events(request: dict[str, object], byte: str, modules: tuple[str, ...] =
     ],
 )
 @pytest.mark.parametrize("count", [2, 5, 16])
-def test_an_i2c_byte_read_costs(byte: str, events: int, count: int):
-    assert i2c_events({"count": count + 1}, byte) - i2c_events({"count": count}, byte) == events
+def test_an_i2c_byte_read_costs_edge_by_edge(byte: str, events: int, count: int):
+    more, fewer = (i2c_events({"count": n}, byte, heard=True) for n in (count + 1, count))
+    assert more - fewer == events
+
+
+@pytest.mark.parametrize("byte", ["00", "ff", "55", "0f"])
+@pytest.mark.parametrize("count", [2, 5, 16])
+def test_an_i2c_byte_read_costs_the_same_whatever_its_bits(byte: str, count: int):
+    # seven pulses at once, bit 0 and ACK as edges: 1 + 4; all else as above
+    assert i2c_events({"count": count + 1}, byte) - i2c_events({"count": count}, byte) == 1 + 4 + 2 + 3 + 2
+
+
+def written(byte: str, count: int, heard: bool) -> int:
+    """Events of one more byte written."""
+    more, fewer = (
+        i2c_events({"count": 0, "write": " ".join([byte] * n)}, "00", heard=heard) for n in (count + 1, count)
+    )
+    return more - fewer
 
 
 @pytest.mark.parametrize(
@@ -53,9 +75,20 @@ def test_an_i2c_byte_read_costs(byte: str, events: int, count: int):
     ],
 )
 @pytest.mark.parametrize("count", [2, 5, 16])
+def test_an_i2c_byte_written_costs_edge_by_edge(byte: str, events: int, count: int):
+    assert written(byte, count, heard=True) == events
+
+
+@pytest.mark.parametrize(
+    ("byte", "events"),
+    [
+        ("ff", 1 + 4 + 2 + 1),  # seven pulses at once
+        ("55", 1 + 4 + 2 + 1 + 1),  # SDA falls for the first bit; the ACK slot needs no change
+    ],
+)
+@pytest.mark.parametrize("count", [2, 5, 16])
 def test_an_i2c_byte_written_costs(byte: str, events: int, count: int):
-    one_more = i2c_events({"count": 0, "write": " ".join([byte] * (count + 1))}, "00")
-    assert one_more - i2c_events({"count": 0, "write": " ".join([byte] * count)}, "00") == events
+    assert written(byte, count, heard=False) == events
 
 
 def sci_events(data: bytes, modules: list[str]) -> int:

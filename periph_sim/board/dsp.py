@@ -85,7 +85,7 @@ class Dsp:
         self.plan = plan
         self._kernel = kernel
         self._timebase = timebase
-        self._recorder = recorder
+        self.recorder = recorder
         self.control = SystemControl(plan.oscclk_hz, plan.system)
         began = 0 if plan.from_boot else start_up(self.control, plan.pll)
         self.clock = Clock(timebase, self._sysclk_hz(), tick0=kernel.now, cycle0=began)
@@ -256,7 +256,7 @@ class Dsp:
     def _add(
         self, name: str, chip: Chip, base: int, size: int, frame: Frame, on_request: Callable[[int, int], None]
     ) -> None:
-        socket = Socket(self._kernel, self.clock, self._recorder, f"{self.name}.{name}", chip, on_request)
+        socket = Socket(self._kernel, self.clock, self.recorder, f"{self.name}.{name}", chip, on_request)
         socket.on_held = partial(self._held, pie_lines(name))
         self._sockets[name] = socket
         self.memory.add(Place(name, base, size, frame, socket))

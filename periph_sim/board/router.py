@@ -95,6 +95,16 @@ class Router:
         gpio_socket.before = self.tell_pads
         self.look(clock.cycle_at(kernel.now))
 
+    def leads_straight(self, wire: Wire, socket: Socket, index: int) -> bool:
+        """Whether this wire's edges go to this input of a peripheral, at once, and nowhere else."""
+        pads = [self._direct[n] for n, at in self._pads.items() if at is wire]
+        return len(pads) == 1 and pads[0].socket is socket and pads[0].index == index
+
+    @property
+    def reads_pads(self) -> bool:
+        """Somebody watches the pads' levels edge by edge."""
+        return bool(self.gpio_socket.watchers)
+
     def edge(self, n: int, tick: int, level: int) -> None:
         """A wire changed at a pad that is synchronised, or whose level somebody reads."""
         clock = self._clock

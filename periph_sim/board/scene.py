@@ -35,6 +35,7 @@ from ..timing.budgets import BadBudget, Limit
 from ..timing.measures import WrongBytes
 from .dsp import MODULES, PIN_OF, Dsp, DspPlan
 from .firmware import BadFirmware, BadSetting, load_firmware, settings_for
+from .i2c_follower import I2cFollower
 from .result import Result
 from .sci_watch import SciWatch
 from .stuck import hopeless
@@ -75,6 +76,9 @@ class Scene:
         if case.controller is not None:
             self.head = self._build_head(case.controller)
             self.head.on_transfer.append(self._count_transfer)
+            for dsp in self.units.values():
+                if dsp.has("I2C-A"):
+                    self.head.controller.followers.append(I2cFollower(dsp, self.wires["SCL"], self.wires["SDA"]))
         elif "SCL" in self.wires:
             self._counter = I2cCounter(self.wires["SCL"], self.wires["SDA"])
         if case.host is not None:

@@ -37,6 +37,7 @@ class Socket:
         self.chip = chip
         self.pins: list[list[Pin]] = [[] for _ in chip.OUTPUTS]  # what each output drives, set by the router
         self._set_output = [[partial(self._set_pins, i, level) for level in (0, 1)] for i in range(len(self.pins))]
+        self.wired = 0  # rises with each change of `pins`
         self.out_delay = 0  # cycles from an output of the chip to its pin
         self.before: Callable[[int], None] | None = None  # called before each access: what the chip must be told first
         self.after: Callable[[int], None] | None = None  # the owner's look at the chip after each input
@@ -149,6 +150,10 @@ class Socket:
         for pin in self.pins[index]:
             pin.wire.pull(pin.mask, level)
 
+    def adopt_outputs(self) -> None:
+        """The chip's outputs, and when it wants to be woken, were seen to by the caller: nothing is to be driven."""
+        self._out = self.chip.out
+
     def watch(self, watcher: Callable[[int], None]) -> None:
         """`watcher(cycle)` after every input from now on: a CPU that spins looks at the chip there."""
         self.watchers.append(watcher)
@@ -165,6 +170,7 @@ class Socket:
 
     def connect(self, index: int, pins: list[Pin]) -> None:
         """From now on output `index` drives exactly `pins`."""
+        self.wired += 1
         for pin in self.pins[index]:
             if pin not in pins:
                 pin.drive(1)

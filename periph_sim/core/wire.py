@@ -24,7 +24,7 @@ class Wire:
         self.cause = 0  # record of the last edge
         self._kernel = kernel
         self._recorder = recorder
-        self._recorded = recorder.wants(Kind.EDGE)
+        self.recorded = recorder.wants(Kind.EDGE)  # somebody hears of every edge
         self._pulling = 0  # bit i: pin i pulls low
         self._pins: list[str] = []
         self._watchers: list[Watcher] = []
@@ -58,6 +58,25 @@ class Wire:
             self._queued = True
             self._unsettled.append(self)
 
+    def skip_to(self, mask: int, level: int) -> None:
+        """The parties of `mask` have come to hold this level; whoever watches knows already and is not told."""
+        self._pulling = self._pulling & ~mask if level else self._pulling | mask
+        self.level = self._told = 0 if self._pulling else 1
+
+    @property
+    def watched_by(self) -> int:
+        """How many are told of every change."""
+        return len(self._watchers)
+
+    @property
+    def pulled_by(self) -> int:
+        """How many pull it low."""
+        return self._pulling.bit_count()
+
+    def held_by_others(self, mask: int) -> bool:
+        """Whether anybody but the parties of `mask` pulls it low."""
+        return bool(self._pulling & ~mask)
+
     def settle(self) -> None:
         """Tell the watchers if the level is not what they were told last."""
         self._queued = False
@@ -66,7 +85,7 @@ class Wire:
             return
         self._told = level
         now = self._kernel.now
-        if self._recorded:
+        if self.recorded:
             self._record(now, level)
             return
         for watcher in self._watchers:

@@ -103,12 +103,12 @@ class SensorHead:
         seed: int = 0,
     ) -> None:
         self.who = controller.who
+        self.controller = controller
         self.missed = 0
         self.rounds = 0  # completed
         self.on_transfer: list[Callable[[Transfer], None]] = []
         self.on_round: list[Callable[[Round], None]] = []
         self._kernel = kernel
-        self._controller = controller
         self._requests = requests
         self._schedule = schedule
         self._by_stop = by_stop
@@ -142,7 +142,7 @@ class SensorHead:
         self._next()
 
     def _next(self) -> None:
-        self._controller.begin(self._left.pop(0), self._over)
+        self.controller.begin(self._left.pop(0), self._over)
 
     def _over(self, transfer: Transfer) -> None:
         current = self._round

@@ -19,6 +19,7 @@ Chosen:
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Sequence
 
 from ..core.chip import ALL, NEVER, NOTHING, OUTPUTS
 from . import i2c_map as at
@@ -42,8 +43,9 @@ from .i2c_map import (
 from .i2c_master import I2cMaster
 from .i2c_options import I2cOptions
 from .i2c_state import DEPTH, I2cState
-from .i2c_target import IGNORE, OFF, TRANSMIT, I2cTarget
+from .i2c_target import IGNORE, OFF, I2cTarget
 
+SCL_PIN, SDA_PIN = 0, 1  # indices in INPUTS and OUTPUTS
 I2CSTR, I2CMDR = I2C_MAP["I2CSTR"], I2C_MAP["I2CMDR"]
 BOTH = SCL | SDA
 BYTE_ENABLES = I2C_MAP["I2CIER"]["XRDY"].mask | I2C_MAP["I2CIER"]["RRDY"].mask
@@ -180,6 +182,37 @@ class I2c:
             self.target.fall(now)
             if self._suspended:
                 self._halt_target()
+
+    # Whole pulses at once ------------------------------------------------------------
+
+    @property
+    def filter_width(self) -> int:
+        """Cycles an edge takes through the noise filter."""
+        return self._width
+
+    def pulses_left(self, now: int) -> int:
+        """How many whole pulses of SCL, low at `now`, can pass before anybody sees more of it than bits on SDA."""
+        if not self._patient or self._timer <= now:
+            return 0
+        if self._waiting:
+            self._work_off(now)
+        return 0 if self._waiting or self._scl else self.target.pulses_left()
+
+    def sends(self, pulses: int) -> list[int]:
+        """SDA as this module drives it now and after each of so many pulses; empty if it does not send."""
+        return self.target.sends(pulses)
+
+    def follow(self, last_fall: int, now: int, sda: Sequence[int]) -> None:
+        """Pulses have passed, as many as `pulses_left` allows, and their last edges have passed the filter by `now`.
+
+        sda: the level of SDA before the first pulse and after each.
+        """
+        self.target.follow(sda)
+        self._sda = sda[-1]
+        self._raw = sda[-1] << 1
+        self._moved = [last_fall, last_fall]
+        self.out = self._levels()
+        self._quiet = self.target.quiet_edges(0, self._rise8_matters, self._rise9_matters)
 
     # Time ------------------------------------------------------------------------
 
@@ -330,7 +363,8 @@ class I2c:
         return self.options.clock_gate_access == "accessible"
 
     def peek(self, now: int, offset: int) -> int:
-        self._advance(now)
+        if self._waiting or self._pending or self._timer <= now:
+            self._advance(now)
         state = self.state
         if not self._clocked and not self._accessible():
             return 0

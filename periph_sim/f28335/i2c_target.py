@@ -17,6 +17,8 @@ Chosen:
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from ..core.chip import NEVER
 from .i2c_map import (
     MDR_FDF,
@@ -108,6 +110,31 @@ class I2cTarget:
     def in_mid_byte(self) -> bool:
         """Sending, and neither at the first bit of the byte nor behind the last: a fall only brings the next bit."""
         return self.phase == TRANSMIT and 0 < self.bit < self._n
+
+    def pulses_left(self) -> int:
+        """How many whole pulses, SCL being low, can pass before anything but SDA changes for others."""
+        if self.phase in (OFF, IGNORE):
+            return ENDLESS
+        return max(0, self._n - 1 - self.bit)
+
+    def sends(self, pulses: int) -> list[int]:
+        """SDA as driven now and after each of so many pulses (at most `pulses_left`); empty if not sending."""
+        if self.phase != TRANSMIT:
+            return []
+        first = self._n - 1 - self.bit
+        return [self.state.xsr >> place & 1 for place in range(first, first - pulses - 1, -1)]
+
+    def follow(self, sda: Sequence[int]) -> None:
+        """Pulses have passed. sda: its level before the first and after each."""
+        if self.phase in (OFF, IGNORE):
+            return
+        pulses = len(sda) - 1
+        self.bit += pulses
+        if self.phase == TRANSMIT:
+            self._drive(self.state.xsr >> (self._n - 1 - self.bit) & 1)
+        else:
+            for level in sda[:-1]:
+                self._shift = self._shift << 1 | level
 
     # Line events --------------------------------------------------------------------
 

@@ -24,6 +24,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 from greenlet import getcurrent, greenlet
 
@@ -55,8 +56,7 @@ class FirmwareError(Exception):
     """Firmware that cannot go on: it raised, or it did what a scene with `strict` does not allow."""
 
 
-@dataclass(slots=True)
-class Poll:
+class Poll(NamedTuple):
     """One read made in a pass of a spin: where, what, and when its value was taken."""
 
     place: Place
@@ -114,7 +114,7 @@ class Lease:
 
     def broken(self, cycle: int) -> bool:
         """Whether a pass begun at `cycle` could come out otherwise."""
-        for peek, offset, mask, value in self._seen:
+        for peek, offset, mask, value in self._seen:  # noqa: SIM110 (a generator would cost more than the looks)
             if peek(cycle, offset) & mask != value:
                 return True
         return False
@@ -286,10 +286,9 @@ class Cpu:
     def instruction(self, cycles: int) -> None:
         """One instruction, or an inseparable few: interrupts wait for its end."""
         cycle = self.cycle + cycles
-        if cycle < self._lease:
-            self.cycle = cycle
-        else:
+        if cycle >= self._lease:
             self._go_to(cycle)
+        self.cycle = cycle
         core = self.core
         if core.ifr or core.next_wake <= cycle or core.owes_instruction:
             self._serve()
@@ -475,10 +474,13 @@ class Cpu:
                 self.cycle = at
             else:
                 self._go_to(at)
+            socket = place.socket
             if self._records_access:
                 value = self._fetch_recorded(place, register, half)
+            elif register.plain and socket.before is None:
+                value = socket.chip.peek(at, register.offset)
             else:
-                value = self._fetch(place.socket, register, half)
+                value = self._fetch(socket, register, half)
         if spin is not None:
             spin.polls.append(Poll(place, register, half, looked_at, at, value))
             if register.free_running or not register.reads_are_harmless:

@@ -28,9 +28,12 @@ class RegisterPort:
         raise AttributeError(f"{self.where} has no field {name!r}; {near(name, self.fields)}")
 
     def __setattr__(self, name: str, value: int) -> None:
-        if name not in self.fields and name != "all":
-            self.__getattr__(name)
-        object.__setattr__(self, name, value)
+        try:
+            object.__setattr__(self, name, value)
+        except AttributeError:
+            if name not in self.fields and name != "all":
+                self.__getattr__(name)
+            raise
 
 
 def register_port(cpu: Cpu, place: Place, register: Register) -> RegisterPort:

@@ -20,6 +20,9 @@ from ..core.kernel import Kernel
 from ..core.records import Kind, Recorder
 from ..core.time import NO_TIME
 from ..core.wire import Wire
+from .i2c_pulses import Follower, Pulses
+
+NO_BYTE = 1 << 30  # instead of the number of a byte: STOP or repeated START is next
 
 
 @dataclass(frozen=True)
@@ -113,6 +116,7 @@ class I2cController:
         "_stuck_after",
         "_transfer",
         "busy",
+        "followers",
         "timing",
         "who",
     )
@@ -131,6 +135,7 @@ class I2cController:
         self.who = who
         self.timing = timing
         self.busy = False
+        self.followers: list[Follower] = []  # those besides this one who hear of the lines
         self._kernel = kernel
         self._recorder = recorder if recorder.wants(Kind.BUS) else None
         self._scl_wire = scl
@@ -256,6 +261,8 @@ class I2cController:
 
     def _release(self) -> None:
         """SCL is let go. If nobody else holds it, it rises now; else with the edge that we then wait for."""
+        if self._bit < 7 and self._pulses_at_once():
+            return
         self._scl_wire.pull(self._scl_mask, 1)
         if self._scl_wire.level:
             self._rose(self._kernel.now)
@@ -294,6 +301,46 @@ class I2cController:
         else:
             self._low(self._ack_level() if self._receiving else 1)
 
+    def _pulses_at_once(self) -> bool:
+        """The pulses of this byte that everybody can follow in one go, if there are any; SCL is low before and after.
+
+        Nothing else may happen before SCL rises for the bit that comes then.
+        """
+        timing, scl, sda = self.timing, self._scl_wire, self._sda_wire
+        everybody = 1 + len(self.followers)
+        if scl.recorded or scl.watched_by != everybody or sda.watched_by != everybody or self._index == NO_BYTE:
+            return False
+        now = self._kernel.now
+        count = min(7 - self._bit, (self._kernel.quiet_until() - 1 - now) // (timing.high + timing.low))
+        for follower in self.followers:
+            if count > 0:
+                count = min(count, follower.can_follow(Pulses(now, timing.high, timing.low, timing.hold, count)))
+        if count <= 0 or scl.held_by_others(self._scl_mask):
+            return False
+        pulses = Pulses(now, timing.high, timing.low, timing.hold, count)
+        ours = [self._byte >> (7 - self._bit - n) & 1 for n in range(count + 1)]
+        levels = ours
+        for follower in self.followers:
+            sent = follower.sends(pulses)
+            if sent:
+                levels = [level & other for level, other in zip(levels, sent, strict=True)]
+        if levels[0] != sda.level or (levels != ours and not self._receiving):
+            return False  # somebody disagrees about a bit: edge by edge
+        if sda.held_by_others(self._sda_mask) if not self._receiving else sda.pulled_by > 1:
+            return False
+        for follower in self.followers:
+            follower.follow(pulses, levels)
+        self._sda_level = ours[count]
+        sda.skip_to(self._sda_mask, ours[count])
+        if self._index == 0 and self._bit == 0:
+            self._phase.answer_at = now
+        for level in levels[:count]:
+            self._in = self._in << 1 | level
+        self._bit += count
+        self._scl_moved = pulses.fall(count - 1)
+        self._due, self._step = pulses.end, self._release
+        return True
+
     def _ack_level(self) -> int:
         """What a reading controller answers: 0 until the last byte."""
         return 1 if self._index + 1 >= self._phase.count else 0
@@ -321,7 +368,7 @@ class I2cController:
                 self._load(phase.data[following], following, receiving=False)
             self._low(self._byte >> 7 & 1)
             return
-        self._load(0xFF, 1 << 30, receiving=False)
+        self._load(0xFF, NO_BYTE, receiving=False)
         if self._phase_index + 1 < len(self._transfer.phases) and phase.acked:
             self._phase_index += 1
             self._high, self._high_end = self.timing.start_setup, self._start

@@ -16,6 +16,7 @@ from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.formats.capture import Capture, Channel
 from periph_sim.lines.i2c_controller import Transfer
+from periph_sim.recording import Subscribe
 
 TIMING = Path(__file__).parents[2] / "timing"
 
@@ -43,8 +44,8 @@ def run_file(name: str, seconds: str, *changes: str) -> Ran:
     return run_case(load(TIMING / f"{name}.toml", list(changes)), seconds)
 
 
-def run_case(case: Case, seconds: str) -> Ran:
-    scene = Scene(case)
+def run_case(case: Case, seconds: str, subscribe: Subscribe | None = None) -> Ran:
+    scene = Scene(case, subscribe)
     rounds: list[list[Transfer]] = []
     transfers: list[Transfer] = []
     if scene.head is not None:

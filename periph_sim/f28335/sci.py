@@ -24,7 +24,7 @@ Source: TI SPRUFZ5A; SPRUFB0D section 5.1 for the clock gate.
 
 from __future__ import annotations
 
-from ..core.chip import ALL, NEVER, NOTHING, Note
+from ..core.chip import ALL, NEVER, NOTHING, OUTPUTS, Note
 from .sci_autobaud import SciAutobaud
 from .sci_clock import SciClock
 from .sci_format import SciFormat
@@ -163,7 +163,9 @@ class Sci:
         self._rxd = level
         if not self._ccr & LOOPBKENA:
             self._line(now, level)
-        return ALL if self.next_wake != planned or self.requests else NOTHING
+        if now > planned:
+            return ALL
+        return OUTPUTS if self.next_wake != planned else NOTHING  # what an edge does shows with a wake-up
 
     def wake(self, now: int) -> int:
         self._run(now)

@@ -16,6 +16,8 @@ class SciWatch:
         self._told = told
         chip_map = self._socket.chip.MAP
         self._rx, self._status = chip_map["SCIFFRX"], chip_map["SCIRXST"]
+        self._level = self._rx["RXFFST"]
+        self._overruns = self._rx["RXFFOVF"].mask, self._status["OE"].mask
         self._words = 0
         self._overrun = False
         self._socket.watch(self._look)
@@ -23,8 +25,9 @@ class SciWatch:
     def _look(self, cycle: int) -> None:
         fifo = self._socket.chip.peek(cycle, self._rx.offset)
         status = self._socket.chip.peek(cycle, self._status.offset)
-        words = self._rx["RXFFST"].of(fifo)
-        overrun = bool(self._rx["RXFFOVF"].of(fifo) or self._status["OE"].of(status))
+        words = self._level.of(fifo)
+        in_fifo, without = self._overruns
+        overrun = bool(fifo & in_fifo or status & without)
         if words != self._words or overrun != self._overrun:
             self._told(self._dsp.clock.tick(cycle), words, overrun and not self._overrun)
             self._words, self._overrun = words, overrun

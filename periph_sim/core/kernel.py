@@ -72,7 +72,13 @@ class Kernel:
         """The first tick at which something else than the caller may act, or the end of this run."""
         if self.unsettled or self._stop:
             return self.now
-        return min(self.next_time(), self._horizon + 1)
+        if self._dead:
+            self.next_time()  # takes what was cancelled off the head
+        end = self._horizon + 1
+        if not self._queue:
+            return end
+        due = self._queue[0][0] // _PHASES
+        return due if due < end else end
 
     def run_ahead(self, time: int) -> bool:
         """Make it `time` at once, if nothing else can happen up to then; the caller goes on as if by an event."""

@@ -335,8 +335,9 @@ class I2c:
                 self.next_wake = self._pending[0][0]
         elif self._passive:
             self._patient = True
-            waiting = sum(1 for _, index, _ in self._waiting if not index)
-            self._quiet = self.target.quiet_edges(self._scl, self._rise8_matters, self._rise9_matters) - waiting
+            self._quiet = self.target.quiet_edges(self._scl, self._rise8_matters, self._rise9_matters)
+            for _, index, _ in self._waiting:
+                self._quiet -= not index
 
     # Registers -----------------------------------------------------------------------
 

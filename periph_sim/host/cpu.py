@@ -251,9 +251,10 @@ class Cpu:
             self._wake_at(self._wake_cycle)
 
     def _wake_at(self, cycle: int) -> None:
+        tick, now = self._clock.tick(cycle), self._kernel.now
         self._wake_cycle = cycle
-        self._wake_tick = max(self._clock.tick(cycle), self._kernel.now)
-        self._wake = self._kernel.at(self._wake_tick, self._resume, CPU)
+        self._wake_tick = tick = tick if tick > now else now
+        self._wake = self._kernel.at(tick, self._resume, CPU)
 
     def _resume(self) -> None:
         self._wake = 0
@@ -497,7 +498,9 @@ class Cpu:
     def _now(self) -> None:
         """The kernel's time is this CPU's: an access happens. It may promise new events, so the lease ends."""
         kernel = self._kernel
-        kernel.now = max(kernel.now, self._clock.tick(self.cycle))
+        tick = self._clock.tick(self.cycle)
+        if tick > kernel.now:
+            kernel.now = tick
         self._lease = 0
 
     def _fetch_recorded(self, place: Place, register: Register, half: int) -> int:

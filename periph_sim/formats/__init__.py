@@ -1,14 +1,20 @@
-"""Trace files: a path goes in, a `Capture` comes out, whatever wrote the file.
+"""Trace files: a path goes in, a `Capture` comes out, whatever wrote the file; and back.
 
 One file of this folder is one format. It defines
 
-    NAME                      what people call it
-    SUFFIXES                  the usual ends of its file names, with the dot; "/" for a folder
-    recognises(path, head)    whether a file that begins with these bytes can be one (b"" for a folder)
-    read(path, rate=None)     the Capture; BadCapture in one sentence if it cannot be had
+    NAME                                     what people call it
+    SUFFIXES                                 the usual ends of its file names, with the dot; "/" for a folder
+
+and one or both of
+
+    recognises(path, head)                   whether a file that begins with these bytes can be one (b"" for a folder)
+    read(path, rate=None, salvage=False)     the Capture; BadCapture in one sentence if it cannot be had
+
+    write(capture, path)                     makes the file (`path` is a temporary name); None, or notes on what is lost
 
 and is found by being there. `rate` states the sampling rate where the file does not, or says it
-wrong; times given in seconds are put on its grid.
+wrong; times given in seconds are put on its grid. With `salvage` a damaged file is read up to the
+damage, and the notes of the Capture say what was dropped.
 """
 
 from __future__ import annotations
@@ -20,31 +26,41 @@ from functools import cache
 from pathlib import Path
 from typing import Protocol, cast
 
+from ..core.nearest import near
 from .capture import BadCapture, Capture, Channel, Span, rate_of
+from .resample import resampled
+from .whole import whole
 
-__all__ = ["BadCapture", "Capture", "Channel", "Format", "Span", "formats", "rate_of", "read"]
+__all__ = ["BadCapture", "Capture", "Channel", "Format", "Span", "formats", "rate_of", "read", "whole", "write"]
 
 HEAD = 4096  # bytes of a file that `recognises` is shown
 
 REFUSED = {  # by suffix: what it is, and the way out
     ".sal": ("a Saleae session, whose layout the vendor changes at will", "export CSV or binary from Logic 2"),
     ".logicdata": ("a Saleae Logic 1 session, whose layout is not published", "export CSV from Logic"),
-    ".dsl": ("a DSView session", "export VCD or .sr from DSView"),
     ".pvs": ("a PulseView setup without samples", "give the .sr file beside it"),
-    ".fst": ("a binary waveform", "convert it with fst2vcd"),
-    ".ghw": ("a binary waveform", "let GHDL write a VCD"),
 }
 
 
 class Format(Protocol):
-    """What a file of this folder must define to be a format."""
+    """What every format of this folder has."""
 
     NAME: str
     SUFFIXES: tuple[str, ...]
 
+
+class Reader(Format, Protocol):
+    """A format that is read."""
+
     def recognises(self, path: Path, head: bytes) -> bool: ...
 
-    def read(self, path: Path, rate: Fraction | None = None) -> Capture: ...
+    def read(self, path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture: ...
+
+
+class Writer(Format, Protocol):
+    """A format that is written."""
+
+    def write(self, capture: Capture, path: Path) -> tuple[str, ...] | None: ...
 
 
 @cache
@@ -58,7 +74,18 @@ def formats() -> dict[str, Format]:
     return found
 
 
-def read(path: str | Path, rate: Fraction | None = None) -> Capture:
+def readers() -> dict[str, Reader]:
+    """The formats that are read."""
+    return {name: cast(Reader, found) for name, found in formats().items() if hasattr(found, "read")}
+
+
+def writers() -> dict[str, Writer]:
+    """The formats that are written, by suffix."""
+    able = [cast(Writer, found) for found in formats().values() if hasattr(found, "write")]
+    return {suffix: writer for writer in able for suffix in writer.SUFFIXES}
+
+
+def read(path: str | Path, rate: Fraction | None = None, *, salvage: bool = False) -> Capture:
     """The capture in a file or folder; BadCapture says what is wrong with it and the way out.
 
     The content decides; the suffix only says which formats are asked first, and which one complains
@@ -72,13 +99,53 @@ def read(path: str | Path, rate: Fraction | None = None) -> Capture:
         found, way_out = REFUSED[suffix]
         raise BadCapture(path, "its name", found, _known(), way_out)
     head = _head(path)
-    likely = [f for f in formats().values() if suffix in f.SUFFIXES]
-    for candidate in [*likely, *(f for f in formats().values() if f not in likely)]:
+    likely = _readers_of(suffix)
+    for candidate in likely:
         if candidate.recognises(path, head):
-            return candidate.read(path, rate)
+            return candidate.read(path, rate, salvage)
+    for candidate in readers().values():
+        if candidate not in likely and candidate.recognises(path, head):
+            return candidate.read(path, rate, salvage)
     if len(likely) == 1:
-        return likely[0].read(path, rate)
+        return likely[0].read(path, rate, salvage)
     raise BadCapture(path, "its first bytes", repr(head[:24]) if head else "nothing", _known(), "export one of these")
+
+
+def _readers_of(suffix: str) -> list[Reader]:
+    """The formats that are read and have this suffix. Only files that mention it are imported: most take long."""
+    found: list[Reader] = []
+    for file in sorted(Path(__file__).parent.glob("*.py")):
+        if file.stem != "__init__" and f'"{suffix}"' in file.read_text(encoding="utf-8"):
+            module = importlib.import_module(f"{__name__}.{file.stem}")
+            if hasattr(module, "read") and suffix in getattr(module, "SUFFIXES", ()):
+                found.append(cast(Reader, module))
+    return found
+
+
+def write(capture: Capture, path: str | Path, *, rate: Fraction | None = None) -> tuple[str, ...]:
+    """Notes about what writing changed, a sentence each; the suffix chooses the format.
+
+    With `rate` the capture is put on the samples of that rate first. The file appears whole or not
+    at all; BadCapture says why it did not.
+    """
+    path = Path(path)
+    able = writers()
+    name = path.name.casefold()
+    suffix = max((known for known in able if name.endswith(known)), key=len, default=None)  # one may have two dots
+    if suffix is None:
+        raise BadCapture(path, "its name", repr(path.suffix), f"one of {', '.join(able)}", near(path.suffix, able))
+    if rate is not None and rate <= 0:
+        raise ValueError(f"the sampling rate is {rate} Hz; expected more than 0")
+    ready = capture if rate is None else resampled(capture, rate)
+    with whole(path) as unfinished:
+        try:
+            lost = able[suffix].write(ready, unfinished)
+        except BadCapture as error:
+            raise (error.of(path) if str(error).startswith(str(unfinished)) else error) from None
+        except OSError as error:
+            found = (error.strerror or "an error").lower()
+            raise BadCapture(path, "writing", found, "room for the file", "give another path") from error
+    return (*ready.notes[len(capture.notes) :], *(lost or ()))
 
 
 def _head(path: Path) -> bytes:
@@ -94,4 +161,4 @@ def _head(path: Path) -> bytes:
 
 
 def _known() -> str:
-    return ", ".join(f.NAME for f in formats().values())
+    return ", ".join(f.NAME for f in readers().values())

@@ -32,7 +32,20 @@ class BadCapture(ValueError):
     """A file that cannot be read, said in one sentence: file, place, found, expected, way out."""
 
     def __init__(self, path: Path, place: str, found: str, expected: str, way_out: str) -> None:
-        super().__init__(f"{path}, {place}: found {found}, expected {expected}; {way_out}")
+        super().__init__(f"{path}, " + one_line(f"{place}: found {found}, expected {expected}; {way_out}"))
+        self.place = place
+        self.found = found
+        self.expected = expected
+        self.way_out = way_out
+
+    def of(self, path: Path) -> BadCapture:
+        """The same said of another path."""
+        return BadCapture(path, self.place, self.found, self.expected, self.way_out)
+
+
+def one_line(text: str) -> str:
+    """The text with every character that cannot be shown as its escape: what damaged files hold can be anything."""
+    return text if text.isprintable() else "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
 
 
 class Span(NamedTuple):
@@ -152,7 +165,8 @@ def channel_of(name: str, index: int, at: Iterable[int], levels: Iterable[int | 
 
 def channel_of_edges(name: str, index: int, initial: int, edges: Positions, unknown: tuple[Span, ...] = ()) -> Channel:
     """A Channel whose level turns over at each of `edges`, which rise strictly from 1."""
-    levels = ((np.arange(1, len(edges) + 1) & 1) ^ initial).astype(np.uint8)
+    levels = np.full(len(edges), initial, np.uint8)
+    levels[::2] ^= 1
     return Channel(name, index, initial, edges, levels, unknown)
 
 

@@ -5,7 +5,8 @@
 Times are float64 seconds. They are put on the sampling grid (v1 states it, v0 needs `rate`), else on
 nanoseconds, which is what the vendor's CSV of the same capture holds.
 
-Chosen: position 0 is the earliest begin of all files. Time between chunks is unknown.
+Chosen: position 0 is the earliest begin of all files. Time between chunks is unknown. With salvage a
+channel is unknown behind its damage.
 
 Source: Saleae's published export formats, binary digital version 0 and the 2025 update.
 """
@@ -16,14 +17,15 @@ import re
 import struct
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
+from . import limits
 from .capture import BadCapture, Capture, Channel, Positions, Span, channel_of_edges
+from .growing import Growing
 
 NAME = "Saleae binary (digital_N.bin or their folder)"
 SUFFIXES = (".bin", "/")
@@ -33,29 +35,38 @@ KINDS = {1: "analogue data", 100: "a piece of a Logic 2 session"}
 NANOSECONDS = Fraction(10**9)
 OFF_GRID = 0.02  # of a sample: far more than float64 loses, far less than a wrong rate gives
 MOST_POSITIONS = float(1 << 62)
+BLOCK = 1 << 16  # times read at once
+OR_SALVAGE = ", or read what is whole with --salvage"
 
 
 @dataclass(frozen=True)
 class Chunk:
-    """A stretch without gaps: level at its begin, times of change, all in seconds as the file has them."""
+    """A stretch without gaps: level at its begin, where in the file the times of change are; times in seconds."""
 
     initial: int
     rate: float | None
     begin: float
     end: float
-    times: NDArray[np.float64]
+    place: int  # of the chunk, in bytes
+    at: int  # of its times
+    count: int
+    cut: bool = False  # the file ends within its times
 
 
 def recognises(path: Path, head: bytes) -> bool:
     return bool(_files(path)) if path.is_dir() else head.startswith(MARK)
 
 
-def read(path: Path, rate: Fraction | None = None) -> Capture:
+def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
     """The capture of one file, or of all `digital_N.bin` of a folder. BadCapture names file and byte."""
     files = _files(path) if path.is_dir() else {_number(path) or 0: path}
     if not files:
         raise BadCapture(path, "the folder", "no digital_N.bin", "one file a channel", "export digital data as binary")
-    chunks = {index: _chunks(file) for index, file in files.items()}
+    notes: list[str] = []
+    chunks = {index: _chunks(file, notes if salvage else None) for index, file in files.items()}
+    edges = sum(chunk.count for parts in chunks.values() for chunk in parts)
+    if edges > limits.MOST_EDGES:
+        raise BadCapture(path, "its counts", f"{edges} edges", f"at most {limits.MOST_EDGES}", "export a shorter time")
     stated = {chunk.rate for parts in chunks.values() for chunk in parts}
     if rate is None and len(stated) == 1 and (only := stated.pop()) is not None:
         rate = Fraction(only)
@@ -63,8 +74,11 @@ def read(path: Path, rate: Fraction | None = None) -> Capture:
     end = max(part.end for parts in chunks.values() for part in parts)
     grid = _Grid(begin, rate)
     length = grid.nearest(path, end) + 1
-    channels = tuple(_channel(files[index], index, chunks[index], grid, length) for index in sorted(files))
-    return Capture(path, rate or NANOSECONDS, length, channels, rate is not None)
+    channels = []
+    for index in sorted(files):
+        line = _Line(files[index], grid, notes if salvage else None)
+        channels.append(line.channel(index, chunks[index], length))
+    return Capture(path, rate or NANOSECONDS, length, tuple(channels), rate is not None, tuple(notes))
 
 
 class _Grid:
@@ -97,28 +111,71 @@ class _Grid:
         return exact
 
 
-def _channel(path: Path, index: int, chunks: list[Chunk], grid: _Grid, length: int) -> Channel:
-    flips: list[Positions] = []
-    unknown: list[Span] = []
-    known_to = 0
-    level = chunks[0].initial
-    for chunk in chunks:
-        begin, end = grid.nearest(path, chunk.begin), grid.nearest(path, chunk.end)
-        if begin > known_to:
-            unknown.append(Span(known_to, begin))
-        if chunk.initial != level:  # it changed while nobody looked
-            flips.append(np.array([begin]))
-        flips.append(grid.places(path, chunk.times))
-        level = chunk.initial ^ len(chunk.times) & 1
-        known_to = end + 1
-    if known_to < length:
-        unknown.append(Span(known_to, length))
-    at, times = np.unique(np.concatenate(flips), return_counts=True)
-    edges = at[times % 2 == 1]  # two changes in one position undo each other
-    initial = chunks[0].initial
-    if len(edges) and edges[0] == 0:
-        initial, edges = initial ^ 1, edges[1:]
-    return channel_of_edges(path.stem, index, initial, edges, tuple(unknown))
+class _Line:
+    """The edges of one file, read in blocks. Without `notes` damage is refused, with them it is noted."""
+
+    def __init__(self, path: Path, grid: _Grid, notes: list[str] | None) -> None:
+        self._path = path
+        self._grid = grid
+        self._notes = notes
+        self._flips = Growing()
+
+    def channel(self, index: int, chunks: list[Chunk], length: int) -> Channel:
+        unknown: list[Span] = []
+        known_to = 0
+        level = chunks[0].initial
+        with self._path.open("rb") as file:
+            for chunk in chunks:
+                begin = self._grid.nearest(self._path, chunk.begin)
+                if begin > known_to:
+                    unknown.append(Span(known_to, begin))
+                if chunk.initial != level:  # it changed while nobody looked
+                    self._flips.append(np.array([begin]))
+                before = len(self._flips)
+                end = self._changes(file, chunk)
+                level = chunk.initial ^ (len(self._flips) - before) & 1
+                known_to = self._grid.nearest(self._path, chunk.end if end is None else end) + 1
+                if end is not None:
+                    break
+        if known_to < length:
+            unknown.append(Span(known_to, length))
+        edges = _odd(self._flips.done())
+        initial = chunks[0].initial
+        if len(edges) and edges[0] == 0:
+            initial, edges = initial ^ 1, edges[1:]
+        return channel_of_edges(self._path.stem, index, initial, edges, tuple(unknown))
+
+    def _changes(self, file: BinaryIO, chunk: Chunk) -> float | None:
+        """Takes up the changes of a chunk; None, or the last time before they end early."""
+        file.seek(chunk.at)
+        last = chunk.begin
+        for done in range(0, chunk.count, BLOCK):
+            times = np.frombuffer(file.read(8 * min(BLOCK, chunk.count - done)), "<f8")
+            steps = np.concatenate(([last], times))
+            sound = np.isfinite(times) & (times >= steps[:-1]) & (times <= chunk.end)
+            if not sound.all():
+                good = int(np.argmin(sound))
+                if self._notes is None:
+                    place = f"byte {chunk.place}"
+                    way_out = f"export it again{OR_SALVAGE}"
+                    raise BadCapture(self._path, place, "times out of order", "begin, rising times, end", way_out)
+                place = f"byte {chunk.at + 8 * (done + good)}"
+                self._notes.append(f"{self._path.name} has times out of order from {place} on: they are dropped")
+                self._flips.append(self._grid.places(self._path, times[:good]))
+                return float(steps[good])
+            self._flips.append(self._grid.places(self._path, times))
+            last = float(times[-1])
+        return last if chunk.cut else None
+
+
+def _odd(flips: Positions) -> Positions:
+    """The positions, which do not fall, that occur an odd number of times: two changes in one undo each other."""
+    firsts = np.flatnonzero(np.diff(flips, prepend=-1))
+    if len(firsts) == len(flips):
+        return flips
+    counts = np.diff(firsts, append=len(flips))
+    odd: Positions = flips[firsts[counts & 1 == 1]]
+    return odd
 
 
 def _files(folder: Path) -> dict[int, Path]:
@@ -131,72 +188,83 @@ def _number(path: Path) -> int | None:
     return int(match[1]) if match else None
 
 
-def _chunks(path: Path) -> list[Chunk]:
-    cursor = _Cursor(path)
-    if cursor.take("8s")[0] != MARK:
-        raise BadCapture(path, "byte 0", "no <SALEAE> mark", "a Saleae binary export", "export it again")
-    version, kind = cursor.take("ii")
-    if kind != 0:
-        raise BadCapture(
-            path, "byte 12", KINDS.get(kind, f"type {kind}"), "digital data", "export digital data as binary"
-        )
-    if version not in (0, 1):
-        raise BadCapture(path, "byte 8", f"version {version}", "version 0 or 1", "export CSV")
-    count = cursor.take("Q")[0] if version else 1
-    chunks = []
-    for _ in range(min(count, cursor.left)):  # a chunk is more than a byte: no count from the file makes a long loop
-        chunks.append(_chunk(cursor, version))
+def _chunks(path: Path, notes: list[str] | None) -> list[Chunk]:
+    """The chunks of a file, without their times. With `notes` those before any damage."""
+    with path.open("rb") as file:
+        cursor = _Cursor(path, file)
+        if cursor.take("8s")[0] != MARK:
+            raise BadCapture(path, "byte 0", "no <SALEAE> mark", "a Saleae binary export", "export it again")
+        version, kind = cursor.take("ii")
+        if kind != 0:
+            found = KINDS.get(kind, f"type {kind}")
+            raise BadCapture(path, "byte 12", found, "digital data", "export digital data as binary")
+        if version not in (0, 1):
+            raise BadCapture(path, "byte 8", f"version {version}", "version 0 or 1", "export CSV")
+        count = cursor.take("Q")[0] if version else 1
+        chunks: list[Chunk] = []
+        try:
+            for _ in range(min(count, cursor.left)):  # a chunk is more than a byte: no count makes a long loop
+                chunk = _chunk(cursor, version, notes)
+                if chunks and chunk.begin < chunks[-1].end:
+                    found = "one that begins before the last ends"
+                    raise BadCapture(path, "its chunks", found, "chunks in order", "export again")
+                chunks.append(chunk)
+        except BadCapture as error:
+            if not chunks:
+                raise
+            if notes is None:
+                way_out = error.way_out.removesuffix(OR_SALVAGE) + OR_SALVAGE
+                raise BadCapture(path, error.place, error.found, error.expected, way_out) from None
+            notes.append(f"{error.place} of {path.name} has {error.found}: what follows is dropped")
+            return chunks
     if len(chunks) < count or not chunks:
         raise BadCapture(path, "byte 16", f"{count} chunks", "at least one, all there", "export it again")
-    for before, after in pairwise(chunks):
-        if after.begin < before.end:
-            raise BadCapture(
-                path, "its chunks", "one that begins before the last ends", "chunks in order", "export again"
-            )
     return chunks
 
 
-def _chunk(cursor: _Cursor, version: int) -> Chunk:
-    place = f"byte {cursor.at}"
+def _chunk(cursor: _Cursor, version: int, notes: list[str] | None) -> Chunk:
+    place = cursor.at
     (level,) = cursor.take("I")
     (rate,) = cursor.take("d") if version else (None,)
     begin, end, count = cursor.take("ddQ")
-    times = cursor.doubles(count)
     if level > 1:
-        raise BadCapture(cursor.path, place, f"initial level {level}", "0 or 1", "export it again")
+        raise BadCapture(cursor.path, f"byte {place}", f"initial level {level}", "0 or 1", "export it again")
     if rate is not None and not 0 < rate < float("inf"):
-        raise BadCapture(cursor.path, place, f"sample rate {rate}", "more than 0", "export it again")
-    marks = np.concatenate(([begin], times, [end]))
-    if not (np.isfinite(marks).all() and (marks[1:] >= marks[:-1]).all()):
-        raise BadCapture(cursor.path, place, "times out of order", "begin, rising times, end", "export it again")
-    return Chunk(level, rate, begin, end, times)
+        raise BadCapture(cursor.path, f"byte {place}", f"sample rate {rate}", "more than 0", "export it again")
+    if not float("-inf") < begin <= end < float("inf"):
+        expected = "begin, rising times, end"
+        raise BadCapture(cursor.path, f"byte {place}", "times out of order", expected, "export it again")
+    at = cursor.at
+    if notes is not None and 8 * count > cursor.left:
+        whole = cursor.left // 8
+        notes.append(f"{cursor.path.name} ends after {whole} of {count} changes: what follows is dropped")
+        cursor.skip(8 * whole)
+        return Chunk(level, rate, begin, end, place, at, whole, cut=True)
+    cursor.skip(8 * count, OR_SALVAGE)
+    return Chunk(level, rate, begin, end, place, at, count)
 
 
 class _Cursor:
     """A file's bytes, taken from the front; BadCapture at a cut."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, file: BinaryIO) -> None:
         self.path = path
         self.at = 0
-        self._data = path.read_bytes()
+        self._file = file
+        self._size = file.seek(0, 2)
 
     @property
     def left(self) -> int:
-        return len(self._data) - self.at
+        return self._size - self.at
 
     def take(self, layout: str) -> tuple[Any, ...]:
-        size = struct.calcsize("<" + layout)
-        self._need(size)
-        self.at += size
-        return struct.unpack_from("<" + layout, self._data, self.at - size)
+        at = self.at
+        self.skip(struct.calcsize("<" + layout))
+        self._file.seek(at)
+        return struct.unpack("<" + layout, self._file.read(self.at - at))
 
-    def doubles(self, count: int) -> NDArray[np.float64]:
-        self._need(8 * count)
-        self.at += 8 * count
-        return np.frombuffer(self._data, "<f8", count, self.at - 8 * count)
-
-    def _need(self, size: int) -> None:
+    def skip(self, size: int, more: str = "") -> None:
         if size > self.left:
-            raise BadCapture(
-                self.path, f"byte {self.at}", f"{self.left} bytes more", f"{size}", "the file was cut, export it again"
-            )
+            way_out = f"the file was cut, export it again{more}"
+            raise BadCapture(self.path, f"byte {self.at}", f"{self.left} bytes more", f"{size}", way_out)
+        self.at += size

@@ -1,21 +1,19 @@
-"""sigrok sessions, `.sr` versions 1 and 2: a zip of metadata and packed samples in, edges out.
+"""sigrok sessions, `.sr`: a zip of metadata and packed samples in, edges out; and back as version 2.
 
-    logic-1 | logic-1-1, -2, ... -10 --> blocks of words --> changed words --> edges a channel
-
-Samples are looked at block by block, so memory follows the number of changes and not the length;
-both are limited, because a zip of a few kilobytes can hold terabytes of either.
+    logic-1 | logic-1-1, -2, ... -10 --> blocks of samples --> edges a channel
+    edges a channel --> words --> chunks logic-1-1, -2, ... of 4 MiB
 
 Chosen: a file that names no probe at all has all of `total probes`, called 0, 1, ...; where some
-are named, the nameless were not captured.
+are named, the nameless were not captured. With salvage, a chunk in which the damage lies is dropped
+with all behind it, unless the file merely ends there or it is the first.
 
-Source: sigrok's file format as its own tools write it (libsigrok 0.1 to 0.6 files).
+Source: sigrok's file format as its own tools write and read it (libsigrok 0.1 to 0.6 files).
 """
 
 from __future__ import annotations
 
 import re
 import zipfile
-import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
@@ -24,17 +22,20 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from .capture import BadCapture, Capture, Channel, channel_of_edges, rate_of
+from . import limits
+from .capture import BadCapture, Capture, Channel, rate_of
+from .edges_of_samples import BLOCK, Scan
+from .resample import rate_text
+from .zipped import Archive, Damage
 
 NAME = "sigrok session (.sr)"
 SUFFIXES = (".sr",)
 
-BLOCK = 1 << 20  # samples looked at in one go
-MOST_BYTES = 1 << 36  # unpacked: 64 GiB of samples
-MOST_CHANGES = 1 << 27  # 2 GiB of positions and words
-MOST_METADATA = 1 << 20
-
-Words = NDArray[np.unsignedinteger]
+WHAT = "sigrok session"
+CHUNK = 1 << 22  # bytes of a chunk, as sigrok's own writer makes them
+MOST_WIDE = 64  # channels: 8 bytes a sample
+LONG_AGO = (1980, 1, 1, 0, 0, 0)  # a date in the file would make two writings of one capture differ
+SALVAGE = "read what is whole with --salvage"
 
 
 @dataclass(frozen=True)
@@ -51,158 +52,89 @@ def recognises(path: Path, head: bytes) -> bool:
     return head.startswith(b"PK")
 
 
-def read(path: Path, rate: Fraction | None = None) -> Capture:
+def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
     """The capture; `rate` wins over the file's samplerate. BadCapture if zip, metadata or samples are broken."""
-    try:
-        with zipfile.ZipFile(path) as archive:
-            return _read(path, archive, rate)
-    except (
-        zipfile.BadZipFile,
-        zlib.error,
-        EOFError,
-        NotImplementedError,
-        RuntimeError,
-        OSError,
-        UnicodeDecodeError,
-    ) as error:
-        found = f"a broken zip ({str(error) or type(error).__name__})"
-        raise BadCapture(path, "the archive", found, "a whole sigrok session", "copy or save it again") from error
-
-
-def _read(path: Path, archive: zipfile.ZipFile, rate: Fraction | None) -> Capture:
-    _check_version(path, archive)
-    meta = _metadata(path, _member(path, archive, "metadata").decode("utf-8", "replace"))
-    members = _sample_members(path, archive, meta.capturefile)
-    notes: list[str] = []
-    if rate is None and meta.samplerate is not None:
-        try:
-            rate = rate_of(meta.samplerate)
-        except ValueError as error:
-            raise BadCapture(
-                path, "metadata, samplerate", repr(meta.samplerate), "a rate such as 4 MHz", "state the rate"
-            ) from error
-    if not rate:
-        notes.append("the file states no samplerate, so positions have no time")
-        rate = None
-
-    scan = _Scan(path, meta)
-    for member in members:
-        with archive.open(member) as stream:
-            while block := stream.read(BLOCK * meta.unitsize):
-                scan.feed(block)
+    with Archive(path, WHAT, salvage) as archive:
+        _check_version(path, archive.text("version"))
+        meta = _metadata(path, archive.text("metadata"))
+        notes = list(archive.notes)
+        members = _sample_members(path, archive, meta.capturefile, notes if salvage else None)
+        rate = rate or _rate(path, meta, notes)
+        scan = Scan(path, meta.unitsize, meta.probes)
+        for member in members:
+            if not _scanned(archive, member, scan, notes if salvage else None):
+                break
     if not scan.length:
         raise BadCapture(path, meta.capturefile, "no samples", "logic samples", "capture again")
     if scan.rest:
         notes.append(f"{len(scan.rest)} bytes of a partial sample at the end are left out")
-    return Capture(path, rate, scan.length, tuple(scan.channels()), notes=tuple(notes))
+    return Capture(path, rate, scan.length, scan.channels(), notes=tuple(notes))
 
 
-class _Scan:
-    """Blocks of packed samples in, in order; positions and words at which a captured channel changed out."""
-
-    def __init__(self, path: Path, meta: Metadata) -> None:
-        self.length = 0
-        self.rest = b""  # of a sample that the last block cut
-        self._path = path
-        self._meta = meta
-        self._mask = sum(1 << bit for bit in meta.probes)
-        self._first = 0
-        self._last = 0
-        self._changes = 0
-        self._at: list[NDArray[np.int64]] = []
-        self._words: list[Words] = []
-
-    def feed(self, block: bytes) -> None:
-        if self.rest:
-            block = self.rest + block
-        whole = len(block) - len(block) % self._meta.unitsize
-        self.rest = block[whole:]
-        if whole:
-            self._compare(_words(block[:whole], self._meta.unitsize))
-
-    def _compare(self, words: Words) -> None:
-        mask = words.dtype.type(self._mask)
-        if int(mask) != np.iinfo(words.dtype).max:
-            words = words & mask
-        if self.length == 0:
-            self._first = self._last = int(words[0])
-        at = np.flatnonzero(words[1:] != words[:-1]) + 1
-        if int(words[0]) != self._last:
-            at = np.concatenate(([0], at))
-        self._changes += len(at)
-        if self._changes > MOST_CHANGES:
-            place = f"sample {self.length + len(words)}"
-            raise BadCapture(
-                self._path, place, f"over {MOST_CHANGES} changes", "fewer", "cut the capture or drop its busy channels"
-            )
-        self._at.append(at + self.length)
-        self._words.append(words[at])
-        self._last = int(words[-1])
-        self.length += len(words)
-
-    def channels(self) -> Iterator[Channel]:
-        at = np.concatenate(self._at)
-        words = np.concatenate(self._words)
-        for bit, name in self._meta.probes.items():
-            levels = (words >> words.dtype.type(bit)).astype(np.uint8) & 1
-            initial = self._first >> bit & 1
-            changed = levels != np.concatenate(([initial], levels[:-1]))
-            yield channel_of_edges(name, bit, initial, at[changed])
-
-
-def _words(block: bytes, unitsize: int) -> Words:
-    """Little-endian samples of 1 to 8 bytes as an array of the next wider machine word."""
-    if unitsize in (1, 2, 4, 8):
-        return np.frombuffer(block, f"<u{unitsize}")
-    wide = np.zeros((len(block) // unitsize, 4 if unitsize == 3 else 8), np.uint8)
-    wide[:, :unitsize] = np.frombuffer(block, np.uint8).reshape(-1, unitsize)
-    return wide.view(f"<u{wide.shape[1]}")[:, 0]
-
-
-def _check_version(path: Path, archive: zipfile.ZipFile) -> None:
-    version = _member(path, archive, "version").strip()
-    if version not in (b"1", b"2"):
-        raise BadCapture(path, "version", repr(version.decode("utf-8", "replace")), "1 or 2", "save it with sigrok 0.7")
-
-
-def _member(path: Path, archive: zipfile.ZipFile, name: str) -> bytes:
+def _scanned(archive: Archive, member: str, scan: Scan, notes: list[str] | None) -> bool:
+    """Whether the samples of a member were all sound. Without `notes` damage is refused, with them it is noted."""
+    before = scan.mark()
     try:
-        size = archive.getinfo(name).file_size
-    except KeyError:
-        raise BadCapture(
-            path, "the archive", f"no member {name!r}", "a sigrok session", "save it again as .sr"
-        ) from None
-    if size > MOST_METADATA:
-        raise BadCapture(path, name, f"{size} bytes", f"at most {MOST_METADATA}", "save it again as .sr")
-    return archive.read(name)
-
-
-def _sample_members(path: Path, archive: zipfile.ZipFile, capturefile: str) -> list[zipfile.ZipInfo]:
-    """The members that hold samples, in order: one plain, or chunks by number (10 after 9)."""
-    numbered: dict[int, zipfile.ZipInfo] = {}
-    single: list[zipfile.ZipInfo] = []
-    for info in archive.infolist():
-        if info.filename == capturefile:
-            single.append(info)
-        elif match := re.fullmatch(re.escape(capturefile) + r"-(\d+)", info.filename):
-            numbered[int(match[1])] = info
-    members = single[:1] or [numbered[n] for n in sorted(numbered)]
-    if not members:
-        raise BadCapture(
-            path,
-            "the archive",
-            f"no member {capturefile!r} or {capturefile + '-1'!r}",
-            "logic samples",
-            "capture again",
-        )
-    for number in range(1, len(numbered) + 1) if not single else ():
-        if number not in numbered:
+        for block in archive.blocks(member, BLOCK):
+            scan.feed(block)
+    except Damage as damage:
+        if notes is None:
             raise BadCapture(
-                path, "the archive", f"no chunk {capturefile}-{number}", f"chunks 1 to {max(numbered)}", "save it again"
-            )
-    size = sum(info.file_size for info in members)
-    if size > MOST_BYTES:
-        raise BadCapture(path, capturefile, f"{size} bytes unpacked", f"at most {MOST_BYTES}", "cut it with sigrok-cli")
+                archive.path, member, damage.found, f"a whole {WHAT}", f"copy or save it again, or {SALVAGE}"
+            ) from None
+        if damage.cut:
+            notes.append(f"{member} holds {damage.found}: what follows sample {scan.length} is dropped")
+        elif before.length:
+            scan.back(before)
+            notes.append(f"{member} holds {damage.found}: it and what follows sample {scan.length} is dropped")
+        else:
+            notes.append(f"{member} holds {damage.found}: its samples are read up to {scan.length}, some may be wrong")
+        scan.rest = b""
+        return False
+    return True
+
+
+def _rate(path: Path, meta: Metadata, notes: list[str]) -> Fraction | None:
+    try:
+        stated = rate_of(meta.samplerate) if meta.samplerate is not None else None
+    except ValueError:
+        raise BadCapture(
+            path, "metadata, samplerate", repr(meta.samplerate), "a rate such as 4 MHz", "state the rate"
+        ) from None
+    if not stated:
+        notes.append("the file states no samplerate, so positions have no time")
+    return stated or None
+
+
+def _check_version(path: Path, text: str) -> None:
+    if text.strip() not in ("1", "2"):
+        raise BadCapture(path, "version", repr(text.strip()[:40]), "1 or 2", "save it with sigrok 0.7")
+
+
+def _sample_members(path: Path, archive: Archive, capturefile: str, notes: list[str] | None) -> list[str]:
+    """The members that hold samples, in order: one plain, or chunks by number (10 after 9).
+
+    A missing number is refused, or ends the list when there are `notes`.
+    """
+    chunk = re.compile(re.escape(capturefile) + r"-(\d{1,9})", re.ASCII)
+    numbered = {int(match[1]): name for name in archive.members if (match := chunk.fullmatch(name))}
+    members = [capturefile] if capturefile in archive.members else [numbered[n] for n in sorted(numbered)]
+    if not members:
+        found = f"no member {capturefile!r} or {capturefile + '-1'!r}"
+        raise BadCapture(path, "the archive", found, "logic samples", "capture again")
+    if capturefile not in archive.members:
+        missing = next((n for n in range(1, len(numbered) + 1) if n not in numbered), None)
+        if missing is not None:
+            expected = f"chunks 1 to {max(numbered)}"
+            if notes is None or missing == 1:
+                way_out = "save it again" if missing == 1 else f"save it again, or {SALVAGE}"
+                raise BadCapture(path, "the archive", f"no chunk {capturefile}-{missing}", expected, way_out)
+            notes.append(f"{capturefile}-{missing} is missing: it and what follows is dropped")
+            members = members[: missing - 1]
+    size = sum(archive.members[name].size or 0 for name in members)
+    if size > limits.MOST_BYTES:
+        found = f"{size} bytes unpacked"
+        raise BadCapture(path, capturefile, found, f"at most {limits.MOST_BYTES}", "cut it with sigrok-cli")
     return members
 
 
@@ -238,3 +170,73 @@ def _number(path: Path, keys: dict[str, str], key: str, least: int, most: int) -
     if not value.isdecimal() or not least <= int(value) <= most:
         raise BadCapture(path, f"metadata, {key}", value, f"{least} to {most}", "mend the metadata or save it again")
     return int(value)
+
+
+# Writing ------------------------------------------------------------------------
+
+
+def write(capture: Capture, path: Path) -> tuple[str, ...] | None:
+    """Writes version 2, the channels in order as bits from 0. BadCapture where sigrok could not read it."""
+    channels = capture.channels
+    if not 1 <= len(channels) <= MOST_WIDE:
+        raise BadCapture(path, "its channels", f"{len(channels)}", f"1 to {MOST_WIDE}", "write .vcd")
+    if capture.length > limits.MOST_SAMPLES_WRITTEN:
+        found, most = f"{capture.length} samples", f"at most {limits.MOST_SAMPLES_WRITTEN}"
+        raise BadCapture(path, "its length", found, most, "state the samples a second to write with --rate")
+    if capture.rate is not None and capture.rate.denominator != 1:
+        found = f"{capture.rate} samples a second"
+        raise BadCapture(path, "its rate", found, "a whole number", "state one with --rate")
+    unitsize = next(size for size in (1, 2, 4, 8) if len(channels) <= 8 * size)
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        _put(archive, "version", b"2")
+        _put(archive, "metadata", _described(capture, unitsize).encode())
+        for number, words in enumerate(_chunks(capture, unitsize), 1):
+            _put(archive, f"logic-1-{number}", words.data)
+    gaps = [channel.name for channel in channels if channel.unknown]
+    if gaps:
+        return (f"a session has no unknown levels: those of {', '.join(gaps)} are written as the level before them",)
+    return None
+
+
+def _put(archive: zipfile.ZipFile, name: str, content: bytes | memoryview) -> None:
+    info = zipfile.ZipInfo(name, LONG_AGO)
+    info.create_system = 3
+    info.external_attr = 0o644 << 16
+    info.compress_type = zipfile.ZIP_DEFLATED
+    archive.writestr(info, content)
+
+
+def _described(capture: Capture, unitsize: int) -> str:
+    names = (" ".join(channel.name.split()) or str(channel.index) for channel in capture.channels)
+    lines = [
+        "[global]",
+        "sigrok version=0.5.2",
+        "",
+        "[device 1]",
+        "capturefile=logic-1",
+        f"total probes={len(capture.channels)}",
+        *([] if capture.rate is None else [f"samplerate={rate_text(capture.rate)}"]),
+        "total analog=0",
+        *(f"probe{number}={name}" for number, name in enumerate(names, 1)),
+        f"unitsize={unitsize}",
+    ]
+    return "\n".join([*lines, ""])
+
+
+def _chunks(capture: Capture, unitsize: int) -> Iterator[NDArray[np.unsignedinteger]]:
+    """The samples as words, a chunk at a time: each edge turns its bit over, from there on."""
+    samples = CHUNK // unitsize
+    word = sum(channel.initial << bit for bit, channel in enumerate(capture.channels))
+    for begin in range(0, capture.length, samples):
+        flips = np.zeros(min(samples, capture.length - begin), f"<u{unitsize}")
+        for bit, channel in enumerate(capture.channels):
+            flips[_within(channel, begin, begin + samples)] ^= flips.dtype.type(1 << bit)
+        flips[0] ^= flips.dtype.type(word)
+        words = np.bitwise_xor.accumulate(flips)
+        word = int(words[-1])
+        yield words
+
+
+def _within(channel: Channel, begin: int, end: int) -> NDArray[np.int64]:
+    first, last = np.searchsorted(channel.edges, [begin, end])
+    return channel.edges[first:last] - begin

@@ -6,12 +6,13 @@ The first line says the version and how many ticks a second has.
 from __future__ import annotations
 
 import json
-from typing import IO
+from typing import IO, Literal
 
 from ..core.records import Kind, Record
 from ..core.time import Timebase
 
 SUFFIX = ".jsonl"
+MODE: Literal["w"] = "w"
 KINDS = tuple(Kind)
 VERSION = 1
 

@@ -5,7 +5,7 @@ Times are written in picoseconds, rounded down from ticks.
 
 from __future__ import annotations
 
-from typing import IO, cast
+from typing import IO, Literal, cast
 
 from vcd import VCDWriter
 from vcd.writer import StringVariable, Variable
@@ -17,6 +17,7 @@ from ..f28335.i2c_map import I2C_MAP
 from ..f28335.sci_map import SCI_MAP
 
 SUFFIX = ".vcd"
+MODE: Literal["w"] = "w"
 KINDS = (Kind.EDGE, Kind.FLAG, Kind.IRQ, Kind.SPAN, Kind.BUS)
 
 PICOSECONDS = 10**12

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from periph_sim.formats.capture import Capture, Channel, Span, channel_of, rate_of
+from periph_sim.formats.capture import BadCapture, Capture, Channel, Span, channel_of, rate_of
 
 STATES = st.lists(st.sampled_from([0, 1, None]), min_size=1, max_size=40)
 
@@ -109,3 +109,8 @@ def test_rates_are_exact(text: str, rate: int | Fraction):
 def test_what_is_no_rate_is_refused(text: str):
     with pytest.raises(ValueError, match="is no sample rate; expected a number with or without Hz, kHz, MHz or GHz"):
         rate_of(text)
+
+
+def test_what_a_damaged_file_holds_cannot_break_the_sentence():
+    error = BadCapture(Path("x.vcd"), "line 1", "a\x1db\nc\u2028°", "a name", "mend it")
+    assert str(error) == "x.vcd, line 1: found a\\x1db\\nc\\u2028°, expected a name; mend it"

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from periph_sim import formats
-from periph_sim.formats import BadCapture, Capture, Span, saleae_bin
+from periph_sim.formats import BadCapture, Capture, Span, limits, saleae_bin
 from tests.formats.looks import facts
 
 
@@ -99,6 +99,7 @@ def test_float_seconds_lose_no_sample(
 
 
 GOOD = version_0(1, 0.0, 1e-6, [120e-9, 200e-9])
+SALVAGE = ", or read what is whole with --salvage"
 
 
 @pytest.mark.parametrize(
@@ -116,14 +117,14 @@ GOOD = version_0(1, 0.0, 1e-6, [120e-9, 200e-9])
             "byte 12: found a piece of a Logic 2 session, expected digital data; export digital data as binary",
         ),
         (GOOD[:30], "byte 20: found 10 bytes more, expected 24; the file was cut, export it again"),
-        (GOOD[:-1], "byte 44: found 15 bytes more, expected 16; the file was cut, export it again"),
+        (GOOD[:-1], "byte 44: found 15 bytes more, expected 16; the file was cut, export it again" + SALVAGE),
         (
             version_0(2, 0, 1, []),
             "byte 16: found initial level 2, expected 0 or 1; export it again",
         ),
         (
             version_0(1, 0, 1, [0.5, 0.25]),
-            "byte 16: found times out of order, expected begin, rising times, end; export it again",
+            "byte 16: found times out of order, expected begin, rising times, end; export it again" + SALVAGE,
         ),
         (
             version_0(1, 0, float("nan"), []),
@@ -137,7 +138,7 @@ GOOD = version_0(1, 0.0, 1e-6, [120e-9, 200e-9])
         ),
         (
             version_1((0, 1e6, 0, 1, []), (0, 1e6, 0.5, 2, [])),
-            "its chunks: found one that begins before the last ends, expected chunks in order; export again",
+            "its chunks: found one that begins before the last ends, expected chunks in order; export again" + SALVAGE,
         ),
         (
             version_1((0, 1e6, 0, 1, [1.5e-6])),
@@ -163,3 +164,48 @@ def test_a_folder_without_exports(tmp_path: Path):
     assert str(caught.value) == (
         f"{tmp_path}, the folder: found no digital_N.bin, expected one file a channel; export digital data as binary"
     )
+
+
+@pytest.mark.parametrize(
+    ("content", "edges", "unknown", "note"),
+    [
+        (GOOD[:-1], [120], (Span(121, 1001),), "digital_3.bin ends after 1 of 2 changes: what follows is dropped"),
+        (GOOD[:-16], [], (Span(1, 1001),), "digital_3.bin ends after 0 of 2 changes: what follows is dropped"),
+        (
+            version_0(1, 0, 1e-6, [1e-7, 5e-7, 4e-7, 6e-7]),
+            [100, 500],
+            (Span(501, 1001),),
+            "digital_3.bin has times out of order from byte 60 on: they are dropped",
+        ),
+        (
+            version_1((0, 1e9, 0, 1e-7, [5e-8]), (0, 1e9, 2e-7, 3e-7, []), (2, 1e9, 4e-7, 5e-7, [])),
+            [50, 200],
+            (Span(101, 200),),
+            "byte 104 of digital_3.bin has initial level 2: what follows is dropped",
+        ),
+    ],
+)
+def test_salvage_reads_up_to_the_damage(
+    tmp_path: Path, content: bytes, edges: list[int], unknown: tuple[Span, ...], note: str
+):
+    path = tmp_path / "digital_3.bin"
+    path.write_bytes(content)
+    with pytest.raises(BadCapture):
+        formats.read(path)
+    capture = formats.read(path, salvage=True)
+    (channel,) = capture.channels
+    assert (channel.edges.tolist(), channel.unknown, capture.notes) == (edges, unknown, (note,))
+
+
+def test_too_many_edges_are_refused_unread(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(limits, "MOST_EDGES", 1)
+    with pytest.raises(BadCapture, match="its counts: found 2 edges, expected at most 1; export a shorter time"):
+        read(tmp_path, GOOD)
+
+
+@pytest.mark.parametrize("block", [1, 2, 3])
+def test_times_in_blocks_are_those_of_the_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, block: int):
+    content = version_0(0, 0.0, 1e-6, [1e-10, 100e-9, 100e-9, 300e-9, 300.1e-9, 300.2e-9, 400e-9])
+    monkeypatch.setattr(saleae_bin, "BLOCK", block)
+    (channel,) = read(tmp_path, content).channels
+    assert (channel.initial, channel.edges.tolist()) == (1, [300, 400])

@@ -140,3 +140,24 @@ def test_a_wrong_rate_is_refused(tmp_path: Path):
         f"{tmp_path}/x.csv, line 4: found a time between two samples, expected the grid of 33333333 Hz; "
         "state the right rate"
     )
+
+
+def test_salvaged_up_to_what_is_wrong(tmp_path: Path):
+    path = tmp_path / "x.csv"
+    path.write_text(LOGIC2 + "0.0000020")
+    capture = saleae_csv.read(path, salvage=True)
+    assert edges(capture) == {"SDA": [1, 120, 200], "SCL": [1, 200]} and capture.length == 1001
+    assert capture.notes == ("read up to line 5: line 6: found 1 columns, expected 3 as in line 1; export it again",)
+    path.write_text("Time [s],a\nnoon,1\n")
+    with pytest.raises(BadCapture, match="found 'noon,1'"):
+        saleae_csv.read(path, salvage=True)
+
+
+def test_times_beyond_64_bits_are_read_with_the_rate(tmp_path: Path):
+    capture = read(tmp_path, "Time [s],a\n0,1\n5,0\n99999999999,1\n99999999999.5,1\n", 10)
+    assert edges(capture) == {"a": [1, 50, 999999999990]} and capture.length == 999999999996
+
+
+def test_decimals_may_differ_by_row(tmp_path: Path):
+    capture = read(tmp_path, "Time [s],a\n-0.5,1\n0,0\n0.00000000025,1\n1,0\n")
+    assert capture.rate == 10**11 and edges(capture) == {"a": [1, 5 * 10**10, 5 * 10**10 + 25, 15 * 10**10]}

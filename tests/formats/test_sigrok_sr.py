@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+import io
+import shutil
+import subprocess
+import tracemalloc
 import zipfile
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from periph_sim.formats import BadCapture, sigrok_sr
+from periph_sim import formats
+from periph_sim.formats import BadCapture, Capture, Span, limits, sigrok_sr
+from periph_sim.formats.capture import channel_of_edges
 from tests.formats.looks import edges, facts
+from tests.formats.make_traces import FOLDER
 from tests.formats.writers import metadata, sr_bytes, zip_bytes
 
 V1 = b"""[global]
@@ -143,14 +152,32 @@ GOOD = sr_bytes(["a"], "1 MHz", b"\1\0" * 100)
 def test_a_truncated_zip(tmp_path: Path, cut: int):
     message = refusal(tmp_path, GOOD[:cut])
     assert message.startswith("the archive: found a broken zip (")
-    assert message.endswith("), expected a whole sigrok session; copy or save it again")
+    salvage = ", or read what is whole with --salvage" if cut > 3 else ""
+    assert message.endswith(f"), expected a whole sigrok session; copy or save it again{salvage}")
+
+
+def test_a_zip_packed_otherwise_is_refused_by_name(tmp_path: Path):
+    content = zip_bytes({"version": b"2"}, zipfile.ZIP_LZMA)
+    assert refusal(tmp_path, content) == (
+        "the archive: found a broken zip (member 'version' is packed by method 14, not by deflate), "
+        "expected a whole sigrok session; copy or save it again, or read what is whole with --salvage"
+    )
+
+
+def test_a_directory_that_would_fill_the_memory_is_refused_unread(tmp_path: Path):
+    content = bytearray(GOOD)
+    end = content.rindex(b"PK\5\6")
+    content[end + 12 : end + 16] = (1 << 30).to_bytes(4, "little")
+    assert "found a broken zip (a directory of 1073741824 bytes, expected at most 16777216)" in refusal(
+        tmp_path, bytes(content)
+    )
 
 
 def test_damaged_samples(tmp_path: Path):
     damaged = GOOD.replace(b"\1\0" * 100, b"\1\0" * 99 + b"\0\0")
     assert refusal(tmp_path, damaged) == (
-        "the archive: found a broken zip (Bad CRC-32 for file 'logic-1-1'), expected a whole sigrok session; "
-        "copy or save it again"
+        "logic-1-1: found bytes that do not fit their CRC-32, expected a whole sigrok session; "
+        "copy or save it again, or read what is whole with --salvage"
     )
 
 
@@ -164,8 +191,8 @@ HEAD = b"[device 1]\ncapturefile=logic-1\n"
 @pytest.mark.parametrize(
     ("members", "message"),
     [
-        ({}, "the archive: found no member 'version', expected a sigrok session; save it again as .sr"),
-        ({"version": b"2"}, "the archive: found no member 'metadata', expected a sigrok session; save it again as .sr"),
+        ({}, "the archive: found no member 'version', expected a sigrok session; save it again"),
+        ({"version": b"2"}, "the archive: found no member 'metadata', expected a sigrok session; save it again"),
         ({"version": b"3"}, "version: found '3', expected 1 or 2; save it with sigrok 0.7"),
         (
             {"version": b"2", "metadata": b"[global]\n"},
@@ -193,7 +220,8 @@ HEAD = b"[device 1]\ncapturefile=logic-1\n"
         ),
         (
             {"version": b"2", "metadata": HEAD + b"unitsize=1\nprobe1=a\n", "logic-1-1": b"\1", "logic-1-3": b"\1"},
-            "the archive: found no chunk logic-1-2, expected chunks 1 to 3; save it again",
+            "the archive: found no chunk logic-1-2, expected chunks 1 to 3; "
+            "save it again, or read what is whole with --salvage",
         ),
         (
             {"version": b"2", "metadata": HEAD + b"unitsize=1\nprobe1=a\nsamplerate=fast\n", "logic-1": b"\1"},
@@ -223,7 +251,7 @@ def packed(samples: bytes) -> bytes:
 
 
 def test_a_zip_that_unpacks_to_too_much_is_refused_unopened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(sigrok_sr, "MOST_BYTES", 1 << 20)
+    monkeypatch.setattr(limits, "MOST_BYTES", 1 << 20)
     assert read(tmp_path, packed(bytes(1 << 20))).length == 1 << 20
     assert refusal(tmp_path, packed(bytes((1 << 20) + 1))) == (
         "logic-1: found 1048577 bytes unpacked, expected at most 1048576; cut it with sigrok-cli"
@@ -231,27 +259,240 @@ def test_a_zip_that_unpacks_to_too_much_is_refused_unopened(tmp_path: Path, monk
 
 
 def test_a_zip_that_changes_too_often_is_refused_at_that_sample(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(sigrok_sr, "MOST_CHANGES", 5000)
+    monkeypatch.setattr(limits, "MOST_EDGES", 5000)
     monkeypatch.setattr(sigrok_sr, "BLOCK", 1000)
     assert refusal(tmp_path, packed(b"\0\1" * 50_000)) == (
-        "sample 6000: found over 5000 changes, expected fewer; cut the capture or drop its busy channels"
+        "sample 6000: found over 5000 edges, expected fewer; cut the capture or drop its busy channels"
     )
 
 
 def test_metadata_of_a_megabyte_is_refused(tmp_path: Path):
     content = zip_bytes({"version": b"2", "metadata": bytes((1 << 20) + 1)}, zipfile.ZIP_DEFLATED)
-    assert refusal(tmp_path, content) == (
-        "metadata: found 1048577 bytes, expected at most 1048576; save it again as .sr"
+    assert refusal(tmp_path, content) == ("metadata: found 1048577 bytes, expected at most 1048576; save it again")
+
+
+def test_memory_follows_the_edges_and_not_the_length(tmp_path: Path):
+    path = tmp_path / "x.sr"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("version", "2")
+        archive.writestr("metadata", metadata(["a"], "1 MHz"))
+        for number in range(1, 65):
+            archive.writestr(f"logic-1-{number}", bytes([number & 1]) * (4 << 20))
+    tracemalloc.start()
+    capture = formats.read(path)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert capture.length == 256 << 20
+    assert capture.channels[0].edges.tolist() == [number * (4 << 20) for number in range(1, 64)]
+    assert peak < 16 << 20
+
+
+# Salvage -------------------------------------------------------------------------
+
+
+def salvaged(tmp_path: Path, content: bytes) -> Capture:
+    path = tmp_path / "x.sr"
+    path.write_bytes(content)
+    return formats.read(path, salvage=True)
+
+
+CHUNKS = [b"\1" * 5000 + b"\0" * 5000, b"\1" * 10_000, b"\0" * 10_000]
+
+
+def chunked(compression: int = zipfile.ZIP_STORED, *without: int) -> bytes:
+    members = {"version": b"2", "metadata": metadata(["a"], "1 MHz")}
+    members |= {f"logic-1-{n}": chunk for n, chunk in enumerate(CHUNKS, 1) if n not in without}
+    return zip_bytes(members, compression)
+
+
+def test_a_sound_file_has_nothing_to_salvage(tmp_path: Path):
+    capture = salvaged(tmp_path, chunked())
+    assert (edges(capture), capture.length, capture.notes) == ({"a": [1, 5000, 10_000, 20_000]}, 30_000, ())
+
+
+def test_a_zip_without_its_end_is_read_from_the_front(tmp_path: Path):
+    content = chunked()
+    capture = salvaged(tmp_path, content[: content.index(b"logic-1-3") + 9 + 1234])
+    assert (edges(capture), capture.length) == ({"a": [1, 5000, 10_000, 20_000]}, 21_234)
+    assert capture.notes == (
+        "the archive is a broken zip (File is not a zip file): its members were looked for one by one",
+        "logic-1-3 holds 1234 bytes instead of 10000: what follows sample 21234 is dropped",
     )
 
 
-def test_memory_follows_the_changes_and_not_the_length(tmp_path: Path):
-    import tracemalloc
+def test_however_much_is_cut_what_is_read_is_right_and_no_less_than_with_more_cut(tmp_path: Path):
+    content = chunked(zipfile.ZIP_DEFLATED)
+    lengths = [0]
+    for cut in range(20, len(content) + 1):
+        try:
+            capture = salvaged(tmp_path, content[:cut])
+        except BadCapture:
+            assert lengths[-1] == 0
+            continue
+        assert capture.notes or cut == len(content)
+        assert edges(capture) == {"a": [1, *(edge for edge in (5000, 10_000, 20_000) if edge < capture.length)]}
+        assert capture.length >= lengths[-1]
+        lengths.append(capture.length)
+    assert lengths[-1] == 30_000 and len(set(lengths)) > 4
 
-    content = packed(bytes(64 << 20) + b"\1")
-    tracemalloc.start()
-    capture = read(tmp_path, content)
-    _, peak = tracemalloc.get_traced_memory()
-    tracemalloc.stop()
-    assert capture.length == (64 << 20) + 1 and capture.channels[0].edges.tolist() == [64 << 20]
-    assert peak < 16 << 20
+
+def test_sizes_behind_the_data_are_found(tmp_path: Path):
+    class Pipe(io.BytesIO):
+        def seekable(self) -> bool:
+            return False
+
+        def tell(self) -> int:
+            raise OSError
+
+    pipe = Pipe()
+    with zipfile.ZipFile(pipe, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("version", "2")
+        archive.writestr("metadata", metadata(["a"], "1 MHz"))
+        for number, chunk in enumerate(CHUNKS, 1):
+            archive.writestr(f"logic-1-{number}", chunk)
+    content = pipe.getvalue()
+    capture = salvaged(tmp_path, content[: content.index(b"PK\1\2")])
+    assert (edges(capture), capture.length) == ({"a": [1, 5000, 10_000, 20_000]}, 30_000)
+
+
+def test_a_damaged_chunk_is_dropped_with_all_behind_it(tmp_path: Path):
+    content = bytearray(chunked())
+    content[content.index(b"logic-1-2") + 9 + 100] = 0
+    capture = salvaged(tmp_path, bytes(content))
+    assert (edges(capture), capture.length) == ({"a": [1, 5000]}, 10_000)
+    assert capture.notes == (
+        "logic-1-2 holds bytes that do not fit their CRC-32: it and what follows sample 10000 is dropped",
+    )
+
+
+def test_damage_in_the_first_chunk_leaves_no_better_than_that(tmp_path: Path):
+    content = bytearray(chunked())
+    content[content.index(b"logic-1-1") + 9 + 100] = 0
+    capture = salvaged(tmp_path, bytes(content))
+    assert (edges(capture), capture.length) == ({"a": [1, 100, 101, 5000]}, 10_000)
+    assert capture.notes == (
+        "logic-1-1 holds bytes that do not fit their CRC-32: its samples are read up to 10000, some may be wrong",
+    )
+
+
+def test_chunks_behind_a_missing_one_are_dropped(tmp_path: Path):
+    capture = salvaged(tmp_path, chunked(zipfile.ZIP_STORED, 2))
+    assert (edges(capture), capture.length) == ({"a": [1, 5000]}, 10_000)
+    assert capture.notes == ("logic-1-2 is missing: it and what follows is dropped",)
+
+
+# Writing -------------------------------------------------------------------------
+
+
+def lines(length: int, *channels: list[int], rate: Fraction | None = Fraction(4_000_000)) -> Capture:
+    """A capture of channels a, b, ..., each given as its initial level and its edges."""
+    made = [channel_of_edges(chr(97 + n), n, c[0], np.array(c[1:], np.int64)) for n, c in enumerate(channels)]
+    return Capture(Path("made"), rate, length, tuple(made))
+
+
+def back(tmp_path: Path, capture: Capture, **options: Fraction) -> Capture:
+    assert formats.write(capture, tmp_path / "y.sr", **options) == ()
+    return formats.read(tmp_path / "y.sr")
+
+
+PLACES = st.sets(st.integers(1, 299), max_size=40).map(sorted)
+
+
+@given(st.lists(st.tuples(st.integers(0, 1), PLACES), min_size=1, max_size=64), st.integers(3, 60))
+@settings(max_examples=40, deadline=None)
+def test_what_is_written_reads_the_same(
+    tmp_path_factory: pytest.TempPathFactory, channels: list[tuple[int, list[int]]], chunk: int
+):
+    capture = lines(300, *([initial, *places] for initial, places in channels))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sigrok_sr, "CHUNK", 8 * chunk)
+        again = back(tmp_path_factory.mktemp("sr"), capture)
+    assert (edges(again), facts(again), again.notes) == (edges(capture), facts(capture), ())
+
+
+def test_equal_captures_make_equal_files(tmp_path: Path):
+    for name in ("a.sr", "b.sr"):
+        formats.write(lines(300, [1, 7]), tmp_path / name)
+    assert (tmp_path / "a.sr").read_bytes() == (tmp_path / "b.sr").read_bytes()
+
+
+def test_without_a_rate_none_is_written(tmp_path: Path):
+    assert back(tmp_path, lines(300, [1, 7], rate=None)) is not None
+    assert formats.read(tmp_path / "y.sr").rate is None
+
+
+def test_ticks_are_put_on_samples_and_lost_pulses_are_told(tmp_path: Path):
+    capture = replace(lines(3000, [1, 1000, 1100, 2000], rate=Fraction(3 * 10**9)), sampled=False)
+    assert formats.write(capture, tmp_path / "y.sr", rate=Fraction(10**7)) == (
+        "channel a: pulses that fall between two samples of 10 MHz are lost: 1",
+    )
+    again = formats.read(tmp_path / "y.sr")
+    assert (edges(again), facts(again)) == ({"a": [1, 7]}, (10**7, 10, True))
+
+
+def test_unknown_stretches_are_told(tmp_path: Path):
+    channel = replace(lines(9, [1, 7]).channels[0], unknown=(Span(2, 4),))
+    assert formats.write(replace(lines(9, [1]), channels=(channel,)), tmp_path / "y.sr") == (
+        "a session has no unknown levels: those of a are written as the level before them",
+    )
+
+
+@pytest.mark.parametrize(
+    ("capture", "message"),
+    [
+        (
+            lines(1 << 40, [1]),
+            "its length: found 1099511627776 samples, expected at most 4294967296; "
+            "state the samples a second to write with --rate",
+        ),
+        (
+            lines(9, [1], rate=Fraction(10**6, 3)),
+            "its rate: found 1000000/3 samples a second, expected a whole number; state one with --rate",
+        ),
+        (lines(9, *[[1]] * 65), "its channels: found 65, expected 1 to 64; write .vcd"),
+    ],
+)
+def test_what_a_session_cannot_hold_is_refused(tmp_path: Path, capture: Capture, message: str):
+    with pytest.raises(BadCapture) as caught:
+        formats.write(capture, tmp_path / "y.sr")
+    assert str(caught.value) == f"{tmp_path}/y.sr, {message}"
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_suffix_nobody_writes_is_refused_with_the_nearest(tmp_path: Path):
+    with pytest.raises(BadCapture) as caught:
+        formats.write(lines(9, [1]), tmp_path / "y.srr")
+    assert str(caught.value).startswith(f"{tmp_path}/y.srr, its name: found '.srr', expected one of ")
+    assert str(caught.value).endswith("; did you mean .sr or .psr?")
+
+
+@pytest.mark.skipif(shutil.which("sigrok-cli") is None, reason="sigrok-cli is not installed")
+@pytest.mark.parametrize(
+    ("name", "decoder"),
+    [
+        ("imu_round.sr", "i2c:scl=SCL:sda=SDA"),
+        ("nack.sr", "i2c:scl=SCL:sda=SDA"),
+        ("host_frames.sr", "uart:rx=RX:baudrate=115200"),
+    ],
+)
+def test_sigrok_decodes_what_is_written_to_the_same_events(tmp_path: Path, name: str, decoder: str):
+    formats.write(formats.read(FOLDER / name), tmp_path / name)
+    said = [
+        subprocess.run(
+            ["sigrok-cli", "-i", path, "-P", decoder, "--protocol-decoder-samplenum"],
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for path in (FOLDER / name, tmp_path / name)
+    ]
+    assert said[0] == said[1] and len(said[0].splitlines()) > 20
+
+
+@pytest.mark.skipif(shutil.which("sigrok-cli") is None, reason="sigrok-cli is not installed")
+@pytest.mark.parametrize("rate", [115_200, 4_000_000, 24_000_000, 1, 3 * 10**9, 12_345])
+def test_sigrok_reads_the_rate_as_it_is_written(tmp_path: Path, rate: int):
+    formats.write(lines(20, [1, 7], [0, 3], rate=Fraction(rate)), tmp_path / "y.sr")
+    command = ["sigrok-cli", "-i", tmp_path / "y.sr", "--show"]
+    shown = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert f"Samplerate: {rate}" in shown and "a: logic" in shown

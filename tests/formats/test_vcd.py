@@ -139,6 +139,30 @@ def test_times_rounded_by_the_writer_snap_to_the_grid_of_the_rate(tmp_path: Path
     assert capture.channels[0].edges.tolist() == list(range(7, 2400, 7))
 
 
+def test_as_other_tools_write_it(tmp_path: Path):
+    text = """
+        $timescale 1 ns $end
+        $var string 0 s EE $end $var wire 0 w none $end $var wire 1 ! bit [3] $end $var integer 4 i count $end
+        $enddefinitions $end
+        #0
+        1 !
+        sABC s
+        b0 w
+        b0101 i
+        #4
+        0 !
+        #9
+        """
+    capture = read(tmp_path, text)
+    assert edges(capture) == {
+        "bit[3]": [1, 4],
+        "count[3]": [0],
+        "count[2]": [1],
+        "count[1]": [0],
+        "count[0]": [1],
+    }
+
+
 @given(st.lists(st.tuples(st.integers(1, 10**6), st.sampled_from("01")), min_size=1, max_size=30))
 @settings(deadline=None)
 def test_written_changes_come_back(tmp_path_factory: pytest.TempPathFactory, steps: list[tuple[int, str]]):
@@ -213,3 +237,35 @@ def test_a_wrong_rate_is_refused(tmp_path: Path):
         f"{tmp_path}/x.vcd, its times: found a change at #2680, expected times on the grid of 4000000 Hz; "
         "state the right rate or none"
     )
+
+
+CUT = SIGROK.replace("#250000", "#2")
+
+
+def test_salvaged_up_to_what_is_wrong(tmp_path: Path):
+    (tmp_path / "x.vcd").write_text(CUT, encoding="utf-8")
+    with pytest.raises(BadCapture):
+        vcd.read(tmp_path / "x.vcd")
+    capture = vcd.read(tmp_path / "x.vcd", salvage=True)
+    assert edges(capture) == {"libsigrok.SCL": [1, 2675], "libsigrok.My SDA": [1, 2500]}
+    assert (capture.length, capture.notes) == (
+        2676,
+        ("read up to tick 2675: line 15: found time 2 after 2675, expected times that rise; write the dump again",),
+    )
+
+
+@pytest.mark.parametrize("text", ["quack", "$timescale 1 ns $end $var wire 1 ! a $end 1! quack"])
+def test_without_a_time_there_is_nothing_to_salvage(tmp_path: Path, text: str):
+    (tmp_path / "x.vcd").write_text(text)
+    with pytest.raises(BadCapture, match="line 1: found 'quack'"):
+        vcd.read(tmp_path / "x.vcd", salvage=True)
+
+
+def test_a_line_without_end_and_too_many_changes_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    with pytest.raises(BadCapture, match=r"line 3: found a line of more than 1048576 bytes, expected shorter ones"):
+        read(tmp_path, DECLARED + "#0 1! " * 200_000)
+    with pytest.raises(BadCapture, match=r"line 258: found more than 262144 bits, expected fewer lines"):
+        read(tmp_path, "$timescale 1 ns $end\n" + "".join(f"$var wire 1024 a{n} a $end\n" for n in range(258)))
+    monkeypatch.setattr(vcd, "MOST_EDGES", 20)
+    with pytest.raises(BadCapture, match=r"line \d\d: found more than 20 changes, expected a shorter run"):
+        read(tmp_path, DECLARED + "\n".join(f"#{n}\n{n & 1}!" for n in range(20)))

@@ -45,6 +45,29 @@ def sr_bytes(names: Sequence[str], rate: str, *chunks: bytes, unitsize: int = 1)
     return zip_bytes(members)
 
 
+def dsl_bytes(channels: Mapping[str, Sequence[int]], rate: str, block: int = 4, version: int = 3, **keys: str) -> bytes:
+    """A DSView session: the levels of each channel, a block of bytes at a time; `keys` are changed in the header."""
+    length = len(next(iter(channels.values())))
+    blocks = ceil(length / (8 * block))
+    stated = {
+        "driver": "virtual-session",
+        "device mode": "0",
+        "capturefile": "data",
+        "total samples": str(length),
+        "total probes": str(len(channels)),
+        "total blocks": str(blocks),
+        "samplerate": rate,
+    }
+    stated |= {f"probe{number}": name for number, name in enumerate(channels)}
+    stated |= {key.replace("_", " "): value for key, value in keys.items()}
+    lines = ["[version]", f"version = {version}", "[header]", *(f"{key} = {value}" for key, value in stated.items())]
+    members = {"header": "\n".join([*lines, ""]).encode(), "decoders": b"[]", "session": b"{}"}
+    for number, levels in enumerate(channels.values()):
+        packed = sum(level << place for place, level in enumerate(levels)).to_bytes(block * blocks, "little")
+        members |= {f"L-{number}/{n}": packed[n * block : (n + 1) * block] for n in range(blocks)}
+    return zip_bytes(members)
+
+
 class I2cWave:
     """Writes SCL (bit 0) and SDA (bit 1) sample by sample, as controller and targets would leave them.
 

@@ -119,9 +119,13 @@ def test_a_recording_may_be_read_by_whom_the_umask_allows(tmp_path: Path):
 @pytest.mark.parametrize(
     ("name", "sentence"),
     [
-        ("missing/run.vcd", "missing/run.vcd: cannot be written (No such file or directory)"),
+        (
+            "missing/run.vcd",
+            "missing/run.vcd, its place: found no such file or directory, expected a place that can be written to; "
+            "give another path",
+        ),
         ("run.vdc", "run.vdc: no recording is written as '.vdc'; did you mean .vcd?"),
-        ("run", "run: no recording is written as ''; it has .jsonl, .vcd"),
+        ("run", "run: no recording is written as ''; it has .jsonl, .perfetto.json, .psr, .vcd"),
     ],
 )
 def test_a_place_that_cannot_be_written_is_refused(tmp_path: Path, monkeypatch, name: str, sentence: str):

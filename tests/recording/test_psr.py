@@ -1,0 +1,78 @@
+"""A run recorded as .psr: the same records as in .jsonl, one by one; every other recording can be made from it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from periph_sim import formats
+from periph_sim.board.scene import Scene
+from periph_sim.case.load import load
+from periph_sim.commands.run import recorded_modules
+from periph_sim.formats import psr
+from periph_sim.recording import BadRecording, recording, rewrite
+from tests.formats.looks import edges
+
+TIMING = Path(__file__).resolve().parents[2] / "timing"
+
+
+def record(case_name: str, path: Path) -> Path:
+    case = load(TIMING / f"{case_name}.toml", ["duration=60 ms"])
+    with recording(path, recorded_modules(case)) as (subscribe, ended_at):
+        scene = Scene(case, subscribe)
+        scene.run()
+        ended_at(scene.kernel.now)
+    return path
+
+
+@pytest.fixture(params=["imu_hil", "two_dsps"], scope="module")
+def recorded(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, Path]]:
+    yield request.param, record(request.param, tmp_path_factory.mktemp("runs") / "run.psr")
+
+
+def test_the_records_are_those_of_the_jsonl_one_by_one(recorded: tuple[str, Path], tmp_path: Path):
+    case, path = recorded
+    lines = record(case, tmp_path / "run.jsonl").read_text(encoding="utf-8").splitlines()
+    table = psr.read_table(path)
+    rows = [[r.number, r.tick, r.kind.value, *r[3:]] for r in table.records()]
+    assert len(rows) > 1000 and rows == [json.loads(line) for line in lines[1:]]
+    assert table.per_second == json.loads(lines[0])["ticks_per_second"]
+
+
+@pytest.mark.parametrize("suffix", [".jsonl", ".vcd", ".perfetto.json", ".psr"])
+def test_rewritten_it_is_the_recording_in_that_format_byte_for_byte(
+    recorded: tuple[str, Path], tmp_path: Path, suffix: str
+):
+    case, path = recorded
+    rewrite(psr.read_table(path), tmp_path / f"again{suffix}")
+    live = record(case, tmp_path / f"live{suffix}")
+    assert (tmp_path / f"again{suffix}").read_bytes() == live.read_bytes()
+
+
+def test_its_wires_are_those_of_the_vcd(recorded: tuple[str, Path], tmp_path: Path):
+    case, path = recorded
+    vcd = formats.read(record(case, tmp_path / "run.vcd"))
+    capture = formats.read(path)
+    for name, found in edges(capture).items():
+        initial, *at = found
+        expected = vcd.channel(f"wires.{name}")
+        assert (initial, [tick * 10**12 // capture.rate for tick in at]) == (expected.initial, expected.edges.tolist())
+    assert len(capture.channels) > 1
+
+
+def test_a_capture_is_not_rewritten_as_a_run(tmp_path: Path):
+    table = psr.read_table(_capture(tmp_path / "x.psr"))
+    with pytest.raises(BadRecording) as caught:
+        rewrite(table, tmp_path / "x.jsonl")
+    assert str(caught.value) == (
+        f"{tmp_path}/x.jsonl: cannot be written (4000000 ticks a second; a run has whole ones a nanosecond)"
+    )
+    assert [path.name for path in tmp_path.iterdir()] == ["x.psr"]
+
+
+def _capture(path: Path) -> Path:
+    formats.write(formats.read(TIMING.parent / "traces" / "nack.sr"), path)
+    return path

@@ -23,6 +23,7 @@ check: $(STAMP)
 
 bench: $(STAMP)
 	$(BIN)/python -m tests.bench.speed
+	$(BIN)/python -m tests.bench.decode
 
 setup: $(STAMP)
 

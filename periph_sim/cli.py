@@ -1,35 +1,83 @@
 """The command line: arguments go in; tables or one JSON object come out, and an exit status.
 
 0 all budgets hold or the replay agrees, 1 not so, 2 bad usage or bad input, 3 a fault of our own.
+
+One file of `commands/` that defines a click command of its own name is one subcommand, found by being
+there. Only the one that is asked for is imported: `periph-sim decode` starts without chips and boards.
 """
 
 from __future__ import annotations
 
+import gc
+import importlib
+import os
 import sys
-import traceback
+from pathlib import Path
 
 import click
 
-from .commands.regs import regs
-from .commands.replay import replay
-from .commands.run import run
-
 MISTAKE, FAULT = 2, 3
 
+FOLDER = Path(__file__).parent / "commands"
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+
+class Commands(click.Group):
+    """The files of a folder as subcommands; a `_` of the file's name is a `-` of the command's."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return sorted(file.stem.replace("_", "-") for file in FOLDER.glob("*.py") if _is_command(file))
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if not _is_command(_file(cmd_name)):
+            return None
+        gc.disable()  # what is imported stays: looking through it for garbage, now or at exit, only takes time
+        module = importlib.import_module(f".commands.{_file(cmd_name).stem}", __package__)
+        gc.freeze()
+        gc.enable()
+        command: click.Command = getattr(module, _file(cmd_name).stem)
+        return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if not args[0].startswith("-") and not _is_command(_file(args[0])):
+            from .core.nearest import near
+
+            raise click.UsageError(f"there is no command {args[0]!r}; {near(args[0], self.list_commands(ctx))}", ctx)
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, _help(_file(name))) for name in self.list_commands(ctx)])
+
+
+def _file(command: str) -> Path:
+    return FOLDER / f"{command.replace('-', '_')}.py"
+
+
+def _is_command(file: Path) -> bool:
+    return file.is_file() and "\n@click.command" in file.read_text(encoding="utf-8")
+
+
+def _help(file: Path) -> str:
+    """The first paragraph of what a command says of itself, read from its file: importing all of them takes long."""
+    import ast
+
+    for node in ast.parse(file.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.FunctionDef) and node.name == file.stem:
+            return " ".join((ast.get_docstring(node) or "").partition("\n\n")[0].split())
+    return ""
+
+
+@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(package_name="periph-sim")
 def cli() -> None:
     """Run F28335 firmware against SCI and I2C models and check its timing."""
 
 
-cli.add_command(run)
-cli.add_command(replay)
-cli.add_command(regs)
-
-
 def main() -> None:
     """Entry point of `periph-sim`."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # no matrices here: numpy need not start threads for them
     try:
         status = cli.main(standalone_mode=False)
         sys.exit(status if isinstance(status, int) else 0)
@@ -42,6 +90,8 @@ def main() -> None:
     except BrokenPipeError:
         sys.exit(0)
     except Exception:
+        import traceback
+
         click.echo("periph-sim: a fault of its own; please report it with the command and what follows.", err=True)
         traceback.print_exc()
         sys.exit(FAULT)

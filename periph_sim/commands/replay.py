@@ -9,27 +9,55 @@ from fractions import Fraction
 from pathlib import Path
 
 import click
+from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from .. import formats
 from ..case.load import load
-from ..case.settings import duration
+from ..formats.capture import Capture
+from ..formats.whole import whole
 from ..recording import recording
-from ..replay.channels import channel_map
+from ..replay.channels import ALL, channel_map, serial_channel
+from ..replay.compare import Change, Divergence
 from ..replay.i2c import I2cReplay
+from ..replay.i2c_master import I2cMasterReplay
+from ..replay.i2c_open import I2cOpenReplay
 from ..replay.report import Report
+from ..replay.session import SessionReplay
 from ..replay.uart import UartReplay, line_format
+from .inputs import RATE, SALVAGE, read_capture, time_given
 from .progress import progress
+from .report import budget_table
 from .run import recorded_modules
 from .trouble import told_plainly
+
+FIRST = {
+    "byte": "first wrong byte",
+    "ACK": "first wrong ACK",
+    "event": "first other divergence",
+    "timing": "first difference in time",
+}
+BEFORE, AFTER = 14, 4  # changes shown around a divergence
 
 
 @click.command()
 @click.argument("capture", type=click.Path(path_type=Path))
 @click.option("--case", "case_file", required=True, type=click.Path(path_type=Path), help="The case with the firmware.")
-@click.option("--map", "mapping", metavar="LINE=CHANNEL,...", help="scl=0,sda=1 or rx=0; a channel by name or index.")
-@click.option("--rate", metavar="RATE", help="Samples a second, where the file does not say: '4 MHz'.")
+@click.option(
+    "--map",
+    "mapping",
+    metavar="LINE=CHANNEL,...",
+    help="scl=0,sda=1, or rx=0, or all three; a channel by name or index.",
+)
+@click.option("--uart", "serial", metavar="FILE[,rx=CHANNEL]", help="With an I2C capture: what came on RX meanwhile.")
+@click.option(
+    "--offset", metavar="TIME", help="From the begin of CAPTURE to that of the --uart file; '-2 ms' if before."
+)
+@RATE
+@SALVAGE
+@click.option("--loop", type=click.Choice(["closed", "open"]), help="I2C: who sets the pace; see above. [closed]")
+@click.option("--as", "role", type=click.Choice(["slave", "master"]), help="I2C: what the F28335 is. [slave]")
+@click.option("--tolerance", metavar="TIME", help="I2C: fail where an event is further off in time: '2 us'.")
 @click.option("--address", "addresses", multiple=True, metavar="ADDRESS", help="I2C: an address of the firmware's.")
 @click.option("--first", type=click.IntRange(min=1), metavar="N", help="I2C: only the first N transfers.")
 @click.option("--longest-low", metavar="TIME", help="I2C: let SCL go after this long: '10 us'; else as captured.")
@@ -37,12 +65,19 @@ from .trouble import told_plainly
 @click.option("--format", "frame", metavar="FORMAT", help="UART: data bits, parity and stop bits with --baud: 8n1.")
 @click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
 @click.option("--record", type=click.Path(path_type=Path), help="Write the run to a file; its suffix says the format.")
+@click.option("--svg", type=click.Path(path_type=Path), help="Draw the worst divergence as a timing diagram.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
 def replay(
     capture: Path,
     case_file: Path,
     mapping: str | None,
+    serial: str | None,
+    offset: str | None,
     rate: str | None,
+    salvage: bool,
+    loop: str | None,
+    role: str | None,
+    tolerance: str | None,
     addresses: tuple[str, ...],
     first: int | None,
     longest_low: str | None,
@@ -50,31 +85,68 @@ def replay(
     frame: str | None,
     changes: tuple[str, ...],
     record: Path | None,
+    svg: Path | None,
     as_json: bool,
 ) -> int:
     """Replay CAPTURE against the firmware of a case.
 
-    Of an I2C capture the controller's half is played and the firmware's slave answers for itself; of a UART capture
-    one line goes into SCI-A. Exit status 0: the wires agree with the capture; 1: they do not.
+    \b
+    --loop closed  of an I2C capture the controller's decisions are played, and the
+                   firmware's slave answers and stretches for itself
+    --loop open    every edge of the capture goes to the chip; what it would have driven
+                   is compared with what the capture shows
+    --as master    the captured targets' answers are played, and the firmware asks
+
+    Of a UART capture one line goes into SCI-A, edge by edge. An I2C and a UART capture of one time, from one file or
+    two, are a session: the case's budgets are measured on it.
+
+    Exit status 0: the wires agree with the capture, and budgets and tolerance hold; 1: they do not; 2: it cannot be
+    replayed.
     """
     with told_plainly():
         case = load(case_file, list(changes))
-        given = formats.read(capture, None if rate is None else _rate(rate))
-        lines = channel_map(given, mapping)
+        given = read_capture(capture, rate, salvage)
+        both = serial is None and any({"I2C-A", "SCI-A"} <= set(unit.modules) for unit in case.unit.values())
+        lines = channel_map(given, mapping, session=both)
+        host = None if serial is None else _serial(serial, salvage)
         own = [_address(text) for text in addresses]
-        low = None if longest_low is None else _low(longest_low)
+        low = None if longest_low is None else _above_zero("--longest-low", longest_low)
+        most = None if tolerance is None else time_given("--tolerance", tolerance)
         line = None if baud is None else line_format(baud, frame or "8n1")
-        i2c_only = {"--address": own, "--first": first, "--longest-low": low}
-        _refuse("rx" in lines, i2c_only, {"--baud": baud, "--format": frame})
+        i2c_only = {
+            "--address": own,
+            "--first": first,
+            "--longest-low": low,
+            "--loop": loop,
+            "--as": role,
+            "--tolerance": tolerance,
+        }
+        session = host is not None or len(lines) == len(ALL)
+        if not session:
+            _refuse("rx" in lines, i2c_only, {"--baud": baud, "--format": frame})
+        _refuse_together(loop, role, own, low, baud, frame)
+        _refuse_in_session(session, host is not None, "scl" in lines, loop, role, offset)
+        after = Fraction(0) if offset is None else _offset(offset)
         with recording(record, recorded_modules(case)) as (subscribe, ended_at):
-            player: I2cReplay | UartReplay
-            if "rx" in lines:
+            player: UartReplay | I2cReplay | I2cOpenReplay | I2cMasterReplay
+            if session:
+                other, rx = (given, lines["rx"]) if host is None else host
+                player = SessionReplay(
+                    case, given, lines["scl"], lines["sda"], other, rx, after, line, own, first, low, subscribe, most
+                )
+            elif "rx" in lines:
                 player = UartReplay(case, given, lines["rx"], line, subscribe)
+            elif role == "master":
+                player = I2cMasterReplay(case, given, lines["scl"], lines["sda"], first, subscribe, most)
+            elif loop == "open":
+                player = I2cOpenReplay(case, given, lines["scl"], lines["sda"], own, first, subscribe, most)
             else:
-                player = I2cReplay(case, given, lines["scl"], lines["sda"], own, first, low, subscribe)
+                player = I2cReplay(case, given, lines["scl"], lines["sda"], own, first, low, subscribe, most)
             with progress(case.name) as told:
                 report = player.run(told)
             ended_at(player.kernel.now)
+        if svg is not None:
+            _draw(svg, player.picture(report))
     if as_json:
         click.echo(json.dumps(dataclasses.asdict(report)))
     else:
@@ -82,30 +154,67 @@ def replay(
     return 0 if report.verdict == "pass" else 1
 
 
+def _refuse_in_session(
+    session: bool, uart: bool, i2c: bool, loop: str | None, role: str | None, offset: str | None
+) -> None:
+    """A session is closed loop, slave, and its second file follows an I2C capture."""
+    if uart and not i2c:
+        raise click.ClickException("--uart goes with an I2C capture; this one is a UART capture itself")
+    if offset is not None and not uart:
+        raise click.ClickException("--offset needs --uart; the channels of one file have one time")
+    if session and (loop == "open" or role == "master"):
+        raise click.ClickException("an I2C and a UART capture together are for --loop closed --as slave")
+
+
+def _serial(text: str, salvage: bool) -> tuple[Capture, str]:
+    """A file and its channel: `host.sr`, `host.sr,rx=0`, `host.csv,rx=0,rate=4 MHz`."""
+    path, *more = text.split(",")
+    rates = [part.partition("=")[2] for part in more if part.strip().startswith("rate=")]
+    lines = [part for part in more if not part.strip().startswith("rate=")]
+    capture = read_capture(Path(path), rates[-1] if rates else None, salvage, "--uart")
+    return capture, serial_channel(capture, ",".join(lines) if lines else None)
+
+
+def _offset(text: str) -> Fraction:
+    """Seconds, also before 0."""
+    text = text.strip()
+    return -time_given("--offset", text[1:].strip()) if text.startswith("-") else time_given("--offset", text)
+
+
+def _draw(path: Path, picture: str | None) -> None:
+    if picture is None:
+        click.echo(f"{path}: not written, since there is no divergence to draw", err=True)
+        return
+    with whole(path) as unfinished:
+        unfinished.write_text(picture, encoding="utf-8")
+
+
+def _refuse_together(
+    loop: str | None, role: str | None, own: list[int], low: Fraction | None, baud: int | None, frame: str | None
+) -> None:
+    """Options that contradict each other."""
+    if role == "master":
+        for name, value in {"--loop open": loop == "open", "--address": own, "--longest-low": low is not None}.items():
+            if value:
+                raise click.ClickException(f"{name} is for a slave; as master the firmware makes the clock itself")
+    if loop == "open" and low is not None:
+        raise click.ClickException("--longest-low is for --loop closed; in open loop every edge is the capture's")
+    if frame and not baud:
+        raise click.ClickException("--format needs --baud; without both the line is read as the firmware sets the SCI")
+
+
 def _refuse(uart: bool, i2c_only: Mapping[str, object], uart_only: Mapping[str, object]) -> None:
     """Options that would have no effect are mistakes."""
     for name, value in (i2c_only if uart else uart_only).items():
         if value:
             raise click.ClickException(f"{name} is for {'I2C' if uart else 'UART'} captures; this one is not mapped so")
-    if uart_only["--format"] and not uart_only["--baud"]:
-        raise click.ClickException("--format needs --baud; without both the line is read as the firmware sets the SCI")
 
 
-def _rate(text: str) -> Fraction:
-    try:
-        return formats.rate_of(text)
-    except ValueError as error:
-        raise click.ClickException(f"--rate: {error}") from None
-
-
-def _low(text: str) -> Fraction:
-    try:
-        low = duration(text)
-    except ValueError as error:
-        raise click.ClickException(f"--longest-low: {error}") from None
-    if not low:
-        raise click.ClickException("--longest-low: expected more than 0")
-    return low
+def _above_zero(option: str, text: str) -> Fraction:
+    length = time_given(option, text)
+    if not length:
+        raise click.ClickException(f"{option}: expected more than 0")
+    return length
 
 
 def _address(text: str) -> int:
@@ -125,6 +234,10 @@ def show(console: Console, report: Report) -> None:
     for name, value in rows(report):
         table.add_row(name, value)
     console.print(table)
+    if report.budgets:
+        console.print(budget_table("", report.budgets))
+    for divergence in report.divergences:
+        show_history(console, divergence)
     for line in report.notes:
         console.print(f"note: {line}", highlight=False, soft_wrap=True)
     if report.unknowns:
@@ -134,22 +247,68 @@ def show(console: Console, report: Report) -> None:
 def rows(report: Report) -> list[tuple[str, str]]:
     """Name and value of each line of the table."""
     found = [("events as in the capture", f"{report.agreed} of {report.events}")]
-    first = report.first_divergence
-    if first is not None:
-        found.append(("first divergence", f"expected {first.expected} {_at(first.capture_s)}"))
-        found.append(("", f"found {first.found} {_at(first.replay_s)}"))
+    for divergence in report.divergences:
+        found.append((FIRST[divergence.kind], f"expected {divergence.expected} {_at(divergence.capture_s)}"))
+        found.append(("", f"found {divergence.found} {_at(divergence.replay_s)}"))
     found.append(("bytes", str(report.bytes)))
-    if report.kind == "i2c":
-        found.append(("answered by the firmware", ", ".join(report.addresses)))
-        found.append(("NACKs", str(report.nacks)))
-        found.append(("longest stretch", f"{report.stretch_worst_us:.3f} us"))
-        found.append(("all stretches", f"{report.stretch_total_us:.3f} us"))
-        found.append(("largest difference in time", f"{report.lag_worst_us:.3f} us"))
-    else:
+    if report.kind == "uart":
         found.append(("errors", ", ".join(f"{name} {count}" for name, count in report.errors.items())))
         found.append(("start bit to read, at most", f"{report.lag_worst_us:.3f} us"))
+    else:
+        who = "answered by the firmware" if report.role == "slave" else "answered as captured"
+        found.append((who, ", ".join(report.addresses)))
+        found.append(("NACKs", str(report.nacks)))
+        found += _times(report)
     found.append(("simulated", f"{report.simulated_s:.6f} s in {report.wall_s:.3f} s"))
     return found
+
+
+def _times(report: Report) -> list[tuple[str, str]]:
+    """What an I2C replay says of times."""
+    if report.loop == "open":
+        return [
+            ("longest stretch it would make", f"{report.stretch_worst_us:.3f} us"),
+            ("answer not ready by, at most", f"{report.late_worst_us:.3f} us"),
+        ]
+    largest = [("largest difference in time", f"{report.lag_worst_us:.3f} us")]
+    if report.lag_worst_us:
+        largest.append(("", f"{report.lag_samples:.1f} sample periods of the capture"))
+    if report.role == "master":
+        return largest
+    return [
+        ("longest stretch", f"{report.stretch_worst_us:.3f} us"),
+        ("all stretches", f"{report.stretch_total_us:.3f} us"),
+        *largest,
+    ]
+
+
+def show_history(console: Console, divergence: Divergence) -> None:
+    """What the chip did around a divergence: the last changes before it, and the first behind it."""
+    if not divergence.history:
+        return
+    at = divergence.replay_s if divergence.replay_s is not None else divergence.history[-1].at_s
+    before = _polls_as_one([change for change in divergence.history if change.at_s <= at])[-BEFORE:]
+    after = _polls_as_one([change for change in divergence.history if change.at_s > at])[:AFTER]
+    table = Table(title=f"the chip around the {FIRST[divergence.kind]}", title_justify="left", box=SIMPLE_HEAD)
+    table.add_column("at", justify="right", no_wrap=True)
+    table.add_column("", justify="right", no_wrap=True)
+    table.add_column("register", no_wrap=True)
+    table.add_column("value", justify="right", no_wrap=True)
+    for change in [*before, *after]:
+        access = change.what[:2] in ("R ", "W ")
+        value = f"{change.value:04X}" if access else str(change.value)
+        style = "dim" if change.at_s > at else ""
+        table.add_row(f"{change.at_s:.9f} s", f"{(change.at_s - at) * 1e6:+.3f} us", change.what, value, style=style)
+    console.print(table)
+
+
+def _polls_as_one(changes: list[Change]) -> list[Change]:
+    """Without reads that give what the read before gave, where nothing else lies between."""
+    return [
+        change
+        for before, change in zip([None, *changes], changes, strict=False)
+        if before is None or (before.what, before.value) != (change.what, change.value)
+    ]
 
 
 def _at(seconds: float | None) -> str:

@@ -11,15 +11,7 @@ from ..timing.budgets import Verdict
 
 
 def show(console: Console, result: Result) -> None:
-    title = f"{result.case}: {result.verdict.upper()}"
-    table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD)
-    table.add_column("budget")
-    for name in ("worst", "limit", "margin", "count", "at"):
-        table.add_column(name, justify="right", no_wrap=True)
-    table.add_column("", no_wrap=True)
-    for verdict in result.budgets:
-        table.add_row(*row(verdict), style="red" if verdict.verdict == "fail" else "")
-    console.print(table)
+    console.print(budget_table(f"{result.case}: {result.verdict.upper()}", result.budgets))
     counts = ", ".join(f"{value} {name.replace('_', ' ')}" for name, value in result.counts.items() if value)
     console.print(
         f"{result.simulated_s:g} s simulated at {result.fidelity} fidelity; "
@@ -36,6 +28,18 @@ def show(console: Console, result: Result) -> None:
         console.print(f"note: {line}", highlight=False, soft_wrap=True)
     if result.unknowns:
         console.print(f"open questions touched: {', '.join(result.unknowns)}", highlight=False, soft_wrap=True)
+
+
+def budget_table(title: str, budgets: list[Verdict]) -> Table:
+    """A row a budget, the broken ones in red."""
+    table = Table(title=title or None, title_justify="left", title_style="bold", box=SIMPLE_HEAD)
+    table.add_column("budget")
+    for name in ("worst", "limit", "margin", "count", "at"):
+        table.add_column(name, justify="right", no_wrap=True)
+    table.add_column("", no_wrap=True)
+    for verdict in budgets:
+        table.add_row(*row(verdict), style="red" if verdict.verdict == "fail" else "")
+    return table
 
 
 def row(verdict: Verdict) -> tuple[str, ...]:

@@ -7,13 +7,16 @@ from contextlib import contextmanager
 
 import click
 
-from ..case.model import BadCase
-from ..core.kernel import SimulationStuck
-from ..f28335.memory import NoSuchAddress
-from ..formats.capture import BadCapture
-from ..host.cpu import FirmwareError
-from ..recording import BadRecording
-from ..replay import BadReplay
+# Errors that the input is to blame for, by name: a command that cannot raise one need not import it.
+MISTAKES = {
+    "periph_sim.case.model.BadCase",
+    "periph_sim.core.kernel.SimulationStuck",
+    "periph_sim.f28335.memory.NoSuchAddress",
+    "periph_sim.formats.capture.BadCapture",
+    "periph_sim.host.cpu.FirmwareError",
+    "periph_sim.recording.BadRecording",
+    "periph_sim.replay.BadReplay",
+}
 
 
 @contextmanager
@@ -21,5 +24,7 @@ def told_plainly() -> Iterator[None]:
     """Errors that the input is to blame for become one line on standard error and status 2."""
     try:
         yield
-    except (BadCase, BadCapture, BadRecording, BadReplay, NoSuchAddress, FirmwareError, SimulationStuck) as error:
+    except Exception as error:
+        if MISTAKES.isdisjoint(f"{kind.__module__}.{kind.__qualname__}" for kind in type(error).__mro__):
+            raise
         raise click.ClickException(str(error)) from None

@@ -22,36 +22,10 @@ from math import ceil
 
 import numpy as np
 
-from ..core.nearest import near
 from ..formats.capture import Capture, Channel
+from .uart_line import PARITIES, Line, look, width_of
 
-PARITIES = ("none", "odd", "even", "mark", "space")
-
-
-@dataclass(frozen=True, slots=True)
-class Line:
-    """How frames are made. invert: True where idle is low on the wire."""
-
-    baud: Fraction | int
-    bits: int = 8
-    parity: str = "none"
-    stop: Fraction | int = 1
-    invert: bool = False
-
-    def __post_init__(self) -> None:
-        if self.baud <= 0:
-            raise ValueError(f"baud is {self.baud}; expected more than 0")
-        if not 1 <= self.bits <= 16:
-            raise ValueError(f"{self.bits} data bits; expected 1 to 16")
-        if self.parity not in PARITIES:
-            raise ValueError(f"parity {self.parity!r}; {near(self.parity, PARITIES)}")
-        if self.stop not in (1, Fraction(3, 2), 2):
-            raise ValueError(f"{self.stop} stop bits; expected 1, 3/2 or 2")
-
-    @property
-    def frame(self) -> Fraction:
-        """Bit times from the start edge to the end of the last stop bit."""
-        return 1 + self.bits + (self.parity != "none") + Fraction(self.stop)
+__all__ = ["PARITIES", "Break", "CutFrame", "Event", "Frame", "Line", "events"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,14 +64,7 @@ def events(capture: Capture, channel: str | int, line: Line) -> list[Event]:
     LookupError if the channel is not there; ValueError if the capture has no rate, or under two samples a bit.
     """
     wire = capture.channel(channel)
-    if capture.rate is None:
-        raise ValueError(f"{capture.path}: frames need a time base and the file states no rate; state the rate")
-    width = capture.rate / Fraction(line.baud)
-    if width < 2:
-        raise ValueError(
-            f"{capture.path}: {float(width):.2f} samples a bit at {line.baud} baud; expected at least 2, "
-            f"so the rate of {capture.rate} Hz or the baud rate is wrong"
-        )
+    width = width_of(capture, line.baud)
     found: list[Event] = []
     for span in capture.known(wire):
         found.extend(_frames(wire.cut(span), line, width, span.end))
@@ -111,7 +78,7 @@ def _frames(wire: Channel, line: Line, width: Fraction, end: int) -> list[Event]
     starts: list[int] = wire.edges[wire.levels == low].tolist()
     first = wire.initial ^ low
     checked = line.parity != "none"
-    looks = [_look(bit, width) for bit in range(line.bits + 2 + checked)]
+    looks = [look(bit, width) for bit in range(line.bits + 2 + checked)]
     length = round(line.frame * width)
     found: list[Event] = []
     n = 0
@@ -139,11 +106,6 @@ def _breaks(wire: Channel, line: Line, width: Fraction) -> list[Event]:
     falls = falls[: len(rises)]
     long = rises - falls >= ceil(line.frame * width)
     return [Break(at, end) for at, end in zip(falls[long].tolist(), rises[long].tolist(), strict=True)]
-
-
-def _look(bit: int, width: Fraction) -> int:
-    """Samples from the first low one to the look at a bit, the start bit being bit 0."""
-    return ceil((bit + Fraction(1, 2)) * width - Fraction(1, 2))
 
 
 def _parity(kind: str, value: int) -> int:

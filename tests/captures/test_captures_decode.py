@@ -14,7 +14,10 @@ from fractions import Fraction
 import pytest
 
 from periph_sim import formats
-from periph_sim.decode import i2c, uart
+from periph_sim.decode import i2c, i2c_objects, uart, uart_objects
+from periph_sim.decode.i2c_table import i2c_table
+from periph_sim.decode.uart_guess import guess
+from periph_sim.decode.uart_table import uart_table
 from periph_sim.formats import Capture
 from tests.captures.where import FOLDER, capture_of, decoded, needs_captures, oracle, remarks
 
@@ -103,11 +106,15 @@ def test_i2c_events_are_the_oracles(name: str):
     given = options(name, "i2c")
     events = i2c.events(load(name), channel(name, given["scl"]), channel(name, given["sda"]))
     assert i2c_lines(events) == [(said.at, said.text) for said in oracle(name, "i2c")]
+    table = i2c_table(load(name), channel(name, given["scl"]), channel(name, given["sda"]))
+    assert i2c_objects.events_of_table(table) == events
     assert sum(isinstance(event, i2c.Cut) for event in events) == CUT_BYTES.get(name, 0)
 
 
 def test_i2c_events_of_a_million_edges_are_the_oracles():
-    lines = i2c_lines(i2c.events(load(TOO_LARGE)))
+    events = i2c.events(load(TOO_LARGE))
+    assert i2c_objects.events_of_table(i2c_table(load(TOO_LARGE))) == events
+    lines = i2c_lines(events)
     first = [(said.at, said.text) for said in oracle(TOO_LARGE, "i2c")]
     assert lines[: len(first)] == first and len(first) == 200
     counts = dict(re.findall(r"([A-Za-z ]+)=(\d+)", remarks(TOO_LARGE, "i2c").split("# counts: ")[1]))
@@ -140,15 +147,39 @@ def test_uart_frames_are_the_oracles(name: str):
     line = uart.Line(int(given["baudrate"]), int(given.get("data_bits", "8")), given.get("parity", "none"))
     late = int(name in ONE_SAMPLE_LATE)
     capture = load(name)
-    ours = [
-        uart_lines(uart.events(capture, channel(name, given[side]), line), line, late)
-        for side in ("rx", "tx")
-        if side in given
-    ]
+    wires = [channel(name, given[side]) for side in ("rx", "tx") if side in given]
+    found = [uart.events(capture, wire, line) for wire in wires]
+    assert [uart_objects.events_of_table(uart_table(capture, wire, line)) for wire in wires] == found
+    ours = [uart_lines(events, line, late) for events in found]
     said = [
         (what.text, what.at if what.text in ("Start bit", "Break condition") else None) for what in oracle(name, "uart")
     ]
     assert is_merge(said, ours)
+
+
+# Where the guess from edges alone is not what the oracle was told.
+GUESSED_OTHERWISE = {
+    "uart_glitch_0x20": "one byte, and its shortest pulses are glitches",
+    "uart_glitch_0x45": "one byte, and its shortest pulses are glitches",
+    "uart_glitch_0x4f_2": "one byte, and its shortest pulses are glitches",
+    "uart_toim_57600_snippet": "ten bytes, all of even parity: 7e1 fits as well as 8n1",
+    "uart_ut61e_19200_7o1": "five different bytes are too few to believe 7o1, which is named beside 8n1",
+}
+
+
+@pytest.mark.parametrize("name", decoded("uart"))
+def test_rate_and_frame_are_guessed_as_the_oracle_was_told(name: str):
+    given = options(name, "uart")
+    told = uart.Line(int(given["baudrate"]), int(given.get("data_bits", "8")), given.get("parity", "none"))
+    capture = load(name)
+    for side in ("rx", "tx"):
+        if side in given:
+            found = guess(capture, channel(name, given[side]))
+            assert (found.line == told) == (name not in GUESSED_OTHERWISE), found
+            if name.startswith("uart_glitch"):
+                assert found.sure < 0.5
+            else:
+                assert found.line.baud == told.baud and {told.shape} <= {found.line.shape, *found.also}
 
 
 def is_merge(whole: list[tuple[str, int | None]], parts: list[list[tuple[str, int | None]]]) -> bool:

@@ -62,7 +62,11 @@ def test_seconds_replaces_the_duration(periph_sim: Run, desk: Path, seconds: str
             "small.toml, --set 'unit.dsp.firmware=imu': unit.dsp.firmware: there is no firmware 'imu'; "
             "did you mean imu_hil?",
         ),
-        (["small.toml", "--record", "no/run.vcd"], "no/run.vcd: cannot be written (No such file or directory)"),
+        (
+            ["small.toml", "--record", "no/run.vcd"],
+            "no/run.vcd, its place: found no such file or directory, expected a place that can be written to; "
+            "give another path",
+        ),
         (
             ["small.toml", "--record", "run.vdc"],
             "run.vdc: no recording is written as '.vdc'; did you mean .vcd?",

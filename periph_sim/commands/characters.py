@@ -1,0 +1,129 @@
+"""Much text at once: columns of numbers and words in, bytes out, without a step in Python for each line.
+
+    | digits | literal | words out of a book | --> one array of characters, a row a line --> bytes
+
+What is shorter than its column is filled up with NUL, and all NULs are taken out at the end; or with blanks,
+where columns stand below each other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Characters = NDArray[np.uint8]
+Numbers = NDArray[np.int64]
+
+AT_ONCE = 1 << 15  # lines: their characters stay in the processor's cache
+BLANK, NONE = b" ", b"\0"
+
+_FOUR = (np.arange(10_000)[:, None] // (1000, 100, 10, 1) % 10 + ord("0")).astype(np.uint8)
+
+
+class Column(Protocol):
+    """width: characters of each line. fill: write them for some lines into an array of (lines, width)."""
+
+    width: int
+
+    def fill(self, into: Characters, lines: slice) -> None: ...
+
+
+class Literal:
+    """The same text in every line."""
+
+    def __init__(self, text: str) -> None:
+        self._text = np.frombuffer(text.encode(), np.uint8)
+        self.width = len(self._text)
+
+    def fill(self, into: Characters, lines: slice) -> None:
+        into[:] = self._text
+
+
+class Digits:
+    """Numbers from 0 on, to the right; with `decimals`, the last so many stand behind a point."""
+
+    def __init__(self, values: Numbers, decimals: int = 0, pad: bytes = BLANK, width: int = 0) -> None:
+        largest = int(values.max()) if len(values) else 0
+        self._values = values
+        self._decimals = decimals
+        self._pad = pad
+        self._digits = max(len(str(largest)), decimals + 1)
+        self.width = max(self._digits + (decimals > 0), width)
+
+    def fill(self, into: Characters, lines: slice) -> None:
+        values = self._values[lines]
+        groups = -(-self._digits // 4)
+        written = np.empty((len(values), groups, 4), np.uint8)
+        rest = values
+        for group in range(groups - 1, 0, -1):
+            less = rest // 10_000
+            written[:, group] = _FOUR[rest - less * 10_000]
+            rest = less
+        written[:, 0] = _FOUR[rest]
+        digits = written.reshape(len(values), -1)[:, 4 * groups - self._digits :]
+        whole = self._digits - self._decimals
+        for place in range(whole - 1):  # noughts in front
+            digits[values < 10 ** (self._digits - 1 - place), place] = self._pad[0]
+        free = self.width - self._digits - (self._decimals > 0)
+        into[:, :free] = self._pad[0]
+        into[:, free : free + whole] = digits[:, :whole]
+        if self._decimals:
+            into[:, free + whole] = ord(".")
+            into[:, free + whole + 1 :] = digits[:, whole:]
+
+
+class Words:
+    """One of few texts in each line: `text_of(code)`, asked once for each code. Codes are small, from 0 on."""
+
+    def __init__(self, codes: Numbers, text_of: Callable[[int], str], pad: bytes = NONE, width: int = 0) -> None:
+        used, self._place = numbered(codes)
+        texts = [text_of(code).encode() for code in used.tolist()]
+        self.width = max(width, *map(len, texts)) if texts else width
+        joined = b"".join(text.ljust(self.width, pad) for text in texts)
+        self._book = np.frombuffer(joined, np.uint8).reshape(len(texts), self.width)
+
+    def fill(self, into: Characters, lines: slice) -> None:
+        into[:] = self._book[self._place[lines]]
+
+
+class Sparse:
+    """Columns that only some lines have, the lines `where`: line n of the columns is line where[n] of the page."""
+
+    def __init__(self, columns: Sequence[Column], where: Numbers) -> None:
+        self._columns = columns
+        self._where = where
+        self.width = sum(column.width for column in columns)
+
+    def fill(self, into: Characters, lines: slice) -> None:
+        into[:] = NONE[0]
+        begin, end = np.searchsorted(self._where, [lines.start, lines.stop]).tolist()
+        page = np.empty((end - begin, self.width), np.uint8)
+        left = 0
+        for column in self._columns:
+            column.fill(page[:, left : left + column.width], slice(begin, end))
+            left += column.width
+        into[self._where[begin:end] - lines.start] = page
+
+
+def numbered(codes: Numbers) -> tuple[Numbers, Numbers]:
+    """The codes that occur, in order, and for each code its place among them."""
+    there = np.zeros(int(codes.max()) + 1 if len(codes) else 0, bool)
+    there[codes] = True
+    used = np.flatnonzero(there)
+    places = np.zeros(len(there), np.int64)
+    places[used] = np.arange(len(used))
+    return used, places[codes]
+
+
+def text(columns: Sequence[Column], lines: int) -> Iterator[bytes]:
+    """The lines, a piece at a time."""
+    bounds = np.cumsum([0, *(column.width for column in columns)]).tolist()
+    for begin in range(0, lines, AT_ONCE):
+        some = slice(begin, min(begin + AT_ONCE, lines))
+        page = np.empty((some.stop - begin, bounds[-1]), np.uint8)
+        for column, left, right in zip(columns, bounds[:-1], bounds[1:], strict=True):
+            column.fill(page[:, left:right], some)
+        yield page.tobytes().translate(None, NONE)

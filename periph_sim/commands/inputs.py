@@ -1,0 +1,43 @@
+"""What several commands take: a capture, a rate, a time. Texts of options go in, values or one sentence come out."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+
+import click
+
+from .. import formats
+from ..core.time import TimeError, seconds
+
+RATE = click.option("--rate", metavar="RATE", help="Samples a second, where the file does not say: '4 MHz'.")
+SALVAGE = click.option(
+    "--salvage", is_flag=True, help="Read a damaged file up to the damage, and say what was dropped."
+)
+
+
+def read_capture(path: Path, rate: str | None, salvage: bool = False, option: str = "--rate") -> formats.Capture:
+    """The capture in a file; BadCapture if it cannot be read. option: how the rate was given, for messages."""
+    return formats.read(path, None if rate is None else rate_given(option, rate), salvage=salvage)
+
+
+def rate_given(option: str, text: str) -> Fraction:
+    """Samples a second, above 0."""
+    try:
+        rate = formats.rate_of(text)
+    except ValueError as error:
+        raise click.ClickException(f"{option}: {error}") from None
+    if not rate:
+        raise click.ClickException(f"{option}: expected more than 0")
+    return rate
+
+
+def time_given(option: str, text: str) -> Fraction:
+    """Seconds, 0 or more."""
+    try:
+        length = seconds(text)
+    except TimeError as error:
+        raise click.ClickException(f"{option}: {error}") from None
+    if length < 0:
+        raise click.ClickException(f"{option}: {text!r} is negative; expected 0 or more")
+    return length

@@ -1,0 +1,32 @@
+"""Rows of an I2C table as the objects of `decode.i2c`, one by one, for whoever looks at single events."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from . import i2c
+from .i2c_table import I2cTable, Kind
+
+PLAIN: dict[Kind, Callable[[int], i2c.Event]] = {
+    Kind.START: i2c.Start,
+    Kind.REPEATED_START: i2c.RepeatedStart,
+    Kind.ACK: i2c.Ack,
+    Kind.NACK: i2c.Nack,
+    Kind.STOP: i2c.Stop,
+}
+
+
+def events_of_table(table: I2cTable) -> list[i2c.Event]:
+    """The same events, in the same order, as `i2c.events` finds in the capture that the table is of."""
+    columns = (table.kind, table.at, table.last, table.value, table.bits, table.read)
+    return [_event(Kind(kind), *rest) for kind, *rest in zip(*(c.tolist() for c in columns), strict=True)]
+
+
+def _event(kind: Kind, at: int, last: int, value: int, bits: int, read: bool) -> i2c.Event:
+    if kind is Kind.ADDRESS:
+        return i2c.Address(at, value, read, last)
+    if kind is Kind.DATA or kind is Kind.ADDRESS_LOW:
+        return i2c.Data(at, value & 0xFF, read)
+    if kind is Kind.CUT:
+        return i2c.Cut(at, tuple(value >> place & 1 for place in range(bits - 1, -1, -1)))
+    return PLAIN[kind](at)

@@ -1,0 +1,20 @@
+"""Rows of a UART table as the objects of `decode.uart`, one by one, for whoever looks at single frames."""
+
+from __future__ import annotations
+
+from . import uart
+from .uart_table import Kind, UartTable
+
+
+def events_of_table(table: UartTable) -> list[uart.Event]:
+    """The same events, in the same order, as `uart.events` finds in the capture that the table is of."""
+    columns = (table.kind, table.at, table.end, table.value, table.bits, table.parity_error, table.frame_error)
+    return [_event(Kind(kind), *rest) for kind, *rest in zip(*(c.tolist() for c in columns), strict=True)]
+
+
+def _event(kind: Kind, at: int, end: int, value: int, bits: int, parity: bool, frame: bool) -> uart.Event:
+    if kind is Kind.FRAME:
+        return uart.Frame(at, end, value, parity, frame)
+    if kind is Kind.BREAK:
+        return uart.Break(at, end)
+    return uart.CutFrame(at, tuple(value >> place & 1 for place in range(bits)))

@@ -1,0 +1,114 @@
+"""The UART table against the events one by one, and the glitch filter."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from itertools import pairwise
+from math import ceil
+from random import Random
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from periph_sim.decode import uart
+from periph_sim.decode.uart import PARITIES, Line
+from periph_sim.decode.uart_objects import events_of_table
+from periph_sim.decode.uart_table import Kind, uart_table
+from periph_sim.formats.capture import Capture
+from tests.decode.drawing import drawn, of_bytes
+from tests.decode.random_lines import captures
+from tests.formats.writers import frame_bits, uart_wave
+
+LINES = st.builds(
+    Line,
+    st.integers(1, 5 * 10**5).map(Fraction),
+    st.integers(1, 16),
+    st.sampled_from(PARITIES),
+    st.sampled_from([Fraction(1), Fraction(3, 2), Fraction(2)]),
+    st.booleans(),
+)
+FAST = st.builds(
+    Line,
+    st.integers(20, 60).map(lambda tenths: Fraction(10**7, tenths)),
+    st.integers(1, 9),
+    st.sampled_from(PARITIES),
+    st.sampled_from([Fraction(1), Fraction(3, 2), Fraction(2)]),
+    st.booleans(),
+)
+
+
+@given(captures(("RX",)), LINES | FAST)
+@settings(max_examples=500, deadline=None)
+def test_any_line_gives_the_same_events_both_ways(capture: Capture, line: Line):
+    assert events_of_table(uart_table(capture, "RX", line)) == uart.events(capture, "RX", line)
+
+
+@given(
+    st.lists(st.tuples(st.integers(0, 511), st.integers(0, 40)), min_size=1, max_size=8),
+    st.sampled_from(PARITIES),
+    st.integers(30, 200),
+    st.integers(0, 2000),
+    st.integers(5, 9),
+)
+@settings(max_examples=150, deadline=None)
+def test_frames_come_back_and_cut_anywhere_never_raise(
+    sent: list[tuple[int, int]], parity: str, tenths: int, kept: int, bits: int
+):
+    width = Fraction(tenths, 10)
+    line = Line(Fraction(10**7, tenths), bits, parity)
+    frames, begin = [], Fraction(20)
+    for value, pause in sent:
+        begin += pause
+        frames.append((begin, frame_bits(value & (1 << bits) - 1, bits, parity)))
+        begin += line.frame * width
+    samples = uart_wave(frames, width, int(begin) + 40)
+    table = uart_table(of_bytes(samples, ("RX",)), "RX", line)
+    assert table.value.tolist() == [value & (1 << bits) - 1 for value, _ in sent]
+    assert not table.parity_error.any() and not table.frame_error.any()
+    part = of_bytes(samples[: kept + 1], ("RX",))
+    assert events_of_table(uart_table(part, "RX", line)) == uart.events(part, "RX", line)
+
+
+@given(
+    st.binary(min_size=1, max_size=12),
+    st.integers(80, 400),
+    st.integers(0, 12),
+    st.randoms(use_true_random=False),
+)
+@settings(max_examples=100, deadline=None)
+def test_frames_with_every_edge_a_little_off_come_back(sent: bytes, tenths: int, jitter: int, random: Random):
+    """Two edges off by 12 percent each, and the samples they fall between, leave the middle of a bit alone."""
+    width = Fraction(tenths, 10)
+    levels, at = [(Fraction(0), 1)], Fraction(30)
+    for value in sent:
+        for number, bit in enumerate(frame_bits(value)):
+            levels.append((at + number * width + width * random.randint(-jitter, jitter) / 100, bit))
+        at += (10 + random.randint(0, 3)) * width
+    samples = bytearray([1]) * (int(at) + 30)
+    for (begin, level), (end, _) in pairwise([*levels, (Fraction(len(samples)), 1)]):
+        samples[ceil(begin) : ceil(end)] = bytes([level]) * (ceil(end) - ceil(begin))
+    table = uart_table(of_bytes(bytes(samples), ("RX",)), "RX", Line(Fraction(10**7, tenths)))
+    assert table.value.tolist() == list(sent) and not table.frame_error.any()
+
+
+def test_a_break_stands_behind_the_frame_it_also_makes():
+    table = uart_table(of_bytes(uart_wave([(Fraction(20), [0] * 14)], Fraction(10), 300), ("RX",)), "RX", Line(100_000))
+    assert [Kind(kind).name for kind in table.kind.tolist()] == ["FRAME", "BREAK"]
+    assert table.at.tolist() == [20, 20] and table.end.tolist() == [120, 160]
+    assert table.frame_error.tolist() == [True, False] and table.value.tolist() == [0, -1]
+
+
+def test_a_glitch_in_a_frame_is_left_out():
+    samples = bytearray(uart_wave([(Fraction(20), frame_bits(0x4B))], Fraction(10), 200))
+    samples[55] ^= 1  # in the middle of a bit
+    samples[150] ^= 1
+    assert uart_table(of_bytes(bytes(samples), ("RX",)), "RX", Line(100_000)).value.tolist() != [0x4B]
+    assert uart_table(of_bytes(bytes(samples), ("RX",)), "RX", Line(100_000), glitch=2).value.tolist() == [0x4B]
+
+
+def test_a_capture_without_a_rate_or_with_too_low_a_rate_is_refused():
+    with pytest.raises(ValueError, match="frames need a time base and the file states no rate; state the rate"):
+        uart_table(drawn("RX ----", rate=None), "RX", Line(9600))
+    with pytest.raises(ValueError, match=r"0.00 samples a bit at 9600 baud; expected at least 2"):
+        uart_table(drawn("RX ----", rate=1), "RX", Line(9600))

@@ -1,0 +1,92 @@
+"""The timing limits of the I2C-bus specification, one row a limit; nothing is measured here.
+
+Source: UM10204 (I2C-bus specification and user manual), Table 10, characteristics of the SDA and SCL bus lines, with
+its footnotes; the maxima of tVD in Fast-mode Plus from general knowledge. Times are whole nanoseconds. The maximum
+of fSCL is kept as the least period.
+"""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import NamedTuple
+
+
+class Mode(Enum):
+    STANDARD = "standard"  # to 100 kHz
+    FAST = "fast"  # to 400 kHz
+    FAST_PLUS = "fast-plus"  # to 1 MHz
+
+
+class Bounds(NamedTuple):
+    """Nanoseconds a time must at least and may at most have; None: no such limit."""
+
+    least: int | None = None
+    most: int | None = None
+
+
+class Limit(NamedTuple):
+    """seen: False where a capture with one threshold a line cannot show it. rule: a footnote, and how it is read."""
+
+    symbol: str
+    begins: str
+    ends: str
+    bounds: dict[Mode, Bounds]
+    seen: bool = True
+    rule: str = ""
+
+
+def _bounds(standard: Bounds, fast: Bounds, fast_plus: Bounds) -> dict[Mode, Bounds]:
+    return {Mode.STANDARD: standard, Mode.FAST: fast, Mode.FAST_PLUS: fast_plus}
+
+
+def _least(standard: int, fast: int, fast_plus: int) -> dict[Mode, Bounds]:
+    return _bounds(Bounds(standard), Bounds(fast), Bounds(fast_plus))
+
+
+STRETCHED = (
+    "it binds only a device that does not stretch tLOW, so it is judged before bits whose low phase is no longer than "
+    "the least tLOW or than the shortest of the trace and a tenth; in longer ones tSU;DAT judges alone"
+)
+SETUP = "a Fast-mode device on a Standard-mode bus must keep the 250 ns of Standard-mode: judge such a bus as standard"
+HOLD = (
+    "the 300 ns that a device keeps inside itself to bridge SCL's falling edge do not show on the lines; the maximum "
+    "is judged as that of tVD;DAT"
+)
+SPIKE = (
+    "an input must ignore a spike of up to 50 ns, so these are put aside before anything else is measured; an SCL "
+    "pulse, or an SDA pulse while SCL is high, of over 50 and up to 100 ns is too long a spike; a longer one, and "
+    "any on SDA while SCL is low, is no spike"
+)
+SLOPES = "a capture with one threshold a line shows no rise and fall times"
+
+LIMITS: tuple[Limit, ...] = (
+    Limit("fSCL", "SCL fall", "next SCL fall", _least(10_000, 2_500, 1_000), rule="judged as the period"),
+    Limit("tHD;STA", "SDA fall of START", "SCL fall", _least(4_000, 600, 260)),
+    Limit("tLOW", "SCL fall", "SCL rise", _least(4_700, 1_300, 500)),
+    Limit("tHIGH", "SCL rise", "SCL fall", _least(4_000, 600, 260)),
+    Limit("tSU;STA", "SCL rise", "SDA fall of repeated START", _least(4_700, 600, 260)),
+    Limit("tHD;DAT", "SCL fall", "first SDA change", _bounds(Bounds(0, 3_450), Bounds(0, 900), Bounds(0)), rule=HOLD),
+    Limit("tSU;DAT", "last SDA change", "SCL rise", _least(250, 100, 50), rule=SETUP),
+    Limit("tr", "30 %", "70 %", _bounds(Bounds(None, 1_000), Bounds(20, 300), Bounds(None, 120)), False, SLOPES),
+    Limit("tf", "70 %", "30 %", _bounds(Bounds(None, 300), Bounds(None, 300), Bounds(None, 120)), False, SLOPES),
+    Limit("tSU;STO", "SCL rise", "SDA rise of STOP", _least(4_000, 600, 260)),
+    Limit("tBUF", "STOP", "START", _least(4_700, 1_300, 500)),
+    Limit(
+        "tVD;DAT",
+        "SCL fall",
+        "SDA valid",
+        _bounds(Bounds(None, 3_450), Bounds(None, 900), Bounds(None, 450)),
+        rule=STRETCHED,
+    ),
+    Limit(
+        "tVD;ACK",
+        "SCL fall",
+        "SDA valid for ACK",
+        _bounds(Bounds(None, 3_450), Bounds(None, 900), Bounds(None, 450)),
+        rule=STRETCHED,
+    ),
+    Limit("tSP", "spike begins", "spike ends", _bounds(Bounds(), Bounds(None, 50), Bounds(None, 50)), rule=SPIKE),
+)
+
+LIMIT = {limit.symbol: limit for limit in LIMITS}
+SPIKES_TO = 2  # times tSP: a pulse up to here is a spike, if too long a one

@@ -1,0 +1,183 @@
+"""A compliance report as a person reads it, and as JSON; floats appear here and nowhere before."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from .limits import STRETCHED, Bounds
+from .verdict import Place, Report, Row, Verdict
+
+HEAD = ("symbol", "from -> to", "limit", "min", "max", "count", "worst begins at", "by", "verdict")
+RIGHT = {3, 4, 5, 6}  # columns of numbers
+
+
+def table(report: Report) -> str:
+    """Head line, one line a limit, what is worth saying besides, and the verdict."""
+    rows = [HEAD, *(_cells(report, row) for row in report.rows)]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(HEAD))]
+    lines = [_line(row, widths) for row in rows]
+    lines.insert(1, "-" * max(map(len, lines)))
+    remarks = [f"note: {note}" for note in _remarks(report)]
+    return "\n".join([_title(report), "", *lines, "", *remarks, _conclusion(report)])
+
+
+def failure(report: Report, strict: bool) -> str:
+    """The rows that do not pass, worst places and all, for an AssertionError."""
+    wanted = {Verdict.FAIL, Verdict.UNDECIDABLE} if strict else {Verdict.FAIL}
+    lines = [f"{report.name} does not keep the I2C limits of mode {report.mode.value}:"]
+    for row in report.rows:
+        if row.verdict in wanted:
+            beyond = row.failed or row.undecided
+            begins, ends = row.limit.begins, row.limit.ends
+            lines.append(
+                f"  {row.limit.symbol} ({begins} -> {ends}) {row.verdict.value}: {limit_text(row.bounds)}, "
+                f"{beyond} of {row.count}"
+            )
+            lines.extend(f"    {_place(report, place)}" for place in row.worst)
+    return "\n".join(lines)
+
+
+def as_json(report: Report) -> dict[str, object]:
+    """Times in seconds as numbers; positions as in the capture."""
+    return {
+        "capture": report.name,
+        "mode": report.mode.value,
+        "verdict": report.verdict.value,
+        "positions_per_second": float(report.resolution.rate),
+        "exact_to_ns": float(report.resolution.period),
+        "starts": report.starts,
+        "both_lines_at_once": report.shared,
+        "rows": [_json_row(report, row) for row in report.rows],
+        "notes": _remarks(report),
+    }
+
+
+def limit_text(bounds: Bounds) -> str:
+    """`min 4.7 us`, `0 to 3.45 us`, `max 50 ns`, or `-`."""
+    if bounds.least is None and bounds.most is None:
+        return "-"
+    if bounds.most is None:
+        return f"min {_short(Fraction(bounds.least or 0))}"
+    if bounds.least is None:
+        return f"max {_short(Fraction(bounds.most))}"
+    return f"{_number(bounds.least, bounds.most)} to {_short(Fraction(bounds.most))}"
+
+
+def _cells(report: Report, row: Row) -> tuple[str, ...]:
+    resolution = report.resolution
+    limit = limit_text(row.bounds)
+    if row.limit.symbol == "fSCL" and row.bounds.least is not None:
+        limit = f"max {10**6 // row.bounds.least} kHz: {limit}"
+    worst = row.worst[0] if row.worst else None
+    verdict = "undecidable" if row.verdict is Verdict.UNDECIDABLE else row.verdict.value
+    if row.failed:
+        verdict = f"FAIL, {row.failed} of {row.count}"
+    elif row.undecided:
+        verdict += f", {row.undecided} of {row.count}"
+    return (
+        row.limit.symbol,
+        f"{row.limit.begins} -> {row.limit.ends}",
+        limit,
+        _short(resolution.ns(row.least)) if row.least is not None else "-",
+        _short(resolution.ns(row.most)) if row.most is not None else "-",
+        str(row.count) if row.count else "-",
+        f"{float(report.seconds(worst.at)):.9f} s" if worst is not None else "-",
+        worst.party.value if worst is not None and worst.party else "",
+        verdict,
+    )
+
+
+def _title(report: Report) -> str:
+    return f"{report.name}: I2C limits of mode {report.mode.value}, {_exactness(report)}"
+
+
+def _exactness(report: Report) -> str:
+    period = report.resolution.period
+    return f"each time good to {_short(period)} either way" if period else "times exact"
+
+
+def _remarks(report: Report) -> list[str]:
+    excused = [row for row in report.rows if row.excused]
+    found = []
+    if excused:
+        counts = ", ".join(f"{row.limit.symbol} {row.excused}" for row in excused)
+        found.append(f"beyond a maximum where it does not bind: {counts}; {STRETCHED}")
+    spikes = report.row("tSP")
+    if spikes.count:
+        found.append(f"tSP: {spikes.count} spikes were put aside; {spikes.limit.rule}")
+    elif spikes.verdict is Verdict.UNDECIDABLE:
+        found.append("tSP: no spike is seen, but one may lie between two samples")
+    if report.shared:
+        found.append(f"both lines change at once at {report.shared} positions; which came first is not known")
+    return [*found, *report.notes]
+
+
+def _conclusion(report: Report) -> str:
+    failed, open_rows = report.of(Verdict.FAIL), report.of(Verdict.UNDECIDABLE)
+    if failed:
+        return f"FAIL: {', '.join(failed)}"
+    if open_rows:
+        return f"UNDECIDABLE at this sample rate: {', '.join(open_rows)}; nothing that can be decided fails"
+    if report.verdict is Verdict.UNDECIDABLE:
+        return "UNDECIDABLE: nothing was measured"
+    return "PASS"
+
+
+def _place(report: Report, place: Place) -> str:
+    by = f", driven by the {place.party.value}" if place.party else ""
+    length = _short(report.resolution.ns(place.length))
+    return f"{length} at {float(report.seconds(place.at)):.9f} s (position {place.at}){by}"
+
+
+def _json_row(report: Report, row: Row) -> dict[str, object]:
+    def seconds(positions: int | None) -> float | None:
+        return None if positions is None else float(report.seconds(positions))
+
+    return {
+        "symbol": row.limit.symbol,
+        "from": row.limit.begins,
+        "to": row.limit.ends,
+        "limit_min_ns": row.bounds.least,
+        "limit_max_ns": row.bounds.most,
+        "min_s": seconds(row.least),
+        "max_s": seconds(row.most),
+        "count": row.count,
+        "failed": row.failed,
+        "undecided": row.undecided,
+        "excused": row.excused,
+        "verdict": row.verdict.value,
+        "worst": [
+            {
+                "at": place.at,
+                "at_s": seconds(place.at),
+                "length_s": seconds(place.length),
+                "party": place.party.value if place.party else None,
+            }
+            for place in row.worst
+        ],
+    }
+
+
+def _short(ns: Fraction) -> str:
+    """A time in the unit that suits it, three decimals at most."""
+    for unit, size in (("ns", 1), ("us", 10**3), ("ms", 10**6)):
+        if abs(ns) < 1000 * size:
+            return f"{_trimmed(ns / size)} {unit}"
+    return f"{_trimmed(ns / 10**9)} s"
+
+
+def _number(ns: int, beside: int) -> str:
+    return _trimmed(Fraction(ns, 1000 if beside >= 1000 else 1))
+
+
+def _trimmed(value: Fraction) -> str:
+    text = f"{float(value):.3f}"
+    return text.rstrip("0").rstrip(".")
+
+
+def _line(row: tuple[str, ...], widths: list[int]) -> str:
+    cells = [
+        cell.rjust(width) if column in RIGHT else cell.ljust(width)
+        for column, (cell, width) in enumerate(zip(row, widths, strict=True))
+    ]
+    return "  ".join(cells).rstrip()

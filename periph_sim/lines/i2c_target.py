@@ -2,8 +2,8 @@
 
     SCL, SDA --> START, bits, STOP --> address known? next answer --> SDA
 
-It stands for the devices of a bus that are not the one under test. It never stretches. An address without
-answers left is not acknowledged.
+It stands for the devices of a bus that are not the one under test. It stretches where its answer says so. An address
+without answers left is not acknowledged.
 
 Source: UM10204 sections 3.1.4 to 3.1.10.
 """
@@ -21,11 +21,16 @@ from ..core.wire import Wire
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """To one START with its address. data: sent in a read, ones follow. acks: of the bytes written; then all ACK."""
+    """To one START with its address. data: sent in a read, ones follow. acks: of the bytes written; then all ACK.
+
+    stretches: (byte, bit, ticks) where SCL stays low for so long after its fall, before that bit. Byte -1 is the
+    address, of which only bit 8, the ACK, can be stretched: before it nobody knows who is meant.
+    """
 
     ack: bool
     data: bytes = b""
     acks: tuple[bool, ...] = ()
+    stretches: tuple[tuple[int, int, int], ...] = ()
 
 
 class _Does(Enum):
@@ -52,10 +57,12 @@ class I2cTarget:
         self._scl_wire = scl
         self._sda_wire = sda
         self._sda = sda.attach(who)
+        self._scl = scl.attach(who)
         self._hold = hold
         self._answers = {address: deque(of) for address, of in answers.items()}
         self._does = _Does.NOTHING
         self._answer = Answer(False)
+        self._stretches: dict[tuple[int, int], int] = {}  # of this answer: (byte, bit) -> ticks
         self._bit = 0  # rising SCL of this byte so far
         self._in = 0
         self._byte = 0  # number of the data byte
@@ -68,6 +75,7 @@ class I2cTarget:
         if self._scl_wire.level:
             self._does = _Does.NOTHING if level else _Does.ADDRESS
             self._bit = self._in = 0
+            self._stretches = {}
             self._put(1)
 
     def _scl_changed(self, now: int, level: int) -> None:
@@ -81,6 +89,19 @@ class I2cTarget:
             self._byte_over()
         elif self._does is _Does.SENDS and self._bit:
             self._put(self._sent() >> (7 - self._bit) & 1)
+        if not level and self._stretches:
+            self._stretch()
+
+    def _stretch(self) -> None:
+        """SCL has fallen: hold it, if the answer does so before the bit that comes."""
+        byte = -1 if self._does is _Does.ADDRESS else self._byte
+        ticks = self._stretches.pop((byte, self._bit), 0)
+        if ticks:
+            self._scl.drive(0)
+            self._kernel.at(self._kernel.now + ticks, self._let_go)
+
+    def _let_go(self) -> None:
+        self._scl.drive(1)
 
     def _rise(self) -> None:
         level = self._sda_wire.level
@@ -97,6 +118,7 @@ class I2cTarget:
         if self._does is _Does.ADDRESS:
             waiting = self._answers.get(self._in >> 1)
             self._answer = waiting.popleft() if waiting else Answer(False)
+            self._stretches = {(byte, bit): ticks for byte, bit, ticks in self._answer.stretches}
             return int(not self._answer.ack)
         acks = self._answer.acks
         return int(self._byte < len(acks) and not acks[self._byte])

@@ -1,4 +1,7 @@
-"""Which channel of a capture is which line: `scl=0,sda=1` and the channels' names go in, a mapping comes out."""
+"""Which channel of a capture is which line: `scl=0,sda=1` and the channels' names go in, a mapping comes out.
+
+scl and sda are an I2C capture, rx alone a UART capture, all three a session.
+"""
 
 from __future__ import annotations
 
@@ -7,13 +10,17 @@ from ..formats.capture import Capture
 from . import BadReplay
 
 I2C, UART = ("scl", "sda"), ("rx",)
+ALL = (*I2C, *UART)
 
 
-def channel_map(capture: Capture, text: str | None) -> dict[str, str]:
-    """Line -> channel, the lines being scl and sda, or rx. Without a text, channels that are called so are taken."""
+def channel_map(capture: Capture, text: str | None, session: bool = False) -> dict[str, str]:
+    """Line -> channel. Without a text, channels that are called so are taken.
+
+    session: all three lines, if there are three.
+    """
     if text is not None:
         return _given(capture, text)
-    for lines in (I2C, UART):
+    for lines in (ALL, I2C, UART) if session else (I2C, UART):
         called = {line: [c.name for c in capture.channels if _last_part(c.name) == line] for line in lines}
         if all(len(names) == 1 for names in called.values()):
             return {line: names[0] for line, names in called.items()}
@@ -23,31 +30,46 @@ def channel_map(capture: Capture, text: str | None) -> dict[str, str]:
     )
 
 
+def serial_channel(capture: Capture, text: str | None) -> str:
+    """The channel that is RX: `rx=0`, or the one called so, or the only one. BadReplay if it is not clear."""
+    if text is None and len(capture.channels) == 1:
+        return capture.channels[0].name
+    if text is None:
+        lines = {c.name for c in capture.channels if _last_part(c.name) == "rx"}
+        if len(lines) == 1:
+            return lines.pop()
+        raise BadReplay(f"{capture.path}: which channel is RX? say --uart FILE,rx=CHANNEL; it has {listed(capture)}")
+    lines_given = _given(capture, text, "--uart")
+    if set(lines_given) != set(UART):
+        raise BadReplay(f"--uart {capture.path},{text}: expected rx=CHANNEL alone")
+    return lines_given["rx"]
+
+
 def _last_part(name: str) -> str:
     """Of the scopes and name that a VCD gives, the name."""
     return name.rpartition(".")[2].lower()
 
 
-def _given(capture: Capture, text: str) -> dict[str, str]:
+def _given(capture: Capture, text: str, option: str = "--map") -> dict[str, str]:
     found: dict[str, str] = {}
     for part in text.split(","):
         line, equals, wanted = (piece.strip() for piece in part.partition("="))
         line = line.lower()
         if not equals or not wanted:
-            raise BadReplay(f"--map {text!r}: expected scl=CHANNEL,sda=CHANNEL or rx=CHANNEL")
+            raise BadReplay(f"{option} {text!r}: expected scl=CHANNEL,sda=CHANNEL or rx=CHANNEL")
         if line not in I2C + UART:
-            raise BadReplay(f"--map {text!r}: there is no line {line!r}; {near(line, I2C + UART)}")
+            raise BadReplay(f"{option} {text!r}: there is no line {line!r}; {near(line, I2C + UART)}")
         try:
             capture.channel(wanted)
         except LookupError:
             raise BadReplay(
-                f"--map {text!r}: {capture.path} has no single channel {wanted!r}; it has {listed(capture)}"
+                f"{option} {text!r}: {capture.path} has no single channel {wanted!r}; it has {listed(capture)}"
             ) from None
         found[line] = wanted
-    if set(found) not in (set(I2C), set(UART)):
-        raise BadReplay(f"--map {text!r}: expected scl and sda, or rx alone; found {', '.join(found)}")
+    if set(found) not in (set(I2C), set(UART), set(ALL)):
+        raise BadReplay(f"{option} {text!r}: expected scl and sda, or rx, or all three; found {', '.join(found)}")
     if len({capture.channel(channel).index for channel in found.values()}) < len(found):
-        raise BadReplay(f"--map {text!r}: one channel cannot be both lines; {capture.path} has {listed(capture)}")
+        raise BadReplay(f"{option} {text!r}: one channel cannot be both lines; {capture.path} has {listed(capture)}")
     return found
 
 

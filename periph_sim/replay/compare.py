@@ -1,6 +1,9 @@
-"""Two lists of events, the capture's and the replay's: where they part first, and how far apart in time they are.
+"""Two lists of events, the capture's and the replay's: where they part, and how far apart in time they are.
 
-An event is compared by its words ("address 50 write", "ACK"), not by its time.
+    expected, found --> compare --> Comparison: the first wrong byte, ACK, event, and the first that is off in time
+
+An event is compared by its words ("address 50 write", "ACK"), not by its time. A wrong byte or ACK does not end the
+comparison, since the events behind it still stand opposite each other; any other difference does.
 """
 
 from __future__ import annotations
@@ -12,6 +15,11 @@ from itertools import zip_longest
 
 NOTHING = "nothing more"
 
+BYTE, ACK, EVENT, TIMING = "byte", "ACK", "event", "timing"
+RANKS = (BYTE, ACK, EVENT, TIMING)  # of divergences, the worst first
+
+CONDITIONS = ("START", "repeated START", "STOP", NOTHING)
+
 
 @dataclass(frozen=True, slots=True)
 class Happened:
@@ -22,35 +30,80 @@ class Happened:
 
 
 @dataclass(frozen=True, slots=True)
+class Change:
+    """One line of the chip's history: a register field that changed, or a CPU access.
+
+    at_s: seconds since the capture began. what: "I2C-A.I2CSTR.AAS" or "W I2C-A.I2CDXR". value: the field's new
+    value, or the word that was read or written.
+    """
+
+    at_s: float
+    what: str
+    value: int
+
+
+@dataclass(frozen=True, slots=True)
 class Divergence:
-    """index: events that agreed before it. Times in seconds since the capture began; None where nothing came."""
+    """index: events before it. Times in seconds since the capture began; None where nothing came.
+
+    kind: one of RANKS. history: what the chip's registers did around it, in order.
+    """
 
     index: int
     expected: str
     found: str
     capture_s: float | None
     replay_s: float | None
+    kind: str = EVENT
+    history: tuple[Change, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """agreed: events up to the first that differs. lag: the largest difference in time of those, in seconds."""
+    """agreed: events up to the first that differs. lag: the largest difference in time of those, in seconds.
+
+    divergence: the first one but for timing. ranked: the first of each kind, in the order of RANKS.
+    """
 
     agreed: int
     divergence: Divergence | None
     lag: Fraction
+    ranked: tuple[Divergence, ...] = ()
 
 
-def compare(expected: Sequence[Happened], found: Sequence[Happened]) -> Comparison:
-    """The first difference; also where one list is longer."""
+def kind_of(words: str) -> str:
+    """BYTE, ACK or EVENT."""
+    if words in CONDITIONS or words.startswith("cut off"):
+        return EVENT
+    return ACK if words in ("ACK", "NACK") else BYTE
+
+
+def compare(expected: Sequence[Happened], found: Sequence[Happened], tolerance: Fraction | None = None) -> Comparison:
+    """Where the lists part, also where one is longer. tolerance: seconds; None: times are not judged."""
     lag = Fraction(0)
+    agreed: int | None = None
+    first: dict[str, Divergence] = {}
     for index, (was, came) in enumerate(zip_longest(expected, found, fillvalue=Happened(NOTHING, None))):
+        times = _seconds(was.at), _seconds(came.at)
         if was.words != came.words:
-            divergence = Divergence(index, was.words, came.words, _seconds(was.at), _seconds(came.at))
-            return Comparison(index, divergence, lag)
-        if was.at is not None and came.at is not None:
-            lag = max(lag, abs(came.at - was.at))
-    return Comparison(len(expected), None, lag)
+            kind = kind_of(was.words)
+            same = kind == kind_of(came.words) != EVENT
+            kind = kind if same else EVENT
+            first.setdefault(kind, Divergence(index, was.words, came.words, *times, kind))
+            agreed = index if agreed is None else agreed
+            if not same:
+                break
+        elif was.at is not None and came.at is not None:
+            off = came.at - was.at
+            if agreed is None:
+                lag = max(lag, abs(off))
+            if tolerance is not None and abs(off) > tolerance and TIMING not in first:
+                told = f"{was.words} {float(abs(off) * 1_000_000):.3f} us {'later' if off > 0 else 'earlier'}"
+                first[TIMING] = Divergence(index, was.words, told, *times, TIMING)
+    ranked = tuple(first[kind] for kind in RANKS if kind in first)
+    wrong = [divergence for divergence in ranked if divergence.kind != TIMING]
+    earliest = min(wrong, key=lambda divergence: divergence.index, default=None)
+    return Comparison(len(expected) if agreed is None else agreed, earliest, lag, ranked)
 
 
 def _seconds(at: Fraction | None) -> float | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from ..timing.budgets import Verdict
 from .compare import Divergence
 
 
@@ -11,26 +12,39 @@ from .compare import Divergence
 class Report:
     """events: of the capture, compared. agreed: up to the first that differs. bytes, nacks: on the replayed wires.
 
+    first_divergence: the earliest but for timing, without its history. divergences: the first of each kind, the worst
+    first, with what the chip did around it; a timing difference is one above the tolerance, and fails the replay where
+    a tolerance was asked for.
+
     bytes: I2C with addresses; UART what the firmware took from the SCI. lag: the largest time from an event of the
-    capture to the same in the replay; of a UART word from its start bit to the firmware's read. wall_s: the run alone.
+    capture to the same in the replay; of a UART word from its start bit to the firmware's read; lag_samples: the same
+    in sample periods of the capture. late: open loop, the longest time that the chip still held SCL when it rose.
+    wall_s: the run alone.
     """
 
     case: str
     capture: str
-    kind: str  # i2c or uart
+    kind: str  # i2c, uart or session
     verdict: str  # pass or fail
     events: int
     agreed: int
     first_divergence: Divergence | None
     bytes: int
+    loop: str = "closed"  # closed or open
+    role: str = "slave"  # I2C: what the F28335 is, slave or master
+    divergences: list[Divergence] = field(default_factory=list)
+    tolerance_us: float = 0.0
     addresses: list[str] = field(default_factory=list)  # I2C: those left to the firmware, in hexadecimal
     nacks: int = 0
     errors: dict[str, int] = field(default_factory=dict)  # receiver flags that rose, how often
     stretch_worst_us: float = 0.0
     stretch_total_us: float = 0.0
+    late_worst_us: float = 0.0
     lag_worst_us: float = 0.0
+    lag_samples: float = 0.0
     simulated_s: float = 0.0
     wall_s: float = 0.0
     kernel_events: int = 0
+    budgets: list[Verdict] = field(default_factory=list)  # of a session
     unknowns: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)

@@ -1,4 +1,4 @@
-"""A UART capture into SCI-A's RX: every edge when it came; what the firmware takes from the SCI is compared.
+"""A UART capture into SCI-A's RX, open loop: every edge when it came; what the firmware takes from the SCI is compared.
 
     capture --> edges ----------> RX --> SCI-A --SCIRXBUF--> firmware
        |                                             |
@@ -23,13 +23,16 @@ from ..core.records import Kind, Record, Recorder
 from ..core.time import Timebase
 from ..decode import uart as decode
 from ..f28335.sci_map import SCI_MAP
-from ..formats.capture import Capture
+from ..formats.capture import Capture, Channel
 from ..lines.edge_player import EdgePlayer
 from ..recording import Subscribe
 from . import BadReplay
-from .compare import NOTHING, Happened, compare
+from .compare import NOTHING, Divergence, Happened, compare
+from .history import FlagHistory
+from .picture import Side, divergence_picture, title_of
 from .report import Report
 from .scenes import alone, settings_of, unit_with
+from .witness import Place, with_history
 from .words import byte_words, uart_words
 
 LEAD = Fraction(1, 1000)  # the firmware starts this long before the capture begins
@@ -54,6 +57,9 @@ class LineFormat:
     def settings(self) -> dict[str, object]:
         return {"baud": self.baud, "bits": self.bits, "parity": self.parity, "stop": self.stop}
 
+    def line(self) -> decode.Line:
+        return decode.Line(self.baud, self.bits, self.parity, self.stop)
+
 
 def line_format(baud: int, text: str = "8n1") -> LineFormat:
     """The format that "8n1" or "7e2" says. BadReplay if it is none the SCI can do."""
@@ -63,6 +69,31 @@ def line_format(baud: int, text: str = "8n1") -> LineFormat:
     if baud < 1:
         raise BadReplay(f"{baud} baud; expected 1 or more")
     return LineFormat(baud, int(match[1]), PARITIES[match[2]], int(match[3]))
+
+
+def line_of(dsp: Dsp, now: int) -> decode.Line:
+    """The rate and format that a unit's SCI-A is set to."""
+    socket, cycle = dsp.socket("SCI-A"), dsp.clock.cycle_at(now)
+    ccr = socket.peek(cycle, SCICCR.offset)
+    brr = socket.peek(cycle, SCI_MAP["SCIHBAUD"].offset) << 8 | socket.peek(cycle, SCI_MAP["SCILBAUD"].offset)
+    lspclk = dsp.control.sysclk_hz / dsp.control.lspclk_divider
+    parity = "none"
+    if SCICCR["PARITYENA"].of(ccr):
+        parity = "even" if SCICCR["PARITY"].of(ccr) else "odd"
+    bits, stop = SCICCR["SCICHAR"].of(ccr) + 1, SCICCR["STOPBITS"].of(ccr) + 1
+    return decode.Line(lspclk / (8 * (brr + 1) if brr else 16), bits, parity, stop)
+
+
+def ticks_of(line: Channel, origin: int, per_position: Fraction) -> tuple[list[tuple[int, int]], list[str]]:
+    """A line's edges as (tick, level), and what is left out of them, a sentence each."""
+    edges = [
+        (origin + int(at * per_position), level)
+        for at, level in zip(line.edges.tolist(), line.levels.tolist(), strict=True)
+    ]
+    if line.initial:
+        return edges, []
+    # within a frame or a break that began unseen: the oracle waits for the next falling edge
+    return edges[1:], ["the capture begins with the line low; the line is kept idle until it has risen"]
 
 
 class UartReplay:
@@ -83,6 +114,8 @@ class UartReplay:
     ) -> None:
         if capture.rate is None:
             raise BadReplay(f"{capture.path}: a replay needs a time base and the file states no rate; state the rate")
+        self._given = (case, capture, channel, wanted)
+        self._lead = lead
         self._capture = capture
         self._rate = capture.rate
         self._channel = channel
@@ -100,14 +133,7 @@ class UartReplay:
         self.kernel = scene.kernel
         self._origin = scene.start + scene.timebase.ticks(lead, "nearest")
         per_position = scene.timebase.per_second / capture.rate
-        edges = [
-            (self._origin + int(at * per_position), level)
-            for at, level in zip(line.edges.tolist(), line.levels.tolist(), strict=True)
-        ]
-        self._notes: list[str] = []
-        if not line.initial:  # within a frame or a break that began unseen: the oracle waits for the next falling edge
-            edges = edges[1:]
-            self._notes.append("the capture begins with the line low; the line is kept idle until it has risen")
+        edges, self._notes = ticks_of(line, self._origin, per_position)
         self._end = self._origin + int(capture.length * per_position)
         EdgePlayer(scene.kernel, scene.wire("RX"), edges)
 
@@ -156,26 +182,18 @@ class UartReplay:
 
     def _line(self) -> decode.Line:
         """How to read the capture: as wanted, else as the SCI is set now."""
-        dsp = self.dsp
-        socket, cycle = dsp.socket("SCI-A"), dsp.clock.cycle_at(self._scene.kernel.now)
-        ccr = socket.peek(cycle, SCICCR.offset)
-        brr = socket.peek(cycle, SCI_MAP["SCIHBAUD"].offset) << 8 | socket.peek(cycle, SCI_MAP["SCILBAUD"].offset)
-        lspclk = dsp.control.sysclk_hz / dsp.control.lspclk_divider
-        self._baud = lspclk / (8 * (brr + 1) if brr else 16)
-        parity = "none"
-        if SCICCR["PARITYENA"].of(ccr):
-            parity = "even" if SCICCR["PARITY"].of(ccr) else "odd"
-        bits, stop = SCICCR["SCICHAR"].of(ccr) + 1, SCICCR["STOPBITS"].of(ccr) + 1
+        line = line_of(self.dsp, self._scene.kernel.now)
+        self._baud = Fraction(line.baud)
         if self._wanted is not None:
-            wanted = self._wanted
-            return decode.Line(wanted.baud, wanted.bits, wanted.parity, wanted.stop)
-        return decode.Line(self._baud, bits, parity, stop)
+            return self._wanted.line()
+        return line
 
     def _report(self, line: decode.Line, events: list[decode.Event], wall: float) -> Report:
         scene = self._scene
         frames = [event for event in events if isinstance(event, decode.Frame)]
         breaks = [event for event in events if isinstance(event, decode.Break)]
         result = scene.run(Fraction(0))
+        self._bit = 1 / float(line.baud)
         outcome = compare(uart_words(frames, self._rate), self.received())
         divergence = outcome.divergence
         notes = self._notes + self._rate_notes(line)
@@ -183,6 +201,7 @@ class UartReplay:
         if divergence is not None and divergence.found == NOTHING and len(frames) - outcome.agreed == left:
             notes.append(f"words still in the FIFO, which the firmware has not asked for yet: {left}")
             divergence = None
+        ranked = outcome.ranked if divergence is not None else ()
         if breaks:
             width = self._rate / Fraction(line.baud)
             longest = max(float((event.end - event.at) / width) for event in breaks)
@@ -194,10 +213,12 @@ class UartReplay:
             case=scene.case.name,
             capture=str(self._capture.path),
             kind="uart",
+            loop="open",
             verdict="fail" if divergence else "pass",
             events=len(frames),
             agreed=outcome.agreed,
             first_divergence=divergence,
+            divergences=self._with_history(ranked, line),
             bytes=len(self._words),
             errors=self.errors,
             lag_worst_us=float(outcome.lag * 1_000_000),
@@ -207,6 +228,25 @@ class UartReplay:
             unknowns=result.unknowns,
             notes=notes + result.notes,
         )
+
+    def picture(self, report: Report) -> str | None:
+        """The worst divergence of a run as SVG text; None without any. Both sides have one time: nothing waits here."""
+        if not report.divergences:
+            return None
+        divergence = report.divergences[0]
+        agreed = divergence.capture_s or 0.0
+        line = ("RX", self._capture.channel(self._channel))
+        captured = Side("capture", (line,), self._rate, 0, (), agreed)
+        side = Side("SCI-A", (), self._rate, 0, (), agreed)
+        return divergence_picture(divergence, title_of(report, divergence), captured, side, self._bit)
+
+    def _with_history(self, ranked: tuple[Divergence, ...], line: decode.Line) -> list[Divergence]:
+        scene = self._scene
+        frame = scene.timebase.ticks(12 / Fraction(line.baud), "up")
+        return with_history(ranked, Place(scene, self._origin, frame), self._unit, "SCI-A", self._again)
+
+    def _again(self, history: FlagHistory, until: int) -> None:
+        UartReplay(*self._given, subscribe=history.subscribe, lead=self._lead).kernel.run_until(until + 1)
 
     def received(self) -> list[Happened]:
         """What the firmware has read from SCIRXBUF so far."""

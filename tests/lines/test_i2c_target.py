@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
 from periph_sim.core.wire import Wire
@@ -53,3 +55,27 @@ def test_answers_go_in_order_across_transfers_and_repeated_starts():
 def test_an_address_of_nobody_is_left_alone():
     (done,) = asked({0x53: [Answer(True)]}, [Phase(0x54, read=True, count=1)])
     assert not done.acked
+
+
+@pytest.mark.parametrize(
+    ("stretches", "where"),
+    [
+        (((-1, 8, 700),), "address ACK"),
+        (((0, 0, 700),), "first bit of the data"),
+        (((0, 8, 700),), "data ACK"),
+        (((1, 3, 700),), "within a byte"),
+    ],
+)
+@pytest.mark.parametrize("read", [True, False])
+def test_it_stretches_where_its_answer_says_so(stretches: tuple, where: str, read: bool):
+    """The controller's low is 100, so of 700 ticks 600 are beyond it."""
+    phase = Phase(0x53, read, data=b"" if read else b"\x01\x02", count=2 if read else 0)
+    (done,) = asked({0x53: [Answer(True, b"\x12\x34", stretches=stretches)]}, [phase])
+    assert done.acked and done.phases[0].stretch == 600
+    assert done.phases[0].got == (b"\x12\x34" if read else b"")
+
+
+def test_a_stretch_belongs_to_one_answer():
+    answers = [Answer(True, stretches=((0, 0, 700),)), Answer(True)]
+    first, second = asked({0x53: answers}, [Phase(0x53, False, b"\x01")], [Phase(0x53, False, b"\x01")])
+    assert (first.phases[0].stretch, second.phases[0].stretch) == (600, 0)

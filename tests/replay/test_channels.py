@@ -35,8 +35,8 @@ def test_a_channel_is_named_or_counted():
         (PLAIN, "scl=7,sda=1", "'scl=7,sda=1': samples has no single channel '7'; it has 0 D0, 1 D1"),
         (PLAIN, "scl", "'scl': expected scl=CHANNEL,sda=CHANNEL or rx=CHANNEL"),
         (PLAIN, "sck=0,sda=1", "there is no line 'sck'; did you mean scl?"),
-        (PLAIN, "scl=0", "expected scl and sda, or rx alone; found scl"),
-        (PLAIN, "scl=0,sda=1,rx=1", "expected scl and sda, or rx alone; found scl, sda, rx"),
+        (PLAIN, "scl=0", "expected scl and sda, or rx, or all three; found scl"),
+        (PLAIN, "scl=0,sda=1,rx=1", "one channel cannot be both lines"),
         (PLAIN, "scl=0,sda=D0", "one channel cannot be both lines"),
     ],
 )

@@ -10,6 +10,8 @@ import pytest
 
 from periph_sim.cli import main
 from tests.formats.writers import sr_bytes
+from tests.replay.make_session import samples
+from tests.replay.slow import one_read, slow_case
 
 ROOT = Path(__file__).resolve().parents[2]
 TRACES, CASES = ROOT / "traces", ROOT / "timing"
@@ -89,7 +91,7 @@ def test_a_divergence_is_exit_status_1_and_tells_where(call, tens):
     """The firmware sets the SCI to eight data bits; seven are said of the line, so each eighth is a stop bit."""
     status, out, _ = call("replay", HOST_FRAMES, "--case", tens, "--baud", "115200", "--format", "7n1")
     assert status == 1 and "FAIL" in out and "0 of " in out
-    assert "first divergence" in out and "expected 00 FE at 0.000300 s" in out and "found 00 at" in out
+    assert "first wrong byte" in out and "expected 00 FE at 0.000300 s" in out and "found 00 at" in out
 
 
 def test_a_rate_that_is_off_is_noted(call, tens):
@@ -171,3 +173,102 @@ def test_bad_input_for_i2c_is_one_sentence_and_exit_status_2(call, arguments, sa
     status, out, err = call("replay", IMU_ROUND, "--case", RESPONDER, *arguments)
     assert status == 2 and out == ""
     assert said in err and "Traceback" not in err
+
+
+# Ways of replaying ---------------------------------------------------------------------
+
+WRONG = ("--set", "unit.dsp.settings.replies=['e4']")
+NACK, SESSION = str(TRACES / "nack.sr"), str(TRACES / "imu_session.sr")
+IMU, MASTER = str(CASES / "imu_hil.toml"), str(CASES / "captured_master.toml")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "loop", "role"),
+    [
+        (["--case", RESPONDER], "closed", "slave"),
+        (["--case", RESPONDER, "--loop", "open"], "open", "slave"),
+        (["--case", RESPONDER, "--loop", "closed", "--as", "slave"], "closed", "slave"),
+        (["--case", MASTER, "--as", "master"], "closed", "master"),
+    ],
+)
+def test_the_same_trace_in_each_way(call, arguments, loop, role):
+    status, out, _ = call("replay", IMU_ROUND, *arguments, "--json")
+    report = json.loads(out)
+    assert (status, report["loop"], report["role"], report["agreed"]) == (0, loop, role, 63)
+
+
+@pytest.mark.parametrize("loop", ["closed", "open"])
+def test_a_divergence_is_told_with_what_the_chip_did_and_drawn(call, tmp_path, loop):
+    svg = tmp_path / "wrong.svg"
+    status, out, err = call("replay", NACK, "--case", RESPONDER, *WRONG, "--loop", loop, "--svg", str(svg))
+    assert (status, err) == (1, "") and "first wrong byte" in out and "expected data read E5 at 0.001015 s" in out
+    history = out.partition("the chip around the first wrong byte")[2]
+    assert "W I2C-A.I2CDXR" in history and "00E4" in history and "I2C-A.I2CSTR.AAS" in history
+    assert history.count("R I2C-A.I2CSTR       5600") <= 2, "polls that give the same are shown once"
+    assert svg.read_text().startswith("<?xml") and "data read E4" in svg.read_text()
+    report = json.loads(call("replay", NACK, "--case", RESPONDER, *WRONG, "--loop", loop, "--json")[1])
+    (divergence,) = report["divergences"]
+    assert divergence["kind"] == "byte" and {"at_s", "what", "value"} == set(divergence["history"][0])
+
+
+def test_a_picture_of_nothing_is_not_written(call, tmp_path):
+    svg = tmp_path / "none.svg"
+    status, _, err = call("replay", NACK, "--case", RESPONDER, "--svg", str(svg))
+    assert status == 0 and not svg.exists() and "not written, since there is no divergence to draw" in err
+    status, _, err = call("replay", NACK, "--case", RESPONDER, *WRONG, "--svg", str(tmp_path / "no" / "where.svg"))
+    assert status == 2 and "where.svg" in err and "expected a place that can be written to" in err
+
+
+def test_a_tolerance_makes_a_difference_in_time_a_failure(call, tmp_path):
+    case = str(slow_case(tmp_path))
+    trace = tmp_path / "read.sr"
+    trace.write_bytes(sr_bytes(["SCL", "SDA"], "4 MHz", samples(one_read())))
+    slow = ("replay", str(trace), "--case", case, "--set", "unit.dsp.settings.wait=100")
+    status, out, _ = call(*slow)
+    assert status == 0 and "first difference in time" in out and "341.3 sample periods" in out
+    assert call(*slow, "--tolerance", "80 us")[0] == 1 and call(*slow, "--tolerance", "90 us")[0] == 0
+
+
+def test_a_session_of_one_file_and_of_two(call, tmp_path):
+    low = ("--longest-low", "5 us", "--baud", "115200")
+    status, out, _ = call("replay", SESSION, "--case", IMU, *low)
+    assert status == 0 and "189 of 189" in out and "data age" in out and "22.153 ms" in out
+    assert "note: budget 'round complete' is not judged" in out
+    one = json.loads(call("replay", SESSION, "--case", IMU, *low, "--json")[1])
+    lines = ("--map", "scl=SCL,sda=SDA", "--uart", f"{SESSION},rx=RX", "--json")
+    two = json.loads(call("replay", SESSION, "--case", IMU, *low, *lines)[1])
+    assert two["budgets"] == one["budgets"] and two["kind"] == one["kind"] == "session"
+    early = json.loads(call("replay", SESSION, "--case", IMU, *low, *lines, "--offset", "-1 ms")[1])
+    ages = [next(v["worst"] for v in found["budgets"] if v["measure"] == "age") for found in (two, early)]
+    assert ages[1] - ages[0] == pytest.approx(1000, abs=2)
+
+
+def test_without_sci_in_the_case_a_session_is_its_i2c_capture(call):
+    report = json.loads(call("replay", SESSION, "--case", RESPONDER, "--json")[1])
+    assert report["kind"] == "i2c"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ([IMU_ROUND, "--loop", "half"], "'half' is not one of"),
+        ([IMU_ROUND, "--tolerance", "3"], "--tolerance: '3' has no unit"),
+        ([IMU_ROUND, "--loop", "open", "--longest-low", "2 us"], "--longest-low is for --loop closed"),
+        ([IMU_ROUND, "--as", "master", "--loop", "open"], "--loop open is for a slave; as master the firmware"),
+        ([IMU_ROUND, "--as", "master", "--address", "0x53"], "--address is for a slave"),
+        ([IMU_ROUND, "--offset", "1 ms"], "--offset needs --uart"),
+        ([IMU_ROUND, "--uart", HOST_FRAMES, "--offset", "1"], "--offset: '1' has no unit"),
+        ([IMU_ROUND, "--uart", f"{HOST_FRAMES},rx=7"], "has no single channel '7'"),
+        ([IMU_ROUND, "--uart", IMU_ROUND], "which channel is RX? say --uart FILE,rx=CHANNEL"),
+        ([IMU_ROUND, "--uart", f"{HOST_FRAMES},rate=quick"], "'quick' is no sample rate"),
+        ([IMU_ROUND, "--uart", HOST_FRAMES, "--loop", "open"], "are for --loop closed --as slave"),
+        ([IMU_ROUND, "--uart", HOST_FRAMES, "--case", RESPONDER], "no unit has SCI-A"),
+        ([HOST_FRAMES, "--uart", HOST_FRAMES], "--uart goes with an I2C capture"),
+        ([HOST_FRAMES, "--loop", "open"], "--loop is for I2C captures"),
+        ([HOST_FRAMES, "--tolerance", "1 us"], "--tolerance is for I2C captures"),
+        ([IMU_ROUND, "--format", "8n1"], "--format is for UART captures"),
+    ],
+)
+def test_ways_that_do_not_go_together_are_one_sentence_and_exit_status_2(call, arguments, said):
+    status, out, err = call("replay", "--case", IMU, *arguments)
+    assert status == 2 and out == "" and said in err and "Traceback" not in err

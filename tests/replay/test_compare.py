@@ -1,14 +1,17 @@
-"""The first difference of two event lists."""
+"""Two event lists drawn as words: the first difference of each kind, and what it does to those behind it."""
 
 from __future__ import annotations
 
 from fractions import Fraction
 
+import pytest
+
 from periph_sim.replay.compare import Comparison, Divergence, Happened, compare
 
 
 def happened(text: str, late: int = 0) -> list[Happened]:
-    return [Happened(word, Fraction(place + late, 2)) for place, word in enumerate(text.split())]
+    """Words at 0, 1/2, 1 ... seconds; `_` in a word is a blank."""
+    return [Happened(word.replace("_", " "), Fraction(place + late, 2)) for place, word in enumerate(text.split())]
 
 
 def test_equal_words_agree_whatever_their_times():
@@ -19,8 +22,9 @@ def test_equal_words_agree_whatever_their_times():
 
 
 def test_the_first_difference_is_told_with_both_times():
+    first = Divergence(1, "ACK", "NACK", 0.5, 1.0, "ACK")
     outcome = compare(happened("START ACK STOP"), happened("START NACK STOP", late=1))
-    assert outcome == Comparison(1, Divergence(1, "ACK", "NACK", 0.5, 1.0), Fraction(1, 2))
+    assert outcome == Comparison(1, first, Fraction(1, 2), (first,))
 
 
 def test_a_list_that_ends_early_is_a_difference():
@@ -30,3 +34,32 @@ def test_a_list_that_ends_early_is_a_difference():
     assert compare(happened("START"), happened("START ACK")).divergence == Divergence(
         1, "nothing more", "ACK", None, 0.5
     )
+
+
+@pytest.mark.parametrize(
+    ("expected", "found", "ranked"),
+    [
+        # a wrong ACK and a wrong byte stand opposite the right ones, and the byte ranks first
+        ("START data_1 ACK data_2 ACK", "START data_1 NACK data_3 NACK", "byte:3 ACK:2"),
+        ("START data_1 ACK data_2 ACK", "START data_9 ACK data_9 ACK", "byte:1"),
+        # a STOP that should not be there ends the comparison
+        ("START data_1 ACK data_2 ACK", "START data_1 STOP START data_3", "event:2"),
+        ("START data_1 ACK data_2 ACK", "START data_9 STOP START data_3", "byte:1 event:2"),
+        ("START ACK", "START cut_off_after_01", "event:1"),
+    ],
+)
+def test_the_first_of_each_kind_is_ranked_the_worst_first(expected: str, found: str, ranked: str):
+    outcome = compare(happened(expected), happened(found))
+    assert " ".join(f"{part.kind}:{part.index}" for part in outcome.ranked) == ranked
+    assert outcome.divergence is not None
+    assert outcome.agreed == outcome.divergence.index == min(part.index for part in outcome.ranked)
+
+
+def test_a_time_above_the_tolerance_is_ranked_last_and_is_no_first_divergence():
+    expected, found = happened("START data_1 ACK"), happened("START data_2 ACK")
+    found[2] = Happened("ACK", Fraction(11, 10))
+    assert [part.kind for part in compare(expected, found, Fraction(1, 10)).ranked] == ["byte"]
+    byte, timing = compare(expected, found, Fraction(1, 11)).ranked
+    assert (byte.kind, byte.index) == ("byte", 1)
+    assert timing == Divergence(2, "ACK", "ACK 100000.000 us later", 1.0, 1.1, "timing")
+    assert compare(expected, expected[:2] + found[2:], Fraction(1, 11)).divergence is None

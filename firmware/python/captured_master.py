@@ -1,0 +1,164 @@
+"""A master that executes a list of transfers, such as those of a captured controller, with TI's registers.
+
+    "50 W 00 Sr 50 R 6"  -->  START, address, bytes, repeated START, address, bytes, STOP  -->  the bus
+
+Each transfer is a text as the I2C specification draws it: a 7-bit address in hexadecimal, W with the bytes to write or
+R with how many to read, Sr between the parts; START and STOP are understood. `R 6 ACK` acknowledges also the last byte.
+A transfer begins `pauses[n]` after the STOP before it. What the targets refuse is ended with STP, as the application
+notes do it, or goes on with the next part.
+
+Non-repeat mode (RM = 0) counts the bytes with I2CCNT; an address without data needs RM = 1, since I2CCNT = 0
+means 65536.
+
+Source: SPRUG03B Tables 5 and 6 (RM, STT, STP, NACKMOD), section 2.5.4; TI's i2c_eeprom example for the settings.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Annotated
+
+from pydantic import AfterValidator
+
+from firmware.python.startup import start_i2c
+from periph_sim.board.dsp import Dsp
+from periph_sim.case.settings import Duration
+
+FREE, STT, STP, MST, TRX, RM, IRS = 0x4000, 0x2000, 0x0800, 0x0400, 0x0200, 0x0080, 0x0020  # I2CMDR
+FLAGS = 0x0026  # of I2CSTR, cleared by writing ones: SCD, ARDY, NACK
+
+
+@dataclass(frozen=True)
+class Part:
+    """From a START to the next, or to the STOP. count: bytes to read; None for a write."""
+
+    address: int
+    data: bytes = b""
+    count: int | None = None
+    ack_last: bool = False
+
+
+def parts(transfer: str) -> list[Part]:
+    """The parts of a transfer. ValueError says what is wrong with it."""
+    return [_part(text) for text in transfer.split(" Sr ")]
+
+
+def _part(text: str) -> Part:
+    try:
+        address, direction, *rest = text.split()
+        if direction == "W":
+            return Part(int(address, 16), bytes(int(byte, 16) for byte in rest))
+        if direction == "R" and rest[1:] in ([], ["ACK"]):
+            return Part(int(address, 16), count=int(rest[0]), ack_last=bool(rest[1:]))
+    except (ValueError, IndexError):
+        pass
+    raise ValueError(f"{text!r} is no part of a transfer; expected for instance '50 W 00 1f' or '50 R 6'")
+
+
+def _readable(transfer: str) -> str:
+    parts(transfer)
+    return transfer
+
+
+@dataclass
+class Settings:
+    """What a case may change."""
+
+    script: tuple[Annotated[str, AfterValidator(_readable)], ...] = ("50 W 00 Sr 50 R 6",)
+    pauses: tuple[Duration, ...] = ()
+    low: int = 45  # I2CCLKL: with 10 MHz and d = 5 the bus runs at 100 kHz
+    high: int = 45
+
+
+class Master:
+    """got: the bytes of each read, in order."""
+
+    def __init__(self, dsp: Dsp, settings: Settings) -> None:
+        self.dsp = dsp
+        self.settings = settings
+        self.i2c = dsp.module("I2C-A")
+        self.got: list[bytearray] = []
+
+    def transfer(self, of: list[Part]) -> None:
+        i2c, dsp = self.i2c, self.dsp
+        dsp.spin(lambda: i2c.I2CMDR.STP == 0)
+        dsp.spin(lambda: i2c.I2CSTR.BB == 0)
+        for number, part in enumerate(of):
+            i2c.I2CSTR.all = FLAGS
+            i2c.I2CSAR.all = part.address
+            last = number + 1 == len(of)
+            if part.count:
+                self.read(part, part.count, last)
+            elif part.data:
+                self.write(part, last)
+            else:
+                self.call(part, last)
+        dsp.spin(lambda: i2c.I2CSTR.SCD == 1)
+        i2c.I2CSTR.all = FLAGS
+
+    def write(self, part: Part, last: bool) -> None:
+        i2c, dsp = self.i2c, self.dsp
+        i2c.I2CCNT.all = len(part.data)
+        i2c.I2CMDR.all = FREE | STT | MST | TRX | IRS | (STP if last else 0)
+        for byte in part.data:
+            if dsp.spin_either(lambda: i2c.I2CSTR.XRDY == 1, lambda: i2c.I2CSTR.NACK == 1):
+                break
+            i2c.I2CDXR.all = byte
+        self.end(last)
+
+    def read(self, part: Part, count: int, last: bool) -> None:
+        i2c, dsp = self.i2c, self.dsp
+        by_command = last and part.ack_last  # the STOP is asked for when the bytes are there, so that none is refused
+        i2c.I2CCNT.all = count
+        i2c.I2CMDR.all = FREE | STT | MST | IRS | (STP if last and not by_command else 0)
+        got = bytearray()
+        self.got.append(got)
+        for left in range(count, 0, -1):
+            if left == 1 and not last and not part.ack_last:
+                i2c.I2CMDR.NACKMOD = 1
+            if dsp.spin_either(lambda: i2c.I2CSTR.RRDY == 1, lambda: i2c.I2CSTR.NACK == 1):
+                break
+            got.append(i2c.I2CDRR.all)
+        if by_command and i2c.I2CSTR.NACK == 0:
+            dsp.spin(lambda: i2c.I2CSTR.ARDY == 1)
+            i2c.I2CMDR.STP = 1
+        else:
+            self.end(last)
+
+    def call(self, part: Part, last: bool) -> None:
+        """An address without data."""
+        i2c, dsp = self.i2c, self.dsp
+        direction = TRX if part.count is None else 0
+        i2c.I2CMDR.all = FREE | STT | MST | direction | RM | IRS
+        dsp.spin(lambda: i2c.I2CMDR.STT == 0)
+        if last:
+            i2c.I2CMDR.STP = 1
+        self.end(last)
+
+    def end(self, last: bool) -> None:
+        """Wait until the part is over: the STOP is out, or the module waits for the next START."""
+        i2c, dsp = self.i2c, self.dsp
+        if last:
+            if dsp.spin_either(lambda: i2c.I2CSTR.SCD == 1, lambda: i2c.I2CSTR.NACK == 1):
+                i2c.I2CMDR.STP = 1
+        else:
+            dsp.spin(lambda: i2c.I2CSTR.ARDY == 1 or i2c.I2CSTR.NACK == 1)
+
+    def run(self) -> None:
+        settings, i2c = self.settings, self.i2c
+        script = [parts(transfer) for transfer in settings.script]
+        start_i2c(self.dsp)
+        i2c.I2CCLKL.all = settings.low
+        i2c.I2CCLKH.all = settings.high
+        i2c.I2CMDR.all = IRS
+        for number, transfer in enumerate(script):
+            pause = settings.pauses[number] if number < len(settings.pauses) else Fraction(0)
+            if pause:
+                self.dsp.compute(pause)
+            with self.dsp.span("transfer"):
+                self.transfer(transfer)
+
+
+def main(dsp: Dsp, settings: Settings) -> None:
+    Master(dsp, settings).run()

@@ -1,0 +1,96 @@
+"""What a firmware must be set to so that it does as the captured controller did: transfers go in, a script comes out.
+
+    transfers --> "50 W 00 Sr 50 R 6", the pause before it, the targets' answers with their stretches
+              --> or why the F28335 cannot do that as master
+
+The lines do not show who held SCL low: a low phase much longer than the usual one counts as the target's, where a
+target may stretch, that is from the address's ACK on.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+
+from ..decode.i2c import Byte, Phase, Transfer
+from ..lines.i2c_target import Answer
+from .i2c_script import turns
+from .i2c_setup import Played
+
+LONG = Fraction(3, 2)  # times the usual low phase: a stretch
+
+CUT = "the capture cuts it off"
+EMPTY = "START without an address byte"
+NO_DATA = "a read of no byte, whose address was acknowledged"
+AGAINST = "the controller went on behind a NACK"
+
+
+@dataclass
+class AsMaster:
+    """script, pauses: a transfer each, pauses in positions. left_out: reason -> how many transfers cannot be done."""
+
+    script: list[str] = field(default_factory=list)
+    pauses: list[Fraction] = field(default_factory=list)
+    done: list[Transfer] = field(default_factory=list)
+    answers: dict[int, list[Answer]] = field(default_factory=lambda: defaultdict(list))
+    left_out: dict[str, int] = field(default_factory=dict)
+
+
+def as_master(part: Played, ticks_per_position: Fraction) -> AsMaster:
+    """The script, and what the targets answer to it."""
+    found = AsMaster()
+    usual = part.low
+    over: int | None = None
+    for transfer in part.transfers:
+        why = obstacle(transfer)
+        if why:
+            found.left_out[why] = found.left_out.get(why, 0) + 1
+            continue
+        begin = transfer.phases[0].start.at
+        found.pauses.append(Fraction(begin if over is None else begin - over))
+        over = None if transfer.stop is None else transfer.stop.at
+        found.script.append(" Sr ".join(_text(phase) for phase in transfer.phases))
+        found.done.append(transfer)
+        for phase, turn in zip(transfer.phases, turns([transfer]), strict=True):
+            stretches = _stretches(phase, usual, ticks_per_position)
+            found.answers[turn.address].append(replace(turn.answer, stretches=stretches))
+    return found
+
+
+def obstacle(transfer: Transfer) -> str:
+    """Why the F28335 as master cannot do a transfer; empty if it can."""
+    if transfer.stop is None:
+        return CUT
+    for phase in transfer.phases:
+        if not phase.bytes:
+            return EMPTY
+        if any(byte.acked is None for byte in phase.bytes):
+            return CUT
+        refused = [not byte.acked for byte in phase.bytes[:-1]]
+        if any(refused):
+            return AGAINST
+        if phase.read and len(phase.bytes) == 1 and phase.bytes[0].acked:
+            return NO_DATA
+    return ""
+
+
+def _text(phase: Phase) -> str:
+    assert phase.address is not None
+    data = phase.data
+    if phase.read:
+        return f"{phase.address:02X} R {len(data)}" + (" ACK" if data and phase.bytes[-1].acked else "")
+    return " ".join([f"{phase.address:02X} W", *(f"{byte:02X}" for byte in data)])
+
+
+def _stretches(phase: Phase, usual: Fraction, ticks_per_position: Fraction) -> tuple[tuple[int, int, int], ...]:
+    found = []
+    for number, byte in enumerate(phase.bytes, -1):
+        for place, low in _lows(byte):
+            if (number >= 0 or place == 8) and low > usual * LONG and low - usual > 2:
+                found.append((number, place, int(low * ticks_per_position)))
+    return tuple(found)
+
+
+def _lows(byte: Byte) -> list[tuple[int, int]]:
+    return [(place, bit.low) for place, bit in enumerate(byte.bits) if bit.low is not None]

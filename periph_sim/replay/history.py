@@ -1,0 +1,60 @@
+"""What the chip's flags did around an instant: instants go in, the changes and accesses near each come out.
+
+    Recorder --FLAG, ACCESS--> one ring a register or access --at each instant--> changes, oldest first
+
+A replay that has parted from its capture is run again with this listening: a run is the same each time, and the
+first run, in which nothing is known yet, records nothing. The rings are bounded, so memory does not grow with it.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict, deque
+from collections.abc import Sequence
+
+from ..core.records import Kind, Record, Recorder
+from ..core.time import Timebase
+
+KEEP = 24  # changes of each field, and accesses of each kind to each register
+
+REGISTERS = {"I2C-A": ("I2CSTR.", "I2CMDR."), "SCI-A": ("SCIRXST.", "SCIFFRX.", "SCICTL1.")}
+
+
+class FlagHistory:
+    """moments: (tick, last tick to be shown) of each, by time. module: whose registers."""
+
+    def __init__(self, moments: Sequence[tuple[int, int]], unit: str, module: str, keep: int = KEEP) -> None:
+        self._moments = deque(sorted(moments, key=lambda moment: moment[1]))
+        self._unit = unit
+        self._where = f"{unit}.{module}"
+        self._registers = REGISTERS[module]
+        self._accesses = (f"R {module}.", f"W {module}.")
+        self._rings: dict[str, deque[Record]] = defaultdict(lambda: deque(maxlen=keep))
+        self._frozen: dict[tuple[int, int], list[Record]] = {}
+
+    def subscribe(self, recorder: Recorder, timebase: Timebase) -> None:
+        recorder.subscribe([Kind.FLAG, Kind.ACCESS], self._record)
+
+    def _record(self, record: Record) -> None:
+        while self._moments and record.tick > self._moments[0][1]:
+            self._freeze(self._moments.popleft())
+        if not self._moments:
+            return
+        if record.kind is Kind.FLAG:
+            wanted = record.where == self._where and record.what.startswith(self._registers)
+        else:
+            wanted = record.where == self._unit and record.what.startswith(self._accesses)
+        if wanted:
+            self._rings[record.what].append(record)
+
+    def _freeze(self, moment: tuple[int, int]) -> None:
+        self._frozen[moment] = sorted((record for ring in self._rings.values() for record in ring), key=_number)
+
+    def of(self, moment: tuple[int, int]) -> list[Record]:
+        """The records near one of the moments, in order; after the run."""
+        while self._moments:
+            self._freeze(self._moments.popleft())
+        return self._frozen[moment]
+
+
+def _number(record: Record) -> int:
+    return record.number

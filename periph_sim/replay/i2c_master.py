@@ -1,0 +1,163 @@
+"""The F28335 as master against captured targets: what they answered is played, the firmware asks for itself.
+
+    capture --> controller's script --> firmware's settings --> unit --> SCL, SDA <-- I2cTarget <-- captured answers
+       \\--> events expected  <-------------- compare -------------->  events decoded from the wires
+
+A firmware with settings called `script`, `pauses`, `low` and `high` is set to do as the captured controller did; one
+without does what it does, for as long as the capture lasts. Events are compared in order; times only if a tolerance
+is given, since a driver of its own has pauses of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from time import perf_counter
+
+from ..board.scene import Scene
+from ..case.model import Case
+from ..core.chip import NEVER
+from ..core.time import Timebase
+from ..decode import i2c as decode
+from ..formats.capture import Capture
+from ..lines.i2c_target import I2cTarget
+from ..recording import Subscribe
+from . import BadReplay
+from .as_master import as_master
+from .compare import compare
+from .history import FlagHistory
+from .i2c_setup import HOLD, LEAD, PATIENCE, TAIL, played
+from .picture import closed_loop_picture
+from .report import Report
+from .scenes import alone, settings_of, unit_with
+from .wire_log import WireLog
+from .witness import Place, with_history
+from .words import i2c_words
+
+MODULE_HZ = 10_000_000  # that TI's start-up code sets; I2CCLKL and I2CCLKH count it
+D = 5  # cycles that the module adds to each (SPRUG03B Table 15)
+MOST = 0xFFFF
+
+
+class I2cMasterReplay:
+    """One capture on one case. first: only so many transfers. tolerance: seconds that an event may be off.
+
+    BadCase or BadReplay if it cannot be built; LookupError if there is no such channel.
+    """
+
+    def __init__(
+        self,
+        case: Case,
+        capture: Capture,
+        scl: str | int,
+        sda: str | int,
+        first: int | None = None,
+        subscribe: Subscribe | None = None,
+        tolerance: Fraction | None = None,
+    ) -> None:
+        self._given = (case, capture, scl, sda, first)
+        self._tolerance = tolerance
+        self._part = part = played(capture, scl, sda, first)
+        self._unit = unit = unit_with(case, "I2C-A")
+        timebase = Timebase(*(int(one.oscclk * one.pll / 2) for one in case.unit.values()))
+        self._per_position = timebase.per_second / part.rate
+        self._half = half = as_master(part, self._per_position)
+        if not half.script:
+            raise BadReplay(f"{capture.path}: no transfer that a master of this module can do: {self._why()}")
+        self._scripted = "script" in settings_of(case, unit)
+        offered: dict[str, object] = {
+            "script": half.script,
+            "pauses": [pause / part.rate for pause in half.pauses],
+            "low": _cycles(part.low / part.rate),
+            "high": _cycles(part.high / part.rate),
+        }
+        self._scene = scene = Scene(alone(case, unit, "controller", {}, offered), subscribe)
+        self.kernel = scene.kernel
+        self.origin = scene.start + (0 if self._scripted else scene.timebase.ticks(LEAD, "nearest"))
+        self.log = WireLog(scene.wire("SCL"), scene.wire("SDA"))
+        I2cTarget(scene.kernel, scene.wire("SCL"), scene.wire("SDA"), half.answers, scene.timebase.ticks(HOLD))
+        self._notes = list(part.notes)
+        if half.left_out:
+            self._notes.append(f"transfers that a master of this module cannot do, left out: {self._why()}")
+
+    def _why(self) -> str:
+        return "; ".join(f"{times} ({why})" for why, times in self._half.left_out.items())
+
+    # Running ------------------------------------------------------------------------
+
+    def run(self, progress: Callable[[float], None] | None = None) -> Report:
+        """Run until the script is done, or nothing can happen any more, and compare."""
+        wall = perf_counter()
+        stuck = self._drive(progress)
+        return self._report(perf_counter() - wall, [stuck] if stuck else [])
+
+    def _drive(self, progress: Callable[[float], None] | None = None, until: int | None = None) -> str:
+        kernel, scene = self.kernel, self._scene
+        step = scene.timebase.ticks(PATIENCE, "nearest")
+        length = int(self._part.capture.length * self._per_position)
+        cpu = scene.units[self._unit].cpu
+        while until is None or kernel.now <= until:
+            due = kernel.next_time()
+            if due >= NEVER or cpu.finished or (not self._scripted and kernel.now > self.origin + length):
+                break
+            kernel.run_until(max(kernel.now, due) + step)
+            if progress is not None:
+                progress(min(1.0, (kernel.now - self.origin) / length))
+        if cpu.finished or not self._scripted:
+            kernel.run_until(kernel.now + scene.timebase.ticks(TAIL, "nearest"))
+            return ""
+        return f"{self._unit} {scene.doing(scene.units[self._unit])}: the replay ends there" if until is None else ""
+
+    def _again(self, history: FlagHistory, until: int) -> None:
+        I2cMasterReplay(*self._given, subscribe=history.subscribe)._drive(until=until)
+
+    # Summing up ---------------------------------------------------------------------
+
+    def _report(self, wall: float, stuck: list[str]) -> Report:
+        scene, kernel, part = self._scene, self.kernel, self._part
+        result = scene.run(Fraction(0))
+        replayed = self.log.capture(scene.timebase, kernel.now)
+        events = decode.events(replayed, "SCL", "SDA")
+        expected = [event for transfer in self._half.done for event in decode.events_of(transfer)]
+        if not self._scripted:
+            events = events[: len(expected)]  # it goes on with its next round
+        self._replayed = replayed
+        was = i2c_words(expected, part.rate)
+        came = i2c_words(events, Fraction(scene.timebase.per_second), self.origin)
+        self._compared = was, came
+        outcome = compare(was, came, self._tolerance)
+        byte = int(9 * (part.low + part.high) * self._per_position)
+        place = Place(scene, self.origin, byte)
+        return Report(
+            case=scene.case.name,
+            capture=str(part.capture.path),
+            kind="i2c",
+            role="master",
+            verdict="fail" if outcome.ranked or stuck else "pass",
+            events=len(expected),
+            agreed=outcome.agreed,
+            first_divergence=outcome.divergence,
+            divergences=with_history(outcome.ranked, place, self._unit, "I2C-A", self._again),
+            tolerance_us=float((self._tolerance or Fraction(0)) * 1_000_000),
+            bytes=sum(isinstance(event, decode.Address | decode.Data) for event in events),
+            addresses=[f"{address:02X}" for address in sorted(self._half.answers)],
+            nacks=sum(isinstance(event, decode.Nack) for event in events),
+            lag_worst_us=float(outcome.lag * 1_000_000),
+            lag_samples=float(outcome.lag * part.rate),
+            simulated_s=float(scene.timebase.seconds(kernel.now - scene.start)),
+            wall_s=round(wall, 6),
+            kernel_events=kernel.events,
+            unknowns=result.unknowns,
+            notes=stuck + self._notes + result.notes,
+        )
+
+    def picture(self, report: Report) -> str | None:
+        """The worst divergence of a run as SVG text; None without any."""
+        return closed_loop_picture(
+            report, self._part.capture, self._given[2:4], self._part, self._replayed, self.origin, self._compared
+        )
+
+
+def _cycles(length: Fraction) -> int:
+    """I2CCLKL or I2CCLKH for a low or high time in seconds."""
+    return min(MOST, max(1, round(length * MODULE_HZ) - D))

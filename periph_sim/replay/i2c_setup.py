@@ -1,0 +1,167 @@
+"""What every I2C replay begins with: a case and a capture go in; transfers, turns, addresses and settings come out.
+
+capture --decode--> transfers --> turns --> who answers what --> settings of the firmware that answers
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from statistics import median
+
+from ..case.model import Case
+from ..decode import i2c as decode
+from ..formats.capture import Capture
+from ..lines.i2c_target import Answer
+from . import BadReplay
+from .as_target import AsTarget, as_target
+from .i2c_script import Turn, most_frequent, turns
+from .scenes import settings_of, unit_with
+
+LEAD = Fraction(1, 1000)  # the firmware starts this long before the capture begins
+TAIL = Fraction(1, 10_000)  # the wires are watched this long after the last move
+PATIENCE = Fraction(25, 1000)  # SCL held low longer than this ends the replay: SMBus's limit
+HOLD = Fraction(300, 10**9)  # of the other targets: UM10204 Table 11, data hold time of a device
+
+
+@dataclass
+class Played:
+    """The part of a capture that a replay plays. notes: what of it is not played, a sentence each."""
+
+    capture: Capture
+    rate: Fraction
+    transfers: list[decode.Transfer]
+    turns: list[Turn]
+    notes: list[str] = field(default_factory=list)
+
+    @property
+    def expected(self) -> list[decode.Event]:
+        return [event for transfer in self.transfers for event in decode.events_of(transfer)]
+
+    @property
+    def low(self) -> Fraction:
+        """How long SCL is low before a bit, as a rule; positions. 0 where no bit shows."""
+        lows = [bit.low for bit in self.bits() if bit.low is not None]
+        return Fraction(median(lows)) if lows else Fraction(0)
+
+    @property
+    def high(self) -> Fraction:
+        """How long SCL is high, as a rule; positions."""
+        highs = [bit.high for bit in self.bits() if bit.high is not None]
+        return Fraction(median(highs)) if highs else Fraction(0)
+
+    @property
+    def bit(self) -> float:
+        """Length of a bit, as a rule; seconds."""
+        return float((self.low + self.high) / self.rate)
+
+    def bits(self) -> list[decode.Bit]:
+        return [
+            bit for transfer in self.transfers for phase in transfer.phases for byte in phase.bytes for bit in byte.bits
+        ]
+
+    def answers_of_others(self, own: Sequence[int]) -> dict[int, list[Answer]]:
+        """What the targets that are not the firmware's answered, by address."""
+        answers: dict[int, list[Answer]] = defaultdict(list)
+        for turn in self.turns:
+            if turn.address not in own:
+                answers[turn.address].append(turn.answer)
+        return answers
+
+
+def played(capture: Capture, scl: str | int, sda: str | int, first: int | None = None) -> Played:
+    """BadReplay if nothing can be played; LookupError if there is no such channel. first: only so many transfers."""
+    if capture.rate is None:
+        raise BadReplay(f"{capture.path}: a replay needs a time base and the file states no rate; state the rate")
+    found = decode.transfers(capture, scl, sda)
+    wanted = [transfer for transfer in found if transfer.phases][:first]
+    if not wanted:
+        raise BadReplay(
+            f"{capture.path}: no I2C transfer on {scl!r} and {sda!r}; the lines may be mapped the wrong way round"
+        )
+    notes = _before(found) + _shared(capture, scl, sda)
+    return Played(capture, capture.rate, wanted, list(turns(wanted)), notes)
+
+
+@dataclass
+class Answering:
+    """The unit that stands in for a captured target. own: its addresses. forced, offered: as `alone` takes them."""
+
+    unit: str
+    own: list[int]
+    forced: dict[str, object] = field(default_factory=dict)
+    offered: dict[str, object] = field(default_factory=dict)
+
+
+def answering(case: Case, part: Played, given: Sequence[int], lead: Fraction = LEAD) -> Answering:
+    """Whose addresses are the firmware's, and what it must be set to; adds to the notes what it cannot be set to.
+
+    By default the firmware answers the address that the case sets, else the one the capture asks most often; a
+    firmware without a setting `address` answers all.
+    """
+    unit = unit_with(case, "I2C-A")
+    found = Answering(unit, _addresses(case, unit, part, given))
+    if len(found.own) == 1 and "address" in settings_of(case, unit):
+        found.offered = _settings(part, found.own[0], lead)
+        found.forced = {"address": found.own[0]}
+    return found
+
+
+def _addresses(case: Case, unit: str, part: Played, given: Sequence[int]) -> list[int]:
+    if len(given) > 1 and "address" in settings_of(case, unit):
+        raise BadReplay(f"firmware {case.unit[unit].firmware} answers one address; {len(given)} are given")
+    if given:
+        return list(given)
+    if "address" not in settings_of(case, unit):
+        return sorted({turn.address for turn in part.turns})
+    if "address" in case.unit[unit].settings:
+        own = case.unit[unit].settings["address"]
+        return [own] if isinstance(own, int) else []
+    address = most_frequent(part.turns)
+    if address is None:
+        raise BadReplay(f"{part.capture.path}: no whole address byte; the lines may be mapped the wrong way round")
+    return [address]
+
+
+def _settings(part: Played, address: int, lead: Fraction) -> dict[str, object]:
+    last = part.transfers[-1]
+    end = max(last.phases[-1].start.at, 0 if last.stop is None else last.stop.at)
+    target = as_target(address, part.turns, end + int(part.rate))
+    part.notes += _refusals(target)
+    answered = [turn.answer.ack for turn in part.turns if turn.address == address]
+    if not answered:
+        part.notes.append(f"the capture does not ask {address:02X}")
+    elif not any(answered):
+        part.notes.append(f"nobody acknowledges {address:02X} in the capture: the firmware stays out of reach")
+    asleep = Fraction(0) if target.asleep is None else target.asleep / part.rate + lead
+    return {
+        "address": address,
+        "replies": target.replies,
+        "asleep": asleep,
+        "busy": [pause / part.rate for pause in target.busy],
+    }
+
+
+def _before(found: list[decode.Transfer]) -> list[str]:
+    pulses = sum(len(transfer.lead) for transfer in found if not transfer.phases)
+    if not pulses:
+        return []
+    return [f"clock pulses before the capture's first START, of a transfer unknown and not played: {pulses}"]
+
+
+def _shared(capture: Capture, scl: str | int, sda: str | int) -> list[str]:
+    count = decode.shared_edges(capture, scl, sda)
+    if not count:
+        return []
+    return [f"samples with an edge of both lines, where SDA is put half a sample off SCL's edge: {count}"]
+
+
+def _refusals(target: AsTarget) -> list[str]:
+    if not target.refused:
+        return []
+    return [
+        f"refusals of {target.address:02X} that follow neither a write that a STOP ended nor the start, "
+        f"so that the firmware is not told of them: {target.refused}"
+    ]

@@ -1,0 +1,209 @@
+"""A divergence as a timing diagram: both sides of a replay and a divergence go in; SVG text comes out.
+
+    capture  SCL, SDA, bytes  --\\
+    replay   SCL, SDA, bytes  ----> lanes, aligned at the last agreed event --> drawing.timing
+    history  flags, accesses  --/
+
+Time 0 of the axis is the last event in which both sides agree.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+
+from ..decode import i2c
+from ..drawing.timing import BLACK, BLUE, GREY, ORANGE, Box, Lane, Mark, Tick, timing_diagram
+from ..formats.capture import Capture, Channel
+from .compare import Change, Divergence, Happened
+from .i2c_setup import Played
+from .report import Report
+
+BEFORE, AFTER = 22, 13  # bits shown around the divergence
+ALWAYS = ("AAS", "SDIR", "RRDY", "XRDY", "XSMT", "SCD", "NACK", "BB", "RXFFST", "RXRDY")  # flag lanes, in this order
+MOST_FLAGS = 9
+LINES = ("SCL", "SDA")
+
+Compared = tuple[Sequence[Happened], Sequence[Happened]]
+
+
+@dataclass(frozen=True)
+class Side:
+    """One side of a comparison. rate: positions a second. origin: the position of the capture's begin.
+
+    transfers_at: rate and origin of the transfers' positions, where they are others. agreed: seconds of the last event
+    in which both agree, on this side.
+    """
+
+    name: str
+    lines: tuple[tuple[str, Channel], ...]
+    rate: Fraction
+    origin: int
+    transfers: Sequence[i2c.Transfer]
+    agreed: float
+    transfers_at: tuple[Fraction, int] | None = None
+
+    def of_transfer(self, position: int) -> float:
+        """As `seconds`, for a position of a transfer."""
+        rate, origin = (self.rate, self.origin) if self.transfers_at is None else self.transfers_at
+        return float((position - origin) / rate) - self.agreed
+
+    def seconds(self, position: float | Fraction) -> float:
+        """On the axis, 0 where both agree last."""
+        return float(Fraction(position) - self.origin) / float(self.rate) - self.agreed
+
+
+def last_agreed(divergence: Divergence, expected: Sequence[Happened], found: Sequence[Happened]) -> tuple[float, float]:
+    """When the event before a divergence was, in the capture and in the replay; both 0 where there is none."""
+    number = divergence.index - 1
+    if number < 0 or number >= min(len(expected), len(found)):
+        return 0.0, 0.0
+    was, came = expected[number].at, found[number].at
+    return (0.0, 0.0) if was is None or came is None else (float(was), float(came))
+
+
+def divergence_picture(divergence: Divergence, title: str, captured: Side, replayed: Side, bit: float) -> str:
+    """SVG text. bit: seconds."""
+    began = not captured.agreed and not replayed.agreed  # nothing agreed before it
+    aligned = captured.agreed != divergence.capture_s
+    at_captured = None if divergence.capture_s is None else divergence.capture_s - captured.agreed
+    at_replayed = None if divergence.replay_s is None else divergence.replay_s - replayed.agreed
+    known = [at for at in (at_captured, at_replayed) if at is not None]
+    window = (min([0.0, min(known) - BEFORE * bit]), max(known) + AFTER * bit)
+    window = (max(window[0], min(known) - 2 * BEFORE * bit), window[1])
+    lanes = [
+        *_side(captured, BLUE, window, at_captured, bit),
+        *_side(replayed, ORANGE, window, at_replayed, bit),
+        *_flags(divergence.history, replayed, window),
+        *_accesses(divergence.history, replayed, window),
+    ]
+    marks = [Mark(0.0, "the capture begins" if began else "last agreed")] if aligned else []
+    if at_captured is not None and at_replayed is not None and abs(at_captured - at_replayed) > bit / 2:
+        marks.append(Mark(at_captured, f"capture: {divergence.expected}", wrong=True))
+        marks.append(Mark(at_replayed, f"replay: {divergence.found}", wrong=True))
+    else:
+        marks.append(Mark(known[0], f"expected {divergence.expected}, found {divergence.found}", wrong=True))
+    axis = f"0 is the last event that agrees, {captured.agreed:.6f} s in the capture, {replayed.agreed:.6f} s in replay"
+    if began or not aligned:
+        axis = f"0 is {captured.agreed:.6f} s of the capture"
+    return timing_diagram(lanes, window, marks, title, axis)
+
+
+def closed_loop_picture(
+    report: Report,
+    capture: Capture,
+    channels: Sequence[str | int],
+    part: Played,
+    replayed: Capture,
+    origin: int,
+    compared: Compared,
+) -> str | None:
+    """The worst divergence of a report, where the replay made wires of its own: SVG text; None without any.
+
+    channels: of SCL and SDA in the capture. origin: of its time 0 in the replay.
+    """
+    if not report.divergences:
+        return None
+    divergence = report.divergences[0]
+    was, came = last_agreed(divergence, *compared)
+    lines = tuple((name, capture.channel(channel)) for name, channel in zip(LINES, channels, strict=True))
+    captured = Side("capture", lines, part.rate, 0, part.transfers, was)
+    assert replayed.rate is not None
+    wires = tuple((name, replayed.channel(name)) for name in LINES)
+    side = Side("replay", wires, replayed.rate, origin, i2c.transfers(replayed, *LINES), came)
+    return divergence_picture(divergence, title_of(report, divergence), captured, side, part.bit)
+
+
+def title_of(report: Report, divergence: Divergence) -> str:
+    name = Path(report.capture).name
+    return f"{report.case}, {name}, {report.loop} loop: event {divergence.index + 1} of {report.events}"
+
+
+def _side(side: Side, colour: str, window: tuple[float, float], wrong: float | None, bit: float) -> list[Lane]:
+    lanes = [Lane("bytes", side.name, colour, boxes=_boxes(side, window, wrong, bit))] if side.transfers else []
+    for name, channel in side.lines:
+        edges = tuple(
+            (side.seconds(at), level)
+            for at, level in zip(channel.edges.tolist(), channel.levels.tolist(), strict=True)
+            if side.seconds(at) <= window[1]
+        )
+        lanes.append(Lane(name, side.name, colour, channel.initial, edges))
+    return lanes
+
+
+def _boxes(side: Side, window: tuple[float, float], wrong: float | None, bit: float) -> tuple[Box, ...]:
+    found: list[Box] = []
+
+    def add(begin: float, end: float, text: str) -> None:
+        if end >= window[0] and begin <= window[1]:
+            off = wrong is not None and abs(begin - wrong) < bit / 8
+            found.append(Box(begin, end, text, off))
+
+    for transfer in side.transfers:
+        for number, phase in enumerate(transfer.phases):
+            start = side.of_transfer(phase.start.at)
+            add(start, start + 0.55 * bit, "Sr" if number else "S")
+            for place, byte in enumerate(phase.bytes):
+                if byte.value is None:
+                    continue
+                text = f"{byte.value:02X}"
+                if not place:
+                    text = f"{byte.value >> 1:02X} {'read' if byte.value & 1 else 'write'}"
+                add(side.of_transfer(byte.bits[0].at), side.of_transfer(byte.bits[7].at) + 0.45 * bit, text)
+                if byte.acked is not None:
+                    ninth = side.of_transfer(byte.bits[8].at)
+                    add(ninth, ninth + 0.45 * bit, "A" if byte.acked else "N")
+        if transfer.stop is not None and transfer.phases:
+            stop = side.of_transfer(transfer.stop.at)
+            add(stop, stop + 0.55 * bit, "P")
+    return tuple(found)
+
+
+def _flags(history: Sequence[Change], side: Side, window: tuple[float, float]) -> list[Lane]:
+    """The fields that changed: those of ALWAYS first, then those that changed within the window."""
+    fields: dict[str, list[Change]] = {}
+    for change in history:
+        if not _access(change):
+            fields.setdefault(change.what, []).append(change)
+    rank = {name: place for place, name in enumerate(ALWAYS)}
+    names = [
+        name
+        for name, changes in fields.items()
+        if name.rpartition(".")[2] in rank or any(_shown(c.at_s - side.agreed, window) for c in changes)
+    ]
+    names.sort(key=lambda name: rank.get(name.rpartition(".")[2], len(rank)))
+    lanes = []
+    for name in names[:MOST_FLAGS]:
+        changes = fields[name]
+        field = name.rpartition(".")[2]
+        if any(change.value > 1 for change in changes):
+            ends = [change.at_s for change in changes[1:]] + [window[1] + side.agreed]
+            boxes = tuple(
+                Box(c.at_s - side.agreed, end - side.agreed, str(c.value)) for c, end in zip(changes, ends, strict=True)
+            )
+            lanes.append(Lane(field, "flags", BLACK, boxes=boxes))
+            continue
+        edges = tuple((change.at_s - side.agreed, change.value) for change in changes)
+        lanes.append(Lane(field, "flags", BLACK, 1 - changes[0].value, edges))
+    return lanes
+
+
+def _accesses(history: Sequence[Change], side: Side, window: tuple[float, float]) -> list[Lane]:
+    """What the firmware wrote, and the data that it read, a lane a register; polls of status registers are left out."""
+    ticks: dict[str, list[Tick]] = {}
+    for change in history:
+        at = change.at_s - side.agreed
+        if _shown(at, window) and (change.what.startswith("W ") or change.what.endswith(("I2CDRR", "SCIRXBUF"))):
+            name = f"{change.what[0]} {change.what.rpartition('.')[2]}"
+            ticks.setdefault(name, []).append(Tick(at, f"{change.value:X}"))
+    return [Lane(name, "firmware", GREY, ticks=tuple(of)) for name, of in list(ticks.items())[:MOST_FLAGS]]
+
+
+def _access(change: Change) -> bool:
+    return change.what[:2] in ("R ", "W ")
+
+
+def _shown(at: float, window: tuple[float, float]) -> bool:
+    return window[0] <= at <= window[1]

@@ -1,0 +1,232 @@
+"""A captured session drives the whole firmware: I2C and UART of one time go in; wires compared and budgets come out.
+
+    SCL, SDA --closed loop--> I2cPlayer --> bus <--> unit --> budgets: response, stretch, age, FIFO, overruns, spans
+    RX ---------open loop---> EdgePlayer --> SCI-A --^             ^--- I2cWatch: transfers; frames of the capture
+
+The controller keeps to the capture's times: what stretching costs within a round it has caught up with after the
+next pause that is long enough. The host waits for nobody, so RX is not re-timed.
+
+A budget on rounds cannot be judged, since a capture does not say when one was due; it is left out by name.
+A frame is as many bytes as the host sends; a pause of RX ends it early, and then its values do not count.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from functools import partial
+
+from ..board.scene import Scene
+from ..case.model import Case
+from ..decode import uart
+from ..devices.host_pc import FRAME_BYTES, VALUES
+from ..devices.sensor_head import CHIPS
+from ..formats.capture import Capture
+from ..lines.edge_player import EdgePlayer
+from ..lines.i2c_controller import Transfer
+from ..lines.i2c_watch import I2cWatch
+from ..recording import Subscribe
+from ..timing.budgets import Limit, Verdict
+from . import BadReplay
+from .history import FlagHistory
+from .i2c import I2cReplay
+from .i2c_setup import LEAD, TAIL, Answering
+from .report import Report
+from .scenes import alone, unit_with
+from .uart import LineFormat, line_of, ticks_of
+
+OF_ROUNDS = ("round", "missed rounds", "nacked rounds")
+PAUSE = 2  # characters: a longer one on RX ends a frame
+
+FrameTold = Callable[[int, tuple[int, ...], int], None]
+
+
+class SessionScene(Scene):
+    """A scene whose agents are a capture: measures hear of its transfers and frames. checks: as the case checks."""
+
+    def __init__(self, case: Case, checks: bool, subscribe: Subscribe | None) -> None:
+        self._checks = checks
+        self.transfer_told: list[Callable[[Transfer], None]] = []
+        self.frame_told: list[FrameTold] = []
+        super().__init__(case, subscribe)
+
+    def _check_needs(self, entry: int, limit: Limit) -> None:
+        """The capture has both, controller and host; and the unit has SCI-A."""
+
+    def listen_transfers(self, told: Callable[[Transfer], None]) -> None:
+        self.transfer_told.append(told)
+
+    def listen_frames(self, told: FrameTold) -> None:
+        self.frame_told.append(told)
+
+    def checks_host(self) -> bool:
+        return self._checks
+
+    def tell_transfer(self, transfer: Transfer) -> None:
+        self._count_transfer(transfer)
+        for told in self.transfer_told:
+            told(transfer)
+
+    def tell_frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
+        for told in self.frame_told:
+            told(number, values, tick)
+
+    def tell_stuck(self) -> None:
+        for told in self._stuck_told:
+            told(self.kernel.now)
+
+
+class SessionReplay(I2cReplay):
+    """An I2C and a UART capture on one case. offset: seconds from the I2C capture's begin to the UART's.
+
+    wanted: format of RX, by which its frames are timed; None: as the firmware sets the SCI. The rest as I2cReplay's.
+    """
+
+    def __init__(
+        self,
+        case: Case,
+        capture: Capture,
+        scl: str | int,
+        sda: str | int,
+        serial: Capture,
+        rx: str | int,
+        offset: Fraction = Fraction(0),
+        wanted: LineFormat | None = None,
+        addresses: Sequence[int] = (),
+        first: int | None = None,
+        longest_low: Fraction | None = None,
+        subscribe: Subscribe | None = None,
+        tolerance: Fraction | None = None,
+    ) -> None:
+        if serial.rate is None:
+            raise BadReplay(f"{serial.path}: a replay needs a time base and the file states no rate; state the rate")
+        self._session = (serial, rx, offset, wanted)
+        self._wanted = wanted
+        self._serial, self._rx = serial, rx
+        self._serial_line = serial.channel(rx)
+        self._serial_rate = serial.rate
+        lead = LEAD + max(Fraction(0), -offset)
+        super().__init__(case, capture, scl, sda, addresses, first, longest_low, subscribe, tolerance, lead)
+        scene = self._session_scene
+        self._serial_origin = self.origin + scene.timebase.ticks(abs(offset), "nearest") * (1 if offset >= 0 else -1)
+        edges, note = ticks_of(self._serial_line, self._serial_origin, scene.timebase.per_second / serial.rate)
+        self._part.notes += note
+        EdgePlayer(scene.kernel, scene.wire("RX"), edges)
+        names = {chip.address: name for name, chip in CHIPS.items()}
+        player = self._player
+        lines = scene.wire("SCL"), scene.wire("SDA")
+        I2cWatch(scene.kernel, *lines, self._tell, lambda: player.delay, names)
+        self._whole = iter([transfer for transfer in self._part.transfers if transfer.stop is not None])
+        gaps = [transfer.gap for transfer in self._part.transfers if transfer.gap is not None]
+        self._least_gap = int(min(gaps, default=0) * self._per_position)
+        scene.kernel.at(self._serial_origin, self._plan_frames)
+        if longest_low is None:
+            self._part.notes.append(
+                "SCL's low phases are the capture's, so a stretch shorter than those does not show; "
+                "with --longest-low TIME they are left to the firmware"
+            )
+
+    def _build(self, case: Case, found: Answering, subscribe: Subscribe | None) -> Scene:
+        serial_unit = unit_with(case, "SCI-A")
+        if serial_unit != found.unit:
+            raise case.mistake(f"SCI-A is in unit {serial_unit}, I2C-A in {found.unit}; a session drives one", "unit")
+        checks = case.controller is not None and case.controller.check == "host"
+        prepared = alone(case, found.unit, "controller", found.forced, found.offered)
+        prepared = prepared.model_copy(update={"host": None, "budget": case.budget})
+        self._session_scene = SessionScene(prepared, checks, subscribe)
+        return self._session_scene
+
+    def _tell(self, transfer: Transfer) -> None:
+        """A transfer is over. Where the case does not check against the host, its bytes should be the captured ones."""
+        captured = next(self._whole, None)
+        if captured is not None and not self._session_scene.checks_host():
+            for phase, was in zip(transfer.phases, captured.phases, strict=False):
+                phase.expect = bytes(was.data) if phase.read else None
+        self._session_scene.tell_transfer(transfer)
+
+    # What the host sent ---------------------------------------------------------------
+
+    def _plan_frames(self) -> None:
+        """The SCI is set by now: read RX as it does, and tell each frame when its last stop bit ends."""
+        scene = self._session_scene
+        dsp = scene.units[self._answering.unit]
+        line = line_of(dsp, scene.kernel.now) if self._wanted is None else self._wanted.line()
+        try:
+            words = uart.events(self._serial, self._rx, line)
+        except ValueError as error:
+            raise BadReplay(str(error)) from None
+        frames = [word for word in words if isinstance(word, uart.Frame)]
+        per_position = scene.timebase.per_second / self._serial_rate
+        bits = 1 + line.bits + (line.parity != "none") + line.stop
+        character = bits * scene.timebase.per_second / Fraction(line.baud)
+        for number, burst in enumerate(_bursts(frames, (1 + PAUSE) * character / per_position)):
+            data = bytes(word.value for word in burst)
+            if len(data) != FRAME_BYTES:
+                continue
+            words_of = [data[place : place + 2] for place in range(0, 2 * VALUES, 2)]
+            values = tuple(int.from_bytes(word, "little", signed=True) for word in words_of)
+            tick = self._serial_origin + int(burst[-1].at * per_position + character)
+            scene.kernel.at(tick, partial(scene.tell_frame, number, values, tick))
+
+    # Running ------------------------------------------------------------------------
+
+    def _due(self) -> int:
+        """As captured; later only where the transfer before has just ended."""
+        begin = self._part.transfers[self._next].phases[0].start.at
+        return max(self.origin + int(begin * self._per_position), self.kernel.now + self._least_gap)
+
+    def _last_tick(self) -> int:
+        soon = self.kernel.now + self._scene.timebase.ticks(TAIL, "nearest")
+        if self._first is not None:
+            return soon
+        serial = self._serial_origin + int(self._serial.length * self._scene.timebase.per_second / self._serial_rate)
+        return max(soon, serial, self.origin + int(self._part.capture.length * self._per_position))
+
+    def _again(self, history: FlagHistory, until: int) -> None:
+        case, capture, scl, sda, addresses, first, longest_low = self._given
+        serial, rx, offset, wanted = self._session
+        again = SessionReplay(
+            case, capture, scl, sda, serial, rx, offset, wanted, addresses, first, longest_low, history.subscribe
+        )
+        again._drive(until=until)
+
+    def _report(self, wall: float, stuck: list[str]) -> Report:
+        if stuck:
+            self._session_scene.tell_stuck()
+        report = super()._report(wall, stuck)
+        judged = [self._since_capture(v) for v in self._result.budgets if v.measure not in OF_ROUNDS]
+        left_out = [verdict for verdict in self._result.budgets if verdict.measure in OF_ROUNDS]
+        report.kind = "session"
+        report.budgets = judged
+        report.notes = [
+            *report.notes,
+            *(
+                f"budget {verdict.name!r} is not judged: {verdict.measure!r} needs the sensor head's schedule, "
+                "and the capture takes its place"
+                for verdict in left_out
+            ),
+        ]
+        if any(verdict.verdict == "fail" for verdict in judged):
+            report.verdict = "fail"
+        return report
+
+    def _since_capture(self, verdict: Verdict) -> Verdict:
+        """The same, its time counted from the capture's begin."""
+        if verdict.at_s is None:
+            return verdict
+        scene = self._session_scene
+        lead = scene.timebase.seconds(self.origin - scene.start)
+        return replace(verdict, at_s=float(round(Fraction(verdict.at_s) - lead, 9)))
+
+
+def _bursts(words: list[uart.Frame], pause: Fraction) -> list[list[uart.Frame]]:
+    """Words in frames: a new one begins behind a full one, or where two start bits are further apart than `pause`."""
+    found: list[list[uart.Frame]] = []
+    last: uart.Frame | None = None
+    for word in words:
+        if last is None or word.at - last.at > pause or len(found[-1]) == FRAME_BYTES:
+            found.append([])
+        found[-1].append(word)
+        last = word
+    return found

@@ -1,0 +1,67 @@
+"""The real I2C captures with the F28335 as their controller: the captured targets answer, the same events come.
+
+every capture but NONE           the same addresses, bytes and ACKs in the same order
+LEFT_OUT                         but for so many transfers
+LAST_BYTE                        only with the other answer to an open question
+"""
+
+from __future__ import annotations
+
+import pytest
+
+from periph_sim.case.load import load as load_case
+from periph_sim.replay import BadReplay
+from periph_sim.replay.as_master import AGAINST, CUT
+from periph_sim.replay.i2c_master import I2cMasterReplay
+from periph_sim.replay.report import Report
+from tests.captures.test_captures_decode import load
+from tests.captures.test_captures_replay_i2c import CASE, FIRST, NAMES, lines
+from tests.captures.where import needs_captures
+
+pytestmark = needs_captures
+
+MASTER = CASE.with_name("captured_master.toml")
+FEW = 20  # of the million edges
+
+# Its controller sends every byte behind a NACK of the address; this module ends a transfer with the first NACK.
+NONE = {"i2c_mlx90614_5s": f"25 ({AGAINST})"}
+
+# Transfers without a STOP, or with a byte cut off, of captures whose others can be done.
+LEFT_OUT = {
+    "i2c_24aa025uid_busy_2ms": f"64 ({CUT})",  # after a NACK it clocks once, with SDA low, then repeats the START
+    "i2c_mcp23017_counter_a": f"1 ({CUT})",  # the capture ends within
+}
+
+# Their controllers acknowledge the last byte of a read. Whether this module does, where STP = 0, TI does not say.
+LAST_BYTE = {"i2c_rding_temper_snippet": (6, 256), "i2c_sla24c02_powerup": (103, 129)}
+ACKNOWLEDGED = "unit.dsp.options.i2c.mr_nack_at_count0=only_with_stp"
+
+
+def replayed(name: str, *changes: str) -> Report:
+    first = FEW if name in FIRST else None
+    return I2cMasterReplay(load_case(MASTER, list(changes)), load(name), *lines(name), first=first).run()
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if name not in NONE])
+def test_the_master_does_as_the_captured_controller_did(name: str):
+    report = replayed(name, *([ACKNOWLEDGED] if name in LAST_BYTE else []))
+    assert report.divergences == [] and report.verdict == "pass"
+    assert report.agreed == report.events > 0
+    left_out = [note.partition("left out: ")[2] for note in report.notes if "left out" in note]
+    assert left_out == ([LEFT_OUT[name]] if name in LEFT_OUT else [])
+
+
+@pytest.mark.parametrize("name", LAST_BYTE)
+def test_by_default_the_last_byte_of_a_read_is_refused(name: str):
+    report = replayed(name)
+    first = report.first_divergence
+    assert report.verdict == "fail" and first is not None
+    assert (first.expected, first.found) == ("ACK", "NACK")
+    assert (first.index, report.events) == LAST_BYTE[name]
+
+
+@pytest.mark.parametrize("name", NONE)
+def test_what_a_master_of_this_module_cannot_do_is_refused_with_the_reason(name: str):
+    with pytest.raises(BadReplay) as refused:
+        replayed(name)
+    assert str(refused.value).endswith(NONE[name])

@@ -1,0 +1,50 @@
+"""The real I2C captures in open loop: what the F28335's slave would have driven is what the captures show.
+
+Its answers are ready for every SCL edge of every capture, also of those at 400 kHz; where a capture has SCL low for
+longer than usual, the module had let go long before.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import pytest
+
+from periph_sim.case.load import load as load_case
+from periph_sim.replay.i2c_open import I2cOpenReplay
+from periph_sim.replay.report import Report
+from tests.captures.test_captures_decode import load
+from tests.captures.test_captures_replay_i2c import CANNOT, CASE, FIRST, NAMES, STYLES, lines
+from tests.captures.where import needs_captures
+
+pytestmark = needs_captures
+
+FEW = 20  # of the million edges; all 200 take twelve seconds
+
+
+@cache
+def run(name: str, style: str) -> Report:
+    first = FEW if name in FIRST else None
+    return I2cOpenReplay(load_case(CASE, list(STYLES[style])), load(name), *lines(name), first=first).run()
+
+
+@pytest.mark.parametrize(
+    ("name", "style"),
+    [
+        (name, style)
+        for name in NAMES
+        for style in ("polled", "interrupts")
+        if name not in CANNOT and (name not in FIRST or style == "polled")
+    ],
+)
+def test_the_slave_would_have_driven_what_the_capture_shows(name: str, style: str):
+    report = run(name, style)
+    assert report.divergences == [] and report.verdict == "pass"
+    assert report.agreed == report.events > 0
+    assert report.late_worst_us == 0
+
+
+@pytest.mark.parametrize("name", CANNOT)
+def test_what_the_slave_cannot_do_is_the_same_as_in_closed_loop(name: str):
+    first = run(name, "polled").first_divergence
+    assert first is not None and (first.index, first.expected, first.found) == CANNOT[name]

@@ -1,0 +1,59 @@
+"""A firmware that thinks before it answers a read, as a case in a folder, and a capture to replay against it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from periph_sim.formats import Capture
+from tests.decode.drawing import of_bytes
+from tests.formats.writers import I2cWave
+
+FIRMWARE = """
+from dataclasses import dataclass
+from fractions import Fraction
+
+from firmware.python.startup import sci_fifo_receiver, start_i2c
+
+
+@dataclass
+class Settings:
+    address: int = 0x50
+    wait: int = 0
+    byte: int = 0xA7
+
+
+def main(dsp, settings):
+    i2c = dsp.module("I2C-A")
+    start_i2c(dsp, settings.address)
+    if dsp.has("SCI-A"):
+        sci_fifo_receiver(dsp, 40, 16)
+    i2c.I2CMDR.IRS = 1
+    while True:
+        dsp.spin(lambda: i2c.I2CSTR.AAS == 1 and i2c.I2CSTR.SDIR == 1)
+        dsp.compute(Fraction(settings.wait, 10**6), "thinking")
+        i2c.I2CDXR.all = settings.byte
+        dsp.spin(lambda: i2c.I2CSTR.SCD == 1)
+        i2c.I2CSTR.SCD = 1
+"""
+
+
+def slow_case(folder: Path, modules: str = '"I2C-A"', more: str = "") -> Path:
+    """A case file; `unit.dsp.settings.wait` says how many microseconds the firmware thinks."""
+    (folder / "slow.py").write_text(FIRMWARE)
+    case = folder / "slow.toml"
+    unit = f'[unit.dsp]\nfirmware = "{folder / "slow.py"}"\nmodules = [{modules}]\n'
+    case.write_text(f'name = "slow"\nduration = "1 s"\n{unit}{more}')
+    return case
+
+
+def one_read(stretched: int = 0, byte: int = 0xA7) -> Capture:
+    """A read of one byte from 0x50 at 100 kHz, 4 MHz samples; SCL is low for `stretched` more before the byte."""
+    wave = I2cWave(20, 4)
+    wave.idle(400)
+    wave.start()
+    wave.byte(0xA1)
+    wave.samples += bytes([0b00]) * stretched
+    wave.byte(byte, ack=False)
+    wave.stop()
+    wave.idle(400)
+    return of_bytes(bytes(wave.samples), ("SCL", "SDA"), 4_000_000)

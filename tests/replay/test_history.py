@@ -1,0 +1,50 @@
+"""Records near an instant: which are kept, which are not, and how many."""
+
+from __future__ import annotations
+
+from periph_sim.core.records import Kind, Recorder
+from periph_sim.core.time import Timebase
+from periph_sim.replay.history import FlagHistory
+
+AAS, XRDY, IRS, OTHER = "I2CSTR.AAS", "I2CSTR.XRDY", "I2CMDR.IRS", "I2CCNT.ICDC"
+
+
+def kept(history: FlagHistory, moment: tuple[int, int], *records: tuple[int, Kind, str, str]) -> list[tuple[int, str]]:
+    recorder = Recorder()
+    history.subscribe(recorder, Timebase())
+    for tick, kind, where, what in records:
+        recorder.emit(tick, kind, where, what, 1)
+    return [(record.tick, record.what) for record in history.of(moment)]
+
+
+def flag(tick: int, what: str, where: str = "dsp.I2C-A") -> tuple[int, Kind, str, str]:
+    return tick, Kind.FLAG, where, what
+
+
+def test_flags_and_accesses_of_the_module_up_to_the_moments_end():
+    history = FlagHistory([(100, 120)], "dsp", "I2C-A")
+    records = [
+        flag(10, AAS),
+        flag(20, OTHER),
+        flag(30, AAS, "imu.I2C-A"),
+        flag(40, IRS),
+        (50, Kind.ACCESS, "dsp", "W I2C-A.I2CDXR"),
+        (60, Kind.ACCESS, "dsp", "R SCI-A.SCIRXBUF"),
+        (70, Kind.ACCESS, "imu", "W I2C-A.I2CDXR"),
+        flag(120, XRDY),
+        flag(121, XRDY),
+    ]
+    assert kept(history, (100, 120), *records) == [(10, AAS), (40, IRS), (50, "W I2C-A.I2CDXR"), (120, XRDY)]
+
+
+def test_a_busy_register_does_not_push_out_a_quiet_one():
+    history = FlagHistory([(1000, 1000)], "dsp", "I2C-A", keep=3)
+    records = [flag(1, AAS), *(flag(tick, XRDY) for tick in range(2, 900))]
+    assert kept(history, (1000, 1000), *records) == [(1, AAS), (897, XRDY), (898, XRDY), (899, XRDY)]
+
+
+def test_each_of_several_moments_has_its_own():
+    history = FlagHistory([(50, 60), (10, 20)], "dsp", "I2C-A")
+    kept(history, (10, 20), flag(15, AAS), flag(30, XRDY), flag(70, IRS))
+    assert [record.tick for record in history.of((10, 20))] == [15]
+    assert [record.tick for record in history.of((50, 60))] == [15, 30]

@@ -1,0 +1,114 @@
+"""The F28335 as master against captured targets: what it asks, what it is answered, where they part."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from periph_sim import formats
+from periph_sim.case.load import load
+from periph_sim.formats import Capture
+from periph_sim.replay import BadReplay
+from periph_sim.replay.i2c_master import I2cMasterReplay
+from periph_sim.replay.report import Report
+from tests.decode.drawing import of_bytes
+from tests.formats.make_traces import FOLDER
+from tests.replay.test_as_master import wave_of
+
+CASES = Path(__file__).resolve().parents[2] / "timing"
+MASTER = CASES / "captured_master.toml"
+
+
+def replay(capture: Capture | str, *changes: str, case: Path = MASTER, **options) -> Report:
+    if isinstance(capture, str) and capture.endswith(".sr"):
+        given = formats.read(FOLDER / capture)
+    else:
+        given = of_bytes(bytes(wave_of(str(capture)).samples), ("SCL", "SDA"), 4_000_000)
+    return I2cMasterReplay(load(case, list(changes)), given, "SCL", "SDA", **options).run()
+
+
+@pytest.mark.parametrize(
+    ("trace", "events", "addresses"), [("imu_round.sr", 63, ["1E", "53", "68"]), ("nack.sr", 19, ["53"])]
+)
+def test_a_captured_controller_is_imitated(trace, events, addresses):
+    report = replay(trace)
+    assert (report.verdict, report.role, report.divergences) == ("pass", "master", [])
+    assert (report.events, report.agreed, report.addresses) == (events, events, addresses)
+
+
+@pytest.mark.parametrize(
+    "wave",
+    [
+        "S A0+ 00+ 11+ 22+ P S A1+ 33+ 44+ 55- P",
+        "S A0+ 00+ Sr A1+ 33- P S A0+ P",
+        "S A0+ 00- P S A1- P S A0- Sr A1+ 33- P",
+        "S A0+ 00+ Sr A3+ 01+ 02- Sr A1+ 33- P",
+    ],
+)
+def test_bytes_acks_and_repeated_starts_come_out_as_captured(wave):
+    report = replay(wave)
+    assert (report.verdict, report.agreed) == ("pass", report.events) and report.notes == []
+
+
+def test_stretches_of_the_captured_target_are_played_with_their_length():
+    """100 us low before the second byte: the master's clock waits, so the rest comes as late as in the capture."""
+    quick, slow = replay("S A0+ 00+ 11+ P"), replay("S A0+ 00+ ~ 11+ P")
+    assert quick.verdict == slow.verdict == "pass"
+    assert slow.lag_worst_us == pytest.approx(quick.lag_worst_us, abs=6), "but for what the wait costs the module"
+
+
+def test_an_acknowledge_of_the_last_byte_needs_the_other_answer_to_an_open_question():
+    wave = "S A1+ 12+ 34+ P S A0+ 00+ P"
+    (ack,) = replay(wave).divergences
+    assert (ack.kind, ack.index, ack.expected, ack.found) == ("ACK", 6, "ACK", "NACK")
+    assert replay(wave, "unit.dsp.options.i2c.mr_nack_at_count0=only_with_stp").verdict == "pass"
+
+
+HEAD = """
+name = "head"
+duration = "1 s"
+
+[unit.head]
+firmware = "sensor_head"
+modules = ["I2C-A", "TIMER0"]
+
+[unit.head.settings]
+period = "1 ms"
+"""
+
+
+@pytest.mark.parametrize(
+    ("order", "outcome"),
+    [
+        ("[0x68, 0x53, 0x1E]", "pass"),
+        ("[0x53, 0x68, 0x1E]", "expected address 68 write, found address 53 write"),
+    ],
+)
+def test_a_firmware_without_a_script_asks_what_it_asks(tmp_path, order, outcome):
+    """The sensor head reads the three chips of the trace, in its order."""
+    case = tmp_path / "head.toml"
+    case.write_text(HEAD)
+    report = replay("imu_round.sr", f"unit.head.settings.order={order}", case=case)
+    first = report.first_divergence
+    found = report.verdict if first is None else f"expected {first.expected}, found {first.found}"
+    assert found == outcome
+
+
+def test_what_is_left_out_is_told_and_nothing_left_is_refused():
+    report = replay("S A0+ 00+ P S A1+ P")
+    assert report.verdict == "pass" and report.events == 6
+    (note,) = report.notes
+    assert note == (
+        "transfers that a master of this module cannot do, left out: "
+        "1 (a read of no byte, whose address was acknowledged)"
+    )
+    with pytest.raises(BadReplay, match=r"no transfer that a master of this module can do: 1 \(the capture cuts it"):
+        replay("S A0+ 00+")
+
+
+def test_a_target_that_answers_otherwise_is_told_with_what_the_master_did():
+    report = replay("S A0+ 00+ P", "unit.dsp.settings.script=['50 W 01']")
+    (byte,) = report.divergences
+    assert (byte.expected, byte.found) == ("data write 00", "data write 01")
+    assert any(change.what == "W I2C-A.I2CDXR" and change.value == 1 for change in byte.history)

@@ -1,0 +1,174 @@
+"""A session that was captured of a run of ours: replayed, the firmware does the same and the budgets are the same."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from periph_sim import formats
+from periph_sim.board.result import Result
+from periph_sim.board.scene import Scene
+from periph_sim.case.load import load
+from periph_sim.case.model import BadCase
+from periph_sim.formats.capture import Capture
+from periph_sim.replay.report import Report
+from periph_sim.replay.session import SessionReplay
+from periph_sim.replay.uart import LineFormat
+from periph_sim.timing.budgets import Verdict
+from tests.board.runs import TIMING, Edges
+from tests.formats.make_traces import FOLDER
+from tests.replay.make_session import ran, sampled
+from tests.replay.slow import slow_case
+
+US = Fraction(1, 10**6)
+IMU = TIMING / "imu_hil.toml"
+HOST = LineFormat(115200)
+
+
+def replay(capture: Capture, *changes: str, case: Path = IMU, **options) -> Report:
+    given = {"wanted": HOST, "longest_low": 5 * US, **options}
+    serial = given.pop("serial", capture)
+    return SessionReplay(load(case, list(changes)), capture, "SCL", "SDA", serial, "RX", **given).run()
+
+
+def by_name(budgets: list[Verdict]) -> dict[str, Verdict]:
+    return {verdict.name: verdict for verdict in budgets}
+
+
+@cache
+def run(*changes: str) -> tuple[Result, Capture]:
+    return ran(Fraction(110, 1000), *changes)
+
+
+OF_ROUNDS = {"round complete", "missed rounds", "nacked rounds"}
+
+
+@pytest.mark.parametrize("rate", [None, 8_000_000, 1_000_000])
+@pytest.mark.parametrize("changes", [(), ("unit.dsp.settings.model_cost=400 us",), ("host.period=7 ms",)])
+def test_the_same_bytes_and_the_same_budgets_within_the_sampling_period(rate, changes):
+    result, edges = run(*changes)
+    report = replay(edges if rate is None else sampled(edges, rate), *changes)
+    assert report.first_divergence is None and report.agreed == report.events == 6 * 3 * 21
+    was, came = by_name(result.budgets), by_name(report.budgets)
+    assert set(was) - set(came) == OF_ROUNDS
+    assert report.verdict == ("pass" if all(came[name].verdict == "pass" for name in came) else "fail")
+    period = 0.01 if rate is None else 1e6 / rate
+    for name, verdict in came.items():
+        assert verdict.verdict == was[name].verdict, name
+        tolerance = 2 * period if verdict.unit == "us" else 0
+        assert verdict.worst == pytest.approx(was[name].worst, abs=tolerance), name
+        if name not in ("model execution", "SCI FIFO high-water"):  # which begin before the capture, or go on behind it
+            assert verdict.count == was[name].count, name
+
+
+def test_the_trace_of_the_repository_is_such_a_session():
+    report = replay(formats.read(FOLDER / "imu_session.sr"))
+    assert (report.verdict, report.kind, report.agreed) == ("pass", "session", 3 * 3 * 21)
+    came = by_name(report.budgets)
+    assert came["response"].worst == pytest.approx(5, abs=1) and came["response"].count == 9
+    assert came["data age"].worst == pytest.approx(22_153, abs=2) and came["SCI FIFO high-water"].worst == 12
+    assert came["data age"].at_s == pytest.approx(0.025195, abs=2e-6), "counted from the capture's begin"
+
+
+def test_budgets_on_rounds_are_left_out_by_name():
+    notes = [note for note in replay(run()[1], first=3).notes if "is not judged" in note]
+    assert notes[0] == (
+        "budget 'round complete' is not judged: 'round' needs the sensor head's schedule, "
+        "and the capture takes its place"
+    )
+    assert len(notes) == len(OF_ROUNDS)
+
+
+# What a session shows that the run did not have --------------------------------------
+
+
+def test_a_slower_model_breaks_its_budget_on_the_captured_session():
+    report = replay(run()[1], "unit.dsp.settings.model_cost=320 us")
+    came = by_name(report.budgets)
+    assert report.first_divergence is None, "the bytes are still the right ones"
+    assert report.verdict == "fail" and came["model execution"].verdict == "fail"
+    assert came["model execution"].worst == 320
+
+
+def test_a_firmware_that_does_not_wait_for_sdir_sends_wrong_bytes():
+    report = replay(run()[1], "unit.dsp.settings.sdir_wait=false")
+    assert report.verdict == "fail" and report.divergences[0].kind == "byte"
+    assert by_name(report.budgets)["wrong bytes"].verdict == "fail"
+
+
+def test_a_host_that_comes_at_another_time_gives_other_ages():
+    """Of two files the second may have begun earlier or later."""
+    _, edges = run()
+    on_time, early = (by_name(replay(edges, serial=edges, offset=Fraction(at, 1000)).budgets) for at in (0, -2))
+    assert early["data age"].worst == pytest.approx(on_time["data age"].worst + 2000, abs=1)
+
+
+# Stretches -----------------------------------------------------------------------------
+
+BUDGETS = """
+[controller]
+period = "2 ms"
+first = "1 ms"
+
+[[controller.request]]
+address = 0x50
+count = 1
+expect = "a7"
+
+[host]
+first = "0.5 ms"
+period = "5 ms"
+
+[[budget]]
+name = "stretch"
+measure = "stretch"
+max = "50 us"
+
+[[budget]]
+name = "response"
+measure = "response"
+max = "80 us"
+
+[[budget]]
+name = "wrong bytes"
+measure = "wrong bytes"
+max = 0
+"""
+
+
+@pytest.mark.parametrize("wait", [0, 40, 90])
+def test_stretches_are_those_of_the_run_where_the_controller_lets_scl_go_as_it_did(tmp_path, wait):
+    """From the run's wires nobody can tell who held SCL; with --longest-low the firmware holds it itself, as it did."""
+    case = slow_case(tmp_path, '"I2C-A", "SCI-A"', BUDGETS)
+    change = f"unit.dsp.settings.wait={wait}"
+    edges = Edges()
+    scene = Scene(load(case, [change]), edges.subscribe)
+    was = by_name(scene.run(Fraction(20, 1000)).budgets)
+    capture = edges.capture(scene.kernel.now + 1)
+    report = replay(capture, change, case=case)
+    came = by_name(report.budgets)
+    for name in ("stretch", "response", "wrong bytes"):
+        assert (came[name].worst, came[name].count) == pytest.approx((was[name].worst, was[name].count), abs=0.01)
+        assert came[name].verdict == was[name].verdict
+    assert report.lag_worst_us == pytest.approx(0, abs=0.01)
+    as_captured = replay(capture, change, case=case, longest_low=None)
+    assert by_name(as_captured.budgets)["stretch"].worst == 0
+    assert any("--longest-low TIME" in note for note in as_captured.notes)
+
+
+def test_without_a_check_against_the_host_the_captured_bytes_are_the_right_ones(tmp_path):
+    case = slow_case(tmp_path, '"I2C-A", "SCI-A"', BUDGETS)
+    edges = Edges()
+    scene = Scene(load(case), edges.subscribe)
+    scene.run(Fraction(20, 1000))
+    report = replay(edges.capture(scene.kernel.now + 1), "unit.dsp.settings.byte=0x11", case=case)
+    wrong = by_name(report.budgets)["wrong bytes"]
+    assert (wrong.verdict, wrong.worst, wrong.count) == ("fail", 10, 10)
+
+
+def test_a_session_needs_both_modules_in_one_unit():
+    with pytest.raises(BadCase, match="no unit has SCI-A"):
+        replay(run()[1], case=TIMING / "responder.toml")

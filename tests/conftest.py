@@ -1,8 +1,13 @@
-"""What all tests share: timing diagrams that differ are shown one above the other."""
+"""What all tests share: timing diagrams that differ are shown one above the other; no test has a deadline."""
 
 from __future__ import annotations
 
+from hypothesis import settings
+
 from tests.waves import Diagram
+
+settings.register_profile("periph-sim", deadline=None)  # seconds are no property: machines are shared
+settings.load_profile("periph-sim")
 
 
 def pytest_assertrepr_compare(op: str, left: object, right: object) -> list[str] | None:

@@ -12,7 +12,8 @@ demo: $(STAMP)
 
 test: check
 	$(BIN)/coverage erase
-	$(BIN)/pytest -n auto --cov --cov-report=term:skip-covered
+	$(BIN)/pytest -n auto --ignore=tests/captures --cov --cov-report=term:skip-covered
+	$(BIN)/pytest -n auto tests/captures  # whole recordings: what they reach is measured above, and counting takes longest here
 	$(BIN)/python -m tests.rules.coverage
 
 check: $(STAMP)

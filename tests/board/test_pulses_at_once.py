@@ -78,7 +78,7 @@ def test_every_answer_to_an_open_question(option: str, value: object):
     alike(load(TIMING / "imu_hil.toml", [f"unit.dsp.options.i2c.{option}={str(value).lower()}"]), "0.05")
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=25)
 @given(
     replies=st.lists(st.binary(min_size=1, max_size=6), min_size=1, max_size=3),
     write=st.binary(min_size=1, max_size=6),
@@ -99,7 +99,7 @@ def test_any_bytes_rates_and_times(replies, write, rate, hold, fifo, first):
     alike(case(unit={"dsp": unit}, controller={**head, "request": requests}), "0.08")
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=10)
 @given(offset=st.integers(0, 4_000), baud=st.sampled_from([115200, 57600, 230400]), cost=st.integers(1, 4000))
 def test_host_frames_that_cut_into_the_bytes(offset: int, baud: int, cost: int):
     changes = [f"host.first={5_000 + offset} us", f"host.baud={baud}", f"unit.dsp.settings.model_cost={cost} us"]

@@ -12,8 +12,8 @@ demo: $(STAMP)
 
 test: check
 	$(BIN)/coverage erase
-	$(BIN)/pytest -n auto --ignore=tests/captures --cov --cov-report=term:skip-covered
-	$(BIN)/pytest -n auto tests/captures  # whole recordings: what they reach is measured above, and counting takes longest here
+	$(BIN)/pytest -n auto -m "not long" --cov --cov-report=term:skip-covered
+	$(BIN)/pytest -n auto -m long
 	$(BIN)/python -m tests.rules.coverage
 
 check: $(STAMP)

@@ -1,13 +1,25 @@
-"""What all tests share: timing diagrams that differ are shown one above the other; no test has a deadline."""
+"""What all tests share: timing diagrams that differ are shown one above the other; no test has a deadline.
+
+Properties and whole recordings are `long`, besides what is marked so by hand: they go again and again through lines
+that short tests have reached.
+"""
 
 from __future__ import annotations
 
-from hypothesis import settings
+import pytest
+from hypothesis import is_hypothesis_test, settings
 
 from tests.waves import Diagram
 
 settings.register_profile("periph-sim", deadline=None)  # seconds are no property: machines are shared
 settings.load_profile("periph-sim")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        if is_hypothesis_test(getattr(item, "obj", None)) or item.nodeid.startswith("tests/captures/"):
+            item.add_marker("long")
 
 
 def pytest_assertrepr_compare(op: str, left: object, right: object) -> list[str] | None:

@@ -22,6 +22,8 @@ from periph_sim.lines.i2c_controller import Phase, Transfer
 from tests.board.runs import TIMING, Edges
 from tests.board.small import case
 
+pytestmark = pytest.mark.long
+
 OPTIONS = [
     (f.name, value) for f in dataclasses.fields(I2cOptions) if "values" in f.metadata for value in f.metadata["values"]
 ]

@@ -239,6 +239,7 @@ def test_the_next_transfer_starts_again_from_the_value_in_i2ccnt():
     assert b.said().endswith("P S 50W A 03 A 04 A P")
 
 
+@pytest.mark.long
 @rule("I2C-134")
 def test_i2ccnt_0_means_65536_bytes():
     """One data bit a byte, a free bus with SDA down for good after the START, and nothing recorded: it is long."""

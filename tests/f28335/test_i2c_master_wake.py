@@ -8,6 +8,8 @@ from hypothesis import strategies as st
 
 from .i2c_bus import OFFSETS, SLOT, Bench, Edge, Foreign, Target, with_
 
+pytestmark = pytest.mark.long
+
 DATA = [0x5A, 0xC3]
 
 

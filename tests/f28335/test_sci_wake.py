@@ -9,6 +9,8 @@ from hypothesis import strategies as st
 from periph_sim.f28335.sci_map import SCI_MAP
 from tests.f28335.sci_rig import SciRig, frame
 
+pytestmark = pytest.mark.long
+
 BUSY = {
     "standard": {"RXBKINTENA": 1, "TXINTENA": 1, "RXERRINTENA": 1},
     "fifo": {"fifo": 1, "RXFFIL": 1, "TXFFIL": 1, "RXFFIENA": 1, "TXFFIENA": 1, "FFTXDLY": 3},

@@ -8,7 +8,7 @@ It builds only what the case names: no host, no RX wire; no controller, no agent
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
@@ -33,8 +33,9 @@ from ..lines.i2c_counter import I2cCounter
 from ..lines.uart_peer import UartPeer
 from ..timing.budgets import BadBudget, Limit
 from ..timing.measures import WrongBytes
+from ..timing.names import Scope, scope_of_case
 from .dsp import MODULES, PIN_OF, Dsp, DspPlan
-from .firmware import BadFirmware, BadSetting, load_firmware, settings_for
+from .firmware import BadFirmware, BadSetting, Firmware, load_firmware, settings_for
 from .i2c_follower import I2cFollower
 from .result import Result
 from .sci_watch import SciWatch
@@ -47,13 +48,23 @@ SCI_PINS = {"RX": PIN_OF["SCIRXDA"], "TX": PIN_OF["SCITXDA"]}
 
 
 class Scene:
-    """listeners: called while the scene is built, before anything runs; recorders subscribe there."""
+    """subscribe: called while the scene is built, before anything runs; recorders subscribe there.
 
-    def __init__(self, case: Case, subscribe: Callable[[Recorder, Timebase], None] | None = None) -> None:
+    programs: firmware given as Python functions, by unit; of these units the case's `firmware` is only a name.
+    """
+
+    def __init__(
+        self,
+        case: Case,
+        subscribe: Callable[[Recorder, Timebase], None] | None = None,
+        programs: Mapping[str, Firmware] | None = None,
+    ) -> None:
         self.case = case
+        self._programs = programs or {}
         self.timebase = Timebase(*(int(unit.oscclk * unit.pll / 2) for unit in case.unit.values()))
         self.recorder = Recorder()
-        self.limits = [self._limit(i, budget) for i, budget in enumerate(case.budget)]
+        scope = scope_of_case(case)
+        self.limits = [self._limit(i, budget, scope) for i, budget in enumerate(case.budget)]
         for limit in self.limits:
             self.recorder.subscribe(limit.measure.kinds, limit.measure.record)
         if subscribe is not None:
@@ -66,6 +77,7 @@ class Scene:
         self.host: Host | None = None
         self.wire_bytes = 0  # by the controller agent
         self._counter: I2cCounter | None = None  # where there is none
+        self._transfers_in_round = 0
         self.nacked = 0
         self.stuck_lines: list[str] = []
         self._stuck_wire: Wire | None = None  # the line last reported stuck, and how many rounds were over then
@@ -89,9 +101,9 @@ class Scene:
 
     # Building ------------------------------------------------------------------
 
-    def _limit(self, entry: int, budget: Budget) -> Limit:
+    def _limit(self, entry: int, budget: Budget, scope: Scope) -> Limit:
         try:
-            return Limit(budget, self.timebase)
+            return Limit(budget, self.timebase, scope)
         except BadBudget as error:
             raise self.case.mistake(str(error), "budget", entry, error.key) from None
 
@@ -143,7 +155,7 @@ class Scene:
         )
         dsp = Dsp(self.kernel, self.timebase, self.recorder, plan)
         try:
-            firmware = load_firmware(unit.firmware)
+            firmware = self._programs.get(name) or load_firmware(unit.firmware)
         except BadFirmware as error:
             raise self.case.mistake(str(error), "unit", name, "firmware") from None
         try:
@@ -192,6 +204,7 @@ class Scene:
         if not requests:
             raise self.case.mistake("it has no requests; give it order or [[controller.request]]", "controller")
         by_stop = table.pointer_by == "STOP"
+        self._transfers_in_round = sum(len(request.transfers(by_stop)) for request in requests)
         return SensorHead(self.kernel, controller, requests, schedule, by_stop=by_stop, seed=self.case.seed)
 
     def _chip(self, name: str, *place: str | int) -> Request:
@@ -249,6 +262,19 @@ class Scene:
     def missed_rounds(self) -> int:
         return 0 if self.head is None else self.head.missed
 
+    def transfers_in_round(self) -> int:
+        return self._transfers_in_round
+
+    def round_period(self) -> int:
+        return 0 if self.case.controller is None else self._ticks(self.case.controller.period)
+
+    def began(self) -> int:
+        return self.start
+
+    def cpu_cycles(self, unit: str) -> tuple[int, int]:
+        dsp = self.units[unit]
+        return dsp.cpu.busy_cycles, dsp.clock.cycle_at(self.kernel.now)
+
     def host_values(self, number: int) -> tuple[int, ...]:
         return ramp(number)
 
@@ -290,7 +316,7 @@ class Scene:
                 progress(step / steps)
         wall = perf_counter() - wall
         for limit in self.limits:
-            limit.measure.finish(self.kernel.now)
+            limit.finish(self.kernel.now)
         return self._result(length, wall)
 
     def deadlocks(self) -> list[str]:

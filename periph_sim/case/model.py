@@ -8,11 +8,21 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Annotated, Literal, TypeVar
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PrivateAttr,
+    ValidationInfo,
+    model_validator,
+)
 
+from ..core.nearest import near
 from ..core.options import Value
 from .settings import Duration, Frequency, HexBytes
-from .source import Source
+from .source import Source, line_of
 
 
 class BadCase(ValueError):
@@ -158,24 +168,49 @@ def _begins_in_order(table: Scheduled) -> Scheduled:
     return table
 
 
+LIMITS = ("max", "min", "exactly", "p50", "p95", "p99", "p99_9")  # keys of a budget
+
+
 class Budget(Table):
-    """A limit on a measure. max, min: a duration with its unit, or a whole number for counts."""
+    """Limits on a measure: durations with their unit, parts of the time as "40 %", whole numbers for counts.
+
+    p50 to p99_9: the most that 50 to 99.9 percent of the values may come to.
+    """
 
     name: str
     measure: str
     max: Extent | None = None
     min: Extent | None = None
+    exactly: Extent | None = None
+    p50: Extent | None = None
+    p95: Extent | None = None
+    p99: Extent | None = None
+    p99_9: Extent | None = None
     why: str = ""
     source: str = ""
 
     @model_validator(mode="after")
     def _has_a_limit(self) -> Budget:
-        if self.max is None and self.min is None:
-            raise ValueError("a budget needs max or min")
+        if not self.limits():
+            raise ValueError(f"a budget needs a limit: {', '.join(LIMITS[:-1])} or {LIMITS[-1]}")
         return self
+
+    def limits(self) -> dict[str, str | int]:
+        """The limits that are given, by key."""
+        given: dict[str, str | int | None] = {key: getattr(self, key) for key in LIMITS}
+        return {key: limit for key, limit in given.items() if limit is not None}
+
+
+def _named_budget(name: str, info: ValidationInfo) -> str:
+    known = [budget.name for budget in info.data.get("budget", ())]  # empty too where a budget itself was refused
+    if "budget" in info.data and name not in known:
+        raise ValueError(f"there is no budget {name!r}; {near(name, known)}")
+    return name
 
 
 class Case(Table):
+    """breaks: names of the budgets that a known bug breaks; `periph-sim check` passes only if exactly those do."""
+
     name: str
     about: str = ""
     duration: Duration
@@ -187,6 +222,7 @@ class Case(Table):
     controller: Controller | None = None
     host: HostTable | None = None
     budget: tuple[Budget, ...] = ()
+    breaks: tuple[Annotated[str, AfterValidator(_named_budget)], ...] = ()
     _source: Source | None = PrivateAttr(default=None)
 
     def from_source(self, source: Source) -> Case:
@@ -199,3 +235,7 @@ class Case(Table):
         key = ".".join(str(part) for part in place)
         where = f"case {self.name}" if self._source is None else self._source.where(place)
         return BadCase(f"{where}: {key}: {what}")
+
+    def line(self, *place: str | int) -> int:
+        """The line of the case's file on which a key or its table stands; 0 if there is no file or no such key."""
+        return 0 if self._source is None else line_of(self._source.text, place)

@@ -18,6 +18,9 @@ def show(console: Console, result: Result) -> None:
         f"{result.wire_bytes} I2C bytes, {result.sci_bytes} SCI bytes, {result.events} events\n{counts}",
         highlight=False,
     )
+    for verdict in result.budgets:
+        if verdict.found:
+            console.print(f"{verdict.name}: {verdict.found}", highlight=False, markup=False, soft_wrap=True)
     if result.first_wrong:
         console.print(f"first wrong: {result.first_wrong}", highlight=False)
     for place, times in list(result.wrong.items())[:12]:
@@ -46,15 +49,20 @@ def row(verdict: Verdict) -> tuple[str, ...]:
     def shown(value: float | int | None) -> str:
         if value is None:
             return "-"
+        if verdict.unit == "%":
+            return f"{value:.2f} %"
         if verdict.unit != "us":
             return f"{value}"
         return f"{value:.3f} us" if abs(value) < 1000 else f"{value / 1000:.3f} ms"
 
+    limit = shown(verdict.limit)
+    if verdict.which not in ("max", "min"):
+        limit = f"{'=' if verdict.which == 'exactly' else verdict.which.replace('_', '.')} {limit}"
     at = "-" if verdict.at_s is None else f"{verdict.at_s:.6f} s"
     return (
         verdict.name,
         shown(verdict.worst),
-        shown(verdict.limit),
+        limit,
         shown(verdict.margin),
         str(verdict.count),
         at,

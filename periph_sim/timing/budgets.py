@@ -8,12 +8,17 @@ from fractions import Fraction
 from ..case.model import Budget
 from ..case.settings import duration
 from ..core.nearest import near
-from ..core.time import Timebase
-from .measures import MEASURES, SPAN, Counter, Measure, make
+from ..core.time import NO_TIME, Timebase
+from .event_measures import MILLIONTHS, EventCount, make_of_events
+from .language import is_form, near_form
+from .measures import MEASURES, SPAN, Measure, make
+from .names import BadEvent, Scope
+
+PER_MILLE = {"p50": 500, "p95": 950, "p99": 990, "p99_9": 999}
 
 
 class BadBudget(ValueError):
-    """A budget that names no measure, or whose limit does not fit it; one sentence. key: measure, max or min."""
+    """A budget that names no measure, or whose limits do not fit it or each other; one sentence. key: the wrong one."""
 
     def __init__(self, what: str, key: str) -> None:
         super().__init__(what)
@@ -22,7 +27,11 @@ class BadBudget(ValueError):
 
 @dataclass
 class Verdict:
-    """worst, limit, margin: microseconds for times, else plain counts. at_s: when the worst was, from the start on."""
+    """worst, limit, margin: microseconds for times, percent for parts of the time, else plain counts.
+
+    Of several limits the nearest one. at_s: when the worst was, from the start on. which: the limit's key; for a
+    percentile `worst` is the value at it. found: what there is to say beyond figures, such as that nothing matched.
+    """
 
     name: str
     measure: str
@@ -34,63 +43,155 @@ class Verdict:
     verdict: str  # "pass" or "fail"
     at_s: float | None
     why: str = ""
+    which: str = "max"
+    found: str = ""
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """A limit, and what the run has beside it."""
+
+    which: str
+    limit: int
+    value: int
+    at: int
+    slack: int
 
 
 class Limit:
-    """One budget with its measure; `verdict` after the run."""
+    """One budget with its measure; `verdict` after the run. scope: what a measure of events may name."""
 
-    def __init__(self, budget: Budget, timebase: Timebase) -> None:
-        if not budget.measure.startswith(SPAN) and budget.measure not in MEASURES:
-            hint = near(budget.measure, [*MEASURES, f"{SPAN}NAME"])
-            raise BadBudget(f"there is no measure {budget.measure!r}; {hint}", "measure")
+    def __init__(self, budget: Budget, timebase: Timebase, scope: Scope | None = None) -> None:
         self.budget = budget
-        self.measure: Measure = make(budget.measure)
+        self.measure = _measure(budget.measure, scope or Scope())
         self._timebase = timebase
-        self._max = self._limit("max", budget.max)
-        self._min = self._limit("min", budget.min)
-        if self._max is not None and self._min is not None and self._min > self._max:
-            raise BadBudget(f"min {budget.min} is above max {budget.max}, so no run can keep both", "min")
+        self._found = ""
+        self._limits = {key: self._limit(key, given) for key, given in budget.limits().items()}
+        self._check()
+        if PER_MILLE.keys() & self._limits.keys():
+            self.measure.keep()
 
-    def _limit(self, which: str, given: str | int | None) -> int | None:
-        """The limit in ticks or counts."""
-        if given is None:
-            return None
-        if self.measure.unit == "time":
+    def _limit(self, which: str, given: str | int) -> int:
+        """The limit in ticks, millionths or counts."""
+        unit = self.measure.unit
+        if unit == "time":
             try:
                 return self._timebase.ticks(duration(given), "nearest")
             except ValueError as error:
                 raise BadBudget(str(error), which) from None
+        if unit == "%":
+            return self._part(which, given)
         if isinstance(given, str):
-            counted = "a number" if self.measure.unit == "count" else f"a number of {self.measure.unit}"
+            counted = "a number" if unit in ("count", "value") else f"a number of {unit}"
             raise BadBudget(f"{given!r}, but {self.budget.measure!r} is {counted}; write a whole number", which)
         return given
 
+    def _part(self, which: str, given: str | int) -> int:
+        """ "40 %" in millionths."""
+        text = str(given)
+        try:
+            part = Fraction(text.removesuffix("%").strip())
+        except (ValueError, ZeroDivisionError):
+            part = Fraction(-1)
+        if not text.endswith("%") or not 0 <= part <= 100:
+            raise BadBudget(
+                f"{given!r}, but {self.budget.measure!r} is a part of the time; write for instance '40 %'", which
+            )
+        return round(part * MILLIONTHS / 100)
+
+    def _check(self) -> None:
+        """Refuse limits that no run can keep, or of which one says all that another says."""
+        limits, given = self._limits, self.budget.limits()
+        others = [key for key in limits if key != "exactly"]
+        if "exactly" in limits and others:
+            raise BadBudget(f"exactly says all that {' and '.join(others)} could; leave one of them out", "exactly")
+        percentiles = [key for key in PER_MILLE if key in limits]
+        if percentiles and not self.measure.series:
+            key = percentiles[0]
+            raise BadBudget(f"{self.budget.measure!r} is one number a run and has no percentiles; write max", key)
+        low, high = limits.get("min"), limits.get("max")
+        if low is not None and high is not None and low > high:
+            what = f"min {given['min']} is above max {given['max']}, so no run can keep both"
+            raise BadBudget(f"{what}; raise max or lower min", "min")
+        for place, key in enumerate(percentiles):
+            if high is not None and limits[key] > high:
+                what = f"{key} {given[key]} is above max {given['max']}, which no value may exceed"
+                raise BadBudget(f"{what}; lower {key} or leave it out", key)
+            if low is not None and low > limits[key]:
+                what = f"{key} {given[key]} is below min {given['min']}, so no run can keep both"
+                raise BadBudget(f"{what}; raise {key} or lower min", key)
+            for higher in percentiles[place + 1 :]:
+                if limits[key] > limits[higher]:
+                    what = f"{key} {given[key]} is above {higher} {given[higher]}, which says more already"
+                    raise BadBudget(f"{what}; lower {key} or leave it out", key)
+        if isinstance(self.measure, EventCount) and self.measure.event.free:
+            for key in limits:
+                if key != "min" and limits[key] == 0:
+                    what = "a span's name is free text, so that none was seen proves nothing"
+                    raise BadBudget(f"{what}; limit what the run does instead", key)
+
+    def finish(self, now: int) -> None:
+        """The run is over: what still waits, and has waited longer than it may, breaks the budget now."""
+        self.measure.finish(now)
+        since, said = self.measure.waits()
+        most = [limit for key, limit in self._limits.items() if key in ("max", "exactly")]
+        if since != NO_TIME and most and now - since > most[0]:
+            self._found = said
+            self.measure.take(now - since, since)
+
     def verdict(self, start: int = 0) -> Verdict:
-        """What a run that began at `start` showed. A duration never measured is a failure, never a silent pass."""
+        """What a run that began at `start` showed. What was never measured is a failure, never a silent pass."""
         measure = self.measure
-        silent = not measure.count and not isinstance(measure, Counter)
-        over = None if self._max is None else self._max - measure.worst
-        under = None if self._min is None else measure.least - self._min
-        slacks = [slack for slack in (over, under) if slack is not None]
-        margin = min(slacks)
-        by_max = over is not None and over == margin
-        limit = self._max if by_max else self._min
-        worst, at = (measure.worst, measure.worst_at) if by_max else (measure.least, measure.least_at)
-        assert limit is not None
+        silent = measure.silent
+        if silent:
+            nearest = next(_Seen(key, limit, 0, NO_TIME, 0) for key, limit in self._limits.items())
+        else:
+            nearest = min((self._beside(key, limit) for key, limit in self._limits.items()), key=lambda s: s.slack)
         return Verdict(
             name=self.budget.name,
             measure=self.budget.measure,
             unit="us" if measure.unit == "time" else measure.unit,
-            worst=None if silent else self._show(worst),
-            limit=self._show(limit),
-            margin=None if silent else self._show(margin),
+            worst=None if silent else self._show(nearest.value),
+            limit=self._show(nearest.limit),
+            margin=None if silent else self._show(nearest.slack),
             count=measure.count,
-            verdict="fail" if silent or margin < 0 else "pass",
-            at_s=None if silent or at < 0 else float(self._timebase.seconds(at - start)),
+            verdict="fail" if silent or nearest.slack < 0 else "pass",
+            at_s=None if silent or nearest.at < 0 else float(self._timebase.seconds(nearest.at - start)),
             why=self.budget.why,
+            which=nearest.which,
+            found=measure.missing() if silent else self._found,
         )
 
+    def _beside(self, which: str, limit: int) -> _Seen:
+        measure = self.measure
+        if which == "max":
+            return _Seen(which, limit, measure.worst, measure.worst_at, limit - measure.worst)
+        if which == "min":
+            return _Seen(which, limit, measure.least, measure.least_at, measure.least - limit)
+        if which == "exactly":
+            over, under = measure.worst - limit, limit - measure.least
+            if over >= under:
+                return _Seen(which, limit, measure.worst, measure.worst_at, -abs(over))
+            return _Seen(which, limit, measure.least, measure.least_at, -abs(under))
+        value, at = measure.percentile(PER_MILLE[which])
+        return _Seen(which, limit, value, at, limit - value)
+
     def _show(self, value: int) -> float | int:
+        if self.measure.unit == "%":
+            return float(Fraction(value * 100, MILLIONTHS))
         if self.measure.unit != "time":
             return value
         return float(round(Fraction(value * 1_000_000, self._timebase.per_second), 4))
+
+
+def _measure(text: str, scope: Scope) -> Measure:
+    if is_form(text):
+        try:
+            return make_of_events(text, scope)
+        except BadEvent as error:
+            raise BadBudget(str(error), "measure") from None
+    if not text.startswith(SPAN) and text not in MEASURES:
+        form = near_form(text)
+        hint = f"did you mean {form}?" if form else near(text, [*MEASURES, f"{SPAN}NAME"])
+        raise BadBudget(f"there is no measure {text!r}; {hint}", "measure")
+    return make(text)

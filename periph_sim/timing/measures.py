@@ -1,14 +1,18 @@
 """What a budget can limit: happenings of a run go in as they happen, the worst value and when it was come out.
 
-A measure keeps no history, so memory does not grow with the run. Each class says what it
-measures and from which event to which. `MEASURES` is the list users choose from.
+A measure keeps no history, so memory does not grow with the run, unless a budget limits a percentile. Each class
+says what it measures and from which event to which. `MEASURES` is the list users choose from; measures of events
+that users name are in `event_measures`.
 """
 
 from __future__ import annotations
 
+from array import array
 from collections import OrderedDict
 from collections.abc import Callable
 from typing import Protocol
+
+import numpy as np
 
 from ..core.records import Kind, Record
 from ..core.time import NO_TIME
@@ -36,13 +40,28 @@ class Happenings(Protocol):
 
     def missed_rounds(self) -> int: ...
 
+    def transfers_in_round(self) -> int: ...
+
+    def round_period(self) -> int:
+        """From one round's due time to the next one's, in ticks."""
+
+    def began(self) -> int:
+        """The tick at which the run begins."""
+
+    def cpu_cycles(self, unit: str) -> tuple[int, int]:
+        """(cycles in computations and service routines, all cycles) of a unit, so far."""
+
     def host_values(self, number: int) -> tuple[int, ...]: ...
 
 
 class Measure:
-    """unit: "time" (ticks) or a word for what is counted. worst is the largest value seen, least the smallest."""
+    """unit: "time" (ticks), "%" (millionths) or a word for what is counted. worst is the largest value seen.
+
+    least: the smallest. series: it takes one value after the other, of which there are percentiles.
+    """
 
     unit = "time"
+    series = True
     needs = ""  # what a scene must have for this to mean anything: "controller", "host" or "SCI-A"
     kinds: frozenset[Kind] = frozenset()
 
@@ -53,6 +72,32 @@ class Measure:
         self.worst_at = NO_TIME
         self.least_at = NO_TIME
         self.total = 0
+        self._kept: tuple[array[int], array[int]] | None = None
+
+    @property
+    def silent(self) -> bool:
+        """Nothing was measured, so nothing is proven."""
+        return not self.count
+
+    def missing(self) -> str:
+        """Why nothing was measured, where more can be said than that."""
+        return ""
+
+    def waits(self) -> tuple[int, str]:
+        """Since when an event waits for the one that would end it, and that as a phrase; NO_TIME if none does."""
+        return NO_TIME, ""
+
+    def keep(self) -> None:
+        """Keep every value, for percentiles."""
+        self._kept = array("q"), array("q")
+
+    def percentile(self, per_mille: int) -> tuple[int, int]:
+        """(value, when first): the least value that so many of a thousand do not exceed (nearest rank)."""
+        assert self._kept is not None
+        values, at = (np.frombuffer(column, np.int64) for column in self._kept)
+        rank = -(-per_mille * len(values) // 1000) - 1
+        value = np.partition(values, rank)[rank]
+        return int(value), int(at[np.argmax(values == value)])
 
     def listen(self, scene: Happenings) -> None:
         """Ask the scene for what this measure needs."""
@@ -70,12 +115,20 @@ class Measure:
             self.least, self.least_at = value, at
         self.count += 1
         self.total += value
+        if self._kept is not None:
+            self._kept[0].append(value)
+            self._kept[1].append(at)
 
 
 class Counter(Measure):
     """Counts something: worst is how many there were, worst_at when the first one was. Zero is a value."""
 
     unit = "count"
+    series = False
+
+    @property
+    def silent(self) -> bool:
+        return False
 
     def one_more(self, at: int, by: int = 1) -> None:
         if not self.count:
@@ -192,6 +245,7 @@ class WrongBytes(Measure):
     needs = "controller"
     RECENT = 8  # frames that a sample may come from
     unit = "bytes"
+    series = False
 
     def listen(self, scene: Happenings) -> None:
         self._chips = {chip.address: chip for chip in CHIPS.values()} if scene.checks_host() else {}

@@ -160,7 +160,8 @@ def case_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         (
             'max = "60 us"',
             'max = "60 us"\nmin = "61 us"',
-            "small.toml, line 21: budget.0.min: min 61 us is above max 60 us, so no run can keep both",
+            "small.toml, line 21: budget.0.min: min 61 us is above max 60 us, so no run can keep both; "
+            "raise max or lower min",
         ),
     ],
 )

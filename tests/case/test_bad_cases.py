@@ -65,6 +65,16 @@ def edited(path: Path, line: str, by: str) -> Path:
     [
         (
             'duration = "1 s"',
+            'duration = "1 s"\nbreaks = ["answer", "nack"]',
+            "small.toml, line 3: breaks.1: there is no budget 'nack'; did you mean nacks?",
+        ),
+        (
+            'duration = "1 s"',
+            'duration = "1 s"\nbreaks = "nacks"',
+            "small.toml, line 3: breaks: expected a list, but it is 'nacks'",
+        ),
+        (
+            'duration = "1 s"',
             'durations = "1 s"',
             "small.toml: duration is missing",
         ),
@@ -185,7 +195,7 @@ def edited(path: Path, line: str, by: str) -> Path:
         (
             'name = "answer"\nmeasure = "response"\nmax = "60 us"',
             'name = "answer"\nmeasure = "response"',
-            "small.toml, line 17: budget.0: a budget needs max or min",
+            "small.toml, line 17: budget.0: a budget needs a limit: max, min, exactly, p50, p95, p99 or p99_9",
         ),
         (
             "max = 0",

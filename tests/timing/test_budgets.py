@@ -104,9 +104,14 @@ def test_limits_between_two_ticks_are_rounded_to_the_nearest():
             "response",
             {"max": "10 us", "min": "11 us"},
             "min",
-            "min 11 us is above max 10 us, so no run can keep both",
+            "min 11 us is above max 10 us, so no run can keep both; raise max or lower min",
         ),
-        ("nacked", {"max": 1, "min": 2}, "min", "min 2 is above max 1, so no run can keep both"),
+        (
+            "nacked",
+            {"max": 1, "min": 2},
+            "min",
+            "min 2 is above max 1, so no run can keep both; raise max or lower min",
+        ),
     ],
 )
 def test_a_budget_that_cannot_be_kept_or_is_none_is_refused(measure, limits, key, sentence):

@@ -1,0 +1,47 @@
+"""Records made by hand, and a scene of one or two units for them to be from."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from periph_sim.core.records import Kind, Record
+from periph_sim.formats.record_table import Columns, RecordTable
+from periph_sim.timing.measures import Measure
+from periph_sim.timing.names import Scope
+
+MODULES = ("I2C-A", "SCI-A", "GPIO")
+ONE = Scope({"dsp": MODULES}, ("SDA", "SCL", "RX", "TX", "MODEL"), controller=True, host=True)
+TWO = Scope({"head": ("I2C-A", "TIMER0"), "imu": ("I2C-A", "SCI-A")}, ("SDA", "SCL", "RX", "TX"))
+BARE = Scope({"dsp": ("I2C-A",)}, ("SDA", "SCL"))
+
+KINDS = {"edge": Kind.EDGE, "flag": Kind.FLAG, "access": Kind.ACCESS, "irq": Kind.IRQ, "span": Kind.SPAN}
+KINDS |= {"bus": Kind.BUS, "frame": Kind.FRAME, "note": Kind.NOTE}
+
+
+def records(drawn: str) -> list[Record]:
+    """One a line: tick, kind, where, what (a _ is a blank), value."""
+    made = []
+    for number, line in enumerate((line for line in drawn.splitlines() if line.strip()), 1):
+        tick, kind, where, what, value = line.split()
+        made.append(Record(number, int(tick), KINDS[kind], where, what.replace("_", " "), int(value, 0), "", 0))
+    return made
+
+
+def table(of: list[Record]) -> RecordTable:
+    columns = Columns()
+    for record in of:
+        columns.add(record)
+    return columns.table(Fraction(10**9), 1000, {"dsp": (*MODULES, "pin:MODEL")})
+
+
+def tell(measure: Measure, of: list[Record]) -> Measure:
+    """The records that a scene would hand to the measure."""
+    for record in of:
+        if record.kind in measure.kinds:
+            measure.record(record)
+    return measure
+
+
+def came(measure: Measure) -> tuple[int, int, int, int]:
+    """worst, when, least, count"""
+    return measure.worst, measure.worst_at, measure.least, measure.count

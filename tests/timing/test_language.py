@@ -1,0 +1,125 @@
+"""Measures as text: what each form says, and what is said about a text that is none."""
+
+from __future__ import annotations
+
+import pytest
+
+from periph_sim.timing.language import FORMS, Event, Said, event_of, is_form, measure_of, near_form
+from periph_sim.timing.names import BadEvent
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "unit", "name", "how", "number"),
+    [
+        ("edge SCL rise", "edge", "", "SCL", "rise", None),
+        ("edge  SCL   change", "edge", "", "SCL", "change", None),
+        ("flag I2C-A.I2CSTR.XRDY fall", "flag", "", "I2C-A.I2CSTR.XRDY", "fall", None),
+        ("flag imu:I2C-A.I2CSTR.XRDY rise", "flag", "imu", "I2C-A.I2CSTR.XRDY", "rise", None),
+        ("flag SCI-A.SCIFFRX.RXFFST = 12", "flag", "", "SCI-A.SCIFFRX.RXFFST", "=", 12),
+        ("flag I2C-A.I2COAR.OAR=0x68", "flag", "", "I2C-A.I2COAR.OAR", "=", 0x68),
+        ("access W I2C-A.I2CDXR", "access", "", "I2C-A.I2CDXR", "W", None),
+        ("interrupt imu:SCIRXINTA enter", "interrupt", "imu", "SCIRXINTA", "enter", None),
+        ("span model begin", "span", "", "model", "begin", None),
+        ("span time update end", "span", "", "time update", "end", None),
+        ('span "from begin to end" end', "span", "", "from begin to end", "end", None),
+        ("span imu:'a b' begin", "span", "imu", "a b", "begin", None),
+        ("bus START", "bus", "", "START", "", None),
+        ("bus repeated START", "bus", "", "repeated START", "", None),
+        ("bus arbitration lost", "bus", "", "arbitration lost", "", None),
+        ("bus address", "bus", "", "address", "", None),
+        ("bus address 0x68", "bus", "", "address", "", 0x68),
+        ("bus address 104 read", "bus", "", "address", "read", 104),
+        ("bus address write", "bus", "", "address", "write", None),
+        ("bus byte 0xFF", "bus", "", "byte", "", 255),
+        ("frame", "frame", "", "byte", "", None),
+        ("frame 0x55", "frame", "", "byte", "", 0x55),
+        ("note imu:duty", "note", "imu", "duty", "", None),
+    ],
+)
+def test_an_event(text: str, kind: str, unit: str, name: str, how: str, number: int | None):
+    event = event_of(text)
+    assert (event.kind, event.unit, event.name, event.how, event.number) == (kind, unit, name, how, number)
+
+
+@pytest.mark.parametrize(
+    ("text", "form", "events", "rule", "unit", "name"),
+    [
+        ("from bus START to bus STOP", "from", ["bus START", "bus STOP"], "next", "", ""),
+        ("from frame to edge TX fall, next", "from", ["frame", "edge TX fall"], "next", "", ""),
+        ("from bus byte 7 to frame same transfer", "from", ["bus byte 7", "frame"], "same transfer", "", ""),
+        ("from bus byte to frame, same round", "from", ["bus byte", "frame"], "same round", "", ""),
+        ("from span a b begin to span a b end", "from", ["span a b begin", "span a b end"], "next", "", ""),
+        ("period of frame", "period", ["frame"], "next", "", ""),
+        ("jitter of span model begin", "jitter", ["span model begin"], "next", "", ""),
+        ("count of note lost", "count", ["note lost"], "next", "", ""),
+        ("level of imu:SCI-A.SCIFFRX.RXFFST", "level", [], "next", "imu", "SCI-A.SCIFFRX.RXFFST"),
+        ("interrupt latency SCIRXINTA", "interrupt", [], "next", "", "SCIRXINTA"),
+        ("time in time update", "time", [], "next", "", "time update"),
+        ("cpu load", "cpu", [], "next", "", ""),
+        ("cpu load of imu", "cpu", [], "next", "imu", ""),
+        ("bus load", "bus", [], "next", "", ""),
+        ("slack", "slack", [], "next", "", ""),
+    ],
+)
+def test_a_measure(text: str, form: str, events: list[str], rule: str, unit: str, name: str):
+    assert is_form(text)
+    said = measure_of(text)
+    assert [event.text for event in said.events] == events
+    assert said == Said(form, said.events, rule, unit, name)
+
+
+@pytest.mark.parametrize("form", FORMS.values())
+def test_every_form_that_messages_name_can_be_said(form: str):
+    text = form.replace("MODULE.REGISTER.FIELD", "I2C-A.I2CSTR.XRDY").replace("NAME", "SCIRXINTA")
+    assert measure_of(text.replace("EVENT", "frame").replace("SPAN", "model"))
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("from edge SCL rise", "'from edge SCL rise' ends where to is expected"),
+        (
+            "from edge SCL rize to frame",
+            "'from edge SCL rize to frame': 'rize' where rise, fall or change is expected; did you mean rise?",
+        ),
+        ("edge SCL", "'edge SCL' ends where rise, fall or change is expected"),
+        ("edge", "'edge' ends where a wire is expected"),
+        (
+            "flg I2C-A.I2CSTR.XRDY rise",
+            "'flg I2C-A.I2CSTR.XRDY rise': 'flg' where edge, flag, access, interrupt, span, bus, frame or note is "
+            "expected; did you mean flag?",
+        ),
+        ("flag I2C-A.I2CCNT.ICDC =", "'flag I2C-A.I2CCNT.ICDC =': a number is expected after ="),
+        ("count of bus address 0x80", "'count of bus address 0x80': 0x80 is more than it can be, 0x7f"),
+        ("count of bus byte 0xZZ", "'count of bus byte 0xZZ': '0xZZ' is no number; write for instance 0x68"),
+        ("note dutty", "'note dutty': there is no note 'dutty'; did you mean duty?"),
+        (
+            "from frame to frame, same frame",
+            "'from frame to frame, same frame': 'frame' where transfer or round is expected; it has transfer, round",
+        ),
+        ("slack of it", "'slack of it': 'of' is more than a measure or event says; leave it out"),
+        ("cpu load of", "'cpu load of' ends where a unit is expected"),
+        ("period edge SCL rise", "'period edge SCL rise': 'edge' where of is expected"),
+        ("span model", "'span model' ends where begin or end is expected"),
+        ("time in ''", "\"time in ''\": a quote is not closed, or nothing is in it; write for instance 'time update'"),
+        (
+            'span "a begin',
+            "'span \"a begin': a quote is not closed, or nothing is in it; write for instance 'time update'",
+        ),
+        ("span imu:", "'span imu:' ends where a span's name is expected"),
+        ("", "'' ends where edge, flag, access, interrupt, span, bus, frame or note is expected"),
+    ],
+)
+def test_what_is_no_event_or_measure_is_told_with_what_was_expected(text: str, sentence: str):
+    with pytest.raises(BadEvent) as caught:
+        measure_of(text) if is_form(text) else event_of(text)
+    assert str(caught.value) == sentence
+
+
+def test_a_slip_in_the_first_word_is_told():
+    assert near_form("perod of frame") == "period of EVENT"
+    assert near_form("respons") == ""
+
+
+def test_an_event_knows_its_own_text():
+    assert measure_of("from  bus   START to frame").events[0] == Event("bus", "bus START", "", "START")

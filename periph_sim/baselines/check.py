@@ -1,0 +1,208 @@
+"""Case files go in; each is run in a process of its own and held against its baseline; a CaseCheck each comes out.
+
+    paths --> cases --> processes --> outcomes --> compared, explained, judged --> CaseCheck
+                                                   or written as new baselines
+
+The results come in the order of the files' names, however many processes there are.
+"""
+
+from __future__ import annotations
+
+import gc
+import os
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from difflib import unified_diff
+from multiprocessing import get_context
+from pathlib import Path
+from signal import SIG_DFL, SIGINT, signal
+from typing import Protocol, TypeVar, TypeVarTuple
+
+from .chain import Wanted
+from .compare import Change, compare, explain
+from .figures import Baseline, Figures
+from .files import path_for, read, text_of, write_all
+from .judge import CaseCheck, judge
+from .outcome import Outcome, Refused, occurrence, run_case, run_chains
+from .trouble import BadCheck
+
+T = TypeVar("T")
+Ts = TypeVarTuple("Ts")
+
+
+def case_files(paths: Iterable[Path]) -> list[Path]:
+    """The case files: a file as it is, of a folder its *.toml by name; each once. BadCheck if there are none."""
+    found: dict[Path, None] = {}
+    for path in paths:
+        if path.is_dir():
+            inside = sorted(path.glob("*.toml"))
+            if not inside:
+                raise BadCheck(f"{path}: there is no case in it; expected *.toml files")
+            found |= dict.fromkeys(inside)
+        elif path.exists():
+            found[path] = None
+        else:
+            raise BadCheck(f"{path}: there is no such file or folder; give case files, or folders of them")
+    return list(found)
+
+
+def check(
+    paths: Iterable[Path],
+    *,
+    jobs: int | None = None,
+    tolerance: int = 0,
+    update: bool = False,
+    changes: Sequence[str] = (),
+    told: Callable[[float], None] | None = None,
+) -> list[CaseCheck]:
+    """How each case stands. jobs: processes, as many as there are cores if None; 1 runs all in this one.
+
+    tolerance: cycles by which times may differ. update: the figures become the new baselines, all or none.
+    changes: "key=value" texts applied to every case, to see what they would change. told: the part done, 0 to 1.
+    BadCheck for cases that cannot be run and baselines that cannot be read. A script that calls this with more
+    than one process needs the usual `if __name__ == "__main__":`.
+    """
+    files = case_files(paths)
+    before = {} if update else {path: read(path_for(path)) for path in files}
+    alone = jobs == 1 or len(files) == 1
+    with _workers(None if alone else min(jobs or os.cpu_count() or 1, len(files))) as start:
+        outcomes: list[Outcome] = []
+        refused: list[str] = []
+        for done, came in enumerate([start(run_case, path, tuple(changes)) for path in files], 1):
+            one = came()
+            if isinstance(one, Refused):
+                refused.append(one.why)
+            else:
+                outcomes.append(one)
+            if told is not None:
+                told(done / len(files))
+        if refused:
+            raise BadCheck("\n".join(refused))
+        if update:
+            return _updated(outcomes, start)
+        checks = [_compared(outcome, before[outcome.path], tolerance) for outcome in outcomes]
+        _explain(checks, before, start)
+    for one_check in checks:
+        one_check.findings = judge(one_check)
+    return checks
+
+
+def _compared(outcome: Outcome, baseline: Baseline | None, tolerance: int) -> CaseCheck:
+    path = path_for(outcome.path)
+    if baseline is None:
+        return CaseCheck(outcome, path, "missing", [])
+    changes = compare(baseline, outcome.figures, tolerance)
+    return CaseCheck(outcome, path, "changed" if changes else "equal", changes)
+
+
+class Start(Protocol):
+    """Starts a call, perhaps in another process; what comes back gives its result."""
+
+    def __call__(self, work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> Callable[[], T]: ...
+
+
+def _explain(checks: list[CaseCheck], before: dict[Path, Baseline | None], start: Start) -> None:
+    """Second runs, only of cases with another worst value, for the chains that say why."""
+    runs = []
+    for one in checks:
+        now = one.outcome.figures.budgets
+        moved = {c.budget for c in one.changes if c.budget is not None and _is_worst(c, now.get(c.budget))}
+        runs.append(
+            start(run_chains, one.outcome.path, one.outcome.changes, _wanted(one.outcome, moved)) if moved else None
+        )
+    for one, run in zip(checks, runs, strict=True):
+        baseline = before[one.outcome.path]
+        if baseline is not None:
+            if run is not None:
+                one.outcome.figures = _with_chains(one.outcome.figures, run().of)
+            explain(one.changes, baseline, one.outcome.figures, one.outcome.first_wrong)
+
+
+def _is_worst(change: Change, figures: Figures | None) -> bool:
+    return figures is not None and change.figure == figures.chain_of
+
+
+def _updated(outcomes: list[Outcome], start: Start) -> list[CaseCheck]:
+    """New baselines, written once all are complete."""
+    runs = [start(run_chains, one.path, one.changes, _wanted(one, set(one.figures.budgets))) for one in outcomes]
+    checks = []
+    texts: dict[Path, str] = {}
+    for outcome, run in zip(outcomes, runs, strict=True):
+        outcome.figures = _with_chains(outcome.figures, run().of)
+        path = path_for(outcome.path)
+        text = text_of(outcome.figures)
+        old = path.read_bytes().decode("utf-8", "replace") if path.is_file() else ""
+        one = CaseCheck(outcome, path, "equal" if text == old else "written", [])
+        if text != old:
+            texts[path] = text
+            one.diff = _diff(path, old, text)
+            one.changes = _changes_since(path, outcome)
+        checks.append(one)
+    write_all(texts)
+    for one in checks:
+        one.findings = judge(one)
+    return checks
+
+
+def _changes_since(path: Path, outcome: Outcome) -> list[Change]:
+    try:
+        baseline = read(path)
+    except BadCheck:  # of another version, or damaged: it is being replaced
+        return []
+    if baseline is None:
+        return []
+    changes = compare(baseline, outcome.figures)
+    explain(changes, baseline, outcome.figures, outcome.first_wrong)
+    return changes
+
+
+def _diff(path: Path, old: str, new: str) -> str:
+    name = path.as_posix()
+    lines = unified_diff(old.splitlines(), new.splitlines(), name if old else "nothing", name, lineterm="", n=1)
+    return "\n".join(lines)
+
+
+def _wanted(outcome: Outcome, names: set[str]) -> dict[str, Wanted]:
+    found = {name: occurrence(figures) for name, figures in outcome.figures.budgets.items() if name in names}
+    return {name: one for name, one in found.items() if one is not None}
+
+
+def _with_chains(figures: Baseline, chains: dict[str, list[str]]) -> Baseline:
+    budgets = {n: f.model_copy(update={"chain": chains.get(n, f.chain)}) for n, f in figures.budgets.items()}
+    return figures.model_copy(update={"budgets": budgets})
+
+
+@contextmanager
+def _workers(jobs: int | None) -> Iterator[Start]:
+    """A way to start calls, `jobs` at a time, each in a process of its own; None: in this one."""
+    if jobs is None:
+
+        def here(work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> Callable[[], T]:
+            return lambda: work(path, *rest)
+
+        yield here
+        return
+    gc.collect()  # firmware of earlier runs is stopped by the thread that ran it, not by one of these
+    with ThreadPoolExecutor(jobs) as threads:
+
+        def there(work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> Callable[[], T]:
+            return threads.submit(lambda: _apart(work, path, *rest)).result
+
+        try:
+            yield there
+        except BaseException:  # a case that cannot be run, or Ctrl-C: the rest need not be
+            threads.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+def _apart(work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> T:
+    """The call in a fresh process, so that no case sees what the firmware of another left behind."""
+    quietly = (SIGINT, SIG_DFL)  # Ctrl-C ends it without a traceback
+    with ProcessPoolExecutor(1, get_context("spawn"), initializer=signal, initargs=quietly) as process:
+        try:
+            return process.submit(work, path, *rest).result()
+        except BrokenProcessPool:
+            what = "its process died before it was done; periph-sim run shows how far it comes"
+            raise BadCheck(f"{path}: {what}") from None

@@ -1,0 +1,55 @@
+"""The figures of a case that a baseline keeps: exact integers, so that two runs can be compared for equality.
+
+    a run's measures --> Baseline <--> timing/baselines/NAME.json
+
+Times are ticks; `ticks_per_cycle` of them are one cycle of SYSCLKOUT (of the case's first
+unit). Instants are counted from the begin of the run.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict
+
+SCHEMA: Literal[1] = 1  # of the file; another one is refused
+
+
+class Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+
+class Figures(Strict):
+    """Of one budget. unit: "time" (ticks) or what is counted. None: nothing was measured, or it has no instant.
+
+    chain: the worst occurrence, an event a line: "TICKS EVENT", TICKS from its begin (see `chain`).
+    """
+
+    measure: str
+    unit: str
+    count: int
+    worst: int | None
+    worst_at: int | None
+    least: int | None
+    least_at: int | None
+    chain_of: Literal["worst", "least"]
+    chain: list[str]
+
+
+class Baseline(Strict):
+    """Of one case. counts: everything else of a run that is counted."""
+
+    schema_version: Literal[1] = SCHEMA
+    case: str
+    simulated: int
+    ticks_per_second: int
+    ticks_per_cycle: int
+    events: int
+    counts: dict[str, int]
+    budgets: dict[str, Figures]
+
+    def cycles(self, ticks: int) -> str:
+        """Ticks as cycles for people: exact where they are whole, else rounded to hundredths."""
+        value = Fraction(ticks, self.ticks_per_cycle)
+        return f"{value.numerator}" if value.denominator == 1 else f"{float(value):.2f}"

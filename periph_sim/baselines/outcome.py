@@ -1,0 +1,145 @@
+"""One case run once: a case file goes in, an Outcome comes out that can be sent from one process to another.
+
+Needs no terminal, command line or table: this is what a worker process runs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ..board.scene import Scene
+from ..case.load import load
+from ..case.model import BadCase, Case
+from ..core.kernel import SimulationStuck
+from ..f28335.memory import NoSuchAddress
+from ..host.cpu import FirmwareError
+from ..timing.budgets import Limit, Verdict
+from .chain import Wanted, chains
+from .figures import Baseline, Figures
+from .trouble import BadCheck
+
+REFUSED = (BadCase, SimulationStuck, NoSuchAddress, FirmwareError)
+
+
+@dataclass
+class Outcome:
+    """What a run of a case file came to. lines: where things stand in the file; 0 if nobody knows.
+
+    changes: the "key=value" texts applied to the case.
+    trouble: sentences about firmware that waits for ever. first_wrong: the first wrong read, if any.
+    """
+
+    path: Path
+    figures: Baseline
+    verdicts: list[Verdict]
+    breaks: tuple[str, ...]
+    trouble: list[str]
+    first_wrong: str
+    wall_s: float
+    lines: dict[str, int]
+    breaks_line: int
+    name_line: int
+    changes: tuple[str, ...]
+
+    @property
+    def broken(self) -> list[str]:
+        return [verdict.name for verdict in self.verdicts if verdict.verdict == "fail"]
+
+
+@dataclass
+class Refused:
+    """A case that cannot be run: one sentence, for the user."""
+
+    path: Path
+    why: str
+
+
+@dataclass
+class Chains:
+    """The chain of each budget's worst occurrence."""
+
+    path: Path
+    of: dict[str, list[str]] = field(default_factory=dict)
+
+
+def run_case(path: Path, changes: tuple[str, ...] = ()) -> Outcome | Refused:
+    """Run a case for its own duration."""
+    try:
+        return _outcome(path, load(path, list(changes)), changes)
+    except REFUSED as error:
+        return Refused(path, str(error))
+
+
+def run_chains(path: Path, changes: tuple[str, ...], wanted: dict[str, Wanted]) -> Chains:
+    """Run a case once more, as far as needed, for the chains of these budgets."""
+    try:
+        return Chains(path, chains(load(path, list(changes)), wanted))
+    except REFUSED as error:  # it ran a moment ago: the file or its firmware was changed meanwhile
+        raise BadCheck(f"{path}: it ran, but not a second time: {error}") from None
+
+
+def _outcome(path: Path, case: Case, changes: tuple[str, ...]) -> Outcome:
+    seen: set[str] = set()
+    for entry, budget in enumerate(case.budget):
+        if budget.name in seen:
+            what = f"there are two budgets {budget.name!r}; a baseline knows them by name, so give one another name"
+            raise case.mistake(what, "budget", entry, "name")
+        seen.add(budget.name)
+    scene = Scene(case)
+    result = scene.run()
+    trouble = scene.deadlocks()
+    if scene.hangs() and not trouble:
+        trouble = scene.stuck_lines[-1:]
+    clocks = [int(unit.oscclk * unit.pll / 2) for unit in case.unit.values()]
+    figures = Baseline(
+        case=case.name,
+        simulated=scene.kernel.now - scene.start,
+        ticks_per_second=scene.timebase.per_second,
+        ticks_per_cycle=scene.timebase.per_second // clocks[0] if clocks else 1,
+        events=result.events,
+        counts={**result.counts, "I2C bytes": result.wire_bytes, "SCI bytes": result.sci_bytes},
+        budgets={limit.budget.name: _figures(limit, scene.start) for limit in scene.limits},
+    )
+    return Outcome(
+        path=path,
+        figures=figures,
+        verdicts=result.budgets,
+        breaks=case.breaks,
+        trouble=trouble,
+        first_wrong=result.first_wrong,
+        wall_s=result.wall_s,
+        lines={budget.name: case.line("budget", entry) for entry, budget in enumerate(case.budget)},
+        breaks_line=case.line("breaks"),
+        name_line=case.line("name"),
+        changes=changes,
+    )
+
+
+def _figures(limit: Limit, start: int) -> Figures:
+    measure, verdict = limit.measure, limit.verdict(start)
+    silent = verdict.worst is None
+
+    def when(at: int) -> int | None:
+        return None if silent or at < 0 else at - start
+
+    return Figures(
+        measure=limit.budget.measure,
+        unit=measure.unit,
+        count=measure.count,
+        worst=None if silent else measure.worst,
+        worst_at=when(measure.worst_at),
+        least=None if silent else measure.least,
+        least_at=when(measure.least_at),
+        chain_of="least" if limit.budget.max is None else "worst",
+        chain=[],
+    )
+
+
+def occurrence(figures: Figures) -> Wanted | None:
+    """What a budget's chain is the chain of; None where nothing happened or nobody knows when."""
+    least = figures.chain_of == "least"
+    value, at = (figures.least, figures.least_at) if least else (figures.worst, figures.worst_at)
+    if value is None or at is None:
+        return None
+    return Wanted(figures.measure, at, value if figures.unit == "time" else 0)

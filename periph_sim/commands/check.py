@@ -1,0 +1,129 @@
+"""`periph-sim check [PATH...]`: run cases, hold them against their baselines, set the exit status."""
+
+from __future__ import annotations
+
+import json
+from contextlib import ExitStack
+from dataclasses import asdict
+from pathlib import Path
+
+import click
+
+from ..baselines import CaseCheck
+from ..baselines import check as checked
+from .progress import progress
+from .trouble import told_plainly
+
+
+@click.command()
+@click.argument("paths", nargs=-1, type=click.Path(path_type=Path), metavar="[PATH]...")
+@click.option("--tolerance", type=click.IntRange(min=0), default=0, metavar="CYCLES", help="Times may differ by this.")
+@click.option("--update-baseline", "update", is_flag=True, help="Make the figures of this run the new baselines.")
+@click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of every case.")
+@click.option("--jobs", type=click.IntRange(min=1), help="Processes at a time; as many as cores. 1: none but this one.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
+@click.option("--junit", "junit_file", type=click.Path(path_type=Path), help="Write JUnit XML to this file.")
+@click.option(
+    "--annotations", type=click.Choice(["github"]), help="Print a line for each finding that a CI service reads."
+)
+def check(
+    paths: tuple[Path, ...],
+    tolerance: int,
+    update: bool,
+    changes: tuple[str, ...],
+    jobs: int | None,
+    as_json: bool,
+    junit_file: Path | None,
+    annotations: str | None,
+) -> int:
+    """Run cases and hold their figures against their baselines, exactly.
+
+    PATH is a case file, or a folder of them; timing if none is given. Baselines are
+    baselines/NAME.json beside the case. Exit status 0: every budget holds, or breaks where
+    the case says that it must, and every figure is that of the baseline.
+    """
+    if update and changes:
+        raise click.UsageError("--update-baseline with --set: a baseline is of the case as it stands; leave one out")
+    with told_plainly(), ExitStack() as outputs:
+        unfinished = None
+        if junit_file is not None:  # asked for a place before the runs, so that none is in vain
+            from ..formats.whole import whole
+
+            unfinished = outputs.enter_context(whole(junit_file))
+        with progress("check") as told:
+            checks = checked(
+                paths or [Path("timing")], jobs=jobs, tolerance=tolerance, update=update, changes=changes, told=told
+            )
+        if unfinished is not None:
+            from ..baselines.junit import junit
+
+            unfinished.write_text(junit(checks), encoding="utf-8")
+    passed = all(one.passed for one in checks)
+    if as_json:
+        click.echo(json.dumps(_object(checks, passed), indent=2, ensure_ascii=False))
+    else:
+        _show(checks)
+    if annotations is not None:
+        from ..baselines.annotations import github
+
+        for line in github(checks):
+            click.echo(line, err=as_json)  # the service reads both; standard output stays one object
+    return 0 if passed else 1
+
+
+def _object(checks: list[CaseCheck], passed: bool) -> dict[str, object]:
+    return {
+        "verdict": "pass" if passed else "fail",
+        "cases": [
+            {
+                "case": one.outcome.figures.case,
+                "file": one.outcome.path.as_posix(),
+                "verdict": "pass" if one.passed else "fail",
+                "breaks": list(one.outcome.breaks),
+                "broken": one.outcome.broken,
+                "baseline": {"file": one.baseline.as_posix(), "state": one.state},
+                "findings": [asdict(finding) for finding in one.findings],
+                "changes": [asdict(change) for change in one.changes],
+                "figures": one.outcome.figures.model_dump(),
+            }
+            for one in checks
+        ],
+    }
+
+
+def _show(checks: list[CaseCheck]) -> None:
+    from rich.box import SIMPLE_HEAD
+    from rich.console import Console
+    from rich.table import Table
+
+    from .report import budget_table
+
+    console = Console()
+    failed = [one for one in checks if not one.passed]
+    title = f"check: {len(checks) - len(failed)} of {len(checks)} as they should be"
+    table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD)
+    table.add_column("case", no_wrap=True)
+    for name in ("budgets", "broken", "must break", "changed"):
+        table.add_column(name, justify="right", no_wrap=True)
+    table.add_column("baseline", no_wrap=True)
+    table.add_column("", no_wrap=True)
+    for one in checks:
+        outcome = one.outcome
+        numbers = (len(outcome.verdicts), len(outcome.broken), len(outcome.breaks), len(one.changes))
+        verdict = "pass" if one.passed else "fail"
+        style = "" if one.passed else "red"
+        table.add_row(outcome.figures.case, *map(str, numbers), one.state, verdict, style=style)
+    console.print(table)
+    for one in failed:
+        if set(one.outcome.broken) != set(one.outcome.breaks):
+            console.print(budget_table(f"{one.outcome.figures.case}: FAIL", one.outcome.verdicts))
+        for finding in one.findings:
+            place = f"{one.outcome.path.as_posix()}, line {finding.line}"
+            console.print(f"{place}: {finding.text}", highlight=False, soft_wrap=True, markup=False)
+    for one in checks:
+        if one.state == "written":
+            for change in one.changes:
+                console.print(f"{one.outcome.figures.case}: {change}", highlight=False, soft_wrap=True, markup=False)
+            click.echo(f"written: {one.baseline.as_posix()}")
+            if one.changes:
+                click.echo(one.diff)

@@ -4,16 +4,22 @@ from __future__ import annotations
 
 from fractions import Fraction
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from .. import formats
 from ..core.time import TimeError, seconds
 
+if TYPE_CHECKING:
+    from ..insight.run import Run
+
 RATE = click.option("--rate", metavar="RATE", help="Samples a second, where the file does not say: '4 MHz'.")
 SALVAGE = click.option(
     "--salvage", is_flag=True, help="Read a damaged file up to the damage, and say what was dropped."
 )
+RUN_FILE = click.argument("run", type=click.Path(path_type=Path))
+SYSCLK = click.option("--sysclk", metavar="RATE", help="SYSCLKOUT, where RUN does not show it: '150 MHz'.")
 
 
 def read_capture(path: Path, rate: str | None, salvage: bool = False, option: str = "--rate") -> formats.Capture:
@@ -41,3 +47,10 @@ def time_given(option: str, text: str) -> Fraction:
     if length < 0:
         raise click.ClickException(f"{option}: {text!r} is negative; expected 0 or more")
     return length
+
+
+def open_run(path: Path, sysclk: str | None) -> Run:
+    """A recorded run; BadCapture or NotInRun if there is none in the file."""
+    from ..insight.run import Run
+
+    return Run.read(path, None if sysclk is None else rate_given("--sysclk", sysclk))

@@ -9,11 +9,13 @@ import click
 
 # Errors that the input is to blame for, by name: a command that cannot raise one need not import it.
 MISTAKES = {
+    "periph_sim.baselines.trouble.BadCheck",
     "periph_sim.case.model.BadCase",
     "periph_sim.core.kernel.SimulationStuck",
     "periph_sim.f28335.memory.NoSuchAddress",
     "periph_sim.formats.capture.BadCapture",
     "periph_sim.host.cpu.FirmwareError",
+    "periph_sim.insight.run.NotInRun",
     "periph_sim.recording.BadRecording",
     "periph_sim.replay.BadReplay",
 }

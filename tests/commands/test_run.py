@@ -165,3 +165,37 @@ def test_exit_statuses_as_a_shell_sees_them(desk: Path, arguments: list[str], st
     )
     assert done.returncode == status
     assert "Traceback" not in done.stderr
+
+
+def measured(run: Run, measure: str, *limits: str, options: tuple[str, ...] = ()):
+    """What `run` says with the budget's measure and limits replaced."""
+    changes = [f"measure={measure}", *limits]
+    sets = [part for change in changes for part in ("--set", f"budget.rounds in time.{change}")]
+    return run("run", "small.toml", *sets, *options)
+
+
+def test_a_measure_of_events_stands_in_the_table_like_any_other(periph_sim: Run, desk: Path):
+    came = measured(periph_sim, "from bus START to bus STOP", "p99_9=1 ms")
+    assert (came.status, came.err) == (0, "")
+    assert "p99.9 1.000 ms" in came.out
+    assert "%" in measured(periph_sim, "bus load", "max=50 %").out
+
+
+def test_a_measure_of_events_stands_in_json_with_the_limit_that_was_nearest(periph_sim: Run, desk: Path):
+    came = measured(periph_sim, "count of bus START", "max=3", "min=1", options=("--json",))
+    (budget,) = json.loads(came.out)["budgets"]
+    shown = {"worst": 2, "limit": 3, "margin": 1, "count": 2, "unit": "count", "which": "max", "found": ""}
+    assert shown.items() <= budget.items()
+
+
+def test_an_event_that_never_matched_is_told_below_the_table(periph_sim: Run, desk: Path):
+    came = measured(periph_sim, "period of bus address 0x11 read")
+    assert came.status == 1
+    assert "rounds in time: no event matched 'bus address 0x11 read'" in came.out
+
+
+def test_an_event_that_cannot_be_is_refused_with_near_names(periph_sim: Run, desk: Path):
+    came = measured(periph_sim, "period of edge SLC rise")
+    assert (came.status, came.out) == (2, "")
+    assert "there is no wire 'SLC'; did you mean SCL?" in came.err
+    assert len(came.err.splitlines()) == 1

@@ -1,0 +1,34 @@
+"""`periph-sim races RUN`: how near reads of flags came to their changes, and flags lost to read-modify-writes."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+from .inputs import RUN_FILE, SYSCLK, open_run
+from .trouble import told_plainly
+
+
+@click.command()
+@RUN_FILE
+@click.option("--register", metavar="NAME", help="One register, or one field of it: I2C-A.I2CSTR, I2C-A.I2CSTR.RRDY.")
+@click.option("--least", type=click.IntRange(0), metavar="CYCLES", help="Exit status 1 if a read came nearer.")
+@click.option("--no-lost", is_flag=True, help="Exit status 1 if a flag was lost to a read-modify-write.")
+@SYSCLK
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
+def races(run: Path, register: str | None, least: int | None, no_lost: bool, sysclk: str | None, as_json: bool) -> int:
+    """Show how near the reads of status registers in RUN came to changes of their flags.
+
+    RUN is what `run --record x.psr` wrote. Flags that a read-modify-write cleared unmeant are listed too.
+    """
+    from ..insight.races import races as races_of
+    from ..insight.show_races import as_json as as_dict
+    from ..insight.show_races import text
+
+    with told_plainly():
+        found = races_of(open_run(run, sysclk), register)
+    click.echo(json.dumps(as_dict(found)) if as_json else text(found))
+    too_near = least is not None and found.closest is not None and found.closest < least
+    return int(too_near or (no_lost and found.lost > 0))

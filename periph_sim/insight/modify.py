@@ -1,0 +1,120 @@
+"""Read-modify-writes of registers whose flags are cleared by writing 1, and the flags that they cleared unmeant.
+
+i2c.I2CSTR.SCD = 1   read, SCD put in, written back: whatever else was read as 1 is cleared as well
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..core.registers import Field
+from .causes import MODIFY
+from .maps import one_clears
+from .run import Group, Rows, Run
+
+
+@dataclass(frozen=True)
+class Lost:
+    """What happened to one flag in the read-modify-writes of one place. first: tick of the first loss, or None.
+
+    rose: between read and write. lost_between: of these, cleared by that write. along: set when it was read, and
+    cleared by the write though another flag was meant. unseen: of these, never read by the firmware since they rose.
+    """
+
+    flag: str
+    rose: int
+    lost_between: int
+    along: int
+    unseen: int
+    first: int | None
+
+
+@dataclass(frozen=True)
+class Modify:
+    """The read-modify-writes of one place. meant: the flags that they clear for sure; doubt: the recording cannot say
+    which of these was meant, as all were set each time."""
+
+    unit: str
+    register: str
+    place: str
+    count: int
+    meant: tuple[str, ...]
+    doubt: tuple[str, ...]
+    flags: tuple[Lost, ...]
+
+    @property
+    def lost(self) -> int:
+        """Flags gone without the firmware having read them."""
+        return sum(flag.lost_between + flag.unseen for flag in self.flags)
+
+
+def modifies(run: Run, group: Group) -> list[Modify]:
+    """Of a group of writes, place by place; none where no field is cleared by writing 1."""
+    fields = one_clears(group.register)
+    if not fields or group.way != "W":
+        return []
+    reads, writes = pairs(run, group)
+    found = []
+    for place, some in run.by_place(writes):
+        of_place = np.isin(writes, some)
+        found.append(_judged(run, group, place, reads[of_place], writes[of_place], fields))
+    return found
+
+
+def pairs(run: Run, group: Group) -> tuple[Rows, Rows]:
+    """Reads and writes, row by row, of the read-modify-writes among a group of writes."""
+    table = run.table
+    rows, following = run.in_order(group.unit)
+    reads = rows[np.isin(following, group.rows)]
+    writes = following[np.isin(following, group.rows)]
+    read_rows = run.accesses_of(group.unit, "R", group.module, group.register.name)
+    near = table.tick[writes] - table.tick[reads] <= int(MODIFY * run.cycles.ticks)
+    same_place = table.columns["text"][writes] == table.columns["text"][reads]
+    sound = near & same_place & np.isin(reads, read_rows)
+    return reads[sound], writes[sound]
+
+
+def _judged(run: Run, group: Group, place: str, reads: Rows, writes: Rows, fields: tuple[Field, ...]) -> Modify:
+    values, written = run.table.value[reads], run.table.value[writes]
+    proven = int(np.bitwise_or.reduce(written & ~values))
+    always = int(np.bitwise_and.reduce(written))
+    ones = [f for f in fields if always & f.mask]
+    meant = [f for f in fields if proven & f.mask] or (ones if len(ones) == 1 else [])
+    doubt = ones if not meant else []
+    plain = np.setdiff1d(run.accesses_of(group.unit, "R", group.module, group.register.name), reads)
+    flags = [_lost(run, group, f, reads, writes, plain, f not in meant and f not in doubt) for f in fields]
+    return Modify(
+        group.unit,
+        f"{group.module}.{group.register.name}",
+        place,
+        len(writes),
+        tuple(f.name for f in meant),
+        tuple(f.name for f in doubt),
+        tuple(flag for flag in flags if flag.rose or flag.along),
+    )
+
+
+def _lost(run: Run, group: Group, f: Field, reads: Rows, writes: Rows, plain: Rows, other: bool) -> Lost:
+    """plain: reads of the register besides those of these read-modify-writes. other: the flag was not the one meant."""
+    table = run.table
+    changes = run.changes(group.unit, group.module, group.register, f)
+    rises, falls = changes[table.value[changes] != 0], changes[table.value[changes] == 0]
+    rose = np.searchsorted(rises, writes) > np.searchsorted(rises, reads)
+    by = np.minimum(np.searchsorted(table.number, table.cause[falls]), len(table) - 1)
+    named = table.number[by] == table.cause[falls]
+    cleared = np.isin(writes, by[named & (table.tick[by] == table.tick[falls])])
+    along = cleared & ~rose & (table.value[reads] & f.mask != 0) & other
+    place = np.searchsorted(rises, reads) - 1
+    last_rise = np.append(rises, -1)[place]
+    last_read = np.append(plain, -1)[np.searchsorted(plain, reads) - 1]
+    at = writes[(rose & cleared) | along]
+    return Lost(
+        f.name,
+        int(rose.sum()),
+        int((rose & cleared).sum()),
+        int(along.sum()),
+        int((along & (last_read < last_rise)).sum()),
+        int(table.tick[at[0]]) if len(at) else None,
+    )

@@ -1,0 +1,108 @@
+"""The polls of a wait that were skipped, put back: recorded passes go in, the polls beside a change come out.
+
+A wait that is skipped leaves its first and last passes in a recording. Its passes are equally long, so the polls
+between lie on a grid that the passes before the gap set; a gap whose last read is on the grid is proven to be one.
+
+    first pass, . . . . . . [change] . , last pass
+                        ^before    ^after
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .run import Rows, Run
+
+NDBool = NDArray[np.bool_]
+
+SHORTEST_PASS, LONGEST_PASS = 4, 400  # cycles of a pass of a polling loop
+MOST_READS = 3  # of one register in a pass
+# So many must agree on the length of a pass before it is believed: with one read a pass hardly a gap may be another.
+PASSES_AGREE, MORE_AGREE, GAPS_AGREE = 0.75, 0.6, 0.75
+FEW_GAPS = 3  # from so many gaps on their greatest common divisor is taken for the length of a pass
+
+
+class Polls(NamedTuple):
+    """before, after: for each change in a skipped wait the ticks of the last poll before it and the first from it on
+    (-1 where that poll is a recorded one). changes: those changes' ticks. unplaced: gaps that could not be filled."""
+
+    before: Rows
+    after: Rows
+    changes: Rows
+    unplaced: int
+
+
+def skipped_polls(run: Run, reads: Rows, waits: NDBool, changes: Rows) -> Polls:
+    """reads: rows of one place that reads one register. waits: the read after it is the next access of its routine.
+    changes: rows of the register's changes."""
+    tick = run.table.tick
+    ticks = tick[reads]
+    gaps = np.where(waits, np.diff(ticks, append=ticks[-1:]), 0)
+    longest = int(LONGEST_PASS * run.cycles.ticks)
+    places = np.searchsorted(reads, changes) - 1
+    inside = (places >= 0) & (places < len(reads) - 1)
+    changes, places = changes[inside], places[inside]
+    inside = waits[places]
+    changes, places = changes[inside], places[inside]
+    if not len(changes):
+        return Polls(changes, changes, changes, 0)
+    best: tuple[int, int, NDBool] | None = None
+    for in_pass in range(1, MOST_READS + 1):
+        period = _period(run, ticks, waits, gaps, in_pass, longest)
+        if not period:
+            continue
+        fits: NDBool = np.zeros(len(reads), bool)
+        for back in range(in_pass):
+            fits |= waits & _within(waits, back) & ((ticks + gaps - _shifted(ticks, back)) % period == 0)
+        if best is None or fits[places].sum() > best[2][places].sum():
+            best = in_pass, period, fits
+    if best is None or best[2][places].mean() < GAPS_AGREE:
+        gap_count = len(np.unique(places[gaps[places] > 0]))
+        return Polls(changes[:0], changes[:0], changes[:0], gap_count)
+    in_pass, period, fits = best
+    unplaced = len(np.unique(places[~fits[places] & (gaps[places] > period)]))
+    chosen = fits[places] & (gaps[places] > period // in_pass)
+    changes, places = changes[chosen], places[chosen]
+    at = tick[changes]
+    before, after = ticks[places].copy(), ticks[places] + gaps[places]
+    for back in range(in_pass):
+        anchor = _shifted(ticks, back)[places]
+        sound = _within(waits, back)[places]
+        last = anchor + (at - 1 - anchor) // period * period
+        before = np.where(sound & (last < at), np.maximum(before, last), before)
+        after = np.where(sound, np.minimum(after, last + period), after)
+    before = np.where(before == ticks[places], -1, before)
+    after = np.where(after == ticks[places] + gaps[places], -1, after)
+    return Polls(before, after, at, unplaced)
+
+
+def _period(run: Run, ticks: Rows, waits: NDBool, gaps: Rows, in_pass: int, longest: int) -> int:
+    """How long a pass with so many reads is at this place; 0 where the recording does not show it."""
+    whole = _within(waits, in_pass)
+    lengths = (ticks - _shifted(ticks, in_pass))[whole]
+    short = lengths[(lengths > 0) & (lengths <= longest)]
+    if len(short):
+        values, counts = np.unique(short, return_counts=True)
+        period = int(values[np.argmax(counts)])
+        alike = float((short % period == 0).mean()) > (PASSES_AGREE if in_pass == 1 else MORE_AGREE)
+        return period if alike and run.cycles.of(period) >= SHORTEST_PASS else 0
+    if in_pass == 1 and (gaps > 0).sum() >= FEW_GAPS:
+        period = int(np.gcd.reduce(gaps[gaps > 0]))
+        return period if run.cycles.of(period) >= SHORTEST_PASS and period <= longest else 0
+    return 0
+
+
+def _shifted(ticks: Rows, back: int) -> Rows:
+    """The tick of the read so many reads before."""
+    return ticks if not back else np.concatenate([ticks[:1].repeat(min(back, len(ticks))), ticks[:-back]])
+
+
+def _within(waits: NDBool, back: int) -> NDBool:
+    """Whether the read so many before is of the same wait."""
+    found = np.ones(len(waits), bool)
+    for step in range(1, back + 1):
+        found &= np.concatenate([np.zeros(min(step, len(waits)), bool), waits[:-step]])
+    return found

@@ -1,0 +1,153 @@
+"""`periph-sim check`: exit status, table, JSON, JUnit file, annotations, and what is said of mistakes."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from xml.etree import ElementTree as xml
+
+import pytest
+
+from tests.baselines.desk import put
+from tests.commands.conftest import Run
+
+ROOT = Path(__file__).parents[2]
+TIMING = ROOT / "timing"
+LONG = ("imu_hil", "two_dsps")  # seconds each
+
+
+@pytest.fixture
+def cases(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder `timing`, which is what `check` takes by itself, with one case and no baseline."""
+    monkeypatch.chdir(tmp_path)
+    put(Path("timing"))
+    return Path("timing")
+
+
+def test_from_no_baseline_to_a_change_and_its_explanation(periph_sim: Run, cases: Path):
+    came = periph_sim("check", "--jobs", "1")
+    assert (came.status, came.err) == (1, "")
+    assert "check: 0 of 1 as they should be" in came.out and "missing" in came.out
+    missing = "it has no baseline timing/baselines/small.json; write one with --update-baseline"
+    assert f"timing/small.toml, line 1: {missing}" in came.out
+    came = periph_sim("check", "--jobs", "1", "--update-baseline")
+    assert (came.status, came.err) == (0, "") and "\nwritten: timing/baselines/small.json\n" in came.out
+    came = periph_sim("check", "--jobs", "1")
+    assert (came.status, came.err) == (0, "") and "equal" in came.out
+    put(cases, wait=3000)
+    came = periph_sim("check", "--jobs", "1")
+    assert (came.status, came.err) == (1, "")
+    moved = "response worst 750 -> 1542 cycles: I2C-A.I2CDXR written by dsp 3000 cycles later"
+    assert f"timing/small.toml, line 19: {moved}\n" in came.out
+    came = periph_sim("check", "--jobs", "1", "--update-baseline")
+    assert came.status == 0
+    assert f"small: {moved}\n" in came.out and '\n-      "worst": 15000,\n' in came.out
+
+
+def test_a_case_that_breaks_what_it_must_passes_and_run_still_fails(periph_sim: Run, cases: Path):
+    put(cases, sdir_wait=False, breaks='breaks = ["wrong bytes"]\n')
+    assert periph_sim("check", "--jobs", "1", "--update-baseline").status == 0
+    assert periph_sim("check", "--jobs", "1").status == 0
+    assert periph_sim("run", "timing/small.toml").status == 1
+    put(cases, breaks='breaks = ["wrong bytes"]\n')
+    came = periph_sim("check", "--jobs", "1", "--update-baseline")
+    assert came.status == 1
+    assert "timing/small.toml, line 1: wrong bytes holds, but breaks says that it must break; take it out" in came.out
+
+
+def test_json_of_equal_runs_is_equal_byte_for_byte_in_any_number_of_processes(periph_sim: Run, cases: Path):
+    put(cases, "other", wait=3000)
+    one = periph_sim("check", "--jobs", "1", "--json")
+    two = periph_sim("check", "--jobs", "2", "--json")
+    assert one == two and one.status == 1
+    told = json.loads(one.out)
+    assert told["verdict"] == "fail"
+    other, small = told["cases"]
+    assert (other["case"], small["case"]) == ("other", "small")
+    assert small["baseline"] == {"file": "timing/baselines/small.json", "state": "missing"}
+    assert small["figures"]["budgets"]["response"]["worst"] == 15000
+
+
+def test_json_says_what_changed(periph_sim: Run, cases: Path):
+    periph_sim("check", "--jobs", "1", "--update-baseline")
+    put(cases, wait=3000)
+    (case,) = json.loads(periph_sim("check", "--jobs", "1", "--json").out)["cases"]
+    change = next(change for change in case["changes"] if change["figure"] == "worst")
+    assert change == {
+        "budget": "response",
+        "figure": "worst",
+        "before": 15000,
+        "now": 30840,
+        "text": "response worst 750 -> 1542 cycles",
+        "why": "I2C-A.I2CDXR written by dsp 3000 cycles later",
+    }
+
+
+def test_junit_is_written_and_annotations_follow_the_table(periph_sim: Run, cases: Path):
+    came = periph_sim("check", "--jobs", "1", "--junit", "out.xml", "--annotations", "github")
+    assert came.status == 1
+    assert came.out.splitlines()[-1].startswith("::error file=timing/small.toml,line=1,title=")
+    root = xml.parse("out.xml").getroot()
+    assert (root.get("tests"), root.get("failures")) == ("4", "1")
+
+
+def test_annotations_leave_json_alone(periph_sim: Run, cases: Path):
+    came = periph_sim("check", "--jobs", "1", "--json", "--annotations", "github")
+    assert json.loads(came.out)["verdict"] == "fail"
+    assert came.err.startswith("::error file=timing/small.toml,line=1,title=")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["nowhere"], "nowhere: there is no such file or folder; give case files, or folders of them"),
+        (["timing/small_firmware.py"], "timing/small_firmware.py: it is not TOML: "),
+        (["--junit", "no/out.xml"], "no/out.xml, its place: found no such file or directory, expected a place that"),
+        (["--tolerance", "-1"], "Invalid value for '--tolerance': -1 is not in the range x>=0."),
+        (["--set", "duration=1 ms"], "--update-baseline with --set: a baseline is of the case as it stands; leave one"),
+        (["--jobs", "0"], "Invalid value for '--jobs': 0 is not in the range x>=1."),
+        (["--annotations", "gitlab"], "Invalid value for '--annotations': 'gitlab' is not 'github'."),
+    ],
+)
+def test_bad_input_is_told_with_status_2(periph_sim: Run, cases: Path, arguments: list[str], sentence: str):
+    came = periph_sim("check", "--update-baseline", *([] if "--jobs" in arguments else ["--jobs", "1"]), *arguments)
+    assert (came.status, came.out) == (2, "")
+    assert f"Error: {sentence}" in came.err and "Traceback" not in came.err
+    assert not (cases / "baselines").exists()
+
+
+def test_every_case_that_cannot_run_is_told_in_a_line(periph_sim: Run, cases: Path):
+    for name in ("a", "b"):
+        put(cases, name, does="raise ValueError('boom')")
+    came = periph_sim("check", "--jobs", "1", "--update-baseline")
+    assert came.status == 2 and came.err.count("ValueError at line") == 2 and len(came.err.splitlines()) == 2
+
+
+def test_a_run_needs_nothing_of_a_terminal(cases: Path):
+    """In a process as a worker is: nothing of the command line or of tables is imported."""
+    code = (
+        "import sys; from pathlib import Path; from periph_sim.baselines.outcome import run_case\n"
+        "print(run_case(Path('timing/small.toml')).broken)\n"
+        "print(sorted({'click', 'rich', 'periph_sim.cli'} & set(sys.modules)))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], env={"PYTHONPATH": str(ROOT)}, capture_output=True, text=True, check=True
+    )
+    assert done.stdout == "[]\n[]\n"
+
+
+def test_every_case_of_the_repository_has_a_baseline():
+    stems = [
+        sorted(path.stem for path in folder.glob(f"*.{end}"))
+        for folder, end in ((TIMING, "toml"), (TIMING / "baselines", "json"))
+    ]
+    assert stems[0] == stems[1]
+
+
+def test_the_short_cases_of_the_repository_are_as_their_baselines_say(periph_sim: Run, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(ROOT)
+    short = [f"timing/{path.name}" for path in sorted(TIMING.glob("*.toml")) if path.stem not in LONG]
+    came = periph_sim("check", "--jobs", "1", *short)
+    assert came.status == 0, came.out

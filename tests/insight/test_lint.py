@@ -1,0 +1,148 @@
+"""Each lint finds the one fault that a small scene plants, at its place, and nothing in a sound one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from firmware.python.startup import start_i2c
+from periph_sim.board.dsp import Dsp
+from periph_sim.case.load import load
+from periph_sim.insight import lint, lints
+from periph_sim.insight.finding import Options
+from periph_sim.insight.lint import all_lints
+from tests.board.runs import TIMING
+from tests.insight.scenes import ADDRESS, asks, by_hand, line_of, ran, recorded
+
+Fault = Callable[[Any, Dsp], None]
+
+
+def set_read_only(i2c: Any, dsp: Dsp) -> None:
+    i2c.I2CSTR.all = 0x1000  # BB
+
+
+def change_prescaler(i2c: Any, dsp: Dsp) -> None:
+    i2c.I2CPSC.all = 9
+
+
+def change_address(i2c: Any, dsp: Dsp) -> None:
+    dsp.spin(lambda: i2c.I2CSTR.BB == 1)
+    i2c.I2COAR.all = 0x22
+
+
+def load_on_xrdy(i2c: Any, dsp: Dsp) -> None:
+    dsp.spin(lambda: i2c.I2CSTR.XRDY == 1)
+    i2c.I2CDXR.all = 0x5A
+
+
+def leave_byte(i2c: Any, dsp: Dsp) -> None:
+    while not i2c.I2CSTR.RRDY:
+        pass
+    i2c.I2CSTR.SCD = 1
+
+
+def wait_for_ever(i2c: Any, dsp: Dsp) -> None:
+    while not i2c.I2CSTR.RRDY:
+        dsp.compute(100)
+
+
+PLANTED: list[tuple[str, Fault, int, dict[str, Any]]] = [
+    ("read-only", set_read_only, 1, {}),
+    ("prescaler-while-enabled", change_prescaler, 1, {}),
+    ("own-address-in-transfer", change_address, 2, asks(0x23, write="01", count=0)),
+    ("xrdy-alone", load_on_xrdy, 2, {}),
+    ("receive-register-unread", leave_byte, 1, asks(write="01", count=0)),
+    ("spin-without-bound", wait_for_ever, 1, {"duration": "25 ms"}),
+]
+
+
+def firmware(fault: Fault) -> Callable[[Dsp], None]:
+    def main(dsp: Dsp) -> None:
+        start_i2c(dsp)
+        i2c = dsp.module("I2C-A")
+        i2c.I2COAR.all = ADDRESS
+        i2c.I2CMDR.IRS = 1
+        fault(i2c, dsp)
+
+    return main
+
+
+def serve(i2c: Any, dsp: Dsp) -> None:
+    """Receives a byte and sends one, as it should be done; then sets the module up anew."""
+    dsp.spin(lambda: i2c.I2CSTR.RRDY == 1)
+    assert i2c.I2CDRR.all == 1
+    dsp.spin(lambda: i2c.I2CSTR.SDIR == 1)
+    i2c.I2CDXR.all = 0x5A
+    dsp.spin(lambda: i2c.I2CSTR.SCD == 1)
+    i2c.I2CMDR.IRS = 0
+    i2c.I2COAR.all = 0x22
+    i2c.I2CPSC.all = 9
+    i2c.I2CMDR.IRS = 1
+
+
+@pytest.mark.parametrize(("name", "fault", "below", "scene"), PLANTED, ids=[name for name, *_ in PLANTED])
+def test_a_planted_fault_is_found_once_at_its_place(
+    monkeypatch: pytest.MonkeyPatch, name: str, fault: Fault, below: int, scene: dict[str, Any]
+):
+    run = ran(monkeypatch, firmware(fault), **scene)
+    found = lint(run)
+    assert [(f.lint, f.unit, f.place, f.count) for f in found] == [(name, "dsp", line_of(fault, below), 1)]
+    assert found[0].source.startswith("SPRUG03B") and 0 < found[0].first < run.table.end
+
+
+def test_every_lint_has_a_fault_here_and_is_a_file_of_the_folder():
+    files = {path.stem.replace("_", "-") for path in Path(lints.__file__).parent.glob("[a-z]*.py")}
+    assert set(all_lints()) == files == {name for name, *_ in PLANTED}
+
+
+def test_sound_firmware_has_none(monkeypatch: pytest.MonkeyPatch):
+    assert lint(ran(monkeypatch, firmware(serve), **asks(pointer=1, count=1))) == []
+
+
+def take(i2c: Any, dsp: Dsp) -> None:
+    dsp.spin(lambda: i2c.I2CSTR.RRDY == 1)
+    assert i2c.I2CDRR.all == 1
+
+
+def test_the_bound_of_a_wait_is_the_users(monkeypatch: pytest.MonkeyPatch):
+    run = ran(monkeypatch, firmware(take), **asks(write="01", count=0))
+    assert lint(run) == []
+    (found,) = lint(run, Options(bound=Fraction(1, 1000)))
+    assert found.lint == "spin-without-bound" and "end of the run" not in found.text
+
+
+def test_a_wait_that_never_got_past_is_found_however_short_the_run(monkeypatch: pytest.MonkeyPatch):
+    (found,) = lint(ran(monkeypatch, firmware(take), "1 ms"))
+    assert found.lint == "spin-without-bound" and "until the end of the run, and never got past it" in found.text
+
+
+def test_a_master_may_load_its_byte_first(monkeypatch: pytest.MonkeyPatch):
+    def send(i2c: Any, dsp: Dsp) -> None:
+        dsp.spin(lambda: i2c.I2CSTR.XRDY == 1)
+        i2c.I2CDXR.all = 0x5A
+        i2c.I2CMDR.all = 0x2620 | 0x0800  # STT, STP, MST, TRX, IRS
+
+    assert lint(ran(monkeypatch, firmware(send))) == []
+
+
+def test_a_bit_field_write_gives_read_only_fields_back(monkeypatch: pytest.MonkeyPatch):
+    def clear(i2c: Any, dsp: Dsp) -> None:
+        dsp.spin(lambda: i2c.I2CSTR.BB == 1)
+        i2c.I2CSTR.NACK = 1
+
+    assert lint(ran(monkeypatch, firmware(clear), **asks(0x23, write="01", count=0))) == []
+
+
+@pytest.mark.parametrize("style", ["polled", "interrupt"])
+@pytest.mark.parametrize("fifo", [False, True])
+def test_the_responder_has_none(style: str, fifo: bool):
+    changes = [f"unit.dsp.settings.style={style}", f"unit.dsp.settings.fifo={str(fifo).lower()}"]
+    assert lint(recorded(load(TIMING / "responder.toml", changes), "0.02")) == []
+
+
+def test_nothing_is_found_in_nothing():
+    assert lint(by_hand()) == []

@@ -1,0 +1,172 @@
+"""Distances between reads and changes, polls put back, and flags that read-modify-writes lose."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from firmware.python.startup import start_i2c
+from periph_sim.board.dsp import Dsp
+from periph_sim.core.records import Kind
+from periph_sim.insight import NotInRun, races
+from periph_sim.insight.show_races import as_json, text
+from tests.insight.scenes import ADDRESS, asks, by_hand, line_of, ran
+
+STR = "I2C-A.I2CSTR"
+RRDY, SCD = 0x0008, 0x0020
+
+
+def read(cycle: int, value: int = 0, place: str = "f:1", cause: int = 0) -> tuple[Any, ...]:
+    return cycle, Kind.ACCESS, "dsp", f"R {STR}", value, place, cause
+
+
+def write(cycle: int, value: int = 0, place: str = "f:1", cause: int = 0) -> tuple[Any, ...]:
+    return cycle, Kind.ACCESS, "dsp", f"W {STR}", value, place, cause
+
+
+def flag(cycle: int, name: str, value: int, cause: int = 0) -> tuple[Any, ...]:
+    return cycle, Kind.FLAG, "dsp.I2C-A", f"I2CSTR.{name}", value, "", cause
+
+
+def test_closest_before_and_after_and_the_decades():
+    found = races(by_hand(read(100), flag(107, "RRDY", 1), read(150, place="g:2"), read(5000, place="g:2")))
+    f, g = found.places
+    assert (f.place, f.reads, f.before and f.before.cycles, f.after) == ("f:1", 1, 7, None)
+    assert (g.place, g.reads, g.before, g.after and g.after.cycles) == ("g:2", 2, None, 43)
+    assert (f.histogram, g.histogram) == ((0, 1, 0, 0, 0, 0), (0, 0, 1, 0, 1, 0))
+    assert found.closest == 7 and f.before.field == g.after.field == "RRDY"
+
+
+def test_a_read_in_the_cycle_of_a_change_is_on_the_side_that_its_record_is():
+    found = races(by_hand(read(100), flag(100, "RRDY", 1), read(300, place="g:2")))
+    (f, _) = found.places
+    assert (f.before and f.before.cycles, f.histogram[0]) == (0, 1)
+
+
+def test_what_the_firmware_changes_itself_is_no_race():
+    found = races(by_hand(read(100), write(102, SCD), flag(102, "SCD", 0, cause=2), read(105)))
+    assert found.closest is None and found.places[0].alone == 2
+
+
+def test_one_field_of_a_register():
+    run = by_hand(read(100), flag(103, "BB", 1), flag(150, "RRDY", 1))
+    closest = {name: races(run, name).closest for name in (STR, f"{STR}.RRDY", "dsp.I2CA.I2CSTR.bb")}
+    assert closest == {STR: 3, f"{STR}.RRDY": 50, "dsp.I2CA.I2CSTR.bb": 3}
+    with pytest.raises(NotInRun, match=r"did you mean I2C-A\.I2CSTR"):
+        races(run, "I2C-A.I2CSRT")
+
+
+def test_polls_of_a_skipped_wait_are_put_back():
+    run = by_hand(read(100), read(110), flag(507, "RRDY", 1), read(510, RRDY))
+    (place,) = races(run).places
+    assert (place.before and place.before.cycles, place.after and place.after.cycles) == (7, 3)
+    assert (place.reads, place.polls, place.unplaced) == (3, 1, 0)
+
+
+@given(period=st.integers(10, 60), passes=st.integers(3, 200), into=st.floats(0, 1), second=st.sampled_from([0, 4, 7]))
+def test_polls_put_back_are_those_that_were_made(period: int, passes: int, into: float, second: int):
+    """A wait of passes with one read, or with two if `second` is not 0, that ends in the first read after a change."""
+    assume(not second or (period - second) % second)  # else a pass may as well be one read of a shorter loop
+    in_pass = [0, second] if second else [0]
+    grid = [100 + n * period + offset for n in range(passes) for offset in in_pass]
+    shown = 2 * len(in_pass)
+    changed = grid[shown - 1] + 1 + int(into * (grid[-1] - grid[shown - 1] - 1))
+    saw = next(at for at in grid if at >= changed)
+    missed = max(at for at in grid if at < changed)
+    run = by_hand(*(read(at) for at in grid[:shown]), flag(changed, "RRDY", 1), read(saw, RRDY), end=20_000)
+    (place,) = races(run).places
+    assert (place.before and place.before.cycles, place.after and place.after.cycles) == (
+        changed - missed,
+        saw - changed,
+    )
+
+
+def test_a_gap_that_is_off_the_grid_is_not_filled():
+    run = by_hand(read(100), read(110), flag(507, "RRDY", 1), read(513, RRDY))
+    (place,) = races(run).places
+    assert (place.before and place.before.cycles, place.polls, place.unplaced) == (397, 0, 1)
+    assert "1 skipped waits" in text(races(run))
+
+
+def test_reads_with_another_access_between_are_no_wait():
+    run = by_hand(read(100), read(110), write(200, place="g:3"), flag(507, "BB", 1), read(510))
+    (place,) = [place for place in races(run).places if place.place == "f:1"]
+    assert (place.before and place.before.cycles, place.polls) == (397, 0)
+
+
+def poll_main(dsp: Dsp) -> None:
+    start_i2c(dsp)
+    i2c = dsp.module("I2C-A")
+    i2c.I2COAR.all = ADDRESS
+    i2c.I2CMDR.IRS = 1
+    dsp.spin(lambda: i2c.I2CSTR.AAS == 1)
+    while True:
+        i2c.I2CCNT.all = 1
+        dsp.spin_either(lambda: i2c.I2CSTR.RRDY == 1, lambda: i2c.I2CSTR.SCD == 1)
+        if i2c.I2CDRR.all == 3:
+            return
+
+
+def test_skipped_or_not_the_closest_are_the_same(monkeypatch: pytest.MonkeyPatch):
+    found = [
+        races(ran(monkeypatch, poll_main, skip_polls=skip, **asks(write="010203", count=0)), STR)
+        for skip in (True, False)
+    ]
+    shaves = [{p.place: (p.before, p.after) for p in each.places} for each in found]
+    assert shaves[0] == shaves[1] and len(shaves[0]) == 2
+    assert sum(p.polls for p in found[0].places) > 0 == sum(p.polls for p in found[1].places)
+    assert not any(p.unplaced for p in found[0].places)
+
+
+def drop(i2c: Any) -> None:
+    i2c.I2CSTR.SCD = 1
+
+
+def test_a_flag_cleared_along_with_another_and_never_seen_is_lost(monkeypatch: pytest.MonkeyPatch):
+    def main(dsp: Dsp) -> None:
+        start_i2c(dsp)
+        i2c = dsp.module("I2C-A")
+        i2c.I2COAR.all = ADDRESS
+        i2c.I2CMDR.IRS = 1
+        dsp.compute(180_000)  # 1.2 ms: the byte is in, the STOP is not
+        drop(i2c)
+
+    found = races(ran(monkeypatch, main, **asks(write="0102", count=0)))
+    (modify,) = found.modifies
+    (lost,) = modify.flags
+    assert (modify.place, modify.meant, lost.flag, lost.along, lost.unseen) == (line_of(drop), ("SCD",), "RRDY", 1, 1)
+    assert found.lost == 1 and "RRDY was cleared along with it 1 times, 1 of them never read" in text(found)
+
+
+@pytest.mark.parametrize(("cleared", "lost"), [(True, 1), (False, 0)])
+def test_a_flag_that_rises_between_read_and_write(cleared: bool, lost: int):
+    rows = [flag(50, "RRDY", 1), flag(60, "RRDY", 0), read(100, RRDY), flag(101, "RRDY", 1), write(102, RRDY | SCD)]
+    run = by_hand(*rows, *([flag(102, "RRDY", 0, cause=5)] if cleared else []))
+    (modify,) = races(run).modifies
+    assert [(flag.rose, flag.lost_between) for flag in modify.flags] == [(1, lost)]
+    assert races(run).lost == lost
+
+
+def test_a_write_that_clears_what_was_seen_is_not_a_loss():
+    run = by_hand(flag(50, "RRDY", 1), read(80, RRDY, "look:9"), read(100, RRDY), write(102, RRDY | SCD))
+    assert races(run).lost == 0
+    later = by_hand(*_seen(), flag(102, "RRDY", 0, cause=4))
+    assert (races(later).lost, races(later).along) == (0, 1)
+
+
+def _seen() -> list[tuple[Any, ...]]:
+    return [flag(50, "RRDY", 1), read(80, RRDY, "look:9"), read(100, RRDY), write(102, RRDY | SCD)]
+
+
+def test_as_json_counts_the_same():
+    run = by_hand(*_seen(), flag(102, "RRDY", 0, cause=4))
+    found = as_json(races(run))
+    assert (found["lost"], found["cleared_along"], found["closest"]) == (0, 1, races(run).closest)
+    assert sum(sum(place["histogram"]) + place["alone"] for place in found["places"]) == 2
+
+
+def test_without_status_reads_it_says_so():
+    assert "no read of a status register" in text(races(by_hand()))

@@ -11,6 +11,8 @@ from hypothesis import is_hypothesis_test, settings
 
 from tests.waves import Diagram
 
+pytest_plugins = ["pytester"]  # runs the pytest plugin as a user's project would
+
 settings.register_profile("periph-sim", deadline=None)  # seconds are no property: machines are shared
 settings.load_profile("periph-sim")
 

@@ -1,0 +1,88 @@
+"""The pytest plugin: case files and test functions go in; verdicts, figures for JUnit and a table come out.
+
+    periph_sim_cases = timing  --> one test a budget of each case file (collect.py)
+    scene(...), @mark.case     --> a run that a test looks at (fixtures.py, runs.py)
+    figures of what was judged --> user_properties --> JUnit XML, terminal summary (figures.py)
+
+pytest loads this in every project in which periph_sim is installed, so nothing but pytest is imported here: chips,
+boards and numpy come with the first case. `-p no:periph-sim` turns it off.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from .fixtures import SceneFactory
+    from .runs import Run
+
+CASES = "periph_sim_cases"
+MARKER = (
+    "case(file, *changes, seconds=None, record=False): "
+    "the case that fixture case_run runs, with KEY=VALUE changes as of periph-sim run --set"
+)
+current: pytest.StashKey[pytest.Item] = pytest.StashKey()
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addini(CASES, "folders or files of periph-sim cases (*.toml), each budget of which is a test", "paths", [])
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.addinivalue_line("markers", MARKER)
+    for place in config.getini(CASES):
+        if not place.exists():
+            from ..core.nearest import near
+
+            there = near(place.name, sorted(entry.name for entry in config.rootpath.iterdir()))
+            raise pytest.UsageError(f"{CASES}: there is no folder or file {str(place)!r}; {there}")
+
+
+def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
+    if file_path.suffix != ".toml" or not parent.config.getini(CASES):
+        return None
+    from .collect import case_file
+
+    return case_file(file_path, parent)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
+    """Whose figures are told meanwhile: runs may come from fixtures of any scope, and outlive a test."""
+    item.config.stash[current] = item
+    try:
+        return (yield)
+    finally:
+        del item.config.stash[current]
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    from .figures import table
+
+    reports = [report for group in terminalreporter.stats.values() for report in group]
+    lines = table(reports)
+    if lines:
+        terminalreporter.write_sep("=", "periph-sim budgets")
+        for line, good in lines:
+            terminalreporter.write_line(line, red=not good)
+
+
+@pytest.fixture(scope="session")
+def scene(pytestconfig: pytest.Config) -> SceneFactory:
+    """scene(file or firmware function, *changes, seconds=None, record=False, ...) -> Run: builds and runs a case."""
+    from .fixtures import SceneFactory
+
+    return SceneFactory(pytestconfig)
+
+
+@pytest.fixture
+def case_run(request: pytest.FixtureRequest, scene: SceneFactory) -> Run:
+    """The run of the case that the nearest mark `case` names."""
+    mark = request.node.get_closest_marker("case")
+    if mark is None:
+        pytest.fail('fixture case_run: the test has no mark; add @pytest.mark.case("timing/mine.toml")', pytrace=False)
+    return scene(*mark.args, **mark.kwargs)

@@ -1,0 +1,114 @@
+"""Case files as tests: a TOML file under a folder of `periph_sim_cases` goes in; a test a budget comes out.
+
+    timing/mine.toml --> timing/mine.toml::hangs nowhere    nothing is stuck for good
+                         timing/mine.toml::response         a budget of that name holds
+
+The case runs once a process, when the first of its tests does; the others look at the same run. A budget that the case
+says breaks (`breaks`) is a test that is to fail.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from . import CASES
+
+HANGS = "hangs nowhere"
+KNOWN = "known to break"
+
+
+def case_file(path: Path, parent: pytest.Collector) -> CaseFile | None:
+    """The collector of a case file; None if it is under none of the folders of the ini option."""
+    wanted = [place.resolve() for place in parent.config.getini(CASES)]
+    if not any(path.resolve().is_relative_to(place) for place in wanted):
+        return None
+    return CaseFile.from_parent(parent, path=path)
+
+
+class CaseFile(pytest.File):
+    """Collects a case's budgets, and runs it once."""
+
+    def collect(self) -> Iterable[pytest.Item]:
+        """The tests. CollectError in one sentence if the case cannot be built."""
+        from ..case.source import line_of
+
+        try:
+            self._plan = self._planned()
+        except Exception as error:
+            if not of_the_user(error):
+                raise
+            raise self.CollectError(str(error)) from None
+        self._run: Any = None
+        self._failed: Exception | None = None
+        text = self.path.read_text(encoding="utf-8")
+        yield CaseItem.from_parent(self, name=HANGS, number=None, line=1)
+        for number, budget in enumerate(self._plan.case.budget):
+            line = line_of(text, ("budget", number))
+            item = CaseItem.from_parent(self, name=budget.name, number=number, line=line)
+            if budget.name in getattr(self._plan.case, "breaks", ()):
+                item.add_marker(pytest.mark.xfail(reason=KNOWN, raises=AssertionError, strict=True))
+            yield item
+
+    def _planned(self) -> Any:
+        """The plan of a case that can be built: units, firmware, measures and all."""
+        from ..case.load import load
+        from .fixtures import located
+        from .runs import Plan
+
+        plan = Plan(located(load(self.path), self.path, self.config.rootpath))
+        plan.scene()
+        return plan
+
+    def run(self) -> Any:
+        """The run of the case, the same for all who ask; or the error that it ended with."""
+        from .runs import run_plan
+
+        if self._failed is not None:
+            raise self._failed
+        if self._run is None:
+            try:
+                self._run = run_plan(self._plan, lambda run, verdicts: None)
+            except Exception as error:
+                self._failed = error
+                raise
+        return self._run
+
+
+class CaseItem(pytest.Item):
+    """One budget of a case; or, without a budget, that the case does not hang."""
+
+    def __init__(self, number: int | None, line: int, **more: Any) -> None:
+        super().__init__(**more)
+        self._number = number
+        self._line = line
+
+    def runtest(self) -> None:
+        from .figures import told
+
+        assert isinstance(self.parent, CaseFile)
+        run = self.parent.run()
+        if self._number is None:
+            run.assert_not_stuck()
+            return
+        told(self.user_properties, run.result.case, [run.result.budgets[self._number]])
+        run.assert_verdict(self._number)
+
+    def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], *args: Any, **more: Any) -> Any:
+        """What was broken, or one sentence; a traceback only of faults of our own."""
+        if isinstance(excinfo.value, AssertionError) or of_the_user(excinfo.value):
+            return f"{excinfo.value}\n\n{self.nodeid.partition('::')[0]}:{self._line}"
+        return super().repr_failure(excinfo, *args, **more)
+
+    def reportinfo(self) -> tuple[Path, int, str]:
+        return self.path, self._line - 1, f"{self.path.stem}: {self.name}"
+
+
+def of_the_user(error: BaseException) -> bool:
+    """Whether the input is to blame for it, and its text is a sentence."""
+    from ..commands.trouble import MISTAKES
+
+    return not MISTAKES.isdisjoint(f"{kind.__module__}.{kind.__qualname__}" for kind in type(error).__mro__)

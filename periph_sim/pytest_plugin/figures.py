@@ -1,0 +1,142 @@
+"""Figures of budgets, as they travel: verdicts go in, properties of a test come out; and back, as lines of a table.
+
+    Verdict --properties--> ("periph-sim/CASE/BUDGET/worst_us", 5.0) in user_properties --> JUnit XML
+                                    |  (through pytest-xdist, too)
+                                    '--table--> the terminal summary
+
+Nothing but the standard library is imported: the process that shows the table need not be the one that ran the cases.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ..timing.budgets import Verdict
+
+HEAD = "periph-sim/"
+FIRST = "verdict"  # the figure that each budget's begin with
+VALUES = ("worst", "limit", "margin")
+
+Property = tuple[str, object]
+
+
+def properties(case: str, verdict: Verdict) -> list[Property]:
+    """verdict, unit, worst, limit, margin (microseconds with `_us` in their names), count, at_s; "" for none."""
+    tail = "_us" if verdict.unit == "us" else ""
+    figures: dict[str, object] = {FIRST: verdict.verdict, "unit": verdict.unit}
+    figures |= {f"{name}{tail}": _plain(getattr(verdict, name)) for name in VALUES}
+    which = getattr(verdict, "which", "")  # which of a budget's limits it is
+    figures |= {"which": which} if which else {}
+    figures |= {"count": verdict.count, "at_s": _plain(verdict.at_s)}
+    return [(f"{HEAD}{case}/{verdict.name}/{name}", value) for name, value in figures.items()]
+
+
+def _plain(value: float | int | None) -> float | int | str:
+    return "" if value is None else value
+
+
+@dataclass
+class Judged:
+    """One budget that a test judged, read back from its properties."""
+
+    label: str  # case/budget
+    test: str
+    expected: bool  # the test was to fail
+    figures: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def verdict(self) -> str:
+        verdict: str = self.figures[FIRST]
+        return f"{verdict}, as expected" if self.expected and verdict != "pass" else verdict
+
+    def value(self, name: str) -> Any:
+        value = self.figures.get(f"{name}_us", self.figures.get(name, ""))
+        return None if value == "" else value
+
+
+def judged(reports: Iterable[Any]) -> list[Judged]:
+    """The budgets of all reports of tests, test by test; a test's last report has all of its.
+
+    What a test judged several times with the same figures comes once.
+    """
+    longest: dict[str, Sequence[Property]] = {}
+    expected: set[str] = set()
+    for report in reports:
+        if hasattr(report, "wasxfail"):
+            expected.add(report.nodeid)
+        given = getattr(report, "user_properties", ())
+        if len(given) > len(longest.get(report.nodeid, ())):
+            longest[report.nodeid] = given
+    found: list[Judged] = []
+    for test, given in longest.items():
+        for name, value in given:
+            if not str(name).startswith(HEAD):
+                continue
+            label, _, what = name.removeprefix(HEAD).rpartition("/")
+            if what == FIRST:
+                found.append(Judged(label, test, test in expected))
+            if found:
+                found[-1].figures[what] = value
+    return [one for number, one in enumerate(found) if one not in found[:number]]
+
+
+def table(reports: Iterable[Any]) -> list[tuple[str, bool]]:
+    """Lines of the terminal summary, and whether each is a good one. Empty where no budget was judged."""
+    budgets = judged(reports)
+    if not budgets:
+        return []
+    rows: list[tuple[str, ...]] = [("case/budget", "worst", "limit", "margin", "when", "", "judged by")]
+    for one in budgets:
+        unit = one.figures.get("unit", "")
+        worst, limit, margin = (figure(one.value(name), unit) for name in VALUES)
+        numbers = (worst, limit_text(limit, one.figures.get("which", "")), margin)
+        by = "" if ".toml::" in one.test else one.test
+        rows.append((one.label, *numbers, moment(one.value("at_s")), one.verdict, by))
+    if not any(row[-1] for row in rows[1:]):
+        rows = [(*row[:-1], "") for row in rows]
+    lines = aligned(rows, left=(0, 5, 6))
+    return [(lines[0], True)] + [
+        (line, one.figures[FIRST] == "pass" or one.expected) for line, one in zip(lines[1:], budgets, strict=True)
+    ]
+
+
+def figure(value: float | int | None, unit: str) -> str:
+    """A value as people read it; - where there is none."""
+    if value is None:
+        return "-"
+    if unit != "us":
+        return f"{value:.2f} %" if unit == "%" else f"{value}"
+    return f"{value:.3f} us" if abs(value) < 1000 else f"{value / 1000:.3f} ms"
+
+
+def limit_text(limit: str, which: str) -> str:
+    """A limit that is neither the most nor the least says what it is."""
+    if which in ("", "max", "min"):
+        return limit
+    return f"= {limit}" if which == "exactly" else f"{which.replace('_', '.')} {limit}"
+
+
+def moment(at_s: float | None) -> str:
+    return "-" if at_s is None else f"{at_s:.6f} s"
+
+
+def aligned(rows: Sequence[Sequence[str]], left: Sequence[int]) -> list[str]:
+    """Rows as lines, columns of equal width; those of `left` begin at their left edge."""
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    lines = []
+    for row in rows:
+        cells = [
+            f"{cell:{width}}" if column in left else f"{cell:>{width}}"
+            for column, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ]
+        lines.append("  ".join(cells).rstrip())
+    return lines
+
+
+def told(into: list[Property], case: str, verdicts: Sequence[Verdict]) -> None:
+    """Put the figures of verdicts into a test's properties."""
+    for verdict in verdicts:
+        into.extend(properties(case, verdict))

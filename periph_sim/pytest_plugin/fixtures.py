@@ -1,0 +1,154 @@
+"""The fixture `scene`: a case file or a firmware function with changes goes in; a Run comes out.
+
+scene("timing/mine.toml", "controller.period=10 ms", seconds=2)  --> Run
+scene(firmware, modules=["I2C-A"], controller={...}, budget=[...], seconds=2)  --> Run
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import pytest
+from pydantic import ValidationError
+
+from ..board.firmware import Firmware
+from ..case.explain import explain
+from ..case.load import apply, load
+from ..case.model import BadCase, Case
+from ..case.settings import duration
+from ..case.source import Source
+from ..core.nearest import near
+from ..timing.budgets import Verdict
+from . import current
+from .figures import told
+from .runs import Plan, Run, run_plan
+
+Program = Callable[[Any, Any], None]
+Length = float | str | Fraction | None
+UNIT = "dsp"  # of scenes given in Python
+
+
+class SceneFactory:
+    """Builds and runs cases for tests."""
+
+    def __init__(self, config: pytest.Config) -> None:
+        self._config = config
+
+    def __repr__(self) -> str:
+        return "<scene(file or firmware function, *changes, seconds=None, record=False, ...)>"
+
+    def __call__(
+        self,
+        what: str | Path | Program,
+        *changes: str,
+        seconds: Length = None,
+        record: bool = False,
+        modules: Sequence[str] = (),
+        settings: object = None,
+        unit: dict[str, Any] | None = None,
+        **tables: Any,
+    ) -> Run:
+        """The run of a case.
+
+        what: a case file, relative to the test's file or pytest's rootdir; or firmware as a function (dsp, settings).
+        changes: KEY=VALUE, as `periph-sim run --set` takes them. seconds: instead of the case's own duration; a text
+        has a unit ("500 ms"). record: keep all records and edges.
+
+        Of a function only: modules, pins and whatever else a unit has (`unit`), settings, which it is handed as they
+        are, and the other tables of a case (controller, host, budget, ...) under their names.
+
+        BadCase in one sentence if the case cannot be run.
+        """
+        __tracebackhide__ = True
+        try:
+            if callable(what):
+                plan = _of_function(
+                    what, changes, seconds, settings, {"modules": list(modules), **(unit or {})}, tables
+                )
+            else:
+                given = {"settings": settings, "modules": modules, "unit": unit, **tables}
+                plan = self._of_file(Path(what), changes, seconds, [name for name in given if given[name]])
+            return run_plan(plan, self._told, keep_edges=callable(what), record=record)
+        except BadCase as error:
+            raise error.with_traceback(None) from None  # the sentence says it; the way to it is ours
+
+    def _of_file(self, path: Path, changes: Sequence[str], seconds: Length, given: Sequence[str]) -> Plan:
+        if given:
+            raise BadCase(f"{path}: {given[0]}= goes with firmware given as a function; change a file by 'key=value'")
+        found = self._found(path)
+        return Plan(located(load(found, list(changes)), found, self._config.rootpath), _length(seconds))
+
+    def _found(self, path: Path) -> Path:
+        """The case file, beside the test or under rootdir."""
+        root = self._config.rootpath
+        item = self._config.stash.get(current, None)
+        folders = [root] if item is None else [item.path.parent, root]
+        for folder in folders:
+            if (folder / path).is_file():
+                return folder / path
+        there = {
+            file.relative_to(folder).as_posix(): 0
+            for folder in folders
+            for file in sorted((folder / path).parent.glob("*.toml"))
+        }
+        raise BadCase(
+            f"{path}: there is no such case file beside the test or in {root}; {near(path.as_posix(), there)}"
+        )
+
+    def _told(self, run: Run, verdicts: Sequence[Verdict]) -> None:
+        """To the test that asserts now, which may be another one than that which made the run."""
+        item = self._config.stash.get(current, None)
+        if item is not None:
+            told(item.user_properties, run.result.case, verdicts)
+
+
+def located(case: Case, path: Path, root: Path) -> Case:
+    """The case with its firmware files found: where pytest was started, else under rootdir, else beside the case."""
+    units = {}
+    for name, unit in case.unit.items():
+        file = Path(unit.firmware)
+        if unit.firmware.endswith(".py") and not file.is_file():
+            found = [folder / file for folder in (root, path.parent) if (folder / file).is_file()]
+            unit = unit.model_copy(update={"firmware": str(found[0])}) if found else unit
+        units[name] = unit
+    return case.model_copy(update={"unit": units})
+
+
+def _length(given: Length) -> Fraction | None:
+    """Seconds, above 0."""
+    if given is None:
+        return None
+    try:
+        length = duration(given) if isinstance(given, str) else Fraction(str(given))
+    except ValueError as error:
+        raise BadCase(f"seconds={given!r}: {error}") from None
+    if length <= 0:
+        raise BadCase(f"seconds={given!r}: expected more than 0")
+    return length
+
+
+def _of_function(
+    program: Program,
+    changes: Sequence[str],
+    seconds: Length,
+    settings: object,
+    unit: dict[str, Any],
+    tables: dict[str, Any],
+) -> Plan:
+    length = _length(seconds)
+    name = getattr(program, "__name__", type(program).__name__)
+    if length is None and "duration" not in tables:
+        raise BadCase(f"scene({name}): how long it is to run is missing; give seconds=")
+    tree: dict[str, Any] = {"name": name, "unit": {UNIT: {"firmware": name, **unit}}, **tables}
+    if length is not None:
+        tree["duration"] = length
+    places = tuple((change, apply(tree, change)) for change in changes)
+    source = Source(Path(f"scene({name})"), "", places)
+    try:
+        case = Case.model_validate(tree).from_source(source)
+    except ValidationError as error:
+        raise BadCase(explain(source, error)) from None
+    return Plan(case, length, {UNIT: Firmware(name, lambda dsp, _: program(dsp, settings), None)})

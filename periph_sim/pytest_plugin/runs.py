@@ -1,0 +1,199 @@
+"""A case that was run, as a test looks at it.
+
+Plan (case, programs, length) --run_plan--> Run: result, budgets, transfers, edges(), records
+                                             assert_budgets(...) --> nothing, or AssertionError with a picture
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from pathlib import Path
+
+from ..board.firmware import Firmware
+from ..board.result import Result
+from ..board.scene import Scene
+from ..case.model import Case
+from ..core.nearest import near
+from ..core.records import Kind, Recorder
+from ..core.time import Timebase
+from ..formats.capture import Capture
+from ..formats.record_table import Columns, RecordTable
+from ..lines.i2c_controller import Transfer
+from ..replay.wire_log import WireLog
+from ..timing.budgets import Verdict
+
+Told = Callable[["Run", Sequence[Verdict]], None]
+
+
+class NoSuchBudget(KeyError):
+    """A budget that the case does not have; one sentence."""
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is to be run. seconds: None for the case's own duration. programs: firmware given as functions, by unit."""
+
+    case: Case
+    seconds: Fraction | None = None
+    programs: Mapping[str, Firmware] = field(default_factory=dict)
+
+    def scene(self, subscribe: Callable[[Recorder, Timebase], None] | None = None) -> Scene:
+        """A new scene, not yet run. BadCase if it cannot be built."""
+        return Scene(self.case, subscribe, self.programs)
+
+    @property
+    def length(self) -> Fraction:
+        """Seconds."""
+        return self.case.duration if self.seconds is None else self.seconds
+
+
+class Budgets(dict[str, Verdict]):
+    """Verdicts by the name of their budget. NoSuchBudget, a KeyError, names the nearest right ones."""
+
+    def __init__(self, case: str, verdicts: Sequence[Verdict]) -> None:
+        super().__init__((verdict.name, verdict) for verdict in verdicts)
+        self._case = case
+
+    def __missing__(self, name: str) -> Verdict:
+        __tracebackhide__ = True
+        raise NoSuchBudget(f"case {self._case} has no budget {name!r}; {near(name, self)}")
+
+
+@dataclass(repr=False)
+class Run:
+    """A run that is over.
+
+    result: as `periph-sim run` shows it. budgets: verdicts by name. records: the table of all records if asked for
+    with `record=True`, else None.
+    """
+
+    plan: Plan
+    result: Result
+    budgets: Budgets
+    timebase: Timebase
+    start: int  # tick
+    records: RecordTable | None
+    hangs: tuple[str, ...]  # what is stuck for good, a sentence each
+    _transfers: list[Transfer]
+    _edges: Capture | None
+    _told: Told
+
+    def __repr__(self) -> str:
+        return f"<run of {self.result.case}, {self.result.simulated_s:g} s: {self.result.verdict}>"
+
+    @property
+    def transfers(self) -> list[Transfer]:
+        """The transfers of the case's controller, in order. LookupError if the case has no controller."""
+        __tracebackhide__ = True
+        if self.plan.case.controller is None:
+            raise LookupError(
+                f"case {self.result.case} has no controller; "
+                "periph_sim.decode.i2c.transfers(run.edges()) gives what was on its wires"
+            )
+        return self._transfers
+
+    def edges(self) -> Capture:
+        """Every wire of the scene; positions are ticks. The case is run a second time for them, once.
+
+        Not so where they were kept: with `record=True`, and where the firmware is a function of the test's.
+        """
+        if self._edges is None:
+            self._edges = self.edges_until(self.end)
+        return self._edges
+
+    @property
+    def end(self) -> int:
+        """The tick at which it was over."""
+        return self.start + self.timebase.ticks(self.plan.length, "nearest")
+
+    def edges_until(self, tick: int) -> Capture:
+        """As `edges`, up to a tick at least; a run is repeated no further than that. tick: up to `end`."""
+        if self._edges is not None:
+            return self._edges
+        scene = self.plan.scene()
+        log = WireLog(*scene.wires.values())
+        scene.kernel.run_until(tick)
+        return _named(log.capture(scene.timebase, tick), self.result.case)
+
+    def assert_budgets(self, *names: str) -> None:
+        """Nothing if all these budgets hold; else AssertionError with a table and a diagram of each broken one.
+
+        NoSuchBudget if the case has none of such a name; ValueError if none is named.
+        """
+        __tracebackhide__ = True
+        if not names:
+            raise ValueError("assert_budgets: name at least one budget; assert_all() judges all of the case")
+        for name in names:
+            if name not in self.budgets:
+                raise NoSuchBudget(f"case {self.result.case} has no budget {name!r}; {near(name, self.budgets)}")
+        self._judge([verdict for verdict in self.result.budgets if verdict.name in names])
+
+    def assert_all(self) -> None:
+        """As `assert_budgets` of all that the case has; and nothing is stuck for good. ValueError if it has none."""
+        __tracebackhide__ = True
+        if not self.budgets:
+            raise ValueError(f"case {self.result.case} has no budgets, so nothing would be judged; give it some")
+        self._judge(self.result.budgets)
+        self.assert_not_stuck()
+
+    def assert_not_stuck(self) -> None:
+        """Nothing, unless a line is held for good or firmware waits for what cannot come: AssertionError says which."""
+        __tracebackhide__ = True
+        if self.hangs:
+            raise AssertionError("\n".join([f"{self.result.case} hangs:", *self.hangs]))
+
+    def assert_verdict(self, number: int) -> None:
+        """As `assert_budgets` of the case's budget of this number, counted from 0."""
+        __tracebackhide__ = True
+        self._judge(self.result.budgets[number : number + 1])
+
+    def _judge(self, verdicts: Sequence[Verdict]) -> None:
+        __tracebackhide__ = True
+        self._told(self, verdicts)
+        broken = [verdict for verdict in verdicts if verdict.verdict != "pass"]
+        if broken:
+            from .failure import failure_text
+
+            raise AssertionError(failure_text(self, broken, len(verdicts)))
+
+
+def run_plan(plan: Plan, told: Told, *, keep_edges: bool = False, record: bool = False) -> Run:
+    """Build and run. told: hears of the verdicts that a test asserts. BadCase if the case cannot be built."""
+    columns = Columns()
+
+    def subscribe(recorder: Recorder, timebase: Timebase) -> None:
+        if record:
+            recorder.subscribe(Kind, columns.add)
+
+    scene = plan.scene(subscribe)
+    log = WireLog(*scene.wires.values()) if keep_edges or record else None
+    transfers: list[Transfer] = []
+    scene.listen_transfers(transfers.append)
+    result = scene.run(plan.length)
+    now, per_second = scene.kernel.now, Fraction(scene.timebase.per_second)
+    return Run(
+        plan=plan,
+        result=result,
+        budgets=Budgets(result.case, result.budgets),
+        timebase=scene.timebase,
+        start=scene.start,
+        records=columns.table(per_second, now, _modules(plan.case)) if record else None,
+        hangs=(*scene.deadlocks(), *(scene.stuck_lines[-1:] if scene.hangs() else ())),
+        _transfers=transfers,
+        _edges=None if log is None else _named(log.capture(scene.timebase, now), result.case),
+        _told=told,
+    )
+
+
+def _modules(case: Case) -> dict[str, tuple[str, ...]]:
+    """What a record table says of each unit: its modules and its named pins."""
+    return {name: (*unit.modules, *(f"pin:{pin}" for pin in unit.pins)) for name, unit in case.unit.items()}
+
+
+def _named(capture: Capture, case: str) -> Capture:
+    return replace(capture, path=Path(case))

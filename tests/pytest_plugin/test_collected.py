@@ -1,0 +1,218 @@
+"""Case files as tests: which are collected, how they read, and what a broken or a bad one says."""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ElementTree
+
+import pytest
+
+from periph_sim.case.model import Case
+
+from .project import SMALL
+
+TIGHT = SMALL.replace('"60 us"', '"1 us"').replace('"1 ms"\n\n[[budget]]', '"2 us"\n\n[[budget]]')
+
+
+def broken(project: pytest.Pytester) -> None:
+    (project.path / "timing" / "small.toml").write_text(TIGHT)
+
+
+def test_a_case_is_a_test_for_each_budget(project: pytest.Pytester) -> None:
+    result = project.runpytest_inprocess("-v")
+    result.assert_outcomes(passed=4)
+    result.stdout.fnmatch_lines(
+        [
+            "timing/small.toml::hangs nowhere PASSED*",
+            "timing/small.toml::response PASSED*",
+            "timing/small.toml::round complete PASSED*",
+            "timing/small.toml::wrong bytes PASSED*",
+            "*= periph-sim budgets =*",
+            "case/budget*worst*limit*margin*when",
+            "small/response*us*60.000 us*us*s  pass",
+            "small/round complete*us*1.000 ms*us*s  pass",
+            "small/wrong bytes*0*0*0*-  pass",
+        ]
+    )
+    assert result.ret == 0
+
+
+@pytest.mark.parametrize(
+    ("args", "passed", "deselected"),
+    [(["-k", "response"], 1, 3), (["-k", "small and complete"], 1, 3), (["timing/small.toml::wrong bytes"], 1, 0)],
+)
+def test_one_budget_is_chosen(project: pytest.Pytester, args: list[str], passed: int, deselected: int) -> None:
+    project.runpytest_inprocess(*args).assert_outcomes(passed=passed, deselected=deselected)
+
+
+def test_a_case_runs_once_for_all_its_tests(project: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> None:
+    from periph_sim.board.scene import Scene
+
+    runs = []
+    real = Scene.run
+    monkeypatch.setattr(Scene, "run", lambda scene, *args: runs.append(scene) or real(scene, *args))
+    project.runpytest_inprocess().assert_outcomes(passed=4)
+    assert len(runs) == 1
+
+
+def test_a_broken_budget_tells_its_figures_and_shows_the_bus(project: pytest.Pytester) -> None:
+    broken(project)
+    result = project.runpytest_inprocess()
+    result.assert_outcomes(passed=2, failed=2)
+    result.stdout.fnmatch_lines(
+        [
+            "*_ small: response _*",
+            "small: response * us, limit 1.000 us",
+            "budget*worst*limit*margin*when  why",
+            "response*us  1.000 us  -*us*s  the master gives up later",
+            "response, * us at *:",
+            "*v response: worst begins*",
+            "*v ends, * us later*",
+            "SCL  *┐ ┌─┐*",
+            "     *┘ └─┘*",
+            "SDA  *",
+            "bytes*50 read*A*01*",
+            "*+····*",
+            "*us, from 0.00* s on",
+            "timing/small.toml:20",
+            "*_ small: round complete _*",
+            "SCL  *░*",
+            "bytes*S*50 write*A*00*Sr*50 read*02*N P",
+            "timing/small.toml:26",
+            "small/response*fail",
+            "FAILED timing/small.toml::response - small: response *",
+        ]
+    )
+    assert "Traceback" not in result.stdout.str() and "runs.py" not in result.stdout.str()
+
+
+def test_figures_are_properties_in_junit_xml(project: pytest.Pytester) -> None:
+    broken(project)
+    project.runpytest_inprocess("--junitxml=out.xml")
+    root = ElementTree.parse(project.path / "out.xml").getroot()
+    found = {case.attrib["name"]: properties(case) for case in root.iter("testcase")}
+    assert found["hangs nowhere"] == {}
+    head = "periph-sim/small/response/"
+    response = {name.removeprefix(head): value for name, value in found["response"].items()}
+    response.pop("which", None)  # of several limits
+    assert list(response) == ["verdict", "unit", "worst_us", "limit_us", "margin_us", "count", "at_s"]
+    assert response["verdict"] == "fail" and response["limit_us"] == "1.0" and response["count"] == "3"
+    assert float(response["worst_us"]) + float(response["margin_us"]) == 1.0
+    assert found["wrong bytes"]["periph-sim/small/wrong bytes/worst"] == "0"
+
+
+def properties(case: ElementTree.Element) -> dict[str, str]:
+    return {one.attrib["name"]: one.attrib["value"] for one in case.iter("property")}
+
+
+def test_xdist_workers_tell_the_same_table(project: pytest.Pytester) -> None:
+    broken(project)
+    alone = project.runpytest_inprocess()
+    spread = project.runpytest_subprocess("-n", "2")
+    spread.assert_outcomes(passed=2, failed=2)
+    assert table(spread) == table(alone) != []
+
+
+def table(result: pytest.RunResult) -> list[str]:
+    """The lines of the summary, in one order: workers end in any."""
+    return sorted(line for line in result.outlines if line.startswith("small/"))
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (('measure = "response"', 'measure = "respons"'), r"small.toml, line \d+: budget.0.measure: there is no "
+         r"measure 'respons'; did you mean response\?"),
+        (('max = "60 us"', 'maks = "60 us"'), r"small.toml, line \d+: there is no key 'budget.0.maks'; .* max.*"),
+        (('"responder"', '"respnder"'), r"small.toml, line \d+: unit.dsp.firmware: there is no firmware 'respnder'; "
+         r"did you mean responder\?"),
+        (("[unit.dsp]", "[unit.dsp"), r"small.toml: it is not TOML: .*"),
+    ],
+)  # fmt: skip
+def test_a_bad_case_is_one_sentence(project: pytest.Pytester, change: tuple[str, str], said: str) -> None:
+    (project.path / "timing" / "small.toml").write_text(SMALL.replace(*change))
+    result = project.runpytest_inprocess()
+    result.assert_outcomes(errors=1)
+    assert result.ret == pytest.ExitCode.INTERRUPTED
+    lines = result.outlines
+    begin = next(number for number, line in enumerate(lines) if "ERROR collecting timing/small.toml" in line)
+    assert re.search(said + "$", lines[begin + 1]), lines[begin + 1]
+    assert lines[begin + 2].startswith("===")
+
+
+def test_a_fault_in_the_run_is_told_by_each_of_its_tests(project: pytest.Pytester) -> None:
+    (project.path / "faulty.py").write_text("def main(dsp, settings):\n    dsp.module('I2C-A').I2CMDX.IRS = 1\n")
+    (project.path / "timing" / "small.toml").write_text(SMALL.replace('"responder"', '"faulty.py"'))
+    result = project.runpytest_inprocess()
+    result.assert_outcomes(failed=4)
+    said = "dsp: AttributeError at line 2 of faulty.py: I2C-A has no register 'I2CMDX'; did you mean I2CMDR*"
+    result.stdout.fnmatch_lines([said] * 4)
+
+
+def test_a_case_that_hangs_fails_although_its_budgets_hold(project: pytest.Pytester) -> None:
+    (project.path / "hangs.py").write_text(
+        "from firmware.python.startup import start_i2c\n"
+        "def main(dsp, settings):\n"
+        "    with dsp.span('boot'):\n"
+        "        dsp.compute(9)\n"
+        "    start_i2c(dsp, own_address=0x50)\n"
+        "    dsp.spin(lambda: dsp.module('I2C-A').I2CSTR.AAS == 1)\n"
+    )
+    (project.path / "timing" / "small.toml").write_text(
+        'name = "hung"\nduration = "1 ms"\n[unit.dsp]\nfirmware = "hangs.py"\nmodules = ["I2C-A"]\n'
+        '[[budget]]\nname = "boot"\nmeasure = "span:boot"\nmax = "1 us"\n'
+    )
+    result = project.runpytest_inprocess("-v")
+    result.assert_outcomes(passed=1, failed=1)
+    result.stdout.fnmatch_lines(
+        ["*hangs nowhere FAILED*", "*boot PASSED*", "hung hangs:", "dsp waits for *AAS*for ever*"]
+    )
+
+
+def test_a_firmware_file_is_found_from_any_folder(project: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> None:
+    firmware = project.mkdir("firmware")
+    (firmware / "mine.py").write_text("from firmware.python.responder import Settings, main  # noqa: F401\n")
+    (project.path / "timing" / "small.toml").write_text(SMALL.replace('"responder"', '"firmware/mine.py"'))
+    project.runpytest_inprocess().assert_outcomes(passed=4)
+    monkeypatch.chdir(project.path / "timing")
+    project.runpytest_inprocess("small.toml").assert_outcomes(passed=4)
+
+
+@pytest.mark.skipif("breaks" not in Case.model_fields, reason="cases cannot say yet which budgets break")
+def test_a_budget_that_is_to_break_must_break(project: pytest.Pytester) -> None:
+    (project.path / "timing" / "small.toml").write_text('breaks = ["response", "wrong bytes"]\n' + TIGHT)
+    result = project.runpytest_inprocess("-v")
+    result.assert_outcomes(passed=1, failed=2, xfailed=1)
+    result.stdout.fnmatch_lines(
+        [
+            "timing/small.toml::response XFAIL (known to break)*",
+            "timing/small.toml::round complete FAILED*",
+            "timing/small.toml::wrong bytes FAILED*",
+            "[[]XPASS(strict)] known to break",
+            "small/response * fail, as expected",
+            "small/round complete * fail",
+            "small/wrong bytes * pass",
+        ]
+    )
+
+
+def test_other_toml_files_are_left_alone(project: pytest.Pytester) -> None:
+    (project.path / "pyproject.toml").write_text("[tool.mine]\n")
+    (project.path / "elsewhere.toml").write_text("not even TOML")
+    project.runpytest_inprocess().assert_outcomes(passed=4)
+
+
+def test_nothing_is_collected_without_the_option(project: pytest.Pytester) -> None:
+    (project.path / "pytest.ini").write_text("[pytest]\n")
+    result = project.runpytest_inprocess()
+    assert result.ret == pytest.ExitCode.NO_TESTS_COLLECTED
+    assert "periph-sim budgets" not in result.stdout.str()
+
+
+def test_a_folder_that_is_not_there_is_a_mistake_not_silence(project: pytest.Pytester) -> None:
+    (project.path / "pytest.ini").write_text("[pytest]\nperiph_sim_cases = timings\n")
+    result = project.runpytest_inprocess()
+    assert result.ret == pytest.ExitCode.USAGE_ERROR
+    result.stderr.fnmatch_lines(
+        ["ERROR: periph_sim_cases: there is no folder or file '*timings'; did you mean timing?"]
+    )

@@ -1,0 +1,81 @@
+"""Figures as they travel: as text, as properties of a test, and back as lines of the summary."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from periph_sim.pytest_plugin.figures import figure, limit_text, moment, properties, table
+from periph_sim.timing.budgets import Verdict
+
+
+def verdict(name: str = "response", worst: float | None = 5.0, unit: str = "us") -> Verdict:
+    margin = None if worst is None else 4 - worst
+    at_s = None if worst is None else 0.5
+    return Verdict(
+        name, "response", unit, worst, 4, margin, 9, "fail" if margin is None or margin < 0 else "pass", at_s
+    )
+
+
+def report(test: str, *given: object, **more: object) -> SimpleNamespace:
+    return SimpleNamespace(nodeid=test, user_properties=[one for part in given for one in part], **more)
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (None, "us", "-"),
+        (5.0, "us", "5.000 us"),
+        (-999.9994, "us", "-999.999 us"),
+        (22153.3333, "us", "22.153 ms"),
+        (7, "count", "7"),
+        (41.25, "%", "41.25 %"),
+    ],
+)
+def test_a_figure(value: float | None, unit: str, text: str) -> None:
+    assert figure(value, unit) == text
+
+
+@pytest.mark.parametrize(
+    ("which", "text"),
+    [
+        ("", "4 us"),
+        ("max", "4 us"),
+        ("min", "4 us"),
+        ("exactly", "= 4 us"),
+        ("p99", "p99 4 us"),
+        ("p99_9", "p99.9 4 us"),
+    ],
+)
+def test_a_limit_says_which_it_is(which: str, text: str) -> None:
+    assert limit_text("4 us", which) == text
+
+
+def test_a_moment() -> None:
+    assert (moment(None), moment(1.25)) == ("-", "1.250000 s")
+
+
+def test_figures_come_back_as_they_went() -> None:
+    slow, silent = properties("a/b", verdict()), properties("a/b", verdict("x / y", None))
+    lines = table(
+        [
+            report("t.py::one", slow),  # set up
+            report("t.py::one", slow, silent, slow),  # called; the first was judged twice
+            report("t.py::two", [("mine", 1), ("periph-sim", 2)], wasxfail=""),
+            report("case.toml::response", properties("c", verdict(worst=3, unit="count")), wasxfail=""),
+            report("case.toml::x", properties("c", verdict()), wasxfail=""),
+            SimpleNamespace(nodeid="a collector's"),
+        ]
+    )
+    assert lines == [
+        ("case/budget      worst     limit     margin        when                     judged by", True),
+        ("a/b/response  5.000 us  4.000 us  -1.000 us  0.500000 s  fail               t.py::one", False),
+        ("a/b/x / y            -  4.000 us          -           -  fail               t.py::one", False),
+        ("c/response           3         4          1  0.500000 s  pass", True),
+        ("c/response    5.000 us  4.000 us  -1.000 us  0.500000 s  fail, as expected", True),
+    ]
+
+
+def test_no_figures_no_lines() -> None:
+    assert table([report("t.py::one", [("mine", 1)])]) == []

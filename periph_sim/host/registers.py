@@ -75,5 +75,13 @@ class ModulePort:
             raise AttributeError(f"{self._name} has no register {name!r}; {near(name, ports)}")
         return ports[name]
 
+    def __setattr__(self, name: str, value: object) -> None:
+        """Registers are written through their fields or `all`; a module has nothing else to assign to."""
+        if name.startswith("_"):
+            object.__setattr__(self, name, value)
+            return
+        self.__getattr__(name)  # a name that is not there is told so
+        raise AttributeError(f"{self._name}.{name} is a register; write {name}.all = ... or a field of it")
+
     def __getitem__(self, name: str) -> RegisterPort:
         return self.__getattr__(name)

@@ -163,6 +163,10 @@ def test_wrong_names_and_addresses_say_what_is_near():
     bench = Bench([])
     with pytest.raises(AttributeError, match=r"FLAGS has no register 'STATSU'; did you mean STATUS\?"):
         _ = bench.flags.STATSU
+    with pytest.raises(AttributeError, match=r"FLAGS has no register 'STATSU'; did you mean STATUS\?"):
+        bench.flags.STATSU = 1
+    with pytest.raises(AttributeError, match=r"FLAGS\.STATUS is a register; write STATUS\.all = "):
+        bench.flags.STATUS = 1
     with pytest.raises(AttributeError, match=r"FLAGS\.STATUS has no field 'D'; it has A, B, C"):
         bench.flags.STATUS.D = 1
     with pytest.raises(NoSuchAddress, match=r"0x7200 belongs to no module of this scene, which has FLAGS 0x7100, PIE"):

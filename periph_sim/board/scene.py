@@ -83,6 +83,7 @@ class Scene:
         self._stuck_wire: Wire | None = None  # the line last reported stuck, and how many rounds were over then
         self._stuck_after_rounds = 0
         self._stuck_told: list[Callable[[int], None]] = []
+        self._sci_watches: dict[str, SciWatch] = {}
         for name, unit in case.unit.items():
             self.units[name] = self._build_unit(name, unit)
         if case.controller is not None:
@@ -252,9 +253,11 @@ class Scene:
         self._stuck_told.append(told)
 
     def listen_sci(self, told: Callable[[int, int, bool], None]) -> None:
-        for dsp in self.units.values():
+        for name, dsp in self.units.items():
             if dsp.has("SCI-A"):
-                SciWatch(dsp, told)
+                if name not in self._sci_watches:
+                    self._sci_watches[name] = SciWatch(dsp)
+                self._sci_watches[name].told.append(told)
 
     def checks_host(self) -> bool:
         return self.case.controller is not None and self.case.controller.check == "host"

@@ -10,10 +10,10 @@ from .dsp import Dsp
 class SciWatch:
     """Looks at a receive FIFO after each input: words waiting, and rising overrun flags."""
 
-    def __init__(self, dsp: Dsp, told: Callable[[int, int, bool], None]) -> None:
+    def __init__(self, dsp: Dsp) -> None:
         self._dsp = dsp
         self._socket = dsp.socket("SCI-A")
-        self._told = told
+        self.told: list[Callable[[int, int, bool], None]] = []
         chip_map = self._socket.chip.MAP
         self._rx, self._status = chip_map["SCIFFRX"], chip_map["SCIRXST"]
         self._level = self._rx["RXFFST"]
@@ -29,5 +29,7 @@ class SciWatch:
         in_fifo, without = self._overruns
         overrun = bool(fifo & in_fifo or status & without)
         if words != self._words or overrun != self._overrun:
-            self._told(self._dsp.clock.tick(cycle), words, overrun and not self._overrun)
+            tick, lost = self._dsp.clock.tick(cycle), overrun and not self._overrun
+            for told in self.told:
+                told(tick, words, lost)
             self._words, self._overrun = words, overrun

@@ -283,12 +283,13 @@ class WrongBytes(Measure):
             return b""
         chip = self._chips[address]
         candidates = []
-        for values in self._recent.values():
+        for values in reversed(self._recent.values()):  # the last frame's is the usual one
             three = values[3:6] if chip is CHIPS["accelerometer"] else values[0:3]
             in_order = [three[axis] for axis in chip.order]
-            candidates.append(b"".join(v.to_bytes(2, "big" if chip.big else "little", signed=True) for v in in_order))
-        if got in candidates:
-            return got
+            wanted = b"".join([v.to_bytes(2, "big" if chip.big else "little", signed=True) for v in in_order])
+            if wanted == got:
+                return wanted
+            candidates.append(wanted)
         return max(candidates, key=lambda c: sum(a == b for a, b in zip(c, got, strict=False)))
 
 

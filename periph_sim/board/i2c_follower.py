@@ -53,7 +53,7 @@ class I2cFollower:
     def follow(self, pulses: Pulses, sda: Sequence[int]) -> None:
         clock, socket = self._clock, self._socket
         last_fall = clock.cycle_at(pulses.fall(pulses.number - 1))
-        self._chip.follow(last_fall, clock.cycle_at(pulses.end) - 1, sda)
+        self._chip.follow(last_fall, sda)
         socket.adopt_outputs()
         level = self._chip.out >> SDA_PIN & 1
         for pin in socket.pins[SDA_PIN]:

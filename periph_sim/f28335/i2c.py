@@ -202,8 +202,8 @@ class I2c:
         """SDA as this module drives it now and after each of so many pulses; empty if it does not send."""
         return self.target.sends(pulses)
 
-    def follow(self, last_fall: int, now: int, sda: Sequence[int]) -> None:
-        """Pulses have passed, as many as `pulses_left` allows, and their last edges have passed the filter by `now`.
+    def follow(self, last_fall: int, sda: Sequence[int]) -> None:
+        """Pulses have passed, as many as `pulses_left` allows, and their last edges have passed the filter.
 
         sda: the level of SDA before the first pulse and after each.
         """

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-import subprocess
 from fractions import Fraction
 from pathlib import Path
 
@@ -12,6 +11,7 @@ import pytest
 from periph_sim import formats
 from tests.captures.where import FOLDER, captures, needs_captures
 from tests.formats.looks import edges, facts
+from tests.formats.sigrok import sigrok_says
 
 pytestmark = needs_captures
 
@@ -42,13 +42,5 @@ def test_written_and_read_again_the_edges_are_the_same(path: Path, tmp_path: Pat
 )
 def test_sigrok_decodes_it_to_the_same_events(name: str, decoder: str, tmp_path: Path):
     formats.write(formats.read(FOLDER / name), tmp_path / name)
-    said = [
-        subprocess.run(
-            ["sigrok-cli", "-i", path, "-P", decoder, "--protocol-decoder-samplenum"],
-            capture_output=True,
-            text=True,
-            check=True,
-        ).stdout
-        for path in (FOLDER / name, tmp_path / name)
-    ]
+    said = [sigrok_says(path, decoder) for path in (FOLDER / name, tmp_path / name)]
     assert said[0] == said[1] and len(said[0].splitlines()) > 10

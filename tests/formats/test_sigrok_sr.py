@@ -21,6 +21,7 @@ from periph_sim.formats import BadCapture, Capture, Span, limits, sigrok_sr
 from periph_sim.formats.capture import channel_of_edges
 from tests.formats.looks import edges, facts
 from tests.formats.make_traces import FOLDER
+from tests.formats.sigrok import sigrok_says
 from tests.formats.writers import metadata, sr_bytes, zip_bytes
 
 V1 = b"""[global]
@@ -477,15 +478,7 @@ def test_a_suffix_nobody_writes_is_refused_with_the_nearest(tmp_path: Path):
 )
 def test_sigrok_decodes_what_is_written_to_the_same_events(tmp_path: Path, name: str, decoder: str):
     formats.write(formats.read(FOLDER / name), tmp_path / name)
-    said = [
-        subprocess.run(
-            ["sigrok-cli", "-i", path, "-P", decoder, "--protocol-decoder-samplenum"],
-            capture_output=True,
-            text=True,
-            check=True,
-        ).stdout
-        for path in (FOLDER / name, tmp_path / name)
-    ]
+    said = [sigrok_says(path, decoder) for path in (FOLDER / name, tmp_path / name)]
     assert said[0] == said[1] and len(said[0].splitlines()) > 20
 
 

@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/installed
 
-.PHONY: demo test check bench setup clean
+.PHONY: demo test explore check bench setup clean
 
 demo: $(STAMP)
 	$(BIN)/periph-sim run timing/imu_hil.toml
@@ -15,6 +15,10 @@ test: check
 	$(BIN)/pytest -n auto -m "not long" --cov --cov-report=term:skip-covered
 	$(BIN)/pytest -n auto -m long
 	$(BIN)/python -m tests.rules.coverage
+
+# Properties with examples of chance, many more of them: for a quiet evening.
+explore: $(STAMP)
+	$(BIN)/pytest -n auto -m long --hypothesis-profile=explore
 
 check: $(STAMP)
 	$(BIN)/ruff check .

@@ -13,7 +13,10 @@ from tests.waves import Diagram
 
 pytest_plugins = ["pytester"]  # runs the pytest plugin as a user's project would
 
-settings.register_profile("periph-sim", deadline=None)  # seconds are no property: machines are shared
+# Seconds are no property: machines are shared. The same examples each time, so that a change is judged by what it
+# changed; `make explore` looks for new ones, and what it finds is kept as an @example.
+settings.register_profile("periph-sim", deadline=None, derandomize=True)
+settings.register_profile("explore", deadline=None, max_examples=1000)
 settings.load_profile("periph-sim")
 
 

@@ -6,7 +6,7 @@ from fractions import Fraction
 from random import Random
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from periph_sim.decode.uart_guess import SHAPES, Guess, guess
@@ -51,6 +51,7 @@ def test_usual_shapes_and_both_polarities(shape: str, invert: bool):
 
 
 @given(st.integers(0, 10**6), st.integers(-250, 250), st.integers(16, 200))
+@example(17504, 250, 23)  # measured 0.5 % too fast on top of 2.5 %
 @settings(max_examples=60, deadline=None)
 def test_random_bytes_from_a_clock_that_is_off(seed: int, off: int, samples: int):
     values = Random(seed).randbytes(40)

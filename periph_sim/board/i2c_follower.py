@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..core.records import Kind
 from ..core.wire import Wire
 from ..f28335.i2c import SCL_PIN, SDA_PIN, I2c
 from ..lines.i2c_pulses import Pulses
@@ -30,10 +29,9 @@ class I2cFollower:
         self._leads = False
         self._judged: tuple[int, ...] = ()
         self._fits = False
-        self._flags_recorded = dsp.recorder.wants(Kind.FLAG)
 
     def can_follow(self, pulses: Pulses) -> int:
-        if self._flags_recorded or not self._straight():
+        if not self._straight():
             return 0
         left = self._chip.pulses_left(self._clock.cycle_at(pulses.first))
         return left if left and self._slow_enough(pulses.high, pulses.low, pulses.hold, self._chip.filter_width) else 0

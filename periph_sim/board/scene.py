@@ -66,7 +66,7 @@ class Scene:
         scope = scope_of_case(case)
         self.limits = [self._limit(i, budget, scope) for i, budget in enumerate(case.budget)]
         for limit in self.limits:
-            self.recorder.subscribe(limit.measure.kinds, limit.measure.record)
+            self.recorder.subscribe(limit.measure.kinds, limit.measure.record, limit.measure.only)
         if subscribe is not None:
             subscribe(self.recorder, self.timebase)
         self.start = self.timebase.ticks(case.start, "nearest")

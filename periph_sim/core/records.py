@@ -2,14 +2,15 @@
 
 Everything recorded is one of the kinds below, has a number, a time in ticks, a place, and
 the number of the record that caused it (0: nothing recorded did). Producers ask `wants`
-once, when a scene is built; what nobody wants is never made.
+once, when a scene is built; what nobody wants is never made. Edges, flags and accesses can be
+wanted of some wires and registers only: these are the subjects of a subscription.
 
     producer --> Recorder.emit --> sinks (budgets, files, diagrams)
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable, Mapping
 from enum import Enum
 from typing import NamedTuple
 
@@ -37,6 +38,7 @@ class Record(NamedTuple):
 
 
 Sink = Callable[[Record], None]
+Subjects = Mapping[Kind, Collection[str]]
 
 
 class Recorder:
@@ -50,13 +52,32 @@ class Recorder:
         self.cause = 0
         self._number = 0
         self._sinks: dict[Kind, list[Sink]] = {kind: [] for kind in Kind}
+        self._of_all: set[Kind] = set()
+        self._subjects: dict[Kind, set[str]] = {kind: set() for kind in Kind}
 
-    def subscribe(self, kinds: Iterable[Kind], sink: Sink) -> None:
+    def subscribe(self, kinds: Iterable[Kind], sink: Sink, only: Subjects | None = None) -> None:
+        """`sink` is told of every record of these kinds.
+
+        only: subjects that are enough for it, of kinds that have any: EDGE wires; FLAG and ACCESS registers, with
+        unit and module ("dsp.I2C-A.I2CSTR").
+        It may still be told of others, which other sinks want.
+        """
         for kind in kinds:
             self._sinks[kind].append(sink)
+            if only is None or kind not in only:
+                self._of_all.add(kind)
+            else:
+                self._subjects[kind].update(only[kind])
 
-    def wants(self, kind: Kind) -> bool:
-        return bool(self._sinks[kind])
+    def wants(self, kind: Kind, subject: str | None = None) -> bool:
+        """Whether anybody wants records of this kind; of this subject, if one is given."""
+        if subject is None:
+            return bool(self._sinks[kind])
+        return kind in self._of_all or subject in self._subjects[kind]
+
+    def subjects(self, kind: Kind) -> frozenset[str] | None:
+        """The subjects that somebody wants; None for all."""
+        return None if kind in self._of_all else frozenset(self._subjects[kind])
 
     def emit(self, tick: int, kind: Kind, where: str, what: str, value: int = 0, text: str = "") -> int:
         """The number of the new record; its cause is the record being worked under."""

@@ -54,7 +54,8 @@ class Socket:
         self._wake_cycle = NEVER
         self._wake = 0  # the promise of that wake-up
         self._last_cause = 0
-        self._flags = self._snapshot(clock.cycle_at(kernel.now)) if recorder.wants(Kind.FLAG) else None
+        self._watched = [r for r in chip.MAP if recorder.wants(Kind.FLAG, f"{name}.{r.name}")]
+        self._flags = self._snapshot(clock.cycle_at(kernel.now)) if self._watched else None
 
     # Inputs ------------------------------------------------------------------
 
@@ -181,10 +182,10 @@ class Socket:
     # Records -----------------------------------------------------------------
 
     def _snapshot(self, cycle: int) -> list[int]:
-        """All registers as a debugger reads them; looking is not depending on them."""
+        """The registers that somebody wants, as a debugger reads them; looking is not depending on them."""
         chip = self.chip
         touched = frozenset(chip.touched)
-        values = [chip.peek(cycle, r.offset) for r in chip.MAP]
+        values = [chip.peek(cycle, r.offset) for r in self._watched]
         chip.touched.intersection_update(touched)
         return values
 
@@ -194,7 +195,7 @@ class Socket:
         if self._recorder.cause:
             self._last_cause = self._recorder.cause
         before, self._flags = self._flags, self._snapshot(cycle)
-        for was, value, register in zip(before, self._flags, self.chip.MAP, strict=True):
+        for was, value, register in zip(before, self._flags, self._watched, strict=True):
             changed = value ^ was
             if changed:
                 for f in register.fields:

@@ -24,7 +24,7 @@ class Wire:
         self.cause = 0  # record of the last edge
         self._kernel = kernel
         self._recorder = recorder
-        self.recorded = recorder.wants(Kind.EDGE)  # somebody hears of every edge
+        self.recorded = recorder.wants(Kind.EDGE, name)  # somebody hears of every edge
         self._pulling = 0  # bit i: pin i pulls low
         self._pins: list[str] = []
         self._watchers: list[Watcher] = []
@@ -62,6 +62,18 @@ class Wire:
         """The parties of `mask` have come to hold this level; whoever watches knows already and is not told."""
         self._pulling = self._pulling & ~mask if level else self._pulling | mask
         self.level = self._told = 0 if self._pulling else 1
+
+    def skip_pulses(self, first: int, high: int, low: int, number: int) -> None:
+        """High pulses that have passed, the line being low before and after; as `skip_to`, but recorded if wanted.
+
+        first: tick of the first rise. high, low: ticks.
+        """
+        if not self.recorded:
+            return
+        emit, name, holders = self._recorder.emit, self.name, ", ".join(self.held_by())
+        for rise in range(first, first + number * (high + low), high + low):
+            emit(rise, Kind.EDGE, name, "level", 1)
+            self.cause = emit(rise + high, Kind.EDGE, name, "level", 0, holders)
 
     @property
     def watched_by(self) -> int:

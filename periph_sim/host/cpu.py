@@ -145,6 +145,7 @@ class Cpu:
         "_options",
         "_pie",
         "_recorder",
+        "_recorded",
         "_records_access",
         "_records_irq",
         "_records_span",
@@ -194,6 +195,8 @@ class Cpu:
         self._clock = clock
         self._recorder = recorder
         self._records_access = recorder.wants(Kind.ACCESS)
+        wanted = recorder.subjects(Kind.ACCESS)
+        self._recorded = None if wanted is None else frozenset(subject.rpartition(".")[2] for subject in wanted)
         self._records_irq = recorder.wants(Kind.IRQ)
         self._records_span = recorder.wants(Kind.SPAN)
         self._pie = pie
@@ -476,7 +479,7 @@ class Cpu:
             else:
                 self._go_to(at)
             socket = place.socket
-            if self._records_access:
+            if self._records_access and self._wanted(register):
                 value = self._fetch_recorded(place, register, half)
             elif register.plain and socket.before is None:
                 value = socket.chip.peek(at, register.offset)
@@ -540,7 +543,7 @@ class Cpu:
         if register.protected and not self.core.eallow:
             text = f"{register.name} of {place.name} was written without EALLOW; the write is ignored"
             self.note(Note("duty", text, "SPRUFB0D section 7.2"))
-        elif self._records_access:
+        elif self._records_access and self._wanted(register):
             outer = self._recorder.cause
             self._recorder.cause = self._record_access("W", place, register, value)
             self._store(place, register, value, half)
@@ -593,12 +596,16 @@ class Cpu:
         if self.cycle < self._free_from and place.protected_block:
             self._wait_for_write(None)
         self._go_to(self.cycle + self._waits.read[place.frame])
-        if self._records_access:
+        if self._records_access and self._wanted(register):
             value = self._fetch_recorded(place, register, 0)
         else:
             value = self._fetch(place.socket, register, 0)
         self._go_to(self.cycle + READ_TO_WRITE)
         self.write(place, register, f.put(value, number))
+
+    def _wanted(self, register: Register) -> bool:
+        """Whether somebody wants to hear of accesses to registers of this name."""
+        return self._recorded is None or register.name in self._recorded
 
     def _record_access(self, way: str, place: Place, register: Register, value: int) -> int:
         frame = sys._getframe(2)

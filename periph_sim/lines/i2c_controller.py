@@ -308,7 +308,9 @@ class I2cController:
         """
         timing, scl, sda = self.timing, self._scl_wire, self._sda_wire
         everybody = 1 + len(self.followers)
-        if scl.recorded or scl.watched_by != everybody or sda.watched_by != everybody or self._index == NO_BYTE:
+        if sda.recorded or scl.watched_by != everybody or sda.watched_by != everybody:
+            return False
+        if self._index == NO_BYTE:
             return False
         now = self._kernel.now
         count = min(7 - self._bit, (self._kernel.quiet_until() - 1 - now) // (timing.high + timing.low))
@@ -330,6 +332,7 @@ class I2cController:
             return False
         for follower in self.followers:
             follower.follow(pulses, levels)
+        scl.skip_pulses(now, timing.high, timing.low, count)
         self._sda_level = ours[count]
         sda.skip_to(self._sda_mask, ours[count])
         if self._index == 0 and self._bit == 0:

@@ -8,10 +8,10 @@ Each class says what it measures. Of two events at one time the one recorded fir
 from __future__ import annotations
 
 from array import array
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from ..core.nearest import near
-from ..core.records import Kind, Record
+from ..core.records import Kind, Record, Subjects
 from ..core.time import NO_TIME
 from ..devices.sensor_head import Round
 from ..f28335.pie_map import LINES
@@ -33,6 +33,10 @@ class OfEvents(Measure):
         self.seen = [0] * len(matchers)
         self.spans: set[str] | None = set() if any(m.free for m in matchers) else None  # names that there were
 
+    @property
+    def only(self) -> Subjects:
+        return _subjects(self.matchers)
+
     def hear(self, record: Record) -> None:
         """Remember what spans there are: their names are free text, so only the run can tell the right one."""
         if self.spans is not None and record.kind is Kind.SPAN:
@@ -46,6 +50,15 @@ class OfEvents(Measure):
             hints = [_span_hint(m, self.spans) for m in never if m.free and self.spans is not None]
             return "; ".join([f"no event matched {' and '.join(repr(m.text) for m in never)}", *hints[:1]])
         return f"{self.matchers[0].text!r} was seen {self.seen[0]} times, which makes no measurement"
+
+
+def _subjects(matchers: Sequence[Matcher]) -> dict[Kind, frozenset[str]]:
+    """What the matchers need records of, by kind; without the kinds of which one of them needs all."""
+    needed: dict[Kind, frozenset[str]] = {}
+    for m in matchers:
+        needed[m.kind] = needed.get(m.kind, frozenset()) | m.subjects
+    everything = {m.kind for m in matchers if not m.subjects}
+    return {kind: subjects for kind, subjects in needed.items() if kind not in everything}
 
 
 def _span_hint(event: Matcher, spans: set[str]) -> str:
@@ -157,6 +170,10 @@ class EventCount(Counter):
         self.kinds = frozenset({event.kind})
         self.event = event
         self._spans: set[str] = set()
+
+    @property
+    def only(self) -> Subjects:
+        return _subjects([self.event])
 
     def record(self, record: Record) -> None:
         if self.event.fits(record):

@@ -42,6 +42,18 @@ class Matcher:
             and record.value & self.mask == self.want
         )
 
+    @property
+    def subjects(self) -> frozenset[str]:
+        """The wires or registers whose records it needs, as `Recorder.subscribe` has them; none if it needs all."""
+        places = self.where or frozenset()
+        if self.kind is Kind.EDGE:
+            return places
+        if self.kind is Kind.FLAG:
+            return frozenset(f"{place}.{self.what.partition('.')[0]}" for place in places)
+        if self.kind is Kind.ACCESS:
+            return frozenset(f"{place}.{self.what[2:]}" for place in places)
+        return frozenset()
+
     def rows(self, table: RecordTable) -> NDArray[np.int64]:
         """The rows at which it happened, in order."""
         wanted = (

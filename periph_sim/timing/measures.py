@@ -14,7 +14,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ..core.records import Kind, Record
+from ..core.records import Kind, Record, Subjects
 from ..core.time import NO_TIME
 from ..devices.host_pc import FRAME_BYTES
 from ..devices.sensor_head import CHIPS, Round
@@ -64,6 +64,11 @@ class Measure:
     series = True
     needs = ""  # what a scene must have for this to mean anything: "controller", "host" or "SCI-A"
     kinds: frozenset[Kind] = frozenset()
+
+    @property
+    def only(self) -> Subjects:
+        """The subjects that it needs records of, for kinds of which it does not need all."""
+        return {}
 
     def __init__(self) -> None:
         self.count = 0

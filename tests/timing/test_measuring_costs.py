@@ -1,0 +1,65 @@
+"""What measuring adds to a run, in records and events: a budget has just the records made that it looks at."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import pytest
+
+from periph_sim.board.scene import Scene
+from periph_sim.case.load import load
+from periph_sim.core.records import Kind, Recorder
+from periph_sim.core.time import Timebase
+from tests.board.runs import TIMING, run_case
+
+CASE = load(TIMING / "imu_hil.toml")
+SECONDS = "0.1"
+
+
+def made(measure: str, **limit: object) -> tuple[Counter[str], int]:
+    """The records that a run makes for one budget, by kind and place; and its events."""
+    budget = CASE.budget[0].model_copy(update={"name": "one", "measure": measure, **limit})
+    case = CASE.model_copy(update={"budget": [budget]})
+    seen: Counter[str] = Counter()
+
+    def subscribe(recorder: Recorder, timebase: Timebase) -> None:
+        for kind in [kind for kind in Kind if recorder.wants(kind)]:
+            subjects = recorder.subjects(kind)
+            recorder.subscribe(
+                [kind],
+                lambda r: seen.update([f"{r.kind.value} {r.where} {r.what}"]),
+                None if subjects is None else {kind: subjects},
+            )
+
+    return seen, run_case(case, SECONDS, subscribe).result.events
+
+
+def plain_events() -> int:
+    scene = Scene(CASE.model_copy(update={"budget": []}))
+    return run_case(scene.case, SECONDS).result.events
+
+
+@pytest.mark.parametrize(
+    ("measure", "places"),
+    [
+        ("from edge MODEL rise to edge MODEL fall", {"edge MODEL level"}),
+        ("period of edge SCL fall", {"edge SCL level"}),
+        ("from bus STOP to bus START", {"bus controller"}),
+        ("period of access W I2C-A.I2CDXR", {"access dsp W I2C-A.I2CDXR"}),
+    ],
+)
+def test_only_what_is_looked_at_is_recorded_and_no_event_is_added(measure: str, places: set[str]):
+    seen, events = made(measure)
+    assert seen and {key for key in seen if not any(key.startswith(place) for place in places)} == set()
+    assert events == plain_events()
+
+
+def test_of_flags_one_register_is_looked_at():
+    seen, events = made("from flag I2C-A.I2CSTR.AAS rise to flag I2C-A.I2CSTR.SDIR rise")
+    assert all(key.startswith("flag dsp.I2C-A I2CSTR.") for key in seen)
+    assert events == plain_events()
+
+
+def test_an_edge_of_sda_is_heard_only_edge_by_edge():
+    _, events = made("period of edge SDA fall")
+    assert events > plain_events()

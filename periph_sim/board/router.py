@@ -51,6 +51,12 @@ class Pad:
         if looks:
             self.socket.publish(cycle, looks)
 
+    def traced_edge(self, tick: int, level: int) -> None:
+        """The same where causes are recorded: the peripheral keeps the edge as cause of what comes of it."""
+        if self.socket is not None and not self._watched:
+            self.socket.given(self._clock.cycle_at(tick) + self.socket.chip.filter_width)
+        self.edge(tick, level)
+
 
 class Router:
     """pads: GPIO number -> wire. inputs, outputs: signal of the pin table -> the peripheral's pin."""
@@ -81,7 +87,7 @@ class Router:
         self._outs = -1
         self._direct = {n: Pad(self, n, clock) for n in pads}
         for n, wire in pads.items():
-            wire.watch(self._direct[n].edge)
+            wire.watch(self._direct[n].traced_edge if gpio_socket.traces else self._direct[n].edge)
         for socket, _ in outputs.values():
             socket.out_delay = gpio.out_delay
         self._xint_chip: Xint | None = None
@@ -117,7 +123,7 @@ class Router:
         self._gpio.pin(cycle, n, level, exact)
         self.gpio_socket.publish(cycle)
         if feed is not None and seen == cycle + 1:
-            self._kernel.at(clock.tick(seen), partial(feed[0].pin, seen, feed[1], level))
+            feed[0].later(clock.tick(seen), partial(feed[0].pin, seen, feed[1], level))
 
     def tell_pads(self, cycle: int) -> None:
         """The levels of the pads that were not told edge by edge."""

@@ -50,6 +50,10 @@ class Chip(Protocol):
     notes: list[Note]  # since the owner last cleared it
     touched: set[str]  # open questions on whose option the run depended
 
+    @property
+    def filter_width(self) -> int:
+        """Cycles from an input's change to its first effect."""
+
     def pin(self, now: int, index: int, level: int) -> int:
         """INPUTS[index] changed to `level`. Returns what the owner must look at: NOTHING, OUTPUTS or ALL."""
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
 from enum import Enum
+from functools import partial
 from typing import NamedTuple
 
 
@@ -78,6 +79,15 @@ class Recorder:
     def subjects(self, kind: Kind) -> frozenset[str] | None:
         """The subjects that somebody wants; None for all."""
         return None if kind in self._of_all else frozenset(self._subjects[kind])
+
+    def carried(self, action: Callable[[], None]) -> Callable[[], None]:
+        """The action, for a later time, as an effect of the record being worked under now."""
+        return partial(self._under, self.cause, action) if self.cause else action
+
+    def _under(self, cause: int, action: Callable[[], None]) -> None:
+        outer, self.cause = self.cause, cause
+        action()
+        self.cause = outer
 
     def emit(self, tick: int, kind: Kind, where: str, what: str, value: int = 0, text: str = "") -> int:
         """The number of the new record; its cause is the record being worked under."""

@@ -7,6 +7,7 @@ Every path into a chip ends in `publish`, so no output, request or wake-up is fo
 
 from __future__ import annotations
 
+from bisect import bisect_right, insort
 from collections.abc import Callable
 from functools import partial
 
@@ -15,6 +16,9 @@ from .kernel import Kernel
 from .records import Kind, Recorder
 from .time import Clock
 from .wire import Pin
+
+LAST = 1 << 62  # no record has so high a number
+MOST_INPUTS = 64  # that may wait for their effect; a chip that never wakes has no use for more
 
 
 class Socket:
@@ -54,6 +58,8 @@ class Socket:
         self._wake_cycle = NEVER
         self._wake = 0  # the promise of that wake-up
         self._last_cause = 0
+        self.traces = recorder.wants(Kind.EDGE) and (recorder.wants(Kind.FLAG) or recorder.wants(Kind.ACCESS))
+        self._inputs: list[tuple[int, int]] = []  # (cycle from which it has effect, record) of what the chip was given
         self._watched = [r for r in chip.MAP if recorder.wants(Kind.FLAG, f"{name}.{r.name}")]
         self._flags = self._snapshot(clock.cycle_at(kernel.now)) if self._watched else None
 
@@ -61,6 +67,8 @@ class Socket:
 
     def pin(self, cycle: int, index: int, level: int) -> None:
         """An input changed; the chip sees it at `cycle`."""
+        if self.traces:
+            self.given(cycle + self.chip.filter_width)
         looks = self.chip.pin(cycle, index, level)
         if looks:
             self.publish(cycle, looks)
@@ -68,6 +76,8 @@ class Socket:
     def read(self, cycle: int, offset: int) -> int:
         if self.before is not None:
             self.before(cycle)
+        if self.traces:
+            self.given(cycle)
         value = self.chip.read(cycle, offset)
         self.publish(cycle)
         return value
@@ -81,20 +91,40 @@ class Socket:
     def write(self, cycle: int, offset: int, value: int) -> None:
         if self.before is not None:
             self.before(cycle)
+        if self.traces:
+            self.given(cycle)
         self.chip.write(cycle, offset, value)
         self.publish(cycle)
+
+    def given(self, cycle: int) -> None:
+        """What is being worked under has effect from `cycle` on: the cause of what the chip then does by itself."""
+        if self._recorder.cause:
+            insort(self._inputs, (cycle, self._recorder.cause))
+            del self._inputs[:-MOST_INPUTS]
 
     def _woken(self) -> None:
         cycle = self._wake_cycle
         self._wake_cycle = NEVER
         chip = self.chip
         looks = chip.wake(cycle) if chip.next_wake <= cycle else OUTPUTS
-        if self._flags is None:
+        if self._flags is None and not self.traces:
             self.publish(cycle, looks)
         else:
-            outer, self._recorder.cause = self._recorder.cause, self._last_cause
+            outer, self._recorder.cause = self._recorder.cause, self._cause_at(cycle)
             self.publish(cycle, looks)
             self._recorder.cause = outer
+
+    def _cause_at(self, cycle: int) -> int:
+        """The record of the last input that had effect by then."""
+        passed = bisect_right(self._inputs, (cycle, LAST))
+        if passed:
+            self._last_cause = self._inputs[passed - 1][1]
+            del self._inputs[:passed]
+        return self._last_cause
+
+    def later(self, tick: int, action: Callable[[], None]) -> None:
+        """`action()` at `tick`, as an effect of what is being worked under."""
+        self._kernel.at(tick, self._recorder.carried(action))
 
     # Outputs -----------------------------------------------------------------
 
@@ -143,7 +173,7 @@ class Socket:
             if changed >> index & 1:
                 action = set_output[self._out >> index & 1]
                 if later:
-                    self._kernel.at(tick, action)
+                    self.later(tick, action)
                 else:
                     action()
 

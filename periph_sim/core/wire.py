@@ -30,6 +30,7 @@ class Wire:
         self._watchers: list[Watcher] = []
         self._told = 1
         self._queued = False
+        self._why = 0  # record under which it was pulled or let go, until that is settled
         self._unsettled = kernel.unsettled
 
     def attach(self, who: str) -> Pin:
@@ -57,6 +58,8 @@ class Wire:
         if level != self._told and not self._queued:
             self._queued = True
             self._unsettled.append(self)
+            if self.recorded:
+                self._why = self._recorder.cause
 
     def skip_to(self, mask: int, level: int) -> None:
         """The parties of `mask` have come to hold this level; whoever watches knows already and is not told."""
@@ -105,7 +108,7 @@ class Wire:
 
     def _record(self, now: int, level: int) -> None:
         recorder = self._recorder
-        outer = recorder.cause
+        outer, recorder.cause = recorder.cause, self._why
         self.cause = recorder.emit(now, Kind.EDGE, self.name, "level", level, ", ".join(self.held_by()))
         recorder.cause = self.cause
         for watcher in self._watchers:

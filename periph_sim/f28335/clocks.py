@@ -84,6 +84,7 @@ class SystemControl:
     INPUTS: tuple[str, ...] = ()
     OUTPUTS: tuple[str, ...] = ()
     LINES: tuple[str, ...] = ("WAKEINT",)
+    filter_width = 0
 
     def __init__(self, oscclk_hz: int, options: SystemOptions) -> None:
         if oscclk_hz < 1:

@@ -43,6 +43,7 @@ class CpuTimer:
     INPUTS: tuple[str, ...] = ()
     OUTPUTS: tuple[str, ...] = ()
     LINES: tuple[str, ...] = ("TINT",)
+    filter_width = 0
 
     def __init__(self, number: int, options: SystemOptions) -> None:
         if number not in (0, 1, 2):

@@ -75,6 +75,7 @@ class Gpio:
     INPUTS = tuple(f"GPIO{n}" for n in range(PINS))
     OUTPUTS = INPUTS
     LINES: tuple[str, ...] = ()
+    filter_width = 0
 
     def __init__(self, options: SystemOptions) -> None:
         self.next_wake = NEVER

@@ -47,6 +47,7 @@ class Pie:
     INPUTS: tuple[str, ...] = ()
     OUTPUTS: tuple[str, ...] = ()
     LINES: tuple[str, ...] = ()
+    filter_width = 0
 
     def __init__(self, options: SystemOptions) -> None:
         self.pulses = 0  # bit x - 1: INTx was pulsed since the owner last set this to 0

@@ -74,6 +74,7 @@ class Sci:
     INPUTS: tuple[str, ...] = ("RXD",)
     OUTPUTS: tuple[str, ...] = ("TXD",)
     LINES: tuple[str, ...] = ("RXINT", "TXINT")
+    filter_width = 0
 
     def __init__(self, name: str = "SCI-A", options: SciOptions = SciOptions()) -> None:  # noqa: B008 (frozen)
         self.name = name

@@ -39,6 +39,7 @@ class Xint:
     INPUTS = tuple(f"XINT{n}" for n in range(1, LINES + 1))
     OUTPUTS: tuple[str, ...] = ()
     LINES = INPUTS
+    filter_width = 0
 
     def __init__(self) -> None:
         self.next_wake = NEVER

@@ -1,9 +1,9 @@
 """From a record back to what made it: a row goes in, the row of its cause comes out, and how that is known.
 
-A recording names causes where an effect shows at once: an access and the flags it changes in its cycle. Where an
-effect comes later, behind synchronisers, filters and bit clocks, the record names the last access or edge whose
-effect had shown. There the nearest stimulus that could have done it is taken from the order of the records, and
-said to be inferred; so is what the firmware saw before it wrote.
+A recording names the causes of what chips do: the access or edge that changed a flag or moved a pin, at once or behind
+filters and bit clocks, where it is the last that had come through. What a party on the wire meant by an edge, which
+request stands behind an interrupt and what the firmware saw before it wrote is taken from the order of the records, and
+said to be inferred.
 """
 
 from __future__ import annotations
@@ -67,47 +67,21 @@ def _cause(run: Run, row: int, record: Record) -> Cause:
 
 
 def _of_flag(run: Run, row: int, record: Record) -> Cause:
+    request = _request(run, row, record)
+    if request is not None:
+        return request, INFERRED, "the request behind it"
     recorded = run.row_of(record.cause)
-    if recorded is not None and int(run.table.tick[recorded]) == record.tick:
-        return recorded, RECORDED, "in the same cycle"
-    unit, _, module = record.where.rpartition(".")
-    if module == "PIE":
-        stimulus, because = _request(run, row, record), "the request behind it"
-    else:
-        stimulus = run.last(_edges_seen(run, unit, module), record.tick, row)
-        because = "the last edge that the module could have seen"
-    if stimulus is not None and (recorded is None or stimulus > recorded):
-        if recorded is not None:
-            because += f"; the record itself names {record.cause}"
-        return stimulus, INFERRED, because
-    return None if recorded is None else (recorded, RECORDED, "the last whose effect had shown")
-
-
-def _edges_seen(run: Run, unit: str, module: str) -> Rows:
-    """Edges of the wires that may end at a module: SCL and SDA at I2C, all others but a unit's own pins elsewhere."""
-    if module.startswith(("TIMER", "SYS")):
-        return np.empty(0, np.int64)
-    wires = _wires(run, module)
-    return run.remembered(f"edges of {', '.join(wires)}", lambda: _merged(run.rows(Kind.EDGE, w) for w in wires))
-
-
-def _wires(run: Run, module: str) -> list[str]:
-    places = run.remembered("wires", lambda: np.unique(run.table.columns["where"][run.rows(Kind.EDGE)]))
-    wires = [run.table.names["where"][code] for code in places.tolist()]
-    if module == "GPIO":
-        return wires
-    return [wire for wire in wires if _is_i2c(wire) == module.startswith("I2C")]
-
-
-def _is_i2c(wire: str) -> bool:
-    return any(part in wire.upper() for part in ("SCL", "SDA"))
+    if recorded is None:
+        return None
+    at_once = int(run.table.tick[recorded]) == record.tick
+    return recorded, RECORDED, "in the same cycle" if at_once else "the last input that had come through"
 
 
 def _request(run: Run, row: int, record: Record) -> int | None:
     """The flag of the module behind a PIE line that changed last before it, within a few cycles."""
-    unit, _, _ = record.where.rpartition(".")
+    unit, _, owner = record.where.rpartition(".")
     register, _, line = record.what.partition(".")
-    if not register.startswith("PIEIFR") or not record.value:
+    if owner != "PIE" or not register.startswith("PIEIFR") or not record.value:
         return None
     place = int(register.removeprefix("PIEIFR")), int(line.removeprefix("INTx"))
     name = next((name for name, of in LINES.items() if of == place), "")
@@ -175,28 +149,13 @@ def _of_interrupt(run: Run, row: int, record: Record) -> Cause:
 
 
 def _of_edge(run: Run, row: int, record: Record) -> Cause:
-    """What the party did or saw that pulled the wire, or let it go."""
+    """What the party on the wire that pulled it, or let it go, did last."""
     party = holders(run, row, record)[-1:]
     if not party:
         return None
-    unit, _, pin = party[0].rpartition(".")
-    if unit not in run.units:
-        rows = _merged(run.rows(kind, party[0]) for kind in (Kind.BUS, Kind.FRAME))
-        found = run.last(rows, record.tick, row)
-        return None if found is None else (found, INFERRED, f"what {party[0]} did last on the wire")
-    modules = [m for m in run.units[unit] if m.startswith("I2C" if _is_i2c(record.where) else ("GPIO", "SCI"))]
-    rows = _writes(run, unit, modules)
-    if _is_i2c(record.where):
-        rows = _merged([rows, _edges_seen(run, unit, "I2C-A")])
+    rows = _merged(run.rows(kind, party[0]) for kind in (Kind.BUS, Kind.FRAME))
     found = run.last(rows, record.tick, row)
-    return None if found is None else (found, INFERRED, f"what {unit} did or saw last before it moved {pin}")
-
-
-def _writes(run: Run, unit: str, modules: list[str]) -> Rows:
-    found = [
-        group.rows for group in run.accesses if group.unit == unit and group.way == "W" and group.module in modules
-    ]
-    return _merged(found)
+    return None if found is None else (found, INFERRED, f"what {party[0]} did last on the wire")
 
 
 def holders(run: Run, row: int, record: Record) -> list[str]:

@@ -17,6 +17,7 @@ class FlagChip:
     INPUTS: tuple[str, ...] = ()
     OUTPUTS: tuple[str, ...] = ()
     LINES: tuple[str, ...] = ("IRQ0", "IRQ1")
+    filter_width = 0
 
     def __init__(self, changes: list[tuple[int, int, int]]) -> None:
         self.changes = sorted(changes)

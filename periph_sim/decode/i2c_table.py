@@ -175,7 +175,8 @@ def _bytes(seen: Counts, count: Counts, values: NDArray[np.uint8]) -> _Bytes:
     bits, acked, whole = np.minimum(there, 8), there >= 9, there >= 8
 
     padded = np.append(values, np.zeros(8, np.uint8))
-    value = np.packbits(padded[begin[:, None] + np.arange(8)], axis=1)[:, 0].astype(np.int16)
+    eights = np.ndarray(len(values) + 1, np.uint64, padded, strides=(1,))  # eight values from each place on, as a word
+    value = np.packbits(eights[begin].view(np.uint8).reshape(-1, 8), axis=1)[:, 0].astype(np.int16)
     value >>= 8 - bits
     head = whole & (number == 0)
     reads = np.zeros(len(per), bool)

@@ -1,0 +1,92 @@
+"""The emulator's sensor models: a host frame goes in, the six bytes of each chip come out, in a chosen arithmetic.
+
+    12 bytes --> six int16 --> attitude (1e-4 rad), acceleration (1e-3 g) --> Imu --> codes --> bytes
+
+The models are those of periph_sim/devices/models, sample by sample as the F28335 computes them: the last attitude and
+body rates are kept from one sample to the next, also where no new frame has come (section 3.4 of the dissertation).
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+from struct import Struct
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import AfterValidator, BeforeValidator
+
+from periph_sim.case.sensors import load
+from periph_sim.devices.host_pc import ACCELERATION, ANGLE
+from periph_sim.devices.imu_noise import ImuNoise
+from periph_sim.devices.models.counts import counts_of
+from periph_sim.devices.models.imu import Imu, Noise
+from periph_sim.devices.models.parameters import Imu as Parameters
+from periph_sim.numeric import named
+from periph_sim.numeric.estimate import estimate
+from periph_sim.numeric.float32 import Float32
+
+FRAME = Struct("<6h")
+LITTLE, BIG = Struct("<3h"), Struct(">3h")
+BYTES = "bytes"  # no models: the chips show the values of the frame
+
+
+def _known(name: str) -> str:
+    if name != BYTES:
+        Imu(named.scalar(name), Parameters())  # says what is wrong with a name or a format
+    return name
+
+
+def _parameters(value: object) -> object:
+    return load(Path(value)) if isinstance(value, str) else value
+
+
+ArithmeticName = Annotated[str, AfterValidator(_known)]
+ParameterFile = Annotated[Parameters, BeforeValidator(_parameters)]
+
+
+class Models:
+    """arithmetic: "float64", "q16", ... noise_seed: of the sensors' noise, whose sample n goes into the n-th call."""
+
+    def __init__(self, arithmetic: str, parameters: Parameters, noise_seed: int | None = None) -> None:
+        self._a = named.scalar(arithmetic)
+        self._model: Imu[Any] = Imu(self._a, parameters)
+        self._state = self._model.at_rest
+        self._quiet = not isinstance(self._a, Float32)  # numpy's arithmetic warns, Python's does not
+        self._noise = None if noise_seed is None else ImuNoise(parameters, noise_seed)
+        self._number = 0
+
+    def chips(self, frame: bytes) -> tuple[bytes, bytes, bytes]:
+        """Data registers of gyroscope, accelerometer and magnetometer, in the order in which they are read."""
+        if self._quiet:
+            return self._computed(frame)
+        with np.errstate(all="ignore"):  # the arithmetic says itself what x/0 gives
+            return self._computed(frame)
+
+    def _computed(self, frame: bytes) -> tuple[bytes, bytes, bytes]:
+        scaled, model = self._a.scaled, self._model
+        roll, pitch, yaw, x, y, z = FRAME.unpack(frame)
+        attitude = scaled(roll, ANGLE), scaled(pitch, ANGLE), scaled(yaw, ANGLE)
+        pushed = scaled(x, ACCELERATION), scaled(y, ACCELERATION), scaled(z, ACCELERATION)
+        codes, self._state = model.step(attitude, pushed, self._added(), self._state)
+        x, y, z = codes.magnetometer
+        return BIG.pack(*map(int, codes.gyroscope)), LITTLE.pack(*map(int, codes.accelerometer)), _swapped(x, y, z)
+
+    def _added(self) -> Noise[Any]:
+        """The noise of this sample. Its making costs nothing here: the dissertation does not say how it was made."""
+        if self._noise is None:
+            return self._model.silence
+        constant = self._a.constant
+        added = self._noise.at(self._number)
+        self._number += 1
+        return Noise(*((constant(x), constant(y), constant(z)) for x, y, z in added))
+
+
+def _swapped(x: Any, y: Any, z: Any) -> bytes:
+    """The compass gives z before y."""
+    return BIG.pack(int(x), int(z), int(y))
+
+
+def estimated(arithmetic: str, parameters: Parameters) -> Fraction:
+    """Seconds at 150 MHz that the equations take; not for "bytes", which computes none."""
+    return estimate(counts_of(parameters), named.library(arithmetic)).seconds()

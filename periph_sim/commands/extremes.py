@@ -1,0 +1,62 @@
+"""`periph-sim extremes`: where the arithmetic of the sensor models breaks, and what it costs."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from .trouble import told_plainly
+
+if TYPE_CHECKING:
+    from ..numeric.costs import Tables
+
+
+@click.command()
+@click.option("--arithmetic", "names", multiple=True, metavar="NAME", help="float64, float32, q16, q12 saturating, ...")
+@click.option("--only", multiple=True, metavar="EXTREME", help="Leave out all other extremes.")
+@click.option("--seed", type=click.IntRange(min=0), default=0, help="Of the search in the working range.")
+@click.option("--samples", type=click.IntRange(100, 1_000_000), default=1000, help="Of that search; more find more.")
+@click.option(
+    "--parameters", type=click.Path(path_type=Path), metavar="FILE.toml", help="Of the sensors, for range and costs."
+)
+@click.option(
+    "--tables", type=click.Choice(["RAM", "boot ROM"]), default="RAM", help="Where the libraries' tables are."
+)
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
+@click.option("--plot", type=click.Path(path_type=Path), metavar="FILE.svg", help="Draw error against cycles.")
+def extremes(
+    names: tuple[str, ...],
+    only: tuple[str, ...],
+    seed: int,
+    samples: int,
+    parameters: Path | None,
+    tables: Tables,
+    as_json: bool,
+    plot: Path | None,
+) -> None:
+    """Run the sensor models in several arithmetics through every extreme, against float64.
+
+    Says how far each is off in the working range, what it costs in cycles, and from which input on it saturates,
+    wraps, or is no number any more. NAME may be given several times, and EXTREME too.
+    """
+    from ..case.sensors import load
+    from ..extremes import USUAL, report
+    from ..extremes.plot import picture
+    from ..extremes.show import as_json as as_dict
+    from ..extremes.show import text
+    from ..formats.whole import whole
+
+    with told_plainly():
+        if plot is not None and plot.suffix != ".svg":
+            raise click.ClickException(f"{plot}: the picture is SVG; give a name that ends with .svg")
+        imu = None if parameters is None else load(parameters)
+        found = report(names or USUAL, seed, samples, only, imu, tables)
+        if plot is not None:
+            with whole(plot) as unfinished:
+                unfinished.write_text(picture(found), encoding="utf-8")
+    click.echo(json.dumps(as_dict(found), indent=2) if as_json else text(found))
+    if plot is not None and not as_json:
+        click.echo(f"written: {plot}")

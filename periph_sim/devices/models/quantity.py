@@ -1,0 +1,118 @@
+"""Parameters that say what they are: a frozen dataclass whose annotations carry unit, range and source.
+
+    bias: Annotated[Vector, Quantity("g", -16, 16, "Table 4.1")] = (-0.02, 0.02, 0.0)
+
+A set checks itself when it is made: BadParameter names the parameter, the value and the range.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+from math import isfinite
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
+
+Vector = tuple[float, float, float]  # x, y, z
+
+
+class BadParameter(ValueError):
+    """A parameter that no sensor has. name: which, as in "gyroscope.bias"; what: what was found and expected."""
+
+    def __init__(self, name: str, what: str) -> None:
+        super().__init__(f"{name}: {what}")
+        self.name = name
+        self.what = what
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What a number, or each of a vector's three, means. low, high: both are allowed."""
+
+    unit: str
+    low: float
+    high: float
+    source: str
+
+    @property
+    def span(self) -> str:
+        return f"{self.low:g} to {self.high:g} {self.unit}".rstrip()
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What decides for one of several named ways."""
+
+    source: str
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One entry of a set, as its annotation declares it. kind: Vector, float, int, a Literal or a set itself."""
+
+    name: str
+    kind: Any
+    says: Quantity | Choice | None
+
+
+_known: dict[type, tuple[Parameter, ...]] = {}  # reading annotations takes longer than all checks
+
+
+def parameters_of(kind: type[Checked]) -> tuple[Parameter, ...]:
+    """Every parameter of a set, in order."""
+    if kind not in _known:
+        hints = get_type_hints(kind, include_extras=True)
+        found = []
+        for one in fields(kind):
+            hint = hints[one.name]
+            annotated = get_origin(hint) is Annotated
+            found.append(Parameter(one.name, *(get_args(hint) if annotated else (hint, None))))
+        _known[kind] = tuple(found)
+    return _known[kind]
+
+
+@dataclass(frozen=True)
+class Checked:
+    """A set of parameters that looks at itself when it is made. BadParameter if a value is not what it should be."""
+
+    def __post_init__(self) -> None:
+        for one in parameters_of(type(self)):
+            _check(f"{type(self).__name__.lower()}.{one.name}", one, getattr(self, one.name))
+
+
+def _check(name: str, parameter: Parameter, value: Any) -> None:
+    kind, says = parameter.kind, parameter.says
+    if isinstance(says, Choice):
+        if value not in get_args(kind):
+            raise BadParameter(name, f"expected one of {', '.join(get_args(kind))}, but it is {value!r}")
+    elif kind == Vector:
+        if not isinstance(value, tuple) or len(value) != 3:
+            found = f"{len(value)}" if isinstance(value, tuple | list) else repr(value)
+            raise BadParameter(name, f"expected three numbers x, y, z, but it is {found}")
+        for axis, number in zip("xyz", value, strict=True):
+            _check_number(f"{name}.{axis}", says, number)
+    elif says is not None:
+        _check_number(name, says, value, whole=kind is int)
+    elif not isinstance(value, kind):
+        raise BadParameter(name, f"expected a set of parameters, but it is {value!r}")
+
+
+def _check_number(name: str, says: Quantity | None, number: object, whole: bool = False) -> None:
+    assert says is not None
+    if isinstance(number, bool) or not isinstance(number, int | float):
+        raise BadParameter(name, f"expected a number, but it is {number!r}")
+    if not isfinite(number):
+        raise BadParameter(name, f"expected a finite number, {says.span}, but it is {number}")
+    if whole and number != int(number):
+        raise BadParameter(name, f"expected a whole number, {says.span}, but it is {number:g}")
+    if not says.low <= number <= says.high:
+        raise BadParameter(name, f"{number:g} {says.unit}".rstrip() + f" is out of range; expected {says.span}")
+
+
+def described(parameters: Checked) -> Iterator[tuple[str, object, str, str]]:
+    """Name, value, unit and source of every parameter of a set."""
+    for one in parameters_of(type(parameters)):
+        value = getattr(parameters, one.name)
+        if isinstance(value, Checked):
+            yield from ((f"{one.name}.{name}", inner, unit, why) for name, inner, unit, why in described(value))
+        elif one.says is not None:
+            yield one.name, value, one.says.unit if isinstance(one.says, Quantity) else "", one.says.source

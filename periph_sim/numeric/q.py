@@ -1,0 +1,150 @@
+"""Fixed point as TI's IQmath has it: 32-bit numbers with a chosen number of fraction bits, one number at a time.
+
+    value * 2**bits --> int32 --> add, mul, sin ... --> int32
+
+Overflow wraps, as additions and IQmpy do, or saturates, as with the overflow mode on and IQrsmpy. Products are cut
+(IQmpy) or rounded (IQrmpy, IQrsmpy). `overflows` counts results that did not fit, whatever became of them.
+
+IQdiv, IQsqrt, IQmag always saturate; x/0 is the largest number, also for 0/0 and negative x; see iqmath.py.
+"""
+
+from __future__ import annotations
+
+from math import floor, frexp, ldexp
+from typing import Literal
+
+from . import iqmath
+from .arithmetic import Rounding
+
+Overflow = Literal["wrap", "saturate"]
+Product = Literal["cut", "rounded"]
+
+LOW, HIGH = -(1 << 31), (1 << 31) - 1
+
+
+class DoesNotFit(ValueError):
+    """A constant that the format cannot hold; one sentence."""
+
+
+def constant_in(value: float, bits: int) -> int:
+    """The raw number nearest to a value. DoesNotFit if there is none."""
+    raw = floor(value * (1 << bits) + 0.5) if abs(value) < 1 << 40 else HIGH + 1
+    if not LOW <= raw <= HIGH:
+        most = (1 << (31 - bits)) - 2.0**-bits
+        raise DoesNotFit(f"{value:g} does not fit Q{bits}, which ends at {most:g}; take fewer fraction bits")
+    return raw
+
+
+def factor_of(lsb: float, bits: int) -> tuple[int, int]:
+    """A factor of 30 bits, and by how much to shift the product of it and a count, so that it is in Q.
+
+    A constant in the format itself would not do: 1e-4 rad is 6.55 / 2**16, which Q16 takes for 7 / 2**16.
+    """
+    shift = 30 - frexp(lsb)[1]
+    return round(ldexp(lsb, shift)), shift - bits
+
+
+def name_of(bits: int, overflow: Overflow, product: Product) -> str:
+    """As in "q16", "q16 saturating", "q16 rounded"."""
+    if overflow == "saturate":
+        return f"q{bits} saturating"
+    return f"q{bits}" if product == "cut" else f"q{bits} rounded"
+
+
+class Q:
+    """One number at a time, T = int: value * 2**bits. Limits are written out where it is hot: names cost a tenth."""
+
+    product: Product = "cut"
+
+    def __init__(self, bits: int = 16, overflow: Overflow = "wrap") -> None:
+        if not 1 <= bits <= 29:
+            raise DoesNotFit(f"Q{bits}: IQmath has angles up to pi in Q1 to Q29 only")
+        self.name = name_of(bits, overflow, self.product)
+        self.bits = bits
+        self.overflows = 0
+        self._saturates = overflow == "saturate"
+        self._factors: dict[float, tuple[int, int]] = {}
+        self._one, self._half = 1 << bits, 1 << (bits - 1)
+
+    def constant(self, value: float) -> int:
+        return constant_in(value, self.bits)
+
+    def value(self, x: int) -> float:
+        return x / self._one
+
+    def scaled(self, count: int, lsb: float) -> int:
+        factor, shift = self._factors.get(lsb) or self._factors.setdefault(lsb, factor_of(lsb, self.bits))
+        product = count * factor >> shift
+        return product if -0x80000000 <= product <= 0x7FFFFFFF else self._overflow(product)
+
+    def add(self, x: int, y: int) -> int:
+        total = x + y
+        return total if -0x80000000 <= total <= 0x7FFFFFFF else self._overflow(total)
+
+    def sub(self, x: int, y: int) -> int:
+        rest = x - y
+        return rest if -0x80000000 <= rest <= 0x7FFFFFFF else self._overflow(rest)
+
+    def mul(self, x: int, y: int) -> int:
+        product = (x * y) >> self.bits
+        return product if -0x80000000 <= product <= 0x7FFFFFFF else self._overflow(product)
+
+    def div(self, x: int, y: int) -> int:
+        if not y:
+            self.overflows += 1
+            return HIGH
+        return self._saturated((((x << (self.bits + 1)) // y) + 1) >> 1)
+
+    def neg(self, x: int) -> int:
+        return self._overflow(-x) if x == LOW else -x
+
+    def sqrt(self, x: int) -> int:
+        return iqmath.root_of(x << self.bits)
+
+    def mag(self, x: int, y: int) -> int:
+        return self._saturated(iqmath.root_of(x * x + y * y))
+
+    def sincos(self, x: int) -> tuple[int, int]:
+        return iqmath.sine_and_cosine(x, self.bits, iqmath.SINE, iqmath.COSINE)
+
+    def atan(self, x: int) -> int:
+        return iqmath.atan2_of(x, self._one, self.bits)
+
+    def atan2(self, y: int, x: int) -> int:
+        return iqmath.atan2_of(y, x, self.bits)
+
+    def select_greater(self, x: int, y: int, yes: int, no: int) -> int:
+        return yes if x > y else no
+
+    def clamp(self, x: int, low: int, high: int) -> int:
+        return low if x < low else high if x > high else x
+
+    def to_integer(self, x: int, rounding: Rounding) -> int:
+        if rounding == "nearest":
+            x += self._half
+            return (x if x <= 0x7FFFFFFF else self._overflow(x)) >> self.bits
+        if rounding == "toward zero" and x < 0:
+            return -(-x >> self.bits)
+        return x >> self.bits
+
+    def _saturated(self, x: int) -> int:
+        if LOW <= x <= HIGH:
+            return x
+        self.overflows += 1
+        return LOW if x < 0 else HIGH
+
+    def _overflow(self, x: int) -> int:
+        if self._saturates:
+            return self._saturated(x)
+        self.overflows += 1
+        return ((x - LOW) & 0xFFFFFFFF) + LOW
+
+
+class RoundedQ(Q):
+    """The same with products rounded to nearest instead of cut."""
+
+    product: Product = "rounded"
+
+    def mul(self, x: int, y: int) -> int:
+        product = (x * y + self._half) >> self.bits
+        return product if -0x80000000 <= product <= 0x7FFFFFFF else self._overflow(product)

@@ -1,0 +1,94 @@
+"""Fixed point over arrays: the numbers of q.py, element by element, as int64[n] that hold 32-bit values."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from . import iqmath
+from .arithmetic import Rounding
+from .float64 import Floats
+from .iqmath import Ints
+from .q import HIGH, LOW, Overflow, Product, Q, RoundedQ, factor_of
+
+
+class QArrays:
+    """T = int64[n]: value * 2**bits. `overflown`: which elements had a result that did not fit, bool[n]."""
+
+    def __init__(self, bits: int = 16, overflow: Overflow = "wrap", product: Product = "cut") -> None:
+        self._one_number = (Q if product == "cut" else RoundedQ)(bits, overflow)  # constants, names and their checks
+        self.name = self._one_number.name
+        self.bits = bits
+        self.overflown = np.zeros((), dtype=np.bool_)
+        self._saturates = overflow == "saturate"
+        self._half = 1 << (bits - 1) if product == "rounded" else 0
+
+    def constant(self, value: float) -> Ints:
+        return np.asarray(self._one_number.constant(value), dtype=np.int64)
+
+    def taken(self, values: Floats) -> Ints:
+        """The raw numbers nearest to values; those that do not fit are saturated, as an analogue input would be."""
+        return np.clip(np.floor(values * (1 << self.bits) + 0.5), LOW, HIGH).astype(np.int64)
+
+    def value(self, x: Ints) -> Floats:
+        return x / float(1 << self.bits)
+
+    def scaled(self, count: Ints, lsb: float) -> Ints:
+        factor, shift = factor_of(lsb, self.bits)
+        return self._fit(count * factor >> shift)
+
+    def add(self, x: Ints, y: Ints) -> Ints:
+        return self._fit(x + y)
+
+    def sub(self, x: Ints, y: Ints) -> Ints:
+        return self._fit(x - y)
+
+    def mul(self, x: Ints, y: Ints) -> Ints:
+        return self._fit((x * y + self._half) >> self.bits)
+
+    def div(self, x: Ints, y: Ints) -> Ints:
+        by_zero = np.broadcast_to(y == 0, np.broadcast(x, y).shape)
+        quotient = ((x << (self.bits + 1)) // np.where(y == 0, 1, y) + 1) >> 1
+        return self._saturated(np.where(by_zero, HIGH + 1, quotient))
+
+    def neg(self, x: Ints) -> Ints:
+        return self._fit(-x)
+
+    def sqrt(self, x: Ints) -> Ints:
+        return iqmath.root_of_arrays((np.maximum(x, 0) << self.bits).astype(np.uint64))
+
+    def mag(self, x: Ints, y: Ints) -> Ints:
+        return self._saturated(iqmath.root_of_arrays((x * x).astype(np.uint64) + (y * y).astype(np.uint64)))
+
+    def sincos(self, x: Ints) -> tuple[Ints, Ints]:
+        return iqmath.sine_and_cosine(x, self.bits, iqmath.SINES_AT, iqmath.COSINES_AT)
+
+    def atan(self, x: Ints) -> Ints:
+        return iqmath.atan2_of_arrays(x, np.full_like(x, 1 << self.bits), self.bits)
+
+    def atan2(self, y: Ints, x: Ints) -> Ints:
+        return iqmath.atan2_of_arrays(y, x, self.bits)
+
+    def select_greater(self, x: Ints, y: Ints, yes: Ints, no: Ints) -> Ints:
+        return np.where(x > y, yes, no)
+
+    def clamp(self, x: Ints, low: Ints, high: Ints) -> Ints:
+        return np.clip(x, low, high)
+
+    def to_integer(self, x: Ints, rounding: Rounding) -> Ints:
+        if rounding == "nearest":
+            return self._fit(x + (1 << (self.bits - 1))) >> self.bits
+        if rounding == "toward zero":
+            return np.where(x < 0, -(-x >> self.bits), x >> self.bits)
+        return x >> self.bits
+
+    def _saturated(self, x: Ints) -> Ints:
+        return self._told(x, np.clip(x, LOW, HIGH))
+
+    def _fit(self, x: Ints) -> Ints:
+        return self._saturated(x) if self._saturates else self._told(x, ((x - LOW) & 0xFFFFFFFF) + LOW)
+
+    def _told(self, x: Ints, fitting: Ints) -> Ints:
+        over = fitting != x
+        if over.any():
+            self.overflown = np.logical_or(self.overflown, over)
+        return fitting

@@ -1,0 +1,33 @@
+"""Tables of TI's mathematics libraries, made anew: what goes in is their description, out come lists of numbers.
+
+IQmath and fastRTS both look up 512 sines a turn and continue with a cubic, and both fit the arctangent of 0 to 1 by
+64 parabolas. The sources' comments describe both; TI's parabolas are not printed there, so ours are fitted: each
+goes through the arctangent at the three Chebyshev points of its stretch, which leaves less than 4e-8 rad.
+
+Source: comments of IQNsin, IQNcos, IQNatan2 (IQmath V1.4, C28x) and of FastRTS_sin, FastRTS_atan2 (FPU fastRTS V2).
+"""
+
+from __future__ import annotations
+
+from math import atan, cos, pi, sin
+
+TURN = 512  # sines in a turn
+PARABOLAS = 64
+
+SINES: tuple[float, ...] = tuple(sin(2 * pi * k / TURN) for k in range(TURN))
+COSINES: tuple[float, ...] = tuple(cos(2 * pi * k / TURN) for k in range(TURN))
+
+
+def _parabola(low: float, high: float) -> tuple[float, float, float]:
+    """a0, a1, a2 so that a0 + r (a1 + a2 r) is near atan(r) from low to high."""
+    middle, half = (low + high) / 2, (high - low) / 2
+    x = [middle + half * cos(pi * (2 * i + 1) / 6) for i in range(3)]
+    y = [atan(at) for at in x]
+    first = (y[1] - y[0]) / (x[1] - x[0])  # divided differences
+    second = ((y[2] - y[1]) / (x[2] - x[1]) - first) / (x[2] - x[0])
+    return y[0] - first * x[0] + second * x[0] * x[1], first - second * (x[0] + x[1]), second
+
+
+ARCTANGENT: tuple[tuple[float, float, float], ...] = tuple(
+    _parabola(k / PARABOLAS, (k + 1) / PARABOLAS) for k in range(PARABOLAS)
+)

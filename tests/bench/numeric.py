@@ -1,0 +1,79 @@
+"""`make bench`, sensor models: samples a second over arrays and one by one, in each arithmetic. Nothing is asserted.
+
+python -m tests.bench.numeric [--samples N]
+
+A sample is one time step of all nine axes; three axes of one chip are a triplet, so a sample is three of those. One
+core; the best of many short runs, since others share the machine.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from struct import pack
+
+import numpy as np
+
+from firmware.python.imu_models import Models
+from periph_sim.devices.host_pc import ACCELERATION, ANGLE
+from periph_sim.devices.models.arrays import codes_of
+from periph_sim.devices.models.imu import Noise
+from periph_sim.devices.models.parameters import Imu, Magnetometer
+from periph_sim.numeric import named
+
+from .timed import Seconds, timed
+
+RUNS = 20
+WAYS = ("four-quadrant", "plain", "rotation")
+
+
+def best(work: Callable[[], object]) -> Seconds:
+    """The least of each clock."""
+    times = [timed(work)[1] for _ in range(RUNS)]
+    return Seconds(min(time.wall for time in times), min(time.cpu for time in times))
+
+
+def over_arrays(samples: int) -> None:
+    random = np.random.default_rng(0)
+    attitude = tuple(random.normal(scale=0.5, size=samples) for _ in range(3))
+    acceleration = tuple(random.normal(scale=0.5, size=samples) for _ in range(3))
+    noise = Noise(*(tuple(random.normal(scale=0.01, size=samples) for _ in range(3)) for _ in range(3)))
+    for way in WAYS:
+        imu = Imu(magnetometer=Magnetometer(spherical=way))
+        time = best(lambda imu=imu: codes_of(imu, attitude, acceleration, noise))
+        print(row(f"float64 over arrays, {way}", samples, time))
+
+
+def frames_of(samples: int) -> list[bytes]:
+    """A motion to 2000 deg/s and 2 g, as a host sends it."""
+    times = np.arange(samples) * Imu().period
+    angles = [swing * np.sin(2000 / 57.3 / swing * times + lag) for lag, swing in ((0, 3.0), (1, 1.5), (2, 3.0))]
+    accelerations = [2 * np.sin(rate * times) for rate in (1.1, 0.7, 1.9)]
+    counts = np.rint(np.stack([*(angle / ANGLE for angle in angles), *(a / ACCELERATION for a in accelerations)]))
+    return [pack("<6h", *frame) for frame in counts.astype(int).T.tolist()]
+
+
+def one_by_one(samples: int) -> None:
+    frames = frames_of(samples)
+    for name in ("float64", "q16", "q16 rounded", "q16 saturating"):
+        models = Models(name, Imu())
+        time = best(lambda models=models: [models.chips(frame) for frame in frames])
+        print(row(f"{named.scalar(name).name}, frame by frame", samples, time))
+
+
+def row(what: str, samples: int, time: Seconds) -> str:
+    a_second = samples / time.cpu
+    wall = samples / time.wall
+    return f"{what:36} {a_second:12,.0f} samples/s of cpu {3 * a_second:12,.0f} triplets/s {wall:12,.0f} /s of wall"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="python -m tests.bench.numeric", description="How fast the models run here.")
+    parser.add_argument("--samples", type=int, default=200_000, help="over arrays; a hundredth of them one by one")
+    samples = parser.parse_args().samples
+    over_arrays(samples)
+    one_by_one(samples // 100)
+
+
+if __name__ == "__main__":
+    main()

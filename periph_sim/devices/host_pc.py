@@ -2,8 +2,8 @@
 
     schedule --> values of frame n --> bytes --> UartPeer
 
-Angles are in 1e-4 rad, accelerations in 1e-3 g, low byte first: the dissertation leaves
-the encoding open, so this is a choice of ours. Nothing in a frame marks its start.
+Values are those of a ramp that tells frames apart, or of a motion (`host_frame`). The dissertation leaves the
+encoding open: low byte first is a choice of ours. Nothing in a frame marks its start.
 """
 
 from __future__ import annotations
@@ -16,9 +16,11 @@ from random import Random
 
 from ..core.kernel import Kernel
 from ..lines.uart_peer import UartPeer
+from .host_frame import ByteOrder
 
 VALUES = 6
 FRAME_BYTES = 2 * VALUES
+ANGLE, ACCELERATION = 1e-4, 1e-3  # rad and g a count
 
 
 def ramp(number: int) -> tuple[int, ...]:
@@ -29,9 +31,9 @@ def ramp(number: int) -> tuple[int, ...]:
 RAMP = ((1, 1), (3, 1000), (5, -2000), (7, 12), (11, -34), (13, 1000))
 
 
-def encode(values: tuple[int, ...]) -> bytes:
+def encode(values: tuple[int, ...], byte_order: ByteOrder = "little") -> bytes:
     """The bytes of a frame. OverflowError for a value that does not fit 16 bits."""
-    return b"".join(value.to_bytes(2, "little", signed=True) for value in values)
+    return b"".join(value.to_bytes(2, byte_order, signed=True) for value in values)
 
 
 @dataclass(frozen=True)
@@ -56,6 +58,7 @@ class Host:
         schedule: HostSchedule,
         values: Callable[[int], tuple[int, ...]] = ramp,
         seed: int = 0,
+        byte_order: ByteOrder = "little",
     ) -> None:
         self.who = peer.who
         self.frames = 0
@@ -66,6 +69,7 @@ class Host:
         self._peer = peer
         self._schedule = schedule
         self._values = values
+        self._byte_order: ByteOrder = byte_order
         self._random = Random(seed)
         self._due = kernel.now + schedule.first
         self._number = 0
@@ -86,7 +90,7 @@ class Host:
             self.late += 1
             return
         values = self._values(number)
-        data = encode(values)
+        data = encode(values, self._byte_order)
         kept = bytes(b for i, b in enumerate(data) if (number, i) not in self._schedule.lose)
         self.frames += 1
         self.bytes += len(kept)

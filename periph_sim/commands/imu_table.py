@@ -1,0 +1,59 @@
+"""`periph-sim imu-table`: the sensor models at rest, beside Table 5.1 of the dissertation."""
+
+from __future__ import annotations
+
+import json
+from contextlib import ExitStack
+from dataclasses import asdict
+from pathlib import Path
+
+import click
+
+from .trouble import told_plainly
+
+MOST_SAMPLES = 10_000_000
+
+
+@click.command()
+@click.option(
+    "--samples", type=click.IntRange(2, MOST_SAMPLES), default=10_000, show_default=True, help="Of every axis."
+)
+@click.option("--seed", type=int, default=1, show_default=True, help="Of the noise.")
+@click.option(
+    "--parameters", type=click.Path(path_type=Path), metavar="FILE.toml", help="Another parameter set than Table 4.1."
+)
+@click.option("--write", "csv", type=click.Path(path_type=Path), metavar="FILE.csv", help="Write the samples too.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
+def imu_table(samples: int, seed: int, parameters: Path | None, csv: Path | None, as_json: bool) -> int:
+    """Run the sensor models at rest and print mean, 3 sigma and variance as Table 5.1 does.
+
+    Beside each figure stand the published ones and what the model expects, and what explains the difference.
+    """
+    from ..case.sensors import load
+    from ..devices.models.parameters import Imu
+    from ..experiments.readings import readings
+    from ..experiments.rest import at_rest
+    from ..experiments.static_table import static_table
+    from ..experiments.static_text import text
+
+    with told_plainly(), ExitStack() as outputs:
+        unfinished = None
+        if csv is not None:
+            from ..formats.whole import whole
+
+            unfinished = outputs.enter_context(whole(csv))
+        imu = Imu() if parameters is None else load(parameters)
+        found = at_rest(imu, samples, seed)
+        if unfinished is not None:
+            from ..experiments.rest import write
+
+            write(found, imu, unfinished)
+        rows, told = static_table(imu, found), readings(imu)
+    if as_json:
+        explained = [{"says": reading.says, "emulator_mean_off_se": reading.off} for reading in told]
+        click.echo(
+            json.dumps({"samples": samples, "seed": seed, "rows": list(map(asdict, rows)), "readings": explained})
+        )
+    else:
+        click.echo(text(imu, rows, told, samples, seed))
+    return 0

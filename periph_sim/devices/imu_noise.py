@@ -1,0 +1,40 @@
+"""The noise of a whole IMU: parameters and a seed go in, what is added before S comes out, by sample number.
+
+Imu, seed --> values(first, count), at(n) --> Noise: deg/s, g and gauss on x, y, z
+"""
+
+from __future__ import annotations
+
+from .models.imu import Noise
+from .models.parameters import Accelerometer, Gyroscope, Imu, Magnetometer
+from .noise import Floats, NoiseTerms, SensorNoise
+
+
+class ImuNoise:
+    """Sample n of the three sensors is the same in `values` and in `at`, to the last bit."""
+
+    def __init__(self, imu: Imu, seed: int) -> None:
+        self._gyroscope, self._accelerometer, self._magnetometer = (
+            SensorNoise(_terms(getattr(imu, name)), imu.period, seed, name) for name in Noise._fields
+        )
+
+    def values(self, first: int, count: int) -> Noise[Floats]:
+        """Samples `first` up to `first + count - 1`: nine float64[count]."""
+        return Noise(
+            _columns(self._gyroscope.values(first, count)),
+            _columns(self._accelerometer.values(first, count)),
+            _columns(self._magnetometer.values(first, count)),
+        )
+
+    def at(self, number: int) -> Noise[float]:
+        """One sample."""
+        return Noise(self._gyroscope.at(number), self._accelerometer.at(number), self._magnetometer.at(number))
+
+
+def _terms(sensor: Gyroscope | Accelerometer | Magnetometer) -> list[NoiseTerms]:
+    columns = zip(sensor.noise_density, sensor.bias_instability, sensor.random_walk, strict=True)
+    return [NoiseTerms(*terms) for terms in columns]
+
+
+def _columns(values: Floats) -> tuple[Floats, Floats, Floats]:
+    return values[:, 0], values[:, 1], values[:, 2]

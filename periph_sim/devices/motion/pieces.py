@@ -1,0 +1,93 @@
+"""Motion made of pieces: six values at rising times go in; they hold, or go straight, in between.
+
+Before the first time and behind the last the values hold. Parts of `flight`, `servo`, `static` and `steps`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import ConfigDict
+
+from .quantities import Acceleration, Angle
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Attitude in rad, linear acceleration in g."""
+
+    __pydantic_config__ = ConfigDict(extra="forbid")
+
+    phi: Angle = 0.0
+    theta: Angle = 0.0
+    psi: Angle = 0.0
+    ax: Acceleration = 0.0
+    ay: Acceleration = 0.0
+    az: Acceleration = 0.0
+
+
+LEVEL = Pose()  # and north, at rest
+
+
+def row(pose: Pose) -> list[float]:
+    """The six values of a pose, in the order of a host frame."""
+    return [pose.phi, pose.theta, pose.psi, pose.ax, pose.ay, pose.az]
+
+
+class Held:
+    """times: rising, shape (n,), n > 0. values: shape (n, 6), each row holds from its time on."""
+
+    def __init__(self, times: Floats, values: Floats) -> None:
+        self.ends = float(times[-1])
+        self._times = times
+        self._values = values
+
+    @property
+    def truth(self) -> Held:
+        return self
+
+    def attitude(self, times: Floats) -> Floats:
+        return self._at(times)[:, :3]
+
+    def acceleration(self, times: Floats) -> Floats:
+        return self._at(times)[:, 3:]
+
+    def rates(self, times: Floats) -> Floats:
+        """None: a step takes no time, and has no rate."""
+        return np.zeros((len(times), 3))
+
+    def _at(self, times: Floats) -> Floats:
+        piece = np.searchsorted(self._times, times, side="right") - 1
+        return self._values[np.maximum(piece, 0)]
+
+
+class Straight:
+    """times: strictly rising, shape (n,), n > 0. values: shape (n, 6), met at their times."""
+
+    def __init__(self, times: Floats, values: Floats) -> None:
+        self.ends = float(times[-1])
+        self._times = times
+        self._values = values
+        slopes = np.diff(values[:, :3], axis=0) / np.diff(times)[:, np.newaxis]
+        still = np.zeros((1, 3))
+        self._slopes = np.vstack([still, slopes, still])
+
+    @property
+    def truth(self) -> Straight:
+        return self
+
+    def attitude(self, times: Floats) -> Floats:
+        return self._at(times, slice(0, 3))
+
+    def acceleration(self, times: Floats) -> Floats:
+        return self._at(times, slice(3, 6))
+
+    def rates(self, times: Floats) -> Floats:
+        return self._slopes[np.searchsorted(self._times, times, side="right")]
+
+    def _at(self, times: Floats, columns: slice) -> Floats:
+        return np.stack([np.interp(times, self._times, column) for column in self._values.T[columns]], axis=1)

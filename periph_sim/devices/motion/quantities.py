@@ -1,0 +1,71 @@
+"""Physical quantities in settings: texts with units go in, floats in SI units (accelerations in g) come out.
+
+`Angle` takes "50 deg" and gives rad, `Rate` takes "52.2 rpm" and gives rad/s, `Acceleration` takes "0.5 g". A bare
+number in a case is refused, since its unit would be a guess. Values beyond the range of a motion are refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+from functools import partial
+from math import inf, isfinite, pi
+from typing import Annotated
+
+from pydantic import BeforeValidator
+
+from ...core.time import UNITS as TIMES
+
+GRAVITY = 9.81  # m/s**2 in one g, as the dissertation has it
+
+ANGLE_UNITS = {"rad": 1.0, "deg": pi / 180, "mrad": 1e-3}
+RATE_UNITS = {"rad/s": 1.0, "deg/s": pi / 180, "rpm": 2 * pi / 60}
+ACCELERATION_UNITS = {"g": 1.0, "mg": 1e-3, "m/s^2": 1 / GRAVITY}
+TIME_UNITS = {unit: float(length) for unit, length in TIMES.items()}
+FREQUENCY_UNITS = {"Hz": 1.0, "mHz": 1e-3, "kHz": 1e3}
+
+ANGLE_RANGE = 2 * pi  # recordings go from -180 to 180 degrees, or from 0 to 360
+ACCELERATION_RANGE = 100.0  # g; far beyond what the sensors can tell, and what an airframe survives
+RATE_RANGE = 1000.0  # rad/s
+
+
+def quantity(units: Mapping[str, float], least: float, most: float, value: object) -> float:
+    """The number that a text such as "52.2 rpm" says, in the unit whose factor is 1. ValueError with the way out."""
+    example = " or ".join(units)
+    if isinstance(value, float):  # of our own: a default, or a Settings made in Python
+        number = value
+    elif not isinstance(value, str):
+        raise ValueError(f"{value!r} has no unit; write a number, a blank and {example}")
+    else:
+        digits, _, unit = value.strip().partition(" ")
+        if unit not in units:
+            raise ValueError(f"{value!r}: expected a number, a blank and {example}")
+        try:
+            number = float(Fraction(digits)) * units[unit]
+        except (ValueError, ZeroDivisionError, OverflowError):
+            raise ValueError(f"{value!r}: {digits!r} is not a number") from None
+    if not isfinite(number) or not least <= number <= most:
+        raise ValueError(f"{value!r}: expected {shown(most, base_unit(units), least)}")
+    return number
+
+
+def base_unit(units: Mapping[str, float]) -> str:
+    """The unit whose factor is 1."""
+    return next(unit for unit, factor in units.items() if factor == 1)
+
+
+def shown(most: float, unit: str, least: float | None = None) -> str:
+    """A range as a phrase; from -most where no least is given."""
+    low = -most if least is None else least
+    if most == inf:
+        return f"{low:g} {unit} or more"
+    return f"{low:.6g} to {most:.6g} {unit}"
+
+
+Angle = Annotated[float, BeforeValidator(partial(quantity, ANGLE_UNITS, -ANGLE_RANGE, ANGLE_RANGE))]
+Rate = Annotated[float, BeforeValidator(partial(quantity, RATE_UNITS, 1e-6, RATE_RANGE))]
+Acceleration = Annotated[
+    float, BeforeValidator(partial(quantity, ACCELERATION_UNITS, -ACCELERATION_RANGE, ACCELERATION_RANGE))
+]
+Seconds = Annotated[float, BeforeValidator(partial(quantity, TIME_UNITS, 0.0, inf))]
+Hertz = Annotated[float, BeforeValidator(partial(quantity, FREQUENCY_UNITS, 0.0, 1e6))]

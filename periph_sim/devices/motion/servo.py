@@ -1,0 +1,113 @@
+"""The moving experiment: three servos one after the other, read slowly and coarsely, then interpolated.
+
+    0 --fast--> +swing, hold, --slow--> -swing, hold, and so on, --fast--> 0, hold: pitch, then yaw, then roll
+
+Dissertation section 5.3: 52.2 and 2.9 rpm, 50, 50 and 80 degrees, servos AX-18A of 0.29 degrees resolution. Their
+positions came over a slow serial line and were interpolated before they went to the emulator. What it does not
+say is ours: how long a hold is, how often the swing is repeated, how often a position is read, and that a servo is
+at once at its speed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil, pi
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from . import ANGLES, BadMotion, Floats
+from .pieces import Held, Straight
+from .quantities import Angle, Rate, Seconds
+
+DEGREE = pi / 180  # rad
+RPM = 2 * pi / 60  # rad/s
+MOST_READS = 1_000_000  # rows of positions that are held in memory
+
+
+@dataclass(frozen=True)
+class Settings:
+    """resolution 0: positions as they are. read_every 0: read without pause, so nothing is interpolated."""
+
+    pitch: Angle = 50 * DEGREE
+    yaw: Angle = 50 * DEGREE
+    roll: Angle = 80 * DEGREE
+    fast: Rate = 52.2 * RPM
+    slow: Rate = 2.9 * RPM
+    hold: Seconds = 2.0
+    swings: Annotated[int, Field(ge=1, le=100)] = 3
+    resolution: Angle = 0.29 * DEGREE
+    read_every: Seconds = 0.1
+    interpolate: Literal["straight", "hold"] = "straight"
+
+
+def path(settings: Settings) -> Straight:
+    """Where the servos truly are."""
+    times, poses = [0.0], [np.zeros(6)]
+
+    def go(angle: str, to: float, rate: float) -> None:
+        pose = poses[-1].copy()
+        column = ANGLES.index(angle)
+        if pose[column] != to:
+            times.append(times[-1] + abs(to - pose[column]) / rate)
+            pose[column] = to
+            poses.append(pose)
+        if settings.hold:
+            times.append(times[-1] + settings.hold)
+            poses.append(pose)
+
+    for angle, swing in (("theta", settings.pitch), ("psi", settings.yaw), ("phi", settings.roll)):
+        for _ in range(settings.swings):
+            go(angle, swing, settings.fast)
+            go(angle, -swing, settings.slow)
+        go(angle, 0.0, settings.fast)
+    return Straight(np.array(times), np.array(poses))
+
+
+class Servo:
+    """attitude: as read. rates: of the servos in truth."""
+
+    def __init__(self, settings: Settings) -> None:
+        self._path = path(settings)
+        self.ends = self._path.ends
+        self._resolution = settings.resolution
+        self._read: Straight | Held | None = None
+        if settings.read_every:
+            reads = ceil(self.ends / settings.read_every) + 2
+            if reads > MOST_READS:
+                raise BadMotion(
+                    f"read_every: {reads} positions in {self.ends:g} s; expected at most {MOST_READS}, "
+                    "or 0 s for no interpolation"
+                )
+            times = np.arange(reads, dtype=np.float64) * settings.read_every
+            shape = Straight if settings.interpolate == "straight" else Held
+            self._read = shape(times, np.hstack([self._positions(times), np.zeros((reads, 3))]))
+            self.ends = self._read.ends
+
+    @property
+    def truth(self) -> Straight:
+        """The servos themselves."""
+        return self._path
+
+    def attitude(self, times: Floats) -> Floats:
+        return self._positions(times) if self._read is None else self._read.attitude(times)
+
+    def rates(self, times: Floats) -> Floats:
+        return self._path.rates(times)
+
+    def acceleration(self, times: Floats) -> Floats:
+        """None: the servos turn the sensors about their own place."""
+        return np.zeros((len(times), 3))
+
+    def _positions(self, times: Floats) -> Floats:
+        """The nearest positions that the servos can tell."""
+        positions = self._path.attitude(times)
+        return np.rint(positions / self._resolution) * self._resolution if self._resolution else positions
+
+
+def motion(settings: Settings) -> Servo:
+    """BadMotion where the resolution is negative, or positions would be read too often."""
+    if settings.resolution < 0:
+        raise BadMotion(f"resolution: it is {settings.resolution:g} rad; expected 0 rad or more")
+    return Servo(settings)

@@ -1,0 +1,98 @@
+"""Motion in sine waves: waves for any of the six values go in; those of one value add up.
+
+mean = { theta = "10 deg" }
+angles = [ { of = "theta", amplitude = "20 deg", frequency = "0.5 Hz", phase = "90 deg" } ]
+accelerations = [ { of = "ax", amplitude = "0.1 g", frequency = "2 Hz" } ]
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf, pi
+from typing import Literal
+
+import numpy as np
+from pydantic import ConfigDict
+
+from . import VALUES, BadMotion, Floats
+from .pieces import LEVEL, Pose, row
+from .quantities import Acceleration, Angle, Hertz
+
+
+@dataclass(frozen=True)
+class AngleWave:
+    """amplitude * sin(2 pi frequency t + phase), added to the angle `of`."""
+
+    __pydantic_config__ = ConfigDict(extra="forbid")
+
+    of: Literal["phi", "theta", "psi"]
+    amplitude: Angle
+    frequency: Hertz
+    phase: Angle = 0.0
+
+
+@dataclass(frozen=True)
+class AccelerationWave:
+    """The same of an acceleration."""
+
+    __pydantic_config__ = ConfigDict(extra="forbid")
+
+    of: Literal["ax", "ay", "az"]
+    amplitude: Acceleration
+    frequency: Hertz
+    phase: Angle = 0.0
+
+
+@dataclass(frozen=True)
+class Settings:
+    """mean: what the waves swing about."""
+
+    angles: tuple[AngleWave, ...] = ()
+    accelerations: tuple[AccelerationWave, ...] = ()
+    mean: Pose = LEVEL
+
+
+class Sines:
+    """Sums of waves about a mean."""
+
+    ends = inf
+
+    def __init__(self, settings: Settings) -> None:
+        self._mean = np.array(row(settings.mean))
+        self._angles = settings.angles
+        self._accelerations = settings.accelerations
+
+    @property
+    def truth(self) -> Sines:
+        return self
+
+    def attitude(self, times: Floats) -> Floats:
+        return self._mean[:3] + _sum(self._angles, times)
+
+    def acceleration(self, times: Floats) -> Floats:
+        return self._mean[3:] + _sum(self._accelerations, times)
+
+    def rates(self, times: Floats) -> Floats:
+        rates = np.zeros((len(times), 3))
+        for wave in self._angles:
+            omega = 2 * pi * wave.frequency
+            rates[:, _column(wave)] += wave.amplitude * omega * np.cos(omega * times + wave.phase)
+        return rates
+
+
+def motion(settings: Settings) -> Sines:
+    """BadMotion for a motion without waves."""
+    if not settings.angles and not settings.accelerations:
+        raise BadMotion("it has no waves; give angles or accelerations, or take the motion static")
+    return Sines(settings)
+
+
+def _sum(waves: tuple[AngleWave, ...] | tuple[AccelerationWave, ...], times: Floats) -> Floats:
+    values = np.zeros((len(times), 3))
+    for wave in waves:
+        values[:, _column(wave)] += wave.amplitude * np.sin(2 * pi * wave.frequency * times + wave.phase)
+    return values
+
+
+def _column(wave: AngleWave | AccelerationWave) -> int:
+    return VALUES.index(wave.of) % 3

@@ -1,0 +1,18 @@
+"""No motion: an attitude and an acceleration go in, and stay."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .pieces import Held, Pose, row
+
+
+@dataclass(frozen=True)
+class Settings(Pose):
+    """The values that stay; all zero is level, pointing north, at rest."""
+
+
+def motion(settings: Settings) -> Held:
+    return Held(np.zeros(1), np.array([row(settings)]))

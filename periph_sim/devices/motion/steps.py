@@ -1,0 +1,53 @@
+"""Motion in steps: a pose and what it changes to at which times go in; values jump and hold.
+
+start = { theta = "10 deg" }
+steps = [ { at = "1 s", theta = "20 deg" }, { at = "2 s", ax = "0.5 g" } ]
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from pydantic import ConfigDict
+
+from . import BadMotion
+from .pieces import LEVEL, Held, Pose, row
+from .quantities import Acceleration, Angle, Seconds
+
+
+@dataclass(frozen=True)
+class Step:
+    """What is given jumps at this time; the rest stays as it was."""
+
+    __pydantic_config__ = ConfigDict(extra="forbid")
+
+    at: Seconds
+    phi: Angle | None = None
+    theta: Angle | None = None
+    psi: Angle | None = None
+    ax: Acceleration | None = None
+    ay: Acceleration | None = None
+    az: Acceleration | None = None
+
+
+@dataclass(frozen=True)
+class Settings:
+    """start: the values before the first step. steps: at rising times."""
+
+    steps: tuple[Step, ...]
+    start: Pose = LEVEL
+
+
+def motion(settings: Settings) -> Held:
+    """BadMotion where the times do not rise."""
+    times, rows = [0.0], [row(settings.start)]
+    for number, step in enumerate(settings.steps):
+        if step.at <= times[-1] and number:
+            raise BadMotion(
+                f"steps.{number}: it is at {step.at:g} s; expected later than {times[-1]:g} s, the one before"
+            )
+        asked = (step.phi, step.theta, step.psi, step.ax, step.ay, step.az)
+        times.append(step.at)
+        rows.append([old if new is None else new for old, new in zip(rows[-1], asked, strict=True)])
+    return Held(np.array(times), np.array(rows))

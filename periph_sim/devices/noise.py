@@ -1,0 +1,183 @@
+"""Sensor noise by number: a seed, a stream's name and sample numbers go in, float64 noise comes out.
+
+    (seed, "gyroscope/x/white") --> Gaussian --> value n, whatever was asked before
+    NoiseTerms of three axes    --> SensorNoise --> white + bias instability + random walk
+
+Value n of a stream is a function of (seed, name, n) alone: a run may be split, resumed or read sample by
+sample, and gives the same bits. Blocks of `BLOCK` values each begin at their own counter of numpy's Philox,
+a counter-based generator (Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC11), whose key is a
+hash of seed and name. Only the random walk is a sum and has to be run up to n.
+
+Terms as in IEEE Std 952 annex C: N (white), B (bias instability), K (random walk); dissertation section 4.3.4.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from hashlib import blake2b
+from math import isfinite, log, pi, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+BLOCK = 1024  # values; few enough that one value far away costs some 30 us
+OCTAVES = 24  # of the bias instability: flat up to holds of 2**23 samples, 46 h at 50 Hz
+WALKED_AT_ONCE = 1 << 20  # steps of a random walk that are held in memory while it is run up to a sample
+AXES = ("x", "y", "z")
+
+
+class BadNoise(ValueError):
+    """Noise that cannot be made; the message names the value and its range."""
+
+
+class Gaussian:
+    """Independent standard normal values, each found by its number 0, 1, 2 ..."""
+
+    def __init__(self, seed: int, name: str) -> None:
+        self.key = int.from_bytes(blake2b(f"{seed}/{name}".encode(), digest_size=16).digest(), "little")
+        self._block: int | None = None  # the one that is kept, for those who go sample by sample
+        self._kept: list[float] = []
+
+    def values(self, first: int, count: int) -> Floats:
+        """Values `first` up to `first + count - 1`."""
+        _not_negative(first, count)
+        blocks = range(first // BLOCK, -(-(first + count) // BLOCK))
+        joined = np.concatenate([np.empty(0), *map(self._values_of, blocks)])
+        begin = first % BLOCK
+        return joined[begin : begin + count]
+
+    def at(self, number: int) -> float:
+        """One value; quick where the numbers rise."""
+        block, place = divmod(number, BLOCK)
+        if block != self._block:
+            _not_negative(number, 1)
+            self._block, self._kept = block, self._values_of(block).tolist()
+        return self._kept[place]
+
+    def _values_of(self, block: int) -> Floats:
+        # The block's number is the counter's second word: a block may draw 2**64 times before it meets the next.
+        generator = np.random.Generator(np.random.Philox(key=self.key, counter=[0, block, 0, 0]))
+        return generator.standard_normal(BLOCK)
+
+
+@dataclass(frozen=True)
+class NoiseTerms:
+    """One axis. density in unit**2 s (N squared), bias_instability in unit (B), random_walk in unit/sqrt(s) (K)."""
+
+    density: float
+    bias_instability: float = 0.0
+    random_walk: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if not isfinite(value) or value < 0:
+                raise BadNoise(f"noise: {name} is {value}; expected a finite number of 0 or more")
+
+
+class AxisNoise:
+    """The noise of one axis, sampled every `period` seconds; `stream` names it, as in "gyroscope/x"."""
+
+    def __init__(self, terms: NoiseTerms, period: float, seed: int, stream: str) -> None:
+        if not isfinite(period) or period <= 0:
+            raise BadNoise(f"noise of {stream}: the sampling period is {period} s; expected a finite number above 0")
+        self._white_sigma = sqrt(terms.density / period)
+        self._white = Gaussian(seed, f"{stream}/white")
+        # Octaves of equal variance v have the one-sided density v / (f ln 2), and B is defined by B**2 / (pi f).
+        self._octave_sigma = terms.bias_instability * sqrt(log(2) / pi)
+        self._octaves = [
+            Gaussian(seed, f"{stream}/bias instability/{octave}")
+            for octave in range(OCTAVES if terms.bias_instability else 0)
+        ]
+        self._step = terms.random_walk * sqrt(period)
+        self._walk = Gaussian(seed, f"{stream}/random walk")
+        self._walked = (0, 0.0)  # a number, and the sum of the steps before it
+
+    def values(self, first: int, count: int) -> Floats:
+        """Samples `first` up to `first + count - 1`, in the sensor's unit."""
+        noise = self._white.values(first, count) * self._white_sigma
+        if self._octaves:
+            noise += self._flicker(first, count)
+        if self._step and count:
+            noise += self._walk_values(first, count)
+        return noise
+
+    def at(self, number: int) -> float:
+        """One sample; the same bits as in `values`."""
+        noise = self._white.at(number) * self._white_sigma
+        if self._octaves:
+            held = (octave.at(_hold(octave, k, number)) for k, octave in enumerate(self._octaves))
+            total = 0.0
+            for value in held:
+                total += value
+            noise += total * self._octave_sigma
+        if self._step:
+            noise += self._walk_at(number)
+        return noise
+
+    def _flicker(self, first: int, count: int) -> Floats:
+        """1/f noise: of each octave k one value is held for 2**k samples, from a place that the key chooses."""
+        total = np.zeros(count)
+        numbers = np.arange(first, first + count)
+        for k, octave in enumerate(self._octaves):
+            begin = _hold(octave, k, first)
+            held = octave.values(begin, _hold(octave, k, first + count) - begin + 1)
+            total += held[((numbers + _phase(octave, k)) >> k) - begin]
+        return total * self._octave_sigma
+
+    def _walk_values(self, first: int, count: int) -> Floats:
+        begin, total = self._walk_before(first)
+        while begin < first:
+            stretch = min(first - begin, WALKED_AT_ONCE)
+            total = float(self._sums(begin, stretch, total)[-1])
+            begin += stretch
+        sums = self._sums(first, count, total)
+        self._walked = (first + count, float(sums[-1]))
+        return sums[:-1]
+
+    def _sums(self, begin: int, count: int, total: float) -> Floats:
+        """The walk at `begin`, which is `total`, and after each of `count` steps more; added one by one, in order."""
+        return np.cumsum(np.concatenate([[total], self._walk.values(begin, count) * self._step]))
+
+    def _walk_at(self, number: int) -> float:
+        begin, total = self._walk_before(number)
+        for step in range(begin, number):
+            total += self._walk.at(step) * self._step
+        self._walked = (number, total)
+        return total
+
+    def _walk_before(self, first: int) -> tuple[int, float]:
+        """Where to go on from: the last number that was asked for, or the start where that lies behind `first`."""
+        return self._walked if self._walked[0] <= first else (0, 0.0)
+
+
+class SensorNoise:
+    """The noise of a sensor's three axes. sensor: its name, which makes its streams differ from the others'."""
+
+    def __init__(self, terms: Sequence[NoiseTerms], period: float, seed: int, sensor: str) -> None:
+        self._axes = [AxisNoise(axis, period, seed, f"{sensor}/{name}") for name, axis in zip(AXES, terms, strict=True)]
+
+    def values(self, first: int, count: int) -> Floats:
+        """Samples `first` up to `first + count - 1`, shape (count, 3), in the sensor's unit."""
+        return np.stack([axis.values(first, count) for axis in self._axes], axis=1)
+
+    def at(self, number: int) -> tuple[float, float, float]:
+        """One sample of the three axes; the same bits as in `values`."""
+        x, y, z = self._axes
+        return x.at(number), y.at(number), z.at(number)
+
+
+def _phase(octave: Gaussian, k: int) -> int:
+    return octave.key & ((1 << k) - 1)
+
+
+def _hold(octave: Gaussian, k: int, number: int) -> int:
+    """Which value of octave `k` holds at a sample."""
+    return (number + _phase(octave, k)) >> k
+
+
+def _not_negative(first: int, count: int) -> None:
+    if first < 0 or count < 0:
+        raise BadNoise(f"noise: {count} samples from number {first}; both must be 0 or more")

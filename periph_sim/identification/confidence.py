@@ -1,0 +1,81 @@
+"""How well Allan variances are known: counts and a series' length go in, degrees of freedom and intervals come out.
+
+An Allan variance is spread like chi-square with `edf` equivalent degrees of freedom, whose relative variance is
+2 / edf. For bars at any slope `edf` takes the approximations of NIST SP 1065, table 5 (overlapping). For white
+noise, where a value is fitted to several points that share the same samples, `white_covariance` is exact.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import chdtri, ndtr
+
+from .allan import Allan
+from .series import Floats
+
+LEVELS = {"68 %": float(2 * ndtr(1) - 1), "95 %": 0.95}  # one standard deviation of a Gaussian, and the usual one
+
+
+def interval(edf: Floats, level: float) -> tuple[Floats, Floats]:
+    """The factors from a variance to the ends of its interval; the true value lies in between with this probability."""
+    tail = (1 - level) / 2
+    return edf / chdtri(edf, tail), edf / chdtri(edf, 1 - tail)
+
+
+def slopes(found: Allan) -> NDArray[np.int64]:
+    """The nearest of -1 (white), 0 (flicker) and 1 (random walk) to the slope of log variance at each of the taus."""
+    if len(found.taus) < 2 or not (found.variance > 0).all():
+        return np.full(len(found.taus), -1)
+    slope = np.gradient(np.log(found.variance), np.log(found.taus))
+    nearest: NDArray[np.int64] = np.clip(np.rint(slope), -1, 1).astype(np.int64)
+    return nearest
+
+
+def edf(found: Allan) -> Floats:
+    """Equivalent degrees of freedom of each variance, by the noise that its slope speaks of."""
+    points = found.length + 1.0  # of phase, the running sum
+    m = found.counts.astype(np.float64)
+    white = (3 * (points - 1) / (2 * m) - 2 * (points - 2) / points) * 4 * m**2 / (4 * m**2 + 5)
+    flicker = np.where(m == 1, 2 * (points - 2) ** 2 / (2.3 * points - 4.9), 5 * points**2 / (4 * m * (points + 3 * m)))
+    walk = (points - 2) / m * ((points - 1) ** 2 - 3 * m * (points - 1) + 4 * m**2) / (points - 3) ** 2
+    freedom: Floats = np.maximum(np.choose(slopes(found) + 1, [white, flicker, walk]), 1.0)
+    return freedom
+
+
+def white_covariance(counts: NDArray[np.int64], length: int) -> Floats:
+    """Relative covariance of the overlapping Allan variances of white Gaussian noise at these counts, exactly.
+
+    The differences z are sums of the samples with weights -1/m and 1/m, so Gaussian, and the covariance of two squares
+    is twice the square of theirs.
+    """
+    pairs = [[_covariance(min(m, n), max(m, n), length) * m * n for n in counts.tolist()] for m in counts.tolist()]
+    return np.array(pairs)
+
+
+@lru_cache(maxsize=4096)
+def _covariance(m: int, n: int, length: int) -> float:
+    """Of the variances at m and n samples, for samples of variance 1."""
+    places_m, places_n = length - 2 * m + 1, length - 2 * n + 1
+    corners = np.array([a * m - b * n for a in range(3) for b in range(3)], dtype=np.float64)
+    weights = np.outer([-1, 2, -1], [-1, 2, -1]).ravel() / (2.0 * m * n)
+
+    def term(lag: Floats) -> Floats:
+        """How many pairs of differences lie `lag` samples apart, times their covariance squared."""
+        shared = -(np.abs(lag[:, np.newaxis] - corners) @ weights)
+        pairs = np.minimum(places_n, places_m + lag) - np.maximum(0.0, lag)
+        together: Floats = np.maximum(pairs, 0.0) * shared**2
+        return together
+
+    # Between two corners the term is a cubic in the lag, so three values of it give its sum over whole lags.
+    bends = [*corners, 0, places_n - places_m, -places_m, places_n]
+    edges = np.unique(np.clip(bends, max(-2 * n, -places_m), min(2 * m, places_n)))
+    begin, end = edges[:-1], edges[1:] - 1
+    end[-1] += 1
+    many = end - begin + 1
+    middle, half = (begin + end) / 2, np.maximum((end - begin) / 2, 0.5)
+    curve = (term(middle + half) + term(middle - half) - 2 * term(middle)) / (2 * half**2)
+    total = many * term(middle) + curve * many * (many**2 - 1) / 12
+    return float(total.sum()) * 2 / (4 * places_m * places_n)

@@ -1,0 +1,125 @@
+"""What was identified, as a person reads it and as JSON: parameters and errors go in, text or dicts come out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import floor, log10
+
+from .confidence import LEVELS
+from .identify import Identified
+from .slow_terms import Term
+
+HEAD = ("column", "bias", "noise density", "95 % of it", "rounding", "sensor's own", "fitted from, to")
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """One column of a recording: what was identified, and its unit."""
+
+    unit: str
+    found: Identified
+
+
+def table(title: str, axes: Sequence[Axis]) -> str:
+    """A head line, one line a column, the slow terms where asked for, and what has to be known besides."""
+    lines = [title, "", *_aligned([HEAD, *(_cells(axis) for axis in axes)])]
+    lines += ["", "Densities in the column's unit, squared, per Hz. Errors are standard errors."]
+    slow = [row for axis in axes for row in _slow(axis)]
+    if slow:
+        lines += ["", *_aligned([("column", "slow term", "value", "95 % of it", ""), *slow])]
+    notes = [f"note: {note}" for axis in axes for note in axis.found.notes]
+    return "\n".join([*lines, *([""] if notes else []), *notes])
+
+
+def as_json(axes: Sequence[Axis]) -> list[dict[str, object]]:
+    """One object a column; numbers in the column's unit and seconds."""
+    return [_object(axis) for axis in axes]
+
+
+def with_error(value: float, error: float) -> str:
+    """A value with its standard error, both to the second digit of the error."""
+    if error <= 0:
+        return f"{value:g}"
+    decimals = max(1 - floor(log10(error)), 0)
+    return f"{value:.{decimals}f} +/- {error:.{decimals}f}"
+
+
+def scaled(value: float, error: float) -> str:
+    """The same with a power of ten."""
+    power = floor(log10(value)) if value > 0 else 0
+    return f"({with_error(value / 10**power, error / 10**power)})e{power:+03d}"
+
+
+def _cells(axis: Axis) -> tuple[str, ...]:
+    found = axis.found
+    noise = found.density
+    low, high = noise.bounds(LEVELS["95 %"])
+    taus = found.allan.taus[noise.region]
+    return (
+        found.series.name,
+        f"{with_error(found.bias.value, found.bias.error)} {axis.unit}",
+        scaled(noise.value, noise.error),
+        f"{low:.3e} to {high:.3e}",
+        f"{found.quantisation_density:.2e}" if found.series.lsb is not None else "-",
+        f"{found.sensor_density:.3e}",
+        f"{taus[0]:g} s, {taus[-1]:g} s",
+    )
+
+
+def _slow(axis: Axis) -> list[tuple[str, ...]]:
+    slow = axis.found.slow
+    if slow is None:
+        return []
+    name = axis.found.series.name
+    unit = f"({axis.unit})" if "/" in axis.unit else axis.unit
+    return [
+        (name, "bias instability", *_term(slow.bias_instability, axis.unit)),
+        (name, "random walk", *_term(slow.random_walk, f"{unit}/s^0.5")),
+    ]
+
+
+def _term(term: Term, unit: str) -> tuple[str, str, str]:
+    low, high = term.bounds(1.96)
+    said = f"{term.value:.3g} {unit}" if term.found else "-"
+    return said, f"{low:.2g} to {high:.2g} {unit}", "" if term.found else "not told from 0"
+
+
+def _object(axis: Axis) -> dict[str, object]:
+    found, noise, bias = axis.found, axis.found.density, axis.found.bias
+    told: dict[str, object] = {
+        "column": found.series.name,
+        "unit": axis.unit,
+        "samples": len(found.series.samples),
+        "period_s": found.series.period,
+        "lsb": found.series.lsb,
+        "bias": {
+            "value": bias.value,
+            "standard_error": bias.error,
+            "of_white_noise": bias.white,
+            "of_drift": bias.drift,
+            "of_quantisation": bias.quantisation,
+        },
+        "noise_density": {
+            "value": noise.value,
+            "standard_error": noise.error,
+            "edf": noise.edf,
+            **{f"interval_{level}": noise.bounds(part) for level, part in LEVELS.items()},
+            "read_at_1_s": noise.at_one_second,
+            "of_rounding": found.quantisation_density,
+            "of_the_sensor": found.sensor_density,
+            "fitted_taus_s": found.allan.taus[noise.region].tolist(),
+        },
+        "allan": {"tau_s": found.allan.taus.tolist(), "deviation": found.allan.deviation.tolist()},
+        "notes": list(found.notes),
+    }
+    if found.slow is not None:
+        for key, term in (("bias_instability", found.slow.bias_instability), ("random_walk", found.slow.random_walk)):
+            told[key] = {"value": term.value, "interval_95 %": term.bounds(1.96), "told_from_0": term.found}
+    return told
+
+
+def _aligned(rows: Sequence[tuple[str, ...]]) -> list[str]:
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+    return [lines[0], "-" * max(map(len, lines)), *lines[1:]]

@@ -1,19 +1,23 @@
 """The sensor head: asks its chips over I2C, round by round, and checks what it gets.
 
-    schedule --> rounds of requests --> I2cController --> transfers --> values, checks, reports
+    start-up requests, schedule --> rounds of requests --> I2cController --> transfers --> values, checks, reports
 
 A round is due every period. A request is a register pointer, written with a STOP after it
 or with a repeated START, and the read of `count` bytes. A round that cannot begin when it
 is due, since the one before still runs, is missed.
 
-Source: the dissertation's section 3.4.2 and Figure A.2 (order, period); data sheets of
+Before the first round it may set its chips up as their drivers do: read who they are, write rates, ranges and modes.
+
+Source: the dissertation's section 3.4.2 and Figure A.2 (order, period), Table 3.1 (scales); data sheets of
 ITG-3200 (registers 0x1D to 0x22), ADXL345 (0x32 to 0x37), HMC5883L (0x03 to 0x08).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
+from functools import partial
 from random import Random
 
 from ..core.kernel import Kernel
@@ -21,30 +25,11 @@ from ..lines.i2c_controller import I2cController, Phase, Transfer
 
 
 @dataclass(frozen=True)
-class ChipData:
-    """Where a sensor keeps its three values. big: high byte first. order: which axis comes when."""
-
-    address: int
-    pointer: int
-    big: bool
-    order: tuple[int, int, int] = (0, 1, 2)
-
-    def values(self, data: bytes) -> tuple[int, ...]:
-        """The values x, y, z of six bytes read, signed 16-bit."""
-        words = [int.from_bytes(data[i : i + 2], "big" if self.big else "little", signed=True) for i in (0, 2, 4)]
-        return tuple(words[self.order.index(axis)] for axis in range(3))
-
-
-CHIPS: dict[str, ChipData] = {
-    "gyroscope": ChipData(0x68, 0x1D, big=True),
-    "accelerometer": ChipData(0x53, 0x32, big=False),
-    "magnetometer": ChipData(0x1E, 0x03, big=True, order=(0, 2, 1)),
-}
-
-
-@dataclass(frozen=True)
 class Request:
-    """One read or write of a round. pointer None: no pointer is written. write: bytes after the pointer."""
+    """One read or write of a round. pointer None: no pointer is written. write: bytes after the pointer.
+
+    Without pointer, write and count it is an address alone: whether anybody acknowledges.
+    """
 
     name: str
     address: int
@@ -57,7 +42,7 @@ class Request:
         """The transfers that make it: one with a repeated START, or two."""
         head = b"" if self.pointer is None else bytes([self.pointer])
         phases: list[Phase] = []
-        if head or self.write:
+        if head or self.write or not self.count:
             phases.append(Phase(self.address, read=False, data=head + self.write))
         if self.count:
             phases.append(Phase(self.address, read=True, count=self.count, expect=self.expect))
@@ -67,19 +52,82 @@ class Request:
 
 
 @dataclass(frozen=True)
+class ChipData:
+    """Where a sensor keeps its three values. big: high byte first. order: which axis comes when.
+
+    lsb_per_unit: of a deg/s, a g or a gauss, as `startup` sets the chip up. overflow: counts that stand for no value.
+    startup: what its driver does before the first round.
+    """
+
+    address: int
+    pointer: int
+    big: bool
+    order: tuple[int, int, int] = (0, 1, 2)
+    lsb_per_unit: Fraction = Fraction(1)
+    overflow: int | None = None
+    startup: tuple[Request, ...] = ()
+
+    def values(self, data: bytes) -> tuple[int, ...]:
+        """The values x, y, z of six bytes read, signed 16-bit."""
+        words = [int.from_bytes(data[i : i + 2], "big" if self.big else "little", signed=True) for i in (0, 2, 4)]
+        return tuple(words[self.order.index(axis)] for axis in range(3))
+
+
+def driver(name: str, address: int, who: tuple[int, str], writes: tuple[tuple[int, int], ...]) -> tuple[Request, ...]:
+    """A driver's start: read the identification (register, bytes that are right), then write register by register."""
+    pointer, right = who[0], bytes.fromhex(who[1])
+    identify = Request(f"{name} identification", address, pointer, len(right), expect=right)
+    return (identify, *(Request(f"{name} set-up", address, to, 0, bytes([value])) for to, value in writes))
+
+
+CHIPS: dict[str, ChipData] = {
+    "gyroscope": ChipData(
+        0x68,
+        0x1D,
+        big=True,
+        lsb_per_unit=Fraction(115, 8),
+        # PLL with the x gyroscope, 1 kHz, full scale 2000 deg/s and 42 Hz
+        startup=driver("gyroscope", 0x68, (0x00, "68"), ((0x3E, 0x01), (0x15, 0x00), (0x16, 0x1B))),
+    ),
+    "accelerometer": ChipData(
+        0x53,
+        0x32,
+        big=False,
+        lsb_per_unit=Fraction(256),
+        # 100 Hz, full resolution and 2 g, measure
+        startup=driver("accelerometer", 0x53, (0x00, "e5"), ((0x2C, 0x0A), (0x31, 0x08), (0x2D, 0x08))),
+    ),
+    "magnetometer": ChipData(
+        0x1E,
+        0x03,
+        big=True,
+        order=(0, 2, 1),
+        lsb_per_unit=Fraction(660),
+        overflow=-4096,
+        # 75 Hz, 2.5 gauss, continuous
+        startup=driver("magnetometer", 0x1E, (0x0A, "48 34 33"), ((0x00, 0x18), (0x01, 0x60), (0x02, 0x00))),
+    ),
+}
+
+
+@dataclass(frozen=True)
 class Schedule:
-    """All in ticks. jitter: each round begins up to this much late, evenly spread."""
+    """All in ticks. jitter: each round begins up to this much late, evenly spread.
+
+    ahead: how long before `first` the chips are set up, if they are.
+    """
 
     first: int
     period: int
     gap: int  # between two transfers of a round, on top of the bus-free time
     jitter: int = 0
     rounds: int | None = None  # None: as long as the run lasts
+    ahead: int = 0
 
 
 @dataclass
 class Round:
-    """What came of one round. due: when the schedule wanted it; end: its last STOP."""
+    """What came of one round. number: from 1; the start-up is 0. due: when the schedule wanted it; end: last STOP."""
 
     number: int
     due: int
@@ -90,7 +138,7 @@ class Round:
 
 
 class SensorHead:
-    """on_transfer, on_round: told of each when it is over."""
+    """on_transfer, on_round: told of each when it is over. on_missed: told when a round was due and could not begin."""
 
     def __init__(
         self,
@@ -99,6 +147,7 @@ class SensorHead:
         requests: list[Request],
         schedule: Schedule,
         *,
+        startup: Sequence[Request] = (),
         by_stop: bool = False,
         seed: int = 0,
     ) -> None:
@@ -108,6 +157,7 @@ class SensorHead:
         self.rounds = 0  # completed
         self.on_transfer: list[Callable[[Transfer], None]] = []
         self.on_round: list[Callable[[Round], None]] = []
+        self.on_missed: list[Callable[[int], None]] = []
         self._kernel = kernel
         self._requests = requests
         self._schedule = schedule
@@ -117,6 +167,8 @@ class SensorHead:
         self._number = 0
         self._round: Round | None = None
         self._left: list[Transfer] = []
+        if startup:
+            kernel.at(self._due - schedule.ahead, partial(self._set_up, startup))
         self._plan()
 
     @property
@@ -130,12 +182,20 @@ class SensorHead:
             late = self._random.randrange(schedule.jitter + 1) if schedule.jitter else 0
             self._kernel.at(self._due + late, self._begin)
 
+    def _set_up(self, startup: Sequence[Request]) -> None:
+        """It goes as a round that is not counted; a round due meanwhile is missed."""
+        self._round = Round(0, self._kernel.now, self._kernel.now)
+        self._left = [t for request in startup for t in request.transfers(self._by_stop)]
+        self._next()
+
     def _begin(self) -> None:
         due, self._due = self._due, self._due + self._schedule.period
         self._number += 1
         self._plan()
         if self._round is not None:
             self.missed += 1
+            for missed in self.on_missed:
+                missed(due)
             return
         self._round = Round(self._number, due, self._kernel.now)
         self._left = [t for request in self._requests for t in request.transfers(self._by_stop)]
@@ -156,6 +216,8 @@ class SensorHead:
             return
         current.end = self._kernel.now
         self._round = None
+        if not current.number:
+            return
         self.rounds += 1
         for heard in self.on_round:
             heard(current)

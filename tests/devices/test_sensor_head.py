@@ -80,6 +80,7 @@ def test_jitter_comes_from_the_seed_alone_and_does_not_add_up():
         (PLAIN, False, [[(True, b"", 2)]]),
         (Request("w", 0x10, 0x05, 0, write=b"\x0b"), False, [[(False, b"\x05\x0b", 0)]]),
         (Request("w", 0x10, None, 0, write=b"\x0b"), True, [[(False, b"\x0b", 0)]]),
+        (Request("a", 0x10, None, 0), False, [[(False, b"", 0)]]),
         (Request("wr", 0x10, 0x05, 1, write=b"\x0b"), False, [[(False, b"\x05\x0b", 0), (True, b"", 1)]]),
     ],
 )

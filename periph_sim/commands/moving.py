@@ -1,0 +1,79 @@
+"""`periph-sim moving CASE`: one motion through emulator and real sensors into the same filter, beside the truth."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+
+import click
+
+from .inputs import length_given
+from .progress import progress
+from .trouble import told_plainly
+
+DIFFERENT = 1  # the exit status where the wires carried other bytes than were computed
+
+
+@click.command()
+@click.argument("case", type=click.Path(path_type=Path))
+@click.option("--seconds", type=str, help="Run this long instead of the case's duration; 10 or '10 s'.")
+@click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
+@click.option("--direct", is_flag=True, help="Without wires: compute what would be read. Quick.")
+@click.option(
+    "--plot", "folder", type=click.Path(path_type=Path), metavar="FOLDER", help="Write attitudes.svg and rates.svg."
+)
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
+def moving(
+    case: Path, seconds: str | None, changes: tuple[str, ...], direct: bool, folder: Path | None, as_json: bool
+) -> int:
+    """Run the motion of CASE through the emulator and through real sensors, and compare the attitudes.
+
+    The emulator is the case's firmware, with its gyroscope as built and corrected; the real sensors are the three
+    chips on the same bus. Both go into the same filter.
+    """
+    from ..case.load import load
+    from ..moving.experiment import run
+    from ..moving.show import as_json as to_json
+    from ..moving.show import lines
+    from ..moving.subject import subject_of
+
+    with told_plainly(), ExitStack() as outputs:
+        subject = subject_of(load(case, list(changes)), None if seconds is None else length_given(seconds))
+        pictures = None if folder is None else outputs.enter_context(_pictures(folder))
+        with progress(subject.case.name) as told:
+            outcome = run(subject, not direct, told)
+        if pictures is not None:
+            from ..moving import plot
+
+            plot.attitudes(outcome, pictures[0])
+            plot.rates(outcome, pictures[1])
+    if as_json:
+        click.echo(json.dumps(to_json(outcome)))
+    else:
+        click.echo("\n".join(lines(outcome)))
+    return DIFFERENT if outcome.bytes is not None and outcome.bytes.different else 0
+
+
+@contextmanager
+def _pictures(folder: Path) -> Iterator[list[Path]]:
+    """Where to draw both pictures: they appear in the folder, which is made, when all went well, else neither does."""
+    from ..formats.whole import whole
+
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError:
+        raise click.ClickException("--plot needs matplotlib: pip install 'periph-sim[sensors]'") from None
+    made = not folder.exists()
+    try:
+        folder.mkdir(exist_ok=True)
+    except OSError as error:
+        raise click.ClickException(f"--plot {folder}: {(error.strerror or 'an error').lower()}") from None
+    try:
+        with ExitStack() as both:
+            yield [both.enter_context(whole(folder / name)) for name in ("attitudes.svg", "rates.svg")]
+    except BaseException:
+        if made:
+            folder.rmdir()
+        raise

@@ -1,0 +1,89 @@
+"""The ADXL345's output register and FIFO: samples go in; what a burst reads, DATA_READY, Overrun and entries come out.
+
+    sample --> bypass: output register
+           --> FIFO, stream, trigger: 32 samples and one more at the output of the filter --> output register
+
+Source: ADXL345 data sheet Rev 0, FIFO section; INT_SOURCE, FIFO_CTL and FIFO_STATUS.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from enum import IntEnum
+
+DEPTH = 32
+HELD = DEPTH + 1  # with the one at the output of the filter
+
+
+class Mode(IntEnum):
+    BYPASS = 0
+    FIFO = 1
+    STREAM = 2
+    TRIGGER = 3
+
+
+class Fifo:
+    """output: the six bytes that the data registers show. triggered: FIFO_TRIG."""
+
+    def __init__(self, overrun_when_filled: bool) -> None:
+        self.output = bytes(6)
+        self.mode = Mode.BYPASS
+        self.samples = 0  # of FIFO_CTL: the watermark, or how many a trigger keeps
+        self.overrun = False
+        self.triggered = False
+        self._unread = False  # the output register, in bypass
+        self._waiting: deque[bytes] = deque()
+        self._overrun_when_filled = overrun_when_filled
+
+    @property
+    def entries(self) -> int:
+        return len(self._waiting)
+
+    @property
+    def data_ready(self) -> bool:
+        return self._unread if self.mode is Mode.BYPASS else bool(self._waiting)
+
+    @property
+    def watermark(self) -> bool:
+        """As many entries as FIFO_CTL asks for; at power-on none of none, which is why INT_SOURCE reads 0x02."""
+        return self.entries >= self.samples
+
+    @property
+    def keeps_first(self) -> bool:
+        """When it is full later samples are lost; else the oldest make room."""
+        return self.mode is Mode.FIFO or (self.mode is Mode.TRIGGER and self.triggered)
+
+    def set_up(self, mode: Mode, samples: int) -> None:
+        """FIFO_CTL was written. Bypass empties the FIFO; the other modes take over what it holds."""
+        if mode is Mode.BYPASS:
+            self._waiting.clear()
+        if mode is not self.mode:
+            self.overrun = self.triggered = self._unread = False
+        self.mode, self.samples = mode, samples
+
+    def take(self, sample: bytes) -> None:
+        """A new sample comes from the filter."""
+        if self.mode is Mode.BYPASS:
+            self.overrun |= self._unread
+            self.output, self._unread = sample, True
+            return
+        lost = len(self._waiting) == HELD
+        if not (lost and self.keeps_first):
+            self._waiting.append(sample)
+            if lost:
+                self._waiting.popleft()
+        self.overrun |= len(self._waiting) >= DEPTH if self._overrun_when_filled else lost
+
+    def trigger(self) -> None:
+        """The event that trigger mode waits for: the last `samples` stay, and what comes fills the rest."""
+        if self.mode is Mode.TRIGGER and not self.triggered:
+            self.triggered = True
+            while len(self._waiting) > self.samples:
+                self._waiting.popleft()
+
+    def latch(self) -> bytes:
+        """The sample that a burst of reads gets; it is read then, whole or not."""
+        if self._waiting:
+            self.output = self._waiting.popleft()
+        self._unread = self.overrun = False
+        return self.output

@@ -1,0 +1,81 @@
+"""Attitudes as quaternions and as roll, pitch, yaw: arrays of one go in; arrays of the other, and angles, come out.
+
+An attitude is the rotation from the body's axes (x ahead, y right, z down) to north, east, down. A quaternion is
+w, x, y, z with length 1; q and -q are the same attitude. Roll, pitch, yaw are the aerospace angles in radians: from
+north, east, down first yaw about down, then pitch, then roll, so that a vector v seen in the body is
+Rx(roll) Ry(pitch) Rz(yaw) v, as in the dissertation's section 4.1.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Floats = NDArray[np.float64]
+
+
+def quaternions(angles: ArrayLike) -> Floats:
+    """float64[n, 4] of float64[n, 3] roll, pitch, yaw."""
+    half = np.atleast_2d(np.asarray(angles, np.float64)) / 2
+    (cr, cp, cy), (sr, sp, sy) = np.cos(half).T, np.sin(half).T
+    return np.stack(
+        [
+            cr * cp * cy + sr * sp * sy,
+            sr * cp * cy - cr * sp * sy,
+            cr * sp * cy + sr * cp * sy,
+            cr * cp * sy - sr * sp * cy,
+        ],
+        axis=1,
+    )
+
+
+def angles(attitudes: ArrayLike) -> Floats:
+    """float64[n, 3] roll, pitch, yaw of float64[n, 4]. Where the nose points straight up or down roll is taken as 0."""
+    m = matrices(attitudes)
+    horizontal = np.hypot(m[:, 2, 1], m[:, 2, 2])  # cos(pitch)
+    locked = horizontal < 1e-9
+    roll = np.where(locked, 0.0, np.arctan2(m[:, 2, 1], m[:, 2, 2]))
+    yaw = np.where(locked, np.arctan2(-m[:, 0, 1], m[:, 1, 1]), np.arctan2(m[:, 1, 0], m[:, 0, 0]))
+    return np.stack([roll, np.arctan2(-m[:, 2, 0], horizontal), yaw], axis=1)
+
+
+def matrices(attitudes: ArrayLike) -> Floats:
+    """float64[n, 3, 3] of float64[n, 4]: the matrix takes a vector of the body to north, east, down."""
+    w, x, y, z = np.atleast_2d(np.asarray(attitudes, np.float64)).T
+    rows = [
+        [w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z],
+    ]
+    return np.moveaxis(np.array(rows), 2, 0)
+
+
+def quaternion_of(matrix: Floats) -> Floats:
+    """float64[4] of a rotation matrix float64[3, 3]; for one that is not quite a rotation, of the nearest one.
+
+    Source: I. Y. Bar-Itzhack, "New method for extracting the quaternion from a rotation matrix", 2000.
+    """
+    m = matrix
+    sums = np.array(
+        [
+            [m[0, 0] + m[1, 1] + m[2, 2], m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]],
+            [0, m[0, 0] - m[1, 1] - m[2, 2], m[0, 1] + m[1, 0], m[0, 2] + m[2, 0]],
+            [0, 0, m[1, 1] - m[0, 0] - m[2, 2], m[1, 2] + m[2, 1]],
+            [0, 0, 0, m[2, 2] - m[0, 0] - m[1, 1]],
+        ]
+    )
+    _, vectors = np.linalg.eigh(sums, UPLO="U")
+    return np.asarray(vectors[:, 3], np.float64)  # of the largest eigenvalue
+
+
+def angle_between(a: ArrayLike, b: ArrayLike) -> Floats:
+    """float64[n]: the angle in radians, 0 to pi, of the rotation from each attitude of `a` to that of `b`."""
+    one, other = (np.atleast_2d(np.asarray(q, np.float64)) for q in (a, b))
+    apart = np.linalg.norm(one - other, axis=1)
+    against = np.linalg.norm(one + other, axis=1)
+    return np.asarray(4 * np.arctan2(np.minimum(apart, against), np.maximum(apart, against)), np.float64)
+
+
+def wrapped(angle: ArrayLike) -> Floats:
+    """The same angle in radians, from -pi up to pi."""
+    return np.asarray(np.arctan2(np.sin(angle), np.cos(angle)), np.float64)

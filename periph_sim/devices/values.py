@@ -1,0 +1,44 @@
+"""What a chip on the bench feels: rows of a table or a rule go in, a Source (tick -> x, y, z) comes out.
+
+A Source is a plain function of time, so a chip may ask for any instant, twice or never.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from itertools import pairwise
+
+from .register_chip import Source
+
+ZERO = (Fraction(0), Fraction(0), Fraction(0))
+
+
+def held(ticks: Sequence[int], rows: Sequence[Sequence[float | Fraction]]) -> Source:
+    """Row n's x, y, z from ticks[n] on, the first row's also before: lists, or arrays int64[n] and float64[n, 3].
+
+    ValueError if the ticks do not rise.
+    """
+    if len(ticks) != len(rows) or not len(ticks):
+        raise ValueError(f"{len(ticks)} times for {len(rows)} rows; each row needs one, and there must be one at least")
+    for before, after in pairwise(ticks):
+        if after <= before:
+            raise ValueError("the times of the rows must rise from row to row")
+    return lambda tick: rows[max(bisect_right(ticks, tick) - 1, 0)]
+
+
+def numbered(first: int, period: int, values: Callable[[int], Sequence[int]]) -> Source:
+    """`values(n)` from first + n * period on, zeros before: values that change as a host's frames do."""
+
+    def at(tick: int) -> Sequence[Fraction]:
+        if tick < first:
+            return ZERO
+        return tuple(Fraction(value) for value in values((tick - first) // period))
+
+    return at
+
+
+def scaled(source: Source, lsb_per_unit: Fraction) -> Source:
+    """A source in LSB as one in the chip's physical unit, exactly."""
+    return lambda tick: tuple(Fraction(value) / lsb_per_unit for value in source(tick))

@@ -6,11 +6,13 @@ Source: GitHub's "Workflow commands for GitHub Actions": `::error file=...,line=
 
 from __future__ import annotations
 
+from ..worst.chain import Chain
+from ..worst.show import relative, text
 from .judge import CaseCheck
 
 
 def github(checks: list[CaseCheck]) -> list[str]:
-    """`::error` lines that point at the line of the budget in its case file.
+    """`::error` lines that point at the line of the budget in its case file; `::warning` at what is to blame for it.
 
     All about a budget is one of them, and all about the case as a whole: GitHub shows ten of a step.
     """
@@ -23,7 +25,20 @@ def github(checks: list[CaseCheck]) -> list[str]:
             about.setdefault((finding.line, finding.budget), []).append(finding.text)
         for (line, _), texts in about.items():
             lines.append(f"::error file={file},line={line},title={title}::{_message(chr(10).join(texts))}")
+        lines += [line for name, chain in check.causes.items() for line in _cause(name, chain, title)]
     return lines
+
+
+def _cause(budget: str, chain: Chain, title: str) -> list[str]:
+    """A `::warning` line at the place in the firmware that most of the time went into, if it is in this folder."""
+    part = chain.blamed
+    if part is None or part.place is None or part.place.file is None:
+        return []
+    file = relative(part.place.file)
+    if file.is_absolute():
+        return []
+    where = f"file={_property(file.as_posix())},line={part.place.line},title={title}"
+    return [f"::warning {where}::{_message(chr(10).join([f'{budget}: {part}', *text(chain)]))}"]
 
 
 def _message(text: str) -> str:

@@ -51,7 +51,7 @@ def _chain(records: list[Record], at: int, wanted: Wanted, margin: int) -> list[
     if wanted.measure == "response":
         starts = [r.tick for r in records if r.kind is Kind.BUS and r.what == "START" and at - margin <= r.tick <= at]
         begin = max(starts, default=at)
-    elif wanted.measure == "age":  # its instant is its end
+    elif wanted.measure in ("age", "model age"):  # their instant is their end
         begin, end, coarse = at - wanted.length, at, True
     elif wanted.measure in ("fifo high-water", "overruns"):
         begin, end, coarse = at - margin, at, True

@@ -25,7 +25,7 @@ from .compare import Change, compare, explain
 from .figures import Baseline, Figures
 from .files import path_for, read, text_of, write_all
 from .judge import CaseCheck, judge
-from .outcome import Outcome, Refused, occurrence, run_case, run_chains
+from .outcome import Outcome, Refused, occurrence, run_case, run_chains, run_explained
 from .trouble import BadCheck
 
 T = TypeVar("T")
@@ -55,22 +55,23 @@ def check(
     tolerance: int = 0,
     update: bool = False,
     changes: Sequence[str] = (),
+    keep_values: bool = False,
     told: Callable[[float], None] | None = None,
 ) -> list[CaseCheck]:
     """How each case stands. jobs: processes, as many as there are cores if None; 1 runs all in this one.
 
     tolerance: cycles by which times may differ. update: the figures become the new baselines, all or none.
-    changes: "key=value" texts applied to every case, to see what they would change. told: the part done, 0 to 1.
+    changes: "key=value" texts applied to every case, to see what they would change. keep_values: in the outcomes.
+    told: the part done, 0 to 1.
     BadCheck for cases that cannot be run and baselines that cannot be read. A script that calls this with more
     than one process needs the usual `if __name__ == "__main__":`.
     """
     files = case_files(paths)
     before = {} if update else {path: read(path_for(path)) for path in files}
-    alone = jobs == 1 or len(files) == 1
-    with _workers(None if alone else min(jobs or os.cpu_count() or 1, len(files))) as start:
+    with workers(jobs, len(files)) as start:
         outcomes: list[Outcome] = []
         refused: list[str] = []
-        for done, came in enumerate([start(run_case, path, tuple(changes)) for path in files], 1):
+        for done, came in enumerate([start(run_case, path, tuple(changes), keep_values) for path in files], 1):
             one = came()
             if isinstance(one, Refused):
                 refused.append(one.why)
@@ -81,9 +82,12 @@ def check(
         if refused:
             raise BadCheck("\n".join(refused))
         if update:
-            return _updated(outcomes, start)
+            checks = _updated(outcomes, start)
+            _find_causes(checks, start)
+            return checks
         checks = [_compared(outcome, before[outcome.path], tolerance) for outcome in outcomes]
         _explain(checks, before, start)
+        _find_causes(checks, start)
     for one_check in checks:
         one_check.findings = judge(one_check)
     return checks
@@ -117,7 +121,18 @@ def _explain(checks: list[CaseCheck], before: dict[Path, Baseline | None], start
         if baseline is not None:
             if run is not None:
                 one.outcome.figures = _with_chains(one.outcome.figures, run().of)
-            explain(one.changes, baseline, one.outcome.figures, one.outcome.first_wrong)
+            explain(one.changes, baseline, one.outcome.figures, one.outcome.result.first_wrong)
+
+
+def _find_causes(checks: list[CaseCheck], start: Start) -> None:
+    """Second runs, only of cases with budgets that broke and must not, for what led to that."""
+    runs = []
+    for one in checks:
+        outcome = one.outcome
+        broken = one.broken
+        runs.append(start(run_explained, outcome.path, outcome.changes, broken, outcome.typical) if broken else None)
+    for one, run in zip(checks, runs, strict=True):
+        one.causes = run() if run is not None else {}
 
 
 def _is_worst(change: Change, figures: Figures | None) -> bool:
@@ -154,7 +169,7 @@ def _changes_since(path: Path, outcome: Outcome) -> list[Change]:
     if baseline is None:
         return []
     changes = compare(baseline, outcome.figures)
-    explain(changes, baseline, outcome.figures, outcome.first_wrong)
+    explain(changes, baseline, outcome.figures, outcome.result.first_wrong)
     return changes
 
 
@@ -175,9 +190,12 @@ def _with_chains(figures: Baseline, chains: dict[str, list[str]]) -> Baseline:
 
 
 @contextmanager
-def _workers(jobs: int | None) -> Iterator[Start]:
-    """A way to start calls, `jobs` at a time, each in a process of its own; None: in this one."""
-    if jobs is None:
+def workers(jobs: int | None, calls: int) -> Iterator[Start]:
+    """A way to start so many calls, `jobs` at a time, each in a process of its own; as many as there are cores if None.
+
+    One job, or a single call: in this process.
+    """
+    if jobs == 1 or calls == 1:
 
         def here(work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> Callable[[], T]:
             return lambda: work(path, *rest)
@@ -185,7 +203,7 @@ def _workers(jobs: int | None) -> Iterator[Start]:
         yield here
         return
     gc.collect()  # firmware of earlier runs is stopped by the thread that ran it, not by one of these
-    with ThreadPoolExecutor(jobs) as threads:
+    with ThreadPoolExecutor(min(jobs or os.cpu_count() or 1, calls)) as threads:
 
         def there(work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> Callable[[], T]:
             return threads.submit(lambda: _apart(work, path, *rest)).result

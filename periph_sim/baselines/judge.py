@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import Literal
 
 from ..timing.budgets import Verdict
+from ..timing.shown import in_words, instant
+from ..worst.chain import Chain
 from .compare import Change
 from .outcome import Outcome
 
@@ -24,14 +26,24 @@ class Finding:
 
 @dataclass
 class CaseCheck:
-    """How a case stands. state: of its baseline. diff: what `--update-baseline` changed, as a unified diff."""
+    """How a case stands. state: of its baseline. diff: what `--update-baseline` changed, as a unified diff.
+
+    causes: of budgets that broke and must not, why the worst occurrence was as it was.
+    """
 
     outcome: Outcome
     baseline: Path
     state: State
     changes: list[Change]
     diff: str = ""
+    causes: dict[str, Chain] = field(default_factory=dict)
     findings: list[Finding] = field(default_factory=list)
+
+    @property
+    def broken(self) -> list[Verdict]:
+        """The budgets that broke and must not."""
+        outcome = self.outcome
+        return [v for v in outcome.verdicts if v.verdict == "fail" and v.name not in outcome.breaks]
 
     @property
     def passed(self) -> bool:
@@ -59,7 +71,7 @@ def judge(check: CaseCheck) -> list[Finding]:
     elif check.state == "changed":
         for change in check.changes:
             line = outcome.lines.get(change.budget or "", 0) or top
-            there = change.budget if change.budget in outcome.lines else None
+            there = change.budget if change.budget in {verdict.name for verdict in outcome.verdicts} else None
             findings.append(Finding(there, line, str(change)))
     return findings
 
@@ -67,13 +79,9 @@ def judge(check: CaseCheck) -> list[Finding]:
 def broken(verdict: Verdict) -> str:
     """What broke a budget, as a phrase."""
     if verdict.worst is None:
-        return f"nothing was measured by {verdict.measure!r}"
+        return verdict.found or f"nothing was measured by {verdict.measure!r}"
     over = "over" if verdict.worst > verdict.limit else "under"
-    at = "" if verdict.at_s is None else f", at {verdict.at_s:.6f} s"
-    return f"{_shown(verdict.worst, verdict.unit)} is {over} its limit of {_shown(verdict.limit, verdict.unit)}{at}"
-
-
-def _shown(value: float | int, unit: str) -> str:
-    if unit != "us":
-        return f"{value}" if unit == "count" else f"{value} {unit}"
-    return f"{value:.3f} us" if abs(value) < 1000 else f"{value / 1000:.3f} ms"
+    at = "" if verdict.at_s is None else f", at {instant(verdict.at_s)}"
+    told = f" ({verdict.found})" if verdict.found else ""
+    worst, limit = (in_words(value, verdict.unit) for value in (verdict.worst, verdict.limit))
+    return f"{worst} is {over} its limit of {limit}{at}{told}"

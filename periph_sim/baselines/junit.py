@@ -38,7 +38,7 @@ def _suite(root: xml.Element, check: CaseCheck) -> None:
         _test(suite, check, verdict.name, outcome.lines[verdict.name], said)
     _test(suite, check, None, outcome.name_line, {})
     _sums(suite, suite.findall("testcase"))
-    suite.set("time", f"{outcome.wall_s:.6f}")
+    suite.set("time", f"{outcome.result.wall_s:.6f}")
 
 
 def _test(suite: xml.Element, check: CaseCheck, budget: str | None, line: int, said: dict[str, str]) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ..board.result import Result
 from ..board.scene import Scene
 from ..case.load import load
 from ..case.model import BadCase, Case
@@ -15,6 +16,9 @@ from ..core.kernel import SimulationStuck
 from ..f28335.memory import NoSuchAddress
 from ..host.cpu import FirmwareError
 from ..timing.budgets import Limit, Verdict
+from ..timing.values import Values, values_of
+from ..worst.chain import Chain
+from ..worst.explain import explain
 from .chain import Wanted, chains
 from .figures import Baseline, Figures
 from .trouble import BadCheck
@@ -24,23 +28,28 @@ REFUSED = (BadCase, SimulationStuck, NoSuchAddress, FirmwareError)
 
 @dataclass
 class Outcome:
-    """What a run of a case file came to. lines: where things stand in the file; 0 if nobody knows.
+    """What a run of a case file came to. lines: where budgets and their joined conditions stand in the file; 0 if
+    nobody knows.
 
-    changes: the "key=value" texts applied to the case.
-    trouble: sentences about firmware that waits for ever. first_wrong: the first wrong read, if any.
+    changes: the "key=value" texts applied to the case. typical: what its budgets measured furthest from their limits.
+    trouble: sentences about firmware that waits for ever. values: of each budget, where any were kept.
     """
 
     path: Path
     figures: Baseline
-    verdicts: list[Verdict]
     breaks: tuple[str, ...]
     trouble: list[str]
-    first_wrong: str
-    wall_s: float
     lines: dict[str, int]
     breaks_line: int
     name_line: int
     changes: tuple[str, ...]
+    result: Result
+    values: list[Values | None]
+    typical: list[Verdict]
+
+    @property
+    def verdicts(self) -> list[Verdict]:
+        return self.result.budgets
 
     @property
     def broken(self) -> list[str]:
@@ -63,10 +72,10 @@ class Chains:
     of: dict[str, list[str]] = field(default_factory=dict)
 
 
-def run_case(path: Path, changes: tuple[str, ...] = ()) -> Outcome | Refused:
+def run_case(path: Path, changes: tuple[str, ...] = (), keep_values: bool = False) -> Outcome | Refused:
     """Run a case for its own duration."""
     try:
-        return _outcome(path, load(path, list(changes)), changes)
+        return _outcome(path, load(path, list(changes)), changes, keep_values)
     except REFUSED as error:
         return Refused(path, str(error))
 
@@ -79,14 +88,18 @@ def run_chains(path: Path, changes: tuple[str, ...], wanted: dict[str, Wanted]) 
         raise BadCheck(f"{path}: it ran, but not a second time: {error}") from None
 
 
-def _outcome(path: Path, case: Case, changes: tuple[str, ...]) -> Outcome:
-    seen: set[str] = set()
-    for entry, budget in enumerate(case.budget):
-        if budget.name in seen:
-            what = f"there are two budgets {budget.name!r}; a baseline knows them by name, so give one another name"
-            raise case.mistake(what, "budget", entry, "name")
-        seen.add(budget.name)
-    scene = Scene(case)
+def run_explained(
+    path: Path, changes: tuple[str, ...], verdicts: list[Verdict], typical: list[Verdict]
+) -> dict[str, Chain]:
+    """Run a case once more, as far as needed, for why these worst occurrences were as they were; by budget."""
+    try:
+        return {name: one.chain for name, one in explain(load(path, list(changes)), verdicts, typical).items()}
+    except REFUSED as error:
+        raise BadCheck(f"{path}: it ran, but not a second time: {error}") from None
+
+
+def _outcome(path: Path, case: Case, changes: tuple[str, ...], keep_values: bool) -> Outcome:
+    scene = Scene(case, keep_values=keep_values)
     result = scene.run()
     trouble = scene.deadlocks()
     if scene.hangs() and not trouble:
@@ -99,26 +112,30 @@ def _outcome(path: Path, case: Case, changes: tuple[str, ...]) -> Outcome:
         ticks_per_cycle=scene.timebase.per_second // clocks[0] if clocks else 1,
         events=result.events,
         counts={**result.counts, "I2C bytes": result.wire_bytes, "SCI bytes": result.sci_bytes},
-        budgets={limit.budget.name: _figures(limit, scene.start) for limit in scene.limits},
+        budgets={part.budget.name: _figures(part, scene.start) for limit in scene.limits for part in limit.parts},
     )
     return Outcome(
         path=path,
         figures=figures,
-        verdicts=result.budgets,
         breaks=case.breaks,
         trouble=trouble,
-        first_wrong=result.first_wrong,
-        wall_s=result.wall_s,
-        lines={budget.name: case.line("budget", entry) for entry, budget in enumerate(case.budget)},
+        lines={
+            part.budget.name: case.line("budget", entry)
+            for entry, limit in enumerate(scene.limits)
+            for part in limit.parts
+        },
         breaks_line=case.line("breaks"),
         name_line=case.line("name"),
         changes=changes,
+        result=result,
+        values=values_of(scene.limits, scene.start),
+        typical=scene.typical(),
     )
 
 
 def _figures(limit: Limit, start: int) -> Figures:
-    measure, verdict = limit.measure, limit.verdict(start)
-    silent = verdict.worst is None
+    measure = limit.measure
+    silent = measure.silent
 
     def when(at: int) -> int | None:
         return None if silent or at < 0 else at - start

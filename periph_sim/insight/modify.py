@@ -21,6 +21,8 @@ class Lost:
 
     rose: between read and write. lost_between: of these, cleared by that write. along: set when it was read, and
     cleared by the write though another flag was meant. unseen: of these, never read by the firmware since they rose.
+    lost: the ticks at which it was gone without having been seen, in order. cleared: those at which it was cleared
+    unmeant, seen or not.
     """
 
     flag: str
@@ -29,6 +31,8 @@ class Lost:
     along: int
     unseen: int
     first: int | None
+    lost: tuple[int, ...]
+    cleared: tuple[int, ...]
 
 
 @dataclass(frozen=True)
@@ -110,11 +114,15 @@ def _lost(run: Run, group: Group, f: Field, reads: Rows, writes: Rows, plain: Ro
     last_rise = np.append(rises, -1)[place]
     last_read = np.append(plain, -1)[np.searchsorted(plain, reads) - 1]
     at = writes[(rose & cleared) | along]
+    unseen = along & (last_read < last_rise)
+    lost = writes[(rose & cleared) | unseen]
     return Lost(
         f.name,
         int(rose.sum()),
         int((rose & cleared).sum()),
         int(along.sum()),
-        int((along & (last_read < last_rise)).sum()),
+        int(unseen.sum()),
         int(table.tick[at[0]]) if len(at) else None,
+        tuple(table.tick[lost].tolist()),
+        tuple(table.tick[at].tolist()),
     )

@@ -6,7 +6,9 @@ read-modify-writes    --> flags that rose in between, flags cleared unmeant
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -81,8 +83,7 @@ def races(run: Run, register: str | None = None) -> Races:
 
     NotInRun where the firmware never accessed such a register, or there is none.
     """
-    groups = [(group, None) for group in run.accesses if is_status(group.register)]
-    chosen: list[tuple[Group, Field | None]] = list(groups) if register is None else _named(run, register)
+    chosen = _chosen(run, register)
     places = [place for group, f in chosen if group.way == "R" for place in _places(run, group, f)]
     found = [modify for group, _ in chosen for modify in modifies(run, group)]
     places.sort(key=lambda place: (NEVER if place.closest is None else place.closest, place.register, place.place))
@@ -109,17 +110,45 @@ def _folded(name: str) -> str:
     return name.casefold().replace("-", "")
 
 
+def distances(run: Run, register: str | None = None) -> tuple[Rows, Rows, int]:
+    """(cycles, ticks, unplaced): of each read and each poll put back that has a change to be compared with, how many
+    cycles lie between the two, and when it was, in the order of time; and the skipped waits with a change whose polls
+    could not be put back. NotInRun as for `races`."""
+    unplaced = 0
+    cycles, ticks = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)]
+    for group, f in _chosen(run, register):
+        if group.way == "R":
+            changes = _changes(run, group, f)
+            for _, reads, waits in _reads_by_place(run, group):
+                beside = _beside(run, reads, changes, waits)
+                unplaced += beside.unplaced
+                compared = beside.nearest < NEVER
+                cycles.append(_cycles(run, beside.nearest[compared]))
+                ticks.append(beside.ticks[compared])
+    when = np.concatenate(ticks)
+    order = np.argsort(when, kind="stable")
+    return np.concatenate(cycles)[order], when[order], unplaced
+
+
+def _chosen(run: Run, register: str | None) -> list[tuple[Group, Field | None]]:
+    if register is not None:
+        return _named(run, register)
+    return [(group, None) for group in run.accesses if is_status(group.register)]
+
+
 def _places(run: Run, group: Group, f: Field | None) -> list[PlaceRaces]:
     changes = _changes(run, group, f)
+    return [_judged(run, group, place, reads, changes, waits) for place, reads, waits in _reads_by_place(run, group)]
+
+
+def _reads_by_place(run: Run, group: Group) -> Iterator[tuple[str, Rows, NDBool]]:
+    """Each place with its reads, and whether the routine's next access is the next one of them."""
     rows, following = run.in_order(group.unit)
     order = np.argsort(rows)
     next_of = following[order][np.searchsorted(rows[order], group.rows)]
-    found = []
     for place, reads in run.by_place(group.rows):
         nexts = next_of[np.searchsorted(group.rows, reads)]
-        waits = np.append(reads[1:] == nexts[:-1], False)
-        found.append(_judged(run, group, place, reads, changes, waits))
-    return found
+        yield place, reads, np.append(reads[1:] == nexts[:-1], False)
 
 
 def _changes(run: Run, group: Group, f: Field | None) -> Rows:
@@ -138,7 +167,20 @@ def _fields(register: Register, f: Field | None) -> tuple[Field, ...]:
     return register.fields if f is None else (f,)
 
 
-def _judged(run: Run, group: Group, place: str, reads: Rows, changes: Rows, waits: NDBool) -> PlaceRaces:
+class _Beside(NamedTuple):
+    """Ticks from reads to the changes beside them. ticks, nearest: of all of them, recorded reads first."""
+
+    before_ticks: Rows
+    before: Rows
+    after_ticks: Rows
+    after: Rows
+    ticks: Rows
+    nearest: Rows
+    polls: int
+    unplaced: int
+
+
+def _beside(run: Run, reads: Rows, changes: Rows, waits: NDBool) -> _Beside:
     tick = run.table.tick
     polls = skipped_polls(run, reads, waits, changes)
     at = np.searchsorted(changes, reads)
@@ -146,24 +188,41 @@ def _judged(run: Run, group: Group, place: str, reads: Rows, changes: Rows, wait
     to_next = np.where(at < len(changes), ends[at] - tick[reads], NEVER)
     since = np.where(at > 0, tick[reads] - np.append(tick[changes], 0)[at - 1], NEVER)
     missed, saw = polls.before >= 0, polls.after >= 0
-    before_ticks = np.concatenate([tick[reads], polls.before[missed]])
-    before = np.concatenate([to_next, (polls.changes - polls.before)[missed]])
-    after_ticks = np.concatenate([tick[reads], polls.after[saw]])
-    after = np.concatenate([since, (polls.after - polls.changes)[saw]])
-    nearest = np.concatenate([np.minimum(to_next, since), before[len(reads) :], after[len(reads) :]])
-    cycles = (nearest[nearest < NEVER] / float(run.cycles.ticks) + 0.5).astype(np.int64)
+    missed_at, saw_at = polls.before[missed], polls.after[saw]
+    to_missed, since_seen = (polls.changes - polls.before)[missed], (polls.after - polls.changes)[saw]
+    return _Beside(
+        np.concatenate([tick[reads], missed_at]),
+        np.concatenate([to_next, to_missed]),
+        np.concatenate([tick[reads], saw_at]),
+        np.concatenate([since, since_seen]),
+        np.concatenate([tick[reads], missed_at, saw_at]),
+        np.concatenate([np.minimum(to_next, since), to_missed, since_seen]),
+        len(missed_at) + len(saw_at),
+        polls.unplaced,
+    )
+
+
+def _cycles(run: Run, ticks: Rows) -> Rows:
+    """Whole cycles, rounded to nearest."""
+    cycles: Rows = (ticks / float(run.cycles.ticks) + 0.5).astype(np.int64)
+    return cycles
+
+
+def _judged(run: Run, group: Group, place: str, reads: Rows, changes: Rows, waits: NDBool) -> PlaceRaces:
+    beside = _beside(run, reads, changes, waits)
+    cycles = _cycles(run, beside.nearest[beside.nearest < NEVER])
     decades = np.minimum(np.searchsorted(10 ** np.arange(DECADES - 1), cycles, "right"), DECADES - 1)
     return PlaceRaces(
         group.unit,
         f"{group.module}.{group.register.name}",
         place,
         len(reads),
-        int(missed.sum() + saw.sum()),
-        polls.unplaced,
-        _closest(run, changes, before_ticks, before, 1),
-        _closest(run, changes, after_ticks, after, -1),
+        beside.polls,
+        beside.unplaced,
+        _closest(run, changes, beside.before_ticks, beside.before, 1),
+        _closest(run, changes, beside.after_ticks, beside.after, -1),
         tuple(np.bincount(decades, minlength=DECADES).tolist()),
-        int((nearest == NEVER).sum()),
+        int((beside.nearest == NEVER).sum()),
     )
 
 

@@ -4,7 +4,7 @@
                                     |  (through pytest-xdist, too)
                                     '--table--> the terminal summary
 
-Nothing but the standard library is imported: the process that shows the table need not be the one that ran the cases.
+What runs cases is not imported: the process that shows the table need not be the one that ran them.
 """
 
 from __future__ import annotations
@@ -28,9 +28,7 @@ def properties(case: str, verdict: Verdict) -> list[Property]:
     tail = "_us" if verdict.unit == "us" else ""
     figures: dict[str, object] = {FIRST: verdict.verdict, "unit": verdict.unit}
     figures |= {f"{name}{tail}": _plain(getattr(verdict, name)) for name in VALUES}
-    which = getattr(verdict, "which", "")  # which of a budget's limits it is
-    figures |= {"which": which} if which else {}
-    figures |= {"count": verdict.count, "at_s": _plain(verdict.at_s)}
+    figures |= {"which": verdict.which, "count": verdict.count, "at_s": _plain(verdict.at_s)}
     return [(f"{HEAD}{case}/{verdict.name}/{name}", value) for name, value in figures.items()]
 
 
@@ -88,39 +86,21 @@ def table(reports: Iterable[Any]) -> list[tuple[str, bool]]:
     budgets = judged(reports)
     if not budgets:
         return []
+    from ..timing.shown import figure, instant, limit
+
     rows: list[tuple[str, ...]] = [("case/budget", "worst", "limit", "margin", "when", "", "judged by")]
     for one in budgets:
         unit = one.figures.get("unit", "")
-        worst, limit, margin = (figure(one.value(name), unit) for name in VALUES)
-        numbers = (worst, limit_text(limit, one.figures.get("which", "")), margin)
+        worst, margin = (figure(one.value(name), unit) for name in ("worst", "margin"))
+        numbers = (worst, limit(one.value("limit"), unit, one.figures.get("which", "")), margin)
         by = "" if ".toml::" in one.test else one.test
-        rows.append((one.label, *numbers, moment(one.value("at_s")), one.verdict, by))
+        rows.append((one.label, *numbers, instant(one.value("at_s")), one.verdict, by))
     if not any(row[-1] for row in rows[1:]):
         rows = [(*row[:-1], "") for row in rows]
     lines = aligned(rows, left=(0, 5, 6))
     return [(lines[0], True)] + [
         (line, one.figures[FIRST] == "pass" or one.expected) for line, one in zip(lines[1:], budgets, strict=True)
     ]
-
-
-def figure(value: float | int | None, unit: str) -> str:
-    """A value as people read it; - where there is none."""
-    if value is None:
-        return "-"
-    if unit != "us":
-        return f"{value:.2f} %" if unit == "%" else f"{value}"
-    return f"{value:.3f} us" if abs(value) < 1000 else f"{value / 1000:.3f} ms"
-
-
-def limit_text(limit: str, which: str) -> str:
-    """A limit that is neither the most nor the least says what it is."""
-    if which in ("", "max", "min"):
-        return limit
-    return f"= {limit}" if which == "exactly" else f"{which.replace('_', '.')} {limit}"
-
-
-def moment(at_s: float | None) -> str:
-    return "-" if at_s is None else f"{at_s:.6f} s"
 
 
 def aligned(rows: Sequence[Sequence[str]], left: Sequence[int]) -> list[str]:

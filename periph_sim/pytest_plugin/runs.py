@@ -23,6 +23,9 @@ from ..formats.record_table import Columns, RecordTable
 from ..lines.i2c_controller import Transfer
 from ..replay.wire_log import WireLog
 from ..timing.budgets import Verdict
+from ..worst.chain import Chain
+from ..worst.explain import chain_of, explain
+from ..worst.window import Window, windows_of_edges, windows_of_table
 
 Told = Callable[["Run", Sequence[Verdict]], None]
 
@@ -81,6 +84,7 @@ class Run:
     hangs: tuple[str, ...]  # what is stuck for good, a sentence each
     _transfers: list[Transfer]
     _edges: Capture | None
+    _typical: list[Verdict]
     _told: Told
 
     def __repr__(self) -> str:
@@ -103,7 +107,10 @@ class Run:
         Not so where they were kept: with `record=True`, and where the firmware is a function of the test's.
         """
         if self._edges is None:
-            self._edges = self.edges_until(self.end)
+            scene = self.plan.scene()
+            log = WireLog(*scene.wires.values())
+            scene.kernel.run_until(self.end)
+            self._edges = _named(log.capture(scene.timebase, self.end), self.result.case)
         return self._edges
 
     @property
@@ -111,14 +118,20 @@ class Run:
         """The tick at which it was over."""
         return self.start + self.timebase.ticks(self.plan.length, "nearest")
 
-    def edges_until(self, tick: int) -> Capture:
-        """As `edges`, up to a tick at least; a run is repeated no further than that. tick: up to `end`."""
-        if self._edges is not None:
-            return self._edges
-        scene = self.plan.scene()
-        log = WireLog(*scene.wires.values())
-        scene.kernel.run_until(tick)
-        return _named(log.capture(scene.timebase, tick), self.result.case)
+    def explained(self, verdicts: Sequence[Verdict]) -> list[tuple[Window, Chain | None]]:
+        """The surroundings of each worst occurrence, and why it was so; of verdicts that have an instant.
+
+        The case is run once more for them. A function of the test's is not: its records tell, if they were kept; else
+        its wires are all there is, and no Chain.
+        """
+        case = self.plan.case
+        if not self.plan.programs:
+            found = explain(case, verdicts, self._typical, self.plan.length)
+            return [(found[verdict.name].window, found[verdict.name].chain) for verdict in verdicts]
+        if self.records is not None:
+            seen = windows_of_table(case.name, self.records, verdicts, self.start)
+            return [(window, chain_of(case, window)) for window in seen]
+        return [(window, None) for window in windows_of_edges(self.edges(), self.timebase, verdicts, self.start)]
 
     def assert_budgets(self, *names: str) -> None:
         """Nothing if all these budgets hold; else AssertionError with a table and a diagram of each broken one.
@@ -186,6 +199,7 @@ def run_plan(plan: Plan, told: Told, *, keep_edges: bool = False, record: bool =
         hangs=(*scene.deadlocks(), *(scene.stuck_lines[-1:] if scene.hangs() else ())),
         _transfers=transfers,
         _edges=None if log is None else _named(log.capture(scene.timebase, now), result.case),
+        _typical=scene.typical(),
         _told=told,
     )
 

@@ -2,32 +2,41 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from ..case.model import Budget
 from ..case.settings import duration
 from ..core.nearest import near
 from ..core.time import NO_TIME, Timebase
-from .event_measures import MILLIONTHS, EventCount, make_of_events
+from .event_measures import EventCount, make_of_events
+from .joined import join
 from .language import is_form, near_form
-from .measures import MEASURES, SPAN, Measure, make
+from .measures import MEASURES, MILLIONTHS, SPAN, Measure, make
 from .names import BadEvent, Scope
 
 PER_MILLE = {"p50": 500, "p95": 950, "p99": 990, "p99_9": 999}
 
 
 class BadBudget(ValueError):
-    """A budget that names no measure, or whose limits do not fit it or each other; one sentence. key: the wrong one."""
+    """A budget that names no measure, or whose limits do not fit it or each other; one sentence.
 
-    def __init__(self, what: str, key: str) -> None:
+    place: the wrong key, from the budget's table down.
+    """
+
+    def __init__(self, what: str, *place: str | int) -> None:
         super().__init__(what)
-        self.key = key
+        self.place = place
+
+    @property
+    def key(self) -> str | int:
+        """The wrong key alone."""
+        return self.place[-1]
 
 
 @dataclass
 class Verdict:
-    """worst, limit, margin: microseconds for times, percent for parts of the time, else plain counts.
+    """worst, limit, margin: microseconds for times, percent for parts of the time, LSB of values, else plain counts.
 
     Of several limits the nearest one. at_s: when the worst was, from the start on. which: the limit's key; for a
     percentile `worst` is the value at it. found: what there is to say beyond figures, such as that nothing matched.
@@ -59,17 +68,49 @@ class _Seen:
 
 
 class Limit:
-    """One budget with its measure; `verdict` after the run. scope: what a measure of events may name."""
+    """One budget with its measure; `verdict` after the run. scope: what a measure of events may name.
 
-    def __init__(self, budget: Budget, timebase: Timebase, scope: Scope | None = None) -> None:
+    start: the tick at which the run begins. parts: this one, and one for each condition that is joined to it.
+    """
+
+    def __init__(self, budget: Budget, timebase: Timebase, scope: Scope | None = None, start: int = 0) -> None:
         self.budget = budget
         self.measure = _measure(budget.measure, scope or Scope())
         self._timebase = timebase
         self._found = ""
         self._limits = {key: self._limit(key, given) for key, given in budget.limits().items()}
         self._check()
+        if budget.after is not None:
+            if not self.measure.series:
+                raise BadBudget(f"{budget.measure!r} is one number a run, so none of it can be left out", "after")
+            self.measure.not_before = start + timebase.ticks(budget.after, "nearest")
         if PER_MILLE.keys() & self._limits.keys():
             self.measure.keep()
+        self.parts = [self, *(self._joined(i, timebase, scope, start) for i in range(len(budget.also)))]
+        if len(self.parts) > 1:
+            for part in self.parts:
+                part.measure.keep()
+
+    def _joined(self, entry: int, timebase: Timebase, scope: Scope | None, start: int) -> Limit:
+        """A condition as a budget of its own."""
+        given = self.budget.also[entry]
+        try:
+            name = f"{self.budget.name} and {given.measure}"
+            table = {"name": name, "measure": given.measure, **given.limits()}
+            part = Limit(Budget.model_validate(table), timebase, scope, start)
+        except BadBudget as error:
+            raise BadBudget(str(error), "and", entry, *error.place) from None
+        for each in (self, part):
+            if not each.measure.occurrence or each.measure.occurrence != self.measure.occurrence:
+                what = f"{each.budget.measure!r} is not measured read by read, so nothing can be joined to it; "
+                joinable = "age, model age, stretch and value error are"
+                raise BadBudget(f"{what}{joinable}", *(("measure",) if each is self else ("and", entry, "measure")))
+        return part
+
+    @property
+    def limits(self) -> dict[str, int]:
+        """The limits by their keys, in ticks, millionths or counts."""
+        return dict(self._limits)
 
     def _limit(self, which: str, given: str | int) -> int:
         """The limit in ticks, millionths or counts."""
@@ -81,6 +122,8 @@ class Limit:
                 raise BadBudget(str(error), which) from None
         if unit == "%":
             return self._part(which, given)
+        if unit == "LSB":
+            return self._steps(which, given)
         if isinstance(given, str):
             counted = "a number" if unit in ("count", "value") else f"a number of {unit}"
             raise BadBudget(f"{given!r}, but {self.budget.measure!r} is {counted}; write a whole number", which)
@@ -98,6 +141,17 @@ class Limit:
                 f"{given!r}, but {self.budget.measure!r} is a part of the time; write for instance '40 %'", which
             )
         return round(part * MILLIONTHS / 100)
+
+    def _steps(self, which: str, given: str | int) -> int:
+        """2 or "2.5 LSB" in millionths."""
+        text = str(given)
+        try:
+            steps = Fraction(text.removesuffix("LSB").strip())
+        except (ValueError, ZeroDivisionError):
+            steps = Fraction(-1)
+        if steps < 0 or (isinstance(given, str) and not text.endswith("LSB")):
+            raise BadBudget(f"{given!r}, but {self.budget.measure!r} is in LSB; write for instance '2.5 LSB'", which)
+        return round(steps * MILLIONTHS)
 
     def _check(self) -> None:
         """Refuse limits that no run can keep, or of which one says all that another says."""
@@ -132,15 +186,38 @@ class Limit:
 
     def finish(self, now: int) -> None:
         """The run is over: what still waits, and has waited longer than it may, breaks the budget now."""
-        self.measure.finish(now)
+        for part in self.parts:
+            part.measure.finish(now)
         since, said = self.measure.waits()
         most = [limit for key, limit in self._limits.items() if key in ("max", "exactly")]
         if since != NO_TIME and most and now - since > most[0]:
             self._found = said
             self.measure.take(now - since, since)
+        if len(self.parts) > 1:
+            lacking = join([part.measure for part in self.parts])
+            for part, lacks in zip(self.parts, lacking, strict=True):
+                if lacks:
+                    what = f"{self.measure.count} values of {self.budget.measure!r}"
+                    part._found = f"{part.budget.measure!r} has no value for {lacks} of {what}"
 
     def verdict(self, start: int = 0) -> Verdict:
-        """What a run that began at `start` showed. What was never measured is a failure, never a silent pass."""
+        """What a run that began at `start` showed. What was never measured is a failure, never a silent pass.
+
+        Of joined conditions that which is broken, the first one else; all of them in words.
+        """
+        verdicts = [part._alone(start) for part in self.parts]
+        shown = verdicts[self.parts.index(self.shown)]
+        if len(verdicts) == 1:
+            return shown
+        told = [verdict.found or part._in_words(verdict) for part, verdict in zip(self.parts, verdicts, strict=True)]
+        return replace(shown, name=self.budget.name, why=self.budget.why, found="; ".join(told))
+
+    @property
+    def shown(self) -> Limit:
+        """The condition that the verdict shows: the first one that is broken, this one if none is."""
+        return next((part for part in self.parts if part._alone(0).verdict == "fail"), self)
+
+    def _alone(self, start: int) -> Verdict:
         measure = self.measure
         silent = measure.silent
         if silent:
@@ -159,8 +236,26 @@ class Limit:
             at_s=None if silent or nearest.at < 0 else float(self._timebase.seconds(nearest.at - start)),
             why=self.budget.why,
             which=nearest.which,
-            found=measure.missing() if silent else self._found,
+            found=self._found or (measure.missing() if silent else ""),
         )
+
+    def typical(self, start: int = 0) -> Verdict | None:
+        """The other end of what was measured: the value furthest from the limit. None where there was one value."""
+        part = self.shown
+        measure, worst = part.measure, self.verdict(start)
+        low = worst.which == "min"
+        value, at = (measure.worst, measure.worst_at) if low else (measure.least, measure.least_at)
+        if worst.worst is None or not measure.series or measure.count < 2 or at < 0:
+            return None
+        return replace(worst, worst=part._show(value), at_s=float(self._timebase.seconds(at - start)), margin=None)
+
+    def _in_words(self, verdict: Verdict) -> str:
+        """ "age 22.153 ms at 0.025195 s (max 25 ms)"."""
+        value = f"{verdict.worst} {verdict.unit}"
+        if verdict.unit == "us" and verdict.worst is not None:
+            value = self._timebase.show(round(verdict.worst * self._timebase.per_second / 1_000_000))
+        at = "" if verdict.at_s is None else f" at {verdict.at_s:.6f} s"
+        return f"{self.budget.measure} {value}{at} ({verdict.which} {self.budget.limits()[verdict.which]})"
 
     def _beside(self, which: str, limit: int) -> _Seen:
         measure = self.measure
@@ -179,6 +274,8 @@ class Limit:
     def _show(self, value: int) -> float | int:
         if self.measure.unit == "%":
             return float(Fraction(value * 100, MILLIONTHS))
+        if self.measure.unit == "LSB":
+            return float(Fraction(value, MILLIONTHS))
         if self.measure.unit != "time":
             return value
         return float(round(Fraction(value * 1_000_000, self._timebase.per_second), 4))

@@ -8,64 +8,20 @@ Each class says what it measures. Of two events at one time the one recorded fir
 from __future__ import annotations
 
 from array import array
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
-from ..core.nearest import near
 from ..core.records import Kind, Record, Subjects
 from ..core.time import NO_TIME
 from ..devices.sensor_head import Round
 from ..f28335.pie_map import LINES
-from .events import Matcher, matcher, start_of_transfer
-from .language import Event, Said, measure_of, name_text
-from .measures import Counter, Happenings, Measure
+from .events import Event, Matcher, matcher, start_of_transfer
+from .language import Said, measure_of, name_text
+from .measures import MILLIONTHS, Counter, Happenings, Measure
 from .names import BadEvent, Scope
-
-MILLIONTHS = 1_000_000  # a load of 1 is this much
-
-
-class OfEvents(Measure):
-    """What measures of events have in common: they know how often each of their events happened."""
-
-    def __init__(self, *matchers: Matcher) -> None:
-        super().__init__()
-        self.kinds = frozenset(m.kind for m in matchers)
-        self.matchers = matchers
-        self.seen = [0] * len(matchers)
-        self.spans: set[str] | None = set() if any(m.free for m in matchers) else None  # names that there were
-
-    @property
-    def only(self) -> Subjects:
-        return _subjects(self.matchers)
-
-    def hear(self, record: Record) -> None:
-        """Remember what spans there are: their names are free text, so only the run can tell the right one."""
-        if self.spans is not None and record.kind is Kind.SPAN:
-            self.spans.add(record.what)
-
-    def missing(self) -> str:
-        return self.unmatched([m for m, seen in zip(self.matchers, self.seen, strict=True) if not seen])
-
-    def unmatched(self, never: list[Matcher]) -> str:
-        if never:
-            hints = [_span_hint(m, self.spans) for m in never if m.free and self.spans is not None]
-            return "; ".join([f"no event matched {' and '.join(repr(m.text) for m in never)}", *hints[:1]])
-        return f"{self.matchers[0].text!r} was seen {self.seen[0]} times, which makes no measurement"
-
-
-def _subjects(matchers: Sequence[Matcher]) -> dict[Kind, frozenset[str]]:
-    """What the matchers need records of, by kind; without the kinds of which one of them needs all."""
-    needed: dict[Kind, frozenset[str]] = {}
-    for m in matchers:
-        needed[m.kind] = needed.get(m.kind, frozenset()) | m.subjects
-    everything = {m.kind for m in matchers if not m.subjects}
-    return {kind: subjects for kind, subjects in needed.items() if kind not in everything}
-
-
-def _span_hint(event: Matcher, spans: set[str]) -> str:
-    if not spans:
-        return "the run had no span"
-    hint = near(event.what, sorted(spans))
-    return f"the run had spans {hint.removeprefix('it has ')}" if hint.startswith("it has ") else hint
+from .of_events import OfEvents, span_hint, subjects_of
+from .race_measures import ClearedAlong, LostFlags, Race, clearing, losing, raced
+from .states import EachTimeIn, State, TimeIn
+from .value_measures import ValueDeviation
 
 
 class Between(OfEvents):
@@ -89,6 +45,7 @@ class Between(OfEvents):
     def listen(self, scene: Happenings) -> None:
         if self._rule == "same round":
             self._per_group = scene.transfers_in_round()
+            self._starts = -scene.startup_transfers()
 
     def in_groups_of(self, transfers: int) -> None:
         """How many transfers a round has, where no scene says it."""
@@ -108,7 +65,7 @@ class Between(OfEvents):
                 del self._waiting[:]
         if self._begin.fits(record):
             self.seen[0] += 1
-            if self._start is None or self._starts:
+            if self._start is None or self._starts > 0:
                 self._waiting.append(record.tick)
 
     def waits(self) -> tuple[int, str]:
@@ -172,8 +129,8 @@ class EventCount(Counter):
         self._spans: set[str] = set()
 
     @property
-    def only(self) -> Subjects:
-        return _subjects([self.event])
+    def subjects(self) -> Subjects:
+        return subjects_of([self.event])
 
     def record(self, record: Record) -> None:
         if self.event.fits(record):
@@ -186,7 +143,7 @@ class EventCount(Counter):
         return self.event.free and not self.count
 
     def missing(self) -> str:
-        return f"no event matched {self.event.text!r}; {_span_hint(self.event, self._spans)}"
+        return f"no event matched {self.event.text!r}; {span_hint(self.event, self._spans)}"
 
 
 class Level(OfEvents):
@@ -202,40 +159,6 @@ class Level(OfEvents):
         if self._change.fits(record):
             self.seen[0] += 1
             self.take(record.value, record.tick)
-
-
-class TimeIn(OfEvents):
-    """Sum of all times between a span's begin and its end, service routines in between included."""
-
-    series = False
-
-    def __init__(self, begin: Matcher, end: Matcher) -> None:
-        super().__init__(begin, end)
-        self._begin, self._end = begin, end
-        self._since = NO_TIME
-
-    def record(self, record: Record) -> None:
-        self.hear(record)
-        if self._begin.fits(record):
-            self.seen[0] += 1
-            self._since = record.tick
-            if not self.count:
-                self.worst_at = self.least_at = record.tick
-            self.count += 1
-        elif self._since != NO_TIME and self._end.fits(record):
-            self.seen[1] += 1
-            self._over(record.tick)
-
-    def _over(self, now: int) -> None:
-        self.worst = self.least = self.worst + now - self._since
-        self._since = NO_TIME
-
-    def finish(self, now: int) -> None:
-        if self._since != NO_TIME:
-            self._over(now)
-
-    def missing(self) -> str:
-        return self.unmatched([self._begin])
 
 
 class Load(Measure):
@@ -365,10 +288,10 @@ def _latency(said: Said, scope: Scope) -> Measure:
     return Between(matcher(begin, scope), matcher(end, scope), "next", None)
 
 
-def _time_in(said: Said, scope: Scope) -> Measure:
-    text = f"span {name_text(said.unit, said.name)}"
-    begin, end = (matcher(Event("span", f"{text} {how}", said.unit, said.name, how), scope) for how in ("begin", "end"))
-    return TimeIn(begin, end)
+def _state(said: Said, scope: Scope) -> State:
+    assert said.state is not None
+    enters, leaves = ([matcher(e, scope) for e in events] for events in (said.state.enters, said.state.leaves))
+    return State(said.state.text, tuple(enters), tuple(leaves))
 
 
 _MADE: dict[str, Callable[[Said, Scope], Measure]] = {
@@ -378,8 +301,13 @@ _MADE: dict[str, Callable[[Said, Scope], Measure]] = {
     "count": lambda said, scope: EventCount(matcher(said.events[0], scope)),
     "level": _level,
     "interrupt": _latency,
-    "time": _time_in,
+    "time": lambda said, scope: TimeIn(_state(said, scope)),
+    "each": lambda said, scope: EachTimeIn(_state(said, scope)),
     "cpu": lambda said, scope: CpuLoad(scope.unit(said.unit)),
     "bus": lambda said, scope: BusLoad(),
     "slack": lambda said, scope: Slack(),
+    "race": lambda said, scope: Race(raced(said.unit, said.name, scope)),
+    "cleared": lambda said, scope: ClearedAlong(clearing(said.unit, said.name, scope)),
+    "value": lambda said, scope: ValueDeviation(said.name, said.rule == "frame"),
+    "lost": lambda said, scope: LostFlags(losing(said.unit, said.name, scope)),
 }

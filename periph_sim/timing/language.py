@@ -6,34 +6,34 @@
             | ( "period" | "jitter" | "count" ) "of" event
             | "level" "of" field
             | "interrupt" "latency" vector
-            | "time" "in" span
+            | [ "each" ] "time" "in" state
             | "cpu" "load" [ "of" unit ]
             | "bus" "load"
             | "slack"
+            | "race" ( field | register )
+            | "lost" "flags" [ register ]
+            | "cleared" "along" field
+            | "value" "error" [ "of" chip ] [ "at" ( "first" "bit" | "frame" ) ]
+    state   = span | "flag" field "=" number | "wire" wire ( "high" | "low" )
+            | "bus" ( "busy" | "free" ) | "interrupt" vector
     rule    = "next" | "same" "transfer" | "same" "round"
-    event   = "edge" wire ( "rise" | "fall" | "change" )
-            | "flag" field ( "rise" | "fall" | "change" | "=" number )
-            | "access" ( "R" | "W" ) register
-            | "interrupt" vector ( "enter" | "leave" )
-            | "span" span ( "begin" | "end" )
-            | "bus" ( "START" | "repeated" "START" | "STOP" | "arbitration" "lost" | "stuck"
-                    | "address" [ number ] [ "read" | "write" ] | "byte" [ number ] )
-            | "frame" [ number ]
-            | "note" ( "duty" | "lost" | "unknown" )
-    field, register, vector, span, note's code: [ unit ":" ] name; a name with blanks stands in quotes
+    event   = see `events`
+    field, register, vector, span: [ unit ":" ] name; a name with blanks stands in quotes
 
-Words stand apart by blanks; a span's name may have several words before "begin" or "end".
+Words stand apart by blanks; a span's name may have several words before "begin" or "end", and stands in quotes
+where its first word is one that begins another state.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from difflib import get_close_matches
 
-from ..core.nearest import near
+from ..devices.sensor_head import CHIPS
+from .events import Event, read_event
 from .names import BadEvent
+from .words import Words
 
 FORMS = {
     "from": "from EVENT to EVENT",
@@ -42,40 +42,43 @@ FORMS = {
     "count": "count of EVENT",
     "level": "level of MODULE.REGISTER.FIELD",
     "interrupt": "interrupt latency NAME",
-    "time": "time in SPAN",
+    "time": "time in STATE",
+    "each": "each time in STATE",
     "cpu": "cpu load",
     "bus": "bus load",
     "slack": "slack",
+    "race": "race MODULE.REGISTER.FIELD",
+    "lost": "lost flags",
+    "cleared": "cleared along MODULE.REGISTER.FIELD",
+    "value": "value error of CHIP",
 }
 RULES = ("next", "same transfer", "same round")
-CHANGES = ("rise", "fall", "change")
-NOTES = ("duty", "lost", "unknown")
-BUS = ("START", "repeated START", "STOP", "address", "byte", "arbitration lost", "stuck")
-
-WORD = re.compile(r"""\s*("[^"]+"|'[^']+'|["',=]|[^\s,="']+)""")
+LEVELS = ("high", "low")
+BUS_STATES = ("busy", "free")
 
 
 @dataclass(frozen=True)
-class Event:
-    """kind: the event's first word. name: what it is about. how: which change or way. number: a value, if given."""
+class During:
+    """A state: it begins with one of `enters` and is over with one of `leaves` that is none of `enters`."""
 
-    kind: str
     text: str
-    unit: str = ""
-    name: str = ""
-    how: str = ""
-    number: int | None = None
+    enters: tuple[Event, ...]
+    leaves: tuple[Event, ...]
 
 
 @dataclass(frozen=True)
 class Said:
-    """form: a key of FORMS. events: those named. unit, name: of a field, vector, span or unit."""
+    """form: a key of FORMS. events: those named. rule: which of them belong together, or of values the instant.
+
+    unit, name: of a field, vector, unit or chip. state: of times in one.
+    """
 
     form: str
     events: tuple[Event, ...] = ()
     rule: str = "next"
     unit: str = ""
     name: str = ""
+    state: During | None = None
 
 
 def is_form(text: str) -> bool:
@@ -91,185 +94,20 @@ def near_form(text: str) -> str:
 
 def measure_of(text: str) -> Said:
     """What a measure's text says. BadEvent otherwise."""
-    words = _Words(text)
+    words = Words(text)
     said = _MEASURES[words.one_of(list(FORMS))](words)
     words.end()
     return said
-
-
-def event_of(text: str) -> Event:
-    """The event that a text names. BadEvent otherwise."""
-    words = _Words(text)
-    event = _event(words)
-    words.end()
-    return event
 
 
 def name_text(unit: str, name: str) -> str:
     return f"{unit}:{name}" if unit else name
 
 
-class _Words:
-    """The words of a text, taken one by one."""
-
-    def __init__(self, text: str) -> None:
-        self.text = text
-        self._words = WORD.findall(text)
-        self._at = 0
-        if '"' in self._words or "'" in self._words:
-            raise BadEvent(f"{text!r}: a quote is not closed, or nothing is in it; write for instance 'time update'")
-
-    @property
-    def next(self) -> str:
-        """The word to come; empty at the end."""
-        return self._words[self._at] if self._at < len(self._words) else ""
-
-    def take(self, expected: str) -> str:
-        word = self.next
-        if not word:
-            raise BadEvent(f"{self.text!r} ends where {expected} is expected")
-        self._at += 1
-        return word
-
-    def one_of(self, choices: list[str]) -> str:
-        word = self.next
-        if word not in choices:
-            expected = " or ".join([", ".join(choices[:-1]), choices[-1]] if len(choices) > 1 else choices)
-            if not word:
-                raise BadEvent(f"{self.text!r} ends where {expected} is expected")
-            hint = f"; {near(word, choices)}" if len(choices) > 1 else ""
-            raise BadEvent(f"{self.text!r}: {word!r} where {expected} is expected{hint}")
-        self._at += 1
-        return word
-
-    def took(self, word: str) -> bool:
-        if self.next != word:
-            return False
-        self._at += 1
-        return True
-
-    def name(self, expected: str) -> tuple[str, str]:
-        """(unit, name); the unit is empty where none is named."""
-        word = self.take(expected)
-        unit, colon, name = word.partition(":")
-        if word[0] in "\"'":
-            return "", word[1:-1]
-        if not colon:
-            return "", word
-        if not name:
-            name = self.take(expected)  # imu: "a name in quotes"
-            name = name[1:-1] if name[0] in "\"'" else name
-        return unit, name
-
-    def number(self, top: int) -> int | None:
-        """The number that comes next, if one does."""
-        word = self.next
-        if not word[:1].isdigit():
-            return None
-        try:
-            number = int(word, 0)
-        except ValueError:
-            raise BadEvent(f"{self.text!r}: {word!r} is no number; write for instance 0x68") from None
-        if number > top:
-            raise BadEvent(f"{self.text!r}: {word} is more than it can be, {top:#x}")
-        self._at += 1
-        return number
-
-    def between(self, begin: int) -> str:
-        return " ".join(self._words[begin : self._at])
-
-    @property
-    def place(self) -> int:
-        return self._at
-
-    def end(self) -> None:
-        if self.next:
-            raise BadEvent(f"{self.text!r}: {self.next!r} is more than a measure or event says; leave it out")
-
-
-def _event(words: _Words) -> Event:
-    begin = words.place
-    kind = words.one_of(list(_EVENTS))
-    unit, name, how, number = _EVENTS[kind](words)
-    return Event(kind, words.between(begin), unit, name, how, number)
-
-
-Parts = tuple[str, str, str, int | None]
-
-
-def _edge(words: _Words) -> Parts:
-    return "", words.name("a wire")[1], words.one_of(list(CHANGES)), None
-
-
-def _flag(words: _Words) -> Parts:
-    unit, name = words.name("a field")
-    how = words.one_of([*CHANGES, "="])
-    number = None
-    if how == "=":
-        number = words.number(0xFFFFFFFF)
-        if number is None:
-            raise BadEvent(f"{words.text!r}: a number is expected after =")
-    return unit, name, how, number
-
-
-def _access(words: _Words) -> Parts:
-    way = words.one_of(["R", "W"])
-    unit, name = words.name("a register")
-    return unit, name, way, None
-
-
-def _interrupt(words: _Words) -> Parts:
-    unit, name = words.name("an interrupt's name")
-    return unit, name, words.one_of(["enter", "leave"]), None
-
-
-def _span(words: _Words) -> Parts:
-    unit, name = words.name("a span's name")
-    while words.next and words.next not in ("begin", "end", "to", ","):
-        name += f" {words.take('begin or end')}"
-    return unit, name, words.one_of(["begin", "end"]), None
-
-
-def _bus(words: _Words) -> Parts:
-    what = words.one_of([name.split()[0] for name in BUS])
-    if what == "repeated":
-        return "", f"repeated {words.one_of(['START'])}", "", None
-    if what == "arbitration":
-        return "", f"arbitration {words.one_of(['lost'])}", "", None
-    if what == "address":
-        number = words.number(0x7F)
-        how = words.one_of(["read", "write"]) if words.next in ("read", "write") else ""
-        return "", what, how, number
-    return "", what, "", words.number(0xFF) if what == "byte" else None
-
-
-def _frame(words: _Words) -> Parts:
-    return "", "byte", "", words.number(0xFF)
-
-
-def _note(words: _Words) -> Parts:
-    unit, name = words.name("a note's code")
-    if name not in NOTES:
-        raise BadEvent(f"{words.text!r}: there is no note {name!r}; {near(name, NOTES)}")
-    return unit, name, "", None
-
-
-_EVENTS: dict[str, Callable[[_Words], Parts]] = {
-    "edge": _edge,
-    "flag": _flag,
-    "access": _access,
-    "interrupt": _interrupt,
-    "span": _span,
-    "bus": _bus,
-    "frame": _frame,
-    "note": _note,
-}
-
-
-def _from(words: _Words) -> Said:
-    begin = _event(words)
+def _from(words: Words) -> Said:
+    begin = read_event(words)
     words.one_of(["to"])
-    end = _event(words)
+    end = read_event(words)
     rule = "next"
     if words.took(",") or words.next in ("next", "same"):
         rule = words.one_of(["next", "same"])
@@ -278,53 +116,151 @@ def _from(words: _Words) -> Said:
     return Said("from", (begin, end), rule)
 
 
-def _of_event(form: str) -> Callable[[_Words], Said]:
-    def parse(words: _Words) -> Said:
+def _of_event(form: str) -> Callable[[Words], Said]:
+    def parse(words: Words) -> Said:
         words.one_of(["of"])
-        return Said(form, (_event(words),))
+        return Said(form, (read_event(words),))
 
     return parse
 
 
-def _level(words: _Words) -> Said:
+def _level(words: Words) -> Said:
     words.one_of(["of"])
     unit, name = words.name("a field")
     return Said("level", unit=unit, name=name)
 
 
-def _latency(words: _Words) -> Said:
+def _latency(words: Words) -> Said:
     words.one_of(["latency"])
     unit, name = words.name("an interrupt's name")
     return Said("interrupt", unit=unit, name=name)
 
 
-def _time(words: _Words) -> Said:
-    words.one_of(["in"])
+def _time(form: str) -> Callable[[Words], Said]:
+    def parse(words: Words) -> Said:
+        if form == "each":
+            words.one_of(["time"])
+        words.one_of(["in"])
+        begin = words.place
+        state = _STATES.get(words.next, _span_state)
+        enters, leaves = state(words)
+        return Said(form, state=During(words.between(begin), enters, leaves))
+
+    return parse
+
+
+States = tuple[tuple[Event, ...], tuple[Event, ...]]
+
+
+def _span_state(words: Words) -> States:
+    words.took("span")
+    begin = words.place
     unit, name = words.name("a span's name")
     while words.next:
         name += f" {words.take('a span')}"
-    return Said("time", unit=unit, name=name)
+    text = f"span {words.between(begin)}"
+    return (Event("span", f"{text} begin", unit, name, "begin"),), (Event("span", f"{text} end", unit, name, "end"),)
 
 
-def _cpu(words: _Words) -> Said:
+def _flag_state(words: Words) -> States:
+    begin = words.place
+    words.one_of(["flag"])
+    unit, name = words.name("a field")
+    place = words.between(begin)
+    words.one_of(["="])
+    number = words.number(0xFFFFFFFF)
+    if number is None:
+        raise BadEvent(f"{words.text!r}: a number is expected after =")
+    enters = Event("flag", words.between(begin), unit, name, "=", number)
+    return (enters,), (Event("flag", f"{place} change", unit, name, "change"),)
+
+
+def _wire_state(words: Words) -> States:
+    words.one_of(["wire"])
+    name = words.name("a wire")[1]
+    edges = [Event("edge", f"edge {name} {how}", "", name, how) for how in ("rise", "fall")]
+    if words.one_of(list(LEVELS)) == "low":
+        edges.reverse()
+    return (edges[0],), (edges[1],)
+
+
+def _bus_state(words: Words) -> States:
+    words.one_of(["bus"])
+    begins = (Event("bus", "bus START", "", "START"),)
+    ends = tuple(Event("bus", f"bus {name}", "", name) for name in ("STOP", "arbitration lost"))
+    return (begins, ends) if words.one_of(list(BUS_STATES)) == "busy" else (ends, begins)
+
+
+def _routine_state(words: Words) -> States:
+    words.one_of(["interrupt"])
+    begin = words.place
+    unit, name = words.name("an interrupt's name")
+    text = f"interrupt {words.between(begin)}"
+    enters, leaves = (Event("interrupt", f"{text} {how}", unit, name, how) for how in ("enter", "leave"))
+    return (enters,), (leaves,)
+
+
+_STATES: dict[str, Callable[[Words], States]] = {
+    "span": _span_state,
+    "flag": _flag_state,
+    "wire": _wire_state,
+    "bus": _bus_state,
+    "interrupt": _routine_state,
+}
+
+
+def _cpu(words: Words) -> Said:
     words.one_of(["load"])
     return Said("cpu", unit=words.take("a unit") if words.took("of") else "")
 
 
-def _bus_load(words: _Words) -> Said:
+def _bus_load(words: Words) -> Said:
     words.one_of(["load"])
     return Said("bus")
 
 
-_MEASURES: dict[str, Callable[[_Words], Said]] = {
+def _race(words: Words) -> Said:
+    unit, name = words.name("a field or a register")
+    return Said("race", unit=unit, name=name)
+
+
+def _lost(words: Words) -> Said:
+    words.one_of(["flags"])
+    unit, name = words.name("a register") if words.next else ("", "")
+    return Said("lost", unit=unit, name=name)
+
+
+def _cleared(words: Words) -> Said:
+    words.one_of(["along"])
+    unit, name = words.name("a field")
+    return Said("cleared", unit=unit, name=name)
+
+
+def _value(words: Words) -> Said:
+    words.one_of(["error"])
+    chip = words.one_of(list(CHIPS)) if words.took("of") else ""
+    instant = "first bit"
+    if words.took("at"):
+        instant = words.one_of(["first", "frame"])
+        if instant == "first":
+            instant = f"first {words.one_of(['bit'])}"
+    return Said("value", rule=instant, name=chip)
+
+
+_MEASURES: dict[str, Callable[[Words], Said]] = {
     "from": _from,
     "period": _of_event("period"),
     "jitter": _of_event("jitter"),
     "count": _of_event("count"),
     "level": _level,
     "interrupt": _latency,
-    "time": _time,
+    "time": _time("time"),
+    "each": _time("each"),
     "cpu": _cpu,
     "bus": _bus_load,
     "slack": lambda words: Said("slack"),
+    "race": _race,
+    "lost": _lost,
+    "cleared": _cleared,
+    "value": _value,
 }

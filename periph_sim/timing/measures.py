@@ -1,23 +1,26 @@
 """What a budget can limit: happenings of a run go in as they happen, the worst value and when it was come out.
 
-A measure keeps no history, so memory does not grow with the run, unless a budget limits a percentile. Each class
-says what it measures and from which event to which. `MEASURES` is the list users choose from; measures of events
-that users name are in `event_measures`.
+A measure keeps no history, so memory does not grow with the run, unless `keep` is asked for: by a percentile, or by
+whoever wants all values. Each class says what it measures and from which event to which. `MEASURES` is the list users
+choose from; measures of events that users name are in `event_measures`.
 """
 
 from __future__ import annotations
 
 from array import array
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from fractions import Fraction
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..core.records import Kind, Record, Subjects
 from ..core.time import NO_TIME
 from ..devices.host_pc import FRAME_BYTES
 from ..devices.sensor_head import CHIPS, Round
+from ..devices.truth import Axes, shown
 from ..lines.i2c_controller import Transfer
 
 
@@ -38,9 +41,13 @@ class Happenings(Protocol):
     def checks_host(self) -> bool:
         """Whether known chips are to show values of host frames."""
 
-    def missed_rounds(self) -> int: ...
+    def listen_missed(self, told: Callable[[int], None]) -> None:
+        """`told(tick)` when a round was due and could not begin."""
 
     def transfers_in_round(self) -> int: ...
+
+    def startup_transfers(self) -> int:
+        """How many transfers there are before the first round."""
 
     def round_period(self) -> int:
         """From one round's due time to the next one's, in ticks."""
@@ -48,25 +55,49 @@ class Happenings(Protocol):
     def began(self) -> int:
         """The tick at which the run begins."""
 
+    def level_of(self, wire: str) -> int:
+        """The level of a wire now."""
+
+    def value_of(self, place: str, name: str) -> int:
+        """What a field holds now: of "dsp.I2C-A" that of "I2CSTR.XRDY"."""
+
+    def ticks_per_second(self) -> int: ...
+
+    def sysclk(self, unit: str) -> Fraction:
+        """SYSCLKOUT of a unit in Hz, as it is now; of the first one where none is named."""
+
     def cpu_cycles(self, unit: str) -> tuple[int, int]:
         """(cycles in computations and service routines, all cycles) of a unit, so far."""
 
     def host_values(self, number: int) -> tuple[int, ...]: ...
 
+    def frame_due(self, number: int) -> int:
+        """The tick at which a host frame is due."""
+
+    def truth_at(self, tick: int) -> Mapping[str, Axes]:
+        """What each chip should show at this tick."""
+
+
+MILLIONTHS = 1_000_000  # parts of the time and LSB are counted in these
+MODEL = "model"  # the span in which firmware computes sensor models
+READ = "read"  # an occurrence: one addressed phase, which begins with its START
+
 
 class Measure:
-    """unit: "time" (ticks), "%" (millionths) or a word for what is counted. worst is the largest value seen.
+    """unit: "time" (ticks), "%" and "LSB" (millionths) or a word for what is counted. worst: the largest value seen.
 
-    least: the smallest. series: it takes one value after the other, of which there are percentiles.
+    least: the smallest. series: it takes one value after the other, of which there are percentiles. occurrence: what
+    it takes a value of; measures of the same occurrences can be joined. not_before: the tick from which on it takes.
     """
 
     unit = "time"
     series = True
     needs = ""  # what a scene must have for this to mean anything: "controller", "host" or "SCI-A"
+    occurrence = ""
     kinds: frozenset[Kind] = frozenset()
 
     @property
-    def only(self) -> Subjects:
+    def subjects(self) -> Subjects:
         """The subjects that it needs records of, for kinds of which it does not need all."""
         return {}
 
@@ -77,6 +108,7 @@ class Measure:
         self.worst_at = NO_TIME
         self.least_at = NO_TIME
         self.total = 0
+        self.not_before = NO_TIME
         self._kept: tuple[array[int], array[int]] | None = None
 
     @property
@@ -93,13 +125,33 @@ class Measure:
         return NO_TIME, ""
 
     def keep(self) -> None:
-        """Keep every value, for percentiles."""
+        """Keep every value, for percentiles and distributions."""
         self._kept = array("q"), array("q")
+
+    @property
+    def kept(self) -> tuple[NDArray[np.int64], NDArray[np.int64]] | None:
+        """(values, when each was), both int64[count], as they came; None where `keep` was not asked for."""
+        if self._kept is None:
+            return None
+        values, at = self._kept
+        return np.array(values, np.int64), np.array(at, np.int64)
+
+    def all_kept(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """As `kept`, where they are known to be."""
+        assert self.kept is not None
+        return self.kept
+
+    def only(self, places: NDArray[np.int64]) -> None:
+        """Forget all kept values but those at these places."""
+        values, at = (column[places].tolist() for column in self.all_kept())
+        self.count = self.total = 0
+        self.keep()
+        for value, when in zip(values, at, strict=True):
+            self.take(value, when)
 
     def percentile(self, per_mille: int) -> tuple[int, int]:
         """(value, when first): the least value that so many of a thousand do not exceed (nearest rank)."""
-        assert self._kept is not None
-        values, at = (np.frombuffer(column, np.int64) for column in self._kept)
+        values, at = self.all_kept()
         rank = -(-per_mille * len(values) // 1000) - 1
         value = np.partition(values, rank)[rank]
         return int(value), int(at[np.argmax(values == value)])
@@ -114,6 +166,8 @@ class Measure:
         """The run is over."""
 
     def take(self, value: int, at: int) -> None:
+        if at < self.not_before:
+            return
         if not self.count or value > self.worst:
             self.worst, self.worst_at = value, at
         if not self.count or value < self.least:
@@ -180,6 +234,7 @@ class Stretch(Measure):
     """Longest time the other side held SCL low beyond the controller's own low time, per acknowledged phase."""
 
     needs = "controller"
+    occurrence = READ
 
     def listen(self, scene: Happenings) -> None:
         scene.listen_transfers(self._transfer)
@@ -208,11 +263,7 @@ class MissedRounds(Counter):
     needs = "controller"
 
     def listen(self, scene: Happenings) -> None:
-        self._scene = scene
-
-    def finish(self, now: int) -> None:
-        if self._scene.missed_rounds():
-            self.one_more(now, self._scene.missed_rounds())
+        scene.listen_missed(self.one_more)
 
 
 class NackedRounds(Counter):
@@ -253,7 +304,7 @@ class WrongBytes(Measure):
     series = False
 
     def listen(self, scene: Happenings) -> None:
-        self._chips = {chip.address: chip for chip in CHIPS.values()} if scene.checks_host() else {}
+        self._chips = {chip.address: name for name, chip in CHIPS.items()} if scene.checks_host() else {}
         self._recent: OrderedDict[int, tuple[int, ...]] = OrderedDict({-1: (0,) * 6})
         self.where: dict[str, int] = {}  # "gyroscope byte 0" -> how often it was wrong
         self.first = ""  # the first wrong read, as a sentence
@@ -286,10 +337,11 @@ class WrongBytes(Measure):
             return expect
         if address not in self._chips:
             return b""
-        chip = self._chips[address]
+        name = self._chips[address]
+        chip = CHIPS[name]
         candidates = []
         for values in reversed(self._recent.values()):  # the last frame's is the usual one
-            three = values[3:6] if chip is CHIPS["accelerometer"] else values[0:3]
+            three = shown(values)[name]
             in_order = [three[axis] for axis in chip.order]
             wanted = b"".join([v.to_bytes(2, "big" if chip.big else "little", signed=True) for v in in_order])
             if wanted == got:
@@ -302,6 +354,7 @@ class Age(Measure):
     """From the end of a host frame to the START of the first read that carries its values."""
 
     needs = "host"
+    occurrence = READ
     RECENT = 64
 
     def listen(self, scene: Happenings) -> None:
@@ -321,6 +374,47 @@ class Age(Measure):
                 sent = self._waiting.pop(self._chip.values(bytes(phase.got)), None)
                 if sent is not None:
                     self.take(phase.start_at - sent, phase.start_at)
+
+
+class ModelAge(Measure):
+    """From the end of the last host frame that was whole when the models began to the first read of what they made.
+
+    As `age`, for firmware whose chips do not show the values of frames. Each known chip's first read counts, from its
+    START; and a frame that is worked on once more, since no other has come, counts once more.
+    """
+
+    needs = "host"
+    occurrence = READ
+    kinds = frozenset({Kind.SPAN})
+
+    def listen(self, scene: Happenings) -> None:
+        self._addresses = {chip.address for chip in CHIPS.values()}
+        self._sent = NO_TIME  # the end of the last whole frame,
+        self._taken = NO_TIME  # of the one that the models under way work on,
+        self._made = NO_TIME  # and of the one that the last models worked on
+        self._unread: set[int] = set()  # chips whose values, from there, no read has carried yet
+        scene.listen_frames(self._frame)
+        scene.listen_transfers(self._transfer)
+
+    def missing(self) -> str:
+        return f"no chip was read after a span {MODEL!r} that began after a host frame had come"
+
+    def _frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
+        self._sent = tick
+
+    def record(self, record: Record) -> None:
+        if record.what != MODEL:
+            return
+        if record.value:
+            self._taken = self._sent
+        elif self._taken != NO_TIME:
+            self._made, self._unread = self._taken, set(self._addresses)
+
+    def _transfer(self, transfer: Transfer) -> None:
+        for phase in transfer.phases:
+            if phase.read and phase.got and phase.address in self._unread:
+                self._unread.remove(phase.address)
+                self.take(phase.start_at - self._made, phase.start_at)
 
 
 class FifoHighWater(Measure):
@@ -369,6 +463,7 @@ MEASURES: dict[str, type[Measure]] = {
     "nacked": Nacked,
     "wrong bytes": WrongBytes,
     "age": Age,
+    "model age": ModelAge,
     "fifo high-water": FifoHighWater,
     "overruns": Overruns,
     "stuck": Stuck,

@@ -180,7 +180,7 @@ def test_processes_change_nothing_and_keep_the_order(cases: Path, jobs: int):
     together = check([cases], jobs=jobs)
     assert [one.outcome.figures.case for one in together] == ["a", "small", "z"]
     for one in (*alone, *together):
-        one.outcome.wall_s = 0
+        one.outcome.result.wall_s = 0
     assert together == alone
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from xml.etree import ElementTree as xml
 
+import pytest
+
 from periph_sim.baselines import check
 from periph_sim.baselines.annotations import github
 from periph_sim.baselines.junit import junit
@@ -56,7 +58,7 @@ def test_text_that_xml_cannot_hold_does_not_break_it(cases: Path):
 def test_annotations_point_at_the_budget_in_the_case_file(cases: Path):
     path = put(cases, sdir_wait=False, breaks='breaks = ["model"]\n')
     lines = path.read_text(encoding="utf-8").splitlines()
-    first, second, third = github(check([cases], jobs=1))
+    first, second, third, cause = github(check([cases], jobs=1))
     head = lines.index('name = "wrong bytes"')  # the line before it, counted from 1
     assert lines[head - 1] == "[[budget]]"
     title = "title=periph-sim check%3A small"
@@ -67,6 +69,30 @@ def test_annotations_point_at_the_budget_in_the_case_file(cases: Path):
     assert second.startswith(f"::error file=cases/small.toml,line=1,{title}::model holds, but breaks says")
     assert third.startswith(f"::error file=cases/small.toml,line=2,{title}::events 306 -> ")  # where its name stands
     assert third.count("%0A") == 1 and "%0Apolls skipped " in third
+    writes = Path("cases/small_firmware.py").read_text(encoding="utf-8").splitlines()
+    line = writes.index("            i2c.I2CDXR.all = next(buffer)") + 1
+    assert cause.startswith(f"::warning file=cases/small_firmware.py,line={line},{title}::wrong bytes: ")
+    assert cause.partition("::wrong bytes: ")[2].startswith("I2CDXR written%0Awrong bytes 12 bytes, at most 0 ")
+    assert f"I2CDXR = 11 written, before the read's START [small_firmware.py:{line} (batch_read)]%0A" in cause
+
+
+def test_firmware_that_is_not_below_this_folder_gets_no_annotation(cases: Path, monkeypatch: pytest.MonkeyPatch):
+    put(cases.resolve(), sdir_wait=False)
+    checks = check([cases.resolve()], jobs=1)
+    assert [line.partition(" ")[0] for line in github(checks)][-1] == "::warning"
+    (cases / "below").mkdir()
+    monkeypatch.chdir(cases / "below")
+    assert {line.partition(" ")[0] for line in github(checks)} == {"::error"}
+
+
+def test_causes_are_of_budgets_that_break_and_must_not(cases: Path):
+    put(cases, sdir_wait=False)
+    (one,) = check([cases], jobs=1)
+    assert [*one.causes] == ["wrong bytes"]
+    assert one.causes["wrong bytes"].blamed is not None
+    put(cases, sdir_wait=False, breaks='breaks = ["wrong bytes"]\n')
+    (one,) = check([cases], jobs=1)
+    assert one.causes == {}
 
 
 def test_annotations_escape_what_would_end_them(cases: Path):
@@ -75,6 +101,7 @@ def test_annotations_escape_what_would_end_them(cases: Path):
     put(cases / "a,b:c", "other")
     check([path], jobs=1, update=True)
     path.write_text(path.read_text().replace('max = "300 us"', 'max = "3 us"'), encoding="utf-8")
-    (line,) = github(check([path], jobs=1))
+    line, cause = github(check([path], jobs=1))
     assert line.startswith("::error file=cases/a%2Cb%3Ac/small.toml,line=29,")
     assert line.endswith("::100%25%0A breaks: 250.000 us is over its limit of 3.000 us, at 0.000000 s")
+    assert cause.startswith("::warning file=cases/a%2Cb%3Ac/small_firmware.py,line=") and "\n" not in cause

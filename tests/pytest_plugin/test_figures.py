@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
-import pytest
-
-from periph_sim.pytest_plugin.figures import figure, limit_text, moment, properties, table
+from periph_sim.pytest_plugin.figures import properties, table
 from periph_sim.timing.budgets import Verdict
 
 
@@ -20,40 +18,6 @@ def verdict(name: str = "response", worst: float | None = 5.0, unit: str = "us")
 
 def report(test: str, *given: object, **more: object) -> SimpleNamespace:
     return SimpleNamespace(nodeid=test, user_properties=[one for part in given for one in part], **more)
-
-
-@pytest.mark.parametrize(
-    ("value", "unit", "text"),
-    [
-        (None, "us", "-"),
-        (5.0, "us", "5.000 us"),
-        (-999.9994, "us", "-999.999 us"),
-        (22153.3333, "us", "22.153 ms"),
-        (7, "count", "7"),
-        (41.25, "%", "41.25 %"),
-    ],
-)
-def test_a_figure(value: float | None, unit: str, text: str) -> None:
-    assert figure(value, unit) == text
-
-
-@pytest.mark.parametrize(
-    ("which", "text"),
-    [
-        ("", "4 us"),
-        ("max", "4 us"),
-        ("min", "4 us"),
-        ("exactly", "= 4 us"),
-        ("p99", "p99 4 us"),
-        ("p99_9", "p99.9 4 us"),
-    ],
-)
-def test_a_limit_says_which_it_is(which: str, text: str) -> None:
-    assert limit_text("4 us", which) == text
-
-
-def test_a_moment() -> None:
-    assert (moment(None), moment(1.25)) == ("-", "1.250000 s")
 
 
 def test_figures_come_back_as_they_went() -> None:

@@ -279,8 +279,9 @@ def test_what_the_scene_cannot_show_is_refused(text: str, scope, sentence: str):
 
 
 EXAMPLES = ["from frame to frame", "period of frame", "jitter of frame", "count of frame"]
-EXAMPLES += ["level of I2C-A.I2CSTR.XRDY", "interrupt latency SCIRXINTA", "time in model", "cpu load", "bus load"]
-EXAMPLES += ["slack"]
+EXAMPLES += ["level of I2C-A.I2CSTR.XRDY", "interrupt latency SCIRXINTA", "time in model"]
+EXAMPLES += ["each time in wire SCL low", "cpu load", "bus load", "slack"]
+EXAMPLES += ["race I2C-A.I2CSTR.XRDY", "lost flags", "cleared along I2C-A.I2CSTR.SDIR", "value error of gyroscope"]
 
 
 @pytest.mark.parametrize(("form", "text"), list(zip(FORMS, EXAMPLES, strict=True)))
@@ -288,4 +289,4 @@ def test_every_form_makes_a_measure_that_says_what_it_is_and_begins_empty(form: 
     made = measure(text)
     assert (made.__doc__ or "").strip()
     assert came(made) == (0, NO_TIME, 0, 0)
-    assert made.unit in ("time", "count", "value", "%")
+    assert made.unit in ("time", "count", "value", "%", "cycles", "flags", "LSB")

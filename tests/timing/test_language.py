@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.timing.language import FORMS, Event, Said, event_of, is_form, measure_of, near_form
+from periph_sim.timing.events import Event, event_of
+from periph_sim.timing.language import FORMS, Said, is_form, measure_of, near_form
 from periph_sim.timing.names import BadEvent
 
 
@@ -54,11 +55,17 @@ def test_an_event(text: str, kind: str, unit: str, name: str, how: str, number: 
         ("count of note lost", "count", ["note lost"], "next", "", ""),
         ("level of imu:SCI-A.SCIFFRX.RXFFST", "level", [], "next", "imu", "SCI-A.SCIFFRX.RXFFST"),
         ("interrupt latency SCIRXINTA", "interrupt", [], "next", "", "SCIRXINTA"),
-        ("time in time update", "time", [], "next", "", "time update"),
         ("cpu load", "cpu", [], "next", "", ""),
         ("cpu load of imu", "cpu", [], "next", "imu", ""),
         ("bus load", "bus", [], "next", "", ""),
         ("slack", "slack", [], "next", "", ""),
+        ("race imu:I2C-A.I2CSTR", "race", [], "next", "imu", "I2C-A.I2CSTR"),
+        ("value error", "value", [], "first bit", "", ""),
+        ("value error of gyroscope at first bit", "value", [], "first bit", "", "gyroscope"),
+        ("value error at frame", "value", [], "frame", "", ""),
+        ("cleared along I2C-A.I2CSTR.SDIR", "cleared", [], "next", "", "I2C-A.I2CSTR.SDIR"),
+        ("lost flags", "lost", [], "next", "", ""),
+        ("lost flags I2C-A.I2CSTR", "lost", [], "next", "", "I2C-A.I2CSTR"),
     ],
 )
 def test_a_measure(text: str, form: str, events: list[str], rule: str, unit: str, name: str):
@@ -68,10 +75,34 @@ def test_a_measure(text: str, form: str, events: list[str], rule: str, unit: str
     assert said == Said(form, said.events, rule, unit, name)
 
 
+@pytest.mark.parametrize(
+    ("text", "enters", "leaves"),
+    [
+        ("time update", ["span time update begin"], ["span time update end"]),
+        ("span bus driver", ["span bus driver begin"], ["span bus driver end"]),
+        ("'wire SCL low'", ["span 'wire SCL low' begin"], ["span 'wire SCL low' end"]),
+        ("flag imu:I2C-A.I2CSTR.AAS = 1", ["flag imu:I2C-A.I2CSTR.AAS = 1"], ["flag imu:I2C-A.I2CSTR.AAS change"]),
+        ("wire SCL low", ["edge SCL fall"], ["edge SCL rise"]),
+        ("wire MODEL high", ["edge MODEL rise"], ["edge MODEL fall"]),
+        ("bus busy", ["bus START"], ["bus STOP", "bus arbitration lost"]),
+        ("bus free", ["bus STOP", "bus arbitration lost"], ["bus START"]),
+        ("interrupt SCIRXINTA", ["interrupt SCIRXINTA enter"], ["interrupt SCIRXINTA leave"]),
+    ],
+)
+def test_a_state_is_what_begins_and_what_ends_it(text: str, enters: list[str], leaves: list[str]):
+    for form in ("time", "each time"):
+        state = measure_of(f"{form} in {text}").state
+        assert state is not None and state.text == text
+        assert [event.text for event in state.enters] == enters
+        assert [event.text for event in state.leaves] == leaves
+        for event in (*state.enters, *state.leaves):
+            assert "'" in event.text or event == event_of(event.text)  # the same as if it had been written out
+
+
 @pytest.mark.parametrize("form", FORMS.values())
 def test_every_form_that_messages_name_can_be_said(form: str):
     text = form.replace("MODULE.REGISTER.FIELD", "I2C-A.I2CSTR.XRDY").replace("NAME", "SCIRXINTA")
-    assert measure_of(text.replace("EVENT", "frame").replace("SPAN", "model"))
+    assert measure_of(text.replace("EVENT", "frame").replace("STATE", "model").replace("CHIP", "gyroscope"))
 
 
 @pytest.mark.parametrize(
@@ -100,6 +131,19 @@ def test_every_form_that_messages_name_can_be_said(form: str):
         ("slack of it", "'slack of it': 'of' is more than a measure or event says; leave it out"),
         ("cpu load of", "'cpu load of' ends where a unit is expected"),
         ("period edge SCL rise", "'period edge SCL rise': 'edge' where of is expected"),
+        ("time in wire SCL", "'time in wire SCL' ends where high or low is expected"),
+        ("time in flag I2C-A.I2CSTR.AAS", "'time in flag I2C-A.I2CSTR.AAS' ends where = is expected"),
+        (
+            "each time in bus bussy",
+            "'each time in bus bussy': 'bussy' where busy or free is expected; did you mean busy?",
+        ),
+        (
+            "value error of gyro",
+            "'value error of gyro': 'gyro' where gyroscope, accelerometer or magnetometer is expected; "
+            "did you mean gyroscope?",
+        ),
+        ("value error at bit", "'value error at bit': 'bit' where first or frame is expected; it has first, frame"),
+        ("each in bus busy", "'each in bus busy': 'in' where time is expected"),
         ("span model", "'span model' ends where begin or end is expected"),
         ("time in ''", "\"time in ''\": a quote is not closed, or nothing is in it; write for instance 'time update'"),
         (

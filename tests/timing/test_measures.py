@@ -17,7 +17,7 @@ GYRO, ACCEL, MAGNET, OTHER = 0x68, 0x53, 0x1E, 0x10
 
 
 class Told:
-    """What a scene is to a measure: who listens to what. `missed` rounds can be set."""
+    """What a scene is to a measure: who listens to what."""
 
     def __init__(self, name: str) -> None:
         self.transfers: list[Callable[[Transfer], None]] = []
@@ -25,7 +25,7 @@ class Told:
         self.frames: list[Callable[[int, tuple[int, ...], int], None]] = []
         self.stuck: list[Callable[[int], None]] = []
         self.sci: list[Callable[[int, int, bool], None]] = []
-        self.missed = 0
+        self.missed: list[Callable[[int], None]] = []
         self.host = True
         self.measure: Measure = make(name)
         self.measure.listen(self)
@@ -48,8 +48,8 @@ class Told:
     def checks_host(self) -> bool:
         return self.host
 
-    def missed_rounds(self) -> int:
-        return self.missed
+    def listen_missed(self, told: Callable[[int], None]) -> None:
+        self.missed.append(told)
 
     def host_values(self, number: int) -> tuple[int, ...]:
         return ramp(number)
@@ -110,12 +110,12 @@ def test_round_is_from_when_it_was_due_to_its_last_stop():
     assert told.came() == (700, 3000, 500, 2)
 
 
-def test_missed_rounds_are_asked_for_at_the_end():
+def test_missed_rounds_are_counted_from_the_first_one_on():
     told = Told("missed rounds")
-    told.measure.finish(5)
     assert told.came() == (0, NO_TIME, 0, 0)
-    told.missed = 3
-    told.measure.finish(9)
+    for due in (9, 29, 49):
+        for missed in told.missed:
+            missed(due)
     assert told.came() == (3, 9, 3, 3)
 
 

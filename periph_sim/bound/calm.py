@@ -1,0 +1,246 @@
+"""The firmware undisturbed: a case without its host goes in; what its code costs and what it waits for comes out.
+
+    case, no host, no jitter --run, two rounds--> waits, I2CDXR writes, spans, transfers, edges, in ticks
+
+No interrupt is taken in such a run, so the time between the end of one wait and the begin of the next is what the code
+between them costs, access costs included. Nothing else is taken from it but the order of things on the bus.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections import defaultdict
+from dataclasses import dataclass, field
+from fractions import Fraction
+from itertools import pairwise
+
+from ..board.dsp import Dsp
+from ..board.scene import Scene
+from ..case.model import Case
+from ..core.records import Kind, Record
+from ..devices.sensor_head import Round
+from ..f28335 import cpu_costs
+from ..f28335.i2c_map import I2C_MAP
+from ..f28335.system_options import SystemOptions
+from ..host.cpu import Spin
+from ..lines.i2c_controller import Transfer
+from .terms import BadBound
+
+KINDS = (Kind.ACCESS, Kind.FLAG, Kind.EDGE, Kind.BUS, Kind.SPAN, Kind.IRQ)
+DXR, STR = "W I2C-A.I2CDXR", "W I2C-A.I2CSTR"
+
+
+@dataclass
+class Wait:
+    """A loop that waits for flags. first, end: its first read and the one that ended it. reads: in a pass.
+
+    into: ticks from the begin of a pass to the read that ended it. flag: the field that changed last before that.
+    edge: on the bus, which made it do so `delay` ticks later; None if nothing on the bus did.
+    """
+
+    place: str
+    fields: tuple[str, ...]
+    first: int
+    end: int
+    reads: int
+    into: int
+    flag: str = ""
+    edge: int | None = None
+    delay: int = 0
+
+
+@dataclass
+class Calm:
+    """All times in ticks.
+
+    cycle: length of one of SYSCLKOUT. low: the controller's SCL low time. module: cycles of the I2C module clock.
+    writes: when I2CDXR was written. clears: when and where I2CSTR was. bytes: when the ACK slot of each data byte
+    ended. stretches: when SCL fell, and how much longer than `low` it stayed so.
+    """
+
+    unit: str
+    start: int
+    cycle: Fraction
+    low: int
+    module: int
+    options: SystemOptions
+    waits: list[Wait] = field(default_factory=list)
+    writes: list[int] = field(default_factory=list)
+    clears: list[tuple[int, str]] = field(default_factory=list)
+    spans: dict[str, list[tuple[int, int]]] = field(default_factory=dict)
+    bytes: list[int] = field(default_factory=list)
+    stretches: list[tuple[int, int]] = field(default_factory=list)
+    transfers: list[Transfer] = field(default_factory=list)
+    rounds: list[Round] = field(default_factory=list)
+
+    def ticks(self, cycles: int) -> int:
+        """Rounded up."""
+        return -int(-cycles * self.cycle // 1)
+
+    def bus(self, tick: int) -> int:
+        """The tick without the stretches before it: what the controller alone makes of the time."""
+        return tick - sum(length for fell, length in self.stretches if fell + self.low < tick)
+
+    def pass_ticks(self, wait: Wait) -> int:
+        """A pass of a wait: `poll_loop_cycles` with one read; each further one is tested and read besides."""
+        one = max(self.options.poll_loop_cycles, cpu_costs.SIMPLE + self.options.pf2_read_ws)
+        return self.ticks(one + (wait.reads - 1) * read_after_read(self.options))
+
+
+def read_after_read(options: SystemOptions) -> int:
+    """Cycles from one read of a pass to the next: a branch not taken, the wait states, the read."""
+    return cpu_costs.SB_NOT_TAKEN + options.pf2_read_ws + cpu_costs.SIMPLE
+
+
+def serving_unit(case: Case) -> str:
+    """The one unit that answers on I2C. BadBound if there is none, or more than one."""
+    if case.controller is None:
+        raise BadBound(f"case {case.name}: a bound of request and response needs a controller, which it has not")
+    units = [name for name, unit in case.unit.items() if "I2C-A" in unit.modules]
+    if len(units) != 1:
+        found = " and ".join(units) if units else "none"
+        raise BadBound(f"case {case.name}: one unit with I2C-A is expected to answer; it has {found}")
+    return units[0]
+
+
+def observe(case: Case) -> Calm:
+    """Run the case without host and jitter for two rounds. BadBound if its firmware does not serve in waits."""
+    unit = serving_unit(case)
+    controller = case.controller
+    assert controller is not None
+    calm_case = case.model_copy(
+        update={
+            "host": None,
+            "budget": (),
+            "breaks": (),
+            "controller": controller.model_copy(update={"jitter": Fraction(0), "rounds": 2}),
+        }
+    )
+    listener = _Listener(unit)
+    scene = Scene(calm_case, lambda recorder, _: recorder.subscribe(KINDS, listener.hear))
+    dsp = scene.units[unit]
+    listener.dsp = dsp
+    assert scene.head is not None
+    transfers: list[Transfer] = []
+    rounds: list[Round] = []
+    scene.head.on_transfer.append(transfers.append)
+    scene.head.on_round.append(rounds.append)
+    scene.run(controller.first + 2 * controller.period)
+    if len(rounds) < 2:
+        raise BadBound(f"case {case.name}: without a host its second round was not over when a third one was due")
+    refused = [transfer.name for transfer in transfers if not transfer.acked]
+    if refused:
+        raise BadBound(f"case {case.name}: without a host the request of {refused[0]} is refused already")
+    low = scene.head.controller.timing.low
+    module = 1 + dsp.socket("I2C-A").chip.peek(dsp.cpu.cycle, I2C_MAP["I2CPSC"].offset)
+    cycle = scene.timebase.per_second / scene.sysclk(unit)
+    calm = Calm(unit, scene.start, cycle, low, module, dsp.plan.system, transfers=transfers, rounds=rounds)
+    return listener.fill(calm, dsp.plan.i2c.noise_filter_cycles)
+
+
+@dataclass
+class _Reading:
+    spin: Spin
+    place: str
+    first: int
+    end: int = 0
+    reads: int = 1
+    into: int = 0
+
+
+class _Listener:
+    """Hears the records of the calm run; `fill` makes sense of them."""
+
+    def __init__(self, unit: str) -> None:
+        self.dsp: Dsp | None = None
+        self._unit = unit
+        self._readings: list[_Reading] = []
+        self._writes: list[int] = []
+        self._clears: list[tuple[int, str]] = []
+        self._bytes: list[int] = []
+        self._edges: list[int] = []
+        self._scl: list[tuple[int, int]] = []
+        self._changes: dict[str, list[int]] = defaultdict(list)
+        self._spans: dict[str, list[tuple[int, int]]] = defaultdict(list)
+        self._begun: dict[str, int] = {}
+
+    def hear(self, record: Record) -> None:
+        kind = record.kind
+        if kind is Kind.ACCESS:
+            if record.where == self._unit:
+                self._access(record)
+        elif kind is Kind.FLAG:
+            if record.where.startswith(f"{self._unit}."):
+                self._changes[f"{record.where.partition('.')[2]}.{record.what}"].append(record.tick)
+        elif kind is Kind.EDGE:
+            if record.where in ("SCL", "SDA"):
+                self._edges.append(record.tick)
+            if record.where == "SCL":
+                self._scl.append((record.tick, record.value))
+        elif kind is Kind.BUS:
+            if record.what == "byte":
+                self._bytes.append(record.tick)
+        elif kind is Kind.IRQ:
+            if record.where == self._unit:
+                what = f"{record.what} is taken without a host sending anything"
+                raise BadBound(
+                    f"{what}; only firmware that polls I2C, and interrupts that the host sets off, are known"
+                )
+        elif record.where == self._unit:
+            self._span(record)
+
+    def _access(self, record: Record) -> None:
+        assert self.dsp is not None
+        spin = self.dsp.cpu.spin_now
+        if spin is None:
+            if record.what == DXR:
+                self._writes.append(record.tick)
+            elif record.what == STR:
+                self._clears.append((record.tick, record.text))
+            return
+        before = len(spin.polls)
+        if not self._readings or self._readings[-1].spin is not spin:
+            self._readings.append(_Reading(spin, record.text, record.tick))
+        reading = self._readings[-1]
+        reading.end = record.tick
+        reading.into = before
+        reading.reads = max(reading.reads, before + 1)
+
+    def _span(self, record: Record) -> None:
+        if record.value:
+            self._begun[record.what] = record.tick
+        elif record.what in self._begun:
+            self._spans[record.what].append((self._begun.pop(record.what), record.tick))
+
+    def fill(self, calm: Calm, filter_cycles: int) -> Calm:
+        most: dict[str, int] = defaultdict(int)
+        for reading in self._readings:
+            most[reading.place] = max(most[reading.place], reading.reads)
+        step = read_after_read(calm.options)
+        shortest = calm.ticks(filter_cycles * calm.module)
+        for reading in self._readings:
+            fields = tuple(dict.fromkeys(str(poll) for poll in reading.spin.polls))
+            wait = Wait(
+                reading.place, fields, reading.first, reading.end, most[reading.place], calm.ticks(reading.into * step)
+            )
+            changed, wait.flag = max(
+                ((_last(self._changes[name], wait.end), name) for name in fields), default=(-1, "")
+            )
+            edge = _last(self._edges, changed - shortest) if changed >= 0 else -1
+            if edge >= 0:
+                wait.edge, wait.delay = edge, changed - edge
+            calm.waits.append(wait)
+        if not self._writes:
+            raise BadBound(f"{self._unit} never writes I2CDXR outside of a wait: it answers nobody without a host")
+        calm.writes, calm.clears = self._writes, self._clears
+        calm.spans, calm.bytes = dict(self._spans), self._bytes
+        for (fell, level), (rose, _) in pairwise(self._scl):
+            if not level and rose - fell > calm.low:
+                calm.stretches.append((fell, rose - fell - calm.low))
+        return calm
+
+
+def _last(ticks: list[int], until: int) -> int:
+    """The last of these up to a tick; -1 if there is none."""
+    place = bisect_right(ticks, until)
+    return ticks[place - 1] if place else -1

@@ -1,0 +1,77 @@
+"""What must be in time for the closed form to hold: a closed form goes in, the spare time of each deadline comes out.
+
+STOP --> code, model --> wait for the next request   before its START, or the address is refused
+RRDY --> code --> write of I2CSTR                    before SDIR rises, or the write clears it unseen, and the
+                                                     firmware waits for it for ever while SCL is held low
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..core.registers import OnWrite
+from ..f28335.i2c_map import I2C_MAP
+from ..lines.i2c_controller import Transfer
+from .closed import MEASURED, Closed
+from .late import Late, chains, waits_between
+from .terms import BadBound, Bound, Term, total
+
+
+def deadlines(closed: Closed) -> list[Bound]:
+    """The spare time before each deadline, at its least; negative where it may be missed."""
+    tightest: dict[str, Bound] = {}
+    for bound in (*_ready(closed), *_cleared(closed)):
+        if bound.name not in tightest or bound.ticks < tightest[bound.name].ticks:
+            tightest[bound.name] = bound
+    return list(tightest.values())
+
+
+def _ready(closed: Closed) -> Iterator[Bound]:
+    """Back in its wait when the next transfer begins."""
+    calm = closed.calm
+    for before, after in zip([None, *calm.transfers], calm.transfers, strict=False):
+        begins = after.phases[0].start_at
+        wait = next((wait for wait in calm.waits if wait.end >= begins), None)
+        if wait is None:
+            raise BadBound(f"the firmware waits for nothing when {after.name} is asked")
+        if before is None:
+            code = wait.first - calm.start
+            first = Term("first request", begins - calm.start, "controller.first")
+            cost = (Term("start-up", code, MEASURED), closed.preempted(code))
+            yield _spare(f"{after.name} asked first", (first,), cost)
+            continue
+        for chain in chains(calm, waits_between(calm, before.phases[0].start_at, begins), wait.first, wait.place):
+            there = _until(closed, chain, before, after)
+            yield _spare(f"{after.name} asked", there, (*chain.terms, closed.preempted(total(chain.terms))))
+
+
+def _until(closed: Closed, chain: Late, before: Transfer, after: Transfer) -> tuple[Term, ...]:
+    """The time from a chain's edge to the START of the transfer after."""
+    calm = closed.calm
+    begins = after.phases[0].start_at
+    if any(over.start <= before.phases[0].start_at and begins <= over.end for over in calm.rounds):
+        return (Term("edge to START", calm.bus(begins) - calm.bus(chain.edge), "controller.rate, gap"),)
+    stop = Term("edge to STOP", calm.bus(before.stop_at) - calm.bus(chain.edge), "controller.rate")
+    return stop, Term("slack", closed.slack.ticks, "its own bound")
+
+
+def _cleared(closed: Closed) -> Iterator[Bound]:
+    """I2CSTR written before a flag rises that the write would clear, and that is waited for afterwards."""
+    calm = closed.calm
+    clearable = {f"I2C-A.I2CSTR.{f.name}" for f in I2C_MAP["I2CSTR"].fields if f.on_write is OnWrite.ONE_CLEARS}
+    for transfer in calm.transfers:
+        begin = transfer.phases[0].start_at
+        for written, place in calm.clears:
+            later = next((w for w in waits_between(calm, written, transfer.stop_at) if w.flag in clearable), None)
+            if later is None or later.edge is None or not begin <= written <= later.edge:
+                continue
+            flag = later.flag.rpartition(".")[2]
+            for chain in chains(calm, waits_between(calm, begin, written), written, f"I2CSTR in {place}"):
+                there = Term(f"edge to {flag}", calm.bus(later.edge) - calm.bus(chain.edge), "controller.rate")
+                cost = (*chain.terms, closed.preempted(total(chain.terms)))
+                yield _spare(f"{flag} of {transfer.name} rises", (there,), cost)
+
+
+def _spare(name: str, there: tuple[Term, ...], cost: tuple[Term, ...]) -> Bound:
+    taken = tuple(Term(term.what, -term.ticks, term.source) for term in cost)
+    return Bound(name, "", (*there, *taken), least=True)

@@ -1,0 +1,126 @@
+"""A report of bounds as a person reads it, and as JSON: each bound beside the value seen, then its sum term by term."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from .beside import Beside, Report
+from .terms import Bound, Term, total
+
+MEASURED = (
+    "Code and service routines are straight-line code, measured undisturbed (the case without its host, the case "
+    "without its controller); all else comes from the case."
+)
+
+
+def text(report: Report) -> str:
+    lines = [f"{report.case}: {_verdict(report)}"]
+    if report.beside:
+        head = ("measure", "bound", "seen", "ratio", "values")
+        lines += ["", *_columns([head, *(_row(report, each) for each in report.beside)])]
+    for each in report.beside:
+        lines += ["", *_sum(report, each.bound)]
+    lines += ["", "what is left before the deadlines that the bounds need:"]
+    alike: dict[tuple[Term, ...], list[str]] = {}
+    for deadline in report.deadlines:
+        alike.setdefault(deadline.terms, []).append(deadline.name)
+    for terms, names in alike.items():
+        lines += ["", f"{', '.join(names)}: {_us(report, total(terms))} us", *_terms(report, terms)]
+    if report.handlers.terms:
+        lines += ["", f"one interrupt: {_us(report, report.handlers.cost)} us", *_terms(report, report.handlers.terms)]
+    return "\n".join([*lines, "", MEASURED])
+
+
+def _verdict(report: Report) -> str:
+    if report.missed:
+        names = "; ".join(f"{d.name} up to {report.timebase.show(-d.ticks)} too soon" for d in report.missed)
+        return f"no bound: {names}"
+    broken = [each.bound.name for each in report.beside if each.seen is not None and not each.holds]
+    unseen = [each.bound.name for each in report.beside if each.seen is None]
+    said = [f"{' and '.join(broken)} beyond its bound"] * bool(broken)
+    said += [f"of {' and '.join(unseen)} nothing was seen, so nothing is compared"] * bool(unseen)
+    said += report.hung
+    return f"{'; '.join(said) or 'the bounds hold'}; {report.simulated_s:g} s simulated beside them"
+
+
+def _row(report: Report, each: Beside) -> tuple[str, ...]:
+    sign = ">=" if each.bound.least else "<="
+    return (
+        each.bound.name,
+        f"{sign} {_us(report, each.bound.ticks)} us",
+        "-" if each.seen is None else f"{_us(report, each.seen)} us",
+        "-" if each.ratio is None else f"{float(each.ratio):.3f}",
+        str(each.count),
+    )
+
+
+def _sum(report: Report, bound: Bound) -> list[str]:
+    """The sum under its head."""
+    sign = "at least" if bound.least else "at most"
+    lines = [f"{bound.name}: {sign} {_us(report, bound.ticks)} us"]
+    if bound.floor is None:
+        return lines + _terms(report, bound.terms)
+    lines += _terms(report, (bound.floor,))
+    return [*lines, f"  or, if that is more, the sum of {_us(report, bound.sum)} us", *_terms(report, bound.terms)]
+
+
+def _terms(report: Report, terms: tuple[Term, ...]) -> list[str]:
+    return [
+        f"  {_cycles(report, term.ticks):>9} cycles {_us(report, term.ticks):>11} us  {term.what}  [{term.source}]"
+        for term in terms
+    ]
+
+
+def _cycles(report: Report, ticks: int) -> str:
+    cycles = ticks / report.cycle
+    return f"{cycles.numerator}" if cycles.denominator == 1 else f"{float(cycles):.1f}"
+
+
+def _us(report: Report, ticks: int) -> str:
+    return f"{float(Fraction(ticks * 1_000_000, report.timebase.per_second)):.3f}"
+
+
+def _columns(rows: list[tuple[str, ...]]) -> list[str]:
+    """The first column to the left, the others to the right."""
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    return [
+        "  ".join(["", row[0].ljust(widths[0]), *(c.rjust(w) for c, w in zip(row[1:], widths[1:], strict=True))])
+        for row in rows
+    ]
+
+
+def as_json(report: Report) -> dict[str, object]:
+    """Times in microseconds and in cycles, as numbers."""
+
+    def time(ticks: int) -> dict[str, float]:
+        us = Fraction(ticks * 1_000_000, report.timebase.per_second)
+        return {"us": float(us), "cycles": float(ticks / report.cycle)}
+
+    def terms(given: tuple[Term, ...]) -> list[dict[str, object]]:
+        return [{"what": term.what, **time(term.ticks), "source": term.source} for term in given]
+
+    return {
+        "case": report.case,
+        "simulated_s": report.simulated_s,
+        "holds": report.holds,
+        "hung": list(report.hung),
+        "deadlines": [
+            {"what": deadline.name, "spare": time(deadline.ticks), "terms": terms(deadline.terms)}
+            for deadline in report.deadlines
+        ],
+        "bounds": [
+            {
+                "measure": each.bound.measure,
+                "from_below": each.bound.least,
+                "bound": time(each.bound.ticks),
+                "seen": None if each.seen is None else time(each.seen),
+                "ratio": None if each.ratio is None else float(each.ratio),
+                "values": each.count,
+                "holds": each.holds,
+                "floor": terms((each.bound.floor,)) if each.bound.floor is not None else [],
+                "terms": terms(each.bound.terms),
+            }
+            for each in report.beside
+        ],
+        "interrupt": terms(report.handlers.terms),
+    }

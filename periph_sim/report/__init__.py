@@ -1,0 +1,16 @@
+"""Runs as one HTML file: verdicts, distributions, and a timeline of each budget's worst occurrence.
+
+    Result, Values --+
+                     +--case_report--> CaseReport --page--> HTML that needs no network and no other file
+    case --windows---+
+
+Equal runs give equal text, but for the wall time, which stands in elements of the class `wall`.
+"""
+
+from __future__ import annotations
+
+from .gather import case_report
+from .model import BudgetReport, CaseReport
+from .page import page
+
+__all__ = ["BudgetReport", "CaseReport", "case_report", "page"]

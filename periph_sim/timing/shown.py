@@ -1,0 +1,45 @@
+"""Figures of verdicts for people: values with their units go in, short texts come out.
+
+Needs no module of ours: what only shows figures need not load what measures them.
+"""
+
+from __future__ import annotations
+
+PLAIN = ("count", "value")  # units that say nothing beside a number
+
+
+def figure(value: float | int | None, unit: str) -> str:
+    """`5.000 us`, `17.380 ms`, `1.28 %`, or a plain count; `-` where there is none."""
+    if value is None:
+        return "-"
+    if unit == "%":
+        return f"{value:.2f} %"
+    if unit == "LSB":
+        return f"{value:.3f} LSB"
+    if unit != "us":
+        return f"{value}"
+    return f"{value:.3f} us" if abs(value) < 1000 else f"{value / 1000:.3f} ms"
+
+
+def in_words(value: float | int, unit: str) -> str:
+    """The same within a sentence, where no column says what is counted: `12 words`."""
+    text = figure(value, unit)
+    return f"{text} {unit}" if unit not in PLAIN and text == f"{value}" else text
+
+
+def limit(value: float | int, unit: str, which: str) -> str:
+    """`60.000 us`, `= 150`, `p99 1.000 us`. which: the limit's key."""
+    text = figure(value, unit)
+    if which in ("max", "min", ""):
+        return text
+    return f"{'=' if which == 'exactly' else percentile(which)} {text}"
+
+
+def percentile(which: str) -> str:
+    """`p99.9` of a limit's key."""
+    return which.replace("_", ".")
+
+
+def instant(at_s: float | None) -> str:
+    """`0.005290 s`; `-` where there is none."""
+    return "-" if at_s is None else f"{at_s:.6f} s"

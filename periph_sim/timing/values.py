@@ -1,0 +1,48 @@
+"""All values that budgets measured, not only the worst: limits after a run go in, arrays come out.
+
+    Scene(case, keep_values=True) --run--> limits --values_of--> Values each
+
+Two int64 a value. Of what is one number a run (counts, loads) there is none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .budgets import Limit
+
+
+@dataclass(frozen=True, eq=False)
+class Values:
+    """What one budget's measure took, in the order in which it came.
+
+    values: int64[n], ticks where unit is "time", millionths where it is "LSB", else counts. at: int64[n], ticks from
+    the run's begin.
+    limits: the budget's, by key, in the same unit.
+    """
+
+    unit: str
+    values: NDArray[np.int64]
+    at: NDArray[np.int64]
+    limits: dict[str, int]
+
+
+def values_of(limits: Iterable[Limit], start: int) -> list[Values | None]:
+    """Of each limit what its measure kept, None where that is nothing. start: the tick at which the run began.
+
+    Of joined conditions that which the verdict shows.
+    """
+    return [_values(limit, start) for limit in limits]
+
+
+def _values(limit: Limit, start: int) -> Values | None:
+    shown = limit.shown
+    kept = shown.measure.kept
+    if kept is None or not len(kept[0]):
+        return None
+    values, at = kept
+    return Values(shown.measure.unit, values, at - start, shown.limits)

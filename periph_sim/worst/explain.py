@@ -1,0 +1,123 @@
+"""The explanation of each budget's worst occurrence: windows go in, a Chain each comes out.
+
+case, verdicts, typical ones --> windows --> Look --> Story of its measure --> Chain, compared with the typical one
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+from ..board.firmware import Firmware
+from ..case.model import Case
+from ..core.records import Kind
+from ..timing.budgets import Verdict
+from ..timing.event_measures import make_of_events
+from ..timing.events import EVERYTHING, Matcher, matcher
+from ..timing.language import is_form, measure_of
+from ..timing.measures import SPAN
+from ..timing.names import scope_of_case
+from ..timing.race_measures import OfRegister
+from . import of_bus, of_events, of_host
+from .chain import Chain, difference
+from .look import Look
+from .of_bus import Story
+from .window import Window, windows
+
+STORIES: dict[str, Callable[[Look], Story]] = {
+    "response": of_bus.response,
+    "stretch": of_bus.stretch,
+    "round": of_bus.round_time,
+    "missed rounds": of_bus.missed,
+    "nacked rounds": of_bus.nacked,
+    "nacked": of_bus.nacked,
+    "wrong bytes": of_bus.wrong_bytes,
+    "age": of_host.age,
+    "model age": of_host.age,
+    "fifo high-water": of_host.fifo,
+    "overruns": of_host.fifo,
+    "stuck": of_bus.stuck,
+    "slack": of_bus.slack,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Explained:
+    """A Chain with the window that it is told from."""
+
+    window: Window
+    chain: Chain
+
+
+def explain(
+    case: Case,
+    verdicts: Iterable[Verdict],
+    typical: Iterable[Verdict] = (),
+    length: Fraction | None = None,
+    programs: Mapping[str, Firmware] | None = None,
+) -> dict[str, Explained]:
+    """By the name of its budget, why each worst occurrence was as it was; without those that have no instant.
+
+    typical: for budgets of these names, the occurrence that is least remarkable, to be compared with. Everything
+    comes from one more run of the case; the other arguments are those of `windows`.
+    """
+    worst = [verdict for verdict in verdicts if verdict.at_s is not None]
+    names = {verdict.name for verdict in worst}
+    usual = [verdict for verdict in typical if verdict.at_s is not None and verdict.name in names]
+    found = windows(case, [*worst, *usual], length, programs)
+    usual_windows = {w.verdict.name: w for w in found[len(worst) :]}
+    return {w.verdict.name: _explained(case, w, usual_windows.get(w.verdict.name)) for w in found[: len(worst)]}
+
+
+def _explained(case: Case, window: Window, usual: Window | None) -> Explained:
+    chain = chain_of(case, window)
+    if usual is not None and (usual.begin, usual.end) != (window.begin, window.end):
+        there = chain_of(case, usual)
+        comparable = chain.parts and (there.parts or not there.length)
+        more = difference(chain.parts, there.parts) if comparable else ()
+        chain = replace(chain, typical=there.length, more=more)
+    return Explained(window, chain)
+
+
+def chain_of(case: Case, window: Window) -> Chain:
+    """The Chain of one window."""
+    steps, parts, blame = _story(case, window)
+    return Chain(window.verdict, window.timebase, window.end - window.begin, steps, parts, blame=blame)
+
+
+def _story(case: Case, window: Window) -> Story:
+    measure = window.verdict.measure
+    look = Look(window, case)
+    if measure in STORIES:
+        return STORIES[measure](look)
+    scope = scope_of_case(case)
+    if measure.startswith(SPAN):
+        name = measure.removeprefix(SPAN)
+        begin, end = (Matcher(f"span {name}", Kind.SPAN, None, name, EVERYTHING, value) for value in (1, 0))
+        return of_events.between(look, begin, end)
+    if not is_form(measure):
+        raise ValueError(f"there is no explanation of {measure!r}; expected a measure of timing.measures")
+    said = measure_of(measure)
+    made = make_of_events(measure, scope)
+    events: list[Matcher] = list(getattr(made, "matchers", ()))
+    if said.form == "interrupt":
+        return of_events.latency(look, events[0], events[1])
+    if said.form == "from":
+        return of_events.between(look, events[0], events[1])
+    if said.form == "period":
+        return of_events.between(look, events[0], events[0])
+    if said.form == "jitter":
+        return of_events.two_periods(look, events[0])
+    if said.form == "each":
+        first, last = (of_events.one_of(look, events, at) for at in (look.window.begin, look.window.end))
+        return of_events.between(look, first, last)
+    if said.form in ("level", "time"):
+        return of_events.once(look, events[0])
+    if isinstance(made, OfRegister):
+        return of_events.around(look, made.watched)
+    if said.form == "value":
+        return of_host.value(look)
+    if said.form == "count":
+        return of_events.once(look, matcher(said.events[0], scope))
+    return of_events.whole(look)

@@ -1,0 +1,168 @@
+"""What a CPU did when: records go in, stretches of time without gap or overlap come out, innermost activity first.
+
+    SPAN, IRQ, WAIT begin and end --> a stack --> Stretch, Stretch, ...     model |SCIRXINTA| model | wait for AAS
+
+At each instant counts what is on top of the stack: a service routine in a span, a wait in the routine. Where the
+stack is empty the firmware runs on, somewhere between two accesses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from ..core.records import Kind, Record
+from .window import Window
+
+Doing = Literal["interrupt", "span", "wait", "code", "bus", "unknown"]
+CODE: Doing = "code"
+UNKNOWN: Doing = "unknown"
+NOT_KEPT = "the middle, of which no records were kept"
+DOING: dict[Kind, Doing] = {Kind.IRQ: "interrupt", Kind.SPAN: "span", Kind.WAIT: "wait"}
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """From `begin` to `end` (ticks) one thing was done. where: the place in the firmware, "" where nobody knows.
+
+    within: what it was done on top of, outermost first. since: when it began, at `begin` or before.
+    """
+
+    begin: int
+    end: int
+    doing: Doing
+    what: str
+    where: str
+    since: int
+    within: tuple[str, ...] = ()
+
+    @property
+    def length(self) -> int:
+        return self.end - self.begin
+
+    def __str__(self) -> str:
+        """As a phrase: "SCIRXINTA", "wait for I2C-A.I2CSTR.SDIR"."""
+        return phrase(self.doing, self.what)
+
+
+def phrase(doing: Doing, what: str) -> str:
+    """An activity in words."""
+    if (doing, what) == ("wait", "IDLE"):
+        return what
+    if doing == "wait":
+        return f"wait for {polled(what)}"
+    return {"span": f"span {what}", "code": what or "other code", "unknown": NOT_KEPT}.get(doing, what)
+
+
+def polled(what: str) -> str:
+    """ "I2C-A.I2CSTR.XRDY and I2C-A.I2CSTR.SCD" as "I2C-A.I2CSTR.XRDY or SCD": a wait for several may end by any."""
+    first, *others = what.split(" and ")
+    register = first.rpartition(".")[0]
+    return " or ".join([first, *(other.removeprefix(f"{register}.") for other in others)])
+
+
+def timeline(window: Window, unit: str, begin: int, end: int) -> list[Stretch]:
+    """What a unit's CPU did from one tick to another, both in the window; together as long as that."""
+    moves = [r for r in _relevant(window, unit) if r.tick < end]
+    stack: list[Record] = []
+    found: list[Stretch] = []
+    at = min([begin, *(r.tick for r in moves)])
+    hole, bottom = window.hole, CODE
+    for record in moves:
+        if hole is not None and record.tick >= hole.end:
+            found.append(_top(stack, at, hole.begin, CODE))
+            stack, at, hole, bottom = [], hole.begin, None, UNKNOWN
+        found.append(_top(stack, at, record.tick, bottom))
+        if record.value and record.kind is not Kind.IRQ and not stack:
+            bottom = CODE  # taken for the outermost: what the firmware does is known again
+        at = max(at, record.tick)
+        _move(stack, record)
+    found.append(_top(stack, at, end, bottom))
+    return [_clipped(one, begin) for one in found if one.end > max(one.begin, begin)]
+
+
+def units(window: Window) -> list[str]:
+    """The units whose firmware did something in or before the window, by name."""
+    kinds = (Kind.ACCESS, *DOING)
+    return sorted({r.where for r in (*window.before, *window.records) if r.kind in kinds})
+
+
+def open_at(window: Window, unit: str, tick: int) -> list[Record]:
+    """What had begun and was not over at a tick (service routines, spans, waits), outermost first."""
+    stack: list[Record] = []
+    for record in _relevant(window, unit):
+        if record.tick > tick:
+            break
+        _move(stack, record)
+    return stack
+
+
+def _relevant(window: Window, unit: str) -> Iterable[Record]:
+    open_before = [r for r in window.before if r.value]
+    return [r for r in (*open_before, *window.records) if r.where == unit and r.kind in DOING]
+
+
+def _move(stack: list[Record], record: Record) -> None:
+    if record.value:
+        stack.append(record)
+        return
+    for place in range(len(stack) - 1, -1, -1):
+        if stack[place].kind is record.kind and stack[place].what == record.what:
+            del stack[place:]  # what was on top of it is over, too
+            return
+
+
+def _top(stack: Sequence[Record], begin: int, end: int, bottom: Doing) -> Stretch:
+    if not stack:
+        return Stretch(begin, end, bottom, "", "", begin)
+    top = stack[-1]
+    below = tuple(phrase(DOING[r.kind], r.what) for r in stack[:-1])
+    return Stretch(begin, end, DOING[top.kind], top.what, top.text, top.tick, below)
+
+
+def _clipped(one: Stretch, begin: int) -> Stretch:
+    return replace(one, begin=max(one.begin, begin)) if one.begin < begin else one
+
+
+@dataclass(frozen=True)
+class Episode:
+    """One service routine, span or wait. end: None if it was not over when the window ends.
+
+    within: what it was done on top of, outermost first.
+    """
+
+    begin: int
+    end: int | None
+    doing: Doing
+    what: str
+    where: str
+    within: tuple[Record, ...] = ()
+
+    def __str__(self) -> str:
+        return phrase(self.doing, self.what)
+
+    def meets(self, begin: int, end: int) -> bool:
+        """Whether a part of it lies between two ticks."""
+        return self.begin < end and (self.end is None or self.end > begin)
+
+
+def episodes(window: Window, unit: str, begin: int, end: int) -> list[Episode]:
+    """All service routines, spans and waits of a unit that meet the time between two ticks, in order of their begin."""
+    stack: list[tuple[Record, tuple[Record, ...]]] = []
+    over: list[Episode] = []
+    for record in _relevant(window, unit):
+        if record.value:
+            stack.append((record, tuple(below for below, _ in stack)))
+            continue
+        for place in range(len(stack) - 1, -1, -1):
+            if stack[place][0].kind is record.kind and stack[place][0].what == record.what:
+                over.append(_episode(*stack[place], record.tick))
+                del stack[place:]
+                break
+    over += [_episode(*one, None) for one in stack]
+    return sorted((one for one in over if one.meets(begin, end)), key=lambda one: one.begin)
+
+
+def _episode(record: Record, within: tuple[Record, ...], end: int | None) -> Episode:
+    return Episode(record.tick, end, DOING[record.kind], record.what, record.text, within)

@@ -1,0 +1,178 @@
+"""Bounds of the IMU emulator: beside what is seen, at the worst phase, and where none can be."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+import pytest
+
+from periph_sim.bound import BadBound, report
+from periph_sim.bound.beside import closed_form
+from periph_sim.bound.terms import Bound, total
+from periph_sim.core.records import Kind, Record
+from tests.board.runs import run_case
+from tests.board.small import case
+from tests.bound.cases import imu_hil, named, reported
+
+CYCLE = 20  # ticks
+
+
+def test_of_the_reference_scene_each_bound_holds_and_none_is_far_off():
+    found = reported("duration=1 s", seconds="1")
+    assert found.holds and not found.missed and not found.hung
+    assert named(found).keys() == {"response", "round", "slack", "span model", "age"}
+    ratios = {each.bound.name: each.ratio for each in found.beside}
+    assert ratios["response"] == 1  # the controller's SCL low time: the firmware is ready long before
+    assert all(1 <= ratio < Fraction(9, 5) for ratio in ratios.values() if ratio is not None)
+    (response,) = (each for each in found.beside if each.bound.name == "response")
+    assert response.bound.floor is not None and response.bound.floor.ticks == 750 * CYCLE
+    assert response.count == 150 and response.bound.sum < 0
+
+
+def in_cycles(bound: Bound) -> dict[str, int]:
+    return {term.what: term.ticks // CYCLE for term in bound.terms}
+
+
+def test_each_term_is_what_the_cases_own_parameters_say():
+    options = ("poll_loop_cycles=100", "int_latency=16", "context_save=9", "gpio_out_delay=2", "pf2_read_ws=5")
+    i2c = ("noise_filter_cycles=4", "sda_setup_before_scl_release=3")
+    plain = closed_form(imu_hil()).response
+    changes = [f"unit.dsp.options.system.{o}" for o in options] + [f"unit.dsp.options.i2c.{o}" for o in i2c]
+    changed = closed_form(imu_hil(*changes, "controller.rate=200 kHz")).response
+    before, after = in_cycles(plain), in_cycles(changed)
+    moved = {what: (before[what], after[what]) for what in before if before[what] != after.get(what)}
+    assert moved == {
+        "SDIR behind its edge": (16, 61),  # a cycle, and 1 or 4 module clocks of 15 cycles
+        "poll pass for SDIR": (10, 100),
+        "interrupts by host frames: 1": (68, 68 + 2 + 9 + 14 * 3),  # 12 characters and 2 flags are read
+        "SDA set up before SCL": (15, 45),
+        "pin output": (1, 2),
+        "edge to the end of the address's ACK slot": (-1500, -750),
+    }
+    assert plain.floor is not None and changed.floor is not None
+    assert (plain.floor.ticks, changed.floor.ticks) == (750 * CYCLE, 375 * CYCLE)
+
+
+def test_a_slow_service_routine_is_the_worst_case_at_its_worst_phase():
+    """The routine begins as SDIR rises; nothing else of the sum is more than a few cycles off."""
+    changes = ("controller.rate=400 kHz",)
+    found = [
+        reported(*changes, f"host.first={first} ns", frame_us=20, seconds="0.008")
+        for first in range(4_026_800, 4_028_000, 400)
+    ]
+    (response,) = {each.beside[0].bound for each in found}
+    assert in_cycles(response)["interrupts by host frames: 1"] == 3068
+    seen = max(each.beside[0].seen or 0 for each in found)
+    assert response.ticks * 20 // 21 < seen <= response.ticks
+
+
+def test_models_that_take_the_spare_time_leave_no_bound():
+    kept, missed = (
+        reported(f"unit.dsp.settings.model_cost={cost} us", "controller.first=20 ms", seconds="0.03")
+        for cost in (17_378, 17_379)
+    )
+    assert not kept.missed and kept.beside
+    assert [deadline.name for deadline in missed.missed] == ["gyroscope asked"]
+    assert not missed.holds and not missed.beside
+    terms = [term.what for term in missed.missed[0].terms]
+    assert any(what.endswith("with model") for what in terms) and "slack" in terms
+
+
+def test_start_up_must_be_over_before_the_first_request():
+    found = reported("controller.first=251 us", seconds="0.03")
+    assert [deadline.name for deadline in found.missed] == ["gyroscope asked first"]
+    assert not reported("controller.first=252 us", seconds="0.03").missed
+
+
+def test_a_write_of_i2cstr_that_may_clear_sdir_is_a_deadline_and_missing_it_hangs():
+    """A service routine of 40 us between RRDY and `SCD = 1`: SDIR has risen, is read as 1 and cleared unseen."""
+    changes = ("controller.rate=400 kHz", "host.first=3990 us")
+    found = reported(*changes, frame_us=40)
+    assert {deadline.name for deadline in found.missed} == {
+        f"SDIR of {chip} rises" for chip in ("gyroscope", "accelerometer", "magnetometer")
+    }
+    ran = run_case(imu_hil(*changes, frame_us=40), "0.03")
+    assert ran.rounds == [] and ran.result.counts["missed"] == 1
+    assert not reported("controller.rate=400 kHz", "host.first=3990 us", frame_us=20).missed
+
+
+@pytest.mark.parametrize(
+    "changes", [("poll_loop_cycles=10",), ("poll_loop_cycles=7", "pf2_read_ws=5"), ("pf2_read_ws=1",)]
+)
+def test_a_poll_pass_is_what_passes_made_one_by_one_take(changes: tuple[str, ...]):
+    options = [f"unit.dsp.options.system.{change}" for change in changes]
+    calm = closed_form(imu_hil(*options)).calm
+    reads: dict[str, list[int]] = {}
+
+    def hear(record: Record) -> None:
+        if record.what == "R I2C-A.I2CSTR":
+            reads.setdefault(record.text, []).append(record.tick)
+
+    run_case(imu_hil(*options, "unit.dsp.skip_polls=false"), "0.0057", lambda r, _: r.subscribe([Kind.ACCESS], hear))
+    for wait in calm.waits[:6]:
+        ticks = reads[wait.place]
+        again = {late - early for early, late in zip(ticks, ticks[wait.reads :], strict=False)}
+        assert calm.pass_ticks(wait) in again and min(again) == calm.pass_ticks(wait)
+
+
+def test_what_is_not_seen_is_not_proven():
+    found = reported("host.frames=0", seconds="0.05")
+    assert named(found)["age"] is None and not found.holds
+
+
+FIRMWARE = """
+from firmware.python.startup import start_i2c
+
+
+def main(dsp, settings):
+    start_i2c(dsp)
+    i2c = dsp.module("I2C-A")
+    i2c.I2COAR.all = 0x50
+    i2c.I2CMDR.IRS = 1
+    while True:
+        {body}
+"""
+
+
+@pytest.mark.parametrize(
+    ("body", "request_", "sentence"),
+    [
+        ("dsp.compute(9000), i2c.I2CDRR.all", {"count": 0, "pointer": 1}, "never writes I2CDXR outside of a wait"),
+        ("dsp.compute(3000); i2c.I2CDXR.all = 7", {"count": 1}, "the firmware waits for nothing when 0x50 is asked"),
+        ("dsp.spin(lambda: i2c.I2CSTR.RRDY == 9)", {"count": 0, "write": "0102"}, "its second round was not over when"),
+    ],
+)
+def test_firmware_that_does_not_serve_in_waits_has_no_closed_form(tmp_path, body: str, request_, sentence: str):
+    (tmp_path / "f.py").write_text(FIRMWARE.format(body=body), encoding="utf-8")
+    with pytest.raises(BadBound) as caught:
+        report(served(str(tmp_path / "f.py"), request_), Fraction(1, 100))
+    assert sentence in str(caught.value)
+
+
+def served(firmware: str, request: dict[str, Any], **more: Any):
+    controller = {"first": "1 ms", "period": "3 ms", "request": [{"address": 0x50, **request}]}
+    unit = {"dsp": {"firmware": firmware, "modules": ["I2C-A"]}}
+    return case(**{"unit": unit, "controller": controller, **more})
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"controller": None}, "a bound of request and response needs a controller, which it has not"),
+        ({"unit": {}}, "one unit with I2C-A is expected to answer; it has none"),
+    ],
+)
+def test_a_scene_without_request_and_answer_is_refused(changes: dict[str, Any], sentence: str):
+    with pytest.raises(BadBound, match=sentence):
+        report(served("responder", {"count": 1}, **changes))
+
+
+def test_models_too_slow_without_any_host_are_told_at_once():
+    with pytest.raises(BadBound, match="without a host the request of gyroscope is refused already"):
+        reported("unit.dsp.settings.model_cost=18 ms")
+
+
+def test_the_sum_of_the_slack_is_what_the_round_leaves_of_the_period():
+    closed = closed_form(imu_hil("controller.jitter=1 ms"))
+    assert total(closed.slack.terms) == closed.period - closed.round.ticks

@@ -1,0 +1,102 @@
+"""How old what sensor models made is when it is read, and values of models against the true motion."""
+
+from __future__ import annotations
+
+import pytest
+
+from periph_sim.board.scene import Scene
+from periph_sim.case.load import load
+from periph_sim.case.model import BadCase
+from periph_sim.timing.budgets import Verdict
+from periph_sim.timing.measures import MEASURES
+from periph_sim.worst.explain import STORIES, explain
+from tests.board.runs import TIMING, run_file
+from tests.moving.subjects import TWO_ANGLES
+
+AGES = 'budget=[{name = "age", measure = "age", max = "9 s"}, {name = "model age", measure = "model age", max = "9 s"}]'
+
+
+def judged(name: str, seconds: str, *changes: str) -> dict[str, Verdict]:
+    return {verdict.name: verdict for verdict in run_file(name, seconds, *changes).result.budgets}
+
+
+def test_where_chips_show_the_frames_values_it_is_their_age_on_the_first_chip():
+    """The gyroscope is read first; the others of the round 0.89 ms later each."""
+    found = judged("imu_hil", "0.2", AGES)
+    assert found["model age"].worst == pytest.approx(found["age"].worst + 2 * 890, abs=1)
+    assert found["model age"].count == 3 * found["age"].count
+
+
+def test_a_frame_that_is_worked_on_again_is_older_then():
+    found = judged("imu_hil", "0.3", AGES, "host.period=40 ms")
+    assert found["model age"].worst == pytest.approx(found["age"].worst + 2 * 890 + 20_000, abs=1)
+    stopped = judged("imu_hil", "0.3", AGES, "host.frames=2")
+    assert stopped["model age"].worst > 250_000 and stopped["age"].worst < 50_000
+
+
+def test_a_frame_that_comes_while_the_models_run_is_not_what_they_made():
+    """They begin after the round, 7.62 ms, and run to 23.62 ms; the next frame ends at 23.04 ms."""
+    found = judged("imu_hil", "0.2", AGES, "unit.dsp.settings.model_cost=16 ms")
+    assert found["model age"].worst == pytest.approx(found["age"].worst + 2 * 890, abs=1)
+    assert found["age"].worst == pytest.approx(22_153, abs=1)
+
+
+def test_without_a_frame_there_is_no_age():
+    found = judged("imu_hil", "0.1", AGES, "host.frames=0")
+    assert (found["model age"].verdict, found["model age"].count) == ("fail", 0)
+    assert "no chip was read after a span 'model' that began after a host frame had come" in found["model age"].found
+
+
+def test_every_measure_can_be_explained():
+    assert set(MEASURES) <= set(STORIES)
+
+
+def test_its_worst_is_explained_from_the_frame_to_the_read():
+    case = load(TIMING / "imu_moving.toml", [AGES, "duration=0.1 s"])
+    scene = Scene(case)
+    (worst,) = [verdict for verdict in scene.run().budgets if verdict.name == "model age"]
+    explained = explain(case, [worst])["model age"]
+    told = [step.what for step in explained.chain.steps]
+    assert told[0] == "the host's frame is over" and told[-1].startswith("START, magnetometer")
+    assert any("model" in one for one in told)
+    assert explained.chain.length == explained.window.end - explained.window.begin == round(worst.worst * 3000)
+
+
+# The case of the moving experiment -------------------------------------------------------------------------------
+
+
+def test_the_case_holds_fresh_and_right_at_once():
+    found = judged("imu_moving", "1")
+    assert {verdict.verdict for verdict in found.values()} == {"pass"}
+    assert found["fresh and right"].count == 47
+    assert "model age 21.043 ms" in found["fresh and right"].found
+
+
+@pytest.mark.parametrize(
+    ("change", "measure"),
+    [
+        ("host.first=2 ms", "model age"),  # ready before the models as well, but longer
+        ("host.first=7 ms", "model age"),  # its end comes too late for the models of its round
+        ("host.motion.read_every=400 ms", "value error of accelerometer"),  # straight lines where the servos turn
+        ("unit.dsp.settings.arithmetic=q3", "value error of accelerometer"),
+    ],
+)
+def test_one_line_breaks_it(change: str, measure: str):
+    found = judged("imu_moving", "1", change)["fresh and right"]
+    assert (found.verdict, found.measure) == ("fail", measure)
+
+
+def test_a_gyroscope_as_built_is_wrong_where_two_angles_move_and_a_corrected_one_is_not(tmp_path):
+    (tmp_path / "corrected.toml").write_text('[gyroscope]\nrates = "corrected"\n')
+    corrected = f"unit.dsp.settings.parameters={tmp_path / 'corrected.toml'}"
+    budget = (
+        'budget=[{name = "gyroscope", measure = "value error of gyroscope at frame", max = "20 LSB", after = "50 ms"}]'
+    )
+    assert judged("imu_moving", "1.5", TWO_ANGLES, budget)["gyroscope"].verdict == "fail"
+    assert judged("imu_moving", "1.5", TWO_ANGLES, budget, corrected)["gyroscope"].verdict == "pass"
+
+
+def test_values_of_models_without_a_motion_have_no_truth():
+    budget = 'budget=[{name = "value", measure = "value error", max = 1}]'
+    with pytest.raises(BadCase, match=r"'value error' of sensor models needs a motion to compare with; give \[host"):
+        run_file("imu_models", "0.1", budget)

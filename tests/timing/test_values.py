@@ -1,0 +1,39 @@
+"""All values of a run: as many as were counted, the worst and the least among them, when they were."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from periph_sim.board.scene import Scene
+from periph_sim.case.load import load
+from periph_sim.timing.values import values_of
+from tests.report.made import CASE
+
+
+def test_values_are_kept_on_request_and_agree_with_the_verdicts(tmp_path: Path) -> None:
+    path = tmp_path / "small.toml"
+    path.write_text(CASE.replace('duration = "70 ms"', 'duration = "70 ms"\nstart = "3 s"'), encoding="utf-8")
+    case = load(path, [])
+    scene = Scene(case, keep_values=True)
+    result = scene.run()
+    kept = values_of(scene.limits, scene.start)
+    assert [one is None for one in kept] == [False, False, False, False, True, True]  # a count, and what never was
+    for limit, verdict, one in zip(scene.limits, result.budgets, kept, strict=True):
+        if one is not None:
+            assert len(one.values) == len(one.at) == verdict.count
+            assert (one.values.max(), one.values.min()) == (limit.measure.worst, limit.measure.least)
+            assert one.at[one.values.argmax()] == limit.measure.worst_at - scene.start
+            assert (one.at >= 0).all()
+    assert kept[0] is not None and kept[0].unit == "time" and kept[0].limits == {"max": 180_000}
+    assert kept[3] is not None and kept[3].unit == "words" and kept[3].limits == {"max": 13}
+
+
+def test_without_the_request_only_percentiles_keep_values(tmp_path: Path) -> None:
+    path = tmp_path / "small.toml"
+    path.write_text(CASE, encoding="utf-8")
+    scene = Scene(load(path, []))
+    scene.run()
+    names = [
+        x.budget.name for x, kept in zip(scene.limits, values_of(scene.limits, 0), strict=True) if kept is not None
+    ]
+    assert names == ["<script>alert(1)</script>"]

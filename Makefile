@@ -29,6 +29,7 @@ check: $(STAMP)
 bench: $(STAMP)
 	$(BIN)/python -m tests.bench.speed
 	$(BIN)/python -m tests.bench.decode
+	$(BIN)/python -m tests.bench.numeric
 
 setup: $(STAMP)
 

@@ -1,7 +1,8 @@
 """What all tests share: timing diagrams that differ are shown one above the other; no test has a deadline.
 
-Properties and whole recordings are `long`, besides what is marked so by hand: they go again and again through lines
-that short tests have reached.
+Properties and whole recordings are `long`, and of a test with many parameters all but the first, besides what is marked
+so by hand: they go again and again through lines that short tests have reached, and counting lines takes five times as
+long.
 """
 
 from __future__ import annotations
@@ -15,16 +16,20 @@ pytest_plugins = ["pytester"]  # runs the pytest plugin as a user's project woul
 
 # Seconds are no property: machines are shared. The same examples each time, so that a change is judged by what it
 # changed; `make explore` looks for new ones, and what it finds is kept as an @example.
-settings.register_profile("periph-sim", deadline=None, derandomize=True)
+settings.register_profile("periph-sim", deadline=None, derandomize=True, max_examples=50)
 settings.register_profile("explore", deadline=None, max_examples=1000)
 settings.load_profile("periph-sim")
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    seen: set[str] = set()
     for item in items:
-        if is_hypothesis_test(getattr(item, "obj", None)) or item.nodeid.startswith("tests/captures/"):
+        function = item.nodeid.partition("[")[0]
+        again = function in seen
+        if again or is_hypothesis_test(getattr(item, "obj", None)) or item.nodeid.startswith("tests/captures/"):
             item.add_marker("long")
+        seen.add(function)
 
 
 def pytest_assertrepr_compare(op: str, left: object, right: object) -> list[str] | None:

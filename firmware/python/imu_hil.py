@@ -7,9 +7,10 @@ Step by step as the dissertation describes it (Figs. A.2 and A.4, sections 3.4 a
 field by field: each assignment to a field is a read and a write of the whole register.
 
 A frame is six signed 16-bit values, low byte first: roll, pitch, yaw, then acceleration
-x, y, z. Until the real sensor models stand in their place the chips show these values:
-the gyroscope the angles, the accelerometer the accelerations, the magnetometer the
-angles again, each in its chip's byte order.
+x, y, z. With arithmetic = "bytes" the chips show these values, so that a byte on the bus
+tells its frame: the gyroscope the angles, the accelerometer the accelerations, the
+magnetometer the angles again, each in its chip's byte order. With any other arithmetic
+("float64", "float32", "q16", ...) they show what the sensor models make of them.
 """
 
 from __future__ import annotations
@@ -17,10 +18,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
+from typing import Literal
 
+from firmware.python.imu_models import BYTES, ArithmeticName, Models, ParameterFile, estimated
 from firmware.python.startup import sci_fifo_receiver, start_i2c, start_pie, start_pin
 from periph_sim.board.dsp import Dsp
 from periph_sim.case.settings import Duration, HexBytes
+from periph_sim.devices.models.parameters import Imu as Parameters
 
 FRAME_BYTES = 12
 GYROSCOPE, ACCELEROMETER, MAGNETOMETER = 0x68, 0x53, 0x1E
@@ -28,15 +32,30 @@ GYROSCOPE, ACCELEROMETER, MAGNETOMETER = 0x68, 0x53, 0x1E
 
 @dataclass
 class Settings:
-    """What a case may change: the cost of the models, the SDIR wait, the order of service, fixed data."""
+    """What a case may change: models and costs, the SDIR wait, interrupts during a read, order of service, data."""
 
-    model_cost: Duration = Fraction(250, 1_000_000)
+    model_cost: Duration | Literal["estimate"] = Fraction(250, 1_000_000)
+    arithmetic: ArithmeticName = BYTES
+    parameters: ParameterFile = field(default_factory=Parameters)  # of the models; a TOML file's path
+    frame_cost: Duration = Fraction(0)  # of what the SCI service routine makes of a frame
+    noise_seed: int | None = None  # of the models' noise; none: no noise
     sdir_wait: bool = True
+    mask_during_i2c: bool = False  # INTM set from own address to the end of the read
     order: tuple[int, ...] = (GYROSCOPE, ACCELEROMETER, MAGNETOMETER)
     count: int = 6
     brr: int = 40
+    fifo_level: int = FRAME_BYTES  # words in the receive FIFO at which it asks for service
     pin: int = 34  # high while the models run
     table: dict[str, HexBytes] = field(default_factory=dict)  # chip -> bytes served instead of the models' output
+
+    def __post_init__(self) -> None:
+        if self.model_cost == "estimate" and self.arithmetic == BYTES:
+            raise ValueError('model_cost = "estimate" needs an arithmetic to estimate; give one, for instance "q16"')
+
+    @property
+    def sensors(self) -> Parameters | None:
+        """Those that the firmware stands for; none where the chips show the values of frames."""
+        return None if self.arithmetic == BYTES else self.parameters
 
 
 class Emulator:
@@ -48,6 +67,7 @@ class Emulator:
         self.frame = bytes(FRAME_BYTES)
         self.data = {address: bytes(6) for address in (GYROSCOPE, ACCELEROMETER, MAGNETOMETER)}
         self.i2c = dsp.module("I2C-A")
+        self.cost, self.models = model_of(settings)
         self.sci = dsp.module("SCI-A") if dsp.has("SCI-A") else None
         self.pie = dsp.module("PIE") if dsp.has("SCI-A") else None
 
@@ -58,6 +78,8 @@ class Emulator:
         sci, pie = self.sci, self.pie
         assert sci is not None and pie is not None
         self.frame = bytes(sci.SCIRXBUF.all & 0xFF for _ in range(FRAME_BYTES))
+        if self.settings.frame_cost:
+            self.dsp.compute(self.settings.frame_cost, "frame")
         sci.SCIFFRX.RXFFOVRCLR = 1
         sci.SCIFFRX.RXFFINTCLR = 1
         pie.PIEACK.all = 0x100  # group 9
@@ -68,11 +90,14 @@ class Emulator:
         dsp, settings = self.dsp, self.settings
         dsp.set_pin(settings.pin)
         frame = self.frame
-        dsp.compute(settings.model_cost, "model")
-        angles, accelerations = frame[0:6], frame[6:12]
-        self.data[GYROSCOPE] = swapped(angles)
-        self.data[ACCELEROMETER] = accelerations
-        self.data[MAGNETOMETER] = swapped(angles[0:2] + angles[4:6] + angles[2:4])
+        dsp.compute(self.cost, "model")
+        if self.models is not None:
+            self.data[GYROSCOPE], self.data[ACCELEROMETER], self.data[MAGNETOMETER] = self.models.chips(frame)
+        else:
+            angles, accelerations = frame[0:6], frame[6:12]
+            self.data[GYROSCOPE] = swapped(angles)
+            self.data[ACCELEROMETER] = accelerations
+            self.data[MAGNETOMETER] = swapped(angles[0:2] + angles[4:6] + angles[2:4])
         for chip, fixed in settings.table.items():
             self.data[int(chip, 0)] = fixed
         dsp.clear_pin(settings.pin)
@@ -91,6 +116,8 @@ class Emulator:
         """i2cBatchRead (Fig. A.4): serve one read; returns the NACK flag at its end."""
         i2c, dsp = self.i2c, self.dsp
         dsp.spin(lambda: i2c.I2CSTR.AAS == 1)
+        if self.settings.mask_during_i2c:
+            dsp.dint()
         i2c.I2CCNT.all = 1
         dsp.spin(lambda: i2c.I2CSTR.RRDY == 1)
         i2c.I2CMDR.TRX = 1
@@ -104,6 +131,8 @@ class Emulator:
             if dsp.spin_either(lambda: i2c.I2CSTR.XRDY == 1, lambda: i2c.I2CSTR.SCD == 1):
                 break
         i2c.I2CMDR.IRS = 1
+        if self.settings.mask_during_i2c:
+            dsp.eint()
         return i2c.I2CSTR.NACK
 
     # The main loop -----------------------------------------------------------
@@ -113,13 +142,23 @@ class Emulator:
         start_pin(dsp, settings.pin)
         start_i2c(dsp)
         if self.sci is not None:
-            sci_fifo_receiver(dsp, settings.brr, FRAME_BYTES)
+            sci_fifo_receiver(dsp, settings.brr, settings.fifo_level)
             start_pie(dsp, {"SCIRXINTA": self.sci_received})
         while True:
             self.model()
             for address in settings.order:
                 self.slave_config(address)
                 self.batch_read(self.data[address])
+
+
+def model_of(settings: Settings) -> tuple[Fraction, Models | None]:
+    """What the models cost, in seconds, and the models; none where the chips show the frame."""
+    cost = settings.model_cost
+    if isinstance(cost, str):
+        cost = estimated(settings.arithmetic, settings.parameters)
+    if settings.arithmetic == BYTES:
+        return cost, None
+    return cost, Models(settings.arithmetic, settings.parameters, settings.noise_seed)
 
 
 def swapped(data: bytes) -> bytes:

@@ -10,8 +10,7 @@ System control, PIE and the CPU's interrupt logic belong to every unit.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
@@ -75,6 +74,20 @@ class DspPlan:
     system: SystemOptions = field(default_factory=SystemOptions)
     i2c: I2cOptions = field(default_factory=I2cOptions)
     sci: SciOptions = field(default_factory=SciOptions)
+
+
+class Span:
+    """A `with` statement's stretch. A class, since contextlib would stand between the firmware and its place."""
+
+    def __init__(self, cpu: Cpu, name: str) -> None:
+        self._cpu = cpu
+        self._name = name
+
+    def __enter__(self) -> None:
+        self._cpu.mark_span(self._name, 1)
+
+    def __exit__(self, *_: object) -> None:
+        self._cpu.mark_span(self._name, 0)
 
 
 class Dsp:
@@ -156,14 +169,9 @@ class Dsp:
         cycles = cost if isinstance(cost, int) else -int(-cost * self._nominal_hz() // 1)
         self.cpu.compute(cycles, name)
 
-    @contextmanager
-    def span(self, name: str) -> Iterator[None]:
+    def span(self, name: str) -> Span:
         """A named stretch of firmware, for budgets and recordings; costs no cycles."""
-        self.cpu.mark_span(name, 1)
-        try:
-            yield
-        finally:
-            self.cpu.mark_span(name, 0)
+        return Span(self.cpu, name)
 
     def set_pin(self, pin: int) -> None:
         """GPxSET = bit: one whole-register write. Nothing where the scene has no GPIO."""

@@ -9,12 +9,16 @@ from collections.abc import Callable
 from dataclasses import dataclass, is_dataclass
 from pathlib import Path
 from types import ModuleType
+from typing import TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 
-from ..case.explain import complaint
+from ..case.explain import complaint, place_of
 from ..core.nearest import near
+from ..devices.models.parameters import Imu
 from .dsp import Dsp
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -76,12 +80,25 @@ def settings_for(firmware: Firmware, given: dict[str, object]) -> object:
         for name in given:
             raise BadSetting(f"firmware {firmware.name} takes no settings", name)
         return None
+    return filled(kind, given, f"firmware {firmware.name}")
+
+
+def sensors_of(settings: object) -> Imu | None:
+    """The sensors that firmware stands for, by its settings' `sensors`; None where it computes none."""
+    sensors = getattr(settings, "sensors", None)
+    return sensors if isinstance(sensors, Imu) else None
+
+
+def filled(kind: type[T], given: dict[str, object], who: str) -> T:
+    """A dataclass with the given values. BadSetting naming the setting otherwise. who: in messages."""
     known = inspect.signature(kind).parameters
     for name in given:
         if name not in known:
-            raise BadSetting(f"firmware {firmware.name} has no setting {name!r}; {near(name, known)}", name)
+            raise BadSetting(f"{who} has no setting {name!r}; {near(name, known)}", name)
     try:
         return TypeAdapter(kind).validate_python(given)
     except ValidationError as error:
         first = error.errors()[0]
-        raise BadSetting(complaint(first), str(first["loc"][0])) from None
+        name, *inside = map(str, place_of(first)) if first["loc"] else [""]
+        place = ".".join(inside) + ": " if any(not part.isdecimal() for part in inside) else ""
+        raise BadSetting(f"{place}{complaint(first)}", name) from None

@@ -15,7 +15,7 @@ from functools import partial
 from time import perf_counter
 from typing import TypeVar
 
-from ..case.model import Budget, Case, Controller, HostTable, RequestTable, Unit
+from ..case.model import Budget, Case, ChipTable, Controller, HostTable, RequestTable, Unit
 from ..core.chip import NEVER
 from ..core.kernel import Kernel
 from ..core.nearest import near
@@ -23,19 +23,27 @@ from ..core.options import Value, options_from
 from ..core.records import Recorder
 from ..core.time import Timebase
 from ..core.wire import Wire
+from ..devices.host_frame import MotionFrames
 from ..devices.host_pc import Host, HostSchedule, ramp
+from ..devices.models.parameters import Imu
+from ..devices.register_chip import Source
 from ..devices.sensor_head import CHIPS, Request, Round, Schedule, SensorHead
+from ..devices.truth import Axes, LineBetweenFrames, MotionFelt, Truth
 from ..f28335.i2c_options import I2cOptions
 from ..f28335.sci_options import SciOptions
 from ..f28335.system_options import SystemOptions
 from ..lines.i2c_controller import BusTiming, I2cController, Transfer
 from ..lines.i2c_counter import I2cCounter
+from ..lines.i2c_target_side import TargetSide
 from ..lines.uart_peer import UartPeer
-from ..timing.budgets import BadBudget, Limit
+from ..timing.budgets import BadBudget, Limit, Verdict
 from ..timing.measures import WrongBytes
 from ..timing.names import Scope, scope_of_case
+from ..timing.value_measures import ValueDeviation
+from .chips import Chip, ChipOnBus, build_chip
 from .dsp import MODULES, PIN_OF, Dsp, DspPlan
-from .firmware import BadFirmware, BadSetting, Firmware, load_firmware, settings_for
+from .firmware import BadFirmware, BadSetting, Firmware, load_firmware, sensors_of, settings_for
+from .host_motion import encoding_of, frames_of
 from .i2c_follower import I2cFollower
 from .result import Result
 from .sci_watch import SciWatch
@@ -51,6 +59,8 @@ class Scene:
     """subscribe: called while the scene is built, before anything runs; recorders subscribe there.
 
     programs: firmware given as Python functions, by unit; of these units the case's `firmware` is only a name.
+    keep_values: of measures that take one value after the other, for `timing.values`.
+    sources: what chips feel, given as functions of the tick, by chip; they stand in for the case's `values`.
     """
 
     def __init__(
@@ -58,26 +68,38 @@ class Scene:
         case: Case,
         subscribe: Callable[[Recorder, Timebase], None] | None = None,
         programs: Mapping[str, Firmware] | None = None,
+        *,
+        keep_values: bool = False,
+        sources: Mapping[str, Source] | None = None,
     ) -> None:
         self.case = case
         self._programs = programs or {}
         self.timebase = Timebase(*(int(unit.oscclk * unit.pll / 2) for unit in case.unit.values()))
         self.recorder = Recorder()
         scope = scope_of_case(case)
+        self.start = self.timebase.ticks(case.start, "nearest")
         self.limits = [self._limit(i, budget, scope) for i, budget in enumerate(case.budget)]
         for limit in self.limits:
-            self.recorder.subscribe(limit.measure.kinds, limit.measure.record, limit.measure.only)
+            if keep_values and limit.measure.series:
+                limit.measure.keep()
+            for part in limit.parts:
+                self.recorder.subscribe(part.measure.kinds, part.measure.record, part.measure.subjects)
         if subscribe is not None:
             subscribe(self.recorder, self.timebase)
-        self.start = self.timebase.ticks(case.start, "nearest")
         self.kernel = Kernel(self.start)
         self.wires: dict[str, Wire] = {}
         self.units: dict[str, Dsp] = {}
+        self.chips: dict[str, ChipOnBus] = {}
         self.head: SensorHead | None = None
+        self.requests: list[Request] = []  # of each of its rounds
         self.host: Host | None = None
+        self.truth: Truth | None = None
+        self.sensors: Imu | None = None  # whose values firmware computes, where it has models
+        self.frames: MotionFrames | None = None  # what the host sends, where it is no ramp
         self.wire_bytes = 0  # by the controller agent
         self._counter: I2cCounter | None = None  # where there is none
         self._transfers_in_round = 0
+        self._startup_transfers = 0
         self.nacked = 0
         self.stuck_lines: list[str] = []
         self._stuck_wire: Wire | None = None  # the line last reported stuck, and how many rounds were over then
@@ -86,27 +108,33 @@ class Scene:
         self._sci_watches: dict[str, SciWatch] = {}
         for name, unit in case.unit.items():
             self.units[name] = self._build_unit(name, unit)
+        targets = [self._build_chip(name, table, (sources or {}).get(name)) for name, table in case.chip.items()]
         if case.controller is not None:
             self.head = self._build_head(case.controller)
             self.head.on_transfer.append(self._count_transfer)
             for dsp in self.units.values():
                 if dsp.has("I2C-A"):
                     self.head.controller.followers.append(I2cFollower(dsp, self.wires["SCL"], self.wires["SDA"]))
+            self.head.controller.followers += targets
         elif "SCL" in self.wires:
             self._counter = I2cCounter(self.wires["SCL"], self.wires["SDA"])
         if case.host is not None:
             self.host = self._build_host(case.host)
         for entry, limit in enumerate(self.limits):
-            self._check_needs(entry, limit)
-            limit.measure.listen(self)
+            for part in limit.parts:
+                self._check_needs(entry, part)
+                part.measure.listen(self)
 
     # Building ------------------------------------------------------------------
 
     def _limit(self, entry: int, budget: Budget, scope: Scope) -> Limit:
+        if any(other.name == budget.name for other in self.case.budget[:entry]):
+            what = f"there are two budgets {budget.name!r}; verdicts are known by name, so give one another name"
+            raise self.case.mistake(what, "budget", entry, "name")
         try:
-            return Limit(budget, self.timebase, scope)
+            return Limit(budget, self.timebase, scope, self.start)
         except BadBudget as error:
-            raise self.case.mistake(str(error), "budget", entry, error.key) from None
+            raise self.case.mistake(str(error), "budget", entry, *error.place) from None
 
     def _check_needs(self, entry: int, limit: Limit) -> None:
         """A budget on what this scene cannot have would always hold: it is a mistake, not a pass."""
@@ -122,6 +150,9 @@ class Scene:
             raise self.case.mistake(
                 f"{measure!r} needs {needs} in the scene, which has none", "budget", entry, "measure"
             )
+        if isinstance(limit.measure, ValueDeviation) and self.truth is None:
+            what = f"{limit.budget.measure!r} of sensor models needs a motion to compare with; give [host.motion]"
+            raise self.case.mistake(what, "budget", entry, "measure")
 
     def wire(self, name: str) -> Wire:
         if name not in self.wires:
@@ -162,9 +193,15 @@ class Scene:
         try:
             settings = settings_for(firmware, unit.settings)
         except BadSetting as error:
-            raise self.case.mistake(str(error), "unit", name, "settings", error.name) from None
+            inside = (error.name,) if error.name else ()  # none: about several together
+            raise self.case.mistake(str(error), "unit", name, "settings", *inside) from None
+        self.sensors = self.sensors or sensors_of(settings)
         dsp.start(partial(firmware.main, dsp, settings))
         return dsp
+
+    def _build_chip(self, name: str, table: ChipTable, source: Source | None) -> TargetSide:
+        chip = self.chips[name] = build_chip(self.case, name, self.kernel, self.recorder, self.timebase, source)
+        return chip.attach(self.wire("SCL"), self.wire("SDA"), self._ticks(table.output_delay))
 
     def _options(self, kind: type[T], given: dict[str, Value], unit: str, group: str) -> T:
         """Answers to open questions; each is checked by itself, so that a mistake is told with its line."""
@@ -199,6 +236,7 @@ class Scene:
             gap=self._ticks(table.gap),
             jitter=self._ticks(table.jitter),
             rounds=table.rounds,
+            ahead=self._ticks(table.initialise or Fraction(0)),
         )
         requests = [self._chip(name, "controller", "order") for name in table.order]
         requests += [self._request(i, request) for i, request in enumerate(table.request)]
@@ -206,7 +244,19 @@ class Scene:
             raise self.case.mistake("it has no requests; give it order or [[controller.request]]", "controller")
         by_stop = table.pointer_by == "STOP"
         self._transfers_in_round = sum(len(request.transfers(by_stop)) for request in requests)
-        return SensorHead(self.kernel, controller, requests, schedule, by_stop=by_stop, seed=self.case.seed)
+        startup: list[Request] = []
+        if table.initialise is not None:
+            asked = {request.address for request in requests}
+            startup = [request for chip in CHIPS.values() if chip.address in asked for request in chip.startup]
+            if not startup:
+                raise self.case.mistake(
+                    "no known chip is asked, so there is none to set up", "controller", "initialise"
+                )
+        self._startup_transfers = sum(len(request.transfers(by_stop)) for request in startup)
+        self.requests = requests
+        return SensorHead(
+            self.kernel, controller, requests, schedule, startup=startup, by_stop=by_stop, seed=self.case.seed
+        )
 
     def _chip(self, name: str, *place: str | int) -> Request:
         if name not in CHIPS:
@@ -233,7 +283,25 @@ class Scene:
             lose=frozenset(table.lose),
             frames=table.frames,
         )
-        return Host(self.kernel, peer, schedule, seed=self.case.seed + 1)
+        encoding = self._host_settings("encoding", lambda: encoding_of(table.encoding))
+        if table.motion:
+            frames = partial(frames_of, table.motion, encoding, table.first, table.period)
+            self.frames = self._host_settings("motion", frames)
+        self.truth = self._truth_of(table)
+        seed = self.case.seed + 1
+        return Host(self.kernel, peer, schedule, self.frames or ramp, seed, encoding.byte_order)
+
+    def _truth_of(self, table: HostTable) -> Truth | None:
+        """What chips should show. None where models make it of frames of which no motion is known."""
+        if self.sensors is None:
+            return LineBetweenFrames(self.frames or ramp, table.period)
+        return None if self.frames is None else MotionFelt(self.sensors, self.frames.motion, table.first)
+
+    def _host_settings(self, table: str, build: Callable[[], T]) -> T:
+        try:
+            return build()
+        except BadSetting as error:
+            raise self.case.mistake(str(error), "host", table, *filter(None, [error.name])) from None
 
     # What measures listen to ----------------------------------------------------
 
@@ -262,11 +330,15 @@ class Scene:
     def checks_host(self) -> bool:
         return self.case.controller is not None and self.case.controller.check == "host"
 
-    def missed_rounds(self) -> int:
-        return 0 if self.head is None else self.head.missed
+    def listen_missed(self, told: Callable[[int], None]) -> None:
+        if self.head is not None:
+            self.head.on_missed.append(told)
 
     def transfers_in_round(self) -> int:
         return self._transfers_in_round
+
+    def startup_transfers(self) -> int:
+        return self._startup_transfers
 
     def round_period(self) -> int:
         return 0 if self.case.controller is None else self._ticks(self.case.controller.period)
@@ -274,12 +346,42 @@ class Scene:
     def began(self) -> int:
         return self.start
 
+    def level_of(self, wire: str) -> int:
+        return self.wires[wire].level
+
+    def value_of(self, place: str, name: str) -> int:
+        unit, _, module = place.partition(".")
+        chip = self.units[unit].socket(module).chip
+        register_name, _, field_name = name.partition(".")
+        register = chip.MAP[register_name]
+        cycle = self.units[unit].clock.cycle_at(self.kernel.now)
+        touched = frozenset(chip.touched)
+        value = chip.peek(cycle, register.offset)
+        if register.width == 32:
+            value |= chip.peek(cycle, register.offset + 1) << 16
+        chip.touched.intersection_update(touched)  # looking is not depending on them
+        return register[field_name].of(value)
+
+    def ticks_per_second(self) -> int:
+        return self.timebase.per_second
+
+    def sysclk(self, unit: str) -> Fraction:
+        return self.units[unit or next(iter(self.units))].clock.hz
+
     def cpu_cycles(self, unit: str) -> tuple[int, int]:
         dsp = self.units[unit]
         return dsp.cpu.busy_cycles, dsp.clock.cycle_at(self.kernel.now)
 
     def host_values(self, number: int) -> tuple[int, ...]:
-        return ramp(number)
+        return (self.frames or ramp)(number)
+
+    def frame_due(self, number: int) -> int:
+        assert self.case.host is not None
+        return self.start + self._ticks(self.case.host.first) + number * self._ticks(self.case.host.period)
+
+    def truth_at(self, tick: int) -> Mapping[str, Axes]:
+        assert self.truth is not None
+        return self.truth.at(self.timebase.seconds(tick - self.frame_due(0)))
 
     def _count_transfer(self, transfer: Transfer) -> None:
         self.wire_bytes += transfer.wire_bytes
@@ -322,6 +424,11 @@ class Scene:
             limit.finish(self.kernel.now)
         return self._result(length, wall)
 
+    def typical(self) -> list[Verdict]:
+        """Of each budget that took several values, the one furthest from its limit, as a verdict. After `run`."""
+        found = (limit.typical(self.start) for limit in self.limits)
+        return [verdict for verdict in found if verdict is not None]
+
     def deadlocks(self) -> list[str]:
         """Firmware that waits for what cannot come, a sentence each: for what, since when, why it cannot."""
         told = []
@@ -355,9 +462,12 @@ class Scene:
             counts |= {"rounds": self.head.rounds, "missed": self.head.missed}
         if self.host is not None:
             counts |= {"frames": self.host.frames}
+        if self.frames is not None:
+            counts["beyond_16_bits"] = self.frames.beyond.total()
         counts["overruns"] = sum(x.measure.count for x in self.limits if x.budget.measure == "overruns")
         counts["polls_skipped"] = sum(dsp.cpu.polls_skipped for dsp in self.units.values())
         counts["resets"] = sum(dsp.resets for dsp in self.units.values())
+        parts: dict[str, Dsp | Chip] = {**self.units, **{name: on_bus.chip for name, on_bus in self.chips.items()}}
         wrong: dict[str, int] = {}
         first_wrong = ""
         for limit in self.limits:
@@ -374,7 +484,7 @@ class Scene:
             sci_bytes=0 if self.host is None else self.host.bytes,
             budgets=verdicts,
             counts=counts,
-            unknowns=sorted({f"{name}.{t}" for name, dsp in self.units.items() for t in dsp.touched}),
+            unknowns=sorted({f"{name}.{t}" for name, part in parts.items() for t in part.touched}),
             notes=self._notes(),
             stuck=stuck,
             wrong=wrong,
@@ -389,4 +499,8 @@ class Scene:
                     at = self.timebase.show(dsp.clock.tick(cycle) - self.start)
                     lines.append(f"{name} {module}, first at {at}: {note.text} [{note.source}]")
             lines += [f"{name}: {note.text} [{note.source}] ({n} times)" for note, n in dsp.cpu.notes.items()]
+        for name, chip in self.chips.items():
+            for note, (tick, times) in chip.notes.items():
+                at = self.timebase.show(tick - self.start)
+                lines.append(f"{name}, first at {at}: {note.text} [{note.source}] ({times} times)")
         return lines

@@ -4,10 +4,21 @@ from __future__ import annotations
 
 from typing import Any
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from ..core.nearest import near
-from .model import Budget, Case, Controller, HostTable, Options, RequestTable, Table, Unit
+from .model import (
+    Budget,
+    Case,
+    ChipTable,
+    Condition,
+    Controller,
+    HostTable,
+    Options,
+    RequestTable,
+    Unit,
+    ValueTable,
+)
 from .source import Source
 
 SHOWN = 60  # characters of a wrong value that a message repeats
@@ -17,7 +28,7 @@ EXPECTED = {"model_type": "expected a table", "dict_type": "expected a table", "
 def explain(source: Source, error: ValidationError) -> str:
     """One sentence about the first thing wrong."""
     first = error.errors()[0]
-    place = tuple(part for part in first["loc"] if isinstance(part, int) or not part.startswith("function-"))
+    place = place_of(first)
     key = ".".join(str(part) for part in place)
     where = source.where(place)
     if first["type"] == "extra_forbidden":
@@ -27,6 +38,11 @@ def explain(source: Source, error: ValidationError) -> str:
     return f"{where}: {key or 'the case'}: {complaint(first)}"
 
 
+def place_of(first: Any) -> tuple[str | int, ...]:
+    """Keys and numbers that lead to a wrong value, without the checks that pydantic counts among them."""
+    return tuple(part for part in first["loc"] if isinstance(part, int) or not part.startswith("function-"))
+
+
 def complaint(first: Any) -> str:
     """What is wrong with a value, and what it is: one entry of `ValidationError.errors()` as a phrase."""
     if first["type"] in ("missing", "missing_argument"):
@@ -34,22 +50,26 @@ def complaint(first: Any) -> str:
     message = EXPECTED.get(first["type"]) or str(first["msg"]).removeprefix("Value error, ")
     found = repr(first.get("input"))
     about_a_table = first["type"] == "value_error" and isinstance(first.get("input"), dict)
-    if found not in message and len(found) <= SHOWN and not about_a_table:
+    told = found in message or "but it is" in message
+    if not told and len(found) <= SHOWN and not about_a_table:
         message = f"{message[0].lower()}{message[1:]}, but it is {found}"
     return message
 
 
 def known_keys(place: tuple[str | int, ...]) -> list[str]:
     """The keys of the table at a place in a case."""
-    tables: dict[str, type[Table]] = {
+    tables: dict[str, type[BaseModel]] = {
         "unit": Unit,
         "controller": Controller,
         "host": HostTable,
+        "chip": ChipTable,
+        "values": ValueTable,
         "budget": Budget,
         "request": RequestTable,
         "options": Options,
+        "and": Condition,
     }
     for part in reversed(place):
         if isinstance(part, str) and part in tables:
-            return list(tables[part].model_fields)
+            return [field.alias or name for name, field in tables[part].model_fields.items()]
     return list(Case.model_fields)

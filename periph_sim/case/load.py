@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from pathlib import Path
+from typing import Any
 
 from pydantic import ValidationError
 
@@ -15,25 +16,33 @@ from .source import Place, Source
 
 def load(path: Path, changes: list[str] | None = None) -> Case:
     """The case in a file, with `key=value` changes applied. BadCase with one sentence otherwise."""
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise BadCase(f"{path}: cannot be read ({error.strerror}); give the path of a case file") from None
-    try:
-        text = data.decode("utf-8")
-    except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        found = f"byte {data[error.start]:#04x}"
-        raise BadCase(f"{path}, line {line}: {found} is not UTF-8; a case file is TOML, which is UTF-8 text") from None
-    try:
-        tree = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise BadCase(f"{path}: it is not TOML: {error}") from None
+    text, tree = read(path, "case")
     source = Source(path, text, tuple((change, apply(tree, change)) for change in changes or []))
     try:
         return Case.model_validate(tree).from_source(source)
     except ValidationError as error:
         raise BadCase(explain(source, error)) from None
+
+
+def read(path: Path, what: str) -> tuple[str, dict[str, Any]]:
+    """The text of a TOML file, and the tree it says. what: is in it, for messages. BadCase if it cannot be had."""
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise BadCase(f"{path}: cannot be read ({error.strerror}); give the path of a {what} file") from None
+    try:
+        text = data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        found = f"byte {data[error.start]:#04x}"
+        raise BadCase(
+            f"{path}, line {line}: {found} is not UTF-8; a {what} file is TOML, which is UTF-8 text"
+        ) from None
+    try:
+        tree = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise BadCase(f"{path}: it is not TOML: {error}") from None
+    return text, tree
 
 
 def apply(tree: dict[str, object], change: str) -> Place:

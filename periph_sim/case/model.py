@@ -6,7 +6,7 @@ The tables of a case file are the classes below; a key that none of them has is 
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Annotated, Literal, TypeVar
+from typing import Annotated, Literal, Self, TypeVar
 
 from pydantic import (
     AfterValidator,
@@ -67,10 +67,14 @@ Crystal = Annotated[Frequency, Field(ge=4_000_000, le=150_000_000)]  # SPRS439: 
 Ppm = Annotated[Exact, Field(ge=-100_000, le=100_000)]
 RateError = Annotated[Exact, Field(ge=-50, le=50)]
 Bits = Annotated[Exact, Field(ge=0)]
+Axes = tuple[Exact, Exact, Exact]
+
+
+STRICT = ConfigDict(extra="forbid", arbitrary_types_allowed=True, frozen=True)
 
 
 class Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", arbitrary_types_allowed=True, frozen=True)
+    model_config = STRICT
 
 
 class Options(Table):
@@ -134,16 +138,53 @@ class Controller(Table):
     pointer_by: Literal["repeated START", "STOP"] = "repeated START"
     order: tuple[str, ...] = ()
     request: tuple[RequestTable, ...] = ()
+    initialise: Length | None = None  # before the first round; else no chip is set up
     check: Literal["expect", "host"] = "expect"  # what "wrong bytes" compares with
     stuck_after: Length = Fraction(25, 1000)
 
     @model_validator(mode="after")
     def _in_order(self) -> Controller:
+        if self.initialise is not None and self.initialise > self.first:
+            raise ValueError("initialise is longer than first, so it would begin before the run; make first later")
         return _begins_in_order(self)
 
 
+class ValueTable(Table):
+    """What a chip feels. rows: a time and x, y, z, held until the next row. ramp: the numbers of the host's frames."""
+
+    fixed: Axes | None = None
+    rows: tuple[tuple[Duration, Exact, Exact, Exact], ...] = ()
+    ramp: Literal["angles", "accelerations"] | None = None
+    first: Duration = Fraction(10, 1000)
+    period: Length = Fraction(20, 1000)
+    unit: Literal["physical", "LSB"] = "physical"
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> ValueTable:
+        if (self.fixed is not None) + bool(self.rows) + (self.ramp is not None) != 1:
+            raise ValueError("values need one of fixed, rows and ramp")
+        if self.ramp is None and self.model_fields_set & {"first", "period"}:
+            raise ValueError("first and period belong to ramp; give ramp, or leave them out")
+        return self
+
+
+class ChipTable(Table):
+    """A sensor chip on SDA and SCL. registers: written before the run, by name. powered: for how long it was then."""
+
+    model: Literal["adxl345", "itg3200", "hmc5883l"]
+    address: Address | None = None  # else the chip's first
+    values: ValueTable
+    registers: dict[str, Byte] = {}
+    powered: Duration = Fraction(1)
+    output_delay: Length = Fraction(300, 10**9)  # UM10204 section 3.1.1: hold time of a device's own SDA
+    options: dict[str, Answer] = {}
+
+
 class HostTable(Table):
-    """The host that sends frames over the UART. error: of its bit rate. lose: [frame, byte] pairs not sent."""
+    """The host that sends frames over the UART. error: of its bit rate. lose: [frame, byte] pairs not sent.
+
+    motion: the settings of a kind of `devices.motion`, which is its `kind`. encoding: those of `host_frame`.
+    """
 
     baud: Annotated[int, Field(ge=1, le=10_000_000)] = 115_200
     error: RateError = Fraction(0)  # percent
@@ -153,6 +194,8 @@ class HostTable(Table):
     gap: Bits = Fraction(0)  # bits between bytes
     frames: Annotated[int, Field(ge=0)] | None = None
     lose: tuple[tuple[int, Annotated[int, Field(ge=0, le=11)]], ...] = ()
+    motion: dict[str, object] = {}
+    encoding: dict[str, object] = {}
 
     @model_validator(mode="after")
     def _in_order(self) -> HostTable:
@@ -171,10 +214,37 @@ def _begins_in_order(table: Scheduled) -> Scheduled:
 LIMITS = ("max", "min", "exactly", "p50", "p95", "p99", "p99_9")  # keys of a budget
 
 
-class Budget(Table):
-    """Limits on a measure: durations with their unit, parts of the time as "40 %", whole numbers for counts.
+class Limited(BaseModel):
+    """Limits on a measure: durations with their unit, "40 %" of the time, "2 LSB", whole numbers for counts."""
 
-    p50 to p99_9: the most that 50 to 99.9 percent of the values may come to.
+    model_config = STRICT
+
+    @model_validator(mode="after")
+    def _has_a_limit(self) -> Self:
+        if not self.limits():
+            keys = [key for key in LIMITS if key in type(self).model_fields]
+            raise ValueError(f"a budget needs a limit: {', '.join(keys[:-1])} or {keys[-1]}")
+        return self
+
+    def limits(self) -> dict[str, str | int]:
+        """The limits that are given, by key."""
+        given: dict[str, str | int | None] = {key: getattr(self, key, None) for key in LIMITS}
+        return {key: limit for key, limit in given.items() if limit is not None}
+
+
+class Condition(Limited):
+    """What must hold at the same occurrence as a budget's own measure."""
+
+    measure: str
+    max: Extent | None = None
+    min: Extent | None = None
+    exactly: Extent | None = None
+
+
+class Budget(Table, Limited):
+    """p50 to p99_9: the most that 50 to 99.9 percent of the values may come to. after: what began sooner is left out.
+
+    also: `and` in a file: conditions joined to it.
     """
 
     name: str
@@ -186,19 +256,10 @@ class Budget(Table):
     p95: Extent | None = None
     p99: Extent | None = None
     p99_9: Extent | None = None
+    after: Duration | None = None
+    also: tuple[Condition, ...] = Field(default=(), alias="and")
     why: str = ""
     source: str = ""
-
-    @model_validator(mode="after")
-    def _has_a_limit(self) -> Budget:
-        if not self.limits():
-            raise ValueError(f"a budget needs a limit: {', '.join(LIMITS[:-1])} or {LIMITS[-1]}")
-        return self
-
-    def limits(self) -> dict[str, str | int]:
-        """The limits that are given, by key."""
-        given: dict[str, str | int | None] = {key: getattr(self, key) for key in LIMITS}
-        return {key: limit for key, limit in given.items() if limit is not None}
 
 
 def _named_budget(name: str, info: ValidationInfo) -> str:
@@ -218,7 +279,8 @@ class Case(Table):
     seed: int = 0
     fidelity: Literal["edge"] = "edge"
     strict: bool = False
-    unit: dict[str, Unit]
+    unit: dict[str, Unit] = {}
+    chip: dict[str, ChipTable] = {}
     controller: Controller | None = None
     host: HostTable | None = None
     budget: tuple[Budget, ...] = ()

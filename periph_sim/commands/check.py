@@ -11,6 +11,8 @@ import click
 
 from ..baselines import CaseCheck
 from ..baselines import check as checked
+from ..formats.whole import whole
+from .inputs import apart
 from .progress import progress
 from .trouble import told_plainly
 
@@ -23,6 +25,7 @@ from .trouble import told_plainly
 @click.option("--jobs", type=click.IntRange(min=1), help="Processes at a time; as many as cores. 1: none but this one.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
 @click.option("--junit", "junit_file", type=click.Path(path_type=Path), help="Write JUnit XML to this file.")
+@click.option("--html", "html_file", type=click.Path(path_type=Path), help="Write one report of all cases here.")
 @click.option(
     "--annotations", type=click.Choice(["github"]), help="Print a line for each finding that a CI service reads."
 )
@@ -34,6 +37,7 @@ def check(
     jobs: int | None,
     as_json: bool,
     junit_file: Path | None,
+    html_file: Path | None,
     annotations: str | None,
 ) -> int:
     """Run cases and hold their figures against their baselines, exactly.
@@ -44,20 +48,28 @@ def check(
     """
     if update and changes:
         raise click.UsageError("--update-baseline with --set: a baseline is of the case as it stands; leave one out")
+    apart(junit=junit_file, html=html_file)
     with told_plainly(), ExitStack() as outputs:
-        unfinished = None
-        if junit_file is not None:  # asked for a place before the runs, so that none is in vain
-            from ..formats.whole import whole
-
-            unfinished = outputs.enter_context(whole(junit_file))
+        # Asked for their places before the runs, so that none is in vain.
+        unfinished, unfinished_html = (
+            None if file is None else outputs.enter_context(whole(file)) for file in (junit_file, html_file)
+        )
         with progress("check") as told:
             checks = checked(
-                paths or [Path("timing")], jobs=jobs, tolerance=tolerance, update=update, changes=changes, told=told
+                paths or [Path("timing")],
+                jobs=jobs,
+                tolerance=tolerance,
+                update=update,
+                changes=changes,
+                keep_values=html_file is not None,
+                told=told,
             )
         if unfinished is not None:
             from ..baselines.junit import junit
 
             unfinished.write_text(junit(checks), encoding="utf-8")
+        if unfinished_html is not None:
+            unfinished_html.write_text(_html(checks, jobs), encoding="utf-8")
     passed = all(one.passed for one in checks)
     if as_json:
         click.echo(json.dumps(_object(checks, passed), indent=2, ensure_ascii=False))
@@ -72,6 +84,8 @@ def check(
 
 
 def _object(checks: list[CaseCheck], passed: bool) -> dict[str, object]:
+    from ..worst.show import as_json
+
     return {
         "verdict": "pass" if passed else "fail",
         "cases": [
@@ -83,6 +97,7 @@ def _object(checks: list[CaseCheck], passed: bool) -> dict[str, object]:
                 "broken": one.outcome.broken,
                 "baseline": {"file": one.baseline.as_posix(), "state": one.state},
                 "findings": [asdict(finding) for finding in one.findings],
+                "causes": {name: as_json(chain) for name, chain in one.causes.items()},
                 "changes": [asdict(change) for change in one.changes],
                 "figures": one.outcome.figures.model_dump(),
             }
@@ -91,11 +106,36 @@ def _object(checks: list[CaseCheck], passed: bool) -> dict[str, object]:
     }
 
 
+def _html(checks: list[CaseCheck], jobs: int | None) -> str:
+    """The report: each case is run once more, for its timelines."""
+    from ..baselines.check import workers
+    from ..report import page
+    from ..report.gather import report_of_file
+
+    with workers(jobs, len(checks)) as start:
+        waiting = [
+            start(
+                report_of_file,
+                one.outcome.path,
+                one.outcome.changes,
+                one.outcome.result,
+                one.outcome.values,
+                one.outcome.typical,
+                one.outcome.figures.ticks_per_second,
+                [finding.text for finding in one.findings],
+            )
+            for one in checks
+        ]
+        reports = [came() for came in waiting]
+    return page(reports, "periph-sim check" if len(reports) > 1 else reports[0].name)
+
+
 def _show(checks: list[CaseCheck]) -> None:
     from rich.box import SIMPLE_HEAD
     from rich.console import Console
     from rich.table import Table
 
+    from ..worst.show import text
     from .report import budget_table
 
     console = Console()
@@ -120,6 +160,8 @@ def _show(checks: list[CaseCheck]) -> None:
         for finding in one.findings:
             place = f"{one.outcome.path.as_posix()}, line {finding.line}"
             console.print(f"{place}: {finding.text}", highlight=False, soft_wrap=True, markup=False)
+        for chain in one.causes.values():
+            click.echo("\n".join(["", *text(chain)]))
     for one in checks:
         if one.state == "written":
             for change in one.changes:

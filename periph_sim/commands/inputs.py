@@ -49,6 +49,26 @@ def time_given(option: str, text: str) -> Fraction:
     return length
 
 
+def length_given(text: str) -> Fraction:
+    """Seconds to simulate, 0 or more: 10 or '10 s'."""
+    from ..case.settings import duration
+
+    try:
+        return duration(text if text.strip()[-1:].isalpha() else f"{text} s")
+    except ValueError as error:
+        raise click.ClickException(f"--seconds: {error}") from None
+
+
+def apart(**outputs: Path | None) -> None:
+    """Refuse two options that name one file to be written, where the later one would take the other's place."""
+    taken: dict[Path, str] = {}
+    for option, path in outputs.items():
+        if path is not None:
+            other = taken.setdefault(path.resolve(), option)
+            if other != option:
+                raise click.ClickException(f"--{other} and --{option} both name {path}; give each a file of its own")
+
+
 def open_run(path: Path, sysclk: str | None) -> Run:
     """A recorded run; BadCapture or NotInRun if there is none in the file."""
     from ..insight.run import Run

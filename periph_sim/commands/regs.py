@@ -11,6 +11,9 @@ from rich.table import Table
 from ..core.nearest import near
 from ..core.options import allowed
 from ..core.registers import Register, RegisterMap
+from ..devices.adxl345 import Adxl345Options
+from ..devices.hmc5883l import Hmc5883lOptions
+from ..devices.itg3200 import Itg3200Options
 from ..f28335 import clocks_map, gpio_map, pie_map, timer_map, xint_map
 from ..f28335.i2c_map import I2C_MAP
 from ..f28335.i2c_options import I2cOptions
@@ -29,7 +32,14 @@ MAPS: dict[str, tuple[int, RegisterMap]] = {
     "PIE": (pie_map.BASE, pie_map.MAP),
     **{f"TIMER{n}": (timer_map.BASES[n], timer_map.MAP) for n in range(3)},
 }
-OPTIONS = {"i2c": I2cOptions, "sci": SciOptions, "system": SystemOptions}
+OPTIONS = {
+    "i2c": I2cOptions,
+    "sci": SciOptions,
+    "system": SystemOptions,
+    "adxl345": Adxl345Options,
+    "itg3200": Itg3200Options,
+    "hmc5883l": Hmc5883lOptions,
+}
 
 
 @click.command()

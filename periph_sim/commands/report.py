@@ -8,6 +8,7 @@ from rich.table import Table
 
 from ..board.result import Result
 from ..timing.budgets import Verdict
+from ..timing.shown import figure, instant, limit
 
 
 def show(console: Console, result: Result) -> None:
@@ -46,25 +47,12 @@ def budget_table(title: str, budgets: list[Verdict]) -> Table:
 
 
 def row(verdict: Verdict) -> tuple[str, ...]:
-    def shown(value: float | int | None) -> str:
-        if value is None:
-            return "-"
-        if verdict.unit == "%":
-            return f"{value:.2f} %"
-        if verdict.unit != "us":
-            return f"{value}"
-        return f"{value:.3f} us" if abs(value) < 1000 else f"{value / 1000:.3f} ms"
-
-    limit = shown(verdict.limit)
-    if verdict.which not in ("max", "min"):
-        limit = f"{'=' if verdict.which == 'exactly' else verdict.which.replace('_', '.')} {limit}"
-    at = "-" if verdict.at_s is None else f"{verdict.at_s:.6f} s"
     return (
         verdict.name,
-        shown(verdict.worst),
-        limit,
-        shown(verdict.margin),
+        figure(verdict.worst, verdict.unit),
+        limit(verdict.limit, verdict.unit, verdict.which),
+        figure(verdict.margin, verdict.unit),
         str(verdict.count),
-        at,
+        instant(verdict.at_s),
         verdict.verdict,
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+from contextlib import ExitStack
 from fractions import Fraction
 from pathlib import Path
 
@@ -14,8 +15,13 @@ from ..board.result import Result
 from ..board.scene import Scene
 from ..case.load import load
 from ..case.model import Case
-from ..case.settings import duration
+from ..formats.whole import whole
 from ..recording import recording
+from ..worst.chain import Chain
+from ..worst.explain import explain as explained
+from ..worst.show import as_json as chain_as_json
+from ..worst.show import text
+from .inputs import apart, length_given
 from .progress import progress
 from .report import show
 from .trouble import told_plainly
@@ -26,22 +32,59 @@ from .trouble import told_plainly
 @click.option("--seconds", type=str, help="Simulate this long instead of the case's duration; 10 or '10 s'.")
 @click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
 @click.option("--record", type=click.Path(path_type=Path), help="Write the run to a file; its suffix says the format.")
+@click.option("--html", type=click.Path(path_type=Path), help="Write a report with plots and timelines to this file.")
+@click.option("--explain", is_flag=True, help="Say of each budget why its worst occurrence was as it was.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
-def run(case: Path, seconds: str | None, changes: tuple[str, ...], record: Path | None, as_json: bool) -> int:
+def run(
+    case: Path,
+    seconds: str | None,
+    changes: tuple[str, ...],
+    record: Path | None,
+    html: Path | None,
+    explain: bool,
+    as_json: bool,
+) -> int:
     """Run CASE and say whether its budgets hold (exit status 0) or not (1)."""
-    with told_plainly():
+    apart(record=record, html=html)
+    with told_plainly(), ExitStack() as outputs:
         loaded = load(case, list(changes))
-        length = None if seconds is None else _length(seconds)
-        with recording(record, recorded_modules(loaded)) as (subscribe, ended_at):
-            scene = Scene(loaded, subscribe)
-            with progress(loaded.name) as told:
-                result = scene.run(length, told)
-            ended_at(scene.kernel.now)
+        length = None if seconds is None else length_given(seconds)
+        unfinished = None if html is None else outputs.enter_context(whole(html))
+        subscribe, ended_at = outputs.enter_context(recording(record, recorded_modules(loaded)))
+        scene = Scene(loaded, subscribe, keep_values=html is not None)
+        with progress(loaded.name) as told:
+            result = scene.run(length, told)
+        ended_at(scene.kernel.now)
+        chains = _chains(scene, result, length) if explain else {}
+        if unfinished is not None:
+            from ..report import case_report, page
+            from ..timing.values import values_of
+
+            values = values_of(scene.limits, scene.start)
+            per_second = scene.timebase.per_second
+            report = case_report(loaded, result, values, scene.typical(), per_second, length, changes)
+            unfinished.write_text(page([report], loaded.name), encoding="utf-8")
     if as_json:
-        click.echo(json.dumps(dataclasses.asdict(result)))
+        click.echo(json.dumps(_object(result, chains) if explain else dataclasses.asdict(result)))
     else:
         show(Console(), result)
+        for chain in chains.values():
+            click.echo("\n".join(["", *text(chain)]))
     return status(result)
+
+
+def _chains(scene: Scene, result: Result, length: Fraction | None) -> dict[str, Chain]:
+    found = explained(scene.case, result.budgets, scene.typical(), length)
+    return {name: one.chain for name, one in found.items()}
+
+
+def _object(result: Result, chains: dict[str, Chain]) -> dict[str, object]:
+    """The result with `chain` under each budget: null where nothing happened at an instant."""
+    whole = dataclasses.asdict(result)
+    for budget in whole["budgets"]:
+        chain = chains.get(budget["name"])
+        budget["chain"] = None if chain is None else chain_as_json(chain)
+    return whole
 
 
 def recorded_modules(case: Case) -> dict[str, tuple[str, ...]]:
@@ -51,10 +94,3 @@ def recorded_modules(case: Case) -> dict[str, tuple[str, ...]]:
 
 def status(result: Result) -> int:
     return 0 if result.verdict == "pass" else 1
-
-
-def _length(text: str) -> Fraction:
-    try:
-        return duration(text if text.strip()[-1:].isalpha() else f"{text} s")
-    except ValueError as error:
-        raise click.ClickException(f"--seconds: {error}") from None

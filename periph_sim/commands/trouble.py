@@ -10,12 +10,21 @@ import click
 # Errors that the input is to blame for, by name: a command that cannot raise one need not import it.
 MISTAKES = {
     "periph_sim.baselines.trouble.BadCheck",
+    "periph_sim.bound.terms.BadBound",
     "periph_sim.case.model.BadCase",
     "periph_sim.core.kernel.SimulationStuck",
+    "periph_sim.devices.attitude.NoAttitude",
+    "periph_sim.devices.models.quantity.BadParameter",
+    "periph_sim.devices.motion.BadMotion",
+    "periph_sim.devices.noise.BadNoise",
+    "periph_sim.extremes.NoSuchExtreme",
     "periph_sim.f28335.memory.NoSuchAddress",
     "periph_sim.formats.capture.BadCapture",
     "periph_sim.host.cpu.FirmwareError",
+    "periph_sim.identification.series.BadSeries",
     "periph_sim.insight.run.NotInRun",
+    "periph_sim.numeric.named.NoSuchArithmetic",
+    "periph_sim.numeric.q.DoesNotFit",
     "periph_sim.recording.BadRecording",
     "periph_sim.replay.BadReplay",
 }

@@ -25,6 +25,7 @@ class Kind(Enum):
     BUS = "bus"  # what a party on the wire did or saw: START, address, byte, ACK, STOP
     FRAME = "frame"  # a UART frame on the wire
     NOTE = "note"  # a duty broken, something lost, something unknown
+    WAIT = "wait"  # firmware begins (1) or ends (0) to wait: what = the fields it polls, or IDLE
 
 
 class Record(NamedTuple):

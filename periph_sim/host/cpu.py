@@ -19,8 +19,6 @@ at the cycle at which polling pass by pass would have ended, at the cost of one 
 
 from __future__ import annotations
 
-import os
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -40,8 +38,8 @@ from ..f28335.memory import WRITE_TO_READ, AddressMap, Frame, Place, WaitStates
 from ..f28335.pie import Pie
 from ..f28335.pie_map import GROUPS, PIEACK, VECTORS
 from ..f28335.system_options import SystemOptions
+from .place import PACKAGE, Places
 
-PACKAGE = f"{Path(__file__).parents[1]}{os.sep}"  # what an access's place in the firmware is never in
 FIRMWARE_VIEW = (str(Path("host", "registers.py")), str(Path("board", "dsp.py")))  # they refuse wrong names
 
 READ_TO_WRITE = 2  # cycles from the read of a read-modify-write to its write: R2 to W of one instruction
@@ -144,11 +142,13 @@ class Cpu:
         "_lease",
         "_options",
         "_pie",
+        "_places",
         "_recorded",
         "_recorder",
         "_records_access",
         "_records_irq",
         "_records_span",
+        "_records_wait",
         "_skip_polls",
         "_waits",
         "_wake",
@@ -199,6 +199,8 @@ class Cpu:
         self._recorded = None if wanted is None else frozenset(subject.rpartition(".")[2] for subject in wanted)
         self._records_irq = recorder.wants(Kind.IRQ)
         self._records_span = recorder.wants(Kind.SPAN)
+        self._records_wait = recorder.wants(Kind.WAIT)
+        self._places = Places()
         self._pie = pie
         self._waits = WaitStates(options)
         self._options = options
@@ -264,7 +266,9 @@ class Cpu:
         self._lease = 0
         self._hub = getcurrent()
         assert self._greenlet is not None
+        outer = self._recorder.cause
         self._greenlet.switch()
+        self._recorder.cause = outer
 
     @property
     def sleeps_in_spin(self) -> bool:
@@ -274,7 +278,9 @@ class Cpu:
     def _sleep(self) -> None:
         """Give way to the kernel; returns when `_resume` runs."""
         assert self._hub is not None, "firmware calls the CPU only from inside a run"
+        own = self._recorder.cause  # what happens meanwhile is not of our making
         self._hub.switch()
+        self._recorder.cause = own
 
     # Time --------------------------------------------------------------------
 
@@ -315,14 +321,19 @@ class Cpu:
     def mark_span(self, name: str, begins: int) -> None:
         """Record that a named stretch of firmware begins (1) or ends (0) at this cycle."""
         if self._records_span:
-            self._recorder.emit(self._clock.tick(self.cycle), Kind.SPAN, self.name, name, begins)
+            where = self._places.now(1) if begins else ""
+            self._recorder.emit(self._clock.tick(self.cycle), Kind.SPAN, self.name, name, begins, where)
 
     def idle(self) -> None:
         """IDLE: nothing until an interrupt that IER enables; with INTM = 0 it is served first."""
         self.core.idle(self.cycle)
+        if self._records_wait:
+            self._record_wait(self.cycle, "IDLE", 1)
         self._go_to(self.cycle + cpu_costs.IDLE)
         while not self.core.idle_ends(self.cycle):
             self._rest_until(max(self.cycle, self.core.next_wake))
+        if self._records_wait:
+            self._record_wait(self.cycle, "IDLE", 0)
         self._serve()
 
     def _rest_until(self, cycle: int) -> None:
@@ -385,7 +396,8 @@ class Cpu:
             )
         outer = self._recorder.cause
         if self._records_irq:
-            self._recorder.cause = self._recorder.emit(self._clock.tick(self.cycle), Kind.IRQ, self.name, vector, 1)
+            tick, where = self._clock.tick(self.cycle), self._places.of(handler) or ""
+            self._recorder.cause = self._recorder.emit(tick, Kind.IRQ, self.name, vector, 1, where)
         self.compute(self._options.context_save)
         handler()
         core.iret(self.cycle)
@@ -608,11 +620,7 @@ class Cpu:
         return self._recorded is None or register.name in self._recorded
 
     def _record_access(self, way: str, place: Place, register: Register, value: int) -> int:
-        frame = sys._getframe(2)
-        while frame.f_code.co_filename.startswith(PACKAGE) and frame.f_back is not None:
-            frame = frame.f_back
-        where = f"{frame.f_code.co_name}:{frame.f_lineno}"
-        tick = self._clock.tick(self.cycle)
+        where, tick = self._places.now(2), self._clock.tick(self.cycle)
         return self._recorder.emit(tick, Kind.ACCESS, self.name, f"{way} {place.name}.{register.name}", value, where)
 
     # Waiting -----------------------------------------------------------------
@@ -621,17 +629,27 @@ class Cpu:
         """`while (!condition()) ;` as the compiler makes it: a pass is its reads and the branch back."""
         spin = Spin(self.cycle, "")
         outer, self.spin_now = self.spin_now, spin
+        polled = ""
         while True:
             spin.polls = []
             spin.pure = True
             spin.start = self.cycle
             if condition():
                 break
+            if self._records_wait and not polled:
+                polled = spin.waits_for() or "nothing"
+                self._record_wait(spin.since, polled, 1)
             self.instruction(self._branch)
             if self._skip_polls and spin.pure and spin.polls:
                 self._skip(spin)
+        if polled:
+            self._record_wait(self.cycle, polled, 0)
         self.instruction(cpu_costs.SB_NOT_TAKEN)
         self.spin_now = outer
+
+    def _record_wait(self, cycle: int, what: str, begins: int) -> None:
+        where = self._places.now(2) if begins else ""
+        self._recorder.emit(self._clock.tick(cycle), Kind.WAIT, self.name, what, begins, where)
 
     def _skip(self, spin: Spin) -> None:
         """Sleep over the passes that must come out as this one did, and set up the replay of the one in progress."""

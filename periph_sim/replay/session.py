@@ -36,7 +36,7 @@ from .report import Report
 from .scenes import alone, unit_with
 from .uart import LineFormat, line_of, ticks_of
 
-OF_ROUNDS = ("round", "missed rounds", "nacked rounds")
+OF_ROUNDS = ("round", "missed rounds", "nacked rounds", "slack")
 PAUSE = 2  # characters: a longer one on RX ends a frame
 
 FrameTold = Callable[[int, tuple[int, ...], int], None]

@@ -25,6 +25,7 @@ class Ran(NamedTuple):
     result: Result
     rounds: list[list[Transfer]]  # the controller's, requests in order
     scene: Scene
+    transfers: list[Transfer]  # all of the controller's, those of its start-up too
 
     def broken(self) -> list[str]:
         """Names of the budgets that did not hold."""
@@ -50,9 +51,9 @@ def run_case(case: Case, seconds: str, subscribe: Subscribe | None = None) -> Ra
     transfers: list[Transfer] = []
     if scene.head is not None:
         scene.head.on_transfer.append(transfers.append)
-        scene.head.on_round.append(lambda over: rounds.append([transfers.pop(0) for _ in range(over.transfers)]))
+        scene.head.on_round.append(lambda over: rounds.append(transfers[-over.transfers :]))
     result = scene.run(Fraction(seconds))
-    return Ran(result, rounds, scene)
+    return Ran(result, rounds, scene, transfers)
 
 
 class Edges:

@@ -102,7 +102,7 @@ def case_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
             'model_cost = "250 us"',
             'model_costs = "250 us"',
             "small.toml, line 9: unit.dsp.settings.model_costs: "
-            "firmware imu_hil has no setting 'model_costs'; did you mean model_cost?",
+            "firmware imu_hil has no setting 'model_costs'; did you mean model_cost or frame_cost?",
         ),
         (
             'model_cost = "250 us"',
@@ -150,7 +150,7 @@ def case_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
             'measure = "response"',
             'measure = "latency"',
             "small.toml, line 19: budget.0.measure: there is no measure 'latency'; it has response, stretch, round, "
-            "missed rounds, nacked rounds, nacked, wrong bytes, age, fifo high-water, overruns, stuck, span:NAME",
+            "missed rounds, nacked rounds, nacked, wrong bytes, age, model age, fifo high-water, overruns, stuck, ...",
         ),
         (
             'max = "60 us"',

@@ -70,6 +70,8 @@ def outcome(table: Case, seconds: Fraction, heard: bool) -> tuple[dict[str, Any]
             registers = socket.chip.MAP
             shown[f"{name} {module}"] = {r.name: socket.peek(now, r.offset) for r in registers if not r.free_running}
     shown["records"] = [r._replace(number=0, cause=0) for r in records if heard_of(r)]
+    for name, chip in scene.chips.items():
+        shown[f"{name} registers"] = chip.chip.stored, chip.pointer.pointer
     shown["held"] = {name: wire.held_by() for name, wire in scene.wires.items()}
     return shown, result.events
 

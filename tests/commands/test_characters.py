@@ -20,7 +20,7 @@ def lines(*columns: Digits | Literal | Words | Sparse, count: int) -> list[str]:
 
 
 @given(NUMBERS, st.integers(0, 12))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=80, deadline=None)
 def test_numbers_as_python_writes_them(values: list[int], decimals: int):
     def written(value: int) -> str:
         digits = str(value).rjust(decimals + 1, "0")
@@ -64,7 +64,7 @@ def test_columns_that_only_some_lines_have():
     st.lists(st.integers(0, 10**13), min_size=1, max_size=5),
     st.sampled_from([1, 3, 1000, 9600, 500_000, 4_000_000, 24_000_000, 125_000_000, 10**9, 3 * 10**9, 10**12]),
 )
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=80, deadline=None)
 def test_times_are_exact_or_rounded_and_never_too_large(positions: list[int], rate: int):
     clock = Clock.of(Fraction(rate), max(positions) + 1)
     for position, units in zip(positions, clock.units(np.array(positions)).tolist(), strict=True):

@@ -146,6 +146,7 @@ def test_every_case_of_the_repository_has_a_baseline():
     assert stems[0] == stems[1]
 
 
+@pytest.mark.long
 def test_the_short_cases_of_the_repository_are_as_their_baselines_say(periph_sim: Run, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(ROOT)
     short = [f"timing/{path.name}" for path in sorted(TIMING.glob("*.toml")) if path.stem not in LONG]

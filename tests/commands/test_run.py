@@ -125,7 +125,7 @@ def test_a_recording_does_not_change_the_verdict(periph_sim: Run, desk: Path):
 
 
 def test_a_fault_of_its_own_gives_3_and_asks_for_a_report(periph_sim: Run, desk: Path, monkeypatch):
-    def broken(*_: object) -> None:
+    def broken(*_: object, **__: object) -> None:
         raise AssertionError("a bug")
 
     monkeypatch.setattr("periph_sim.commands.run.Scene", broken)

@@ -37,7 +37,7 @@ def rows(table: I2cTable) -> list[tuple[str, int, int]]:
 
 
 @given(captures(("SCL", "SDA")))
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=120, deadline=None)
 def test_any_lines_give_the_same_events_both_ways(capture: Capture):
     assert events_of_table(i2c_table(capture)) == i2c.events(capture)
 
@@ -73,7 +73,7 @@ def test_every_bit_of_a_transfer_is_among_the_bits_with_its_timing(capture: Capt
 @given(
     st.lists(st.tuples(st.integers(0, 255), st.booleans()), min_size=1, max_size=5), st.randoms(use_true_random=False)
 )
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 def test_any_transfer_with_every_phase_of_another_length_comes_back(content: list[tuple[int, bool]], random: Random):
     samples = bytearray([3]) * random.randint(1, 30)
     samples += bytes([1]) * random.randint(1, 20)  # START

@@ -39,7 +39,7 @@ FAST = st.builds(
 
 
 @given(captures(("RX",)), LINES | FAST)
-@settings(max_examples=500, deadline=None)
+@settings(max_examples=120, deadline=None)
 def test_any_line_gives_the_same_events_both_ways(capture: Capture, line: Line):
     assert events_of_table(uart_table(capture, "RX", line)) == uart.events(capture, "RX", line)
 
@@ -51,7 +51,7 @@ def test_any_line_gives_the_same_events_both_ways(capture: Capture, line: Line):
     st.integers(0, 2000),
     st.integers(5, 9),
 )
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 def test_frames_come_back_and_cut_anywhere_never_raise(
     sent: list[tuple[int, int]], parity: str, tenths: int, kept: int, bits: int
 ):

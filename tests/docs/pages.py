@@ -73,8 +73,32 @@ def matches(shown: str, came: str) -> bool:
     return re.fullmatch(pattern, came) is not None
 
 
+def fitted(shown: str, came: str) -> str:
+    """What a page should show: as before if that fits, with new figures if no more has changed, else all that came."""
+    if matches(shown, came):
+        return shown
+    lines = shown.splitlines()
+    pattern = ""
+    for line in lines:
+        parts = (f"({_figures_apart(part)})" for part in line.split("..."))
+        pattern += r"(?:.*\n)*?" if line == "..." else ".*".join(parts) + r"\n"
+    found = re.fullmatch(pattern, came)
+    if found is None:
+        return came
+    parts = iter(found.groups())
+    told = (line if line == "..." else "...".join(next(parts) for _ in line.split("...")) for line in lines)
+    return "".join(f"{line}\n" for line in told)
+
+
+def _figures_apart(text: str) -> str:
+    """A pattern for the text with other figures, and columns of other widths."""
+    loose = {"0": r"\d+", " ": " +", "─": "─+"}
+    pieces = re.findall(r"\d+| +|─+|[^\d ─]+", text)
+    return "".join(loose.get("0" if piece.isdecimal() else piece[0]) or re.escape(piece) for piece in pieces)
+
+
 def refreshed(page: str, folder: Path) -> str:
-    """The page with the outputs that its commands give; one that still fits stays as it is written."""
+    """The page with the outputs that its commands give; what it leaves out as `...` stays left out where it can."""
     scratch(page, folder)
 
     def block(found: re.Match[str]) -> str:
@@ -82,7 +106,7 @@ def refreshed(page: str, folder: Path) -> str:
         for command, shown in commands(found[1]):
             if runs(command):
                 came = output(command, folder)
-                shown = shown if matches(shown, came) else came
+                shown = fitted(shown, came)
             lines += f"$ {command}\n{shown}"
         return f"```console\n{lines}```"
 

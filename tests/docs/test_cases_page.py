@@ -10,7 +10,18 @@ import pytest
 from pydantic import TypeAdapter
 
 from periph_sim.board.dsp import MODULES
-from periph_sim.case.model import Budget, Case, Controller, HostTable, Options, RequestTable, Table, Unit
+from periph_sim.case.model import (
+    Budget,
+    Case,
+    ChipTable,
+    Controller,
+    HostTable,
+    Options,
+    RequestTable,
+    Table,
+    Unit,
+    ValueTable,
+)
 from periph_sim.devices.sensor_head import CHIPS
 from periph_sim.timing.measures import MEASURES, SPAN, make
 from tests.docs.pages import ROOT
@@ -19,6 +30,8 @@ PAGE = (ROOT / "docs" / "cases.md").read_text(encoding="utf-8")
 TABLES: dict[str, type[Table]] = {
     "The case": Case,
     "`[unit.NAME]`": Unit,
+    "`[chip.NAME]`": ChipTable,
+    "`[chip.NAME.values]`": ValueTable,
     "`[controller]`": Controller,
     "`[[controller.request]]`": RequestTable,
     "`[host]`": HostTable,
@@ -36,7 +49,7 @@ def rows(heading: str) -> list[list[str]]:
 
 @pytest.mark.parametrize("heading", TABLES)
 def test_every_key_with_its_default(heading: str):
-    fields = TABLES[heading].model_fields
+    fields = {about.alias or name: about for name, about in TABLES[heading].model_fields.items()}
     shown = {key.strip("`"): default for key, _, default in rows(heading)}
     assert list(shown) == list(fields)
     for name, default in shown.items():

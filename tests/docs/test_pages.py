@@ -6,9 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.docs.pages import CONSOLE, PAGES, commands, matches, refreshed, runs, scratch
+from tests.docs.pages import CONSOLE, PAGES, commands, fitted, matches, refreshed, runs, scratch
 
 
+@pytest.mark.long  # commands are processes of their own, in which nothing counts lines
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_a_page_shows_what_its_commands_print(page: Path, tmp_path: Path):
     text = page.read_text(encoding="utf-8")
@@ -43,6 +44,19 @@ def test_output_that_changed_is_rewritten_and_varying_parts_are_kept(tmp_path: P
     fresh = refreshed(page, tmp_path)
     assert "old" not in fresh and "periph-sim, version" in fresh
     assert "Usage: ...\n...\n$ other\nkept\n```\n" in fresh
+
+
+@pytest.mark.parametrize(
+    ("shown", "came", "page"),
+    [
+        ("at 12 us ... s\n...\nend\n", "at 12 us 1 s\nmore\nend\n", "at 12 us ... s\n...\nend\n"),
+        ("at 12 us ... s\n...\nend 3\n", "at  7 us 1 s\nmore\nend 4\n", "at  7 us ... s\n...\nend 4\n"),
+        ("──\n...\n", "───\na\nb\n", "───\n...\n"),
+        ("at 12 us ...\n", "of 12 us x\n", "of 12 us x\n"),
+    ],
+)
+def test_new_figures_leave_what_is_left_out_as_it_was(shown: str, came: str, page: str):
+    assert fitted(shown, came) == page
 
 
 def test_files_of_a_page_are_there_for_its_commands(tmp_path: Path):

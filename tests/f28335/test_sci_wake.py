@@ -130,7 +130,7 @@ ANY_ACTION = st.one_of(
 )
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(script=st.lists(st.tuples(st.integers(0, 1500), ANY_ACTION), min_size=3, max_size=40))
 def test_whatever_firmware_and_line_do_early_wakes_and_looks_change_nothing(script):
     calm, nervous = SciRig(brr=1), SciRig(brr=1)

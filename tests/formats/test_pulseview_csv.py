@@ -133,7 +133,7 @@ ROW = st.tuples(st.integers(1, 40), st.sampled_from([(0, 0), (0, 1), (1, 0), (1,
 
 
 @given(st.lists(ROW, min_size=1, max_size=60), st.booleans(), st.integers(8, 200), st.sampled_from([1, 2, 3]))
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 def test_blocks_of_regular_rows_and_single_odd_lines_read_the_same(
     tmp_path_factory: pytest.TempPathFactory,
     rows: list[tuple[int, tuple[int, int], int]],

@@ -61,7 +61,7 @@ def log_of(changes, lead, kind, loop, skip, interrupts=True, hz=150_000_000):
     return log, bench
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=120, deadline=None)
 @given(
     changes=flag_changes,
     lead=st.integers(0, 40),

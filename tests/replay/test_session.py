@@ -43,7 +43,7 @@ def run(*changes: str) -> tuple[Result, Capture]:
     return ran(Fraction(110, 1000), *changes)
 
 
-OF_ROUNDS = {"round complete", "missed rounds", "nacked rounds"}
+OF_ROUNDS = {"round complete", "missed rounds", "nacked rounds", "schedule slack"}
 
 
 @pytest.mark.parametrize("rate", [None, 8_000_000, 1_000_000])

@@ -1,0 +1,37 @@
+"""`periph-sim bound CASE`: the worst case of request and response in closed form, beside the largest value seen."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+from .inputs import time_given
+from .progress import progress
+from .trouble import told_plainly
+
+
+@click.command()
+@click.argument("case", type=click.Path(path_type=Path))
+@click.option("--seconds", type=str, help="Simulate this long instead of the case's duration; 10 or '10 s'.")
+@click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of text.")
+def bound(case: Path, seconds: str | None, changes: tuple[str, ...], as_json: bool) -> int:
+    """Show the worst case of CASE in closed form, term by term, beside the worst value of a run.
+
+    Exit status 0: no value is beyond its bound; 1: one is, none was seen, or the firmware may come too late for a
+    request, so that there is no bound.
+    """
+    from ..bound import report
+    from ..bound.show import as_json as as_dict
+    from ..bound.show import text
+    from ..case.load import load
+
+    length = None if seconds is None else time_given("--seconds", seconds if seconds[-1:].isalpha() else f"{seconds} s")
+    with told_plainly():
+        loaded = load(case, list(changes))
+        with progress(loaded.name) as told:
+            found = report(loaded, length, told)
+    click.echo(json.dumps(as_dict(found)) if as_json else text(found))
+    return 0 if found.holds else 1

@@ -1,0 +1,102 @@
+"""`periph-sim worst CASE [BUDGET]...`: why the worst occurrence of each budget was as it was, with its picture."""
+
+from __future__ import annotations
+
+import json
+import re
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from .inputs import length_given
+from .progress import progress
+from .trouble import told_plainly
+
+if TYPE_CHECKING:
+    from ..timing.budgets import Verdict
+    from ..worst.explain import Explained
+
+WIDTH = 100
+
+
+@click.command()
+@click.argument("case", type=click.Path(path_type=Path))
+@click.argument("budgets", nargs=-1, metavar="[BUDGET]...")
+@click.option("--seconds", type=str, help="Simulate this long instead of the case's duration; 10 or '10 s'.")
+@click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
+@click.option("--svg", type=click.Path(path_type=Path), help="Write a picture of each into this folder: BUDGET.svg.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of text.")
+def worst(
+    case: Path, budgets: tuple[str, ...], seconds: str | None, changes: tuple[str, ...], svg: Path | None, as_json: bool
+) -> int:
+    """Say why the worst occurrence of each budget of CASE was as it was: what led to it, step by step.
+
+    BUDGET names those that are wanted; all if none is named. Exit status as of run: 0 if they hold, 1 if not.
+    """
+    from ..board.scene import Scene
+    from ..case.load import load
+    from ..worst.explain import explain
+
+    if svg is not None and not svg.is_dir():
+        raise click.ClickException(f"--svg: {svg} is no folder; make it, or give another")
+    with told_plainly():
+        loaded = load(case, list(changes))
+        length = None if seconds is None else length_given(seconds)
+        for name in budgets:
+            _known(name, [budget.name for budget in loaded.budget], case)
+        scene = Scene(loaded)
+        with progress(loaded.name) as told:
+            result = scene.run(length, told)
+        verdicts = [verdict for verdict in result.budgets if not budgets or verdict.name in budgets]
+        found = explain(loaded, verdicts, scene.typical(), length)
+        if svg is not None:
+            _write(svg, found)
+    if as_json:
+        from ..worst.show import as_json as chain_as_json
+
+        chains = {
+            verdict.name: chain_as_json(found[verdict.name].chain) for verdict in verdicts if verdict.name in found
+        }
+        click.echo(json.dumps({"case": result.case, "budgets": chains}))
+    elif not verdicts:
+        click.echo(f"{result.case}: it has no budget, so there is no worst case")
+    else:
+        click.echo("\n\n".join("\n".join(_told(verdict, found.get(verdict.name))) for verdict in verdicts))
+    return 0 if all(verdict.verdict == "pass" for verdict in verdicts) else 1
+
+
+def _known(name: str, names: list[str], case: Path) -> None:
+    if name not in names:
+        from ..core.nearest import near
+
+        raise click.ClickException(f"{case}: there is no budget {name!r}; {near(name, names)}")
+
+
+def _told(verdict: Verdict, one: Explained | None) -> list[str]:
+    """Chain and picture; one line where there is no instant."""
+    from ..worst.picture import text_picture
+    from ..worst.show import text
+
+    if one is None:
+        said = "nothing was measured" if verdict.worst is None else f"{verdict.worst}: it never happened"
+        return [f"{verdict.name}: {said}"]
+    return [*text(one.chain), "", *text_picture(one.window, WIDTH)]
+
+
+def _write(folder: Path, found: dict[str, Explained]) -> None:
+    """A file a budget, all of them or none. BadCapture where that is not possible."""
+    from ..formats.whole import whole
+    from ..worst.picture import svg_picture
+
+    names: dict[str, str] = {}
+    for name in found:
+        file = f"{re.sub(r'[^A-Za-z0-9]+', '_', name).strip('_') or 'budget'}.svg"
+        if file in names:
+            raise click.ClickException(f"--svg: budgets {names[file]!r} and {name!r} would both be {file}; rename one")
+        names[file] = name
+    with ExitStack() as together:
+        for file, name in names.items():
+            picture = svg_picture(found[name].window)
+            together.enter_context(whole(folder / file)).write_text(picture, encoding="utf-8")

@@ -1,0 +1,49 @@
+"""A place in the firmware: a frame of a running program, or a routine, goes in; "function:line" and file come out.
+
+Records show it as text. Who has the record of a running scene, and not of a file, can ask for the file, too.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from types import CodeType
+
+PACKAGE = f"{Path(__file__).parents[1]}{os.sep}"  # what a place in the firmware is never in
+
+
+class Where(str):
+    """ "function:line". path: of the file. line: counted from 1."""
+
+    __slots__ = ("line", "path")
+
+    path: str
+    line: int
+
+
+class Places:
+    """The places that one program was seen at, each made once."""
+
+    def __init__(self) -> None:
+        self._known: dict[tuple[CodeType, int], Where] = {}
+
+    def now(self, depth: int) -> Where:
+        """Where the firmware stands: the innermost frame that is not ours, from `depth` frames above the caller on."""
+        frame = sys._getframe(depth + 1)
+        while frame.f_code.co_filename.startswith(PACKAGE) and frame.f_back is not None:
+            frame = frame.f_back
+        return self._place(frame.f_code, frame.f_lineno)
+
+    def of(self, routine: Callable[[], None]) -> Where | None:
+        """Where a routine begins; None if it is not written in Python."""
+        code = getattr(routine, "__code__", None)
+        return self._place(code, code.co_firstlineno) if isinstance(code, CodeType) else None
+
+    def _place(self, code: CodeType, line: int) -> Where:
+        place = self._known.get((code, line))
+        if place is None:
+            place = self._known[code, line] = Where(f"{code.co_name}:{line}")
+            place.path, place.line = code.co_filename, line
+        return place

@@ -1,8 +1,8 @@
 """What all tests share: timing diagrams that differ are shown one above the other; no test has a deadline.
 
-Properties and whole recordings are `long`, and of a test with many parameters all but the first, besides what is marked
-so by hand: they go again and again through lines that short tests have reached, and counting lines takes five times as
-long.
+Properties, whole recordings and whole cases are `long`, and of a test with many parameters all but the first, besides what
+is marked so by hand: they go again and again through lines that short tests have reached, and counting lines takes five
+times as long.
 """
 
 from __future__ import annotations
@@ -21,13 +21,37 @@ settings.register_profile("explore", deadline=None, max_examples=1000)
 settings.load_profile("periph-sim")
 
 
+# Whole cases run through everything; what they reach is reached by the tests of its parts.
+WHOLE = (
+    "tests/board/test_cases.py",
+    "tests/board/test_copy_points.py",
+    "tests/board/test_determinism.py",
+    "tests/board/test_responder.py",
+    "tests/board/test_two_dsps.py",
+    "tests/captures/",
+    "tests/commands/test_all_measures.py",
+    "tests/commands/test_check.py",
+    "tests/commands/test_moving.py",
+    "tests/commands/test_worst.py",
+    "tests/devices/test_attitude.py",
+    "tests/extremes/",
+    "tests/moving/test_on_wires.py",
+    "tests/replay/test_command.py",
+    "tests/report/test_browser.py",
+    "tests/rules/",
+    "tests/test_event_counts.py",
+    "tests/timing/test_model_age.py",
+    "tests/worst/test_window.py",
+)
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     seen: set[str] = set()
     for item in items:
         function = item.nodeid.partition("[")[0]
         again = function in seen
-        if again or is_hypothesis_test(getattr(item, "obj", None)) or item.nodeid.startswith("tests/captures/"):
+        if again or is_hypothesis_test(getattr(item, "obj", None)) or item.nodeid.startswith(WHOLE):
             item.add_marker("long")
         seen.add(function)
 

@@ -86,13 +86,13 @@ def alike(table: Case, seconds: str) -> tuple[int, int]:
 
 @pytest.mark.parametrize("name", ["imu_hil", "imu_hil_no_sdir", "wrong_order", "late_model", "responder", "two_dsps"])
 def test_every_case(name: str):
-    many, few = alike(load(TIMING / f"{name}.toml"), "0.25")
+    many, few = alike(load(TIMING / f"{name}.toml"), "0.12")
     assert few == many if name == "two_dsps" else few < many  # there a DSP is the controller
 
 
 @pytest.mark.parametrize(("option", "value"), OPTIONS, ids=[f"{name}={value}" for name, value in OPTIONS])
 def test_every_answer_to_an_open_question(option: str, value: object):
-    alike(load(TIMING / "imu_hil.toml", [f"unit.dsp.options.i2c.{option}={str(value).lower()}"]), "0.05")
+    alike(load(TIMING / "imu_hil.toml", [f"unit.dsp.options.i2c.{option}={str(value).lower()}"]), "0.03")
 
 
 @settings(max_examples=25)

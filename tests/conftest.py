@@ -1,8 +1,8 @@
 """What all tests share: timing diagrams that differ are shown one above the other; no test has a deadline.
 
-Properties, whole recordings and whole cases are `long`, and of a test with many parameters all but the first, besides what
-is marked so by hand: they go again and again through lines that short tests have reached, and counting lines takes five
-times as long.
+Properties, whole recordings and whole cases are `long`, and of a test with many parameters all but the first, besides
+what is marked so by hand: they go again and again through lines that short tests have reached, and counting lines takes
+five times as long.
 """
 
 from __future__ import annotations

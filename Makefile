@@ -4,21 +4,37 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/installed
+RULES := build/rules.json
 
-.PHONY: demo test explore check bench setup clean
+# Without compiled files every command that a test starts would compile the package anew.
+unexport PYTHONDONTWRITEBYTECODE
+
+.PHONY: demo test explore check bench mutants firmware-mutants setup clean
 
 demo: $(STAMP)
 	$(BIN)/periph-sim run timing/imu_hil.toml
 
 test: check
 	$(BIN)/coverage erase
-	$(BIN)/pytest -n auto -m "not long" --cov --cov-report=term:skip-covered
-	$(BIN)/pytest -n auto -m long
+	rm -f $(RULES)
+	$(BIN)/pytest -n auto -m "not long" --rules $(RULES) --cov --cov-report=term:skip-covered
+	$(BIN)/pytest -n auto -m long --rules $(RULES)
 	$(BIN)/python -m tests.rules.coverage
 
 # Properties with examples of chance, many more of them: for a quiet evening.
 explore: $(STAMP)
 	$(BIN)/pytest -n auto -m long --hypothesis-profile=explore
+
+# One-line mutants of the committed tree that no test kills: make mutants COUNT=40 SEEDS="1 drawn" ROOMS="chips insight"
+COUNT ?= 300
+SEEDS ?= 1 2 3 drawn
+ROOMS ?= chips processor measures decoders insight
+mutants: $(STAMP)
+	$(BIN)/python -m tests.mutants --count $(COUNT) $(SEEDS:%=--seed %) $(ROOMS:%=--room %)
+
+# Every statement of both emulators changed; build/firmware_mutants.md names the budget that catches each.
+firmware-mutants: $(STAMP)
+	$(BIN)/python -m tests.firmware_mutants
 
 check: $(STAMP)
 	$(BIN)/ruff check .

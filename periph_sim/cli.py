@@ -17,6 +17,7 @@ from pathlib import Path
 import click
 
 MISTAKE, FAULT = 2, 3
+LONGEST_MESSAGE = 2000  # characters: a path and a few shortened quotes
 
 FOLDER = Path(__file__).parent / "commands"
 
@@ -82,7 +83,13 @@ def main() -> None:
         status = cli.main(standalone_mode=False)
         sys.exit(status if isinstance(status, int) else 0)
     except click.ClickException as error:
-        error.show()
+        from io import StringIO
+
+        from .core.shorten import shorten
+
+        said = StringIO()
+        error.show(said)
+        click.echo(shorten(said.getvalue().rstrip("\n"), LONGEST_MESSAGE), err=True)
         sys.exit(MISTAKE)
     except click.Abort:
         click.echo("stopped", err=True)

@@ -12,7 +12,10 @@ from hypothesis import is_hypothesis_test, settings
 
 from tests.waves import Diagram
 
-pytest_plugins = ["pytester"]  # runs the pytest plugin as a user's project would
+pytest_plugins = [
+    "pytester",  # runs the pytest plugin as a user's project would
+    "tests.rules.outcomes",  # which rules of the manuals are proved
+]
 
 # Seconds are no property: machines are shared. The same examples each time, so that a change is judged by what it
 # changed; `make explore` looks for new ones, and what it finds is kept as an @example.

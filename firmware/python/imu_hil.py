@@ -18,27 +18,21 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Literal
 
-from firmware.python.imu_models import BYTES, ArithmeticName, Models, ParameterFile, estimated
+from firmware.python.imu_models import ModelSettings, models_of, shown
 from firmware.python.startup import sci_fifo_receiver, start_i2c, start_pie, start_pin
 from periph_sim.board.dsp import Dsp
 from periph_sim.case.settings import Duration, HexBytes
-from periph_sim.devices.models.parameters import Imu as Parameters
 
 FRAME_BYTES = 12
 GYROSCOPE, ACCELEROMETER, MAGNETOMETER = 0x68, 0x53, 0x1E
 
 
 @dataclass
-class Settings:
-    """What a case may change: models and costs, the SDIR wait, interrupts during a read, order of service, data."""
+class Settings(ModelSettings):
+    """What a case may change besides the models: the SDIR wait, interrupts during a read, order of service, data."""
 
-    model_cost: Duration | Literal["estimate"] = Fraction(250, 1_000_000)
-    arithmetic: ArithmeticName = BYTES
-    parameters: ParameterFile = field(default_factory=Parameters)  # of the models; a TOML file's path
     frame_cost: Duration = Fraction(0)  # of what the SCI service routine makes of a frame
-    noise_seed: int | None = None  # of the models' noise; none: no noise
     sdir_wait: bool = True
     mask_during_i2c: bool = False  # INTM set from own address to the end of the read
     order: tuple[int, ...] = (GYROSCOPE, ACCELEROMETER, MAGNETOMETER)
@@ -48,15 +42,6 @@ class Settings:
     pin: int = 34  # high while the models run
     table: dict[str, HexBytes] = field(default_factory=dict)  # chip -> bytes served instead of the models' output
 
-    def __post_init__(self) -> None:
-        if self.model_cost == "estimate" and self.arithmetic == BYTES:
-            raise ValueError('model_cost = "estimate" needs an arithmetic to estimate; give one, for instance "q16"')
-
-    @property
-    def sensors(self) -> Parameters | None:
-        """Those that the firmware stands for; none where the chips show the values of frames."""
-        return None if self.arithmetic == BYTES else self.parameters
-
 
 class Emulator:
     """The firmware's memory: the last frame, and the bytes of each chip."""
@@ -65,9 +50,10 @@ class Emulator:
         self.dsp = dsp
         self.settings = settings
         self.frame = bytes(FRAME_BYTES)
+        self.frame_waits = False  # for the models
         self.data = {address: bytes(6) for address in (GYROSCOPE, ACCELEROMETER, MAGNETOMETER)}
         self.i2c = dsp.module("I2C-A")
-        self.cost, self.models = model_of(settings)
+        self.cost, self.models = settings.run_cost, models_of(settings)
         self.sci = dsp.module("SCI-A") if dsp.has("SCI-A") else None
         self.pie = dsp.module("PIE") if dsp.has("SCI-A") else None
 
@@ -80,6 +66,7 @@ class Emulator:
         self.frame = bytes(sci.SCIRXBUF.all & 0xFF for _ in range(FRAME_BYTES))
         if self.settings.frame_cost:
             self.dsp.compute(self.settings.frame_cost, "frame")
+        self.frame_waits = True
         sci.SCIFFRX.RXFFOVRCLR = 1
         sci.SCIFFRX.RXFFINTCLR = 1
         pie.PIEACK.all = 0x100  # group 9
@@ -89,15 +76,10 @@ class Emulator:
     def model(self) -> None:
         dsp, settings = self.dsp, self.settings
         dsp.set_pin(settings.pin)
-        frame = self.frame
+        frame, self.frame_waits = self.frame, False
         dsp.compute(self.cost, "model")
-        if self.models is not None:
-            self.data[GYROSCOPE], self.data[ACCELEROMETER], self.data[MAGNETOMETER] = self.models.chips(frame)
-        else:
-            angles, accelerations = frame[0:6], frame[6:12]
-            self.data[GYROSCOPE] = swapped(angles)
-            self.data[ACCELEROMETER] = accelerations
-            self.data[MAGNETOMETER] = swapped(angles[0:2] + angles[4:6] + angles[2:4])
+        codes = shown(frame) if self.models is None else self.models.chips(frame)
+        self.data[GYROSCOPE], self.data[ACCELEROMETER], self.data[MAGNETOMETER] = codes
         for chip, fixed in settings.table.items():
             self.data[int(chip, 0)] = fixed
         dsp.clear_pin(settings.pin)
@@ -144,26 +126,31 @@ class Emulator:
         if self.sci is not None:
             sci_fifo_receiver(dsp, settings.brr, settings.fifo_level)
             start_pie(dsp, {"SCIRXINTA": self.sci_received})
+        if settings.models_run == "frame":
+            self.serve_frame_by_frame()
         while True:
             self.model()
             for address in settings.order:
                 self.slave_config(address)
                 self.batch_read(self.data[address])
 
-
-def model_of(settings: Settings) -> tuple[Fraction, Models | None]:
-    """What the models cost, in seconds, and the models; none where the chips show the frame."""
-    cost = settings.model_cost
-    if isinstance(cost, str):
-        cost = estimated(settings.arithmetic, settings.parameters)
-    if settings.arithmetic == BYTES:
-        return cost, None
-    return cost, Models(settings.arithmetic, settings.parameters, settings.noise_seed)
-
-
-def swapped(data: bytes) -> bytes:
-    """The same 16-bit values, high byte first."""
-    return bytes(data[i ^ 1] for i in range(len(data)))
+    def serve_frame_by_frame(self) -> None:
+        """The models run as soon as a frame is whole, between two rounds; behind a round, if none came before it."""
+        dsp, i2c = self.dsp, self.i2c
+        first, *others = self.settings.order
+        self.model()
+        while True:
+            ran = False
+            self.slave_config(first)
+            while dsp.spin_either(lambda: i2c.I2CSTR.AAS == 1, lambda: self.frame_waits):
+                self.model()
+                ran = True
+            self.batch_read(self.data[first])
+            for address in others:
+                self.slave_config(address)
+                self.batch_read(self.data[address])
+            if not ran:
+                self.model()
 
 
 def endless(data: bytes) -> Iterator[int]:

@@ -8,15 +8,16 @@ body rates are kept from one sample to the next, also where no new frame has com
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from fractions import Fraction
-from pathlib import Path
 from struct import Struct
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator
 
-from periph_sim.case.sensors import load
+from periph_sim.case.sensors import named as parameter_set
+from periph_sim.case.settings import DurationRange, Spread
 from periph_sim.devices.host_pc import ACCELERATION, ANGLE
 from periph_sim.devices.imu_noise import ImuNoise
 from periph_sim.devices.models.counts import counts_of
@@ -28,6 +29,8 @@ from periph_sim.numeric.float32 import Float32
 
 FRAME = Struct("<6h")
 LITTLE, BIG = Struct("<3h"), Struct(">3h")
+MEASURED = Spread(Fraction(250, 1_000_000), Fraction(250, 1_000_000))  # dissertation, section 5.4
+NOTHING = Spread(Fraction(0), Fraction(0))
 BYTES = "bytes"  # no models: the chips show the values of the frame
 
 
@@ -38,11 +41,47 @@ def _known(name: str) -> str:
 
 
 def _parameters(value: object) -> object:
-    return load(Path(value)) if isinstance(value, str) else value
+    return parameter_set(value) if isinstance(value, str) else value
 
 
 ArithmeticName = Annotated[str, AfterValidator(_known)]
 ParameterFile = Annotated[Parameters, BeforeValidator(_parameters)]
+
+
+@dataclass
+class ModelSettings:
+    """What a case may change about the models of an emulator: when they run, how long, and what they compute.
+
+    models_run: "round", once behind each round of the sensor head, on the last frame; or "frame", as soon as a frame
+    is whole, between two rounds, and behind a round before which none came, so that noise stays alive.
+    model_cost: how long a run takes, or "estimate", what its operations take; beyond_estimate is then added, for all
+    that the equations do not say. A range is drawn from, run by run.
+    """
+
+    models_run: Literal["round", "frame"] = "round"
+    model_cost: DurationRange | Literal["estimate"] = MEASURED
+    beyond_estimate: DurationRange = NOTHING
+    arithmetic: ArithmeticName = BYTES
+    parameters: ParameterFile = field(default_factory=Parameters)  # a TOML file's path, or the name of a shipped set
+    noise_seed: int | None = None  # of the sensors' noise; none: no noise
+
+    def __post_init__(self) -> None:
+        if self.model_cost == "estimate" and self.arithmetic == BYTES:
+            raise ValueError('model_cost = "estimate" needs an arithmetic to estimate; give one, for instance "q16"')
+        if self.model_cost != "estimate" and self.beyond_estimate.most:
+            raise ValueError('beyond_estimate belongs to model_cost = "estimate"; give that, or leave it out')
+
+    @property
+    def sensors(self) -> Parameters | None:
+        """Those that the firmware stands for; none where the chips show the values of frames."""
+        return None if self.arithmetic == BYTES else self.parameters
+
+    @property
+    def run_cost(self) -> Spread:
+        """How long a run of the models takes."""
+        if isinstance(self.model_cost, Spread):
+            return self.model_cost
+        return self.beyond_estimate + estimated(self.arithmetic, self.parameters)
 
 
 class Models:
@@ -80,6 +119,19 @@ class Models:
         added = self._noise.at(self._number)
         self._number += 1
         return Noise(*((constant(x), constant(y), constant(z)) for x, y, z in added))
+
+
+def models_of(settings: ModelSettings) -> Models | None:
+    """None where the chips show the values of frames."""
+    if settings.arithmetic == BYTES:
+        return None
+    return Models(settings.arithmetic, settings.parameters, settings.noise_seed)
+
+
+def shown(frame: bytes) -> tuple[bytes, bytes, bytes]:
+    """What the chips show without models: angles, accelerations, angles again, in each chip's byte order."""
+    roll, pitch, yaw, *accelerations = FRAME.unpack(frame)
+    return BIG.pack(roll, pitch, yaw), LITTLE.pack(*accelerations), _swapped(roll, pitch, yaw)
 
 
 def _swapped(x: Any, y: Any, z: Any) -> bytes:

@@ -79,8 +79,7 @@ class Head:
         i2c.I2CMDR.all = 0x0020
         timer = dsp.module("TIMER0")
         period = int(settings.period * dsp.control.sysclk_hz) - 1
-        timer.PRD.all = period & 0xFFFF
-        timer.PRDH.all = period >> 16
+        timer.PRD.all = period
         timer.TCR.all = 0x4020  # TIE, TRB
         start_pie(dsp, {"TINT0": self.tick})
         done = 0

@@ -11,6 +11,7 @@ from .compare import Change, compare
 from .figures import SCHEMA, Baseline, Figures
 from .files import path_for, read, text_of
 from .judge import CaseCheck, Finding
+from .outcome import Refused
 from .trouble import BadCheck
 
 __all__ = [
@@ -21,6 +22,7 @@ __all__ = [
     "Change",
     "Figures",
     "Finding",
+    "Refused",
     "case_files",
     "check",
     "compare",

@@ -6,13 +6,18 @@ Source: GitHub's "Workflow commands for GitHub Actions": `::error file=...,line=
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from ..worst.chain import Chain
 from ..worst.show import relative, text
 from .judge import CaseCheck
+from .outcome import Refused
 
 
-def github(checks: list[CaseCheck]) -> list[str]:
+def github(checks: list[CaseCheck], refused: Sequence[Refused] = ()) -> list[str]:
     """`::error` lines that point at the line of the budget in its case file; `::warning` at what is to blame for it.
+
+    refused: cases that could not be run; each is an `::error` line.
 
     All about a budget is one of them, and all about the case as a whole: GitHub shows ten of a step.
     """
@@ -26,6 +31,9 @@ def github(checks: list[CaseCheck]) -> list[str]:
         for (line, _), texts in about.items():
             lines.append(f"::error file={file},line={line},title={title}::{_message(chr(10).join(texts))}")
         lines += [line for name, chain in check.causes.items() for line in _cause(name, chain, title)]
+    for one in refused:
+        name = _property(f"periph-sim check: {one.path.stem}")
+        lines.append(f"::error file={_property(one.path.as_posix())},line=1,title={name}::{_message(one.why)}")
     return lines
 
 

@@ -13,10 +13,12 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
 from ..board.scene import Scene
 from ..case.model import Case
 from ..core.records import Kind, Record
+from ..worst.chain import place_of
 
 LONGEST = 32  # events of a chain
 AROUND = Fraction(5, 1000)  # seconds looked through for a START before and a STOP behind
@@ -33,7 +35,14 @@ class Wanted:
     length: int
 
 
-def chains(case: Case, wanted: dict[str, Wanted]) -> dict[str, list[str]]:
+class Told(NamedTuple):
+    """A chain, and beside each of its lines the place in the firmware; "" where it has none."""
+
+    lines: list[str]
+    places: list[str]
+
+
+def chains(case: Case, wanted: dict[str, Wanted]) -> dict[str, Told]:
     """The chain of each occurrence: one more run of the case, which ends behind the last of them."""
     if not wanted:
         return {}
@@ -46,7 +55,7 @@ def chains(case: Case, wanted: dict[str, Wanted]) -> dict[str, list[str]]:
     return {name: _chain(kept, scene.start + one.at, one, margin) for name, one in wanted.items()}
 
 
-def _chain(records: list[Record], at: int, wanted: Wanted, margin: int) -> list[str]:
+def _chain(records: list[Record], at: int, wanted: Wanted, margin: int) -> Told:
     begin, end, coarse = at, at + wanted.length, False
     if wanted.measure == "response":
         starts = [r.tick for r in records if r.kind is Kind.BUS and r.what == "START" and at - margin <= r.tick <= at]
@@ -60,10 +69,16 @@ def _chain(records: list[Record], at: int, wanted: Wanted, margin: int) -> list[
     elif not wanted.measure.startswith("span:"):
         stops = [r.tick for r in records if r.kind is Kind.BUS and r.what == "STOP" and at <= r.tick <= at + margin]
         end = min(stops, default=at + margin)
-    events = [(r.tick, told(r)) for r in records if begin <= r.tick <= end and _counts(r, coarse)]
+    events = [(r.tick, told(r), _place(r)) for r in records if begin <= r.tick <= end and _counts(r, coarse)]
     if wanted.measure == "response":
-        events = [*events[: LONGEST - 1], (end, "SCL rise of the first data bit")]
-    return [f"{tick - begin} {event}" for tick, event in events[:LONGEST]]
+        events = [*events[: LONGEST - 1], (end, "SCL rise of the first data bit", "")]
+    shown = events[:LONGEST]
+    return Told([f"{tick - begin} {event}" for tick, event, _ in shown], [place for _, _, place in shown])
+
+
+def _place(record: Record) -> str:
+    place = place_of(record.text) if record.kind is not Kind.BUS else None
+    return "" if place is None else str(place)
 
 
 def _counts(record: Record, coarse: bool) -> bool:
@@ -99,6 +114,24 @@ def parting(before: list[str], now: list[str], cycles: Callable[[int], str]) -> 
     most = max(moved, key=lambda key: abs(now_at[key] - then_at[key]), default=first)
     told = [_moved(key[0], then_at.get(key), now_at.get(key), cycles) for key in dict.fromkeys((most, first))]
     return "; first to differ: ".join(told)
+
+
+def first_moved(before: list[str], now: Told, cycles: Callable[[int], str], tolerance: int) -> str:
+    """The first event of a chain that moved by more than so many ticks, as a phrase with its place; "" if none did.
+
+    An event that is new, or gone, moved by more than any tolerance.
+    """
+    then_at, now_at = _times(before), _times(now.lines)
+    far = [
+        key
+        for key in {**then_at, **now_at}
+        if key not in then_at or key not in now_at or abs(now_at[key] - then_at[key]) > tolerance
+    ]
+    if not far:
+        return ""
+    first = min(far, key=lambda key: min(at[key] for at in (then_at, now_at) if key in at))
+    place = now.places[list(now_at).index(first)] if first in now_at else ""
+    return f"{_moved(first[0], then_at.get(first), now_at.get(first), cycles)}{f' [{place}]' if place else ''}"
 
 
 def _moved(event: str, then: int | None, now: int | None, cycles: Callable[[int], str]) -> str:

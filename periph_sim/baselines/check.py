@@ -20,11 +20,12 @@ from pathlib import Path
 from signal import SIG_DFL, SIGINT, signal
 from typing import Protocol, TypeVar, TypeVarTuple
 
-from .chain import Wanted
-from .compare import Change, compare, explain
+from ..case.find import cases_below
+from .chain import Told, Wanted
+from .compare import Change, compare, explain, moved_accesses
 from .figures import Baseline, Figures
 from .files import path_for, read, text_of, write_all
-from .judge import CaseCheck, judge
+from .judge import CaseCheck, State, judge
 from .outcome import Outcome, Refused, occurrence, run_case, run_chains, run_explained
 from .trouble import BadCheck
 
@@ -33,13 +34,14 @@ Ts = TypeVarTuple("Ts")
 
 
 def case_files(paths: Iterable[Path]) -> list[Path]:
-    """The case files: a file as it is, of a folder its *.toml by name; each once. BadCheck if there are none."""
+    """The case files: a file as it is, of a folder all below it; each once. BadCheck if there are none."""
     found: dict[Path, None] = {}
     for path in paths:
         if path.is_dir():
-            inside = sorted(path.glob("*.toml"))
+            inside = list(cases_below(path))
             if not inside:
-                raise BadCheck(f"{path}: there is no case in it; expected *.toml files")
+                expected = "expected .toml files with a [unit.NAME], [controller] or [[budget]] table"
+                raise BadCheck(f"{path}: there is no case in it or below it; {expected}")
             found |= dict.fromkeys(inside)
         elif path.exists():
             found[path] = None
@@ -56,41 +58,62 @@ def check(
     update: bool = False,
     changes: Sequence[str] = (),
     keep_values: bool = False,
+    guaranteed: bool = False,
     told: Callable[[float], None] | None = None,
+    on_refused: Callable[[Refused], None] | None = None,
 ) -> list[CaseCheck]:
     """How each case stands. jobs: processes, as many as there are cores if None; 1 runs all in this one.
 
     tolerance: cycles by which times may differ. update: the figures become the new baselines, all or none.
     changes: "key=value" texts applied to every case, to see what they would change. keep_values: in the outcomes.
-    told: the part done, 0 to 1.
-    BadCheck for cases that cannot be run and baselines that cannot be read. A script that calls this with more
-    than one process needs the usual `if __name__ == "__main__":`.
+    guaranteed: what holds only in what was seen is not as it should be. told: the part done, 0 to 1. on_refused: called
+    with each case that cannot be run or compared; the others go on.
+    BadCheck for such cases without it, and in any case where baselines are to be written: all of them or none. A
+    script that calls this with more than one process needs the usual `if __name__ == "__main__":`.
     """
     files = case_files(paths)
-    before = {} if update else {path: read(path_for(path)) for path in files}
+    refused: list[Refused] = []
+    before = {} if update else _baselines(files, refused)
     with workers(jobs, len(files)) as start:
         outcomes: list[Outcome] = []
-        refused: list[str] = []
-        for done, came in enumerate([start(run_case, path, tuple(changes), keep_values) for path in files], 1):
-            one = came()
+        waiting = [(path, start(run_case, path, tuple(changes), keep_values)) for path in files]
+        for done, (path, came) in enumerate(waiting, 1):
+            try:
+                one = came()
+            except BadCheck as error:
+                one = Refused(path, str(error))
             if isinstance(one, Refused):
-                refused.append(one.why)
-            else:
+                refused.append(one)
+            elif update or path in before:
                 outcomes.append(one)
             if told is not None:
                 told(done / len(files))
-        if refused:
-            raise BadCheck("\n".join(refused))
+        if refused and (update or on_refused is None):
+            raise BadCheck("\n".join(one.why for one in refused))
+        for one in refused:
+            assert on_refused is not None
+            on_refused(one)
         if update:
             checks = _updated(outcomes, start)
             _find_causes(checks, start)
             return checks
         checks = [_compared(outcome, before[outcome.path], tolerance) for outcome in outcomes]
-        _explain(checks, before, start)
+        _explain(checks, before, start, tolerance)
         _find_causes(checks, start)
     for one_check in checks:
-        one_check.findings = judge(one_check)
+        one_check.findings = judge(one_check, guaranteed)
     return checks
+
+
+def _baselines(files: Iterable[Path], refused: list[Refused]) -> dict[Path, Baseline | None]:
+    """The baseline of each case; cases whose baseline cannot be read are added to `refused`."""
+    found: dict[Path, Baseline | None] = {}
+    for path in files:
+        try:
+            found[path] = read(path_for(path))
+        except BadCheck as error:
+            refused.append(Refused(path, str(error)))
+    return found
 
 
 def _compared(outcome: Outcome, baseline: Baseline | None, tolerance: int) -> CaseCheck:
@@ -98,7 +121,11 @@ def _compared(outcome: Outcome, baseline: Baseline | None, tolerance: int) -> Ca
     if baseline is None:
         return CaseCheck(outcome, path, "missing", [])
     changes = compare(baseline, outcome.figures, tolerance)
-    return CaseCheck(outcome, path, "changed" if changes else "equal", changes)
+    return CaseCheck(outcome, path, _state(changes), changes)
+
+
+def _state(changes: list[Change]) -> State:
+    return "changed" if any(not change.note for change in changes) else "equal"
 
 
 class Start(Protocol):
@@ -107,20 +134,26 @@ class Start(Protocol):
     def __call__(self, work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> Callable[[], T]: ...
 
 
-def _explain(checks: list[CaseCheck], before: dict[Path, Baseline | None], start: Start) -> None:
-    """Second runs, only of cases with another worst value, for the chains that say why."""
+def _explain(checks: list[CaseCheck], before: dict[Path, Baseline | None], start: Start, tolerance: int) -> None:
+    """Second runs, only of cases in which anything changed, for the chains that say why, and which access moved."""
     runs = []
     for one in checks:
-        now = one.outcome.figures.budgets
-        moved = {c.budget for c in one.changes if c.budget is not None and _is_worst(c, now.get(c.budget))}
-        runs.append(
-            start(run_chains, one.outcome.path, one.outcome.changes, _wanted(one.outcome, moved)) if moved else None
-        )
+        baseline = before[one.outcome.path]
+        known = set(baseline.budgets) & set(one.outcome.figures.budgets) if baseline is not None else set()
+        wanted = _wanted(one.outcome, known) if one.changes else {}
+        runs.append(start(run_chains, one.outcome.path, one.outcome.changes, wanted) if wanted else None)
     for one, run in zip(checks, runs, strict=True):
         baseline = before[one.outcome.path]
         if baseline is not None:
+            now = one.outcome.figures.budgets
+            worse = {c.budget for c in one.changes if c.budget is not None and _is_worst(c, now.get(c.budget))}
             if run is not None:
-                one.outcome.figures = _with_chains(one.outcome.figures, run().of)
+                chains = run().of
+                one.outcome.figures = _with_chains(one.outcome.figures, chains)
+                others = {name: chain for name, chain in chains.items() if name not in worse}
+                moved = [] if worse else moved_accesses(baseline, one.outcome.figures, others, tolerance)
+                one.changes[:0] = moved
+                one.state = _state(one.changes)
             explain(one.changes, baseline, one.outcome.figures, one.outcome.result.first_wrong)
 
 
@@ -184,8 +217,9 @@ def _wanted(outcome: Outcome, names: set[str]) -> dict[str, Wanted]:
     return {name: one for name, one in found.items() if one is not None}
 
 
-def _with_chains(figures: Baseline, chains: dict[str, list[str]]) -> Baseline:
-    budgets = {n: f.model_copy(update={"chain": chains.get(n, f.chain)}) for n, f in figures.budgets.items()}
+def _with_chains(figures: Baseline, chains: dict[str, Told]) -> Baseline:
+    lines = {name: chain.lines for name, chain in chains.items()}
+    budgets = {n: f.model_copy(update={"chain": lines.get(n, f.chain)}) for n, f in figures.budgets.items()}
     return figures.model_copy(update={"budgets": budgets})
 
 

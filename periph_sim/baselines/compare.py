@@ -1,24 +1,33 @@
 """A baseline and a run now go in; what changed comes out, a line a figure.
 
-Exact unless a tolerance is given. With one, times may differ by that much, and what then moves
-with them is not compared: instants, simulated events, polls skipped.
+Exact unless a tolerance is given. With one, times may differ by that much, and instants, which move with them, are not
+compared. Counts of simulated events and of skipped polls say something of the simulation and nothing of the firmware:
+they are told as notes, and fail nobody.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 
-from .chain import parting
+from .chain import Told, first_moved, parting
 from .figures import Baseline, Figures
 
-LOOSE = ("polls_skipped",)
+NOTES = ("events", "polls_skipped")
+CHAIN = "chain"
+MOST_MOVED = 3  # accesses that moved, told of a case
+SAME = Fraction(1, 1000)  # seconds by which an occurrence may move and be the same
 VALUES = ("worst", "least")
 INSTANTS = ("worst_at", "least_at")
 
 
 @dataclass
 class Change:
-    """A figure that is another one now. budget: None for one of the case as a whole. why: "" or what explains it."""
+    """A figure that is another one now. budget: None for one of the case as a whole. why: "" or what explains it.
+
+    note: it is told and fails nobody.
+    """
 
     budget: str | None
     figure: str
@@ -26,6 +35,7 @@ class Change:
     now: int | str | None
     text: str
     why: str = ""
+    note: bool = False
 
     def __str__(self) -> str:
         return f"{self.text}: {self.why}" if self.why else self.text
@@ -50,9 +60,9 @@ def compare(before: Baseline, now: Baseline, tolerance: int = 0) -> list[Change]
     for key in sorted({*before.counts, *now.counts}):
         counts[key] = (before.counts.get(key, 0), now.counts.get(key, 0))
     for key, (was, came) in counts.items():
-        if was != came and not (tolerance and key in ("events", *LOOSE)):
+        if was != came:
             shown = key.replace("_", " ")
-            changes.append(Change(None, key, was, came, f"{shown} {was} -> {came}"))
+            changes.append(Change(None, key, was, came, f"{shown} {was} -> {came}", note=key in NOTES))
     return changes
 
 
@@ -107,6 +117,27 @@ def explain(changes: list[Change], before: Baseline, now: Baseline, first_wrong:
             change.why = parting(old.chain, new.chain, now.cycles) or "no event of its chain moved"
         elif at is not None and not old.chain:
             change.why = f"first at {_ms(now, at)}, where there was none"
+
+
+def moved_accesses(before: Baseline, now: Baseline, chains: Mapping[str, Told], tolerance: int = 0) -> list[Change]:
+    """What moved in the chains of budgets whose figures did not change, each once. tolerance: in cycles."""
+    found: dict[str, Change] = {}
+    for name, chain in chains.items():
+        old, new = before.budgets.get(name), now.budgets.get(name)
+        if old is None or new is None or not old.chain or not _same_occurrence(old, new, now):
+            continue
+        moved = first_moved(old.chain, chain, now.cycles, tolerance * now.ticks_per_cycle)
+        if moved and moved not in found:
+            found[moved] = Change(name, CHAIN, None, None, f"{name} holds, but an access moved: {moved}")
+    return [*found.values()][:MOST_MOVED]
+
+
+def _same_occurrence(old: Figures, new: Figures, now: Baseline) -> bool:
+    """Whether a chain is of the occurrence that the baseline's is of."""
+    then_at, now_at = (f.worst_at if f.chain_of == "worst" else f.least_at for f in (old, new))
+    if old.measure != new.measure or old.chain_of != new.chain_of or then_at is None or now_at is None:
+        return False
+    return abs(now_at - then_at) < SAME * now.ticks_per_second
 
 
 def _ms(now: Baseline, at: int) -> str:

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from ..timing.budgets import Verdict
-from ..timing.shown import in_words, instant
+from ..timing.shown import broken
+from ..timing.verdicts import EVERY_PHASE, Verdict
 from ..worst.chain import Chain
 from .compare import Change
 from .outcome import Outcome
@@ -43,45 +43,44 @@ class CaseCheck:
     def broken(self) -> list[Verdict]:
         """The budgets that broke and must not."""
         outcome = self.outcome
-        return [v for v in outcome.verdicts if v.verdict == "fail" and v.name not in outcome.breaks]
+        return [v for v in outcome.verdicts if v.broken and v.name not in outcome.breaks]
 
     @property
     def passed(self) -> bool:
         return not self.findings
 
 
-def judge(check: CaseCheck) -> list[Finding]:
-    """Everything that is not as it should be, budgets first."""
+def judge(check: CaseCheck, guaranteed: bool = False) -> list[Finding]:
+    """Everything that is not as it should be, budgets first. guaranteed: what holds only in what was seen is not."""
     outcome = check.outcome
     top = outcome.name_line or 1
     findings = []
     for verdict in outcome.verdicts:
         line = outcome.lines[verdict.name] or top
         must = verdict.name in outcome.breaks
-        if verdict.verdict == "fail" and not must:
-            findings.append(Finding(verdict.name, line, f"{verdict.name} breaks: {broken(verdict)}"))
-        elif verdict.verdict != "fail" and must:
+        if verdict.broken:
+            if not must:
+                findings.append(Finding(verdict.name, line, f"{verdict.name} breaks: {broken(verdict)}"))
+        elif not verdict.passed:
+            findings.append(Finding(verdict.name, line, f"{verdict.name} is not judged: {lacking(verdict)}"))
+        elif must:
             line = outcome.breaks_line or line
             text = f"{verdict.name} holds, but breaks says that it must break; take it out there if the bug is mended"
             findings.append(Finding(verdict.name, line, text))
+        elif guaranteed and verdict.proof != EVERY_PHASE:
+            findings.append(Finding(verdict.name, line, f"{verdict.name} holds in what was seen: {verdict.unbounded}"))
     findings += [Finding(None, top, text) for text in outcome.trouble]
     if check.state == "missing":
         text = f"it has no baseline {check.baseline}; write one with --update-baseline"
         findings.append(Finding(None, top, text))
     elif check.state == "changed":
-        for change in check.changes:
+        for change in (change for change in check.changes if not change.note):
             line = outcome.lines.get(change.budget or "", 0) or top
             there = change.budget if change.budget in {verdict.name for verdict in outcome.verdicts} else None
             findings.append(Finding(there, line, str(change)))
     return findings
 
 
-def broken(verdict: Verdict) -> str:
-    """What broke a budget, as a phrase."""
-    if verdict.worst is None:
-        return verdict.found or f"nothing was measured by {verdict.measure!r}"
-    over = "over" if verdict.worst > verdict.limit else "under"
-    at = "" if verdict.at_s is None else f", at {instant(verdict.at_s)}"
-    told = f" ({verdict.found})" if verdict.found else ""
-    worst, limit = (in_words(value, verdict.unit) for value in (verdict.worst, verdict.limit))
-    return f"{worst} is {over} its limit of {limit}{at}{told}"
+def lacking(verdict: Verdict) -> str:
+    """Why a budget is not judged, as a phrase."""
+    return verdict.found or f"nothing was measured by {verdict.measure!r}"

@@ -6,19 +6,26 @@ as a whole. Properties carry the figures. A budget that must break and does has 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from xml.etree import ElementTree as xml
 
 from .figures import Baseline
 from .judge import CaseCheck
+from .outcome import Refused
 
 WHOLE = "the case"
 
 
-def junit(checks: list[CaseCheck]) -> str:
-    """The XML, with its declaration. Text that XML cannot hold is replaced by U+FFFD."""
+def junit(checks: list[CaseCheck], refused: Sequence[Refused] = ()) -> str:
+    """The XML, with its declaration. Text that XML cannot hold is replaced by U+FFFD.
+
+    refused: cases that could not be run; each is a suite with one test that is an error.
+    """
     root = xml.Element("testsuites", name="periph-sim check")
     for check in checks:
         _suite(root, check)
+    for one in refused:
+        _refused(root, one)
     _sums(root, list(root))
     xml.indent(root)
     return '<?xml version="1.0" encoding="utf-8"?>\n' + xml.tostring(root, encoding="unicode") + "\n"
@@ -31,10 +38,14 @@ def _suite(root: xml.Element, check: CaseCheck) -> None:
     for name, value in {"baseline": check.state, "events": figures.events, **figures.counts}.items():
         xml.SubElement(properties, "property", name=name, value=str(value))
     for verdict in outcome.verdicts:
+        tail = "_us" if verdict.unit == "us" else ""
         said = _figures(figures, verdict.name) | {
-            "limit_us" if verdict.unit == "us" else "limit": str(verdict.limit),
+            f"limit{tail}": str(verdict.limit),
+            "verdict": verdict.word,
             "must_break": "yes" if verdict.name in outcome.breaks else "no",
         }
+        said |= {f"bound{tail}": str(verdict.bound)} if verdict.bound is not None else {}
+        said |= {"unbounded": verdict.unbounded} if verdict.unbounded else {}
         _test(suite, check, verdict.name, outcome.lines[verdict.name], said)
     _test(suite, check, None, outcome.name_line, {})
     _sums(suite, suite.findall("testcase"))
@@ -56,13 +67,23 @@ def _test(suite: xml.Element, check: CaseCheck, budget: str | None, line: int, s
         xml.SubElement(test, "failure", message=wrong[0], type="check").text = "\n".join(wrong)
 
 
+def _refused(root: xml.Element, refused: Refused) -> None:
+    file = _safe(refused.path.as_posix())
+    suite = xml.SubElement(root, "testsuite", name=_safe(refused.path.stem), file=file)
+    test = xml.SubElement(suite, "testcase", classname=_safe(refused.path.stem), name=WHOLE, file=file, line="1")
+    xml.SubElement(test, "error", message=_safe(refused.why), type="check").text = _safe(refused.why)
+    _sums(suite, [test])
+
+
 def _sums(parent: xml.Element, tests: list[xml.Element]) -> None:
-    """tests and failures of what is below."""
+    """tests, failures and errors of what is below."""
     if parent.tag == "testsuite":
-        sums = {"tests": len(tests), "failures": sum(test.find("failure") is not None for test in tests)}
+        sums = {"tests": len(tests)}
+        for key in ("failure", "error"):
+            sums[f"{key}s"] = sum(test.find(key) is not None for test in tests)
     else:
-        sums = {key: sum(int(suite.get(key, "0")) for suite in tests) for key in ("tests", "failures")}
-    for key, value in (sums | {"errors": 0}).items():
+        sums = {key: sum(int(suite.get(key, "0")) for suite in tests) for key in ("tests", "failures", "errors")}
+    for key, value in sums.items():
         parent.set(key, str(value))
 
 

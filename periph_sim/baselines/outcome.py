@@ -10,16 +10,18 @@ from pathlib import Path
 
 from ..board.result import Result
 from ..board.scene import Scene
+from ..bound.phases import judge_phases
 from ..case.load import load
 from ..case.model import BadCase, Case
 from ..core.kernel import SimulationStuck
 from ..f28335.memory import NoSuchAddress
-from ..host.cpu import FirmwareError
-from ..timing.budgets import Limit, Verdict
+from ..host.blame import FirmwareError
+from ..timing.budgets import Limit
 from ..timing.values import Values, values_of
+from ..timing.verdicts import Verdict
 from ..worst.chain import Chain
 from ..worst.explain import explain
-from .chain import Wanted, chains
+from .chain import Told, Wanted, chains
 from .figures import Baseline, Figures
 from .trouble import BadCheck
 
@@ -53,7 +55,12 @@ class Outcome:
 
     @property
     def broken(self) -> list[str]:
-        return [verdict.name for verdict in self.verdicts if verdict.verdict == "fail"]
+        return [verdict.name for verdict in self.verdicts if verdict.broken]
+
+    @property
+    def not_passed(self) -> list[str]:
+        """Budgets that are broken or not judged."""
+        return [verdict.name for verdict in self.verdicts if not verdict.passed]
 
 
 @dataclass
@@ -69,7 +76,7 @@ class Chains:
     """The chain of each budget's worst occurrence."""
 
     path: Path
-    of: dict[str, list[str]] = field(default_factory=dict)
+    of: dict[str, Told] = field(default_factory=dict)
 
 
 def run_case(path: Path, changes: tuple[str, ...] = (), keep_values: bool = False) -> Outcome | Refused:
@@ -101,6 +108,7 @@ def run_explained(
 def _outcome(path: Path, case: Case, changes: tuple[str, ...], keep_values: bool) -> Outcome:
     scene = Scene(case, keep_values=keep_values)
     result = scene.run()
+    judge_phases(scene, result.budgets)
     trouble = scene.deadlocks()
     if scene.hangs() and not trouble:
         trouble = scene.stuck_lines[-1:]

@@ -43,6 +43,7 @@ class ChipOnBus:
         self.name = name
         self.chip = chip
         self.notes: dict[Note, list[int]] = {}
+        self.on_note: Callable[[Note], None] | None = None
         self.pointer = RegisterPointer(chip, lambda: kernel.now, self._take_notes)
         self._kernel = kernel
         self._recorder = recorder
@@ -53,13 +54,16 @@ class ChipOnBus:
         return TargetSide(self._kernel, scl, sda, self.pointer.answer, output_delay, self.name)
 
     def _take_notes(self) -> None:
-        for note in self.chip.notes:
+        notes = tuple(self.chip.notes)
+        self.chip.notes.clear()
+        for note in notes:
             first_and_count = self.notes.setdefault(note, [self._kernel.now, 0])
             first_and_count[1] += 1
             if self._recorder.wants(Kind.NOTE):
                 text = f"{note.text} [{note.source}]"
                 self._recorder.emit(self._kernel.now, Kind.NOTE, self.name, note.code, first_and_count[1], text)
-        self.chip.notes.clear()
+            if self.on_note is not None:
+                self.on_note(note)
 
 
 def build_chip(

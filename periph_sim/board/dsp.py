@@ -10,22 +10,27 @@ System control, PIE and the CPU's interrupt logic belong to every unit.
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
+from random import Random
+from typing import Literal
 
 from greenlet import GreenletExit
 
-from ..core.chip import Chip
-from ..core.kernel import Kernel
+from ..case.settings import Spread
+from ..core.chip import Chip, Note
+from ..core.kernel import CHIP, PADS, Kernel
 from ..core.nearest import near
 from ..core.records import Recorder
 from ..core.socket import Socket
 from ..core.time import Clock, Timebase
 from ..core.wire import Wire
-from ..f28335 import clocks_map, gpio_map, pie_map, timer_map, xint_map
+from ..f28335 import clocks_map, gpio_map, i2c_map, pie_map, sci_map, timer_map, xint_map
 from ..f28335.clocks import WDRST_CYCLES, SystemControl
+from ..f28335.code_costs import CodeCosts
 from ..f28335.cpu import CpuInterrupts, int13_source
 from ..f28335.cpu_timer import TINT0_PIE, TINT1_CPU, TINT2_CPU, CpuTimer
 from ..f28335.gpio import Gpio
@@ -37,13 +42,14 @@ from ..f28335.sci import Sci
 from ..f28335.sci_options import SciOptions
 from ..f28335.system_options import SystemOptions
 from ..f28335.xint import Xint
+from ..host.blame import Misuse, flaw_of
 from ..host.cpu import Cpu
 from ..host.registers import ModulePort
 from .router import Port, Router
 
-SCI_BASES = {"SCI-A": 0x7050, "SCI-B": 0x7750, "SCI-C": 0x7770}
-I2C_BASE = 0x7900
-MODULES = (*SCI_BASES, "I2C-A", "GPIO", "XINT", "TIMER0", "TIMER1", "TIMER2")
+MODULES = (*sci_map.BASES, "I2C-A", "GPIO", "XINT", "TIMER0", "TIMER1", "TIMER2")
+
+WATCHDOG_OFF = 0x68  # WDCR: WDDIS with its check bits
 
 # The pins that TI's start-up code gives to each signal; used for wires when no GPIO module is in the scene.
 PIN_OF = {
@@ -58,9 +64,15 @@ PIN_OF = {
 }
 
 
+End = Literal["drawn", "least", "most"]  # which value of a `Spread` a computation takes
+
+
 @dataclass
 class DspPlan:
-    """What a unit consists of. wires: GPIO number -> wire. ppm: error of its crystal."""
+    """What a unit consists of. wires: GPIO number -> wire. ppm: error of its crystal.
+
+    seed: of the values drawn from spreads. end: the value that is taken instead, in runs for bounds.
+    """
 
     name: str
     modules: tuple[str, ...]
@@ -71,6 +83,10 @@ class DspPlan:
     from_boot: bool = False
     skip_polls: bool = True
     strict: bool = False
+    seed: int = 0
+    end: End = "drawn"
+    stall_limit: float = 0.0  # seconds of CPU time that firmware may take at one instant; 0: any
+    code: CodeCosts = field(default_factory=CodeCosts)
     system: SystemOptions = field(default_factory=SystemOptions)
     i2c: I2cOptions = field(default_factory=I2cOptions)
     sci: SciOptions = field(default_factory=SciOptions)
@@ -108,9 +124,11 @@ class Dsp:
         self._sockets: dict[str, Socket] = {}
         self._ports: dict[str, ModulePort] = {}
         self._firmware: Callable[[], None] = _nothing
+        self._random = Random(f"{plan.seed} {plan.name} computations")
         self._gates = self.control.gates
         self._lspclk = (self.control.lspclk_divider, self.control.lspclk_phase)
         self.resets = 0
+        self.on_reset: list[Callable[[], None]] = []
         for name in plan.modules:
             if name not in MODULES:
                 raise ValueError(f"{plan.name}: there is no module {name!r}; {near(name, MODULES)}")
@@ -124,9 +142,11 @@ class Dsp:
             self.core,
             self.pie,
             plan.system,
+            code=plan.code,
             skip_polls=plan.skip_polls,
             strict=plan.strict,
         )
+        self.cpu.stall_limit = plan.stall_limit
         self.router = self._route(plan)
         cycle = self.clock.cycle_at(kernel.now)
         for socket in self._sockets.values():
@@ -145,12 +165,30 @@ class Dsp:
             self._ports[name] = ModulePort(self.cpu, self.memory.places[name])
         return self._ports[name]
 
-    def spin(self, condition: Callable[[], object]) -> None:
-        """Wait until `condition()` is true, as `while (!...);` does."""
-        self.cpu.spin(condition)
+    def spin(
+        self,
+        condition: Callable[[], object],
+        *,
+        pass_cycles: int | None = None,
+        timeout: Fraction | int | None = None,
+    ) -> bool:
+        """Wait until `condition()` is true, as `while (!...);` does. True if it came, False if the wait timed out.
 
-    def spin_either(self, ready: Callable[[], object], over: Callable[[], object]) -> bool:
-        """`while (!ready) if (over) break;`: True if `over` ended the wait."""
+        pass_cycles: what one pass of this loop takes in all, counted in its disassembly; else the unit's
+        `code.poll_pass` and what further reads add to it. timeout: cycles, or seconds (rounded up to a cycle), from the
+        begin of the wait, service routines included; it is looked at between two passes.
+        """
+        _callable("spin", condition)
+        if pass_cycles is not None and (type(pass_cycles) is not int or pass_cycles < 1):
+            raise Misuse(f"dsp.spin: pass_cycles is {pass_cycles!r}; expected a whole number of cycles above 0")
+        return self.cpu.spin(condition, pass_cycles, None if timeout is None else self._cycles(timeout))
+
+    def spin_either(
+        self, ready: Callable[[], object], over: Callable[[], object], *, pass_cycles: int | None = None
+    ) -> bool:
+        """`while (!ready) if (over) break;`: True if `over` ended the wait. pass_cycles: as for `spin`."""
+        _callable("spin_either", ready)
+        _callable("spin_either", over)
         ended_by = ""
 
         def either() -> bool:
@@ -161,16 +199,39 @@ class Dsp:
                 ended_by = "over"
             return bool(ended_by)
 
-        self.cpu.spin(either)
+        self.spin(either, pass_cycles=pass_cycles)
         return ended_by == "over"
 
-    def compute(self, cost: Fraction | int, name: str = "") -> None:
-        """Work that takes `cost`: a whole number of cycles, or seconds (rounded up to a cycle)."""
-        cycles = cost if isinstance(cost, int) else -int(-cost * self._nominal_hz() // 1)
-        self.cpu.compute(cycles, name)
+    def compute(self, cost: Spread | Fraction | int, name: str = "") -> None:
+        """Work that takes `cost`: a whole number of cycles, or seconds (rounded up to a cycle).
+
+        Of a spread each occurrence takes a whole number of cycles, all of them equally likely.
+        """
+        self.cpu.compute(self._drawn(cost) if isinstance(cost, Spread) else self._cycles(cost), name)
+
+    def _cycles(self, cost: Fraction | int) -> int:
+        if isinstance(cost, Fraction):
+            cycles = -int(-cost * self._nominal_hz() // 1)
+        else:
+            try:
+                cycles = operator.index(cost)
+            except TypeError:
+                way = "expected whole cycles, or seconds as a Fraction: Fraction(250, 10**6)"
+                raise Misuse(f"a time of {cost!r} is no exact number; {way}") from None
+        if cycles < 0:
+            raise Misuse(f"a time of {cycles} cycles is negative; expected 0 or more")
+        return cycles
+
+    def _drawn(self, spread: Spread) -> int:
+        least, most = self._cycles(spread.least), self._cycles(spread.most)
+        if self.plan.end == "drawn":
+            return self._random.randint(least, most)
+        return most if self.plan.end == "most" else least
 
     def span(self, name: str) -> Span:
-        """A named stretch of firmware, for budgets and recordings; costs no cycles."""
+        """A named stretch of firmware, for budgets and recordings; costs no cycles. For a `with` statement."""
+        if not isinstance(name, str) or not name:
+            raise Misuse(f"dsp.span needs the name of the stretch, but got {name!r}")
         return Span(self.cpu, name)
 
     def set_pin(self, pin: int) -> None:
@@ -203,6 +264,7 @@ class Dsp:
 
     def handle(self, name: str, handler: Callable[[], None]) -> tuple[int, int]:
         """Make `handler` the service routine of a vector; returns its PIE group and line ((n, 0) for INTn)."""
+        _routine(name, handler)
         self.cpu.handlers[name] = handler
         if name in pie_map.LINES:
             return pie_map.LINES[name]
@@ -247,12 +309,14 @@ class Dsp:
         self._sockets["PIE"].after = self._follow_pie
         for name in plan.modules:
             requests = self._lines_of(name)
-            if name in SCI_BASES:
+            if name in sci_map.BASES:
                 sci = Sci(name, plan.sci)
-                self._add(name, sci, SCI_BASES[name], 16, Frame.PF2, requests)
+                self._add(name, sci, sci_map.BASES[name], 16, Frame.PF2, requests)
                 sci.set_lspclk(self.clock.cycle_at(self._kernel.now), *self._lspclk)
             elif name == "I2C-A":
-                self._add(name, I2c(plan.i2c), I2C_BASE, 0x40, Frame.PF2, requests)
+                i2c = I2c(plan.i2c)
+                i2c.set_sysclk(0, self.control.sysclk_hz)
+                self._add(name, i2c, i2c_map.BASE, 0x40, Frame.PF2, requests)
             elif name == "GPIO":
                 self._add(name, Gpio(plan.system), gpio_map.BASE, 0x80, Frame.PF1, requests)
             elif name == "XINT":
@@ -264,10 +328,16 @@ class Dsp:
     def _add(
         self, name: str, chip: Chip, base: int, size: int, frame: Frame, on_request: Callable[[int, int], None]
     ) -> None:
-        socket = Socket(self._kernel, self.clock, self.recorder, f"{self.name}.{name}", chip, on_request)
+        phase = PADS if name == "GPIO" else CHIP
+        socket = Socket(self._kernel, self.clock, self.recorder, f"{self.name}.{name}", chip, on_request, phase)
         socket.on_held = partial(self._held, pie_lines(name))
+        if self.plan.strict:
+            socket.on_note = partial(self._noted, socket.name)
         self._sockets[name] = socket
         self.memory.add(Place(name, base, size, frame, socket))
+
+    def _noted(self, who: str, cycle: int, note: Note) -> None:
+        self.cpu.insist(note, who)
 
     def _lines_of(self, module: str) -> Callable[[int, int], None]:
         """What a module's requests do: go to their PIE lines, or straight to INT13 and INT14."""
@@ -313,10 +383,15 @@ class Dsp:
             for socket in self._sockets.values():
                 socket.reclock()
             self.cpu.reclock()
+            if "I2C-A" in self._sockets:
+                i2c = self._sockets["I2C-A"].chip
+                assert isinstance(i2c, I2c)
+                i2c.set_sysclk(cycle, control.sysclk_hz)
+                self._sockets["I2C-A"].publish(cycle)
         lspclk = (control.lspclk_divider, control.lspclk_phase)
         if lspclk != self._lspclk:
             self._lspclk = lspclk
-            for name in SCI_BASES:
+            for name in sci_map.BASES:
                 if name in self._sockets:
                     sci = self._sockets[name].chip
                     assert isinstance(sci, Sci)
@@ -346,7 +421,7 @@ class Dsp:
             if name == "I2C-A":
                 inputs |= {"SCLA": (socket, 0), "SDAA": (socket, 1)}
                 outputs |= {"SCLA": (socket, 0), "SDAA": (socket, 1)}
-            elif name in SCI_BASES:
+            elif name in sci_map.BASES:
                 inputs[f"SCIRXD{name[-1]}"] = (socket, 0)
                 outputs[f"SCITXD{name[-1]}"] = (socket, 0)
         if "GPIO" in self._sockets:
@@ -354,29 +429,40 @@ class Dsp:
             gpio = socket.chip
             assert isinstance(gpio, Gpio)
             xint = self._sockets.get("XINT")
-            return Router(self._kernel, self.clock, gpio, socket, plan.name, plan.wires, inputs, outputs, xint)
+            kernel, clock, recorder = self._kernel, self.clock, self.recorder
+            return Router(kernel, clock, recorder, gpio, socket, plan.name, plan.wires, inputs, outputs, xint)
         for signal, (socket, index) in inputs.items():
             wire = plan.wires.get(PIN_OF[signal])
             if wire is not None:
-                wire.watch(self._straight(socket, index))
+                socket.inputs.listen(index, wire)  # seen at the next SYSCLKOUT edge
         for signal, (socket, index) in outputs.items():
             wire = plan.wires.get(PIN_OF[signal])
             if wire is not None:
                 socket.connect(index, [wire.attach(f"{plan.name}.{signal}")])
         return None
 
-    def _straight(self, socket: Socket, index: int) -> Callable[[int, int], None]:
-        """A pin without GPIO module: what happens on the wire is seen at the next SYSCLKOUT edge."""
-        clock = self.clock
-        return lambda tick, level: socket.pin(clock.cycle_at(tick), index, level)
+    # Reset -------------------------------------------------------------------------
 
-    # Watchdog reset --------------------------------------------------------------
+    def connect_reset(self, xrs: Wire) -> None:
+        """The XRS pin: low holds this unit in reset."""
+        xrs.watch(self._xrs_changed)
+
+    def _xrs_changed(self, tick: int, level: int) -> None:
+        """Seen with the next cycle, since clocks change there."""
+        action = partial(self.cpu.start, self._from_reset) if level else self._enter_reset
+        self._kernel.at(self.clock.tick(self.clock.cycle_at(tick)), action)
 
     def _reset(self) -> None:
-        """XRS by the watchdog: every module to its reset state, firmware from its first line."""
-        if not self.control.reset_requested:
-            return
+        """XRS by the watchdog."""
+        if self.control.reset_requested:
+            self._enter_reset()
+            self.cpu.start(self._from_reset, delay=WDRST_CYCLES)
+
+    def _enter_reset(self) -> None:
+        """Every module to its reset state; firmware stops where it stands."""
         self.resets += 1
+        for told in self.on_reset:
+            told()
         cycle = self.clock.cycle_at(self._kernel.now)
         self.cpu.kill(GreenletExit)
         self.core.reset(cycle)
@@ -384,14 +470,27 @@ class Dsp:
             socket.chip.reset(cycle)
             socket.publish(cycle)
         self.gate(cycle)
-        self.cpu.start(self._firmware, delay=WDRST_CYCLES)
+
+    def _from_reset(self) -> None:
+        """What runs after a reset: TI's start-up code, unless the firmware has its own, and then the firmware."""
+        if not self.plan.from_boot:
+            control = self.module("SYS")
+            self.eallow()
+            control.WDCR.all = WATCHDOG_OFF
+            control.PLLSTS.MCLKOFF = 1
+            control.PLLCR.all = self.plan.pll
+            self.spin(lambda: control.PLLSTS.PLLLOCKS == 1)
+            control.PLLSTS.MCLKOFF = 0
+            control.PLLSTS.DIVSEL = 2
+            self.edis()
+        self._firmware()
 
 
 def pie_lines(module: str) -> tuple[tuple[int, int], ...]:
     """Group and line of each of a module's interrupt lines, in the order of its LINES."""
     if module == "TIMER0":
         return (TINT0_PIE,)
-    if module in SCI_BASES:
+    if module in sci_map.BASES:
         return (pie_map.LINES[f"SCIRXINT{module[-1]}"], pie_map.LINES[f"SCITXINT{module[-1]}"])
     if module == "I2C-A":
         return (pie_map.LINES["I2CINT1A"], pie_map.LINES["I2CINT2A"])
@@ -408,7 +507,7 @@ def start_up(control: SystemControl, pll: int) -> int:
     def write(cycle: int, register: str, value: int) -> None:
         control.write(cycle, clocks_map.MAP[register].offset, value)
 
-    write(1, "WDCR", 0x68)
+    write(1, "WDCR", WATCHDOG_OFF)
     write(2, "PLLSTS", 1 << 6)
     write(3, "PLLCR", pll)
     locked = control.next_wake
@@ -417,6 +516,21 @@ def start_up(control: SystemControl, pll: int) -> int:
     write(locked + 2, "PLLSTS", 2 << 7)
     control.touched.clear()  # what was done before main does not bear on the run
     return locked + 100
+
+
+def _callable(what: str, given: object) -> None:
+    if not callable(given):
+        way = "write dsp.spin(lambda: ...), so that each pass looks again"
+        raise Misuse(f"dsp.{what} needs a function to call in each pass, but got {given!r}; {way}")
+
+
+def _routine(name: str, handler: Callable[[], None]) -> None:
+    """Misuse if this cannot be a service routine."""
+    if not callable(handler):
+        raise Misuse(f"the routine of {name!r} is {handler!r}; give the function itself, without calling it")
+    what = flaw_of(handler, 0)
+    if what:
+        raise Misuse(f"the routine of {name!r} {what}; a service routine is a plain function without arguments")
 
 
 def _nothing() -> None:

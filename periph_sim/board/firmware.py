@@ -7,15 +7,18 @@ import inspect
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, is_dataclass
+from importlib.machinery import SourceFileLoader
 from pathlib import Path
-from types import ModuleType
+from types import CodeType, ModuleType
 from typing import TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 
 from ..case.explain import complaint, place_of
 from ..core.nearest import near
+from ..devices.model_codes import Computed
 from ..devices.models.parameters import Imu
+from ..host.blame import Misuse, defined_at, flaw_of
 from .dsp import Dsp
 
 T = TypeVar("T")
@@ -52,16 +55,37 @@ def load_firmware(name: str) -> Firmware:
         raise BadFirmware(f"firmware {name!r} cannot be loaded: {type(error).__name__}: {error}") from None
     if not callable(getattr(module, "main", None)):
         raise BadFirmware(f"firmware {name!r} has no function main(dsp, settings)")
+    what = flaw_of(module.main, 2)
+    if what:
+        at = defined_at(module.main)
+        raise BadFirmware(f"firmware {name!r}, {at}: main {what}; expected a plain function main(dsp, settings)")
     return Firmware(name, module.main, getattr(module, "Settings", None))
 
 
+def run_main(firmware: Firmware, dsp: Dsp, settings: object) -> None:
+    """Call main. Misuse if it returns a value, which nobody would take."""
+    came = firmware.main(dsp, settings)  # type: ignore[func-returns-value]
+    if came is not None:
+        raise Misuse(f"main, {defined_at(firmware.main)}, returned {came!r}; firmware returns nothing")
+
+
+class _Source(SourceFileLoader):
+    """Compiles the text at every load: bytecode kept by the second would miss an edit, and litter the user's folder."""
+
+    def get_code(self, fullname: str) -> CodeType:
+        return self.source_to_code(self.get_data(self.path), self.path)
+
+
 def _firmware_file(path: Path) -> ModuleType:
-    spec = importlib.util.spec_from_file_location(f"firmware_file_{path.stem}", path) if path.is_file() else None
-    if spec is None or spec.loader is None:
-        raise BadFirmware(f"there is no firmware file {str(path)!r}")
+    if not path.is_file():
+        raise BadFirmware(f"there is no firmware file {str(path)!r}; its path counts from the folder of the case")
+    name = f"firmware_file_{path.stem}"
+    loader = _Source(name, str(path))
+    spec = importlib.util.spec_from_file_location(name, path, loader=loader)
+    assert spec is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module  # dataclasses look their module up by name
-    spec.loader.exec_module(module)
+    loader.exec_module(module)
     return module
 
 
@@ -87,6 +111,14 @@ def sensors_of(settings: object) -> Imu | None:
     """The sensors that firmware stands for, by its settings' `sensors`; None where it computes none."""
     sensors = getattr(settings, "sensors", None)
     return sensors if isinstance(sensors, Imu) else None
+
+
+def computed_by(settings: object) -> Computed | None:
+    """How firmware computes its sensors, by its settings' `arithmetic` and `noise_seed`; None where it does not."""
+    sensors, arithmetic = sensors_of(settings), getattr(settings, "arithmetic", None)
+    if sensors is None or not isinstance(arithmetic, str):
+        return None
+    return Computed(sensors, arithmetic, getattr(settings, "noise_seed", None))
 
 
 def filled(kind: type[T], given: dict[str, object], who: str) -> T:

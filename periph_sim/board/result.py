@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from ..timing.budgets import Verdict
+from ..timing.verdicts import EVERY_PHASE, SEEN, Proof, Verdict
 
 
 @dataclass
@@ -26,3 +26,8 @@ class Result:
     stuck: list[str]
     wrong: dict[str, int] = field(default_factory=dict)
     first_wrong: str = ""
+
+    @property
+    def proof(self) -> Proof:
+        """What a pass proves: that of its weakest budget."""
+        return EVERY_PHASE if all(verdict.proof == EVERY_PHASE for verdict in self.budgets) else SEEN

@@ -1,61 +1,24 @@
 """Joins wires, the GPIO multiplexer and the peripherals of one F28335.
 
-    wire edge --> pad --> (synchroniser, qualifier, MUX) --> peripheral input
+    wires --> pads --> (synchroniser, qualifier, MUX) --> inputs of a peripheral, one sample a cycle
     peripheral output, GPIO latch --> MUX --> pad --> wire
 
-An asynchronous pin costs nothing here but the call: its edges go straight to the
-peripheral, and the pads are told to the GPIO machine only when somebody reads them.
+An asynchronous pin costs nothing here: its wire is an input of its peripheral (`Socket.inputs`), and the GPIO
+machine is told of it only when somebody reads it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
-
 from ..core.kernel import Kernel
+from ..core.records import Recorder
 from ..core.socket import Socket
-from ..core.time import Clock
-from ..core.wire import Pin, Wire
+from ..core.time import NO_TIME, Clock
+from ..core.wire import Pin, Sampler, Wire
 from ..f28335.gpio import Gpio
-from ..f28335.pin_table import INPUTS, OUTPUTS
+from ..f28335.pin_table import OUTPUTS
 from ..f28335.xint import Xint
 
 Port = tuple[Socket, int]  # a peripheral and the index of one of its pins
-
-
-class Pad:
-    """One pad's way in. socket: the peripheral it feeds without any delay, or None."""
-
-    __slots__ = ("_clock", "_n", "_router", "_watched", "index", "pin", "socket")
-
-    def __init__(self, router: Router, n: int, clock: Clock) -> None:
-        self._router = router
-        self._n = n
-        self._clock = clock
-        self._watched = router.gpio_socket.watchers
-        self.socket: Socket | None = None
-        self.index = 0
-        self.pin: Callable[[int, int, int], int] = router.gpio_socket.chip.pin
-
-    def feed(self, socket: Socket, index: int) -> None:
-        """From now on edges go straight to this input of this peripheral."""
-        self.socket, self.index, self.pin = socket, index, socket.chip.pin
-
-    def edge(self, tick: int, level: int) -> None:
-        """The wire at this pad changed."""
-        if self.socket is None or self._watched:
-            self._router.edge(self._n, tick, level)
-            return
-        cycle = self._clock.cycle_at(tick)
-        looks = self.pin(cycle, self.index, level)
-        if looks:
-            self.socket.publish(cycle, looks)
-
-    def traced_edge(self, tick: int, level: int) -> None:
-        """The same where causes are recorded: the peripheral keeps the edge as cause of what comes of it."""
-        if self.socket is not None and not self._watched:
-            self.socket.given(self._clock.cycle_at(tick) + self.socket.chip.filter_width)
-        self.edge(tick, level)
 
 
 class Router:
@@ -65,6 +28,7 @@ class Router:
         self,
         kernel: Kernel,
         clock: Clock,
+        recorder: Recorder,
         gpio: Gpio,
         gpio_socket: Socket,
         who: str,
@@ -76,18 +40,20 @@ class Router:
         self._kernel = kernel
         self._clock = clock
         self._gpio = gpio
-        self.gpio_socket = gpio_socket
-        self._pads = pads
+        self._gpio_socket = gpio_socket
+        self._wires = pads
         self._inputs = inputs
         self._outputs = outputs
         self._pins: dict[int, Pin] = {n: wire.attach(f"{who}.GPIO{n}") for n, wire in pads.items()}
-        self._feeds: dict[int, Port] = {}  # pin -> the peripheral it feeds
+        self._straight: set[str] = set()  # signals whose wire is an input of their peripheral
+        self._feeds: dict[int, Port] = {}  # synchronised pad -> the input that it feeds
+        self._pads = Sampler(kernel, recorder, self._on_pads)  # those of which the GPIO machine is told
+        self._heard: set[int] = set()
+        self._unheard = -1  # mask: all other pads
+        self._between_at = NO_TIME  # when it is told next of edges between two SYSCLKOUT edges
         self._xint = xint
         self._routes = -1
         self._outs = -1
-        self._direct = {n: Pad(self, n, clock) for n in pads}
-        for n, wire in pads.items():
-            wire.watch(self._direct[n].traced_edge if gpio_socket.traces else self._direct[n].edge)
         for socket, _ in outputs.values():
             socket.out_delay = gpio.out_delay
         self._xint_chip: Xint | None = None
@@ -95,40 +61,67 @@ class Router:
         if xint is not None:
             assert isinstance(xint.chip, Xint)
             self._xint_chip = xint.chip
-            xint.before = self._listen
+            xint.before = self._before_xint
             xint.after = self._watch_lines
+        gpio.wire(sum(1 << n for n in pads))
         gpio_socket.after = self.look
-        gpio_socket.before = self.tell_pads
+        gpio_socket.before = self._tell_all_pads
+        gpio_socket.on_watch = self._listen
         self.look(clock.cycle_at(kernel.now))
 
-    def leads_straight(self, wire: Wire, socket: Socket, index: int) -> bool:
-        """Whether this wire's edges go to this input of a peripheral, at once, and nowhere else."""
-        pads = [self._direct[n] for n, at in self._pads.items() if at is wire]
-        return len(pads) == 1 and pads[0].socket is socket and pads[0].index == index
+    # Pads ----------------------------------------------------------------------
 
-    @property
-    def reads_pads(self) -> bool:
-        """Somebody watches the pads' levels edge by edge."""
-        return bool(self.gpio_socket.watchers)
+    def _listen(self) -> None:
+        """The GPIO machine hears of a pad that feeds a peripheral straight only if somebody waits for its level."""
+        straight = {self._gpio.source(signal) for signal in self._straight}
+        everything = bool(self._gpio_socket.watchers)
+        heard = {n for n in self._wires if everything or n not in straight or self._gpio.watched >> n & 1}
+        for n in self._heard - heard:
+            self._pads.put(n, self._wires[n].level)
+        for n in heard - self._heard:
+            self._pads.listen(n, self._wires[n])
+        self._heard = heard
+        self._unheard = ~sum(1 << n for n in heard)
 
-    def edge(self, n: int, tick: int, level: int) -> None:
-        """A wire changed at a pad that is synchronised, or whose level somebody reads."""
-        clock = self._clock
-        cycle = clock.cycle_at(tick)
-        feed = self._feeds.get(n)
-        exact = clock.tick(cycle) == tick
-        seen = self._gpio.seen_at(cycle, n, exact)
-        if feed is not None and seen == cycle:
-            feed[0].pin(cycle, feed[1], level)
-        self._gpio.pin(cycle, n, level, exact)
-        self.gpio_socket.publish(cycle)
-        if feed is not None and seen == cycle + 1:
-            feed[0].later(clock.tick(seen), partial(feed[0].pin, seen, feed[1], level))
+    def _on_pads(self, tick: int, levels: int) -> None:
+        """Pads have changed: on a SYSCLKOUT edge, or between two, which the machine is told at the later one."""
+        cycle = self._clock.cycle_at(tick)
+        begin = self._clock.tick(cycle)
+        if begin == tick:
+            moved = self._tell(cycle, levels)
+            if not any(moved >> n & 1 for n in self._feeds):
+                return
+            begin = self._clock.tick(cycle + 1)  # a synchronised input shows it then
+        self._plan_between(begin)
 
-    def tell_pads(self, cycle: int) -> None:
-        """The levels of the pads that were not told edge by edge."""
-        for n, wire in self._pads.items():
-            self._gpio.pin(cycle, n, wire.level)
+    def _plan_between(self, begin: int) -> None:
+        if begin != self._between_at:
+            self._between_at = begin
+            self._gpio_socket.later(begin, self._between)
+
+    def _between(self) -> None:
+        """At a SYSCLKOUT edge: the levels just before it, which are what a synchroniser takes."""
+        self._between_at = NO_TIME
+        cycle, levels = self._clock.cycle_at(self._kernel.now), self._pads.levels
+        self._tell(cycle, levels, exact=False)
+        for n, (socket, index) in self._feeds.items():
+            socket.inputs.put(index, levels >> n & 1)
+
+    def _tell(self, cycle: int, levels: int, exact: bool = True) -> int:
+        """The GPIO machine is told of the pads that it hears of; those that moved for it."""
+        gpio = self._gpio
+        levels = levels & ~self._unheard | gpio.pads & self._unheard
+        moved = levels ^ gpio.pads
+        if moved:
+            gpio.pins(cycle, levels, exact)
+            self._gpio_socket.publish(cycle)
+        return moved
+
+    def _tell_all_pads(self, cycle: int) -> None:
+        """Before an access: also the pads that the machine is not told of edge by edge."""
+        self._gpio.pins(cycle, sum(wire.level << n for n, wire in self._wires.items()))
+
+    # Routes --------------------------------------------------------------------
 
     def look(self, cycle: int) -> None:
         """After each input of the GPIO machine: new routes, new levels on its outputs, qualified edges."""
@@ -142,40 +135,44 @@ class Router:
         if gpio.changed:
             changed, gpio.changed = gpio.changed, []
             for signal, level in changed:
-                if signal in self._inputs:
+                if signal in self._inputs and signal not in self._straight:
                     socket, index = self._inputs[signal]
-                    socket.pin(cycle, index, level)
+                    socket.inputs.put(index, level)
                 elif self._xint is not None and signal.startswith("XINT"):
-                    self._xint.pin(cycle, int(signal[4:]) - 1, level)
+                    self._xint.inputs.put(int(signal[4:]) - 1, level)
 
-    def _listen(self, cycle: int) -> None:
+    def _before_xint(self, cycle: int) -> None:
         """Before an access to XINT: its lines as they are. Afterwards: hear of the edges of enabled ones only."""
-        xint = self._xint_chip
-        assert xint is not None
-        self.tell_pads(cycle)
-        xint.settle(cycle, self._gpio.xint_levels(cycle))
+        assert self._xint is not None and self._xint_chip is not None
+        self._tell_all_pads(cycle)
+        levels = self._gpio.xint_levels(cycle)
+        self._xint_chip.settle(cycle, levels)
+        self._xint.inputs.levels = levels
 
     def _watch_lines(self, cycle: int) -> None:
         assert self._xint_chip is not None
         if self._xint_chip.enabled != self._lines:
             self._lines = self._xint_chip.enabled
             self._gpio.watch_xints(cycle, self._lines)
+            self._listen()
 
     def _reroute(self, cycle: int) -> None:
         gpio = self._gpio
-        self.tell_pads(cycle)
-        self._feeds = {}
-        for pad in self._direct.values():
-            pad.socket = None
-        for signal in INPUTS:
-            if signal in self._inputs:
-                socket, index = self._inputs[signal]
-                pin = gpio.source(signal)
-                if pin is not None:
-                    self._feeds[pin] = (socket, index)
-                    if pin in self._direct and gpio.seen_at(cycle, pin, exact=True) == cycle:
-                        self._direct[pin].feed(socket, index)
-                socket.pin(cycle, index, gpio.peripheral_level(cycle, signal))
+        self._tell_all_pads(cycle)
+        self._straight.clear()
+        self._feeds.clear()
+        for signal, (socket, index) in self._inputs.items():
+            pad = gpio.source(signal)
+            if pad in self._wires and gpio.seen_at(cycle, pad, exact=True) == cycle:
+                self._straight.add(signal)
+                socket.inputs.listen(index, self._wires[pad])
+                continue
+            if pad in self._wires and gpio.seen_at(cycle, pad, exact=True) == cycle + 1:
+                self._feeds[pad] = (socket, index)
+            socket.inputs.put(index, gpio.peripheral_level(cycle, signal))
+        self._listen()
+        if self._feeds:
+            self._plan_between(self._clock.tick(cycle + 1))
         after = self._clock.tick(cycle + gpio.out_delay)
         self._kernel.at(max(after, self._kernel.now), self._reconnect)
 

@@ -16,7 +16,7 @@ from ..core.wire import Wire
 from ..f28335.cpu_timer import CpuTimer
 from ..f28335.i2c import I2c
 from ..f28335.sci import Sci
-from ..host.cpu import Spin
+from ..host.spin import Spin
 from .dsp import PIN_OF, Dsp
 
 INPUTS = {

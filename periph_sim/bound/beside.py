@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
+from ..board.firmware import Firmware
 from ..board.scene import Scene
 from ..case.model import Budget, Case
 from ..core.options import options_from
@@ -16,9 +17,11 @@ from .calm import observe, serving_unit
 from .closed import Closed
 from .deadlines import deadlines
 from .handler import Handlers, observe_handlers
-from .terms import Bound
+from .limits import LimitCheck, compare_with_limits
+from .terms import BadBound, Bound
 
 ANYTHING = "1000000 s"
+MANY = 10**18
 
 
 @dataclass(frozen=True)
@@ -31,9 +34,11 @@ class Beside:
 
     @property
     def holds(self) -> bool:
-        """False where nothing was seen: then nothing is proven."""
+        """False where nothing was seen: then nothing is compared. True where the sum is no bound, but a figure."""
         if self.seen is None:
             return False
+        if self.bound.unproven:
+            return True
         return self.seen >= self.bound.ticks if self.bound.least else self.seen <= self.bound.ticks
 
     @property
@@ -48,7 +53,7 @@ class Beside:
 class Report:
     """deadlines: the spare time of each; if one is negative there is no bound. hung: waits that the run never left.
 
-    cycle: ticks of one of SYSCLKOUT.
+    cycle: ticks of one of SYSCLKOUT. limits: those of the case, beside the bounds.
     """
 
     case: str
@@ -59,6 +64,7 @@ class Report:
     deadlines: tuple[Bound, ...]
     beside: tuple[Beside, ...]
     hung: tuple[str, ...]
+    limits: tuple[LimitCheck, ...]
 
     @property
     def missed(self) -> list[Bound]:
@@ -66,17 +72,37 @@ class Report:
         return [deadline for deadline in self.deadlines if deadline.ticks < 0]
 
     @property
+    def beyond(self) -> list[LimitCheck]:
+        """The limits that some phase may break."""
+        return [limit for limit in self.limits if limit.beyond]
+
+    @property
+    def unproven(self) -> list[LimitCheck]:
+        """The limits whose closed form has a term that is no bound."""
+        return [limit for limit in self.limits if limit.unproven]
+
+    @property
     def holds(self) -> bool:
+        """There are bounds, and no value is beyond its own."""
         return not self.missed and not self.hung and all(each.holds for each in self.beside)
 
+    @property
+    def passed(self) -> bool:
+        """The bounds hold and are proven, and none is beyond a limit of the case."""
+        return self.holds and not self.beyond and not self.unproven
 
-def closed_form(case: Case) -> Closed:
-    """The closed form of a case. BadBound if it has none."""
+
+def closed_form(case: Case, firmware: Mapping[str, Firmware] | None = None) -> Closed:
+    """The closed form of a case. firmware: by unit, where it is loaded already. BadBound if it has none."""
     unit = serving_unit(case)
-    calm = observe(case)
+    if case.fault:
+        raise BadBound(f"case {case.name}: no closed form counts its faults")
+    if case.host is not None and case.host.twice:
+        raise BadBound(f"case {case.name}: no closed form counts frames that are sent twice")
+    calm = observe(case, firmware)
     timebase = Timebase(*(int(each.oscclk * each.pll / 2) for each in case.unit.values()))
     options = options_from(I2cOptions, case.unit[unit].options.i2c)
-    return Closed(case, calm, observe_handlers(case, unit), timebase, options)
+    return Closed(case, calm, observe_handlers(case, unit, firmware), timebase, options)
 
 
 def report(case: Case, seconds: Fraction | None = None, progress: Callable[[float], None] | None = None) -> Report:
@@ -86,13 +112,15 @@ def report(case: Case, seconds: Fraction | None = None, progress: Callable[[floa
     length = case.duration if seconds is None else seconds
     about = (case.name, float(length), closed.timebase, closed.calm.cycle, closed.handlers, spare)
     if any(deadline.ticks < 0 for deadline in spare):
-        return Report(*about, (), ())
-    found = [closed.response, closed.round, closed.slack, *closed.spans]
-    found += [closed.age] if closed.age is not None else []
-    scene = Scene(case.model_copy(update={"budget": tuple(_anything(bound) for bound in found), "breaks": ()}))
+        return Report(*about, (), (), compare_with_limits(Scene(case).limits, ()))
+    limited = {measure for budget in case.budget for measure in (budget.measure, *(c.measure for c in budget.also))}
+    found = [bound for bound in closed.bounds(spare) if not bound.special or bound.measure in limited]
+    budgets = (*case.budget, *(_anything(bound) for bound in found))
+    scene = Scene(case.model_copy(update={"budget": budgets, "breaks": ()}))
     scene.run(length, progress)
-    beside = [_beside(bound, limit.measure) for bound, limit in zip(found, scene.limits, strict=True)]
-    return Report(*about, tuple(beside), tuple(scene.deadlocks()))
+    of_case, ours = scene.limits[: len(case.budget)], scene.limits[len(case.budget) :]
+    beside = [_beside(bound, limit.measure) for bound, limit in zip(found, ours, strict=True)]
+    return Report(*about, tuple(beside), tuple(scene.deadlocks()), compare_with_limits(of_case, found))
 
 
 def _beside(bound: Bound, of: Measure) -> Beside:
@@ -101,4 +129,5 @@ def _beside(bound: Bound, of: Measure) -> Beside:
 
 def _anything(bound: Bound) -> Budget:
     """A budget that measures and allows everything."""
-    return Budget(name=bound.name, measure=bound.measure, max=ANYTHING)
+    most = MANY if bound.counted else ANYTHING
+    return Budget(name=f"bound of {bound.measure}", measure=bound.measure, max=most)

@@ -10,20 +10,26 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections import defaultdict
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise
 
 from ..board.dsp import Dsp
+from ..board.firmware import Firmware
 from ..board.scene import Scene
 from ..case.model import Case
 from ..core.records import Kind, Record
 from ..devices.sensor_head import Round
 from ..f28335 import cpu_costs
+from ..f28335.code_costs import CodeCosts
 from ..f28335.i2c_map import I2C_MAP
 from ..f28335.system_options import SystemOptions
-from ..host.cpu import Spin
+from ..host.spin import Spin
 from ..lines.i2c_controller import Transfer
+from .code_trace import CodeTrace
+from .decisions import Decisions
+from .program import Program
 from .terms import BadBound
 
 KINDS = (Kind.ACCESS, Kind.FLAG, Kind.EDGE, Kind.BUS, Kind.SPAN, Kind.IRQ)
@@ -34,7 +40,8 @@ DXR, STR = "W I2C-A.I2CDXR", "W I2C-A.I2CSTR"
 class Wait:
     """A loop that waits for flags. first, end: its first read and the one that ended it. reads: in a pass.
 
-    into: ticks from the begin of a pass to the read that ended it. flag: the field that changed last before that.
+    pass_cycles: of a pass, where the wait says it. into: ticks from the begin of a pass to the read that ended it.
+    fields: that were read in the pass that ended it, polled: in any. flag: the field that changed last before that.
     edge: on the bus, which made it do so `delay` ticks later; None if nothing on the bus did.
     """
 
@@ -43,8 +50,10 @@ class Wait:
     first: int
     end: int
     reads: int
+    pass_cycles: int | None
     into: int
     flag: str = ""
+    polled: tuple[str, ...] = ()
     edge: int | None = None
     delay: int = 0
 
@@ -55,7 +64,8 @@ class Calm:
 
     cycle: length of one of SYSCLKOUT. low: the controller's SCL low time. module: cycles of the I2C module clock.
     writes: when I2CDXR was written. clears: when and where I2CSTR was. bytes: when the ACK slot of each data byte
-    ended. stretches: when SCL fell, and how much longer than `low` it stayed so.
+    ended. stretches: when SCL fell, and how much longer than `low` it stayed so. changes: when a field
+    changed, but by the firmware's own accesses, and what it became.
     """
 
     unit: str
@@ -64,6 +74,9 @@ class Calm:
     low: int
     module: int
     options: SystemOptions
+    code: CodeCosts
+    trace: CodeTrace
+    decisions: Decisions
     waits: list[Wait] = field(default_factory=list)
     writes: list[int] = field(default_factory=list)
     clears: list[tuple[int, str]] = field(default_factory=list)
@@ -72,6 +85,27 @@ class Calm:
     stretches: list[tuple[int, int]] = field(default_factory=list)
     transfers: list[Transfer] = field(default_factory=list)
     rounds: list[Round] = field(default_factory=list)
+    masked: str = ""  # where the firmware runs with INTM = 1 after its first wait
+    changes: dict[str, list[tuple[int, int]]] = field(default_factory=dict)
+
+    def unproven(self, begin: int, end: int) -> str:
+        """Why what the code between two instants takes is no bound; empty if it is one.
+
+        Before the first wait the code ran as it runs in every phase, since nothing from outside had come.
+        """
+        if end <= self.waits[0].first:
+            return ""
+        decided = map(str, self.decisions.open(self.trace.ran(begin, end)))
+        return "; ".join([*self.trace.uneven(begin, end), *decided])
+
+    @property
+    def rounding(self) -> int:
+        """By how many ticks the instants of two cycles may be further apart at another place of the grid."""
+        return int(self.cycle.denominator > 1)
+
+    def lasting(self, begin: int, end: int) -> int:
+        """Ticks that as many cycles take as passed between two instants of the CPU; rounded up."""
+        return self.ticks(round((end - begin) / self.cycle))
 
     def ticks(self, cycles: int) -> int:
         """Rounded up."""
@@ -82,9 +116,11 @@ class Calm:
         return tick - sum(length for fell, length in self.stretches if fell + self.low < tick)
 
     def pass_ticks(self, wait: Wait) -> int:
-        """A pass of a wait: `poll_loop_cycles` with one read; each further one is tested and read besides."""
-        one = max(self.options.poll_loop_cycles, cpu_costs.SIMPLE + self.options.pf2_read_ws)
-        return self.ticks(one + (wait.reads - 1) * read_after_read(self.options))
+        """A pass of a wait: its own length, or `poll_pass` and what each read but the first adds to it."""
+        one, more = cpu_costs.SIMPLE + self.options.pf2_read_ws, (wait.reads - 1) * read_after_read(self.options)
+        if wait.pass_cycles is not None:
+            return self.ticks(max(wait.pass_cycles, one + more))
+        return self.ticks(max(self.code.poll_pass, one) + more)
 
 
 def read_after_read(options: SystemOptions) -> int:
@@ -103,7 +139,7 @@ def serving_unit(case: Case) -> str:
     return units[0]
 
 
-def observe(case: Case) -> Calm:
+def observe(case: Case, firmware: Mapping[str, Firmware] | None = None) -> Calm:
     """Run the case without host and jitter for two rounds. BadBound if its firmware does not serve in waits."""
     unit = serving_unit(case)
     controller = case.controller
@@ -117,7 +153,7 @@ def observe(case: Case) -> Calm:
         }
     )
     listener = _Listener(unit)
-    scene = Scene(calm_case, lambda recorder, _: recorder.subscribe(KINDS, listener.hear))
+    scene = Scene(calm_case, lambda recorder, _: recorder.subscribe(KINDS, listener.hear), firmware, end="most")
     dsp = scene.units[unit]
     listener.dsp = dsp
     assert scene.head is not None
@@ -125,7 +161,8 @@ def observe(case: Case) -> Calm:
     rounds: list[Round] = []
     scene.head.on_transfer.append(transfers.append)
     scene.head.on_round.append(rounds.append)
-    scene.run(controller.first + 2 * controller.period)
+    schedule = scene.head.schedule
+    scene.run((schedule.first + 2 * Fraction(schedule.period)) / scene.timebase.per_second)
     if len(rounds) < 2:
         raise BadBound(f"case {case.name}: without a host its second round was not over when a third one was due")
     refused = [transfer.name for transfer in transfers if not transfer.acked]
@@ -134,8 +171,23 @@ def observe(case: Case) -> Calm:
     low = scene.head.controller.timing.low
     module = 1 + dsp.socket("I2C-A").chip.peek(dsp.cpu.cycle, I2C_MAP["I2CPSC"].offset)
     cycle = scene.timebase.per_second / scene.sysclk(unit)
-    calm = Calm(unit, scene.start, cycle, low, module, dsp.plan.system, transfers=transfers, rounds=rounds)
-    return listener.fill(calm, dsp.plan.i2c.noise_filter_cycles)
+    decisions = Decisions(Program(scene.firmware[unit].main))
+    trace = listener.trace
+    plan = dsp.plan
+    calm = Calm(
+        unit,
+        scene.start,
+        cycle,
+        low,
+        module,
+        plan.system,
+        plan.code,
+        trace,
+        decisions,
+        transfers=transfers,
+        rounds=rounds,
+    )
+    return listener.fill(calm, plan.i2c.noise_filter_cycles)
 
 
 @dataclass
@@ -161,8 +213,12 @@ class _Listener:
         self._edges: list[int] = []
         self._scl: list[tuple[int, int]] = []
         self._changes: dict[str, list[int]] = defaultdict(list)
+        self._foreign: dict[str, list[tuple[int, int]]] = defaultdict(list)
         self._spans: dict[str, list[tuple[int, int]]] = defaultdict(list)
         self._begun: dict[str, int] = {}
+        self._own: set[int] = set()  # records of the firmware's accesses
+        self._masked = ""
+        self.trace = CodeTrace()
 
     def hear(self, record: Record) -> None:
         kind = record.kind
@@ -171,7 +227,10 @@ class _Listener:
                 self._access(record)
         elif kind is Kind.FLAG:
             if record.where.startswith(f"{self._unit}."):
-                self._changes[f"{record.where.partition('.')[2]}.{record.what}"].append(record.tick)
+                name = f"{record.where.partition('.')[2]}.{record.what}"
+                self._changes[name].append(record.tick)
+                if record.cause not in self._own:
+                    self._foreign[name].append((record.tick, record.value))
         elif kind is Kind.EDGE:
             if record.where in ("SCL", "SDA"):
                 self._edges.append(record.tick)
@@ -191,22 +250,33 @@ class _Listener:
 
     def _access(self, record: Record) -> None:
         assert self.dsp is not None
-        spin = self.dsp.cpu.spin_now
-        if spin is None:
+        self._own.add(record.number)
+        if record.what.startswith("W "):  # it may land when the next wait has begun
             if record.what == DXR:
                 self._writes.append(record.tick)
             elif record.what == STR:
                 self._clears.append((record.tick, record.text))
             return
+        if self._readings and self.dsp.cpu.core.intm:
+            self._masked = self._masked or record.text
+        spin = self.dsp.cpu.spin_now
+        if spin is None:
+            self.trace.note(record.tick, f"{record.text} {record.what}")
+            return
         before = len(spin.polls)
         if not self._readings or self._readings[-1].spin is not spin:
             self._readings.append(_Reading(spin, record.text, record.tick))
+            self.trace.note(record.tick, f"{record.text} waits")
+            self.trace.note(record.tick, f"{record.text} goes on", waited=True)
+        else:
+            self.trace.amend(record.tick)
         reading = self._readings[-1]
         reading.end = record.tick
         reading.into = before
         reading.reads = max(reading.reads, before + 1)
 
     def _span(self, record: Record) -> None:
+        self.trace.note(record.tick, f"{record.text} span {record.what}")
         if record.value:
             self._begun[record.what] = record.tick
         elif record.what in self._begun:
@@ -216,13 +286,23 @@ class _Listener:
         most: dict[str, int] = defaultdict(int)
         for reading in self._readings:
             most[reading.place] = max(most[reading.place], reading.reads)
+        polled: dict[str, dict[str, None]] = defaultdict(dict)
+        for reading in self._readings:
+            polled[reading.place] |= dict.fromkeys(str(poll) for poll in reading.spin.polls)
         step = read_after_read(calm.options)
         shortest = calm.ticks(filter_cycles * calm.module)
         for reading in self._readings:
             fields = tuple(dict.fromkeys(str(poll) for poll in reading.spin.polls))
             wait = Wait(
-                reading.place, fields, reading.first, reading.end, most[reading.place], calm.ticks(reading.into * step)
+                reading.place,
+                fields,
+                reading.first,
+                reading.end,
+                most[reading.place],
+                reading.spin.pass_cycles,
+                calm.ticks(reading.into * step),
             )
+            wait.polled = tuple(polled[reading.place])
             changed, wait.flag = max(
                 ((_last(self._changes[name], wait.end), name) for name in fields), default=(-1, "")
             )
@@ -232,12 +312,21 @@ class _Listener:
             calm.waits.append(wait)
         if not self._writes:
             raise BadBound(f"{self._unit} never writes I2CDXR outside of a wait: it answers nobody without a host")
-        calm.writes, calm.clears = self._writes, self._clears
+        calm.masked = self._masked
+        calm.writes, calm.clears, calm.changes = self._writes, self._clears, dict(self._foreign)
         calm.spans, calm.bytes = dict(self._spans), self._bytes
         for (fell, level), (rose, _) in pairwise(self._scl):
             if not level and rose - fell > calm.low:
                 calm.stretches.append((fell, rose - fell - calm.low))
+        self._compare(calm)
         return calm
+
+    def _compare(self, calm: Calm) -> None:
+        """Lay the second round's code beside that of the first, each from the end of its first wait on."""
+        self.trace.forget()
+        places = [place for place, mark in enumerate(self.trace.marks) if mark.waited]
+        one, two = (next((p for p in places if self.trace.marks[p].tick >= r.start), 0) for r in calm.rounds[:2])
+        self.trace.compare(one, two, calm.cycle)
 
 
 def _last(ticks: list[int], until: int) -> int:

@@ -9,31 +9,39 @@ Source of the form: SPRUG03B sections 2 and 3 (XRDY, stretching), the busy windo
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 from functools import cached_property
+from math import ceil, floor
 
 from ..case.model import Case
 from ..core.time import Timebase
 from ..devices.sensor_head import CHIPS, Round
+from ..f28335 import cpu_costs
 from ..f28335.i2c_options import I2cOptions
+from ..f28335.memory import WRITE_TO_READ
 from ..lines.i2c_controller import Phase, Transfer
-from .calm import Calm
-from .handler import Handlers
+from .calm import Calm, Wait
+from .handler import Handlers, in_ticks
 from .late import Late, chains, waits_between
-from .terms import BadBound, Bound, Term, total
+from .terms import BadBound, Bound, Term, reasons, total
 
 MEASURED = "measured in a run without host"
 
 
 @dataclass(frozen=True)
 class Write:
-    """A write of I2CDXR at its latest. late: ticks, without interrupts, from the SCL fall behind which its first bit
-    stands to the release of SCL. before: what of the chain lies before that fall, as a term to be taken off."""
+    """A write of I2CDXR at its latest, interrupts included. before: what of the chain lies before the SCL fall behind
+    which its first bit stands, as a term to be taken off. late: ticks from that fall to the release of SCL.
+
+    alone: the same of the chain that is latest without interrupts.
+    """
 
     chain: Late
+    interrupts: Term
     before: Term
     late: int
+    alone: int
 
 
 class Closed:
@@ -45,11 +53,15 @@ class Closed:
         self.timebase = timebase
         controller = case.controller
         self.period, self.jitter, self.first = (
-            timebase.ticks(length, "nearest") for length in (controller.period, controller.jitter, controller.first)
+            in_ticks(length, controller.ppm, timebase)
+            for length in (controller.period, controller.jitter, controller.first)
         )
         self._options = options
         if any(fell not in self._reading for fell, _ in calm.stretches):
             raise BadBound(f"case {case.name}: SCL is stretched before a read's data, which no term of the sum is for")
+        if any(len(phase.acks) > 1 for transfer in calm.transfers for phase in transfer.phases if not phase.read):
+            what = "a request writes more than a register pointer, for which SCL may be held, too"
+            raise BadBound(f"case {case.name}: {what}; no term of the sum is for that")
 
     # Parts ---------------------------------------------------------------------
 
@@ -95,15 +107,17 @@ class Closed:
         for number, (need, point) in enumerate(zip(self._needs(transfer, phase), made, strict=False)):
             waits = waits_between(calm, begin, point)
             which = "the address's ACK slot" if not number else f"byte {number - 1}'s ACK slot"
-            latest: Write | None = None
+            candidates: list[Write] = []
             for chain in chains(calm, waits, point, "I2CDXR"):
                 before = Term(f"edge to the end of {which}", calm.bus(chain.edge) - calm.bus(need), "controller.rate")
-                write = Write(chain, before, total((*chain.terms, *self.release)) + before.ticks)
-                if latest is None or write.late > latest.late:
-                    latest = write
-            if latest is None:
+                length = total((*chain.terms, *self.release))
+                interrupts = self.preempted(length)
+                alone = length + before.ticks
+                candidates.append(Write(chain, interrupts, before, alone + interrupts.ticks, alone))
+            if not candidates:
                 raise BadBound(f"the write of I2CDXR for {transfer.name} byte {number} follows no wait for a flag")
-            found.append(latest)
+            latest = max(candidates, key=lambda write: write.late)
+            found.append(replace(latest, alone=max(write.alone for write in candidates)))
         if not found:
             raise BadBound(f"I2CDXR is not written between the read address of {transfer.name} and its STOP")
         return found
@@ -112,80 +126,198 @@ class Closed:
         """What interrupts add to something of so many ticks."""
         count = self.handlers.within(length)
         cost = f"{self.handlers.cost / float(self.calm.cycle):.0f} cycles each"
-        return Term(f"interrupts by host frames: {count}", count * self.handlers.cost, f"{cost}, see service routine")
+        source = f"{cost}, see service routine"
+        unproven = reasons(self.handlers.terms) if count else ""
+        return Term(f"interrupts by host frames: {count}", count * self.handlers.cost, source, unproven)
 
     # Bounds --------------------------------------------------------------------
 
+    def bounds(self, spare: Iterable[Bound]) -> list[Bound]:
+        """All of them. spare: the deadlines that they rest on, none of which may be missed."""
+        found = [self.response, self.stretch, self.margin, self.round, self.slack, *self.spans]
+        found += [*self.ages, *self.latencies, *self.none_missed, *self.reactions]
+        unproven = reasons(term for deadline in spare for term in deadline.terms)
+        rests = (Term("deadlines are kept", 0, "listed below", unproven),) if unproven else ()
+        return [replace(bound, terms=(*bound.terms, *rests)) for bound in found]
+
     @cached_property
     def response(self) -> Bound:
-        write = max((writes[0] for writes in self.writes), key=lambda write: write.late)
-        sum_of = (*write.chain.terms, *self.release)
-        terms = (*write.chain.terms, self.preempted(total(sum_of)), *self.release, write.before)
+        terms = self._until_release(max((writes[0] for writes in self.writes), key=lambda write: write.late))
         low = Term("SCL low time of the controller", self.calm.low, "controller.rate, controller.low")
         return Bound("response", "response", terms, low)
 
     @cached_property
+    def stretch(self) -> Bound:
+        """Of the I2CDXR write that comes latest; nothing else holds SCL, or there would be no closed form."""
+        latest = max((write for writes in self.writes for write in writes), key=lambda write: write.late)
+        low = Term("SCL low time of the controller", -self.calm.low, "controller.rate, controller.low")
+        none = Term("no stretch", 0, "SCL is released before the controller releases it")
+        return Bound("stretch", "stretch", (*self._until_release(latest), low), none)
+
+    @cached_property
+    def margin(self) -> Bound:
+        """Of the write that comes latest: what is left before the controller releases SCL."""
+        latest = max((write for writes in self.writes for write in writes), key=lambda write: write.late)
+        low = Term("SCL low time of the controller", self.calm.low, "controller.rate, controller.low")
+        taken = (term.taken_off() for term in self._until_release(latest))
+        return Bound("margin", "margin of I2CDXR", (low, *taken), least=True)
+
+    def _until_release(self, write: Write) -> tuple[Term, ...]:
+        """From the SCL fall behind which the first bit stands to the release of SCL."""
+        return (*write.chain.terms, write.interrupts, *self.release, write.before)
+
+    @cached_property
+    def reactions(self) -> list[Bound]:
+        """From SDIR or XRDY to the write of I2CDXR, of either and of each; none where a write waits for neither."""
+        found: dict[str, list[tuple[Term, ...]]] = {}
+        for transfer in self.calm.transfers:
+            begin = transfer.phases[0].start_at
+            for point in (tick for tick in self.calm.writes if begin < tick <= transfer.stop_at):
+                waits = waits_between(self.calm, begin, point)
+                flag = waits[-1].flag.rpartition(".")[2] if waits else ""
+                if flag not in ("SDIR", "XRDY") or waits[-1].edge is None:
+                    return []
+                found.setdefault(flag, []).extend(self._reactions(waits, point))
+        of_flag = {flag: max(sums, key=total) for flag, sums in found.items()}
+        if not of_flag:
+            return []
+        bounds = [Bound("reaction", "reaction", max(of_flag.values(), key=total))]
+        for flag, terms in of_flag.items():
+            measure = f"from flag I2C-A.I2CSTR.{flag} rise to access W I2C-A.I2CDXR"
+            for text in (measure, f"{measure}, same transfer") if flag == "SDIR" else (f"{measure}, same transfer",):
+                bounds.append(Bound(f"reaction to {flag}", text, terms, special=True))
+        return bounds
+
+    def _reactions(self, waits: list[Wait], point: int) -> Iterator[tuple[Term, ...]]:
+        """By each chain that leads to the write: what passes from the flag of the last wait on."""
+        calm, last = self.calm, waits[-1]
+        assert last.edge is not None
+        flag = last.flag.rpartition(".")[2]
+        for chain in chains(calm, waits, point, "I2CDXR"):
+            interrupts = self.preempted(total(chain.terms))
+            if chain.edge == last.edge:
+                yield (*chain.terms[1:], interrupts)
+            else:
+                since = calm.bus(last.edge) - calm.bus(chain.edge) + last.delay - calm.ticks(1) - calm.rounding
+                yield (*chain.terms, interrupts, Term(f"edge to {flag}", -since, "controller.rate"))
+
+    @cached_property
+    def latencies(self) -> list[Bound]:
+        """From the request to the first instruction, by vector; nothing but an instruction under way may delay it."""
+        calm, handlers, options = self.calm, self.handlers, self.calm.options
+        if not handlers.per_frame or self.case.host is None:
+            return []
+        protected = options.pf2_read_ws + options.write_lands + WRITE_TO_READ + 3
+        longest = max(protected, cpu_costs.IRET, *(round(calm.pass_ticks(wait) / calm.cycle) for wait in calm.waits))
+        busy = handlers.cost if handlers.per_frame > 1 or handlers.period - handlers.jitter <= handlers.cost else 0
+        first = in_ticks(self.case.host.first, self.case.host.ppm, self.timebase)
+        masked = f"{calm.masked} runs with interrupts masked" if calm.masked else ""
+        if first < calm.waits[0].first - calm.start:
+            masked = masked or "a frame may come while the firmware starts, with interrupts masked"
+        terms = (
+            Term("request to first instruction", calm.ticks(options.int_latency), "int_latency", masked),
+            Term("instruction under way", calm.ticks(longest), "a pass of a wait, or a read behind a write, at most"),
+            Term("service routine before", busy, "none where frames are further apart", reasons(handlers.terms)),
+        )
+        found = [Bound(f"latency {name}", f"interrupt latency {name}", terms) for name in handlers.vectors]
+        routine = (handlers.terms[-1],)
+        in_it = "each time in interrupt"
+        return found + [Bound(f"in {name}", f"{in_it} {name}", routine, special=True) for name in handlers.vectors]
+
+    @cached_property
+    def none_missed(self) -> list[Bound]:
+        """Counts that stay 0 while the deadlines are kept: each request finds the firmware in its wait."""
+        assert self.case.controller is not None
+        if self.case.controller.initialise is not None:
+            return []
+        none = Term("requests that come too early", 0, "the deadlines below")
+        found = [Bound(name, name, (none,), counted=True, special=True) for name in ("nacked rounds", "nacked")]
+        if self.slack.ticks > 0:
+            late = Term("rounds that last too long", 0, "slack", self.slack.unproven)
+            found.append(Bound("missed rounds", "missed rounds", (late,), counted=True, special=True))
+        return found
+
+    @cached_property
     def round(self) -> Bound:
+        """From its begin, whenever that was, to its last STOP."""
         per_round = len(self.writes) // len(self.calm.rounds)
         rounds = [self.writes[i : i + per_round] for i in range(0, len(self.writes), per_round)]
-        late = max(sum(max(0, w.late - self.calm.low) for writes in reads for w in writes) for reads in rounds)
+        late = max(sum(max(0, w.alone - self.calm.low) for writes in reads for w in writes) for reads in rounds)
         bus = max(self._bus_time(over) for over in self.calm.rounds)
+        source = "each I2CDXR write at its latest, as for response"
+        why = reasons(term for writes in self.writes for w in writes for term in w.chain.terms)
         terms = (
             Term("requests on the bus", bus, "controller.rate, gap, order; START to STOP without stretching"),
-            Term("late round", self.jitter, "controller.jitter"),
-            Term("stretching by code and polls", late, "each I2CDXR write at its latest, as for response"),
+            Term("stretching by code and polls", late, source, why),
         )
         return Bound("round", "round", (*terms, self.preempted(total(terms))))
 
     def _bus_time(self, over: Round) -> int:
-        return self.calm.bus(over.end) - self.calm.bus(over.due)
+        return self.calm.bus(over.end) - self.calm.bus(over.start)
 
     @cached_property
     def slack(self) -> Bound:
-        taken = tuple(Term(term.what, -term.ticks, term.source) for term in self.round.terms)
-        return Bound("slack", "slack", (Term("period", self.period, "controller.period"), *taken), least=True)
+        taken = tuple(term.taken_off() for term in self.round.terms)
+        period = Term("period", floor(self.period), "controller.period, ppm")
+        late = Term("late round", -ceil(self.jitter), "controller.jitter")
+        return Bound("slack", "slack", (period, late, *taken), least=True)
 
     @cached_property
     def spans(self) -> list[Bound]:
         found = []
         for name, times in self.calm.spans.items():
-            cost = max(end - begin for begin, end in times)
-            terms = (Term(f"span {name}", cost, f"its cost, {MEASURED}"), self.preempted(cost))
+            cost = max(self.calm.lasting(begin, end) for begin, end in times)
+            unproven = next(filter(None, (self.calm.unproven(begin, end) for begin, end in times)), "")
+            terms = (Term(f"span {name}", cost, f"its cost, {MEASURED}", unproven), self.preempted(cost))
             found.append(Bound(f"span {name}", f"span:{name}", terms))
         return found
 
     @cached_property
-    def age(self) -> Bound | None:
-        """None where no host sends, or no work on its frames is seen between the rounds."""
-        calm, handlers = self.calm, self.handlers
-        if self.case.host is None or not handlers.per_frame:
-            return None
-        address = CHIPS["gyroscope"].address
-        reads = [phase for _, phase in self._reads if phase.address == address]
-        one, two = calm.rounds[:2]
+    def ages(self) -> list[Bound]:
+        """Of every read, and of each chip's; none where the models do not run once after each round, on what came."""
+        calm, host = self.calm, self.case.host
         works = [begin for times in calm.spans.values() for begin, _ in times]
-        if not reads or not any(one.end <= begin < two.start for begin in works):
-            return None
-        into = max(calm.bus(p.start_at) - calm.bus(r.due) for p, r in zip(reads, calm.rounds, strict=True))
+        one, two = calm.rounds[:2]
+        if host is None or not self.handlers.per_frame or not any(one.end <= begin < two.start for begin in works):
+            return []
+        if host.lose or host.silent or host.frames is not None:
+            return []
+        into: dict[str, int] = {}
+        for name, chip in CHIPS.items():
+            reads = [phase.start_at for _, phase in self._reads if phase.address == chip.address]
+            found = [calm.bus(at) - calm.bus(r.start) for at in reads for r in calm.rounds if r.start <= at <= r.end]
+            into |= {f" of {name}": max(found)} if found else {}
+        if not into:
+            return []
+        into[""] = max(into.values())
+        return [
+            Bound(f"{of}{chip}", f"{of}{chip}", self._age(ticks, min(works)), special=bool(chip) or of != "age")
+            for of in ("age", "model age")
+            for chip, ticks in into.items()
+        ]
+
+    def _age(self, into: int, first_model: int) -> tuple[Term, ...]:
+        """into: of the read in its round."""
+        calm, handlers = self.calm, self.handlers
         bus = min(self._bus_time(over) for over in calm.rounds)
-        late = total(self.round.terms[1:])
+        late = total(self.round.terms[1:]) + ceil(self.jitter)
         routines = handlers.per_frame * handlers.cost
         pass_ticks = max(calm.pass_ticks(wait) for wait in calm.waits)
         latency = calm.ticks(calm.options.int_latency) + pass_ticks
         shared = (
-            Term("gyroscope's read in its round", into, "controller.rate, order"),
-            Term("late and stretched round", late, "as for round"),
+            Term("read in its round", into, "controller.rate, order"),
+            Term("late and stretched round", late, "controller.jitter, and as for round", self.round.unproven),
             Term("SCI flag behind the stop bit", handlers.bit, "a bit of host.baud at most"),
             Term("interrupt latency", latency, "int_latency, and a poll's branch that it waits for"),
-            Term("service routines of a frame", routines, "measured with no controller"),
+            Term("service routines of a frame", routines, "measured with no controller", reasons(handlers.terms)),
         )
         steady = (
-            Term("two rounds: missed by one model, shown after the next", 2 * self.period, "controller.period"),
+            Term("frame that none has followed yet", handlers.period + 1 + handlers.jitter, "host.period, ppm, jitter"),
+            Term("round before, whose end the models wait for", ceil(self.period), "controller.period, ppm"),
             Term("round before which no model begins", -bus, "controller.rate, order"),
         )
-        begin = calm.start - min(works)
         early = (
-            Term("first round and a period", self.first + self.period, "controller.first, controller.period"),
-            Term("first model's begin", begin, MEASURED),
+            Term("first round and a period", ceil(self.first + self.period), "controller.first, controller.period"),
+            Term("first model's begin", calm.start - first_model, MEASURED),
         )
-        return Bound("age", "age", (*max(steady, early, key=total), *shared))
+        return (*max(steady, early, key=total), *shared)

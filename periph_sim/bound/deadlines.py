@@ -3,6 +3,7 @@
 STOP --> code, model --> wait for the next request   before its START, or the address is refused
 RRDY --> code --> write of I2CSTR                    before SDIR rises, or the write clears it unseen, and the
                                                      firmware waits for it for ever while SCL is held low
+flag --> poll pass                                   before it falls again, or another that the wait looks at rises
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from .terms import BadBound, Bound, Term, total
 def deadlines(closed: Closed) -> list[Bound]:
     """The spare time before each deadline, at its least; negative where it may be missed."""
     tightest: dict[str, Bound] = {}
-    for bound in (*_ready(closed), *_cleared(closed)):
+    for bound in (*_ready(closed), *_cleared(closed), *_seen(closed)):
         if bound.name not in tightest or bound.ticks < tightest[bound.name].ticks:
             tightest[bound.name] = bound
     return list(tightest.values())
@@ -72,6 +73,29 @@ def _cleared(closed: Closed) -> Iterator[Bound]:
                 yield _spare(f"{flag} of {transfer.name} rises", (there,), cost)
 
 
+def _seen(closed: Closed) -> Iterator[Bound]:
+    """A wait sees its flag before the bus makes it fall, or makes another flag rise that would end it another way."""
+    calm = closed.calm
+    for transfer in calm.transfers:
+        begin = transfer.phases[0].start_at
+        for wait in waits_between(calm, begin, transfer.stop_at):
+            if wait.edge is None:
+                continue
+            ends = [
+                tick
+                for field in wait.polled
+                for tick, value in calm.changes.get(field, ())
+                if tick > wait.end and value == (field != wait.flag)
+            ]
+            if not ends:
+                continue
+            flag = wait.flag.rpartition(".")[2]
+            for chain in chains(calm, waits_between(calm, begin, wait.end), wait.end, f"a read of {flag}"):
+                left = calm.bus(min(ends)) - calm.bus(chain.edge) - calm.ticks(1) - calm.rounding
+                there = Term("edge to the flag's next change", left, "controller.rate")
+                yield _spare(f"{flag} seen in time", (there,), (*chain.terms, closed.preempted(total(chain.terms))))
+
+
 def _spare(name: str, there: tuple[Term, ...], cost: tuple[Term, ...]) -> Bound:
-    taken = tuple(Term(term.what, -term.ticks, term.source) for term in cost)
+    taken = tuple(term.taken_off() for term in cost)
     return Bound(name, "", (*there, *taken), least=True)

@@ -7,13 +7,23 @@ The routine is straight-line code, so its cost in a run in which nothing else ha
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from itertools import pairwise
+from math import ceil
+from types import CodeType
 
+from ..board.firmware import Firmware
 from ..board.scene import Scene
 from ..case.model import Case
 from ..core.records import Kind, Record
+from ..core.time import Timebase
 from ..f28335.cpu_costs import IFR_DELAY
-from .terms import BadBound, Term
+from .code_trace import CodeTrace, Ran, firmware_stack
+from .decisions import Decisions
+from .program import Program
+from .terms import BadBound, Term, total
 
 FRAMES = 2
 
@@ -21,17 +31,18 @@ FRAMES = 2
 @dataclass(frozen=True)
 class Handlers:
     """cost: ticks that one interrupt takes away, its terms. per_frame: interrupts a host frame. period, jitter: ticks
-    of the host's frames. bit: a bit of the host's line."""
+    of the host's frames, the period rounded down. bit: a bit of the host's line. vectors: of the interrupts."""
 
     terms: tuple[Term, ...]
     per_frame: int
     period: int
     jitter: int
     bit: int
+    vectors: tuple[str, ...] = ()
 
     @property
     def cost(self) -> int:
-        return sum(term.ticks for term in self.terms)
+        return total(self.terms)
 
     def times(self, length: int) -> int:
         """How often at most one begins in a window of so many ticks, its ends included."""
@@ -56,36 +67,100 @@ class Handlers:
 NONE = Handlers((), 0, 1, 0, 0)
 
 
-def observe_handlers(case: Case, unit: str) -> Handlers:
+def observe_handlers(case: Case, unit: str, firmware: Mapping[str, Firmware] | None = None) -> Handlers:
     """Run the case without its controller for two frames. BadBound if the routines of a frame do not end."""
     if case.host is None:
         return NONE
-    host = case.host.model_copy(update={"jitter": case.host.jitter * 0, "frames": FRAMES, "lose": ()})
+    plain = {"jitter": Fraction(0), "frames": FRAMES, "lose": (), "silent": (), "twice": ()}
+    host = case.host.model_copy(update=plain)
     quiet = case.model_copy(update={"controller": None, "host": host, "budget": (), "breaks": ()})
-    entered: list[int] = []
-    lengths: list[int] = []
-
-    def hear(record: Record) -> None:
-        if record.where == unit:
-            if record.value:
-                entered.append(record.tick)
-            elif entered:
-                lengths.append(record.tick - entered[-1])
-
-    scene = Scene(quiet, lambda recorder, _: recorder.subscribe([Kind.IRQ], hear))
+    listener = _Listener(unit)
+    kinds = (Kind.IRQ, Kind.ACCESS, Kind.SPAN)
+    scene = Scene(quiet, lambda recorder, _: recorder.subscribe(kinds, listener.hear), firmware, end="most")
     scene.run(host.first + (FRAMES + 1) * host.period)
-    if len(lengths) != len(entered):
+    if listener.running:
         raise BadBound(f"{unit}: a service routine that a host frame sets off does not end before the next one")
     bit = scene.timebase.per_second / case.host.baud
-    per_frame = -(-len(entered) // FRAMES)
-    period, jitter = (scene.timebase.ticks(length, "nearest") for length in (host.period, case.host.jitter))
-    if not entered:
+    routines = listener.routines
+    per_frame = -(-len(routines) // FRAMES)
+    exact = [in_ticks(length, host.ppm, scene.timebase) for length in (host.period, case.host.jitter)]
+    period, jitter = exact[0].__floor__(), exact[1].__ceil__()
+    if not routines:
         return NONE
     options = scene.units[unit].plan.system
     cycle = scene.timebase.per_second / scene.sysclk(unit)
     entry = -int(-(options.int_latency - IFR_DELAY) * cycle // 1)
+    source = "its code, measured with no controller; isr_prologue, isr_epilogue in it"
+    handlers = [scene.units[unit].cpu.handlers[vector] for vector in {routine.vector for routine in routines}]
+    unproven = "; ".join([*_uneven(routines, cycle), *_open(handlers, Program(scene.firmware[unit].main))])
     terms = (
         Term("interrupt entry", entry, f"int_latency {options.int_latency}, less {IFR_DELAY} to the IFR (SPRUFB0D 8)"),
-        Term("service routine and IRET", max(lengths), "its code, measured with no controller; context_save in it"),
+        Term(
+            "service routine and IRET",
+            max(ceil(round(routine.length / cycle) * cycle) for routine in routines),
+            source,
+            unproven,
+        ),
     )
-    return Handlers(terms, per_frame, period, jitter, -int(-bit // 1))
+    vectors = tuple(dict.fromkeys(routine.vector for routine in routines))
+    return Handlers(terms, per_frame, period, jitter, -int(-bit // 1), vectors)
+
+
+def in_ticks(length: Fraction, ppm: Fraction, timebase: Timebase) -> Fraction:
+    """Seconds of a clock that is off, in ticks."""
+    return length * timebase.per_second / (1 + ppm / 1_000_000)
+
+
+@dataclass
+class _Routine:
+    """One run of a service routine."""
+
+    vector: str
+    entered: int
+    trace: CodeTrace
+    length: int = 0
+
+    @property
+    def steps(self) -> list[tuple[int, str]]:
+        """What it did when, in ticks from its entry on."""
+        return [(mark.tick - self.entered, mark.what) for mark in self.trace.marks]
+
+
+@dataclass
+class _Listener:
+    """Hears the records of a unit's service routines, none of which interrupts another."""
+
+    unit: str
+    routines: list[_Routine] = field(default_factory=list)
+    running: bool = False
+
+    def hear(self, record: Record) -> None:
+        if record.where != self.unit:
+            return
+        if record.kind is Kind.IRQ:
+            self.running = bool(record.value)
+            if record.value:
+                self.routines.append(_Routine(record.what, record.tick, CodeTrace(len(firmware_stack()))))
+            elif self.routines:
+                self.routines[-1].length = record.tick - self.routines[-1].entered
+                self.routines[-1].trace.forget()
+        elif self.running and not record.what.startswith("W "):  # a write of what was interrupted may land
+            self.routines[-1].trace.note(record.tick, f"{record.text} {record.what}")
+
+
+def _uneven(routines: list[_Routine], cycle: Fraction) -> list[str]:
+    """Routines that did not do the same, in the same cycles, each time."""
+    found = []
+    for one, again in pairwise(routines):
+        if one.vector == again.vector and (one.steps, one.length) != (again.steps, again.length):
+            once, then = (round(routine.length / cycle) for routine in (one, again))
+            found.append(f"{one.vector} took {once} cycles once and {then} another time")
+    return found
+
+
+def _open(handlers: list[Callable[[], None]], program: Program) -> list[str]:
+    """What decides what these routines do, but for settings."""
+    codes = [getattr(handler, "__code__", None) for handler in handlers]
+    if not all(isinstance(code, CodeType) for code in codes):
+        return ["a service routine is no Python function, so its source cannot be read"]
+    return [str(found) for found in Decisions(program).open(Ran(code) for code in codes if isinstance(code, CodeType))]

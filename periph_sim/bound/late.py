@@ -35,16 +35,17 @@ def chains(calm: Calm, waits: list[Wait], point: int, name: str) -> list[Late]:
         if wait.edge is None:
             continue
         flags = " or ".join(field.rpartition(".")[2] for field in wait.fields)
+        length = "poll_pass" if wait.pass_cycles is None else "pass_cycles"
         terms = [
             Term(
                 f"{flags} behind its edge",
-                wait.delay + calm.ticks(1),
+                wait.delay + calm.ticks(1) + calm.rounding,
                 "noise_filter_cycles x (IPSC + 1), and an edge within a cycle",
             ),
             Term(
                 f"poll pass for {flags}",
                 calm.pass_ticks(wait),
-                f"poll_loop_cycles, {wait.reads} read{'s' * (wait.reads > 1)} a pass; {wait.place}",
+                f"{length}, {wait.reads} read{'s' * (wait.reads > 1)} a pass; {wait.place}",
             ),
         ]
         at, place = wait.end, wait.place
@@ -61,7 +62,8 @@ def _code(calm: Calm, part: tuple[int, int], what: str, into: int = 0) -> Term:
     begin, end = part
     spans = [n for n, times in calm.spans.items() if any(begin <= b and e <= end for b, e in times)]
     within = f" with {' and '.join(spans)}" * bool(spans)
-    return Term(f"code {what}{within}", end - begin + into, "straight-line code, measured in a run without host")
+    source = "straight-line code, measured in a run without host"
+    return Term(f"code {what}{within}", calm.lasting(begin, end) + into, source, calm.unproven(begin, end))
 
 
 def waits_between(calm: Calm, begin: int, end: int) -> list[Wait]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
+from ..timing.shown import figure, percentile
 from .beside import Beside, Report
 from .terms import Bound, Term, total
 
@@ -18,6 +19,8 @@ def text(report: Report) -> str:
     if report.beside:
         head = ("measure", "bound", "seen", "ratio", "values")
         lines += ["", *_columns([head, *(_row(report, each) for each in report.beside)])]
+    if report.limits:
+        lines += ["", *_limits(report)]
     for each in report.beside:
         lines += ["", *_sum(report, each.bound)]
     lines += ["", "what is left before the deadlines that the bounds need:"]
@@ -39,17 +42,47 @@ def _verdict(report: Report) -> str:
     unseen = [each.bound.name for each in report.beside if each.seen is None]
     said = [f"{' and '.join(broken)} beyond its bound"] * bool(broken)
     said += [f"of {' and '.join(unseen)} nothing was seen, so nothing is compared"] * bool(unseen)
+    said += [
+        f"{limit.budget} may break its limit, by {_amount(report, -(limit.spare or 0))}" for limit in report.beyond
+    ]
+    if report.unproven:
+        unbounded = ", ".join(dict.fromkeys(each.budget for each in report.unproven))
+        said.append(f"{unbounded} not bounded: {'; '.join(dict.fromkeys(u.reason for u in report.unproven))}")
     said += report.hung
-    return f"{'; '.join(said) or 'the bounds hold'}; {report.simulated_s:g} s simulated beside them"
+    if not said:
+        bounded = any(limit.bound is not None for limit in report.limits)
+        said.append("every bound is within its limit" if bounded else "no budget limits what is bounded")
+    return f"{'; '.join(said)}; {report.simulated_s:g} s simulated beside the bounds"
+
+
+def _amount(report: Report, ticks: int) -> str:
+    return figure(ticks * 1_000_000 / report.timebase.per_second, "us")
+
+
+def _limits(report: Report) -> list[str]:
+    """A row for each limit of the case that is bounded, and a line of those that are not."""
+    rows: list[tuple[str, ...]] = [("budget", "limit", "bound", "spare", "")]
+    for each in report.limits:
+        if each.bound is not None:
+            of, values = each.bound, (each.limit, each.bound.ticks, each.spare or 0)
+            limit, bound, spare = (str(value) if of.counted else _amount(report, value) for value in values)
+            key = f"{percentile(each.key)} "
+            rows.append((each.budget, key + limit, bound, spare, "may break" if each.beyond else "holds"))
+    lines = _columns(rows) if len(rows) > 1 else []
+    reasons: dict[str, list[str]] = {}
+    for each in report.limits:
+        if each.bound is None and each.budget not in reasons.get(each.reason, ()):
+            reasons.setdefault(each.reason, []).append(each.budget)
+    return lines + [f"  no bound: {', '.join(budgets)} ({reason})" for reason, budgets in reasons.items()]
 
 
 def _row(report: Report, each: Beside) -> tuple[str, ...]:
     sign = ">=" if each.bound.least else "<="
     return (
         each.bound.name,
-        f"{sign} {_us(report, each.bound.ticks)} us",
-        "-" if each.seen is None else f"{_us(report, each.seen)} us",
-        "-" if each.ratio is None else f"{float(each.ratio):.3f}",
+        "none" if each.bound.unproven else f"{sign} {_value(report, each.bound, each.bound.ticks)}",
+        "-" if each.seen is None else _value(report, each.bound, each.seen),
+        "-" if each.ratio is None or each.bound.unproven else f"{float(each.ratio):.3f}",
         str(each.count),
     )
 
@@ -57,7 +90,9 @@ def _row(report: Report, each: Beside) -> tuple[str, ...]:
 def _sum(report: Report, bound: Bound) -> list[str]:
     """The sum under its head."""
     sign = "at least" if bound.least else "at most"
-    lines = [f"{bound.name}: {sign} {_us(report, bound.ticks)} us"]
+    if bound.unproven:
+        sign = "no bound; what was measured adds up to"
+    lines = [f"{bound.name}: {sign} {_value(report, bound, bound.ticks)}"]
     if bound.floor is None:
         return lines + _terms(report, bound.terms)
     lines += _terms(report, (bound.floor,))
@@ -65,10 +100,12 @@ def _sum(report: Report, bound: Bound) -> list[str]:
 
 
 def _terms(report: Report, terms: tuple[Term, ...]) -> list[str]:
-    return [
-        f"  {_cycles(report, term.ticks):>9} cycles {_us(report, term.ticks):>11} us  {term.what}  [{term.source}]"
-        for term in terms
-    ]
+    lines = []
+    for term in terms:
+        amount = f"{_cycles(report, term.ticks):>9} cycles {_us(report, term.ticks):>11} us"
+        lines.append(f"  {amount}  {term.what}  [{term.source}]")
+        lines += [f"{'':>11} no bound, since {term.unproven}"] * bool(term.unproven)
+    return lines
 
 
 def _cycles(report: Report, ticks: int) -> str:
@@ -78,6 +115,10 @@ def _cycles(report: Report, ticks: int) -> str:
 
 def _us(report: Report, ticks: int) -> str:
     return f"{float(Fraction(ticks * 1_000_000, report.timebase.per_second)):.3f}"
+
+
+def _value(report: Report, bound: Bound, ticks: int) -> str:
+    return str(ticks) if bound.counted else f"{_us(report, ticks)} us"
 
 
 def _columns(rows: list[tuple[str, ...]]) -> list[str]:
@@ -97,12 +138,15 @@ def as_json(report: Report) -> dict[str, object]:
         return {"us": float(us), "cycles": float(ticks / report.cycle)}
 
     def terms(given: tuple[Term, ...]) -> list[dict[str, object]]:
-        return [{"what": term.what, **time(term.ticks), "source": term.source} for term in given]
+        return [
+            {"what": term.what, **time(term.ticks), "source": term.source, "unproven": term.unproven} for term in given
+        ]
 
     return {
         "case": report.case,
         "simulated_s": report.simulated_s,
         "holds": report.holds,
+        "passed": report.passed,
         "hung": list(report.hung),
         "deadlines": [
             {"what": deadline.name, "spare": time(deadline.ticks), "terms": terms(deadline.terms)}
@@ -112,6 +156,7 @@ def as_json(report: Report) -> dict[str, object]:
             {
                 "measure": each.bound.measure,
                 "from_below": each.bound.least,
+                "unproven": each.bound.unproven,
                 "bound": time(each.bound.ticks),
                 "seen": None if each.seen is None else time(each.seen),
                 "ratio": None if each.ratio is None else float(each.ratio),
@@ -121,6 +166,17 @@ def as_json(report: Report) -> dict[str, object]:
                 "terms": terms(each.bound.terms),
             }
             for each in report.beside
+        ],
+        "limits": [
+            {
+                "budget": each.budget,
+                "measure": each.measure,
+                "key": each.key,
+                "bounded": each.bound is not None,
+                "spare": None if each.spare is None else time(each.spare),
+                "reason": each.reason,
+            }
+            for each in report.limits
         ],
         "interrupt": terms(report.handlers.terms),
     }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 
 class BadBound(ValueError):
@@ -12,18 +12,26 @@ class BadBound(ValueError):
 
 @dataclass(frozen=True)
 class Term:
-    """A part of a sum. ticks: negative where it is taken off. source: the parameter or document it comes from."""
+    """A part of a sum. ticks: negative where it is taken off. source: the parameter or document it comes from.
+
+    unproven: why it is no bound on what it stands for; empty if it is one.
+    """
 
     what: str
     ticks: int
     source: str
+    unproven: str = ""
+
+    def taken_off(self) -> Term:
+        return replace(self, ticks=-self.ticks)
 
 
 @dataclass(frozen=True)
 class Bound:
     """The worst case of one measure: the sum of its terms, but never less than `floor`.
 
-    measure: as a budget names it. least: it is the smallest value that is bounded, from below.
+    measure: as a budget names it. least: it is the smallest value that is bounded, from below. counted: its terms are
+    no times but counts. special: says what another one says of one chip, or in other words.
     """
 
     name: str
@@ -31,6 +39,13 @@ class Bound:
     terms: tuple[Term, ...]
     floor: Term | None = None
     least: bool = False
+    counted: bool = False
+    special: bool = False
+
+    @property
+    def unproven(self) -> str:
+        """Why the sum is no bound: what its terms say; empty if it is one."""
+        return reasons(self.terms)
 
     @property
     def sum(self) -> int:
@@ -43,3 +58,8 @@ class Bound:
 
 def total(terms: Iterable[Term]) -> int:
     return sum(term.ticks for term in terms)
+
+
+def reasons(terms: Iterable[Term]) -> str:
+    """What makes these terms no bounds, each reason once; empty if all are bounds."""
+    return "; ".join(dict.fromkeys(term.unproven for term in terms if term.unproven))

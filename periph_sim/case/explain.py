@@ -8,9 +8,11 @@ from pydantic import BaseModel, ValidationError
 
 from ..core.nearest import near
 from .model import (
+    BadCase,
     Budget,
     Case,
     ChipTable,
+    Code,
     Condition,
     Controller,
     HostTable,
@@ -19,17 +21,17 @@ from .model import (
     Unit,
     ValueTable,
 )
-from .source import Source
+from .source import Source, key_of
 
 SHOWN = 60  # characters of a wrong value that a message repeats
 EXPECTED = {"model_type": "expected a table", "dict_type": "expected a table", "tuple_type": "expected a list"}
 
 
-def explain(source: Source, error: ValidationError) -> str:
-    """One sentence about the first thing wrong."""
+def explain(source: Source, error: ValidationError, tree: object = None) -> str:
+    """One sentence about the first thing wrong. tree: what was to be a case, for the names of its entries."""
     first = error.errors()[0]
     place = place_of(first)
-    key = ".".join(str(part) for part in place)
+    key = key_of(place, tree)
     where = source.where(place)
     if first["type"] == "extra_forbidden":
         return f"{where}: there is no key {key!r}; {near(str(place[-1]), known_keys(place[:-1]))}"
@@ -50,7 +52,8 @@ def complaint(first: Any) -> str:
     message = EXPECTED.get(first["type"]) or str(first["msg"]).removeprefix("Value error, ")
     found = repr(first.get("input"))
     about_a_table = first["type"] == "value_error" and isinstance(first.get("input"), dict)
-    told = found in message or "but it is" in message
+    has_a_place = isinstance(first.get("ctx", {}).get("error"), BadCase)  # of a file that the value names
+    told = found in message or "but it is" in message or has_a_place
     if not told and len(found) <= SHOWN and not about_a_table:
         message = f"{message[0].lower()}{message[1:]}, but it is {found}"
     return message
@@ -67,6 +70,7 @@ def known_keys(place: tuple[str | int, ...]) -> list[str]:
         "budget": Budget,
         "request": RequestTable,
         "options": Options,
+        "code": Code,
         "and": Condition,
     }
     for part in reversed(place):

@@ -15,13 +15,23 @@ from .source import Place, Source
 
 
 def load(path: Path, changes: list[str] | None = None) -> Case:
-    """The case in a file, with `key=value` changes applied. BadCase with one sentence otherwise."""
+    """The case in a file, with `key=value` changes applied. BadCase with one sentence otherwise.
+
+    Paths of firmware files count from the folder of the case, wherever the command was started.
+    """
     text, tree = read(path, "case")
     source = Source(path, text, tuple((change, apply(tree, change)) for change in changes or []))
     try:
-        return Case.model_validate(tree).from_source(source)
+        return _located(Case.model_validate(tree), path.parent).from_source(source)
     except ValidationError as error:
-        raise BadCase(explain(source, error)) from None
+        raise BadCase(explain(source, error, tree)) from None
+
+
+def _located(case: Case, folder: Path) -> Case:
+    """The case with the paths of its firmware files below `folder`."""
+    files = {name: unit for name, unit in case.unit.items() if unit.firmware.endswith(".py")}
+    moved = {name: unit.model_copy(update={"firmware": str(folder / unit.firmware)}) for name, unit in files.items()}
+    return case.model_copy(update={"unit": case.unit | moved})
 
 
 def read(path: Path, what: str) -> tuple[str, dict[str, Any]]:
@@ -48,7 +58,8 @@ def read(path: Path, what: str) -> tuple[str, dict[str, Any]]:
 def apply(tree: dict[str, object], change: str) -> Place:
     """Set one key of a case, as in "unit.dsp.settings.model_cost=400 us", and return its place.
 
-    BadCase if the change is not of that form.
+    The value is read as TOML, or as text where it is none; and where TOML would take underscores out of a number: an
+    option may be called 3_4_5. BadCase if the change is not of that form.
     """
     key, found, value = change.partition("=")
     names = [name.strip() for name in key.split(".")]
@@ -57,6 +68,8 @@ def apply(tree: dict[str, object], change: str) -> Place:
     try:
         parsed = tomllib.loads(f"value = {value.strip()}")["value"]
     except tomllib.TOMLDecodeError:
+        parsed = value.strip()
+    if isinstance(parsed, int | float) and "_" in value:
         parsed = value.strip()
     table: object = tree
     place: list[str | int] = []

@@ -21,8 +21,9 @@ from pydantic import (
 
 from ..core.nearest import near
 from ..core.options import Value
-from .settings import Duration, Frequency, HexBytes
-from .source import Source, line_of
+from ..f28335.code_costs import CodeCosts
+from .settings import Duration, Frequency, HexBytes, Share
+from .source import Source, key_of, line_of
 
 
 class BadCase(ValueError):
@@ -68,6 +69,10 @@ Ppm = Annotated[Exact, Field(ge=-100_000, le=100_000)]
 RateError = Annotated[Exact, Field(ge=-50, le=50)]
 Bits = Annotated[Exact, Field(ge=0)]
 Axes = tuple[Exact, Exact, Exact]
+CodeCycles = Annotated[int, Field(ge=0, le=1000)]
+PassCycles = Annotated[int, Field(ge=1, le=1000)]
+
+COMPILED = CodeCosts()
 
 
 STRICT = ConfigDict(extra="forbid", arbitrary_types_allowed=True, frozen=True)
@@ -85,6 +90,15 @@ class Options(Table):
     system: dict[str, Answer] = {}
 
 
+class Code(Table):
+    """What compiled code costs besides accesses and computations, in cycles; the defaults are counted in images."""
+
+    between_accesses: CodeCycles = COMPILED.between_accesses
+    poll_pass: PassCycles = COMPILED.poll_pass
+    isr_prologue: CodeCycles = COMPILED.isr_prologue
+    isr_epilogue: CodeCycles = COMPILED.isr_epilogue
+
+
 class Unit(Table):
     """One F28335. pins: names for GPIO pins to be watched; wires of SDA, SCL, RX, TX are connected by themselves."""
 
@@ -97,6 +111,7 @@ class Unit(Table):
     from_boot: bool = False
     skip_polls: bool = True
     pins: dict[str, Annotated[int, Field(ge=0, le=87)]] = {}
+    code: Code = Code()
     options: Options = Options()
 
 
@@ -124,12 +139,14 @@ class RequestTable(Table):
 
 
 class Controller(Table):
-    """The sensor head, or any other I2C controller that asks in rounds."""
+    """The sensor head, or any other I2C controller that asks in rounds. ppm: error of the clock of all its times."""
 
     rate: BusRate = Fraction(100_000)
+    ppm: Ppm = Fraction(0)
     low: Length | None = None  # else half a period
     high: Length | None = None
     hold: Duration = Fraction(300, 10**9)
+    filter: Duration = Fraction(0)
     first: Duration = Fraction(5, 1000)
     period: Length = Fraction(20, 1000)
     jitter: Duration = Fraction(0)
@@ -140,7 +157,9 @@ class Controller(Table):
     request: tuple[RequestTable, ...] = ()
     initialise: Length | None = None  # before the first round; else no chip is set up
     check: Literal["expect", "host"] = "expect"  # what "wrong bytes" compares with
+    on_nack: Literal["go on", "give up"] = "go on"  # with the next phase of a transfer, where a written byte is refused
     stuck_after: Length = Fraction(25, 1000)
+    clear_after: Length | None = None  # else the bus is never cleared
 
     @model_validator(mode="after")
     def _in_order(self) -> Controller:
@@ -181,19 +200,24 @@ class ChipTable(Table):
 
 
 class HostTable(Table):
-    """The host that sends frames over the UART. error: of its bit rate. lose: [frame, byte] pairs not sent.
+    """The host that sends frames over the UART. ppm: error of the clock that schedules them; error: of its bit rate.
 
+    lose: [frame, byte] pairs not sent. silent: [from, length] in which no frame begins. twice: frames sent two times.
     motion: the settings of a kind of `devices.motion`, which is its `kind`. encoding: those of `host_frame`.
     """
 
     baud: Annotated[int, Field(ge=1, le=10_000_000)] = 115_200
     error: RateError = Fraction(0)  # percent
+    ppm: Ppm = Fraction(0)
     first: Duration = Fraction(2, 1000)
     period: Length = Fraction(20, 1000)
     jitter: Duration = Fraction(0)
+    paced_by: Literal["schedule", "pause"] = "schedule"
     gap: Bits = Fraction(0)  # bits between bytes
     frames: Annotated[int, Field(ge=0)] | None = None
     lose: tuple[tuple[int, Annotated[int, Field(ge=0, le=11)]], ...] = ()
+    silent: tuple[tuple[Duration, Duration], ...] = ()
+    twice: tuple[Annotated[int, Field(ge=0)], ...] = ()
     motion: dict[str, object] = {}
     encoding: dict[str, object] = {}
 
@@ -244,6 +268,7 @@ class Condition(Limited):
 class Budget(Table, Limited):
     """p50 to p99_9: the most that 50 to 99.9 percent of the values may come to. after: what began sooner is left out.
 
+    coverage: the part of all occasions that must have been measured; with less, the budget is not judged.
     also: `and` in a file: conditions joined to it.
     """
 
@@ -257,6 +282,7 @@ class Budget(Table, Limited):
     p99: Extent | None = None
     p99_9: Extent | None = None
     after: Duration | None = None
+    coverage: Share = Fraction(9, 10)
     also: tuple[Condition, ...] = Field(default=(), alias="and")
     why: str = ""
     source: str = ""
@@ -270,7 +296,9 @@ def _named_budget(name: str, info: ValidationInfo) -> str:
 
 
 class Case(Table):
-    """breaks: names of the budgets that a known bug breaks; `periph-sim check` passes only if exactly those do."""
+    """fault: the settings of a kind of `lines.faults` each, which is its `kind`.
+
+    breaks: names of the budgets that a known bug breaks; `periph-sim check` passes only if exactly those do."""
 
     name: str
     about: str = ""
@@ -279,10 +307,12 @@ class Case(Table):
     seed: int = 0
     fidelity: Literal["edge"] = "edge"
     strict: bool = False
+    stall_limit: Duration = Fraction(10)
     unit: dict[str, Unit] = {}
     chip: dict[str, ChipTable] = {}
     controller: Controller | None = None
     host: HostTable | None = None
+    fault: tuple[dict[str, object], ...] = ()
     budget: tuple[Budget, ...] = ()
     breaks: tuple[Annotated[str, AfterValidator(_named_budget)], ...] = ()
     _source: Source | None = PrivateAttr(default=None)
@@ -292,9 +322,14 @@ class Case(Table):
         self._source = source
         return self
 
+    @property
+    def recorded_modules(self) -> dict[str, tuple[str, ...]]:
+        """What a recording lists for each unit: its modules and its named pins."""
+        return {name: (*unit.modules, *(f"pin:{pin}" for pin in unit.pins)) for name, unit in self.unit.items()}
+
     def mistake(self, what: str, *place: str | int) -> BadCase:
         """An error about a place in this case: file and line if it came from a file."""
-        key = ".".join(str(part) for part in place)
+        key = key_of(place, {"budget": [{"name": budget.name} for budget in self.budget]})
         where = f"case {self.name}" if self._source is None else self._source.where(place)
         return BadCase(f"{where}: {key}: {what}")
 

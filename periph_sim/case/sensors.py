@@ -4,7 +4,7 @@
     wrap = "unwrapped"                    bias = "-3.1, 3.6, 0.04 deg/s"
 
 What a file leaves out is as in Table 4.1. A number has its unit behind it; three numbers share one. A bare number is
-taken only where there is no unit to guess.
+taken only where there is no unit to guess. Sets that come with periph_sim (devices/models/sets) are known by name.
 """
 
 from __future__ import annotations
@@ -23,12 +23,26 @@ C = TypeVar("C", bound=Checked)
 
 # Other units than a parameter's own: how much of its own one of them is.
 OTHERS: dict[str, dict[str, float]] = {
-    "s": {"ms": 1e-3, "us": 1e-6},
+    "s": {"ms": 1e-3, "us": 1e-6, "ns": 1e-9},
     "m": {"cm": 1e-2, "mm": 1e-3},
     "g": {"mg": 1e-3, "m/s^2": 1 / STANDARD_GRAVITY},
     "gauss": {"mgauss": 1e-3, "uT": 1e-2, "nT": 1e-5},
     "": {"%": 1e-2},
 }
+
+
+SHIPPED = Path(__file__).parents[1] / "devices" / "models" / "sets"
+
+
+def named(name: str) -> Imu:
+    """The parameters of a shipped set ("table_5_1"), or of the file at that path. BadCase if there is neither."""
+    shipped = {path.stem: path for path in sorted(SHIPPED.glob("*.toml"))}
+    if name in shipped:
+        return load(shipped[name])
+    if not Path(name).suffix and not Path(name).exists():
+        known = ", ".join(shipped)
+        raise BadCase(f"there is no parameter set {name!r}; give the path of a TOML file, or a shipped set: {known}")
+    return load(Path(name))
 
 
 def load(path: Path) -> Imu:

@@ -28,6 +28,26 @@ class Source:
         return f"{self.path}, line {line}{inside}" if line else f"{self.path}{inside}"
 
 
+def key_of(place: Place, tree: object) -> str:
+    """A place as `--set` has it: "budget.response.max". tree: the case; entries with a name go by it."""
+    parts = []
+    for part in place:
+        entries = tree
+        tree = _child(tree, part)
+        name = _child(tree, "name")
+        alike = [_child(entry, "name") for entry in entries] if isinstance(entries, list | tuple) else []
+        parts.append(name if isinstance(name, str) and alike.count(name) == 1 else str(part))
+    return ".".join(parts)
+
+
+def _child(tree: object, part: str | int) -> object:
+    if isinstance(tree, dict):
+        return tree.get(part)
+    if isinstance(tree, list | tuple) and isinstance(part, int) and part < len(tree):
+        return tree[part]
+    return None
+
+
 def line_of(text: str, place: Place) -> int:
     """The line on which a key stands, or its table's header; 0 if neither is in the text."""
     names = [str(part) for part in place if isinstance(part, str)]

@@ -20,8 +20,8 @@ from .trouble import told_plainly
 def bound(case: Path, seconds: str | None, changes: tuple[str, ...], as_json: bool) -> int:
     """Show the worst case of CASE in closed form, term by term, beside the worst value of a run.
 
-    Exit status 0: no value is beyond its bound; 1: one is, none was seen, or the firmware may come too late for a
-    request, so that there is no bound.
+    Exit status 0: no value is beyond its bound, and no bound beyond a limit of the case; 1: one is, nothing was
+    seen of it, or the firmware may come too late for a request, so that there is no bound.
     """
     from ..bound import report
     from ..bound.show import as_json as as_dict
@@ -34,4 +34,4 @@ def bound(case: Path, seconds: str | None, changes: tuple[str, ...], as_json: bo
         with progress(loaded.name) as told:
             found = report(loaded, length, told)
     click.echo(json.dumps(as_dict(found)) if as_json else text(found))
-    return 0 if found.holds else 1
+    return 0 if found.passed else 1

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from ..baselines import CaseCheck
+from ..baselines import CaseCheck, Refused
 from ..baselines import check as checked
 from ..formats.whole import whole
 from .inputs import apart
@@ -22,6 +22,7 @@ from .trouble import told_plainly
 @click.option("--tolerance", type=click.IntRange(min=0), default=0, metavar="CYCLES", help="Times may differ by this.")
 @click.option("--update-baseline", "update", is_flag=True, help="Make the figures of this run the new baselines.")
 @click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of every case.")
+@click.option("--guaranteed", is_flag=True, help="A budget that holds only in what was seen fails, too.")
 @click.option("--jobs", type=click.IntRange(min=1), help="Processes at a time; as many as cores. 1: none but this one.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
 @click.option("--junit", "junit_file", type=click.Path(path_type=Path), help="Write JUnit XML to this file.")
@@ -34,6 +35,7 @@ def check(
     tolerance: int,
     update: bool,
     changes: tuple[str, ...],
+    guaranteed: bool,
     jobs: int | None,
     as_json: bool,
     junit_file: Path | None,
@@ -42,13 +44,15 @@ def check(
 ) -> int:
     """Run cases and hold their figures against their baselines, exactly.
 
-    PATH is a case file, or a folder of them; timing if none is given. Baselines are
-    baselines/NAME.json beside the case. Exit status 0: every budget holds, or breaks where
-    the case says that it must, and every figure is that of the baseline.
+    PATH is a case file, or a folder with cases in it or below it; timing if none is given.
+    Baselines are baselines/NAME.json beside the case. Exit status 0: every budget holds, or
+    breaks where the case says that it must, and every figure is that of the baseline; 2: a
+    case could not be run (the others were).
     """
     if update and changes:
         raise click.UsageError("--update-baseline with --set: a baseline is of the case as it stands; leave one out")
     apart(junit=junit_file, html=html_file)
+    refused: list[Refused] = []
     with told_plainly(), ExitStack() as outputs:
         # Asked for their places before the runs, so that none is in vain.
         unfinished, unfinished_html = (
@@ -62,28 +66,32 @@ def check(
                 update=update,
                 changes=changes,
                 keep_values=html_file is not None,
+                guaranteed=guaranteed,
                 told=told,
+                on_refused=refused.append,
             )
         if unfinished is not None:
             from ..baselines.junit import junit
 
-            unfinished.write_text(junit(checks), encoding="utf-8")
+            unfinished.write_text(junit(checks, refused), encoding="utf-8")
         if unfinished_html is not None:
             unfinished_html.write_text(_html(checks, jobs), encoding="utf-8")
-    passed = all(one.passed for one in checks)
+    passed = all(one.passed for one in checks) and not refused
     if as_json:
-        click.echo(json.dumps(_object(checks, passed), indent=2, ensure_ascii=False))
+        click.echo(json.dumps(_object(checks, refused, passed), indent=2, ensure_ascii=False))
     else:
-        _show(checks)
+        _show(checks, refused)
     if annotations is not None:
         from ..baselines.annotations import github
 
-        for line in github(checks):
+        for line in github(checks, refused):
             click.echo(line, err=as_json)  # the service reads both; standard output stays one object
+    if refused:
+        return 2
     return 0 if passed else 1
 
 
-def _object(checks: list[CaseCheck], passed: bool) -> dict[str, object]:
+def _object(checks: list[CaseCheck], refused: list[Refused], passed: bool) -> dict[str, object]:
     from ..worst.show import as_json
 
     return {
@@ -95,7 +103,11 @@ def _object(checks: list[CaseCheck], passed: bool) -> dict[str, object]:
                 "verdict": "pass" if one.passed else "fail",
                 "breaks": list(one.outcome.breaks),
                 "broken": one.outcome.broken,
+                "not_judged": [name for name in one.outcome.not_passed if name not in one.outcome.broken],
                 "baseline": {"file": one.baseline.as_posix(), "state": one.state},
+                "proofs": {
+                    v.name: {"verdict": v.word, "bound": v.bound, "why": v.unbounded} for v in one.outcome.verdicts
+                },
                 "findings": [asdict(finding) for finding in one.findings],
                 "causes": {name: as_json(chain) for name, chain in one.causes.items()},
                 "changes": [asdict(change) for change in one.changes],
@@ -103,6 +115,7 @@ def _object(checks: list[CaseCheck], passed: bool) -> dict[str, object]:
             }
             for one in checks
         ],
+        "refused": [{"file": one.path.as_posix(), "why": one.why} for one in refused],
     }
 
 
@@ -130,38 +143,57 @@ def _html(checks: list[CaseCheck], jobs: int | None) -> str:
     return page(reports, "periph-sim check" if len(reports) > 1 else reports[0].name)
 
 
-def _show(checks: list[CaseCheck]) -> None:
+def _show(checks: list[CaseCheck], refused: list[Refused]) -> None:
     from rich.box import SIMPLE_HEAD
     from rich.console import Console
     from rich.table import Table
 
+    from ..timing.verdicts import BROKEN, EVERY_PHASE, SEEN
     from ..worst.show import text
-    from .report import budget_table
+    from .report import PADDING, budget_table, legend
 
     console = Console()
     failed = [one for one in checks if not one.passed]
-    title = f"check: {len(checks) - len(failed)} of {len(checks)} as they should be"
-    table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD)
+    title = f"check: {len(checks) - len(failed)} of {len(checks) + len(refused)} as they should be"
+    table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD, padding=PADDING)
     table.add_column("case", no_wrap=True)
-    for name in ("budgets", "broken", "must break", "changed"):
+    for name in ("every phase", "seen", "broken", "must", "changed"):
         table.add_column(name, justify="right", no_wrap=True)
     table.add_column("baseline", no_wrap=True)
     table.add_column("", no_wrap=True)
     for one in checks:
         outcome = one.outcome
-        numbers = (len(outcome.verdicts), len(outcome.broken), len(outcome.breaks), len(one.changes))
+        words = [verdict.word for verdict in outcome.verdicts]
+        numbers = (
+            words.count(EVERY_PHASE),
+            words.count(SEEN),
+            words.count(BROKEN),
+            len(outcome.breaks),
+            sum(not change.note for change in one.changes),
+        )
         verdict = "pass" if one.passed else "fail"
         style = "" if one.passed else "red"
         table.add_row(outcome.figures.case, *map(str, numbers), one.state, verdict, style=style)
+    for case in refused:
+        table.add_row(case.path.stem, *[""] * 6, "refused", style="red")
     console.print(table)
+    for case in refused:
+        console.print(f"Error: {case.why}", highlight=False, soft_wrap=True, markup=False)
     for one in failed:
-        if set(one.outcome.broken) != set(one.outcome.breaks):
+        if set(one.outcome.not_passed) != set(one.outcome.breaks):
             console.print(budget_table(f"{one.outcome.figures.case}: FAIL", one.outcome.verdicts))
+            for line in legend(one.outcome.verdicts):
+                console.print(line, highlight=False, soft_wrap=True, markup=False)
         for finding in one.findings:
             place = f"{one.outcome.path.as_posix()}, line {finding.line}"
             console.print(f"{place}: {finding.text}", highlight=False, soft_wrap=True, markup=False)
         for chain in one.causes.values():
             click.echo("\n".join(["", *text(chain)]))
+    for one in checks:
+        notes = [str(change) for change in one.changes if change.note]
+        if notes and one.state != "written":
+            told = f"note: {one.outcome.figures.case}: {', '.join(notes)} (counts of the simulation, which fail nobody)"
+            console.print(told, highlight=False, soft_wrap=True, markup=False)
     for one in checks:
         if one.state == "written":
             for change in one.changes:

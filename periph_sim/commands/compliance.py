@@ -40,7 +40,6 @@ def compliance(
     """
     from .. import formats
     from ..compliance import Verdict, check
-    from ..compliance.resolution import of_no_analyser
     from ..compliance.show import as_json as as_dict
     from ..replay import BadReplay
     from ..replay.channels import channel_map
@@ -52,8 +51,7 @@ def compliance(
             raise click.ClickException(f"{capture}: the limits are those of I2C; map it with --map scl=...,sda=...")
         if exact and given.sampled:
             raise click.ClickException(f"{capture}: its times are samples of an analyser, so --exact cannot be true")
-        ours = capture.suffix == ".psr" or of_no_analyser(given)
-        report = check(given, lines["scl"], lines["sda"], mode, exact=exact or ours)
+        report = check(given, lines["scl"], lines["sda"], mode, exact=exact or None)
     except (formats.BadCapture, BadReplay, ValueError) as error:
         raise click.ClickException(str(error)) from None
     if not report.starts:

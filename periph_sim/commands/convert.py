@@ -44,7 +44,7 @@ def convert(
     Of a run recorded as .psr, OUT may also be any format of `run --record`, with all that was recorded.
     """
     with told_plainly():
-        if out.exists() and given.exists() and out.samefile(given):
+        if _same_file(given, out):
             raise click.ClickException(f"{out}: IN and OUT are one file; give another name for OUT")
         part = any(option is not None for option in (rate, sample, channels, window)) or salvage
         if format_of(out) and not part and psr.holds_run(given):
@@ -54,12 +54,20 @@ def convert(
             source = read_capture(given, rate, salvage)
             ready = _part(source, channels, window)
             ready = ready if sample is None else resampled(ready, rate_given("--sample", sample))
+            ready = formats.ready_for(out, ready)
             notes = [*ready.notes, *formats.write(ready, out), *_not_kept(ready, out)]
             said = _sizes(ready)
     click.echo(f"{out}: {said}")
     for note in notes:
         click.echo(f"note: {note}")
     return 0
+
+
+def _same_file(given: Path, out: Path) -> bool:
+    try:
+        return out.samefile(given)
+    except OSError:  # one is not there, or has a name that none can have; reading and writing say so
+        return False
 
 
 def _run(given: Path, out: Path) -> str:

@@ -102,6 +102,6 @@ def _line(text: str) -> tuple[str | None, Line]:
             f"--uart {text!r}: {given['format']!r} is no line format; expected data bits 5 to 9, "
             "n, o, e, m or s, and 1 or 2 stop bits: 8n1"
         )
-    if not given.get("baud", "").isdecimal() or not int(given["baud"]):
+    if not re.fullmatch(r"0*[1-9]\d{0,11}", given.get("baud", "")):
         raise click.ClickException(f"--uart {text!r}: expected baud=RATE with a whole number above 0: baud=115200")
     return given.get("rx"), Line(int(given["baud"]), int(frame[1]), PARITIES[frame[2]], int(frame[3]))

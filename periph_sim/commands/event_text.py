@@ -68,9 +68,9 @@ def in_json(event: str, value: int | None, bits: int, detail: str) -> str:
 
 def in_transfer(event: str, value: int | None, bits: int, detail: str) -> str:
     """As the I2C-bus specification draws it: S, address, W or R, A or N for the answer, Sr, P."""
-    marks = {"start": "S", "repeated start": "Sr", "ack": "A", "nack": "N", "stop": "P", "break": "break"}
+    marks = {"start": "S", "repeated start": "Sr", "ack": "A", "nack": "N", "stop": "P"}
     if value is None:
-        return marks[event]
+        return marks.get(event, event)
     if event == "cut":
         return f"[{value:0{bits}b}]" if bits else "[]"
     if event == "frame":

@@ -19,9 +19,7 @@ if TYPE_CHECKING:
 @click.option("--only", multiple=True, metavar="EXTREME", help="Leave out all other extremes.")
 @click.option("--seed", type=click.IntRange(min=0), default=0, help="Of the search in the working range.")
 @click.option("--samples", type=click.IntRange(100, 1_000_000), default=1000, help="Of that search; more find more.")
-@click.option(
-    "--parameters", type=click.Path(path_type=Path), metavar="FILE.toml", help="Of the sensors, for range and costs."
-)
+@click.option("--parameters", metavar="SET", help="Of the sensors, for range and costs: a TOML file or a shipped set.")
 @click.option(
     "--tables", type=click.Choice(["RAM", "boot ROM"]), default="RAM", help="Where the libraries' tables are."
 )
@@ -32,7 +30,7 @@ def extremes(
     only: tuple[str, ...],
     seed: int,
     samples: int,
-    parameters: Path | None,
+    parameters: str | None,
     tables: Tables,
     as_json: bool,
     plot: Path | None,
@@ -42,7 +40,7 @@ def extremes(
     Says how far each is off in the working range, what it costs in cycles, and from which input on it saturates,
     wraps, or is no number any more. NAME may be given several times, and EXTREME too.
     """
-    from ..case.sensors import load
+    from ..case.sensors import named
     from ..extremes import USUAL, report
     from ..extremes.plot import picture
     from ..extremes.show import as_json as as_dict
@@ -52,7 +50,7 @@ def extremes(
     with told_plainly():
         if plot is not None and plot.suffix != ".svg":
             raise click.ClickException(f"{plot}: the picture is SVG; give a name that ends with .svg")
-        imu = None if parameters is None else load(parameters)
+        imu = None if parameters is None else named(parameters)
         found = report(names or USUAL, seed, samples, only, imu, tables)
         if plot is not None:
             with whole(plot) as unfinished:

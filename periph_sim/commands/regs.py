@@ -14,18 +14,14 @@ from ..core.registers import Register, RegisterMap
 from ..devices.adxl345 import Adxl345Options
 from ..devices.hmc5883l import Hmc5883lOptions
 from ..devices.itg3200 import Itg3200Options
-from ..f28335 import clocks_map, gpio_map, pie_map, timer_map, xint_map
-from ..f28335.i2c_map import I2C_MAP
+from ..f28335 import clocks_map, gpio_map, i2c_map, pie_map, sci_map, timer_map, xint_map
 from ..f28335.i2c_options import I2cOptions
-from ..f28335.sci_map import SCI_MAP
 from ..f28335.sci_options import SciOptions
 from ..f28335.system_options import SystemOptions
 
 MAPS: dict[str, tuple[int, RegisterMap]] = {
-    "SCI-A": (0x7050, SCI_MAP),
-    "SCI-B": (0x7750, SCI_MAP),
-    "SCI-C": (0x7770, SCI_MAP),
-    "I2C-A": (0x7900, I2C_MAP),
+    **{name: (base, sci_map.SCI_MAP) for name, base in sci_map.BASES.items()},
+    "I2C-A": (i2c_map.BASE, i2c_map.I2C_MAP),
     "GPIO": (gpio_map.BASE, gpio_map.GPIO),
     "XINT": (xint_map.BASE, xint_map.XINT),
     "SYS": (clocks_map.BASE, clocks_map.MAP),

@@ -25,10 +25,10 @@ from ..replay.i2c_open import I2cOpenReplay
 from ..replay.report import Report
 from ..replay.session import SessionReplay
 from ..replay.uart import UartReplay, line_format
+from ..replay.verdict import AMBIGUOUS, PASS, headline
 from .inputs import RATE, SALVAGE, read_capture, time_given
 from .progress import progress
 from .report import budget_table
-from .run import recorded_modules
 from .trouble import told_plainly
 
 FIRST = {
@@ -66,6 +66,7 @@ BEFORE, AFTER = 14, 4  # changes shown around a divergence
 @click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
 @click.option("--record", type=click.Path(path_type=Path), help="Write the run to a file; its suffix says the format.")
 @click.option("--svg", type=click.Path(path_type=Path), help="Draw the worst divergence as a timing diagram.")
+@click.option("--strict", is_flag=True, help="Exit status 1 also where something is ambiguous.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
 def replay(
     capture: Path,
@@ -86,6 +87,7 @@ def replay(
     changes: tuple[str, ...],
     record: Path | None,
     svg: Path | None,
+    strict: bool,
     as_json: bool,
 ) -> int:
     """Replay CAPTURE against the firmware of a case.
@@ -100,8 +102,8 @@ def replay(
     Of a UART capture one line goes into SCI-A, edge by edge. An I2C and a UART capture of one time, from one file or
     two, are a session: the case's budgets are measured on it.
 
-    Exit status 0: the wires agree with the capture, and budgets and tolerance hold; 1: they do not; 2: it cannot be
-    replayed.
+    Exit status 0: the wires agree with the capture, and budgets and tolerance hold; 1: they do not, or nothing was
+    asked of the firmware; 2: it cannot be replayed.
     """
     with told_plainly():
         case = load(case_file, list(changes))
@@ -127,7 +129,7 @@ def replay(
         _refuse_together(loop, role, own, low, baud, frame)
         _refuse_in_session(session, host is not None, "scl" in lines, loop, role, offset)
         after = Fraction(0) if offset is None else _offset(offset)
-        with recording(record, recorded_modules(case)) as (subscribe, ended_at):
+        with recording(record, case.recorded_modules) as (subscribe, ended_at):
             player: UartReplay | I2cReplay | I2cOpenReplay | I2cMasterReplay
             if session:
                 other, rx = (given, lines["rx"]) if host is None else host
@@ -151,7 +153,7 @@ def replay(
         click.echo(json.dumps(dataclasses.asdict(report)))
     else:
         show(Console(), report)
-    return 0 if report.verdict == "pass" else 1
+    return 0 if report.verdict == PASS or (report.verdict == AMBIGUOUS and not strict) else 1
 
 
 def _refuse_in_session(
@@ -229,8 +231,8 @@ def _address(text: str) -> int:
 
 def show(console: Console, report: Report) -> None:
     """The report as a person reads it."""
-    title = f"{report.case}, {report.capture}: {report.verdict.upper()}"
-    table = Table(title=title, title_justify="left", title_style="bold", show_header=False)
+    console.print(f"{report.case}, {report.capture}: {headline(report)}", style="bold", highlight=False, soft_wrap=True)
+    table = Table(show_header=False)
     for name, value in rows(report):
         table.add_row(name, value)
     console.print(table)
@@ -247,6 +249,8 @@ def show(console: Console, report: Report) -> None:
 def rows(report: Report) -> list[tuple[str, str]]:
     """Name and value of each line of the table."""
     found = [("events as in the capture", f"{report.agreed} of {report.events}")]
+    if report.ambiguous:
+        found.append(("ambiguous", str(report.ambiguous)))
     for divergence in report.divergences:
         found.append((FIRST[divergence.kind], f"expected {divergence.expected} {_at(divergence.capture_s)}"))
         found.append(("", f"found {divergence.found} {_at(divergence.replay_s)}"))

@@ -20,7 +20,7 @@ MISTAKES = {
     "periph_sim.extremes.NoSuchExtreme",
     "periph_sim.f28335.memory.NoSuchAddress",
     "periph_sim.formats.capture.BadCapture",
-    "periph_sim.host.cpu.FirmwareError",
+    "periph_sim.host.blame.FirmwareError",
     "periph_sim.identification.series.BadSeries",
     "periph_sim.insight.run.NotInRun",
     "periph_sim.numeric.named.NoSuchArithmetic",

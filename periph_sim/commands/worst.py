@@ -15,7 +15,7 @@ from .progress import progress
 from .trouble import told_plainly
 
 if TYPE_CHECKING:
-    from ..timing.budgets import Verdict
+    from ..timing.verdicts import Verdict
     from ..worst.explain import Explained
 
 WIDTH = 100
@@ -64,7 +64,7 @@ def worst(
         click.echo(f"{result.case}: it has no budget, so there is no worst case")
     else:
         click.echo("\n\n".join("\n".join(_told(verdict, found.get(verdict.name))) for verdict in verdicts))
-    return 0 if all(verdict.verdict == "pass" for verdict in verdicts) else 1
+    return 0 if all(verdict.passed for verdict in verdicts) else 1
 
 
 def _known(name: str, names: list[str], case: Path) -> None:

@@ -8,6 +8,8 @@ In a test: `check(capture, "SCL", "SDA", Mode.FAST).assert_compliant()`.
 from __future__ import annotations
 
 from ..formats.capture import Capture
+from ..formats.gaps import gap_notes
+from ..formats.sampling import stamp_notes
 from .limits import Mode
 from .measure import measure
 from .resolution import resolution_of
@@ -32,11 +34,8 @@ def check(
     resolution = resolution_of(capture, exact)
     measures = measure(capture, scl, sda, mode, resolution)
     notes = list(capture.notes)
-    if not capture.sampled and resolution.slack:
-        notes.append(
-            f"the file gives times, not samples; all its edges lie {float(resolution.period):g} ns or multiples of it "
-            "apart, and so good its times are taken to be"
-        )
+    notes += stamp_notes(capture) if resolution.slack else []
+    notes += gap_notes(capture, capture.channel(scl), capture.channel(sda))
     if measures.blind:
         notes.append(
             f"pulses that mode {mode.value} allows may be shorter than a sample and lie between two: no limit passes"

@@ -249,13 +249,18 @@ class _Part:
         return np.where(self._levels[edge] == 0, self._driver, self._driver_before).astype(np.uint8)
 
     def _stretched(self, shortest_low: int) -> tuple[Flags, Flags]:
-        """Where the low phase before a pulse is surely longer than the controller meant it, and where it may be."""
-        least = _least("tLOW", self._mode)
+        """Where the low phase before a pulse is surely stretched, and where this cannot be decided.
+
+        Own is what is no longer than the least tLOW, or than the shortest of the trace and a tenth; both lengths are
+        true to within the slack.
+        """
+        least, slack = _least("tLOW", self._mode), self._resolution.slack
         lengths = self.rises - self._low_from
-        own = 10 * (lengths - self._resolution.slack) <= 11 * shortest_low
+        own = 10 * (lengths + slack) <= 11 * (shortest_low - slack)
         own |= lengths <= self._resolution.surely_at_most(least)
-        longer = ~own & (lengths >= self._resolution.surely_above(least))
-        return longer, ~own & ~longer
+        stretched = 10 * (lengths - slack) > 11 * (shortest_low + slack)
+        stretched &= lengths >= self._resolution.surely_above(least)
+        return stretched, ~own & ~stretched
 
     def _may_be_spike(self, lengths: Positions) -> Flags:
         most = LIMIT["tSP"].bounds[self._mode].most

@@ -12,12 +12,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil, floor
 
-import numpy as np
-
-from ..formats.capture import Capture, Channel
+from ..formats.capture import Capture
+from ..formats.sampling import grid_of, is_exact
 
 NS = 10**9
-FASTEST_ANALYSER = 10**10  # samples a second; nothing samples logic faster
 
 
 @dataclass(frozen=True)
@@ -55,24 +53,12 @@ class Resolution:
 def resolution_of(capture: Capture, exact: bool | None = None) -> Resolution:
     """What the capture's positions are good to.
 
-    exact: True takes them as they are, False reads unsampled times as stamps on the coarsest grid that holds all
-    edges; None: exact where the capture is not sampled. ValueError without a rate.
+    exact: True takes unsampled times as they are, False as stamps on the coarsest grid that holds all edges; None:
+    exact where the capture is known to be, or finer than any analyser samples. ValueError without a rate.
     """
     if capture.rate is None:
         raise ValueError(f"{capture.path}: limits need a time base and the file states no rate; state the rate")
     if capture.sampled:
         return Resolution(capture.rate, 1)
-    return Resolution(capture.rate, 0 if exact or exact is None else grid_of(capture.channels))
-
-
-def grid_of(channels: tuple[Channel, ...]) -> int:
-    """The greatest number of positions between any two edges' common divisor; 1 with fewer than two edges."""
-    edges = np.unique(np.concatenate([channel.edges for channel in channels] or [np.zeros(0, np.int64)]))
-    return max(1, int(np.gcd.reduce(np.diff(edges)))) if len(edges) > 1 else 1
-
-
-def of_no_analyser(capture: Capture) -> bool:
-    """Whether its times are finer than any analyser samples, and so a simulation's, which are exact."""
-    if capture.sampled or capture.rate is None:
-        return False
-    return capture.rate / grid_of(capture.channels) > FASTEST_ANALYSER
+    exact = is_exact(capture) if exact is None else exact
+    return Resolution(capture.rate, 0 if exact else grid_of(capture.channels))

@@ -72,6 +72,7 @@ def _cells(report: Report, row: Row) -> tuple[str, ...]:
     verdict = "undecidable" if row.verdict is Verdict.UNDECIDABLE else row.verdict.value
     if row.failed:
         verdict = f"FAIL, {row.failed} of {row.count}"
+        verdict += f", {row.undecided} undecidable" if row.undecided else ""
     elif row.undecided:
         verdict += f", {row.undecided} of {row.count}"
     return (
@@ -102,6 +103,10 @@ def _remarks(report: Report) -> list[str]:
     if excused:
         counts = ", ".join(f"{row.limit.symbol} {row.excused}" for row in excused)
         found.append(f"beyond a maximum where it does not bind: {counts}; {STRETCHED}")
+    unsure = [row for row in report.rows if row.unsure and row.bounds.most is not None]
+    if unsure:
+        counts = ", ".join(f"{row.limit.symbol} {row.unsure}" for row in unsure)
+        found.append(f"a maximum that binds only where SCL is not stretched, which these samples do not tell: {counts}")
     spikes = report.row("tSP")
     if spikes.count:
         found.append(f"tSP: {spikes.count} spikes were put aside; {spikes.limit.rule}")
@@ -145,6 +150,7 @@ def _json_row(report: Report, row: Row) -> dict[str, object]:
         "failed": row.failed,
         "undecided": row.undecided,
         "excused": row.excused,
+        "unsure": row.unsure,
         "verdict": row.verdict.value,
         "worst": [
             {

@@ -44,7 +44,8 @@ class Place:
 class Row:
     """least, most: positions, None where nothing was measured. failed, undecided: how many times.
 
-    excused: times beyond a maximum that does not bind there. worst: the worst places, worst first.
+    excused: times beyond a maximum that does not bind there. unsure: of `undecided`, those beyond their limit where
+    it may not bind. worst: the worst places, worst first.
     """
 
     limit: Limit
@@ -56,6 +57,7 @@ class Row:
     failed: int = 0
     undecided: int = 0
     excused: int = 0
+    unsure: int = 0
     worst: tuple[Place, ...] = ()
 
 
@@ -122,10 +124,10 @@ def _row(limit: Limit, measures: Measures, mode: Mode, resolution: Resolution) -
     hidden = measures.blind or (limit.symbol == "tSP" and resolution.period > (bounds.most or 0))
     if found is None or not len(found):
         return Row(limit, bounds, 0, None, None, Verdict.UNDECIDABLE if hidden or measures.coarse else Verdict.NOT_SEEN)
-    return _judged(limit, bounds, found, resolution, hidden)
+    return _judged(limit, bounds, found, resolution, hidden, measures.coarse)
 
 
-def _judged(limit: Limit, bounds: Bounds, found: Measured, resolution: Resolution, hidden: bool) -> Row:
+def _judged(limit: Limit, bounds: Bounds, found: Measured, resolution: Resolution, hidden: bool, coarse: bool) -> Row:
     lengths = found.lengths
     kept = np.ones(len(lengths), np.bool_)
     broken = np.zeros(len(lengths), np.bool_)
@@ -137,8 +139,9 @@ def _judged(limit: Limit, bounds: Bounds, found: Measured, resolution: Resolutio
         within = lengths <= resolution.surely_at_most(bounds.most)
         excused = int((found.excused & ~within).sum())
         kept &= within | found.excused
-        if not hidden:  # else an edge between may have gone unseen
+        if not (hidden or coarse):  # else an edge between may have gone unseen
             broken |= (lengths >= resolution.surely_above(bounds.most)) & ~found.excused
+    unsure = int((broken & found.doubtful).sum())
     broken &= ~found.doubtful
     failed, undecided = int(broken.sum()), int((~kept & ~broken).sum())
     if failed:
@@ -148,7 +151,7 @@ def _judged(limit: Limit, bounds: Bounds, found: Measured, resolution: Resolutio
         culprits = ~kept
     worst = _worst(found, culprits, bounds, resolution)
     least, most = int(lengths.min()), int(lengths.max())
-    return Row(limit, bounds, len(lengths), least, most, verdict, failed, undecided, excused, worst)
+    return Row(limit, bounds, len(lengths), least, most, verdict, failed, undecided, excused, unsure, worst)
 
 
 def _worst(found: Measured, culprits: Flags, bounds: Bounds, resolution: Resolution) -> tuple[Place, ...]:

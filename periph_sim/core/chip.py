@@ -1,6 +1,6 @@
 """What a pure chip looks like from outside: time, pins and register accesses in; levels, requests and a wake-up out.
 
-    pin, read, write, wake  -->  chip  -->  out, requests, held, next_wake, notes
+    pins, read, write, wake  -->  chip  -->  out, requests, held, next_wake, notes
 
 A chip knows no kernel, no wire, no file and no fidelity. Its time is the count of its
 own SYSCLKOUT cycles. Whoever owns it (`core.socket`, or a test) calls `wake` when
@@ -9,6 +9,7 @@ own SYSCLKOUT cycles. Whoever owns it (`core.socket`, or a test) calls `wake` wh
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import NamedTuple, Protocol
 
 from .registers import RegisterMap
@@ -25,11 +26,26 @@ class Note(NamedTuple):
 
     code: "duty" where firmware does what the manual forbids, "lost" where data or a
     request went missing, "unknown" where the model cannot know what silicon does.
+    joint, member: notes that share the first are one for people, with a list of the second.
     """
 
     code: str
     text: str
     source: str
+    joint: str = ""
+    member: str = ""
+
+
+def joined(notes: Iterable[tuple[int, Note]]) -> list[tuple[int, Note]]:
+    """Notes for people, each with its cycle: of those that have a `joint` in common one, which lists their members."""
+    found: dict[Note, int] = {}
+    members: dict[Note, list[str]] = {}
+    for cycle, note in notes:
+        one = Note(note.code, note.joint, note.source) if note.joint else note
+        found.setdefault(one, cycle)
+        members.setdefault(one, []).append(note.member)
+    told = {note: f"{note.text}: {', '.join(of)}" if of[0] else note.text for note, of in members.items()}
+    return [(cycle, note._replace(text=told[note])) for note, cycle in found.items()]
 
 
 class Chip(Protocol):
@@ -54,8 +70,10 @@ class Chip(Protocol):
     def filter_width(self) -> int:
         """Cycles from an input's change to its first effect."""
 
-    def pin(self, now: int, index: int, level: int) -> int:
-        """INPUTS[index] changed to `level`. Returns what the owner must look at: NOTHING, OUTPUTS or ALL."""
+    def pins(self, now: int, levels: int) -> int:
+        """The inputs as sampled in cycle `now`; bit i is INPUTS[i]. Returns what the owner must look at: NOTHING,
+        OUTPUTS or ALL. Where `filter_width` is above 0 a later call for the same cycle takes the place of the first.
+        """
 
     def wake(self, now: int) -> int:
         """`next_wake` has come. Returns what the owner must look at."""

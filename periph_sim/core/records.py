@@ -26,9 +26,12 @@ class Kind(Enum):
     FRAME = "frame"  # a UART frame on the wire
     NOTE = "note"  # a duty broken, something lost, something unknown
     WAIT = "wait"  # firmware begins (1) or ends (0) to wait: what = the fields it polls, or IDLE
+    HOLD = "hold"  # a wire stays low, but others pull it now: who in `text`
 
 
 class Record(NamedTuple):
+    """field: of an access, the register field that the firmware named; "" for the whole register."""
+
     number: int
     tick: int
     kind: Kind
@@ -37,6 +40,7 @@ class Record(NamedTuple):
     value: int
     text: str
     cause: int
+    field: str = ""
 
 
 Sink = Callable[[Record], None]
@@ -60,8 +64,8 @@ class Recorder:
     def subscribe(self, kinds: Iterable[Kind], sink: Sink, only: Subjects | None = None) -> None:
         """`sink` is told of every record of these kinds.
 
-        only: subjects that are enough for it, of kinds that have any: EDGE wires; FLAG and ACCESS registers, with
-        unit and module ("dsp.I2C-A.I2CSTR").
+        only: subjects that are enough for it, of kinds that have any: EDGE and FRAME wires; FLAG and ACCESS registers,
+        with unit and module ("dsp.I2C-A.I2CSTR").
         It may still be told of others, which other sinks want.
         """
         for kind in kinds:
@@ -90,10 +94,12 @@ class Recorder:
         action()
         self.cause = outer
 
-    def emit(self, tick: int, kind: Kind, where: str, what: str, value: int = 0, text: str = "") -> int:
+    def emit(
+        self, tick: int, kind: Kind, where: str, what: str, value: int = 0, text: str = "", field: str = ""
+    ) -> int:
         """The number of the new record; its cause is the record being worked under."""
         self._number += 1
-        record = Record(self._number, tick, kind, where, what, value, text, self.cause)
+        record = Record(self._number, tick, kind, where, what, value, text, self.cause, field)
         for sink in self._sinks[kind]:
             sink(record)
         return self._number

@@ -12,10 +12,10 @@ from collections.abc import Callable
 from functools import partial
 
 from .chip import ALL, NEVER, OUTPUTS, Chip, Note
-from .kernel import Kernel
+from .kernel import CHIP, Kernel
 from .records import Kind, Recorder
 from .time import Clock
-from .wire import Pin
+from .wire import Pin, Sampler
 
 LAST = 1 << 62  # no record has so high a number
 MOST_INPUTS = 64  # that may wait for their effect; a chip that never wakes has no use for more
@@ -26,6 +26,7 @@ class Socket:
 
     drive: called with (output index, level) for each output that changed.
     on_request: called with (cycle, mask of LINES).
+    phase: of the kernel, in which the chip is woken. inputs: the levels at the chip's INPUTS.
     """
 
     def __init__(
@@ -36,24 +37,28 @@ class Socket:
         name: str,
         chip: Chip,
         on_request: Callable[[int, int], None],
+        phase: int = CHIP,
     ) -> None:
         self.name = name
         self.chip = chip
         self.pins: list[list[Pin]] = [[] for _ in chip.OUTPUTS]  # what each output drives, set by the router
         self._set_output = [[partial(self._set_pins, i, level) for level in (0, 1)] for i in range(len(self.pins))]
-        self.wired = 0  # rises with each change of `pins`
+        self.inputs = Sampler(kernel, recorder, self.on_lines, (1 << len(chip.INPUTS)) - 1)
         self.out_delay = 0  # cycles from an output of the chip to its pin
         self.before: Callable[[int], None] | None = None  # called before each access: what the chip must be told first
         self.after: Callable[[int], None] | None = None  # the owner's look at the chip after each input
         self.on_held: Callable[[int, int], None] | None = None  # told (cycle, mask) when the lines held change
         self._held = 0
         self.watchers: list[Callable[[int], None]] = []  # told the cycle after each input that may show
+        self.on_watch: Callable[[], None] = _nothing  # called when `watchers` has changed
         self.notes: list[tuple[int, Note]] = []
+        self.on_note: Callable[[int, Note], None] | None = None  # told of each, with the cycle
         self._note_count: dict[Note, int] = {}
         self._kernel = kernel
         self._clock = clock
         self._recorder = recorder
         self._on_request = on_request
+        self._phase = phase
         self._out = chip.out
         self._wake_cycle = NEVER
         self._wake = 0  # the promise of that wake-up
@@ -65,11 +70,17 @@ class Socket:
 
     # Inputs ------------------------------------------------------------------
 
-    def pin(self, cycle: int, index: int, level: int) -> None:
-        """An input changed; the chip sees it at `cycle`."""
+    def on_lines(self, tick: int, levels: int) -> None:
+        """The settled levels of the inputs. The chip samples them in the cycle that begins at `tick` or next."""
+        cycle = self._clock.cycle_at(tick)
+        if not self.chip.filter_width:
+            begin = self._clock.tick(cycle)
+            if begin > tick:  # until then they may move again
+                self._kernel.at(begin, self.inputs.ask)
+                return
         if self.traces:
             self.given(cycle + self.chip.filter_width)
-        looks = self.chip.pin(cycle, index, level)
+        looks = self.chip.pins(cycle, levels)
         if looks:
             self.publish(cycle, looks)
 
@@ -163,7 +174,7 @@ class Socket:
         self._wake_cycle = wake = wake if wake > cycle else cycle
         if wake < NEVER:
             tick, now = self._clock.tick(wake), self._kernel.now
-            self._wake = self._kernel.at(tick if tick > now else now, self._woken)
+            self._wake = self._kernel.at(tick if tick > now else now, self._woken, self._phase)
 
     def _drive(self, cycle: int) -> None:
         changed, self._out = self._out ^ self.chip.out, self.chip.out
@@ -181,16 +192,14 @@ class Socket:
         for pin in self.pins[index]:
             pin.wire.pull(pin.mask, level)
 
-    def adopt_outputs(self) -> None:
-        """The chip's outputs, and when it wants to be woken, were seen to by the caller: nothing is to be driven."""
-        self._out = self.chip.out
-
     def watch(self, watcher: Callable[[int], None]) -> None:
         """`watcher(cycle)` after every input from now on: a CPU that spins looks at the chip there."""
         self.watchers.append(watcher)
+        self.on_watch()
 
     def unwatch(self, watcher: Callable[[int], None]) -> None:
         self.watchers.remove(watcher)
+        self.on_watch()
 
     def reclock(self) -> None:
         """The clock was retuned: a wake-up promised for a cycle moves to that cycle's new tick."""
@@ -201,7 +210,6 @@ class Socket:
 
     def connect(self, index: int, pins: list[Pin]) -> None:
         """From now on output `index` drives exactly `pins`."""
-        self.wired += 1
         for pin in self.pins[index]:
             if pin not in pins:
                 pin.drive(1)
@@ -233,7 +241,9 @@ class Socket:
                         self._recorder.emit(tick, Kind.FLAG, self.name, f"{register.name}.{f.name}", f.of(value))
 
     def _take_notes(self, cycle: int) -> None:
-        for note in self.chip.notes:
+        notes = tuple(self.chip.notes)
+        self.chip.notes.clear()
+        for note in notes:
             seen = self._note_count.get(note, 0)
             self._note_count[note] = seen + 1
             if not seen:
@@ -241,4 +251,9 @@ class Socket:
             if self._recorder.wants(Kind.NOTE):
                 tick = self._clock.tick(cycle)
                 self._recorder.emit(tick, Kind.NOTE, self.name, note.code, seen + 1, f"{note.text} [{note.source}]")
-        self.chip.notes.clear()
+            if self.on_note is not None:
+                self.on_note(cycle, note)
+
+
+def _nothing() -> None:
+    """Nobody needs to know."""

@@ -8,11 +8,16 @@ maps its n-th edge by one exact rational rounded down to a tick, so it never dri
 from __future__ import annotations
 
 from fractions import Fraction
-from math import lcm
+from math import floor, lcm
 from typing import Literal
+
+from .chip import NEVER
 
 GHZ = 1_000_000_000
 NO_TIME = -1
+LAST_TICK = NEVER - 1  # also of recordings, whose ticks are int64
+DAY = 86_400
+USUAL_PER_NS = 1000  # clocks of whole MHz need no more ticks in a nanosecond
 
 UNITS: dict[str, Fraction] = {
     "ns": Fraction(1, GHZ),
@@ -46,7 +51,7 @@ def round_ratio(value: Fraction, rounding: Rounding) -> int:
 
 def seconds(text: str) -> Fraction:
     """The length that "250 us" or "1.5 ms" says, in seconds, exactly. TimeError if it says none."""
-    number, _, unit = text.strip().partition(" ")
+    number, _, unit = text.strip().replace("\u00b5", "u").replace("\u03bc", "u").partition(" ")  # micro sign, mu
     if not unit:
         cut = len(number.rstrip("abcdefghijklmnopqrstuvwxyz"))
         number, unit = number[:cut], number[cut:]
@@ -55,7 +60,7 @@ def seconds(text: str) -> Fraction:
     if unit not in UNITS:
         raise TimeError(f"{text!r}: unit {unit!r} is none of {', '.join(UNITS)}")
     try:
-        return Fraction(number.replace("_", "")) * UNITS[unit]
+        return Fraction(number) * UNITS[unit]
     except (ValueError, ZeroDivisionError):
         raise TimeError(f"{text!r}: {number!r} is not a number") from None
 
@@ -72,6 +77,20 @@ class Timebase:
         value = seconds(length) if isinstance(length, str) else length
         return round_ratio(value * self.per_second, rounding)
 
+    def end_of_run(self, start: int, length: Fraction) -> int:
+        """The tick at which a run of `length` seconds ends. TimeError, with the longest run, if that is too far."""
+        end = start + self.ticks(length, "nearest")
+        if end > LAST_TICK:
+            most = self.seconds(LAST_TICK - start)
+            way_out = ""
+            if self.per_ns > USUAL_PER_NS:
+                way_out = "; a crystal of a round frequency, its error as ppm, has longer ticks"
+            raise TimeError(
+                f"a run of {days(length)} ends after the last tick, number 2^62; with ticks of 1/{self.per_second} s "
+                f"the longest is {days(most)}{way_out}"
+            )
+        return end
+
     def seconds(self, ticks: int) -> Fraction:
         """A count of ticks in seconds, exactly."""
         return Fraction(ticks, self.per_second)
@@ -82,6 +101,12 @@ class Timebase:
         if abs(us) < 10_000:
             return f"{float(us):.3f} us"
         return f"{float(us / 1000):.3f} ms" if abs(us) < 10_000_000 else f"{float(us / 1_000_000):.6f} s"
+
+
+def days(length: Fraction) -> str:
+    """A length in days, or in seconds where it is less than one, for messages: rounded down to a tenth."""
+    value, unit = (length / DAY, "d") if length >= DAY else (length, "s")
+    return f"{float(Fraction(floor(value * 10), 10)):g} {unit}" if value < 100_000 else f"{float(value):.3g} {unit}"
 
 
 class Clock:

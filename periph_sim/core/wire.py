@@ -1,15 +1,15 @@
 """Wires: what several parties do to one line, and who is told.
 
-    Pin.drive --> level, low if anybody pulls --> settle --> watchers
+    Pin.drive --> settle: level, low if anybody pulls --> Sampler --> watcher(tick, levels)
 
-A wire has a pull-up and any number of parties that may pull it low. Watchers hear of a
-change after every party that acts in the same event has acted, in the order in which
-they asked; nobody hears of a level that does not outlast the event.
+A wire has a pull-up and any number of parties that may pull it low. `level` is the settled one: it changes
+when all parties of an instant have acted, whatever their order, and a level that does not outlast the instant
+is never seen. Whoever looks at several wires is told once of all that moved together.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from .kernel import Kernel
 from .records import Kind, Recorder
@@ -18,102 +18,90 @@ Watcher = Callable[[int, int], None]
 
 
 class Wire:
+    """cause: the record of the last edge. recorded: somebody wants each edge, and perhaps who holds a low one."""
+
     def __init__(self, kernel: Kernel, name: str, recorder: Recorder) -> None:
         self.name = name
         self.level = 1
-        self.cause = 0  # record of the last edge
-        self._kernel = kernel
-        self._recorder = recorder
-        self.recorded = recorder.wants(Kind.EDGE, name)  # somebody hears of every edge
-        self._pulling = 0  # bit i: pin i pulls low
-        self._pins: list[str] = []
-        self._watchers: list[Watcher] = []
-        self._told = 1
+        self.cause = 0
+        self.recorder = recorder
+        self.recorded = recorder.wants(Kind.EDGE, name)
+        self.rank = kernel.rank()
+        self.kernel = kernel
+        self._records_holds = self.recorded and recorder.wants(Kind.HOLD)
+        self._pulling = 0  # bit i: party i pulls low
+        self._pulling_recorded = 0  # the same when it was recorded last
+        self._parties: list[str] = []
+        self._watches: list[tuple[Sampler, int]] = []  # who is told, and the wire's bit there
         self._queued = False
-        self._why = 0  # record under which it was pulled or let go, until that is settled
-        self._unsettled = kernel.unsettled
+        self._pulled_under = self._released_under = 0  # the last records under which that was done in this instant
 
     def attach(self, who: str) -> Pin:
         """A new party's hold on the line, released."""
-        self._pins.append(who)
-        return Pin(self, 1 << (len(self._pins) - 1))
+        self._parties.append(who)
+        return Pin(self, 1 << (len(self._parties) - 1))
 
-    def watch(self, watcher: Watcher) -> None:
-        """`watcher(tick, level)` on every change that outlasts the event that made it."""
-        self._watchers.append(watcher)
+    def watch(self, watcher: Watcher) -> Sampler:
+        """`watcher(tick, level)` on every change of the settled level."""
+        return watch([self], watcher)
 
     def parties(self) -> list[str]:
         """Who has a hold on the line, pulling or not."""
-        return list(self._pins)
+        return list(self._parties)
 
     def held_by(self) -> list[str]:
         """Who pulls the line low now: what a person asks first of a stuck bus."""
-        return [who for i, who in enumerate(self._pins) if self._pulling >> i & 1]
+        return [who for i, who in enumerate(self._parties) if self._pulling >> i & 1]
 
     def pull(self, mask: int, level: int) -> None:
         """The parties of `mask` let go (1) or pull low (0)."""
         pulling = self._pulling & ~mask if level else self._pulling | mask
-        self._pulling = pulling
-        self.level = level = 0 if pulling else 1
-        if level != self._told and not self._queued:
-            self._queued = True
-            self._unsettled.append(self)
-            if self.recorded:
-                self._why = self._recorder.cause
-
-    def skip_to(self, mask: int, level: int) -> None:
-        """The parties of `mask` have come to hold this level; whoever watches knows already and is not told."""
-        self._pulling = self._pulling & ~mask if level else self._pulling | mask
-        self.level = self._told = 0 if self._pulling else 1
-
-    def skip_pulses(self, first: int, high: int, low: int, number: int) -> None:
-        """High pulses that have passed, the line being low before and after; as `skip_to`, but recorded if wanted.
-
-        first: tick of the first rise. high, low: ticks.
-        """
-        if not self.recorded:
+        if pulling == self._pulling:
             return
-        emit, name, holders = self._recorder.emit, self.name, ", ".join(self.held_by())
-        for rise in range(first, first + number * (high + low), high + low):
-            emit(rise, Kind.EDGE, name, "level", 1)
-            self.cause = emit(rise + high, Kind.EDGE, name, "level", 0, holders)
-
-    @property
-    def watched_by(self) -> int:
-        """How many are told of every change."""
-        return len(self._watchers)
-
-    @property
-    def pulled_by(self) -> int:
-        """How many pull it low."""
-        return self._pulling.bit_count()
-
-    def held_by_others(self, mask: int) -> bool:
-        """Whether anybody but the parties of `mask` pulls it low."""
-        return bool(self._pulling & ~mask)
+        self._pulling = pulling
+        if self.recorded:
+            if level:
+                self._released_under = max(self._released_under, self.recorder.cause)
+            else:
+                self._pulled_under = max(self._pulled_under, self.recorder.cause)
+        if not self._queued:
+            self._queued = True
+            self.kernel.unsettled.append(self)
 
     def settle(self) -> None:
-        """Tell the watchers if the level is not what they were told last."""
+        """Take the level that results from all pulls, and have those told who sample it."""
         self._queued = False
-        level = self.level
-        if level == self._told:
-            return
-        self._told = level
-        now = self._kernel.now
+        level = 0 if self._pulling else 1
+        if level != self.level:
+            self.level = level
+            if self.recorded:
+                cause = self._released_under if level else self._pulled_under
+                self.cause = self._record(Kind.EDGE, "level", level, cause)
+            sampling = self.kernel.sampling
+            for sampler, bit in self._watches:
+                sampler.levels ^= bit
+                if not sampler.due:
+                    sampler.due = True
+                    sampling.append(sampler)
+        elif self._records_holds and self._pulling != self._pulling_recorded:
+            self._record(Kind.HOLD, "held", level, self._pulled_under or self._released_under)
         if self.recorded:
-            self._record(now, level)
-            return
-        for watcher in self._watchers:
-            watcher(now, level)
+            self._pulled_under = self._released_under = 0
 
-    def _record(self, now: int, level: int) -> None:
-        recorder = self._recorder
-        outer, recorder.cause = recorder.cause, self._why
-        self.cause = recorder.emit(now, Kind.EDGE, self.name, "level", level, ", ".join(self.held_by()))
-        recorder.cause = self.cause
-        for watcher in self._watchers:
-            watcher(now, level)
+    def _record(self, kind: Kind, what: str, level: int, cause: int) -> int:
+        recorder = self.recorder
+        self._pulling_recorded = self._pulling
+        outer, recorder.cause = recorder.cause, cause
+        number = recorder.emit(self.kernel.now, kind, self.name, what, level, ", ".join(self.held_by()))
         recorder.cause = outer
+        return number
+
+    def add(self, sampler: Sampler, bit: int) -> None:
+        """From now on this wire's level is this bit of the sampler's levels."""
+        self._watches.append((sampler, bit))
+
+    def remove(self, sampler: Sampler, bit: int) -> None:
+        self._watches.remove((sampler, bit))
 
 
 class Pin:
@@ -128,3 +116,93 @@ class Pin:
     def drive(self, level: int) -> None:
         """0 pulls the wire low, 1 lets go."""
         self.wire.pull(self.mask, level)
+
+
+class Sampler:
+    """The lines that one party looks at: bit i of `levels` is line i. It is told once an instant in which any moved.
+
+    A line is a wire (`listen`) or what the owner says (`put`). watcher: called with the tick and `levels`, under the
+    record of the first of the lines that moved.
+    """
+
+    __slots__ = (
+        "_kernel",
+        "_put_under",
+        "_recorder",
+        "_seen",
+        "_watcher",
+        "_wires",
+        "due",
+        "levels",
+        "rank",
+        "told",
+    )
+
+    def __init__(self, kernel: Kernel, recorder: Recorder, watcher: Watcher, levels: int = 0) -> None:
+        self.levels = levels
+        self.due = False
+        self.rank = kernel.rank()
+        self._kernel = kernel
+        self._recorder = recorder
+        self._watcher = watcher
+        self.told = watcher  # or `_told_under`, where there may be a record to work under
+        self._wires: dict[int, Wire] = {}
+        self._put_under = 0  # the record under which a level was put last
+        self._seen = levels
+
+    def listen(self, line: int, wire: Wire) -> None:
+        """From now on this line is a wire."""
+        self._leave(line)
+        self._wires[line] = wire
+        if wire.recorded:
+            self.told = self._told_under
+        wire.add(self, 1 << line)
+        self._set(line, wire.level)
+
+    def put(self, line: int, level: int) -> None:
+        """From now on this line is at `level`."""
+        self._leave(line)
+        self._put_under = self._recorder.cause
+        if self._put_under:
+            self.told = self._told_under
+        self._set(line, level)
+
+    def ask(self) -> None:
+        """Be told in this instant, also if nothing moves."""
+        if not self.due:
+            self.due = True
+            self._kernel.sampling.append(self)
+
+    def _told_under(self, now: int, levels: int) -> None:
+        moved, self._seen = levels ^ self._seen, levels
+        recorder = self._recorder
+        outer = recorder.cause
+        if moved:
+            recorder.cause = self._cause(moved)
+        self._watcher(now, levels)
+        recorder.cause = outer
+
+    def _cause(self, moved: int) -> int:
+        wire = self._wires.get((moved & -moved).bit_length() - 1)
+        return self._put_under if wire is None else wire.cause
+
+    def _set(self, line: int, level: int) -> None:
+        if self.levels >> line & 1 != level:
+            self.levels ^= 1 << line
+            self.ask()
+
+    def _leave(self, line: int) -> None:
+        wire = self._wires.pop(line, None)
+        if wire is not None:
+            wire.remove(self, 1 << line)
+
+
+def watch(wires: Sequence[Wire], watcher: Watcher) -> Sampler:
+    """`watcher(tick, levels)` whenever any of these wires has changed; bit i is wire i. ValueError without wires."""
+    if not wires:
+        raise ValueError("there is no wire to watch")
+    levels = sum(wire.level << i for i, wire in enumerate(wires))
+    sampler = Sampler(wires[0].kernel, wires[0].recorder, watcher, levels)
+    for line, wire in enumerate(wires):
+        sampler.listen(line, wire)
+    return sampler

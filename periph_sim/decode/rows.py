@@ -6,6 +6,7 @@ I2cTable, UartTable --> Rows (numbers) --> in order of time
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import compress
 from typing import NamedTuple
 
 import numpy as np
@@ -17,12 +18,15 @@ from .i2c_table import I2cTable
 from .uart_table import UartTable
 
 # The words of a row, by number; those of I2C as in i2c_table.Kind.
-EVENTS = ("start", "repeated start", "address", "address low", "data", "ack", "nack", "stop", "cut", "frame", "break")
-DETAILS = ("", "write", "read", "parity error", "frame error", "parity error, frame error")
-START, CUT, FRAME, BREAK = (EVENTS.index(word) for word in ("start", "cut", "frame", "break"))
+OF_I2C = ("start", "repeated start", "address", "address low", "data", "ack", "nack", "stop", "cut")
+EVENTS = (*OF_I2C, "frame", "break", "rejected start")
+FAULTS = [", ".join(compress(("parity error", "frame error", "glitch"), (n & 1, n & 2, n & 4))) for n in range(1, 8)]
+DETAILS = ("", "write", "read", *FAULTS)
+START, CUT = EVENTS.index("start"), EVENTS.index("cut")
+FRAME, BREAK, REJECTED = range(len(OF_I2C), len(EVENTS))
 
-OF_UART = np.array([FRAME, BREAK, CUT], np.uint8)  # by uart_table.Kind
-ERRORS = np.array([0, 3, 4, 5], np.uint8)  # by parity error + 2 * frame error
+OF_UART = np.array([FRAME, BREAK, CUT, REJECTED], np.uint8)  # by uart_table.Kind
+OF_FAULTS = np.array([0, *range(3, 10)], np.uint8)  # by parity error + 2 * frame error + 4 * glitch
 
 
 class Rows(NamedTuple):
@@ -54,6 +58,12 @@ def joined(parts: Sequence[Rows]) -> Rows:
     return Rows._make(np.concatenate(columns) for columns in zip(*parts, strict=True))
 
 
+def no_rows() -> Rows:
+    """The rows of a line on which nothing happened."""
+    kinds = (np.int64, np.int64, np.uint8, np.uint8, np.int32, np.uint8, np.uint8)
+    return Rows._make(np.empty(0, kind) for kind in kinds)
+
+
 def i2c_rows(table: I2cTable, bus: int = 0) -> Rows:
     """The rows of an I2C table: bytes, whole or cut, say who was asked to send."""
     is_byte = (table.bits >= 8) | (table.kind == i2c_table.Kind.CUT)
@@ -63,7 +73,7 @@ def i2c_rows(table: I2cTable, bus: int = 0) -> Rows:
 
 def uart_rows(table: UartTable, bus: int = 0) -> Rows:
     """The rows of a UART table."""
-    detail = ERRORS[table.parity_error + 2 * table.frame_error]
+    detail = OF_FAULTS[table.parity_error + 2 * table.frame_error + 4 * table.glitched]
     return Rows(table.at, table.end, _all(bus, table), OF_UART[table.kind], table.value, table.bits, detail)
 
 

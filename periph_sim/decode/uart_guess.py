@@ -18,8 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..formats.capture import Capture, Channel, Span
+from ..formats.sampling import sample_step
 from .glitch import without_glitches
-from .uart_line import Line, line_of
+from .uart_line import Line, line_of, look_step
 from .uart_table import Kind, breaks_of, frames_of
 
 Pulses = NDArray[np.int64]
@@ -80,12 +81,12 @@ def guess(
     wire = capture.channel(channel)
     if capture.rate is None:
         raise ValueError(f"{capture.path}: a guess of the baud rate needs a time base; state the rate")
-    spans = capture.known(wire)
+    spans, step = capture.known(wire), sample_step(capture)
     parts = [without_glitches(wire.cut(span), glitch) for span in spans]
     found = [
         tried
         for turned in ((False, True) if invert is None else (invert,))
-        if (tried := _best(capture.rate, parts, shape, turned))
+        if (tried := _best(capture.rate, step, parts, shape, turned))
     ]
     if not found:
         raise ValueError(
@@ -104,17 +105,17 @@ class _Tried:
     errors: float
 
 
-def _best(rate: Fraction, parts: list[Channel], shape: str | None, invert: bool) -> Guess | None:
-    """The best reading at one polarity; None if there is nothing to go by."""
+def _best(rate: Fraction, step: int, parts: list[Channel], shape: str | None, invert: bool) -> Guess | None:
+    """The best reading at one polarity; None if there is nothing to go by. step: positions of a sample."""
     pulses = np.concatenate([np.empty(0, np.int64), *(_low_pulses(part, invert) for part in parts)])
-    found = _bit_time(pulses, rate)
+    found = _bit_time(pulses, step)
     if found is None:
         return None
     width, off = found
     measured = float(rate) / width
     usual = min(USUAL, key=lambda usual: abs(usual - measured) / usual)
     baud = usual if abs(usual - measured) <= NEAR * usual else round(measured)
-    tried = [_try(rate, parts, line_of(str(baud), wanted, invert)) for wanted in ((shape,) if shape else SHAPES)]
+    tried = [_try(rate, step, parts, line_of(str(baud), wanted, invert)) for wanted in ((shape,) if shape else SHAPES)]
     least = min(one.errors for one in tried)
     clean = [one for one in tried if one.errors <= least + CLEAN]
     spoken_for = [one for one in clean if one.line.shape in (shape, PLAIN) or one.values >= ENOUGH]
@@ -139,7 +140,7 @@ def _low_pulses(part: Channel, invert: bool) -> Pulses:
     return rises - falls[: len(rises)]
 
 
-def _bit_time(pulses: Pulses, rate: Fraction) -> tuple[float, float] | None:
+def _bit_time(pulses: Pulses, step: int) -> tuple[float, float] | None:
     """Positions of one bit, and how far the pulses are from whole bits on average, in bits.
 
     The shortest pulse that is no rarity is one bit, or a few where the bytes never have a single bit alone.
@@ -153,7 +154,7 @@ def _bit_time(pulses: Pulses, rate: Fraction) -> tuple[float, float] | None:
     fits = [_fit(pulses, shortest / bits) for bits in (1, 2, 3, 4) if shortest / bits >= 2]
     fits = fits or [_fit(pulses, shortest)]
     for width, off in fits:
-        if off <= 0.07 + 0.4 / width:  # an edge falls between two samples
+        if off <= 0.07 + 0.4 * look_step(step, width) / width:  # an edge falls between two samples
             return width, off
     return min(fits, key=lambda fit: fit[1])
 
@@ -181,9 +182,10 @@ def _fit(pulses: Pulses, width: float) -> tuple[float, float]:
     return width, float(np.mean(np.abs(bits - np.maximum(np.rint(bits), 1))))
 
 
-def _try(rate: Fraction, parts: list[Channel], line: Line) -> _Tried:
+def _try(rate: Fraction, step: int, parts: list[Channel], line: Line) -> _Tried:
     """How a line reads: without what the end cuts off."""
     width = rate / Fraction(line.baud)
+    sample = look_step(step, width)
     frames = wrong = 0
     values: set[int] = set()
     for part in parts:
@@ -192,7 +194,7 @@ def _try(rate: Fraction, parts: list[Channel], line: Line) -> _Tried:
             continue
         some = replace(part, edges=edges, levels=part.levels[: len(edges)])
         end = int(edges[-1]) + ceil(line.frame * width)
-        table = frames_of(some, line, width, end)
+        table = frames_of(some, line, width, end, sample)
         table = table.take(table.kind == Kind.FRAME)
         breaks = breaks_of(some, line, width).at
         table = table.take(~np.isin(table.at, breaks, assume_unique=True))

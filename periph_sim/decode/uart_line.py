@@ -8,8 +8,11 @@ from fractions import Fraction
 from math import ceil
 
 from ..core.nearest import near
+from ..core.shorten import shorten
 from ..formats.capture import Capture
+from ..formats.resample import rate_text
 
+HALF, QUARTER, LATEST = Fraction(1, 2), Fraction(1, 4), Fraction(7, 8)
 PARITIES = ("none", "odd", "even", "mark", "space")
 
 
@@ -52,9 +55,11 @@ def line_of(baud: str, shape: str = "8n1", invert: bool = False) -> Line:
     match = re.fullmatch(r"(\d\d?)([a-z])(1|1\.5|2)", shape.strip().casefold())
     parity = [name for name in PARITIES if match and name[0] == match[2]]
     if not match or not parity:
-        raise ValueError(f"{shape!r} is no frame; expected data bits, one of n, o, e, m, s, and stop bits: 8n1, 7e1.5")
-    if not re.fullmatch(r"\d+(\.\d+)?", baud.strip()):
-        raise ValueError(f"{baud!r} is no baud rate; expected a number, or auto")
+        raise ValueError(
+            f"{shorten(repr(shape))} is no frame; expected data bits, one of n, o, e, m, s, and stop bits: 8n1, 7e1.5"
+        )
+    if not re.fullmatch(r"\d{1,18}(\.\d{1,18})?", baud.strip()):
+        raise ValueError(f"{shorten(repr(baud))} is no baud rate; expected a number, or auto")
     rate = Fraction(baud.strip())
     return Line(rate.numerator if rate.denominator == 1 else rate, int(match[1]), parity[0], Fraction(match[3]), invert)
 
@@ -66,12 +71,48 @@ def width_of(capture: Capture, baud: Fraction | int) -> Fraction:
     width = capture.rate / Fraction(baud)
     if width < 2:
         raise ValueError(
-            f"{capture.path}: {float(width):.2f} samples a bit at {baud} baud; expected at least 2, "
-            f"so the rate of {capture.rate} Hz or the baud rate is wrong"
+            f"{capture.path}: {float(width):.2f} samples a bit at {float(baud):.7g} baud; expected at least 2, "
+            f"so the rate of {rate_text(capture.rate)} or the baud rate is wrong"
         )
     return width
 
 
-def look(bit: int, width: Fraction) -> int:
-    """Samples from the first low one to the look at a bit, the start bit being bit 0."""
-    return ceil((bit + Fraction(1, 2)) * width - Fraction(1, 2))
+def looks_of(line: Line, width: Fraction, step: int = 1, vote: bool = False) -> list[tuple[int, ...]]:
+    """Positions from the first low one to the looks at each bit, from the start bit to the first stop bit.
+
+    One look in the middle; vote: three, an eighth of a bit apart. width: positions of a bit. step: of a sample.
+    """
+    places = (Fraction(3, 8), HALF, Fraction(5, 8)) if vote else (HALF,)
+    return [tuple(_sample((bit + place) * width, step) for place in places) for bit in range(_checked_bits(line))]
+
+
+def windows_of(line: Line, width: Fraction) -> list[tuple[int, int]]:
+    """(first, last) position, from the first low one, at which a receiver may look at each bit, as for `looks_of`.
+
+    From a quarter to seven eighths of a bit: receivers of 8 or 16 samples a bit vote around the middle, and take their
+    bits from an edge that they see up to one of these samples late. The start bit they watch from its begin on.
+    """
+    bits = range(_checked_bits(line))
+    return [(int((bit + QUARTER) * width) + 1 if bit else 0, int((bit + LATEST) * width)) for bit in bits]
+
+
+def longest_glitch(width: Fraction) -> int:
+    """Positions of the longest pulse that was no bit: it is shorter than half of one."""
+    return ceil(width / 2) - 1
+
+
+def _checked_bits(line: Line) -> int:
+    return 2 + line.bits + (line.parity != "none")
+
+
+def _sample(after: Fraction, step: int) -> int:
+    """The first sample not before a time, counted from half a sample before the first low one."""
+    return step * ceil(after / step - HALF)
+
+
+def look_step(step: int, width: Fraction | float) -> int:
+    """The step of the looks at bits: that of the samples, or 1 where a bit would have under two samples.
+
+    There the signal's own raster, which all its edges lie on, was taken for the samples of an analyser.
+    """
+    return step if width >= 2 * step else 1

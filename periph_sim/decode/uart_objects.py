@@ -8,13 +8,16 @@ from .uart_table import Kind, UartTable
 
 def events_of_table(table: UartTable) -> list[uart.Event]:
     """The same events, in the same order, as `uart.events` finds in the capture that the table is of."""
-    columns = (table.kind, table.at, table.end, table.value, table.bits, table.parity_error, table.frame_error)
-    return [_event(Kind(kind), *rest) for kind, *rest in zip(*(c.tolist() for c in columns), strict=True)]
+    return [_event(Kind(kind), *rest) for kind, *rest in zip(*(column.tolist() for column in table), strict=True)]
 
 
-def _event(kind: Kind, at: int, end: int, value: int, bits: int, parity: bool, frame: bool) -> uart.Event:
+def _event(
+    kind: Kind, at: int, end: int, value: int, bits: int, parity: bool, frame: bool, glitched: bool, unsure: int
+) -> uart.Event:
     if kind is Kind.FRAME:
-        return uart.Frame(at, end, value, parity, frame)
+        return uart.Frame(at, end, value, parity, frame, glitched, unsure)
     if kind is Kind.BREAK:
         return uart.Break(at, end)
+    if kind is Kind.REJECTED:
+        return uart.RejectedStart(at, end)
     return uart.CutFrame(at, tuple(value >> place & 1 for place in range(bits)))

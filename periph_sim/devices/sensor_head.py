@@ -112,13 +112,13 @@ CHIPS: dict[str, ChipData] = {
 
 @dataclass(frozen=True)
 class Schedule:
-    """All in ticks. jitter: each round begins up to this much late, evenly spread.
+    """All in ticks, the period exact. jitter: each round begins up to this much late, evenly spread.
 
     ahead: how long before `first` the chips are set up, if they are.
     """
 
     first: int
-    period: int
+    period: Fraction | int
     gap: int  # between two transfers of a round, on top of the bus-free time
     jitter: int = 0
     rounds: int | None = None  # None: as long as the run lasts
@@ -138,7 +138,10 @@ class Round:
 
 
 class SensorHead:
-    """on_transfer, on_round: told of each when it is over. on_missed: told when a round was due and could not begin."""
+    """on_transfer, on_round: told of each when it is over. on_due: told when each round is due, before it begins.
+
+    on_missed: told of a round that was due and could not begin. Both are given the time at which it was due.
+    """
 
     def __init__(
         self,
@@ -157,18 +160,19 @@ class SensorHead:
         self.rounds = 0  # completed
         self.on_transfer: list[Callable[[Transfer], None]] = []
         self.on_round: list[Callable[[Round], None]] = []
+        self.on_due: list[Callable[[int], None]] = []
         self.on_missed: list[Callable[[int], None]] = []
         self._kernel = kernel
         self._requests = requests
-        self._schedule = schedule
+        self.schedule = schedule
         self._by_stop = by_stop
         self._random = Random(seed)
-        self._due = kernel.now + schedule.first
+        self._first = kernel.now + schedule.first
         self._number = 0
         self._round: Round | None = None
         self._left: list[Transfer] = []
         if startup:
-            kernel.at(self._due - schedule.ahead, partial(self._set_up, startup))
+            kernel.at(self._first - schedule.ahead, partial(self._set_up, startup))
         self._plan()
 
     @property
@@ -177,10 +181,11 @@ class SensorHead:
         return self._round is None
 
     def _plan(self) -> None:
-        schedule = self._schedule
+        schedule = self.schedule
         if schedule.rounds is None or self._number < schedule.rounds:
             late = self._random.randrange(schedule.jitter + 1) if schedule.jitter else 0
-            self._kernel.at(self._due + late, self._begin)
+            due = self._first + self._number * schedule.period // 1
+            self._kernel.at(due + late, partial(self._begin, due))
 
     def _set_up(self, startup: Sequence[Request]) -> None:
         """It goes as a round that is not counted; a round due meanwhile is missed."""
@@ -188,10 +193,11 @@ class SensorHead:
         self._left = [t for request in startup for t in request.transfers(self._by_stop)]
         self._next()
 
-    def _begin(self) -> None:
-        due, self._due = self._due, self._due + self._schedule.period
+    def _begin(self, due: int) -> None:
         self._number += 1
         self._plan()
+        for told in self.on_due:
+            told(due)
         if self._round is not None:
             self.missed += 1
             for missed in self.on_missed:
@@ -212,7 +218,7 @@ class SensorHead:
         for told in self.on_transfer:
             told(transfer)
         if self._left:
-            self._kernel.at(self._kernel.now + self._schedule.gap, self._next)
+            self._kernel.at(self._kernel.now + self.schedule.gap, self._next)
             return
         current.end = self._kernel.now
         self._round = None

@@ -38,9 +38,10 @@ def i2c_groups(capture: Capture, scl: str | int, sda: str | int) -> list[Group]:
 
 
 def uart_groups(capture: Capture, channel: str | int, line: uart.Line) -> list[Group]:
-    """The frames and breaks of a line, each on its own. Errors as of `decode.uart.events`."""
+    """The frames and breaks of a line, each on its own; rejected starts are none. Errors as of `decode.uart.events`."""
     digits = (line.bits + 3) // 4
-    return [[_uart_event(event, digits)] for event in uart.events(capture, channel, line)]
+    events = uart.events(capture, channel, line)
+    return [[_uart_event(event, digits)] for event in events if not isinstance(event, uart.RejectedStart)]
 
 
 def _i2c_event(event: i2c.Event) -> Event:
@@ -63,7 +64,7 @@ def _i2c_event(event: i2c.Event) -> Event:
             return Event("cut byte", f"cut byte {''.join(map(str, bits))}", at)
 
 
-def _uart_event(event: uart.Event, digits: int) -> Event:
+def _uart_event(event: uart.Frame | uart.Break | uart.CutFrame, digits: int) -> Event:
     match event:
         case uart.Frame(at, _, value, parity_error, frame_error):
             return Event("frame", f"{value:0{digits}X}{' PE' * parity_error}{' FE' * frame_error}", at)

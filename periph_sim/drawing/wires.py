@@ -76,7 +76,7 @@ def _bytes(transfer: i2c.Transfer, bit: int, end: int) -> Iterator[Stretch]:
         for place, byte in enumerate(phase.bytes):
             if byte.value is None:
                 continue
-            text = f"{byte.value:02X}" if place else f"{byte.value >> 1:02X} {'read' if byte.value & 1 else 'write'}"
+            text = f"0x{byte.value:02X}" if place else f"0x{byte.value >> 1:02X} {'R' if byte.value & 1 else 'W'}"
             yield byte.bits[0].at, byte.bits[7].at + bit / 2, text
             if byte.acked is not None:
                 yield byte.bits[8].at, byte.bits[8].at + bit / 2, "A" if byte.acked else "N"
@@ -91,8 +91,8 @@ def _phases(transfer: i2c.Transfer, bit: int, end: int) -> Iterator[Stretch]:
     for phase, stop in zip(transfer.phases, stops, strict=True):
         if phase.address is not None:
             acked = phase.bytes[0].acked is not False
-            text = f"{phase.address:02X} {'read' if phase.read else 'write'} {len(phase.data)}"
-            yield phase.start.at, stop, text if acked else f"{phase.address:02X}N"
+            text = f"0x{phase.address:02X} {'R' if phase.read else 'W'} {len(phase.data)}"
+            yield phase.start.at, stop, text if acked else f"0x{phase.address:02X} N"
 
 
 def _around(capture: Capture, span: Span) -> Capture:

@@ -14,7 +14,7 @@ COLUMNS = ("", "real IMU", "emulator", "ours", "expected", "ours off", "emulator
 
 
 def text(imu: Imu, rows: Sequence[AxisRow], told: Sequence[Reading], samples: int, seed: int) -> str:
-    """The table of this set, deviations in standard errors (se), and what explains the published means."""
+    """The table of this set, deviations in standard errors (se), and what explains the published means, if `told`."""
     lines = [
         f"At rest, {samples} samples, seed {seed}; published (Table 5.1) {published.SAMPLES} at {published.RATE} Hz.",
         "off: less what the model expects, in standard errors (se), of figures with four decimals where printed.",
@@ -25,7 +25,9 @@ def text(imu: Imu, rows: Sequence[AxisRow], told: Sequence[Reading], samples: in
         ("variance", "variance", ".2e"),
     ):
         lines += ["", *_block(title, name, form, rows)]
-    lines += ["", *_explained(told), *_without_rounding(imu, rows)]
+    lines += ["", *_gyroscope_variances(imu, rows)]
+    if told:
+        lines += ["", *_explained(told)]
     return "\n".join(lines)
 
 
@@ -57,26 +59,25 @@ def _explained(told: Sequence[Reading]) -> Iterator[str]:
             for sensor in SENSORS
         )
         yield _wide((reading.says, *cells))
-    yield ""
-    for sensor in SENSORS:
-        best = min(told, key=lambda reading: reading.rms(sensor))
-        yield f"{sensor}: nearest with what ends on {best.says!r}, {best.rms(sensor):.1f} se"
 
 
-def _without_rounding(imu: Imu, rows: Sequence[AxisRow]) -> Iterator[str]:
-    """The gyroscope's LSB is of the size of its noise, so variances show whether values were rounded."""
-    three = [row.variance for row in rows if row.sensor == "gyroscope"]
+def _gyroscope_variances(imu: Imu, rows: Sequence[AxisRow]) -> Iterator[str]:
+    """Its LSB is of the size of its noise, so rounding shows in its variances; published ones by their three sigma."""
+    three = [row for row in rows if row.sensor == "gyroscope"]
+    published_ones = [(row.three_sigma.emulator / 3) ** 2 for row in three]
+    expected = [row.variance.expected for row in three]
     unrounded = variances_before_rounding(imu.gyroscope, imu.period) / imu.gyroscope.scale**2
-    yield (
-        f"gyroscope variances: published {_three(f.emulator for f in three)}, "
-        f"expected {_three(f.expected for f in three)},"
-    )
-    yield f"without rounding to whole LSB {_three(unrounded)}"
+    yield f"gyroscope variances: published {_three(published_ones)} (by 3 sigma)"
+    yield f"  expected with whole LSB    {_three(expected)}: {_more(expected, published_ones)}"
+    yield f"  expected before rounding   {_three(unrounded)}: {_more(unrounded, published_ones)}"
+
+
+def _more(values: Iterable[float], than: Iterable[float]) -> str:
+    return ", ".join(f"{100 * (value / other - 1):+.0f} %" for value, other in zip(values, than, strict=True))
 
 
 def _three(values: Iterable[float]) -> str:
-    x, y, z = (f"{value:.4f}" for value in values)
-    return f"{x}, {y} and {z}"
+    return ", ".join(f"{value:.5f}" for value in values)
 
 
 def _unit(sensor: str, figure: str) -> str:

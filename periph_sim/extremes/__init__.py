@@ -3,11 +3,13 @@
 working range --search--> how far each is off float64
 motions, fields --sweep--> from which input on it leaves the reference, and how
 events ------------------> lost frames, weeks, divisions by 0, refused parameters
+beside the models -------> length of a run, clocks of some ppm, lines at the last tick, sums of noise, inputs
 costs -------------------> cycles of a sample
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from ..core.nearest import near
@@ -17,7 +19,7 @@ from ..numeric import named
 from ..numeric.costs import Tables
 from ..numeric.costs.fpu import RTS
 from ..numeric.estimate import Estimate, estimate
-from . import events
+from . import beside_models, events
 from .fields import FIELDS
 from .finding import Finding
 from .frames import REFERENCE
@@ -32,6 +34,13 @@ EVENTS = {
     "time in seconds, 30 days": events.weeks,
     "smallest LSB": events.smallest_steps,
     "parameters": events.refused,
+}
+BESIDE: dict[str, Callable[[], Iterator[Finding]]] = {
+    "length of a run": beside_models.longest_run,
+    "clocks": beside_models.clocks,
+    "last tick": beside_models.lines_at_the_last_tick,
+    "10^9 samples of noise": beside_models.noise_sums,
+    "inputs": beside_models.inputs,
 }
 USUAL = ("float64", "float32", "q16", "q16 saturating", "q12")
 
@@ -61,7 +70,7 @@ class NoSuchExtreme(ValueError):
 
 def known() -> tuple[str, ...]:
     """Names of all extremes."""
-    return (*(sweep.name for sweep in SWEEPS), *EVENTS)
+    return (*(sweep.name for sweep in SWEEPS), *EVENTS, *BESIDE)
 
 
 def report(
@@ -90,4 +99,7 @@ def report(
     for event, findings in EVENTS.items():
         if event in wanted:
             found += findings(names, errors)
+    for name, beside in BESIDE.items():
+        if name in wanted:
+            found += beside()
     return Report(imu, names, seed, errors, costs, estimate(counts, RTS, tables), tuple(found))

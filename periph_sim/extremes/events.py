@@ -17,7 +17,7 @@ from ..devices.models.quantity import BadParameter
 from ..numeric import named
 from ..numeric.arithmetic import Arithmetic
 from ..numeric.iqmath import Ints
-from .finding import Finding, Happens
+from .finding import EVERY, Finding, Happens
 from .frames import REFERENCE, codes_of
 from .working_range import Worst
 
@@ -127,9 +127,9 @@ def refused(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding
         try:
             make()
         except BadParameter as error:
-            yield Finding(f"parameter: {what}", "every", "refused", None, "", note=str(error))
+            yield Finding(f"parameter: {what}", EVERY, "refused", None, "", note=str(error))
         else:
-            yield Finding(f"parameter: {what}", "every", "agrees", None, "")
+            yield Finding(f"parameter: {what}", EVERY, "agrees", None, "")
 
 
 def smallest_steps(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding]:

@@ -5,15 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-# agrees: within what the arithmetic is off in the working range. full scale: the converter's last code, as meant.
-Happens = Literal["agrees", "off", "full scale", "saturates", "wraps", "NaN", "refused"]
+# agrees: within what the arithmetic is off in the working range. exact: off by nothing.
+# full scale: the converter's last code, as meant.
+Happens = Literal["agrees", "exact", "off", "full scale", "saturates", "wraps", "NaN", "refused"]
+
+
+EVERY = "every"  # instead of an arithmetic where none is concerned
 
 
 @dataclass(frozen=True)
 class Finding:
     """begins: the first input at which it happens, in `unit`; None where it does not. worst: LSB off the reference.
 
-    overflows: the first input at which a number left a Q format on the way, whether it showed or not.
+    arithmetic: its name, or EVERY. overflows: the first input at which a number left a Q format on the
+    way, whether it showed or not.
     """
 
     extreme: str

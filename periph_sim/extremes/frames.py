@@ -97,10 +97,3 @@ def counted(radians: Any) -> Ints:
 def standing(attitude: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Ints:
     """int64[12]: the same attitude three times, no acceleration."""
     return np.concatenate([counted(attitude)] * 3 + [np.zeros(3, dtype=np.int64)])
-
-
-def moving(step: tuple[float, float, float], attitude: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Ints:
-    """int64[12]: twice the same step, in rad, the second to this attitude."""
-    now, by = np.asarray(attitude), np.asarray(step)
-    rows = [counted(now - 2 * by), counted(now - by), counted(now), np.zeros(3, dtype=np.int64)]
-    return np.concatenate(rows)

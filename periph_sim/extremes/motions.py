@@ -82,6 +82,13 @@ def rolling(value: float, late: float = 0.0) -> Sample:
     return Sample(AS_BUILT, sent(lambda ago: (-ago * step * (1 + late), 0.0, 0.0)), AS_BUILT, meant(steady))
 
 
+def spinning(value: float) -> Sample:
+    """A roll rate that no frame can tell, for who gives the models angles: counts with room for any."""
+    step = radians(value) * AS_BUILT.period
+    counts = meant(lambda ago: (-ago * step, 0.0, 0.0))
+    return Sample(AS_BUILT, counts)
+
+
 def accelerated(value: float) -> Sample:
     return Sample(AS_BUILT, sent(lambda ago: (0.0, 0.0, 0.0), value))
 
@@ -134,6 +141,14 @@ MOTIONS = (
     ),
     Sweep("yaw step in one sample", "after standing still, as built", "deg", 0, 359, yaw_step),
     Sweep("roll rate", "full scale is 2000, the converter's last code 2279", "deg/s", 0, 8000, rolling),
+    Sweep(
+        "roll rate beyond frames",
+        "angles of any size; cross-axis sensitivity takes y and z to full scale at 114 000",
+        "deg/s",
+        0,
+        1e6,
+        spinning,
+    ),
     Sweep("acceleration", "on all axes, up to what a frame can say", "g", 0, 32.767, accelerated),
     Sweep(
         "Ts jitter",

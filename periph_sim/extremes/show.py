@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..devices.models.quantity import described
 from ..numeric.estimate import MEASURED, SYSCLK
 from . import SWEEPS, Report
-from .finding import Finding
+from .finding import EVERY, Finding
 from .frames import REFERENCE, SENSORS
 
 Rows = list[list[str]]
@@ -25,10 +25,8 @@ def text(report: Report) -> str:
             *aligned(_cost_rows(report)),
             *_without_fastrts(report),
             "",
-            "extremes: what happens, and from which input on",
-            "",
-            *aligned(_extreme_rows(report)),
-            "",
+            *_titled("extremes: what happens, and from which input on", _extreme_rows(report)),
+            *_titled("time, clocks, lines and inputs, whatever the arithmetic", _common_rows(report)),
             *_remarks(report),
         ]
     )
@@ -75,10 +73,24 @@ def _extreme_rows(report: Report) -> Rows:
     for finding in report.findings:
         by_extreme.setdefault(finding.extreme, {})[finding.arithmetic] = finding
     for extreme, found in by_extreme.items():
-        if "every" not in found:
+        if EVERY not in found:
             unit = next(iter(found.values())).unit
             rows.append([extreme, unit, *(_cell(found[name]) for name in report.names)])
     return rows
+
+
+def _common_rows(report: Report) -> Rows:
+    rows = [["extreme", "what happens", "from"]]
+    for one in report.findings:
+        if one.arithmetic == EVERY:
+            begins = "" if one.begins is None else f"{one.begins:.6g} {one.unit}"
+            rows.append([one.extreme, one.happens, begins])
+    return rows
+
+
+def _titled(title: str, rows: Rows) -> list[str]:
+    """A table under its title, and an empty line; nothing where the table would have a head only."""
+    return [title, "", *aligned(rows), ""] if len(rows) > 1 else []
 
 
 def _cell(finding: Finding) -> str:
@@ -89,7 +101,8 @@ def _remarks(report: Report) -> list[str]:
     lines = [f"{sweep.name}: {sweep.what}" for sweep in SWEEPS if report.of(sweep.name)]
     for finding in report.findings:
         if finding.note:
-            lines.append(f"{finding.extreme}, {finding.arithmetic}: {finding.note}")
+            of = "" if finding.arithmetic == EVERY else f", {finding.arithmetic}"
+            lines.append(f"{finding.extreme}{of}: {finding.note}")
     if REFERENCE in report.names:
         lines.append(f"{REFERENCE} is the reference: full scale is where its converter shows its last code")
     return lines

@@ -20,8 +20,9 @@ from .finding import Finding, Happens
 from .frames import REFERENCE, SENSORS, Codes, codes_of
 from .working_range import Worst
 
-GRID = 13  # points between an ordinary and an extreme value, and again between two of them
-ZOOMS = 5
+FIRST_GRID = 121  # points between an ordinary and an extreme value: what wraps may look right again a little further on
+GRID = 13  # points between two of them, and again between two of those
+ZOOMS = 4
 
 Bools = NDArray[np.bool_]
 Floats = NDArray[np.float64]
@@ -55,12 +56,12 @@ class Sweep:
     def find(self, arithmetic: str, worst: Worst | None) -> Finding:
         """What happens first. worst: how far this arithmetic may be off; None for the reference itself."""
         allowed = (np.ones(9) if worst is None else worst.allowed()) + self.slack
-        largest = float(_grid(self, arithmetic, self.ordinary, self.extreme).off.max())
+        largest = float(_grid(self, arithmetic, self.ordinary, self.extreme, FIRST_GRID).off.max())
         overflows = self._first(arithmetic, lambda grid: grid.codes.overflown)
         begins = self._first(arithmetic, lambda grid: grid.astray(allowed))
         happens: Happens = "agrees"
         if begins is not None:
-            there = _grid(self, arithmetic, begins, begins)
+            there = _grid(self, arithmetic, begins, begins, 1)
             happens = there.how(arithmetic)
             largest = max(largest, float(there.off.max()))
         elif worst is None:
@@ -71,8 +72,8 @@ class Sweep:
     def _first(self, arithmetic: str, holds: Callable[[Grid], Bools]) -> float | None:
         """The first value of a grid where something holds, then of a grid up to there, and so on."""
         low, high, found = self.ordinary, self.extreme, None
-        for _ in range(ZOOMS):
-            grid = _grid(self, arithmetic, low, high)
+        for points in (FIRST_GRID, *[GRID] * ZOOMS):
+            grid = _grid(self, arithmetic, low, high, points)
             held = np.flatnonzero(holds(grid))
             if not len(held):
                 return found
@@ -107,21 +108,21 @@ class Grid:
 
 
 @lru_cache(maxsize=256)
-def _grid(sweep: Sweep, arithmetic: str, low: float, high: float) -> Grid:
-    """A sweep from low to high; of one value where they are the same."""
-    values = np.linspace(low, high, GRID if high != low else 1)
+def _grid(sweep: Sweep, arithmetic: str, low: float, high: float, points: int) -> Grid:
+    """A sweep from low to high."""
+    values = np.linspace(low, high, points)
     samples = [sweep.at(float(value)) for value in values]
     codes = _together(arithmetic, samples)
     limits = [[getattr(one.imu, name).limits for name in SENSORS] for one in samples]
     lowest, highest = np.repeat(np.array(limits), 3, axis=1).transpose(2, 1, 0)
     full = np.logical_or(codes.codes <= lowest, codes.codes >= highest).any(axis=0)
-    return Grid(values, codes, np.abs(codes.codes - _true(sweep, low, high)), full)
+    return Grid(values, codes, np.abs(codes.codes - _true(sweep, low, high, points)), full)
 
 
 @lru_cache(maxsize=256)
-def _true(sweep: Sweep, low: float, high: float) -> Floats:
+def _true(sweep: Sweep, low: float, high: float, points: int) -> Floats:
     """The reference's codes over the same values."""
-    samples = [sweep.at(float(value)) for value in np.linspace(low, high, GRID if high != low else 1)]
+    samples = [sweep.at(float(value)) for value in np.linspace(low, high, points)]
     true = [
         Sample(one.true_imu or one.imu, one.counts if one.true_counts is None else one.true_counts) for one in samples
     ]

@@ -149,7 +149,7 @@ class SystemControl:
 
     # Inputs -----------------------------------------------------------------
 
-    def pin(self, now: int, index: int, level: int) -> int:
+    def pins(self, now: int, levels: int) -> int:
         raise ValueError("system control has no input pins")
 
     def wake(self, now: int) -> int:

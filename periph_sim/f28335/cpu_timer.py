@@ -68,7 +68,7 @@ class CpuTimer:
 
     # Inputs -----------------------------------------------------------------
 
-    def pin(self, now: int, index: int, level: int) -> int:
+    def pins(self, now: int, levels: int) -> int:
         raise ValueError("a CPU timer has no input pins")
 
     def wake(self, now: int) -> int:

@@ -5,8 +5,8 @@
      |                                   +--> GPxDAT read
      +-- out_delay <-- latch, DIR, MUX
 
-The owner joins wires, peripherals and this machine. A pad counts as wired once `pin` has
-told its level; every other pad follows what this chip drives on it, or its pull-up.
+The owner joins wires, peripherals and this machine. `pins` tells the levels of the pads that `wire`
+named; every other pad follows what this chip drives on it, or its pull-up.
 
 An edge between two SYSCLKOUT edges is told with the later of them as `now` and
 exact=False; one that falls on a SYSCLKOUT edge with exact=True. A synchronised pin shows
@@ -121,17 +121,30 @@ class Gpio:
 
     # Pads and peripherals ----------------------------------------------------
 
-    def pin(self, now: int, index: int, level: int, exact: bool = True) -> int:
-        """The level at the pad of GPIO`index` is `level`; `exact` if it changed on the SYSCLKOUT edge itself."""
+    def wire(self, pads: int) -> None:
+        """From now on the owner tells the levels of the pads in this mask. ValueError if there is no such pad."""
+        if pads & ~ALL:
+            raise ValueError(f"there is no GPIO{pads.bit_length() - 1}; the pins are GPIO0 to GPIO{PINS - 1}")
+        self._wired |= pads
+
+    def pins(self, now: int, levels: int, exact: bool = True) -> int:
+        """The levels at all pads that are wired; `exact` if they changed on the SYSCLKOUT edge itself."""
         if self.next_wake < now:
             self._catch_up(now - 1)
-        if not 0 <= index < PINS:
-            raise ValueError(f"there is no GPIO{index}; the pins are GPIO0 to GPIO{PINS - 1}")
-        bit = 1 << index
-        self._wired |= bit
-        if bool(self._pad & bit) != bool(level):
-            self._flip(now, bit, exact)
+        moved = (levels ^ self._pad) & self._wired
+        if moved:
+            self._flip(now, moved, exact)
         return chip.ALL
+
+    @property
+    def pads(self) -> int:
+        """Mask of the levels at the pads."""
+        return self._pad
+
+    @property
+    def watched(self) -> int:
+        """Mask of the pins that feed an XINT line the owner listens to."""
+        return self._watched
 
     def seen_at(self, now: int, index: int, exact: bool) -> int:
         """The cycle from which a pad edge told with (now, index, exact) is seen inside; NEVER if `changed` tells."""

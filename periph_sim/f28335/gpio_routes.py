@@ -61,4 +61,5 @@ def note_for(pin: int, mux: int) -> Note | None:
         text = f"GPIO{pin} is multiplexed to the reserved value {mux}; choose a value the table names"
         return Note("duty", text, "SPRUFB0D section 6.5, note")
     text = f"GPIO{pin} is given to {name}, which is not modelled: the pin stays high-impedance"
-    return Note("unknown", text, "SPRUFB0D Tables 47 to 49")
+    joint = "pins are given to functions that are not modelled, and stay high-impedance"
+    return Note("unknown", text, "SPRUFB0D Tables 47 to 49", joint, f"GPIO{pin} ({name})")

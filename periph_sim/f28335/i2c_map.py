@@ -1,6 +1,6 @@
 """I2C registers of the F28335, data only, and the masks and offsets the model's files use.
 
-Names as in TI's C header for the F2833x. Offsets are 16-bit words from 0x7900. Source:
+Names as in TI's C header for the F2833x. Offsets are 16-bit words from BASE. Source:
 TI SPRUG03B, tables 4 to 22; I2CEMDR also in the C header, but not in the data manual
 (option `emdr_present`).
 """
@@ -8,6 +8,8 @@ TI SPRUG03B, tables 4 to 22; I2CEMDR also in the C header, but not in the data m
 from __future__ import annotations
 
 from ..core.registers import Register, RegisterMap, field
+
+BASE = 0x7900
 
 I2COAR = Register(
     "I2COAR",

@@ -2,9 +2,8 @@
 
     STT --> START --> [START byte] --> address --> data --> hold, repeated START, or STOP
 
-The generator works on the level that SCL really has: a low that others lengthen delays
-the high phase, a low that others begin starts ours at once. Data are looked at behind the
-noise filter (`rise`). Source: SPRUG03B sections 2.3 to 2.8, 5.7, Tables 5, 6.
+SCL itself is `I2cClock`. Data are looked at behind the noise filter (`rise`).
+Source: SPRUG03B sections 2.3 to 2.8, 5.7, Tables 5, 6.
 
 Chosen:
 - START hold, repeated START setup and STOP setup last one high time of SCL.
@@ -19,6 +18,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ..core.chip import NEVER
+from .i2c_clock import I2cClock
+from .i2c_limits import I2cLimits
 from .i2c_map import (
     MDR_DLB,
     MDR_FDF,
@@ -43,41 +44,21 @@ from .i2c_map import (
 from .i2c_state import I2cState
 
 START_BYTE = 0x01
-SYSCLK_HZ = 150_000_000
-LEAST_KHZ, MOST_KHZ = 10, 400
-LEAST_LOW, LEAST_HIGH = 195, 90  # cycles: 1.3 us and 0.6 us
 
 
-class I2cMaster:
-    """active: this module has the bus. pulls, due: as I2cTarget's."""
+class I2cMaster(I2cClock):
+    """active: this module has the bus. sees_idle: both lines are high behind the filter."""
 
-    def __init__(self, state: I2cState) -> None:
-        self.state = state
-        self.active = False
-        self.pulls = 0
-        self.due = NEVER
-        self.scl = self.sda = 1  # the lines as they are, before the filter
-        self.sees_idle = True  # whether both are high behind it, as of the timer that is due
-        self.frozen = False  # a debugger halt took hold
-        self.halting = False  # a debugger halt waits for SCL to be low
-        self._step: Callable[[int], None] = self._nothing
-        self._waits_for_rise = False
-        self._waits_for_bus = False
-        self._let_go_at = 0
-        self._low_from = 0
-        self._high_phase = False
-        self._after_high: Callable[[int], None] = self._fall
-        self._rose_at = 0
+    def __init__(self, state: I2cState, limits: I2cLimits) -> None:
+        super().__init__(state)
+        self.limits = limits
+        self.sees_idle = True
         self.reset()
 
     def reset(self) -> None:
         """IRS = 0: lines released, no transfer."""
-        self.active = False
-        self.pulls = 0
-        self.due = NEVER
-        self._step = self._nothing
-        self._after_high = self._fall
-        self._waits_for_rise = self._waits_for_bus = self._high_phase = False
+        self.let_go(self._fall)
+        self._waits_for_bus = False
         self.counter = 0
         self._addresses: list[int] = []
         self._kind = ""  # of the byte in progress: start byte, address, send, take
@@ -86,13 +67,13 @@ class I2cMaster:
         self._byte = 0
         self._in = 0
         self._sampled = 1
-        self._driven = 1
         self._answer_nack = False
         self._nack_armed = False
         self._stp_at_start = False
         self._holds = ""  # why SCL is held low: command, data, room
         self._rsr_waits = False
-        self._stopping = False
+        self._starting = False  # our START, or repeated START, is not seen yet
+        self._stopping = False  # nor our STOP
         self._condition_sda = 1  # SDA while SCL rises for a STOP (0) or repeated START (1)
         self._own_restart = False
         self._restart_next: list[int] = []  # addresses for a repeated START made by itself
@@ -100,25 +81,6 @@ class I2cMaster:
         self._deliver_at = NEVER
         self._deliver = 0
         self._free_from = 0  # the bus is free long enough for a START
-
-    def _nothing(self, now: int) -> None:
-        self.due = NEVER
-
-    # Clock -------------------------------------------------------------------------
-
-    def _d(self) -> int:
-        return max(5, 8 - self.state.tm)  # Table 15: 7, 6, 5 for IPSC 0, 1, more
-
-    def low(self) -> int:
-        """SCL low time in cycles."""
-        return self.state.tm * (self.state.clkl + self._d())
-
-    def high(self) -> int:
-        """SCL high time in cycles."""
-        return self.state.tm * (self.state.clkh + self._d())
-
-    def _at(self, now: int, step: Callable[[int], None]) -> None:
-        self.due, self._step = now, step
 
     def timer(self, now: int) -> None:
         """`due` has come."""
@@ -175,8 +137,13 @@ class I2cMaster:
         self._take_command()
         self._at(max(now + state.tm, self._free_from), self._start)
 
-    def bus_free(self, now: int) -> None:
-        """A STOP was seen."""
+    def start_seen(self, now: int) -> None:
+        if self._starting:
+            self._starting = False
+        elif self.active:
+            self._meets_foreign_condition(now)
+
+    def stop_seen(self, now: int) -> None:
         if self._stopping:
             self._stopping = False
             self.active = False
@@ -188,6 +155,14 @@ class I2cMaster:
             self._free_from = now + self.low()
             self._take_command()
             self._at(self._free_from, self._start)
+        elif self.active:
+            self._meets_foreign_condition(now)
+
+    def _meets_foreign_condition(self, now: int) -> None:
+        """A START or STOP of others in our transfer: against data neither is arbitrated (section 2.8)."""
+        self.state.touched.add("foreign_start_stop")
+        if self.state.options.foreign_start_stop == "loses_arbitration":
+            self.lose(now)
 
     def _start(self, now: int) -> None:
         """The moment of the START has come; behind the filter a START of others may still be unseen: both go on."""
@@ -204,6 +179,7 @@ class I2cMaster:
     def _begin_start(self, now: int) -> None:
         state = self.state
         self.pulls |= SDA
+        self._starting = True
         self._high_phase = False
         state.wanted = state.trx
         state.clear(now, STR_ARDY)
@@ -218,17 +194,7 @@ class I2cMaster:
         self._own_restart = False
         self._restart_next = []
         self._addresses = [] if state.mdr & MDR_FDF else self._address_bytes()
-        self._check_rate()
-
-    def _check_rate(self) -> None:
-        """The limits that TI names for SCL, as a note; SYSCLKOUT is taken as 150 MHz."""
-        low, high = self.low(), self.high()
-        khz = SYSCLK_HZ / (low + high) / 1000
-        if not LEAST_KHZ <= khz <= MOST_KHZ:
-            self.state.duty(f"SCL would run at {khz:.1f} kHz; expected 10 to 400 kHz", "SPRUG03B section 1.1")
-        if low < LEAST_LOW or high < LEAST_HIGH:
-            times = f"{low / 150:.2f} us low, {high / 150:.2f} us high"
-            self.state.duty(f"SCL has {times}; expected at least 1.3 us and 0.6 us", "SPRS439M Table 6-31")
+        self.limits.scl(self.low(), self.high())
 
     def _started(self, now: int) -> None:
         """START is out: SCL goes low, the first byte is chosen."""
@@ -260,6 +226,8 @@ class I2cMaster:
     def _address_bytes(self) -> list[int]:
         state = self.state
         mdr = state.mdr
+        if not mdr & MDR_DLB:
+            self.limits.sent_address()
         address = state.oar if mdr & MDR_DLB else state.sar
         read = 0 if mdr & MDR_TRX else 1
         if not mdr & MDR_XA:
@@ -295,56 +263,9 @@ class I2cMaster:
         self._drive(level)
         self._release_after_low(now)
 
-    def _drive(self, level: int) -> None:
-        self._driven = level
-        if level:
-            self.pulls &= ~SDA
-        else:
-            self.pulls |= SDA
-
-    def _release_after_low(self, now: int) -> None:
-        """SDA has its level: SCL is let go after the low time, or the setup time where it was held for that level."""
-        state = self.state
-        over = self._low_from + self.low()
-        if now > self._low_from + state.tm + self._filter():
-            state.touched.add("sda_setup_before_scl_release")
-            over = max(over, now + state.setup)
-        self._at(over, self._release)
-
-    def _release(self, now: int) -> None:
-        if self.frozen:
-            return
-        self.pulls &= ~SCL
-        self._let_go_at = now
-        self._waits_for_rise = True
-        self.due = NEVER
-
-    def line(self, now: int, index: int, level: int) -> None:
-        """SCL (0) or SDA (1) really changed: a rise that was waited for begins our high phase."""
-        if index:
-            self.sda = level
-            return
-        self.scl = level
-        if level and self._waits_for_rise:
-            self._waits_for_rise = False
-            self._high_phase = True
-            self._rose_at = now
-            late = 0
-            if now > self._let_go_at:
-                self.state.touched.add("scl_sync_cycles")
-                late = self.state.options.scl_sync_cycles * self.state.tm
-            self._at(now + late + self.high(), self._after_high)
-        elif not level and self._high_phase and now - self._rose_at < self._filter():
-            self._high_phase = False  # that rise was a spike
-            self._waits_for_rise = True
-            self.due = NEVER
-
-    def _filter(self) -> int:
-        return self.state.options.noise_filter_cycles * self.state.tm
-
     def fell(self, now: int) -> None:
         """SCL has fallen, behind the filter. In our high phase it is somebody's low that begins: ours begins, too."""
-        if not self.active or self.scl:
+        if not self.active or self.lines & SCL:
             return
         if self._step == self._started:  # while our START was still held
             self._started(now)
@@ -368,13 +289,6 @@ class I2cMaster:
                 self._nack_armed = bool(self.state.mdr & MDR_NACKMOD)
         if self._kind == "take" and self._bit == self._n and self.state.options.rrdy_point == "rise9":
             self._take(now)
-
-    def _scl_low(self, now: int) -> None:
-        self.pulls |= SCL
-        self._low_from = now
-        self._high_phase = False
-        if self.halting:
-            self.halting, self.frozen = False, True
 
     def _fall(self, now: int) -> None:
         if self._bit == self._n and self._kind in ("address", "send") and self._sampled and self._leaves_scl_high():
@@ -651,14 +565,11 @@ class I2cMaster:
         if state.options.al_clears_stt:
             cleared |= MDR_STT
         state.mdr &= ~cleared
-        self.active = False
-        self.pulls = 0
-        self._at(NEVER, self._nothing)
-        self._waits_for_rise = self._high_phase = False
+        self.let_go(self._fall)
+        self._starting = self._stopping = False
         self._addresses = []
         self._restart_next = []
         self._holds = ""
-        self._after_high = self._fall
         state.wanted = False
         state.set(now, STR_AL)
 

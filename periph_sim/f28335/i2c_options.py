@@ -119,6 +119,12 @@ class I2cOptions:
     stt_while_busy: str = choice(
         "foreign_al", "foreign_waits", "always_repeated_start", question="STT while another master has the bus."
     )
+    foreign_start_stop: str = choice(
+        "unnoticed",
+        "loses_arbitration",
+        question="A START or STOP of others in the middle of a transfer as master: do bits and clock go on, or is "
+        "arbitration lost?",
+    )
     al_clears_stt: bool = choice(True, False, question="Does lost arbitration clear STT?")
     stop_without_data: str = choice(
         "address_counts", "waits_for_data", question="RM = 0: does an address byte allow a STOP?"
@@ -137,6 +143,12 @@ class I2cOptions:
     # Clock, emulation, FIFO
     noise_filter_cycles: int = number(
         1, 0, 4096, unit="module clocks", question="How long a level must last on a pin to be seen."
+    )
+    unequal_arrival: str = choice(
+        "in_order",
+        "one_sample",
+        question="Edges of SCL and SDA less than a module clock apart: does each pass the noise filter by itself, "
+        "or do both leave it together, with the later one?",
     )
     psc_write_irs1: str = choice("stored", "dropped", question="A write to I2CPSC while IRS = 1.")
     clock_gate_access: str = choice("reads_0", "accessible", question="Register access while the clock is gated off.")

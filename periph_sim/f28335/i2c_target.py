@@ -17,9 +17,8 @@ Chosen:
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from ..core.chip import NEVER
+from .i2c_address import I2cAddress
 from .i2c_map import (
     MDR_FDF,
     MDR_IRS,
@@ -42,9 +41,7 @@ from .i2c_map import (
 from .i2c_state import I2cState
 
 OFF, ADDRESS, ADDRESS_LOW, RECEIVE, TRANSMIT, IGNORE = range(6)
-TEN_BIT = 0b11110
 ONES = 0xFF
-ENDLESS = 1 << 62
 
 
 class I2cTarget:
@@ -62,8 +59,7 @@ class I2cTarget:
         self._shift = 0
         self._ack = False
         self._nack_armed = False
-        self._read = False
-        self._selected = False  # 10-bit: the whole address matched in this transfer
+        self._address = I2cAddress(state)
         self.own_transfer = False  # this transfer was for us
         self._waits_for_data = False  # SCL held: transmitter without data
         self._waits_for_room = False  # SCL held: receiver with I2CDRR unread
@@ -73,68 +69,11 @@ class I2cTarget:
         self._sent = 0
         self._first_byte = False
         self._shifting = False
-        self._oar = 0
-
-    # What matters when ------------------------------------------------------------
-
-    def quiet_edges(self, scl: int, rise8_matters: bool, rise9_matters: bool) -> int:
-        """How many further SCL edges, SCL being at `scl`, change nothing that anybody sees."""
-        if self.phase in (OFF, IGNORE):
-            return ENDLESS
-        if self.phase == TRANSMIT:
-            return self._quiet_while_sending(scl)
-        bit, n = self.bit, self._n
-        if bit >= n:
-            return int(not scl and n == 8 and not rise9_matters)  # rise 9, between fall 8 and fall 9
-        quiet = 2 * (n - 1 - bit) + scl  # the next that matters is rise n
-        return quiet + 1 if n == 8 and not rise8_matters else quiet
-
-    def _quiet_while_sending(self, scl: int) -> int:
-        """A sender is idle until SDA must change, or its byte is over."""
-        bit, n, xsr = self.bit, self._n, self.state.xsr
-        released = not self.pulls & SDA
-        quiet = 0
-        while True:
-            if not scl:
-                if bit >= n:
-                    return quiet
-                bit += 1
-                quiet += 1
-                scl = 1
-            if bit >= n or bit == 0 or bool(xsr >> (n - 1 - bit) & 1) != released:
-                return quiet
-            quiet += 1
-            scl = 0
 
     @property
     def in_mid_byte(self) -> bool:
-        """Sending, and neither at the first bit of the byte nor behind the last: a fall only brings the next bit."""
-        return self.phase == TRANSMIT and 0 < self.bit < self._n
-
-    def pulses_left(self) -> int:
-        """How many whole pulses, SCL being low, can pass before anything but SDA changes for others."""
-        if self.phase in (OFF, IGNORE):
-            return ENDLESS
-        return max(0, self._n - 1 - self.bit)
-
-    def sends(self, pulses: int) -> list[int]:
-        """SDA as driven now and after each of so many pulses (at most `pulses_left`); empty if not sending."""
-        if self.phase != TRANSMIT:
-            return []
-        first = self._n - 1 - self.bit
-        return [self.state.xsr >> place & 1 for place in range(first, first - pulses - 1, -1)]
-
-    def follow(self, sda: Sequence[int]) -> None:
-        """Pulses have passed. sda: its level before the first and after each."""
-        if self.phase in (OFF, IGNORE):
-            return
-        pulses = len(sda) - 1
-        self.bit += pulses
-        if self.phase == TRANSMIT:
-            self._drive(self.state.xsr >> (self._n - 1 - self.bit) & 1)
-        else:
-            for level in sda[:-1]:
-                self._shift = self._shift << 1 | level
+        """True while an edge of SCL moves nothing but the shift register, and SDA as transmitter."""
+        return OFF < self.phase < IGNORE and 0 < self.bit < self._n
 
     # Line events --------------------------------------------------------------------
 
@@ -152,7 +91,7 @@ class I2cTarget:
         state.wanted = False
         state.set(now, STR_BB)
         if options.oar_latch == "at_start":
-            self._oar = state.oar
+            self._address.latch()
         self.bit = 0
         self._shift = 0
         self._n = 8
@@ -180,7 +119,7 @@ class I2cTarget:
         state.wanted = False
         state.clear(now, flags)
         self.phase = OFF
-        self.own_transfer = self._selected = False
+        self.own_transfer = self._address.selected = False
 
     def rise(self, now: int, sda: int) -> None:
         phase = self.phase
@@ -229,51 +168,27 @@ class I2cTarget:
         self._nack_armed = bool(state.mdr & MDR_NACKMOD)
         if self.phase == RECEIVE:
             return
-        if state.options.aas_sdir_point == "rise8" and not self.muted and self._matches():
+        if state.options.aas_sdir_point == "rise8" and not self.muted and self._address.is_ours(*self._address_byte):
             self._address_flags(now)
 
-    def _matches(self) -> bool:
-        """Whether the address byte in I2CRSR is ours; also says whether it asks us to send."""
-        state, options, byte = self.state, self.state.options, self._shift & 0xFF
-        own = state.oar if options.oar_latch == "live" else self._oar
-        self._read = False
-        if self.phase == ADDRESS_LOW:
-            return byte == own & 0xFF
-        if byte == 0:
-            state.touched.add("general_call")
-            return options.general_call == "acknowledged"
-        if byte == 1:
-            state.touched |= {"start_byte_ad0", "oar_zero"}
-            self._read = True
-            return own == 0 and not state.mdr & MDR_XA and options.oar_zero == "own_address_too"
-        self._read = bool(byte & 1)
-        if state.mdr & MDR_XA:
-            if byte >> 3 != TEN_BIT or byte >> 1 & 3 != own >> 8 & 3:
-                return False
-            return self._selected or not self._read
-        return byte >> 1 == own & 0x7F
-
-    def _answers_itself(self) -> bool:
-        """As master: whether this address byte is a general call of our own that we acknowledge."""
-        if self._shift & 0xFF or self.phase != ADDRESS:
-            return False
-        self._read = False
-        self.state.touched.add("own_general_call")
-        return self.state.options.own_general_call == "answered"
-
-    def _whole_address(self) -> bool:
-        """False for the first byte of a 10-bit address, which sets no flag yet."""
-        return not self.state.mdr & MDR_XA or self.phase == ADDRESS_LOW or self._read or self._shift & 0xFF == 0
+    @property
+    def _address_byte(self) -> tuple[int, bool]:
+        """The address byte in I2CRSR, and whether it is the second of a 10-bit address."""
+        return self._shift & 0xFF, self.phase == ADDRESS_LOW
 
     def _address_complete(self, now: int) -> None:
         state, options = self.state, self.state.options
-        self._ack = self._answers_itself() if self.muted else self._matches()
+        self._ack = (
+            self._address.is_answered_by_master(*self._address_byte)
+            if self.muted
+            else self._address.is_ours(*self._address_byte)
+        )
         if not self._ack:
             if self._shift & 0xFF == 1 and options.start_byte_ad0 == "set" and not self.muted:
                 state.str |= STR_AD0
             if state.mdr & MDR_XA:
                 state.clear(now, STR_AAS)
-                self._selected = False
+                self._address.selected = False
             if options.sdir_clear == "until_next_address":
                 state.str &= ~STR_SDIR
             self.phase = IGNORE
@@ -283,12 +198,12 @@ class I2cTarget:
             if options.nackmod_on_address == "address_too":
                 self._ack = False
         self.own_transfer = True
-        if self._read and state.tx_ready:
+        if self._address.read and state.tx_ready:
             state.touched.add("stale_byte_next_read")
             if options.stale_byte_next_read == "discarded":
                 state.dxr_full = False
                 state.set(now, STR_XRDY)
-        if self._read and options.dxr_to_xsr_copy_point == "eager_reloaded_at_address" and state.bcm:
+        if self._address.read and options.dxr_to_xsr_copy_point == "eager_reloaded_at_address" and state.bcm:
             self._copy(now)
         state.touched.add("aas_sdir_point")
         if options.aas_sdir_point == "fall8":
@@ -298,10 +213,10 @@ class I2cTarget:
 
     def _address_flags(self, now: int) -> None:
         state = self.state
-        if not self._whole_address():
+        if not self._address.is_whole(*self._address_byte):
             return
         flags = STR_AAS
-        if self._read:
+        if self._address.read:
             flags |= STR_SDIR
             state.wanted = state.bcm == 1
             if not state.emdr_written:
@@ -368,7 +283,7 @@ class I2cTarget:
         """Rise 9 of a byte that we acknowledge."""
         if self.phase == RECEIVE and self.state.options.rrdy_point == "rise9" and not self._rsr_waits:
             self._take(now)
-        if self._read and self.phase == ADDRESS:
+        if self._address.read and self.phase == ADDRESS:
             self._copy_at_rise9(now)
 
     def _copy_at_rise9(self, now: int) -> None:
@@ -406,7 +321,7 @@ class I2cTarget:
             self._address_flags(now)
         if phase == RECEIVE:
             self._data_slot_ends(now)
-        if self._ack and not self._read and options.dxr_to_xsr_copy_point == "any_ack_fall9" and state.bcm:
+        if self._ack and not self._address.read and options.dxr_to_xsr_copy_point == "any_ack_fall9" and state.bcm:
             if state.tx_ready:
                 state.touched.add("dxr_to_xsr_copy_point")
             self._copy(now)
@@ -437,13 +352,13 @@ class I2cTarget:
         self._first_byte = False
         if phase in (ADDRESS, ADDRESS_LOW) and not self._ack:
             self.phase = IGNORE
-        elif phase == ADDRESS and state.mdr & MDR_XA and not self._read and self._shift & 0xFF:
+        elif phase == ADDRESS and state.mdr & MDR_XA and not self._address.read and self._shift & 0xFF:
             self.phase = ADDRESS_LOW
-        elif phase in (ADDRESS, ADDRESS_LOW) and self._read:
+        elif phase in (ADDRESS, ADDRESS_LOW) and self._address.read:
             self.phase = TRANSMIT
             self._begin_byte(now, first=True)
         elif phase in (ADDRESS, ADDRESS_LOW):
-            self._selected = self._selected or low
+            self._address.selected = self._address.selected or low
             self.phase = RECEIVE
         self._n = 8 if self.phase == ADDRESS_LOW else state.bits
         if self.phase != TRANSMIT and self._n == 8:
@@ -600,9 +515,9 @@ class I2cTarget:
         self._let_go()
         self.phase = OFF
         self.bit = 0
-        self._rsr_waits = self.own_transfer = self._selected = False
+        self._rsr_waits = self.own_transfer = self._address.selected = False
         if self.state.mdr & MDR_IRS:
-            self._oar = self.state.oar
+            self._address.latch()
 
     def release_bus(self) -> None:
         """IRS = 1 written over 1, where that ends a stretch."""

@@ -28,6 +28,9 @@ class Frame(IntEnum):
 PROTECTED_BLOCK = range(0x4000, 0x8000)
 WRITE_TO_READ = 3  # cycles of that wait, less what passes in between
 
+LOW, HIGH, BOTH = 0b01, 0b10, 0b11  # 16-bit words of a register that an access moves
+WORDS_MASK = (0, 0xFFFF, 0xFFFF_0000, 0xFFFF_FFFF)  # their bits in the register's value
+
 
 @dataclass(frozen=True)
 class Place:

@@ -61,6 +61,7 @@ class Pie:
         self._piectrl = 0
         self._pieack = 0
         self._as_reset = 0  # the groups whose PIEACK bit is still what the reset made it
+        self._told_held = 0  # of these, the groups whose held request was noted
         self._pieier = [0] * GROUPS
         self._pieifr = [0] * GROUPS
         self._lines_held = [0] * GROUPS
@@ -127,7 +128,7 @@ class Pie:
 
     # The chip's interface ----------------------------------------------------
 
-    def pin(self, now: int, index: int, level: int) -> int:
+    def pins(self, now: int, levels: int) -> int:
         raise ValueError("the PIE has no input pins; its inputs are `request` and `hold`")
 
     def wake(self, now: int) -> int:
@@ -171,6 +172,7 @@ class Pie:
         self._piectrl = PIECTRL.reset
         self._pieack = self._options.pieack_reset
         self._as_reset = PIEACK["PIEACK"].mask
+        self._told_held = 0
         for g in range(GROUPS):
             self._pieier[g] = PIEIER[g].reset
             self._pieifr[g] = PIEIFR[g].reset
@@ -195,10 +197,21 @@ class Pie:
             return
         if self._as_reset >> g & 1:
             self.touched.add("pieack_reset")
+            self._note_held(g)
         if not self._pieack >> g & 1:
             self._pieack |= 1 << g
             self._as_reset &= ~(1 << g)
             self.pulses |= 1 << g
+
+    def _note_held(self, g: int) -> None:
+        """Once a group: nothing that firmware did closed it."""
+        if self._pieack & ~self._told_held & 1 << g:
+            self._told_held |= 1 << g
+            text = (
+                f"request of group {g + 1} held by PIEACK as reset left it (pieack_reset = 0xfff); "
+                "nothing of the group is served before firmware writes PIEACK"
+            )
+            self.notes.append(Note("unknown", text, "SPRUFB0D Figure 85"))
 
     def _acknowledge(self, now: int, value: int) -> None:
         opened = self._pieack & value

@@ -74,7 +74,6 @@ class Sci:
     INPUTS: tuple[str, ...] = ("RXD",)
     OUTPUTS: tuple[str, ...] = ("TXD",)
     LINES: tuple[str, ...] = ("RXINT", "TXINT")
-    filter_width = 0
 
     def __init__(self, name: str = "SCI-A", options: SciOptions = SciOptions()) -> None:  # noqa: B008 (frozen)
         self.name = name
@@ -92,7 +91,7 @@ class Sci:
         self._rx = SciRx(options, self.touched)
         self._tx = SciTx(options, self._tx_clock, self._layout, self.touched)
         self._autobaud = SciAutobaud()
-        self._sync = options.rx_sync_stages
+        self.filter_width = self._sync = options.rx_sync_stages
         self._int_extra = options.rx_int_extra
         self._idle_sets_wake = options.rxwake_idle_point == "tenth_bit"
         self._format_at_once = options.format_write_effect == "at_once"
@@ -155,9 +154,10 @@ class Sci:
 
     # Inputs: pin, time, clock, debugger -------------------------------------
 
-    def pin(self, now: int, index: int, level: int) -> int:
-        if index:
-            raise ValueError(f"{self.name} has one input, RXD, with index 0, not {index}")
+    def pins(self, now: int, levels: int) -> int:
+        level = levels & 1
+        if level == self._rxd:
+            return NOTHING
         planned = self.next_wake
         if now > planned:
             self._run(now - 1)

@@ -36,15 +36,17 @@ class SciAutobaud:
             self._edges.clear()
 
     def edge(self, now: int, level: int) -> None:
+        """RXD is at `level` from cycle `now` on; a second edge of one cycle takes the first back."""
         edges = self._edges
         self.due = NEVER
-        if not edges and level:
-            return
-        if len(edges) == 6:
-            del edges[:2]
-        edges.append(now)
-        if len(edges) == 6:
-            self._compare()
+        if edges and edges[-1] == now:
+            edges.pop()
+        elif edges or not level:
+            if len(edges) == 8:
+                del edges[:2]
+            edges.append(now)
+        if len(edges) >= 6 and len(edges) % 2 == 0:
+            self._compare(edges[-6:])
 
     def brr(self, divider: int, phase: int, nearest: bool) -> int:
         """The baud divider for the measured length, 1 to 65535."""
@@ -54,15 +56,14 @@ class SciAutobaud:
         steps = (lspclks + 36) // 72 if nearest else lspclks // 72
         return min(max(steps - 1, 1), 0xFFFF)
 
-    def _compare(self) -> None:
-        first = self._edges[0]
-        total = self._edges[5] - first
+    def _compare(self, edges: list[int]) -> None:
+        first, last = edges[0], edges[5]
+        total = last - first
         for character, places in PLACES.items():
             if all(
-                8 * abs(9 * (edge - first) - place * total) <= total
-                for edge, place in zip(self._edges, places, strict=True)
+                8 * abs(9 * (edge - first) - place * total) <= total for edge, place in zip(edges, places, strict=True)
             ):
                 self.character = character
                 self.nine_bits = total
-                self.due = self._edges[5] + total * 7 // 72
+                self.due = last + total * 7 // 72
                 return

@@ -10,6 +10,8 @@ from __future__ import annotations
 
 from ..core.registers import Register, RegisterMap, field
 
+BASES = {"SCI-A": 0x7050, "SCI-B": 0x7750, "SCI-C": 0x7770}
+
 SCI_MAP = RegisterMap(
     "SCI",
     "TI SPRUFZ5A chapter 2",

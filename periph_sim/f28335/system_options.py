@@ -33,19 +33,13 @@ class SystemOptions:
         False,
         question="Does INTR clear the IFR bit (CPU guide section 3.3.1) or not (system guide section 8.5.3 note 3)?",
     )
-    context_save: int = number(
-        0,
-        0,
-        200,
-        unit="cycles",
-        question="What does the compiler's prologue of a service routine cost beyond the 14 words the CPU saves?",
-    )
 
     # PIE
     pieack_reset: int = choice(
-        0xFFF,
         0x000,
-        question="Does PIEACK hold all groups after reset, as the register's drawing says?",
+        0xFFF,
+        question="Does PIEACK hold all groups after reset, as the register's drawing says, or none? TI's examples for "
+        "I2C, timers and SCI never write PIEACK before their first interrupt, and run on silicon.",
     )
 
     pie_held_line: str = choice(
@@ -67,13 +61,11 @@ class SystemOptions:
         0,
         question="How many cycles does a write in peripheral frame 1 directly after another one cost in addition?",
     )
-    poll_loop_cycles: int = number(
-        10,
-        1,
-        1000,
-        unit="cycles",
-        question="How long is one pass of a loop that waits for a bit in peripheral frame 2: 10 with SB, 7 with SBF, "
-        "or what the disassembly shows?",
+    write_lands: int = choice(
+        2,
+        4,
+        question="How many cycles after its own instruction could have read does a write reach the peripheral: 2, from "
+        "pipeline stage R2 to W, or 4, which the three cycles of write-to-read protection imply?",
     )
 
     # GPIO

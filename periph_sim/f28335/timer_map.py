@@ -1,4 +1,7 @@
-"""CPU timer registers as data. Source: SPRUFB0D section 5.5, Tables 31 to 38. None is EALLOW-protected."""
+"""CPU timer registers as data. Source: SPRUFB0D section 5.5, Tables 31 to 38. None is EALLOW-protected.
+
+TIM with TIMH and PRD with PRDH are one 32-bit `all` in C2000Ware's DSP2833x_CpuTimers.h.
+"""
 
 from __future__ import annotations
 
@@ -6,11 +9,24 @@ from ..core.registers import Register, RegisterMap, field
 
 BASES = (0x0C00, 0x0C08, 0x0C10)  # timers 0, 1, 2
 
-TIM = Register("TIM", 0x0, "SPRUFB0D Table 32", (field("TIM", "15:0", doc="low half of the count"),), free_running=True)
+TIM = Register(
+    "TIM",
+    0x0,
+    "SPRUFB0D Table 32",
+    (field("TIM", "15:0", doc="low half of the count"),),
+    free_running=True,
+    upper="TIMH",
+)
 TIMH = Register(
     "TIMH", 0x1, "SPRUFB0D Table 33", (field("TIMH", "15:0", doc="high half of the count"),), free_running=True
 )
-PRD = Register("PRD", 0x2, "SPRUFB0D Table 34", (field("PRD", "15:0", "R/W", 0xFFFF, doc="low half of the period"),))
+PRD = Register(
+    "PRD",
+    0x2,
+    "SPRUFB0D Table 34",
+    (field("PRD", "15:0", "R/W", 0xFFFF, doc="low half of the period"),),
+    upper="PRDH",
+)
 PRDH = Register("PRDH", 0x3, "SPRUFB0D Table 35", (field("PRDH", "15:0", doc="high half of the period"),))
 TCR = Register(
     "TCR",

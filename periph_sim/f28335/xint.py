@@ -58,16 +58,16 @@ class Xint:
         """All lines' levels (bit 0: XINT1) as they have been; no edges. Enabled lines know theirs already."""
         self._level = self._level & self.enabled | levels & ~self.enabled
 
-    def pin(self, now: int, index: int, level: int) -> int:
-        """The level on LINES[index]."""
-        bit = 1 << index
-        if bool(self._level & bit) == bool(level):
+    def pins(self, now: int, levels: int) -> int:
+        """The levels on LINES; only those of enabled lines have an effect."""
+        moved, self._level = (levels ^ self._level) & self.enabled, levels
+        if not moved:
             return NOTHING
-        self._level ^= bit
-        if self.enabled & bit and self._is_valid(index, level):
-            self.requests |= bit
-            if index < len(self._since):
-                self._since[index] = now
+        for line in range(LINES):
+            if moved >> line & 1 and self._is_valid(line, levels >> line & 1):
+                self.requests |= 1 << line
+                if line < len(self._since):
+                    self._since[line] = now
         return ALL
 
     def wake(self, now: int) -> int:

@@ -11,6 +11,7 @@ and one or both of
     read(path, rate=None, salvage=False)     the Capture; BadCapture in one sentence if it cannot be had
 
     write(capture, path)                     makes the file (`path` is a temporary name); None, or notes on what is lost
+    SAMPLES_ONLY = True                      if positions must be samples, since the format has no times
 
 and is found by being there. `rate` states the sampling rate where the file does not, or says it
 wrong; times given in seconds are put on its grid. With `salvage` a damaged file is read up to the
@@ -20,15 +21,17 @@ damage, and the notes of the Capture say what was dropped.
 from __future__ import annotations
 
 import importlib
-import pkgutil
 from fractions import Fraction
 from functools import cache
+from os.path import isdir  # False also for a name that is too long
 from pathlib import Path
 from typing import Protocol, cast
 
 from ..core.nearest import near
+from ..core.scan import modules_with
 from .capture import BadCapture, Capture, Channel, Span, rate_of
 from .resample import resampled
+from .sampling import on_samples
 from .whole import whole
 
 __all__ = ["BadCapture", "Capture", "Channel", "Format", "Span", "formats", "rate_of", "read", "whole", "write"]
@@ -66,12 +69,7 @@ class Writer(Format, Protocol):
 @cache
 def formats() -> dict[str, Format]:
     """Every format of this folder, by the name of its file."""
-    found: dict[str, Format] = {}
-    for entry in pkgutil.iter_modules(__path__):
-        module = importlib.import_module(f"{__name__}.{entry.name}")
-        if hasattr(module, "NAME"):
-            found[entry.name] = cast(Format, module)
-    return found
+    return {name: cast(Format, module) for name, module in modules_with("NAME", __name__, __path__).items()}
 
 
 def readers() -> dict[str, Reader]:
@@ -92,7 +90,7 @@ def read(path: str | Path, rate: Fraction | None = None, *, salvage: bool = Fals
     when none knows the content.
     """
     path = Path(path)
-    suffix = "/" if path.is_dir() else path.suffix.casefold()
+    suffix = "/" if isdir(path) else path.suffix.casefold()
     if rate is not None and rate <= 0:
         raise ValueError(f"the sampling rate is {rate} Hz; expected more than 0")
     if suffix in REFUSED:
@@ -125,21 +123,17 @@ def _readers_of(suffix: str) -> list[Reader]:
 def write(capture: Capture, path: str | Path, *, rate: Fraction | None = None) -> tuple[str, ...]:
     """Notes about what writing changed, a sentence each; the suffix chooses the format.
 
-    With `rate` the capture is put on the samples of that rate first. The file appears whole or not
-    at all; BadCapture says why it did not.
+    With `rate` the capture is put on the samples of that rate first, without one on the slowest that loses no edge
+    where the format holds samples only. The file appears whole or not at all; BadCapture says why it did not.
     """
     path = Path(path)
-    able = writers()
-    name = path.name.casefold()
-    suffix = max((known for known in able if name.endswith(known)), key=len, default=None)  # one may have two dots
-    if suffix is None:
-        raise BadCapture(path, "its name", repr(path.suffix), f"one of {', '.join(able)}", near(path.suffix, able))
+    writer = _writer_of(path)
     if rate is not None and rate <= 0:
         raise ValueError(f"the sampling rate is {rate} Hz; expected more than 0")
-    ready = capture if rate is None else resampled(capture, rate)
+    ready = ready_for(path, capture if rate is None else resampled(capture, rate))
     with whole(path) as unfinished:
         try:
-            lost = able[suffix].write(ready, unfinished)
+            lost = writer.write(ready, unfinished)
         except BadCapture as error:
             raise (error.of(path) if str(error).startswith(str(unfinished)) else error) from None
         except OSError as error:
@@ -148,8 +142,22 @@ def write(capture: Capture, path: str | Path, *, rate: Fraction | None = None) -
     return (*ready.notes[len(capture.notes) :], *(lost or ()))
 
 
+def ready_for(path: Path, capture: Capture) -> Capture:
+    """The capture as the format of `path` can hold it. BadCapture where nothing is written under such a name."""
+    return on_samples(capture) if getattr(_writer_of(path), "SAMPLES_ONLY", False) else capture
+
+
+def _writer_of(path: Path) -> Writer:
+    able = writers()
+    name = path.name.casefold()
+    suffix = max((known for known in able if name.endswith(known)), key=len, default=None)  # one may have two dots
+    if suffix is None:
+        raise BadCapture(path, "its name", repr(path.suffix), f"one of {', '.join(able)}", near(path.suffix, able))
+    return able[suffix]
+
+
 def _head(path: Path) -> bytes:
-    if path.is_dir():
+    if isdir(path):
         return b""
     try:
         with path.open("rb") as file:

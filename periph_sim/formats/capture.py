@@ -11,8 +11,8 @@ must not cross.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
 from typing import NamedTuple
@@ -21,18 +21,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.nearest import near
+from ..core.shorten import shorten
 
 Positions = NDArray[np.int64]
 Levels = NDArray[np.uint8]
 
+MOST_DIGITS = 40  # of a number in text; Python refuses to read one of over 4300
+MOST_NAMED = 12  # channels in a message
 UNITS = {"": 1, "hz": 1, "khz": 10**3, "mhz": 10**6, "ghz": 10**9}
+FASTEST = 10**15  # samples a second
+RATE = re.compile(rf"\s*(\d{{1,{MOST_DIGITS}}}(?:\.\d{{0,{MOST_DIGITS}}})?(?:[eE]\+?\d\d?)?)\s*([A-Za-z]*)\s*")
 
 
 class BadCapture(ValueError):
     """A file that cannot be read, said in one sentence: file, place, found, expected, way out."""
 
     def __init__(self, path: Path, place: str, found: str, expected: str, way_out: str) -> None:
-        super().__init__(f"{path}, " + one_line(f"{place}: found {found}, expected {expected}; {way_out}"))
+        said = f"{shorten(place)}: found {shorten(found)}, expected {shorten(expected)}; {shorten(way_out)}"
+        super().__init__(f"{path}, " + one_line(said))
         self.place = place
         self.found = found
         self.expected = expected
@@ -92,8 +98,9 @@ class Capture:
     """rate: positions a second, None where neither file nor caller says.
 
     sampled: True where one position is one sample of the analyser, False where positions are the
-    ticks of time stamps and the sampling grid behind them is not known.
+    ticks of time stamps and the sampling grid behind them is not known (see `sampling`).
     notes: what the reader did about irregularities, a sentence each.
+    exact: True where positions are the instants themselves, as in a simulation of ours.
     """
 
     path: Path
@@ -102,6 +109,11 @@ class Capture:
     channels: tuple[Channel, ...]
     sampled: bool = True
     notes: tuple[str, ...] = ()
+    exact: bool = False
+
+    def noted(self, *notes: str) -> Capture:
+        """The same capture with more notes."""
+        return replace(self, notes=(*self.notes, *notes))
 
     def channel(self, wanted: str | int) -> Channel:
         """The channel of a name (its part after the last dot is enough if unique), or of an index, also as digits.
@@ -111,17 +123,18 @@ class Capture:
         if isinstance(wanted, str):
             found = [c for c in self.channels if c.name == wanted]
             found = found or [c for c in self.channels if c.name.rpartition(".")[2] == wanted]
-            if not found and wanted.isdecimal():
+            if not found and wanted.isdecimal() and len(wanted) <= MOST_DIGITS:
                 found = [c for c in self.channels if c.index == int(wanted)]
         else:
             found = [c for c in self.channels if c.index == wanted]
         if len(found) == 1:
             return found[0]
-        which = ", ".join(f"{c.name} (index {c.index})" for c in found or self.channels)
+        which = listed(found or self.channels)
+        asked = shorten(repr(wanted))
         if found:
-            raise LookupError(f"{self.path}: {wanted!r} names {len(found)} channels: {which}")
+            raise LookupError(f"{self.path}: {asked} names {len(found)} channels: {which}")
         right = near(wanted, [c.name for c in self.channels]) if isinstance(wanted, str) else f"it has {which}"
-        raise LookupError(f"{self.path}: there is no channel {wanted!r}; {right}")
+        raise LookupError(f"{self.path}: there is no channel {asked}; {right}")
 
     def known(self, *channels: Channel) -> list[Span]:
         """The spans, in order, in which the levels of all the given channels are known."""
@@ -134,6 +147,12 @@ class Capture:
         if begin < self.length:
             spans.append(Span(begin, self.length))
         return spans
+
+
+def listed(channels: Sequence[Channel]) -> str:
+    """The channels as a person may name them, `SCL (index 0), SDA (index 1)`; of many the first."""
+    names = [f"{shorten(channel.name, 60)} (index {channel.index})" for channel in channels[:MOST_NAMED]]
+    return ", ".join(names if len(channels) <= MOST_NAMED else [*names, "..."])
 
 
 def channel_of(name: str, index: int, at: Iterable[int], levels: Iterable[int | None], length: int) -> Channel:
@@ -172,7 +191,11 @@ def channel_of_edges(name: str, index: int, initial: int, edges: Positions, unkn
 
 def rate_of(text: str) -> Fraction:
     """Samples a second: `4 MHz`, `500 kHz`, `1.5MHz`, `12000000`. ValueError says what was expected."""
-    match = re.fullmatch(r"\s*(\d+(?:\.\d*)?(?:[eE]\+?\d\d?)?)\s*([A-Za-z]*)\s*", text)
+    match = RATE.fullmatch(text)
     if not match or match[2].casefold() not in UNITS:
-        raise ValueError(f"{text.strip()!r} is no sample rate; expected a number with or without Hz, kHz, MHz or GHz")
-    return Fraction(match[1]) * UNITS[match[2].casefold()]
+        asked = shorten(repr(text.strip()))
+        raise ValueError(f"{asked} is no sample rate; expected a number with or without Hz, kHz, MHz or GHz")
+    rate = Fraction(match[1]) * UNITS[match[2].casefold()]
+    if rate > FASTEST:
+        raise ValueError(f"{text.strip()!r} is no sample rate; expected at most 1000 THz, a sample each femtosecond")
+    return rate

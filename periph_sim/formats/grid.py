@@ -10,8 +10,10 @@ from collections.abc import Sequence
 from datetime import UTC, datetime
 from fractions import Fraction
 
-DECIMAL = re.compile(r"\s*([+-]?)(\d+)(?:\.(\d*))?\s*")
-ISO = re.compile(r"\s*(\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d)(?:\.(\d+))?(Z|[+-]\d\d:?\d\d)?\s*")
+from ..core.shorten import shorten
+
+DECIMAL = re.compile(r"\s*([+-]?)(\d{1,40})(?:\.(\d{0,40}))?\s*")  # more digits are no time
+ISO = re.compile(r"\s*(\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d)(?:\.(\d{1,40}))?(Z|[+-]\d\d:?\d\d)?\s*")
 
 LEAST_DECIMALS = 9  # nanoseconds: what Saleae's exports are exact to at whole-nanosecond sample periods
 
@@ -35,7 +37,7 @@ def exact_time(text: str) -> tuple[int, int]:
         since = datetime.fromisoformat(match[1] + zone) - datetime(1970, 1, 1, tzinfo=UTC)
         part = match[2] or ""
         return int(f"{since.days * 86400 + since.seconds}{part}"), len(part)
-    raise ValueError(f"{text.strip()!r} is neither seconds nor an ISO 8601 time")
+    raise ValueError(f"{shorten(repr(text.strip()))} is neither seconds nor an ISO 8601 time")
 
 
 def ticks_of(times: Sequence[tuple[int, int]]) -> tuple[list[int], int]:

@@ -8,8 +8,9 @@ from fractions import Fraction
 
 import numpy as np
 
+from ..core.shorten import shorten
 from ..core.time import seconds
-from .capture import BadCapture, Capture, Channel, Span
+from .capture import MOST_DIGITS, BadCapture, Capture, Channel, Span
 
 
 def with_channels(capture: Capture, names: Sequence[str]) -> Capture:
@@ -42,17 +43,17 @@ def window_of(text: str, rate: Fraction | None) -> Span:
     """`100 us..1.2 ms`, or in positions `400..4800`; a time between two positions is taken outwards. ValueError."""
     begin, dots, end = text.partition("..")
     if not dots:
-        raise ValueError(f"{text!r} is no window; expected FROM..TO, as in '100 us..1.2 ms'")
+        raise ValueError(f"{shorten(repr(text))} is no window; expected FROM..TO, as in '100 us..1.2 ms'")
     first, last = _position(begin, rate), _position(end, rate)
     if not first < last:
-        raise ValueError(f"{text!r} ends before it begins")
+        raise ValueError(f"{shorten(repr(text))} ends before it begins")
     return Span(first.numerator // first.denominator, -(-last.numerator // last.denominator))
 
 
 def _position(text: str, rate: Fraction | None) -> Fraction:
     text = text.strip()
-    if text.isdecimal():
+    if text.isdecimal() and len(text) <= MOST_DIGITS:
         return Fraction(int(text))
     if rate is None:
-        raise ValueError(f"{text!r} needs a rate; state one, or give positions without a unit")
+        raise ValueError(f"{shorten(repr(text))} needs a rate; state one, or give positions without a unit")
     return seconds(text) * rate

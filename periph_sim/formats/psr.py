@@ -7,9 +7,10 @@ A zip whose members are .npy arrays, so that `numpy.load` opens it:
     head.npy     UTF-8 bytes of a JSON object: format, version, ticks_per_second, end, names, modules, capture
     number.npy   int64    tick.npy   int64    kind.npy  uint8     where.npy  uint32
     what.npy     uint32   value.npy  int64    text.npy  uint32    cause.npy  int64
+    field.npy    uint32   (from version 2 on; a file of version 1 names no fields)
 
-`kind`, `where`, `what` and `text` are places in `names`, so each string stands once. `ticks_per_second` is a whole
-number, a fraction as text ("100000000/3"), or null. A capture has one "edge" record an edge, `where` being the
+`kind`, `where`, `what`, `text` and `field` are places in `names`, so each string stands once. `ticks_per_second` is a
+whole number, a fraction as text ("100000000/3"), or null. A capture has one "edge" record an edge, `where` being the
 channel's place, and under `capture` what edges alone do not say; of a run each wire that ever changed is a channel.
 """
 
@@ -37,7 +38,7 @@ NAME = "periph-sim records (.psr)"
 SUFFIXES = (".psr",)
 
 FORMAT = "periph-sim records"
-VERSION = 1
+VERSION = 2
 MOST_BYTES = 4 << 30  # of all members unpacked: more than 90 million records
 EDGE = Kind.EDGE.value
 COPY = "copy or record it again"
@@ -90,10 +91,12 @@ def write(capture: Capture, path: Path) -> None:
         "value": value[order],
     }
     columns = {name: rows.get(name, zeros).astype(dtype) for name, (_, dtype) in COLUMNS.items()}
-    names = {"kind": (EDGE,), "where": tuple(c.name for c in channels), "what": ("level",), "text": ("",)}
+    names = {"kind": (EDGE,), "where": tuple(c.name for c in channels), "what": ("level",)}
+    names |= {"text": ("",), "field": ("",)}
     about = {
         "length": capture.length,
         "sampled": capture.sampled,
+        "exact": capture.exact,
         "notes": list(capture.notes),
         "channels": [
             {"index": c.index, "initial": c.initial, "unknown": [list(span) for span in c.unknown]} for c in channels
@@ -141,7 +144,8 @@ def _load(path: Path) -> tuple[dict[str, Any], RecordTable]:
             if total > MOST_BYTES:
                 _bad(path, "its members", f"{total} bytes unpacked", f"at most {MOST_BYTES}", "record a shorter run")
             head = _head(path, archive)
-            columns = {name: _column(path, archive, name, dtype) for name, (_, dtype) in COLUMNS.items()}
+            stored = [name for name in COLUMNS if name != "field" or head["version"] > 1]
+            columns = {name: _column(path, archive, name, COLUMNS[name][1]) for name in stored}
     except (zipfile.BadZipFile, zlib.error, EOFError, OSError, NotImplementedError, RuntimeError) as error:
         raise BadCapture(path, "the zip", _said(error), "an undamaged file", COPY) from error
     return head, _table(path, head, columns)
@@ -200,7 +204,7 @@ def _table(path: Path, head: dict[str, Any], columns: dict[str, NDArray[Any]]) -
     if len(set(lengths.values())) != 1:
         _bad(path, "its columns", f"lengths {lengths}", "one length")
     try:
-        names = {name: tuple(_strings(head["names"][name])) for name in TABLES}
+        names = {name: tuple(_strings(head["names"][name])) for name in TABLES if name in columns}
         end = _whole(head["end"])
         per_second = _rate(head["ticks_per_second"])
         modules = {str(unit): tuple(_strings(of)) for unit, of in head["modules"].items()}
@@ -212,6 +216,8 @@ def _table(path: Path, head: dict[str, Any], columns: dict[str, NDArray[Any]]) -
     strange = [name for name in names["kind"] if name not in {kind.value for kind in Kind}]
     if strange:
         _bad(path, "head.npy", f"records of kind {strange[0]!r}", f"{', '.join(kind.value for kind in Kind)}")
+    if "field" not in columns:
+        columns, names = columns | {"field": np.zeros(len(columns["tick"]), "<u4")}, names | {"field": ("",)}
     return RecordTable(columns, names, per_second, end, modules)
 
 
@@ -249,7 +255,7 @@ def _wires(path: Path, table: RecordTable) -> Capture:
         channels.append(_wire(table.names["where"][place], index, table.tick[own], table.value[own]))
     if not channels:
         _bad(path, "its records", "no edge of a wire", "edges", "record a run in which a wire changes")
-    return Capture(path, table.per_second, length, tuple(channels), sampled=False)
+    return Capture(path, table.per_second, length, tuple(channels), sampled=False, exact=True)
 
 
 def _wire(name: str, index: int, tick: NDArray[np.int64], value: NDArray[np.int64]) -> Channel:
@@ -270,12 +276,15 @@ def _stored(path: Path, head: dict[str, Any], table: RecordTable) -> Capture:
         length = _whole(about["length"])
         notes = tuple(_strings(about["notes"]))
         given = list(about["channels"])
-        if type(about["sampled"]) is not bool or len(given) != len(table.names["where"]) or length < 1:
-            raise ValueError("channels, length or sampled")
+        sampled, exact = about["sampled"], about.get("exact", False)  # `exact` is not in the first files
+        if type(sampled) is not bool or type(exact) is not bool:
+            raise ValueError("sampled or exact")
+        if len(given) != len(table.names["where"]) or length < 1:
+            raise ValueError("channels or length")
         channels = tuple(_channel(table, place, entry, length) for place, entry in enumerate(given))
     except (KeyError, TypeError, ValueError) as error:
         raise BadCapture(path, "head.npy", f"a capture without {error}", "all of it", COPY) from error
-    return Capture(path, table.per_second, length, channels, about["sampled"], notes)
+    return Capture(path, table.per_second, length, channels, sampled, notes, exact)
 
 
 def _channel(table: RecordTable, place: int, entry: dict[str, Any], length: int) -> Channel:

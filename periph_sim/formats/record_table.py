@@ -2,7 +2,7 @@
 
     Record --> Columns.add --> RecordTable: one numpy array a column, each string once in a table
 
-A record costs 45 bytes here, and one `append` a column while it is collected.
+A record costs 49 bytes here, and one `append` a column while it is collected.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from ..core.records import Kind, Record
 KINDS = tuple(Kind)
 NUMBER_OF = {kind: number for number, kind in enumerate(KINDS)}
 
-# Column, array's type code, numpy's type; the four strings are places in the table of that name.
+# Column, array's type code, numpy's type; the five strings are places in the table of that name.
 COLUMNS: dict[str, tuple[str, str]] = {
     "number": ("q", "<i8"),
     "tick": ("q", "<i8"),
@@ -31,8 +31,9 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "value": ("q", "<i8"),
     "text": ("I", "<u4"),
     "cause": ("q", "<i8"),
+    "field": ("I", "<u4"),
 }
-TABLES = ("kind", "where", "what", "text")
+TABLES = ("kind", "where", "what", "text", "field")
 
 
 class Strings(dict[str, int]):
@@ -46,7 +47,7 @@ class Strings(dict[str, int]):
 
 @dataclass(frozen=True, eq=False)
 class RecordTable:
-    """Columns of equal length; row i of `where`, `what`, `text`, `kind` is a place in `names` of that column.
+    """Columns of equal length; row i of `where`, `what`, `text`, `field`, `kind` is a place in `names` of that column.
 
     per_second: ticks a second, None where nobody knows. end: the tick at which it was over.
     modules: the units of the run with their modules; empty for a capture.
@@ -87,7 +88,7 @@ class RecordTable:
         return np.flatnonzero(wanted)
 
     def texts(self, column: str, rows: NDArray[np.int64] | None = None) -> list[str]:
-        """The strings of `kind`, `where`, `what` or `text`, row by row."""
+        """The strings of `kind`, `where`, `what`, `text` or `field`, row by row."""
         places = self.columns[column] if rows is None else self.columns[column][rows]
         names = self.names[column]
         return [names[place] for place in places.tolist()]
@@ -95,12 +96,14 @@ class RecordTable:
     def records(self, rows: NDArray[np.int64] | None = None) -> Iterator[Record]:
         """The records as they were made, a piece at a time, so that a long run costs no second copy."""
         chosen = np.arange(len(self)) if rows is None else rows
-        where, what, text = (self.names[name] for name in ("where", "what", "text"))
+        where, what, text, fields = (self.names[name] for name in ("where", "what", "text", "field"))
         kinds = [Kind(name) for name in self.names["kind"]]
         for begin in range(0, len(chosen), 1 << 16):
             piece = chosen[begin : begin + (1 << 16)]
-            for n, t, k, w, a, v, x, c in zip(*(self.columns[name][piece].tolist() for name in COLUMNS), strict=True):
-                yield Record(n, t, kinds[k], where[w], what[a], v, text[x], c)
+            for n, t, k, w, a, v, x, c, f in zip(
+                *(self.columns[name][piece].tolist() for name in COLUMNS), strict=True
+            ):
+                yield Record(n, t, kinds[k], where[w], what[a], v, text[x], c, fields[f])
 
 
 class Columns:
@@ -113,7 +116,7 @@ class Columns:
 
     def add(self, record: Record) -> None:
         strings = self._strings
-        number, tick, kind, where, what, value, text, cause = self._appends
+        number, tick, kind, where, what, value, text, cause, field = self._appends
         number(record.number)
         tick(record.tick)
         kind(NUMBER_OF[record.kind])
@@ -122,6 +125,7 @@ class Columns:
         value(record.value)
         text(strings["text"][record.text])
         cause(record.cause)
+        field(strings["field"][record.field])
 
     def __len__(self) -> int:
         return len(self._columns["tick"])

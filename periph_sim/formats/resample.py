@@ -34,7 +34,7 @@ def resampled(capture: Capture, rate: Fraction) -> Capture:
         if lost
     ]
     channels = tuple(channel for channel, _ in moved)
-    return replace(capture, rate=rate, length=length, channels=channels, sampled=True, notes=(*capture.notes, *notes))
+    return replace(capture, rate=rate, length=length, channels=channels, sampled=True, exact=False).noted(*notes)
 
 
 def rate_text(rate: Fraction) -> str:

@@ -23,7 +23,7 @@ from typing import Protocol
 
 import numpy as np
 
-from .capture import BadCapture, Capture, Levels, Positions
+from .capture import MOST_DIGITS, BadCapture, Capture, Levels, Positions
 from .changes import UNKNOWN, changes
 from .grid import LEAST_DECIMALS, OffGrid, exact_time
 from .limits import MOST_EDGES
@@ -136,7 +136,7 @@ class _Table:
                 self._states.append([STATES[cell.strip()] for cell in cells])
                 kind = self._kinds[key] = len(self._kinds)
             whole, _, part = time.partition(".")
-            plain = part.isdecimal() and whole.isdecimal() and time.isascii()
+            plain = part.isdecimal() and whole.isdecimal() and time.isascii() and len(time) <= MOST_DIGITS
             digits, decimals = (int(whole + part), len(part)) if plain else exact_time(time)
         except (KeyError, ValueError):
             raise self.bad(line, repr(",".join(row)), "a time and 0, 1 or X", "export digital data") from None

@@ -23,13 +23,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import limits
-from .capture import BadCapture, Capture, Channel, rate_of
+from .capture import MOST_DIGITS, BadCapture, Capture, Channel, rate_of
 from .edges_of_samples import BLOCK, Scan
 from .resample import rate_text
 from .zipped import Archive, Damage
 
 NAME = "sigrok session (.sr)"
 SUFFIXES = (".sr",)
+SAMPLES_ONLY = True
 
 WHAT = "sigrok session"
 CHUNK = 1 << 22  # bytes of a chunk, as sigrok's own writer makes them
@@ -154,7 +155,7 @@ def _metadata(path: Path, text: str) -> Metadata:
     probes = {}
     for key, value in keys.items():
         if (match := re.fullmatch(r"probe(\d+)", key)) and value:
-            bit = int(match[1]) - 1
+            bit = int(match[1][:MOST_DIGITS]) - 1
             if not 0 <= bit < 8 * unitsize:
                 fit = f"probe1 to probe{8 * unitsize}"
                 raise BadCapture(path, f"metadata, {key}", f"unitsize {unitsize}", fit, "mend the metadata")
@@ -167,7 +168,7 @@ def _metadata(path: Path, text: str) -> Metadata:
 
 def _number(path: Path, keys: dict[str, str], key: str, least: int, most: int) -> int:
     value = keys.get(key, "nothing")
-    if not value.isdecimal() or not least <= int(value) <= most:
+    if not value.isdecimal() or len(value) > MOST_DIGITS or not least <= int(value) <= most:
         raise BadCapture(path, f"metadata, {key}", value, f"{least} to {most}", "mend the metadata or save it again")
     return int(value)
 
@@ -179,13 +180,16 @@ def write(capture: Capture, path: Path) -> tuple[str, ...] | None:
     """Writes version 2, the channels in order as bits from 0. BadCapture where sigrok could not read it."""
     channels = capture.channels
     if not 1 <= len(channels) <= MOST_WIDE:
-        raise BadCapture(path, "its channels", f"{len(channels)}", f"1 to {MOST_WIDE}", "write .vcd")
+        raise BadCapture(
+            path, "its channels", f"{len(channels)}", f"1 to {MOST_WIDE}", "pick some with --channels, or write .vcd"
+        )
     if capture.length > limits.MOST_SAMPLES_WRITTEN:
-        found, most = f"{capture.length} samples", f"at most {limits.MOST_SAMPLES_WRITTEN}"
-        raise BadCapture(path, "its length", found, most, "state the samples a second to write with --rate")
+        at = "" if capture.rate is None else f" of {rate_text(capture.rate)}"
+        found, most = f"{capture.length} samples{at}", f"at most {limits.MOST_SAMPLES_WRITTEN}"
+        raise BadCapture(path, "its length", found, most, "choose a lower rate with --sample '4 MHz', or write .vcd")
     if capture.rate is not None and capture.rate.denominator != 1:
         found = f"{capture.rate} samples a second"
-        raise BadCapture(path, "its rate", found, "a whole number", "state one with --rate")
+        raise BadCapture(path, "its rate", found, "a whole number", "choose one with --sample '4 MHz'")
     unitsize = next(size for size in (1, 2, 4, 8) if len(channels) <= 8 * size)
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         _put(archive, "version", b"2")

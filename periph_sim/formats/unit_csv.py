@@ -19,12 +19,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.shorten import shorten
 from .capture import BadCapture
 
 Floats = NDArray[np.float64]
 
 TITLE = re.compile(r"\s*(\S[^\[\]]*?)\s*\[\s*([^\[\]]*?)\s*\]\s*")
-LONGEST_SHOWN = 60  # characters of a cell: a file that is no CSV may be one cell
 WRITTEN = "a title such as 'time [s]' or 'phi [deg]' for every column"
 
 
@@ -48,7 +48,10 @@ def read(path: Path) -> list[Column]:
         ) from None
     except UnicodeDecodeError:
         raise _bad(path, 1, "bytes that are not UTF-8", "text") from None
-    titles = [_title(path, cell) for cell in next(csv.reader([head]), [])]
+    try:
+        titles = [_title(path, cell) for cell in next(csv.reader([head]), [])]
+    except csv.Error as error:
+        raise _bad(path, 1, str(error), WRITTEN) from None
     names = [name for name, _ in titles]
     for place, name in enumerate(names):
         if name in names[:place]:
@@ -67,7 +70,7 @@ def line_of_row(path: Path, row: int) -> int:
 def _title(path: Path, cell: str) -> tuple[str, str]:
     found = TITLE.fullmatch(cell)
     if found is None:
-        raise _bad(path, 1, _shown(cell), WRITTEN)
+        raise _bad(path, 1, shorten(repr(cell), 100), WRITTEN)
     return found[1], found[2]
 
 
@@ -96,9 +99,11 @@ def _first_wrong(path: Path, columns: int) -> BadCapture:
                 return _bad(path, line, f"{len(cells)} cells", f"{columns}, as there are titles")
             for cell in cells:
                 if not _is_finite(cell):
-                    return _bad(path, line, _shown(cell), "a finite number")
+                    return _bad(path, line, shorten(repr(cell), 100), "a finite number")
     except UnicodeDecodeError:
         return _bad(path, line + 1, "bytes that are not UTF-8", "numbers")
+    except csv.Error as error:
+        return _bad(path, line + 1, str(error), "numbers")
     return _bad(path, line, "a row that cannot be read", "finite numbers with commas between them")
 
 
@@ -117,10 +122,6 @@ def _is_finite(cell: str) -> bool:
         return isfinite(float(cell)) and "_" not in cell
     except ValueError:
         return False
-
-
-def _shown(cell: str) -> str:
-    return repr(cell) if len(cell) <= LONGEST_SHOWN else f"{cell[:LONGEST_SHOWN]!r}... of {len(cell)} characters"
 
 
 def _bad(path: Path, line: int, found: str, expected: str) -> BadCapture:

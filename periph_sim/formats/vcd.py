@@ -195,7 +195,7 @@ class _Reader:
         if width == 1:
             self._names.append((scoped, lines[0]))
             return
-        match = re.search(r"\s*\[\s*(-?\d+)\s*:\s*(-?\d+)\s*\]$", scoped)
+        match = re.search(r"\s*\[\s*(-?\d{1,9})\s*:\s*(-?\d{1,9})\s*\]$", scoped)
         msb, lsb = (int(match[1]), int(match[2])) if match else (width - 1, 0)
         stem = scoped[: match.start()] if match else scoped
         step = 1 if lsb >= msb else -1

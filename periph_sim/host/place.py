@@ -7,11 +7,14 @@ from __future__ import annotations
 
 import os
 import sys
+import sysconfig
 from collections.abc import Callable
 from pathlib import Path
-from types import CodeType
+from types import CodeType, FrameType
 
 PACKAGE = f"{Path(__file__).parents[1]}{os.sep}"  # what a place in the firmware is never in
+STDLIB = f"{sysconfig.get_path('stdlib')}{os.sep}"  # nor in this, which our own calls go through
+INSTALLED = f"{STDLIB}site-packages{os.sep}"  # which may hold firmware
 
 
 class Where(str):
@@ -21,6 +24,9 @@ class Where(str):
 
     path: str
     line: int
+
+    def for_people(self) -> str:
+        return f"line {self.line} of {Path(self.path).name}"
 
 
 class Places:
@@ -36,6 +42,12 @@ class Places:
             frame = frame.f_back
         return self._place(frame.f_code, frame.f_lineno)
 
+    def of_frame(self, frame: FrameType | None) -> Where | None:
+        """The innermost frame of firmware from this one outwards; None if there is none."""
+        while frame is not None and not is_firmware(frame.f_code.co_filename):
+            frame = frame.f_back
+        return None if frame is None else self._place(frame.f_code, frame.f_lineno)
+
     def of(self, routine: Callable[[], None]) -> Where | None:
         """Where a routine begins; None if it is not written in Python."""
         code = getattr(routine, "__code__", None)
@@ -47,3 +59,10 @@ class Places:
             place = self._known[code, line] = Where(f"{code.co_name}:{line}")
             place.path, place.line = code.co_filename, line
         return place
+
+
+def is_firmware(file: str) -> bool:
+    """True if code of this file is neither ours nor Python's own."""
+    if file.startswith((PACKAGE, "<frozen ")):
+        return False
+    return not file.startswith(STDLIB) or file.startswith(INSTALLED)

@@ -5,11 +5,10 @@ Run --each lint--> rows at fault --> findings, one a place and fault
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
 from functools import cache
 from typing import cast
 
+from ..core.scan import modules_with
 from . import lints
 from .finding import Finding, Lint, Options
 from .run import Run
@@ -18,8 +17,8 @@ from .run import Run
 @cache
 def all_lints() -> dict[str, Lint]:
     """The lints by name, in the order of their names."""
-    names = sorted(entry.name for entry in pkgutil.iter_modules(lints.__path__))
-    return {name.replace("_", "-"): cast(Lint, importlib.import_module(f"{lints.__name__}.{name}")) for name in names}
+    found = modules_with("faults", lints.__name__, lints.__path__)
+    return {name.replace("_", "-"): cast(Lint, module) for name, module in found.items()}
 
 
 def lint(run: Run, options: Options | None = None) -> list[Finding]:

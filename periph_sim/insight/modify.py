@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..core.registers import Field
-from .causes import MODIFY
 from .maps import one_clears
+from .read_modify_write import read_modify_writes
 from .run import Group, Rows, Run
 
 
@@ -20,7 +20,8 @@ class Lost:
     """What happened to one flag in the read-modify-writes of one place. first: tick of the first loss, or None.
 
     rose: between read and write. lost_between: of these, cleared by that write. along: set when it was read, and
-    cleared by the write though another flag was meant. unseen: of these, never read by the firmware since they rose.
+    cleared by the write though another flag was meant. unseen: of these, never looked at by the firmware since they
+    rose: a read that named another field of the register does not count.
     lost: the ticks at which it was gone without having been seen, in order. cleared: those at which it was cleared
     unmeant, seen or not.
     """
@@ -37,8 +38,8 @@ class Lost:
 
 @dataclass(frozen=True)
 class Modify:
-    """The read-modify-writes of one place. meant: the flags that they clear for sure; doubt: the recording cannot say
-    which of these was meant, as all were set each time."""
+    """The read-modify-writes of one place. meant: the flags that firmware named, or that they clear for sure; doubt:
+    the recording cannot say which of these was meant, as all were set each time."""
 
     unit: str
     register: str
@@ -69,15 +70,9 @@ def modifies(run: Run, group: Group) -> list[Modify]:
 
 def pairs(run: Run, group: Group) -> tuple[Rows, Rows]:
     """Reads and writes, row by row, of the read-modify-writes among a group of writes."""
-    table = run.table
-    rows, following = run.in_order(group.unit)
-    reads = rows[np.isin(following, group.rows)]
-    writes = following[np.isin(following, group.rows)]
-    read_rows = run.accesses_of(group.unit, "R", group.module, group.register.name)
-    near = table.tick[writes] - table.tick[reads] <= int(MODIFY * run.cycles.ticks)
-    same_place = table.columns["text"][writes] == table.columns["text"][reads]
-    sound = near & same_place & np.isin(reads, read_rows)
-    return reads[sound], writes[sound]
+    found = read_modify_writes(run, group.unit)
+    ours = np.isin(found.writes, group.rows)
+    return found.reads[ours], found.writes[ours]
 
 
 def _judged(run: Run, group: Group, place: str, reads: Rows, writes: Rows, fields: tuple[Field, ...]) -> Modify:
@@ -85,10 +80,15 @@ def _judged(run: Run, group: Group, place: str, reads: Rows, writes: Rows, field
     proven = int(np.bitwise_or.reduce(written & ~values))
     always = int(np.bitwise_and.reduce(written))
     ones = [f for f in fields if always & f.mask]
+    named = set(run.table.texts("field", writes)) - {""}
     meant = [f for f in fields if proven & f.mask] or (ones if len(ones) == 1 else [])
-    doubt = ones if not meant else []
+    if named:
+        meant = [f for f in fields if f.name in named]
+    doubt = ones if not meant and not named else []
     plain = np.setdiff1d(run.accesses_of(group.unit, "R", group.module, group.register.name), reads)
-    flags = [_lost(run, group, f, reads, writes, plain, f not in meant and f not in doubt) for f in fields]
+    flags = [
+        _lost(run, group, f, reads, writes, run.looking_at(plain, f), f not in meant and f not in doubt) for f in fields
+    ]
     return Modify(
         group.unit,
         f"{group.module}.{group.register.name}",
@@ -101,14 +101,13 @@ def _judged(run: Run, group: Group, place: str, reads: Rows, writes: Rows, field
 
 
 def _lost(run: Run, group: Group, f: Field, reads: Rows, writes: Rows, plain: Rows, other: bool) -> Lost:
-    """plain: reads of the register besides those of these read-modify-writes. other: the flag was not the one meant."""
+    """plain: reads that looked at the flag, but for those of these read-modify-writes. other: it was not the one
+    meant."""
     table = run.table
     changes = run.changes(group.unit, group.module, group.register, f)
     rises, falls = changes[table.value[changes] != 0], changes[table.value[changes] == 0]
     rose = np.searchsorted(rises, writes) > np.searchsorted(rises, reads)
-    by = np.minimum(np.searchsorted(table.number, table.cause[falls]), len(table) - 1)
-    named = table.number[by] == table.cause[falls]
-    cleared = np.isin(writes, by[named & (table.tick[by] == table.tick[falls])])
+    cleared = np.isin(writes, run.made_by(falls))
     along = cleared & ~rose & (table.value[reads] & f.mask != 0) & other
     place = np.searchsorted(rises, reads) - 1
     last_rise = np.append(rises, -1)[place]

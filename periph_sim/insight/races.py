@@ -153,13 +153,9 @@ def _reads_by_place(run: Run, group: Group) -> Iterator[tuple[str, Rows, NDBool]
 
 def _changes(run: Run, group: Group, f: Field | None) -> Rows:
     """The rows at which fields changed that were not changed, in that cycle, by an access of the unit itself."""
-    table = run.table
     of = [run.changes(group.unit, group.module, group.register, each) for each in _fields(group.register, f)]
     rows = np.sort(np.concatenate(of))
-    by = np.minimum(np.searchsorted(table.number, table.cause[rows]), len(table) - 1)
-    accesses = run.in_order(group.unit)[0]
-    own = (table.number[by] == table.cause[rows]) & (table.tick[by] == table.tick[rows]) & np.isin(by, accesses)
-    others: Rows = rows[~own]
+    others: Rows = rows[~np.isin(run.made_by(rows), run.in_order(group.unit)[0])]
     return others
 
 

@@ -115,6 +115,13 @@ class Run:
         row = int(np.searchsorted(self.table.number, number))
         return row if number and row < len(self.table) and int(self.table.number[row]) == number else None
 
+    def made_by(self, rows: Rows) -> Rows:
+        """Beside each row that of its cause, where both happened at one tick; else -1."""
+        table = self.table
+        causes = np.minimum(np.searchsorted(table.number, table.cause[rows]), max(len(table) - 1, 0))
+        at_once = (table.number[causes] == table.cause[rows]) & (table.tick[causes] == table.tick[rows])
+        return np.where(at_once, causes, -1)
+
     def last(self, rows: Rows, tick: int, before: int | None = None) -> int | None:
         """The last of these rows up to a tick, and above row `before` where that is given."""
         place = int(np.searchsorted(self.table.tick[rows], tick, "right"))
@@ -141,6 +148,10 @@ class Run:
         """The rows at which a field changed."""
         return self.rows(Kind.FLAG, f"{unit}.{module}", f"{register.name}.{f.name}")
 
+    def changed_before(self, unit: str, module: str, register: Register, f: Field, row: int) -> int | None:
+        """The row of the field's last change above a row."""
+        return self.last(self.changes(unit, module, register, f), int(self.table.tick[row]), row)
+
     def values(self, unit: str, module: str, register: Register, f: Field, rows: Rows) -> Rows:
         """What a field held just above each of these rows."""
         changes = self.changes(unit, module, register, f)
@@ -161,6 +172,31 @@ class Run:
         following[np.append(routine[1:] != routine[:-1], True)] = -1
         self._orders[unit] = rows, following
         return rows, following
+
+    def routine(self, unit: str, entry: int) -> Rows:
+        """The unit's accesses in one run of a service routine, by the number of its entry; 0: in the main program."""
+        rows, _ = self.in_order(unit)
+        routines = self.remembered(f"routines of {unit}", lambda: self.table.cause[rows])
+        found: Rows = rows[np.searchsorted(routines, entry) : np.searchsorted(routines, entry, "right")]
+        return found
+
+    def service(self, unit: str, routine: int, after: int, before: int) -> tuple[Rows, Rows]:
+        """The rows at which service routines ended between two rows, and those at which they were entered.
+
+        routine: the number of the entry of the routine that they interrupted; 0: the main program.
+        """
+        table = self.table
+
+        def found() -> Rows:
+            ends = self.rows(Kind.IRQ, unit)
+            ends = ends[table.value[ends] == 0]
+            entries = np.minimum(np.searchsorted(table.number, table.cause[ends]), max(len(table) - 1, 0))
+            known = table.number[entries] == table.cause[ends]
+            return np.stack([ends[known], entries[known]])
+
+        ends, entries = self.remembered(f"service routines of {unit}", found)
+        within = (ends > after) & (ends < before) & (table.cause[entries] == routine)
+        return ends[within], entries[within]
 
     @cached_property
     def accesses(self) -> tuple[Group, ...]:
@@ -184,6 +220,12 @@ class Run:
 
     def accesses_of(self, unit: str, way: str, module: str, register: str) -> Rows:
         return self.rows(Kind.ACCESS, unit, f"{way} {module}.{register}")
+
+    def looking_at(self, reads: Rows, f: Field) -> Rows:
+        """Those of these reads that looked at a field: that named it, or the whole register."""
+        about = np.array([name in ("", f.name) for name in self.table.names["field"]], bool)
+        found: Rows = reads[about[self.table.columns["field"][reads]]]
+        return found
 
     def by_place(self, rows: Rows) -> Iterator[tuple[str, Rows]]:
         """The rows of each place in the firmware, "function:line"."""

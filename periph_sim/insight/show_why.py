@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..core.records import Kind, Record
-from .causes import Step, holders
+from ..core.records import Kind
+from .causes import Step
+from .holders import holders
 from .maps import register_of
+from .record_words import happened_where, number
 from .run import Run
 from .why import AS_RESET, Answer
 
@@ -27,7 +29,7 @@ def text(answer: Answer) -> str:
     for step in answer.back:
         distance = run.length(at - step.record.tick) + " before" if step.known else run.at(step.record.tick)
         known = f"[{step.known}: {step.because}]" if step.known else ""
-        rows.append((f"#{step.record.number}", distance, said(run, step), known))
+        rows.append((f"#{step.record.number}", distance, f"{'    ' * step.aside}{said(run, step)}", known))
     lines += aligned(rows)
     return "\n".join([*lines, "", "forward:", *_forward(answer)])
 
@@ -48,6 +50,8 @@ def as_json(answer: Answer) -> dict[str, object]:
         "since_s": float(run.seconds(answer.since)),
         "doc": f.doc if f is not None else None,
         "source": register.source if register is not None else None,
+        "pulled_by": list(answer.pulled_by),
+        "held_by": list(answer.held_by),
         "back": [_entry(answer, step) for step in answer.back],
         "set_off": [_entry(answer, step) for step in answer.effects],
         "next_read": None if answer.reader is None else _entry(answer, answer.reader),
@@ -57,32 +61,17 @@ def as_json(answer: Answer) -> dict[str, object]:
 
 
 def said(run: Run, step: Step) -> str:
-    """One record in words."""
+    """One record in words, with the section of the manual that tells of its register."""
     record = step.record
-    source = ""
-    if record.kind is Kind.FLAG:
-        module, _, name = record.where.rpartition(".")[2], "", record.what.partition(".")[0]
-        register = register_of(module, name)
-        source = f" [{register.source}]" if register is not None else ""
-    return _said(run, step.row, record) + source
-
-
-def _said(run: Run, row: int, record: Record) -> str:
-    if record.kind is Kind.FLAG:
-        return f"{record.where}.{record.what} became {_number(record.value)}"
-    if record.kind is Kind.ACCESS:
-        way = "read" if record.what.startswith("R ") else "wrote"
-        return f"{record.where} {way} {record.what[2:]} = {record.value:#06x} at {record.text}"
-    if record.kind is Kind.EDGE:
-        who = ", ".join(holders(run, row, record))
-        verb = ("let go" if record.value else "pulled low") + f" by {who}" if who else ""
-        return f"{record.where} {'rose' if record.value else 'fell'}{', ' + verb if verb else ''}"
-    if record.kind in (Kind.IRQ, Kind.SPAN):
-        what = "interrupt " if record.kind is Kind.IRQ else ""
-        verb = "entered" if record.kind is Kind.IRQ else "began"
-        return f"{record.where} {what}{record.what} {verb if record.value else 'ended'}"
-    about = f" ({record.text})" if record.text else ""
-    return f"{record.where}: {record.what} {record.value:#x}{about}"
+    words = happened_where(record)
+    if record.kind is Kind.EDGE and record.value:
+        who = ", ".join(holders(run, step.row, record))
+        words += f", released by {who}" if who else ""
+    if record.kind is not Kind.FLAG:
+        return words
+    module, name = record.where.rpartition(".")[2], record.what.partition(".")[0]
+    register = register_of(module, name)
+    return f"{words} [{register.source}]" if register is not None else words
 
 
 def _value(answer: Answer) -> str:
@@ -90,14 +79,13 @@ def _value(answer: Answer) -> str:
         return "not known, it never changed"
     states = {Kind.EDGE: ("low", "high"), Kind.SPAN: ("not in it", "in it"), Kind.IRQ: ("not in it", "in it")}
     kind = answer.subject.kind
-    value = states[kind][answer.value != 0] if kind in states else _number(answer.value)
+    value = states[kind][answer.value != 0] if kind in states else number(answer.value)
     if not answer.back:
         return f"{value}, {AS_RESET}" if kind is Kind.FLAG else f"{value} from the start"
-    return f"{value} since {answer.run.at(answer.since)}, {answer.run.length(answer.tick - answer.since)} before"
-
-
-def _number(value: int) -> str:
-    return str(value) if value < 10 else f"{value:#x}"
+    run = answer.run
+    said = f"{value} since {run.at(answer.since)}, {run.length(answer.tick - answer.since)} before"
+    pulled, held = (" and ".join(who) for who in (answer.pulled_by, answer.held_by))
+    return said if pulled == held else f"{said}; pulled low first by {pulled}, held now by {held}"
 
 
 def _meaning(answer: Answer) -> list[str]:
@@ -119,7 +107,7 @@ def _forward(answer: Answer) -> list[str]:
     if field:
         until = "that change" if answer.changed is not None else "the end of the run"
         lines.append(
-            f"  {answer.reads or 'no'} recorded read{'s' * (answer.reads != 1)} of the register before {until}"
+            f"  {answer.reads or 'no'} recorded read{'s' * (answer.reads != 1)} that looked at it before {until}"
         )
     if answer.changed is None:
         lines.append("  it did not change again")
@@ -147,4 +135,6 @@ def _entry(answer: Answer, step: Step) -> dict[str, object]:
         "said": said(answer.run, step),
         "known": step.known or None,
         "because": step.because or None,
+        "cause_of": int(answer.run.table.number[step.of]) if step.of >= 0 else None,
+        "aside": step.aside,
     }

@@ -5,7 +5,9 @@ Units may be left out where only one has the thing; hyphens and case do not matt
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
+from fractions import Fraction
 
 import numpy as np
 
@@ -15,6 +17,8 @@ from ..core.registers import Field, Register
 from ..core.time import TimeError, seconds
 from .maps import registers_of
 from .run import NotInRun, Run
+
+COARSEST = Fraction(1, 10**6)  # seconds: no instant is shown to fewer digits; what is typed so means no one change
 
 
 @dataclass(frozen=True)
@@ -36,7 +40,8 @@ def asked(run: Run, question: str) -> tuple[Subject, int]:
     name, at, time = question.rpartition("@")
     if not at or not name.strip():
         raise NotInRun(f"{question!r}: expected NAME@TIME, as in I2C-A.I2CSTR.XRDY@12.345ms or SDA@3us")
-    return named(run, name.strip()), _tick(run, time)
+    subject = named(run, name.strip())
+    return subject, _tick(run, time, subject)
 
 
 def named(run: Run, name: str) -> Subject:
@@ -78,7 +83,11 @@ def subjects(run: Run) -> list[Subject]:
     return found
 
 
-def _tick(run: Run, text: str) -> int:
+def _tick(run: Run, text: str, subject: Subject) -> int:
+    """The tick that a time means: that of the change of the subject which is shown as this time, if there is one.
+
+    Shown times are rounded, so the exact instant of a change may be a little later than what is typed for it.
+    """
     try:
         at = seconds(text)
     except TimeError as error:
@@ -86,7 +95,21 @@ def _tick(run: Run, text: str) -> int:
     tick = int(at * run.per_second // 1)
     if not 0 <= tick <= run.table.end:
         raise NotInRun(f"{run.name}: {text.strip()} is outside the run, which goes from 0 to {run.at(run.table.end)}")
-    return tick
+    digit = _last_digit(text)
+    if digit > COARSEST:
+        return tick
+    changes = run.rows(subject.kind, subject.where, subject.what)
+    place = int(np.searchsorted(run.table.tick[changes], tick, "right"))
+    around = [int(run.table.tick[row]) for row in changes[max(place - 1, 0) : place + 1]]
+    meant = min(around, key=lambda one: abs(run.seconds(one) - at), default=tick)
+    return meant if abs(run.seconds(meant) - at) <= digit / 2 else tick
+
+
+def _last_digit(text: str) -> Fraction:
+    """What the last digit of a time counts, in seconds: 1e-10 in "26730.2667us"."""
+    number = text.strip()[: len(text.strip()) - len(text.strip().lstrip("0123456789._"))]
+    zeros = re.sub(r"\d", "0", number)
+    return seconds(f"{zeros[:-1]}1{text.strip()[len(number) :]}") if zeros[-1:] == "0" else Fraction(1)
 
 
 def _hint(known: list[Subject], name: str) -> str:

@@ -11,7 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..core.records import Kind
-from .causes import RECORDED, Step, walk_back
+from .causes import Step, walk_back
+from .firmware_causes import RECORDED
+from .holders import holders, wire_rows
 from .run import Rows, Run
 from .subject import Subject, asked
 
@@ -22,23 +24,23 @@ AS_RESET = "as reset left it"
 
 @dataclass(frozen=True)
 class Answer:
-    """value: None where nothing is known, as of a wire before its first edge. back: the record that gave the value,
-    then its causes. reads: how many recorded reads before the next change."""
+    """value: None where nothing is known, as of a wire before its first edge. since: the tick from which on it had the
+    value; 0 where it never changed before. back: the record that gave the value, then its causes; of a low wire
+    first the record from which on nobody else has held it. pulled_by, held_by: of such a wire, who pulled it low, and
+    who holds it now. reads: how many recorded reads looked at the field before the next change."""
 
     run: Run
     subject: Subject
     tick: int
     value: int | None
+    since: int
     back: tuple[Step, ...]
+    pulled_by: tuple[str, ...]
+    held_by: tuple[str, ...]
     effects: tuple[Step, ...]
     reader: Step | None
     reads: int
     changed: Step | None
-
-    @property
-    def since(self) -> int:
-        """The tick from which on it had the value; 0 where it never changed before."""
-        return self.back[0].record.tick if self.back else 0
 
 
 def why(run: Run, question: str, depth: int = DEPTH) -> Answer:
@@ -46,24 +48,23 @@ def why(run: Run, question: str, depth: int = DEPTH) -> Answer:
     subject, tick = asked(run, question)
     rows = run.rows(subject.kind, subject.where, subject.what)
     row = run.last(rows, tick)
-    value: int | None
-    if row is not None:
-        value = int(run.table.value[row])
-    elif subject.field is not None:
-        value = subject.field.reset
-    elif subject.kind is Kind.EDGE and len(rows):
-        value = 1 - int(run.table.value[rows[0]] != 0)
-    else:
-        value = None if subject.kind is Kind.EDGE else 0
     after = -1 if row is None else row
     next_row = run.next(rows, after)
     reads = _reads(run, subject, after, next_row)
+    value = _value(run, subject, rows, row)
+    now, low = row, subject.kind is Kind.EDGE and value == 0 and row is not None
+    if low:
+        now = run.last(wire_rows(run, subject.where), tick)
+    back = () if now is None else tuple(walk_back(run, now, depth))
     return Answer(
         run,
         subject,
         tick,
         value,
-        tuple(walk_back(run, row, depth)) if row is not None else (),
+        0 if row is None else int(run.table.tick[row]),
+        back,
+        holders(run, row, run.record(row)) if low and row is not None else (),
+        holders(run, now, run.record(now)) if low and now is not None else (),
         _effects(run, row),
         _step(run, int(reads[0])) if len(reads) else None,
         len(reads),
@@ -71,13 +72,24 @@ def why(run: Run, question: str, depth: int = DEPTH) -> Answer:
     )
 
 
+def _value(run: Run, subject: Subject, rows: Rows, row: int | None) -> int | None:
+    """The subject's value from `row` on; before its first change what reset left, or a wire was before it moved."""
+    if row is not None:
+        return int(run.table.value[row])
+    if subject.field is not None:
+        return subject.field.reset
+    if subject.kind is Kind.EDGE:
+        return 1 - int(run.table.value[rows[0]] != 0) if len(rows) else None
+    return 0
+
+
 def _reads(run: Run, subject: Subject, after: int, until: int | None) -> Rows:
-    """The recorded reads of the field's register between two of its changes."""
-    if subject.register is None:
+    """The recorded reads that looked at the field between two of its changes."""
+    if subject.register is None or subject.field is None:
         return np.empty(0, np.int64)
     rows = run.accesses_of(subject.unit, "R", subject.module, subject.register.name)
     end = np.searchsorted(rows, until) if until is not None else len(rows)
-    return rows[np.searchsorted(rows, after, "right") : end]
+    return run.looking_at(rows[np.searchsorted(rows, after, "right") : end], subject.field)
 
 
 def _effects(run: Run, row: int | None) -> tuple[Step, ...]:

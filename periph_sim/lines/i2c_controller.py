@@ -15,19 +15,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from ..core.chip import NEVER
 from ..core.kernel import Kernel
 from ..core.records import Kind, Recorder
 from ..core.time import NO_TIME
-from ..core.wire import Wire
-from .i2c_pulses import Follower, Pulses
+from ..core.wire import Wire, watch
+from .bus_clear import BusClear
+from .i2c_events import EVENT, FALL, IDLE, NOTHING, RISE, SCL, SDA, START, STOP
 
 NO_BYTE = 1 << 30  # instead of the number of a byte: STOP or repeated START is next
 
 
 @dataclass(frozen=True)
 class BusTiming:
-    """All in ticks; each what the controller does, not a limit."""
+    """All in ticks; each what the controller does, not a limit. filter: a level of SDA that lasts less is not seen."""
 
     low: int  # SCL let go this long after it fell
     high: int  # SCL falls this long after it rose
@@ -36,6 +36,7 @@ class BusTiming:
     start_setup: int  # SCL rises to SDA falls, repeated START
     stop_setup: int  # SCL rises to SDA rises, STOP
     free: int  # STOP to the next START, at least
+    filter: int = 0
 
 
 @dataclass
@@ -83,14 +84,21 @@ class Transfer:
 
 
 class I2cController:
-    """who: its name on the wires and in records. limit: SCL low longer than this is reported by `on_stuck`."""
+    """who: its name on the wires and in records. stuck_after: a line low longer than this is reported by `on_stuck`.
+
+    clear_after: so long after a START that was refused, since nobody let go of SDA or nobody gave the STOP that was
+    due, the bus is cleared. 0: never, as where there may be other controllers. gives_up: a written byte that the target
+    refuses ends the transfer with a STOP; else the next phase of the transfer follows.
+    """
 
     __slots__ = (
         "_bit",
         "_bus_busy",
         "_byte",
+        "_clear",
+        "_clear_after",
         "_done",
-        "_due",
+        "_gives_up",
         "_guard",
         "_high",
         "_high_end",
@@ -99,24 +107,28 @@ class I2cController:
         "_kernel",
         "_last_stop",
         "_let_go_at",
+        "_lines",
         "_on_stuck",
         "_phase",
         "_phase_index",
         "_receiving",
         "_recorder",
+        "_refused_since",
         "_rising",
+        "_sampler",
         "_scl_mask",
         "_scl_moved",
+        "_scl_seen",
         "_scl_wire",
+        "_sda_event",
         "_sda_level",
         "_sda_mask",
+        "_sda_moved",
+        "_sda_seen",
         "_sda_wire",
-        "_step",
-        "_stepping",
         "_stuck_after",
         "_transfer",
         "busy",
-        "followers",
         "timing",
         "who",
     )
@@ -131,11 +143,12 @@ class I2cController:
         who: str = "controller",
         stuck_after: int = 0,
         on_stuck: Callable[[Wire], None] | None = None,
+        clear_after: int = 0,
+        gives_up: bool = False,
     ) -> None:
         self.who = who
         self.timing = timing
         self.busy = False
-        self.followers: list[Follower] = []  # those besides this one who hear of the lines
         self._kernel = kernel
         self._recorder = recorder if recorder.wants(Kind.BUS) else None
         self._scl_wire = scl
@@ -149,9 +162,6 @@ class I2cController:
         self._rising = False  # SCL is let go and has not risen yet
         self._high = timing.high  # how long SCL stays high next, and what comes then
         self._high_end: Callable[[], None] = self._bit_end
-        self._due = NEVER  # when the next step is due, and which it is
-        self._step: Callable[[], None] = self._bit_end
-        self._stepping = False
         self._let_go_at = 0
         self._last_stop = -timing.free
         self._transfer = Transfer("", [])
@@ -165,8 +175,22 @@ class I2cController:
         self._receiving = False
         self._scl_moved = kernel.now
         self._bus_busy = False  # between a START and its STOP, whoever made them
-        scl.watch(self._scl_changed)
-        sda.watch(self._sda_changed)
+        self._gives_up = gives_up
+        self._clear_after = clear_after
+        self._refused_since = NO_TIME  # a START is due, and the bus is not free
+        masks, times = (self._scl_mask, self._sda_mask), (timing.low, timing.high, timing.hold)
+        self._clear = BusClear(kernel, scl, sda, masks, times, self._cleared)
+        self._lines = IDLE
+        self._scl_seen = SCL  # its level before it moved last, spikes left out
+        self._sda_moved = -timing.filter
+        self._sda_event = NOTHING  # what its last change is, if it lasts
+        self._sda_seen = 1  # behind the filter
+        self._sampler = watch([scl, sda], self._on_lines)
+
+    @property
+    def held_since(self) -> int:
+        """Since when SCL is let go and still low; NO_TIME if it is not."""
+        return self._let_go_at if self._rising else NO_TIME
 
     # Transfers ----------------------------------------------------------------
 
@@ -178,57 +202,95 @@ class I2cController:
         self._transfer = transfer
         self._done = done
         self._phase_index = 0
+        self._settle(self._kernel.now)
         start = max(self._kernel.now, self._last_stop + self.timing.free)
-        self._then(start, self._start)
-
-    def _then(self, due: int, step: Callable[[], None]) -> None:
-        """`step` is next, at `due`: there is one at a time. Steps themselves set `_due` and `_step`."""
-        self._due, self._step = due, step
-        if not self._stepping:
-            self._kernel.at(due, self._steps)
-
-    def _steps(self) -> None:
-        """The step that is due, and those after it as long as nothing else happens in between."""
-        kernel = self._kernel
-        self._stepping = True
-        while True:
-            self._due = NEVER
-            self._step()
-            due = self._due
-            if due == NEVER or not kernel.run_ahead(due):
-                break
-        self._stepping = False
-        if due != NEVER:
-            kernel.at(due, self._steps)
+        self._kernel.at(start, self._start)
 
     def _start(self) -> None:
         now = self._kernel.now
         if not self._may_start(now):
             self._watch_stuck()
+            if self._refused_since == NO_TIME:
+                self._refused_since = now
+            if self._may_clear(now):
+                self._clear.begin()
+                return
             free_at = self._last_stop + self.timing.free
-            self._then(free_at if free_at > now else now + self.timing.free, self._start)
+            self._kernel.at(free_at if free_at > now else now + self.timing.free, self._start)
             return
         self._calm()
+        self._refused_since = NO_TIME
         phase = self._phase = self._transfer.phases[self._phase_index]
         phase.start_at = now
         self._set_sda(0)
         self._mark("START" if self._phase_index == 0 else "repeated START", 0)
         byte = phase.address << 1 | phase.read if phase.address_byte is None else phase.address_byte
         self._load(byte, -1, receiving=False)
-        self._then(now + self.timing.start_hold, self._first_low)
+        self._kernel.at(now + self.timing.start_hold, self._first_low)
 
     def _may_start(self, now: int) -> bool:
         """Both lines are high; and the bus is free for long enough, or ours already."""
-        if not self._scl_wire.level or not self._sda_wire.level:
+        if not self._scl_wire.level or not self._sda():
             return False
         return self._phase_index > 0 or not (self._bus_busy or now < self._last_stop + self.timing.free)
 
-    def _sda_changed(self, now: int, level: int) -> None:
-        """SDA moves while SCL is high: START or STOP."""
-        if self._scl_wire.level:
-            self._bus_busy = not level
-            if level:
-                self._last_stop = now
+    def _may_clear(self, now: int) -> bool:
+        if not self._clear_after or not self._scl_wire.level:
+            return False
+        return now - max(self._refused_since, self._scl_moved) >= self._clear_after
+
+    def _cleared(self, clocks: int, free: bool) -> None:
+        """The bus was cleared, or nine clocks were not enough. A transfer that was under way is lost."""
+        self._mark("clear", clocks)
+        self._refused_since = NO_TIME
+        if free and self._phase_index:
+            self._transfer.lost = True
+            self._finish()
+        else:
+            self._kernel.at(max(self._kernel.now, self._last_stop + self.timing.free), self._start)
+
+    def _on_lines(self, now: int, levels: int) -> None:
+        event = EVENT[self._lines << 2 | levels]
+        if (self._lines ^ levels) & SDA:
+            self._settle(now)
+            self._sda_moved, self._sda_event = now, self._unspoilt(now, event)
+        if event in (RISE, FALL):
+            if now - self._scl_moved >= self.timing.filter:
+                self._scl_seen = self._lines & SCL
+            self._scl_moved = now
+        self._lines = levels
+        self._settle(now)
+        if self._rising:
+            if levels & SCL:
+                self._rising = False
+                self._calm()
+                self._phase.stretch = max(self._phase.stretch, now - self._let_go_at)
+                self._rose(now)
+            else:
+                self._watch_stuck()
+
+    def _unspoilt(self, now: int, event: int) -> int:
+        """What a change of SDA is where SCL has just been spiked: START and STOP are decided behind the filter."""
+        if event != NOTHING or now - self._scl_moved >= self.timing.filter or not self._scl_seen:
+            return event
+        return START if self._lines & SDA else STOP
+
+    def _settle(self, now: int) -> None:
+        """What SDA's last change was, once it has outlasted the filter. It counts from when it came."""
+        level = self._lines >> 1
+        if level == self._sda_seen or now - self._sda_moved < self.timing.filter:
+            return
+        self._sda_seen = level
+        if self._sda_event == START:
+            self._bus_busy = True
+        elif self._sda_event == STOP:
+            self._bus_busy = False
+            self._last_stop = self._sda_moved
+
+    def _sda(self) -> int:
+        """SDA as it is seen behind the filter."""
+        self._settle(self._kernel.now)
+        return self._sda_seen
 
     def _first_low(self) -> None:
         self._high, self._high_end = self.timing.high, self._bit_end
@@ -245,15 +307,15 @@ class I2cController:
         timing = self.timing
         self._scl_wire.pull(self._scl_mask, 0)
         if sda == self._sda_level:
-            self._due, self._step = self._kernel.now + timing.low, self._release
+            self._kernel.at(self._kernel.now + timing.low, self._release)
         else:
             self._sda_level = sda
-            self._due, self._step = self._kernel.now + timing.hold, self._sda_follows
+            self._kernel.at(self._kernel.now + timing.hold, self._sda_follows)
 
     def _sda_follows(self) -> None:
         timing = self.timing
         self._sda_wire.pull(self._sda_mask, self._sda_level)
-        self._due, self._step = self._kernel.now + timing.low - timing.hold, self._release
+        self._kernel.at(self._kernel.now + timing.low - timing.hold, self._release)
 
     def _set_sda(self, level: int) -> None:
         self._sda_level = level
@@ -261,32 +323,19 @@ class I2cController:
 
     def _release(self) -> None:
         """SCL is let go. If nobody else holds it, it rises now; else with the edge that we then wait for."""
-        if self._bit < 7 and self._pulses_at_once():
-            return
         self._scl_wire.pull(self._scl_mask, 1)
-        if self._scl_wire.level:
-            self._rose(self._kernel.now)
-        else:
-            self._let_go_at = self._kernel.now
-            self._rising = True
-            self._watch_stuck()
-
-    def _scl_changed(self, now: int, level: int) -> None:
-        self._scl_moved = now
-        if self._rising and level:
-            self._rising = False
-            self._calm()
-            self._phase.stretch = max(self._phase.stretch, now - self._let_go_at)
-            self._rose(now)
+        self._let_go_at = self._kernel.now
+        self._rising = True
+        self._sampler.ask()
 
     def _rose(self, now: int) -> None:
         if self._index == 0 and self._bit == 0:
             self._phase.answer_at = now
-        self._then(now + self._high, self._high_end)
+        self._kernel.at(now + self._high, self._high_end)
 
     def _bit_end(self) -> None:
         """End of the high phase: read SDA, go on to the next bit."""
-        level = self._sda_wire.level
+        level = self._sda()
         bit = self._bit
         if bit == 8:
             self._byte_end(level == 0)
@@ -301,49 +350,6 @@ class I2cController:
         else:
             self._low(self._ack_level() if self._receiving else 1)
 
-    def _pulses_at_once(self) -> bool:
-        """The pulses of this byte that everybody can follow in one go, if there are any; SCL is low before and after.
-
-        Nothing else may happen before SCL rises for the bit that comes then.
-        """
-        timing, scl, sda = self.timing, self._scl_wire, self._sda_wire
-        everybody = 1 + len(self.followers)
-        if sda.recorded or scl.watched_by != everybody or sda.watched_by != everybody:
-            return False
-        if self._index == NO_BYTE:
-            return False
-        now = self._kernel.now
-        count = min(7 - self._bit, (self._kernel.quiet_until() - 1 - now) // (timing.high + timing.low))
-        for follower in self.followers:
-            if count > 0:
-                count = min(count, follower.can_follow(Pulses(now, timing.high, timing.low, timing.hold, count)))
-        if count <= 0 or scl.held_by_others(self._scl_mask):
-            return False
-        pulses = Pulses(now, timing.high, timing.low, timing.hold, count)
-        ours = [self._byte >> (7 - self._bit - n) & 1 for n in range(count + 1)]
-        levels = ours
-        for follower in self.followers:
-            sent = follower.sends(pulses)
-            if sent:
-                levels = [level & other for level, other in zip(levels, sent, strict=True)]
-        if levels[0] != sda.level or (levels != ours and not self._receiving):
-            return False  # somebody disagrees about a bit: edge by edge
-        if sda.held_by_others(self._sda_mask) if not self._receiving else sda.pulled_by > 1:
-            return False
-        for follower in self.followers:
-            follower.follow(pulses, levels)
-        scl.skip_pulses(now, timing.high, timing.low, count)
-        self._sda_level = ours[count]
-        sda.skip_to(self._sda_mask, ours[count])
-        if self._index == 0 and self._bit == 0:
-            self._phase.answer_at = now
-        for level in levels[:count]:
-            self._in = self._in << 1 | level
-        self._bit += count
-        self._scl_moved = pulses.fall(count - 1)
-        self._due, self._step = pulses.end, self._release
-        return True
-
     def _ack_level(self) -> int:
         """What a reading controller answers: 0 until the last byte."""
         return 1 if self._index + 1 >= self._phase.count else 0
@@ -352,6 +358,7 @@ class I2cController:
 
     def _byte_end(self, ack: bool) -> None:
         phase = self._phase
+        refused = not ack and (self._index < 0 or not self._receiving)  # a reader refuses the last byte itself
         if self._index < 0:
             phase.acked = ack
             self._mark("address", self._in << 1 | (not ack))
@@ -371,8 +378,11 @@ class I2cController:
                 self._load(phase.data[following], following, receiving=False)
             self._low(self._byte >> 7 & 1)
             return
+        if refused:
+            self._mark("NACK", int(self._index >= 0))
+        gives_up = refused and (self._index < 0 or self._gives_up)
         self._load(0xFF, NO_BYTE, receiving=False)
-        if self._phase_index + 1 < len(self._transfer.phases) and phase.acked:
+        if self._phase_index + 1 < len(self._transfer.phases) and not gives_up:
             self._phase_index += 1
             self._high, self._high_end = self.timing.start_setup, self._start
             self._low(1)

@@ -1,11 +1,12 @@
-"""Counts the bytes on an I2C bus, addresses included: edges go in, a number comes out.
+"""Counts the bytes on an I2C bus, addresses included: samples of the lines go in, a number comes out.
 
 For scenes in which no agent is the controller and so nobody else counts.
 """
 
 from __future__ import annotations
 
-from ..core.wire import Wire
+from ..core.wire import Wire, watch
+from .i2c_events import EVENT, FALL, IDLE, RISE, START, STOP
 
 PULSES = 9  # eight bits and the acknowledge
 
@@ -15,22 +16,19 @@ class I2cCounter:
 
     def __init__(self, scl: Wire, sda: Wire) -> None:
         self.bytes = 0
-        self._scl = scl
+        self._lines = IDLE
         self._active = False
         self._pulses = 0
-        scl.watch(self._scl_changed)
-        sda.watch(self._sda_changed)
+        watch([scl, sda], self._on_lines)
 
-    def _scl_changed(self, now: int, level: int) -> None:
-        if not self._active:
-            return
-        if level:
-            self._pulses += 1
-        elif self._pulses == PULSES:
-            self.bytes += 1
+    def _on_lines(self, now: int, levels: int) -> None:
+        event = EVENT[self._lines << 2 | levels]
+        self._lines = levels
+        if event in (START, STOP):
+            self._active = event == START
             self._pulses = 0
-
-    def _sda_changed(self, now: int, level: int) -> None:
-        if self._scl.level:  # START or STOP
-            self._active = not level
+        elif event == RISE:
+            self._pulses += self._active
+        elif event == FALL and self._pulses == PULSES:
+            self.bytes += 1
             self._pulses = 0

@@ -40,13 +40,12 @@ class I2cPlayer:
         self.longest = 0
         self.waiting_since = NO_TIME
         self._kernel = kernel
-        self._scl_wire = scl
         self._scl = scl.attach(who)
         self._sda = sda.attach(who)
         self._moves: Sequence[Move] = ()
         self._next = 0
         self._done: Callable[[], None] = _nothing
-        scl.watch(self._scl_changed)
+        self._lines = scl.watch(self._on_scl)
 
     @property
     def busy(self) -> bool:
@@ -72,12 +71,13 @@ class I2cPlayer:
             self._sda.drive(level)
         else:
             self._scl.drive(level)
-            if level and not self._scl_wire.level:
+            if level:
                 self.waiting_since = self._kernel.now
+                self._lines.ask()
                 return
         self._go_on()
 
-    def _scl_changed(self, now: int, level: int) -> None:
+    def _on_scl(self, now: int, level: int) -> None:
         if level and self.waiting_since != NO_TIME:
             stretch = now - self.waiting_since
             self.waiting_since = NO_TIME

@@ -1,4 +1,4 @@
-"""The wire side of any I2C target: SCL and SDA edges go in, ACKs and bytes come out; what to say somebody else knows.
+"""The wire side of any I2C target: SCL and SDA go in, ACKs and bytes come out; what to say somebody else knows.
 
     SCL, SDA --> START, bits, STOP --> whom? --> Reply: sends(byte), hears(byte, value) --> SDA
 
@@ -10,13 +10,13 @@ Source: UM10204 sections 3.1.4 to 3.1.10.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from enum import Enum
 from typing import Protocol
 
 from ..core.kernel import Kernel
-from ..core.wire import Wire
-from .i2c_pulses import Pulses
+from ..core.wire import Wire, watch
+from .i2c_events import EVENT, FALL, IDLE, RISE, SDA, START
 
 Stretches = tuple[tuple[int, int, int], ...]
 
@@ -56,10 +56,9 @@ class TargetSide:
     ) -> None:
         self.who = who
         self._kernel = kernel
-        self._scl_wire = scl
-        self._sda_wire = sda
         self._sda = sda.attach(who)
         self._scl = scl.attach(who)
+        self._lines = IDLE
         self._hold = hold
         self._answer = answer
         self._does = _Does.NOTHING
@@ -71,28 +70,31 @@ class TargetSide:
         self._byte = 0  # number of the data byte
         self._refused = False  # the controller's NACK in a read
         self._level = 1  # what SDA gets
-        scl.watch(self._scl_changed)
-        sda.watch(self._sda_changed)
+        watch([scl, sda], self._on_lines)
 
-    def _sda_changed(self, now: int, level: int) -> None:
-        if self._scl_wire.level:
-            self._does = _Does.NOTHING if level else _Does.ADDRESS
+    def _on_lines(self, now: int, levels: int) -> None:
+        event = EVENT[self._lines << 2 | levels]
+        self._lines = levels
+        if event == FALL:
+            if self._does is not _Does.NOTHING:
+                self._fall()
+        elif event == RISE:
+            if self._does is not _Does.NOTHING:
+                self._rise(int(levels >= SDA))
+        elif event:
+            self._does = _Does.ADDRESS if event == START else _Does.NOTHING
             self._bit = self._in = 0
             self._stretches = {}
             self._put(1)
 
-    def _scl_changed(self, now: int, level: int) -> None:
-        if self._does is _Does.NOTHING:
-            return
-        if level:
-            self._rise()
-        elif self._bit == 8:
+    def _fall(self) -> None:
+        if self._bit == 8:
             self._put(self._ninth())
         elif self._bit == 9:
             self._byte_over()
         elif self._does is _Does.SENDS and self._bit:
             self._put(self._out >> (7 - self._bit) & 1)
-        if not level and self._stretches:
+        if self._stretches:
             self._stretch()
 
     def _stretch(self) -> None:
@@ -106,13 +108,12 @@ class TargetSide:
     def _let_go(self) -> None:
         self._scl.drive(1)
 
-    def _rise(self) -> None:
-        level = self._sda_wire.level
+    def _rise(self, level: int) -> None:
         self._bit += 1
         if self._bit <= 8:
             self._in = self._in << 1 | level
         elif self._does is _Does.SENDS:
-            self._refused = bool(level)
+            self._refused = level == 1
 
     def _ninth(self) -> int:
         """SDA for the ninth bit, once eight are over."""
@@ -144,31 +145,6 @@ class TargetSide:
             self._put(self._out >> 7)
         else:
             self._put(1)
-
-    # Pulses in the middle of a byte, at once (i2c_pulses.Follower) ------------------------
-
-    def can_follow(self, pulses: Pulses) -> int:
-        if self._does is _Does.NOTHING:
-            return pulses.number
-        if self._stretches:
-            return 0  # somewhere in this byte or behind it
-        return max(0, min(pulses.number, 7 - self._bit))
-
-    def sends(self, pulses: Pulses) -> Sequence[int]:
-        """All bits are there in time: a target later than SCL's rise could not have acknowledged its address."""
-        if self._does is not _Does.SENDS:
-            return ()
-        return [self._out >> (7 - self._bit - n) & 1 for n in range(pulses.number + 1)]
-
-    def follow(self, pulses: Pulses, sda: Sequence[int]) -> None:
-        if self._does is _Does.NOTHING:
-            return
-        for level in sda[: pulses.number]:
-            self._in = self._in << 1 | level
-        self._bit += pulses.number
-        if self._does is _Does.SENDS:
-            self._level = self._out >> (7 - self._bit) & 1
-            self._sda_wire.skip_to(self._sda.mask, self._level)
 
     def _put(self, level: int) -> None:
         if level != self._level:

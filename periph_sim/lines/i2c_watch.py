@@ -1,4 +1,4 @@
-"""Listens to an I2C bus: edges go in, transfers come out as the bus's controller would have reported them.
+"""Listens to an I2C bus: SCL and SDA go in, transfers come out as the bus's controller would have reported them.
 
     SCL, SDA --> START, bits, STOP --> Transfer: phases, bytes, ACKs, times
 
@@ -12,8 +12,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from ..core.kernel import Kernel
-from ..core.wire import Wire
+from ..core.wire import Wire, watch
 from .i2c_controller import Phase, Transfer
+from .i2c_events import EVENT, FALL, IDLE, RISE, SDA, START, STOP
 
 
 class I2cWatch:
@@ -32,8 +33,7 @@ class I2cWatch:
         names: Mapping[int, str],
     ) -> None:
         self._kernel = kernel
-        self._scl = scl
-        self._sda = sda
+        self._lines = IDLE
         self._told = told
         self._stretched = stretched
         self._names = names
@@ -43,15 +43,22 @@ class I2cWatch:
         self._index = -1  # -1: address byte, else the number of the data byte
         self._bits = 0
         self._in = 0
-        scl.watch(self._scl_changed)
-        sda.watch(self._sda_changed)
+        watch([scl, sda], self._on_lines)
 
-    def _sda_changed(self, now: int, level: int) -> None:
-        if not self._scl.level:
-            return
-        if level:
+    def _on_lines(self, now: int, levels: int) -> None:
+        event = EVENT[self._lines << 2 | levels]
+        self._lines = levels
+        if event == START:
+            self._start(now)
+        elif event == STOP:
             self._stop(now)
-            return
+        elif self._transfer is not None:
+            if event == RISE:
+                self._rise(now, int(levels >= SDA))
+            elif event == FALL and self._bits == 9:
+                self._byte_over(now)
+
+    def _start(self, now: int) -> None:
         if self._transfer is None:
             self._transfer = Transfer("", [])
         self._phase = Phase(0, False, start_at=now)
@@ -64,20 +71,14 @@ class I2cWatch:
             transfer.stop_at = now
             self._told(transfer)
 
-    def _scl_changed(self, now: int, level: int) -> None:
-        if self._transfer is None:
-            return
-        if not level:
-            if self._bits == 9:
-                self._byte_over(now)
-            return
+    def _rise(self, now: int, bit: int) -> None:
         lost, self._lost = self._lost, self._stretched()
         phase = self._phase
         phase.stretch = max(phase.stretch, self._lost - lost)
         if phase.acked and self._index == 0 and self._bits == 0:
             phase.answer_at = now
         self._bits += 1
-        self._in = self._in << 1 | self._sda.level
+        self._in = self._in << 1 | bit
 
     def _byte_over(self, now: int) -> None:
         phase, transfer = self._phase, self._transfer

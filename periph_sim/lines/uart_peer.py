@@ -47,7 +47,7 @@ class UartPeer:
     ) -> None:
         self.who = who
         self._kernel = kernel
-        self._recorder = recorder if recorder.wants(Kind.FRAME) else None
+        self._recorder = recorder if recorder.wants(Kind.FRAME, who) else None
         self._pin = wire.attach(who)
         self._bit = bit
         self._format = frame_format or UartFormat()

@@ -10,7 +10,7 @@ IQdiv, IQsqrt, IQmag always saturate; x/0 is the largest number, also for 0/0 an
 
 from __future__ import annotations
 
-from math import floor, frexp, ldexp
+from math import floor, frexp, isnan, ldexp
 from typing import Literal
 
 from . import iqmath
@@ -28,6 +28,8 @@ class DoesNotFit(ValueError):
 
 def constant_in(value: float, bits: int) -> int:
     """The raw number nearest to a value. DoesNotFit if there is none."""
+    if isnan(value):
+        raise DoesNotFit(f"nan is no number; Q{bits} has none for it")
     raw = floor(value * (1 << bits) + 0.5) if abs(value) < 1 << 40 else HIGH + 1
     if not LOW <= raw <= HIGH:
         most = (1 << (31 - bits)) - 2.0**-bits

@@ -8,7 +8,7 @@ from . import iqmath
 from .arithmetic import Rounding
 from .float64 import Floats
 from .iqmath import Ints
-from .q import HIGH, LOW, Overflow, Product, Q, RoundedQ, factor_of
+from .q import HIGH, LOW, DoesNotFit, Overflow, Product, Q, RoundedQ, factor_of
 
 
 class QArrays:
@@ -26,7 +26,13 @@ class QArrays:
         return np.asarray(self._one_number.constant(value), dtype=np.int64)
 
     def taken(self, values: Floats) -> Ints:
-        """The raw numbers nearest to values; those that do not fit are saturated, as an analogue input would be."""
+        """The raw numbers nearest to values; those that do not fit are saturated, as an analogue input would be.
+
+        DoesNotFit, with the index, for a NaN.
+        """
+        unknown = np.isnan(values)
+        if unknown.any():
+            raise DoesNotFit(f"nan at sample {int(np.argmax(unknown))} is no number; Q{self.bits} has none for it")
         return np.clip(np.floor(values * (1 << self.bits) + 0.5), LOW, HIGH).astype(np.int64)
 
     def value(self, x: Ints) -> Floats:

@@ -4,7 +4,7 @@
                          timing/mine.toml::response         a budget of that name holds
 
 The case runs once a process, when the first of its tests does; the others look at the same run. A budget that the case
-says breaks (`breaks`) is a test that is to fail.
+says breaks (`breaks`) is a test that is to fail, by a broken limit: one that is not judged fails all the same.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from typing import Any
 
 import pytest
 
+from ..case.find import is_case
 from . import CASES
 
 HANGS = "hangs nowhere"
@@ -22,9 +23,9 @@ KNOWN = "known to break"
 
 
 def case_file(path: Path, parent: pytest.Collector) -> CaseFile | None:
-    """The collector of a case file; None if it is under none of the folders of the ini option."""
+    """The collector of a case file; None if it is no case, or under none of the folders of the ini option."""
     wanted = [place.resolve() for place in parent.config.getini(CASES)]
-    if not any(path.resolve().is_relative_to(place) for place in wanted):
+    if not any(path.resolve().is_relative_to(place) for place in wanted) or not is_case(path):
         return None
     return CaseFile.from_parent(parent, path=path)
 
@@ -56,10 +57,9 @@ class CaseFile(pytest.File):
     def _planned(self) -> Any:
         """The plan of a case that can be built: units, firmware, measures and all."""
         from ..case.load import load
-        from .fixtures import located
         from .runs import Plan
 
-        plan = Plan(located(load(self.path), self.path, self.config.rootpath))
+        plan = Plan(load(self.path))
         plan.scene()
         return plan
 
@@ -94,7 +94,10 @@ class CaseItem(pytest.Item):
         if self._number is None:
             run.assert_not_stuck()
             return
-        told(self.user_properties, run.result.case, [run.result.budgets[self._number]])
+        verdict = run.result.budgets[self._number]
+        told(self.user_properties, run.result.case, [verdict])
+        if not verdict.passed and not verdict.broken and self.get_closest_marker("xfail") is not None:
+            pytest.fail(f"{verdict.name} is not judged, so nobody knows that it breaks: {verdict.found}", pytrace=False)
         run.assert_verdict(self._number)
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], *args: Any, **more: Any) -> Any:

@@ -1,4 +1,4 @@
-"""What a broken budget looks like: a run and its broken verdicts go in; a table, causes and timing diagrams come out.
+"""The text of budgets that do not pass: a run and its verdicts go in; a table, causes and timing diagrams come out.
 
 verdicts --> budget, worst, limit, margin, when, why
 worst occurrences --> windows (of a second, short run, or of the run's own records) --> chain and diagram, in text
@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..timing.budgets import Verdict
 from ..timing.shown import figure, instant, limit
+from ..timing.verdicts import Verdict
 from ..worst.chain import Chain
 from ..worst.picture import text_picture
 from ..worst.show import text
@@ -23,11 +23,12 @@ MOST = 3  # worst occurrences explained
 
 def failure_text(run: Run, broken: Sequence[Verdict], judged: int) -> str:
     """Several lines; the first says which budgets, and of a single one by how much."""
-    head = f"{len(broken)} of {judged} budgets broken: {', '.join(verdict.name for verdict in broken)}"
+    head = f"{len(broken)} of {judged} budgets {_worst_word(broken)}: {', '.join(verdict.name for verdict in broken)}"
     if len(broken) == 1:
         one = broken[0]
         found = "was never measured" if one.worst is None else figure(one.worst, one.unit)
         head = f"{one.name} {found}, limit {_limit(one)}"
+        head += "" if one.broken or one.worst is None else f"; not judged, as {one.found}"
     lines = [f"{run.result.case}: {head}", "", *_table(broken)]
     if run.result.first_wrong and any(verdict.measure == "wrong bytes" for verdict in broken):
         lines += ["", f"first wrong: {run.result.first_wrong}"]
@@ -41,6 +42,12 @@ def failure_text(run: Run, broken: Sequence[Verdict], judged: int) -> str:
     return "\n".join(lines)
 
 
+def _worst_word(verdicts: Sequence[Verdict]) -> str:
+    """What they all are: broken, not judged, or some of each."""
+    words = ["broken"] * any(verdict.broken for verdict in verdicts)
+    return " or ".join([*words, *["not judged"] * any(not verdict.broken for verdict in verdicts)])
+
+
 def _picture(window: Window, chain: Chain | None) -> list[str]:
     verdict = window.verdict
     title = f"{verdict.name}, {figure(verdict.worst, verdict.unit)} at {instant(verdict.at_s)}:"
@@ -52,7 +59,7 @@ def _picture(window: Window, chain: Chain | None) -> list[str]:
 
 
 def _table(verdicts: Sequence[Verdict]) -> list[str]:
-    rows: list[tuple[str, ...]] = [("budget", "worst", "limit", "margin", "when", "why")]
+    rows: list[tuple[str, ...]] = [("budget", "seen", "limit", "margin", "when", "why")]
     for verdict in verdicts:
         worst, margin = (figure(value, verdict.unit) for value in (verdict.worst, verdict.margin))
         why = verdict.why if verdict.worst is not None else "nothing was measured, which is no pass"

@@ -14,21 +14,24 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ..timing.budgets import Verdict
+    from ..timing.verdicts import Verdict
 
 HEAD = "periph-sim/"
 FIRST = "verdict"  # the figure that each budget's begin with
-VALUES = ("worst", "limit", "margin")
+VALUES = ("worst", "bound", "limit", "margin")
 
 Property = tuple[str, object]
 
 
 def properties(case: str, verdict: Verdict) -> list[Property]:
-    """verdict, unit, worst, limit, margin (microseconds with `_us` in their names), count, at_s; "" for none."""
+    """verdict, proof, unit, worst, bound, limit, margin (microseconds with `_us` in their names), which, count,
+    measured, occasions, at_s; "" for none.
+    """
     tail = "_us" if verdict.unit == "us" else ""
-    figures: dict[str, object] = {FIRST: verdict.verdict, "unit": verdict.unit}
+    figures: dict[str, object] = {FIRST: verdict.verdict, "proof": verdict.proof, "unit": verdict.unit}
     figures |= {f"{name}{tail}": _plain(getattr(verdict, name)) for name in VALUES}
-    figures |= {"which": verdict.which, "count": verdict.count, "at_s": _plain(verdict.at_s)}
+    figures |= {"which": verdict.which, "count": verdict.count, "measured": verdict.measured}
+    figures |= {"occasions": _plain(verdict.occasions), "at_s": _plain(verdict.at_s)}
     return [(f"{HEAD}{case}/{verdict.name}/{name}", value) for name, value in figures.items()]
 
 
@@ -48,7 +51,11 @@ class Judged:
     @property
     def verdict(self) -> str:
         verdict: str = self.figures[FIRST]
-        return f"{verdict}, as expected" if self.expected and verdict != "pass" else verdict
+        if verdict == "pass":
+            proof: str = self.figures.get("proof") or "seen"
+            return proof
+        word = "broken" if verdict == "fail" else verdict
+        return f"{word}, as expected" if self.expected else word
 
     def value(self, name: str) -> Any:
         value = self.figures.get(f"{name}_us", self.figures.get(name, ""))
@@ -88,11 +95,11 @@ def table(reports: Iterable[Any]) -> list[tuple[str, bool]]:
         return []
     from ..timing.shown import figure, instant, limit
 
-    rows: list[tuple[str, ...]] = [("case/budget", "worst", "limit", "margin", "when", "", "judged by")]
+    rows: list[tuple[str, ...]] = [("case/budget", "seen", "bound", "limit", "when", "", "judged by")]
     for one in budgets:
         unit = one.figures.get("unit", "")
-        worst, margin = (figure(one.value(name), unit) for name in ("worst", "margin"))
-        numbers = (worst, limit(one.value("limit"), unit, one.figures.get("which", "")), margin)
+        seen, bound = (figure(one.value(name), unit) for name in ("worst", "bound"))
+        numbers = (seen, bound, limit(one.value("limit"), unit, one.figures.get("which", "")))
         by = "" if ".toml::" in one.test else one.test
         rows.append((one.label, *numbers, instant(one.value("at_s")), one.verdict, by))
     if not any(row[-1] for row in rows[1:]):

@@ -21,7 +21,7 @@ from ..case.model import BadCase, Case
 from ..case.settings import duration
 from ..case.source import Source
 from ..core.nearest import near
-from ..timing.budgets import Verdict
+from ..timing.verdicts import Verdict
 from . import current
 from .figures import told
 from .runs import Plan, Run, run_plan
@@ -79,7 +79,7 @@ class SceneFactory:
         if given:
             raise BadCase(f"{path}: {given[0]}= goes with firmware given as a function; change a file by 'key=value'")
         found = self._found(path)
-        return Plan(located(load(found, list(changes)), found, self._config.rootpath), _length(seconds))
+        return Plan(load(found, list(changes)), _length(seconds))
 
     def _found(self, path: Path) -> Path:
         """The case file, beside the test or under rootdir."""
@@ -103,18 +103,6 @@ class SceneFactory:
         item = self._config.stash.get(current, None)
         if item is not None:
             told(item.user_properties, run.result.case, verdicts)
-
-
-def located(case: Case, path: Path, root: Path) -> Case:
-    """The case with its firmware files found: where pytest was started, else under rootdir, else beside the case."""
-    units = {}
-    for name, unit in case.unit.items():
-        file = Path(unit.firmware)
-        if unit.firmware.endswith(".py") and not file.is_file():
-            found = [folder / file for folder in (root, path.parent) if (folder / file).is_file()]
-            unit = unit.model_copy(update={"firmware": str(found[0])}) if found else unit
-        units[name] = unit
-    return case.model_copy(update={"unit": units})
 
 
 def _length(given: Length) -> Fraction | None:

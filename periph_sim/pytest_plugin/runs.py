@@ -14,6 +14,7 @@ from pathlib import Path
 from ..board.firmware import Firmware
 from ..board.result import Result
 from ..board.scene import Scene
+from ..bound.phases import judge_phases
 from ..case.model import Case
 from ..core.nearest import near
 from ..core.records import Kind, Recorder
@@ -22,7 +23,7 @@ from ..formats.capture import Capture
 from ..formats.record_table import Columns, RecordTable
 from ..lines.i2c_controller import Transfer
 from ..replay.wire_log import WireLog
-from ..timing.budgets import Verdict
+from ..timing.verdicts import EVERY_PHASE, Verdict
 from ..worst.chain import Chain
 from ..worst.explain import chain_of, explain
 from ..worst.window import Window, windows_of_edges, windows_of_table
@@ -133,10 +134,11 @@ class Run:
             return [(window, chain_of(case, window)) for window in seen]
         return [(window, None) for window in windows_of_edges(self.edges(), self.timebase, verdicts, self.start)]
 
-    def assert_budgets(self, *names: str) -> None:
-        """Nothing if all these budgets hold; else AssertionError with a table and a diagram of each broken one.
+    def assert_budgets(self, *names: str, guaranteed: bool = False) -> None:
+        """Raise AssertionError, with a table and a diagram, if any of these budgets does not hold.
 
-        NoSuchBudget if the case has none of such a name; ValueError if none is named.
+        guaranteed: it must hold for every phase. NoSuchBudget if the case has none of such a name; ValueError if none
+        is named.
         """
         __tracebackhide__ = True
         if not names:
@@ -144,14 +146,14 @@ class Run:
         for name in names:
             if name not in self.budgets:
                 raise NoSuchBudget(f"case {self.result.case} has no budget {name!r}; {near(name, self.budgets)}")
-        self._judge([verdict for verdict in self.result.budgets if verdict.name in names])
+        self._judge([verdict for verdict in self.result.budgets if verdict.name in names], guaranteed)
 
-    def assert_all(self) -> None:
+    def assert_all(self, *, guaranteed: bool = False) -> None:
         """As `assert_budgets` of all that the case has; and nothing is stuck for good. ValueError if it has none."""
         __tracebackhide__ = True
         if not self.budgets:
             raise ValueError(f"case {self.result.case} has no budgets, so nothing would be judged; give it some")
-        self._judge(self.result.budgets)
+        self._judge(self.result.budgets, guaranteed)
         self.assert_not_stuck()
 
     def assert_not_stuck(self) -> None:
@@ -165,14 +167,20 @@ class Run:
         __tracebackhide__ = True
         self._judge(self.result.budgets[number : number + 1])
 
-    def _judge(self, verdicts: Sequence[Verdict]) -> None:
+    def _judge(self, verdicts: Sequence[Verdict], guaranteed: bool = False) -> None:
         __tracebackhide__ = True
         self._told(self, verdicts)
-        broken = [verdict for verdict in verdicts if verdict.verdict != "pass"]
+        broken = [verdict for verdict in verdicts if not verdict.passed]
         if broken:
             from .failure import failure_text
 
             raise AssertionError(failure_text(self, broken, len(verdicts)))
+        seen = [verdict for verdict in verdicts if verdict.proof != EVERY_PHASE]
+        if guaranteed and seen:
+            lines = [f"{verdict.name}: {verdict.unbounded}" for verdict in seen]
+            raise AssertionError(
+                "\n".join([f"{self.result.case} holds in what was seen, not for every phase:", *lines])
+            )
 
 
 def run_plan(plan: Plan, told: Told, *, keep_edges: bool = False, record: bool = False) -> Run:
@@ -188,6 +196,7 @@ def run_plan(plan: Plan, told: Told, *, keep_edges: bool = False, record: bool =
     transfers: list[Transfer] = []
     scene.listen_transfers(transfers.append)
     result = scene.run(plan.length)
+    judge_phases(scene, result.budgets)
     now, per_second = scene.kernel.now, Fraction(scene.timebase.per_second)
     return Run(
         plan=plan,
@@ -195,18 +204,13 @@ def run_plan(plan: Plan, told: Told, *, keep_edges: bool = False, record: bool =
         budgets=Budgets(result.case, result.budgets),
         timebase=scene.timebase,
         start=scene.start,
-        records=columns.table(per_second, now, _modules(plan.case)) if record else None,
+        records=columns.table(per_second, now, plan.case.recorded_modules) if record else None,
         hangs=(*scene.deadlocks(), *(scene.stuck_lines[-1:] if scene.hangs() else ())),
         _transfers=transfers,
         _edges=None if log is None else _named(log.capture(scene.timebase, now), result.case),
         _typical=scene.typical(),
         _told=told,
     )
-
-
-def _modules(case: Case) -> dict[str, tuple[str, ...]]:
-    """What a record table says of each unit: its modules and its named pins."""
-    return {name: (*unit.modules, *(f"pin:{pin}" for pin in unit.pins)) for name, unit in case.unit.items()}
 
 
 def _named(capture: Capture, case: str) -> Capture:

@@ -10,8 +10,6 @@ One file of this folder is one format. It defines
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from functools import cache
@@ -20,6 +18,7 @@ from typing import IO, Any, Literal, Protocol, cast
 
 from ..core.nearest import near
 from ..core.records import Kind, Record, Recorder
+from ..core.scan import modules_with
 from ..core.time import Timebase
 from ..formats.capture import BadCapture
 from ..formats.record_table import RecordTable
@@ -52,12 +51,8 @@ EndedAt = Callable[[int], None]
 @cache
 def recording_formats() -> dict[str, RecordingFormat]:
     """The formats of this folder by suffix."""
-    found: dict[str, RecordingFormat] = {}
-    for entry in pkgutil.iter_modules(__path__):
-        module = cast(RecordingFormat, importlib.import_module(f"{__name__}.{entry.name}"))
-        if hasattr(module, "SUFFIX"):
-            found[module.SUFFIX] = module
-    return found
+    found = [cast(RecordingFormat, module) for module in modules_with("SUFFIX", __name__, __path__).values()]
+    return {one.SUFFIX: one for one in found}
 
 
 def format_of(path: Path) -> RecordingFormat | None:

@@ -26,6 +26,7 @@ from ..core.records import Kind, Record
 from ..core.time import GHZ, Timebase
 from ..decode import i2c
 from ..formats.capture import Capture, Channel, channel_of
+from ..insight.record_words import BusByte, on_the_bus
 
 SUFFIX = ".perfetto.json"
 MODE: Literal["w"] = "w"
@@ -93,8 +94,8 @@ class PerfettoWriter:
             if not transfer.phases:  # its START is out of sight
                 continue
             self._begin(track, _title(transfer), transfer.phases[0].start.at)
-            for byte in (byte for phase in transfer.phases for byte in phase.bytes):
-                self._begin(track, _byte(byte), byte.at)
+            for place, byte in ((place, byte) for phase in transfer.phases for place, byte in enumerate(phase.bytes)):
+                self._begin(track, _byte(byte, place), byte.at)
                 last = byte.bits[-1]
                 self._end(track, now if last.high is None else last.at + last.high)
             self._end(track, transfer.stop.at if transfer.stop else now)
@@ -131,11 +132,16 @@ class PerfettoWriter:
         self._event(f'"ph":"{phase}","name":{name},{track.head},"ts":{self._ts(tick)},"args":{{"tick":{tick}}}')
 
     def _instant(self, track: Track, record: Record) -> None:
-        about = {"tick": record.tick, "value": record.value} | ({"text": record.text} if record.text else {})
-        name = json.dumps(f"{record.what} {record.text}".strip() if record.kind is Kind.BUS else record.what)
-        self._event(
-            f'"ph":"i","s":"t","name":{name},{track.head},"ts":{self._ts(record.tick)},"args":{json.dumps(about)}'
-        )
+        about: dict[str, int | str] = {"tick": record.tick}
+        name = record.what
+        if record.kind is Kind.NOTE:
+            about["value"] = record.value
+        else:
+            name = f"{on_the_bus(record)} {record.text}".strip()
+        if record.text:
+            about["text"] = record.text
+        ts, args = self._ts(record.tick), json.dumps(about)
+        self._event(f'"ph":"i","s":"t","name":{json.dumps(name)},{track.head},"ts":{ts},"args":{args}')
 
     def _ts(self, tick: int) -> str:
         ns = tick * GHZ // self._per_second
@@ -147,16 +153,20 @@ class PerfettoWriter:
 
 
 def _title(transfer: i2c.Transfer) -> str:
-    """`0x68 write 0x68 read`."""
+    """`0x68 W 0x68 R`."""
     named = (phase for phase in transfer.phases if phase.address is not None)
-    return " ".join(f"{phase.address:#04x} {'read' if phase.read else 'write'}" for phase in named) or "cut off"
+    return " ".join(f"0x{phase.address:02X} {'R' if phase.read else 'W'}" for phase in named) or "cut off"
 
 
-def _byte(byte: i2c.Byte) -> str:
-    """`0xD0 ACK`, as on the wire; a cut byte shows its bits."""
+def _byte(byte: i2c.Byte, place: int) -> str:
+    """`0x68 W ACK` of the first byte of a phase, `0x1D ACK` of others; a cut byte shows its bits."""
     if byte.value is None:
         return "cut off: " + "".join(str(bit.value) for bit in byte.bits)
-    return f"0x{byte.value:02X} {'ACK' if byte.acked else 'no ninth bit' if byte.acked is None else 'NACK'}"
+    if byte.acked is None:
+        return f"0x{byte.value:02X} no ninth bit"
+    if place:
+        return str(BusByte(byte.value, byte.acked))
+    return str(BusByte(byte.value >> 1, byte.acked, bool(byte.value & 1)))
 
 
 def _channel(index: int, name: str, flat: array[int], length: int) -> Channel:

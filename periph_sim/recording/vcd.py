@@ -1,4 +1,5 @@
-"""VCD for GTKWave and Surfer: wires, every field of the SCI and I2C registers, interrupts, spans of firmware.
+"""VCD for GTKWave and Surfer: wires, what parties say on them, every field of the SCI and I2C registers, interrupts,
+spans of firmware.
 
 Times are written in picoseconds, rounded down from ticks.
 """
@@ -15,10 +16,12 @@ from ..core.registers import RegisterMap
 from ..core.time import Timebase
 from ..f28335.i2c_map import I2C_MAP
 from ..f28335.sci_map import SCI_MAP
+from ..insight.record_words import on_the_bus
 
 SUFFIX = ".vcd"
 MODE: Literal["w"] = "w"
-KINDS = (Kind.EDGE, Kind.FLAG, Kind.IRQ, Kind.SPAN, Kind.BUS)
+KINDS = (Kind.EDGE, Kind.FLAG, Kind.IRQ, Kind.SPAN, Kind.BUS, Kind.FRAME)
+SAID = {Kind.BUS: "I2C", Kind.FRAME: "UART"}  # "0x68 R ACK", "0x55": the last thing said, until the next
 
 PICOSECONDS = 10**12
 
@@ -34,6 +37,8 @@ class VcdFile:
         self._stacks: dict[tuple[str, str], list[str]] = {}
         for name in ("SCL", "SDA", "RX", "TX"):
             self._wire(name)
+        for name in SAID.values():
+            self._texts["wires", name] = self._text("wires", name)
         for unit, names in modules.items():
             self._unit(unit, names)
 
@@ -73,6 +78,8 @@ class VcdFile:
                 self._writer.change(variable, at, record.value)
         elif record.kind in (Kind.IRQ, Kind.SPAN):
             self._nested(record, at)
+        elif record.kind is not Kind.FRAME or record.what == "byte":
+            self._writer.change(self._texts["wires", SAID[record.kind]], at, on_the_bus(record))
 
     def _nested(self, record: Record, at: int) -> None:
         """Interrupts and spans nest: the innermost is shown."""

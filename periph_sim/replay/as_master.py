@@ -18,9 +18,8 @@ from ..lines.i2c_target import Answer
 from .i2c_script import turns
 from .i2c_setup import Played
 
-LONG = Fraction(3, 2)  # times the usual low phase: a stretch
-
-CUT = "the capture cuts it off"
+CUT = "the capture, or what is known of it, ends before their STOP"
+BROKEN = "the controller broke off a byte with a repeated START or STOP"
 EMPTY = "START without an address byte"
 NO_DATA = "a read of no byte, whose address was acknowledged"
 AGAINST = "the controller went on behind a NACK"
@@ -40,7 +39,7 @@ class AsMaster:
 def as_master(part: Played, ticks_per_position: Fraction) -> AsMaster:
     """The script, and what the targets answer to it."""
     found = AsMaster()
-    usual = part.low
+    long_low = part.long_low
     over: int | None = None
     for transfer in part.transfers:
         why = obstacle(transfer)
@@ -53,7 +52,7 @@ def as_master(part: Played, ticks_per_position: Fraction) -> AsMaster:
         found.script.append(" Sr ".join(_text(phase) for phase in transfer.phases))
         found.done.append(transfer)
         for phase, turn in zip(transfer.phases, turns([transfer]), strict=True):
-            stretches = _stretches(phase, usual, ticks_per_position)
+            stretches = _stretches(phase, long_low, ticks_per_position)
             found.answers[turn.address].append(replace(turn.answer, stretches=stretches))
     return found
 
@@ -65,11 +64,10 @@ def obstacle(transfer: Transfer) -> str:
     for phase in transfer.phases:
         if not phase.bytes:
             return EMPTY
-        if any(byte.acked is None for byte in phase.bytes):
-            return CUT
-        refused = [not byte.acked for byte in phase.bytes[:-1]]
-        if any(refused):
+        if any(byte.acked is False for byte in phase.bytes[:-1]):
             return AGAINST
+        if any(byte.acked is None for byte in phase.bytes):
+            return BROKEN
         if phase.read and len(phase.bytes) == 1 and phase.bytes[0].acked:
             return NO_DATA
     return ""
@@ -83,11 +81,11 @@ def _text(phase: Phase) -> str:
     return " ".join([f"{phase.address:02X} W", *(f"{byte:02X}" for byte in data)])
 
 
-def _stretches(phase: Phase, usual: Fraction, ticks_per_position: Fraction) -> tuple[tuple[int, int, int], ...]:
+def _stretches(phase: Phase, long_low: Fraction, ticks_per_position: Fraction) -> tuple[tuple[int, int, int], ...]:
     found = []
     for number, byte in enumerate(phase.bytes, -1):
         for place, low in _lows(byte):
-            if (number >= 0 or place == 8) and low > usual * LONG and low - usual > 2:
+            if (number >= 0 or place == 8) and low > long_low:
                 found.append((number, place, int(low * ticks_per_position)))
     return tuple(found)
 

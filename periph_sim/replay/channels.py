@@ -6,7 +6,8 @@ scl and sda are an I2C capture, rx alone a UART capture, all three a session.
 from __future__ import annotations
 
 from ..core.nearest import near
-from ..formats.capture import Capture
+from ..formats.capture import Capture, listed
+from ..formats.line_names import called
 from . import BadReplay
 
 I2C, UART = ("scl", "sda"), ("rx",)
@@ -21,12 +22,12 @@ def channel_map(capture: Capture, text: str | None, session: bool = False) -> di
     if text is not None:
         return _given(capture, text)
     for lines in (ALL, I2C, UART) if session else (I2C, UART):
-        called = {line: [c.name for c in capture.channels if _last_part(c.name) == line] for line in lines}
-        if all(len(names) == 1 for names in called.values()):
-            return {line: names[0] for line, names in called.items()}
+        found = {line: called(capture, line) for line in lines}
+        if all(len(channels) == 1 for channels in found.values()):
+            return {line: channels[0].name for line, channels in found.items()}
     raise BadReplay(
         f"{capture.path}: no channels called scl and sda, or rx; say which they are with --map scl=CHANNEL,sda=CHANNEL "
-        f"or --map rx=CHANNEL; it has {listed(capture)}"
+        f"or --map rx=CHANNEL; it has {listed(capture.channels)}"
     )
 
 
@@ -35,19 +36,16 @@ def serial_channel(capture: Capture, text: str | None) -> str:
     if text is None and len(capture.channels) == 1:
         return capture.channels[0].name
     if text is None:
-        lines = {c.name for c in capture.channels if _last_part(c.name) == "rx"}
+        lines = called(capture, "rx")
         if len(lines) == 1:
-            return lines.pop()
-        raise BadReplay(f"{capture.path}: which channel is RX? say --uart FILE,rx=CHANNEL; it has {listed(capture)}")
+            return lines[0].name
+        raise BadReplay(
+            f"{capture.path}: which channel is RX? say --uart FILE,rx=CHANNEL; it has {listed(capture.channels)}"
+        )
     lines_given = _given(capture, text, "--uart")
     if set(lines_given) != set(UART):
         raise BadReplay(f"--uart {capture.path},{text}: expected rx=CHANNEL alone")
     return lines_given["rx"]
-
-
-def _last_part(name: str) -> str:
-    """Of the scopes and name that a VCD gives, the name."""
-    return name.rpartition(".")[2].lower()
 
 
 def _given(capture: Capture, text: str, option: str = "--map") -> dict[str, str]:
@@ -63,16 +61,13 @@ def _given(capture: Capture, text: str, option: str = "--map") -> dict[str, str]
             capture.channel(wanted)
         except LookupError:
             raise BadReplay(
-                f"{option} {text!r}: {capture.path} has no single channel {wanted!r}; it has {listed(capture)}"
+                f"{option} {text!r}: {capture.path} has no single channel {wanted!r}; it has {listed(capture.channels)}"
             ) from None
         found[line] = wanted
     if set(found) not in (set(I2C), set(UART), set(ALL)):
         raise BadReplay(f"{option} {text!r}: expected scl and sda, or rx, or all three; found {', '.join(found)}")
     if len({capture.channel(channel).index for channel in found.values()}) < len(found):
-        raise BadReplay(f"{option} {text!r}: one channel cannot be both lines; {capture.path} has {listed(capture)}")
+        raise BadReplay(
+            f"{option} {text!r}: one channel cannot be both lines; {capture.path} has {listed(capture.channels)}"
+        )
     return found
-
-
-def listed(capture: Capture) -> str:
-    """The channels as a person may name them: 0 SCL, 1 SDA."""
-    return ", ".join(f"{channel.index} {channel.name}" for channel in capture.channels)

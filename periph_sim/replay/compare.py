@@ -13,6 +13,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import zip_longest
 
+from ..diff.align import align
+
 NOTHING = "nothing more"
 
 BYTE, ACK, EVENT, TIMING = "byte", "ACK", "event", "timing"
@@ -60,7 +62,8 @@ class Divergence:
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """agreed: events up to the first that differs. lag: the largest difference in time of those, in seconds.
+    """agreed: events that both lists have, in the same order, as many as there are. lag: the largest difference in time
+    up to the first that differs, in seconds.
 
     divergence: the first one but for timing. ranked: the first of each kind, in the order of RANKS.
     """
@@ -81,7 +84,7 @@ def kind_of(words: str) -> str:
 def compare(expected: Sequence[Happened], found: Sequence[Happened], tolerance: Fraction | None = None) -> Comparison:
     """Where the lists part, also where one is longer. tolerance: seconds; None: times are not judged."""
     lag = Fraction(0)
-    agreed: int | None = None
+    parted = False
     first: dict[str, Divergence] = {}
     for index, (was, came) in enumerate(zip_longest(expected, found, fillvalue=Happened(NOTHING, None))):
         times = _seconds(was.at), _seconds(came.at)
@@ -90,12 +93,12 @@ def compare(expected: Sequence[Happened], found: Sequence[Happened], tolerance: 
             same = kind == kind_of(came.words) != EVENT
             kind = kind if same else EVENT
             first.setdefault(kind, Divergence(index, was.words, came.words, *times, kind))
-            agreed = index if agreed is None else agreed
+            parted = True
             if not same:
                 break
         elif was.at is not None and came.at is not None:
             off = came.at - was.at
-            if agreed is None:
+            if not parted:
                 lag = max(lag, abs(off))
             if tolerance is not None and abs(off) > tolerance and TIMING not in first:
                 told = f"{was.words} {float(abs(off) * 1_000_000):.3f} us {'later' if off > 0 else 'earlier'}"
@@ -103,7 +106,14 @@ def compare(expected: Sequence[Happened], found: Sequence[Happened], tolerance: 
     ranked = tuple(first[kind] for kind in RANKS if kind in first)
     wrong = [divergence for divergence in ranked if divergence.kind != TIMING]
     earliest = min(wrong, key=lambda divergence: divergence.index, default=None)
-    return Comparison(len(expected) if agreed is None else agreed, earliest, lag, ranked)
+    return Comparison(_in_both(expected, found) if parted else len(expected), earliest, lag, ranked)
+
+
+def _in_both(expected: Sequence[Happened], found: Sequence[Happened]) -> int:
+    """How many events the lists have in common, in order."""
+    numbers: dict[str, int] = {}
+    rows = [[numbers.setdefault(event.words, len(numbers)) for event in events] for events in (expected, found)]
+    return sum(run.length for run in align(*rows))
 
 
 def _seconds(at: Fraction | None) -> float | None:

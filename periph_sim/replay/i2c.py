@@ -29,8 +29,9 @@ from .i2c_script import controllers_half, hurried, moves, usual_hold
 from .i2c_setup import HOLD, LEAD, PATIENCE, TAIL, Answering, answering, played
 from .picture import closed_loop_picture
 from .report import Report
-from .scenes import alone
+from .scenes import alone, taken
 from .tolerance import tolerance_of
+from .verdict import verdict_of
 from .wire_log import WireLog
 from .witness import Place, with_history
 from .words import i2c_words
@@ -70,7 +71,7 @@ class I2cReplay:
         self._per_position = scene.timebase.per_second / part.rate
         self.log = WireLog(scene.wire("SCL"), scene.wire("SDA"))
         self._player = I2cPlayer(scene.kernel, scene.wire("SCL"), scene.wire("SDA"))
-        self._hold = usual_hold(part.transfers)
+        self._hold = usual_hold(part.transfers, part.half_sample)
         self._longest_low = None if longest_low is None else longest_low * part.rate
         self._next = 0
         self._over = False
@@ -130,7 +131,7 @@ class I2cReplay:
         return self.kernel.now + self._scene.timebase.ticks(TAIL, "nearest")
 
     def _play(self) -> None:
-        edges = controllers_half(self._part.transfers[self._next], self._hold)
+        edges = controllers_half(self._part.transfers[self._next], self._hold, self._part.half_sample)
         if self._longest_low is not None:
             edges = hurried(edges, self._longest_low)
         self._next += 1
@@ -146,11 +147,11 @@ class I2cReplay:
     # Summing up ---------------------------------------------------------------------
 
     def _report(self, wall: float, stuck: list[str]) -> Report:
-        scene, kernel, part = self._scene, self.kernel, self._part
+        scene, kernel, part, own = self._scene, self.kernel, self._part, self._answering
         self._result = result = scene.run(Fraction(0))
         replayed = self.log.capture(scene.timebase, kernel.now)
         events = decode.events(replayed, "SCL", "SDA")
-        tolerance = tolerance_of(self._tolerance, part.rate, scene)
+        tolerance = tolerance_of(self._tolerance, part.sample_rate, scene)
         self._replayed = replayed
         expected = i2c_words(part.expected, part.rate)
         found = i2c_words(events, Fraction(scene.timebase.per_second), self.origin)
@@ -163,19 +164,24 @@ class I2cReplay:
             case=scene.case.name,
             capture=str(part.capture.path),
             kind="i2c",
-            verdict="fail" if stuck or self._fails(outcome) else "pass",
+            verdict=verdict_of(bool(stuck) or self._fails(outcome), bool(own.asked)),
             events=len(part.expected),
             agreed=outcome.agreed,
+            captured_events=part.captured_events,
+            transfers=len(part.transfers),
+            captured_transfers=len(part.whole),
+            filled=taken(self._given[0], own.unit, own.offered),
+            unjudged=own.unjudged,
             first_divergence=outcome.divergence,
             divergences=with_history(outcome.ranked, place, self._answering.unit, "I2C-A", self._again),
             tolerance_us=float(tolerance * 1_000_000),
             bytes=sum(isinstance(event, decode.Address | decode.Data) for event in events),
-            addresses=[f"{address:02X}" for address in self._answering.own],
+            addresses=[f"{address:02X}" for address in own.own],
             nacks=sum(isinstance(event, decode.Nack) for event in events),
             stretch_worst_us=float(self._player.longest * us),
             stretch_total_us=float(self._player.delay * us),
             lag_worst_us=float(outcome.lag * 1_000_000),
-            lag_samples=float(outcome.lag * part.rate),
+            lag_samples=float(outcome.lag * part.sample_rate),
             simulated_s=float(scene.timebase.seconds(kernel.now - scene.start)),
             wall_s=round(wall, 6),
             kernel_events=kernel.events,

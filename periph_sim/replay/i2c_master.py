@@ -26,10 +26,11 @@ from . import BadReplay
 from .as_master import as_master
 from .compare import compare
 from .history import FlagHistory
-from .i2c_setup import HOLD, LEAD, PATIENCE, TAIL, played
+from .i2c_setup import HOLD, LEAD, PATIENCE, TAIL, events_of, played
 from .picture import closed_loop_picture
 from .report import Report
-from .scenes import alone, settings_of, unit_with
+from .scenes import alone, settings_of, taken, unit_with
+from .verdict import verdict_of
 from .wire_log import WireLog
 from .witness import Place, with_history
 from .words import i2c_words
@@ -71,6 +72,7 @@ class I2cMasterReplay:
             "low": _cycles(part.low / part.rate),
             "high": _cycles(part.high / part.rate),
         }
+        self._filled = taken(case, unit, offered)
         self._scene = scene = Scene(alone(case, unit, "controller", {}, offered), subscribe)
         self.kernel = scene.kernel
         self.origin = scene.start + (0 if self._scripted else scene.timebase.ticks(LEAD, "nearest"))
@@ -118,7 +120,7 @@ class I2cMasterReplay:
         result = scene.run(Fraction(0))
         replayed = self.log.capture(scene.timebase, kernel.now)
         events = decode.events(replayed, "SCL", "SDA")
-        expected = [event for transfer in self._half.done for event in decode.events_of(transfer)]
+        expected = events_of(self._half.done)
         if not self._scripted:
             events = events[: len(expected)]  # it goes on with its next round
         self._replayed = replayed
@@ -133,9 +135,13 @@ class I2cMasterReplay:
             capture=str(part.capture.path),
             kind="i2c",
             role="master",
-            verdict="fail" if outcome.ranked or stuck else "pass",
+            verdict=verdict_of(bool(outcome.ranked or stuck), asked=True),
             events=len(expected),
             agreed=outcome.agreed,
+            captured_events=part.captured_events,
+            transfers=len(self._half.done),
+            captured_transfers=len(part.whole),
+            filled=self._filled,
             first_divergence=outcome.divergence,
             divergences=with_history(outcome.ranked, place, self._unit, "I2C-A", self._again),
             tolerance_us=float((self._tolerance or Fraction(0)) * 1_000_000),
@@ -143,7 +149,7 @@ class I2cMasterReplay:
             addresses=[f"{address:02X}" for address in sorted(self._half.answers)],
             nacks=sum(isinstance(event, decode.Nack) for event in events),
             lag_worst_us=float(outcome.lag * 1_000_000),
-            lag_samples=float(outcome.lag * part.rate),
+            lag_samples=float(outcome.lag * part.sample_rate),
             simulated_s=float(scene.timebase.seconds(kernel.now - scene.start)),
             wall_s=round(wall, 6),
             kernel_events=kernel.events,

@@ -32,18 +32,17 @@ from ..lines.one_way import OneWayWire
 from ..recording import Subscribe
 from .compare import TIMING, Divergence, compare
 from .history import FlagHistory
-from .i2c_script import HALF
 from .i2c_setup import LEAD, TAIL, Played, answering, played
 from .picture import LINES, Side, divergence_picture, last_agreed, title_of
 from .report import Report
-from .scenes import alone
+from .scenes import alone, taken
 from .tolerance import tolerance_of
+from .verdict import verdict_of
 from .wire_log import WireLog
 from .witness import Place, with_history
 from .words import i2c_words
 
 STEPS = 100  # of progress
-LONG = Fraction(3, 2)  # times the usual low phase: a stretch or a pause
 
 
 class OpenScene(Scene):
@@ -93,7 +92,7 @@ class I2cOpenReplay:
         self.log = WireLog(*back)
         self._end = self._last_position()
         lines = capture.channel(scl), capture.channel(sda)
-        for name, line, edges in zip(("SCL", "SDA"), lines, _edges(*lines), strict=True):
+        for name, line, edges in zip(("SCL", "SDA"), lines, _edges(*lines, part.half_sample), strict=True):
             ticks = [(self.origin + int(at * self._per_position), level) for at, level in edges if at <= self._end]
             if not line.initial:  # before the firmware has switched the module on: no START
                 ticks.insert(0, (scene.start, 0))
@@ -200,13 +199,13 @@ class I2cOpenReplay:
     # Summing up ---------------------------------------------------------------------
 
     def _report(self, wall: float) -> Report:
-        scene, kernel, part = self._scene, self.kernel, self._part
+        scene, kernel, part, own = self._scene, self.kernel, self._part, self._answering
         result = scene.run(Fraction(0))
         driven = self.log.capture(scene.timebase, kernel.now)
         self._driven = driven
         self._transfers = self._would_be(driven.channel("SDA"))
         events = [event for transfer in self._transfers for event in decode.events_of(transfer)]
-        tolerance = tolerance_of(self._tolerance, part.rate, scene)
+        tolerance = tolerance_of(self._tolerance, part.sample_rate, scene)
         self._compared = i2c_words(part.expected, part.rate), i2c_words(events, part.rate)
         outcome = compare(*self._compared)
         held = self._holds(driven.channel("SCL"))
@@ -219,16 +218,21 @@ class I2cOpenReplay:
             capture=str(part.capture.path),
             kind="i2c",
             loop="open",
-            verdict="fail" if ranked else "pass",
+            verdict=verdict_of(bool(ranked), bool(own.asked)),
             events=len(part.expected),
             agreed=outcome.agreed,
+            captured_events=part.captured_events,
+            transfers=len(part.transfers),
+            captured_transfers=len(part.whole),
+            filled=taken(self._given[0], own.unit, own.offered),
+            unjudged=own.unjudged,
             first_divergence=outcome.divergence,
             divergences=with_history(
                 ranked, Place(scene, self.origin, byte), self._answering.unit, "I2C-A", self._again
             ),
             tolerance_us=float(tolerance * us),
             bytes=sum(isinstance(event, decode.Address | decode.Data) for event in events),
-            addresses=[f"{address:02X}" for address in self._answering.own],
+            addresses=[f"{address:02X}" for address in own.own],
             nacks=sum(isinstance(event, decode.Nack) for event in events),
             stretch_worst_us=float(max((one.needed for one in held), default=Fraction(0)) * us),
             stretch_total_us=float(sum((one.needed for one in held), Fraction(0)) * us),
@@ -270,8 +274,7 @@ class I2cOpenReplay:
     def _pauses(self, held: list[_Held], late: list[_Held]) -> list[str]:
         """What the two sides did to SCL that the other did not."""
         notes = []
-        usual = self._part.low / self._part.rate
-        long = [one for one in held if one.captured > usual * LONG and one.captured - usual > 2 / self._part.rate]
+        long = [one for one in held if one.captured > self._part.long_low / self._part.rate]
         spare = [one for one in long if one.needed < one.captured]
         if spare:
             most = max(spare, key=lambda one: one.captured - one.needed)
@@ -292,12 +295,14 @@ def _us(seconds: Fraction) -> str:
     return f"{float(seconds * 1_000_000):.3f} us"
 
 
-def _edges(scl: Channel, sda: Channel) -> tuple[list[tuple[Fraction, int]], list[tuple[Fraction, int]]]:
+def _edges(
+    scl: Channel, sda: Channel, half_sample: Fraction
+) -> tuple[list[tuple[Fraction, int]], list[tuple[Fraction, int]]]:
     """(position, level) of both lines; SDA's edges that share a sample with SCL's half a sample off."""
     clock = [(Fraction(at), level) for at, level in zip(scl.edges.tolist(), scl.levels.tolist(), strict=True)]
     data = []
     rising = dict(zip(scl.edges.tolist(), scl.levels.tolist(), strict=True))
     for at, level in zip(sda.edges.tolist(), sda.levels.tolist(), strict=True):
-        off = HALF if at in rising and not rising[at] else -HALF if at in rising else 0
-        data.append((at + Fraction(off), level))
+        off = half_sample if rising.get(at) == 0 else -half_sample if at in rising else Fraction(0)
+        data.append((at + off, level))
     return clock, data

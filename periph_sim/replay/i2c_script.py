@@ -21,7 +21,7 @@ from ..decode.i2c import Bit, Byte, Condition, Party, Phase, Transfer
 from ..lines.i2c_player import Move
 from ..lines.i2c_target import Answer
 
-HALF = Fraction(1, 2)
+HALF = Fraction(1, 2)  # of a sample, where a position is one
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,9 +49,9 @@ class Edge:
     level: int
 
 
-def controllers_half(transfer: Transfer, hold: Fraction) -> list[Edge]:
+def controllers_half(transfer: Transfer, hold: Fraction, half_sample: Fraction = HALF) -> list[Edge]:
     """The edges that the controller makes, in order. hold: from SCL's fall to SDA where the capture does not say."""
-    half = _ControllersHalf(hold)
+    half = _ControllersHalf(hold, half_sample)
     for number, phase in enumerate(transfer.phases):
         if not number:
             half.toggle(phase.start, 0)
@@ -98,7 +98,7 @@ def moves(edges: list[Edge], ticks_per_position: Fraction) -> list[Move]:
     return found
 
 
-def usual_hold(transfers: list[Transfer]) -> Fraction:
+def usual_hold(transfers: list[Transfer], half_sample: Fraction = HALF) -> Fraction:
     """From SCL's fall to the controller's SDA, as this capture usually has it; in positions."""
     seen = [
         bit.sda - (bit.at - bit.low)
@@ -108,7 +108,7 @@ def usual_hold(transfers: list[Transfer]) -> Fraction:
         for bit in byte.bits
         if bit.driver is Party.CONTROLLER and bit.sda is not None and bit.low is not None
     ]
-    return Fraction(median(seen)) if seen else HALF
+    return Fraction(median(seen)) if seen else half_sample
 
 
 def turns(transfers: list[Transfer]) -> Iterator[Turn]:
@@ -149,9 +149,10 @@ def _value(byte: Byte) -> int:
 class _ControllersHalf:
     """Edges of one transfer as they are found. _fall: where SCL falls next, None if that is out of sight."""
 
-    def __init__(self, hold: Fraction) -> None:
+    def __init__(self, hold: Fraction, half_sample: Fraction) -> None:
         self.edges: list[Edge] = []
         self._hold = hold
+        self._half_sample = half_sample
         self._fall: int | None = None
         self._rise = -1  # the last one
         self._sda = 1
@@ -181,7 +182,7 @@ class _ControllersHalf:
         if self._fall is not None:
             self.edges.append(Edge(Fraction(self._fall), True, 0))
             at = self._fall + self._hold if seen_at is None else Fraction(seen_at)
-            first, last = self._fall + HALF, rise - HALF
+            first, last = self._fall + self._half_sample, rise - self._half_sample
             self._change_sda(max(first, min(at, last)), sda)
         self.edges.append(Edge(Fraction(rise), True, 1))
         self._rise = rise

@@ -9,42 +9,78 @@ from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cached_property
 from statistics import median
 
 from ..case.model import Case
 from ..decode import i2c as decode
+from ..decode.plausible import impossible_rate
 from ..formats.capture import Capture
+from ..formats.gaps import gap_notes
+from ..formats.sampling import sample_step, stamp_notes
 from ..lines.i2c_target import Answer
 from . import BadReplay
 from .as_target import AsTarget, as_target
 from .i2c_script import Turn, most_frequent, turns
 from .scenes import settings_of, unit_with
+from .time_base import check_length, rate_of
 
 LEAD = Fraction(1, 1000)  # the firmware starts this long before the capture begins
 TAIL = Fraction(1, 10_000)  # the wires are watched this long after the last move
 PATIENCE = Fraction(25, 1000)  # SCL held low longer than this ends the replay: SMBus's limit
+LONG = Fraction(3, 2)  # times the usual low phase: a stretch or a pause
 HOLD = Fraction(300, 10**9)  # of the other targets: UM10204 Table 11, data hold time of a device
 
 
 @dataclass
 class Played:
-    """The part of a capture that a replay plays. notes: what of it is not played, a sentence each."""
+    """The part of a capture that a replay plays. whole: all its transfers. notes: what of it is not played."""
 
     capture: Capture
     rate: Fraction
+    whole: list[decode.Transfer]
     transfers: list[decode.Transfer]
     turns: list[Turn]
     notes: list[str] = field(default_factory=list)
 
     @property
+    def captured_events(self) -> int:
+        """Events of the whole capture."""
+        return len(events_of(self.whole))
+
+    @cached_property
+    def half_sample(self) -> Fraction:
+        """Positions. Where two lines change at one position their order is unknown, and one goes so far aside."""
+        return Fraction(sample_step(self.capture), 2)
+
+    @property
+    def step(self) -> int:
+        """Positions from one sample to the next, within which nobody knows when an edge was.
+
+        1 where SCL would be low for less than two samples: then the bus's own raster was taken for an analyser's.
+        """
+        step = int(2 * self.half_sample)
+        return step if self.low >= 2 * step else 1
+
+    @property
+    def sample_rate(self) -> Fraction:
+        """Samples a second; `rate` is positions a second."""
+        return self.rate / self.step
+
+    @property
     def expected(self) -> list[decode.Event]:
-        return [event for transfer in self.transfers for event in decode.events_of(transfer)]
+        return events_of(self.transfers)
 
     @property
     def low(self) -> Fraction:
         """How long SCL is low before a bit, as a rule; positions. 0 where no bit shows."""
         lows = [bit.low for bit in self.bits() if bit.low is not None]
         return Fraction(median(lows)) if lows else Fraction(0)
+
+    @property
+    def long_low(self) -> Fraction:
+        """A low phase before a bit that is longer is a stretch, or a pause of the controller; positions."""
+        return max(self.low * LONG, self.low + 2 * self.step)
 
     @property
     def high(self) -> Fraction:
@@ -73,38 +109,65 @@ class Played:
 
 def played(capture: Capture, scl: str | int, sda: str | int, first: int | None = None) -> Played:
     """BadReplay if nothing can be played; LookupError if there is no such channel. first: only so many transfers."""
-    if capture.rate is None:
-        raise BadReplay(f"{capture.path}: a replay needs a time base and the file states no rate; state the rate")
+    rate = rate_of(capture)
+    if wrong := impossible_rate(capture, scl):
+        raise BadReplay(f"{capture.path}: {wrong}; state the right rate with --rate")
     found = decode.transfers(capture, scl, sda)
-    wanted = [transfer for transfer in found if transfer.phases][:first]
+    whole = [transfer for transfer in found if transfer.phases]
+    wanted = whole[:first]
     if not wanted:
         raise BadReplay(
             f"{capture.path}: no I2C transfer on {scl!r} and {sda!r}; the lines may be mapped the wrong way round"
         )
-    notes = _before(found) + _shared(capture, scl, sda)
-    return Played(capture, capture.rate, wanted, list(turns(wanted)), notes)
+    last = wanted[-1]
+    check_length(capture, capture.length if last.stop is None else last.stop.at)
+    notes = _before(found) + _shared(capture, scl, sda) + stamp_notes(capture)
+    notes += gap_notes(capture, capture.channel(scl), capture.channel(sda))
+    return Played(capture, rate, whole, wanted, list(turns(wanted)), notes)
+
+
+def events_of(transfers: Sequence[decode.Transfer]) -> list[decode.Event]:
+    """The events of several transfers, in order."""
+    return [event for transfer in transfers for event in decode.events_of(transfer)]
 
 
 @dataclass
 class Answering:
-    """The unit that stands in for a captured target. own: its addresses. forced, offered: as `alone` takes them."""
+    """The unit that stands in for a captured target. own: its addresses. forced, offered: as `alone` takes them.
+
+    asked: how often the capture has one of its addresses acknowledged, and so asks something of the firmware.
+    """
 
     unit: str
     own: list[int]
+    asked: int = 0
     forced: dict[str, object] = field(default_factory=dict)
     offered: dict[str, object] = field(default_factory=dict)
+
+    @property
+    def unjudged(self) -> str:
+        """Why a replay in which nothing differs proves nothing; empty where it does."""
+        if self.asked:
+            return ""
+        addresses = ", ".join(f"{address:02X}" for address in self.own)
+        return f"nothing was asked of the firmware, nobody acknowledges {addresses or 'an address'} in the capture"
 
 
 def answering(case: Case, part: Played, given: Sequence[int], lead: Fraction = LEAD) -> Answering:
     """Whose addresses are the firmware's, and what it must be set to; adds to the notes what it cannot be set to.
 
     By default the firmware answers the address that the case sets, else the one the capture asks most often; a
-    firmware without a setting `address` answers all.
+    firmware without a setting `address` answers all. Where the captured target refused its address the firmware is
+    put out of reach, but not if its addresses are given: then it must refuse, or differ from the capture.
     """
     unit = unit_with(case, "I2C-A")
     found = Answering(unit, _addresses(case, unit, part, given))
+    own = [turn for turn in part.turns if turn.address in found.own]
+    found.asked = sum(turn.answer.ack for turn in own)
+    if not own:
+        part.notes.append(f"the capture does not ask {', '.join(f'{address:02X}' for address in found.own)}")
     if len(found.own) == 1 and "address" in settings_of(case, unit):
-        found.offered = _settings(part, found.own[0], lead)
+        found.offered = _settings(part, found.own[0], lead, in_reach=bool(given))
         found.forced = {"address": found.own[0]}
     return found
 
@@ -125,22 +188,21 @@ def _addresses(case: Case, unit: str, part: Played, given: Sequence[int]) -> lis
     return [address]
 
 
-def _settings(part: Played, address: int, lead: Fraction) -> dict[str, object]:
+def _settings(part: Played, address: int, lead: Fraction, in_reach: bool) -> dict[str, object]:
     last = part.transfers[-1]
     end = max(last.phases[-1].start.at, 0 if last.stop is None else last.stop.at)
     target = as_target(address, part.turns, end + int(part.rate))
+    if in_reach:
+        return {"replies": target.replies}
     part.notes += _refusals(target)
     answered = [turn.answer.ack for turn in part.turns if turn.address == address]
-    if not answered:
-        part.notes.append(f"the capture does not ask {address:02X}")
-    elif not any(answered):
+    if answered and not any(answered):
         part.notes.append(f"nobody acknowledges {address:02X} in the capture: the firmware stays out of reach")
     asleep = Fraction(0) if target.asleep is None else target.asleep / part.rate + lead
     return {
-        "address": address,
         "replies": target.replies,
         "asleep": asleep,
-        "busy": [pause / part.rate for pause in target.busy],
+        "busy": [pause / part.rate for pause in target.busy] if any(target.busy) else [],
     }
 
 

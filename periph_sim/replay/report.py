@@ -4,13 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from ..timing.budgets import Verdict
+from ..timing.verdicts import Verdict
 from .compare import Divergence
 
 
 @dataclass
 class Report:
-    """events: of the capture, compared. agreed: up to the first that differs. bytes, nacks: on the replayed wires.
+    """events: of the capture, compared. agreed: those that the replay has, too, in the same order. bytes, nacks: on the
+    replayed wires.
+
+    captured_events, captured_transfers: of the whole capture; transfers: of them, replayed. ambiguous: events that
+    cannot be judged, since receivers may read them one way or another. filled: settings of the firmware that were
+    taken from the capture. unjudged: why nothing was judged.
 
     first_divergence: the earliest but for timing, without its history. divergences: the first of each kind, the worst
     first, with what the chip did around it; a timing difference is one above the tolerance, and fails the replay where
@@ -25,11 +30,17 @@ class Report:
     case: str
     capture: str
     kind: str  # i2c, uart or session
-    verdict: str  # pass or fail
+    verdict: str  # pass, ambiguous, not judged or fail
     events: int
     agreed: int
     first_divergence: Divergence | None
     bytes: int
+    captured_events: int = 0
+    transfers: int = 0
+    captured_transfers: int = 0
+    ambiguous: int = 0
+    filled: list[str] = field(default_factory=list)
+    unjudged: str = ""
     loop: str = "closed"  # closed or open
     role: str = "slave"  # I2C: what the F28335 is, slave or master
     divergences: list[Divergence] = field(default_factory=list)

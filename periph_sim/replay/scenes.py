@@ -32,6 +32,12 @@ def settings_of(case: Case, unit: str) -> frozenset[str]:
     )
 
 
+def taken(case: Case, unit: str, offered: Mapping[str, object]) -> list[str]:
+    """Which of the offered settings `alone` will fill in with something."""
+    known = settings_of(case, unit)
+    return [name for name, value in offered.items() if name in known - case.unit[unit].settings.keys() and value]
+
+
 def alone(case: Case, unit: str, agent: str, forced: Mapping[str, object], offered: Mapping[str, object]) -> Case:
     """The case without its agent ("controller" or "host") and budgets, with settings for one unit's firmware.
 

@@ -18,23 +18,27 @@ from fractions import Fraction
 from functools import partial
 
 from ..board.scene import Scene
+from ..board.uart_lines import line_of
 from ..case.model import Case
 from ..decode import uart
 from ..devices.host_pc import FRAME_BYTES, VALUES
 from ..devices.sensor_head import CHIPS
 from ..formats.capture import Capture
+from ..formats.gaps import gap_notes
 from ..lines.edge_player import EdgePlayer
 from ..lines.i2c_controller import Transfer
 from ..lines.i2c_watch import I2cWatch
 from ..recording import Subscribe
-from ..timing.budgets import Limit, Verdict
+from ..timing.budgets import Limit
+from ..timing.verdicts import Verdict
 from . import BadReplay
 from .history import FlagHistory
 from .i2c import I2cReplay
 from .i2c_setup import LEAD, TAIL, Answering
 from .report import Report
 from .scenes import alone, unit_with
-from .uart import LineFormat, line_of, ticks_of
+from .time_base import check_length, rate_of
+from .uart import LineFormat, ticks_of
 
 OF_ROUNDS = ("round", "missed rounds", "nacked rounds", "slack")
 PAUSE = 2  # characters: a longer one on RX ends a frame
@@ -99,19 +103,18 @@ class SessionReplay(I2cReplay):
         subscribe: Subscribe | None = None,
         tolerance: Fraction | None = None,
     ) -> None:
-        if serial.rate is None:
-            raise BadReplay(f"{serial.path}: a replay needs a time base and the file states no rate; state the rate")
+        self._serial_rate = rate_of(serial)
+        check_length(serial, serial.length)
         self._session = (serial, rx, offset, wanted)
         self._wanted = wanted
         self._serial, self._rx = serial, rx
         self._serial_line = serial.channel(rx)
-        self._serial_rate = serial.rate
         lead = LEAD + max(Fraction(0), -offset)
         super().__init__(case, capture, scl, sda, addresses, first, longest_low, subscribe, tolerance, lead)
         scene = self._session_scene
         self._serial_origin = self.origin + scene.timebase.ticks(abs(offset), "nearest") * (1 if offset >= 0 else -1)
-        edges, note = ticks_of(self._serial_line, self._serial_origin, scene.timebase.per_second / serial.rate)
-        self._part.notes += note
+        edges, note = ticks_of(self._serial_line, self._serial_origin, scene.timebase.per_second / self._serial_rate)
+        self._part.notes += note + gap_notes(serial, self._serial_line)
         EdgePlayer(scene.kernel, scene.wire("RX"), edges)
         names = {chip.address: name for name, chip in CHIPS.items()}
         player = self._player
@@ -207,7 +210,7 @@ class SessionReplay(I2cReplay):
                 for verdict in left_out
             ),
         ]
-        if any(verdict.verdict == "fail" for verdict in judged):
+        if not all(verdict.passed for verdict in judged):
             report.verdict = "fail"
         return report
 

@@ -18,29 +18,33 @@ from time import perf_counter
 
 from ..board.dsp import Dsp
 from ..board.scene import Scene
+from ..board.uart_lines import line_of
 from ..case.model import Case
 from ..core.records import Kind, Record, Recorder
 from ..core.time import Timebase
 from ..decode import uart as decode
 from ..f28335.sci_map import SCI_MAP
 from ..formats.capture import Capture, Channel
+from ..formats.gaps import gap_notes
 from ..lines.edge_player import EdgePlayer
 from ..recording import Subscribe
 from . import BadReplay
+from .ambiguous import Word, settled
 from .compare import NOTHING, Divergence, Happened, compare
 from .history import FlagHistory
 from .picture import Side, divergence_picture, title_of
 from .report import Report
 from .scenes import alone, settings_of, unit_with
+from .time_base import check_length, rate_of
+from .verdict import verdict_of
 from .witness import Place, with_history
-from .words import byte_words, uart_words
 
 LEAD = Fraction(1, 1000)  # the firmware starts this long before the capture begins
 TAKEN = Fraction(100, 10**6)  # for the firmware to take the last word
 STEPS = 100  # of progress
 TOLERANCE = Fraction(2, 100)  # of the rate; what two UARTs may differ by and still agree on every bit of a long frame
 
-SCICCR, SCIRXBUF, SCIFFRX = (SCI_MAP[name] for name in ("SCICCR", "SCIRXBUF", "SCIFFRX"))
+SCIRXBUF, SCIFFRX = (SCI_MAP[name] for name in ("SCIRXBUF", "SCIFFRX"))
 FLAGS = {"SCIRXST.BRKDT": "BRKDT", "SCIRXST.OE": "OE", "SCIFFRX.RXFFOVF": "RXFFOVF"}
 PARITIES = {"n": "none", "o": "odd", "e": "even"}
 
@@ -71,19 +75,6 @@ def line_format(baud: int, text: str = "8n1") -> LineFormat:
     return LineFormat(baud, int(match[1]), PARITIES[match[2]], int(match[3]))
 
 
-def line_of(dsp: Dsp, now: int) -> decode.Line:
-    """The rate and format that a unit's SCI-A is set to."""
-    socket, cycle = dsp.socket("SCI-A"), dsp.clock.cycle_at(now)
-    ccr = socket.peek(cycle, SCICCR.offset)
-    brr = socket.peek(cycle, SCI_MAP["SCIHBAUD"].offset) << 8 | socket.peek(cycle, SCI_MAP["SCILBAUD"].offset)
-    lspclk = dsp.control.sysclk_hz / dsp.control.lspclk_divider
-    parity = "none"
-    if SCICCR["PARITYENA"].of(ccr):
-        parity = "even" if SCICCR["PARITY"].of(ccr) else "odd"
-    bits, stop = SCICCR["SCICHAR"].of(ccr) + 1, SCICCR["STOPBITS"].of(ccr) + 1
-    return decode.Line(lspclk / (8 * (brr + 1) if brr else 16), bits, parity, stop)
-
-
 def ticks_of(line: Channel, origin: int, per_position: Fraction) -> tuple[list[tuple[int, int]], list[str]]:
     """A line's edges as (tick, level), and what is left out of them, a sentence each."""
     edges = [
@@ -112,12 +103,12 @@ class UartReplay:
         subscribe: Subscribe | None = None,
         lead: Fraction = LEAD,
     ) -> None:
-        if capture.rate is None:
-            raise BadReplay(f"{capture.path}: a replay needs a time base and the file states no rate; state the rate")
+        rate = rate_of(capture)
+        check_length(capture, capture.length)
         self._given = (case, capture, channel, wanted)
         self._lead = lead
         self._capture = capture
-        self._rate = capture.rate
+        self._rate = rate
         self._channel = channel
         self._wanted = wanted
         self._words: list[tuple[int, int]] = []  # tick, SCIRXBUF
@@ -132,8 +123,9 @@ class UartReplay:
         self._scene = scene = Scene(alone(case, unit, "host", forced, {}), self._listen)
         self.kernel = scene.kernel
         self._origin = scene.start + scene.timebase.ticks(lead, "nearest")
-        per_position = scene.timebase.per_second / capture.rate
+        per_position = scene.timebase.per_second / rate
         edges, self._notes = ticks_of(line, self._origin, per_position)
+        self._notes += gap_notes(capture, line)
         self._end = self._origin + int(capture.length * per_position)
         EdgePlayer(scene.kernel, scene.wire("RX"), edges)
 
@@ -194,11 +186,13 @@ class UartReplay:
         breaks = [event for event in events if isinstance(event, decode.Break)]
         result = scene.run(Fraction(0))
         self._bit = 1 / float(line.baud)
-        outcome = compare(uart_words(frames, self._rate), self.received())
+        judged = settled(events, line, self._rate, self._received())
+        outcome = compare(judged.expected, judged.found)
         divergence = outcome.divergence
-        notes = self._notes + self._rate_notes(line)
+        notes = self._notes + self._rate_notes(line) + self._ambiguous_notes(judged.ambiguous, len(frames))
         left = self._left()
-        if divergence is not None and divergence.found == NOTHING and len(frames) - outcome.agreed == left:
+        behind = None if divergence is None else len(judged.expected) - divergence.index
+        if divergence is not None and divergence.found == NOTHING and behind == left:
             notes.append(f"words still in the FIFO, which the firmware has not asked for yet: {left}")
             divergence = None
         ranked = outcome.ranked if divergence is not None else ()
@@ -214,9 +208,11 @@ class UartReplay:
             capture=str(self._capture.path),
             kind="uart",
             loop="open",
-            verdict="fail" if divergence else "pass",
+            verdict=verdict_of(divergence is not None, bool(frames), len(judged.ambiguous)),
             events=len(frames),
             agreed=outcome.agreed,
+            ambiguous=len(judged.ambiguous),
+            unjudged="" if frames else "there is no frame on the line, so nothing was asked of the firmware",
             first_divergence=divergence,
             divergences=self._with_history(ranked, line),
             bytes=len(self._words),
@@ -250,12 +246,29 @@ class UartReplay:
 
     def received(self) -> list[Happened]:
         """What the firmware has read from SCIRXBUF so far."""
-        found = []
-        for tick, word in self._words:
-            frame_error, parity_error = SCIRXBUF["SCIFFFE"].of(word), SCIRXBUF["SCIFFPE"].of(word)
-            at = self._scene.timebase.seconds(tick - self._origin)
-            found.append(Happened(byte_words(SCIRXBUF["RXDT"].of(word), bool(frame_error), bool(parity_error)), at))
-        return found
+        return [word.happened for word in self._received()]
+
+    def _received(self) -> list[Word]:
+        rxdt, sciffe, sciffpe = (SCIRXBUF[name] for name in ("RXDT", "SCIFFFE", "SCIFFPE"))
+        return [
+            Word(
+                rxdt.of(word),
+                bool(sciffe.of(word)),
+                bool(sciffpe.of(word)),
+                self._scene.timebase.seconds(tick - self._origin),
+            )
+            for tick, word in self._words
+        ]
+
+    def _ambiguous_notes(self, ambiguous: list[decode.Frame], frames: int) -> list[str]:
+        if not ambiguous:
+            return []
+        first = ambiguous[0]
+        return [
+            f"frames with a glitch, which receivers may read one way or another, so that they are not judged: "
+            f"{len(ambiguous)} of {frames}, the first at {float(first.at / self._rate):.6f} s, {first.value:02X} where "
+            "each bit is looked at once"
+        ]
 
     def _left(self) -> int:
         """Words in the receive FIFO."""

@@ -23,7 +23,8 @@ class WireLog:
 
     def capture(self, timebase: Timebase, now: int) -> Capture:
         """What was on the wires up to and including `now`."""
-        return Capture(Path("replay"), Fraction(timebase.per_second), now + 1, self._channels(now + 1), sampled=False)
+        channels = self._channels(now + 1)
+        return Capture(Path("replay"), Fraction(timebase.per_second), now + 1, channels, sampled=False, exact=True)
 
     def _channels(self, length: int) -> tuple[Channel, ...]:
         return tuple(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from fractions import Fraction
 
-from ..decode import i2c, uart
+from ..decode import i2c
 from .compare import Happened
 
 
@@ -37,7 +37,3 @@ def _i2c(event: i2c.Event) -> str:
 def byte_words(value: int, frame_error: bool, parity_error: bool) -> str:
     """A received word: 55, 00 FE, 41 PE."""
     return f"{value:02X}{' FE' if frame_error else ''}{' PE' if parity_error else ''}"
-
-
-def uart_words(frames: Iterable[uart.Frame], per_second: Fraction) -> list[Happened]:
-    return [Happened(byte_words(f.value, f.frame_error, f.parity_error), f.at / per_second) for f in frames]

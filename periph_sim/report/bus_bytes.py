@@ -36,10 +36,11 @@ def _byte(phase: i2c.Phase, place: int, byte: i2c.Byte, end: int) -> Iterator[Bo
     until = end if last.high is None else last.at + last.high
     if place:
         who = "from the target" if phase.read else "from the controller"
-        yield byte.at, until, f"{byte.value:02X}", f"byte {place} = 0x{byte.value:02X}\n{who}"
+        yield byte.at, until, f"0x{byte.value:02X}", f"byte {place} = 0x{byte.value:02X}\n{who}"
     else:
+        address = f"0x{byte.value >> 1:02X}"
         way = "read" if byte.value & 1 else "write"
-        yield byte.at, until, f"{byte.value >> 1:02X} {way}", f"address 0x{byte.value >> 1:02X}, {way}"
+        yield byte.at, until, f"{address} {way[0].upper()}", f"address {address}, {way}"
     if ninth is not None:
         over = end if ninth.high is None else ninth.at + ninth.high
         yield ninth.at, over, "A" if byte.acked else "N", "ACK" if byte.acked else "NACK"

@@ -13,9 +13,9 @@ from pathlib import Path
 from ..board.result import Result
 from ..case.load import load
 from ..case.model import Budget, Case, Condition, Unit
-from ..timing.budgets import Verdict
 from ..timing.shown import figure, percentile
 from ..timing.values import Values
+from ..timing.verdicts import Verdict
 from ..worst.explain import Explained, explain
 from .distribution import distribution
 from .explanation import explanation
@@ -86,8 +86,10 @@ def _verdict(result: Result, findings: Sequence[str] | None) -> str:
 def _standing(case: Case, result: Result, findings: Sequence[str] | None) -> Standing:
     if _verdict(result, findings) == "pass":
         return "good"
-    broken = {verdict.name for verdict in result.budgets if verdict.verdict == "fail"}
-    return "known" if findings is None and broken and broken == set(case.breaks) and not result.stuck else "bad"
+    standing = {verdict.name for verdict in result.budgets if not verdict.passed}
+    as_said = all(verdict.broken == (verdict.name in case.breaks) for verdict in result.budgets)
+    known = findings is None and standing and standing == set(case.breaks) and as_said and not result.stuck
+    return "known" if known else "bad"
 
 
 def _budget(

@@ -127,7 +127,7 @@ class _Lanes:
         lanes: list[Lane] = [wave for wire in SERIAL if wire in self._wires() and (wave := self._wave(wire))]
         frames = Boxes("frames", "")
         for record in self.records:
-            if record.kind is Kind.FRAME:
+            if record.kind is Kind.FRAME and record.what == "byte":
                 byte = f"{record.value:02X}"
                 says = self.says.place(f"frame 0x{byte} from {record.where}")
                 begin = record.tick - self.zero

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from ..timing.budgets import Verdict
+from ..timing.verdicts import Verdict
 from .distribution import Distribution
 from .explanation import Explanation
 from .timeline import Timeline
@@ -30,7 +30,7 @@ class BudgetReport:
 
     @property
     def as_it_should_be(self) -> bool:
-        return (self.verdict.verdict == "fail") == self.must_break
+        return self.verdict.broken if self.must_break else self.verdict.passed
 
 
 @dataclass(frozen=True)

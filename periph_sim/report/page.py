@@ -61,10 +61,9 @@ def _data(value: object) -> Markup:
 
 def _standing(one: BudgetReport) -> str:
     """How a budget stands, in words."""
-    verdict = one.verdict.verdict
     if one.must_break:
-        return "fail, as it must" if verdict == "fail" else "pass, but must break"
-    return verdict
+        return "broken, as it must" if one.verdict.broken else f"{one.verdict.word}, but must break"
+    return one.verdict.word
 
 
 def _share(one: BudgetReport) -> float | None:
@@ -85,4 +84,4 @@ def _worst_first(cases: Sequence[CaseReport]) -> list[tuple[int, CaseReport, int
     rows = [
         (place, case, number, one) for place, case in enumerate(cases, 1) for number, one in enumerate(case.budgets, 1)
     ]
-    return sorted(rows, key=lambda row: (row[3].as_it_should_be, row[3].verdict.verdict != "fail"))
+    return sorted(rows, key=lambda row: (row[3].as_it_should_be, row[3].verdict.passed))

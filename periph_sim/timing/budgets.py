@@ -6,14 +6,14 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from ..case.model import Budget
-from ..case.settings import duration
-from ..core.nearest import near
+from ..case.settings import duration, share
 from ..core.time import NO_TIME, Timebase
-from .event_measures import EventCount, make_of_events
+from .event_measures import EventCount
 from .joined import join
-from .language import is_form, near_form
-from .measures import MEASURES, MILLIONTHS, SPAN, Measure, make
+from .making import measure_named
+from .measures import MILLIONTHS, Measure
 from .names import BadEvent, Scope
+from .verdicts import FAIL, NOT_JUDGED, PASS, Verdict
 
 PER_MILLE = {"p50": 500, "p95": 950, "p99": 990, "p99_9": 999}
 
@@ -32,28 +32,6 @@ class BadBudget(ValueError):
     def key(self) -> str | int:
         """The wrong key alone."""
         return self.place[-1]
-
-
-@dataclass
-class Verdict:
-    """worst, limit, margin: microseconds for times, percent for parts of the time, LSB of values, else plain counts.
-
-    Of several limits the nearest one. at_s: when the worst was, from the start on. which: the limit's key; for a
-    percentile `worst` is the value at it. found: what there is to say beyond figures, such as that nothing matched.
-    """
-
-    name: str
-    measure: str
-    unit: str
-    worst: float | int | None
-    limit: float | int
-    margin: float | int | None
-    count: int
-    verdict: str  # "pass" or "fail"
-    at_s: float | None
-    why: str = ""
-    which: str = "max"
-    found: str = ""
 
 
 @dataclass(frozen=True)
@@ -78,6 +56,7 @@ class Limit:
         self.measure = _measure(budget.measure, scope or Scope())
         self._timebase = timebase
         self._found = ""
+        self._coverage_of = budget.coverage
         self._limits = {key: self._limit(key, given) for key, given in budget.limits().items()}
         self._check()
         if budget.after is not None:
@@ -131,16 +110,11 @@ class Limit:
 
     def _part(self, which: str, given: str | int) -> int:
         """ "40 %" in millionths."""
-        text = str(given)
         try:
-            part = Fraction(text.removesuffix("%").strip())
-        except (ValueError, ZeroDivisionError):
-            part = Fraction(-1)
-        if not text.endswith("%") or not 0 <= part <= 100:
-            raise BadBudget(
-                f"{given!r}, but {self.budget.measure!r} is a part of the time; write for instance '40 %'", which
-            )
-        return round(part * MILLIONTHS / 100)
+            return round(share(given) * MILLIONTHS)
+        except ValueError:
+            what = f"{given!r}, but {self.budget.measure!r} is a part of the time; write for instance '40 %'"
+            raise BadBudget(what, which) from None
 
     def _steps(self, which: str, given: str | int) -> int:
         """2 or "2.5 LSB" in millionths."""
@@ -185,14 +159,10 @@ class Limit:
                     raise BadBudget(f"{what}; limit what the run does instead", key)
 
     def finish(self, now: int) -> None:
-        """The run is over: what still waits, and has waited longer than it may, breaks the budget now."""
+        """The run is over: what is not over counts with what it has come to."""
         for part in self.parts:
             part.measure.finish(now)
-        since, said = self.measure.waits()
-        most = [limit for key, limit in self._limits.items() if key in ("max", "exactly")]
-        if since != NO_TIME and most and now - since > most[0]:
-            self._found = said
-            self.measure.take(now - since, since)
+            part._found = part.measure.close(now)
         if len(self.parts) > 1:
             lacking = join([part.measure for part in self.parts])
             for part, lacks in zip(self.parts, lacking, strict=True):
@@ -201,9 +171,9 @@ class Limit:
                     part._found = f"{part.budget.measure!r} has no value for {lacks} of {what}"
 
     def verdict(self, start: int = 0) -> Verdict:
-        """What a run that began at `start` showed. What was never measured is a failure, never a silent pass.
+        """The verdict of a run that began at `start`. What was measured too seldom is not judged, which is no pass.
 
-        Of joined conditions that which is broken, the first one else; all of them in words.
+        Of joined conditions that which is broken, else that which is not judged, else the first; all of them in words.
         """
         verdicts = [part._alone(start) for part in self.parts]
         shown = verdicts[self.parts.index(self.shown)]
@@ -214,30 +184,52 @@ class Limit:
 
     @property
     def shown(self) -> Limit:
-        """The condition that the verdict shows: the first one that is broken, this one if none is."""
-        return next((part for part in self.parts if part._alone(0).verdict == "fail"), self)
+        """The condition that the verdict shows: the first one that is broken, else not judged; this one if all pass."""
+        words = [part._alone(0).verdict for part in self.parts]
+        return next((self.parts[words.index(word)] for word in (FAIL, NOT_JUDGED) if word in words), self)
 
     def _alone(self, start: int) -> Verdict:
         measure = self.measure
-        silent = measure.silent
+        limits = {key: limit for key, limit in self._limits.items() if self._can_judge(key, limit)}
+        silent = measure.silent or not limits
+        enough = self._measured_enough()
+        found = self._found or (measure.missing() if silent else "")
+        if not enough and not found:
+            found = f"measured {measure.measured} of {measure.occasions} {measure.asked}, less than {self._coverage()}"
         if silent:
             nearest = next(_Seen(key, limit, 0, NO_TIME, 0) for key, limit in self._limits.items())
         else:
-            nearest = min((self._beside(key, limit) for key, limit in self._limits.items()), key=lambda s: s.slack)
+            nearest = min((self._beside(key, limit) for key, limit in limits.items()), key=lambda s: s.slack)
         return Verdict(
             name=self.budget.name,
             measure=self.budget.measure,
             unit="us" if measure.unit == "time" else measure.unit,
-            worst=None if silent else self._show(nearest.value),
-            limit=self._show(nearest.limit),
-            margin=None if silent else self._show(nearest.slack),
+            worst=None if silent else self.show(nearest.value),
+            limit=self.show(nearest.limit),
+            margin=None if silent else self.show(nearest.slack),
             count=measure.count,
-            verdict="fail" if silent or nearest.slack < 0 else "pass",
+            verdict=FAIL if nearest.slack < 0 else NOT_JUDGED if silent or not enough else PASS,
             at_s=None if silent or nearest.at < 0 else float(self._timebase.seconds(nearest.at - start)),
             why=self.budget.why,
             which=nearest.which,
-            found=self._found or (measure.missing() if silent else ""),
+            found=found,
+            measured=measure.measured,
+            occasions=measure.occasions,
         )
+
+    def _can_judge(self, which: str, limit: int) -> bool:
+        """What the end of the run cut off has come to so much at least: it says when that is too much, and no more."""
+        measure = self.measure
+        if measure.count > measure.cut_off or not measure.series:
+            return True
+        return which not in ("min", "exactly") or (which == "exactly" and measure.worst > limit)
+
+    def _measured_enough(self) -> bool:
+        measure = self.measure
+        return measure.occasions is None or measure.measured >= self._coverage_of * measure.occasions
+
+    def _coverage(self) -> str:
+        return f"{float(100 * self._coverage_of):g} %"
 
     def typical(self, start: int = 0) -> Verdict | None:
         """The other end of what was measured: the value furthest from the limit. None where there was one value."""
@@ -247,7 +239,7 @@ class Limit:
         value, at = (measure.worst, measure.worst_at) if low else (measure.least, measure.least_at)
         if worst.worst is None or not measure.series or measure.count < 2 or at < 0:
             return None
-        return replace(worst, worst=part._show(value), at_s=float(self._timebase.seconds(at - start)), margin=None)
+        return replace(worst, worst=part.show(value), at_s=float(self._timebase.seconds(at - start)), margin=None)
 
     def _in_words(self, verdict: Verdict) -> str:
         """ "age 22.153 ms at 0.025195 s (max 25 ms)"."""
@@ -271,7 +263,8 @@ class Limit:
         value, at = measure.percentile(PER_MILLE[which])
         return _Seen(which, limit, value, at, limit - value)
 
-    def _show(self, value: int) -> float | int:
+    def show(self, value: int) -> float | int:
+        """A value of the measure in the unit of verdicts."""
         if self.measure.unit == "%":
             return float(Fraction(value * 100, MILLIONTHS))
         if self.measure.unit == "LSB":
@@ -282,13 +275,7 @@ class Limit:
 
 
 def _measure(text: str, scope: Scope) -> Measure:
-    if is_form(text):
-        try:
-            return make_of_events(text, scope)
-        except BadEvent as error:
-            raise BadBudget(str(error), "measure") from None
-    if not text.startswith(SPAN) and text not in MEASURES:
-        form = near_form(text)
-        hint = f"did you mean {form}?" if form else near(text, [*MEASURES, f"{SPAN}NAME"])
-        raise BadBudget(f"there is no measure {text!r}; {hint}", "measure")
-    return make(text)
+    try:
+        return measure_named(text, scope)
+    except BadEvent as error:
+        raise BadBudget(str(error), "measure") from None

@@ -2,21 +2,28 @@
 
     text --> words --> Said(form, events or names, rule) ; BadEvent says what was found where what was expected
 
-    measure = "from" event "to" event [ "," rule ]
-            | ( "period" | "jitter" | "count" ) "of" event
-            | "level" "of" field
-            | "interrupt" "latency" vector
+    measure = pair
+            | "count" "of" event [ pair ]
+            | "period" "of" event
+            | "jitter" "of" ( event | measure )
+            | "level" "of" field [ "at" event ]
+            | "interrupt" "latency" vector [ "to" "first" "access" ]
+            | "reaction" [ "of" unit ]
+            | "gap" "between" "rounds"
+            | "margin" "of" [ unit ":" ] "I2CDXR"
+            | "SCL" "held" "per" "transfer" [ "by" unit ]
             | [ "each" ] "time" "in" state
-            | "cpu" "load" [ "of" unit ]
-            | "bus" "load"
+            | "cpu" "load" [ "of" unit ] [ "per" duration ]
+            | "bus" "load" [ "per" duration ]
             | "slack"
             | "race" ( field | register )
             | "lost" "flags" [ register ]
             | "cleared" "along" field
+            | [ "model" ] "age" [ "of" chip ]
             | "value" "error" [ "of" chip ] [ "at" ( "first" "bit" | "frame" ) ]
     state   = span | "flag" field "=" number | "wire" wire ( "high" | "low" )
             | "bus" ( "busy" | "free" ) | "interrupt" vector
-    rule    = "next" | "same" "transfer" | "same" "round"
+    pair    = "from" event "to" event { "," ( "in" "order" | "next" | "last" | "same" ( "transfer" | "round" ) ) }
     event   = see `events`
     field, register, vector, span: [ unit ":" ] name; a name with blanks stands in quotes
 
@@ -27,11 +34,13 @@ where its first word is one that begins another state.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
+from fractions import Fraction
 
+from ..case.settings import duration
 from ..devices.sensor_head import CHIPS
-from .events import Event, read_event
+from .events import EVENTS, Event, read_event
 from .names import BadEvent
 from .words import Words
 
@@ -42,6 +51,10 @@ FORMS = {
     "count": "count of EVENT",
     "level": "level of MODULE.REGISTER.FIELD",
     "interrupt": "interrupt latency NAME",
+    "reaction": "reaction",
+    "gap": "gap between rounds",
+    "margin": "margin of I2CDXR",
+    "SCL": "SCL held per transfer",
     "time": "time in STATE",
     "each": "each time in STATE",
     "cpu": "cpu load",
@@ -50,9 +63,10 @@ FORMS = {
     "race": "race MODULE.REGISTER.FIELD",
     "lost": "lost flags",
     "cleared": "cleared along MODULE.REGISTER.FIELD",
+    "age": "age of CHIP",
+    "model": "model age of CHIP",
     "value": "value error of CHIP",
 }
-RULES = ("next", "same transfer", "same round")
 LEVELS = ("high", "low")
 BUS_STATES = ("busy", "free")
 
@@ -68,17 +82,25 @@ class During:
 
 @dataclass(frozen=True)
 class Said:
-    """form: a key of FORMS. events: those named. rule: which of them belong together, or of values the instant.
+    """form: a key of FORMS. events: those named. text: all of it. unit, name: of a field, vector, unit or chip.
 
-    unit, name: of a field, vector, unit or chip. state: of times in one.
+    state: of times in one.
+    pairing: one of PAIRINGS, or empty. group: "transfer" or "round" that a pair lies in. instant: of values.
+    window: of a load, in seconds. of: what the jitter is of, if that is a measure. access: to the first one.
     """
 
     form: str
     events: tuple[Event, ...] = ()
-    rule: str = "next"
+    text: str = field(default="", compare=False)
     unit: str = ""
     name: str = ""
     state: During | None = None
+    pairing: str = ""
+    group: str = ""
+    instant: str = ""
+    window: Fraction | None = None
+    of: Said | None = None
+    access: bool = False
 
 
 def is_form(text: str) -> bool:
@@ -97,7 +119,7 @@ def measure_of(text: str) -> Said:
     words = Words(text)
     said = _MEASURES[words.one_of(list(FORMS))](words)
     words.end()
-    return said
+    return replace(said, text=text)
 
 
 def name_text(unit: str, name: str) -> str:
@@ -108,32 +130,67 @@ def _from(words: Words) -> Said:
     begin = read_event(words)
     words.one_of(["to"])
     end = read_event(words)
-    rule = "next"
-    if words.took(",") or words.next in ("next", "same"):
-        rule = words.one_of(["next", "same"])
-        if rule == "same":
-            rule = f"same {words.one_of(['transfer', 'round'])}"
-    return Said("from", (begin, end), rule)
+    pairing = group = ""
+    while words.took(",") or words.next in ("in", "next", "last", "same"):
+        said = words.one_of([word for word in ("in", "next", "last") if not pairing] + ["same"] * (not group))
+        if said == "same":
+            group = words.one_of(["transfer", "round"])
+        else:
+            pairing = f"in {words.one_of(['order'])}" if said == "in" else said
+    return Said("from", (begin, end), pairing=pairing, group=group)
 
 
-def _of_event(form: str) -> Callable[[Words], Said]:
-    def parse(words: Words) -> Said:
-        words.one_of(["of"])
-        return Said(form, (read_event(words),))
+def _count(words: Words) -> Said:
+    words.one_of(["of"])
+    counted = read_event(words)
+    if not words.took("from"):
+        return Said("count", (counted,))
+    pair = _from(words)
+    return replace(pair, form="count", events=(counted, *pair.events))
 
-    return parse
+
+def _period(words: Words) -> Said:
+    words.one_of(["of"])
+    return Said("period", (read_event(words),))
+
+
+def _jitter(words: Words) -> Said:
+    words.one_of(["of"])
+    form = words.next
+    if form in EVENTS and words.following not in ("latency", "load"):
+        return Said("jitter", (read_event(words),))
+    if form not in FORMS:
+        words.take("a measure or an event")
+        return Said("jitter", name=" ".join(filter(None, (form, words.rest()))))
+    words.take("a measure")
+    return Said("jitter", of=_MEASURES[form](words))
 
 
 def _level(words: Words) -> Said:
     words.one_of(["of"])
     unit, name = words.name("a field")
-    return Said("level", unit=unit, name=name)
+    events = (read_event(words),) if words.took("at") else ()
+    return Said("level", events, unit=unit, name=name)
 
 
 def _latency(words: Words) -> Said:
     words.one_of(["latency"])
     unit, name = words.name("an interrupt's name")
-    return Said("interrupt", unit=unit, name=name)
+    to_access = words.took("to")
+    if to_access:
+        words.one_of(["first"])
+        words.one_of(["access"])
+    return Said("interrupt", unit=unit, name=name, access=to_access)
+
+
+def _reaction(words: Words) -> Said:
+    return Said("reaction", unit=words.take("a unit") if words.took("of") else "")
+
+
+def _gap(words: Words) -> Said:
+    words.one_of(["between"])
+    words.one_of(["rounds"])
+    return Said("gap")
 
 
 def _time(form: str) -> Callable[[Words], Said]:
@@ -209,14 +266,44 @@ _STATES: dict[str, Callable[[Words], States]] = {
 }
 
 
+def _margin(words: Words) -> Said:
+    words.one_of(["of"])
+    unit, name = words.name("I2CDXR")
+    if name.removeprefix("I2C-A.") != "I2CDXR":
+        raise BadEvent(f"{words.text!r}: only I2CDXR has a margin; write margin of I2CDXR")
+    return Said("margin", unit=unit)
+
+
+def _held(words: Words) -> Said:
+    for word in ("held", "per", "transfer"):
+        words.one_of([word])
+    return Said("SCL", unit=words.take("a unit") if words.took("by") else "")
+
+
 def _cpu(words: Words) -> Said:
     words.one_of(["load"])
-    return Said("cpu", unit=words.take("a unit") if words.took("of") else "")
+    unit = words.take("a unit") if words.took("of") else ""
+    return Said("cpu", unit=unit, window=_window(words))
 
 
 def _bus_load(words: Words) -> Said:
     words.one_of(["load"])
-    return Said("bus")
+    return Said("bus", window=_window(words))
+
+
+def _window(words: Words) -> Fraction | None:
+    if not words.took("per"):
+        return None
+    given = words.rest()
+    if not given:
+        raise BadEvent(f"{words.text!r} ends where the length of a window is expected; write for instance per 20 ms")
+    try:
+        window = duration(given)
+    except ValueError as error:
+        raise BadEvent(f"{words.text!r}: {error}") from None
+    if not window:
+        raise BadEvent(f"{words.text!r}: a window is longer than 0")
+    return window
 
 
 def _race(words: Words) -> Said:
@@ -236,24 +323,41 @@ def _cleared(words: Words) -> Said:
     return Said("cleared", unit=unit, name=name)
 
 
+def _age(words: Words) -> Said:
+    return Said("age", name=_chip(words))
+
+
+def _model_age(words: Words) -> Said:
+    words.one_of(["age"])
+    return Said("model", name=_chip(words))
+
+
+def _chip(words: Words) -> str:
+    return words.one_of(list(CHIPS)) if words.took("of") else ""
+
+
 def _value(words: Words) -> Said:
     words.one_of(["error"])
-    chip = words.one_of(list(CHIPS)) if words.took("of") else ""
+    chip = _chip(words)
     instant = "first bit"
     if words.took("at"):
         instant = words.one_of(["first", "frame"])
         if instant == "first":
             instant = f"first {words.one_of(['bit'])}"
-    return Said("value", rule=instant, name=chip)
+    return Said("value", instant=instant, name=chip)
 
 
 _MEASURES: dict[str, Callable[[Words], Said]] = {
     "from": _from,
-    "period": _of_event("period"),
-    "jitter": _of_event("jitter"),
-    "count": _of_event("count"),
+    "period": _period,
+    "jitter": _jitter,
+    "count": _count,
     "level": _level,
     "interrupt": _latency,
+    "reaction": _reaction,
+    "gap": _gap,
+    "margin": _margin,
+    "SCL": _held,
     "time": _time("time"),
     "each": _time("each"),
     "cpu": _cpu,
@@ -262,5 +366,7 @@ _MEASURES: dict[str, Callable[[Words], Said]] = {
     "race": _race,
     "lost": _lost,
     "cleared": _cleared,
+    "age": _age,
+    "model": _model_age,
     "value": _value,
 }

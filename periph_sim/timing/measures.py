@@ -1,14 +1,13 @@
 """What a budget can limit: happenings of a run go in as they happen, the worst value and when it was come out.
 
 A measure keeps no history, so memory does not grow with the run, unless `keep` is asked for: by a percentile, or by
-whoever wants all values. Each class says what it measures and from which event to which. `MEASURES` is the list users
-choose from; measures of events that users name are in `event_measures`.
+whoever wants all values. Each class says what it measures and from which event to which. The list users choose from is
+in `registry`; measures of events that users name are in `event_measures`.
 """
 
 from __future__ import annotations
 
 from array import array
-from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Protocol
@@ -18,10 +17,10 @@ from numpy.typing import NDArray
 
 from ..core.records import Kind, Record, Subjects
 from ..core.time import NO_TIME
-from ..devices.host_pc import FRAME_BYTES
-from ..devices.sensor_head import CHIPS, Round
-from ..devices.truth import Axes, shown
+from ..devices.sensor_head import Round
+from ..devices.truth import Axes
 from ..lines.i2c_controller import Transfer
+from .origins import Origins
 
 
 class Happenings(Protocol):
@@ -38,8 +37,14 @@ class Happenings(Protocol):
     def listen_sci(self, told: Callable[[int, int, bool], None]) -> None:
         """`told(tick, words in the receive FIFO, something was overrun)` on every change."""
 
+    def origins(self) -> Origins:
+        """Which host frame the bytes of a read come from."""
+
     def checks_host(self) -> bool:
         """Whether known chips are to show values of host frames."""
+
+    def listen_due(self, told: Callable[[int], None]) -> None:
+        """`told(tick)` when a round is due by the controller's schedule, whether it can begin or not."""
 
     def listen_missed(self, told: Callable[[int], None]) -> None:
         """`told(tick)` when a round was due and could not begin."""
@@ -66,8 +71,11 @@ class Happenings(Protocol):
     def sysclk(self, unit: str) -> Fraction:
         """SYSCLKOUT of a unit in Hz, as it is now; of the first one where none is named."""
 
-    def cpu_cycles(self, unit: str) -> tuple[int, int]:
-        """(cycles in computations and service routines, all cycles) of a unit, so far."""
+    def i2c_release_delay(self, unit: str) -> int:
+        """From a write of I2CDXR that SCL is held for to its release, in ticks, as a unit is set now."""
+
+    def held_since(self) -> int:
+        """Since when others hold SCL low that the controller has let go of; NO_TIME if they do not."""
 
     def host_values(self, number: int) -> tuple[int, ...]: ...
 
@@ -88,12 +96,16 @@ class Measure:
 
     least: the smallest. series: it takes one value after the other, of which there are percentiles. occurrence: what
     it takes a value of; measures of the same occurrences can be joined. not_before: the tick from which on it takes.
+
+    occasions: how often there was something to measure, counted on the bus and not by the firmware: None where the
+    measure has no such count. asked: what these are, as a plural.
     """
 
     unit = "time"
     series = True
     needs = ""  # what a scene must have for this to mean anything: "controller", "host" or "SCI-A"
     occurrence = ""
+    asked = ""
     kinds: frozenset[Kind] = frozenset()
 
     @property
@@ -108,7 +120,10 @@ class Measure:
         self.worst_at = NO_TIME
         self.least_at = NO_TIME
         self.total = 0
+        self.cut_off = 0  # of these, how many the end of the run cut off
         self.not_before = NO_TIME
+        self.occasions: int | None = 0 if self.asked else None
+        self.tap: Callable[[int, int], None] | None = None  # told of each value that is taken
         self._kept: tuple[array[int], array[int]] | None = None
 
     @property
@@ -116,13 +131,33 @@ class Measure:
         """Nothing was measured, so nothing is proven."""
         return not self.count
 
+    @property
+    def measured(self) -> int:
+        """How many of the occasions were measured."""
+        return self.count
+
     def missing(self) -> str:
         """Why nothing was measured, where more can be said than that."""
         return ""
 
-    def waits(self) -> tuple[int, str]:
-        """Since when an event waits for the one that would end it, and that as a phrase; NO_TIME if none does."""
-        return NO_TIME, ""
+    def unfinished(self, now: int) -> list[tuple[int, int]]:
+        """(what it has come to, as given to `take`, when it began) of each occurrence that is not over."""
+        return []
+
+    def unfinished_text(self) -> str:
+        """What is not over, as a phrase."""
+        return ""
+
+    def close(self, now: int) -> str:
+        """Count what is not over after the run, where it has come to more than everything that is; that as a phrase.
+
+        It may come to more yet, so it says nothing of the least.
+        """
+        most = self.worst if self.count else None
+        for value, at in sorted(self.unfinished(now)):
+            if at >= self.not_before and (most is None or value > most):
+                self.take_unfinished(value, at)
+        return self.unfinished_text() if self.cut_off else ""
 
     def keep(self) -> None:
         """Keep every value, for percentiles and distributions."""
@@ -144,7 +179,8 @@ class Measure:
     def only(self, places: NDArray[np.int64]) -> None:
         """Forget all kept values but those at these places."""
         values, at = (column[places].tolist() for column in self.all_kept())
-        self.count = self.total = 0
+        self.count = self.total = self.cut_off = 0
+        self.occasions = None  # the measure that it is joined to has them
         self.keep()
         for value, when in zip(values, at, strict=True):
             self.take(value, when)
@@ -165,6 +201,12 @@ class Measure:
     def finish(self, now: int) -> None:
         """The run is over."""
 
+    def occasion(self, at: int, number: int = 1) -> None:
+        """There was so often something to measure. at: as given to `take`."""
+        if at >= self.not_before:
+            assert self.occasions is not None
+            self.occasions += number
+
     def take(self, value: int, at: int) -> None:
         if at < self.not_before:
             return
@@ -177,6 +219,16 @@ class Measure:
         if self._kept is not None:
             self._kept[0].append(value)
             self._kept[1].append(at)
+        if self.tap is not None:
+            self.tap(value, at)
+
+    def take_unfinished(self, value: int, at: int) -> None:
+        """`value` so far, more than any before."""
+        least, least_at, alone = self.least, self.least_at, not self.count
+        self.take(value, at)
+        self.cut_off += 1
+        if not alone:
+            self.least, self.least_at = least, least_at
 
 
 class Counter(Measure):
@@ -194,286 +246,3 @@ class Counter(Measure):
             self.worst_at = self.least_at = at
         self.count += by
         self.worst = self.least = self.count
-
-
-class SpanTime(Measure):
-    """From the begin of a named stretch of firmware to its end, service routines in between included."""
-
-    kinds = frozenset({Kind.SPAN})
-
-    def __init__(self, name: str) -> None:
-        super().__init__()
-        self._name = name
-        self._began: dict[str, int] = {}
-
-    def record(self, record: Record) -> None:
-        if record.what != self._name:
-            return
-        if record.value:
-            self._began[record.where] = record.tick
-        elif record.where in self._began:
-            began = self._began.pop(record.where)
-            self.take(record.tick - began, began)
-
-
-class Response(Measure):
-    """From the SCL fall that ends the ACK slot of a read address to the SCL rise of the first data bit."""
-
-    needs = "controller"
-
-    def listen(self, scene: Happenings) -> None:
-        scene.listen_transfers(self._transfer)
-
-    def _transfer(self, transfer: Transfer) -> None:
-        for phase in transfer.phases:
-            if phase.read and phase.answer_at != NO_TIME:
-                self.take(phase.answer_at - phase.answer_from, phase.answer_from)
-
-
-class Stretch(Measure):
-    """Longest time the other side held SCL low beyond the controller's own low time, per acknowledged phase."""
-
-    needs = "controller"
-    occurrence = READ
-
-    def listen(self, scene: Happenings) -> None:
-        scene.listen_transfers(self._transfer)
-
-    def _transfer(self, transfer: Transfer) -> None:
-        for phase in transfer.phases:
-            if phase.acked:
-                self.take(phase.stretch, phase.start_at)
-
-
-class RoundTime(Measure):
-    """From the moment at which a round was due to its last STOP."""
-
-    needs = "controller"
-
-    def listen(self, scene: Happenings) -> None:
-        scene.listen_rounds(self._round)
-
-    def _round(self, over: Round) -> None:
-        self.take(over.end - over.due, over.due)
-
-
-class MissedRounds(Counter):
-    """Rounds that could not begin when they were due, since the one before still ran."""
-
-    needs = "controller"
-
-    def listen(self, scene: Happenings) -> None:
-        scene.listen_missed(self.one_more)
-
-
-class NackedRounds(Counter):
-    """Rounds with at least one request whose address nobody acknowledged."""
-
-    needs = "controller"
-
-    def listen(self, scene: Happenings) -> None:
-        scene.listen_rounds(self._round)
-
-    def _round(self, over: Round) -> None:
-        if over.nacked:
-            self.one_more(over.due)
-
-
-class Nacked(Counter):
-    """Requests whose address nobody acknowledged."""
-
-    needs = "controller"
-
-    def listen(self, scene: Happenings) -> None:
-        scene.listen_transfers(self._transfer)
-
-    def _transfer(self, transfer: Transfer) -> None:
-        if not transfer.acked and transfer.phases[0].start_at != NO_TIME:
-            self.one_more(transfer.phases[0].start_at)
-
-
-class WrongBytes(Measure):
-    """Bytes read that are not what they should be: `expect` of the request, or the values of a recent host frame.
-
-    worst is how many were wrong, count how many were compared: a run that compared nothing proves nothing.
-    """
-
-    needs = "controller"
-    RECENT = 8  # frames that a sample may come from
-    unit = "bytes"
-    series = False
-
-    def listen(self, scene: Happenings) -> None:
-        self._chips = {chip.address: name for name, chip in CHIPS.items()} if scene.checks_host() else {}
-        self._recent: OrderedDict[int, tuple[int, ...]] = OrderedDict({-1: (0,) * 6})
-        self.where: dict[str, int] = {}  # "gyroscope byte 0" -> how often it was wrong
-        self.first = ""  # the first wrong read, as a sentence
-        scene.listen_transfers(self._transfer)
-        scene.listen_frames(self._frame)
-
-    def _frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
-        self._recent[number] = values
-        while len(self._recent) > self.RECENT:
-            self._recent.popitem(last=False)
-
-    def _transfer(self, transfer: Transfer) -> None:
-        for phase in transfer.phases:
-            if phase.read and phase.got:
-                wanted = self._wanted(phase.address, bytes(phase.got), phase.expect)
-                wrong = [i for i, (a, b) in enumerate(zip(phase.got, wanted, strict=False)) if a != b]
-                self.count += min(len(phase.got), len(wanted))
-                if wrong:
-                    if not self.worst:
-                        self.worst_at = self.least_at = phase.start_at
-                        self.first = f"{transfer.name} read {phase.got.hex(' ')} where {wanted.hex(' ')} was expected"
-                    self.worst = self.least = self.worst + len(wrong)
-                for i in wrong:
-                    place = f"{transfer.name} byte {i}"
-                    self.where[place] = self.where.get(place, 0) + 1
-
-    def _wanted(self, address: int, got: bytes, expect: bytes | None) -> bytes:
-        """What `got` should have been: of all candidates the one that agrees in the most bytes."""
-        if expect is not None:
-            return expect
-        if address not in self._chips:
-            return b""
-        name = self._chips[address]
-        chip = CHIPS[name]
-        candidates = []
-        for values in reversed(self._recent.values()):  # the last frame's is the usual one
-            three = shown(values)[name]
-            in_order = [three[axis] for axis in chip.order]
-            wanted = b"".join([v.to_bytes(2, "big" if chip.big else "little", signed=True) for v in in_order])
-            if wanted == got:
-                return wanted
-            candidates.append(wanted)
-        return max(candidates, key=lambda c: sum(a == b for a, b in zip(c, got, strict=False)))
-
-
-class Age(Measure):
-    """From the end of a host frame to the START of the first read that carries its values."""
-
-    needs = "host"
-    occurrence = READ
-    RECENT = 64
-
-    def listen(self, scene: Happenings) -> None:
-        self._chip = CHIPS["gyroscope"]
-        self._waiting: OrderedDict[tuple[int, ...], int] = OrderedDict()
-        scene.listen_frames(self._frame)
-        scene.listen_transfers(self._transfer)
-
-    def _frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
-        self._waiting[values[0:3]] = tick
-        if len(self._waiting) > self.RECENT:
-            self._waiting.popitem(last=False)
-
-    def _transfer(self, transfer: Transfer) -> None:
-        for phase in transfer.phases:
-            if phase.read and phase.address == self._chip.address and len(phase.got) == 6:
-                sent = self._waiting.pop(self._chip.values(bytes(phase.got)), None)
-                if sent is not None:
-                    self.take(phase.start_at - sent, phase.start_at)
-
-
-class ModelAge(Measure):
-    """From the end of the last host frame that was whole when the models began to the first read of what they made.
-
-    As `age`, for firmware whose chips do not show the values of frames. Each known chip's first read counts, from its
-    START; and a frame that is worked on once more, since no other has come, counts once more.
-    """
-
-    needs = "host"
-    occurrence = READ
-    kinds = frozenset({Kind.SPAN})
-
-    def listen(self, scene: Happenings) -> None:
-        self._addresses = {chip.address for chip in CHIPS.values()}
-        self._sent = NO_TIME  # the end of the last whole frame,
-        self._taken = NO_TIME  # of the one that the models under way work on,
-        self._made = NO_TIME  # and of the one that the last models worked on
-        self._unread: set[int] = set()  # chips whose values, from there, no read has carried yet
-        scene.listen_frames(self._frame)
-        scene.listen_transfers(self._transfer)
-
-    def missing(self) -> str:
-        return f"no chip was read after a span {MODEL!r} that began after a host frame had come"
-
-    def _frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
-        self._sent = tick
-
-    def record(self, record: Record) -> None:
-        if record.what != MODEL:
-            return
-        if record.value:
-            self._taken = self._sent
-        elif self._taken != NO_TIME:
-            self._made, self._unread = self._taken, set(self._addresses)
-
-    def _transfer(self, transfer: Transfer) -> None:
-        for phase in transfer.phases:
-            if phase.read and phase.got and phase.address in self._unread:
-                self._unread.remove(phase.address)
-                self.take(phase.start_at - self._made, phase.start_at)
-
-
-class FifoHighWater(Measure):
-    """Most words that ever waited in the SCI receive FIFO."""
-
-    needs = "SCI-A"
-    unit = "words"
-
-    def listen(self, scene: Happenings) -> None:
-        scene.listen_sci(self._sci)
-
-    def _sci(self, tick: int, words: int, overrun: bool) -> None:
-        self.take(words, tick)
-
-
-class Overruns(Counter):
-    """Characters lost in the SCI: FIFO overflow (RXFFOVF) or SCIRXBUF overrun (OE), counted as they happen."""
-
-    needs = "SCI-A"
-
-    def listen(self, scene: Happenings) -> None:
-        scene.listen_sci(self._sci)
-
-    def _sci(self, tick: int, words: int, overrun: bool) -> None:
-        if overrun:
-            self.one_more(tick)
-
-
-class Stuck(Counter):
-    """Times a line was held low longer than the controller's `stuck_after`."""
-
-    needs = "controller"
-
-    def listen(self, scene: Happenings) -> None:
-        scene.listen_stuck(self.one_more)
-
-
-SPAN = "span:"
-
-MEASURES: dict[str, type[Measure]] = {
-    "response": Response,
-    "stretch": Stretch,
-    "round": RoundTime,
-    "missed rounds": MissedRounds,
-    "nacked rounds": NackedRounds,
-    "nacked": Nacked,
-    "wrong bytes": WrongBytes,
-    "age": Age,
-    "model age": ModelAge,
-    "fifo high-water": FifoHighWater,
-    "overruns": Overruns,
-    "stuck": Stuck,
-}
-
-assert FRAME_BYTES == 12  # the word positions above are those of this frame
-
-
-def make(name: str) -> Measure:
-    """The measure that a budget names: one of MEASURES, or "span:NAME". KeyError otherwise."""
-    if name.startswith(SPAN):
-        return SpanTime(name.removeprefix(SPAN))
-    return MEASURES[name]()

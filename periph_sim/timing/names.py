@@ -44,12 +44,17 @@ class BadEvent(ValueError):
 
 @dataclass(frozen=True)
 class Scope:
-    """units: each with its modules. controller, host: whether the scene has that party on its wires."""
+    """units: each with its modules. controller, host: whether the scene has that agent on its wires."""
 
     units: dict[str, tuple[str, ...]] = field(default_factory=dict)
     wires: tuple[str, ...] = ()
     controller: bool = False
     host: bool = False
+
+    @property
+    def bus(self) -> bool:
+        """There is an I2C bus, whoever is its controller."""
+        return self.controller or "SCL" in self.wires
 
     def wire(self, name: str) -> str:
         if name not in self.wires:

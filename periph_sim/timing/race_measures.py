@@ -7,6 +7,7 @@ What counts is what `periph-sim races` shows of a recorded run (`insight/races.p
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple
@@ -98,7 +99,7 @@ def clearing(unit: str, text: str, scope: Scope) -> Watched:
     return Watched(text, owner, module, register.name, f.name)
 
 
-class OfRegister(Measure):
+class OfRegister(Measure, ABC):
     """Keeps the records that concern a register, to look at them as a recorded run."""
 
     kinds = frozenset({Kind.ACCESS, Kind.FLAG})
@@ -126,8 +127,9 @@ class OfRegister(Measure):
         self.look(Run(table, sysclk=self._sysclk))
         self._columns = Columns()
 
+    @abstractmethod
     def look(self, run: Run) -> None:
-        raise NotImplementedError
+        """Measure over all that was kept."""
 
 
 class Race(OfRegister):
@@ -164,7 +166,7 @@ class Race(OfRegister):
 
 
 class LostFlags(OfRegister):
-    """Flags that a read-modify-write cleared unmeant, and whose register had not been read since they rose.
+    """Flags that a read-modify-write cleared unmeant, and that firmware had not looked at since they rose.
 
     worst is how many were lost, count how many read-modify-writes there were: without one, nothing is proven.
     """
@@ -190,8 +192,7 @@ class LostFlags(OfRegister):
 class ClearedAlong(LostFlags):
     """How often a read-modify-write cleared this flag though another one was meant, whether it had been read or not.
 
-    A read of the register shows every flag, but firmware looks at one of them: this is for a flag that is waited for
-    afterwards, and that no other write may take.
+    This is for a flag that is waited for afterwards, and that no other write may take.
     """
 
     def ticks(self, flag: Lost) -> tuple[int, ...]:

@@ -5,6 +5,11 @@ Needs no module of ours: what only shows figures need not load what measures the
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .verdicts import Verdict
+
 PLAIN = ("count", "value")  # units that say nothing beside a number
 
 
@@ -43,3 +48,13 @@ def percentile(which: str) -> str:
 def instant(at_s: float | None) -> str:
     """`0.005290 s`; `-` where there is none."""
     return "-" if at_s is None else f"{at_s:.6f} s"
+
+
+def broken(verdict: Verdict) -> str:
+    """What broke a budget, as a phrase: `37.153 ms is over its limit of 25.000 ms, at 0.025195 s`."""
+    assert verdict.worst is not None
+    over = "over" if verdict.worst > verdict.limit else "under"
+    at = "" if verdict.at_s is None else f", at {instant(verdict.at_s)}"
+    told = f" ({verdict.found})" if verdict.found else ""
+    worst, limit = (in_words(value, verdict.unit) for value in (verdict.worst, verdict.limit))
+    return f"{worst} is {over} its limit of {limit}{at}{told}"

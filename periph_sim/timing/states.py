@@ -2,12 +2,13 @@
 
     wire SCL low   ──┐______┌──────┐___┌──     each: 6 and 3      time in: 9
 
-A state that holds as the run begins belongs to the sum. It is no "each", since nobody saw it begin; but if it lasts
-longer than any may, it breaks the budget all the same.
+A state that holds as the run begins belongs to the sum. It is no "each", since nobody saw it begin; but if it lasts to
+the end of the run, it counts with that.
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 from ..core.records import Kind, Record
@@ -36,7 +37,7 @@ class State:
         return first.kind is Kind.BUS and first.what == "STOP"  # no START yet: the bus is free
 
 
-class _InState(OfEvents):
+class _InState(OfEvents, ABC):
     """Hears when the state begins and ends."""
 
     def __init__(self, state: State) -> None:
@@ -60,8 +61,9 @@ class _InState(OfEvents):
     def begins(self, at: int, seen: bool) -> None:
         self._since = at
 
+    @abstractmethod
     def ends(self, at: int) -> None:
-        raise NotImplementedError
+        """The state was left, or the run ended in it."""
 
     def missing(self) -> str:
         if self._state.enters[0].free:
@@ -109,5 +111,8 @@ class EachTimeIn(_InState):
         if self._whole:
             self.take(at - self._since, self._since)
 
-    def waits(self) -> tuple[int, str]:
-        return self._since, f"{self._state.text!r} still lasted when the run ended"
+    def unfinished(self, now: int) -> list[tuple[int, int]]:
+        return [] if self._since == NO_TIME else [(now - self._since, self._since)]
+
+    def unfinished_text(self) -> str:
+        return f"{self._state.text!r} still lasted when the run ended"

@@ -17,6 +17,7 @@ from math import ceil
 from ..devices.sensor_head import CHIPS
 from ..devices.truth import Axes, distance
 from ..lines.i2c_controller import Transfer
+from .bus_measures import begin_of
 from .measures import MILLIONTHS, READ, Happenings, Measure
 
 RECENT = 8  # frames that a read may carry, as for "wrong bytes"
@@ -33,6 +34,7 @@ class ValueDeviation(Measure):
     unit = "LSB"
     needs = "host"
     occurrence = READ
+    asked = "reads asked"
 
     def __init__(self, chip: str, at_frame: bool) -> None:
         super().__init__()
@@ -50,7 +52,10 @@ class ValueDeviation(Measure):
 
     def _transfer(self, transfer: Transfer) -> None:
         for phase in transfer.phases:
-            if phase.read and self._due and phase.address in self._chips and len(phase.got) == BYTES:
+            if not (phase.read and self._due and phase.address in self._chips):
+                continue
+            self.occasion(begin_of(transfer, phase))
+            if len(phase.got) == BYTES:
                 name, chip = self._chips[phase.address]
                 instants = self._due if self._at_frame else [phase.answer_at]
                 values = chip.values(bytes(phase.got))

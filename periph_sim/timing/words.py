@@ -25,6 +25,16 @@ class Words:
         """The word to come; empty at the end."""
         return self._words[self._at] if self._at < len(self._words) else ""
 
+    @property
+    def following(self) -> str:
+        """The word behind the next one; empty if there is none."""
+        return self._words[self._at + 1] if self._at + 1 < len(self._words) else ""
+
+    def rest(self) -> str:
+        """All words to come, taken at once."""
+        begin, self._at = self._at, len(self._words)
+        return self.between(begin)
+
     def take(self, expected: str) -> str:
         word = self.next
         if not word:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from ..core.time import Timebase
 from ..host.place import Where
-from ..timing.budgets import Verdict
+from ..timing.verdicts import Verdict
 from .timeline import Doing, Stretch, phrase
 
 

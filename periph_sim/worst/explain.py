@@ -12,18 +12,22 @@ from fractions import Fraction
 from ..board.firmware import Firmware
 from ..case.model import Case
 from ..core.records import Kind
-from ..timing.budgets import Verdict
-from ..timing.event_measures import make_of_events
+from ..drawing.wires import bit_of
+from ..formats.capture import Span
 from ..timing.events import EVERYTHING, Matcher, matcher
 from ..timing.language import is_form, measure_of
-from ..timing.measures import SPAN
+from ..timing.making import make_of_events
 from ..timing.names import scope_of_case
 from ..timing.race_measures import OfRegister
+from ..timing.registry import SPAN
+from ..timing.verdicts import Verdict
 from . import of_bus, of_events, of_host
 from .chain import Chain, difference
 from .look import Look
 from .of_bus import Story
-from .window import Window, windows
+from .window import BIT, LATE, Window, windows
+
+REACH = 70  # bits: a picture is not made longer than that for the evidence, so that bytes can be told apart
 
 STORIES: dict[str, Callable[[Look], Story]] = {
     "response": of_bus.response,
@@ -77,7 +81,21 @@ def _explained(case: Case, window: Window, usual: Window | None) -> Explained:
         comparable = chain.parts and (there.parts or not there.length)
         more = difference(chain.parts, there.parts) if comparable else ()
         chain = replace(chain, typical=there.length, more=more)
-    return Explained(window, chain)
+    return Explained(_reaching(window, chain), chain)
+
+
+def _reaching(window: Window, chain: Chain) -> Window:
+    """The window with a picture that reaches the chain's evidence, where that is an instant's and not far away."""
+    told = tuple(step.what for step in chain.steps)
+    if window.begin != window.end or window.verdict.measure in LATE or not chain.steps:
+        return replace(window, told=told)
+    bit = bit_of(window.edges, window.timebase.ticks(BIT, "nearest"))
+    begin, end = window.drawn
+    for step in sorted(chain.steps, key=lambda step: abs(step.at)):
+        first, last = (window.begin + step.at + room for room in (-bit, bit))
+        if max(end, last) - min(begin, first) <= REACH * bit:
+            begin, end = min(begin, first), max(end, last)
+    return replace(window, told=told, drawn=Span(max(begin, window.kept[0].begin), min(end, window.kept[-1].end)))
 
 
 def chain_of(case: Case, window: Window) -> Chain:
@@ -102,22 +120,22 @@ def _story(case: Case, window: Window) -> Story:
     made = make_of_events(measure, scope)
     events: list[Matcher] = list(getattr(made, "matchers", ()))
     if said.form == "interrupt":
-        return of_events.latency(look, events[0], events[1])
-    if said.form == "from":
+        return of_events.latency(look, events[0], None if said.access else events[1])
+    if said.form in ("from", "reaction", "gap"):
         return of_events.between(look, events[0], events[1])
     if said.form == "period":
         return of_events.between(look, events[0], events[0])
     if said.form == "jitter":
-        return of_events.two_periods(look, events[0])
+        return of_events.two_periods(look, matcher(said.events[0], scope)) if said.events else of_events.once(look)
     if said.form == "each":
         first, last = (of_events.one_of(look, events, at) for at in (look.window.begin, look.window.end))
         return of_events.between(look, first, last)
-    if said.form in ("level", "time"):
+    if said.form in ("level", "time", "count"):
         return of_events.once(look, events[0])
     if isinstance(made, OfRegister):
         return of_events.around(look, made.watched)
+    if said.form in ("age", "model"):
+        return of_host.age(look)
     if said.form == "value":
         return of_host.value(look)
-    if said.form == "count":
-        return of_events.once(look, matcher(said.events[0], scope))
     return of_events.whole(look)

@@ -13,10 +13,10 @@ from itertools import pairwise
 
 from ..case.model import Case
 from ..core.records import Kind, Record
+from ..insight.record_words import BusByte, bus_byte, happened
 from .chain import Part, Place, Step, place_of
 from .timeline import DOING, Episode, Stretch, episodes, open_at, phrase, timeline, units
 from .window import Window
-from .words import happened
 
 SMALL = Fraction(1, 100)  # of an occurrence: waits shorter than that are not told
 MOST = 12  # service routines, spans and waits told of an occurrence: the longest
@@ -40,7 +40,8 @@ class Phase:
     data: tuple[Record, ...]
 
     def __str__(self) -> str:
-        return f"{self.name} ({self.address:02X} {'read' if self.read else 'write'})"
+        """ "gyroscope (0x68 R)"."""
+        return f"{self.name} (0x{self.address:02X} {'R' if self.read else 'W'})"
 
 
 class Look:
@@ -139,16 +140,16 @@ class Look:
             over = next((j for j in range(i + 1, len(records)) if records[j].what in ENDS), len(records))
             inside = records[i + 1 : over]
             address = next((r for r in inside if r.what == "address"), None)
-            value = 0 if address is None else address.value
+            sent = NO_ADDRESS if address is None else bus_byte(address) or NO_ADDRESS
             end = records[over].tick if over < len(records) else self.window.kept[-1].end - 1
             found.append(
                 Phase(
                     name=records[i].text,
                     begin=records[i].tick,
                     end=end,
-                    address=value >> 2,
-                    read=bool(value & 2),
-                    acked=address is not None and not value & 1,
+                    address=sent.value,
+                    read=bool(sent.read),
+                    acked=sent.acked,
                     answered=None if address is None else address.tick,
                     repeated=records[i].what != "START",
                     data=tuple(r for r in inside if r.what == "byte"),
@@ -219,6 +220,7 @@ class Look:
 
 
 IN_FIRMWARE = (Kind.ACCESS, *DOING)
+NO_ADDRESS = BusByte(0, acked=False, read=False)  # of a phase that ended before its address
 ENDS = ("START", "repeated START", "STOP", "arbitration lost")
 
 

@@ -7,7 +7,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from ..insight.record_words import on_the_bus
 from .chain import Part, Step, parts_of
+from .evidence import ONES, bytes_sent, released, stale, unread
 from .look import Look, Phase, in_order
 from .timeline import Stretch
 
@@ -76,7 +78,7 @@ def _asked(look: Look, tick: int) -> list[Step]:
     if phase.answered is not None:
         told.append(look.say(phase.answered, f"address {'' if phase.acked else 'not '}acknowledged"))
     return told + [
-        look.step(byte, f"byte {n}: {byte.value >> 1:02X}") for n, byte in enumerate(phase.data, 1) if byte.tick <= tick
+        look.step(byte, f"byte {n}: {on_the_bus(byte)}") for n, byte in enumerate(phase.data, 1) if byte.tick <= tick
     ]
 
 
@@ -166,7 +168,8 @@ def missed(look: Look) -> Story:
     running = a_round(look, before, due)
     steps = [look.say(due, f"a round is due, but the one before still runs: {look.unit} in {look.doing_at(due)}")]
     told = [step for step in running.steps if step.what not in ("last STOP", "the round is due")]
-    return Story(in_order(told, look.waited_for(due), steps), (), look.blame_at(due))
+    old = [step for phase in look.phases if before <= phase.begin < due for step in stale(look, phase)][-1:]
+    return Story(in_order(told, old, look.waited_for(due), unread(look, due), steps), (), look.blame_at(due))
 
 
 def nacked(look: Look) -> Story:
@@ -176,37 +179,46 @@ def nacked(look: Look) -> Story:
     if phase is None or phase.answered is None:
         return Story((look.say(begin, "no such address within the records kept"),))
     at = phase.answered
-    steps = [look.say(phase.begin, f"START, {phase}"), look.say(at, f"address {phase.address:02X} not acknowledged")]
+    steps = [look.say(phase.begin, f"START, {phase}"), look.say(at, f"address 0x{phase.address:02X} not acknowledged")]
     steps.append(look.say(at, f"{look.unit}: {look.doing_at(at)}", None, look.place_at(at)))
+    steps += [*released(look, at), *unread(look, at), *stale(look, phase)]
     own = look.accesses(0, at, "W", I2C, "I2COAR")
     if own:
         last = max(own, key=lambda r: r.tick)
-        steps.append(look.step(last, f"I2COAR = {last.value:02X} written, {look.span(at - last.tick)} before the NACK"))
+        steps.append(
+            look.step(last, f"I2COAR = 0x{last.value:02X} written, {look.span(at - last.tick)} before the NACK")
+        )
     later = [r for r in look.accesses(at + 1, look.window.kept[-1].end, "W", I2C, "I2COAR") if r.value == phase.address]
     if later:
-        told = f"I2COAR = {phase.address:02X} written, {look.span(later[0].tick - at)} too late"
+        told = f"I2COAR = 0x{phase.address:02X} written, {look.span(later[0].tick - at)} too late"
         steps.append(look.step(later[0], told))
     return Story(in_order(steps), (), look.blame_at(at))
 
 
 def wrong_bytes(look: Look) -> Story:
-    """The first wrong read: what was put into I2CDXR when, and what came on the bus."""
+    """The first wrong read: of each byte which write of I2CDXR it came of, when and where, maybe for another read."""
     begin = look.window.begin
     phase = next((p for p in look.phases if p.begin >= begin), None)
     if phase is None:
         return Story((look.say(begin, "no such read within the records kept"),))
-    before = max((p.begin for p in look.phases if p.end <= begin and p.name == phase.name), default=begin)
-    steps = [*_asked(look, phase.end)]
-    writes = look.accesses(before, phase.end, "W", I2C, "I2CDXR")
-    for write in writes:
-        early = ", before the read's START" if write.tick < begin else ""
-        steps.append(look.step(write, f"I2CDXR = {write.value:02X} written{early}"))
-    early_writes = [r for r in writes if r.tick < begin]
-    blamed = early_writes[0] if early_writes else (writes[0] if writes else None)
+    steps = [*_asked(look, begin), *stale(look, phase)]
+    blamed: Step | None = None
+    for byte, write, said in bytes_sent(look, phase):
+        steps.append(look.say(byte.tick, said, None, None if write is None else look.step(write).place))
+        wrote = [] if write is None else [look.step(write, f"I2CDXR = 0x{write.value:02X} written")]
+        if write is not None and write.tick < phase.begin:
+            wrote = [look.step(write, f"I2CDXR = 0x{write.value:02X} written, before the read's START")]
+            blamed = blamed or wrote[0]
+        reset = released(look, byte.tick) if byte.value >> 1 == ONES else []
+        blamed = blamed or next(iter(reset), None)
+        steps += [*wrote, *reset]
+    steps += unread(look, phase.end)
+    written = next((step for step in steps if step.what.startswith("I2CDXR = ")), None)
+    blamed = blamed or written
     if blamed is None:
         return Story(in_order(steps), (), look.blame_at(begin))
-    place = look.step(blamed).place
-    return Story(in_order(steps), (), Part("code", "I2CDXR written", 0, 1, place))
+    what = "I2CMDR.IRS cleared" if blamed.what.startswith("I2CMDR") else "I2CDXR written"
+    return Story(in_order(steps), (), Part("code", what, 0, 1, blamed.place))
 
 
 def stuck(look: Look) -> Story:
@@ -220,6 +232,6 @@ def stuck(look: Look) -> Story:
         falls = channel.edges[(channel.edges <= at)].tolist()
         if falls and not channel.initial ^ (len(falls) & 1):
             steps.append(look.say(falls[-1], f"{name} falls, and stays low", at - falls[-1]))
-    steps += look.waited_for(at)
+    steps += [*look.waited_for(at), *unread(look, at)]
     steps.append(look.say(at, f"reported as stuck; {look.unit}: {look.doing_at(at)}", None, look.place_at(at)))
     return Story(in_order(_asked(look, at)[:1], steps), (), look.blame_at(at))

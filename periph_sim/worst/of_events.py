@@ -10,13 +10,13 @@ from fractions import Fraction
 from ..core.records import Kind, Record
 from ..formats.record_table import Columns
 from ..insight.causes import walk_back
+from ..insight.record_words import happened
 from ..insight.run import Run
 from ..timing.events import Matcher
 from ..timing.race_measures import Watched
 from .chain import Part, Step, parts_of
 from .look import Look, in_order
 from .of_bus import Story
-from .words import happened
 
 WRITES = 6  # told of those in between
 BACK = 2  # causes told of each end
@@ -43,7 +43,7 @@ def between(look: Look, begin: Matcher | None, end: Matcher | None) -> Story:
     )
 
 
-def latency(look: Look, asked: Matcher, entered: Matcher) -> Story:
+def latency(look: Look, asked: Matcher, entered: Matcher | None) -> Story:
     """From an interrupt's request in the PIE to its service routine, and whether another routine was in its way."""
     story = between(look, asked, entered)
     window = look.window
@@ -55,7 +55,7 @@ def latency(look: Look, asked: Matcher, entered: Matcher) -> Story:
     return story._replace(steps=in_order(story.steps, [off]))
 
 
-def once(look: Look, event: Matcher | None) -> Story:
+def once(look: Look, event: Matcher | None = None) -> Story:
     """One event with its causes, and what the firmware did then."""
     at = look.window.begin
     record = find(look, event, at)

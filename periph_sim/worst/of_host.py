@@ -6,6 +6,7 @@ Look --> Story
 from __future__ import annotations
 
 from ..core.records import Kind
+from ..insight.record_words import bus_byte
 from .chain import Step, parts_of
 from .look import SMALL, Look, in_order
 from .of_bus import Story
@@ -35,7 +36,7 @@ def value(look: Look) -> Story:
     steps = [look.told(one, at) for one in busy]
     read = next((p for p in look.phases if p.begin == at), None)
     if read is not None:
-        carried = " ".join(f"{byte.value >> 1:02X}" for byte in read.data)
+        carried = " ".join(f"0x{data.value:02X}" for byte in read.data if (data := bus_byte(byte)))
         steps.append(look.say(at, f"{read}: {carried}", read.end - at))
     return Story(in_order(steps), (), look.blame_at(at))
 
@@ -55,7 +56,7 @@ def fifo(look: Look) -> Story:
     reads = look.accesses(0, at, "R", SCI, "SCIRXBUF")
     empty = [r.tick for r in look.flags(look.window.kept[0].begin, at, SCI, WORDS) if not r.value]
     since = max([*empty, look.window.kept[0].begin])
-    frames = look.window.between(since, at, Kind.FRAME)
+    frames = [r for r in look.window.between(since, at, Kind.FRAME) if r.what == "byte"]
     steps: list[Step] = []
     if reads:
         last = max(reads, key=lambda r: r.tick)

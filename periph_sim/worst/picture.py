@@ -9,6 +9,8 @@ Time 0 of the axis is the begin of the worst occurrence.
 
 from __future__ import annotations
 
+import re
+
 from ..core.records import Kind, Record
 from ..drawing.text import text_diagram
 from ..drawing.timing import BLACK, BLUE, GREY, ORANGE, Box, Lane, Mark, timing_diagram
@@ -22,7 +24,7 @@ RECEIVED = ("SCIFFRX.RXFFINT",)
 FLAGS: dict[str, tuple[str, ...]] = {  # of a measure that is about them without naming them
     "response": ANSWER,
     "stretch": ANSWER,
-    "wrong bytes": ANSWER,
+    "wrong bytes": (*ANSWER, "I2CDXR.DATA"),
     "nacked": ANSWER[:1],
     "nacked rounds": ANSWER[:1],
     "age": RECEIVED,
@@ -88,14 +90,24 @@ def _flags(window: Window) -> list[tuple[str, str]]:
     """Place and field of those that changed within the picture and that the measure is about."""
     changed = {(r.where, r.what) for r in window.between(*window.drawn, Kind.FLAG)}
     measure = window.verdict.measure
-    about = FLAGS.get(measure, ())
+    about = FLAGS.get(measure.partition(" of ")[0], ())
     order = {what: i for i, what in enumerate(about)}
     chosen = [
         (where, what)
         for where, what in changed
-        if what in about or f"{where.partition('.')[2]}.{what}" in measure or _latency(measure, what)
+        if what in about
+        or f"{where.partition('.')[2]}.{what}" in measure
+        or _latency(measure, what)
+        or _told(window, what)
     ]
     return sorted(chosen, key=lambda one: (one[0], order.get(one[1], 0), one[1]))
+
+
+def _told(window: Window, what: str) -> bool:
+    """Whether the chain names a field, or the data register that it is all of."""
+    register, _, field = what.partition(".")
+    name = register if field == "DATA" else what
+    return any(re.search(rf"\b{name}\b", told) for told in window.told)
 
 
 def _latency(measure: str, what: str) -> bool:
@@ -106,8 +118,9 @@ def _flag_lane(window: Window, where: str, what: str) -> list[Lane]:
     changes = [r for r in (*window.before, *window.records) if (r.kind, r.where, r.what) == (Kind.FLAG, where, what)]
     earlier = [r for r in changes if r.tick < window.drawn.begin]
     inside = [r for r in changes if window.drawn.begin <= r.tick < window.drawn.end]
-    name = what.rpartition(".")[2]
-    if all(r.value in (0, 1) for r in changes):
+    register, _, name = what.partition(".")
+    name = register if name == "DATA" else name
+    if name != register and all(r.value in (0, 1) for r in changes):
         initial = earlier[-1].value if earlier else 1 - inside[0].value
         edges = tuple((_seconds(window, r.tick), r.value) for r in inside)
         return [Lane(name, "flags", BLACK, initial=initial, edges=edges)]
@@ -118,7 +131,7 @@ def _values(window: Window, earlier: list[Record], inside: list[Record]) -> tupl
     marks = [*((window.drawn.begin, r.value) for r in earlier), *((r.tick, r.value) for r in inside)]
     ends = [*(tick for tick, _ in marks[1:]), window.drawn.end]
     return tuple(
-        Box(_seconds(window, tick), _seconds(window, end), f"{value}")
+        Box(_seconds(window, tick), _seconds(window, end), f"0x{value:02X}" if value > 9 else f"{value}")
         for (tick, value), end in zip(marks, ends, strict=True)
     )
 

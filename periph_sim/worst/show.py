@@ -1,7 +1,7 @@
 """A Chain as people read it: lines of text; and as JSON: plain numbers in microseconds and cycles.
 
 stretch 97.953 us, at most 50.000 us allowed, at 0.105195 s
-    -190.000 us              repeated START, gyroscope (68 read)
+    -190.000 us              repeated START, gyroscope (0x68 R)
     -102.680 us  200.387 us  SCIRXINTA entered, preempting the wait for ... [imu_hil.py:60 (sci_received)]
   made up of
     97.560 us  99.6 %  span frame [imu_hil.py:66 (sci_received)]
@@ -13,8 +13,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..timing.budgets import Verdict
 from ..timing.shown import in_words, instant, percentile
+from ..timing.verdicts import Verdict
 from .chain import Chain, Part, Place
 
 MOST_PARTS = 6

@@ -24,7 +24,7 @@ from ..core.time import Timebase
 from ..drawing.wires import bit_of
 from ..formats.capture import Capture, Channel, Span, channel_of
 from ..formats.record_table import RecordTable
-from ..timing.budgets import Verdict
+from ..timing.verdicts import Verdict
 
 AROUND = Fraction(5, 1000)  # seconds kept before and behind an occurrence: a transfer, a frame of the host
 WIDE = Fraction(25, 1000)  # the same where the instant alone says little: a period before and one behind
@@ -49,6 +49,7 @@ class Window:
     field values, spans and service routines (value 1: not over yet), last accesses.
     edges: every wire of the scene; positions are ticks. Known (`Capture.known`) in `kept` and some way before it.
     start: the tick at which the run began; `verdict.at_s` counts from there.
+    told: what its chain says, step by step, if there is one: a picture shows the fields that it names.
     """
 
     verdict: Verdict
@@ -61,6 +62,7 @@ class Window:
     edges: Capture
     timebase: Timebase
     start: int
+    told: tuple[str, ...] = ()
 
     @property
     def hole(self) -> Span | None:
@@ -169,7 +171,7 @@ class _Keeper:
         per_second = self._timebase.per_second
         at = self._start + round(verdict.at_s * per_second)
         length = round((verdict.worst or 0) * per_second / 1_000_000) if _is_length(verdict) else 0
-        begin, end = sorted((at - length, at) if verdict.measure in ENDS else (at, at + length))
+        begin, end = sorted((at - length, at) if verdict.measure.startswith(ENDS) else (at, at + length))
         around = self._timebase.ticks(WIDE if verdict.measure.startswith(WIDE_FOR) else AROUND, "nearest")
         first, last = max(begin - around, self._start), min(end + around, self._end)
         longest = self._timebase.ticks(LONGEST, "nearest")

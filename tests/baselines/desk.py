@@ -1,4 +1,4 @@
-"""Small cases to be checked: the emulator of timing/imu_hil.toml asked for one chip, 22 ms long."""
+"""Small cases to be checked: the emulator of timing/imu_hil_published.toml asked for one chip, 22 ms long."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def put(
     firmware = folder / f"{name}_firmware.py"
     text = FIRMWARE.replace(WRITE, f"        dsp.compute({wait})\n{WRITE}").replace(RUNS, does)
     firmware.write_text(text, encoding="utf-8")
-    text = CASE.format(name=name, firmware=firmware.as_posix(), sdir_wait=str(sdir_wait).lower())
+    text = CASE.format(name=name, firmware=firmware.name, sdir_wait=str(sdir_wait).lower())
     path = folder / f"{name}.toml"
     path.write_text(breaks + text, encoding="utf-8")
     return path

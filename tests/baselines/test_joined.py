@@ -10,14 +10,15 @@ from tests.board.runs import TIMING
 BUDGET = """
 [[budget]]
 name = "fresh and right"
-measure = "age"
+measure = "age of gyroscope"
 max = "25 ms"
+after = "20 ms"
 and = [{ measure = "value error of gyroscope", max = 6 }]
 """
 
 
 def test_each_condition_has_its_own_figures(tmp_path: Path):
-    text = (TIMING / "imu_hil.toml").read_text(encoding="utf-8").split("[[budget]]")[0] + BUDGET
+    text = (TIMING / "imu_hil_published.toml").read_text(encoding="utf-8").split("[[budget]]")[0] + BUDGET
     path = tmp_path / "joined.toml"
     path.write_text(text.replace('"10 s"', '"0.1 s"'), encoding="utf-8")
     outcome = run_case(path)

@@ -1,4 +1,4 @@
-"""The sensor-head scene (timing/imu_hil.toml) run in this process: its speed, what waiting costs, what recording costs.
+"""The plain sensor-head scene (timing/imu_hil_published.toml) run in this process: its speed, and what recording costs.
 
 load -> Scene (not timed) -> run (timed) -> Measured
 """
@@ -13,12 +13,11 @@ from pathlib import Path
 from periph_sim.board.result import Result
 from periph_sim.board.scene import Scene
 from periph_sim.case.load import load
-from periph_sim.commands.run import recorded_modules
 from periph_sim.recording import recording
 
 from .timed import Seconds, median_of, middle, timed
 
-CASE = Path(__file__).parents[2] / "timing" / "imu_hil.toml"
+CASE = Path(__file__).parents[2] / "timing" / "imu_hil_published.toml"
 REPEATS = 5
 
 
@@ -67,7 +66,7 @@ def recorded(suffix: str | None, seconds: int = 1) -> tuple[int, Seconds]:
         case = load(CASE)
 
         def run() -> None:
-            with recording(path, recorded_modules(case)) as (subscribe, ended_at):
+            with recording(path, case.recorded_modules) as (subscribe, ended_at):
                 scene = Scene(case, subscribe)
                 scene.run(Fraction(seconds))
                 ended_at(scene.kernel.now)

@@ -29,7 +29,7 @@ class Ran(NamedTuple):
 
     def broken(self) -> list[str]:
         """Names of the budgets that did not hold."""
-        return [verdict.name for verdict in self.result.budgets if verdict.verdict == "fail"]
+        return [verdict.name for verdict in self.result.budgets if not verdict.passed]
 
     def answered(self) -> list[str]:
         """Round by round who acknowledged: "G-M" when only the accelerometer, asked second, did not."""
@@ -76,4 +76,4 @@ class Edges:
             ticks = np.array([tick for tick, _ in edges], np.int64)
             levels = np.array([level for _, level in edges], np.uint8)
             channels.append(Channel(name, index, 1, ticks, levels))
-        return Capture(Path("scene"), Fraction(self._rate), length, tuple(channels), sampled=False)
+        return Capture(Path("scene"), Fraction(self._rate), length, tuple(channels), sampled=False, exact=True)

@@ -10,6 +10,8 @@ from periph_sim.board.firmware import BadFirmware, load_firmware
 from periph_sim.board.scene import Scene
 from periph_sim.case.load import load
 from periph_sim.case.model import BadCase
+from periph_sim.timing.language import FORMS
+from periph_sim.timing.registry import MEASURES
 from tests.board.small import case
 
 TEXT = """\
@@ -80,12 +82,14 @@ def case_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         (
             'firmware = "imu_hil"',
             'firmware = "imu_hill"',
-            "small.toml, line 5: unit.dsp.firmware: there is no firmware 'imu_hill'; did you mean imu_hil?",
+            "small.toml, line 5: unit.dsp.firmware: there is no firmware 'imu_hill'; did you mean imu_hil or "
+            "imu_hil_robust?",
         ),
         (
             'firmware = "imu_hil"',
             'firmware = "missing.py"',
-            "small.toml, line 5: unit.dsp.firmware: there is no firmware file 'missing.py'",
+            "small.toml, line 5: unit.dsp.firmware: there is no firmware file 'missing.py'; "
+            "its path counts from the folder of the case",
         ),
         (
             'firmware = "imu_hil"',
@@ -149,18 +153,18 @@ def case_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         (
             'measure = "response"',
             'measure = "latency"',
-            "small.toml, line 19: budget.0.measure: there is no measure 'latency'; it has response, stretch, round, "
-            "missed rounds, nacked rounds, nacked, wrong bytes, age, model age, fifo high-water, overruns, stuck, ...",
+            "small.toml, line 19: budget.answer.measure: there is no measure 'latency'; it has "
+            f"{', '.join(MEASURES)}, span:NAME, and {', '.join(FORMS.values())}",
         ),
         (
             'max = "60 us"',
             "max = 60",
-            'small.toml, line 20: budget.0.max: 60 has no unit; write for instance "60 ms"',
+            'small.toml, line 20: budget.answer.max: 60 has no unit; write for instance "60 ms"',
         ),
         (
             'max = "60 us"',
             'max = "60 us"\nmin = "61 us"',
-            "small.toml, line 21: budget.0.min: min 61 us is above max 60 us, so no run can keep both; "
+            "small.toml, line 21: budget.answer.min: min 61 us is above max 60 us, so no run can keep both; "
             "raise max or lower min",
         ),
     ],
@@ -176,7 +180,7 @@ def test_one_sentence_with_file_line_and_way_out(case_file: Path, line: str, by:
 def test_a_name_that_came_by_set_is_told_as_it_was_typed(case_file: Path):
     assert refusal(case_file, "unit.dsp.firmware=imu_hill") == (
         "small.toml, --set 'unit.dsp.firmware=imu_hill': unit.dsp.firmware: "
-        "there is no firmware 'imu_hill'; did you mean imu_hil?"
+        "there is no firmware 'imu_hill'; did you mean imu_hil or imu_hil_robust?"
     )
 
 
@@ -200,3 +204,13 @@ def test_firmware_without_settings_takes_none(case_file: Path):
 def test_firmware_is_a_name_of_the_folder_not_a_module_path():
     with pytest.raises(BadFirmware, match="there is no firmware 'os'"):
         load_firmware("os")
+
+
+def test_an_edit_of_firmware_counts_at_once_and_nothing_is_left_beside_it(tmp_path: Path):
+    file = tmp_path / "mine.py"
+    names = []
+    for name in ("one", "two"):  # same length, and mostly within the same second
+        file.write_text(f"NAME = '{name}'\n\n\ndef main(dsp, settings):\n    pass\n", encoding="utf-8")
+        names.append(load_firmware(str(file)).main.__globals__["NAME"])
+    assert names == ["one", "two"]
+    assert list(tmp_path.iterdir()) == [file]

@@ -20,11 +20,11 @@ SHIFTED = ["12 13 14 15 16 00", "22 23 24 25 26 00", "32 33 34 35 36 00"]
 NO_HOST_CHECK = "controller.check=expect"
 
 
-# imu_hil -----------------------------------------------------------------------
+# imu_hil_published -------------------------------------------------------------
 
 
-def test_imu_hil_keeps_every_budget():
-    ran = run_file("imu_hil", "0.3")
+def test_imu_hil_published_keeps_every_budget():
+    ran = run_file("imu_hil_published", "0.3")
     assert ran.result.verdict == "pass" and ran.broken() == []
     assert ran.answered() == ["GAM"] * 15
     assert ran.result.counts == {
@@ -45,8 +45,8 @@ def test_imu_hil_keeps_every_budget():
     assert ran.result.sci_bytes == 15 * 12
 
 
-def test_imu_hil_reads_the_values_of_the_frame_that_had_come_before_the_models_ran():
-    ran = run_file("imu_hil", "0.1")
+def test_imu_hil_published_reads_the_values_of_the_frame_that_had_come_before_the_models_ran():
+    ran = run_file("imu_hil_published", "0.1")
     gyroscope, accelerometer, magnetometer = ran.read()[3]  # at 65 ms
     angles, accelerations = ramp(2)[:3], ramp(2)[3:]  # sent at 42 ms; the models ran after the round of 45 ms
     assert gyroscope == b"".join(v.to_bytes(2, "big", signed=True) for v in angles).hex(" ")
@@ -110,7 +110,7 @@ def test_right_data_come_in_the_wrong_order_too():
 
 def test_a_late_model_breaks_its_budget_and_loses_every_second_round():
     ran = run_file("late_model", "0.2")
-    assert ran.broken() == ["model execution", "nacked rounds", "nacked requests"]
+    assert ran.broken() == ["model execution", "nacked rounds", "nacked requests", "data age"]
     assert ran.answered() == ["---", "GAM"] + ["--M", "GAM"] * 4
     by_name = {verdict.name: verdict for verdict in ran.result.budgets}
     assert by_name["nacked rounds"].worst == 5
@@ -140,8 +140,8 @@ def test_the_model_budget_is_a_limit_to_the_cycle(cost: str, ok: bool):
 
 def test_one_lost_byte_shifts_every_later_frame():
     """Nothing in a frame marks its start: after a lost byte each FIFO interrupt takes parts of two frames."""
-    ran = run_file("imu_hil", "0.4", "host.lose=[[3, 5]]")
-    assert ran.broken() == ["wrong bytes"]
+    ran = run_file("imu_hil_published", "0.4", "host.lose=[[3, 5]]")
+    assert ran.broken() == ["wrong bytes", "data age"]
     sent = [encode(ramp(number)) for number in range(20)]
     sent[3] = sent[3][:5] + sent[3][6:]
     stream = b"".join(sent)
@@ -153,7 +153,7 @@ def test_one_lost_byte_shifts_every_later_frame():
 
 
 def test_without_a_lost_byte_nothing_is_shifted():
-    assert run_file("imu_hil", "0.4", "host.lose=[]").broken() == []
+    assert run_file("imu_hil_published", "0.4", "host.lose=[]").broken() == []
 
 
 def test_an_interrupt_that_is_never_served_overruns_the_fifo(monkeypatch: pytest.MonkeyPatch):

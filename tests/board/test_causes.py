@@ -49,7 +49,7 @@ def recorded(table: Case, seconds: str, programs: dict[str, Firmware] | None = N
 
 @pytest.fixture(scope="module")
 def causes() -> Causes:
-    return recorded(load(TIMING / "imu_hil.toml", []), "0.1")
+    return recorded(load(TIMING / "imu_hil_published.toml", []), "0.1")
 
 
 @pytest.mark.parametrize(
@@ -115,9 +115,9 @@ def test_a_stretch_ends_with_the_write_of_i2cdxr(data: int):
     assert let_go.what == "W I2C-A.I2CDXR"
 
 
-def test_the_byte_in_the_fifo_names_the_last_edge_before_it(causes):
+def test_the_byte_in_the_fifo_names_the_last_edge_that_had_passed_the_synchroniser(causes):
     edges = [r for r in causes.records if r.kind is Kind.EDGE and r.where == "RX"]
     found = [(f, c) for f, c in causes.of(Kind.FLAG, "SCIFFRX.RXFFST") if c is not None and c.kind is Kind.EDGE]
     assert len(found) >= 50
     for flag, cause in found:
-        assert cause == [edge for edge in edges if edge.number < flag.number][-1]
+        assert cause == [edge for edge in edges if edge.tick <= flag.tick - 2 * CYCLE][-1]

@@ -13,7 +13,6 @@ from periph_sim import formats
 from periph_sim.board.scene import Scene
 from periph_sim.case.load import load
 from periph_sim.case.model import Case
-from periph_sim.commands.run import recorded_modules
 from periph_sim.recording import recording
 from tests.board.runs import TIMING
 
@@ -21,9 +20,9 @@ SECONDS = Fraction(30, 1000)
 JITTER = ("controller.jitter=1 ms", "host.jitter=1 ms")
 
 
-def record(path: Path, *changes: str, name: str = "imu_hil") -> Path:
+def record(path: Path, *changes: str, name: str = "imu_hil_published") -> Path:
     case: Case = load(TIMING / f"{name}.toml", list(changes))
-    with recording(path, recorded_modules(case)) as (subscribe, ended_at):
+    with recording(path, case.recorded_modules) as (subscribe, ended_at):
         scene = Scene(case, subscribe)
         scene.run(SECONDS)
         ended_at(scene.kernel.now)
@@ -82,9 +81,9 @@ def test_a_vcd_read_back_has_the_edges_of_the_jsonl(tmp_path: Path, name: str):
 
 
 def test_recording_changes_nothing_that_is_measured(tmp_path: Path):
-    case = load(TIMING / "imu_hil.toml", list(JITTER))
+    case = load(TIMING / "imu_hil_published.toml", list(JITTER))
     plain = Scene(case).run(SECONDS)
-    with recording(tmp_path / "run.jsonl", recorded_modules(case)) as (subscribe, ended_at):
+    with recording(tmp_path / "run.jsonl", case.recorded_modules) as (subscribe, ended_at):
         scene = Scene(case, subscribe)
         recorded = scene.run(SECONDS)
         ended_at(scene.kernel.now)

@@ -31,12 +31,12 @@ def budget(measure: str, **limits: str | int) -> Budget:
 def test_each_is_what_the_recorded_run_shows():
     pairs = [
         (XRDY, DXR, "same transfer"),
-        (DXR, "bus STOP", "same round"),
-        ("edge SCL fall", "edge SCL rise", "next"),
+        (DXR, "bus STOP", "next, same round"),
+        ("edge SCL fall", "edge SCL rise", ""),
         ("flag PIE.PIEIFR9.INTx1 rise", "interrupt SCIRXINTA enter", "next"),
     ]
-    measured = [budget(f"from {a} to {b}, {rule}", max="1 s") for a, b, rule in pairs]
-    case = with_budgets("imu_hil", *measured, budget("interrupt latency SCIRXINTA", max="1 us"))
+    measured = [budget(f"from {a} to {b}, {rule}".removesuffix(", "), max="1 s") for a, b, rule in pairs]
+    case = with_budgets("imu_hil_published", *measured, budget("interrupt latency SCIRXINTA", max="1 us"))
     columns = Columns()
     ran = run_case(case, "0.07", lambda recorder, timebase: recorder.subscribe(Kind, columns.add))
     table = columns.table(ran.scene.timebase.per_second, ran.scene.kernel.now, {"dsp": ("I2C-A", "SCI-A", "GPIO")})
@@ -59,10 +59,12 @@ def test_loads_slack_levels_and_counts_of_the_imu_case():
         "time in model": {"max": "1 s"},
         "period of bus START": {"max": "1 s"},
     }
-    ran = run_case(with_budgets("imu_hil", *(budget(name, **limits) for name, limits in measures.items())), "0.06")
+    ran = run_case(
+        with_budgets("imu_hil_published", *(budget(name, **limits) for name, limits in measures.items())), "0.06"
+    )
     found = {v.name: v for v in ran.result.budgets}
     assert ran.broken() == []
-    assert 1.667 < found["cpu load"].worst < 1.67  # four models of 250 us in 60 ms, and three frames
+    assert 1.667 < found["cpu load"].worst < 1.7  # four models of 250 us in 60 ms, three frames, and what serves reads
     assert 12.5 < found["bus load"].worst < 12.7  # three rounds of 2.52 ms
     assert found["slack"].worst == 17380.0
     assert (found["level of SCI-A.SCIFFRX.RXFFST"].worst, found["count of bus address read"].worst) == (12, 9)
@@ -78,14 +80,14 @@ def test_loads_slack_levels_and_counts_of_the_imu_case():
         ("from edge SCL rise to edge SCL fall, same transfer", {"max": "1 s"}, {Kind.EDGE, Kind.BUS}),
         (f"from {XRDY} to {DXR}", {"max": "1 s"}, {Kind.FLAG, Kind.ACCESS}),
         ("time in model", {"max": "1 s"}, {Kind.SPAN}),
-        ("cpu load", {"max": "9 %"}, {Kind.IRQ}),
+        ("cpu load", {"max": "9 %"}, {Kind.IRQ, Kind.WAIT}),
         ("count of note duty", {"max": 0}, {Kind.NOTE}),
         ("slack", {"min": "1 ms"}, set()),
         ("response", {"max": "1 s"}, set()),
     ],
 )
 def test_only_what_a_budget_asks_for_is_recorded(measure: str, limits, kinds: set[Kind]):
-    scene = Scene(with_budgets("imu_hil", budget(measure, **limits)))
+    scene = Scene(with_budgets("imu_hil_published", budget(measure, **limits)))
     assert {kind for kind in Kind if scene.recorder.wants(kind)} == kinds
 
 
@@ -101,7 +103,7 @@ def test_of_two_units_each_is_measured_by_its_prefix():
     assert imu.worst > head.worst
 
 
-BASE = (TIMING / "imu_hil.toml").read_text(encoding="utf-8").split("[[budget]]")[0]
+BASE = (TIMING / "imu_hil_published.toml").read_text(encoding="utf-8").split("[[budget]]")[0]
 
 
 @pytest.mark.parametrize(
@@ -109,19 +111,19 @@ BASE = (TIMING / "imu_hil.toml").read_text(encoding="utf-8").split("[[budget]]")
     [
         (
             'measure = "from edge SLC rise to frame"\nmax = "1 us"',
-            "line 25: budget.0.measure: there is no wire 'SLC'; did you mean SCL?",
+            "line 25: budget.b.measure: there is no wire 'SLC'; did you mean SCL?",
         ),
         (
             'measure = "count of access W I2C-A.I2CDRX"\nmax = 1',
-            "line 25: budget.0.measure: I2C-A has no register 'I2CDRX'; did you mean I2CMDR or I2CDXR or I2CDRR?",
+            "line 25: budget.b.measure: I2C-A has no register 'I2CDRX'; did you mean I2CMDR or I2CDXR or I2CDRR?",
         ),
         (
             'measure = "response"\nmax = "9 us"\np99 = "10 us"',
-            "line 27: budget.0.p99: p99 10 us is above max 9 us, which no value may exceed; lower p99 or leave it out",
+            "line 27: budget.b.p99: p99 10 us is above max 9 us, which no value may exceed; lower p99 or leave it out",
         ),
         (
             'measure = "response"\nmax = "9 us"\nexactly = "9 us"',
-            "line 27: budget.0.exactly: exactly says all that max could; leave one of them out",
+            "line 27: budget.b.exactly: exactly says all that max could; leave one of them out",
         ),
     ],
 )
@@ -137,7 +139,7 @@ def test_what_events_can_name_is_what_scenes_are_built_of():
     assert set(MAPS) == {*MODULES, *EVERY_UNIT}
     for module, vectors in VECTORS.items():
         assert tuple(LINES[v] for v in vectors if v in LINES) == pie_lines(module), module
-    case = load(TIMING / "imu_hil.toml")
+    case = load(TIMING / "imu_hil_published.toml")
     scene = Scene(case)
     assert set(scope_of_case(case).wires) == set(scene.wires)
     for name, socket in scene.units["dsp"].sockets.items():

@@ -23,7 +23,7 @@ def counts(number: int) -> int:
 
 
 def test_the_emulator_shows_the_motion_that_the_host_sends():
-    ran = run_file("imu_hil", "0.3", SINE)
+    ran = run_file("imu_hil_published", "0.3", SINE)
     assert ran.broken() == []
     assert ran.result.counts["beyond_16_bits"] == 0
     shown = [bytes.fromhex(gyroscope) for gyroscope, _, _ in ran.read()]
@@ -32,7 +32,7 @@ def test_the_emulator_shows_the_motion_that_the_host_sends():
 
 
 def test_without_a_motion_there_is_no_count_of_it():
-    assert "beyond_16_bits" not in run_file("imu_hil", "0.05").result.counts
+    assert "beyond_16_bits" not in run_file("imu_hil_published", "0.05").result.counts
 
 
 def sent(**host: object) -> bytes:

@@ -99,7 +99,7 @@ def test_parameters_come_from_a_file(tmp_path):
 
 def test_an_estimate_of_nothing_is_refused():
     with pytest.raises(BadCase, match=r", line \d+.*: unit\.dsp\.settings: model_cost = .* needs an arithmetic"):
-        run_file("imu_hil", "0.01", "unit.dsp.settings.model_cost=estimate")
+        run_file("imu_hil_published", "0.01", "unit.dsp.settings.model_cost=estimate")
 
 
 def test_a_field_along_z_makes_no_noise_on_standard_error(recwarn):
@@ -108,3 +108,27 @@ def test_a_field_along_z_makes_no_noise_on_standard_error(recwarn):
     assert unpack(">3h", codes["float64"]) == unpack(">3h", codes["q16"]) == (0, 198, 0)  # x, z, y: 0.3 gauss down
     assert unpack(">3h", codes["float32"]) != (0, 198, 0)  # 0/0 in fastRTS's atan2
     assert not recwarn.list
+
+
+CHECKED = (
+    'controller.check="host"',
+    "unit.dsp.settings.noise_seed=11",
+    'budget=[{name="wrong bytes", measure="wrong bytes", max=0}]',
+)
+
+
+@pytest.mark.parametrize("arithmetic", ["q16", "float64"])
+def test_noisy_bytes_are_held_against_the_models_frame_by_frame(arithmetic: str):
+    ran = run_file("imu_models", "0.3", f"unit.dsp.settings.arithmetic={arithmetic}", *CHECKED)
+    (verdict,) = ran.result.budgets
+    assert (verdict.verdict, verdict.worst, verdict.count) == ("pass", 0, 15 * 18)
+
+
+def test_a_byte_that_no_model_makes_is_wrong():
+    ran = run_file("imu_models", "0.3", *CHECKED, "unit.dsp.settings.fifo_level=11")  # frames slip by a byte
+    assert ran.broken() == ["wrong bytes"]
+
+
+def test_models_are_checked_only_where_the_pin_tells_when_they_run():
+    with pytest.raises(BadCase, match=r"controller\.check: .* give the unit pins = \{ MODEL = 34 \}"):
+        run_file("imu_models", "0.01", *CHECKED, "unit.dsp.pins={}")

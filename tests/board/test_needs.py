@@ -6,12 +6,12 @@ import pytest
 
 from periph_sim.board.scene import Scene
 from periph_sim.case.model import BadCase, Case
-from periph_sim.timing.measures import MEASURES
+from periph_sim.timing.registry import MEASURES
 
 
-def alone(measure: str, limit: object) -> Case:
+def alone(measure: str, limit: object, module: str = "I2C-A") -> Case:
     """One unit with nothing around it, and one budget."""
-    unit = {"firmware": "responder", "modules": ["I2C-A"]}
+    unit = {"firmware": "responder", "modules": [module]}
     budget = {"name": "b", "measure": measure, "max": limit}
     return Case.model_validate({"name": "alone", "duration": "1 ms", "unit": {"dsp": unit}, "budget": [budget]})
 
@@ -20,8 +20,9 @@ def alone(measure: str, limit: object) -> Case:
 def test_every_measure_says_what_it_needs(measure):
     kind = MEASURES[measure]
     limit = "1 ms" if kind.unit == "time" else 0
+    case = alone(measure, limit, "GPIO" if kind.needs == "I2C-A" else "I2C-A")
     with pytest.raises(BadCase, match=rf"'{measure}' needs {kind.needs} in the scene, which has none"):
-        Scene(alone(measure, limit))
+        Scene(case)
 
 
 def test_a_span_needs_nothing_but_its_firmware():

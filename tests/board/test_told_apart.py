@@ -1,6 +1,6 @@
 """Can a controller tell the emulating F28335 from the three real chips? In its own rounds no; with other requests yes.
 
-timing/imu_hil.toml is the emulator, timing/imu_chips.toml the chips, which show the numbers of the same host frames.
+imu_hil_published.toml is the emulator, imu_chips.toml the chips; both show the values of the same frames.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from tests.board.runs import TIMING, Edges, Ran, run_case, run_file
 
 pytestmark = pytest.mark.long
 
-EMULATOR, CHIPS = "imu_hil", "imu_chips"
+EMULATOR, CHIPS = "imu_hil_published", "imu_chips"
 
 
 def both(*changes: str) -> tuple[Ran, Ran]:

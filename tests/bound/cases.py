@@ -11,7 +11,7 @@ from tests.board.runs import TIMING
 
 
 def imu_hil(*changes: str, frame_us: int = 0) -> Case:
-    return load(TIMING / "imu_hil.toml", [f"unit.dsp.settings.frame_cost={frame_us} us", *changes])
+    return load(TIMING / "imu_hil_published.toml", [f"unit.dsp.settings.frame_cost={frame_us} us", *changes])
 
 
 def reported(*changes: str, frame_us: int = 0, seconds: str = "0.1") -> Report:

@@ -11,9 +11,7 @@ import pytest
 from periph_sim import formats
 from periph_sim.decode import i2c, uart
 from periph_sim.formats import Capture
-from tests.captures.where import captures, decoded, needs_captures, remarks
-
-pytestmark = needs_captures
+from tests.captures.where import captures, decoded, remarks
 
 MOST_EDGES = 150_000
 MOST_SAMPLES = 20_000_000  # of .sr, which holds each sample
@@ -40,12 +38,12 @@ def decoders(path: Path) -> list[Decode]:
 @pytest.mark.parametrize("suffix", [".vcd", ".csv", ".psr", ".sr"])
 @pytest.mark.parametrize("path", captures(), ids=lambda path: path.name)
 def test_written_and_read_again_it_is_the_same(tmp_path: Path, path: Path, suffix: str):
-    given = formats.read(path)
+    out = tmp_path / f"x{suffix}"
+    given = formats.ready_for(out, formats.read(path))
     if sum(len(channel.edges) for channel in given.channels) > MOST_EDGES:
         pytest.skip("too many edges for a quick test; the benchmark has them")
     if suffix == ".sr" and given.length > MOST_SAMPLES:
         pytest.skip("a .sr of it would hold too many samples for a quick test")
-    out = tmp_path / f"x{suffix}"
     formats.write(given, out)
     again = formats.read(out, given.rate)
     by_index = again.channels if suffix != ".vcd" else _in_order(given, again)

@@ -14,8 +14,6 @@ from periph_sim.formats import Capture
 from tests.captures.where import FOLDER, captures, needs_captures
 from tests.formats.looks import facts
 
-pytestmark = needs_captures
-
 
 def levels(capture: Capture) -> list[tuple[int, list[int]]]:
     return [(channel.initial, channel.edges.tolist()) for channel in capture.channels]
@@ -35,6 +33,7 @@ def test_every_file_reads(path: Path):
         assert not channel.unknown
 
 
+@needs_captures
 def test_the_three_saleae_exports_of_one_capture_have_the_same_edges():
     for rate in (None, Fraction(50 * 10**6)):
         exports = [
@@ -44,6 +43,7 @@ def test_the_three_saleae_exports_of_one_capture_have_the_same_edges():
         assert levels(exports[0]) == levels(exports[1]) == levels(exports[2])
 
 
+@needs_captures
 def test_a_single_binary_file_is_one_channel_of_its_folder():
     folder = formats.read(FOLDER / "saleae_cap1")
     alone = formats.read(FOLDER / "saleae_cap1" / "digital_1.bin")
@@ -51,6 +51,7 @@ def test_a_single_binary_file_is_one_channel_of_its_folder():
     assert alone.channel("digital_1").index == 1
 
 
+@needs_captures
 @pytest.mark.parametrize(
     ("name", "source", "rate"),
     [
@@ -69,6 +70,7 @@ def test_a_converted_file_has_the_edges_and_the_length_of_its_source(name: str, 
     assert facts(converted) == facts(original)
 
 
+@needs_captures
 def test_a_table_of_decoded_bytes_is_refused():
     with pytest.raises(formats.BadCapture, match=r"found b'name,type,start_time,dur', expected .*, Saleae CSV, "):
         formats.read(FOLDER / "uart_async115200_csv.saleae.csv")

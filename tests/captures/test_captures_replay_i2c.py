@@ -25,8 +25,6 @@ from tests.captures.test_captures_decode import TOO_LARGE, channel, load, option
 from tests.captures.where import decoded, needs_captures, oracle
 from tests.replay.bus import both_halves
 
-pytestmark = needs_captures
-
 CASE = Path(__file__).resolve().parents[2] / "timing" / "responder.toml"
 NAMES = decoded("i2c")
 FIRST = {TOO_LARGE: 200}  # transfers of the million edges: 42 busy times of 53 polls each among them
@@ -44,6 +42,8 @@ NOBODY = "i2c_mdfu_stretch_csv"
 
 # Captures with other devices on the bus than the one that answers most often: those an agent answers for.
 SEVERAL = {
+    "imu_round": [0x1E, 0x53, 0x68],
+    "imu_session": [0x1E, 0x53, 0x68],
     "i2c_gigabyte_spd": [0x50, 0x69],
     "i2c_trekstor_accel_pmic_rtc": [0x15, 0x34, 0x51],
 }
@@ -56,6 +56,7 @@ BEGINS_WITHIN = {
     "i2c_atsha204a": 10,
     "i2c_ds1307_200khz": 82,
     "i2c_edid_le46b620r3p": 19,
+    "i2c_eeprom_busy": 27,
     "i2c_sla24c02_powerup": 2,  # power-up
 }
 
@@ -101,7 +102,8 @@ def test_both_halves_of_the_capture_put_together_are_the_capture(name: str):
 def test_the_firmwares_slave_answers_as_the_captured_target_did(name: str, style: str):
     report = replayed(name, style)
     assert report.first_divergence is None
-    assert report.verdict == "pass" and report.events == report.agreed > 0
+    assert report.verdict == ("not judged" if name == NOBODY else "pass")
+    assert report.events == report.agreed > 0
     assert report.stretch_total_us == 0, "the captured low phases are time enough"
     assert report.lag_samples < 0.01, "what is left is the rounding to ticks, of captures at 24 MHz"
 
@@ -134,6 +136,7 @@ def test_the_firmware_reads_from_i2cdrr_what_was_written_to_its_address(name: st
     assert taken == written
 
 
+@needs_captures
 @pytest.mark.parametrize("name", CANNOT)
 def test_what_the_slave_cannot_do_is_where_the_wires_part(name: str):
     report = replayed(name)
@@ -142,7 +145,7 @@ def test_what_the_slave_cannot_do_is_where_the_wires_part(name: str):
     assert (first.index, first.expected, first.found) == CANNOT[name]
 
 
-@pytest.mark.parametrize(("name", "address"), [(name, address) for name, of in SEVERAL.items() for address in of])
+@pytest.mark.parametrize(("name", "address"), [(name, address) for name in NAMES for address in SEVERAL.get(name, [])])
 def test_any_device_of_a_bus_of_several_can_be_the_firmwares(name: str, address: int):
     report = replayed(name, address=address)
     assert report.verdict == "pass" and report.addresses == [f"{address:02X}"]
@@ -187,6 +190,7 @@ def test_re_timed_the_bytes_stay_and_times_differ_by_what_was_cut_off_the_low_ph
     assert report.lag_samples <= float(most) + 0.01
 
 
+@needs_captures
 def test_a_controller_in_a_hurry_leaves_the_pauses_to_the_firmware():
     """The sensor's controller holds SCL low for up to 60 us; at 5 us the firmware still answers the same bytes."""
     scl, sda = lines("i2c_sht21_nohold")

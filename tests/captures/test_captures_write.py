@@ -13,8 +13,6 @@ from tests.captures.where import FOLDER, captures, needs_captures
 from tests.formats.looks import edges, facts
 from tests.formats.sigrok import sigrok_says
 
-pytestmark = needs_captures
-
 QUICK = 20_000_000  # samples: more would take seconds each
 GRID = {"uart_async115200_csv.csv": 500_000_000, "i2c_mdfu_write_csv.csv": 125_000_000}
 
@@ -30,6 +28,7 @@ def test_written_and_read_again_the_edges_are_the_same(path: Path, tmp_path: Pat
     assert facts(again) == facts(capture)
 
 
+@needs_captures
 @pytest.mark.skipif(shutil.which("sigrok-cli") is None, reason="sigrok-cli is not installed")
 @pytest.mark.parametrize(
     ("name", "decoder"),

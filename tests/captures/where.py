@@ -1,7 +1,8 @@
-"""Where the real captures lie: data that is not part of the repository, found beside it or by PERIPH_SIM_CAPTURES.
+"""Where captures lie: ours in traces/, and the real ones beside the repository or where PERIPH_SIM_CAPTURES says.
 
-Beside each capture stands what an independent decoder said of it, a line an annotation:
-`first-last decoder-1: text`, with sample numbers.
+Ours are recordings of our runs and drawn waves, so that every test of captures has something to run on; the real ones
+are no part of the repository. Beside each capture stands what an independent decoder said of it, a line an
+annotation: `first-last decoder-1: text`, with sample numbers.
 """
 
 from __future__ import annotations
@@ -13,11 +14,12 @@ from typing import NamedTuple
 
 import pytest
 
-BESIDE = Path(__file__).resolve().parents[2].parent / "shared" / "captures"
-FOLDER = Path(os.environ.get("PERIPH_SIM_CAPTURES", BESIDE))
+ROOT = Path(__file__).resolve().parents[2]
+OURS = ROOT / "traces"
+FOLDER = Path(os.environ.get("PERIPH_SIM_CAPTURES", ROOT.parent / "shared" / "captures"))
 
 needs_captures = pytest.mark.skipif(
-    not FOLDER.is_dir(), reason=f"no captures in {FOLDER}; set PERIPH_SIM_CAPTURES to the folder that holds them"
+    not FOLDER.is_dir(), reason=f"no real captures in {FOLDER}; set PERIPH_SIM_CAPTURES to the folder that holds them"
 )
 
 NO_CAPTURE = {".txt", ".md"}
@@ -33,17 +35,15 @@ class Said(NamedTuple):
 
 def captures() -> list[Path]:
     """Every capture: files, folders of one-channel files, and the three exports of saleae_cap1."""
-    if not FOLDER.is_dir():
-        return []
-    found = [p for p in FOLDER.iterdir() if p.is_file() and p.suffix not in NO_CAPTURE]
-    found += [p for p in FOLDER.iterdir() if p.is_dir() and any(p.glob("digital_*.bin"))]
+    found = [p for folder in _folders() for p in folder.iterdir() if p.is_file() and p.suffix not in NO_CAPTURE]
+    found += [p for folder in _folders() for p in folder.iterdir() if p.is_dir() and any(p.glob("digital_*.bin"))]
     found += (FOLDER / "saleae_cap1").glob("*.csv")
     return sorted(p for p in found if not p.name.endswith(".saleae.csv"))
 
 
 def decoded(kind: str) -> list[str]:
     """Names, without ends, of the captures with an oracle's decode of the kind, i2c or uart."""
-    return sorted(p.name.removesuffix(f".{kind}.txt") for p in FOLDER.glob(f"*.{kind}.txt"))
+    return sorted(p.name.removesuffix(f".{kind}.txt") for folder in _folders() for p in folder.glob(f"*.{kind}.txt"))
 
 
 def capture_of(name: str) -> Path:
@@ -54,7 +54,7 @@ def capture_of(name: str) -> Path:
 def oracle(name: str, kind: str) -> list[Said]:
     """The annotations, in the order of the file."""
     found = []
-    for line in (FOLDER / f"{name}.{kind}.txt").read_text().splitlines():
+    for line in _decode(name, kind):
         if match := re.match(r"(\d+)-(\d+) \w+-1: (.*)", line):
             found.append(Said(int(match[1]), int(match[2]), match[3]))
     return found
@@ -62,5 +62,13 @@ def oracle(name: str, kind: str) -> list[Said]:
 
 def remarks(name: str, kind: str) -> str:
     """The comment lines at the head: command, options, counts."""
-    lines = (FOLDER / f"{name}.{kind}.txt").read_text().splitlines()
-    return "\n".join(line for line in lines if line.startswith("#"))
+    return "\n".join(line for line in _decode(name, kind) if line.startswith("#"))
+
+
+def _folders() -> list[Path]:
+    return [folder for folder in (OURS, FOLDER) if folder.is_dir()]
+
+
+def _decode(name: str, kind: str) -> list[str]:
+    file = next(path for folder in _folders() if (path := folder / f"{name}.{kind}.txt").is_file())
+    return file.read_text().splitlines()

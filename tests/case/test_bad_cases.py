@@ -195,18 +195,18 @@ def edited(path: Path, line: str, by: str) -> Path:
         (
             'name = "answer"\nmeasure = "response"\nmax = "60 us"',
             'name = "answer"\nmeasure = "response"',
-            "small.toml, line 17: budget.0: a budget needs a limit: max, min, exactly, p50, p95, p99 or p99_9",
+            "small.toml, line 17: budget.answer: a budget needs a limit: max, min, exactly, p50, p95, p99 or p99_9",
         ),
         (
             "max = 0",
             "max = 0.5",
-            'small.toml, line 25: budget.1.max: expected a duration with its unit ("250 us"), '
+            'small.toml, line 25: budget.nacks.max: expected a duration with its unit ("250 us"), '
             "or a whole number for counts, but it is 0.5",
         ),
         (
             "max = 0",
             "maximum = 0",
-            "small.toml, line 25: there is no key 'budget.1.maximum'; did you mean max?",
+            "small.toml, line 25: there is no key 'budget.nacks.maximum'; did you mean max?",
         ),
         (
             "[unit.dsp.settings]",
@@ -260,8 +260,8 @@ def test_not_utf8(case_file: Path):
         ),
         (
             "budget.nacks.max=true",
-            "small.toml, --set 'budget.nacks.max=true': budget.1.max: expected a duration with its unit (\"250 us\"), "
-            "or a whole number for counts, but it is True",
+            "small.toml, --set 'budget.nacks.max=true': budget.nacks.max: expected a duration with its unit "
+            '("250 us"), or a whole number for counts, but it is True',
         ),
         (
             "controller.jitter=1 s",

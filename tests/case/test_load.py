@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from fractions import Fraction
 from pathlib import Path
 
 import pytest
 
-from periph_sim.case.load import load
+from periph_sim.case.load import apply, load
 from periph_sim.case.model import Case
-from periph_sim.case.settings import duration, frequency, hex_bytes
+from periph_sim.case.settings import Spread, duration, frequency, hex_bytes, spread
 from periph_sim.case.source import line_of
 
 TIMING = Path(__file__).parents[2] / "timing"
@@ -31,7 +32,7 @@ def test_defaults_are_those_of_the_sensor_head_and_the_host():
 
 def test_changes_reach_tables_lists_and_new_keys():
     case = load(
-        TIMING / "imu_hil.toml",
+        TIMING / "imu_hil_published.toml",
         [
             "controller.period = 10 ms",
             "unit.dsp.settings.model_cost=1.5 ms",
@@ -67,6 +68,33 @@ def test_changes_reach_tables_lists_and_new_keys():
 )
 def test_durations_are_exact(text: str, seconds: Fraction):
     assert duration(text) == seconds
+
+
+@pytest.mark.parametrize(
+    ("text", "least", "most"),
+    [("240 us to 260 us", 240, 260), ("250 us", 250, 250), ("0.1ms to 250 us", 100, 250), ("0 us to 0 us", 0, 0)],
+)
+def test_a_spread_is_two_durations_or_one(text: str, least: int, most: int):
+    assert spread(text) == Spread(Fraction(least, 10**6), Fraction(most, 10**6))
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("260 us to 240 us", "'260 us to 240 us': 240 us is shorter than 260 us; write the least first"),
+        ("240 to 260 us", "'240' has no unit; write for instance 240 ms"),
+        ("240 us to ", "'' has no unit"),
+        (250, "250 has no unit"),
+        ("-1 us to 2 us", "'-1 us' is negative"),
+    ],
+)
+def test_what_is_no_spread_is_told_with_the_way_out(text: object, sentence: str):
+    with pytest.raises(ValueError, match=re.escape(sentence)):
+        spread(text)
+
+
+def test_a_fixed_cost_moves_a_spread():
+    assert spread("240 us to 260 us") + Fraction(12, 10**6) == spread("252 us to 272 us")
 
 
 @pytest.mark.parametrize(("text", "hertz"), [("100 kHz", 100_000), ("0.5 MHz", 500_000), ("1/3 Hz", Fraction(1, 3))])
@@ -125,3 +153,31 @@ name = "b"
 )
 def test_the_line_of_a_place(place: tuple[str | int, ...], line: int):
     assert line_of(TEXT, place) == line
+
+
+@pytest.mark.parametrize("text", ["20 us", "20 \u00b5s", "20 \u03bcs", "20\u00b5s", "20\u03bcs", " 20 us "])
+def test_microseconds_are_written_with_u_micro_sign_or_mu(text: str):
+    assert duration(text) == Fraction(20, 1_000_000)
+
+
+@pytest.mark.parametrize("text", ["_1 us", "1__0 us", "1_ us"])
+def test_underscores_stand_between_digits(text: str):
+    assert duration("1_000 us") == Fraction(1, 1000)
+    with pytest.raises(ValueError, match="is not a number"):
+        duration(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"), [("3_4_5", "3_4_5"), ("1_000", "1_000"), ("1_0.5", "1_0.5"), ("345", 345), ("true", True)]
+)
+def test_set_takes_no_underscores_out_of_a_value(text: str, value: object):
+    tree: dict[str, object] = {}
+    apply(tree, f"unit.dsp.options.sci.stop_vote_samples={text}")
+    assert tree == {"unit": {"dsp": {"options": {"sci": {"stop_vote_samples": value}}}}}
+
+
+def test_option_that_is_called_by_digits_can_be_set():
+    path = Path(__file__).parents[2] / "timing" / "uart_logger.toml"
+    loaded = load(path, ["unit.dsp.options.sci.stop_vote_samples=3_4_5", "seed=1_000"])
+    assert loaded.unit["dsp"].options.sci == {"stop_vote_samples": "3_4_5"}
+    assert loaded.seed == 1000

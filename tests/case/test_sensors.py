@@ -58,7 +58,7 @@ def test_an_empty_file_is_table_4_1(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "line", "message"),
     [
-        ("period = 0.02", 1, "period: 0.02 has no unit; expected a number in s or ms or us, 1e-06 to 3600 s"),
+        ("period = 0.02", 1, "period: 0.02 has no unit; expected a number in s or ms or us or ns, 1e-06 to 3600 s"),
         ('\nperiod = "0 s"', 2, "period: 0 s is out of range; expected 1e-06 to 3600 s"),
         ('period = "20 m"', 1, "period: '20 m' has the unit 'm'; expected a number in s"),
         ('period = "ten ms"', 1, "period: 'ten ms' is not a number"),

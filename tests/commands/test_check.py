@@ -15,7 +15,7 @@ from tests.commands.conftest import Run
 
 ROOT = Path(__file__).parents[2]
 TIMING = ROOT / "timing"
-LONG = ("imu_hil", "two_dsps")  # seconds each
+LONG = ("imu_hil", "imu_hil_published", "two_dsps")  # seconds each
 
 
 @pytest.fixture
@@ -39,7 +39,7 @@ def test_from_no_baseline_to_a_change_and_its_explanation(periph_sim: Run, cases
     put(cases, wait=3000)
     came = periph_sim("check", "--jobs", "1")
     assert (came.status, came.err) == (1, "")
-    moved = "response worst 750 -> 1542 cycles: I2C-A.I2CDXR written by dsp 3000 cycles later"
+    moved = "response worst 750 -> 1543 cycles: I2C-A.I2CDXR written by dsp 3000 cycles later"
     assert f"timing/small.toml, line 19: {moved}\n" in came.out
     came = periph_sim("check", "--jobs", "1", "--update-baseline")
     assert came.status == 0
@@ -79,8 +79,9 @@ def test_json_says_what_changed(periph_sim: Run, cases: Path):
         "budget": "response",
         "figure": "worst",
         "before": 15000,
-        "now": 30840,
-        "text": "response worst 750 -> 1542 cycles",
+        "now": 30860,
+        "note": False,
+        "text": "response worst 750 -> 1543 cycles",
         "why": "I2C-A.I2CDXR written by dsp 3000 cycles later",
     }
 
@@ -125,6 +126,23 @@ def test_every_case_that_cannot_run_is_told_in_a_line(periph_sim: Run, cases: Pa
     assert came.status == 2 and came.err.count("ValueError at line") == 2 and len(came.err.splitlines()) == 2
 
 
+def test_a_bad_case_is_a_row_an_error_and_status_2_and_the_others_are_judged(periph_sim: Run, cases: Path):
+    assert periph_sim("check", "--jobs", "1", "--update-baseline").status == 0
+    put(cases, "bad", does="raise ValueError('boom')")
+    came = periph_sim("check", "--jobs", "1", "--junit", "out.xml", "--annotations", "github")
+    assert came.status == 2 and "Traceback" not in came.out + came.err
+    assert "check: 1 of 2 as they should be" in came.out
+    assert "\nError: dsp: ValueError at line " in came.out
+    assert "::error file=timing/bad.toml,line=1," in came.out
+    suites = {suite.get("name"): suite for suite in xml.parse("out.xml").getroot()}
+    assert (suites["bad"].get("errors"), suites["small"].get("errors")) == ("1", "0")
+    assert suites["small"].get("failures") == "0"
+    came = periph_sim("check", "--jobs", "1", "--json")
+    told = json.loads(came.out)
+    assert came.status == 2 and told["verdict"] == "fail"
+    assert [one["file"] for one in told["refused"]] == ["timing/bad.toml"] and len(told["cases"]) == 1
+
+
 def test_a_run_needs_nothing_of_a_terminal(cases: Path):
     """In a process as a worker is: nothing of the command line or of tables is imported."""
     code = (
@@ -152,3 +170,16 @@ def test_the_short_cases_of_the_repository_are_as_their_baselines_say(periph_sim
     short = [f"timing/{path.name}" for path in sorted(TIMING.glob("*.toml")) if path.stem not in LONG]
     came = periph_sim("check", "--jobs", "1", *short)
     assert came.status == 0, came.out
+
+
+def test_guaranteed_fails_what_holds_in_what_was_seen_with_its_line(periph_sim: Run, cases: Path):
+    """The response has a bound; of wrong bytes none is known."""
+    assert periph_sim("check", "--jobs", "1", "--update-baseline").status == 0
+    came = periph_sim("check", "--jobs", "1", "--guaranteed")
+    assert came.status == 1
+    assert "timing/small.toml, line 24: wrong bytes holds in what was seen: no closed form\n" in came.out
+    assert "response holds in what was seen" not in came.out
+    told = json.loads(periph_sim("check", "--jobs", "1", "--json").out)
+    proofs = told["cases"][0]["proofs"]
+    assert proofs["response"] == {"verdict": "every phase", "bound": 5.0, "why": ""}
+    assert proofs["wrong bytes"] == {"verdict": "seen", "bound": None, "why": "no closed form"}

@@ -92,6 +92,20 @@ def test_a_run_becomes_any_recording_and_any_capture(periph_sim: Run, desk: Path
     assert wires.out.startswith("wires.vcd: 2 channels, 56 edges, 0.03 s in samples of 10 MHz")
 
 
+def test_a_session_of_a_125_mhz_export_has_its_samples_and_not_nanoseconds(periph_sim: Run, desk: Path):
+    """Two edges a second apart, exported with nine decimals: a session of their own grid, not of 1 GHz."""
+    rows = ["Time [s],SCL", "0.000000000,1", "0.000000504,0", "0.000000640,1", "0.013200008,0", "0.013200016,0"]
+    Path("logic2.csv").write_text("\n".join(rows) + "\n")
+    came = periph_sim("convert", "logic2.csv", "a.sr")
+    assert came.status == 0 and came.out.splitlines() == [
+        "a.sr: 1 channel, 3 edges, 0.0132 s in samples of 125 MHz",
+        "note: times are written as samples of 125 MHz, the slowest rate that has one at every edge",
+    ]
+    assert formats.read("a.sr").channels[0].edges.tolist() == [63, 80, 1_650_001]
+    assert periph_sim("convert", "logic2.csv", "b.sr", "--rate", "125 MHz").out.startswith("b.sr: 1 channel, 3 edges, ")
+    assert formats.read("b.sr").channels[0].edges.tolist() == [63, 80, 1_650_001]
+
+
 def test_what_is_not_kept_is_told(periph_sim: Run, desk: Path):
     gap = b"Time [s],My SDA\n0.0,1\n0.000001,X\n0.000002,0\n0.000003,0\n"
     Path("gap.csv").write_bytes(gap)

@@ -38,6 +38,53 @@ def both(folder: Path) -> Path:
     return path
 
 
+def test_an_idle_serial_line_beside_an_i2c_bus_is_a_note(periph_sim: Run, tmp_path: Path):
+    """As in a recording of an I2C-only case of ours, whose RX never moves."""
+    bus = I2cWave(20, 5)
+    bus.idle(100)
+    read_registers(bus, 0x53, 0x00, (0xE5,))
+    bus.idle(40)
+    path = tmp_path / "run.sr"
+    path.write_bytes(sr_bytes(["SCL", "SDA", "RX"], "4 MHz", bytes(sample | 4 for sample in bus.samples)))
+    came = periph_sim("decode", str(path), "--transfers")
+    assert came.status == 0 and came.err == "note: RX is high throughout: nothing to decode\n"
+    assert came.out.splitlines() == ["    time_s  transfer", "0.00002500  S 53 W A 00 A Sr 53 R A E5 N P"]
+    alone = periph_sim("decode", str(path), "--uart", "rx=RX,baud=auto")
+    assert alone.status == 0 and alone.err == came.err and alone.out.split() == ["time_s", "event", "value"]
+
+
+def test_a_serial_line_that_cannot_be_guessed_does_not_stop_the_others(periph_sim: Run, tmp_path: Path):
+    line = uart_wave([(Fraction(10), frame_bits(0x41))], Fraction(10), 400)
+    path = tmp_path / "two.sr"
+    path.write_bytes(sr_bytes(["RX", "TX"], "1 MHz", bytes(bit | (n < 300) << 1 for n, bit in enumerate(line))))
+    came = periph_sim("decode", str(path))
+    assert came.status == 0 and "0x41 'A'" in came.out
+    assert "note: TX is not decoded: " in came.err and "say what it is with --uart" in came.err
+
+
+def test_what_nobody_recorded_and_a_rate_that_cannot_be_true_are_notes(periph_sim: Run, tmp_path: Path):
+    (tmp_path / "gap.csv").write_text("Time [s],SCL,SDA\n0.0,1,1\n0.001,X,1\n0.002,1,1\n0.003,1,1\n")
+    came = periph_sim("decode", str(tmp_path / "gap.csv"))
+    assert came.status == 0
+    assert came.err.startswith("note: SCL and SDA: 1 span was not recorded, 0.001000000 s in all, 0.001000000 s to ")
+    came = periph_sim("decode", str(NACK), "--rate", "1 Hz")
+    assert came.status == 0 and "start" in came.out
+    assert "SCL would run at 0.025 Hz; expected 100 Hz to 5 MHz; all times are wrong then, state" in came.err
+
+
+def test_a_glitch_in_samples_of_time_stamps_is_counted_on_their_grid(periph_sim: Run, tmp_path: Path):
+    """125 MHz exported in nanoseconds: ten samples are 80 ns."""
+    rows = [(0, 1), (80, 0), (160, 1), (800, 0), (808, 1), (9_000, 1)]
+    text = "".join(f"{at / 1e9:.9f},1,{sda}\n" for at, sda in rows)
+    (tmp_path / "spikes.csv").write_text("Time [s],SCL,SDA\n" + text)
+
+    def starts(glitch: str) -> int:
+        return periph_sim("decode", str(tmp_path / "spikes.csv"), "--glitch", glitch).out.count("start")
+
+    assert [starts(glitch) for glitch in ("1", "2", "10", "11")] == [2, 1, 1, 0]
+    assert [starts(glitch) for glitch in ("8ns", "9ns", "80ns", "81ns")] == [2, 1, 1, 0]
+
+
 def test_events_one_a_line(periph_sim: Run):
     came = periph_sim("decode", str(NACK))
     assert came.status == 0 and came.err == ""
@@ -148,16 +195,38 @@ def test_errors_and_cut_frames_are_said(periph_sim: Run, tmp_path: Path):
     ]
 
 
-def test_glitches_are_left_out_on_request(periph_sim: Run, tmp_path: Path):
-    samples = bytearray(uart_wave([(Fraction(50), frame_bits(0x4B))], Fraction(40), 600))
-    samples[50 + 60] ^= 1  # a quarter of a microsecond in the middle of a bit
+@pytest.fixture
+def spike(tmp_path: Path) -> str:
+    """4B at 100 kbaud; a spike of a sample in the middle of its first bit, and one before it."""
+    samples = bytearray(uart_wave([(Fraction(250), frame_bits(0x4B))], Fraction(40), 800))
+    samples[250 + 60] ^= 1
+    samples[100] ^= 1
     path = tmp_path / "spike.sr"
     path.write_bytes(sr_bytes(["RX"], "4 MHz", bytes(samples)))
-    asked = ("decode", str(path), "--uart", "rx=RX,baud=100000", "--transfers")
-    assert periph_sim(*asked).out.split()[-1] == "4A"
+    return str(path)
+
+
+def test_glitched_frames_and_rejected_starts_are_marked(periph_sim: Run, spike: str):
+    assert periph_sim("decode", spike, "--uart", "rx=RX,baud=100000").out.splitlines()[1:] == [
+        "0.00002500  rejected start",
+        "0.00006250  frame           0x4A 'J'  glitch",
+    ]
+    asked = ("decode", spike, "--uart", "rx=RX,baud=100000", "--transfers")
+    assert periph_sim(*asked).out.splitlines()[1:] == ["0.00002500  rejected start 4A(glitch)"]
+
+
+def test_a_vote_of_three_looks_reads_over_a_glitch(periph_sim: Run, spike: str):
+    came = periph_sim("decode", spike, "--uart", "rx=RX,baud=100000,vote")
+    assert came.out.splitlines()[-1] == "0.00006250  frame           0x4B 'K'  glitch"
+    came = periph_sim("decode", spike, "--uart", "rx=RX,baud=100000,vote=3")
+    assert came.status == 2 and "vote=3; expected vote without a value" in came.err
+
+
+def test_glitches_are_left_out_on_request(periph_sim: Run, spike: str):
+    asked = ("decode", spike, "--uart", "rx=RX,baud=100000", "--transfers")
     for shortest in ("2", "300ns", "0.26us"):
-        assert periph_sim(*asked, "--glitch", shortest).out.split()[-1] == "4B"
-    assert periph_sim(*asked, "--glitch", "250ns").out.split()[-1] == "4A"
+        assert periph_sim(*asked, "--glitch", shortest).out.splitlines()[1:] == ["0.00006250  4B"]
+    assert periph_sim(*asked, "--glitch", "250ns").out.split()[-1] == "4A(glitch)"
 
 
 def test_without_a_rate_positions_are_shown(periph_sim: Run, tmp_path: Path):

@@ -25,17 +25,30 @@ def test_the_table_shows_ours_beside_the_published_ones(periph_sim: Run):
     came = periph_sim("imu-table")
     assert came.status == 0
     assert (
-        "gyroscope y, deg/s           3.5997       3.5380       3.5378       3.5388      -1.2 se      -1.0 se"
+        "gyroscope y, deg/s           3.5997       3.5380       3.5375       3.5385      -1.2 se      -0.6 se"
         in came.out
     )
     assert periph_sim("imu-table", "--seed", "2").out != came.out
+
+
+def test_the_turn_of_figure_5_1_with_its_field(periph_sim: Run):
+    came = periph_sim("imu-table", "--turn")
+    assert came.status == 0
+    assert "taken: d = 0, H = (0.3239, -0.0447, 0.0060) gauss" in came.out
+    assert "\n  180   -0.4835    0.2137   -0.0145            0.0437\n" in came.out
+
+
+def test_a_set_that_is_neither_shipped_nor_a_file(periph_sim: Run):
+    came = periph_sim("imu-table", "--parameters", "table_6")
+    assert came.status == 2
+    assert "no parameter set 'table_6'; give the path of a TOML file, or a shipped set: table_5_1" in came.err
 
 
 def test_the_table_as_json(periph_sim: Run):
     told = json.loads(periph_sim("imu-table", "--samples", "500", "--json").out)
     assert (told["samples"], told["seed"], len(told["rows"])) == (500, 1, 9)
     assert told["rows"][0]["mean"]["emulator"] == -0.0301
-    assert [len(reading["emulator_mean_off_se"]["gyroscope"]) for reading in told["readings"]] == [3] * 4
+    assert [len(reading["emulator_mean_off_se"]["gyroscope"]) for reading in told["readings"]] == [3] * 5
 
 
 def test_samples_written_are_read_back_by_identify_and_its_set_by_the_models(rest: Path, periph_sim: Run):

@@ -24,9 +24,36 @@ def test_why_says_cause_meaning_and_reader(recording: str, periph_sim: Run):
     first, meaning, *rest = came.out.splitlines()
     assert first.startswith("dsp.I2C-A.I2CSTR.XRDY at 5.300000 ms: 0 since ")
     assert meaning == "  XRDY, R: I2CDXR can take a byte. [SPRUG03B table 10]"
-    assert any("dsp wrote I2C-A.I2CDXR" in line and "at batch_read:" in line for line in rest)
+    assert any("dsp: I2C-A.I2CDXR written" in line and "at batch_read:" in line for line in rest)
     told = json.loads(periph_sim("why", recording, "I2CA.I2CSTR.XRDY@5.3ms", "--json").out)
     assert told["value"] == 0 and told["next_change"]["value"] == 1 and len(told["back"]) > 2
+
+
+@pytest.fixture
+def hang(desk: Path, periph_sim: Run) -> str:
+    """A frame whose routine takes 200 us falls into a read: SCD = 1 clears SDIR, and the wait for it never ends."""
+    late = ("--set", "unit.dsp.settings.frame_cost=200 us", "--set", "host.first=4 ms")
+    periph_sim("run", str(TIMING / "imu_hil_published.toml"), "--seconds", "0.012", *late, "--record", "h.psr")
+    return "h.psr"
+
+
+def test_why_of_a_hang_goes_to_the_read_modify_write_and_the_routine(hang: str, periph_sim: Run):
+    back = periph_sim("why", hang, "I2C-A.I2CSTR.SDIR@6ms").out.partition("forward:")[0]
+    assert "I2C-A.I2CSTR written, 0x5638 (SCD = 1) at batch_read:" in back and "SCIRXINTA left" in back
+    assert "I2CMDR.IRS" not in back
+    (first, *_) = periph_sim("why", hang, "SCL@6ms").out.splitlines()
+    assert first.endswith("pulled low first by controller, held now by dsp.GPIO33")
+
+
+def test_races_tells_the_flag_that_a_hang_came_of(hang: str, periph_sim: Run):
+    came = periph_sim("races", hang, "--no-lost")
+    assert came.status == 1 and "SDIR was cleared along with it 1 times, 1 of them never read" in came.out
+
+
+def test_why_says_addresses_and_bytes_as_people_write_them(recording: str, periph_sim: Run):
+    out = periph_sim("why", recording, "SDA@5.001ms").out + periph_sim("why", recording, "SCL@5.292ms").out
+    assert "controller: START (gyroscope)" in out and "controller: 0x68 R ACK (gyroscope)" in out
+    assert "0x1a" not in out and " 0x0 " not in out
 
 
 def test_races_in_a_table_and_as_json(recording: str, periph_sim: Run):
@@ -47,13 +74,19 @@ def test_lint_exits_with_1_where_something_is_found(recording: str, periph_sim: 
     came = periph_sim("lint", recording)
     assert came.status == 1 and "loads I2CDXR as slave on XRDY alone" in came.out
     told = json.loads(periph_sim("lint", recording, "--json").out)
-    assert [found["lint"] for found in told["findings"]] == ["receive-register-unread", "xrdy-alone"]
+    assert [found["lint"] for found in told["findings"]] == [
+        "without-effect",
+        "receive-register-unread",
+        "without-effect",
+        "without-effect",
+        "xrdy-alone",
+    ]
 
 
 def test_lint_exits_with_0_where_nothing_is(desk: Path, periph_sim: Run):
     periph_sim("run", str(TIMING / "responder.toml"), "--seconds", "0.02", "--record", "y.psr")
     came = periph_sim("lint", "y.psr")
-    assert (came.status, came.out) == (0, "y.psr: nothing found by 6 lints\n")
+    assert (came.status, came.out) == (0, "y.psr: nothing found by 13 lints\n")
 
 
 @pytest.mark.parametrize("command", [["why", "NO", "SDA@1ms"], ["races", "NO"], ["lint", "NO"]])

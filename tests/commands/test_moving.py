@@ -79,7 +79,7 @@ def test_pictures_appear_both_or_not_at_all(desk: Path, periph_sim: Run, monkeyp
     ("arguments", "sentence"),
     [
         (("nothing.toml",), "Error: nothing.toml: cannot be read (No such file or directory); give the path of a case"),
-        ((str(TIMING / "imu_hil.toml"),), "host: a moving experiment needs a motion; give host.motion"),
+        ((str(TIMING / "imu_hil_published.toml"),), "host: a moving experiment needs a motion; give host.motion"),
         ((*QUICK, "--plot", "a/b"), "Error: --plot a/b: no such file or directory"),
         ((*QUICK, "--plot", CASE), "--plot "),
         ((CASE, "--seconds", "x"), "--seconds"),

@@ -133,7 +133,7 @@ def drawn(bus: Bus) -> Capture:
         channel_of(name, index, [at for at, _ in states], [level for _, level in states], length)
         for index, (name, states) in enumerate((("SCL", d.scl), ("SDA", d.sda)))
     )
-    return Capture(Path("bus"), Fraction(NS), length, channels, sampled=False)
+    return Capture(Path("bus"), Fraction(NS), length, channels, sampled=False, exact=True)
 
 
 def sampled(capture: Capture, rate: int, phase: int = 0) -> Capture:

@@ -11,8 +11,6 @@ from periph_sim.compliance import Mode, Verdict, check
 from tests.captures.test_captures_decode import NAMES, options
 from tests.captures.where import capture_of, decoded, needs_captures
 
-pytestmark = needs_captures
-
 NS = 10**9
 
 
@@ -43,6 +41,7 @@ def test_what_is_decided_is_a_sample_away_from_its_limit(name, mode):
     assert str(report) and report.row("tr").verdict is Verdict.NOT_IN_CAPTURE
 
 
+@needs_captures
 def test_a_400_khz_bus_is_no_100_khz_bus():
     """Three devices of an e-book reader; at 4 MHz the limits of Fast-mode itself are too near to decide."""
     capture = formats.read(capture_of("i2c_trekstor_accel_pmic_rtc"))
@@ -58,6 +57,7 @@ def test_a_400_khz_bus_is_no_100_khz_bus():
     assert fast.verdict is Verdict.UNDECIDABLE and "tSU;DAT" in fast.of(Verdict.PASS)
 
 
+@needs_captures
 def test_at_125_mhz_a_bus_5_percent_too_fast_is_found():
     capture = formats.read(capture_of("i2c_mdfu_write_csv"))
     report = check(capture, *lines("i2c_mdfu_write_csv"), Mode.STANDARD, exact=False)
@@ -65,6 +65,7 @@ def test_at_125_mhz_a_bus_5_percent_too_fast_is_found():
     assert report.row("tVD;DAT").excused > 0, "the target stretches, and sends late where it does"
 
 
+@needs_captures
 def test_at_500_khz_a_100_khz_bus_cannot_be_judged():
     report = check(formats.read(capture_of("i2c_bh1750_hres")), *lines("i2c_bh1750_hres"), Mode.STANDARD)
     assert report.verdict is Verdict.UNDECIDABLE and not report.of(Verdict.FAIL)

@@ -104,6 +104,20 @@ def test_a_low_phase_a_tenth_longer_is_the_controllers_own():
         assert report.of(Verdict.FAIL) == fails
 
 
+def test_what_may_be_stretched_is_counted_apart_and_is_neither_pass_nor_failure():
+    """Seen at 10 MHz, a low phase of 7.2 us may be a tenth longer than one of 6.5 us, or more: who stretches?"""
+    odd = {(3, 1): Odd(data=(4_000,), low=7_200), (3, 3): Odd(data=(4_000,)), (3, 5): Odd(data=(4_000,), low=20_000)}
+    report = check(sampled(drawn(STANDARD.but(odd=odd)), 10**7))
+    row = report.row("tVD;DAT")
+    assert (row.failed, row.undecided, row.excused) == (1, 1, 1) and row.verdict is Verdict.FAIL
+    text = str(report)
+    assert "FAIL, 1 of " in text and ", 1 undecidable" in text
+    assert "note: a maximum that binds only where SCL is not stretched, which these samples do not tell: " in text
+    odd.pop((3, 3))
+    report = check(sampled(drawn(STANDARD.but(odd=odd)), 10**7))
+    assert report.verdict is Verdict.UNDECIDABLE and "tVD;DAT" in report.of(Verdict.UNDECIDABLE)
+
+
 def test_an_assertion_names_the_worst_rows_and_places():
     judged(STANDARD).assert_compliant(strict=True)
     with pytest.raises(AssertionError) as said:

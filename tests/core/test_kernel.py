@@ -1,4 +1,4 @@
-"""One total order: time, then phase, then who asked first; wires settle after every event."""
+"""One total order: time, then phase, then who asked first; wires settle at the end of each phase."""
 
 from __future__ import annotations
 
@@ -7,18 +7,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.core.chip import NEVER
-from periph_sim.core.kernel import CPU, PROBE, STORM, TIMER, Kernel, SimulationStuck
+from periph_sim.core.kernel import CHIP, CPU, PADS, PROBE, STORM, TIMER, Kernel, SimulationStuck
+
+PHASES = {"first agent": TIMER, "second agent": TIMER, "pads": PADS, "chip": CHIP, "cpu": CPU, "probe": PROBE}
 
 
-def test_inside_a_tick_timers_come_before_cpus_before_probes():
+def test_inside_a_tick_agents_come_before_pads_before_chips_before_cpus_before_probes():
     kernel, log = Kernel(), []
-    for phase, name in ((PROBE, "probe"), (CPU, "cpu"), (TIMER, "first timer"), (TIMER, "second timer")):
-        kernel.at(5, lambda name=name: log.append(name), phase)
+    for name in ("probe", "cpu", "first agent", "chip", "second agent", "pads"):
+        kernel.at(5, lambda name=name: log.append(name), PHASES[name])
     kernel.run_until(5)
-    assert log == ["first timer", "second timer", "cpu", "probe"]
+    assert log == list(PHASES)
 
 
-@given(st.lists(st.tuples(st.integers(0, 50), st.sampled_from([TIMER, CPU, PROBE])), max_size=40))
+@given(st.lists(st.tuples(st.integers(0, 50), st.sampled_from([TIMER, PADS, CHIP, CPU, PROBE])), max_size=40))
 def test_events_run_in_the_order_of_their_keys(asked):
     kernel, log = Kernel(), []
     for number, (time, phase) in enumerate(asked):

@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from periph_sim.core.time import Clock, Timebase, TimeError, round_ratio, seconds
+from periph_sim.core.chip import NEVER
+from periph_sim.core.time import LAST_TICK, Clock, Timebase, TimeError, round_ratio, seconds
 
 THIRTY_DAYS = 30 * 86_400
 
@@ -102,3 +103,32 @@ def test_times_for_people():
         "20.000 ms",
         "2592000.000000 s",
     ]
+
+
+def test_a_run_that_ends_with_the_last_tick_is_the_longest():
+    base = Timebase(150_000_000)
+    longest = base.seconds(LAST_TICK)
+    assert base.end_of_run(0, longest) == LAST_TICK == NEVER - 1
+    with pytest.raises(TimeError) as refused:
+        base.end_of_run(0, longest + Fraction(1, 3_000_000_000))
+    assert str(refused.value).endswith("with ticks of 1/3000000000 s the longest is 17791.9 d")
+    base.end_of_run(10, longest - base.seconds(10))
+    with pytest.raises(TimeError):
+        base.end_of_run(11, longest - base.seconds(10))
+
+
+def test_a_crystal_that_makes_ticks_short_is_told_with_the_way_out():
+    base = Timebase(149_999_999)
+    with pytest.raises(TimeError, match=r"a run of 60 s ends .* is 30\.7 s; a crystal of a round frequency, its"):
+        base.end_of_run(0, Fraction(60))
+    assert base.end_of_run(0, Fraction(30)) == 30 * base.per_second
+
+
+@given(st.integers(-200_000, 200_000), st.integers(1, 10**14), st.integers(1, 10**6))
+def test_edges_of_a_clock_with_ppm_are_counted_exactly_however_late(ppm, cycle, span):
+    hertz = 150_000_000 * (1 + Fraction(ppm, 1_000_000))
+    clock = Clock(Timebase(150_000_000), hertz)
+    period = Fraction(3_000_000_000) / hertz
+    assert 0 <= cycle * period - clock.tick(cycle) < 1
+    assert clock.cycle_at(clock.tick(cycle)) == cycle
+    assert clock.cycle_at(clock.tick(cycle + span)) - clock.cycle_at(clock.tick(cycle)) == span

@@ -1,16 +1,17 @@
-"""A wire is low while anybody pulls, remembers who, and tells only what outlasts an event."""
+"""A wire is low while anybody pulls, remembers who, and tells only what outlasts an instant."""
 
 from __future__ import annotations
 
+from functools import partial
 from itertools import pairwise
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from periph_sim.core.kernel import Kernel, SimulationStuck
-from periph_sim.core.records import Kind, Recorder
-from periph_sim.core.wire import Wire
+from periph_sim.core.kernel import CPU, Kernel, SimulationStuck
+from periph_sim.core.records import Kind, Record, Recorder
+from periph_sim.core.wire import Sampler, Wire, watch
 
 
 def wired(*who: str):
@@ -31,19 +32,93 @@ def test_low_wins_and_the_last_to_let_go_raises_the_line():
     assert told == [(1, 0), (4, 1)]
 
 
-def test_a_pulse_inside_one_event_is_heard_by_nobody():
+def test_a_pulse_inside_one_instant_is_heard_by_nobody():
     kernel, _, (a,), told = wired("a")
-    kernel.at(1, lambda: (a.drive(0), a.drive(1)))
+    kernel.at(1, lambda: a.drive(0))
+    kernel.at(1, lambda: a.drive(1))
     kernel.run_until(1)
     assert told == []
 
 
-def test_a_hand_over_inside_one_event_shows_no_glitch():
+def test_a_hand_over_inside_one_instant_shows_no_glitch():
     kernel, wire, (a, b), told = wired("a", "b")
     kernel.at(1, lambda: a.drive(0))
-    kernel.at(2, lambda: (a.drive(1), b.drive(0)))
+    kernel.at(2, lambda: a.drive(1))
+    kernel.at(2, lambda: b.drive(0))
     kernel.run_until(2)
     assert told == [(1, 0)] and wire.held_by() == ["b"]
+
+
+def test_who_looks_at_a_wire_in_the_instant_in_which_it_moves_sees_it_as_it_was():
+    kernel, wire, (a,), _ = wired("a")
+    seen = []
+    kernel.at(1, lambda: a.drive(0))
+    kernel.at(1, lambda: seen.append(wire.level))
+    kernel.at(1, lambda: seen.append(wire.level), CPU)
+    kernel.run_until(1)
+    assert seen == [1, 0]
+
+
+@pytest.mark.parametrize("first", [0, 1])
+def test_wires_that_move_in_one_instant_are_told_at_once(first: int):
+    kernel, recorder, seen = Kernel(), Recorder(), []
+    recorder.subscribe([Kind.EDGE, Kind.NOTE], seen.append)
+    wires = [Wire(kernel, name, recorder) for name in ("SCL", "SDA")]
+    pins = [wire.attach("master") for wire in wires]
+    told: list[tuple[int, int]] = []
+    watch(wires, lambda tick, levels: (told.append((tick, levels)), recorder.emit(tick, Kind.NOTE, "it", "heard")))
+    for pin in (pins[first], pins[1 - first]):
+        kernel.at(1, partial(pin.drive, 0))
+    kernel.at(2, partial(pins[1].drive, 1))
+    kernel.run_until(2)
+    assert told == [(1, 0b00), (2, 0b10)]
+    scl, sda, heard, rise, then = seen
+    assert [edge.where for edge in (scl, sda, rise)] == ["SCL", "SDA", "SDA"]
+    assert (heard.cause, then.cause) == (scl.number, rise.number), "the first of the lines that moved"
+
+
+def test_a_line_is_a_wire_or_what_its_owner_says():
+    kernel, wire, (a,), _ = wired("a")
+    told: list[tuple[int, int]] = []
+    sampler = Sampler(kernel, wire.recorder, lambda tick, levels: told.append((tick, levels)), 0b111)
+    sampler.listen(0, wire)
+    moves = [
+        (1, lambda: (a.drive(0), sampler.put(2, 0))),  # the wire and a line by hand
+        (2, lambda: sampler.put(2, 0)),  # as it was
+        (3, lambda: sampler.put(0, 1)),  # no longer the wire
+        (4, lambda: a.drive(1)),
+        (5, sampler.ask),
+        (6, lambda: sampler.listen(1, wire)),
+        (7, lambda: a.drive(0)),
+    ]
+    for tick, move in moves:
+        kernel.at(tick, move)
+    kernel.run_until(9)
+    assert told == [(1, 0b010), (3, 0b011), (5, 0b011), (7, 0b001)]
+
+
+def test_watching_nothing_is_a_mistake():
+    with pytest.raises(ValueError, match="no wire to watch"):
+        watch([], print)
+
+
+@given(st.permutations([(0, 1), (1, 2), (2, 3)]), st.integers(0, 1))
+def test_the_cause_of_an_edge_does_not_depend_on_the_order_of_calls(calls: list[tuple[int, int]], level: int):
+    """It is the last record under which anybody pulled, for a fall, or let go, for a rise."""
+    kernel, recorder, seen = Kernel(), Recorder(), list[Record]()
+    recorder.subscribe([Kind.EDGE], seen.append)
+    wire = Wire(kernel, "SDA", recorder)
+    pins = [wire.attach(name) for name in "abc"]
+    for pin in pins:
+        pin.drive(1 - level)
+    kernel.run_until(0)
+    seen.clear()
+    for who, cause in calls:
+        recorder.cause = cause
+        kernel.at(5, recorder.carried(partial(pins[who].drive, level)))
+    recorder.cause = 0
+    kernel.run_until(5)
+    assert [(edge.tick, edge.value, edge.cause) for edge in seen] == [(5, level, 3)]
 
 
 def test_an_answer_in_the_same_instant_is_told_after_every_watcher_heard_the_cause():
@@ -100,3 +175,43 @@ def test_an_edge_is_recorded_with_who_pulls_and_is_the_cause_of_what_follows():
         0,
     )
     assert heard.cause == edge.number and recorder.cause == 0
+
+
+def test_who_holds_a_low_is_recorded_when_it_changes():
+    """a     \\____/
+    b         \\__________/
+    c                  \\__/       at the instant at which b lets go: a hand-over
+    EDGE  a            HOLD: "a, b", "b", then "c", and the rise
+    """
+    kernel, recorder, seen = Kernel(), Recorder(), []
+    recorder.subscribe([Kind.EDGE, Kind.HOLD], seen.append)
+    wire = Wire(kernel, "SCL", recorder)
+    a, b, c = (wire.attach(name) for name in "abc")
+    moves = {1: [(a, 0)], 3: [(b, 0)], 4: [(a, 1), (a, 1)], 6: [(b, 1), (c, 0)], 8: [(c, 1)]}
+    for tick, moved in moves.items():
+        for pin, level in moved:
+            kernel.at(tick, lambda pin=pin, level=level: pin.drive(level))
+    kernel.run_until(9)
+    assert [(r.tick, r.kind, r.value, r.text) for r in seen] == [
+        (1, Kind.EDGE, 0, "a"),
+        (3, Kind.HOLD, 0, "a, b"),
+        (4, Kind.HOLD, 0, "b"),
+        (6, Kind.HOLD, 0, "c"),
+        (8, Kind.EDGE, 1, ""),
+    ]
+
+
+def test_who_joins_in_holding_a_line_is_the_effect_of_what_it_was_made_under():
+    kernel, recorder, seen = Kernel(), Recorder(), []
+    recorder.subscribe([Kind.EDGE, Kind.HOLD], seen.append)
+    wire = Wire(kernel, "SCL", recorder)
+    a, b = wire.attach("a"), wire.attach("b")
+    wire.watch(lambda tick, level: b.drive(0))
+    kernel.at(1, lambda: a.drive(0))
+    kernel.at(5, lambda: a.drive(1))
+    kernel.run_until(9)
+    assert [(r.kind, r.text, r.cause) for r in seen] == [
+        (Kind.EDGE, "a", 0),
+        (Kind.HOLD, "a, b", seen[0].number),
+        (Kind.HOLD, "b", 0),
+    ]

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from periph_sim.decode import uart
-from periph_sim.decode.uart import Break, CutFrame, Frame, Line
+from periph_sim.decode.uart import Break, CutFrame, Frame, Line, RejectedStart
 from tests.decode.drawing import drawn, of_bytes
 from tests.formats.writers import frame_bits, uart_wave
 
@@ -57,12 +57,57 @@ def test_a_break_without_an_end_in_the_capture_is_not_reported():
     assert seen([0] * 30, MEGA, tail=0) == [Frame(20, 120, 0, False, True)]
 
 
-def test_a_low_glitch_shorter_than_half_a_bit_starts_nothing():
+def test_a_low_glitch_shorter_than_half_a_bit_is_a_rejected_start():
     samples = bytearray([1]) * 300
     samples[30:34] = bytes(4)
     wave = uart_wave([(Fraction(60), frame_bits(0x99))], Fraction(10), 300)
     both = bytes(a & b for a, b in zip(samples, wave, strict=True))
-    assert uart.events(of_bytes(both, ("RX",)), "RX", MEGA) == [Frame(60, 160, 0x99, False, False)]
+    assert uart.events(of_bytes(both, ("RX",)), "RX", MEGA) == [
+        RejectedStart(30, 34),
+        Frame(60, 160, 0x99, False, False),
+    ]
+
+
+def glitched(*places: int, value: int = 0x4B, vote: bool = False) -> list[uart.Event]:
+    """A frame of ten samples a bit from sample 20 on, with single samples turned over."""
+    samples = bytearray(uart_wave([(Fraction(20), frame_bits(value))], Fraction(10), 200))
+    for place in places:
+        samples[place] ^= 1
+    return uart.events(of_bytes(bytes(samples), ("RX",)), "RX", MEGA, vote)
+
+
+@pytest.mark.parametrize("place", range(21, 114))
+def test_a_glitch_makes_the_bit_unsure_at_whose_place_receivers_look(place: int):
+    r"""
+    bit                0         1         2
+        ----__________----------__________...
+             \ ^^^^^^^  ..^^^^^^.  ..^^^^^^.     ^ in the window, . outside of it
+    """
+    if place % 10 in (9, 0):  # beside an edge of the frame it only moves that edge
+        return
+    (frame,) = glitched(place, vote=True)
+    bit, within = divmod(place - 20, 10)
+    inside = within <= 8 if bit == 0 else 3 <= within <= 8
+    assert frame == Frame(20, 120, 0x4B, False, False, True, 1 << bit if inside else 0)
+
+
+def test_a_glitch_at_the_middle_of_a_bit_fools_one_look_and_not_three():
+    """4B has the bits 1 1 0 1 0 0 1 0; the third one is looked at at sample 55."""
+    assert glitched(55) == [Frame(20, 120, 0x4F, False, False, True, 1 << 3)]
+    assert glitched(55, vote=True) == [Frame(20, 120, 0x4B, False, False, True, 1 << 3)]
+    assert glitched(54, 55, vote=True) == [Frame(20, 120, 0x4F, False, False, True, 1 << 3)], "two looks of three"
+
+
+def test_two_glitches_in_the_start_bit_are_the_start_bits_and_a_vote_may_reject_it():
+    (frame,) = glitched(22, 27)
+    assert isinstance(frame, Frame) and (frame.value, frame.unsure) == (0x4B, 1)
+    rejected, *_ = glitched(24, 26, vote=True)
+    assert rejected == RejectedStart(20, 24), "high at the first and the last of three looks"
+
+
+def test_a_pulse_of_half_a_bit_is_no_glitch():
+    (frame,) = glitched(50, 51, 52, 53, 54)
+    assert frame == Frame(20, 120, 0x4B, False, False)
 
 
 def test_a_line_that_starts_low_waits_for_its_first_falling_edge():

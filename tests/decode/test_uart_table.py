@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 from math import ceil
@@ -15,7 +16,8 @@ from periph_sim.decode import uart
 from periph_sim.decode.uart import PARITIES, Line
 from periph_sim.decode.uart_objects import events_of_table
 from periph_sim.decode.uart_table import Kind, uart_table
-from periph_sim.formats.capture import Capture
+from periph_sim.formats.capture import Capture, channel_of_edges
+from periph_sim.formats.sampling import sample_step
 from tests.decode.drawing import drawn, of_bytes
 from tests.decode.random_lines import captures
 from tests.formats.writers import frame_bits, uart_wave
@@ -38,10 +40,10 @@ FAST = st.builds(
 )
 
 
-@given(captures(("RX",)), LINES | FAST)
+@given(captures(("RX",)), LINES | FAST, st.booleans())
 @settings(max_examples=120, deadline=None)
-def test_any_line_gives_the_same_events_both_ways(capture: Capture, line: Line):
-    assert events_of_table(uart_table(capture, "RX", line)) == uart.events(capture, "RX", line)
+def test_any_line_gives_the_same_events_both_ways(capture: Capture, line: Line, vote: bool):
+    assert events_of_table(uart_table(capture, "RX", line, vote=vote)) == uart.events(capture, "RX", line, vote)
 
 
 @given(
@@ -90,6 +92,43 @@ def test_frames_with_every_edge_a_little_off_come_back(sent: bytes, tenths: int,
         samples[ceil(begin) : ceil(end)] = bytes([level]) * (ceil(end) - ceil(begin))
     table = uart_table(of_bytes(bytes(samples), ("RX",)), "RX", Line(Fraction(10**7, tenths)))
     assert table.value.tolist() == list(sent) and not table.frame_error.any()
+
+
+@given(st.binary(min_size=1, max_size=4), st.integers(20, 200), st.integers(1, 40), st.integers(0, 7))
+@settings(max_examples=60, deadline=None)
+def test_time_stamps_are_read_as_the_samples_that_they_are_of(sent: bytes, tenths: int, tick: int, noise: int):
+    """The same line as samples, and as ticks of a file of times: the same bytes, also with glitches."""
+    width = Fraction(tenths, 10)
+    frames = [(Fraction(20) + 11 * width * n, frame_bits(value)) for n, value in enumerate(sent)]
+    line = bytearray(uart_wave(frames, width, int(40 + 11 * width * len(sent))))
+    for place in range(noise):
+        line[(20 + 7 * place) % len(line)] ^= 1
+    capture = of_bytes(bytes(line), ("RX",))
+    wire = capture.channels[0]
+    stretched = channel_of_edges("RX", 0, wire.initial, wire.edges * tick)
+    stamps = replace(
+        capture, rate=capture.rate * tick, length=capture.length * tick, channels=(stretched,), sampled=False
+    )
+    of_samples = uart_table(capture, "RX", Line(Fraction(10**7, tenths)))
+    of_stamps = uart_table(stamps, "RX", Line(Fraction(10**7, tenths)))
+    step = sample_step(stamps)  # by chance of every second sample or so
+    if step == tick:
+        assert of_stamps.value.tolist() == of_samples.value.tolist()
+        assert (of_stamps.at // tick).tolist() == of_samples.at.tolist()
+    if not noise:
+        assert of_stamps.value.tolist() == list(sent), "also where the edges lie on no finer raster than the bits"
+
+
+@pytest.mark.parametrize("places", [(54,), (55,), (56,), (54, 55), (54, 56), (55, 56)])
+def test_two_looks_of_three_outvote_the_third(places: tuple[int, ...]):
+    """The third data bit of 4B is 0; it is looked at at samples 54, 55 and 56."""
+    samples = bytearray(uart_wave([(Fraction(20), frame_bits(0x4B))], Fraction(10), 200))
+    for place in places:
+        samples[place] ^= 1
+    capture = of_bytes(bytes(samples), ("RX",))
+    table = uart_table(capture, "RX", Line(100_000), vote=True)
+    assert table.value.tolist() == [0x4F if len(places) == 2 else 0x4B]
+    assert events_of_table(table) == uart.events(capture, "RX", Line(100_000), vote=True)
 
 
 def test_a_break_stands_behind_the_frame_it_also_makes():

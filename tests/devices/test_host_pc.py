@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from itertools import pairwise
 
 import pytest
 
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
 from periph_sim.core.wire import Wire
-from periph_sim.devices.host_pc import FRAME_BYTES, Host, HostSchedule, encode, ramp
+from periph_sim.devices.host_pc import FRAME_BYTES, Host, HostSchedule, PacedBy, encode, ramp
 from periph_sim.lines.uart_peer import UartPeer
 
 BIT = 10
@@ -79,3 +80,54 @@ def test_jitter_comes_from_the_seed_alone():
     assert starts != [tick - FRAME for _, _, tick in Desk(schedule, seed=4).run(20_000)]
     late = [start - 2000 * n for n, start in enumerate(starts)]
     assert all(0 <= x <= 700 for x in late) and len(set(late)) > 1
+
+
+def test_a_clock_that_is_off_schedules_frames_without_drift():
+    """12345 frames of a clock 20 ppm fast: period 2000 / 1.00002 ticks."""
+    period = 2000 / (1 + Fraction(20, 1_000_000))
+    desk = Desk(HostSchedule(first=500, period=period))
+    desk.run(500 + 12_345 * 2000)
+    ends = [tick - FRAME for _, _, tick in desk.sent]
+    assert len(ends) > 12_340
+    assert all(begin == 500 + n * 2_000_000 * 1000 // 1_000_020 for n, begin in enumerate(ends))
+
+
+def test_a_loop_with_a_pause_adds_its_lateness_up():
+    """Each frame begins up to 100 ticks late, and the next one is due a period after it began."""
+    desk = Desk(HostSchedule(first=0, period=2000, jitter=100, paced_by="pause", frames=20), seed=3)
+    begins = [tick - FRAME for _, _, tick in desk.run(100_000)]
+    steps = [b - a for a, b in pairwise(begins)]
+    assert all(2000 <= step <= 2100 for step in steps) and len(set(steps)) > 10
+    assert begins[-1] == sum(steps) + begins[0] > 19 * 2000 + 500
+    assert desk.host.due(19) == begins[18] + 2000
+
+
+def test_a_silent_host_begins_no_frame_and_counts_on():
+    desk = Desk(HostSchedule(first=0, period=2000, silent=((4000, 8000),), frames=6))
+    assert [number for number, _, _ in desk.run(20_000)] == [0, 1, 4, 5]  # silent from 4000, no longer at 8000
+    assert (desk.host.frames, desk.host.late) == (4, 0)
+
+
+def test_a_doubled_frame_is_sent_again_as_soon_as_it_is_over():
+    desk = Desk(HostSchedule(first=0, period=4000, frames=3, twice=frozenset({1})))
+    assert desk.run(20_000) == [(n, ramp(n), at + FRAME) for n, at in ((0, 0), (1, 4000), (1, 4000 + FRAME), (2, 8000))]
+    assert (desk.host.frames, desk.host.bytes) == (4, 48)
+
+
+@pytest.mark.parametrize("paced_by", ["schedule", "pause"])
+def test_where_a_tick_lies_between_frames(paced_by: PacedBy):
+    desk = Desk(HostSchedule(first=1000, period=2000, paced_by=paced_by))
+    assert desk.host.frame_at(0) == Fraction(-1, 2)
+    desk.run(9000)
+    assert [desk.host.frame_at(tick) for tick in (1000, 1500, 5000, 8999)] == [
+        0,
+        Fraction(1, 4),
+        2,
+        Fraction(7999, 2000),
+    ]
+
+
+def test_a_paused_host_is_no_more_than_a_period_past_its_last_frame():
+    desk = Desk(HostSchedule(first=0, period=2000, jitter=400, paced_by="pause"), seed=1)
+    desk.run(2150)  # the second one is due at 2000 and later
+    assert desk.host.frame_at(2000 + 150) <= Fraction(1) + Fraction(150, 2000)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from functools import partial
 
 import pytest
@@ -108,3 +109,11 @@ def test_a_chip_that_acknowledges_is_not_counted_as_nacked():
         desk.rig.kernel.at((slot + 4) * UNIT + 1, partial(desk.rig.partner["sda"].drive, 1))
     rounds = desk.run(5000)
     assert [(r.nacked, r.transfers) for r in rounds] == [(0, 1)]
+
+
+def test_a_clock_that_is_off_keeps_to_its_own_rounds_without_drift():
+    """Half a tick in 1000 periods would show."""
+    period = Fraction(1000) / (1 - Fraction(30, 1_000_000))
+    desk = Desk(Schedule(first=0, period=period, gap=0), [PLAIN])
+    dues = [r.due for r in desk.run(2_000_000)]
+    assert dues == [n * 1_000_000_000 // 999_970 for n in range(len(dues))] and len(dues) > 1990

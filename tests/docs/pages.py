@@ -53,7 +53,14 @@ def output(command: str, folder: Path) -> str:
     done = subprocess.run(
         ["bash", "-c", command],
         cwd=folder,
-        env={"PATH": path, "COLUMNS": WIDTH, "TERM": "dumb", "LC_ALL": "C.UTF-8", "HOME": str(folder)},
+        env={
+            "PATH": path,
+            "PYTHONPATH": str(ROOT),  # the code beside these pages, whatever is installed
+            "COLUMNS": WIDTH,
+            "TERM": "dumb",
+            "LC_ALL": "C.UTF-8",
+            "HOME": str(folder),
+        },
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,

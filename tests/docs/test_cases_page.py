@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from dataclasses import fields
 from typing import Annotated, Any
 
 import pytest
@@ -14,6 +15,7 @@ from periph_sim.case.model import (
     Budget,
     Case,
     ChipTable,
+    Code,
     Controller,
     HostTable,
     Options,
@@ -23,13 +25,16 @@ from periph_sim.case.model import (
     ValueTable,
 )
 from periph_sim.devices.sensor_head import CHIPS
-from periph_sim.timing.measures import MEASURES, SPAN, make
+from periph_sim.lines.faults import kinds
+from periph_sim.lines.faults.when import When
+from periph_sim.timing.registry import MEASURES, SPAN, make
 from tests.docs.pages import ROOT
 
 PAGE = (ROOT / "docs" / "cases.md").read_text(encoding="utf-8")
 TABLES: dict[str, type[Table]] = {
     "The case": Case,
     "`[unit.NAME]`": Unit,
+    "`[unit.NAME.code]`": Code,
     "`[chip.NAME]`": ChipTable,
     "`[chip.NAME.values]`": ValueTable,
     "`[controller]`": Controller,
@@ -37,7 +42,7 @@ TABLES: dict[str, type[Table]] = {
     "`[host]`": HostTable,
     "`[[budget]]`": Budget,
 }
-EMPTY: tuple[object, ...] = (None, "", (), {}, b"", Options())
+EMPTY: tuple[object, ...] = (None, "", (), {}, b"", Code(), Options())
 
 
 def rows(heading: str) -> list[list[str]]:
@@ -80,3 +85,12 @@ def test_every_module_and_chip_is_named():
     what = {key.strip("`"): text for key, text, _ in rows("`[unit.NAME]`") + rows("`[controller]`")}
     assert re.findall(r"[A-Z0-9]+(?:-[A-C])?", what["modules"]) == list(MODULES)
     assert all(chip in what["order"] for chip in CHIPS)
+
+
+def test_every_kind_of_fault_with_its_keys():
+    common = {f.name for f in fields(When)}
+    own = {name: {f.name for f in fields(kind.Settings)} - common for name, kind in kinds().items()}
+    listed = rows("`[[fault]]`")
+    assert [key.strip("`") for key, *_ in listed[: len(common) + 1]] == ["kind", *(f.name for f in fields(When))]
+    shown = {key.strip("`"): set(re.findall(r"`(\w+)`", keys)) for key, _, keys in listed[-len(own) :]}
+    assert shown == own

@@ -1,15 +1,24 @@
-"""`python -m tests.docs.update` runs the commands of README and docs and writes their outputs into the pages."""
+"""Run the commands of README and docs and write their outputs into the pages: `python -m tests.docs.update [PAGE ...]`.
+
+A page is named by its stem: `python -m tests.docs.update README why`. Without a name: all of them.
+"""
 
 from __future__ import annotations
 
+import sys
 import tempfile
 from pathlib import Path
 
 from tests.docs.pages import PAGES, ROOT, refreshed
 
 
-def main() -> None:
+def main(names: list[str]) -> None:
+    unknown = set(names) - {page.stem for page in PAGES}
+    if unknown:
+        sys.exit(f"there is no page {', '.join(sorted(unknown))}; pages are {', '.join(page.stem for page in PAGES)}")
     for page in PAGES:
+        if names and page.stem not in names:
+            continue
         text = page.read_text(encoding="utf-8")
         with tempfile.TemporaryDirectory() as folder:
             fresh = refreshed(text, Path(folder))
@@ -19,4 +28,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])

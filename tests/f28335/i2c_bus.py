@@ -45,7 +45,7 @@ class Party(Protocol):
     next_wake: int
     out: int
 
-    def pin(self, now: int, index: int, level: int) -> None: ...
+    def pins(self, now: int, levels: int) -> object: ...
 
     def wake(self, now: int) -> None: ...
 
@@ -153,14 +153,12 @@ class Target:
             self.out = self.out & ~(1 << line) | level << line
         self.next_wake = self._due[0][0] if self._due else NEVER
 
-    def pin(self, now: int, index: int, level: int) -> None:
-        self._level[index] = level
-        if index == SDA and self._level[SCL]:
-            self._begin() if not level else self._end()
-        elif index == SCL and level:
-            self._rise()
-        elif index == SCL:
-            self._fall(now)
+    def pins(self, now: int, levels: int) -> None:
+        (scl, sda), self._level = self._level, [levels & 1, levels >> 1]
+        if self._level[SCL] != scl:
+            self._rise() if not scl else self._fall(now)
+        elif scl and self._level[SDA] != sda:
+            self._begin() if sda else self._end()
 
     def _begin(self) -> None:
         self._role = self.free or "a"
@@ -264,12 +262,13 @@ class Foreign:
         self._now = 0
         self._steps = self._play()
 
-    def pin(self, now: int, index: int, level: int) -> None:
-        self._level[index] = level
+    def pins(self, now: int, levels: int) -> None:
+        before, self._level = self._level, [levels & 1, levels >> 1]
         self._now = now
-        if index == SCL and not level:
+        if before[SCL] and not self._level[SCL]:
             self._fell = now
-        if self._wait.line == index and self._wait.level == level:
+        line = self._wait.line
+        if line >= 0 and self._level[line] != before[line] and self._wait.level == self._level[line]:
             self._go(now)
 
     def wake(self, now: int) -> None:
@@ -365,7 +364,7 @@ class Hand:
         self.out = FREE
         self.next_wake = NEVER
 
-    def pin(self, now: int, index: int, level: int) -> None: ...
+    def pins(self, now: int, levels: int) -> object: ...
 
     def wake(self, now: int) -> None: ...
 
@@ -388,9 +387,7 @@ class Bus:
 
     def join(self, partner: Party) -> None:
         self.partners.append(partner)
-        for line in (SCL, SDA):
-            if not self.level[line]:
-                partner.pin(self.now, line, 0)
+        partner.pins(self.now, self.level[SCL] | self.level[SDA] << 1)
 
     def settle(self) -> None:
         """Until no wire moves any more."""
@@ -402,6 +399,9 @@ class Bus:
                 both &= party.out
             for line in (SCL, SDA):
                 moved |= self._move(line, both >> line & 1)
+            if moved:
+                for party in (*self.partners, *self.chips):
+                    party.pins(self.now, self.level[SCL] | self.level[SDA] << 1)
 
     def _move(self, line: int, driven: int) -> bool:
         if driven and not self.level[line] and self.rise:
@@ -415,8 +415,6 @@ class Bus:
         self._rising[line] = NEVER
         self.level[line] = driven
         self.edges.append(Edge(self.now, line, driven))
-        for party in (*self.partners, *self.chips):
-            party.pin(self.now, line, driven)
         return True
 
     def nearest(self) -> int:

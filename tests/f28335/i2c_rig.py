@@ -2,7 +2,7 @@
 
     partner (the test)  --pulls-->  SCL, SDA (wired-AND)  <--pulls--  chip.out
                                         |
-                                        +--> chip.pin
+                                        +--> chip.pins
 
 The partner is the bus's master. Its pulses are cut at the places of which the rules
 speak: `rise` and `fall` end exactly at the cycle of that edge, so that after the eighth
@@ -132,6 +132,11 @@ class Rig:
     def flag(self, bit: int) -> int:
         return int(self.status(bit) != 0)
 
+    @property
+    def touched(self) -> str:
+        """All open questions on which the run depended so far, in alphabetical order."""
+        return " ".join(sorted(self.chip.touched))
+
     def duties(self) -> list[str]:
         """The "duty" notes since last asked."""
         texts = [note.text for note in self.chip.notes if note.code == "duty"]
@@ -174,12 +179,10 @@ class Rig:
             if self.chip.requests:
                 self.interrupts.append((self.now, self.chip.requests))
                 self.chip.requests = 0
-            changed = self.line ^ self._seen
-            if not changed:
+            if self.line == self._seen:
                 return
-            index = 0 if changed & SCL else 1
-            self._seen ^= 1 << index
-            self.chip.pin(self.now, index, self._seen >> index & 1)
+            self._seen = self.line
+            self.chip.pins(self.now, self._seen)
         raise AssertionError(f"the bus does not settle at {self.now}")
 
     def pull(self, scl: int | None = None, sda: int | None = None) -> None:
@@ -297,18 +300,23 @@ class Rig:
     # Timing diagrams
 
     def drive(self, now: int, signal: str, level: int) -> None:
-        """SCL, SDA: the partner, SDA a little after SCL. DXR: the CPU writes it. DRR, ISRC: the CPU reads it."""
+        """SCL, SDA: the partner, SDA a little after SCL; LINES: both at once, as a mask. DXR: the CPU writes it.
+
+        DRR, ISRC: the CPU reads it.
+        """
         self.run_until(now)
         if signal == "SCL":
             self.pull(scl=level)
         elif signal == "SDA":
             self._later.append((now + self.hold, "sda", level))
+        elif signal == "LINES":
+            self.pull(level & 1, level >> 1)
         elif signal == "DXR":
             self.write("I2CDXR", level)
         elif signal in ("DRR", "ISRC"):
             self.read("I2C" + signal)
         else:
-            raise ValueError(f"a diagram can drive SCL, SDA, DXR, DRR and ISRC; not {signal}")
+            raise ValueError(f"a diagram can drive SCL, SDA, LINES, DXR, DRR and ISRC; not {signal}")
 
     def show(self, signal: str) -> int:
         """The bus (SCL, SDA), what the chip leaves released (scl, sda), a flag of I2CSTR, a FIFO count or a code."""

@@ -309,7 +309,7 @@ class _Line:
         self.now = now
         if level != self.level:
             self.level = level
-            self.chip.pin(now, 0, level)
+            self.chip.pins(now, level)
             self.look()
         self.run_until(now)
 

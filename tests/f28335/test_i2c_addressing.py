@@ -73,8 +73,32 @@ def test_in_7_bit_mode_ones_above_bit_6_of_oar_break_a_duty():
     assert rig.duties() == []
     rig = Rig()
     rig.begin(oar=0x380 | OWN)
-    rig.address(OWN)
-    assert len(rig.duties()) == 1
+    assert rig.duties() == ["I2COAR = 0x3c8 has bits 9 to 7 set with XA = 0; expected 0 there"]
+    assert rig.address(OWN)
+    assert rig.duties() == []
+
+
+@pytest.mark.rule("I2C-082")
+@pytest.mark.parametrize("xa_first", [False, True])
+def test_a_10_bit_address_may_be_written_before_xa(xa_first):
+    """The duty holds from the rise of IRS on: before it, any order will do."""
+    rig = Rig()
+    if xa_first:
+        rig.write("I2CMDR", XA)
+    rig.write("I2COAR", 0x2C8)
+    rig.write("I2CMDR", XA | IRS)
+    assert rig.duties() == []
+
+
+@pytest.mark.rule("I2C-082")
+def test_an_own_address_written_with_irs_1_is_checked_at_once():
+    rig = Rig()
+    rig.begin(oar=OWN)
+    rig.write("I2COAR", 0x2C8)
+    assert rig.duties() == [
+        "I2COAR was written with IRS = 1; configuration belongs into IRS = 0",
+        "I2COAR = 0x2c8 has bits 9 to 7 set with XA = 0; expected 0 there",
+    ]
 
 
 @pytest.mark.rule("I2C-093")

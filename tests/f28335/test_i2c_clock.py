@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import itertools
+from fractions import Fraction
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from .i2c_bus import HIGH, LOW, SCL, SDA, SLOT, Bench, Foreign, Target, mdr
+from .i2c_bus import FREE, HIGH, LOW, SCL, SDA, SLOT, Bench, Foreign, Target, mdr
 
 rule = pytest.mark.rule
 
@@ -102,12 +103,47 @@ def test_ipsc_changed_with_irs_0_takes_effect_with_irs_1():
 # ---- duties ----------------------------------------------------------------------------------------------
 
 
+MHZ = 1_000_000
+
+
 @rule("I2C-155")
-@pytest.mark.parametrize("psc, fits", [(11, False), (12, True), (14, True), (20, True), (21, False), (0, False)])
-def test_the_module_clock_must_lie_between_7_and_12_mhz(psc: int, fits: bool):
-    b = Bench(psc=psc, clkl=200, clkh=200)
-    notes = [n for n in b.duties() if "MHz" in n.text]
-    assert len(notes) == (not fits)
+@pytest.mark.parametrize(
+    ("sysclk", "psc", "told"),
+    [
+        (150, 11, "12.5"),
+        (150, 12, ""),
+        (150, 14, ""),
+        (150, 20, ""),
+        (150, 21, "6.81818"),
+        (150, 0, "150"),
+        (100, 9, ""),
+        (100, 14, "6.66667"),
+        (100, 7, "12.5"),
+        (120, 9, ""),  # 12 MHz to the hertz
+        (60, 5, ""),
+        (30, 2, ""),
+        (30, 14, "2"),
+    ],
+)
+def test_the_module_clock_must_lie_between_7_and_12_mhz(sysclk: int, psc: int, told: str):
+    b = Bench(psc=psc, enable=False)
+    b.m.set_sysclk(b.now, Fraction(sysclk * MHZ))
+    assert not b.duties(), "it is in force when IRS rises, and not before"
+    b.set("IRS")
+    texts = [note.text for note in b.duties()]
+    expected = f"gives a module clock of {told} MHz at SYSCLKOUT = {sysclk} MHz; expected 7 to 12 MHz"
+    assert texts == ([f"I2CPSC = {psc} {expected}"] if told else [])
+
+
+@rule("I2C-155")
+def test_a_change_of_sysclkout_under_an_enabled_module_is_checked_once():
+    b = Bench()
+    for mhz in (100, 100, 150, 75):
+        b.m.set_sysclk(b.now, Fraction(mhz * MHZ))
+    assert [note.text.split()[8] for note in b.duties()] == ["6.66667", "5"]
+    b.m.reset(b.now)
+    b.m.set_sysclk(b.now, Fraction(100 * MHZ))
+    assert not b.duties(), "the module is off"
 
 
 @rule("I2C-156")
@@ -130,29 +166,48 @@ def test_iccl_and_icch_must_not_be_0(clkl: int, clkh: int, name: str):
     assert any(name in n.text for n in b.duties())
 
 
-@rule("I2C-168")
-@pytest.mark.parametrize("clkl, clkh, fits", [(10, 5, True), (9, 5, False), (495, 495, True), (500, 500, False)])
-def test_rates_between_10_and_400_kbit_are_supported(clkl: int, clkh: int, fits: bool):
-    b = Bench(Target(), clkl=clkl, clkh=clkh)
+def rate_notes(sysclk: int, psc: int, clkl: int, clkh: int) -> list[str]:
+    """What is noted of one transfer with this clock."""
+    b = Bench(Target(), psc=psc, clkl=clkl, clkh=clkh, enable=False)
+    b.m.set_sysclk(b.now, Fraction(sysclk * MHZ))
+    b.set("IRS")
     b.w("I2CCNT", 1)
     b.w("I2CDXR", 0)
     b.mode("MST TRX STT STP")
     b.edge(SCL, 0)
-    assert any("kbit" in n.text or "kHz" in n.text for n in b.duties()) == (not fits)
+    return [note.text for note in b.duties()]
+
+
+@rule("I2C-168")
+@pytest.mark.parametrize(
+    ("sysclk", "psc", "clkl", "clkh", "khz"),
+    [
+        (150, 14, 10, 5, ""),
+        (150, 14, 9, 6, ""),
+        (150, 14, 9, 5, "416.667"),
+        (150, 14, 495, 495, ""),
+        (150, 14, 500, 500, "9.90099"),
+        (100, 9, 10, 5, ""),  # the same 400 kHz
+        (100, 9, 9, 5, "416.667"),
+        (100, 9, 500, 500, "9.90099"),
+        (60, 5, 10, 5, ""),
+    ],
+)
+def test_rates_between_10_and_400_kbit_are_supported(sysclk: int, psc: int, clkl: int, clkh: int, khz: str):
+    told = rate_notes(sysclk, psc, clkl, clkh)
+    assert told == ([f"SCL would run at {khz} kHz; expected 10 to 400 kHz"] if khz else [])
 
 
 @rule("I2C-169")
+@pytest.mark.parametrize(("sysclk", "psc"), [(150, 14), (100, 9), (60, 5)])
 @pytest.mark.parametrize(
-    "clkl, clkh, fits", [(10, 5, True), (8, 7, True), (7, 8, False), (14, 1, True), (15, 0, False)]
+    ("clkl", "clkh", "times"),
+    [(10, 5, ""), (8, 7, ""), (7, 8, "1.2 us low, 1.3 us high"), (14, 1, ""), (15, 0, "2 us low, 0.5 us high")],
 )
-def test_scl_low_and_high_minimum_at_400_khz(clkl: int, clkh: int, fits: bool):
-    """Low at least 1.3 us (195 cycles), high at least 0.6 us (90 cycles)."""
-    b = Bench(Target(), clkl=clkl, clkh=clkh)
-    b.w("I2CCNT", 1)
-    b.w("I2CDXR", 0)
-    b.mode("MST TRX STT STP")
-    b.edge(SCL, 0)
-    assert bool(b.duties()) == (not fits)
+def test_scl_low_and_high_minimum_at_400_khz(sysclk: int, psc: int, clkl: int, clkh: int, times: str):
+    """Low at least 1.3 us, high at least 0.6 us: 13 and 6 module clocks of 100 ns."""
+    told = [text for text in rate_notes(sysclk, psc, clkl, clkh) if "was written 0" not in text]
+    assert told == ([f"SCL has {times}; expected at least 1.3 us and 0.6 us"] if times else [])
 
 
 # ---- others on the clock line ------------------------------------------------------------------------------
@@ -237,13 +292,13 @@ def test_spikes_on_scl_and_sda_do_not_disturb_a_transfer(cycles: int):
     b.mode("MST STT STP")
     rise = b.edge(SCL, 1, 11)
     b.run(50)
-    b.m.pin(b.now, SCL, 0)  # only at the module's own pins: the target has no filter
+    b.m.pins(b.now, FREE & ~(1 << SCL))  # only at the module's own pins: the target has no filter
     b.run(cycles)
-    b.m.pin(b.now, SCL, 1)
+    b.m.pins(b.now, FREE)
     b.run(30)
-    b.m.pin(b.now, SDA, 0)
+    b.m.pins(b.now, FREE & ~(1 << SDA))
     b.run(cycles)
-    b.m.pin(b.now, SDA, 1)
+    b.m.pins(b.now, FREE)
     assert b.edge(SCL, 0) == rise + HIGH
     assert b.drain(1) == [0xFF]
     b.stopped()

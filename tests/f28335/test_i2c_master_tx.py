@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from periph_sim.f28335.i2c_options import I2cOptions
 from tests.waves import play, tidy
 
-from .i2c_bus import MDR, OFFSETS, SCL, SDA, SLOT, STR, Bench, Foreign, Target, mdr
+from .i2c_bus import MDR, OFFSETS, SCL, SLOT, STR, Bench, Foreign, Target, mdr
 
 rule = pytest.mark.rule
 
@@ -250,7 +250,7 @@ def test_i2ccnt_0_means_65536_bytes():
     b.mode("MST TRX STT STP FDF", 1)
     b.edge(SCL, 0)
     now = b.now
-    chip.pin(now, SDA, 0)
+    chip.pins(now, 0b00)
     scl, falls, written = 0, 0, 0
     while chip.peek(now, OFFSETS["I2CMDR"]) & MDR["STP"] and falls < 2 * 65536 + 2:
         if chip.next_wake > now + 100 * SLOT:
@@ -263,7 +263,7 @@ def test_i2ccnt_0_means_65536_bytes():
         if chip.out & 1 != scl:
             scl = chip.out & 1
             falls += not scl
-            chip.pin(now, SCL, scl)
+            chip.pins(now, scl)
             if scl and falls == 2 * 65536:
                 break
     assert falls == 2 * 65536

@@ -14,6 +14,7 @@ from .i2c_bus import HIGH, LOW, SCL, SDA, SLOT, Bench, Foreign, Target, mdr, wit
 rule = pytest.mark.rule
 
 TMOD = 15
+FILTER = TMOD + 1  # cycles after which an edge is seen
 
 
 def test_the_choices_below_are_all_there_are():
@@ -24,6 +25,7 @@ def test_the_choices_below_are_all_there_are():
         "cnt_copy_point": 2,
         "stt_with_irs_write": 2,
         "stt_while_busy": 3,
+        "foreign_start_stop": 2,
         "al_clears_stt": 2,
         "mr_nack_at_count0": 2,
         "rm_receiver": 2,
@@ -53,7 +55,7 @@ def test_open_hold_scl_after_nack(hold: bool):
     b.run(2 * SLOT)
     assert b.level == [int(not hold), 1]
     assert b.quiet(50 * SLOT)
-    assert "hold_scl_after_nack" in b.m.touched
+    assert b.m.touched == {"ardy_on_nack", "cnt_copy_point", "hold_scl_after_nack", "noise_filter_cycles"}
     b.set("STP")
     b.run(4 * SLOT)
     assert b.said() == "S 50W N P"
@@ -68,7 +70,7 @@ def test_open_ardy_on_nack(ardy: bool):
     b.until(lambda: b.flag("NACK"))
     b.run(2 * SLOT)
     assert b.flag("ARDY") == ardy
-    assert "ardy_on_nack" in b.m.touched
+    assert b.m.touched == {"ardy_on_nack", "cnt_copy_point", "hold_scl_after_nack", "noise_filter_cycles"}
 
 
 @rule("I2C-041")
@@ -118,7 +120,7 @@ def test_open_cnt_copy_point(point: str, sent: int):
     b.feed(range(3, sent + 1))
     b.until(lambda: b.flag("ARDY"))
     assert len(target.got) == sent
-    assert "cnt_copy_point" in b.m.touched
+    assert b.m.touched == {"cnt_copy_point", "noise_filter_cycles"}
 
 
 @rule("I2C-143")
@@ -133,7 +135,7 @@ def test_open_mr_nack_at_count0(how: str, answers: list[int]):
     b.run(SLOT)
     assert target.answers == answers
     assert b.held()
-    assert "mr_nack_at_count0" in b.m.touched
+    assert b.m.touched == {"cnt_copy_point", "mr_nack_at_count0", "noise_filter_cycles"}
 
 
 @rule("I2C-143", "I2C-191")
@@ -190,7 +192,13 @@ def test_open_bc_less_than_8_upper_bits(how: str, got: list[int]):
     """After the address byte 0xA1 four bits 5, then four bits C."""
     b = Bench(Target(gives=[0x5, 0xC], bits=4), options=with_(bc_less_than_8_upper_bits=how))
     assert b.read_all(2, bc=4) == got
-    assert "bc_less_than_8_upper_bits" in b.m.touched
+    assert b.m.touched == {
+        "bc_less_than_8_upper_bits",
+        "cnt_copy_point",
+        "mr_nack_at_count0",
+        "noise_filter_cycles",
+        "scd_foreign",
+    }
 
 
 @rule("I2C-128")
@@ -249,6 +257,94 @@ def test_open_stt_while_busy(how: str):
         assert b.said().count("S") == 2
 
 
+FOREIGN = ["unnoticed", "loses_arbitration"]
+
+
+@rule("I2C-181")
+@pytest.mark.parametrize("how", FOREIGN)
+def test_open_foreign_start_stop_a_start_against_a_one(how: str):
+    """SDA falls in the high phase of the third data bit, after it was sampled 1."""
+    b = Bench(Target(), options=with_(foreign_start_stop=how))
+    b.w("I2CCNT", 2)
+    b.w("I2CDXR", 0xFF)
+    b.mode("MST TRX STT STP")
+    b.edge(SCL, 1, 9 + 3)
+    b.run(HIGH // 2)
+    b.pull(SDA)
+    b.run(FILTER)
+    assert b.flags("AL MST BB") == ("MST BB" if how == "unnoticed" else "AL BB")
+    clocked = len(b.times(SCL, 0))
+    b.edge(SCL, 0) if how == "unnoticed" else b.run(HIGH)
+    b.let_go(SDA)
+    b.run(4 * SLOT)
+    assert len(b.times(SCL, 0)) - clocked == (5 if how == "unnoticed" else 0)
+    assert "foreign_start_stop" in b.m.touched
+
+
+@rule("I2C-181")
+@pytest.mark.parametrize("how", FOREIGN)
+def test_open_foreign_start_stop_a_stop_against_a_zero(how: str):
+    """The target lets go of SDA in the high phase of the third bit that it gives."""
+    target = Target(gives=[0x00, 0x12])
+    b = Bench(target, options=with_(foreign_start_stop=how))
+    b.w("I2CCNT", 2)
+    b.mode("MST STT STP")
+    b.edge(SCL, 1, 10 + 3)
+    b.run(HIGH // 2)
+    target.out |= 1 << SDA
+    b.settle()
+    b.run(FILTER)
+    assert b.flags("AL MST BB SCD") == ("MST SCD" if how == "unnoticed" else "AL SCD")
+    clocked = len(b.times(SCL, 0))
+    b.run(4 * SLOT)
+    assert len(b.times(SCL, 0)) - clocked == (4 if how == "unnoticed" else 0)
+    assert b.m.out == 0b11 or how == "unnoticed"
+    assert "foreign_start_stop" in b.m.touched
+
+
+@rule("I2C-181")
+@pytest.mark.parametrize("how", FOREIGN)
+def test_open_foreign_start_stop_does_not_matter_where_the_conditions_are_its_own(how: str):
+    b = Bench(Target(gives=[0x77]), options=with_(foreign_start_stop=how))
+    b.send([0x00], extra="")
+    b.until(lambda: b.flag("ARDY"))
+    b.w("I2CCNT", 1)
+    b.mode("MST STT STP")
+    assert b.drain(1) == [0x77]
+    b.stopped()
+    b.send([0xFF])
+    b.stopped()
+    assert b.said() == "S 50W A 00 A S 50R A 77 N P S 50W A ff A P"
+    assert b.flags("AL") == "" and "foreign_start_stop" not in b.m.touched
+
+
+def test_a_foreign_stop_after_the_own_one_takes_no_command_back():
+    b = Bench(Target(), Target(0x48))
+    b.send([0x12])
+    b.stopped()
+    b.join(Foreign("S 48W 77 P", at=b.now + SLOT))
+    b.mode("MST TRX STP")
+    b.run(40 * SLOT)
+    assert b.said().endswith("S 48W A 77 A P") and b.flags("MST STP AL") == "MST STP"
+
+
+@rule("I2C-037", "I2C-150")
+def test_a_start_waits_until_nobody_holds_scl():
+    """SCL is low though no START was seen: BB is 0, so the bus is free by the book."""
+    b = Bench(Target())
+    b.pull(SCL)
+    b.run(2 * SLOT)
+    b.send([0x12])
+    b.run(20 * SLOT)
+    assert b.said() == "" and b.flags("BB STT MST AL") == "STT MST"
+    b.let_go(SCL)
+    released = b.now
+    b.stopped()
+    assert b.said() == "S 50W A 12 A P"
+    assert min(b.times(SDA, 0)) - released < LOW + HIGH
+    assert not b.duties()
+
+
 @rule("I2C-150")
 @pytest.mark.parametrize("how", ["foreign_al", "foreign_waits", "always_repeated_start"])
 def test_open_stt_while_busy_does_not_matter_on_the_own_bus(how: str):
@@ -270,7 +366,7 @@ def test_open_al_clears_stt(clears: bool):
     b.mode("MST TRX STT STP")
     b.until(lambda: b.flag("AL"))
     assert b.flags("STT STP MST") == ("" if clears else "STT")
-    assert "al_clears_stt" in b.m.touched
+    assert b.m.touched == {"al_clears_stt", "noise_filter_cycles", "stt_while_busy"}
     b.run(60 * SLOT)
     assert b.said() == "S 48W A 77 A P"
 
@@ -317,7 +413,7 @@ def test_open_start_byte_ad0(how: str):
         b.run(25)
     assert b.said() == "S 00R N S 50W A 12 A P"
     assert seen == (how == "set")
-    assert "start_byte_ad0" in b.s.touched
+    assert b.s.touched == {"noise_filter_cycles", "oar_latch", "oar_zero", "scd_foreign", "start_byte_ad0"}
 
 
 # ---- clock and filter -------------------------------------------------------------------------------------
@@ -332,7 +428,7 @@ def test_open_scl_sync_cycles(extra: int):
     highs = [y.time - x.time for x, y in _scl_pairs(b) if x.level]
     assert highs[4] == HIGH + extra * TMOD
     assert {h for n, h in enumerate(highs) if n != 4} == {HIGH}
-    assert "scl_sync_cycles" in b.m.touched
+    assert b.m.touched == {"cnt_copy_point", "noise_filter_cycles", "scd_foreign", "scl_sync_cycles"}
 
 
 def _scl_pairs(b: Bench) -> list[tuple]:
@@ -370,7 +466,7 @@ def test_open_psc_write_irs1(how: str, tmod: int):
     b = Bench(Target(), options=with_(psc_write_irs1=how))
     b.w("I2CPSC", 12)
     assert b.r("I2CPSC") == tmod - 1
-    assert "psc_write_irs1" in b.m.touched
+    assert b.m.touched == {"noise_filter_cycles", "psc_write_irs1"}
     b.write_all([0x12])
     assert {y.time - x.time for x, y in _scl_pairs(b)} == {LOW, HIGH}
     b.w("I2CMDR", 0)
@@ -434,7 +530,13 @@ def test_open_dlb_delay(how: str, psc: int):
     else:
         last = b.times(SCL, 1, write)[7]
         assert came - last in range(n, n + SLOT)
-    assert "dlb_delay" in b.m.touched
+    assert b.m.touched == {
+        "cnt_copy_point",
+        "dlb_delay",
+        "noise_filter_cycles",
+        "oar_latch",
+        "sda_setup_before_scl_release",
+    }
 
 
 # ---- debugger ---------------------------------------------------------------------------------------------------
@@ -453,7 +555,7 @@ def test_open_free_slave_unit(how: str):
     b.until(lambda: b.flag("RRDY"))
     assert b.r("I2CDRR") == 0x12
     b.run(30 * SLOT)
-    assert "free_slave_unit" in b.m.touched
+    assert b.m.touched == {"aas_sdir_point", "free_slave_unit", "noise_filter_cycles", "oar_latch", "rrdy_point"}
     assert b.flag("RRDY") == (how == "whole_transfer")
     assert (foreign.heard, foreign.done) == (("AA", False) if how == "byte" else ("AAA", True))
     b.m.suspend(b.now, False)

@@ -12,6 +12,7 @@ from .i2c_rig import (
     FDF,
     FREE,
     IRS,
+    MST,
     OTHER,
     OWN,
     RRDY,
@@ -20,6 +21,7 @@ from .i2c_rig import (
     SDA,
     SDIR,
     STR_RESET,
+    STT,
     TRX,
     XA,
     Rig,
@@ -250,6 +252,48 @@ def test_a_repeated_start_leaves_bb_1():
     assert rig.flag(BB)
     rig.wait(10)
     assert rig.flag(BB)
+
+
+WRONG_BB = {
+    0: "STT was set with BB = 0, left from before IRS rose, while a transfer is on the bus; wait after IRS = 1 as long "
+    "as the longest transfer lasts",
+    1: "STT was set with BB = 1, left from before IRS rose, while the bus is free; wait after IRS = 1 as long as the "
+    "longest transfer lasts",
+}
+
+
+@pytest.mark.rule("I2C-341")
+@pytest.mark.parametrize("waited", [False, True])
+def test_a_start_too_soon_after_irs_is_noted_while_another_transfer_is_on_the_bus(waited):
+    rig = Rig()
+    rig.address(OTHER)
+    rig.begin()
+    if waited:
+        rig.send(0x11)
+        rig.stop()
+        rig.wait(BIT)
+    assert rig.flag(BB) == 0
+    rig.write("I2CMDR", IRS | MST | TRX | STT)
+    assert [text for text in rig.duties() if "STT" in text] == ([] if waited else [WRONG_BB[0]])
+
+
+@pytest.mark.rule("I2C-342")
+@pytest.mark.parametrize("waited", [False, True])
+def test_a_start_too_soon_after_a_later_irs_is_noted_where_bb_stayed_1(waited):
+    """The STOP came while IRS was 0; the START and STOP of a further transfer put BB right."""
+    rig = Rig()
+    rig.begin()
+    rig.address(OTHER)
+    rig.write("I2CMDR", 0)
+    rig.stop()
+    rig.write("I2CMDR", IRS)
+    if waited:
+        rig.address(OTHER)
+        rig.stop()
+        rig.wait(BIT)
+    assert rig.flag(BB) == (not waited)
+    rig.write("I2CMDR", IRS | MST | TRX | STT)
+    assert [text for text in rig.duties() if "STT" in text] == ([] if waited else [WRONG_BB[1]])
 
 
 @pytest.mark.rule("I2C-341", "I2C-342")

@@ -10,6 +10,7 @@ from periph_sim.f28335.i2c_options import I2cOptions
 from tests.waves import play, tidy
 
 from .i2c_bus import HIGH, LOW, MDR, SCL, SDA, SLOT, Bench, Foreign, Target, decode, mdr, with_
+from .i2c_rig import SDIR, Rig
 
 rule = pytest.mark.rule
 
@@ -419,3 +420,34 @@ def test_irs_0_at_any_moment_lets_go_and_the_next_transfer_is_a_clean_one(what: 
     b.write_all([0x5A, 0xC3])
     assert b.read_all(1) == [0x9A]
     assert b.said(since) == "S 50W A 5a A c3 A P S 50R A 9a N P"
+
+
+# ---- both lines in one cycle -------------------------------------------------------------------------
+
+
+@rule("I2C-145", "I2C-146")
+def test_both_lines_falling_or_rising_in_one_cycle_are_no_start_and_no_stop():
+    """Columns are half bits. The first change of SDA alone with SCL high is a START, the last a STOP."""
+    diagram = """
+        > LINES  3 0 3 0 3 1 0 3 1 0 3 2 0 1 3
+        < BB     0 . . . . 1 . . . . . . . . 0
+    """
+    rig = Rig(noise_filter_cycles=1)
+    rig.begin()
+    assert play(diagram, rig, rig.bit // 2) == tidy(diagram)
+
+
+@rule("I2C-145")
+@pytest.mark.parametrize("sda", [0, 1])
+def test_where_scl_rises_with_sda_the_bit_is_what_sda_becomes(sda: int):
+    """Bit 0 of the address decides: 0x91 asks for a byte, 0x90 brings one."""
+    rig = Rig(noise_filter_cycles=1)
+    rig.begin()
+    rig.start()
+    rig.send_bits(0x90 >> 1, 7)
+    rig.pull(sda=1 - sda)
+    rig.wait(rig.bit // 2)
+    rig.pull(scl=1, sda=sda)
+    rig.fall()
+    rig.wait(rig.bit // 4)
+    assert (rig.flag(SDIR), rig.pulling_sda) == (sda, True)

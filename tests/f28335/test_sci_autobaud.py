@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.f28335.sci_rig import SciRig, frame
+from tests.f28335.test_sci_rx_sampling import glitching
 
 
 def measuring(**fields: int) -> SciRig:
@@ -143,3 +144,14 @@ def test_a_faster_rate_before_the_measurement_is_noted(divider, duty):
     rig.send(frame(ord("A")) + "11", bit=2592)
     assert len(rig.notes("duty")) == duty
     assert all("500" in text for text in rig.notes("duty"))
+
+
+@pytest.mark.rule("SCI-193")
+@settings(max_examples=30, deadline=None)
+@given(before=st.integers(0, 255), letter=st.sampled_from("Aa"), seed=st.integers(0, 99))
+def test_what_rxd_does_within_a_cycle_is_not_measured(before, letter, seed):
+    rig = measuring()
+    glitching(rig, seed)
+    rig.send(frame(before) + "1", bit=1312)
+    rig.send(frame(ord(letter)) + "1", bit=1312)
+    assert (rig.get("ABD"), brr(rig)) == (1, 40)

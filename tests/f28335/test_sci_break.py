@@ -151,3 +151,21 @@ def test_a_break_is_seen_in_sleep_in_address_bit_mode():
     rig.send("0" * 25 + "1")
     assert rig.flags("BRKDT", "RXRDY") == {"BRKDT": 1, "RXRDY": 0}
     assert rig.count("RXINT") == 1
+
+
+@pytest.mark.parametrize(
+    ("parity", "parity_bit", "all_zero"),
+    [("none", "", True), ("even", "0", True), ("even", "1", False), ("odd", "0", True), ("odd", "1", False)],
+)
+@pytest.mark.parametrize("data", [0x00, 0x10])
+def test_a_frame_is_like_a_break_if_every_bit_of_it_is_0_parity_bit_and_stop_bit_too(
+    parity: str, parity_bit: str, all_zero: bool, data: int
+):
+    """With `break_char_delivered` = no only such a frame brings no character; the errors rise all the same."""
+    fields = {"PARITYENA": int(parity != "none"), "PARITY": int(parity == "even")}
+    rig = SciRig({"break_char_delivered": False}, **fields)
+    rig.send("0" + f"{data:08b}"[::-1] + parity_bit + "0" + "1" * 4)
+    wrong = parity != "none" and (data.bit_count() + int(parity_bit) + (parity == "odd")) % 2
+    assert rig.flags("FE", "PE") == {"FE": 1, "PE": int(wrong)}
+    assert rig.get("RXRDY") == (not all_zero or data != 0)
+    assert ("break_char_delivered" in rig.chip.touched) == (all_zero and not data)

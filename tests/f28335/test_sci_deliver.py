@@ -93,8 +93,6 @@ def test_words_taken_instead_of_edges_come_when_their_frames_would():
 
 def test_calls_that_no_simulation_should_make():
     rig = SciRig()
-    with pytest.raises(ValueError, match="RXD"):
-        rig.chip.pin(rig.now, 1, 0)
     with pytest.raises(ValueError, match="offset"):
         rig.chip.read(rig.now, 16)
     with pytest.raises(ValueError, match="offset"):

@@ -491,3 +491,26 @@ def test_in_standard_mode_there_is_no_delay():
     rig.wait(25)
     first, second = (start for start, _ in rig.frames(10))
     assert second - first == 10 * rig.bit
+
+
+@pytest.mark.parametrize(
+    ("held", "told"),
+    [
+        (
+            {"TXFIFOXRESET": 0},
+            "SCI-A: SCITXBUF was written while TXFIFOXRESET = 0 holds the transmit FIFO: the word is lost",
+        ),
+        ({"SCIRST": 0}, "SCI-A: SCITXBUF was written while SCIRST = 0 holds the transmit channel: the word is lost"),
+        ({}, None),
+    ],
+)
+def test_a_word_written_to_a_transmit_fifo_in_reset_is_lost_and_noted_each_time(held, told):
+    rig = SciRig(fifo=True)
+    rig.set(**held)
+    for byte in (0x55, 0x55):
+        rig.write("SCITXBUF", byte)
+    assert rig.notes("lost") == ([told, told] if told else [])
+    assert rig.get("TXFFST") == (0 if told else 2)
+    rig.set(TXFIFOXRESET=1, SCIRST=1)
+    rig.wait(30)
+    assert bool(rig.edges) == (told is None)

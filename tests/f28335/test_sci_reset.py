@@ -178,3 +178,20 @@ def test_system_reset_in_the_middle_of_everything_leaves_a_quiet_module():
         "TXFIFOXRESET": 1,
         "RXFIFORESET": 1,
     }
+
+
+def test_after_reset_a_frame_has_one_data_bit_no_parity_and_one_stop_bit():
+    """SCICCR = 0: whatever was set before. Sender and receiver show it."""
+    rig = SciRig(PARITYENA=1, PARITY=1, STOPBITS=1)
+    rig.reset()
+    assert rig.peek("SCICCR") == 0
+    rig.set_brr(24)
+    rig.write("SCICTL1", 0x23)  # SW RESET, TXENA, RXENA
+    rig.wait(2)
+    rig.send("0 1 1", bit=rig.bit)
+    assert rig.flags("RXRDY", "RXERROR", "RXDT") == {"RXRDY": 1, "RXERROR": 0, "RXDT": 1}
+    before = len(rig.edges)
+    rig.write("SCITXBUF", 0x00)
+    rig.wait(20)
+    (fall, low), (rise, high) = rig.edges[before:]
+    assert (low, high, rise - fall) == (0, 1, 2 * rig.bit)

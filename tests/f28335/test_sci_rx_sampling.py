@@ -5,6 +5,8 @@ In diagrams of one column an SCICLK, column n of a bit holds the bit's sub-sampl
 
 from __future__ import annotations
 
+import random
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -199,3 +201,26 @@ def test_no_noise_makes_it_lose_the_next_frame_after_ten_quiet_bits(text):
     rig.received()
     rig.send(frame(0x5A) + "1")
     assert rig.received() == [0x5A]
+
+
+def glitching(rig: SciRig, seed: int) -> None:
+    """From now on RXD moves to and fro within each cycle of an edge, before it is what it is."""
+    chance, pins = random.Random(seed), rig.chip.pins
+
+    def corrected(now: int, level: int) -> int:
+        for wrong in chance.choices((0, 1), k=3):
+            pins(now, wrong)
+        return pins(now, level)
+
+    rig.chip.pins = corrected
+
+
+@settings(max_examples=40, deadline=None)
+@given(data=st.lists(st.integers(0, 255), min_size=1, max_size=4), phase=st.integers(0, 799), seed=st.integers(0, 99))
+def test_what_rxd_does_within_a_cycle_is_never_seen(data, phase, seed):
+    rig = SciRig(fifo=True)
+    glitching(rig, seed)
+    for byte in data:
+        rig.send(frame(byte), at=rig.now + phase)
+    rig.wait(1)
+    assert rig.received() == data and rig.get("RXERROR") == 0

@@ -43,7 +43,7 @@ def test_a_frame_goes_from_one_module_into_another():
     one.write(100, TXBUF, 0x5A)
     for now, level in run(one, 2000):
         run(two, now - 1)
-        two.pin(now, 0, level)
+        two.pins(now, level)
     run(two, 2000)
     assert two.read(2000, RXST) & RXRDY
     assert two.read(2000, RXBUF) == 0x5A
@@ -177,7 +177,7 @@ def test_one_byte_wakes_the_receiver_twice():
     run(sci, 2000)  # the line is idle, and known to be
     wakes = 0
     for i, level in enumerate((0, 1, 0, 1, 0, 1, 0, 1, 0, 1)):
-        sci.pin(2000 + 64 * i, 0, level)
+        sci.pins(2000 + 64 * i, level)
         while sci.next_wake < 2000 + 64 * (i + 1) + 10:
             sci.wake(sci.next_wake)
             wakes += 1

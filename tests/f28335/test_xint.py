@@ -24,13 +24,16 @@ class Rig:
         self.xint = Xint()
         self.now = 0
         self.polarity = polarity
+        self.levels = 0
 
     def drive(self, now: int, signal: str, level: int) -> None:
         if signal == "ENABLE":
             for offset in range(7):
                 self.xint.write(now, offset, control(self.polarity, level))
         else:
-            self.xint.pin(now, self.xint.LINES.index(signal), level)
+            bit = 1 << self.xint.LINES.index(signal)
+            self.levels = self.levels & ~bit | level * bit
+            self.xint.pins(now, self.levels)
 
     def run_until(self, time: int) -> None:
         self.now = time
@@ -73,8 +76,7 @@ def test_a_disabled_line_asks_nothing_and_remembers_nothing():
 def test_each_line_has_its_own_request_bit(line):
     xint = Xint()
     xint.write(0, line, control(RISING))
-    for other in range(7):
-        xint.pin(1, other, 1)
+    xint.pins(1, 0x7F)
     assert xint.requests == 1 << line
 
 
@@ -103,7 +105,7 @@ def test_the_counter_stops_while_the_interrupt_is_disabled():
 def test_the_counters_are_16_bits_of_their_own_line(line, name):
     xint = Xint()
     xint.write(0, line, control(RISING))
-    xint.pin(10, line, 1)
+    xint.pins(10, 1 << line)
     offset = XINT[name].offset
     assert [xint.read(now, offset) for now in (10, 11, 10 + 0xFFFF, 10 + 0x10000)] == [0, 1, 0xFFFF, 0]
     other = XINT["XINT2CTR" if name == "XINT1CTR" else "XINT1CTR"].offset
@@ -131,7 +133,7 @@ def test_addresses_and_fields():
 def test_reset_disables_everything():
     xint = Xint()
     xint.write(0, 0, control(BOTH))
-    xint.pin(5, 0, 1)
+    xint.pins(5, 1)
     xint.reset(10)
     assert (xint.requests, xint.enabled, xint.read(20, 0), xint.read(20, 8)) == (0, 0, 0, 0)
 
@@ -155,18 +157,19 @@ def test_settling_makes_no_edge():
         gpio.watch_xints(now, xint.enabled)
 
     def deliver(now: int) -> None:
-        for signal, level in gpio.changed:
-            xint.pin(now, xint.LINES.index(signal), level)
+        if gpio.changed:
+            xint.pins(now, gpio.xint_levels(now))
         gpio.changed.clear()
 
-    gpio.pin(0, 0, 1)  # GPIO0 is what XINT1 and XINT2 select after reset
-    gpio.pin(5, 0, 0)
-    gpio.pin(7, 0, 1)
+    gpio.wire(1)  # GPIO0 is what XINT1 and XINT2 select after reset
+    gpio.pins(0, 1)
+    gpio.pins(5, 0)
+    gpio.pins(7, 1)
     assert not gpio.changed
     write(10, 0, control(BOTH))
     deliver(10)
     assert xint.requests == 0
-    gpio.pin(20, 0, 0, exact=False)
+    gpio.pins(20, 0, exact=False)
     deliver(20)
     assert xint.requests == 0b01
     write(21, 1, control(BOTH))

@@ -58,6 +58,29 @@ def host_frames() -> bytes:
     return sr_bytes(["RX"], "1 MHz", uart_wave(bits, width, 6700))
 
 
+def seven_even() -> bytes:
+    """Text at 19200 7e1, seen at 200 kHz, then a byte without its stop bit and a break of 14 bits."""
+    width = Fraction(200_000, 19_200)
+    at = Fraction(400)
+    bits = []
+    for byte in b"seven even\r\n":
+        bits.append((at, frame_bits(byte, 7, "even")))
+        at += 10 * width
+    at += 20 * width
+    bits.append((at, [*frame_bits(0x55, 7, "even")[:-1], 0]))
+    at += 14 * width
+    bits.append((at, [0] * 14))
+    return sr_bytes(["RX"], "200 kHz", uart_wave(bits, width, int(at + 30 * width)))
+
+
+def glitch_4f() -> bytes:
+    """One byte at 115200 8n1, seen at 2 MHz: a sample in the middle of its fifth data bit is turned over."""
+    width = Fraction(2 * 10**6, 115200)
+    line = bytearray(uart_wave([(Fraction(60), frame_bits(0x4F))], width, 400))
+    line[60 + int(Fraction(11, 2) * width)] ^= 1
+    return sr_bytes(["RX"], "2 MHz", bytes(line))
+
+
 def read_registers(wave: I2cWave, address: int, pointer: int, values: Sequence[int]) -> None:
     """Pointer write, repeated START, read; the controller answers NACK to the last byte."""
     wave.start()
@@ -70,7 +93,13 @@ def read_registers(wave: I2cWave, address: int, pointer: int, values: Sequence[i
     wave.stop()
 
 
-TRACES = {"imu_round.sr": imu_round, "nack.sr": nack, "host_frames.sr": host_frames}
+TRACES = {
+    "imu_round.sr": imu_round,
+    "nack.sr": nack,
+    "host_frames.sr": host_frames,
+    "uart_7e1_break.sr": seven_even,
+    "uart_glitch_4f.sr": glitch_4f,
+}
 
 if __name__ == "__main__":
     for name, make in TRACES.items():

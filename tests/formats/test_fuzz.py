@@ -88,7 +88,9 @@ def test_every_reader_has_a_file_to_be_fuzzed_with(name: str, tmp_path: Path):
 # Damage ---------------------------------------------------------------------------
 
 WORDS = [b"\0" * 8, b"\xff" * 8, b"\xff\xff\xff\x7f", b"\0\0\0\x80", b"\0\0\xf8\x7f"]  # 0, -1, the ends, not a number
-EXTREMES = [*WORDS, b"-1", b"9" * 20, b"1e99", b"nan"]
+LONG = b"9" * 5000  # digits: more than Python makes a number of
+EXTREMES = [*WORDS, b"-1", b"9" * 20, b"1e99", b"nan", LONG]
+LONGEST_MESSAGE = 1000  # characters besides the path: what the file holds is quoted, never repeated at length
 PLACE = st.integers(0, 1 << 16)
 Change = Callable[[bytes], bytes]
 
@@ -169,7 +171,9 @@ CHANGE = st.one_of(
     st.builds(swap_lines, PLACE, PLACE),
     st.builds(repeat, PLACE, st.integers(1, 60), st.integers(1, 4)),
     st.builds(line_ends, st.sampled_from([b"\r\n", b"\r", b"\n\n", b""]), st.integers(1, 3)),
-    st.builds(other_number, PLACE, st.sampled_from([b"0", b"-1", b"-0.5", b"9" * 25, b"1e9", b"4294967296", b""])),
+    st.builds(
+        other_number, PLACE, st.sampled_from([b"0", b"-1", b"-0.5", b"9" * 25, LONG, b"1e9", b"4294967296", b""])
+    ),
 )
 CHANGES = st.lists(CHANGE, min_size=1, max_size=3)
 RATE = st.sampled_from([None, Fraction(10**6), Fraction(24 * 10**6), Fraction(10**7, 3)])
@@ -236,9 +240,13 @@ def test_any_bytes(tmp_path: Path, content: bytes, suffix: str):
     judge(tmp_path / f"any{suffix}", content, None, False)
 
 
-def damaged_member(content: bytes, changes: list[Change], which: int) -> Mapping[str, bytes]:
+def members_of(content: bytes) -> dict[str, bytes]:
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
-        members = {name: archive.read(name) for name in archive.namelist()}
+        return {name: archive.read(name) for name in archive.namelist()}
+
+
+def damaged_member(content: bytes, changes: list[Change], which: int) -> Mapping[str, bytes]:
+    members = members_of(content)
     name = sorted(members)[which % len(members)]
     return members | {name: damaged(members[name], changes)}
 
@@ -253,10 +261,11 @@ def judge(path: Path, content: bytes, rate: Fraction | None, salvage: bool) -> N
         message = str(error)
         assert message.startswith(str(path)) and len(message.splitlines()) == 1
         assert ": found " in message and ", expected " in message and "; " in message
+        assert len(message) <= len(str(path)) + LONGEST_MESSAGE
         return
     assert capture.length >= 1
     assert capture.rate is None or capture.rate > 0
-    assert all(len(note.splitlines()) == 1 for note in capture.notes)
+    assert all(len(note.splitlines()) == 1 and len(note) <= LONGEST_MESSAGE for note in capture.notes)
     for channel in capture.channels:
         assert channel.initial in (0, 1) and len(channel.edges) == len(channel.levels)
         assert channel.edges.dtype == np.int64 and channel.levels.dtype == np.uint8
@@ -280,6 +289,35 @@ def within(seconds: int) -> Iterator[None]:
     finally:
         signal.alarm(0)
         signal.signal(signal.SIGALRM, before)
+
+
+def numbers(content: bytes) -> range:
+    """The places of its numbers, as `other_number` counts them."""
+    return range(len(re.findall(rb"\d+", content)))
+
+
+LONG_NUMBERS = [(name, which) for name in MADE if not name.endswith((*ZIPPED, ".bin")) for which in numbers(MADE[name])]
+
+
+@pytest.mark.parametrize(("name", "which"), LONG_NUMBERS)
+def test_a_number_too_long_for_python_in_any_place_of_a_text(tmp_path: Path, name: str, which: int):
+    judge(tmp_path / name, other_number(which, LONG)(MADE[name]), None, False)
+
+
+LONG_MEMBERS = [
+    (name, member, which)
+    for name in MADE
+    if name.endswith((".sr", ".dsl"))
+    for member, content in members_of(MADE[name]).items()
+    if not member.startswith(("logic", "L-"))
+    for which in numbers(content)
+]
+
+
+@pytest.mark.parametrize(("name", "member", "which"), LONG_MEMBERS)
+def test_a_number_too_long_for_python_in_any_place_of_the_metadata(tmp_path: Path, name: str, member: str, which: int):
+    members = members_of(MADE[name])
+    judge(tmp_path / name, zip_bytes(members | {member: other_number(which, LONG)(members[member])}), None, False)
 
 
 # Small files that ask for much ---------------------------------------------------------

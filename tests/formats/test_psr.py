@@ -30,7 +30,17 @@ def runs(draw: st.DrawFn) -> list[Record]:
     ticks = sorted(draw(st.lists(st.integers(0, 1 << 62), max_size=20)))
     kinds = st.sampled_from(list(Kind))
     return [
-        Record(n, tick, draw(kinds), draw(NAMES), draw(NAMES), draw(INT64), draw(NAMES), draw(st.integers(0, n)))
+        Record(
+            n,
+            tick,
+            draw(kinds),
+            draw(NAMES),
+            draw(NAMES),
+            draw(INT64),
+            draw(NAMES),
+            draw(st.integers(0, n)),
+            draw(NAMES),
+        )
         for n, tick in enumerate(ticks, 1)
     ]
 
@@ -77,7 +87,7 @@ def test_numpy_opens_it_without_us(tmp_path: Path):
         head = json.loads(found["head"].tobytes())
         assert found["tick"].tolist() == [record.tick for record in RUN]
         assert [head["names"]["where"][place] for place in found["where"]] == [record.where for record in RUN]
-    assert (head["format"], head["version"], head["ticks_per_second"]) == ("periph-sim records", 1, 3 * 10**9)
+    assert (head["format"], head["version"], head["ticks_per_second"]) == ("periph-sim records", 2, 3 * 10**9)
 
 
 @pytest.mark.parametrize(("end", "length"), [(200, 200), (95, 96), (0, 96)])
@@ -129,6 +139,15 @@ def packed(path: Path, arrays: dict[str, Any]) -> Path:
     return path
 
 
+def test_a_file_of_version_1_names_no_fields(tmp_path: Path):
+    path = saved(tmp_path / "run.psr", [Record(1, 5, Kind.ACCESS, "dsp", "R I2C-A.I2CSTR", 2, "f:1", 0, "NACK")])
+    changed(path, lambda head: (head.update(version=1), head["names"].pop("field")))
+    with np.load(path) as found:
+        packed(path, {name: values for name, values in found.items() if name != "field"})
+    (record,) = psr.read_table(path).records()
+    assert record == Record(1, 5, Kind.ACCESS, "dsp", "R I2C-A.I2CSTR", 2, "f:1", 0)
+
+
 def refusal(path: Path, read: Callable[[Path], object] = psr.read_table) -> str:
     with pytest.raises(formats.BadCapture) as caught:
         read(path)
@@ -138,8 +157,8 @@ def refusal(path: Path, read: Callable[[Path], object] = psr.read_table) -> str:
 @pytest.mark.parametrize(
     ("key", "value", "sentence"),
     [
-        ("version", 2, "head.npy: found version 2, expected up to 1; read it with the newer periph-sim it is from"),
-        ("version", "1", "head.npy: found version '1', expected a number up to 1; copy or record it again"),
+        ("version", 3, "head.npy: found version 3, expected up to 2; read it with the newer periph-sim it is from"),
+        ("version", "1", "head.npy: found version '1', expected a number up to 2; copy or record it again"),
         (
             "format",
             "other",
@@ -158,14 +177,20 @@ def refusal(path: Path, read: Callable[[Path], object] = psr.read_table) -> str:
         ),
         (
             "names",
-            {"kind": ["edge"], "where": ["a"], "what": ["b"], "text": ["c"]},
+            {"kind": ["edge"], "where": ["a"], "what": ["b"], "text": ["c"], "field": [""]},
             "kind.npy: found place 7, expected places in a table of 1 names; copy or record it again",
         ),
         (
             "names",
-            {"kind": ["edge"] * 7 + ["dream"], "where": ["a"] * 9, "what": ["b"] * 9, "text": ["c"] * 9},
-            "head.npy: found records of kind 'dream', expected edge, access, flag, irq, span, bus, frame, note, wait; "
-            "copy or record it again",
+            {
+                "kind": ["edge"] * 7 + ["dream"],
+                "where": ["a"] * 9,
+                "what": ["b"] * 9,
+                "text": ["c"] * 9,
+                "field": [""],
+            },
+            "head.npy: found records of kind 'dream', expected edge, access, flag, irq, span, bus, frame, note, wait, "
+            "hold; copy or record it again",
         ),
     ],
 )

@@ -9,6 +9,7 @@ from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
 from periph_sim.core.socket import Socket
 from periph_sim.core.time import Clock, Timebase
+from periph_sim.f28335.code_costs import BARE, CodeCosts
 from periph_sim.f28335.cpu import CpuInterrupts
 from periph_sim.f28335.memory import AddressMap, Frame, Place
 from periph_sim.f28335.pie import Pie
@@ -27,6 +28,7 @@ class Bench:
         *,
         hz: Fraction = Fraction(150_000_000),
         options: SystemOptions | None = None,
+        code: CodeCosts = BARE,
         frame: Frame = Frame.PF2,
         skip_polls: bool = True,
         recorder: Recorder | None = None,
@@ -47,7 +49,16 @@ class Bench:
         self.pie_socket.after = self._pulse
         memory.add(Place("PIE", 0x0CE0, 0x20, Frame.PF0, self.pie_socket))
         self.cpu = Cpu(
-            self.kernel, self.clock, self.recorder, "dsp", memory, self.core, self.pie, options, skip_polls=skip_polls
+            self.kernel,
+            self.clock,
+            self.recorder,
+            "dsp",
+            memory,
+            self.core,
+            self.pie,
+            options,
+            code=code,
+            skip_polls=skip_polls,
         )
         self.flags = ModulePort(self.cpu, memory.places["FLAGS"])
         self.pie_regs = ModulePort(self.cpu, memory.places["PIE"])

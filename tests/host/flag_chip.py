@@ -28,7 +28,7 @@ class FlagChip:
         self.touched: set[str] = set()
         self.next_wake = self.changes[0][0] if self.changes else NEVER
 
-    def pin(self, now: int, index: int, level: int) -> int:
+    def pins(self, now: int, levels: int) -> int:
         raise AssertionError("no pins")
 
     def wake(self, now: int) -> int:

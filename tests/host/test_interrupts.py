@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import pytest
 
 from periph_sim.f28335.system_options import SystemOptions
-from periph_sim.host.cpu import FirmwareError
+from periph_sim.host.blame import FirmwareError
 from tests.host.bench import Bench
 
 
@@ -139,26 +137,6 @@ def test_interrupts_cut_a_computation_and_it_pays_its_rest_afterwards():
     log = bench.run(main, 2000)
     entry, routine, iret = 10, 30 + 1, 8
     assert log[-1] == ("done", 500 + entry + routine + iret)
-
-
-def test_open_context_save():
-    """The compiler's prologue comes between the entry and the routine's first useful statement."""
-    assert entry_after(100, lambda bench: bench.cpu.compute(900), SystemOptions(context_save=18)) == 14 + 18
-
-
-@pytest.mark.parametrize("loop", [10, 7])
-def test_open_poll_loop_cycles(loop):
-    bench = Bench([(500, 1, -1)], options=SystemOptions(poll_loop_cycles=loop), skip_polls=False)
-    flags = bench.flags
-    reads: list[int] = []
-
-    def condition() -> bool:
-        value = flags.STATUS.A
-        reads.append(bench.cpu.cycle)
-        return value == 1
-
-    bench.run(lambda: bench.cpu.spin(condition), 600)
-    assert {b - a for a, b in pairwise(reads)} == {loop}
 
 
 def test_a_vector_without_a_routine_is_a_mistake_that_names_it():

@@ -22,3 +22,19 @@ def test_a_recorded_read_has_the_value_that_the_firmware_got():
     bench.run(main, 200)
     assert got == [5, 2, 0]
     assert [(a.what, a.value) for a in accesses] == [("R FLAGS.STATUS", 5), ("R FLAGS.COUNT", 2), ("R FLAGS.COUNT", 0)]
+
+
+def test_the_field_that_firmware_named_is_recorded():
+    accesses: list[Record] = []
+    recorder = Recorder()
+    recorder.subscribe([Kind.ACCESS], accesses.append)
+    bench = Bench([], recorder=recorder)
+
+    def main() -> None:
+        assert bench.flags.STATUS.C == 0
+        assert bench.flags.STATUS.all == 0
+        bench.flags.STATUS.C = 1
+        bench.flags.STATUS.all = 1
+
+    bench.run(main, 200)
+    assert [(a.what[0], a.field) for a in accesses] == [("R", "C"), ("R", ""), ("R", "C"), ("W", "C"), ("W", "")]

@@ -11,7 +11,7 @@ from periph_sim.case.load import load
 from periph_sim.core.records import Kind, Record
 from periph_sim.host.place import Where
 
-CASE = load(Path(__file__).parents[2] / "timing" / "imu_hil.toml")
+CASE = load(Path(__file__).parents[2] / "timing" / "imu_hil_published.toml")
 
 
 def records(*kinds: Kind, seconds: Fraction = Fraction(8, 1000)) -> list[Record]:
@@ -67,7 +67,7 @@ def test_a_span_of_a_with_statement_is_where_the_statement_is(tmp_path: Path):
 
 def test_what_happens_while_a_routine_computes_is_not_its_doing():
     case = load(
-        Path(__file__).parents[2] / "timing" / "imu_hil.toml",
+        Path(__file__).parents[2] / "timing" / "imu_hil_published.toml",
         ["unit.dsp.settings.frame_cost=200 us", "host.first=4.24 ms"],
     )
     found: list[Record] = []

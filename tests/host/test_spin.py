@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 
 import pytest
@@ -13,7 +14,7 @@ from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.core.wire import Wire
-from periph_sim.f28335.system_options import SystemOptions
+from periph_sim.f28335.code_costs import BARE
 from tests.host.bench import Bench
 
 flag_changes = st.lists(
@@ -53,8 +54,7 @@ def firmware(bench: Bench, lead: int, kind: str):
 
 
 def log_of(changes, lead, kind, loop, skip, interrupts=True, hz=150_000_000):
-    options = SystemOptions(poll_loop_cycles=loop)
-    bench = Bench(list(changes), options=options, skip_polls=skip, hz=Fraction(hz))
+    bench = Bench(list(changes), code=replace(BARE, poll_pass=loop), skip_polls=skip, hz=Fraction(hz))
     if interrupts:
         bench.enable()
     log = bench.run(firmware(bench, lead, kind), 900)

@@ -13,7 +13,6 @@ from periph_sim.board.dsp import Dsp
 from periph_sim.board.firmware import Firmware
 from periph_sim.board.scene import Scene
 from periph_sim.case.model import Case
-from periph_sim.commands.run import recorded_modules
 from periph_sim.core.records import Kind, Record
 from periph_sim.formats.record_table import Columns
 from periph_sim.insight import Run
@@ -39,7 +38,7 @@ def recorded(of: Case, seconds: str | None = None) -> Run:
     columns = Columns()
     scene = Scene(of, lambda recorder, timebase: recorder.subscribe(Kind, columns.add))
     scene.run(None if seconds is None else Fraction(seconds))
-    return Run(columns.table(Fraction(scene.timebase.per_second), scene.kernel.now, recorded_modules(of)))
+    return Run(columns.table(Fraction(scene.timebase.per_second), scene.kernel.now, of.recorded_modules))
 
 
 def asks(address: int = ADDRESS, **request: Any) -> dict[str, Any]:
@@ -47,11 +46,12 @@ def asks(address: int = ADDRESS, **request: Any) -> dict[str, Any]:
     return {"controller": {"first": "1 ms", "rounds": 1, "request": [{"address": address, **request}]}}
 
 
-def by_hand(*rows: tuple[int, Kind, str, str, int, str, int], end: int = 10_000) -> Run:
-    """A run of given records: cycle, kind, where, what, value, text, cause; numbered from 1."""
+def by_hand(*rows: tuple[Any, ...], end: int = 10_000) -> Run:
+    """A run of given records: cycle, kind, where, what, value, text, cause, and of an access the field that was named;
+    numbered from 1."""
     columns = Columns()
-    for number, (cycle, kind, where, what, value, text, cause) in enumerate(rows, 1):
-        columns.add(Record(number, cycle * CYCLE, kind, where, what, value, text, cause))
+    for number, (cycle, *of) in enumerate(rows, 1):
+        columns.add(Record(number, cycle * CYCLE, *of))
     return Run(columns.table(PER_SECOND, end * CYCLE, {"dsp": ("I2C-A",)}))
 
 

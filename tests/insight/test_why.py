@@ -13,7 +13,7 @@ from periph_sim.board.dsp import Dsp
 from periph_sim.case.load import load
 from periph_sim.core.records import Kind
 from periph_sim.insight import NotInRun, Run, why
-from periph_sim.insight.show_why import as_json, text
+from periph_sim.insight.show_why import as_json, said, text
 from tests.board.runs import TIMING
 from tests.insight.scenes import ADDRESS, CYCLE, PER_SECOND, asks, by_hand, line_of, ran, recorded
 
@@ -40,7 +40,7 @@ def run(monkeypatch: pytest.MonkeyPatch) -> Run:
 
 @pytest.fixture(scope="module")
 def emulator() -> Run:
-    return recorded(load(TIMING / "imu_hil.toml", []), "0.004")
+    return recorded(load(TIMING / "imu_hil_published.toml", []), "0.004")
 
 
 def test_a_write_is_the_recorded_cause_with_its_place(run: Run):
@@ -57,7 +57,7 @@ def test_an_edge_that_a_filter_delays_is_the_recorded_cause_and_the_party_behind
     assert (edge.record.where, edge.record.value, edge.known) == ("SDA", 0, "recorded")
     assert gave.record.tick - edge.record.tick == 15 * CYCLE  # the filter of one module clock, IPSC = 14
     assert (party.record.where, party.record.what, party.known) == ("controller", "START", "inferred")
-    assert "SDA fell, pulled low by controller" in text(answer)
+    assert "SDA falls, pulled low by controller" in text(answer)
 
 
 def test_behind_a_write_stands_what_the_firmware_read_before_it(run: Run):
@@ -122,12 +122,20 @@ def test_a_step_after_step_walk_may_be_cut_short(emulator: Run):
     assert len(why(emulator, "SCIRXINTA@3.1ms", depth=2).back) == 3
 
 
-def test_a_rising_wire_was_let_go_by_who_held_it():
+def test_a_rising_wire_was_released_by_who_held_it():
     run = by_hand(
         (10, Kind.EDGE, "SDA", "level", 0, "controller", 0),
         (20, Kind.EDGE, "SDA", "level", 1, "", 0),
     )
-    assert "SDA rose, let go by controller" in text(why(run, "SDA@1us"))
+    assert "SDA rises, released by controller" in text(why(run, "SDA@1us"))
+
+
+def test_steps_of_registers_name_their_section_of_the_manual_and_no_others_do(run: Run):
+    answer = why(run, "I2C-A.I2CSTR.SCD@2ms")
+    told = {step.record.kind: said(run, step) for step in answer.back}
+    assert set(told) >= {Kind.FLAG, Kind.EDGE}
+    assert told[Kind.FLAG].endswith("[SPRUG03B table 10]")
+    assert not any("[" in words for kind, words in told.items() if kind is not Kind.FLAG)
 
 
 @given(cycle=st.integers(0, 60), changes=st.lists(st.integers(1, 30), min_size=1, max_size=6))

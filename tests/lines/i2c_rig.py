@@ -5,10 +5,11 @@ One column is UNIT ticks; the controller's times are whole columns.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 
 from periph_sim.core.kernel import Kernel
-from periph_sim.core.records import Recorder
+from periph_sim.core.records import Kind, Recorder
 from periph_sim.core.wire import Wire
 from periph_sim.lines.i2c_controller import BusTiming, I2cController, Phase, Transfer
 
@@ -21,9 +22,13 @@ TIMING = BusTiming(
 class I2cRig:
     """Rows of a diagram: SCL, SDA as they are; scl, sda what the partner does (0 pulls low)."""
 
-    def __init__(self, stuck_after: int = 0) -> None:
+    def __init__(
+        self, stuck_after: int = 0, clear_after: int = 0, filter_width: int = 0, gives_up: bool = False
+    ) -> None:
         self.kernel = Kernel()
         recorder = Recorder()
+        self.marks: list[tuple[str, int]] = []
+        recorder.subscribe([Kind.BUS], lambda record: self.marks.append((record.what, record.value)))
         self.wires = {name: Wire(self.kernel, name, recorder) for name in ("SCL", "SDA")}
         self.partner = {name.lower(): wire.attach("partner") for name, wire in self.wires.items()}
         self.edges: list[tuple[int, str, int]] = []
@@ -36,8 +41,10 @@ class I2cRig:
             recorder,
             self.wires["SCL"],
             self.wires["SDA"],
-            TIMING,
+            replace(TIMING, filter=filter_width),
             stuck_after=stuck_after,
+            clear_after=clear_after,
+            gives_up=gives_up,
             on_stuck=lambda wire: self.stuck.append((self.kernel.now, wire.name, wire.held_by())),
         )
 

@@ -93,6 +93,29 @@ def test_no_second_phase_follows_an_address_that_was_not_acknowledged():
     assert transfer.phases[1].start_at < 0 and transfer.wire_bytes == 1
 
 
+@pytest.mark.parametrize(("gives_up", "phases"), [(True, 1), (False, 2)])
+def test_after_a_refused_byte_it_gives_up_or_goes_on_with_the_next_phase(gives_up: bool, phases: int):
+    rig = I2cRig(gives_up=gives_up)
+    transfer = rig.begin(Phase(0x53, read=False, data=b"\x01\x02"), Phase(0x53, read=True, count=1))
+    rig.pull(33 * UNIT, "sda", 0)  # acknowledges the address, and nothing else
+    rig.pull(37 * UNIT, "sda", 1)
+    rig.run_until(400 * UNIT)
+    assert transfer.phases[0].acked and transfer.phases[0].acks == [False]
+    assert sum(phase.start_at >= 0 for phase in transfer.phases) == phases
+    refused = [("byte", 0x01 << 1 | 1), ("NACK", 1)]
+    assert [mark for mark in rig.marks if mark[0] in ("byte", "NACK")][:2] == refused
+    assert rig.marks.count(("NACK", 0)) == (not gives_up)  # the address to read
+
+
+def test_the_byte_that_a_reader_refuses_itself_is_no_nack_of_the_target():
+    rig = I2cRig()
+    rig.begin(Phase(0x53, read=True, count=1))
+    rig.pull(33 * UNIT, "sda", 0)
+    rig.pull(37 * UNIT, "sda", 1)
+    rig.run_until(400 * UNIT)
+    assert [what for what, _ in rig.marks] == ["START", "address", "byte", "STOP"]
+
+
 def test_scl_held_low_by_the_partner_is_waited_for_and_measured():
     rig = I2cRig()
     transfer = rig.begin(Phase(0x53, read=False))
@@ -219,3 +242,45 @@ def test_any_first_byte_can_be_sent():
     rig.run_until(60 * UNIT)
     sda = {tick // UNIT: level for tick, name, level in rig.edges if name == "SDA"}
     assert sda == {0: 0, 30: 1, 38: 0, 40: 1}
+
+
+@pytest.mark.parametrize(
+    ("before", "width", "seen"),
+    [(1, 9, "00"), (8, 9, "00"), (15, 9, "00"), (8, 20, "00"), (10, 20, "80"), (12, 13, "80")],
+)
+def test_a_level_shorter_than_the_filter_is_not_read(before: int, width: int, seen: str):
+    """A byte of zeros; SDA is let go for `width`, `before` the end of the first bit's high phase. The filter is 10."""
+    rig = I2cRig(filter_width=10)
+    transfer = rig.begin(Phase(0x10, read=True, count=1))
+    rig.pull(33 * UNIT, "sda", 0)  # ACK, and eight zeros
+    sampled = 41 * UNIT  # SCL falls behind the first bit
+    rig.pull(sampled - before, "sda", 1)
+    rig.pull(sampled - before + width, "sda", 0)
+    rig.pull(69 * UNIT, "sda", 1)
+    rig.run_until(2000)
+    assert transfer.phases[0].got.hex() == seen
+
+
+def test_spikes_of_an_idle_bus_are_no_start_and_no_stop():
+    """One 20 ticks before a START is due would be a STOP, so that the bus was not free for long enough."""
+    rig = I2cRig(filter_width=10)
+    rig.pull(80, "sda", 0)
+    rig.pull(88, "sda", 1)
+    rig.run_until(100)
+    transfer = rig.begin(Phase(0x10, read=False))
+    rig.run_until(2000)
+    assert transfer.phases[0].start_at == 100
+
+
+def test_a_spike_right_behind_a_stop_does_not_undo_it():
+    """It begins 3 ticks behind the STOP and lasts 4: the bus is free from its end on."""
+    rig = I2cRig(filter_width=10)
+    first = rig.begin(Phase(0x10, read=False))
+    rig.run_until(390)
+    rig.pull(403, "sda", 0)
+    rig.pull(407, "sda", 1)
+    rig.run_until(500)
+    assert first.stop_at == 400
+    second = rig.begin(Phase(0x10, read=False))
+    rig.run_until(2000)
+    assert second.phases[0].start_at == 500

@@ -79,24 +79,3 @@ def test_a_stretch_belongs_to_one_answer():
     answers = [Answer(True, stretches=((0, 0, 700),)), Answer(True)]
     first, second = asked({0x53: answers}, [Phase(0x53, False, b"\x01")], [Phase(0x53, False, b"\x01")])
     assert (first.phases[0].stretch, second.phases[0].stretch) == (600, 0)
-
-
-@pytest.mark.parametrize("stretches", [(), ((0, 0, 700),), ((0, 8, 700),), ((1, 3, 700), (0, 5, 300))])
-@pytest.mark.parametrize("read", [True, False])
-def test_whole_pulses_at_once_make_no_difference(stretches: tuple, read: bool):
-    """Bytes, ACKs and times are those of every edge by itself, and a byte takes less than its nineteen events."""
-    outcomes, events = [], []
-    for follows in (False, True):
-        kernel, recorder = Kernel(), Recorder()
-        scl, sda = Wire(kernel, "SCL", recorder), Wire(kernel, "SDA", recorder)
-        target = I2cTarget(kernel, scl, sda, {0x53: [Answer(True, b"\xa5\x3c", stretches=stretches)]}, hold=30)
-        controller = I2cController(kernel, recorder, scl, sda, BusTiming(100, 100, 20, 100, 100, 100, 200))
-        controller.followers += [target] if follows else []
-        phase = Phase(0x53, read, data=b"" if read else b"\x5a\xc3", count=2 if read else 0)
-        transfer = Transfer("test", [phase])
-        controller.begin(transfer, lambda done: None)
-        kernel.run_until(100_000)
-        outcomes.append((bytes(phase.got), phase.acks, phase.stretch, phase.answer_at, transfer.stop_at))
-        events.append(kernel.events)
-    assert outcomes[0] == outcomes[1]
-    assert events[1] < events[0] and outcomes[0][0] == (b"\xa5\x3c" if read else b"")

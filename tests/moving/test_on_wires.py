@@ -65,11 +65,13 @@ def test_other_noise_other_frames_or_another_arithmetic_would_be_other_bytes():
         ("host.period=33 ms",),
         ("host.period=7 ms",),
         ("host.frames=9",),
-        ("controller.period=25 ms",),
+        ("controller.period=25 ms", "unit.dsp.settings.parameters=25ms.toml"),
         ("host.first=5 ms",),
     ],
 )
-def test_the_schedule_says_which_frame_each_run_works_on(changes: tuple[str, ...]):
+def test_the_schedule_says_which_frame_each_run_works_on(changes: tuple[str, ...], tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "25ms.toml").write_text('period = "25 ms"', encoding="utf-8")
     one = subject("0.6", *changes)
     came = on_wires.emulator(one)
     assert came.frames[: one.rounds].tolist() == direct.frames_by_schedule(one).tolist()

@@ -79,3 +79,25 @@ def test_other_names_are_refused_with_near_ones(name: str) -> None:
 def test_formats_that_do_not_exist_are_refused() -> None:
     with pytest.raises(DoesNotFit):
         named.scalar("q30")
+
+
+def test_derived_figures_of_iqmath_are_those_of_their_instructions() -> None:
+    """CMPL, a conditional branch of 7 or 4, MOVL, or one conditional MOVL; ADDL and a shift; a shift."""
+    kinds = ("select", "to integer, nearest", "to integer, floor", "to integer, toward zero", "clamp", "scaled")
+    assert [(IQMATH.costs[kind].low, IQMATH.costs[kind].high) for kind in kinds] == [
+        (3, 9),
+        (2, 4),
+        (1, 3),
+        (14, 14),
+        (7, 7),
+        (7, 7),
+    ]
+    assert IQMATH.rom == {"sincos": 4, "atan": 6, "atan2": 6, "div": 8, "sqrt": 4, "mag": 4}
+
+
+def test_kinds_over_all_parts_add_up_to_the_estimate() -> None:
+    found = estimate({"one": {"sincos": 2, "add": 3}, "two": {"mul": 4, "add": 1, "select": 2}}, IQMATH)
+    kinds = found.kinds().values()
+    assert sum(line.low + line.operands for line in kinds) == found.low
+    assert sum(line.high + line.operands for line in kinds) == found.high > found.low
+    assert sum(line.count for line in kinds) == 12

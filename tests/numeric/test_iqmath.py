@@ -99,3 +99,11 @@ def test_one_number_and_arrays_give_the_same_bits(bits: int, x: int, y: int) -> 
         for rounding in ("nearest", "floor", "toward zero"):
             assert one.to_integer(x, rounding) == many.to_integer(xs, rounding)[0]
         assert (one.overflows > 0) == bool(many.overflown.any())
+
+
+@given(st.integers(2, 1 << 31), st.integers(-1, 1))
+def test_roots_of_arrays_are_rounded_to_nearest_where_float64_cannot_tell(root: int, beside: int) -> None:
+    """Between n - 1 and n lies n * n - n + 1/4: one whole number less is rounded down, one more up."""
+    square = root * root - root + beside
+    assert iqmath.root_of_arrays(np.array([square], dtype=np.uint64))[0] == (root - 1 if beside < 1 else root)
+    assert iqmath.root_of(square) == (root - 1 if beside < 1 else root)

@@ -88,3 +88,13 @@ def test_whole_numbers(value: float, nearest: int, down: int, to_zero: int) -> N
     x = a.constant(value)
     whole = [a.to_integer(x, rounding) for rounding in ("nearest", "floor", "toward zero")]
     assert whole == [nearest, down, to_zero]
+
+
+@pytest.mark.parametrize("edge", [LOW, HIGH])
+def test_the_ends_of_a_format_are_no_overflow(edge: int) -> None:
+    a = Q(16, "saturate")
+    one = a.constant(1.0)
+    assert (a.div(edge, one), a.add(edge, 0), a.sub(edge, 0)) == (edge, edge, edge)
+    assert a.overflows == 0
+    a.add(edge, 1 if edge > 0 else -1)
+    assert a.overflows == 1

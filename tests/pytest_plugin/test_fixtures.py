@@ -131,11 +131,11 @@ def test_marks_and_what_is_judged_where(project: pytest.Pytester) -> None:
             "E       SCL *",
             "*test_marks.py:13: AssertionError",
             "case/budget *judged by",
-            "small/round complete * pass  timing/test_marks.py::TestAll::test_nearer",
-            "small/response * fail  timing/test_marks.py::TestAll::test_nearer",
-            "small/wrong bytes * pass  timing/test_marks.py::TestAll::test_nearer",
-            "small/response * pass  timing/test_marks.py::test_shared_one",
-            "small/wrong bytes * pass  timing/test_marks.py::test_shared_two",
+            "small/round complete * seen *timing/test_marks.py::TestAll::test_nearer",
+            "small/response * broken *timing/test_marks.py::TestAll::test_nearer",
+            "small/wrong bytes * seen *timing/test_marks.py::TestAll::test_nearer",
+            "small/response * seen *timing/test_marks.py::test_shared_one",
+            "small/wrong bytes * seen *timing/test_marks.py::test_shared_two",
         ]
     )
 
@@ -179,9 +179,9 @@ def test_a_long_worst_case_is_drawn_whole_and_others_around_their_instant(projec
             "E *small: 2 of 3 budgets broken: round complete, wrong bytes",
             "E *first wrong: two bytes read *",
             "E *round complete: worst begins",
-            "E *bytes * 50 *50 read 30*",
+            "E *bytes * 0x50 *0x50 R 30*",
             "E *v wrong bytes",
-            "E *bytes *Sr*50 read*A*01*",
+            "E *bytes *Sr*0x50 R*A*0x01*",
         ]
     )
 
@@ -198,7 +198,7 @@ def test_a_test_that_is_to_fail_is_said_to_be(project: pytest.Pytester) -> None:
     )
     result = project.runpytest_inprocess("test_it.py")
     result.assert_outcomes(xfailed=1)
-    result.stdout.fnmatch_lines(["small/response * fail, as expected  test_it.py::test_it"])
+    result.stdout.fnmatch_lines(["small/response * broken, as expected  test_it.py::test_it"])
 
 
 def test_the_picture_of_a_second_run_is_that_of_the_first(project: pytest.Pytester) -> None:
@@ -214,7 +214,7 @@ def test_the_picture_of_a_second_run_is_that_of_the_first(project: pytest.Pytest
             change = "budget.response.max=1 us", "budget.round complete.max=1 us", "start=1 s"
             repeated = said(scene("timing/small.toml", *change))
             kept = said(scene("timing/small.toml", *change, record=True))
-            assert repeated == kept and "50 read" in kept and "from 0.001290 s on" in kept
+            assert repeated == kept and "0x50 R" in kept and "from 0.001290 s on" in kept
         """
     )
     project.runpytest_inprocess("test_it.py").assert_outcomes(passed=1)

@@ -38,7 +38,7 @@ def by_track(events: list[Event]) -> dict[tuple[str, str], list[Event]]:
     return found
 
 
-@pytest.mark.parametrize("case", ["imu_hil", "two_dsps", "responder"])
+@pytest.mark.parametrize("case", ["imu_hil_published", "two_dsps", "responder"])
 def test_a_run_keeps_the_rules_of_the_format(tmp_path: Path, case: str):
     events = events_of(record(case, tmp_path / "run.perfetto.json"))
     assert {event["ph"] for event in events} <= set("MBEiC")
@@ -66,12 +66,12 @@ def test_a_run_keeps_the_rules_of_the_format(tmp_path: Path, case: str):
 
 
 def test_transfers_have_the_bytes_of_the_bus(tmp_path: Path):
-    tracks = by_track(events_of(record("imu_hil", tmp_path / "run.perfetto.json")))
+    tracks = by_track(events_of(record("imu_hil_published", tmp_path / "run.perfetto.json")))
     begun = [event["name"] for event in tracks["bus", "transfers"] if event["ph"] == "B"]
-    assert begun[:5] == ["0x68 write 0x68 read", "0xD0 ACK", "0x1D ACK", "0xD1 ACK", begun[4]]
+    assert begun[:5] == ["0x68 W 0x68 R", "0x68 W ACK", "0x1D ACK", "0x68 R ACK", begun[4]]
     said = [event["name"] for event in tracks["bus", "controller"]]
-    assert said[:2] == ["START gyroscope", "address gyroscope"]
-    assert len(begun) - begun.count("0x68 write 0x68 read") > 20
+    assert said[:2] == ["START gyroscope", "0x68 W ACK gyroscope"]
+    assert len(begun) - begun.count("0x68 W 0x68 R") > 20
 
 
 def test_what_a_short_run_looks_like(tmp_path: Path):
@@ -98,7 +98,7 @@ def test_what_a_short_run_looks_like(tmp_path: Path):
         ("E", "I2CINT1A", 0.13, {"tick": 390}),
         ("E", "model", 0.14, {"tick": 420}),
         ("i", "duty", 0.15, {"tick": 450, "value": 1, "text": "a note"}),
-        ("i", "byte", 0.16, {"tick": 480, "value": 0x55}),
+        ("i", "0x55", 0.16, {"tick": 480}),
         ("C", "MODEL", 0.17, {"value": 0}),
         ("E", "round", 1234.567, {"tick": 3_703_701}),
     ]

@@ -27,6 +27,9 @@ def record(path: Path) -> None:
         recorder.emit(110 * NS, Kind.FLAG, "dsp.I2C-A", "I2CSTR.BB", 1)
         recorder.cause = 0
         recorder.emit(120 * NS, Kind.BUS, "controller", "START", 0, "gyroscope")
+        recorder.emit(125 * NS, Kind.BUS, "controller", "address", 0x68 << 2 | 2, "gyroscope")
+        recorder.emit(126 * NS, Kind.BUS, "controller", "byte", 0x11 << 1 | 1, "gyroscope")
+        recorder.emit(127 * NS, Kind.FRAME, "host", "byte", 0x55)
         recorder.emit(130 * NS, Kind.IRQ, "dsp", "I2CINT1A", 1)
         recorder.emit(140 * NS, Kind.SPAN, "dsp", "model", 1)
         recorder.emit(150 * NS, Kind.EDGE, "MODEL", "level", 0, "dsp.GPIO34")
@@ -42,10 +45,26 @@ def test_jsonl_is_one_record_a_line_with_its_cause(tmp_path: Path):
     record(path)
     head, *rows = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
     assert head["ticks_per_second"] == 3_000_000_000
-    assert head["columns"] == ["number", "tick", "kind", "where", "what", "value", "text", "cause"]
-    assert rows[0] == [1, 300, "edge", "SDA", "level", 0, "controller", 0]
-    assert rows[1] == [2, 330, "flag", "dsp.I2C-A", "I2CSTR.BB", 1, "", 1]
-    assert [row[0] for row in rows] == list(range(1, 11))
+    assert head["columns"] == ["number", "tick", "kind", "where", "what", "value", "text", "cause", "field"]
+    assert rows[0] == [1, 300, "edge", "SDA", "level", 0, "controller", 0, ""]
+    assert rows[1] == [2, 330, "flag", "dsp.I2C-A", "I2CSTR.BB", 1, "", 1, ""]
+    assert [row[0] for row in rows] == list(range(1, 14))
+
+
+def test_addresses_and_bytes_are_written_as_people_write_them(tmp_path: Path):
+    """No 0x86 for a read of 0x21, no 0x0 behind a START."""
+    record(tmp_path / "run.jsonl")
+    _, *rows = [json.loads(line) for line in (tmp_path / "run.jsonl").read_text(encoding="utf-8").splitlines()]
+    said = [(row[4], row[5]) for row in rows if row[2] in ("bus", "frame")]
+    assert said == [("START", None), ("address", "0x68 R ACK"), ("byte", "0x11 NACK"), ("byte", "0x55")]
+    record(tmp_path / "run.vcd")
+    lines = (tmp_path / "run.vcd").read_text(encoding="utf-8").splitlines()
+    strings = [line.split(" ")[0] for line in lines if line.startswith(("s0x", "sSTART"))]
+    assert strings == ["sSTART", "s0x68\\x20R\\x20ACK", "s0x11\\x20NACK", "s0x55"]
+    record(tmp_path / "run.perfetto.json")
+    events = json.loads((tmp_path / "run.perfetto.json").read_text(encoding="utf-8"))["traceEvents"]
+    instants = [event["name"] for event in events if event["ph"] == "i"]
+    assert instants[:4] == ["START gyroscope", "0x68 R ACK gyroscope", "0x11 NACK gyroscope", "0x55"]
 
 
 def test_vcd_is_read_back_with_its_edges_and_every_field_of_both_modules(tmp_path: Path):

@@ -1,6 +1,6 @@
 """A run of the IMU/HIL case as an analyser would have captured it: `python -m tests.replay.make_session` writes one.
 
-timing/imu_hil.toml --run--> edges of SCL, SDA, RX --sampled--> Capture, traces/imu_session.sr
+timing/imu_hil_published.toml --run--> edges of SCL, SDA, RX --sampled--> Capture, traces/imu_session.sr
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ LINES = ("SCL", "SDA", "RX")
 def ran(seconds: Fraction, *changes: str) -> tuple[Result, Capture]:
     """A run and its edges, a position a tick."""
     edges = Edges()
-    scene = Scene(load(TIMING / "imu_hil.toml", list(changes)), edges.subscribe)
+    scene = Scene(load(TIMING / "imu_hil_published.toml", list(changes)), edges.subscribe)
     result = scene.run(seconds)
     return result, edges.capture(scene.kernel.now + 1)
 

@@ -15,7 +15,8 @@ from tests.formats.writers import I2cWave
 
 
 def wave_of(text: str, half: int = 20) -> I2cWave:
-    """`S A0+ 00+ P`: a byte with + is acknowledged, with - it is not; `~` holds SCL low for 400 samples first.
+    """`S A0+ 00+ P`: a byte with + is acknowledged, with - it is not; of `0:` there is one bit, 0; `~` holds SCL low
+    for 400 samples first.
 
     Without P at its end the capture ends there.
     """
@@ -31,6 +32,8 @@ def wave_of(text: str, half: int = 20) -> I2cWave:
             wave.idle(200)
         elif word == "~":
             wave.samples += bytes([0b00]) * 400
+        elif word == "0:":
+            wave.bit(0)
         else:
             wave.byte(int(word[:2], 16), ack=word[2] == "+")
     if text.endswith("P"):
@@ -65,6 +68,8 @@ def test_a_script_is_written_as_the_specification_draws_it(wave: str, script: li
     [
         ("S A0+ 00+", reasons.CUT),
         ("S A0- 00+ P", reasons.AGAINST),
+        ("S A0+ 0: P", reasons.BROKEN),
+        ("S A0- 0: Sr A0+ 00+ P", reasons.AGAINST),
         ("S A1+ P", reasons.NO_DATA),
         ("S P", reasons.EMPTY),
     ],

@@ -30,9 +30,9 @@ def test_a_channel_is_named_or_counted():
     ("capture", "text", "said"),
     [
         (PLAIN, None, "samples: no channels called scl and sda, or rx; say which they are with --map"),
-        (PLAIN, None, "it has 0 D0, 1 D1"),
+        (PLAIN, None, "it has D0 (index 0), D1 (index 1)"),
         (of_bytes(b"\x07", ("a.scl", "b.scl", "sda")), None, "no channels called scl and sda, or rx"),
-        (PLAIN, "scl=7,sda=1", "'scl=7,sda=1': samples has no single channel '7'; it has 0 D0, 1 D1"),
+        (PLAIN, "scl=7,sda=1", "'scl=7,sda=1': samples has no single channel '7'; it has D0 (index 0), D1 (index 1)"),
         (PLAIN, "scl", "'scl': expected scl=CHANNEL,sda=CHANNEL or rx=CHANNEL"),
         (PLAIN, "sck=0,sda=1", "there is no line 'sck'; did you mean scl?"),
         (PLAIN, "scl=0", "expected scl and sda, or rx, or all three; found scl"),

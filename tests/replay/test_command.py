@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import json
 import sys
+from fractions import Fraction
 from pathlib import Path
 
 import pytest
 
 from periph_sim.cli import main
-from tests.formats.writers import sr_bytes
+from tests.formats.writers import frame_bits, sr_bytes, uart_wave
 from tests.replay.make_session import samples
 from tests.replay.slow import one_read, slow_case
 
 ROOT = Path(__file__).resolve().parents[2]
 TRACES, CASES = ROOT / "traces", ROOT / "timing"
 HOST_FRAMES, IMU_ROUND = str(TRACES / "host_frames.sr"), str(TRACES / "imu_round.sr")
+NACK, BIT = str(TRACES / "nack.sr"), Fraction(2_000_000, 115_200)
+MASTER = str(CASES / "captured_master.toml")
 LOGGER, RESPONDER = str(CASES / "uart_logger.toml"), str(CASES / "responder.toml")
 
 
@@ -107,7 +110,7 @@ def test_a_recording_of_the_replay(call, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["--map", "rx=4"], "has no single channel '4'; it has 0 RX"),
+        (["--map", "rx=4"], "has no single channel '4'; it has RX (index 0)"),
         (["--baud", "115200", "--format", "9n1"], "'9n1' is no line format; expected data bits 1 to 8"),
         (["--baud", "900000"], "samples a bit at 900000 baud; expected at least 2"),
         (["--first", "3"], "--first is for I2C captures; this one is not mapped so"),
@@ -139,6 +142,67 @@ def test_lines_without_a_transfer_are_refused(call, tmp_path):
     quiet.write_bytes(sr_bytes(["SCL", "SDA"], "1 MHz", b"\x03" * 100))
     status, _, err = call("replay", str(quiet), "--case", RESPONDER)
     assert status == 2 and "no I2C transfer on 'SCL' and 'SDA'; the lines may be mapped the wrong way round" in err
+
+
+@pytest.mark.parametrize(
+    ("capture", "case", "said"),
+    [
+        (TRACES / "nack.sr", RESPONDER, "SCL would run at 0.025 Hz; expected 100 Hz to 5 MHz; state the right rate"),
+        (HOST_FRAMES, LOGGER, "0.00 samples a bit at 114329.3 baud; expected at least 2, so the rate of 1 Hz or"),
+    ],
+)
+def test_an_impossible_rate_is_told_before_anything_runs(call, capture, case, said):
+    status, out, err = call("replay", str(capture), "--case", case, "--rate", "1 Hz")
+    assert status == 2 and out == "" and said in err
+
+
+def test_a_replay_of_days_is_told_before_anything_runs(call, tmp_path):
+    """Three bits at 1 Hz are too few to tell by SCL, and two days later comes another transfer."""
+    rows = [(0, 1, 1), (1, 1, 0), (2, 0, 0), (3, 1, 0), (180_000, 1, 1)]
+    text = "Time [s],SCL,SDA\n" + "".join(f"{at}.000000000,{scl},{sda}\n" for at, scl, sda in rows)
+    (tmp_path / "days.csv").write_text(text)
+    status, out, err = call("replay", str(tmp_path / "days.csv"), "--case", RESPONDER)
+    assert status == 2 and out == "" and "there are 50 hours to play; expected at most 24" in err
+
+
+def test_what_nobody_recorded_is_told(call, tmp_path):
+    rows = ["Time [s],SCL,SDA", "0.000000,1,1", "0.001000,X,1", "0.002000,1,1", "0.003000,1,0", "0.003010,0,0"]
+    (tmp_path / "gap.csv").write_text("\n".join(rows) + "\n")
+    _, _, err = call("replay", str(tmp_path / "gap.csv"), "--case", RESPONDER)
+    assert "no whole address byte" in err
+    bits = "".join(f"0.00{3100 + 20 * n},0,{n & 1}\n0.00{3110 + 20 * n},1,{n & 1}\n" for n in range(9))
+    (tmp_path / "gap.csv").write_text("\n".join(rows) + "\n" + bits + "0.004000,0,0\n0.004010,1,0\n0.004020,1,1\n")
+    report = json.loads(call("replay", str(tmp_path / "gap.csv"), "--case", RESPONDER, "--json")[1])
+    said = "SCL and SDA: 1 span was not recorded, 0.001000000 s in all"
+    assert any(note.startswith(said) for note in report["notes"])
+
+
+def test_the_verdict_line_says_what_it_proves_and_of_how_much(call):
+    def line(*arguments: str) -> tuple[object, str]:
+        status, out, _ = call("replay", *arguments)
+        return status, out.splitlines()[0].partition(".sr: ")[2]
+
+    filled = "timing and protocol only; "
+    assert line(IMU_ROUND, "--case", RESPONDER) == (0, f"PASS: {filled}the data came from the capture")
+    assert line(NACK, "--case", RESPONDER) == (0, f"PASS: {filled}the data and the refusals came from the capture")
+    first = line(IMU_ROUND, "--case", RESPONDER, "--first", "2")
+    assert first == (0, f"PASS for 42 of 63 events, 2 of 3 transfers: {filled}the data came from the capture")
+    assert line(IMU_ROUND, "--case", MASTER, "--as", "master")[1] == f"PASS: {filled}the requests came from the capture"
+    assert line(NACK, "--case", RESPONDER, "--address", "0x53") == (1, "FAIL")
+    assert line(NACK, "--case", RESPONDER, "--first", "2") == (
+        1,
+        "NOT JUDGED: nothing was asked of the firmware, nobody acknowledges 53 in the capture",
+    )
+
+
+def test_ambiguous_frames_are_no_failure_unless_strict(call, tmp_path):
+    line = bytearray(uart_wave([(Fraction(60), frame_bits(0x4F)), (Fraction(300), frame_bits(0x41))], BIT, 700))
+    line[60 + int(Fraction(11, 2) * BIT)] ^= 1
+    (tmp_path / "glitch.sr").write_bytes(sr_bytes(["RX"], "2 MHz", bytes(line)))
+    arguments = ("replay", str(tmp_path / "glitch.sr"), "--case", LOGGER, "--baud", "115200")
+    status, out, _ = call(*arguments)
+    assert status == 0 and "glitch.sr: AMBIGUOUS (1 of 2 ambiguous)" in out.splitlines()[0]
+    assert call(*arguments, "--strict")[0] == 1
 
 
 def test_an_i2c_trace_against_a_firmware(call):
@@ -179,7 +243,7 @@ def test_bad_input_for_i2c_is_one_sentence_and_exit_status_2(call, arguments, sa
 
 WRONG = ("--set", "unit.dsp.settings.replies=['e4']")
 NACK, SESSION = str(TRACES / "nack.sr"), str(TRACES / "imu_session.sr")
-IMU, MASTER = str(CASES / "imu_hil.toml"), str(CASES / "captured_master.toml")
+IMU, MASTER = str(CASES / "imu_hil_published.toml"), str(CASES / "captured_master.toml")
 
 
 @pytest.mark.parametrize(
@@ -225,14 +289,14 @@ def test_a_tolerance_makes_a_difference_in_time_a_failure(call, tmp_path):
     trace.write_bytes(sr_bytes(["SCL", "SDA"], "4 MHz", samples(one_read())))
     slow = ("replay", str(trace), "--case", case, "--set", "unit.dsp.settings.wait=100")
     status, out, _ = call(*slow)
-    assert status == 0 and "first difference in time" in out and "341.3 sample periods" in out
+    assert status == 0 and "first difference in time" in out and "341.4 sample periods" in out
     assert call(*slow, "--tolerance", "80 us")[0] == 1 and call(*slow, "--tolerance", "90 us")[0] == 0
 
 
 def test_a_session_of_one_file_and_of_two(call, tmp_path):
     low = ("--longest-low", "5 us", "--baud", "115200")
     status, out, _ = call("replay", SESSION, "--case", IMU, *low)
-    assert status == 0 and "189 of 189" in out and "data age" in out and "22.153 ms" in out
+    assert status == 0 and "189 of 189" in out and "data age" in out and "23.933 ms" in out
     assert "note: budget 'round complete' is not judged" in out
     one = json.loads(call("replay", SESSION, "--case", IMU, *low, "--json")[1])
     lines = ("--map", "scl=SCL,sda=SDA", "--uart", f"{SESSION},rx=RX", "--json")

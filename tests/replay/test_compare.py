@@ -24,7 +24,7 @@ def test_equal_words_agree_whatever_their_times():
 def test_the_first_difference_is_told_with_both_times():
     first = Divergence(1, "ACK", "NACK", 0.5, 1.0, "ACK")
     outcome = compare(happened("START ACK STOP"), happened("START NACK STOP", late=1))
-    assert outcome == Comparison(1, first, Fraction(1, 2), (first,))
+    assert outcome == Comparison(2, first, Fraction(1, 2), (first,))
 
 
 def test_a_list_that_ends_early_is_a_difference():
@@ -52,7 +52,21 @@ def test_the_first_of_each_kind_is_ranked_the_worst_first(expected: str, found: 
     outcome = compare(happened(expected), happened(found))
     assert " ".join(f"{part.kind}:{part.index}" for part in outcome.ranked) == ranked
     assert outcome.divergence is not None
-    assert outcome.agreed == outcome.divergence.index == min(part.index for part in outcome.ranked)
+    assert outcome.divergence.index == min(part.index for part in outcome.ranked)
+
+
+@pytest.mark.parametrize(
+    ("expected", "found", "agreed"),
+    [
+        ("START data_1 ACK data_2 ACK", "START data_9 ACK data_2 ACK", 4),
+        ("START data_1 ACK data_2 ACK STOP", "START data_1 ACK STOP", 4),
+        ("START ACK STOP START ACK STOP", "START NACK STOP START ACK STOP", 5),
+        ("START data_1 ACK", "START data_1 ACK STOP START", 3),
+        ("START", "STOP", 0),
+    ],
+)
+def test_events_agree_wherever_they_stand_and_not_only_up_to_the_first_that_differs(expected, found, agreed):
+    assert compare(happened(expected), happened(found)).agreed == agreed
 
 
 def test_a_time_above_the_tolerance_is_ranked_last_and_is_no_first_divergence():

@@ -98,13 +98,24 @@ def test_a_firmware_without_a_script_asks_what_it_asks(tmp_path, order, outcome)
 def test_what_is_left_out_is_told_and_nothing_left_is_refused():
     report = replay("S A0+ 00+ P S A1+ P")
     assert report.verdict == "pass" and report.events == 6
+    assert (report.captured_events, report.transfers, report.captured_transfers) == (10, 1, 2)
     (note,) = report.notes
     assert note == (
         "transfers that a master of this module cannot do, left out: "
         "1 (a read of no byte, whose address was acknowledged)"
     )
-    with pytest.raises(BadReplay, match=r"no transfer that a master of this module can do: 1 \(the capture cuts it"):
+    with pytest.raises(BadReplay, match=r"no transfer that a master of this module can do: 1 \(the capture, or what"):
         replay("S A0+ 00+")
+
+
+def test_the_events_that_agree_are_counted_behind_one_that_differs():
+    report = replay("S A0+ 00+ P S A0+ 07+ 08+ P", "unit.dsp.settings.script=['50 W 01', '50 W 07 08']")
+    assert report.verdict == "fail" and (report.events, report.agreed) == (14, 13)
+
+
+def test_a_script_that_was_filled_in_is_said():
+    assert "script" in replay("S A0+ 00+ P").filled
+    assert "script" not in replay("S A0+ 00+ P", "unit.dsp.settings.script=['50 W 00']").filled
 
 
 def test_a_target_that_answers_otherwise_is_told_with_what_the_master_did():

@@ -21,7 +21,7 @@ from tests.formats.writers import I2cWave
 from tests.replay.slow import one_read, slow_case
 
 CASES = Path(__file__).resolve().parents[2] / "timing"
-RESPONDER, IMU = CASES / "responder.toml", CASES / "imu_hil.toml"
+RESPONDER, IMU = CASES / "responder.toml", CASES / "imu_hil_published.toml"
 SERVED = [f"unit.dsp.settings.table.{address:#x}='{bytes(values).hex()}'" for address, _, values in ROUND]
 
 
@@ -59,12 +59,19 @@ def test_a_wrong_byte_has_both_values_and_the_access_that_put_it_there():
 
 
 def test_an_address_that_the_firmware_does_not_have_is_a_wrong_ack():
-    report = replay("nack.sr", "unit.dsp.settings.address=0x50", addresses=[0x53], case=RESPONDER)
-    assert report.verdict == "pass", "--address goes before the case"
     other = replay("imu_round.sr", *SERVED, "unit.dsp.settings.order=[0x53, 0x68, 0x1E]", case=IMU)
     assert other.verdict == "fail" and other.divergences[0].kind in ("byte", "ACK")
     ack = next(divergence for divergence in other.divergences if divergence.kind == "ACK")
     assert (ack.index, ack.expected, ack.found) == (2, "ACK", "NACK")
+
+
+def test_a_given_address_stays_in_reach_where_the_captured_target_refused_it():
+    """Without it the firmware is put out of reach for as long, and agrees by that."""
+    assert replay("nack.sr").verdict == "pass"
+    report = replay("nack.sr", "unit.dsp.settings.address=0x50", addresses=[0x53])
+    (ack,) = report.divergences
+    assert report.addresses == ["53"], "--address goes before the case"
+    assert (report.verdict, ack.kind, ack.index, ack.expected, ack.found) == ("fail", "ACK", 2, "NACK", "ACK")
 
 
 # Late and early ---------------------------------------------------------------------
@@ -141,9 +148,53 @@ def test_edges_of_both_lines_in_one_sample_are_no_condition():
     assert report.verdict == "pass" and any("edge of both lines" in note for note in report.notes)
 
 
+def simultaneous() -> Capture:
+    """A read at 100 kHz, seen at 4 MHz, whose SDA always changes in the sample in which SCL falls."""
+    wave = I2cWave(20, 0)
+    wave.idle(401)  # an edge beside the others, and
+    wave.samples[7] ^= 2  # one of a spike: all are 250 ns apart, and not 5 us
+    wave.start()
+    wave.byte(0xA1)
+    wave.byte(0x42, ack=False)
+    wave.stop()
+    wave.idle(400)
+    return of_bytes(bytes(wave.samples), ("SCL", "SDA"), 4_000_000)
+
+
+@pytest.mark.parametrize("suffix", [".sr", ".vcd", ".csv"])
+@pytest.mark.parametrize("stated", [None, Fraction(4_000_000)], ids=["inferred", "stated"])
+def test_one_verdict_whether_the_rate_is_stated_or_inferred_from_time_stamps(tmp_path: Path, suffix: str, stated):
+    """Half a sample is 125 ns in each of them, not half a tick of the file's time scale."""
+    formats.write(simultaneous(), tmp_path / f"read{suffix}")
+    capture = formats.read(tmp_path / f"read{suffix}", stated)
+    assert capture.sampled == (suffix == ".sr" or stated is not None)
+    report = replay(capture)
+    assert (report.verdict, report.agreed, report.divergences) == ("pass", 8, [])
+    assert report.tolerance_us == pytest.approx(0.25 + 1 / 150)
+    closed = I2cReplay(load(RESPONDER), capture, "SCL", "SDA").run()
+    assert (closed.verdict, closed.agreed, closed.lag_worst_us) == ("pass", 8, pytest.approx(0, abs=1e-6))
+    inferred = [note for note in report.notes if "all its edges lie 250 ns or multiples of it apart" in note]
+    assert len(inferred) == (not capture.sampled)
+
+
+def test_the_bus_s_own_raster_is_no_sampling_grid(tmp_path: Path):
+    """Ideal edges, all of them 5 us apart: they are told by the tick, so that a late answer is still late."""
+    wave = I2cWave(20, 0)
+    wave.idle(400)
+    wave.start()
+    wave.byte(0xA1)
+    wave.byte(0x42, ack=False)
+    wave.stop()
+    wave.idle(400)
+    formats.write(of_bytes(bytes(wave.samples), ("SCL", "SDA"), 4_000_000), tmp_path / "ideal.vcd")
+    report = replay(formats.read(tmp_path / "ideal.vcd"))
+    assert report.verdict == "pass" and report.tolerance_us < 0.3
+
+
 def test_only_the_first_transfers_are_played():
-    report = replay("nack.sr", first=2)
-    assert report.verdict == "pass" and report.events == 8 and report.simulated_s < 0.0021
+    report = replay("imu_round.sr", first=1)
+    assert report.verdict == "pass" and report.events == 21 and report.simulated_s < 0.0021
+    assert (report.captured_events, report.transfers, report.captured_transfers) == (63, 1, 3)
 
 
 def test_the_same_twice_is_the_same():

@@ -71,13 +71,13 @@ SERVED = [f"unit.dsp.settings.table.{address:#x}='{bytes(values).hex()}'" for ad
 
 
 def test_a_firmware_that_answers_several_addresses_is_left_all_of_them():
-    report = replay("imu_round.sr", *SERVED, case=CASES / "imu_hil.toml")
+    report = replay("imu_round.sr", *SERVED, case=CASES / "imu_hil_published.toml")
     assert report.verdict == "pass" and report.agreed == 63
     assert report.addresses == ["1E", "53", "68"] and report.notes == []
 
 
 def test_without_its_wait_for_sdir_that_firmware_sends_a_byte_too_early():
-    report = replay("imu_round.sr", *SERVED, "unit.dsp.settings.sdir_wait=false", case=CASES / "imu_hil.toml")
+    report = replay("imu_round.sr", *SERVED, "unit.dsp.settings.sdir_wait=false", case=CASES / "imu_hil_published.toml")
     first = report.first_divergence
     assert report.verdict == "fail" and first is not None
     assert (first.index, first.expected, first.found) == (8, "data read 00", "data read 12")
@@ -118,24 +118,72 @@ def test_settings_that_the_case_gives_are_kept_and_a_wrong_byte_is_told_with_its
     first = report.first_divergence
     assert report.verdict == "fail" and first is not None
     assert (first.expected, first.found) == ("data read E5", "data read E4")
-    assert report.agreed == first.index == 16 and report.events == 19
+    assert (first.index, report.agreed, report.events) == (16, 18, 19)
     assert first.capture_s == first.replay_s
 
 
-def test_an_address_that_the_capture_does_not_ask_is_told():
+def test_an_address_that_the_capture_does_not_ask_proves_nothing():
     report = replay("nack.sr", "unit.dsp.settings.address=0x50")
-    assert report.verdict == "pass" and report.addresses == ["50"]
+    assert report.verdict == "not judged" and report.addresses == ["50"]
+    assert report.unjudged == "nothing was asked of the firmware, nobody acknowledges 50 in the capture"
     assert report.notes == ["the capture does not ask 50", "an agent answers for 53, as captured"]
 
 
-def test_an_address_that_nobody_acknowledges_finds_the_firmware_out_of_reach():
+def refused(times: int) -> Capture:
+    """A controller that asks for 0x50 again and again, and nobody is there."""
     wave = new_wave()
-    wave.start()
-    wave.byte(0x50 << 1, ack=False)
-    wave.stop()
-    report = replay(captured(wave))
-    assert report.verdict == "pass" and report.nacks == 1
+    for _ in range(times):
+        wave.start()
+        wave.byte(0x50 << 1, ack=False)
+        wave.stop()
+        wave.idle(100)
+    return captured(wave)
+
+
+def test_a_capture_of_refusals_only_proves_nothing():
+    report = replay(refused(20))
+    assert report.verdict == "not judged" and (report.agreed, report.nacks) == (80, 20)
+    assert report.unjudged == "nothing was asked of the firmware, nobody acknowledges 50 in the capture"
     assert report.notes == ["nobody acknowledges 50 in the capture: the firmware stays out of reach"]
+
+
+DEAF = """
+def main(dsp, settings):
+    dsp.spin(lambda: False)
+"""
+
+
+@pytest.fixture
+def deaf(tmp_path: Path) -> Path:
+    """A case whose firmware never switches its I2C on."""
+    (tmp_path / "deaf.py").write_text(DEAF)
+    case = tmp_path / "deaf.toml"
+    unit = f'[unit.dsp]\nfirmware = "{tmp_path / "deaf.py"}"\nmodules = ["I2C-A"]\n'
+    case.write_text(f'name = "deaf"\nduration = "1 s"\n{unit}')
+    return case
+
+
+@pytest.mark.parametrize("addresses", [[], [0x50]])
+def test_with_no_firmware_on_the_bus_refusals_prove_nothing(deaf, addresses):
+    assert replay(refused(3), case=deaf, addresses=addresses).verdict == "not judged"
+    assert replay("nack.sr", case=deaf).verdict == "fail", "there an answer is missing"
+
+
+def test_a_given_address_stays_in_reach_so_that_a_wrong_acknowledge_shows():
+    report = replay(refused(2), addresses=[0x50])
+    (ack,) = [divergence for divergence in report.divergences if divergence.kind == "ACK"]
+    assert report.verdict == "fail" and (ack.index, ack.expected, ack.found) == (2, "NACK", "ACK")
+    assert replay("nack.sr", addresses=[0x53]).verdict == "fail"
+
+
+# What it proves ---------------------------------------------------------------------
+
+
+def test_what_was_filled_in_from_the_capture_is_said():
+    assert replay("imu_round.sr").filled == ["replies"]
+    assert replay("nack.sr").filled == ["replies", "asleep"]
+    assert replay("nack.sr", "unit.dsp.settings.replies=['e5']").filled == ["asleep"]
+    assert replay("imu_round.sr", *SERVED, case=CASES / "imu_hil.toml").filled == []
 
 
 # Stretching -------------------------------------------------------------------------

@@ -9,8 +9,8 @@ from periph_sim.board.scene import Scene
 from periph_sim.case.load import load
 from periph_sim.report import BudgetReport, CaseReport, case_report
 from periph_sim.report.timeline import Boxes, Marks, Says, Timeline, Wave
-from periph_sim.timing.budgets import Verdict
 from periph_sim.timing.values import values_of
+from periph_sim.timing.verdicts import Verdict
 
 US = 3000  # ticks
 CYCLE = 20
@@ -25,6 +25,7 @@ breaks = ["known bug"]
 firmware = "imu_hil"
 modules = ["I2C-A", "SCI-A", "GPIO"]
 pins = { MODEL = 34 }
+settings = { order = [0x68] }
 
 [controller]
 order = ["gyroscope"]

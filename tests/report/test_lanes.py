@@ -92,12 +92,10 @@ def test_bytes_are_those_that_the_controller_put_on_the_wire(response: Timeline,
     whole = [r for r in within(response, records) if r.kind is Kind.BUS]
     assert said.count("S") == sum(r.what == "START" for r in whole)
     assert said.count("P") == sum(r.what == "STOP" for r in whole)
-    addresses = [
-        f"{r.value >> 1 >> 1:02X} {'read' if r.value >> 1 & 1 else 'write'}" for r in whole if r.what == "address"
-    ]
-    assert [text for text in said if text.endswith(("read", "write"))] == addresses
-    data = [f"{r.value >> 1:02X}" for r in whole if r.what == "byte"]
-    assert [text for text in said if len(text) == 2 and text != "Sr"] == data
+    addresses = [f"0x{r.value >> 1 >> 1:02X} {'R' if r.value >> 1 & 1 else 'W'}" for r in whole if r.what == "address"]
+    assert [text for text in said if text.endswith((" R", " W"))] == addresses
+    data = [f"0x{r.value >> 1:02X}" for r in whole if r.what == "byte"]
+    assert [text for text in said if len(text) == 4] == data
 
 
 def test_frames_last_ten_bits_within_which_rx_moves(small: CaseReport, records: list[Record]) -> None:
@@ -105,7 +103,7 @@ def test_frames_last_ten_bits_within_which_rx_moves(small: CaseReport, records: 
     assert timeline is not None
     boxes, wave = lane(timeline, "UART", "frames"), lane(timeline, "UART", "RX")
     assert isinstance(boxes, Boxes) and isinstance(wave, Wave)
-    sent = [r for r in within(timeline, records) if r.kind is Kind.FRAME]
+    sent = [r for r in within(timeline, records) if r.kind is Kind.FRAME and r.what == "byte"]
     assert [timeline.says[place] for place in boxes.labels] == [f"{r.value:02X}" for r in sent]
     for begin, end in zip(boxes.at, boxes.end, strict=True):
         assert begin in wave.at  # the start bit falls

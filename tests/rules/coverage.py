@@ -1,52 +1,50 @@
-"""Which test proves which rule: markers in the tests and the not-modelled list go in, a table comes out.
+"""Which test proves which rule: what runs of pytest came to and the not-modelled list go in, a table comes out.
 
-`python -m tests.rules.coverage` writes build/rules.md and prints one line a family; it
-fails on a rule that nobody names, and on a name that is no rule.
+    pytest --rules build/rules.json --> outcomes --> rules that passed tests name --> build/rules.md, gaps
+
+`python -m tests.rules.coverage` comes after those runs. It writes the table with the rules' texts, prints one line a
+family, and fails on a rule that no passed test names and docs/fidelity.md does not explain. A test that was skipped,
+failed, or is expected to fail proves nothing; nor does one that was not run.
 """
 
 from __future__ import annotations
 
-import ast
 import re
 import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
+from tests.rules.outcomes import PASSED, read_outcomes
+from tests.rules.texts import texts
+
 ROOT = Path(__file__).parents[2]
-FAMILIES = {"I2C": 342, "SCI": 212, "SYS": 153}  # how many rules each list has
-RULES = [f"{family}-{number:03}" for family, count in FAMILIES.items() for number in range(1, count + 1)]
+OUTCOMES = ROOT / "build" / "rules.json"
+TABLE = ROOT / "build" / "rules.md"
+FAMILIES = ("I2C", "SCI", "SYS")
 NOT_MODELLED = re.compile(r"^\| ((?:I2C|SCI|SYS)-\d{3}) \| (.+) \|$", re.MULTILINE)
 
 
-def named_rules() -> dict[str, list[str]]:
-    """rule -> the tests whose marker names it, as "file::function"."""
-    found: dict[str, list[str]] = {}
-    for path in sorted((ROOT / "tests").rglob("test_*.py")):
-        tree = ast.parse(path.read_text(encoding="utf-8"))
-        module_wide = [r for node in tree.body if isinstance(node, ast.Assign) for r in rules_in(node)]
-        for node in ast.walk(tree):
-            if isinstance(node, ast.FunctionDef) and node.name.startswith("test_"):
-                rules = [r for decorator in node.decorator_list for r in rules_in(decorator)] + module_wide
-                for rule in dict.fromkeys(rules):
-                    found.setdefault(rule, []).append(f"{path.relative_to(ROOT)}::{node.name}")
+@dataclass
+class Named:
+    """The tests that name a rule, without their parameters. passed: name -> how many of its cases; others: outcome."""
+
+    passed: dict[str, int] = field(default_factory=dict)
+    others: dict[str, str] = field(default_factory=dict)
+
+
+def named_rules(outcomes: Mapping[str, Mapping[str, object]]) -> dict[str, Named]:
+    """Every rule that a collected test names."""
+    found: dict[str, Named] = {}
+    for node, entry in outcomes.items():
+        test = node.partition("[")[0]
+        for rule in entry["rules"]:
+            named = found.setdefault(rule, Named())
+            if entry["outcome"] == PASSED:
+                named.passed[test] = named.passed.get(test, 0) + 1
+            else:
+                named.others[test] = str(entry["outcome"])
     return found
-
-
-def rules_in(node: ast.AST) -> list[str]:
-    """The rules that `pytest.mark.rule(...)` names anywhere below a node."""
-    return [
-        argument.value
-        for call in ast.walk(node)
-        if isinstance(call, ast.Call) and name_of(call.func) == "rule"
-        for argument in call.args
-        if isinstance(argument, ast.Constant) and isinstance(argument.value, str)
-    ]
-
-
-def name_of(function: ast.expr) -> str:
-    """`rule` of `pytest.mark.rule` and of `rule = pytest.mark.rule`."""
-    if isinstance(function, ast.Attribute):
-        return function.attr
-    return function.id if isinstance(function, ast.Name) else ""
 
 
 def not_modelled() -> dict[str, str]:
@@ -55,44 +53,46 @@ def not_modelled() -> dict[str, str]:
     return dict(NOT_MODELLED.findall(text))
 
 
-def gaps() -> list[str]:
-    """What is wrong, one sentence each; empty when every rule is named or explained."""
-    named, left_out = named_rules(), not_modelled()
-    known = set(RULES)
-    wrong = [f"{rule} is named by {named[rule][0]}, but there is no such rule" for rule in named if rule not in known]
-    wrong += [
-        f"{rule} is named by no test and docs/fidelity.md gives no reason"
-        for rule in RULES
-        if rule not in named and rule not in left_out
-    ]
-    wrong += [
-        f"{rule} stands as not modelled in docs/fidelity.md, but {named[rule][0]} proves it"
+def gaps(named: Mapping[str, Named], left_out: Mapping[str, str]) -> list[str]:
+    """What is wrong, one sentence each; empty when every rule is proved or explained."""
+    wrong = [
+        f"{rule} stands as not modelled in docs/fidelity.md, but there is no such rule"
         for rule in left_out
-        if rule in named
+        if rule not in texts()
     ]
+    for rule, (text, _) in texts().items():
+        one = named.get(rule, Named())
+        if rule in left_out and one.passed:
+            wrong.append(f"{rule} stands as not modelled in docs/fidelity.md, but {next(iter(one.passed))} proves it")
+        elif not one.passed and rule not in left_out:
+            but = "".join(f"; {test} {outcome}" for test, outcome in one.others.items())
+            wrong.append(f"{rule} is proved by no test, and docs/fidelity.md gives no reason{but}: {text}")
     return wrong
 
 
-def table() -> str:
-    """Every rule and its tests, as Markdown."""
-    named, left_out = named_rules(), not_modelled()
-    lines = ["| rule | proved by |", "|---|---|"]
-    for rule in RULES:
-        tests = "<br>".join(named.get(rule, [])) or f"not modelled: {left_out.get(rule, '?')}"
-        lines.append(f"| {rule} | {tests} |")
+def table(named: Mapping[str, Named], left_out: Mapping[str, str]) -> str:
+    """Every rule with its text, its source and its tests, as Markdown."""
+    lines = ["| rule | what it says | source | proved by |", "|---|---|---|---|"]
+    for rule, (text, source) in texts().items():
+        passed = named.get(rule, Named()).passed
+        tests = [f"{test} ({cases} cases)" if cases > 1 else test for test, cases in passed.items()]
+        shown = "<br>".join(tests) or f"not modelled: {left_out.get(rule, '?')}"
+        lines.append(f"| {rule} | {text} | {source} | {shown} |")
     return "\n".join(lines) + "\n"
 
 
 def main() -> int:
-    target = ROOT / "build" / "rules.md"
-    target.parent.mkdir(exist_ok=True)
-    target.write_text(table(), encoding="utf-8")
-    named, left_out = named_rules(), not_modelled()
-    for family, count in FAMILIES.items():
-        proved = sum(1 for rule in RULES if rule.startswith(family) and rule in named)
-        apart = sum(1 for rule in RULES if rule.startswith(family) and rule in left_out)
-        print(f"rules {family}: {count}, named by tests {proved}, not modelled {apart}")
-    wrong = gaps()
+    outcomes = read_outcomes(OUTCOMES)
+    if not outcomes:
+        sys.exit(f"{OUTCOMES.relative_to(ROOT)}: there is none; run pytest with --rules {OUTCOMES.relative_to(ROOT)}")
+    named, left_out = named_rules(outcomes), not_modelled()
+    TABLE.write_text(table(named, left_out), encoding="utf-8")
+    for family in FAMILIES:
+        rules = [rule for rule in texts() if rule.startswith(family)]
+        proved = sum(1 for rule in rules if rule in named and named[rule].passed)
+        apart = sum(1 for rule in rules if rule in left_out)
+        print(f"rules {family}: {len(rules)}, proved by tests that passed {proved}, not modelled {apart}")
+    wrong = gaps(named, left_out)
     for line in wrong:
         print(line, file=sys.stderr)
     return 1 if wrong else 0

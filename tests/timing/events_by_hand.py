@@ -13,9 +13,10 @@ MODULES = ("I2C-A", "SCI-A", "GPIO")
 ONE = Scope({"dsp": MODULES}, ("SDA", "SCL", "RX", "TX", "MODEL"), controller=True, host=True)
 TWO = Scope({"head": ("I2C-A", "TIMER0"), "imu": ("I2C-A", "SCI-A")}, ("SDA", "SCL", "RX", "TX"))
 BARE = Scope({"dsp": ("I2C-A",)}, ("SDA", "SCL"))
+NO_BUS = Scope({"dsp": ("SCI-A",)}, ("RX", "TX"))
 
 KINDS = {"edge": Kind.EDGE, "flag": Kind.FLAG, "access": Kind.ACCESS, "irq": Kind.IRQ, "span": Kind.SPAN}
-KINDS |= {"bus": Kind.BUS, "frame": Kind.FRAME, "note": Kind.NOTE}
+KINDS |= {"wait": Kind.WAIT, "bus": Kind.BUS, "frame": Kind.FRAME, "note": Kind.NOTE}
 
 
 def records(drawn: str) -> list[Record]:

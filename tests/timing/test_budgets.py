@@ -6,8 +6,9 @@ import pytest
 
 from periph_sim.case.model import Budget
 from periph_sim.core.time import Timebase
-from periph_sim.timing.budgets import BadBudget, Limit, Verdict
+from periph_sim.timing.budgets import BadBudget, Limit
 from periph_sim.timing.measures import Counter
+from periph_sim.timing.verdicts import Verdict
 
 US = 3000  # ticks, with SYSCLKOUT at 150 MHz
 
@@ -42,13 +43,13 @@ def test_the_nearer_limit_counts(limits, values, verdict, worst, margin, at_s):
     assert (v.unit, v.count) == ("us", len(values))
 
 
-def test_a_duration_that_was_never_measured_is_a_failure():
+def test_a_duration_that_was_never_measured_is_not_judged():
     v = limit("response", max="60 us").verdict()
-    assert (v.verdict, v.worst, v.margin, v.count, v.at_s) == ("fail", None, None, 0, None)
+    assert (v.verdict, v.worst, v.margin, v.count, v.at_s) == ("not judged", None, None, 0, None)
 
 
-def test_a_fifo_that_nothing_ever_entered_is_a_failure_too():
-    assert limit("fifo high-water", max=16).verdict().verdict == "fail"
+def test_a_fifo_that_nothing_ever_entered_is_not_judged_either():
+    assert limit("fifo high-water", max=16).verdict().verdict == "not judged"
 
 
 def test_zero_of_something_counted_is_a_value():

@@ -10,10 +10,11 @@ from periph_sim import timing
 from periph_sim.core.records import Kind, Record
 from periph_sim.core.time import NO_TIME
 from periph_sim.devices.sensor_head import Round
-from periph_sim.timing.event_measures import Between, make_of_events
 from periph_sim.timing.language import FORMS
+from periph_sim.timing.making import make_of_events
 from periph_sim.timing.names import BadEvent, Scope
-from tests.timing.events_by_hand import BARE, ONE, TWO, came, records, table, tell
+from periph_sim.timing.pair_measures import Between
+from tests.timing.events_by_hand import BARE, NO_BUS, ONE, TWO, came, records, table, tell
 
 WRITES = "from flag I2C-A.I2CSTR.XRDY rise to access W I2C-A.I2CDXR"
 
@@ -39,26 +40,56 @@ def measure(text: str, scope=ONE):
     return make_of_events(text, scope)
 
 
-def between(rule: str, transfers: int = 2) -> Between:
-    made = measure(f"{WRITES}, {rule}")
+class Rounds:
+    """A scene whose rounds have so many transfers."""
+
+    def __init__(self, transfers: int) -> None:
+        self._transfers = transfers
+
+    def transfers_in_round(self) -> int:
+        return self._transfers
+
+    def startup_transfers(self) -> int:
+        return 0
+
+    def began(self) -> int:
+        return 0
+
+    def ticks_per_second(self) -> int:
+        return 10**9
+
+
+def between(text: str, transfers: int = 2) -> Between:
+    made = measure(text)
     assert isinstance(made, Between)
-    made.in_groups_of(transfers if rule == "same round" else 1)
+    made.listen(Rounds(transfers))
+    made.keep()
     return made
+
+
+def pairs(told: Between) -> list[tuple[int, int]]:
+    """(duration, begin) of each, in the order of their begins."""
+    values, at = told.all_kept()
+    return sorted(zip(values.tolist(), at.tolist(), strict=True), key=lambda pair: pair[1])
 
 
 @pytest.mark.parametrize(
     ("rule", "durations"),
     [
         ("next", [(45, 5), (30, 20), (50, 60), (20, 120)]),
+        ("last", [(30, 20), (50, 60), (20, 120)]),
+        ("in order", [(45, 5), (90, 20), (80, 60), (90, 120)]),
         ("same transfer", [(30, 20), (20, 120)]),
         ("same round", [(30, 20), (50, 60), (20, 120)]),
+        ("in order, same round", [(30, 20), (50, 60), (20, 120)]),
     ],
 )
 def test_from_each_event_to_the_next_under_each_rule(rule: str, durations: list[tuple[int, int]]):
     of = records(BUS)
-    told = tell(between(rule), of)
-    worst = max(durations)
-    assert came(told) == (worst[0], worst[1], min(durations)[0], len(durations))
+    told = between(f"{WRITES}, {rule}")
+    tell(told, of)
+    worst = max(durations, key=lambda pair: pair[0])
+    assert came(told) == (worst[0], worst[1], min(durations)[0], len(durations)) and pairs(told) == durations
     found = timing.between(
         table(of), "flag I2C-A.I2CSTR.XRDY rise", "access W I2C-A.I2CDXR", rule=rule, transfers_in_round=2
     )
@@ -82,22 +113,26 @@ EVENTS = st.sampled_from(
     st.lists(st.tuples(st.integers(0, 3), st.sampled_from(ALPHABET)), max_size=40),
     EVENTS,
     EVENTS,
-    st.sampled_from(["next", "same transfer", "same round"]),
+    st.sampled_from(["", "next", "last", "in order"]),
+    st.sampled_from(["", "same transfer", "same round"]),
     st.integers(1, 3),
 )
-def test_as_the_run_goes_on_and_over_the_table_it_is_the_same(drawn, begin: str, end: str, rule: str, transfers: int):
+def test_as_the_run_goes_on_and_over_the_table_it_is_the_same(
+    drawn, begin: str, end: str, pairing: str, same: str, transfers: int
+):
     tick, of = 0, [Record(1, 0, Kind.BUS, "controller", "byte", 0, "", 0)]  # a controller is there
     for step, (kind, where, what, value) in drawn:
         tick += step
         of.append(Record(len(of) + 1, tick, kind, where, what, value, "", 0))
-    told = measure(f"from {begin} to {end}, {rule}")
-    assert isinstance(told, Between)
-    told.in_groups_of(transfers if rule == "same round" else 1)
-    told.keep()
+    rules = ", ".join(filter(None, (pairing, same)))
+    told = between(f"from {begin} to {end}, {rules}".removesuffix(", "), transfers)
     tell(told, of)
-    found = timing.between(table(of), begin, end, rule=rule, transfers_in_round=transfers)
-    assert told._kept is not None
-    assert [column.tolist() for column in told._kept] == [found.duration.tolist(), found.start.tolist()]
+    if told.missing().endswith("in order, next or last"):
+        with pytest.raises(BadEvent, match="it is not known which belong together"):
+            timing.between(table(of), begin, end, rule=rules, transfers_in_round=transfers)
+    else:
+        found = timing.between(table(of), begin, end, rule=rules, transfers_in_round=transfers)
+        assert pairs(told) == list(zip(found.duration.tolist(), found.start.tolist(), strict=True))
     period = measure(f"period of {begin}")
     period.keep()
     tell(period, of)
@@ -107,7 +142,7 @@ def test_as_the_run_goes_on_and_over_the_table_it_is_the_same(drawn, begin: str,
 
 def test_over_a_table_a_rule_that_is_none_and_a_round_without_its_size_are_refused():
     of = table(records(BUS))
-    with pytest.raises(BadEvent, match="there is no rule 'same rond'; did you mean same round"):
+    with pytest.raises(BadEvent, match="there is no rule 'same rond' here; did you mean same round"):
         timing.between(of, "bus START", "bus STOP", rule="same rond")
     with pytest.raises(BadEvent, match="same round needs transfers_in_round, 1 or more"):
         timing.between(of, "bus START", "bus STOP", rule="same round")
@@ -165,32 +200,20 @@ def test_interrupt_latency_is_from_its_flag_in_the_pie_to_its_routine():
 class Told:
     """What a scene tells measures of loads and slack."""
 
-    def __init__(self) -> None:
-        self.cycles = (100, 1000)
-
-    def cpu_cycles(self, unit: str) -> tuple[int, int]:
-        return self.cycles
-
     def began(self) -> int:
         return 1000
 
     def round_period(self) -> int:
         return 500
 
+    def listen_due(self, told) -> None:
+        pass
+
+    def listen_missed(self, told) -> None:
+        pass
+
     def listen_rounds(self, told) -> None:
         self.round = told
-
-
-def test_cpu_load_counts_computations_of_service_routines_once():
-    told, load = Told(), measure("cpu load")
-    load.listen(told)
-    for busy, value in ((200, 1), (250, 1), (260, 0), (300, 0)):  # 100 of the 300 are in the outer routine, too
-        told.cycles = (busy, 1500)
-        load.record(Record(1, 0, Kind.IRQ, "dsp", "SCIRXINTA", value, "", 0))
-        load.record(Record(1, 0, Kind.IRQ, "other", "SCIRXINTA", value, "", 0))
-    told.cycles = (600, 2000)
-    load.finish(77)
-    assert came(load) == (400_000, 77, 400_000, 1)
 
 
 def test_bus_load_is_from_start_to_stop():
@@ -217,7 +240,7 @@ def test_slack_is_to_the_next_round_due_and_negative_when_that_is_over():
         ("from edge SCL rise to edge RX rise", "no event matched 'edge RX rise'"),
         ("from edge SCL change to bus START, same transfer", "no event matched 'bus START'"),
         ("period of edge RX rise", "no event matched 'edge RX rise'"),
-        ("jitter of edge SCL fall", "'edge SCL fall' was seen 2 times, which makes no measurement"),
+        ("jitter of edge SCL fall", "there was one value, which has none before it"),
         ("level of SCI-A.SCIFFRX.RXFFST", "no event matched 'flag SCI-A.SCIFFRX.RXFFST change'"),
         ("interrupt latency SCIRXINTA", "no event matched 'flag PIE.PIEIFR9.INTx1 rise' and 'interrupt SCIRXINTA e"),
         ("time in modle", "no event matched 'span modle begin'"),
@@ -256,7 +279,8 @@ def test_events_that_never_share_a_transfer_are_told():
 @pytest.mark.parametrize(
     ("text", "scope", "sentence"),
     [
-        ("from edge SCL rise to edge SCL fall, same transfer", BARE, "'same transfer' needs a controller in the scene"),
+        ("from edge SCL rise to edge SCL fall, same round", BARE, "'same round' needs [controller] in the scene, whic"),
+        ("from edge RX rise to edge RX fall, same transfer", NO_BUS, "'same transfer' needs SCL and SDA in the scene"),
         (
             "interrupt latency INT13",
             TWO,
@@ -279,9 +303,11 @@ def test_what_the_scene_cannot_show_is_refused(text: str, scope, sentence: str):
 
 
 EXAMPLES = ["from frame to frame", "period of frame", "jitter of frame", "count of frame"]
-EXAMPLES += ["level of I2C-A.I2CSTR.XRDY", "interrupt latency SCIRXINTA", "time in model"]
+EXAMPLES += ["level of I2C-A.I2CSTR.XRDY", "interrupt latency SCIRXINTA", "reaction", "gap between rounds"]
+EXAMPLES += ["margin of I2CDXR", "SCL held per transfer", "time in model"]
 EXAMPLES += ["each time in wire SCL low", "cpu load", "bus load", "slack"]
-EXAMPLES += ["race I2C-A.I2CSTR.XRDY", "lost flags", "cleared along I2C-A.I2CSTR.SDIR", "value error of gyroscope"]
+EXAMPLES += ["race I2C-A.I2CSTR.XRDY", "lost flags", "cleared along I2C-A.I2CSTR.SDIR", "age of gyroscope"]
+EXAMPLES += ["model age of magnetometer", "value error of gyroscope"]
 
 
 @pytest.mark.parametrize(("form", "text"), list(zip(FORMS, EXAMPLES, strict=True)))

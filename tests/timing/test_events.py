@@ -6,7 +6,7 @@ import pytest
 
 from periph_sim.timing.events import matcher
 from periph_sim.timing.names import BadEvent, scope_of_table
-from tests.timing.events_by_hand import BARE, MODULES, ONE, TWO, records, table
+from tests.timing.events_by_hand import BARE, MODULES, NO_BUS, ONE, TWO, records, table
 
 RUN = """
      0 access dsp        W_I2C-A.I2CDXR  0x11
@@ -27,8 +27,13 @@ RUN = """
    120 bus    controller repeated_START  0
    130 bus    controller address         0x1A3
    140 bus    controller byte            0x0FE
+   142 bus    controller NACK            0
+   144 bus    controller NACK            1
    150 bus    controller STOP            0
-   160 frame  host       byte            0x55
+   155 frame  RX         begin           0
+   160 frame  RX         end             0x55
+   161 frame  TX         begin           0
+   165 frame  TX         error           0x54
    170 note   dsp        duty            1
    180 note   dsp.I2C-A  duty            1
    190 note   dsp.I2C-A  lost            1
@@ -64,10 +69,21 @@ RUN = """
         ("bus address read", [130]),
         ("bus address 0x53", []),
         ("bus byte 0x7f", [140]),
+        ("bus NACK", [142, 144]),
+        ("bus NACK address", [142]),
+        ("bus NACK byte", [144]),
         ("bus byte 0x7e", []),
-        ("frame", [160]),
+        ("bus START or bus STOP", [100, 150]),
+        ("edge SCL rise or note lost or frame", [20, 155, 190]),
+        ("frame", [155]),
+        ("frame RX", [155]),
+        ("frame TX begin", [161]),
+        ("frame RX end", [160]),
+        ("frame TX end", []),
+        ("frame TX error", [165]),
         ("frame 0x55", [160]),
-        ("frame 0x56", []),
+        ("frame RX 0x56 end", []),
+        ("frame TX 0x54 error", [165]),
         ("note duty", [170, 180]),
         ("note dsp:lost", [190]),
     ],
@@ -99,8 +115,13 @@ def test_it_fits_the_same_records_one_by_one_and_all_at_once(event: str, ticks: 
         ("interrupt SCIRXINTB enter", ONE, "nothing in the scene asks for the interrupt 'SCIRXINTB'; did you mean SCI"),
         ("interrupt head:SCIRXINTA enter", TWO, "nothing in the scene asks for the interrupt 'SCIRXINTA'; it has "),
         ("span model begin", TWO, "head and imu have it; say whose is meant: head: before the name"),
-        ("bus STOP", BARE, "'bus STOP' needs a controller in the scene, which has none; watch edges of SCL and SDA"),
-        ("frame", BARE, "'frame' needs a host in the scene, which has none; watch edges of RX or TX"),
+        ("bus STOP", NO_BUS, "'bus STOP' needs SCL and SDA in the scene, which has none; give it [controller]"),
+        ("bus stuck", BARE, "'bus stuck' needs [controller] in the scene, which has none; give it [controller]"),
+        ("frame", BARE, "'frame' needs RX in the scene, which has no such wire; give a unit SCI-A"),
+        ("frame TX 7 begin", ONE, "'frame TX 7 begin': what a frame carries is known at its end; write frame TX 7 end"),
+        ("last edge RX rise of transfer", NO_BUS, "'last edge RX rise of transfer': a transfer needs SCL and SDA in"),
+        ("last edge SCL rise of round", BARE, "'last edge SCL rise of round': a round needs [controller] in the scene"),
+        ("3rd bus byte of burst", ONE, "'3rd bus byte of burst': a burst is one of frames; write of transfer or of r"),
         ("note dps:duty", ONE, "there is no unit 'dps'; did you mean dsp?"),
     ],
 )

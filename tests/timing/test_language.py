@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import pytest
 
 from periph_sim.timing.events import Event, event_of
@@ -32,8 +34,11 @@ from periph_sim.timing.names import BadEvent
         ("bus address 104 read", "bus", "", "address", "read", 104),
         ("bus address write", "bus", "", "address", "write", None),
         ("bus byte 0xFF", "bus", "", "byte", "", 255),
-        ("frame", "frame", "", "byte", "", None),
-        ("frame 0x55", "frame", "", "byte", "", 0x55),
+        ("bus NACK", "bus", "", "NACK", "", None),
+        ("frame", "frame", "", "RX", "begin", None),
+        ("frame 0x55", "frame", "", "RX", "end", 0x55),
+        ("frame TX 0x55 end", "frame", "", "TX", "end", 0x55),
+        ("frame RX error", "frame", "", "RX", "error", None),
         ("note imu:duty", "note", "imu", "duty", "", None),
     ],
 )
@@ -43,36 +48,88 @@ def test_an_event(text: str, kind: str, unit: str, name: str, how: str, number: 
 
 
 @pytest.mark.parametrize(
-    ("text", "form", "events", "rule", "unit", "name"),
+    ("text", "form", "events", "rules", "unit", "name"),
     [
-        ("from bus START to bus STOP", "from", ["bus START", "bus STOP"], "next", "", ""),
+        ("from bus START to bus STOP", "from", ["bus START", "bus STOP"], "", "", ""),
         ("from frame to edge TX fall, next", "from", ["frame", "edge TX fall"], "next", "", ""),
-        ("from bus byte 7 to frame same transfer", "from", ["bus byte 7", "frame"], "same transfer", "", ""),
-        ("from bus byte to frame, same round", "from", ["bus byte", "frame"], "same round", "", ""),
-        ("from span a b begin to span a b end", "from", ["span a b begin", "span a b end"], "next", "", ""),
-        ("period of frame", "period", ["frame"], "next", "", ""),
-        ("jitter of span model begin", "jitter", ["span model begin"], "next", "", ""),
-        ("count of note lost", "count", ["note lost"], "next", "", ""),
-        ("level of imu:SCI-A.SCIFFRX.RXFFST", "level", [], "next", "imu", "SCI-A.SCIFFRX.RXFFST"),
-        ("interrupt latency SCIRXINTA", "interrupt", [], "next", "", "SCIRXINTA"),
-        ("cpu load", "cpu", [], "next", "", ""),
-        ("cpu load of imu", "cpu", [], "next", "imu", ""),
-        ("bus load", "bus", [], "next", "", ""),
-        ("slack", "slack", [], "next", "", ""),
-        ("race imu:I2C-A.I2CSTR", "race", [], "next", "imu", "I2C-A.I2CSTR"),
-        ("value error", "value", [], "first bit", "", ""),
-        ("value error of gyroscope at first bit", "value", [], "first bit", "", "gyroscope"),
-        ("value error at frame", "value", [], "frame", "", ""),
-        ("cleared along I2C-A.I2CSTR.SDIR", "cleared", [], "next", "", "I2C-A.I2CSTR.SDIR"),
-        ("lost flags", "lost", [], "next", "", ""),
-        ("lost flags I2C-A.I2CSTR", "lost", [], "next", "", "I2C-A.I2CSTR"),
+        ("from bus byte 7 to frame same transfer", "from", ["bus byte 7", "frame"], ",transfer", "", ""),
+        ("from bus byte to frame, same round", "from", ["bus byte", "frame"], ",round", "", ""),
+        ("from frame to frame TX, in order", "from", ["frame", "frame TX"], "in order", "", ""),
+        ("from frame to frame TX, last, same round", "from", ["frame", "frame TX"], "last,round", "", ""),
+        ("from frame to frame TX same round next", "from", ["frame", "frame TX"], "next,round", "", ""),
+        ("from span a b begin to span a b end", "from", ["span a b begin", "span a b end"], "", "", ""),
+        ("from last bus byte of round to frame", "from", ["last bus byte of round", "frame"], "", "", ""),
+        ("from bus STOP or frame to frame TX", "from", ["bus STOP or frame", "frame TX"], "", "", ""),
+        ("period of frame", "period", ["frame"], "", "", ""),
+        ("period of 12th frame RX of burst", "period", ["12th frame RX of burst"], "", "", ""),
+        ("jitter of span model begin", "jitter", ["span model begin"], "", "", ""),
+        ("jitter of response", "jitter", [], "", "", "response"),
+        ("count of note lost", "count", ["note lost"], "", "", ""),
+        (
+            "count of frame from bus START to bus STOP, last",
+            "count",
+            ["frame", "bus START", "bus STOP"],
+            "last",
+            "",
+            "",
+        ),
+        ("level of imu:SCI-A.SCIFFRX.RXFFST", "level", [], "", "imu", "SCI-A.SCIFFRX.RXFFST"),
+        ("level of SCI-A.SCIFFRX.RXFFST at frame", "level", ["frame"], "", "", "SCI-A.SCIFFRX.RXFFST"),
+        ("interrupt latency SCIRXINTA", "interrupt", [], "", "", "SCIRXINTA"),
+        ("reaction of imu", "reaction", [], "", "imu", ""),
+        ("gap between rounds", "gap", [], "", "", ""),
+        ("cpu load", "cpu", [], "", "", ""),
+        ("cpu load of imu", "cpu", [], "", "imu", ""),
+        ("bus load", "bus", [], "", "", ""),
+        ("slack", "slack", [], "", "", ""),
+        ("race imu:I2C-A.I2CSTR", "race", [], "", "imu", "I2C-A.I2CSTR"),
+        ("cleared along I2C-A.I2CSTR.SDIR", "cleared", [], "", "", "I2C-A.I2CSTR.SDIR"),
+        ("lost flags", "lost", [], "", "", ""),
+        ("lost flags I2C-A.I2CSTR", "lost", [], "", "", "I2C-A.I2CSTR"),
     ],
 )
-def test_a_measure(text: str, form: str, events: list[str], rule: str, unit: str, name: str):
+def test_a_measure(text: str, form: str, events: list[str], rules: str, unit: str, name: str):
     assert is_form(text)
     said = measure_of(text)
     assert [event.text for event in said.events] == events
-    assert said == Said(form, said.events, rule, unit, name)
+    pairing, _, group = rules.partition(",")
+    assert said == Said(form, said.events, unit=unit, name=name, pairing=pairing, group=group)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("value error", Said("value", instant="first bit")),
+        ("value error of gyroscope at first bit", Said("value", name="gyroscope", instant="first bit")),
+        ("value error at frame", Said("value", instant="frame")),
+        ("cpu load of imu per 20 ms", Said("cpu", unit="imu", window=Fraction(1, 50))),
+        ("bus load per 1.5 s", Said("bus", window=Fraction(3, 2))),
+        ("interrupt latency XINT1 to first access", Said("interrupt", name="XINT1", access=True)),
+        ("jitter of slack", Said("jitter", of=Said("slack"))),
+        ("jitter of interrupt latency XINT1", Said("jitter", of=Said("interrupt", name="XINT1"))),
+    ],
+)
+def test_what_else_a_measure_says(text: str, said: Said):
+    assert measure_of(text) == said
+
+
+@pytest.mark.parametrize(
+    ("text", "nth", "group"),
+    [
+        ("first bus byte of transfer", 1, "transfer"),
+        ("1st frame TX of burst", 1, "burst"),
+        ("last frame RX end of burst", -1, "burst"),
+        ("22nd edge SCL rise of round", 22, "round"),
+    ],
+)
+def test_which_one_of_a_transfer_round_or_burst(text: str, nth: int, group: str):
+    event = event_of(text)
+    assert (event.nth, event.group, event.text) == (nth, group, text)
+
+
+def test_one_event_or_another():
+    event = event_of("bus STOP or frame TX end or span a begin")
+    assert (event.kind, [other.text for other in event.others]) == ("bus", ["frame TX end", "span a begin"])
 
 
 @pytest.mark.parametrize(
@@ -128,6 +185,24 @@ def test_every_form_that_messages_name_can_be_said(form: str):
             "from frame to frame, same frame",
             "'from frame to frame, same frame': 'frame' where transfer or round is expected; it has transfer, round",
         ),
+        (
+            "from frame to frame TX, next, last",
+            "'from frame to frame TX, next, last': 'last' where same is expected",
+        ),
+        ("from frame to frame TX, in oder", "'from frame to frame TX, in oder': 'oder' where order is expected"),
+        ("last bus byte", "'last bus byte' ends where of is expected"),
+        (
+            "first bus byte of frame",
+            "'first bus byte of frame': 'frame' where transfer, round or burst is expected; it has transfer, round, "
+            "burst",
+        ),
+        ("0th bus byte of round", "'0th bus byte of round': '0th', but counting begins with 1st"),
+        ("cpu load per", "'cpu load per' ends where the length of a window is expected; write for instance per 20 ms"),
+        ("bus load per 20", "'bus load per 20': '20' has no unit; write for instance 20 ms (ns, us, ms, s, min, h, d)"),
+        ("bus load per 0 s", "'bus load per 0 s': a window is longer than 0"),
+        ("interrupt latency XINT1 to access", "'interrupt latency XINT1 to access': 'access' where first is expected"),
+        ("gap between transfers", "'gap between transfers': 'transfers' where rounds is expected"),
+        ("reaction of", "'reaction of' ends where a unit is expected"),
         ("slack of it", "'slack of it': 'of' is more than a measure or event says; leave it out"),
         ("cpu load of", "'cpu load of' ends where a unit is expected"),
         ("period edge SCL rise", "'period edge SCL rise': 'edge' where of is expected"),

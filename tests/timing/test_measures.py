@@ -11,7 +11,10 @@ from periph_sim.core.time import NO_TIME
 from periph_sim.devices.host_pc import ramp
 from periph_sim.devices.sensor_head import Round
 from periph_sim.lines.i2c_controller import Phase, Transfer
-from periph_sim.timing.measures import MEASURES, Counter, Measure, WrongBytes, make
+from periph_sim.timing.bus_measures import WrongBytes
+from periph_sim.timing.measures import Counter, Measure
+from periph_sim.timing.origins import RECENT, FrameOrigins, Origins
+from periph_sim.timing.registry import MEASURES, make
 
 GYRO, ACCEL, MAGNET, OTHER = 0x68, 0x53, 0x1E, 0x10
 
@@ -25,8 +28,9 @@ class Told:
         self.frames: list[Callable[[int, tuple[int, ...], int], None]] = []
         self.stuck: list[Callable[[int], None]] = []
         self.sci: list[Callable[[int, int, bool], None]] = []
+        self.due: list[Callable[[int], None]] = []
         self.missed: list[Callable[[int], None]] = []
-        self.host = True
+        self.checked = True
         self.measure: Measure = make(name)
         self.measure.listen(self)
 
@@ -45,8 +49,14 @@ class Told:
     def listen_sci(self, told: Callable[[int, int, bool], None]) -> None:
         self.sci.append(told)
 
+    def origins(self) -> Origins:
+        return FrameOrigins(self)
+
     def checks_host(self) -> bool:
-        return self.host
+        return self.checked
+
+    def listen_due(self, told: Callable[[int], None]) -> None:
+        self.due.append(told)
 
     def listen_missed(self, told: Callable[[int], None]) -> None:
         self.missed.append(told)
@@ -58,7 +68,17 @@ class Told:
         for told in self.transfers:
             told(Transfer("chip", list(phases)))
 
+    def is_due(self, due: int) -> None:
+        for told in self.due:
+            told(due)
+
+    def misses(self, due: int) -> None:
+        self.is_due(due)
+        for told in self.missed:
+            told(due)
+
     def round(self, due: int, end: int, nacked: int = 0) -> None:
+        self.is_due(due)
         for told in self.rounds:
             told(Round(1, due, due, end, nacked))
 
@@ -114,8 +134,7 @@ def test_missed_rounds_are_counted_from_the_first_one_on():
     told = Told("missed rounds")
     assert told.came() == (0, NO_TIME, 0, 0)
     for due in (9, 29, 49):
-        for missed in told.missed:
-            missed(due)
+        told.misses(due)
     assert told.came() == (3, 9, 3, 3)
 
 
@@ -179,7 +198,7 @@ def test_a_byte_that_is_not_in_its_frame_is_counted_and_named():
 
 def test_a_frame_long_gone_does_not_excuse_old_bytes():
     told = Told("wrong bytes")
-    for n in range(1, 2 + WrongBytes.RECENT):
+    for n in range(1, 2 + RECENT):
         told.frame(n, n)
     told.transfer(read(GYRO, gyro_bytes(2)))
     assert told.measure.worst == 0
@@ -212,28 +231,10 @@ def test_of_a_chip_nobody_knows_nothing_is_expected_and_nothing_compared():
 
 def test_known_chips_are_compared_with_frames_only_where_the_case_says_so():
     told = Told("wrong bytes")
-    told.host = False
+    told.checked = False
     told.measure.listen(told)
-    told.transfers.pop(0)
+    del told.transfers[:-1]
     told.transfer(read(GYRO, b"\x01\x02"))
-    assert told.measure.count == 0
-
-
-def test_age_is_from_the_end_of_a_frame_to_the_first_read_that_carries_it():
-    told = Told("age")
-    told.frame(1, 1000)
-    told.transfer(read(GYRO, gyro_bytes(1), at=1700))
-    told.transfer(read(GYRO, gyro_bytes(1), at=3700))  # again the same: not the first
-    told.frame(2, 4000)
-    told.transfer(read(ACCEL, accel_bytes(2), at=4100))  # another chip
-    told.transfer(read(GYRO, gyro_bytes(2), at=4300))
-    assert told.came() == (700, 1700, 300, 2)
-
-
-def test_a_frame_that_no_read_carries_has_no_age():
-    told = Told("age")
-    told.frame(1, 1000)
-    told.transfer(read(GYRO, gyro_bytes(7), at=1700))
     assert told.measure.count == 0
 
 

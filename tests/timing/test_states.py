@@ -8,11 +8,11 @@ from hypothesis import strategies as st
 
 from periph_sim.core.records import Kind, Record
 from periph_sim.core.time import NO_TIME
-from periph_sim.timing.event_measures import make_of_events
+from periph_sim.timing.making import make_of_events
 from periph_sim.timing.measures import Measure
-from periph_sim.timing.names import BadEvent
+from periph_sim.timing.names import BadEvent, Scope
 from tests.board.runs import run_file
-from tests.timing.events_by_hand import BARE, ONE, came, records, tell
+from tests.timing.events_by_hand import BARE, NO_BUS, ONE, came, records, tell
 
 SCL = "10 edge SCL level 0\n16 edge SCL level 1\n20 edge SCL level 0\n23 edge SCL level 1\n40 edge SCL level 0"
 
@@ -33,8 +33,8 @@ class Scene:
         return 4
 
 
-def told(text: str, of: str, now: int = 50, **shows: int) -> Measure:
-    measure = make_of_events(text, ONE)
+def told(text: str, of: str, now: int = 50, scope: Scope = ONE, **shows: int) -> Measure:
+    measure = make_of_events(text, scope)
     measure.listen(Scene(**shows))
     tell(measure, records(of))
     measure.finish(now)
@@ -48,11 +48,15 @@ def test_a_wire():
     assert came(told("time in wire SCL high", SCL)) == (6 + 4 + 17, 4, 27, 3)  # high from the begin on
 
 
-def test_what_still_lasts_is_a_wait_and_no_whole_time():
+def test_what_still_lasts_counts_if_it_has_lasted_longest():
     low = told("each time in wire SCL low", SCL)
-    assert low.waits() == (40, "'wire SCL low' still lasted when the run ended")
-    assert told("each time in wire SCL high", SCL).waits()[0] == NO_TIME
-    assert told("each time in wire SCL high", "").waits()[0] == 4
+    assert (low.close(50), came(low)) == ("'wire SCL low' still lasted when the run ended", (10, 40, 3, 3))
+    low = told("each time in wire SCL low", SCL)
+    assert (low.close(45), came(low)) == ("", (6, 10, 3, 2))
+    high = told("each time in wire SCL high", SCL)
+    assert (high.close(99), came(high)) == ("", (17, 23, 4, 2))
+    always = told("each time in wire SCL high", "")
+    assert always.close(50) and came(always) == (46, 4, 46, 1)
 
 
 FIFO = "10 flag dsp.SCI-A SCIFFRX.RXFFST 1\n20 flag dsp.SCI-A SCIFFRX.RXFFST 2\n23 flag dsp.SCI-A SCIFFRX.RXFFST 1"
@@ -114,7 +118,6 @@ def test_a_sum_is_what_a_count_tick_by_tick_gives(drawn: list[tuple[int, int]], 
         ("time in wire SLC low", "there is no wire 'SLC'; did you mean SCL"),
         ("time in flag I2C-A.I2CSTR.AAZ = 1", "I2CSTR has no field 'AAZ'; did you mean AAS"),
         ("time in flag I2C-A.I2CSTR.AAS = 2", "AAS has 1 bits and so is never 0x2"),
-        ("each time in bus busy", "'bus START' needs a controller in the scene"),
     ],
 )
 def test_a_state_that_cannot_be_is_refused(text: str, sentence: str):
@@ -123,11 +126,17 @@ def test_a_state_that_cannot_be_is_refused(text: str, sentence: str):
     assert sentence in str(caught.value)
 
 
+def test_a_bus_that_is_none_is_in_no_state():
+    with pytest.raises(BadEvent, match="'bus START' needs SCL and SDA in the scene, which has none"):
+        make_of_events("each time in bus busy", NO_BUS)
+    assert came(told("time in bus busy", BUS, scope=BARE)) == (29, 10, 29, 2)
+
+
 def test_in_a_run_states_and_their_opposites_fill_the_time():
     texts = ["time in wire SCL high", "time in wire SCL low", "time in bus busy", "time in bus free"]
     texts += ["each time in wire MODEL high", "each time in flag I2C-A.I2CSTR.AAS = 1"]
     budgets = ", ".join(f"{{name = '{text}', measure = '{text}', max = '1 s'}}" for text in texts)
-    ran = run_file("imu_hil", "0.03", f"budget = [{budgets}]")
+    ran = run_file("imu_hil_published", "0.03", f"budget = [{budgets}]")
     found = {verdict.name: verdict for verdict in ran.result.budgets}
     assert not ran.broken()
     assert found[texts[0]].worst + found[texts[1]].worst == pytest.approx(30_000)

@@ -11,7 +11,7 @@ from pathlib import Path
 from periph_sim.core.records import Kind, Record
 from periph_sim.core.time import Timebase
 from periph_sim.formats.capture import Capture, Span
-from periph_sim.timing.budgets import Verdict
+from periph_sim.timing.verdicts import Verdict
 from periph_sim.worst.window import Window
 
 KINDS = {"span": Kind.SPAN, "irq": Kind.IRQ, "wait": Kind.WAIT}

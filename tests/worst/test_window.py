@@ -13,7 +13,7 @@ from periph_sim.case.load import load
 from periph_sim.core.records import Kind
 from periph_sim.formats.record_table import Columns
 from periph_sim.replay.wire_log import WireLog
-from periph_sim.timing.budgets import Verdict
+from periph_sim.timing.verdicts import Verdict
 from periph_sim.worst import windows, windows_of_table
 from periph_sim.worst.window import LONGEST
 
@@ -24,7 +24,7 @@ LENGTH = Fraction(3, 20)
 @pytest.fixture(scope="module")
 def whole():
     """The case with slow models: records and edges of all of a run, its verdicts."""
-    case = load(CASES / "imu_hil.toml", ["unit.dsp.settings.model_cost=400 us"])
+    case = load(CASES / "imu_hil_published.toml", ["unit.dsp.settings.model_cost=400 us"])
     columns = Columns()
     scene = Scene(case, lambda recorder, _: recorder.subscribe(Kind, columns.add))
     log = WireLog(*scene.wires.values())
@@ -79,7 +79,7 @@ def test_a_recorded_run_gives_the_same(whole):
 
 
 def test_of_a_long_occurrence_the_middle_is_not_kept():
-    case = load(CASES / "imu_hil.toml")
+    case = load(CASES / "imu_hil_published.toml")
     long = Verdict("long", "from span model begin to note lost", "us", 400_000.0, 1, 0, 1, "fail", 0.010)
     (window,) = windows(case, [long], Fraction(1, 2))
     first, second = window.kept
@@ -94,12 +94,12 @@ def test_of_a_long_occurrence_the_middle_is_not_kept():
 
 
 def test_no_instant_no_window():
-    case = load(CASES / "imu_hil.toml")
+    case = load(CASES / "imu_hil_published.toml")
     assert windows(case, [Verdict("none", "stuck", "count", 0, 0, 0, 0, "pass", None)]) == []
 
 
 def test_a_stretch_begins_where_the_controller_let_go():
-    case = load(CASES / "imu_hil.toml", ["unit.dsp.settings.frame_cost=200 us", "host.first=4.24 ms"])
+    case = load(CASES / "imu_hil_published.toml", ["unit.dsp.settings.frame_cost=200 us", "host.first=4.24 ms"])
     scene = Scene(case)
     stretch = next(v for v in scene.run(Fraction(1, 10)).budgets if v.name == "stretch")
     assert stretch.worst > 0

@@ -13,6 +13,7 @@ from ...numeric.arithmetic import Arithmetic
 from ...numeric.float64 import Float64Arrays, Floats
 from . import parameters
 from .derivative import Triple
+from .finite import check_arrays, check_before, inputs_of
 from .imu import Codes, Imu, Noise
 
 PIECE = 8192  # samples: what is being worked on fits the second-level cache
@@ -34,16 +35,19 @@ def codes_of(
 
     attitude: roll, pitch, yaw, float64[n] in rad; acceleration: x, y, z, linear, float64[n] in g; noise: nine
     float64[n] in deg/s, g and gauss, or none. before: the attitude one period before the first; as if the first had
-    stood, unless given (a Simulink block begins with 0, 0, 0). ValueError if the arrays differ in length.
+    stood, unless given (a Simulink block begins with 0, 0, 0). ValueError if the arrays differ in length; NotFinite,
+    naming axis and sample, for a NaN or an infinity.
     """
     length = len(attitude[0])
     model = Imu(arithmetic or Float64Arrays(), imu)
-    given = (*attitude, *acceleration, *(array for chip in noise or () for array in chip))
+    given = inputs_of(attitude, acceleration, noise)
     if any(len(array) != length for array in given):
         raise ValueError(f"arrays of {', '.join(str(len(array)) for array in given)} samples; expected the same of all")
+    check_arrays(given)
     out = np.empty((9, length), dtype=np.int16)
     last = tuple(angle[:1] for angle in attitude)
     if before is not None:
+        check_before(before)
         last = tuple(np.atleast_1d(model.a.constant(angle)) for angle in before)
     x, y, z = model.at_rest.body
     body_last = np.atleast_1d(x), np.atleast_1d(y), np.atleast_1d(z)

@@ -20,6 +20,7 @@ from . import parameters
 from .accelerometer import Accelerometer
 from .angles import Angles, angles
 from .derivative import Derivative, Triple
+from .finite import check_sample
 from .gyroscope import Gyroscope
 from .magnetometer import Magnetometer
 
@@ -96,6 +97,10 @@ class Imu(Generic[T]):
     def step(
         self, attitude: Triple[T], acceleration: Triple[T], noise: Noise[T], before: State[T]
     ) -> tuple[Codes[T], State[T]]:
-        """One sample, and what it leaves to the next. attitude in rad, acceleration in g."""
+        """One sample, and what it leaves to the next. attitude in rad, acceleration in g.
+
+        NotFinite, naming the axis, for a NaN or an infinity.
+        """
+        check_sample(attitude, acceleration, noise)
         turned, body = self.motion(attitude, before.attitude)
         return self.codes(turned, acceleration, body, before.body, noise), State(attitude, body)

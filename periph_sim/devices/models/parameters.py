@@ -24,7 +24,7 @@ SILENT = "the dissertation gives none"
 ARM = f"{SILENT}; 0, at the centre of gravity, which changes nothing at rest"
 G_SENS = f"{SILENT}; 0.1 is usual for such a gyroscope, and changes nothing at rest"
 AXES = f"{SILENT}; the chip's axes are taken to be the body's"
-FIELD = f"{SILENT}; Table 5.1's real mean less the hard iron, so that H_rm at rest is that mean"
+FIELD = "Table 5.1, the real mean: undisturbed, level, pointing north (section 5.2; see experiments/earth_field.py)"
 BOARD = f"{SILENT}; 0: its effect at rest is in earth_field already"
 OFF = "section 4.3.4 leaves it out; 0 is off"
 NEAREST = "not said; nearest, which Table 5.1's emulated means of the gyroscope fit within one standard error"
@@ -95,11 +95,6 @@ class Gyroscope(Sensor):
             raise BadParameter("gyroscope.mounting", f"expected 1, 2 and 3 once each, with a sign, but it is {found}")
 
 
-# The mean that the real IMU showed at rest in Table 5.1, which pointed north and was level.
-AT_REST: Vector = (0.3239, -0.0447, 0.0060)
-HARD_IRON: Vector = (-0.16, 0.17, -0.02)
-
-
 @dataclass(frozen=True)
 class Magnetometer(Sensor):
     """HMC5883L (equations 4.6 to 4.8). hard_iron: V; earth_field: H_rt; board: Incl_PCB.
@@ -109,18 +104,14 @@ class Magnetometer(Sensor):
     norm: "squares", the roots as written; "mag", two magnitudes of two numbers, which form no large square.
     """
 
-    hard_iron: Annotated[Vector, Quantity("gauss", -8, 8, TABLE)] = HARD_IRON
+    hard_iron: Annotated[Vector, Quantity("gauss", -8, 8, TABLE)] = (-0.16, 0.17, -0.02)
     noise_density: Annotated[Vector, Quantity("gauss^2/Hz", 0, 1, TABLE)] = (0.58e-6, 0.77e-6, 0.20e-6)
     scale: Annotated[float, Quantity("LSB/gauss", 1e-3, 1e6, TABLE)] = 660.0
     cross_axis: Annotated[float, Quantity("", -0.5, 0.5, TABLE)] = 0.002
     bits: Annotated[int, Quantity("bit", 2, 16, TABLE)] = 12
     full_scale: Annotated[float, Quantity("gauss", 1e-3, 1e3, "HMC5883L data sheet, GN 3")] = 2.5
     rounding: Annotated[Rounding, Choice(EITHER)] = "nearest"
-    earth_field: Annotated[Vector, Quantity("gauss", -1000, 1000, FIELD)] = (
-        AT_REST[0] - HARD_IRON[0],
-        AT_REST[1] - HARD_IRON[1],
-        AT_REST[2] - HARD_IRON[2],
-    )
+    earth_field: Annotated[Vector, Quantity("gauss", -1000, 1000, FIELD)] = (0.3239, -0.0447, 0.0060)
     board_azimuth: Annotated[float, Quantity("deg", -180, 180, BOARD)] = 0.0
     board_elevation: Annotated[float, Quantity("deg", -90, 90, BOARD)] = 0.0
     spherical: Annotated[Spherical, Choice("equation 4.7; section 4.3.3 writes plain arctangents")] = "four-quadrant"

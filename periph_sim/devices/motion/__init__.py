@@ -11,14 +11,13 @@ of the body in g, without gravity (dissertation sections 3.4 and 4.3.1).
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
 from functools import cache
 from typing import Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.scan import modules_with
 from .quantities import ACCELERATION_RANGE, ANGLE_RANGE, shown
 
 Floats = NDArray[np.float64]
@@ -66,12 +65,7 @@ class Kind(Protocol):
 @cache
 def kinds() -> dict[str, Kind]:
     """Every kind of motion, by the name of its file."""
-    found: dict[str, Kind] = {}
-    for entry in pkgutil.iter_modules(__path__):
-        module = importlib.import_module(f"{__name__}.{entry.name}")
-        if hasattr(module, "motion"):
-            found[entry.name] = cast(Kind, module)
-    return found
+    return {name: cast(Kind, module) for name, module in modules_with("motion", __name__, __path__).items()}
 
 
 def sampled(motion: Motion, times: Floats) -> Floats:

@@ -3,7 +3,8 @@
 XRDY is 1 in idle, so SDIR or AAS has to be looked at too. A record of a read has the whole register and not the field
 that the firmware looked at; so this is judged by what follows: the last read of I2CSTR before a write of I2CDXR showed
 XRDY = 1 and SDIR = 0, and SDIR was 0 still, as slave and not in FIFO mode. Firmware that had looked at SDIR would not
-have written. A write after which it makes itself master (its next write of I2CMDR has MST = 1) is none.
+have written. A write after which it makes itself master (its next write of I2CMDR has MST = 1) is none. Where the
+firmware itself had cleared SDIR since it was addressed, that is told instead.
 """
 
 from __future__ import annotations
@@ -16,11 +17,15 @@ from numpy.typing import NDArray
 from ...core.registers import Register
 from ...f28335.i2c_map import I2CDXR, I2CFFTX, I2CMDR, I2CSTR
 from ..finding import Fault, Options
-from ..run import Group, Run
+from ..run import Group, Rows, Run
 
 SAYS = "XRDY polled without SDIR or AAS being looked at: I2CDXR loaded as slave though SDIR was read as 0"
 SOURCE = "SPRUG03B table 10 (XRDY, SDIR, AAS), table 8 (BCM)"
 TEXT = "loads I2CDXR as slave on XRDY alone: the last read of I2CSTR showed SDIR = 0, so no master was reading yet"
+WIPED = (
+    "loads I2CDXR as slave with SDIR = 0 though a master reads: the firmware itself cleared SDIR in this transfer, "
+    "by writing I2CSTR at {}"
+)
 
 
 def faults(run: Run, options: Options) -> Iterator[Fault]:
@@ -38,9 +43,25 @@ def faults(run: Run, options: Options) -> Iterator[Fault]:
         slave = _held(run, group, I2CMDR, "IRS") & ~master & ~_held(run, group, I2CMDR, "FDF")
         alone = (seen & I2CSTR["XRDY"].mask != 0) & (seen & I2CSTR["SDIR"].mask == 0)
         alone &= ~_held(run, group, I2CSTR, "SDIR")
-        rows = group.rows[alone & slave & ~_held(run, group, I2CFFTX, "I2CFFEN")]
-        if len(rows):
-            yield Fault(group.unit, rows, TEXT, SOURCE)
+        found = np.flatnonzero(alone & slave & ~_held(run, group, I2CFFTX, "I2CFFEN"))
+        rows, by = group.rows[found], _wiped_by(run, group)[found]
+        if (by < 0).any():
+            yield Fault(group.unit, rows[by < 0], TEXT, SOURCE)
+        for spot, writes in run.by_place(np.unique(by[by >= 0])):
+            yield Fault(group.unit, rows[np.isin(by, writes)], WIPED.format(spot), SOURCE)
+
+
+def _wiped_by(run: Run, group: Group) -> Rows:
+    """Beside each access the firmware's write that cleared SDIR since the module was addressed; -1 if none did."""
+    value = run.table.value
+    changes = run.changes(group.unit, group.module, I2CSTR, I2CSTR["SDIR"])
+    addressed = run.changes(group.unit, group.module, I2CSTR, I2CSTR["AAS"])
+    last = np.append(changes, -1)[np.searchsorted(changes, group.rows) - 1]
+    since = np.append(addressed, -1)[np.searchsorted(addressed, group.rows) - 1]
+    writes = run.accesses_of(group.unit, "W", group.module, I2CSTR.name)
+    by = np.where(last >= 0, run.made_by(last), -1)
+    here = (last > since) & (since >= 0) & (value[last] == 0) & (value[since] == 1) & np.isin(by, writes)
+    return np.where(here, by, -1)
 
 
 def _held(run: Run, group: Group, register: Register, name: str) -> NDArray[np.bool_]:

@@ -51,7 +51,7 @@ def test_every_code_of_a_motion() -> None:
     felt = PUSHED - TO_EARTH.inv().apply([0, 0, 1]) + lever / 9.81 + [-0.02, 0.02, 0] + ACCEL
     assert np.array_equal(np.column_stack(came.accelerometer), codes(256, 0.01, 10, felt))
 
-    turned = TO_EARTH.inv().apply([0.4839, -0.2147, 0.026])
+    turned = TO_EARTH.inv().apply([0.3239, -0.0447, 0.006])
     x, y, z = turned[:, 0] - 0.16, turned[:, 1] + 0.17, turned[:, 2] - 0.02
     rho, azimuth = np.sqrt(x**2 + y**2 + z**2), np.arctan2(y, x) + AZIMUTH
     elevation = np.arcsin(z / rho) + ELEVATION

@@ -1,0 +1,234 @@
+"""The IMU emulator as a careful engineer would ship it: the work of imu_hil, and a way on from whatever goes wrong.
+
+    SCI FIFO interrupt --> frame, if no character of it is broken   RX idle with characters left: receiver restarted
+    frame whole ---------> models, unless a round is near           no frame since the last round: models behind it
+    request -------------> own address, pointer, SDIR, I2CDXR/XRDY  a wait that is too long: back to the first chip
+
+What it does otherwise than imu_hil, and why:
+
+* Every wait is bounded by TIMER1 (`patience`): a request that breaks off costs its round and no more.
+* It never reads I2CSTR to write it back: SCD is cleared by a write of that bit alone, so no other flag is lost. Flags
+  of a request that is over go with IRS = 0.
+* I2CDRR is read, so that a second byte behind the pointer (a driver's set-up) does not hold SCL.
+* A frame ends where RX is idle: characters that wait while none come are the rest of a broken frame, and are thrown
+  away. So a lost character costs one frame and not all that follow.
+* The models run when a frame arrives, so that a read carries the last frame and not the last but one. Within `guard` of
+  the next round, which TIMER0 tells from the last, they wait until it is over.
+
+Source: dissertation section 3.4 (work to be done); SPRUG03B (W1C flags, IRS), SPRUFZ5A (FIFO, RXERROR), SPRUFB0D
+section 5.5 (timers).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Literal
+
+from firmware.python.imu_hil import ACCELEROMETER, FRAME_BYTES, GYROSCOPE, MAGNETOMETER, endless
+from firmware.python.imu_models import ModelSettings, models_of, shown
+from firmware.python.startup import sci_fifo_receiver, start_i2c, start_pie, start_pin
+from periph_sim.board.dsp import Dsp
+from periph_sim.case.settings import Duration
+from periph_sim.host.registers import ModulePort
+
+RRDY, XRDY, SCD, AAS, SDIR = 1 << 3, 1 << 4, 1 << 5, 1 << 9, 1 << 14  # I2CSTR
+IRS, FREE = 1 << 5, 1 << 14  # I2CMDR
+BROKEN = 0xC000  # SCIRXBUF: SCIFFFE, SCIFFPE
+RX_ON, RX_CLEAR = 0x2020, 0x4040  # SCIFFRX: RXFIFORESET, RXFFIENA; RXFFOVRCLR, RXFFINTCLR
+RELOAD = 0x8020  # TCR: TIF cleared, TRB
+GROUP_9 = 0x100  # PIEACK
+SYSCLKOUT = 150_000_000
+
+
+@dataclass
+class Settings(ModelSettings):
+    """What a case may change besides the models: order of service, and times of its own.
+
+    period: of the sensor head's rounds. guard: before a round in which no models begin; longer than they take, the
+    round's jitter and what the clocks differ by in a period. patience: the longest wait. Inside a round that is from
+    the last I2CDXR write to the STOP, two bytes; outside of one, RX is idle if no character comes for so long.
+    """
+
+    models_run: Literal["round", "frame"] = "frame"
+    frame_cost: Duration = Fraction(0)  # of what the SCI service routine makes of a frame
+    order: tuple[int, ...] = (GYROSCOPE, ACCELEROMETER, MAGNETOMETER)
+    brr: int = 40
+    pin: int = 34  # high while the models run
+    period: Duration = Fraction(20, 1000)
+    guard: Duration = Fraction(500, 1_000_000)
+    patience: Duration = Fraction(400, 1_000_000)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not self.run_cost.most < self.guard < self.period:
+            raise ValueError("guard must be longer than the models take, and shorter than period")
+
+
+class Emulator:
+    """The firmware's memory: the last whole frame, and the bytes of each chip."""
+
+    def __init__(self, dsp: Dsp, settings: Settings) -> None:
+        self.dsp = dsp
+        self.settings = settings
+        self.frame = bytes(FRAME_BYTES)
+        self.frame_waits = False  # for the models
+        self.left = 0  # characters that waited in the FIFO when it was looked at last
+        self.overdue = 0  # waits in vain since the next round was near
+        self.data = {address: bytes(6) for address in settings.order}
+        self.i2c = dsp.module("I2C-A")
+        self.sci = dsp.module("SCI-A")
+        self.pie = dsp.module("PIE")
+        self.round_timer = dsp.module("TIMER0")
+        self.wait_timer = dsp.module("TIMER1")
+        self.cost, self.models = settings.run_cost, models_of(settings)
+
+    # SCI ---------------------------------------------------------------------
+
+    def sci_received(self) -> None:
+        """SCIRXINTA: the FIFO holds a whole frame."""
+        sci = self.sci
+        words = [sci.SCIRXBUF.all for _ in range(FRAME_BYTES)]
+        if not any(word & BROKEN for word in words):
+            self.frame = bytes(word & 0xFF for word in words)
+            self.frame_waits = True
+        if self.settings.frame_cost:
+            self.dsp.compute(self.settings.frame_cost, "frame")
+        sci.SCIFFRX.all = RX_ON | RX_CLEAR | FRAME_BYTES
+        self.pie.PIEACK.all = GROUP_9
+
+    def look_at_line(self) -> None:
+        """RX has been idle if as many characters wait as at the last look: then none may, and no error may stand."""
+        sci = self.sci
+        left = sci.SCIFFRX.RXFFST
+        if left == self.left and (left or sci.SCIRXST.RXERROR):
+            sci.SCICTL1.SWRESET = 0
+            sci.SCIFFRX.all = FRAME_BYTES  # FIFO in reset
+            sci.SCIFFRX.all = RX_ON | RX_CLEAR | FRAME_BYTES
+            sci.SCICTL1.SWRESET = 1
+            left = 0
+        self.left = left
+
+    # Models ------------------------------------------------------------------
+
+    def model(self) -> None:
+        dsp = self.dsp
+        dsp.set_pin(self.settings.pin)
+        frame, self.frame_waits = self.frame, False
+        dsp.compute(self.cost, "model")
+        codes = shown(frame) if self.models is None else self.models.chips(frame)
+        self.data = dict(zip((GYROSCOPE, ACCELEROMETER, MAGNETOMETER), codes, strict=True))
+        dsp.clear_pin(self.settings.pin)
+
+    # I2C ---------------------------------------------------------------------
+
+    def own_address(self, address: int) -> None:
+        """The chip that is asked next. IRS = 0 lets go of the bus, and clears all flags."""
+        i2c = self.i2c
+        i2c.I2CMDR.all = 0
+        i2c.I2COAR.all = address
+        i2c.I2CMDR.all = FREE | IRS
+
+    def wait_for(self, flags: int) -> int:
+        """Those of these flags of I2CSTR that come first; 0 if none does for so long that the request is lost."""
+        i2c, timer, found = self.i2c, self.wait_timer, 0
+
+        def one_of_them() -> bool:
+            nonlocal found
+            found = i2c.I2CSTR.all & flags
+            return found != 0 or timer.TCR.TIF == 1
+
+        timer.TCR.all = RELOAD
+        self.dsp.spin(one_of_them)
+        return found
+
+    def serve(self, data: bytes) -> bool:
+        """A request, its own address seen, to its STOP: True. False if it broke off."""
+        i2c = self.i2c
+        while True:
+            found = self.wait_for(RRDY | SDIR | SCD)
+            if not found:
+                return False
+            if found & SDIR:
+                return self.send(data)
+            if found & RRDY:
+                _ = i2c.I2CDRR.all  # register pointer, or what a driver writes behind it
+            else:
+                i2c.I2CSTR.all = SCD  # the read comes with a START of its own
+
+    def send(self, data: bytes) -> bool:
+        for byte in endless(data):
+            self.i2c.I2CDXR.all = byte
+            found = self.wait_for(XRDY | SCD)
+            if found & SCD:
+                return True
+            if not found:
+                break
+        return False
+
+    # The main loop -----------------------------------------------------------
+
+    def wait_for_round(self) -> bool:
+        """Until the first chip is addressed. Models run on each frame that comes; True if any did."""
+        i2c, near, late, ran = self.i2c, self.round_timer, self.wait_timer, False
+        frames = self.settings.models_run == "frame"
+
+        def something_to_do() -> bool:
+            if i2c.I2CSTR.AAS == 1 or late.TCR.TIF == 1:
+                return True
+            return frames and self.frame_waits and near.TCR.TIF == 0
+
+        while True:
+            late.TCR.all = RELOAD
+            self.dsp.spin(something_to_do)
+            if i2c.I2CSTR.AAS == 1:
+                near.TCR.all = RELOAD
+                self.overdue = 0
+                return ran
+            if late.TCR.TIF == 1:
+                self.look_at_line()
+                self.look_at_round()
+            else:
+                self.model()
+                ran = True
+
+    def look_at_round(self) -> None:
+        """A round that was near and has not come for two guard times: nobody waits for it any longer."""
+        if self.round_timer.TCR.TIF == 1:
+            self.overdue += 1
+            if self.overdue * self.settings.patience > 2 * self.settings.guard:
+                self.round_timer.TCR.all = RELOAD
+                self.overdue = 0
+
+    def serve_round(self) -> None:
+        first, *others = self.settings.order
+        self.own_address(first)
+        ran = self.wait_for_round()
+        whole = self.serve(self.data[first])
+        for address in others:
+            if whole:
+                self.own_address(address)
+                whole = bool(self.wait_for(AAS)) and self.serve(self.data[address])
+        if not ran:
+            self.model()
+
+    def run(self) -> None:
+        dsp, settings = self.dsp, self.settings
+        start_pin(dsp, settings.pin)
+        start_i2c(dsp)
+        sci_fifo_receiver(dsp, settings.brr, FRAME_BYTES)
+        start_pie(dsp, {"SCIRXINTA": self.sci_received})
+        self.start_timer(self.round_timer, settings.period - settings.guard)
+        self.start_timer(self.wait_timer, settings.patience)
+        self.model()
+        while True:
+            self.serve_round()
+
+    def start_timer(self, timer: ModulePort, length: Fraction) -> None:
+        """The timer sets TIF when `length` has passed since it was reloaded, and again each time it passes."""
+        timer.PRD.all = int(length * SYSCLKOUT)
+        timer.TCR.all = RELOAD
+
+
+def main(dsp: Dsp, settings: Settings) -> None:
+    Emulator(dsp, settings).run()

@@ -1,0 +1,61 @@
+"""The faults of a case: `[[fault]]` tables go in, agents on the scene's wires come out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from random import Random
+
+from ..core.nearest import near
+from ..core.wire import Wire
+from ..lines.faults import Kind, Place, kinds
+from .dsp import Dsp
+from .firmware import BadSetting, filled
+from .site import Site
+
+RESET = ".XRS"  # a unit's reset pin, as a wire
+
+
+class Wires:
+    """The wires that faults reach: those that the scene has, and each unit's XRS pin, once it is asked for."""
+
+    def __init__(self, site: Site, known: Mapping[str, Wire], units: Mapping[str, Dsp]) -> None:
+        self._site = site
+        self._known = dict(known)
+        self._units = units
+
+    def __call__(self, name: str) -> Wire:
+        """ValueError where there is none of this name."""
+        if name not in self._known and name.endswith(RESET):
+            unit = name.removesuffix(RESET)
+            if unit not in self._units:
+                raise ValueError(f"there is no unit {unit!r}; {near(unit, self._units)}")
+            self._known[name] = self._site.wire(name)
+            self._units[unit].connect_reset(self._known[name])
+        if name not in self._known:
+            raise ValueError(f"there is no wire {name!r}; {near(name, self._known)}")
+        return self._known[name]
+
+
+def build_faults(site: Site, known: Mapping[str, Wire], units: Mapping[str, Dsp]) -> None:
+    """BadCase, with its line, for a fault that cannot be."""
+    wires = Wires(site, known, units)
+    for entry, table in enumerate(site.case.fault):
+        given = dict(table)
+        name = str(given.pop("kind", ""))
+        kind = _kind(site, entry, name)
+        who = f"fault {entry} ({name})"
+        place = Place(site.kernel, who, wires, site.ticks, site.start, Random(f"{site.case.seed} {who}"))
+        try:
+            kind.attach(filled(kind.Settings, given, f"fault {name}"), place)
+        except BadSetting as error:
+            raise site.case.mistake(str(error), "fault", entry, *filter(None, [error.name])) from None
+        except ValueError as error:
+            raise site.case.mistake(str(error), "fault", entry) from None
+
+
+def _kind(site: Site, entry: int, name: str) -> Kind:
+    if not name:
+        raise site.case.mistake(f"it has no kind; the kinds are {', '.join(kinds())}", "fault", entry)
+    if name not in kinds():
+        raise site.case.mistake(f"there is no fault {name!r}; {near(name, kinds())}", "fault", entry, "kind")
+    return kinds()[name]

@@ -1,0 +1,98 @@
+"""The I2C controller of a case: [controller] goes in, the sensor head on SCL and SDA comes out.
+
+All its times are counted by its own clock, `ppm` off. Rounds keep to that clock however long the run; of a phase of SCL
+the nearest tick is taken.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+from ..case.model import Controller, RequestTable
+from ..core.nearest import near
+from ..core.wire import Wire
+from ..devices.sensor_head import CHIPS, Request, Schedule, SensorHead
+from ..lines.i2c_controller import BusTiming, I2cController
+from .site import Site
+
+
+@dataclass(frozen=True)
+class HeadSide:
+    """requests: of each round. round_transfers, startup_transfers: how many a round and the chips' start-up take."""
+
+    head: SensorHead
+    requests: list[Request]
+    round_transfers: int
+    startup_transfers: int
+
+
+def build_head(site: Site, table: Controller, on_stuck: Callable[[Wire], None]) -> HeadSide:
+    """BadCase, with its line, for requests that nobody can make."""
+    requests = [_chip(site, name, "controller", "order") for name in table.order]
+    requests += [_request(site, i, request) for i, request in enumerate(table.request)]
+    if not requests:
+        raise site.case.mistake("it has no requests; give it order or [[controller.request]]", "controller")
+    startup = _startup(site, table, requests)
+    by_stop = table.pointer_by == "STOP"
+
+    def ticks(length: Fraction) -> int:
+        return site.ticks(length, table.ppm)
+
+    half = Fraction(1, 2) / table.rate
+    low = ticks(half if table.low is None else table.low)
+    high = ticks(half if table.high is None else table.high)
+    controller = I2cController(
+        site.kernel,
+        site.recorder,
+        site.wire("SCL"),
+        site.wire("SDA"),
+        BusTiming(low, high, ticks(table.hold), high, low, high, low, ticks(table.filter)),
+        who="controller",
+        stuck_after=site.ticks(table.stuck_after),
+        on_stuck=on_stuck,
+        clear_after=ticks(table.clear_after or Fraction(0)),
+        gives_up=table.on_nack == "give up",
+    )
+    schedule = Schedule(
+        first=ticks(table.first),
+        period=site.exact_ticks(table.period, table.ppm),
+        gap=ticks(table.gap),
+        jitter=ticks(table.jitter),
+        rounds=table.rounds,
+        ahead=ticks(table.initialise or Fraction(0)),
+    )
+    seed = site.case.seed
+    head = SensorHead(site.kernel, controller, requests, schedule, startup=startup, by_stop=by_stop, seed=seed)
+    return HeadSide(head, requests, _transfers(requests, by_stop), _transfers(startup, by_stop))
+
+
+def _startup(site: Site, table: Controller, requests: list[Request]) -> list[Request]:
+    if table.initialise is None:
+        return []
+    asked = {request.address for request in requests}
+    startup = [request for chip in CHIPS.values() if chip.address in asked for request in chip.startup]
+    if not startup:
+        raise site.case.mistake("no known chip is asked, so there is none to set up", "controller", "initialise")
+    return startup
+
+
+def _transfers(requests: list[Request], by_stop: bool) -> int:
+    return sum(len(request.transfers(by_stop)) for request in requests)
+
+
+def _chip(site: Site, name: str, *place: str | int) -> Request:
+    if name not in CHIPS:
+        raise site.case.mistake(f"there is no chip {name!r}; {near(name, CHIPS)}", *place)
+    chip = CHIPS[name]
+    return Request(name, chip.address, chip.pointer, 6)
+
+
+def _request(site: Site, entry: int, table: RequestTable) -> Request:
+    if table.chip is not None:
+        known = _chip(site, table.chip, "controller", "request", entry, "chip")
+        return replace(known, name=table.name or known.name, expect=table.expect)
+    assert table.address is not None
+    name = table.name or f"{table.address:#04x}"
+    return Request(name, table.address, table.pointer, table.count, table.write, table.expect)

@@ -1,0 +1,36 @@
+"""Which files are cases: a folder goes in, the paths of the case files below it come out.
+
+A folder of cases may be anybody's repository, with a pyproject.toml and a virtual environment in it. A case is told
+from other TOML by its tables, and is found even where its TOML is broken, so that `check` reports it instead of
+passing over it.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+MARKER = re.compile(rb"^[ \t]*\[{1,2}[ \t]*(unit|budget|controller)\b", re.MULTILINE)
+NOT_SEARCHED = frozenset({"node_modules", "__pycache__", "site-packages"})
+
+
+def is_case(path: Path) -> bool:
+    """True if a `.toml` file has a table that only cases have: unit, budget or controller."""
+    try:
+        return path.suffix == ".toml" and MARKER.search(path.read_bytes()) is not None
+    except OSError:
+        return False
+
+
+def cases_below(folder: Path) -> Iterator[Path]:
+    """The case files of a folder and its sub-folders, by name. Hidden folders and virtual environments are left out."""
+    for above, folders, files in os.walk(folder):
+        here = Path(above)
+        folders[:] = sorted(
+            name
+            for name in folders
+            if not name.startswith(".") and name not in NOT_SEARCHED and not (here / name / "pyvenv.cfg").exists()
+        )
+        yield from (here / name for name in sorted(files) if is_case(here / name))

@@ -1,0 +1,146 @@
+"""The buses that `periph-sim decode` is asked for: a capture and texts of options go in, decoded rows come out.
+
+--i2c scl=0,sda=1          --> channels --> i2c_table  --> Bus: rows, and notes on what they do not show
+--uart rx=2,baud=auto,...  --> channels --> uart_table -->
+nothing                    --> channels called scl and sda, rx and tx
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import click
+
+from ..core.nearest import near
+from ..decode.i2c_table import i2c_table
+from ..decode.plausible import impossible_rate
+from ..decode.rows import Rows, i2c_rows, no_rows, uart_rows
+from ..decode.uart_line import line_of, width_of
+from ..decode.uart_table import uart_table
+from ..formats.capture import Capture, Channel, listed
+from ..formats.gaps import gap_notes
+from ..formats.line_names import called
+
+UART_LINES = ("rx", "tx")
+FLAGS = ("invert", "vote")  # without a value
+
+
+class Bus(NamedTuple):
+    """One bus. silence: positions without a frame that end a burst of frames; None for I2C. notes: a sentence each."""
+
+    name: str
+    rows: Rows
+    silence: int | None
+    notes: list[str]
+
+
+def asked_for(capture: Capture, i2cs: tuple[str, ...], uarts: tuple[str, ...], shortest: int) -> list[Bus]:
+    """The buses of the options, decoded; without any, those whose channels have usual names. shortest: positions.
+
+    ClickException if an option names no channels of the capture, or none has a usual name.
+    """
+    if i2cs or uarts:
+        return [_i2c(capture, text, shortest) for text in i2cs] + [
+            bus for text in uarts for bus in _uart(capture, text, shortest)
+        ]
+    sure = {line: found[0] for line in ("scl", "sda", *UART_LINES) if len(found := called(capture, line)) == 1}
+    buses = [_i2c_of(capture, sure["scl"], sure["sda"], shortest)] if {"scl", "sda"} <= sure.keys() else []
+    lines = [sure[name] for name in UART_LINES if name in sure]
+    if not buses and not lines:
+        raise click.ClickException(
+            f"{capture.path}: no channels are called scl and sda, rx or tx, it has {listed(capture.channels)}; "
+            "say which they are, as in --i2c scl=0,sda=1 or --uart rx=0,baud=auto"
+        )
+    for wire in lines:
+        try:
+            buses.append(_frames(capture, wire, {}, shortest))
+        except ValueError as error:
+            if not buses and len(lines) == 1:
+                raise click.ClickException(str(error)) from None
+            buses.append(_nothing(wire, f"{wire.name} is not decoded: {error}; say what it is with --uart"))
+    return buses
+
+
+# I2C -----------------------------------------------------------------------------
+
+
+def _i2c(capture: Capture, text: str, shortest: int) -> Bus:
+    given = _pairs("--i2c", text, ("scl", "sda"))
+    for name in ("scl", "sda"):
+        if name not in given:
+            raise click.ClickException(f"--i2c {text}: {name} is missing; expected scl=CHANNEL,sda=CHANNEL")
+    try:
+        scl, sda = capture.channel(given["scl"]), capture.channel(given["sda"])
+    except LookupError as error:
+        raise click.ClickException(f"--i2c {text}: {error.args[0]}") from None
+    if scl is sda:
+        raise click.ClickException(f"--i2c {text}: both are channel {scl.name}; expected two channels")
+    return _i2c_of(capture, scl, sda, shortest)
+
+
+def _i2c_of(capture: Capture, scl: Channel, sda: Channel, shortest: int) -> Bus:
+    rows = i2c_rows(i2c_table(capture, scl.index, sda.index, shortest))
+    wrong = impossible_rate(capture, scl.index)
+    doubts = [f"{wrong}; all times are wrong then, state the rate with --rate"] if wrong else []
+    return Bus(f"i2c {scl.name}/{sda.name}", rows, None, [*gap_notes(capture, scl, sda), *doubts])
+
+
+# UART ----------------------------------------------------------------------------
+
+
+def _uart(capture: Capture, text: str, shortest: int) -> Iterator[Bus]:
+    given = _pairs("--uart", text, (*UART_LINES, "baud", "format", *FLAGS))
+    if not given.keys() & set(UART_LINES):
+        raise click.ClickException(f"--uart {text}: rx or tx is missing; expected rx=CHANNEL,baud=RATE")
+    for name in FLAGS:
+        if given.get(name):
+            raise click.ClickException(f"--uart {text}: {name}={given[name]}; expected {name} without a value")
+    for name in UART_LINES:
+        if name in given:
+            try:
+                yield _frames(capture, capture.channel(given[name]), given, shortest)
+            except (LookupError, ValueError) as error:
+                raise click.ClickException(f"--uart {text}: {error.args[0]}") from None
+
+
+def _frames(capture: Capture, wire: Channel, given: dict[str, str], shortest: int) -> Bus:
+    """One serial line. given: what is known of it. ValueError where it cannot be guessed, or read at its rate."""
+    notes = gap_notes(capture, wire)
+    if not len(wire.edges):
+        return _nothing(wire, f"{wire.name} is {'high' if wire.initial else 'low'} throughout: nothing to decode")
+    baud, shape = given.get("baud", "auto"), given.get("format")
+    if baud == "auto":
+        from ..decode.uart_guess import guess
+
+        guessed = guess(capture, wire.index, shape, "invert" in given or None, shortest)
+        notes.append(f"{wire.name}: {guessed}")
+        line = guessed.line
+    else:
+        line = line_of(baud, shape or "8n1", "invert" in given)
+    rows = uart_rows(uart_table(capture, wire.index, line, shortest, "vote" in given))
+    silence = round(line.frame * width_of(capture, line.baud))
+    return Bus(f"uart {wire.name}", rows, silence, notes)
+
+
+def _nothing(wire: Channel, note: str) -> Bus:
+    return Bus(f"uart {wire.name}", no_rows(), 0, [note])
+
+
+# Options -------------------------------------------------------------------------
+
+
+def _pairs(option: str, text: str, known: tuple[str, ...]) -> dict[str, str]:
+    """`a=1,b` as a dict; what has no `=` has the value ''."""
+    given: dict[str, str] = {}
+    for part in text.split(","):
+        name, equals, value = part.partition("=")
+        name = name.strip().casefold()
+        if name not in known:
+            raise click.ClickException(f"{option} {text}: there is no {name!r}; {near(name, known)}")
+        if name in given:
+            raise click.ClickException(f"{option} {text}: {name} is given twice; expected once")
+        if name not in FLAGS and not value.strip():
+            raise click.ClickException(f"{option} {text}: {name} has no value; expected {name}=...")
+        given[name] = value.strip() or equals
+    return given

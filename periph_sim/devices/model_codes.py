@@ -1,0 +1,68 @@
+"""What a controller should read where firmware computes the sensors: a frame's values go in, register bytes come out.
+
+    six int16 --> attitude (1e-4 rad), acceleration (1e-3 g) --> Imu in the firmware's arithmetic --> bytes, by address
+
+The way of the bytes is the controller's (`sensor_head.CHIPS`), so that firmware which packs them otherwise is wrong.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..numeric import named
+from .host_pc import ACCELERATION, ANGLE
+from .imu_noise import ImuNoise
+from .models.imu import Imu, Noise, State
+from .models.parameters import Imu as Parameters
+from .sensor_head import CHIPS, ChipData
+
+ModelState = State[Any]
+
+
+@dataclass(frozen=True)
+class Computed:
+    """The sensors that firmware computes. noise_seed: of their noise, whose sample n goes into run n; None for none."""
+
+    parameters: Parameters
+    arithmetic: str
+    noise_seed: int | None = None
+
+
+class Shown(NamedTuple):
+    """What the chips show after a run of the models, by address, and what that run leaves to the next."""
+
+    data: dict[int, bytes]
+    state: ModelState
+
+
+class ModelCodes:
+    def __init__(self, computed: Computed) -> None:
+        self._a = named.scalar(computed.arithmetic)
+        self._model: Imu[Any] = Imu(self._a, computed.parameters)
+        self._noise = None if computed.noise_seed is None else ImuNoise(computed.parameters, computed.noise_seed)
+        self.at_rest: ModelState = self._model.at_rest
+
+    def run(self, number: int, values: tuple[int, ...], before: ModelState) -> Shown:
+        """Run `number` of the models, from 0, on the values of a frame."""
+        scaled = self._a.scaled
+        roll, pitch, yaw, x, y, z = values
+        attitude = scaled(roll, ANGLE), scaled(pitch, ANGLE), scaled(yaw, ANGLE)
+        pushed = scaled(x, ACCELERATION), scaled(y, ACCELERATION), scaled(z, ACCELERATION)
+        with np.errstate(all="ignore"):  # the arithmetic says itself what x/0 gives
+            codes, state = self._model.step(attitude, pushed, self._added(number), before)
+        return Shown({chip.address: register_bytes(chip, getattr(codes, name)) for name, chip in CHIPS.items()}, state)
+
+    def _added(self, number: int) -> Noise[Any]:
+        if self._noise is None:
+            return self._model.silence
+        constant = self._a.constant
+        return Noise(*((constant(x), constant(y), constant(z)) for x, y, z in self._noise.at(number)))
+
+
+def register_bytes(chip: ChipData, xyz: tuple[Any, Any, Any]) -> bytes:
+    """The six bytes of three values, as the chip keeps them. OverflowError for one that does not fit 16 bits."""
+    in_order = [int(xyz[axis]) for axis in chip.order]
+    return b"".join(value.to_bytes(2, "big" if chip.big else "little", signed=True) for value in in_order)

@@ -1,0 +1,30 @@
+"""The period of the models' derivative against that at which they run: both go in, BadParameter may come out.
+
+Where the models run less or more often than `period` says, every rate is wrong by the ratio, and nothing shows it.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from ...core.time import Timebase
+from .parameters import Imu
+from .quantity import BadParameter
+
+TOLERANCE = Fraction(1, 1000)  # clocks of unit, controller and host may differ by 1000 ppm together
+
+
+def check_period(imu: Imu, runs: Fraction, what: str) -> None:
+    """BadParameter unless the models' period is `runs` seconds, by a thousandth. what: as in "once a round"."""
+    period = Fraction(imu.period)
+    if abs(period - runs) > TOLERANCE * runs:
+        raise BadParameter(
+            "imu.period",
+            f"the models' period is {_shown(period)}, but they run {what}, every {_shown(runs)}; "
+            "make them the same, or every rate is off by their ratio",
+        )
+
+
+def _shown(seconds: Fraction) -> str:
+    base = Timebase()
+    return base.show(base.ticks(seconds, "nearest"))

@@ -1,0 +1,74 @@
+"""Read-modify-writes: the accesses of a run go in, which read and which write are of one statement comes out.
+
+    i2c.I2CSTR.SCD = 1     R I2CSTR, W I2CSTR: one place, one routine, one field, a few cycles apart
+
+The write may land after accesses that the CPU makes meanwhile, so it need not be the next one.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .run import Rows, Run
+
+MODIFY = 4  # cycles: most between read and write of one read-modify-write
+OVERTAKEN = 3  # accesses: the write is among so many behind its read
+
+
+class Pairs(NamedTuple):
+    """Rows of reads and of their writes, in the order of the writes. in_order: the reads in theirs."""
+
+    reads: Rows
+    writes: Rows
+    in_order: Rows
+
+    def read_of(self, write: int) -> int | None:
+        """The row of the read that a write belongs to; None if it is a plain write."""
+        place = int(np.searchsorted(self.writes, write))
+        return int(self.reads[place]) if place < len(self.writes) and self.writes[place] == write else None
+
+    def has_read(self, read: int) -> bool:
+        """Whether a read was made for a write, and not to be looked at."""
+        place = int(np.searchsorted(self.in_order, read))
+        return place < len(self.in_order) and bool(self.in_order[place] == read)
+
+
+def read_modify_writes(run: Run, unit: str) -> Pairs:
+    """All that a unit's firmware made."""
+    reads, writes, in_order = run.remembered(f"read-modify-writes of {unit}", lambda: _found(run, unit))
+    return Pairs(reads, writes, in_order)
+
+
+def _found(run: Run, unit: str) -> Rows:
+    table = run.table
+    rows, _ = run.in_order(unit)
+    ways, registers = _split(table.names["what"])
+    what = table.columns["what"][rows]
+    is_read, register = ways[what], registers[what]
+    same = [register, table.columns["text"][rows], table.columns["field"][rows], table.cause[rows]]
+    longest = int(MODIFY * run.cycles.ticks)
+    free = np.ones(len(rows), bool)
+    reads, writes = [np.empty(0, np.int64)], [np.empty(0, np.int64)]
+    for ahead in range(1, OVERTAKEN + 1):
+        first, second = slice(None, -ahead), slice(ahead, None)
+        fits = is_read[first] & ~is_read[second] & free[first] & free[second]
+        for column in same:
+            fits &= column[first] == column[second]
+        fits &= table.tick[rows[second]] - table.tick[rows[first]] <= longest
+        found = np.flatnonzero(fits)
+        free[found] = free[found + ahead] = False
+        reads.append(rows[found])
+        writes.append(rows[found + ahead])
+    of_write = np.concatenate(reads)
+    order = np.argsort(np.concatenate(writes))
+    found_rows: Rows = np.stack([of_write[order], np.concatenate(writes)[order], np.sort(of_write)])
+    return found_rows
+
+
+def _split(names: tuple[str, ...]) -> tuple[np.ndarray[tuple[int], np.dtype[np.bool_]], Rows]:
+    """Of each name of an access whether it is a read, and a number for its register."""
+    numbers: dict[str, int] = {}
+    registers = [numbers.setdefault(name[2:], len(numbers)) for name in names]
+    return np.array([name.startswith("R ") for name in names], bool), np.array(registers, np.int64)

@@ -1,0 +1,59 @@
+"""When a fault happens: once, or again and again, each time a little late by chance.
+
+at ---- every ---- every ---- ...     times: how often at most
+|~spread~|   each up to this much late, drawn from the case's seed
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Annotated
+
+from pydantic import BeforeValidator, Field
+
+from ...core.time import TimeError, seconds
+
+
+def _length(value: object) -> object:
+    if not isinstance(value, str):
+        raise ValueError(f'{value!r} has no unit; write for instance "{value} ms"')
+    try:
+        return seconds(value)
+    except TimeError as error:
+        raise ValueError(str(error)) from None
+
+
+def _not_negative(value: object) -> object:
+    length = _length(value)
+    if isinstance(length, Fraction) and length < 0:
+        raise ValueError("it is negative; a time is 0 or more")
+    return length
+
+
+def _above_zero(value: object) -> object:
+    length = _length(value)
+    if isinstance(length, Fraction) and length <= 0:
+        raise ValueError("it must be longer than 0")
+    return length
+
+
+Time = Annotated[Fraction, BeforeValidator(_not_negative)]
+Length = Annotated[Fraction, BeforeValidator(_above_zero)]
+Count = Annotated[int, Field(ge=1)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class When:
+    """at: from the run's begin. every: from one to the next; without it there is one."""
+
+    at: Time
+    every: Length | None = None
+    spread: Time = Fraction(0)
+    times: Count | None = None
+
+    def __post_init__(self) -> None:
+        if self.every is None and self.times is not None:
+            raise ValueError("times belongs to every; give every, or leave it out")
+        if self.every is not None and self.spread > self.every:
+            raise ValueError("spread is longer than every, so one would come before the last; shorten it")

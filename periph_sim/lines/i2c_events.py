@@ -1,0 +1,27 @@
+"""What two successive samples of an I2C bus say: levels go in; START, STOP, a rise or a fall of SCL comes out.
+
+    EVENT[before << 2 | now], levels as SCL | SDA: bit 0 is SCL, bit 1 is SDA
+
+START and STOP are changes of SDA with SCL high in both samples. Where both lines change at once it is SCL that
+counts: data may change with the fall of SCL (a hold time of 0), and a bit is what SDA is when SCL is high.
+
+Source: UM10204 sections 3.1.3 and 3.1.4, Table 10 (tHD;DAT).
+"""
+
+from __future__ import annotations
+
+SCL, SDA = 1, 2
+IDLE = SCL | SDA
+
+NOTHING, FALL, RISE, START, STOP = range(5)
+
+
+def _event(before: int, now: int) -> int:
+    if (before ^ now) & SCL:
+        return RISE if now & SCL else FALL
+    if before == now or not now & SCL:
+        return NOTHING
+    return STOP if now & SDA else START
+
+
+EVENT = tuple(_event(pair >> 2, pair & 3) for pair in range(16))

@@ -1,0 +1,135 @@
+"""Frames that receivers may read one way or another: what a line holds and what was received go in; both come out
+without what nobody can judge.
+
+    frames, rejected starts  --fit?-->  words to compare, one against one
+    words received           ------->   ambiguous: frames with a glitch where receivers look at a bit
+
+A glitch in a data, parity or stop bit leaves that bit open, so the word may have either. One in the start bit, or a
+start that is nearly one, leaves open whether a frame begins at all; a receiver that takes it otherwise may read other
+frames up to the next pause. There the words are followed from the first place at which both agree again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import NamedTuple
+
+from ..decode.uart import Event, Frame, Line, RejectedStart
+from .compare import Happened
+from .words import byte_words
+
+LIKELY = Fraction(1, 4)  # bits that a rejected start lasts at least where a receiver may take it for a start bit
+AHEAD = 8  # words that must agree where two readings meet again
+EXTRA = 2  # words that a receiver may read besides those of the frames
+
+
+class Word(NamedTuple):
+    """A received word. at: seconds since the capture began."""
+
+    value: int
+    frame_error: bool
+    parity_error: bool
+    at: Fraction
+
+    @property
+    def happened(self) -> Happened:
+        return Happened(byte_words(self.value, self.frame_error, self.parity_error), self.at)
+
+
+@dataclass
+class Settled:
+    """expected, found: what can be compared. ambiguous: the frames that were left out."""
+
+    expected: list[Happened] = field(default_factory=list)
+    found: list[Happened] = field(default_factory=list)
+    ambiguous: list[Frame] = field(default_factory=list)
+
+
+def settled(events: Sequence[Event], line: Line, rate: Fraction, found: Sequence[Word]) -> Settled:
+    """What of a line can be judged. rate: positions a second."""
+    return _Settling(events, line, rate, found).result()
+
+
+class _Settling:
+    def __init__(self, events: Sequence[Event], line: Line, rate: Fraction, found: Sequence[Word]) -> None:
+        self._line = line
+        self._rate = rate
+        self._found = found
+        width = rate / Fraction(line.baud)
+        self._items = [
+            event
+            for event in events
+            if isinstance(event, Frame) or (isinstance(event, RejectedStart) and event.end - event.at >= LIKELY * width)
+        ]
+        self._pause = 2 * line.frame * width  # between two starts: whatever the first was read as is over
+
+    def result(self) -> Settled:
+        done = Settled()
+        item = word = 0
+        while item < len(self._items):
+            event = self._items[item]
+            if isinstance(event, Frame) and not event.unsure:
+                self._compare(done, event, word)
+                item, word = item + 1, word + 1
+            elif isinstance(event, Frame) and not event.unsure & 1:
+                if word < len(self._found) and self._fits(event, self._found[word]):
+                    done.ambiguous.append(event)
+                else:
+                    self._compare(done, event, word)
+                item, word = item + 1, word + 1
+            else:
+                frames, words = self._until_agreed(item, word)
+                done.ambiguous += [one for one in self._items[item : item + frames] if isinstance(one, Frame)]
+                item, word = item + frames, word + words
+        done.found += [one.happened for one in self._found[word:]]
+        return done
+
+    def _compare(self, done: Settled, frame: Frame, word: int) -> None:
+        words = byte_words(frame.value, frame.frame_error, frame.parity_error)
+        done.expected.append(Happened(words, frame.at / self._rate))
+        if word < len(self._found):
+            done.found.append(self._found[word].happened)
+
+    def _fits(self, frame: Frame, word: Word) -> bool:
+        """Whether a word is one of those that the frame may be read as."""
+        data = (1 << self._line.bits) - 1
+        open_data = frame.unsure >> 1 & data
+        checked = self._line.parity != "none"
+        open_parity = open_data or (checked and frame.unsure >> 1 + self._line.bits & 1)
+        open_stop = frame.unsure >> 1 + self._line.bits + checked & 1
+        return (
+            not (frame.value ^ word.value) & ~open_data & data
+            and (bool(open_parity) or frame.parity_error == word.parity_error)
+            and (bool(open_stop) or frame.frame_error == word.frame_error)
+        )
+
+    def _until_agreed(self, item: int, word: int) -> tuple[int, int]:
+        """(items, words) to be left out from an unsure start on, within its burst: those behind which most agrees.
+
+        Of equals the fewest items, and as many words as there are frames among them, or nearly so.
+        """
+        usual = int(isinstance(self._items[item], Frame))
+        last = item + 1
+        while last < len(self._items) and self._items[last].at - self._items[last - 1].at < self._pause:
+            last += 1
+        best, most = (1, usual), 0
+        for items in range(1, last - item + 1):
+            likely = items - 1 + usual
+            for words in sorted(range(likely + EXTRA + 1), key=lambda words: abs(words - likely)):
+                agreeing = self._agreeing(item + items, word + words)
+                if agreeing > most:
+                    best, most = (items, words), agreeing
+        return best
+
+    def _agreeing(self, item: int, word: int) -> int:
+        """How many of the next words are those of the next items; AHEAD where as many are, or both end."""
+        items, found = self._items[item : item + AHEAD], self._found[word : word + AHEAD]
+        for number, event in enumerate(items):
+            if not isinstance(event, Frame) or event.unsure & 1:
+                return AHEAD
+            if number == len(found) or not self._fits(event, found[number]):
+                return number
+        both_end = len(items) == len(self._found) - word
+        return AHEAD if both_end else len(items)

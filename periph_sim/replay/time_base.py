@@ -1,0 +1,28 @@
+"""What a replay needs of a capture's time before anything runs: a rate, and an end that can be waited for."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from ..formats.capture import Capture
+from ..formats.resample import rate_text
+from . import BadReplay
+
+LONGEST = 24 * 3600  # simulated seconds
+
+
+def rate_of(capture: Capture) -> Fraction:
+    """Positions a second. BadReplay if the file states none."""
+    if capture.rate is None:
+        raise BadReplay(f"{capture.path}: a replay needs a time base and the file states no rate; state the rate")
+    return capture.rate
+
+
+def check_length(capture: Capture, end: int) -> None:
+    """BadReplay if what is to be played, up to position `end`, takes longer than a day."""
+    rate = rate_of(capture)
+    if end > LONGEST * rate:
+        raise BadReplay(
+            f"{capture.path}: at {rate_text(rate)} there are {float(end / rate / 3600):.0f} hours to play; expected at "
+            f"most {LONGEST // 3600}; state the right rate with --rate, or cut it with periph-sim convert --window"
+        )

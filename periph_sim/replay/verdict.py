@@ -1,0 +1,48 @@
+"""What a replay proves: the parts of a report go in, its verdict and one line about it come out.
+
+pass         everything judged is as in the capture
+ambiguous    so it is, but for places that receivers may read one way or another
+not judged   nothing was asked of the firmware, so that nothing is proved
+fail         something differs
+"""
+
+from __future__ import annotations
+
+from .report import Report
+
+PASS, AMBIGUOUS, NOT_JUDGED, FAIL = "pass", "ambiguous", "not judged", "fail"
+
+# What a setting of the firmware decides, where it was filled from the capture.
+DECIDES = {"replies": "the data", "asleep": "the refusals", "busy": "the refusals", "script": "the requests"}
+
+
+def verdict_of(failed: bool, asked: bool, ambiguous: int = 0) -> str:
+    """asked: the capture asks something of the firmware. ambiguous: how many events cannot be told."""
+    if failed:
+        return FAIL
+    if not asked:
+        return NOT_JUDGED
+    return AMBIGUOUS if ambiguous else PASS
+
+
+def headline(report: Report) -> str:
+    """The verdict, of how much of the capture, and what it does not say."""
+    parts = [report.verdict.upper()]
+    if report.verdict == NOT_JUDGED:
+        return f"{parts[0]}: {report.unjudged}"
+    if covered := _coverage(report):
+        parts.append(f"for {covered}")
+    if report.ambiguous:
+        parts.append(f"({report.ambiguous} of {report.events} ambiguous)")
+    taken = sorted({DECIDES[name] for name in report.filled if name in DECIDES})
+    if taken and report.verdict != FAIL:
+        return f"{' '.join(parts)}: timing and protocol only; {' and '.join(taken)} came from the capture"
+    return " ".join(parts)
+
+
+def _coverage(report: Report) -> str:
+    """How much of the capture was replayed; empty if all of it."""
+    if report.captured_events <= report.events:
+        return ""
+    transfers = f", {report.transfers} of {report.captured_transfers} transfers" if report.captured_transfers else ""
+    return f"{report.events} of {report.captured_events} events{transfers}"

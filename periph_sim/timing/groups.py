@@ -1,0 +1,61 @@
+"""Groups of events, for "the last byte of a transfer": records go in; where a group begins, and which is the n-th.
+
+transfer   from its START to the next transfer's
+round      from its first START to the next round's
+burst      UART frames of one wire without a pause between them that is longer than two characters
+"""
+
+from __future__ import annotations
+
+from ..core.records import Record
+from ..core.time import NO_TIME
+from .events import Group, Matcher
+from .measures import Happenings
+
+PAUSE = 2  # characters without a frame that end a burst
+
+
+class Groups:
+    """Of one event: which of its group it is. nth: from 1; -1 for the last."""
+
+    def __init__(self, group: Group, nth: int) -> None:
+        self.nth = nth
+        self.inside = False  # no group has begun yet
+        self._group = group
+        self._seen = 0
+        self._per_group = 1  # STARTs
+        self._starts = 0
+        self._frame_began = self._frame_ended = NO_TIME
+
+    @property
+    def matchers(self) -> tuple[Matcher, ...]:
+        """What must be recorded."""
+        return self._group.begin, self._group.end
+
+    def listen(self, scene: Happenings) -> None:
+        if self._group.name == "round":
+            self._per_group = scene.transfers_in_round()
+            self._starts = -scene.startup_transfers()
+
+    def begins(self, record: Record) -> bool:
+        """A group begins with this record."""
+        first = self._group.begin.fits(record) and self._is_first(record.tick)
+        if self._group.end.fits(record):
+            self._frame_ended = record.tick
+        if first:
+            self._seen, self.inside = 0, True
+        return first
+
+    def _is_first(self, now: int) -> bool:
+        if self._group.name == "burst":
+            character = self._frame_ended - self._frame_began
+            first = self._frame_ended == NO_TIME or now - self._frame_ended > PAUSE * character
+            self._frame_began = now
+            return first
+        self._starts += 1
+        return self._starts > 0 and (self._starts - 1) % self._per_group == 0
+
+    def is_nth(self) -> bool:
+        """The event has happened; whether it is the n-th of its group."""
+        self._seen += self.inside
+        return self.inside and self._seen == self.nth

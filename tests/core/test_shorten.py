@@ -1,0 +1,21 @@
+"""Hostile text in a message: its two ends, and how long it was."""
+
+from __future__ import annotations
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from periph_sim.core.shorten import shorten
+
+
+@given(st.text(), st.integers(40, 300))
+def test_no_text_comes_out_longer_than_asked(text: str, most: int):
+    short = shorten(text * 20, most)
+    assert len(short) <= most
+    assert short == text * 20 or short.endswith(f"({len(text * 20)} characters)")
+
+
+def test_both_ends_are_kept():
+    assert shorten("9" * 300) == "9" * 300
+    short = shorten("begin" + "9" * 5000 + "end")
+    assert short.startswith("begin999") and short.endswith("999end (5008 characters)") and " ... " in short

@@ -1,0 +1,208 @@
+"""Every interrupt source, both ways: it asks where its flag is 1 and its enable is 1, and nowhere else."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from periph_sim.core.options import options_from
+from periph_sim.f28335.cpu_timer import CpuTimer
+from periph_sim.f28335.system_options import SystemOptions
+from periph_sim.f28335.timer_map import PRD, TCR, TPR
+
+from .i2c_rig import AAS, BIT, FFEN, FFIENA, FFRST, INT1, INT2, IRS, MST, OTHER, OWN, STT, TRX, Rig
+from .sci_rig import SciRig, frame
+
+# I2C: I2CINT1A ----------------------------------------------------------------------------------------
+
+SOURCES = ["AL", "NACK", "ARDY", "RRDY", "XRDY", "SCD", "AAS"]  # bits 0 to 6 of I2CIER, SPRUG03B table 9
+
+
+class Watching(Rig):
+    """Remembers which sources had their flag at 1."""
+
+    seen = 0
+
+    def _settle(self) -> None:
+        super()._settle()
+        status = self.status()
+        self.seen |= status & 0x3F | (0x40 if status & AAS else 0)
+
+
+def nothing(rig: Rig) -> None:
+    rig.wait(4 * BIT)
+
+
+def traffic_for_others(rig: Rig) -> None:
+    rig.address(OTHER)
+    rig.send(0x12)
+    rig.restart()
+    rig.send(OTHER << 1 | 1)
+    rig.send(0xFF)
+    rig.stop()
+
+
+def written_to(rig: Rig) -> None:
+    rig.address(OWN)
+    rig.send(0x12)
+    rig.read("I2CDRR")
+    rig.stop()
+
+
+def read_and_refused(rig: Rig) -> None:
+    rig.start()
+    rig.send_bits(OWN << 1 | 1)
+    rig.write("I2CDXR", 0x5A)
+    rig.acked()
+    rig.take(ack=False)
+    rig.stop()
+
+
+def as_master(rig: Rig) -> None:
+    rig.write("I2CSAR", OTHER)
+    rig.write("I2CCNT", 1)
+    rig.write("I2CDXR", 0x77)
+    rig.write("I2CMDR", IRS | MST | TRX | STT)
+    rig.wait(30 * BIT)
+
+
+def as_late_master(rig: Rig) -> None:
+    rig.address(OTHER)
+    as_master(rig)
+
+
+STORIES = [nothing, traffic_for_others, written_to, read_and_refused, as_master, as_late_master]
+
+
+@pytest.mark.rule("I2C-272", "I2C-273")
+@pytest.mark.parametrize("story", STORIES)
+@pytest.mark.parametrize("source", range(7), ids=SOURCES)
+def test_a_source_asks_where_its_flag_is_1_and_nowhere_else(story: Callable[[Rig], None], source: int):
+    rig = Watching()
+    rig.begin()
+    rig.write("I2CIER", 1 << source)
+    rig.wait(20)
+    story(rig)
+    rig.wait(20)
+    assert rig.asked() == (INT1 if rig.seen >> source & 1 else 0)
+    assert rig.peek("I2CISRC") & 7 == (source + 1 if rig.seen >> source & 1 else 0)
+
+
+def test_the_stories_have_every_flag_at_1_and_at_0():
+    shown = []
+    for story in STORIES:
+        rig = Watching()
+        rig.begin()
+        story(rig)
+        shown.append(rig.seen)
+    ever, always = 0, 0x7F
+    for flags in shown:
+        ever, always = ever | flags, always & flags
+    assert (ever, always) == (0x7F, 0x10), "XRDY alone is 1 from the reset on"
+
+
+@pytest.mark.rule("I2C-273")
+@pytest.mark.parametrize("story", STORIES)
+def test_without_an_enable_no_flag_asks(story: Callable[[Rig], None]):
+    rig = Watching()
+    rig.begin()
+    story(rig)
+    rig.wait(20)
+    assert rig.seen and rig.asked() == 0 and rig.peek("I2CISRC") == 0
+
+
+# I2C: I2CINT2A ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.rule("I2C-297", "I2C-304")
+@pytest.mark.parametrize(("tx", "rx"), [(0, 0), (FFIENA, 0), (0, FFIENA), (FFIENA, FFIENA)])
+@pytest.mark.parametrize(("tx_level", "rx_level"), [(0, 1), (4, 2), (16, 16)])
+def test_a_fifo_asks_where_its_flag_is_1_and_enabled(tx: int, rx: int, tx_level: int, rx_level: int):
+    rig = Rig()
+    rig.begin()
+    rig.write("I2CFFTX", FFEN | FFRST | tx | tx_level)
+    rig.write("I2CFFRX", FFRST | rx | rx_level)
+    rig.address(OWN)
+    for byte in (1, 2, 3):
+        rig.send(byte)
+    rig.stop()
+    tx_flag, rx_flag = (rig.peek(name) >> 7 & 1 for name in ("I2CFFTX", "I2CFFRX"))
+    assert (tx_flag, rx_flag) == (1, rx_level <= 3), "an empty transmit FIFO is at or below any level"
+    assert rig.asked() == (INT2 if tx or (rx and rx_flag) else 0)
+
+
+# SCI --------------------------------------------------------------------------------------------------
+
+LINES = {
+    "idle": "1" * 30,
+    "good": frame(0x4B) + "1" * 3,
+    "no stop bit": frame(0x4B, bad="stop") + "1" * 3,
+    "break": "0" * 25 + "1" * 3,
+}
+
+
+@pytest.mark.rule("SCI-139", "SCI-141", "SCI-142")
+@pytest.mark.parametrize("text", LINES.values(), ids=LINES)
+@pytest.mark.parametrize("enable", ["", "RXBKINTENA", "RXERRINTENA"])
+def test_a_receive_source_asks_where_its_flag_rose_and_it_is_enabled(text: str, enable: str):
+    rig = SciRig(**({enable: 1} if enable else {}))
+    rig.send(text)
+    flags = rig.flags("RXRDY", "BRKDT", "RXERROR")
+    rises = {"": 0, "RXBKINTENA": flags["RXRDY"] + flags["BRKDT"], "RXERRINTENA": flags["RXERROR"]}
+    assert bool(rig.count("RXINT")) == bool(rises[enable])
+    assert rig.count("TXINT") == 0
+
+
+@pytest.mark.rule("SCI-160")
+@pytest.mark.parametrize("words", range(4))
+def test_without_txffiena_no_level_of_the_transmit_fifo_asks(words: int):
+    for level in (0, 1, 3, 16):
+        rig = SciRig(fifo=True, TXFFIL=level, TXFFIENA=0)
+        for word in range(words):
+            rig.write("SCITXBUF", word)
+        rig.wait(11 * words + 1)
+        assert (rig.get("TXFFINT"), rig.count("TXINT")) == (1, 0)
+        rig.set(TXFFINTCLR=1)
+        rig.wait(1)
+        assert rig.count("TXINT") == 0
+
+
+@pytest.mark.rule("SCI-177")
+@pytest.mark.parametrize("level", [1, 2, 16])
+def test_a_receive_fifo_asks_where_its_flag_is_1_and_enabled(level: int):
+    for enabled in (0, 1):
+        rig = SciRig(fifo=True, RXFFIL=level, RXFFIENA=enabled)
+        rig.send(frame(0x11) + frame(0x22) + "1")
+        assert rig.get("RXFFINT") == (level <= 2)
+        assert bool(rig.count("RXINT")) == bool(enabled and level <= 2)
+
+
+@pytest.mark.rule("SCI-195")
+@pytest.mark.parametrize("cdc", [0, 1])
+def test_after_a_first_measurement_cdc_still_decides_about_a_second(cdc: int):
+    rig = SciRig(brr=1, CDC=1)
+    rig.send(frame(ord("A")) + "11", bit=1312)
+    rig.set(ABDCLR=1, CDC=0)
+    rig.set(CDC=cdc)
+    rig.send(frame(ord("A")) + "11", bit=2592)
+    assert (rig.get("ABD"), rig.get("SCILBAUD"), rig.count("TXINT")) == ((1, 80, 2) if cdc else (0, 40, 1))
+
+
+# Timers -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.rule("SYS-089")
+@pytest.mark.parametrize("tie", [0, 1 << 14])
+def test_a_timer_asks_where_it_has_reached_zero_and_tie_is_1(tie: int):
+    timer = CpuTimer(0, options_from(SystemOptions, {}))
+    timer.write(0, TCR.offset, 1 << 4)
+    timer.write(0, PRD.offset, 999)
+    timer.write(0, TPR.offset, 0)
+    timer.write(0, TCR.offset, 1 << 5 | 1 << 15 | tie)
+    for cycle in range(1, 999):
+        timer.wake(cycle)
+    assert timer.requests == 0 and not timer.peek(998, TCR.offset) >> 15
+    for cycle in range(999, 1100):
+        timer.wake(cycle)
+    assert bool(timer.requests) == bool(tie) and timer.peek(1100, TCR.offset) >> 15

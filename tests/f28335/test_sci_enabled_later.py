@@ -1,0 +1,66 @@
+"""An enable that is set while its flag is already 1 asks then, and an option is touched when it first matters."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.f28335.sci_rig import SciRig, frame
+
+GOOD, BREAK = frame(0x4B) + "1", "0" * 25 + "1"
+
+
+@pytest.mark.rule("SCI-138", "SCI-094", "SYS-097")
+@pytest.mark.parametrize(("text", "flag"), [(GOOD, "RXRDY"), (BREAK, "BRKDT")])
+def test_rx_bk_int_ena_set_while_its_flag_is_1_asks_once(text: str, flag: str) -> None:
+    rig = SciRig(RXBKINTENA=0)
+    rig.send(text)
+    assert (rig.get(flag), rig.count("RXINT")) == (1, 0)
+    rig.set(RXBKINTENA=1)
+    assert rig.count("RXINT") == 1
+    rig.set(RXBKINTENA=1)
+    assert rig.count("RXINT") == 1
+    rig.set(RXBKINTENA=0)
+    rig.set(RXBKINTENA=1)
+    assert rig.count("RXINT") == 2
+
+
+@pytest.mark.rule("SCI-138")
+def test_rx_bk_int_ena_set_while_its_flags_are_0_asks_nothing() -> None:
+    rig = SciRig(RXBKINTENA=0)
+    rig.send(GOOD)
+    rig.read("SCIRXBUF")
+    rig.set(RXBKINTENA=1)
+    assert (rig.get("RXRDY"), rig.count("RXINT")) == (0, 0)
+
+
+@pytest.mark.rule("SCI-184")
+def test_rx_bk_int_ena_set_in_fifo_mode_asks_nothing() -> None:
+    rig = SciRig(fifo=True, RXBKINTENA=0)
+    rig.send(GOOD)
+    assert rig.get("RXFFST") == 1
+    rig.set(RXBKINTENA=1)
+    assert rig.count("RXINT") == 0
+
+
+@pytest.mark.rule("SCI-140", "SYS-097")
+def test_rx_err_int_ena_set_while_rxerror_is_1_asks_once() -> None:
+    rig = SciRig(RXERRINTENA=0)
+    rig.send(frame(0x11, bad="stop") + "1")
+    assert (rig.get("RXERROR"), rig.count("RXINT")) == (1, 0)
+    rig.set(RXERRINTENA=1)
+    rig.set(RXERRINTENA=1)
+    assert rig.count("RXINT") == 1
+
+
+def test_what_oe_means_in_fifo_mode_matters_from_the_second_unread_word_on() -> None:
+    rig = SciRig(fifo=True)
+    rig.send(GOOD)
+    assert "oe_in_fifo_mode" not in rig.chip.touched
+    rig.send(GOOD)
+    assert rig.chip.touched == {
+        "brr_write_effect",
+        "idle_before_first_frame",
+        "oe_in_fifo_mode",
+        "rx_sync_stages",
+        "rxrdy_point",
+    }

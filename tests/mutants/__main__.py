@@ -1,0 +1,131 @@
+"""`python -m tests.mutants`: tries a sample of one-line mutants of the committed tree, and lists those no test kills.
+
+A tool of our own and neither cosmic-ray nor mutmut. mutmut calls every function through a trampoline, and this package
+counts frames to know where firmware stands and switches greenlets in the middle of them; cosmic-ray runs one command
+for every mutant, in the tree it is started in. Neither draws a sample by a seed. What is left to do is small: `ast` for
+the changes, coverage's contexts for the tests that reach a line, pytest for the rest.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import tempfile
+from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from queue import SimpleQueue
+from random import SystemRandom
+
+from .equivalents import why_equivalent
+from .reach import Reach, measured
+from .sample import ROOMS, USUAL, Mutant, drawn
+from .tree import Tree, commit_of, unpack
+from .trial import Trial, tried
+
+ROOT = Path(__file__).parents[2]
+OUT = ROOT / "build" / "mutants"
+
+
+def main(arguments: list[str]) -> int:
+    options = _options(arguments)
+    commit = commit_of(ROOT, options.commit)
+    rooms = tuple(options.room or USUAL)
+    print(f"commit {commit[:10]}, rooms {', '.join(rooms)}", flush=True)
+    enough = True
+    with tempfile.TemporaryDirectory(prefix="mutants-") as scratch:
+        trees = [Tree(Path(scratch) / f"tree{number}") for number in range(options.workers)]
+        for tree in trees:
+            unpack(ROOT, commit, tree.folder)
+        reach = _reach(trees[0], commit, rooms, options.workers)
+        for seed in _seeds(options.seed):
+            chosen = drawn(rooms, options.count, seed, trees[0].folder)
+            trials = _all_tried(chosen, trees, reach)
+            enough = _reported(seed, commit, trials, options.least) and enough
+    return 0 if enough else 1
+
+
+def _options(arguments: list[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m tests.mutants", description="Mutants of the committed tree.")
+    parser.add_argument("--count", type=int, default=300, help="mutants a seed")
+    parser.add_argument("--seed", action="append", help="a number, or 'drawn'; several times for several")
+    parser.add_argument("--room", action="append", choices=sorted(ROOMS), help="several times for several")
+    parser.add_argument("--commit", default="HEAD", help="which tree to try")
+    parser.add_argument("--workers", type=int, default=2, help="processes at a time")
+    parser.add_argument("--least", type=float, default=95.0, help="percent to be killed of those not equivalent")
+    return parser.parse_args(arguments)
+
+
+def _seeds(given: list[str] | None) -> list[int]:
+    """Those of the command line; 1, 2, 3 and one drawn else."""
+    wanted = given or ["1", "2", "3", "drawn"]
+    return [SystemRandom().randrange(10**6) if seed == "drawn" else int(seed) for seed in wanted]
+
+
+def _reach(tree: Tree, commit: str, rooms: tuple[str, ...], workers: int) -> Reach:
+    """Measured once a commit and choice of rooms."""
+    kept = OUT / f"reach-{commit[:10]}-{'-'.join(rooms)}.json"
+    if not kept.exists():
+        print("running the tests as they are, the short ones under coverage", flush=True)
+        measured(tree, rooms, workers).write(kept)
+    reach = Reach.read(kept)
+    for test in reach.failing:
+        print(f"fails as it is, and judges no mutant: {test}", flush=True)
+    return reach
+
+
+def _all_tried(chosen: list[Mutant], trees: list[Tree], reach: Reach) -> list[Trial]:
+    free: SimpleQueue[Tree] = SimpleQueue()
+    for tree in trees:
+        free.put(tree)
+
+    def one(mutant: Mutant) -> Trial:
+        tree = free.get()
+        try:
+            trial = tried(mutant, tree, reach)
+        finally:
+            free.put(tree)
+        print(f"{trial.outcome:<9}{trial.seconds:6.0f} s  {mutant}", flush=True)
+        return trial
+
+    with ThreadPoolExecutor(len(trees)) as pool:
+        return list(pool.map(one, chosen))
+
+
+def _reported(seed: int, commit: str, trials: list[Trial], least: float) -> bool:
+    """Prints and keeps what came of a seed; whether enough were killed."""
+    argued = [trial for trial in trials if trial.outcome == "survived" and why_equivalent(trial.mutant)]
+    survived = [trial for trial in trials if trial.outcome == "survived" and not why_equivalent(trial.mutant)]
+    real = len(trials) - len(argued)
+    timeouts = sum(trial.outcome == "timeout" for trial in trials)
+    killed = real - len(survived)
+    share = 100 * killed / real if real else 100.0
+    print(
+        f"\nseed {seed}: {len(trials)} mutants, {len(argued)} equivalent, {killed} of {real} others killed "
+        f"({share:.1f} %), {timeouts} of them by timeout"
+    )
+    for room, (all_, left) in _by_room(trials, survived).items():
+        print(f"  {room}: {all_ - left} of {all_} killed or equivalent")
+    for trial in sorted(survived, key=lambda one: (one.mutant.path, one.mutant.change.line)):
+        reached = f"{trial.reached} short tests run it" if trial.reached else "no short test runs it, or only an import"
+        print(f"  {reached}: {trial.mutant}")
+    print(flush=True)
+    OUT.mkdir(parents=True, exist_ok=True)
+    rows = [
+        {"mutant": str(t.mutant), "room": t.mutant.room, "kind": t.mutant.change.kind, "outcome": t.outcome, "by": t.by}
+        | {"equivalent": why_equivalent(t.mutant), "seconds": round(t.seconds, 1)}
+        for t in trials
+    ]
+    told = {"seed": seed, "commit": commit, "killed_percent": share, "mutants": rows}
+    (OUT / f"seed-{seed}.json").write_text(json.dumps(told, indent=1), encoding="utf-8")
+    return share >= least
+
+
+def _by_room(trials: list[Trial], survived: list[Trial]) -> dict[str, tuple[int, int]]:
+    tried_in, left_in = (Counter(trial.mutant.room for trial in some) for some in (trials, survived))
+    return {room: (count, left_in[room]) for room, count in sorted(tried_in.items())}
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,88 @@
+"""Which tests reach which line: a run of tests under coverage goes in, tests by file and line come out.
+
+    pytest -m "not long" --cov --cov-context=test --> .coverage --> {file: {line: [test, ...]}}
+    pytest -m long ---------------------------------> both runs' failures --> failing
+
+Tests are named without their parameters: those of one function go through the same lines or nearly so, and the ones
+that are `long` are not in the map at all. What fails without any mutant judges none: it is left out, and told.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+from collections import Counter
+from pathlib import Path
+
+from coverage import CoverageData
+
+from .sample import ROOMS
+from .tree import Tree
+
+Lines = dict[int, list[str]]
+FAILED = re.compile(r"^(?:FAILED|ERROR) (\S+?::.+?|\S+?)(?: - .*)?$", re.MULTILINE)
+ORDINARY = (0, 1, 5)  # exit states of pytest: passed, some failed, none collected
+
+
+class Reach:
+    """lines: file -> line -> tests. failing: tests that fail as they are, with their parameters.
+
+    The most particular tests come first: those that reach the fewest lines.
+    """
+
+    def __init__(self, lines: dict[str, Lines], failing: list[str] | None = None) -> None:
+        self.failing = failing or []
+        self._lines = lines
+        self._weight = Counter(test for tests in lines.values() for each in tests.values() for test in each)
+
+    def tests_of(self, path: str, line: int) -> list[str]:
+        """The tests that run this line of a file."""
+        return sorted(self._lines.get(path, {}).get(line, []), key=lambda test: (self._weight[test], test))
+
+    @classmethod
+    def read(cls, path: Path) -> Reach:
+        told = json.loads(path.read_text(encoding="utf-8"))
+        lines = {name: {int(line): tests for line, tests in each.items()} for name, each in told["lines"].items()}
+        return cls(lines, told["failing"])
+
+    def write(self, path: Path) -> None:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(json.dumps({"lines": self._lines, "failing": self.failing}), encoding="utf-8")
+
+
+def measured(tree: Tree, rooms: tuple[str, ...], workers: int) -> Reach:
+    """Runs the tests of the rooms as they are, the short ones under coverage. SystemExit if pytest cannot run them."""
+    folders = sorted({folder for room in rooms for folder in (*ROOMS[room].tests, *ROOMS[room].also)})
+    short = _run(
+        tree, "not long", workers, ["--cov", "--cov-context=test", "--cov-report=", "--cov-fail-under=0"], folders
+    )
+    long = _run(tree, "long", workers, [], folders)
+    failing = sorted({*FAILED.findall(short), *FAILED.findall(long)})
+    return Reach(contexts(tree.folder / ".coverage", tree.folder), failing)
+
+
+def _run(tree: Tree, marks: str, workers: int, options: list[str], folders: list[str]) -> str:
+    command = [sys.executable, "-m", "pytest", "-q", "-m", marks, "-n", str(workers), "-p", "no:cacheprovider"]
+    command += [*options, *folders]
+    ran = subprocess.run(command, cwd=tree.folder, env=tree.environment(), capture_output=True, text=True, check=False)
+    if ran.returncode not in ORDINARY:
+        raise SystemExit(f"pytest could not run the tests as they are:\n{ran.stdout[-3000:]}{ran.stderr[-2000:]}")
+    return ran.stdout
+
+
+def contexts(data_file: Path, root: Path) -> dict[str, Lines]:
+    """What coverage wrote down: "tests/x.py::test_y[3]|run" on a line is test "tests/x.py::test_y"."""
+    data = CoverageData(str(data_file))
+    data.read()
+    found: dict[str, Lines] = {}
+    for name in data.measured_files():
+        lines: Lines = {}
+        for line, reached in data.contexts_by_lineno(name).items():
+            tests = {context.partition("|")[0].partition("[")[0] for context in reached if context}
+            if tests:
+                lines[line] = sorted(tests)
+        if lines:
+            found[str(Path(name).resolve().relative_to(root.resolve()))] = lines
+    return found

@@ -1,0 +1,136 @@
+"""The age of every read: of what each read carries, and of what no new frame has come for."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from periph_sim.devices.sensor_head import CHIPS
+from periph_sim.timing.age_measures import Age
+from periph_sim.timing.making import make_of_events
+from periph_sim.timing.verdicts import Verdict
+from tests.board.runs import Ran, run_file
+from tests.timing.events_by_hand import ONE
+from tests.timing.test_measures import ACCEL, GYRO, MAGNET, Told, accel_bytes, gyro_bytes, magnet_bytes, read, wrote
+from tests.timing.test_occasions import never
+
+
+def ages(told: Told) -> list[tuple[int, int]]:
+    """(age, when) of each read, in order."""
+    values, at = told.measure.all_kept()
+    return list(zip(values.tolist(), at.tolist(), strict=True))
+
+
+def kept(name: str = "age") -> Told:
+    told = Told(name)
+    told.measure.keep()
+    return told
+
+
+def test_every_read_has_the_age_of_the_frame_that_it_carries():
+    told = kept()
+    told.frame(1, 1000)
+    told.transfer(read(GYRO, gyro_bytes(1), at=1700))
+    told.transfer(read(GYRO, gyro_bytes(1), at=3700))  # the same once more: older
+    told.frame(2, 4000)
+    told.transfer(read(ACCEL, accel_bytes(2), at=4100))
+    told.transfer(read(GYRO, gyro_bytes(1), at=4200))  # not yet the new one
+    told.transfer(read(MAGNET, magnet_bytes(2), at=4300))
+    assert ages(told) == [(700, 1700), (2700, 3700), (100, 4100), (3200, 4200), (300, 4300)]
+
+
+def test_values_of_no_frame_are_as_old_as_the_last_that_were_of_one():
+    told = kept()
+    told.frame(1, 1000)
+    told.transfer(read(GYRO, gyro_bytes(1), at=1700))
+    told.frame(2, 4000)
+    told.transfer(read(GYRO, gyro_bytes(77), at=4200))  # nobody sent that
+    told.transfer(read(GYRO, gyro_bytes(2)[:4] + gyro_bytes(1)[4:], at=4300))  # half and half
+    told.transfer(read(GYRO, gyro_bytes(2), at=4400))
+    assert ages(told) == [(700, 1700), (3200, 4200), (3300, 4300), (400, 4400)]
+
+
+def test_until_a_chip_has_shown_a_frame_the_first_one_counts():
+    told = kept()
+    told.transfer(read(GYRO, bytes(6), at=500))  # before a frame has come there is nothing to be old
+    told.frame(1, 1000)
+    told.transfer(read(GYRO, bytes(6), at=1100))
+    told.frame(2, 2000)
+    told.transfer(read(GYRO, bytes(6), at=2100))
+    assert ages(told) == [(100, 1100), (1100, 2100)]
+    assert told.measure.occasions == 2
+
+
+def test_a_read_that_was_refused_has_no_age_and_was_an_occasion_for_one():
+    told = kept()
+    told.frame(1, 1000)
+    told.transfer(read(GYRO, gyro_bytes(1), at=1700))
+    told.transfer(wrote(GYRO, at=2000, acked=False), never(GYRO))
+    told.transfer(read(ACCEL, at=3000))  # acknowledged, and then not a byte
+    assert (told.measure.measured, told.measure.occasions) == (1, 3)
+
+
+def test_of_one_chip_only_its_reads_count():
+    told = Told("age")
+    told.measure = make_of_events("age of magnetometer", ONE)
+    told.transfers, told.frames = [], []
+    told.measure.listen(told)
+    told.measure.keep()
+    told.frame(1, 1000)
+    told.transfer(read(GYRO, gyro_bytes(1), at=1700))
+    told.transfer(read(MAGNET, magnet_bytes(1), at=1900))
+    assert ages(told) == [(900, 1900)] and isinstance(told.measure, Age)
+
+
+@given(st.lists(st.tuples(st.sampled_from(["frame", "read"]), st.integers(0, 7)), max_size=40))
+@settings(max_examples=200)
+def test_an_age_never_falls_but_by_a_younger_frame(happened: list[tuple[str, int]]):
+    """Worked out by hand beside it: the end of the newest frame shown so far that the bytes still agree with."""
+    told = kept()
+    ended: dict[int, int] = {}
+    shown = first = None
+    wanted = []
+    for step, (what, back) in enumerate(happened):
+        now = 100 * step
+        if what == "frame":
+            number = 1 + len(ended)
+            ended[number] = now
+            first = now if first is None else first
+            told.frame(number, now)
+            continue
+        number = max(0, len(ended) - back)  # 0: zeros, which are of no frame
+        told.transfer(read(GYRO, gyro_bytes(number) if number else bytes(6), at=now))
+        if first is not None:
+            shown = ended.get(number, shown) if number > len(ended) - 8 else shown
+            wanted.append((now - (first if shown is None else shown), now))
+    assert ages(told) == wanted
+
+
+# The published emulator -------------------------------------------------------------------------------------------
+
+
+def age_of(*changes: str, seconds: str = "0.5", limit: str = "25 ms") -> tuple[Ran, Verdict]:
+    ran = run_file("imu_hil_published", seconds, f'budget=[{{name="a", measure="age", max="{limit}"}}]', *changes)
+    return ran, ran.result.budgets[0]
+
+
+@pytest.mark.parametrize("frames", [0, 1, 3, 4, 20])
+def test_a_host_that_dies_is_no_pass(frames: int):
+    ran, age = age_of(f"host.frames={frames}")
+    assert ran.result.verdict == "fail" and not age.passed
+    assert (age.verdict == "fail") == (frames > 0)
+
+
+@pytest.mark.parametrize("place", [0, 5, 11])
+def test_a_lost_byte_that_the_firmware_never_recovers_from_is_no_pass(place: int):
+    _, age = age_of(f"host.lose=[[3, {place}]]")
+    assert age.broken and age.count == age.occasions == 75
+    assert age.worst is not None and age.worst > 400_000
+
+
+def test_every_read_of_every_chip_counts():
+    ran, age = age_of()
+    known = {chip.address for chip in CHIPS.values()}
+    reads = [p for t in ran.transfers for p in t.phases if p.read and p.address in known]
+    assert age.passed and age.count == len(reads) == 75

@@ -1,0 +1,98 @@
+"""Loads of the run and of its busiest window, held against a count tick by tick."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from periph_sim.core.records import Kind, Record
+from periph_sim.timing.load_measures import MILLIONTHS, CpuLoad, Load
+from periph_sim.timing.making import make_of_events
+from tests.board.runs import run_file
+from tests.timing.events_by_hand import ONE, came, records, tell
+
+
+class Second:
+    """A scene that begins at tick 1000, with 1000 ticks a second."""
+
+    def began(self) -> int:
+        return 1000
+
+    def ticks_per_second(self) -> int:
+        return 1000
+
+
+def load(text: str, drawn: str, now: int) -> Load:
+    made = make_of_events(text, ONE)
+    assert isinstance(made, Load)
+    made.listen(Second())
+    tell(made, records(drawn))
+    made.finish(now)
+    return made
+
+
+STARTS = "1000 bus c START 0\n1050 bus c repeated_START 0\n1100 bus c STOP 0\n1400 bus c START 0"
+
+
+def test_the_bus_is_busy_from_start_to_stop():
+    assert came(load("bus load", STARTS, 1500)) == (400_000, 1500, 400_000, 1)
+
+
+def test_the_busiest_window_wherever_it_begins():
+    assert came(load("bus load per 200 ms", STARTS, 1500)) == (500_000, 1000, 500_000, 1)
+    assert came(load("bus load per 100 ms", STARTS, 1500)) == (MILLIONTHS, 1000, MILLIONTHS, 1)
+    assert came(load("bus load per 400 ms", STARTS, 1500)) == (500_000 / 2, 1000, 250_000, 1)
+
+
+def test_of_a_window_longer_than_the_run_nothing_is_known():
+    short = load("bus load per 600 ms", STARTS, 1500)
+    assert short.silent and short.missing() == "the run is shorter than its window"
+
+
+CPU = """
+    1010 wait dsp I2CSTR.AAS 1
+    1050 irq  dsp SCIRXINTA  1
+    1060 wait dsp SCIFFRX    1
+    1070 wait dsp SCIFFRX    0
+    1080 irq  dsp SCIRXINTA  0
+    1090 wait dsp I2CSTR.AAS 0
+    1100 wait other I2CSTR   1
+"""
+
+
+def test_a_cpu_is_busy_unless_it_waits_outside_of_service_routines_or_in_one():
+    """Busy to 1010, in the routine but for its own wait, and from 1090 on."""
+    told = load("cpu load of dsp", CPU, 1200)
+    assert came(told) == ((10 + 10 + 10 + 110) * MILLIONTHS // 200, 1200, 700_000, 1)
+    assert isinstance(told, CpuLoad)
+
+
+@given(st.lists(st.integers(1, 9), max_size=20), st.integers(1, 30), st.integers(0, 9))
+def test_the_busiest_window_is_what_a_count_tick_by_tick_gives(lengths: list[int], window: int, tail: int):
+    now, of, busy = 1000, [], []
+    for number, length in enumerate(lengths):
+        what = "STOP" if number % 2 else "START"
+        of.append(Record(number + 1, now, Kind.BUS, "c", what, 0, "", 0))
+        busy += [not number % 2] * length
+        now += length
+    busy += [len(lengths) % 2 == 1] * tail
+    now += tail
+    told = make_of_events(f"bus load per {window} ms", ONE)
+    told.listen(Second())
+    for record in of:
+        told.record(record)
+    told.finish(now)
+    sums = [sum(busy[i : i + window]) for i in range(len(busy) - window + 1)]
+    assert told.silent == (not sums)
+    if sums:
+        assert told.worst == (2 * max(sums) * MILLIONTHS + window) // (2 * window)
+        assert sum(busy[told.worst_at - 1000 :][:window]) == max(sums)
+
+
+@pytest.mark.parametrize(("text", "least", "most"), [("cpu load", 1.25, 1.5), ("cpu load per 1 ms", 25, 40)])
+def test_of_the_emulator(text: str, least: float, most: float):
+    """A model of 250 us every 20 ms, and what serves a read."""
+    ran = run_file("imu_hil_published", "0.2", f'budget=[{{name="b", measure="{text}", max="99 %"}}]')
+    (verdict,) = ran.result.budgets
+    assert verdict.worst is not None and least < verdict.worst < most

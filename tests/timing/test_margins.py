@@ -1,0 +1,164 @@
+"""The margin of each write of I2CDXR, and what a unit holds SCL for, worked out from the wires a second way."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+
+import pytest
+
+from firmware.python.startup import start_i2c
+from periph_sim.board.dsp import Dsp
+from periph_sim.board.scene import Scene
+from periph_sim.case.load import load
+from periph_sim.core.records import Kind, Record, Recorder
+from periph_sim.core.time import NO_TIME, Timebase
+from periph_sim.timing.making import measure_named
+from periph_sim.timing.margin_measures import Margin
+from periph_sim.timing.names import BadEvent
+from tests.board.runs import TIMING
+from tests.board.small import scene_with
+from tests.timing.events_by_hand import BARE, ONE
+
+BUDGETS = (
+    'budget=[{name="m", measure="margin of I2CDXR", min="0 s"}, {name="h", measure="SCL held per transfer", max="9 s"}]'
+)
+LATE = ("unit.dsp.settings.frame_cost=110 us",)  # longer than the byte that I2CDXR holds in advance
+
+
+class Ran:
+    """A run with all its records; margins by the tick of the write."""
+
+    def __init__(self, name: str, seconds: str, *changes: str) -> None:
+        self.records: list[Record] = []
+
+        def subscribe(recorder: Recorder, timebase: Timebase) -> None:
+            recorder.subscribe(Kind, self.records.append)
+
+        self.scene = Scene(load(TIMING / f"{name}.toml", [BUDGETS, *changes]), subscribe, keep_values=True)
+        self.result = self.scene.run(Fraction(seconds))
+        measure = self.scene.limits[0].measure
+        assert isinstance(measure, Margin)
+        values, at = measure.all_kept()
+        self.margins = dict(zip(at.tolist(), values.tolist(), strict=True))
+        self.held = self.scene.limits[1].measure
+
+
+def by_hand(ran: Ran) -> dict[int, int]:
+    """Write of each byte sent, and how long before the controller's release of SCL it was: byte n has the n-th write.
+
+    Of a read in which a byte was waited for: every write between the read address and the STOP, but for the last one,
+    which no byte takes.
+    """
+    found: dict[int, int] = {}
+    writes: list[int] = []
+    reading, let_go = False, NO_TIME
+    bits = needed = 0
+    for r in ran.records:
+        if r.kind is Kind.BUS and r.what in ("START", "repeated START"):
+            reading, bits, needed, writes = False, 0, 0, []
+        elif r.kind is Kind.BUS and r.what == "address":
+            reading = bool(r.value & 2) and not r.value & 1
+            bits = 0
+        elif r.kind is Kind.BUS and r.what == "byte":
+            reading = reading and not r.value & 1
+            bits = 0
+        elif r.kind is Kind.ACCESS and r.what == "W I2C-A.I2CDXR":
+            writes.append(r.tick)
+        elif r.where == "SCL" and r.kind is Kind.EDGE and not r.value:
+            let_go = NO_TIME
+        elif r.where == "SCL" and r.kind is Kind.HOLD and r.text == "dsp.GPIO33":
+            let_go = r.tick
+        elif r.where == "SCL" and r.kind is Kind.EDGE and r.value:
+            if reading and bits == 0:
+                found[writes[needed]] = (r.tick if let_go == NO_TIME else let_go) - writes[needed]
+                needed += 1
+            bits += 1
+    return found
+
+
+@pytest.mark.parametrize(
+    ("name", "seconds", "changes"), [("imu_hil_published", "0.06", ()), ("imu_hil_drift", "0.47", LATE)]
+)
+def test_it_is_the_time_to_the_controllers_release_less_what_the_module_takes(
+    name: str, seconds: str, changes: tuple[str, ...]
+):
+    ran = Ran(name, seconds, *changes)
+    wanted = by_hand(ran)
+    delay = ran.scene.i2c_release_delay("dsp")
+    assert len(wanted) >= 54 and ran.margins == {at: value - delay for at, value in wanted.items()}
+
+
+def test_where_scl_is_held_it_is_negative_and_just_as_long():
+    ran = Ran("imu_hil_drift", "0.47", *LATE)
+    margin, held = ran.result.budgets
+    assert margin.broken and margin.worst is not None and held.worst == -margin.worst > 50
+    assert sum(value < 0 for value in ran.margins.values()) == sum(held > 0 for held in ran.held.all_kept()[0].tolist())
+
+
+def test_nothing_is_held_where_each_write_is_in_time():
+    ran = Ran("imu_hil_published", "0.06")
+    assert ran.result.verdict == "pass" and ran.held.worst == 0 and ran.held.count == 9
+    assert min(ran.margins.values()) > 0 and len(ran.margins) == 54
+
+
+def test_a_bus_that_is_held_to_the_end_counts():
+    """SDIR is cleared with SCD, and the firmware waits for it for ever."""
+    ran = Ran("imu_hil_drift", "0.47", "unit.dsp.settings.frame_cost=200 us")
+    assert ran.scene.hangs() or ran.scene.held_since() != NO_TIME
+    margin, held = ran.result.budgets
+    assert margin.broken and held.worst is not None and margin.worst is not None
+    assert held.worst >= -margin.worst > 1000
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("margin of I2CDRR", "'margin of I2CDRR': only I2CDXR has a margin; write margin of I2CDXR"),
+        ("margin of imu:I2CDXR", "there is no unit 'imu'; it has dsp"),
+        ("margin", "'margin' ends where of is expected"),
+        ("SCL held", "'SCL held' ends where per is expected"),
+        ("SCL held per transfer by imu", "there is no unit 'imu'"),
+    ],
+)
+def test_what_has_no_margin_is_refused(text: str, sentence: str):
+    with pytest.raises(BadEvent) as caught:
+        measure_named(text, ONE)
+    assert str(caught.value).startswith(sentence)
+    assert measure_named("margin of dsp:I2CDXR", BARE).series
+
+
+def answers(delay: int) -> Callable[[Dsp], None]:
+    """Serves one read of four bytes; `delay` cycles before each write."""
+
+    def main(dsp: Dsp) -> None:
+        start_i2c(dsp, 0x50)
+        i2c = dsp.module("I2C-A")
+        i2c.I2CMDR.IRS = 1
+        dsp.spin(lambda: i2c.I2CSTR.SDIR == 1)
+        i2c.I2CMDR.TRX = 1
+        for byte in range(4):
+            dsp.compute(delay)
+            i2c.I2CDXR.all = byte
+            dsp.spin(lambda: i2c.I2CSTR.XRDY == 1)
+        dsp.spin(lambda: i2c.I2CSTR.SCD == 1)
+
+    return main
+
+
+def test_twenty_cycles_before_each_write_are_twenty_cycles_less_of_margin(monkeypatch: pytest.MonkeyPatch):
+    """The second byte may be written as soon as the first has moved on: it waits for both delays."""
+
+    def margins(delay: int) -> list[int]:
+        request = {"address": 0x50, "count": 4, "expect": "00 01 02 03"}
+        budget = {"name": "m", "measure": "margin of I2CDXR", "min": "0 s", "p50": "1 s"}
+        scene = scene_with(
+            monkeypatch, answers(delay), ["I2C-A"], controller={"rounds": 1, "request": [request]}, budget=[budget]
+        )
+        scene.run()
+        return [int(value) // 20 for value in scene.limits[0].measure.all_kept()[0]]  # cycles
+
+    plain, later = margins(0), margins(20)
+    assert len(plain) == 4 and min(later) > 0
+    assert plain[0] - later[0] == 20
+    assert all(0 <= a - b - 20 <= 21 for a, b in zip(plain[1:], later[1:], strict=True))  # a pass of a poll at most

@@ -1,0 +1,86 @@
+"""Budgets whose measure has missed occasions: too few measured is not judged, which is no pass anywhere."""
+
+from __future__ import annotations
+
+import pytest
+
+from periph_sim.case.model import Budget
+from periph_sim.core.time import NO_TIME, Timebase
+from periph_sim.lines.i2c_controller import Phase
+from periph_sim.timing.budgets import Limit
+from tests.board.runs import run_file
+from tests.timing.test_measures import GYRO, Told, read, wrote
+
+
+def never(address: int) -> Phase:
+    """A read that was asked for and never begun, since the phase before was refused."""
+    return Phase(address, read=True, count=6)
+
+
+def limit(told: Told, name: str, **more: str | int) -> Limit:
+    """A budget on the measure that heard what was told."""
+    made = Limit(Budget.model_validate({"name": "b", "measure": name, **more}), Timebase(150_000_000))
+    made.measure = told.measure
+    return made
+
+
+@pytest.mark.parametrize(
+    ("answered", "asked", "verdict"), [(9, 10, "pass"), (8, 10, "not judged"), (1, 1, "pass"), (89, 99, "not judged")]
+)
+def test_nine_tenths_of_the_occasions_are_enough(answered: int, asked: int, verdict: str):
+    told = Told("response")
+    for at in range(asked):
+        phase = read(GYRO, at=at, answer_from=at, answer_at=at + 1 if at < answered else NO_TIME)
+        told.transfer(phase)
+    v = limit(told, "response", max="1 us").verdict()
+    assert (v.verdict, v.measured, v.occasions) == (verdict, answered, asked)
+    assert v.passed == (verdict == "pass") and not v.broken
+    assert v.counted == (str(answered) if answered == asked else f"{answered} of {asked}")
+    assert v.found == ("" if v.passed else f"measured {answered} of {asked} reads asked, less than 90 %")
+
+
+def test_a_broken_limit_is_broken_however_little_was_measured():
+    told = Told("response")
+    told.transfer(read(GYRO, answer_from=0, answer_at=4000))
+    told.transfer(wrote(GYRO, acked=False), never(GYRO))
+    assert limit(told, "response", max="1 us").verdict().verdict == "fail"
+
+
+def test_coverage_says_how_much_of_the_occasions_is_enough():
+    told = Told("response")
+    told.transfer(read(GYRO, answer_from=0, answer_at=1))
+    told.transfer(wrote(GYRO, acked=False), never(GYRO))
+    assert limit(told, "response", max="1 us", coverage="50 %").verdict().passed
+    assert not limit(told, "response", max="1 us", coverage="50.1 %").verdict().passed
+    with pytest.raises(ValueError, match="'half' is no part of a whole; write for instance '90 %'"):
+        limit(told, "response", max="1 us", coverage="half")
+
+
+def test_what_was_asked_counts_as_an_occasion_though_it_never_came_to_the_wire():
+    response, stretch, wrong = Told("response"), Told("stretch"), Told("wrong bytes")
+    for told in (response, stretch, wrong):
+        told.transfer(wrote(GYRO, acked=False, at=5), never(GYRO))
+    assert [t.measure.occasions for t in (response, stretch, wrong)] == [1, 2, 6]
+    assert [t.measure.measured for t in (response, stretch, wrong)] == [0, 0, 0]
+
+
+@pytest.mark.parametrize("name", ["round", "nacked rounds"])
+def test_rounds_that_were_due_and_missed_are_occasions_but_not_that_which_the_run_cuts_off(name: str):
+    told = Told(name)
+    told.round(due=10, end=20)
+    told.misses(due=30)
+    told.round(due=50, end=60)
+    told.is_due(70)  # still under way
+    told.measure.finish(75)
+    assert (told.measure.measured, told.measure.occasions) == (2, 3)
+
+
+@pytest.mark.parametrize("name", ["response", "stretch", "wrong bytes"])
+def test_a_head_that_finds_nobody_most_of_the_time_proves_nothing(name: str):
+    """The models keep the firmware from four rounds of five."""
+    limit = 999 if name == "wrong bytes" else '"9 s"'
+    budget = f'budget=[{{name="b", measure="{name}", max={limit}}}]'
+    ran = run_file("imu_hil_published", "0.3", budget, "unit.dsp.settings.model_cost=95 ms")
+    (v,) = ran.result.budgets
+    assert (ran.result.verdict, v.verdict) == ("fail", "not judged")
+    assert v.occasions is not None and 0 < 10 * v.measured < 9 * v.occasions

@@ -1,0 +1,133 @@
+"""The write, or the missing read, behind a wrong byte, ones on the bus, a hang; and the picture that shows it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Any
+
+from firmware.python.startup import start_i2c
+from periph_sim.board.dsp import Dsp
+from periph_sim.board.firmware import Firmware
+from periph_sim.board.scene import Scene
+from periph_sim.case.load import load
+from periph_sim.worst.explain import Explained, explain
+from periph_sim.worst.picture import text_picture
+from tests.board.runs import TIMING
+from tests.board.small import case
+from tests.insight.scenes import line_of
+
+READ = {"address": 0x50, "count": 2, "expect": "01 02"}
+
+
+def explained(serve: Callable[[Any, Dsp], None], measure: str, request: dict[str, Any], **controller: Any) -> Explained:
+    """The one budget of a scene in which `serve` is a slave at 0x50."""
+
+    def main(dsp: Dsp, settings: object) -> None:
+        start_i2c(dsp, own_address=0x50)
+        i2c = dsp.module("I2C-A")
+        i2c.I2CMDR.IRS = 1
+        serve(i2c, dsp)
+
+    programs = {"dsp": Firmware("slave", main, None)}
+    head = {"first": "1 ms", "period": "3 ms", "request": [request], **controller}
+    made = case(
+        "8 ms",
+        unit={"dsp": {"firmware": "slave", "modules": ["I2C-A"]}},
+        controller=head,
+        budget=[{"name": "b", "measure": measure, "max": 0}],
+    )
+    result = Scene(made, programs=programs).run()
+    return explain(made, result.budgets, programs=programs)["b"]
+
+
+def said(one: Explained) -> list[str]:
+    return [step.what for step in one.chain.steps]
+
+
+def place_of(one: Explained, words: str) -> str:
+    """Where the firmware did what a step says."""
+    place = next(step.place for step in one.chain.steps if words in step.what)
+    return f"{place.function}:{place.line}" if place else ""
+
+
+def answer_late(i2c: Any, dsp: Dsp) -> None:
+    """The byte of the second read is written when its first byte is over: it goes out with the third."""
+    i2c.I2CEMDR.BCM = 0
+    while True:
+        dsp.spin(lambda: i2c.I2CSTR.SDIR == 1)
+        for byte in (1, 3):
+            i2c.I2CDXR.all = byte
+            dsp.spin(lambda: i2c.I2CSTR.XRDY == 1 or i2c.I2CSTR.SCD == 1)
+        dsp.spin(lambda: i2c.I2CSTR.SCD == 1)
+        i2c.I2CSTR.all = 0x4020
+
+
+def test_a_wrong_byte_is_told_with_the_line_that_wrote_it_and_when():
+    one = explained(answer_late, "wrong bytes", READ)
+    (told,) = [step for step in one.chain.steps if step.what.startswith("byte 2: 0x03")]
+    assert "written" in told.what and told.place is not None
+    assert f"{told.place.function}:{told.place.line}" == line_of(answer_late, 6)
+
+
+def test_a_byte_of_another_transfer_is_told_as_one():
+    run = load(TIMING / "imu_hil_no_sdir.toml", [])
+    scene = Scene(run)
+    result = scene.run(Fraction(12, 1000))
+    one = explain(run, result.budgets, length=Fraction(12, 1000))["wrong bytes"]
+    assert any(
+        what.startswith("byte 1: 0x12 ACK, written") and what.endswith("for gyroscope (0x68 W)") for what in said(one)
+    )
+    assert one.chain.blamed is not None and one.chain.blamed.place is not None
+
+
+def reset_in_read(i2c: Any, dsp: Dsp) -> None:
+    dsp.spin(lambda: i2c.I2CSTR.SDIR == 1)
+    i2c.I2CDXR.all = 1
+    dsp.compute(12_000)
+    i2c.I2CMDR.IRS = 0
+
+
+def test_ones_on_the_bus_go_back_to_the_reset_of_the_module():
+    one = explained(reset_in_read, "wrong bytes", READ)
+    assert place_of(one, "I2CMDR.IRS cleared, so the module lets SDA go") == line_of(reset_in_read, 4)
+    assert str(one.chain.blamed) == "I2CMDR.IRS cleared"
+
+
+def read_nothing(i2c: Any, dsp: Dsp) -> None:
+    dsp.spin(lambda: i2c.I2CSTR.RRDY == 1)
+    assert i2c.I2CDRR.all == 1
+    dsp.spin(lambda: i2c.I2CSTR.SCD == 1)
+
+
+def test_a_hang_goes_back_to_the_receive_register_that_nobody_read():
+    one = explained(read_nothing, "missed rounds", {"address": 0x50, "write": "01 02 03 04"})
+    assert "I2CSTR.RSFULL set: a second byte is in, and I2CDRR is unread" in said(one)
+    assert place_of(one, "I2CDRR read for the last time") == line_of(read_nothing, 2)
+
+
+def trust_old_stop(i2c: Any, dsp: Dsp) -> None:
+    """The wait for XRDY or SCD ends by the SCD of the transfer before."""
+    while True:
+        dsp.spin(lambda: i2c.I2CSTR.SDIR == 1)
+        for byte in (1, 2, 3):
+            i2c.I2CDXR.all = byte
+            if dsp.spin_either(lambda: i2c.I2CSTR.XRDY == 1, lambda: i2c.I2CSTR.SCD == 1):
+                break
+        dsp.spin(lambda: i2c.I2CSTR.SCD == 1)
+        dsp.spin(lambda: i2c.I2CSTR.BB == 0)
+        i2c.I2CSTR.all = 0x4000  # SDIR alone: SCD stays
+
+
+def test_a_wait_that_an_old_flag_ended_is_told():
+    one = explained(trust_old_stop, "missed rounds", {**READ, "count": 3, "expect": "01 02 03"}, period="2 ms")
+    assert any(what.startswith("the firmware sees I2CSTR.SCD, which rose") for what in said(one))
+
+
+def test_the_picture_reaches_the_evidence_and_has_the_lane_that_the_chain_names():
+    one = explained(reset_in_read, "wrong bytes", READ)
+    window = one.window
+    ticks = [window.begin + step.at for step in one.chain.steps]
+    assert window.drawn.begin <= min(ticks) and max(ticks) <= window.drawn.end
+    lanes = [line.split(" ")[0] for line in text_picture(window, 120)]
+    assert "I2CDXR" in lanes and "IRS" in lanes

@@ -77,7 +77,13 @@ def test_open_emdr_present(present):
     rig.send_bits(OWN << 1 | 1)
     rig.wait(SOON)
     assert rig.peek("I2CISRC") == (0 if present else 5), "BCM = 0 asks later"
-    assert "emdr_present" in rig.chip.touched
+    assert rig.chip.touched == {
+        "aas_sdir_point",
+        "bcm_reset",
+        "emdr_present",
+        "noise_filter_cycles",
+        "xrdyint_when_idle",
+    } | (set() if present else {"event_to_isrc_delay"})
     rig.chip.reset(rig.now)
     rig.chip.gate(rig.now, True)
     rig.write("I2CEMDR", 1)
@@ -95,12 +101,24 @@ def test_open_bcm_reset(bcm):
     rig.send_bits(OWN << 1 | 1)
     rig.wait(SOON)
     assert rig.peek("I2CISRC") == 5 * bcm
-    assert "bcm_reset" in rig.chip.touched
+    assert rig.chip.touched == {
+        "aas_sdir_point",
+        "bcm_reset",
+        "emdr_present",
+        "noise_filter_cycles",
+        "xrdyint_when_idle",
+    } | ({"event_to_isrc_delay"} if bcm else set())
     written = Rig(bcm_reset=bcm)
     written.write("I2CEMDR", 1)
     written.begin()
     assert written.address(OWN, 1)
-    assert "bcm_reset" not in written.chip.touched
+    assert written.chip.touched == {
+        "aas_sdir_point",
+        "emdr_present",
+        "noise_filter_cycles",
+        "stretch_after_address_ack",
+        "tx_underflow_policy",
+    }
 
 
 @pytest.mark.rule("I2C-113", "I2C-195", "I2C-216")
@@ -136,7 +154,15 @@ def test_open_dxr_to_xsr_copy_point_idle(point, trx):
     assert rig.flag(XRDY) == 0
     rig.address(OWN, 1)
     assert rig.take() == (0x11 if eager and point != "eager_reloaded_at_address" else 0x22)
-    assert "dxr_to_xsr_copy_point" in rig.chip.touched
+    assert rig.chip.touched == {
+        "aas_sdir_point",
+        "bcm_reset",
+        "dxr_to_xsr_copy_point",
+        "noise_filter_cycles",
+        "stale_byte_next_read",
+    } | ({"xrdy_rise_point"} if point == "ack_rise9" else set()) | (
+        {"dxr_write_while_full"} if not eager else set()
+    ) | ({"tx_underflow_policy"} if not eager or point == "eager_reloaded_at_address" else set())
 
 
 @pytest.mark.rule("I2C-115")
@@ -235,7 +261,13 @@ def test_open_tx_underflow_policy(policy):
     assert rig.flag(XSMT) == 0
     if policy != "stretch":
         assert rig.take(ack=False) == (0x5A if policy == "resend_previous" else 0xFF)
-    assert "tx_underflow_policy" in rig.chip.touched
+    assert rig.chip.touched == {
+        "aas_sdir_point",
+        "bcm_reset",
+        "dxr_to_xsr_copy_point",
+        "noise_filter_cycles",
+        "tx_underflow_policy",
+    } | ({"xsmt_on_final_nack"} if policy != "stretch" else set())
 
 
 @pytest.mark.rule("I2C-108")
@@ -248,7 +280,16 @@ def test_open_stretch_after_address_ack(stretches):
     assert rig.stretching == stretches
     if not stretches:
         assert rig.take(ack=False) == 0x11, "what was left in I2CXSR"
-    assert "stretch_after_address_ack" in rig.chip.touched
+    assert rig.chip.touched == {
+        "aas_sdir_point",
+        "bcm_reset",
+        "dxr_to_xsr_copy_point",
+        "noise_filter_cycles",
+        "sdir_clear",
+        "stretch_after_address_ack",
+        "tx_underflow_policy",
+        "xsmt_on_final_nack",
+    }
 
 
 @pytest.mark.rule("I2C-124", "I2C-213", "I2C-214")
@@ -286,7 +327,17 @@ def test_open_stale_byte_next_read(fate):
     assert rig.flag(XRDY)
     rig.write("I2CDXR", 0x33)
     assert rig.take(ack=False) == (0x22 if fate == "sent_first" else 0x33)
-    assert "stale_byte_next_read" in rig.chip.touched
+    assert rig.chip.touched == {
+        "aas_sdir_point",
+        "bcm_reset",
+        "nack_clears_dxr",
+        "noise_filter_cycles",
+        "sda_setup_before_scl_release",
+        "sdir_clear",
+        "stale_byte_next_read",
+        "stretch_after_address_ack",
+        "tx_underflow_policy",
+    } | ({"dxr_to_xsr_copy_point"} if fate == "sent_first" else {"xsmt_on_final_nack"})
 
 
 @pytest.mark.rule("I2C-237")
@@ -322,7 +373,18 @@ def test_open_dxr_survives_irs(fate):
     if rig.stretching:
         rig.write("I2CDXR", 0x66)
     assert rig.take(ack=False) == (0x66 if fate == "data_kept_xrdy_1" else 0x5A)
-    assert "dxr_survives_irs" in rig.chip.touched
+    assert rig.chip.touched == {
+        "aas_sdir_point",
+        "bb_on_irs_reset",
+        "bcm_reset",
+        "dxr_survives_irs",
+        "noise_filter_cycles",
+        "xsmt_on_final_nack",
+    } | (
+        {"dxr_to_xsr_copy_point", "stale_byte_next_read"}
+        if fate == "kept_and_still_sent"
+        else {"sda_setup_before_scl_release", "stretch_after_address_ack", "tx_underflow_policy"}
+    )
 
 
 @pytest.mark.rule("I2C-119", "I2C-120")
@@ -336,7 +398,16 @@ def test_open_nack_clears_dxr(clears):
     rig.address(OWN, 1)
     rig.wait(BIT)
     assert rig.stretching == clears
-    assert "nack_clears_dxr" in rig.chip.touched
+    assert rig.chip.touched == {
+        "aas_sdir_point",
+        "bcm_reset",
+        "nack_clears_dxr",
+        "noise_filter_cycles",
+        "sda_setup_before_scl_release",
+        "sdir_clear",
+        "stretch_after_address_ack",
+        "tx_underflow_policy",
+    } | (set() if clears else {"dxr_to_xsr_copy_point", "stale_byte_next_read"})
 
 
 @pytest.mark.rule("I2C-120", "I2C-213")
@@ -359,7 +430,16 @@ def test_open_nackint_in_slave_tx(asks):
     assert rig.flag(NACK)
     assert rig.peek("I2CISRC") == (2 if asks else 0)
     assert rig.asked() == (INT1 if asks else 0)
-    assert "nackint_in_slave_tx" in rig.chip.touched
+    assert rig.chip.touched == {
+        "aas_sdir_point",
+        "bcm_reset",
+        "nackint_in_slave_tx",
+        "noise_filter_cycles",
+        "sda_setup_before_scl_release",
+        "stretch_after_address_ack",
+        "tx_underflow_policy",
+        "xsmt_on_final_nack",
+    } | ({"event_to_isrc_delay"} if asks else set())
 
 
 @pytest.mark.rule("I2C-108")
@@ -416,7 +496,17 @@ def test_open_cnt_in_slave_tx(effect):
         rig.write("I2CMDR", 0)
         rig.write("I2CMDR", IRS)
     assert rig.read("I2CCNT") == 2
-    assert "cnt_in_slave_tx" in rig.chip.touched
+    assert rig.chip.touched == {
+        "aas_sdir_point",
+        "bb_on_irs_reset",
+        "bcm_reset",
+        "cnt_in_slave_tx",
+        "dxr_to_xsr_copy_point",
+        "noise_filter_cycles",
+        "sda_setup_before_scl_release",
+        "sdir_clear",
+        "tx_underflow_policy",
+    } | ({"dxr_survives_irs", "nack_clears_dxr"} if effect == "counts_bytes" else {"xsmt_on_final_nack"})
 
 
 @pytest.mark.rule("I2C-334")
@@ -468,7 +558,9 @@ def test_open_rx_overrun_policy(policy):
         assert rig.send(0x33)
     assert rig.read("I2CDRR") == 0x11
     assert rig.read("I2CDRR") == (0x33 if policy == "overwrite" else 0x22)
-    assert "rx_overrun_policy" in rig.chip.touched
+    assert rig.chip.touched == {"aas_sdir_point", "noise_filter_cycles", "rrdy_point", "rx_overrun_policy"} | (
+        {"rsfull_stretch_point"} if policy == "stretch_after_second_byte" else set()
+    )
 
 
 @pytest.mark.rule("I2C-100")
@@ -509,7 +601,9 @@ def test_open_nackmod_on_address(scope):
     assert not rig.send(0x11)
     assert rig.flag(RRDY) == (scope == "data_only")
     assert rig.flag(NACKSNT)
-    assert "nackmod_on_address" in rig.chip.touched
+    assert rig.chip.touched == {"aas_sdir_point", "nackmod_on_address", "noise_filter_cycles"} | (
+        {"rrdy_point"} if scope == "data_only" else set()
+    )
 
 
 # Bus state, addresses
@@ -556,7 +650,9 @@ def test_open_general_call(answer):
     rig = idle(general_call=answer)
     assert rig.address(0) == (answer == "acknowledged")
     assert rig.flag(AAS) == (answer == "acknowledged")
-    assert "general_call" in rig.chip.touched
+    assert rig.chip.touched == {"general_call", "noise_filter_cycles"} | (
+        {"aas_sdir_point"} if answer == "acknowledged" else set()
+    )
 
 
 @pytest.mark.rule("I2C-231")
@@ -596,7 +692,24 @@ def test_open_oar_zero(what):
         assert rig.take(ack=False) == 0x5A
     rig.stop()
     assert rig.address(0)
-    assert "oar_zero" in rig.chip.touched
+    assert rig.chip.touched == {
+        "aas_sdir_point",
+        "general_call",
+        "noise_filter_cycles",
+        "oar_zero",
+        "start_byte_ad0",
+    } | (
+        {
+            "bcm_reset",
+            "sda_setup_before_scl_release",
+            "sdir_clear",
+            "stretch_after_address_ack",
+            "tx_underflow_policy",
+            "xsmt_on_final_nack",
+        }
+        if what == "own_address_too"
+        else {"scd_foreign"}
+    )
 
 
 @pytest.mark.rule("I2C-218")
@@ -721,7 +834,20 @@ def test_open_isrc_preempt(rule, shown):
     assert rig.read("I2CISRC") == shown
     rig.wait(SOON)
     assert rig.peek("I2CISRC") == 6 - shown
-    assert "isrc_preempt" in rig.chip.touched
+    assert rig.chip.touched == {
+        "aas_sdir_point",
+        "bcm_reset",
+        "event_to_isrc_delay",
+        "int_line",
+        "isrc_preempt",
+        "nackint_in_slave_tx",
+        "noise_filter_cycles",
+        "rrdy_point",
+        "sda_setup_before_scl_release",
+        "stretch_after_address_ack",
+        "tx_underflow_policy",
+        "xsmt_on_final_nack",
+    }
 
 
 @pytest.mark.rule("I2C-279")
@@ -735,7 +861,13 @@ def test_open_isrc_follows_flag(rule):
     rig.read("I2CDRR")
     rig.wait(SOON)
     assert rig.read("I2CISRC") == (4 if rule == "stays" else 0)
-    assert "isrc_follows_flag" in rig.chip.touched
+    assert rig.chip.touched == {
+        "aas_sdir_point",
+        "event_to_isrc_delay",
+        "isrc_follows_flag",
+        "noise_filter_cycles",
+        "rrdy_point",
+    } | ({"int_line"} if rule == "stays" else set())
 
 
 @pytest.mark.rule("I2C-333")
@@ -748,7 +880,13 @@ def test_open_irs_clears_isrc(clears):
     rig.write("I2CMDR", 0)
     rig.wait(SOON)
     assert rig.read("I2CISRC") == (0 if clears else 6)
-    assert "irs_clears_isrc" in rig.chip.touched
+    assert rig.chip.touched == {
+        "aas_sdir_point",
+        "bb_on_irs_reset",
+        "event_to_isrc_delay",
+        "irs_clears_isrc",
+        "noise_filter_cycles",
+    } | ({"int_line"} if not clears else set())
 
 
 # Clock, emulation, FIFO
@@ -882,7 +1020,14 @@ def test_open_fifo_17th_byte(policy):
         rig.send(17)
     assert [rig.read("I2CDRR") for _ in range(16)] == list(range(16))
     assert rig.read("I2CDRR") == (17 if policy == "overwrite" else 16)
-    assert "fifo_17th_byte" in rig.chip.touched
+    assert rig.chip.touched == {
+        "aas_sdir_point",
+        "fifo_17th_byte",
+        "fifo_extra_stage",
+        "fifo_int_mode",
+        "noise_filter_cycles",
+        "rrdy_point",
+    } | ({"rsfull_stretch_point"} if policy == "stretch" else set())
 
 
 @pytest.mark.rule("I2C-290")
@@ -906,7 +1051,17 @@ def test_open_txfifo_reset_flushes_xsr(flushes):
     if flushes:
         rig.write("I2CDXR", 0x22)
     assert rig.take(ack=False) == (0x22 if flushes else 0x11)
-    assert "txfifo_reset_flushes_xsr" in rig.chip.touched
+    assert rig.chip.touched == {
+        "aas_sdir_point",
+        "bcm_reset",
+        "dxr_to_xsr_copy_point",
+        "fifo_extra_stage",
+        "fifo_int_mode",
+        "noise_filter_cycles",
+        "rrdy_point",
+        "txfifo_reset_flushes_xsr",
+        "xsmt_on_final_nack",
+    } | ({"sda_setup_before_scl_release", "stretch_after_address_ack", "tx_underflow_policy"} if flushes else set())
 
 
 @pytest.mark.rule("I2C-287", "I2C-292", "I2C-299")
@@ -928,7 +1083,16 @@ def test_open_fifo_extra_stage(stage):
     rig.send(0xEE)
     assert rig.stretching
     assert [rig.read("I2CDRR") for _ in range(16 + extra)] == list(range(16 + extra))
-    assert "fifo_extra_stage" in rig.chip.touched
+    assert rig.chip.touched == {
+        "aas_sdir_point",
+        "dxr_to_xsr_copy_point",
+        "fifo_17th_byte",
+        "fifo_extra_stage",
+        "fifo_int_mode",
+        "noise_filter_cycles",
+        "rrdy_point",
+        "rsfull_stretch_point",
+    }
 
 
 @pytest.mark.rule("I2C-292")
@@ -959,7 +1123,17 @@ def test_open_irs_clears_fifo(clears):
     assert left[1] == (0 if clears else 1)
     if clears:
         assert left[0] == 0
-    assert "irs_clears_fifo" in rig.chip.touched
+    assert rig.chip.touched == {
+        "aas_sdir_point",
+        "bb_on_irs_reset",
+        "dxr_survives_irs",
+        "dxr_to_xsr_copy_point",
+        "fifo_extra_stage",
+        "fifo_int_mode",
+        "irs_clears_fifo",
+        "noise_filter_cycles",
+        "rrdy_point",
+    }
 
 
 @pytest.mark.rule("I2C-101", "I2C-210", "I2C-241")
@@ -973,7 +1147,9 @@ def test_open_rrdy_clear_reads_drr(read):
     rig.send_bits(0x22)
     assert (rig.flag(RSFULL), rig.flag(RRDY)) == ((0, 1) if read else (1, 0))
     assert rig.peek("I2CDRR") == (0x22 if read else 0x11)
-    assert "rrdy_clear_reads_drr" in rig.chip.touched
+    assert rig.chip.touched == {"aas_sdir_point", "noise_filter_cycles", "rrdy_clear_reads_drr", "rrdy_point"} | (
+        {"rx_overrun_policy"} if not read else set()
+    )
 
 
 @pytest.mark.rule("I2C-033", "I2C-034")

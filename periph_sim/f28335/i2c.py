@@ -43,8 +43,7 @@ from .i2c_options import I2cOptions
 from .i2c_state import I2cState
 from .i2c_target import IGNORE, OFF, I2cTarget
 
-SCL_PIN, SDA_PIN = 0, 1  # indices in INPUTS and OUTPUTS
-I2CSTR, I2CMDR = I2C_MAP["I2CSTR"], I2C_MAP["I2CMDR"]
+I2CSTR = I2C_MAP["I2CSTR"]
 BOTH = SCL | SDA
 
 
@@ -266,7 +265,10 @@ class I2c:
         elif offset == at.STR:
             self._write_str(now, value)
         elif offset == at.MDR:
+            looped = state.mdr & MDR_DLB
             self._write_mdr(now, value & ~(1 << 12))
+            if looped and not state.mdr & MDR_DLB:
+                self._hear(now, self._pins)  # they may stand still for long
         elif offset == at.IER:
             state.ier = value & 0x7F
             self.limits.fifo_enables()

@@ -134,3 +134,51 @@ def test_a_foreign_transfer_on_the_pins_is_not_heard():
     b.run(30 * SLOT)
     assert foreign.done and foreign.heard == "NN"
     assert b.flags("AAS RRDY") == ""
+
+
+# ---- leaving it: the pins are heard again, whether they move or not ------------------------------------
+
+FILTER = 16  # cycles in which an edge is behind the filter, and one more
+LEAVING = pytest.mark.parametrize("way", ["DLB written 0", "IRS written 0 and 1"])
+
+
+def leave(b: Bench, way: str) -> None:
+    if way != "DLB written 0":
+        b.w("I2CMDR", 0)
+    b.mode("")
+    b.run(FILTER)
+
+
+@rule("I2C-306")
+@LEAVING
+def test_out_of_loopback_a_clock_edge_of_others_is_no_start(way: str):
+    """Others' transfer stands in a low of SCL, SDA low: SCL rises, SDA rises. That is a STOP and nothing else."""
+    b = Bench()
+    b.mode("MST TRX DLB")
+    for line in (SDA, SCL):
+        b.pull(line)
+        b.run(FILTER)
+    assert b.flags("BB SCD") == ""
+    leave(b, way)
+    b.let_go(SCL)
+    b.run(FILTER)
+    assert b.flags("BB SCD") == ""
+    b.let_go(SDA)
+    b.run(FILTER)
+    assert b.flags("BB SCD") == "SCD"
+
+
+@rule("I2C-306", "I2C-037")
+@LEAVING
+def test_out_of_loopback_a_start_waits_for_a_clock_that_others_hold(way: str):
+    b = Bench(Target(0x50))
+    b.mode("MST TRX DLB")
+    b.pull(SCL)
+    b.run(FILTER)
+    leave(b, way)
+    b.send([0x12])
+    b.run(10 * SLOT)
+    assert b.times(SDA, 0) == [] and b.flags("BB STT") == "STT"
+    b.let_go(SCL)
+    b.stopped()
+    assert b.said() == "S 50W A 12 A P"

@@ -1,9 +1,12 @@
 """`python -m tests.mutants`: tries a sample of one-line mutants of the committed tree, and lists those no test kills.
 
+    --seed 1 --count 60 --room measures     60 lines drawn, one change of each
+    --file periph_sim/timing/values.py      every change of every line
+
 A tool of our own and neither cosmic-ray nor mutmut. mutmut calls every function through a trampoline, and this package
 counts frames to know where firmware stands and switches greenlets in the middle of them; cosmic-ray runs one command
 for every mutant, in the tree it is started in. Neither draws a sample by a seed. What is left to do is small: `ast` for
-the changes, coverage's contexts for the tests that reach a line, pytest for the rest.
+the changes, coverage's contexts for the tests that reach a line, pytest in a fork for the rest.
 """
 
 from __future__ import annotations
@@ -13,14 +16,17 @@ import json
 import sys
 import tempfile
 from collections import Counter
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
 from pathlib import Path
 from queue import SimpleQueue
 from random import SystemRandom
 
 from .equivalents import why_equivalent
 from .reach import Reach, measured
-from .sample import ROOMS, USUAL, Mutant, drawn
+from .runner import Runner
+from .sample import ROOMS, USUAL, Mutant, drawn, every
 from .tree import Tree, commit_of, unpack
 from .trial import Trial, tried
 
@@ -39,10 +45,11 @@ def main(arguments: list[str]) -> int:
         for tree in trees:
             unpack(ROOT, commit, tree.folder)
         reach = _reach(trees[0], commit, rooms, options.workers)
-        for seed in _seeds(options.seed):
-            chosen = drawn(rooms, options.count, seed, trees[0].folder)
-            trials = _all_tried(chosen, trees, reach)
-            enough = _reported(seed, commit, trials, options.least) and enough
+        with ExitStack() as running:
+            runners = [running.enter_context(Runner(tree)) for tree in trees]
+            for name, chosen in _chosen(options, rooms, trees[0].folder):
+                trials = _all_tried(chosen, runners, reach)
+                enough = _reported(name, commit, trials, options.least) and enough
     return 0 if enough else 1
 
 
@@ -50,11 +57,20 @@ def _options(arguments: list[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m tests.mutants", description="Mutants of the committed tree.")
     parser.add_argument("--count", type=int, default=300, help="mutants a seed")
     parser.add_argument("--seed", action="append", help="a number, or 'drawn'; several times for several")
+    parser.add_argument("--file", action="append", help="all mutants of a file, in place of a sample; several times")
     parser.add_argument("--room", action="append", choices=sorted(ROOMS), help="several times for several")
     parser.add_argument("--commit", default="HEAD", help="which tree to try")
     parser.add_argument("--workers", type=int, default=2, help="processes at a time")
     parser.add_argument("--least", type=float, default=95.0, help="percent to be killed of those not equivalent")
     return parser.parse_args(arguments)
+
+
+def _chosen(options: argparse.Namespace, rooms: tuple[str, ...], root: Path) -> Iterator[tuple[str, list[Mutant]]]:
+    """Samples, each with the name it is reported by: all mutants of each file given, else those of each seed."""
+    for path in options.file or ():
+        yield path, every(path, root)
+    for seed in () if options.file else _seeds(options.seed):
+        yield f"seed {seed}", drawn(rooms, options.count, seed, root)
 
 
 def _seeds(given: list[str] | None) -> list[int]:
@@ -67,34 +83,31 @@ def _reach(tree: Tree, commit: str, rooms: tuple[str, ...], workers: int) -> Rea
     """Measured once a commit and choice of rooms."""
     kept = OUT / f"reach-{commit[:10]}-{'-'.join(rooms)}.json"
     if not kept.exists():
-        print("running the tests as they are, the short ones under coverage", flush=True)
+        print("running the short tests as they are, under coverage", flush=True)
         measured(tree, rooms, workers).write(kept)
-    reach = Reach.read(kept)
-    for test in reach.failing:
-        print(f"fails as it is, and judges no mutant: {test}", flush=True)
-    return reach
+    return Reach.read(kept)
 
 
-def _all_tried(chosen: list[Mutant], trees: list[Tree], reach: Reach) -> list[Trial]:
-    free: SimpleQueue[Tree] = SimpleQueue()
-    for tree in trees:
-        free.put(tree)
+def _all_tried(chosen: list[Mutant], runners: list[Runner], reach: Reach) -> list[Trial]:
+    free: SimpleQueue[Runner] = SimpleQueue()
+    for runner in runners:
+        free.put(runner)
 
     def one(mutant: Mutant) -> Trial:
-        tree = free.get()
+        runner = free.get()
         try:
-            trial = tried(mutant, tree, reach)
+            trial = tried(mutant, runner, reach)
         finally:
-            free.put(tree)
-        print(f"{trial.outcome:<9}{trial.seconds:6.0f} s  {mutant}", flush=True)
+            free.put(runner)
+        print(f"{trial.outcome:<9}{trial.cpu:6.1f} s  {mutant}", flush=True)
         return trial
 
-    with ThreadPoolExecutor(len(trees)) as pool:
+    with ThreadPoolExecutor(len(runners)) as pool:
         return list(pool.map(one, chosen))
 
 
-def _reported(seed: int, commit: str, trials: list[Trial], least: float) -> bool:
-    """Prints and keeps what came of a seed; whether enough were killed."""
+def _reported(name: str, commit: str, trials: list[Trial], least: float) -> bool:
+    """Prints and keeps what came of a sample; whether enough were killed."""
     argued = [trial for trial in trials if trial.outcome == "survived" and why_equivalent(trial.mutant)]
     survived = [trial for trial in trials if trial.outcome == "survived" and not why_equivalent(trial.mutant)]
     real = len(trials) - len(argued)
@@ -102,8 +115,8 @@ def _reported(seed: int, commit: str, trials: list[Trial], least: float) -> bool
     killed = real - len(survived)
     share = 100 * killed / real if real else 100.0
     print(
-        f"\nseed {seed}: {len(trials)} mutants, {len(argued)} equivalent, {killed} of {real} others killed "
-        f"({share:.1f} %), {timeouts} of them by timeout"
+        f"\n{name}: {len(trials)} mutants, {len(argued)} equivalent, {killed} of {real} others killed "
+        f"({share:.1f} %), {timeouts} of them by timeout; {sum(trial.cpu for trial in trials):.0f} s of processor time"
     )
     for room, (all_, left) in _by_room(trials, survived).items():
         print(f"  {room}: {all_ - left} of {all_} killed or equivalent")
@@ -114,11 +127,11 @@ def _reported(seed: int, commit: str, trials: list[Trial], least: float) -> bool
     OUT.mkdir(parents=True, exist_ok=True)
     rows = [
         {"mutant": str(t.mutant), "room": t.mutant.room, "kind": t.mutant.change.kind, "outcome": t.outcome, "by": t.by}
-        | {"equivalent": why_equivalent(t.mutant), "seconds": round(t.seconds, 1)}
+        | {"equivalent": why_equivalent(t.mutant), "cpu_s": round(t.cpu, 1), "seconds": round(t.seconds, 1)}
         for t in trials
     ]
-    told = {"seed": seed, "commit": commit, "killed_percent": share, "mutants": rows}
-    (OUT / f"seed-{seed}.json").write_text(json.dumps(told, indent=1), encoding="utf-8")
+    told = {"sample": name, "commit": commit, "killed_percent": share, "mutants": rows}
+    (OUT / f"{name.replace('/', '.').replace(' ', '-')}.json").write_text(json.dumps(told, indent=1), encoding="utf-8")
     return share >= least
 
 

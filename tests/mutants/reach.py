@@ -1,7 +1,7 @@
 """Which tests reach which line: a run of tests under coverage goes in, tests by file and line come out.
 
     pytest -m "not long" --cov --cov-context=test --> .coverage --> {file: {line: [test, ...]}}
-    pytest -m long ---------------------------------> both runs' failures --> failing
+                          failures --> failing
 
 Tests are named without their parameters: those of one function go through the same lines or nearly so, and the ones
 that are `long` are not in the map at all. What fails without any mutant judges none: it is left out, and told.
@@ -27,19 +27,26 @@ ORDINARY = (0, 1, 5)  # exit states of pytest: passed, some failed, none collect
 
 
 class Reach:
-    """lines: file -> line -> tests. failing: tests that fail as they are, with their parameters.
+    """lines: file -> line -> tests. failing, passing: tests known to do so as they are, with their parameters.
 
     The most particular tests come first: those that reach the fewest lines.
     """
 
     def __init__(self, lines: dict[str, Lines], failing: list[str] | None = None) -> None:
-        self.failing = failing or []
+        self.failing: list[str] = []
+        self.passing: set[str] = set()
+        for test in failing or []:
+            self.fails(test)
         self._lines = lines
         self._weight = Counter(test for tests in lines.values() for each in tests.values() for test in each)
 
     def tests_of(self, path: str, line: int) -> list[str]:
         """The tests that run this line of a file."""
         return sorted(self._lines.get(path, {}).get(line, []), key=lambda test: (self._weight[test], test))
+
+    def fails(self, test: str) -> None:
+        print(f"fails as it is, and judges no mutant: {test}", flush=True)
+        self.failing.append(test)
 
     @classmethod
     def read(cls, path: Path) -> Reach:
@@ -53,23 +60,14 @@ class Reach:
 
 
 def measured(tree: Tree, rooms: tuple[str, ...], workers: int) -> Reach:
-    """Runs the tests of the rooms as they are, the short ones under coverage. SystemExit if pytest cannot run them."""
+    """Runs the short tests of the rooms as they are, under coverage. SystemExit if pytest cannot run them."""
     folders = sorted({folder for room in rooms for folder in (*ROOMS[room].tests, *ROOMS[room].also)})
-    short = _run(
-        tree, "not long", workers, ["--cov", "--cov-context=test", "--cov-report=", "--cov-fail-under=0"], folders
-    )
-    long = _run(tree, "long", workers, [], folders)
-    failing = sorted({*FAILED.findall(short), *FAILED.findall(long)})
-    return Reach(contexts(tree.folder / ".coverage", tree.folder), failing)
-
-
-def _run(tree: Tree, marks: str, workers: int, options: list[str], folders: list[str]) -> str:
-    command = [sys.executable, "-m", "pytest", "-q", "-m", marks, "-n", str(workers), "-p", "no:cacheprovider"]
-    command += [*options, *folders]
+    command = [sys.executable, "-m", "pytest", "-q", "-m", "not long", "-n", str(workers), "-p", "no:cacheprovider"]
+    command += ["--cov", "--cov-context=test", "--cov-report=", "--cov-fail-under=0", *folders]
     ran = subprocess.run(command, cwd=tree.folder, env=tree.environment(), capture_output=True, text=True, check=False)
     if ran.returncode not in ORDINARY:
         raise SystemExit(f"pytest could not run the tests as they are:\n{ran.stdout[-3000:]}{ran.stderr[-2000:]}")
-    return ran.stdout
+    return Reach(contexts(tree.folder / ".coverage", tree.folder), sorted({*FAILED.findall(ran.stdout)}))
 
 
 def contexts(data_file: Path, root: Path) -> dict[str, Lines]:

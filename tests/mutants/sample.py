@@ -7,6 +7,7 @@ Lines are drawn, not changes: a line full of constants is one chance like any ot
 
 from __future__ import annotations
 
+import ast
 from dataclasses import dataclass
 from pathlib import Path
 from random import Random
@@ -41,13 +42,14 @@ USUAL = ("chips", "processor", "measures", "decoders", "insight")
 
 @dataclass(frozen=True)
 class Mutant:
-    """path: from the root. before, after: the line, without blanks around it."""
+    """path: from the root. before, after: the line, without blanks around it. in_function: no import runs the line."""
 
     room: str
     path: str
     change: Change
     before: str
     after: str
+    in_function: bool
 
     def __str__(self) -> str:
         return f"{self.path}:{self.change.line}: {self.before}  -->  {self.after}"
@@ -67,12 +69,28 @@ def mutants_of(room: str, path: str, root: Path) -> list[list[Mutant]]:
     """Every mutant of a file, line by line."""
     source = (root / path).read_text(encoding="utf-8")
     lines = source.encode().splitlines(keepends=True)
+    inside = _lines_of_functions(source)
     found: dict[int, list[Mutant]] = {}
     for change in changes(source):
         line = lines[change.line - 1]
         before, after = line.decode().strip(), change.applied(line).decode().strip()
-        found.setdefault(change.line, []).append(Mutant(room, path, change, before, after))
+        mutant = Mutant(room, path, change, before, after, change.line in inside)
+        found.setdefault(change.line, []).append(mutant)
     return list(found.values())
+
+
+def _lines_of_functions(source: str) -> set[int]:
+    """Those of their bodies: not of their heads, whose defaults are computed on import."""
+    functions = [node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.FunctionDef)]
+    return {line for f in functions for line in range(f.body[0].lineno, (f.end_lineno or 0) + 1)}
+
+
+def every(path: str, root: Path) -> list[Mutant]:
+    """All mutants of one file. SystemExit for a file of no room."""
+    room = next((name for name in ROOMS if path in files_of(name, root)), None)
+    if room is None:
+        raise SystemExit(f"{path}: a file of no room; rooms are {', '.join(ROOMS)}")
+    return [mutant for line in mutants_of(room, path, root) for mutant in line]
 
 
 def drawn(rooms: tuple[str, ...], count: int, seed: int, root: Path) -> list[Mutant]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import subprocess
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -10,11 +11,14 @@ import pytest
 from tests.mutants import sample
 from tests.mutants.equivalents import LIST, arguments
 from tests.mutants.reach import Reach, measured
-from tests.mutants.sample import Mutant, Room, drawn, mutants_of
+from tests.mutants.runner import Runner
+from tests.mutants.sample import Mutant, Room, drawn, every, mutants_of
 from tests.mutants.tree import Tree, commit_of, unpack
 from tests.mutants.trial import tried
 
 SOURCE = """
+TOP = 9
+
 def clamp(x, low, high):
     if x < low:
         return low
@@ -30,7 +34,7 @@ def never():
 """
 TESTS = """
 import pytest
-from room.code import clamp, count
+from room.code import TOP, clamp, count
 
 @pytest.mark.parametrize("x", [0, 5])
 def test_below(x):
@@ -41,7 +45,7 @@ def test_counts():
 
 @pytest.mark.long
 def test_above():
-    assert clamp(12, 3, 9) == 9
+    assert clamp(12, 3, TOP) == 9
 """
 
 
@@ -61,7 +65,7 @@ def root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         subprocess.run(["git", *command.split()], cwd=root, check=True)
     (root / "room" / "code.py").write_text("raise ValueError('not committed')", encoding="utf-8")
     monkeypatch.setattr(sample, "ROOMS", {"room": Room(("room",), ("tests/room",))})
-    for module in ("reach", "trial"):
+    for module in ("reach", "runner", "trial"):
         monkeypatch.setattr(f"tests.mutants.{module}.ROOMS", sample.ROOMS)
     return root
 
@@ -73,6 +77,12 @@ def tree(root: Path, tmp_path: Path) -> Tree:
     return tree
 
 
+@pytest.fixture
+def runner(tree: Tree) -> Iterator[Runner]:
+    with Runner(tree, a_test=1) as running:
+        yield running
+
+
 def mutant(tree: Tree, after: str) -> Mutant:
     every = [one for line in mutants_of("room", "room/code.py", tree.folder) for one in line]
     return next(one for one in every if one.after == after)
@@ -82,7 +92,7 @@ def test_the_same_seed_draws_the_same_lines_each_once(tree: Tree) -> None:
     first, again, other = (drawn(("room",), 4, seed, tree.folder) for seed in (1, 1, 2))
     assert first == again != other
     assert len({one.change.line for one in first}) == 4
-    assert len(drawn(("room",), 100, 1, tree.folder)) == 7  # lines that can be changed
+    assert len(drawn(("room",), 100, 1, tree.folder)) == 8  # lines that can be changed
 
 
 def test_a_room_without_sources_is_no_pass(tree: Tree, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -107,14 +117,13 @@ def test_a_mutant_stands_in_the_committed_tree_for_a_while(root: Path, tree: Tre
 
 
 @pytest.mark.long
-def test_what_becomes_of_mutants(tree: Tree, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tests.mutants.trial.SECONDS_A_TEST", 1)
+def test_what_becomes_of_mutants(tree: Tree, runner: Runner, tmp_path: Path) -> None:
     measured(tree, ("room",), 1).write(tmp_path / "reach.json")
     reach = Reach.read(tmp_path / "reach.json")
-    assert reach.tests_of("room/code.py", 3) == ["tests/room/test_code.py::test_below"]
-    assert reach.tests_of("room/code.py", 12 + 1) == []
+    assert reach.tests_of("room/code.py", 5) == ["tests/room/test_code.py::test_below"]
+    assert reach.tests_of("room/code.py", 15) == []
     came = {
-        after: (trial.outcome, trial.reached)
+        after: (trial.outcome, trial.by.rpartition("::")[2], trial.reached)
         for after in (
             "if not (x < low):",
             "return high if x >= high else x",
@@ -122,43 +131,78 @@ def test_what_becomes_of_mutants(tree: Tree, tmp_path: Path, monkeypatch: pytest
             "return None",
             "n = n + 1",
             "return 1 - 1",
+            "TOP = 10",
         )
-        for trial in [tried(mutant(tree, after), tree, reach)]
+        for trial in [tried(mutant(tree, after), runner, reach)]
     }
     assert came == {
-        "if not (x < low):": ("killed", 1),
-        "return high if x >= high else x": ("survived", 1),  # an equivalent: both sides are the same there
-        "return high if not (x > high) else x": ("killed", 1),
-        "return None": ("killed", 1),
-        "n = n + 1": ("timeout", 1),
-        "return 1 - 1": ("survived", 0),
+        "if not (x < low):": ("killed", "test_below[0]", 1),
+        "return high if x >= high else x": ("survived", "", 1),  # an equivalent: both sides are the same there
+        "return high if not (x > high) else x": ("killed", "test_below[5]", 1),
+        "return None": ("killed", "test_below[0]", 1),
+        "n = n + 1": ("timeout", "test_counts", 1),
+        "return 1 - 1": ("survived", "", 0),
+        "TOP = 10": ("killed", "test_above", 0),  # runs on import, which is no test's
     }
+    assert (tree.folder / "room" / "code.py").read_text(encoding="utf-8") == SOURCE
 
 
 @pytest.mark.long
-def test_only_a_long_test_kills_this_one(tree: Tree) -> None:
-    trial = tried(mutant(tree, "return high if not (x > high) else x"), tree, Reach({}))
+def test_only_a_long_test_kills_this_one(tree: Tree, runner: Runner) -> None:
+    trial = tried(mutant(tree, "return high if not (x > high) else x"), runner, Reach({}))
     assert (trial.outcome, trial.reached) == ("killed", 0)
     (tree.folder / "tests/room/test_code.py").write_text(TESTS.partition("@pytest.mark.long")[0], encoding="utf-8")
-    assert tried(mutant(tree, "return high if x >= high else x"), tree, Reach({})).outcome == "survived"
+    assert tried(mutant(tree, "return high if x >= high else x"), runner, Reach({})).outcome == "survived"
 
 
 @pytest.mark.long
-def test_what_fails_as_it_is_judges_no_mutant(tree: Tree) -> None:
+@pytest.mark.parametrize("known", [True, False], ids=["it was seen when reach was measured", "it is seen to kill"])
+def test_what_fails_as_it_is_judges_no_mutant(
+    tree: Tree, runner: Runner, known: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
     file = tree.folder / "tests/room/test_code.py"
     broken = "@pytest.mark.parametrize('x', [1, 2])\ndef test_broken(x): assert clamp(1, 0, x) == x - 7 * (x == 2)\n"
     file.write_text(TESTS + broken, encoding="utf-8")
-    reach = measured(tree, ("room",), 1)
+    reach = measured(tree, ("room",), 1) if known else Reach({})
+    assert reach.failing == (["tests/room/test_code.py::test_broken[2]"] if known else [])
+    assert tried(mutant(tree, "return 1 - 1"), runner, reach).outcome == "survived"
     assert reach.failing == ["tests/room/test_code.py::test_broken[2]"]
-    assert tried(mutant(tree, "return 1 - 1"), tree, reach).outcome == "survived"
-    assert tried(mutant(tree, "return high if not (x > high) else x"), tree, reach).outcome == "killed"
+    assert capsys.readouterr().out.count("fails as it is, and judges no mutant") == 1
+    assert tried(mutant(tree, "return high if not (x > high) else x"), runner, reach).outcome == "killed"
 
 
 @pytest.mark.long
-def test_tests_that_cannot_run_end_it(tree: Tree) -> None:
+def test_tests_that_cannot_run_end_it(tree: Tree, runner: Runner) -> None:
     (tree.folder / "pyproject.toml").write_text("[tool.pytest.ini_options]\naddopts = '--unknown'", encoding="utf-8")
     with pytest.raises(SystemExit, match="pytest could not run the tests as they are"):
         measured(tree, ("room",), 1)
+    with pytest.raises(SystemExit, match="pytest could not run the tests as they are: pytest ended with status 4"):
+        tried(mutant(tree, "return 1 - 1"), runner, Reach({}))
+
+
+@pytest.mark.long
+def test_a_run_without_an_end_counts_as_a_timeout_and_is_ended_with_what_it_started(tree: Tree) -> None:
+    loops = "import subprocess, sys\ndef test_loops(): subprocess.run([sys.executable, '-c', 'while True: pass'])\n"
+    (tree.folder / "tests/room/test_loops.py").write_text(loops, encoding="utf-8")
+    with Runner(tree, a_test=60, a_run=3) as runner:
+        ran = runner.run("room", ["tests/room/test_loops.py"], [])
+        assert (ran.outcome, ran.by) == ("timeout", "3 s of tests")
+        assert runner.run("room", ["tests/room/test_code.py"], []).outcome == "survived"
+
+
+@pytest.mark.long
+def test_a_warm_process_that_breaks_down_is_no_kill(tree: Tree, runner: Runner, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("tests.mutants.runner.WARM", tree.folder / "gone.py")
+    with pytest.raises(SystemExit, match="the warm process of room 'room' broke down"):
+        runner.run("room", ["tests/room/test_code.py"], [])
+
+
+def test_all_mutants_of_a_file(tree: Tree) -> None:
+    assert [one for line in mutants_of("room", "room/code.py", tree.folder) for one in line] == every(
+        "room/code.py", tree.folder
+    )
+    with pytest.raises(SystemExit, match="a file of no room; rooms are room"):
+        every("tests/room/test_code.py", tree.folder)
 
 
 def test_every_equivalent_is_argued_and_its_line_is_there() -> None:

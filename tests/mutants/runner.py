@@ -1,0 +1,88 @@
+"""pytest for trials: a tree, a room and tests go in; passed, failed or ran too long comes out.
+
+One warm process a tree and room (`warm.py`), started when its first mutant is tried, ended with the tree.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from .sample import ROOMS
+from .tree import Tree
+
+Outcome = Literal["killed", "timeout", "survived"]
+
+WARM = Path(__file__).with_name("warm.py")
+OPTIONS = ("-q", "-x", "--tb=line", "-p", "no:cacheprovider", "-p", "no:cov")
+NOTHING_COLLECTED = 5  # pytest's exit status
+
+
+@dataclass(frozen=True)
+class Ran:
+    """by: the test that failed, or what else ended it. cpu: seconds of processor time."""
+
+    outcome: Outcome
+    by: str = ""
+    cpu: float = 0.0
+
+
+class Runner:
+    """Runs tests of one tree, one call at a time. Use it as a context: its processes end with it.
+
+    a_test, a_run: seconds before a test, or all of a call, counts as caught in a loop.
+    """
+
+    def __init__(self, tree: Tree, a_test: int = 60, a_run: int = 1800) -> None:
+        self.tree = tree
+        self._a_test, self._a_run = a_test, a_run
+        self._warm: dict[str, subprocess.Popen[str]] = {}
+
+    def __enter__(self) -> Runner:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for process in self._warm.values():
+            assert process.stdin is not None and process.stdout is not None
+            process.stdin.close()
+            process.wait()
+            process.stdout.close()
+
+    def run(self, room: str, tests: list[str], without: list[str]) -> Ran:
+        """Up to the first failure, without these. SystemExit where it is not the mutant that fails but this process."""
+        arguments = [*OPTIONS, "-o", f"timeout={self._a_test}", *tests, *(f"--deselect={test}" for test in without)]
+        process = self._of(room)
+        assert process.stdin is not None and process.stdout is not None
+        try:
+            print(json.dumps({"arguments": arguments, "seconds": self._a_run}), file=process.stdin, flush=True)
+            answer = json.loads(process.stdout.readline())
+        except (OSError, ValueError):
+            raise SystemExit(f"the warm process of room {room!r} broke down; what it said stands above") from None
+        return Ran(*_read(answer["status"], answer["told"], self._a_run), answer["cpu"])
+
+    def _of(self, room: str) -> subprocess.Popen[str]:
+        if room not in self._warm:
+            packages = [source.replace("/", ".") for source in ROOMS[room].sources]
+            self._warm[room] = subprocess.Popen(
+                [sys.executable, "-P", str(WARM), *packages],
+                cwd=self.tree.folder,
+                env=self.tree.environment(),
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                text=True,
+            )
+        return self._warm[room]
+
+
+def _read(status: int | None, told: str, seconds: int) -> tuple[Outcome, str]:
+    if status is None:
+        return "timeout", f"{seconds} s of tests"
+    if status in (0, NOTHING_COLLECTED):
+        return "survived", ""
+    by = next((line for line in told.splitlines() if line.startswith(("FAILED ", "ERROR "))), "")
+    by = by.partition(" - ")[0].partition(" ")[2] or f"pytest ended with status {status}"
+    return "timeout" if "Failed: Timeout" in told or "Timeout (>" in told else "killed", by

@@ -18,6 +18,7 @@ FILES = {
     "a/top.py": "try:\n    from a import above\nexcept ImportError:\n    above = None",
     "a/half/__init__.py": "from a.half import one\nfrom a import top",
     "a/half/one.py": "",
+    "a/whole.py": "from a.half.one import *",
     "a/broken.py": "import no_such_library",
     "a/__main__.py": "raise SystemExit",
     "tests/__init__.py": "",
@@ -45,7 +46,7 @@ def test_what_can_be_imported_without_the_room_is_and_nothing_else(tmp_path: Pat
         (tmp_path / path).write_text(text, encoding="utf-8")
     assert modules(tmp_path) == [
         *("a", "a.above", "a.broken", "a.half", "a.half.one", "a.low"),
-        *("a.room", "a.room.code", "a.rooms", "a.top"),
+        *("a.room", "a.room.code", "a.rooms", "a.top", "a.whole"),
     ]
     root = str(Path(__file__).parents[2])
     ran = subprocess.run(

@@ -55,12 +55,12 @@ def open_to_all(names: list[str]) -> list[str]:
     if not child:
         found: list[str] = []
         for name in names:
-            package = name.rpartition(".")[0]
-            if package and package not in found:
-                continue  # left behind by its package, which failed after importing it
+            before = {*sys.modules}
             try:
                 importlib.import_module(name)
             except (Locked, Exception):
+                for left in {*names} & {*sys.modules} - before:
+                    del sys.modules[left]  # of a package that failed after importing it: alone it cannot be had
                 continue
             found.append(name)
         os.write(writer, json.dumps(found).encode())

@@ -178,6 +178,9 @@ def test_why_counts_the_reads_up_to_the_next_change():
 def test_why_as_json_tells_each_step_with_its_distance():
     found = show_why.as_json(why(by_hand(*ROWS), "I2CSTR.RRDY@50us"))
     back = [(step["record"], step["cycles_from_value"], step["cause_of"], step["aside"]) for step in found["back"]]
+    first, cause, *_ = found["back"]
+    assert (first["known"], first["because"]) == (None, None)
+    assert (cause["known"], cause["because"]) == ("recorded", "in the same cycle")
     assert back == [
         (6, 0, None, False),
         (5, 0, 6, False),

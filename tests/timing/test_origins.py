@@ -162,3 +162,46 @@ def test_after_a_reset_the_models_begin_at_rest_with_the_first_sample_of_noise()
             models.run(moved(number))
             found = bus.read(origins, MAGNETOMETER, models.data[MAGNETOMETER])
             assert found is not None and found.frame == number
+
+
+@pytest.mark.parametrize(("frames", "taken", "known"), [(4, 0, True), (5, 0, False), (5, 1, True), (9, 5, True)])
+def test_a_run_may_pass_over_three_frames_and_no_more(frames: int, taken: int, known: bool):
+    bus = Bus()
+    origins = ModelOrigins(bus, COMPUTED)
+    models = Models(origins)
+    for number in range(frames):
+        bus.frame(number, moved(number))
+    models.run(moved(taken))
+    found = bus.read(origins, GYROSCOPE, models.data[GYROSCOPE])
+    assert found is not None and (found.frame, found.known) == ((taken, True) if known else (None, False))
+
+
+def test_a_chain_never_goes_back_to_an_older_frame():
+    bus = Bus()
+    origins = ModelOrigins(bus, COMPUTED)
+    models = Models(origins)
+    for number in range(3):
+        bus.frame(number, moved(number))
+        models.run(moved(number))
+        assert bus.read(origins, GYROSCOPE, models.data[GYROSCOPE]) is not None
+    models.run(moved(1))
+    found = bus.read(origins, GYROSCOPE, models.data[GYROSCOPE])
+    assert found is not None and found.frame is None
+
+
+def test_of_bytes_that_are_no_frames_the_wanted_ones_agree_in_the_most():
+    bus = Bus()
+    origins = FrameOrigins(bus)
+    bus.frame(1, (1, 2, 3, 4, 5, 6))
+    bus.frame(2, (0x101, 0x202, 0x303, 4, 5, 6))
+    for got, wanted in (
+        ("0101 0202 0309", "0101 0202 0303"),
+        ("0001 0002 0309", "0001 0002 0003"),
+        ("0101 0002 0009", "0001 0002 0003"),
+        ("0101 0002 0909", "0101 0202 0303"),  # three of each: the younger frame, which comes first
+        ("0909 0909 0909", "0101 0202 0303"),
+    ):
+        found = bus.read(origins, GYROSCOPE, bytes.fromhex(got))
+        assert found == Origin(None, NO_TIME, bytes.fromhex(wanted)), got
+    part = bus.read(origins, GYROSCOPE, bytes.fromhex("0001 0002"))  # a read cut short
+    assert part is not None and (part.frame, part.wanted) == (1, bytes.fromhex("000100020003"))

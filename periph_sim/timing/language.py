@@ -131,7 +131,7 @@ def _from(words: Words) -> Said:
     words.one_of(["to"])
     end = read_event(words)
     pairing = group = ""
-    while words.took(",") or words.next in ("in", "next", "last", "same"):
+    while not (pairing and group) and (words.took(",") or words.next in ("in", "next", "last", "same")):
         said = words.one_of([word for word in ("in", "next", "last") if not pairing] + ["same"] * (not group))
         if said == "same":
             group = words.one_of(["transfer", "round"])

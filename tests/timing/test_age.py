@@ -62,6 +62,16 @@ def test_until_a_chip_has_shown_a_frame_the_first_one_counts():
     assert told.measure.occasions == 2
 
 
+def test_a_read_may_begin_in_the_tick_in_which_the_first_frame_ends():
+    told = kept()
+    told.transfer(read(GYRO, bytes(6), at=0))
+    told.frame(1, 1000)
+    told.transfer(read(GYRO, gyro_bytes(1), at=999))
+    told.transfer(read(GYRO, gyro_bytes(1), at=1000))
+    told.transfer(read(GYRO, gyro_bytes(1), at=1001))
+    assert ages(told) == [(0, 1000), (1, 1001)] and told.measure.occasions == 2
+
+
 def test_a_read_that_was_refused_has_no_age_and_was_an_occasion_for_one():
     told = kept()
     told.frame(1, 1000)

@@ -9,6 +9,7 @@ import pytest
 from periph_sim.timing.events import Event, event_of
 from periph_sim.timing.language import FORMS, Said, is_form, measure_of, near_form
 from periph_sim.timing.names import BadEvent
+from periph_sim.timing.words import Words
 
 
 @pytest.mark.parametrize(
@@ -107,6 +108,17 @@ def test_a_measure(text: str, form: str, events: list[str], rules: str, unit: st
         ("interrupt latency XINT1 to first access", Said("interrupt", name="XINT1", access=True)),
         ("jitter of slack", Said("jitter", of=Said("slack"))),
         ("jitter of interrupt latency XINT1", Said("jitter", of=Said("interrupt", name="XINT1"))),
+        ("jitter of bus load", Said("jitter", of=Said("bus"))),
+        ("jitter of age of gyroscope", Said("jitter", of=Said("age", name="gyroscope"))),
+        ("jitter of span:model and more", Said("jitter", name="span:model and more")),
+        ("SCL held per transfer", Said("SCL")),
+        ("SCL held per transfer by imu", Said("SCL", unit="imu")),
+        ("margin of imu:I2CDXR", Said("margin", unit="imu")),
+        ("margin of I2C-A.I2CDXR", Said("margin")),
+        ("reaction", Said("reaction")),
+        ("model age of magnetometer", Said("model", name="magnetometer")),
+        ("model age", Said("model")),
+        ("interrupt latency imu:XINT1", Said("interrupt", unit="imu", name="XINT1")),
     ],
 )
 def test_what_else_a_measure_says(text: str, said: Said):
@@ -203,6 +215,44 @@ def test_every_form_that_messages_name_can_be_said(form: str):
         ("interrupt latency XINT1 to access", "'interrupt latency XINT1 to access': 'access' where first is expected"),
         ("gap between transfers", "'gap between transfers': 'transfers' where rounds is expected"),
         ("reaction of", "'reaction of' ends where a unit is expected"),
+        ("margin of I2CDRR", "'margin of I2CDRR': only I2CDXR has a margin; write margin of I2CDXR"),
+        ("margin I2CDXR", "'margin I2CDXR': 'I2CDXR' where of is expected"),
+        ("jitter of", "'jitter of' ends where a measure or an event is expected"),
+        ("SCL held per transfer by", "'SCL held per transfer by' ends where a unit is expected"),
+        ("SCL held by imu", "'SCL held by imu': 'by' where per is expected"),
+        ("level of", "'level of' ends where a field is expected"),
+        ("lost flag", "'lost flag': 'flag' where flags is expected"),
+        ("cleared along", "'cleared along' ends where a field is expected"),
+        ("race", "'race' ends where a field or a register is expected"),
+        ("margin of", "'margin of' ends where I2CDXR is expected"),
+        ("interrupt latency", "'interrupt latency' ends where an interrupt's name is expected"),
+        ("count of interrupt XINT1", "'count of interrupt XINT1' ends where enter or leave is expected"),
+        ("access R", "'access R' ends where a register is expected"),
+        ("note", "'note' ends where a note's code is expected"),
+        ("count of bus arbitration", "'count of bus arbitration' ends where lost is expected"),
+        ("count of bus repeated STOP", "'count of bus repeated STOP': 'STOP' where START is expected"),
+        ("time in", "'time in' ends where a span's name is expected"),
+        ("time in wire", "'time in wire' ends where a wire is expected"),
+        ("time in interrupt", "'time in interrupt' ends where an interrupt's name is expected"),
+        ("time in flag", "'time in flag' ends where a field is expected"),
+        ("time in flag A.B.C =", "'time in flag A.B.C =': a number is expected after ="),
+        (
+            "period of frame frame",
+            "'period of frame frame': 'frame' is more than a measure or event says; leave it out",
+        ),
+        ("from frame to frame,", "'from frame to frame,' ends where in, next, last or same is expected"),
+        (
+            "from frame to frame, next, nxt",
+            "'from frame to frame, next, nxt': 'nxt' where same is expected",
+        ),
+        (
+            "from frame to frame, same round, lst",
+            "'from frame to frame, same round, lst': 'lst' where in, next or last is expected; did you mean last?",
+        ),
+        (
+            "from frame to frame, next, same round, last",
+            "'from frame to frame, next, same round, last': ',' is more than a measure or event says; leave it out",
+        ),
         ("slack of it", "'slack of it': 'of' is more than a measure or event says; leave it out"),
         ("cpu load of", "'cpu load of' ends where a unit is expected"),
         ("period edge SCL rise", "'period edge SCL rise': 'edge' where of is expected"),
@@ -242,3 +292,69 @@ def test_a_slip_in_the_first_word_is_told():
 
 def test_an_event_knows_its_own_text():
     assert measure_of("from  bus   START to frame").events[0] == Event("bus", "bus START", "", "START")
+
+
+@pytest.mark.parametrize(
+    ("text", "most", "shown"),
+    [
+        ("bus address {}", 0x7F, "0x7f"),
+        ("bus byte {}", 0xFF, "0xff"),
+        ("frame {}", 0xFF, "0xff"),
+        ("flag A.B.C = {}", 0xFFFF_FFFF, "0xffffffff"),
+    ],
+)
+def test_the_largest_number(text: str, most: int, shown: str):
+    assert event_of(text.format(most)).number == most
+    with pytest.raises(BadEvent, match=f"{most + 1:#x} is more than it can be, {shown}"):
+        event_of(text.format(hex(most + 1)))
+    assert event_of(text.format(0)).number == 0
+
+
+def test_the_largest_number_of_a_state():
+    state = measure_of("time in flag A.B.C = 0xFFFFFFFF").state
+    assert state is not None and state.enters[0].number == 0xFFFF_FFFF
+    with pytest.raises(BadEvent, match="0x100000000 is more than it can be"):
+        measure_of("time in flag A.B.C = 0x100000000")
+
+
+def test_words_ahead_and_behind():
+    words = Words("a 'b c', d=7")
+    assert (words.next, words.following) == ("a", "'b c'")
+    assert words.take("a word") == "a" and words.name("a name") == ("", "b c")
+    assert (words.place, words.between(1), words.took("x"), words.took(",")) == (2, "'b c'", False, True)
+    assert words.rest() == "d = 7" and (words.next, words.following, words.rest()) == ("", "", "")
+    words.end()
+    assert Words("a").following == ""
+
+
+def test_a_unit_may_stand_apart_from_a_quoted_name():
+    assert Words("imu: 'a b'").name("a name") == Words("imu:'a b'").name("a name") == ("imu", "a b")
+    assert Words("imu: a").name("a name") == ("imu", "a")
+
+
+@pytest.mark.parametrize(("word", "number"), [("7", 7), ("0x1F", 31), ("0b11", 3), ("x7", None), ("", None)])
+def test_a_number_is_taken_where_one_comes(word: str, number: int | None):
+    words = Words(word)
+    assert words.number(31) == number
+    assert words.next == ("" if number is not None else word)
+
+
+@pytest.mark.parametrize(
+    ("text", "form"),
+    [
+        ("cout of frame", "count of EVENT"),
+        ("racee X", "race MODULE.REGISTER.FIELD"),
+        ("frm X", "from EVENT to EVENT"),
+        ("perio of", "period of EVENT"),
+        ("ag", "age of CHIP"),
+        ("pace", "race MODULE.REGISTER.FIELD"),
+        ("paces", ""),
+        ("responses", ""),
+    ],
+)
+def test_the_form_whose_first_word_is_nearly_that_of_a_text(text: str, form: str):
+    assert near_form(text) == form and not is_form(text)
+
+
+def test_a_comma_may_follow_the_first_word():
+    assert is_form("slack, x") and not is_form("slack:x")

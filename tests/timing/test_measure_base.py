@@ -1,0 +1,153 @@
+"""What every measure does with values: worst, least, what is left out, what is not over, percentiles."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from periph_sim.core.time import NO_TIME
+from periph_sim.timing.measures import Counter, Measure
+from periph_sim.timing.verdicts import Verdict
+
+
+class Waits(Measure):
+    """Some of its values are not over."""
+
+    def __init__(self, *waiting: tuple[int, int]) -> None:
+        super().__init__()
+        self._waiting = [*waiting]
+
+    def unfinished(self, now: int) -> list[tuple[int, int]]:
+        return self._waiting
+
+    def unfinished_text(self) -> str:
+        return "it waits"
+
+
+def took(measure: Measure, *values: tuple[int, int]) -> Measure:
+    for value, at in values:
+        measure.take(value, at)
+    return measure
+
+
+def state(of: Measure) -> tuple[int, int, int, int, int, int]:
+    return of.worst, of.worst_at, of.least, of.least_at, of.count, of.total
+
+
+def test_of_equal_values_the_first_is_the_worst_and_the_least():
+    assert state(took(Measure(), (5, 10), (5, 20))) == (5, 10, 5, 10, 2, 10)
+    assert state(took(Measure(), (5, 10), (7, 20), (3, 30), (7, 40), (3, 50))) == (7, 20, 3, 30, 5, 25)
+    assert state(took(Measure(), (-5, 10))) == (-5, 10, -5, 10, 1, -5)
+    assert state(took(Measure(), (0, 10), (-1, 20))) == (0, 10, -1, 20, 2, -1)
+
+
+def test_what_comes_before_the_time_asked_for_is_left_out():
+    of = Measure()
+    of.not_before = 20
+    assert state(took(of, (9, 19), (1, 20), (2, 21))) == (2, 21, 1, 20, 2, 3)
+    assert of.occasions is None and of.measured == 2
+
+
+def test_occasions_are_counted_from_the_time_asked_for():
+    class Asked(Measure):
+        asked = "reads"
+
+    of = Asked()
+    of.not_before = 20
+    for at, number in ((19, 5), (20, 1), (30, 3), (40, -2)):
+        of.occasion(at, number)
+    assert of.occasions == 2
+    assert Asked().occasions == 0
+
+
+@pytest.mark.parametrize(
+    ("values", "waiting", "said", "worst", "least", "count", "cut_off"),
+    [
+        ([(5, 10)], [(5, 90)], "", (5, 10), (5, 10), 1, 0),
+        ([(5, 10)], [(6, 90)], "it waits", (6, 90), (5, 10), 2, 1),
+        ([], [(0, 90)], "it waits", (0, 90), (0, 90), 1, 1),
+        ([], [(-3, 90)], "it waits", (-3, 90), (-3, 90), 1, 1),
+        ([(-9, 1)], [(-3, 90)], "it waits", (-3, 90), (-9, 1), 2, 1),
+        ([(5, 10)], [(8, 80), (7, 90)], "it waits", (8, 80), (5, 10), 3, 2),
+        ([(5, 10)], [(8, 19)], "", (5, 10), (5, 10), 1, 0),  # begun too early
+        ([(5, 10)], [], "", (5, 10), (5, 10), 1, 0),
+    ],
+)
+def test_what_is_not_over_counts_where_it_has_come_to_more_than_all_that_is(
+    values, waiting, said: str, worst, least, count: int, cut_off: int
+):
+    of = took(Waits(*waiting), *values)
+    of.not_before = 20 if waiting == [(8, 19)] else NO_TIME
+    assert of.close(99) == said
+    assert ((of.worst, of.worst_at), (of.least, of.least_at)) == (worst, least)
+    assert (of.count, of.cut_off) == (count, cut_off)
+
+
+@given(st.lists(st.integers(-3, 9), min_size=1, max_size=60), st.sampled_from([1, 500, 950, 990, 999, 1000]))
+def test_a_percentile_is_the_least_value_that_so_many_of_a_thousand_do_not_exceed(values: list[int], per_mille: int):
+    of = Measure()
+    of.keep()
+    took(of, *((value, 10 * place) for place, value in enumerate(values)))
+    enough = [v for v in values if 1000 * sum(other <= v for other in values) >= per_mille * len(values)]
+    assert of.percentile(per_mille) == (min(enough), 10 * values.index(min(enough)))
+
+
+def test_only_some_of_the_kept_values():
+    of = took(Measure(), (1, 1))
+    assert of.kept is None
+    of = Measure()
+    of.keep()
+    of.occasions = 9
+    took(of, (4, 10), (9, 20), (2, 30))
+    of.cut_off = 1
+    of.only(of.all_kept()[1] > 10)
+    assert state(of)[:2] == (9, 20) and (of.count, of.total, of.cut_off, of.occasions) == (2, 11, 0, None)
+    assert [column.tolist() for column in of.all_kept()] == [[9, 2], [20, 30]]
+
+
+def test_each_value_that_counts_is_told():
+    told: list[tuple[int, int]] = []
+    of = Waits((7, 40))
+    of.not_before, of.tap = 10, lambda value, at: told.append((value, at))
+    took(of, (1, 9), (2, 10), (2, 11))
+    of.close(99)
+    assert told == [(2, 10), (2, 11), (7, 40)]
+
+
+def test_a_count_is_one_number_and_its_time_that_of_the_first():
+    of = Counter()
+    assert not of.silent and not of.series and state(of) == (0, NO_TIME, 0, NO_TIME, 0, 0)
+    of.one_more(7)
+    of.one_more(9, by=3)
+    assert state(of)[:5] == (4, 7, 4, 7, 4)
+
+
+# Verdicts ---------------------------------------------------------------------------------------------------------
+
+
+def verdict(word: str, **more: object) -> Verdict:
+    return Verdict("b", "age", "us", 1, 2, 1, 5, word, 0.1, **more)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("of", "proof", "word", "passed", "broken"),
+    [
+        ("pass", "", "seen", True, False),
+        ("pass", "seen", "seen", True, False),
+        ("pass", "every phase", "every phase", True, False),
+        ("fail", "", "broken", False, True),
+        ("not judged", "", "not judged", False, False),
+    ],
+)
+def test_the_word_of_a_verdict(of: str, proof: str, word: str, passed: bool, broken: bool):
+    made = verdict(of, proof=proof)
+    assert (made.word, made.passed, made.broken) == (word, passed, broken)
+
+
+@pytest.mark.parametrize(
+    ("measured", "occasions", "counted"),
+    [(0, None, "5"), (3, 3, "5"), (4, 3, "5"), (2, 3, "2 of 3"), (0, 1, "0 of 1"), (0, 0, "5")],
+)
+def test_what_was_counted_of_what_there_was(measured: int, occasions: int | None, counted: str):
+    assert verdict("pass", measured=measured, occasions=occasions).counted == counted

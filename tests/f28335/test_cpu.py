@@ -622,17 +622,24 @@ def test_earliest_is_when_next_taken_first_answers(requests, ier, intm):
 
 
 COSTS = """
-    CLRC_INTM 2   SETC_INTM 2      EALLOW 4    EDIS 4         IRET 8        TRAP 8            INTR 8    IDLE 5
-    SB_TAKEN 7    SB_NOT_TAKEN 4   SBF_TAKEN 4 SBF_NOT_TAKEN 4 BANZ_TAKEN 4  BANZ_NOT_TAKEN 2  LCR 4     LRETR 4
-    SIMPLE 1      IFR_DELAY 4      VECTOR_AND_SAVE 9
+    SIMPLE 1        RPT 1           CLRC_INTM 2     SETC_INTM 2      CLRC_DBGM 2      SETC_DBGM 2
+    EALLOW 4        EDIS 4          AND_IER 2       OR_IER 2         AND_IFR 2        OR_IFR 2
+    MOV_IER_LOC16 5 MOV_LOC16_IER 1 TRAP 8          INTR 8           IRET 8           IDLE 5
+    B_TAKEN 7       B_NOT_TAKEN 4   SB_TAKEN 7      SB_NOT_TAKEN 4   XB_TAKEN 7       XB_NOT_TAKEN 4
+    BF_TAKEN 4      BF_NOT_TAKEN 4  SBF_TAKEN 4     SBF_NOT_TAKEN 4
+    BANZ_TAKEN 4    BANZ_NOT_TAKEN 2 BAR_TAKEN 4    BAR_NOT_TAKEN 2
+    LB 4            LC 4            LCR 4           FFC 4            LRETR 4          LRET 8      LRETE 8
+    PUSH 1          POP 1           PUSH_ACC 2      PUSH_LOC16 2     POP_LOC16 2      POP_RPC 3
+    POP_ST1 5       POP_IFR 5       POP_DBGIER 5
+    IFR_DELAY 4     VECTOR_AND_SAVE 9                PIEIER_SETTLE 5
 """
 
 
 def test_instruction_costs():
     """As the manual's pages print them; the names are the contract with the host."""
     words = COSTS.split()
-    expected = dict(zip(words[::2], map(int, words[1::2]), strict=True))
-    assert {name: vars(cpu_costs)[name] for name in expected} == expected
+    costs = {name: cost for name, cost in vars(cpu_costs).items() if name.isupper()}
+    assert costs == dict(zip(words[::2], map(int, words[1::2]), strict=True))
 
 
 # Wrong use -----------------------------------------------------------------------------------------------

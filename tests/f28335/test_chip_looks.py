@@ -1,0 +1,133 @@
+"""What an input says may have changed: what it leaves out did not change, and it says no more than it must."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Any
+
+import pytest
+
+from periph_sim.core.chip import ALL, NOTHING, OUTPUTS
+
+from .i2c_rig import IRS, MST, OTHER, OWN, STT, TRX, Rig
+from .sci_rig import SciRig, frame
+
+LOOKS = {NOTHING: "nothing", OUTPUTS: "outputs", ALL: "all"}
+
+
+def counted(chip: Any) -> Counter[str]:
+    """What each call of `pins` and `wake` from now on says, counted; AssertionError where it says too little."""
+    said: Counter[str] = Counter()
+
+    def registers(now: int) -> list[int]:
+        return [chip.peek(now, register.offset) for register in chip.MAP]
+
+    def checked(name: str) -> None:
+        call = getattr(chip, name)
+
+        def checking(now: int, *levels: int) -> int:
+            due = chip.next_wake <= now and name == "pins"
+            before = [] if due else registers(now - 1)
+            shown = chip.out, chip.next_wake
+            looks: int = call(now, *levels)
+            said[f"{name}: {LOOKS[looks]}"] += 1
+            if due:
+                assert looks == ALL, "what was due may have changed anything"
+            elif looks != ALL:
+                assert registers(now) == before
+            if looks == NOTHING:
+                assert (chip.out, chip.next_wake) == shown
+            return looks
+
+        setattr(chip, name, checking)
+
+    checked("pins")
+    checked("wake")
+    return said
+
+
+def of(pins: tuple[int, int, int], wakes: tuple[int, int]) -> dict[str, int]:
+    """pins: how many changed nothing, outputs, anything. wakes: how many changed outputs, anything."""
+    names = ["pins: nothing", "pins: outputs", "pins: all", "wake: outputs", "wake: all"]
+    return {name: count for name, count in zip(names, (*pins, *wakes), strict=True) if count}
+
+
+def test_sci_looks_at_a_frame_when_it_is_complete():
+    """Eight edges: the start bit's sets the time, RXRDY and RXINT come with it."""
+    rig = SciRig(RXBKINTENA=1)
+    said = counted(rig.chip)
+    rig.send(frame(0x4B) + "1")
+    assert said == of((7, 1, 0), (0, 2))
+    assert rig.chip.pins(rig.now, 1) == NOTHING  # the level it has
+
+
+def test_sci_in_loop_back_has_nothing_to_look_at_on_the_pin():
+    """The wake-up is that of the tenth idle bit, inside."""
+    rig = SciRig(LOOPBKENA=1)
+    said = counted(rig.chip)
+    rig.send(frame(0x4B) + "1")
+    assert said == of((8, 0, 0), (0, 1))
+
+
+@pytest.mark.parametrize(("address", "read", "said"), [(OTHER, 0, (20, 28)), (OTHER, 1, (21, 27)), (OWN, 0, (37, 17))])
+def test_i2c_edges_in_mid_byte_move_outputs_alone(address: int, read: int, said: tuple[int, int]):
+    rig = Rig(noise_filter_cycles=1)
+    rig.begin()
+    found = counted(rig.chip)
+    rig.address(address, read)
+    rig.send(0xFF if address == OTHER else 0x35)
+    rig.stop()
+    rig.wait(100)
+    edges = 2 * 18 + 2  # SCL up and down with each bit, once more for START and STOP
+    assert found == of((0, sum(said), 0), said) and sum(said) > edges
+
+
+def test_i2c_byte_read_moves_outputs_alone():
+    rig = Rig(noise_filter_cycles=1)
+    rig.begin()
+    said = counted(rig.chip)
+    rig.start()
+    rig.send_bits(OWN << 1 | 1)
+    rig.write("I2CDXR", 0x35)
+    rig.acked()
+    rig.take(ack=False)
+    rig.stop()
+    rig.wait(100)
+    assert said == of((0, 52, 0), (37, 15))
+
+
+def test_i2c_master_is_looked_at_with_each_edge():
+    rig = Rig(noise_filter_cycles=1)
+    rig.begin()
+    said = counted(rig.chip)
+    rig.write("I2CSAR", OTHER)
+    rig.write("I2CCNT", 1)
+    rig.write("I2CDXR", 0x77)
+    rig.write("I2CMDR", IRS | MST | TRX | STT)
+    rig.wait(30_000)
+    assert said == of((0, 0, 27), (0, 47))
+    assert rig.chip.pins(rig.now, rig.line) == NOTHING
+
+
+@pytest.mark.parametrize("late", [0, 1, 40])
+def test_i2c_edge_told_after_something_was_due_brings_that_first(late: int):
+    """The filter holds a START back for 15 cycles; SCL's fall comes when it is due, or later, and nobody woke it."""
+    rig = Rig(noise_filter_cycles=1)
+    rig.begin()
+    rig.wait(100)
+    rig.chip.pins(rig.now, 0b01)
+    due = rig.chip.next_wake
+    assert due == rig.now + 15
+    assert rig.chip.pins(due + late, 0b00) == ALL
+    assert rig.chip.peek(due + late, 2) >> 12 & 1, "BB"
+
+
+@pytest.mark.parametrize("late", [1, 40])
+def test_sci_edge_told_after_something_was_due_brings_that_first(late: int):
+    rig = SciRig()
+    begin = rig.send("0 11010010")
+    rig.drive(rig.now, "RXD", 1)
+    due = rig.chip.next_wake
+    assert due - begin > 9 * rig.bit
+    assert rig.chip.pins(due + late, 0) == ALL
+    assert rig.peek("SCIRXST") >> 6 & 1, "RXRDY"

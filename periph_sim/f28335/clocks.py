@@ -96,30 +96,20 @@ class SystemControl:
         self.held = 0
         self.notes: list[Note] = []
         self.touched: set[str] = set()
-        self.sysclk_numerator = 1  # SYSCLKOUT = OSCCLK * numerator / denominator, in lowest terms
-        self.sysclk_denominator = 4
-        self.lspclk_divider = 4
-        self.lspclk_phase = 0  # LSPCLK begins a period at this cycle, and each divider cycles from it
-        self.hspclk_divider = 2
-        self.gates = 0  # bit i: MODULES[i] has its clock now
         self.reset_requested = False  # by the watchdog; cleared by `reset`
         self._options = options
         self._clock = OscClock()
         self._watchdog = Watchdog(options, self.touched)
-        self._pllsts = 0
-        self._pllcr = 0
-        self._hispcp = 0
-        self._lospcp = 0
-        self._pclkcr0 = 0
-        self._pclkcr1 = 0
-        self._pclkcr3 = 0
-        self._lpmcr0 = 0
-        self._locked_at = NEVER  # OSCCLK position
+        self._pllsts: int  # registers: `reset` gives them their values
+        self._pllcr: int
+        self._hispcp: int
+        self._lospcp: int
+        self._pclkcr0: int
+        self._pclkcr1: int
+        self._pclkcr3: int
+        self._lpmcr0: int
         self._gates_to_come: list[tuple[int, int]] = []  # (cycle, gates)
-        self._wdint = 1  # WDINT as it was last seen
-        self._wdints = 1
         self._wdints_to_come: list[tuple[int, int]] = []  # (cycle, level)
-        self._wdflag_at = NEVER
         self.reset(0)
 
     # What the owner asks ----------------------------------------------------
@@ -196,7 +186,7 @@ class SystemControl:
         by_watchdog = self.reset_requested
         self._pllcr = PLLCR.reset
         self._pllsts = PLLSTS.reset
-        self._locked_at = NEVER
+        self._locked_at = NEVER  # OSCCLK position
         self._reset_all_but_pll(now)
         self._wdflag_at = now + WDFLAG_DELAY if by_watchdog else NEVER
         self._tune(now)
@@ -309,13 +299,13 @@ class SystemControl:
         self._lpmcr0 = LPMCR0.reset
         self.hspclk_divider = prescale(self._hispcp)
         self.lspclk_divider = prescale(self._lospcp)
-        self.lspclk_phase = now
-        self.gates = self._gates()
+        self.lspclk_phase = now  # LSPCLK begins a period at this cycle, and each divider cycles from it
+        self.gates = self._gates()  # bit i: MODULES[i] has its clock now
         self._gates_to_come.clear()
         self._watchdog.reset(self._clock.at(now))
         self.requests = 0
         self.reset_requested = False
-        self._wdint = 1
+        self._wdint = 1  # WDINT as it was last seen
         self._wdints = 1
         self._wdints_to_come.clear()
         self._wdflag_at = NEVER
@@ -372,7 +362,7 @@ class SystemControl:
             self.touched.add("pll_lock_clock")
             if self._options.pll_lock_clock == "osc_div_2":
                 divide = 2
-        common = gcd(ratio, divide)
+        common = gcd(ratio, divide)  # SYSCLKOUT = OSCCLK * numerator / denominator, in lowest terms
         self.sysclk_numerator = ratio // common
         self.sysclk_denominator = divide // common
         self._clock.retune(now, self.sysclk_numerator, self.sysclk_denominator)

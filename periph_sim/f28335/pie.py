@@ -50,7 +50,6 @@ class Pie:
     filter_width = 0
 
     def __init__(self, options: SystemOptions) -> None:
-        self.pulses = 0  # bit x - 1: INTx was pulsed since the owner last set this to 0
         self.next_wake = NEVER
         self.out = 0
         self.requests = 0
@@ -58,16 +57,10 @@ class Pie:
         self.notes: list[Note] = []
         self.touched: set[str] = set()
         self._options = options
-        self._piectrl = 0
-        self._pieack = 0
-        self._as_reset = 0  # the groups whose PIEACK bit is still what the reset made it
-        self._told_held = 0  # of these, the groups whose held request was noted
-        self._pieier = [0] * GROUPS
-        self._pieifr = [0] * GROUPS
-        self._lines_held = [0] * GROUPS
-        self._set_at = [-1] * GROUPS  # cycle of the latest requests of a group
-        self._set_now = [0] * GROUPS  # the lines that asked in that cycle
-        self._seen = [0] * GROUPS  # PIEIFR as the CPU last read it
+        self._piectrl: int  # registers: `reset` gives them their values
+        self._pieack: int
+        self._pieier: list[int]
+        self._pieifr: list[int]
         self.reset(0)
 
     # Inputs from peripherals and CPU -----------------------------------------
@@ -171,16 +164,15 @@ class Pie:
     def reset(self, now: int) -> None:
         self._piectrl = PIECTRL.reset
         self._pieack = self._options.pieack_reset
-        self._as_reset = PIEACK["PIEACK"].mask
-        self._told_held = 0
-        for g in range(GROUPS):
-            self._pieier[g] = PIEIER[g].reset
-            self._pieifr[g] = PIEIFR[g].reset
-            self._lines_held[g] = 0
-            self._set_at[g] = -1
-            self._set_now[g] = 0
-            self._seen[g] = 0
-        self.pulses = 0
+        self._as_reset = PIEACK["PIEACK"].mask  # the groups whose PIEACK bit is still what the reset made it
+        self._told_held = 0  # of these, the groups whose held request was noted
+        self._pieier = [register.reset for register in PIEIER]
+        self._pieifr = [register.reset for register in PIEIFR]
+        self._lines_held = [0] * GROUPS
+        self._set_at = [-1] * GROUPS  # cycle of the latest requests of a group
+        self._set_now = [0] * GROUPS  # the lines that asked in that cycle
+        self._seen = [0] * GROUPS  # PIEIFR as the CPU last read it
+        self.pulses = 0  # bit x - 1: INTx was pulsed since the owner last set this to 0
 
     # Inside -------------------------------------------------------------------
 

@@ -47,29 +47,18 @@ class Watchdog:
     def __init__(self, options: SystemOptions, touched: set[str]) -> None:
         self._options = options
         self._touched = touched
-        self.wdcr = 0
-        self.scsr = 0
-        self.wdint = 1  # level of WDINT
-        self.interrupt = False  # WDINT fell; whoever sees it sets this to False
-        self.reset_requested = False
-        self.next_due = NEVER
-        self._armed = False  # 0x55 was the last key
-        self._origin = 0  # an edge of the divider chain; all its taps step at multiples from here
-        self._since = 0  # position at which the count was `_count`
-        self._count = 0
-        self._low_until = NEVER
         self.reset(0)
 
     def reset(self, position: int) -> None:
         """XRS: enabled, counting from 0, WDFLAG 0."""
         self.wdcr = WDCR.reset
         self.scsr = SCSR.reset
-        self.wdint = 1
-        self.interrupt = False
+        self.wdint = 1  # level of WDINT
+        self.interrupt = False  # WDINT fell; whoever sees it sets this to False
         self.reset_requested = False
-        self._armed = False
-        self._origin = position
-        self._since = position
+        self._armed = False  # 0x55 was the last key
+        self._origin = position  # an edge of the divider chain; all its taps step at multiples from here
+        self._since = position  # position at which the count was `_count`
         self._count = 0
         self._low_until = NEVER
         self._schedule()

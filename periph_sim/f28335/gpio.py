@@ -94,29 +94,17 @@ class Gpio:
         self._pad = ALL & ~at.GPIO["GPAPUD"].reset  # mask: levels of the pads, first the pull-ups
         self._edge_at = -1  # the cycle on which the last exact edges fell,
         self._before = 0  # and the pads before them
-        self._settle_at = NEVER  # when a synchronised level that someone may read changes
         self._qualifiers: dict[int, Qualifier] = {}
         self._qualified = 0  # mask: output of the qualifiers
-        self._periods = [1] * GROUPS  # sampling period of each eight pins
-        self._origins = [0] * GROUPS  # and a cycle in which they were sampled
-        self._watching = 0  # mask: XINT lines the owner listens to
-        self._xints = 0  # mask: levels last told of them
-        self._input_clock = True  # PCLKCR3.GPIOINENCLK
-        self._stored: dict[int, int] = {}  # by register offset: what a read shows
-        self._active: dict[int, int] = {}  # the same of those that act with a delay
         self._waiting: list[tuple[int, int, int]] = []  # (when, register offset, value)
-        self._latch = 0
         self._outs: list[tuple[int, int, int]] = []  # (when, driven, out)
+        self._watching: int  # mask: XINT lines the owner listens to
+        self._xints: int  # mask: levels last told of them
         self._mux = [0] * PINS
-        self._select = [0] * PINS  # QSEL
         self._routes = Routes(self._mux)
-        self._outputs = 0  # mask: pins that are general-purpose outputs
-        self._pull_ups = 0  # mask: pins with their pull-up on
         self._asynchronous = 0
         self._sampled = 0
         self._dead = 0  # mask: pins whose input path is switched off
-        self._settles = 0  # mask: pins on which an exact edge asks for a wake-up
-        self._watched = 0  # mask: pins that feed a watched XINT line
         self.reset(0)
 
     # Pads and peripherals ----------------------------------------------------
@@ -240,17 +228,17 @@ class Gpio:
     def reset(self, now: int) -> None:
         """XRS: registers take their reset values at once; the pads' levels stay what the owner told."""
         before = self._levels(now)
-        self._stored = {register.offset: register.reset for register in self.MAP}
-        self._active = dict(self._stored)
+        self._stored = {register.offset: register.reset for register in self.MAP}  # what a read shows
+        self._active = dict(self._stored)  # the same of those that act with a delay
         self._waiting.clear()
         self._outs.clear()
         self._latch = 0
         self._watching = self._xints = 0
-        self._input_clock = True
+        self._input_clock = True  # PCLKCR3.GPIOINENCLK
         self._qualifiers.clear()
-        self._periods = [1] * GROUPS
-        self._origins = [now] * GROUPS
-        self._settle_at = NEVER
+        self._periods = [1] * GROUPS  # sampling period of each eight pins
+        self._origins = [now] * GROUPS  # and a cycle in which they were sampled
+        self._settle_at = NEVER  # when a synchronised level that someone may read changes
         if self.driven:
             self.driven = self.out = 0
             self.out_version += 1
@@ -413,7 +401,7 @@ class Gpio:
         """Directions and the way of each pin's level, as masks for quick use; samplers come and go."""
         shown = self._shown(now)
         self._pull_ups = ALL & ~self._ports(PULL_UPS)
-        self._outputs = self._ports(DIRECTIONS) & self._routes.gpio
+        self._outputs = self._ports(DIRECTIONS) & self._routes.gpio  # general-purpose ones
         self._dead = 0 if self._input_clock else (self._outputs | self._routes.outputs) & ~NOT_GATED
         self._asynchronous = self._sampled = 0
         for pin, select in enumerate(self._select):
@@ -424,11 +412,12 @@ class Gpio:
                 self._asynchronous |= 1 << pin
         self._qualifiers = {pin: q for pin, q in self._qualifiers.items() if self._sampled >> pin & 1}
         self._qualified = sum(q.qualified << pin for pin, q in self._qualifiers.items())
-        self._watched = 0
+        self._watched = 0  # mask: pins that feed a watched XINT line
         for line in range(len(at.XINT_SELECTS)):
             if self._watching >> line & 1:
                 self._watched |= 1 << self._xint_pin(line)
         heard = self._routes.inputs & ~self._watched  # the owner itself brings their edges to the peripheral
+        # An exact edge on these pins asks for a wake-up.
         self._settles = ALL & ~self._asynchronous & ~self._sampled & ~self._dead & ~heard
         if self._edge_at == now and (self._pad ^ self._before) & self._settles:
             self._settle_at = now + 1

@@ -89,7 +89,6 @@ class SciTx:
         self._clock = clock
         self._layout = layout
         self._waiting = False  # SCITXBUF holds a character ...
-        self._kept = 0  # ... this one
         self._drain = 0  # words that TXENA = 0 does not hold back
         self._loaded = False  # TXSHF holds a word whose start bit has not begun
         self._txshf = 0
@@ -274,7 +273,7 @@ class SciTx:
     def write_buffer(self, now: int, value: int) -> None:
         """SCITXBUF."""
         was_empty = self._is_empty()
-        self.txbuf = value & 0xFF
+        before, self.txbuf = self.txbuf, value & 0xFF
         if self.fifo_mode:
             self._to_fifo()
         elif self.in_swreset and self.options.txbuf_write_in_swreset == "lost":
@@ -285,12 +284,11 @@ class SciTx:
             self.touched.add("txbuf_write_when_full")
             self.lost.append(f"SCITXBUF was written {value & 0xFF:#04x} while TXRDY = 0: one character is lost")
             if self.options.txbuf_write_when_full == "ignored":
-                self.txbuf = self._kept
+                self.txbuf = before
         else:
             self._waiting = True
         if self.in_swreset:
             self.touched.add("txbuf_write_in_swreset")
-        self._kept = self.txbuf
         self.replan(now)
         if was_empty and self._start_at != FAR:
             self.touched.add("txempty_fall")
@@ -425,7 +423,6 @@ class SciTx:
         self.int_enabled = False
         self.delay = 0
         self.txbuf = 0
-        self._kept = 0
         self.txwake = False
         self.fifo.clear()
         self.scifftx = SCIFFTX.reset

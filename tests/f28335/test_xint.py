@@ -4,6 +4,11 @@ from __future__ import annotations
 
 import pytest
 
+from periph_sim.board.dsp import Dsp, DspPlan
+from periph_sim.core.kernel import Kernel
+from periph_sim.core.records import Recorder
+from periph_sim.core.time import Timebase
+from periph_sim.f28335.code_costs import BARE
 from periph_sim.f28335.gpio import Gpio
 from periph_sim.f28335.system_options import SystemOptions
 from periph_sim.f28335.xint import Xint
@@ -175,3 +180,22 @@ def test_settling_makes_no_edge():
     write(21, 1, control(BOTH))
     deliver(21)
     assert xint.requests == 0b01
+
+
+@pytest.mark.parametrize("name", ["XINT1CTR", "XINT2CTR"])
+def test_a_wait_for_a_counter_ends(name):
+    """It runs by itself, and no event tells when it changes: no pass of the wait may be skipped."""
+    kernel = Kernel()
+    dsp = Dsp(kernel, Timebase(150_000_000), Recorder(), DspPlan("dsp", ("GPIO", "XINT"), {}, code=BARE))
+    counter, control = dsp.module("XINT")[name], dsp.module("XINT")[name.replace("CTR", "CR")]
+    waited: list[int] = []
+
+    def main() -> None:
+        control.ENABLE = 1
+        begin = dsp.cpu.cycle
+        dsp.spin(lambda: counter.INTCTR >= 1000)
+        waited.append(dsp.cpu.cycle - begin)
+
+    dsp.start(main)
+    kernel.run_until(20 * 5000)
+    assert [1000 <= cycles <= 1020 for cycles in waited] == [True]

@@ -88,8 +88,7 @@ class I2c:
         if late or self.master.active or not self.filter_width:
             self._plan()
             return ALL
-        due = self._lines.due
-        self.next_wake = due if due < self._timer else self._timer
+        self.next_wake = self._timer if self._timer < self._lines.due else self._lines.due
         return OUTPUTS
 
     def _hear(self, now: int, levels: int) -> None:
@@ -197,9 +196,8 @@ class I2c:
             self.out, self.next_wake = BOTH, NEVER
             return
         state = self.state
-        if state.requests:
-            self.requests |= state.requests
-            state.requests = 0
+        self.requests |= state.requests
+        state.requests = 0
         self.held = state.held
         self.out = self._levels()
         self.next_wake = self._timer if self._timer < self._lines.due else self._lines.due
@@ -444,6 +442,7 @@ class I2c:
         self.target.reset()
         self.master.reset()
         self._clocked = False
+        self.held = 0
         self.filter_width = self.options.noise_filter_cycles
         self._lines.settle(self._pins)
         self._suspended = False

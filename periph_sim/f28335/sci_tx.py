@@ -419,6 +419,7 @@ class SciTx:
     def reset(self) -> None:
         self.halt()
         self.in_swreset = True
+        self.stopping = False
         self.enabled = False
         self.int_enabled = False
         self.delay = 0

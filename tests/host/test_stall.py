@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import threading
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -12,6 +13,7 @@ from periph_sim.baselines.check import check
 from periph_sim.board.result import Result
 from periph_sim.board.scene import Scene
 from periph_sim.case.load import load
+from periph_sim.host import timeline
 from periph_sim.host.stall import _debugged
 from tests.commands.conftest import Run, periph_sim
 
@@ -90,6 +92,21 @@ def test_work_that_lets_time_pass_now_and_then_is_not_stopped(tmp_path: Path):
     body = "for _ in range(6):\n        sum(range(3_000_000))\n        dsp.compute(10)"
     result = Scene(load(case_file(tmp_path, body, "500 ms"))).run()
     assert not any("simulated time" in told for told in result.stuck)
+
+
+@pytest.mark.parametrize(("limit", "added"), [("300 ms", 1), ("0 s", 0)])
+def test_firmware_is_watched_from_its_start_and_only_while_it_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, limit: str, added: int
+):
+    """An exception on its way to the thread ends with the firmware's turn, not in what the thread does next."""
+    calls: list[tuple[str, object]] = []
+    watch = SimpleNamespace(
+        add=lambda cpu: calls.append(("add", cpu.name)), leave=lambda thread: calls.append(("leave", thread))
+    )
+    monkeypatch.setattr(timeline, "watch", watch)
+    Scene(load(case_file(tmp_path, "for _ in range(3):\n        dsp.compute(1000)", limit))).run()
+    assert calls.count(("add", "dsp")) == added
+    assert set(calls) == ({("add", "dsp"), ("leave", threading.get_ident())} if added else set())
 
 
 def test_limit_of_0_is_none(tmp_path: Path):

@@ -68,7 +68,8 @@ def judge(check: CaseCheck, guaranteed: bool = False) -> list[Finding]:
             text = f"{verdict.name} holds, but breaks says that it must break; take it out there if the bug is mended"
             findings.append(Finding(verdict.name, line, text))
         elif guaranteed and verdict.proof != EVERY_PHASE:
-            findings.append(Finding(verdict.name, line, f"{verdict.name} holds in what was seen: {verdict.unbounded}"))
+            text = f"{verdict.name} held in this run, but is not proven: {verdict.unbounded}"
+            findings.append(Finding(verdict.name, line, text))
     findings += [Finding(None, top, text) for text in outcome.trouble]
     if check.state == "missing":
         text = f"it has no baseline {check.baseline}; write one with --update-baseline"

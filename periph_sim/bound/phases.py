@@ -14,7 +14,7 @@ from ..case.model import BadCase, Case
 from ..core.kernel import SimulationStuck
 from ..f28335.memory import NoSuchAddress
 from ..host.blame import FirmwareError
-from ..timing.budgets import Limit
+from ..timing.budgets import PER_MILLE, Limit
 from ..timing.shown import in_words
 from ..timing.verdicts import EVERY_PHASE, SEEN, Verdict
 from .beside import closed_form
@@ -38,11 +38,16 @@ def judge_phases(scene: Scene, verdicts: Iterable[Verdict]) -> None:
 
 
 def _say_bound(limit: Limit, verdict: Verdict, bounds: Iterable[Bound]) -> None:
-    """The bound of what the verdict shows, from the side of its limit."""
+    """The bound of what the verdict shows, from the side of its limit.
+
+    A percentile has none of its own: the maximum's counts where it keeps the limit, and says nothing where it does not.
+    """
     low = verdict.which == "min"
     shown = limit.shown
     for bound in bounds:
-        if bound.measure == verdict.measure and bound.least == low and not bound.unproven:
+        if bound.measure != verdict.measure or bound.least != low or bound.unproven:
+            continue
+        if verdict.which not in PER_MILLE or bound.ticks <= shown.limits[verdict.which]:
             verdict.bound = shown.show(bound.ticks)
 
 
@@ -58,6 +63,8 @@ def _doubt(part: Limit, check: LimitCheck) -> str:
     if not check.beyond:
         return ""
     unit = "us" if part.measure.unit == "time" else part.measure.unit
+    if check.key in PER_MILLE:
+        return f"only the maximum is bounded, by {in_words(part.show(bound.ticks), unit)}"
     return f"its bound is beyond the limit by {in_words(part.show(-(check.spare or 0)), unit)}"
 
 

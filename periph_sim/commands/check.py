@@ -6,6 +6,7 @@ import json
 from contextlib import ExitStack
 from dataclasses import asdict
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -16,13 +17,16 @@ from .inputs import apart
 from .progress import progress
 from .trouble import told_plainly
 
+if TYPE_CHECKING:
+    from rich.table import Table
+
 
 @click.command()
 @click.argument("paths", nargs=-1, type=click.Path(path_type=Path), metavar="[PATH]...")
 @click.option("--tolerance", type=click.IntRange(min=0), default=0, metavar="CYCLES", help="Times may differ by this.")
 @click.option("--update-baseline", "update", is_flag=True, help="Make the figures of this run the new baselines.")
 @click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of every case.")
-@click.option("--guaranteed", is_flag=True, help="A budget that holds only in what was seen fails, too.")
+@click.option("--guaranteed", is_flag=True, help="A budget that held in this run but is not proven fails, too.")
 @click.option("--jobs", type=click.IntRange(min=1), help="Processes at a time; as many as cores. 1: none but this one.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
 @click.option("--junit", "junit_file", type=click.Path(path_type=Path), help="Write JUnit XML to this file.")
@@ -144,60 +148,66 @@ def _html(checks: list[CaseCheck], jobs: int | None) -> str:
 
 
 def _show(checks: list[CaseCheck], refused: list[Refused]) -> None:
-    from rich.box import SIMPLE_HEAD
-    from rich.console import Console
-    from rich.table import Table
-
-    from ..timing.verdicts import BROKEN, EVERY_PHASE, SEEN
     from ..worst.show import text
-    from .report import PADDING, budget_table, legend
+    from .report import budget_table, legend, say, terminal
 
-    console = Console()
-    failed = [one for one in checks if not one.passed]
-    title = f"check: {len(checks) - len(failed)} of {len(checks) + len(refused)} as they should be"
-    table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD, padding=PADDING)
-    table.add_column("case", no_wrap=True)
-    for name in ("every phase", "seen", "broken", "must", "changed"):
-        table.add_column(name, justify="right", no_wrap=True)
-    table.add_column("baseline", no_wrap=True)
-    table.add_column("", no_wrap=True)
-    for one in checks:
-        outcome = one.outcome
-        words = [verdict.word for verdict in outcome.verdicts]
-        numbers = (
-            words.count(EVERY_PHASE),
-            words.count(SEEN),
-            words.count(BROKEN),
-            len(outcome.breaks),
-            sum(not change.note for change in one.changes),
-        )
-        verdict = "pass" if one.passed else "fail"
-        style = "" if one.passed else "red"
-        table.add_row(outcome.figures.case, *map(str, numbers), one.state, verdict, style=style)
+    console = terminal()
+    say(
+        console, f"check: {sum(one.passed for one in checks)} of {len(checks) + len(refused)} as they should be", "bold"
+    )
+    console.print(_table(checks, refused))
+    if checks:
+        say(console, LEGEND)
     for case in refused:
-        table.add_row(case.path.stem, *[""] * 6, "refused", style="red")
-    console.print(table)
-    for case in refused:
-        console.print(f"Error: {case.why}", highlight=False, soft_wrap=True, markup=False)
-    for one in failed:
+        say(console, f"Error: {case.why}")
+    for one in (one for one in checks if not one.passed):
         if set(one.outcome.not_passed) != set(one.outcome.breaks):
-            console.print(budget_table(f"{one.outcome.figures.case}: FAIL", one.outcome.verdicts))
+            say(console, f"{one.outcome.figures.case}: FAIL", "bold")
+            console.print(budget_table(one.outcome.verdicts))
             for line in legend(one.outcome.verdicts):
-                console.print(line, highlight=False, soft_wrap=True, markup=False)
+                say(console, line)
         for finding in one.findings:
-            place = f"{one.outcome.path.as_posix()}, line {finding.line}"
-            console.print(f"{place}: {finding.text}", highlight=False, soft_wrap=True, markup=False)
+            say(console, f"{one.outcome.path.as_posix()}, line {finding.line}: {finding.text}")
         for chain in one.causes.values():
             click.echo("\n".join(["", *text(chain)]))
     for one in checks:
         notes = [str(change) for change in one.changes if change.note]
         if notes and one.state != "written":
-            told = f"note: {one.outcome.figures.case}: {', '.join(notes)} (counts of the simulation, which fail nobody)"
-            console.print(told, highlight=False, soft_wrap=True, markup=False)
+            told = ", ".join(notes)
+            say(console, f"note: {one.outcome.figures.case}: {told} (counts of the simulation, which fail nobody)")
     for one in checks:
         if one.state == "written":
             for change in one.changes:
-                console.print(f"{one.outcome.figures.case}: {change}", highlight=False, soft_wrap=True, markup=False)
+                say(console, f"{one.outcome.figures.case}: {change}")
             click.echo(f"written: {one.baseline.as_posix()}")
             if one.changes:
                 click.echo(one.diff)
+
+
+LEGEND = "columns count budgets; must break: named in `breaks`; baseline: changed figures"
+
+
+def _table(checks: list[CaseCheck], refused: list[Refused]) -> Table:
+    """A row a case: how many budgets have each verdict, and what the baseline says."""
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+
+    from ..timing.verdicts import BROKEN, EVERY_PHASE, NOT_JUDGED, SEEN
+    from .report import PADDING
+
+    table = Table(box=SIMPLE_HEAD, padding=PADDING, pad_edge=False)
+    table.add_column("case", no_wrap=True)
+    for name in ("every phase", "seen", "broken", "not judged", "must break"):
+        table.add_column(name.replace(" ", "\n"), justify="right", no_wrap=True)
+    table.add_column("baseline", no_wrap=True)
+    table.add_column("", no_wrap=True)
+    for one in checks:
+        words = [verdict.word for verdict in one.outcome.verdicts]
+        numbers = [words.count(word) for word in (EVERY_PHASE, SEEN, BROKEN, NOT_JUDGED)]
+        changed = sum(not change.note for change in one.changes)
+        state = f"{changed} changed" if one.state == "changed" else one.state
+        cells = (one.outcome.figures.case, *map(str, numbers), str(len(one.outcome.breaks)), state)
+        table.add_row(*cells, "pass" if one.passed else "fail", style="" if one.passed else "red")
+    for case in refused:
+        table.add_row(case.path.stem, *[""] * 6, "refused", style="red")
+    return table

@@ -11,13 +11,8 @@ from rich.table import Table
 from ..core.nearest import near
 from ..core.options import allowed
 from ..core.registers import Register, RegisterMap
-from ..devices.adxl345 import Adxl345Options
-from ..devices.hmc5883l import Hmc5883lOptions
-from ..devices.itg3200 import Itg3200Options
 from ..f28335 import clocks_map, gpio_map, i2c_map, pie_map, sci_map, timer_map, xint_map
-from ..f28335.i2c_options import I2cOptions
-from ..f28335.sci_options import SciOptions
-from ..f28335.system_options import SystemOptions
+from .option_groups import OPTIONS
 
 MAPS: dict[str, tuple[int, RegisterMap]] = {
     **{name: (base, sci_map.SCI_MAP) for name, base in sci_map.BASES.items()},
@@ -27,14 +22,6 @@ MAPS: dict[str, tuple[int, RegisterMap]] = {
     "SYS": (clocks_map.BASE, clocks_map.MAP),
     "PIE": (pie_map.BASE, pie_map.MAP),
     **{f"TIMER{n}": (timer_map.BASES[n], timer_map.MAP) for n in range(3)},
-}
-OPTIONS = {
-    "i2c": I2cOptions,
-    "sci": SciOptions,
-    "system": SystemOptions,
-    "adxl345": Adxl345Options,
-    "itg3200": Itg3200Options,
-    "hmc5883l": Hmc5883lOptions,
 }
 
 

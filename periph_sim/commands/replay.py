@@ -14,6 +14,7 @@ from rich.console import Console
 from rich.table import Table
 
 from ..case.load import load
+from ..case.model import Case
 from ..formats.capture import Capture
 from ..formats.whole import whole
 from ..recording import recording
@@ -26,9 +27,10 @@ from ..replay.report import Report
 from ..replay.session import SessionReplay
 from ..replay.uart import UartReplay, line_format
 from ..replay.verdict import AMBIGUOUS, PASS, headline
+from .assumptions import assumptions
 from .inputs import RATE, SALVAGE, read_capture, time_given
 from .progress import progress
-from .report import budget_table
+from .report import budget_table, legend, say, terminal
 from .trouble import told_plainly
 
 FIRST = {
@@ -67,6 +69,7 @@ BEFORE, AFTER = 14, 4  # changes shown around a divergence
 @click.option("--record", type=click.Path(path_type=Path), help="Write the run to a file; its suffix says the format.")
 @click.option("--svg", type=click.Path(path_type=Path), help="Draw the worst divergence as a timing diagram.")
 @click.option("--strict", is_flag=True, help="Exit status 1 also where something is ambiguous.")
+@click.option("-v", "--verbose", is_flag=True, help="List the undocumented behaviours that the run assumed.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
 def replay(
     capture: Path,
@@ -88,6 +91,7 @@ def replay(
     record: Path | None,
     svg: Path | None,
     strict: bool,
+    verbose: bool,
     as_json: bool,
 ) -> int:
     """Replay CAPTURE against the firmware of a case.
@@ -152,7 +156,7 @@ def replay(
     if as_json:
         click.echo(json.dumps(dataclasses.asdict(report)))
     else:
-        show(Console(), report)
+        show(terminal(), report, case, verbose)
     return 0 if report.verdict == PASS or (report.verdict == AMBIGUOUS and not strict) else 1
 
 
@@ -229,21 +233,23 @@ def _address(text: str) -> int:
     return address
 
 
-def show(console: Console, report: Report) -> None:
-    """The report as a person reads it."""
-    console.print(f"{report.case}, {report.capture}: {headline(report)}", style="bold", highlight=False, soft_wrap=True)
+def show(console: Console, report: Report, case: Case, verbose: bool) -> None:
+    """The report as a person reads it. verbose: list what the run assumed."""
+    say(console, f"{report.case}, {report.capture}: {headline(report)}", style="bold")
     table = Table(show_header=False)
     for name, value in rows(report):
         table.add_row(name, value)
     console.print(table)
     if report.budgets:
-        console.print(budget_table("", report.budgets))
+        console.print(budget_table(report.budgets))
+        for line in legend(report.budgets):
+            say(console, line)
     for divergence in report.divergences:
         show_history(console, divergence)
     for line in report.notes:
-        console.print(f"note: {line}", highlight=False, soft_wrap=True)
-    if report.unknowns:
-        console.print(f"open questions touched: {', '.join(report.unknowns)}", highlight=False, soft_wrap=True)
+        say(console, f"note: {line}")
+    for line in assumptions(report.unknowns, case, verbose):
+        say(console, line)
 
 
 def rows(report: Report) -> list[tuple[str, str]]:

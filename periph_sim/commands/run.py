@@ -9,7 +9,6 @@ from fractions import Fraction
 from pathlib import Path
 
 import click
-from rich.console import Console
 
 from ..board.result import Result
 from ..board.scene import Scene
@@ -24,7 +23,7 @@ from ..worst.show import as_json as chain_as_json
 from ..worst.show import text
 from .inputs import apart, length_given
 from .progress import progress
-from .report import show
+from .report import show, terminal
 from .trouble import told_plainly
 
 
@@ -34,8 +33,9 @@ from .trouble import told_plainly
 @click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
 @click.option("--record", type=click.Path(path_type=Path), help="Write the run to a file; its suffix says the format.")
 @click.option("--html", type=click.Path(path_type=Path), help="Write a report with plots and timelines to this file.")
-@click.option("--guaranteed", is_flag=True, help="A budget that holds only in what was seen fails, too.")
+@click.option("--guaranteed", is_flag=True, help="A budget that held in this run but is not proven fails, too.")
 @click.option("--explain", is_flag=True, help="Say of each budget why its worst occurrence was as it was.")
+@click.option("-v", "--verbose", is_flag=True, help="List the undocumented behaviours that the run assumed.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
 def run(
     case: Path,
@@ -45,11 +45,12 @@ def run(
     html: Path | None,
     guaranteed: bool,
     explain: bool,
+    verbose: bool,
     as_json: bool,
 ) -> int:
     """Run CASE and say whether its budgets hold (exit status 0) or not (1).
 
-    Where a closed form exists they hold for every phase of case and host, else in what was seen.
+    Where a bound is known and within the limit, that is proven for any timing of controller, host and DSP.
     """
     apart(record=record, html=html)
     with told_plainly(), ExitStack() as outputs:
@@ -74,7 +75,7 @@ def run(
     if as_json:
         click.echo(json.dumps(_object(result, chains if explain else None)))
     else:
-        show(Console(), result, guaranteed)
+        show(terminal(), result, loaded, guaranteed, verbose)
         for chain in chains.values():
             click.echo("\n".join(["", *text(chain)]))
     return status(result, guaranteed)

@@ -178,9 +178,7 @@ class Run:
         seen = [verdict for verdict in verdicts if verdict.proof != EVERY_PHASE]
         if guaranteed and seen:
             lines = [f"{verdict.name}: {verdict.unbounded}" for verdict in seen]
-            raise AssertionError(
-                "\n".join([f"{self.result.case} holds in what was seen, not for every phase:", *lines])
-            )
+            raise AssertionError("\n".join([f"{self.result.case} held in this run, but is not proven:", *lines]))
 
 
 def run_plan(plan: Plan, told: Told, *, keep_edges: bool = False, record: bool = False) -> Run:

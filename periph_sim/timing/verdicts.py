@@ -29,8 +29,8 @@ class Verdict:
     several limits the nearest one. at_s: when the worst was, seconds from the start. which: the limit's key; for a
     percentile `worst` is the value at it. found: what there is to say beyond figures, such as that nothing matched.
     measured, occasions: how many of all occasions were measured; occasions is None where the measure has none. bound:
-    of `worst` in any phase, None where none is known. proof: of a budget that passes. unbounded: why it is not for
-    every phase.
+    of `worst` in any phase, None where none is known; of a percentile the maximum's, if that keeps the limit. proof:
+    of a budget that passes. unbounded: why it is not for every phase.
     """
 
     name: str

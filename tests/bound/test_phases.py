@@ -56,6 +56,14 @@ def test_the_bound_is_from_the_side_of_the_limit():
     assert (both.word, both.unbounded) == ("seen", "no closed form")  # from below nothing is known
 
 
+def test_a_percentile_shows_the_bound_of_the_maximum_only_where_that_keeps_the_limit():
+    """Beyond the limit it says nothing of the percentile, and beside it would read as a failure."""
+    kept, beyond, broken = (limited("age", p99=f"{ms} ms") for ms in (40, 25, 20))
+    assert kept.word == "every phase" and kept.bound is not None and 39_000 < kept.bound < 40_000
+    assert (beyond.word, beyond.bound, broken.word, broken.bound) == ("seen", None, "broken", None)
+    assert beyond.unbounded.startswith("only the maximum is bounded, by 39.3")
+
+
 def test_joined_conditions_must_all_be_bounded():
     joined = {"and": [{"measure": "stretch", "min": "0 us"}]}
     alone, with_other = limited("age", max="40 ms"), limited("age", max="40 ms", **joined)

@@ -57,6 +57,23 @@ def test_a_case_that_breaks_what_it_must_passes_and_run_still_fails(periph_sim: 
     assert "timing/small.toml, line 1: wrong bytes holds, but breaks says that it must break; take it out" in came.out
 
 
+def test_the_table_counts_budgets_by_verdict_and_its_columns_are_explained(periph_sim: Run, cases: Path):
+    put(cases, "mute", sdir_wait=False, breaks='breaks = ["wrong bytes"]\n')
+    text = (cases / "mute.toml").read_text(encoding="utf-8")
+    never = '[[budget]]\nname = "never"\nmeasure = "period of bus address 0x11 read"\nmax = "1 s"\n'
+    (cases / "mute.toml").write_text(text + never, encoding="utf-8")
+    lines = periph_sim("check", "--jobs", "1").out.splitlines()
+    at = lines.index("        every                   not   must                 ")
+    assert [line.split() for line in lines[at + 1 : at + 5]] == [
+        ["case", "phase", "seen", "broken", "judged", "break", "baseline"],
+        ["─" * len(lines[at + 2].strip())],
+        ["mute", "2", "0", "1", "1", "1", "missing", "fail"],
+        ["small", "2", "1", "0", "0", "0", "missing", "fail"],
+    ]
+    legend = "columns count budgets; must break: named in `breaks`; baseline: changed figures"
+    assert lines[at + 6] == legend and max(map(len, lines[: at + 7])) <= 80
+
+
 def test_json_of_equal_runs_is_equal_byte_for_byte_in_any_number_of_processes(periph_sim: Run, cases: Path):
     put(cases, "other", wait=3000)
     one = periph_sim("check", "--jobs", "1", "--json")
@@ -177,8 +194,8 @@ def test_guaranteed_fails_what_holds_in_what_was_seen_with_its_line(periph_sim: 
     assert periph_sim("check", "--jobs", "1", "--update-baseline").status == 0
     came = periph_sim("check", "--jobs", "1", "--guaranteed")
     assert came.status == 1
-    assert "timing/small.toml, line 24: wrong bytes holds in what was seen: no closed form\n" in came.out
-    assert "response holds in what was seen" not in came.out
+    assert "timing/small.toml, line 24: wrong bytes held in this run, but is not proven: no closed form\n" in came.out
+    assert "response held in this run" not in came.out
     told = json.loads(periph_sim("check", "--jobs", "1", "--json").out)
     proofs = told["cases"][0]["proofs"]
     assert proofs["response"] == {"verdict": "every phase", "bound": 5.0, "why": ""}

@@ -29,16 +29,33 @@ def test_a_figure(value: float, unit: str, column: str, sentence: str):
 @pytest.mark.parametrize(
     ("which", "text"),
     [
-        ("", "4.000 us"),
-        ("max", "4.000 us"),
-        ("min", "4.000 us"),
-        ("exactly", "= 4.000 us"),
-        ("p99", "p99 4.000 us"),
-        ("p99_9", "p99.9 4.000 us"),
+        ("", "4 us"),
+        ("max", "4 us"),
+        ("min", "4 us"),
+        ("exactly", "= 4 us"),
+        ("p99", "p99 4 us"),
+        ("p99_9", "p99.9 4 us"),
     ],
 )
 def test_a_limit_says_which_it_is(which: str, text: str):
     assert limit(4.0, "us", which) == text
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (3.4, "us", "3.4 us"),
+        (17000.5, "us", "17.0005 ms"),
+        (40_000.0, "us", "40 ms"),
+        (0.0, "us", "0 us"),
+        (40, "%", "40 %"),
+        (12.5, "%", "12.5 %"),
+        (100, "words", "100"),
+        (0.25, "LSB", "0.25 LSB"),
+    ],
+)
+def test_a_limit_has_no_zeros_that_nobody_wrote(value: float, unit: str, text: str):
+    assert limit(value, unit, "max") == text
 
 
 def test_what_there_is_none_of():

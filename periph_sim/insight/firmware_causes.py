@@ -63,7 +63,8 @@ def causes_of_access(run: Run, row: int, record: Record, flag: Record | None) ->
         return [*own, *entry]
     if not looks:
         return [*own[:-1], *(link._replace(aside=link.of is None) for link in own[-1:])]
-    saw = {look: change_seen(run, look, run.record(look)) or 0 for look in looks}
+    seen = {look: change_seen(run, look, run.record(look)) for look in looks}
+    saw = {look: -1 if change is None else change for look, change in seen.items()}
     newest = max(looks, key=lambda look: (saw[look], look))
     later = [link for look in looks if look > newest for link in _beside(run, look)]
     held = held_up(run, record, newest, row)

@@ -61,8 +61,7 @@ class Load(Measure):
         """Windows that are over by now."""
         while self._begins and self._begins[0] + self._window <= now:
             self._look(self._begins.popleft())
-        oldest = min([now - self._window, *list(self._begins)[:1]])
-        while self._stretches and self._stretches[0][1] <= oldest:
+        while self._stretches and self._stretches[0][1] <= now - self._window:
             self._stretches.popleft()
 
     def _look(self, begin: int) -> None:

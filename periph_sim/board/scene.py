@@ -120,7 +120,7 @@ class Scene:
         self._startup_transfers = 0
         self.nacked = 0
         self.stuck_lines: list[str] = []
-        self._stalled = ""  # by what the run ended before its time
+        self.stalled = ""  # by what the run ended before its time
         self._stuck_wire: Wire | None = None  # the line last reported stuck, and how many rounds were over then
         self._stuck_after_rounds = 0
         self._stuck_told: list[Callable[[int], None]] = []
@@ -403,7 +403,7 @@ class Scene:
                 if progress is not None:
                     progress(step / steps)
         except FirmwareStalled as stalled:
-            self._stalled = str(stalled)
+            self.stalled = str(stalled)
             length = self.kernel.now - began
         wall = perf_counter() - wall
         for limit in self.limits:
@@ -420,8 +420,8 @@ class Scene:
 
         Firmware that let no simulated time pass, and so ended the run, is the only one that is told.
         """
-        if self._stalled:
-            return [self._stalled]
+        if self.stalled:
+            return [self.stalled]
         told = []
         for name, dsp in self.units.items():
             why = hopeless(dsp, self._may_move)

@@ -96,9 +96,11 @@ def closed_form(case: Case, firmware: Mapping[str, Firmware] | None = None) -> C
     """The closed form of a case. firmware: by unit, where it is loaded already. BadBound if it has none."""
     unit = serving_unit(case)
     if case.fault:
-        raise BadBound(f"case {case.name}: no closed form counts its faults")
+        raise BadBound(f"case {case.name}: the case has faults, which no bound counts; judge them by what a run shows")
     if case.host is not None and case.host.twice:
-        raise BadBound(f"case {case.name}: no closed form counts frames that are sent twice")
+        raise BadBound(
+            f"case {case.name}: some frames are sent twice (host.twice), which no bound counts; leave host.twice out"
+        )
     calm = observe(case, firmware)
     timebase = Timebase(*(int(each.oscclk * each.pll / 2) for each in case.unit.values()))
     options = options_from(I2cOptions, case.unit[unit].options.i2c)
@@ -114,13 +116,14 @@ def report(case: Case, seconds: Fraction | None = None, progress: Callable[[floa
     if any(deadline.ticks < 0 for deadline in spare):
         return Report(*about, (), (), compare_with_limits(Scene(case).limits, ()))
     limited = {measure for budget in case.budget for measure in (budget.measure, *(c.measure for c in budget.also))}
-    found = [bound for bound in closed.bounds(spare) if not bound.special or bound.measure in limited]
+    known = closed.bounds(spare)
+    found = [bound for bound in known if bound.part == 1 and (not bound.special or bound.measure in limited)]
     budgets = (*case.budget, *(_anything(bound) for bound in found))
     scene = Scene(case.model_copy(update={"budget": budgets, "breaks": ()}))
     scene.run(length, progress)
     of_case, ours = scene.limits[: len(case.budget)], scene.limits[len(case.budget) :]
     beside = [_beside(bound, limit.measure) for bound, limit in zip(found, ours, strict=True)]
-    return Report(*about, tuple(beside), tuple(scene.deadlocks()), compare_with_limits(of_case, found))
+    return Report(*about, tuple(beside), tuple(scene.deadlocks()), compare_with_limits(of_case, known))
 
 
 def _beside(bound: Bound, of: Measure) -> Beside:

@@ -33,7 +33,8 @@ from .program import Program
 from .terms import BadBound
 
 KINDS = (Kind.ACCESS, Kind.FLAG, Kind.EDGE, Kind.BUS, Kind.SPAN, Kind.IRQ)
-DXR, STR = "W I2C-A.I2CDXR", "W I2C-A.I2CSTR"
+DXR, STR, OAR = "W I2C-A.I2CDXR", "W I2C-A.I2CSTR", "W I2C-A.I2COAR"
+RECEIVING = ("W SCI-A.", "W PIE.")  # what the start-up of a receiver writes
 
 
 @dataclass
@@ -63,7 +64,8 @@ class Calm:
     """All times in ticks.
 
     cycle: length of one of SYSCLKOUT. low: the controller's SCL low time. module: cycles of the I2C module clock.
-    writes: when I2CDXR was written. clears: when and where I2CSTR was. bytes: when the ACK slot of each data byte
+    writes: when I2CDXR was written. addressed: when I2COAR was. receives: from when on the SCI was set up and
+    interrupts were taken. clears: when and where I2CSTR was written. bytes: when the ACK slot of each data byte
     ended. stretches: when SCL fell, and how much longer than `low` it stayed so. changes: when a field
     changed, but by the firmware's own accesses, and what it became.
     """
@@ -79,6 +81,8 @@ class Calm:
     decisions: Decisions
     waits: list[Wait] = field(default_factory=list)
     writes: list[int] = field(default_factory=list)
+    addressed: list[int] = field(default_factory=list)
+    receives: int = 0
     clears: list[tuple[int, str]] = field(default_factory=list)
     spans: dict[str, list[tuple[int, int]]] = field(default_factory=dict)
     bytes: list[int] = field(default_factory=list)
@@ -131,11 +135,12 @@ def read_after_read(options: SystemOptions) -> int:
 def serving_unit(case: Case) -> str:
     """The one unit that answers on I2C. BadBound if there is none, or more than one."""
     if case.controller is None:
-        raise BadBound(f"case {case.name}: a bound of request and response needs a controller, which it has not")
+        what = "bounds count from a controller's requests, and there is no [controller]"
+        raise BadBound(f"case {case.name}: {what}; what a run shows is all there is")
     units = [name for name, unit in case.unit.items() if "I2C-A" in unit.modules]
     if len(units) != 1:
-        found = " and ".join(units) if units else "none"
-        raise BadBound(f"case {case.name}: one unit with I2C-A is expected to answer; it has {found}")
+        found = " and ".join(units) + " have it" if units else "none has it"
+        raise BadBound(f"case {case.name}: bounds are known of one unit that answers by its I2C-A; here {found}")
     return units[0]
 
 
@@ -164,10 +169,13 @@ def observe(case: Case, firmware: Mapping[str, Firmware] | None = None) -> Calm:
     schedule = scene.head.schedule
     scene.run((schedule.first + 2 * Fraction(schedule.period)) / scene.timebase.per_second)
     if len(rounds) < 2:
-        raise BadBound(f"case {case.name}: without a host its second round was not over when a third one was due")
-    refused = [transfer.name for transfer in transfers if not transfer.acked]
-    if refused:
-        raise BadBound(f"case {case.name}: without a host the request of {refused[0]} is refused already")
+        what = "even without a host the second round is not over when the third one is due"
+        raise BadBound(f"case {case.name}: {what}; lengthen controller.period or shorten what the firmware does")
+    refused = next((transfer for transfer in transfers if not transfer.acked), None)
+    if refused is not None:
+        at = scene.timebase.show(refused.phases[0].start_at - scene.start)
+        what = f"even without a host {refused.name} does not acknowledge its request at {at}"
+        raise BadBound(f"case {case.name}: {what}; bounds need firmware that waits for each request when it comes")
     low = scene.head.controller.timing.low
     module = 1 + dsp.socket("I2C-A").chip.peek(dsp.cpu.cycle, I2C_MAP["I2CPSC"].offset)
     cycle = scene.timebase.per_second / scene.sysclk(unit)
@@ -208,6 +216,8 @@ class _Listener:
         self._unit = unit
         self._readings: list[_Reading] = []
         self._writes: list[int] = []
+        self._addressed: list[int] = []
+        self._receives = 0
         self._clears: list[tuple[int, str]] = []
         self._bytes: list[int] = []
         self._edges: list[int] = []
@@ -241,9 +251,9 @@ class _Listener:
                 self._bytes.append(record.tick)
         elif kind is Kind.IRQ:
             if record.where == self._unit:
-                what = f"{record.what} is taken without a host sending anything"
+                what = f"{self._unit} takes {record.what} though no host sends"
                 raise BadBound(
-                    f"{what}; only firmware that polls I2C, and interrupts that the host sets off, are known"
+                    f"{what}; bounds are known of firmware that polls I2C, with interrupts by host frames only"
                 )
         elif record.where == self._unit:
             self._span(record)
@@ -251,9 +261,13 @@ class _Listener:
     def _access(self, record: Record) -> None:
         assert self.dsp is not None
         self._own.add(record.number)
+        if not self._readings and (self.dsp.cpu.core.intm or record.what.startswith(RECEIVING)):
+            self._receives = record.tick
         if record.what.startswith("W "):  # it may land when the next wait has begun
             if record.what == DXR:
                 self._writes.append(record.tick)
+            elif record.what == OAR:
+                self._addressed.append(record.tick)
             elif record.what == STR:
                 self._clears.append((record.tick, record.text))
             return
@@ -311,9 +325,11 @@ class _Listener:
                 wait.edge, wait.delay = edge, changed - edge
             calm.waits.append(wait)
         if not self._writes:
-            raise BadBound(f"{self._unit} never writes I2CDXR outside of a wait: it answers nobody without a host")
+            what = f"{self._unit} writes I2CDXR never, or within a wait only, so there is no answer to bound"
+            raise BadBound(f"{what}; write it behind the wait for SDIR or XRDY")
         calm.masked = self._masked
-        calm.writes, calm.clears, calm.changes = self._writes, self._clears, dict(self._foreign)
+        calm.writes, calm.addressed, calm.receives = self._writes, self._addressed, self._receives
+        calm.clears, calm.changes = self._clears, dict(self._foreign)
         calm.spans, calm.bytes = dict(self._spans), self._bytes
         for (fell, level), (rose, _) in pairwise(self._scl):
             if not level and rose - fell > calm.low:

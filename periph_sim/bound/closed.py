@@ -11,11 +11,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import cached_property
+from itertools import pairwise
 from math import ceil, floor
 
 from ..case.model import Case
 from ..core.time import Timebase
+from ..devices.host_pc import FRAME_BYTES
 from ..devices.sensor_head import CHIPS, Round
 from ..f28335 import cpu_costs
 from ..f28335.i2c_options import I2cOptions
@@ -24,6 +27,7 @@ from ..lines.i2c_controller import Phase, Transfer
 from .calm import Calm, Wait
 from .handler import Handlers, in_ticks
 from .late import Late, chains, waits_between
+from .receiver import fifo_bounds
 from .terms import BadBound, Bound, Term, reasons, total
 
 MEASURED = "measured in a run without host"
@@ -58,10 +62,11 @@ class Closed:
         )
         self._options = options
         if any(fell not in self._reading for fell, _ in calm.stretches):
-            raise BadBound(f"case {case.name}: SCL is stretched before a read's data, which no term of the sum is for")
+            what = "the unit holds SCL elsewhere than before the data of a read, and no term counts that"
+            raise BadBound(f"case {case.name}: {what}; see `stretch` of a run with --explain for where and why")
         if any(len(phase.acks) > 1 for transfer in calm.transfers for phase in transfer.phases if not phase.read):
-            what = "a request writes more than a register pointer, for which SCL may be held, too"
-            raise BadBound(f"case {case.name}: {what}; no term of the sum is for that")
+            what = "a request writes more than one byte; SCL may be held behind each, and no term counts that"
+            raise BadBound(f"case {case.name}: {what}; judge such requests by what a run shows")
 
     # Parts ---------------------------------------------------------------------
 
@@ -115,11 +120,13 @@ class Closed:
                 alone = length + before.ticks
                 candidates.append(Write(chain, interrupts, before, alone + interrupts.ticks, alone))
             if not candidates:
-                raise BadBound(f"the write of I2CDXR for {transfer.name} byte {number} follows no wait for a flag")
+                what = f"I2CDXR of {transfer.name} byte {number} is written behind no wait that a flag of the bus ends"
+                raise BadBound(f"{what}, so nothing says how late it may be; wait for SDIR or XRDY before it")
             latest = max(candidates, key=lambda write: write.late)
             found.append(replace(latest, alone=max(write.alone for write in candidates)))
         if not found:
-            raise BadBound(f"I2CDXR is not written between the read address of {transfer.name} and its STOP")
+            what = f"I2CDXR is not written between the read address of {transfer.name} and its STOP"
+            raise BadBound(f"{what}, so there is no answer to bound; write it behind the flag that asks for it")
         return found
 
     def preempted(self, length: int) -> Term:
@@ -135,7 +142,7 @@ class Closed:
     def bounds(self, spare: Iterable[Bound]) -> list[Bound]:
         """All of them. spare: the deadlines that they rest on, none of which may be missed."""
         found = [self.response, self.stretch, self.margin, self.round, self.slack, *self.spans]
-        found += [*self.ages, *self.latencies, *self.none_missed, *self.reactions]
+        found += [*self.ages, *self.latencies, *self.fifo, *self.none_missed, *self.reactions, *self.own_addresses]
         unproven = reasons(term for deadline in spare for term in deadline.terms)
         rests = (Term("deadlines are kept", 0, "listed below", unproven),) if unproven else ()
         return [replace(bound, terms=(*bound.terms, *rests)) for bound in found]
@@ -209,20 +216,68 @@ class Closed:
             return []
         protected = options.pf2_read_ws + options.write_lands + WRITE_TO_READ + 3
         longest = max(protected, cpu_costs.IRET, *(round(calm.pass_ticks(wait) / calm.cycle) for wait in calm.waits))
-        busy = handlers.cost if handlers.per_frame > 1 or handlers.period - handlers.jitter <= handlers.cost else 0
-        first = in_ticks(self.case.host.first, self.case.host.ppm, self.timebase)
-        masked = f"{calm.masked} runs with interrupts masked" if calm.masked else ""
-        if first < calm.waits[0].first - calm.start:
-            masked = masked or "a frame may come while the firmware starts, with interrupts masked"
+        busy = handlers.cost if handlers.apart <= handlers.cost else 0
+        masked = f"{calm.masked} runs with interrupts masked" if calm.masked else self._too_early
         terms = (
             Term("request to first instruction", calm.ticks(options.int_latency), "int_latency", masked),
             Term("instruction under way", calm.ticks(longest), "a pass of a wait, or a read behind a write, at most"),
-            Term("service routine before", busy, "none where frames are further apart", reasons(handlers.terms)),
+            Term(
+                "service routine before", busy, "none where they are asked for further apart", reasons(handlers.terms)
+            ),
         )
         found = [Bound(f"latency {name}", f"interrupt latency {name}", terms) for name in handlers.vectors]
         routine = (handlers.terms[-1],)
         in_it = "each time in interrupt"
         return found + [Bound(f"in {name}", f"{in_it} {name}", routine, special=True) for name in handlers.vectors]
+
+    @cached_property
+    def fifo(self) -> list[Bound]:
+        """High-water and overruns of the receive FIFO; none where no FIFO interrupt serves it."""
+        receiver = self.handlers.receiver
+        if receiver is None or not self.latencies:
+            return []
+        return fifo_bounds(receiver, self.latencies[0].terms, self.handlers.terms[-1].ticks)
+
+    @cached_property
+    def _too_early(self) -> str:
+        """What is wrong where the first frame may come before the firmware can take it; empty if it cannot."""
+        calm, host = self.calm, self.case.host
+        assert host is not None
+        first = floor(in_ticks(host.first, host.ppm, self.timebase))
+        ready = calm.receives - calm.start
+        if first > ready + self.handlers.bit:
+            return ""
+        what = f"part of the first host frame, at {self.timebase.show(first)}, may come before the firmware receives"
+        return f"{what} at {self.timebase.show(ready)}, and every later one be read out of step; raise host.first"
+
+    @cached_property
+    def own_addresses(self) -> list[Bound]:
+        """From a STOP to the write of I2COAR; none where not every STOP has one before the next request.
+
+        The slowest is mostly behind the last STOP of a round. The others come first in every round, so that of all
+        values their part at least is below their own bound.
+        """
+        assert self.case.controller is not None
+        calm, each = self.calm, []
+        for before, after in pairwise(calm.transfers):
+            made = [at for at in calm.addressed if before.stop_at < at < after.phases[0].start_at]
+            if len(made) != 1:
+                return []
+            waits = waits_between(calm, before.phases[0].start_at, made[0])
+            sums = []
+            for chain in chains(calm, waits, made[0], "I2COAR"):
+                since = Term("edge to STOP", calm.bus(chain.edge) - calm.bus(before.stop_at), "controller.rate")
+                sums.append((*chain.terms, self.preempted(total(chain.terms)), since))
+            if not sums:
+                return []
+            each.append(max(sums, key=total))
+        measure, per_round = "from bus STOP to access W I2C-A.I2COAR", len(calm.transfers) // len(calm.rounds)
+        found = [Bound("own address", measure, max(each, key=total), special=True)]
+        if per_round > 1 and self.case.controller.initialise is None:
+            others = [terms for place, terms in enumerate(each) if place % per_round != per_round - 1]
+            part = Fraction(per_round - 1, per_round)
+            found.append(Bound("own address within a round", measure, max(others, key=total), special=True, part=part))
+        return found
 
     @cached_property
     def none_missed(self) -> list[Bound]:
@@ -282,6 +337,7 @@ class Closed:
             return []
         if host.lose or host.silent or host.frames is not None:
             return []
+        early = Term("first frame behind the start-up", 0, "host.first", self._too_early or self._dropped)
         into: dict[str, int] = {}
         for name, chip in CHIPS.items():
             reads = [phase.start_at for _, phase in self._reads if phase.address == chip.address]
@@ -291,10 +347,25 @@ class Closed:
             return []
         into[""] = max(into.values())
         return [
-            Bound(f"{of}{chip}", f"{of}{chip}", self._age(ticks, min(works)), special=bool(chip) or of != "age")
+            Bound(
+                f"{of}{chip}", f"{of}{chip}", (*self._age(ticks, min(works)), early), special=bool(chip) or of != "age"
+            )
             for of in ("age", "model age")
             for chip, ticks in into.items()
         ]
+
+    @property
+    def _dropped(self) -> str:
+        """What is wrong where a host may leave a frame out, or one is not served as a whole; empty if neither."""
+        host, receiver = self.case.host, self.handlers.receiver
+        assert host is not None
+        lasts = (FRAME_BYTES * (10 + host.gap)) * self.handlers.bit
+        between = self.handlers.period - (self.handlers.jitter if host.paced_by == "schedule" else 0)
+        if between <= lasts:
+            return "a frame of the host may be due while the one before is still sent, and is left out"
+        if receiver is not None and FRAME_BYTES % receiver.level:
+            return f"the FIFO asks for service at {receiver.level} words, which do not make up a frame of {FRAME_BYTES}"
+        return ""
 
     def _age(self, into: int, first_model: int) -> tuple[Term, ...]:
         """into: of the read in its round."""

@@ -34,7 +34,8 @@ def _ready(closed: Closed) -> Iterator[Bound]:
         begins = after.phases[0].start_at
         wait = next((wait for wait in calm.waits if wait.end >= begins), None)
         if wait is None:
-            raise BadBound(f"the firmware waits for nothing when {after.name} is asked")
+            what = f"the firmware is in no wait when {after.name} is asked, so nothing says how soon it would notice"
+            raise BadBound(f"{what}; wait for AAS or another flag there, by dsp.spin")
         if before is None:
             code = wait.first - calm.start
             first = Term("first request", begins - calm.start, "controller.first")

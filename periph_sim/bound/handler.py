@@ -23,6 +23,7 @@ from ..f28335.cpu_costs import IFR_DELAY
 from .code_trace import CodeTrace, Ran, firmware_stack
 from .decisions import Decisions
 from .program import Program
+from .receiver import READ, VECTOR, Receiver, receiver_of
 from .terms import BadBound, Term, total
 
 FRAMES = 2
@@ -31,7 +32,8 @@ FRAMES = 2
 @dataclass(frozen=True)
 class Handlers:
     """cost: ticks that one interrupt takes away, its terms. per_frame: interrupts a host frame. period, jitter: ticks
-    of the host's frames, the period rounded down. bit: a bit of the host's line. vectors: of the interrupts."""
+    of the host's frames, the period rounded down. bit: a bit of the host's line. vectors: of the interrupts. receiver:
+    the FIFO that they serve; None where they serve none."""
 
     terms: tuple[Term, ...]
     per_frame: int
@@ -39,10 +41,19 @@ class Handlers:
     jitter: int
     bit: int
     vectors: tuple[str, ...] = ()
+    receiver: Receiver | None = None
 
     @property
     def cost(self) -> int:
         return total(self.terms)
+
+    @property
+    def apart(self) -> int:
+        """Ticks between the requests of two of them, at least: words that one takes do not ask for another."""
+        frames = self.period - self.jitter
+        if self.per_frame < 2:
+            return frames
+        return 0 if self.receiver is None else min(frames, self.receiver.level * self.receiver.character)
 
     def times(self, length: int) -> int:
         """How often at most one begins in a window of so many ticks, its ends included."""
@@ -57,7 +68,8 @@ class Handlers:
         if not self.per_frame:
             return 0
         if self.per_frame * self.cost >= self.period:
-            raise BadBound("the host's interrupts take all of the CPU's time, so there is no bound")
+            what = "the service routines of host frames take all of the CPU's time, so nothing else ends"
+            raise BadBound(f"{what}; shorten them or lengthen host.period")
         count = 0
         while (more := self.times(length + count * self.cost)) > count:
             count = more
@@ -79,7 +91,8 @@ def observe_handlers(case: Case, unit: str, firmware: Mapping[str, Firmware] | N
     scene = Scene(quiet, lambda recorder, _: recorder.subscribe(kinds, listener.hear), firmware, end="most")
     scene.run(host.first + (FRAMES + 1) * host.period)
     if listener.running:
-        raise BadBound(f"{unit}: a service routine that a host frame sets off does not end before the next one")
+        what = f"a service routine of {unit} that a host frame sets off is not over when the next frame comes"
+        raise BadBound(f"{what}; shorten it or lengthen host.period")
     bit = scene.timebase.per_second / case.host.baud
     routines = listener.routines
     per_frame = -(-len(routines) // FRAMES)
@@ -103,7 +116,11 @@ def observe_handlers(case: Case, unit: str, firmware: Mapping[str, Firmware] | N
         ),
     )
     vectors = tuple(dict.fromkeys(routine.vector for routine in routines))
-    return Handlers(terms, per_frame, period, jitter, -int(-bit // 1), vectors)
+    receiver = None
+    if vectors == (VECTOR,):
+        reads = [routine.reads for routine in routines]
+        receiver = receiver_of(scene.units[unit], scene.kernel.now, reads, scene.timebase.per_second)
+    return Handlers(terms, per_frame, period, jitter, -int(-bit // 1), vectors, receiver)
 
 
 def in_ticks(length: Fraction, ppm: Fraction, timebase: Timebase) -> Fraction:
@@ -124,6 +141,11 @@ class _Routine:
     def steps(self) -> list[tuple[int, str]]:
         """What it did when, in ticks from its entry on."""
         return [(mark.tick - self.entered, mark.what) for mark in self.trace.marks]
+
+    @property
+    def reads(self) -> list[int]:
+        """When it read a word, in ticks from its entry on."""
+        return [tick for tick, what in self.steps if what.endswith(READ)]
 
 
 @dataclass

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 
-from ..timing.budgets import Limit
+from ..case.model import Budget, Condition
+from ..timing.budgets import PER_MILLE, Limit
 from .terms import Bound
 
 ONE_SIDED = "'exactly' needs a bound from either side"
-NO_FORM = "no closed form"
+NO_FORM = "no closed form is known"
+OTHER_SIDE = {False: "it is bounded from above only", True: "it is bounded from below only"}
+OF_DATA = {"wrong bytes": "bytes are data, which no sum of times bounds"}
 
 
 @dataclass(frozen=True)
@@ -49,14 +53,26 @@ def compare_with_limits(limits: Iterable[Limit], bounds: Sequence[Bound]) -> tup
     )
 
 
+def fitting_bound(budget: Budget | Condition, key: str, bounds: Iterable[Bound]) -> Bound | None:
+    """What bounds that which a limit's key limits, the tightest first; None if nothing does.
+
+    A percentile is limited from above, so what bounds every value bounds it; and so does what bounds enough of them.
+    """
+    whole = getattr(budget, "after", None) is None  # counted from the start of the run
+    asked = Fraction(PER_MILLE[key], 1000) if key in PER_MILLE and whole else Fraction(1)
+    known = [b for b in bounds if b.measure == budget.measure and b.least == (key == "min") and b.part >= asked]
+    return min(known, key=lambda bound: bound.part, default=None) if key != "exactly" else None
+
+
 def _check(part: Limit, key: str, ticks: int, bounds: Sequence[Bound]) -> LimitCheck:
-    """A percentile is limited from above, so what bounds every value bounds it."""
     measure = part.budget.measure
     known = [bound for bound in bounds if bound.measure == measure]
-    fitting = next((bound for bound in known if bound.least == (key == "min") and key != "exactly"), None)
+    fitting = fitting_bound(part.budget, key, bounds)
     if fitting is None:
-        return LimitCheck(
-            part.budget.name, measure, key, ticks, None, ONE_SIDED if key == "exactly" and known else NO_FORM
-        )
+        if known:
+            reason = ONE_SIDED if key == "exactly" else OTHER_SIDE[known[0].least]
+        else:
+            reason = OF_DATA.get(measure, NO_FORM)
+        return LimitCheck(part.budget.name, measure, key, ticks, None, reason)
     why = fitting.unproven
     return LimitCheck(part.budget.name, measure, key, ticks, None if why else fitting, why, bool(why))

@@ -19,14 +19,17 @@ from ..timing.shown import in_words
 from ..timing.verdicts import EVERY_PHASE, SEEN, Verdict
 from .beside import closed_form
 from .deadlines import deadlines
-from .limits import LimitCheck, compare_with_limits
+from .limits import LimitCheck, compare_with_limits, fitting_bound
 from .program import Program
 from .terms import BadBound, Bound
 
 
 def judge_phases(scene: Scene, verdicts: Iterable[Verdict]) -> None:
-    """Say of each verdict of a scene's budgets, in their order, what is bounded and what a pass proves."""
-    bounds, reason = bounds_of(scene.case, scene.firmware)
+    """Say of each verdict of a scene's budgets, in their order, what is bounded and what a pass proves.
+
+    Firmware that let no time pass would do so again in the runs for its terms, so none is made.
+    """
+    bounds, reason = ((), STALLED) if scene.stalled else bounds_of(scene.case, scene.firmware)
     for limit, verdict in zip(scene.limits, verdicts, strict=True):
         checks = compare_with_limits([limit], bounds)
         _say_bound(limit, verdict, bounds)
@@ -40,15 +43,14 @@ def judge_phases(scene: Scene, verdicts: Iterable[Verdict]) -> None:
 def _say_bound(limit: Limit, verdict: Verdict, bounds: Iterable[Bound]) -> None:
     """The bound of what the verdict shows, from the side of its limit.
 
-    A percentile has none of its own: the maximum's counts where it keeps the limit, and says nothing where it does not.
+    Where a percentile has none of its own the maximum's counts if it keeps the limit, and else says nothing.
     """
-    low = verdict.which == "min"
     shown = limit.shown
-    for bound in bounds:
-        if bound.measure != verdict.measure or bound.least != low or bound.unproven:
-            continue
-        if verdict.which not in PER_MILLE or bound.ticks <= shown.limits[verdict.which]:
-            verdict.bound = shown.show(bound.ticks)
+    bound = fitting_bound(shown.budget, verdict.which, bounds)
+    if bound is None or bound.unproven:
+        return
+    if verdict.which not in PER_MILLE or bound.part < 1 or bound.ticks <= shown.limits[verdict.which]:
+        verdict.bound = shown.show(bound.ticks)
 
 
 def _doubt(part: Limit, check: LimitCheck) -> str:
@@ -56,18 +58,25 @@ def _doubt(part: Limit, check: LimitCheck) -> str:
     bound = check.bound
     if bound is None:
         return check.reason
-    if not part.measure.silent and (
-        part.measure.least < bound.ticks if bound.least else part.measure.worst > bound.ticks
-    ):
+    if not part.measure.silent and _beyond(part, check.key, bound):
         return f"the run went beyond the bound of {check.measure}, which is a fault of the bound; please report it"
     if not check.beyond:
         return ""
     unit = "us" if part.measure.unit == "time" else part.measure.unit
-    if check.key in PER_MILLE:
+    if check.key in PER_MILLE and bound.part == 1:
         return f"only the maximum is bounded, by {in_words(part.show(bound.ticks), unit)}"
     return f"its bound is beyond the limit by {in_words(part.show(-(check.spare or 0)), unit)}"
 
 
+def _beyond(part: Limit, key: str, bound: Bound) -> bool:
+    """True if a run has gone beyond a bound."""
+    if bound.least:
+        return part.measure.least < bound.ticks
+    seen = part.measure.worst if bound.part == 1 else part.measure.percentile(PER_MILLE[key])[0]
+    return seen > bound.ticks
+
+
+STALLED = "the firmware made no progress, so the run ended early; see the line that begins with 'stuck'"
 Found = tuple[tuple[Bound, ...], str]
 KEPT = 16  # cases whose bounds are kept in memory
 APART = {"name", "about", "duration", "seed", "budget", "breaks"}  # what no bound depends on
@@ -98,8 +107,9 @@ def _bounds_of(case: Case, firmware: Mapping[str, Firmware]) -> Found:
     except BadBound as error:
         return (), str(error).removeprefix(f"case {case.name}: ")
     except (BadCase, FirmwareError, NoSuchAddress, SimulationStuck) as error:
-        return (), f"a run for its terms ends by an error: {error}"
+        return (), f"a run that measures the bounds' terms ends with an error: {error}"
     missed = [deadline.name for deadline in spare if deadline.ticks < 0]
     if missed:
-        return (), f"the firmware may come too late: {', '.join(missed)}"
+        what = "in some phase the firmware comes too late for what a bound needs in time"
+        return (), f"{what} ({', '.join(missed)}); `bound` shows by how much"
     return tuple(closed.bounds(spare)), ""

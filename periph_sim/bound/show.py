@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from textwrap import wrap
 
-from ..timing.shown import figure, percentile
+from ..timing.shown import figure, percentile, simulated
 from .beside import Beside, Report
 from .terms import Bound, Term, total
 
+WIDTH = 80
 MEASURED = (
     "Code and service routines are straight-line code, measured undisturbed (the case without its host, the case "
     "without its controller); all else comes from the case."
@@ -52,7 +54,7 @@ def _verdict(report: Report) -> str:
     if not said:
         bounded = any(limit.bound is not None for limit in report.limits)
         said.append("every bound is within its limit" if bounded else "no budget limits what is bounded")
-    return f"{'; '.join(said)}; {report.simulated_s:g} s simulated beside the bounds"
+    return f"{'; '.join(said)}; {simulated(report.simulated_s)} simulated beside the bounds"
 
 
 def _amount(report: Report, ticks: int) -> str:
@@ -73,7 +75,10 @@ def _limits(report: Report) -> list[str]:
     for each in report.limits:
         if each.bound is None and each.budget not in reasons.get(each.reason, ()):
             reasons.setdefault(each.reason, []).append(each.budget)
-    return lines + [f"  no bound: {', '.join(budgets)} ({reason})" for reason, budgets in reasons.items()]
+    for reason, budgets in reasons.items():
+        text = f"no bound: {', '.join(budgets)} ({reason})"
+        lines += wrap(text, WIDTH, initial_indent="  ", subsequent_indent="    ")
+    return lines
 
 
 def _row(report: Report, each: Beside) -> tuple[str, ...]:
@@ -94,15 +99,16 @@ def _sum(report: Report, bound: Bound) -> list[str]:
         sign = "no bound; what was measured adds up to"
     lines = [f"{bound.name}: {sign} {_value(report, bound, bound.ticks)}"]
     if bound.floor is None:
-        return lines + _terms(report, bound.terms)
+        return lines + _terms(report, bound.terms, bound.counted)
     lines += _terms(report, (bound.floor,))
     return [*lines, f"  or, if that is more, the sum of {_us(report, bound.sum)} us", *_terms(report, bound.terms)]
 
 
-def _terms(report: Report, terms: tuple[Term, ...]) -> list[str]:
+def _terms(report: Report, terms: tuple[Term, ...], counted: bool = False) -> list[str]:
     lines = []
     for term in terms:
         amount = f"{_cycles(report, term.ticks):>9} cycles {_us(report, term.ticks):>11} us"
+        amount = f"{term.ticks:>9}" if counted else amount
         lines.append(f"  {amount}  {term.what}  [{term.source}]")
         lines += [f"{'':>11} no bound, since {term.unproven}"] * bool(term.unproven)
     return lines

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from fractions import Fraction
 
 
 class BadBound(ValueError):
@@ -31,7 +32,8 @@ class Bound:
     """The worst case of one measure: the sum of its terms, but never less than `floor`.
 
     measure: as a budget names it. least: it is the smallest value that is bounded, from below. counted: its terms are
-    no times but counts. special: says what another one says of one chip, or in other words.
+    no times but counts. special: says what another one says of one chip, or in other words. part: of all values from
+    the start of a run, at least so many are within it.
     """
 
     name: str
@@ -41,6 +43,7 @@ class Bound:
     least: bool = False
     counted: bool = False
     special: bool = False
+    part: Fraction = Fraction(1)
 
     @property
     def unproven(self) -> str:

@@ -11,7 +11,7 @@ from rich.table import Table
 
 from ..board.result import Result
 from ..case.model import Case
-from ..timing.shown import broken, figure, limit
+from ..timing.shown import broken, figure, limit, simulated
 from ..timing.verdicts import EVERY_PHASE, FAIL, NOT_JUDGED, PASS, SEEN, Verdict
 from .assumptions import assumptions
 
@@ -36,7 +36,7 @@ def show(console: Console, result: Result, case: Case, guaranteed: bool = False,
         say(console, line)
     say(
         console,
-        f"{result.simulated_s:g} s simulated at {result.fidelity} fidelity; "
+        f"{simulated(result.simulated_s)} simulated at {result.fidelity} fidelity; "
         f"{result.wire_bytes} I2C bytes, {result.sci_bytes} SCI bytes, {result.events} events",
     )
     for line in _counts(result.counts, verbose):

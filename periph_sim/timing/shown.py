@@ -43,6 +43,11 @@ def limit(value: float | int, unit: str, which: str) -> str:
     return f"{'=' if which == 'exactly' else percentile(which)} {text}"
 
 
+def simulated(seconds: float) -> str:
+    """The length of a run: `1.5 s`, `6.667 us`."""
+    return f"{seconds * 1_000_000:.3f} us" if 0 < seconds < 0.001 else f"{seconds:g} s"
+
+
 def percentile(which: str) -> str:
     """`p99.9` of a limit's key."""
     return which.replace("_", ".")

@@ -74,9 +74,9 @@ def limit_check(measure: str, limit: str, key: str = "max") -> LimitCheck:
 @pytest.mark.parametrize(
     ("measure", "limit", "key", "reason"),
     [
-        ("gap between rounds", "1 us", "max", "no closed form"),
-        ("response", "1 us", "min", "no closed form"),  # bounded from above only
-        ("slack", "1 us", "max", "no closed form"),  # bounded from below only
+        ("gap between rounds", "1 us", "max", "no closed form is known"),
+        ("response", "1 us", "min", "it is bounded from above only"),
+        ("slack", "1 us", "max", "it is bounded from below only"),
         ("response", "5 us", "exactly", "'exactly' needs a bound from either side"),
         ("response", "5 us", "p99", ""),
         ("slack", "17 ms", "min", ""),
@@ -222,9 +222,13 @@ def main(dsp, settings):
 @pytest.mark.parametrize(
     ("body", "request_", "sentence"),
     [
-        ("dsp.compute(9000), i2c.I2CDRR.all", {"count": 0, "pointer": 1}, "never writes I2CDXR outside of a wait"),
-        ("dsp.compute(3000); i2c.I2CDXR.all = 7", {"count": 1}, "the firmware waits for nothing when 0x50 is asked"),
-        ("dsp.spin(lambda: i2c.I2CSTR.RRDY == 9)", {"count": 0, "write": "0102"}, "its second round was not over when"),
+        (
+            "dsp.compute(9000), i2c.I2CDRR.all",
+            {"count": 0, "pointer": 1},
+            "dsp writes I2CDXR never, or within a wait only",
+        ),
+        ("dsp.compute(3000); i2c.I2CDXR.all = 7", {"count": 1}, "the firmware is in no wait when 0x50 is asked"),
+        ("dsp.spin(lambda: i2c.I2CSTR.RRDY == 9)", {"count": 0, "write": "0102"}, "the second round is not over when"),
     ],
 )
 def test_firmware_that_does_not_serve_in_waits_has_no_closed_form(tmp_path, body: str, request_, sentence: str):
@@ -243,8 +247,8 @@ def served(firmware: str, request: dict[str, Any], **more: Any):
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [
-        ({"controller": None}, "a bound of request and response needs a controller, which it has not"),
-        ({"unit": {}}, "one unit with I2C-A is expected to answer; it has none"),
+        ({"controller": None}, "bounds count from a controller's requests, and there is no"),
+        ({"unit": {}}, "one unit that answers by its I2C-A; here none has it"),
     ],
 )
 def test_a_scene_without_request_and_answer_is_refused(changes: dict[str, Any], sentence: str):
@@ -253,7 +257,7 @@ def test_a_scene_without_request_and_answer_is_refused(changes: dict[str, Any], 
 
 
 def test_models_too_slow_without_any_host_are_told_at_once():
-    with pytest.raises(BadBound, match="without a host the request of gyroscope is refused already"):
+    with pytest.raises(BadBound, match="even without a host gyroscope does not acknowledge its request"):
         reported("unit.dsp.settings.model_cost=18 ms")
 
 

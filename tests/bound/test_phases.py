@@ -51,9 +51,9 @@ def test_the_bound_is_from_the_side_of_the_limit():
     assert slack.word == "every phase" and slack.bound is not None and slack.worst is not None
     assert slack.bound < slack.worst
     other = limited("slack", max="18 ms")
-    assert (other.word, other.bound, other.unbounded) == ("seen", None, "no closed form")
+    assert (other.word, other.bound, other.unbounded) == ("seen", None, "it is bounded from below only")
     both = limited("round", min="1 ms", max="3 ms")
-    assert (both.word, both.unbounded) == ("seen", "no closed form")  # from below nothing is known
+    assert (both.word, both.unbounded) == ("seen", "it is bounded from above only")
 
 
 def test_a_percentile_shows_the_bound_of_the_maximum_only_where_that_keeps_the_limit():
@@ -68,7 +68,7 @@ def test_joined_conditions_must_all_be_bounded():
     joined = {"and": [{"measure": "stretch", "min": "0 us"}]}
     alone, with_other = limited("age", max="40 ms"), limited("age", max="40 ms", **joined)
     assert (alone.word, with_other.word) == ("every phase", "seen")
-    assert with_other.unbounded == "no closed form"
+    assert with_other.unbounded == "it is bounded from above only"
 
 
 def test_what_nobody_measured_is_not_judged_however_good_its_bound():
@@ -79,8 +79,11 @@ def test_what_nobody_measured_is_not_judged_however_good_its_bound():
 @pytest.mark.parametrize(
     ("changes", "reason"),
     [
-        (("unit.dsp.settings.model_cost=17379 us", "controller.first=20 ms"), "may come too late: gyroscope asked"),
-        (("host.twice=[1]",), "no closed form counts frames that are sent twice"),
+        (
+            ("unit.dsp.settings.model_cost=17379 us", "controller.first=20 ms"),
+            "too late for what a bound needs in time (gyroscope asked)",
+        ),
+        (("host.twice=[1]",), "some frames are sent twice (host.twice), which no bound counts"),
     ],
 )
 def test_where_there_is_no_closed_form_the_reason_says_why(changes: tuple[str, ...], reason: str):
@@ -91,7 +94,7 @@ def test_where_there_is_no_closed_form_the_reason_says_why(changes: tuple[str, .
 def test_a_case_without_a_controller_holds_in_what_was_seen():
     plain = case(unit={"dsp": {"firmware": "given", "modules": []}}, budget=[cpu_load])
     assert judged(plain, given(lambda dsp: dsp.compute(5)))["load"].unbounded == (
-        "a bound of request and response needs a controller, which it has not"
+        "bounds count from a controller's requests, and there is no [controller]; what a run shows is all there is"
     )
 
 
@@ -106,7 +109,9 @@ def test_firmware_that_fails_where_its_terms_are_measured_is_told():
     controller = {"request": [{"address": 0x50, "count": 1}]}
     plain = case("3 ms", unit={"dsp": {"firmware": "given", "modules": ["I2C-A"]}}, controller=controller)
     bounds, reason = phases.bounds_of(plain, given(lambda dsp: dsp.no_such_thing))  # type: ignore[attr-defined]
-    assert bounds == () and reason.startswith("a run for its terms ends by an error: dsp: AttributeError")
+    assert bounds == () and reason.startswith(
+        "a run that measures the bounds' terms ends with an error: dsp: AttributeError"
+    )
 
 
 def test_a_run_beyond_a_bound_is_never_a_proof(monkeypatch: pytest.MonkeyPatch):

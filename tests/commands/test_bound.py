@@ -46,7 +46,7 @@ def test_a_bound_beyond_a_limit_is_status_1_and_within_it_0(periph_sim: Run, tmp
     rows = {line[:17].strip(): line.split() for line in came.out.splitlines()}
     assert rows["data age"][2:7] == ["max", "40.000", "ms", "39.366", "ms"] and rows["data age"][-1] == "holds"
     assert float(rows["data age"][7]) == pytest.approx(633.9, abs=0.1)
-    assert "  no bound: wrong bytes (no closed form)\n" in came.out
+    assert "  no bound: wrong bytes (bytes are data, which no sum of times bounds)\n" in came.out
     assert all(len(line) <= 80 for line in came.out.split("\n\n")[2].splitlines())
     case.write_text(whole + KEPT.replace("40", "39"), encoding="utf-8")
     assert periph_sim("bound", str(case), "--seconds", "0.1").status == 1
@@ -79,8 +79,11 @@ def test_a_deadline_that_may_be_missed_is_status_1(periph_sim: Run):
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        ([str(TIMING / "uart_logger.toml")], "a bound of request and response needs a controller, which it has not"),
-        ([str(TIMING / "late_model.toml")], "without a host the request of gyroscope is refused already"),
+        ([str(TIMING / "uart_logger.toml")], "bounds count from a controller's requests, and there is no [controller]"),
+        (
+            [str(TIMING / "late_model.toml")],
+            "even without a host gyroscope does not acknowledge its request at 5000.000 us",
+        ),
         ([CASE, "--seconds", "x"], "--seconds: 'x'"),
         ([CASE, "--set", "controller.perod=1 ms"], "did you mean period?"),
         (["nowhere.toml"], "nowhere.toml"),

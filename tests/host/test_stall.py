@@ -12,6 +12,7 @@ import pytest
 from periph_sim.baselines.check import check
 from periph_sim.board.result import Result
 from periph_sim.board.scene import Scene
+from periph_sim.bound import phases
 from periph_sim.case.load import load
 from periph_sim.host import timeline
 from periph_sim.host.stall import _debugged
@@ -70,6 +71,18 @@ def test_endless_loop_is_stopped_with_its_line(tmp_path: Path, loop: str):
 def test_command_ends_with_status_1(periph_sim: Run, tmp_path: Path):
     came = periph_sim("run", str(case_file(tmp_path, "while True:\n        pass")))
     assert (came.status, came.err) == (1, "") and "of busy.py" in came.out
+
+
+def test_it_is_told_once_and_no_run_for_bounds_stalls_again(
+    periph_sim: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(phases, "closed_form", lambda *_: pytest.fail("the terms of a bound are measured"))
+    path = case_file(tmp_path, "dsp.compute(1000)\n    while True:\n        pass")
+    lines = periph_sim("run", str(path)).out.splitlines()
+    place = next(i for i, line in enumerate(lines) if "simulated at edge fidelity" in line)
+    assert lines[place].startswith("6.667 us simulated at edge fidelity; 0 I2C bytes, 0 SCI bytes, ")
+    assert lines[place + 1].startswith("stuck: dsp let no simulated time pass")
+    assert any("not proven: the firmware made no progress" in line for line in lines)
 
 
 def test_it_works_in_another_thread_than_the_main_one(tmp_path: Path):

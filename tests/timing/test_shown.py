@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.timing.shown import figure, in_words, instant, limit
+from periph_sim.timing.shown import figure, in_words, instant, limit, simulated
 
 
 @pytest.mark.parametrize(
@@ -56,6 +56,14 @@ def test_a_limit_says_which_it_is(which: str, text: str):
 )
 def test_a_limit_has_no_zeros_that_nobody_wrote(value: float, unit: str, text: str):
     assert limit(value, unit, "max") == text
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [(0, "0 s"), (6.66667e-06, "6.667 us"), (0.0009999, "999.900 us"), (0.001, "0.001 s"), (1.25, "1.25 s")],
+)
+def test_the_length_of_a_run(seconds: float, text: str):
+    assert simulated(seconds) == text
 
 
 def test_what_there_is_none_of():

@@ -91,6 +91,7 @@ class Calm:
     rounds: list[Round] = field(default_factory=list)
     masked: str = ""  # where the firmware runs with INTM = 1 after its first wait
     changes: dict[str, list[tuple[int, int]]] = field(default_factory=dict)
+    _unproven: dict[tuple[int, int], str] = field(default_factory=dict)  # what `unproven` found out already
 
     def unproven(self, begin: int, end: int) -> str:
         """Why what the code between two instants takes is no bound; empty if it is one.
@@ -99,6 +100,11 @@ class Calm:
         """
         if end <= self.waits[0].first:
             return ""
+        if (begin, end) not in self._unproven:
+            self._unproven[begin, end] = self._doubts(begin, end)
+        return self._unproven[begin, end]
+
+    def _doubts(self, begin: int, end: int) -> str:
         decided = map(str, self.decisions.open(self.trace.ran(begin, end)))
         return "; ".join([*self.trace.uneven(begin, end), *decided])
 

@@ -13,6 +13,7 @@ import ast
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from types import CodeType
 
 from .code_trace import Ran
 from .program import BUILTINS, MACHINE, METHODS, Program
@@ -41,23 +42,27 @@ class Decisions:
     def __init__(self, program: Program) -> None:
         self._program = program
         self._known: dict[ast.AST, tuple[Decision, ...]] = {}
+        self._of_ran: dict[Ran, frozenset[Decision]] = {}
 
     def open(self, ran: Iterable[Ran]) -> tuple[Decision, ...]:
         """The open decisions of what ran, and of all that it may call, by file and line."""
         found: set[Decision] = set()
-        parts: list[tuple[Module, ast.AST]] = []
-        for code, *lines in ran:
-            at = self._program.function_at(code)
-            if at is None:
-                what = f"the source of {code.co_name} cannot be read"
-                found.add(Decision(code.co_filename, code.co_firstlineno, what))
-            else:
-                parts.append((at[0], _part(at[1], *lines)))
-        for module, part in self._program.called_from(parts):
+        for one in ran:
+            if one not in self._of_ran:
+                self._of_ran[one] = frozenset(self._open_in(*one))
+            found |= self._of_ran[one]
+        return tuple(sorted(found))
+
+    def _open_in(self, code: CodeType, begin: int, end: int) -> Iterator[Decision]:
+        at = self._program.function_at(code)
+        if at is None:
+            what = f"the source of {code.co_name} cannot be read"
+            yield Decision(code.co_filename, code.co_firstlineno, what)
+            return
+        for module, part in self._program.called_from([(at[0], _part(at[1], begin, end))]):
             if part not in self._known:
                 self._known[part] = tuple(_Reader(self._program, module).found(part))
-            found.update(self._known[part])
-        return tuple(sorted(found))
+            yield from self._known[part]
 
 
 def _part(function: Function, begin: int, end: int) -> ast.AST:

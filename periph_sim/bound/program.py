@@ -43,6 +43,7 @@ class Program:
             except (OSError, SyntaxError, UnicodeDecodeError):
                 self.unreadable.add(path)
         self._paying: dict[ast.AST, bool] = {}
+        self._callees: dict[ast.AST, list[tuple[Module, Function]]] = {}
 
     def function_at(self, code: CodeType) -> tuple[Module, Function] | None:
         """The function of a code object; of a lambda or comprehension the one around it."""
@@ -59,10 +60,15 @@ class Program:
             if part in found:
                 continue
             found[part] = module
-            for node in ast.walk(part):
-                if isinstance(node, ast.Call):
-                    waiting += [(m, f) for m, f in self._may_call(node) if self.pays(m, f)]
+            waiting += self._called_in(part)
         return [(module, part) for part, module in found.items()]
+
+    def _called_in(self, part: ast.AST) -> list[tuple[Module, Function]]:
+        """The functions that a part calls itself, as far as they may take time."""
+        if part not in self._callees:
+            calls = (node for node in ast.walk(part) if isinstance(node, ast.Call))
+            self._callees[part] = [(m, f) for call in calls for m, f in self._may_call(call) if self.pays(m, f)]
+        return self._callees[part]
 
     def _may_call(self, node: ast.Call) -> Iterator[tuple[Module, Function]]:
         name = called(node)

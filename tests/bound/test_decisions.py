@@ -7,9 +7,12 @@ from pathlib import Path
 import pytest
 
 from periph_sim.board.firmware import load_firmware
+from periph_sim.bound.beside import closed_form
 from periph_sim.bound.code_trace import Ran
+from periph_sim.bound.deadlines import deadlines
 from periph_sim.bound.decisions import Decisions
 from periph_sim.bound.program import Program
+from tests.bound.cases import imu_hil
 
 FIRMWARE = """
 from dataclasses import dataclass, field
@@ -186,3 +189,18 @@ def test_of_a_loop_that_goes_on_for_ever_only_the_loop_counts(tmp_path):
     assert read.open({Ran(main.__code__, 5, 6)}) == ()
     assert [each.line for each in read.open({Ran(main.__code__, 2, 6)})] == [2]
     assert [each.line for each in read.open({Ran(main.__code__)})] == [2]
+
+
+def test_the_same_code_is_read_once_however_many_terms_it_is_in(monkeypatch: pytest.MonkeyPatch):
+    read: list[object] = []
+    real = Program.called_from
+
+    def counted(program: Program, parts):
+        parts = list(parts)
+        read.extend(parts)
+        return real(program, parts)
+
+    monkeypatch.setattr(Program, "called_from", counted)
+    closed = closed_form(imu_hil())
+    assert closed.bounds(deadlines(closed))
+    assert 0 < len(read) < 50  # for some 3200 terms

@@ -41,7 +41,7 @@ from .i2c_map import (
 from .i2c_master import I2cMaster
 from .i2c_options import I2cOptions
 from .i2c_state import I2cState
-from .i2c_target import IGNORE, OFF, I2cTarget
+from .i2c_target import I2cTarget
 
 I2CSTR = I2C_MAP["I2CSTR"]
 BOTH = SCL | SDA
@@ -428,7 +428,7 @@ class I2c:
 
     def _halt_target(self) -> None:
         target = self.target
-        if self.master.active or target.phase in (OFF, IGNORE):
+        if self.master.active or not target.follows:
             return
         self.touched.add("free_slave_unit")
         complete = self.options.free_slave_unit == "byte" or not target.own_transfer

@@ -26,6 +26,7 @@ class I2cClock:
         self._let_go_at = 0
         self._low_from = 0
         self._rose_at = 0
+        self._condition_sda = 1  # SDA while SCL rises for a STOP (0) or repeated START (1)
         self.let_go(self._nothing)
 
     def let_go(self, after_high: Callable[[int], None]) -> None:
@@ -36,6 +37,7 @@ class I2cClock:
         self._step: Callable[[int], None] = self._nothing
         self._after_high = after_high
         self._waits_for_rise = self._high_phase = False
+        self._holds = ""  # why SCL is held low: command, data, room
         self._driven = 1
 
     def _nothing(self, now: int) -> None:
@@ -111,3 +113,31 @@ class I2cClock:
         self._high_phase = False
         if self.halting:
             self.halting, self.frozen = False, True
+
+    def _begin_condition(self, now: int, sda: int, then: Callable[[int], None]) -> None:
+        """SCL is low: SDA to `sda`, SCL let go after the low time, `then` one high time after it rose."""
+        self._holds = ""
+        self._after_high = then
+        self._condition_sda = sda
+        self._at(max(now, self._low_from + self.state.tm), self._condition_low)
+
+    def _condition_low(self, now: int) -> None:
+        self._drive(self._condition_sda)
+        self._release_after_low(now)
+
+    # Debugger ----------------------------------------------------------------------------
+
+    def halt(self, now: int) -> None:
+        if not self.active:
+            return
+        if self.pulls & SCL:
+            self.frozen = True
+        else:
+            self.halting = True
+
+    def go_on(self, now: int) -> None:
+        self.halting = False
+        if self.frozen:
+            self.frozen = False
+            if self._step == self._nothing and not self._holds and self.pulls & SCL:
+                self._at(now, self._release)

@@ -2,7 +2,7 @@
 
     STT --> START --> [START byte] --> address --> data --> hold, repeated START, or STOP
 
-SCL itself is `I2cClock`. Data are looked at behind the noise filter (`rise`).
+SCL itself is `I2cClock`, receiving `I2cMasterReceiver`. Data are looked at behind the noise filter (`rise`).
 Source: SPRUG03B sections 2.3 to 2.8, 5.7, Tables 5, 6.
 
 Chosen:
@@ -15,10 +15,6 @@ Chosen:
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
-from ..core.chip import NEVER
-from .i2c_clock import I2cClock
 from .i2c_limits import I2cLimits
 from .i2c_map import (
     MDR_DLB,
@@ -37,16 +33,15 @@ from .i2c_map import (
     STR_ARDY,
     STR_BB,
     STR_NACK,
-    STR_NACKSNT,
-    STR_RSFULL,
     STR_XSMT,
 )
+from .i2c_master_receiver import I2cMasterReceiver
 from .i2c_state import I2cState
 
 START_BYTE = 0x01
 
 
-class I2cMaster(I2cClock):
+class I2cMaster(I2cMasterReceiver):
     """active: this module has the bus. sees_idle: both lines are high behind the filter."""
 
     def __init__(self, state: I2cState, limits: I2cLimits) -> None:
@@ -58,42 +53,14 @@ class I2cMaster(I2cClock):
     def reset(self) -> None:
         """IRS = 0: lines released, no transfer."""
         self.let_go(self._fall)
+        self.reset_bytes()
         self._waits_for_bus = False
-        self.counter = 0
         self._addresses: list[int] = []
-        self._kind = ""  # of the byte in progress: start byte, address, send, take
-        self._n = 8
-        self._bit = 0
-        self._byte = 0
-        self._in = 0
-        self._sampled = 1
-        self._answer_nack = False
-        self._nack_armed = False
-        self._stp_at_start = False
-        self._holds = ""  # why SCL is held low: command, data, room
-        self._rsr_waits = False
         self._starting = False  # our START, or repeated START, is not seen yet
         self._stopping = False  # nor our STOP
-        self._condition_sda = 1  # SDA while SCL rises for a STOP (0) or repeated START (1)
         self._own_restart = False
         self._restart_next: list[int] = []  # addresses for a repeated START made by itself
-        self._data_bytes = 0
-        self._deliver_at = NEVER
-        self._deliver = 0
         self._free_from = 0  # the bus is free long enough for a START
-
-    def timer(self, now: int) -> None:
-        """`due` has come."""
-        if self._deliver_at <= now:
-            self._deliver_at = NEVER
-            self._received(now, self._deliver)
-            return
-        step, self.due, self._step = self._step, NEVER, self._nothing
-        step(now)
-
-    @property
-    def next_due(self) -> int:
-        return min(self.due, self._deliver_at)
 
     # Commands -----------------------------------------------------------------------
 
@@ -421,100 +388,6 @@ class I2cMaster(I2cClock):
         mdr = self.state.mdr
         return not self.state.options.hold_scl_after_nack and not mdr & (MDR_STP | MDR_DLB)
 
-    # Receiving ------------------------------------------------------------------------
-
-    def _repeat(self) -> bool:
-        if not self.state.mdr & MDR_RM:
-            return False
-        self.state.touched.add("rm_receiver")
-        return self._kind != "take" or self.state.options.rm_receiver == "allowed"
-
-    def _choose_answer(self) -> None:
-        state = self.state
-        stp = bool(state.mdr & MDR_STP)
-        if self._nack_armed or state.mdr & MDR_STT:
-            self._answer_nack = True
-        elif self._repeat():
-            self._answer_nack = stp
-        elif self.counter <= 1:
-            state.touched.add("mr_nack_at_count0")
-            self._answer_nack = stp or state.options.mr_nack_at_count0 == "always"
-        else:
-            self._answer_nack = stp and not self._stp_at_start
-
-    def _take(self, now: int) -> None:
-        state = self.state
-        value = self._in & 0xFF
-        if self._n < 8:
-            state.touched.add("bc_less_than_8_upper_bits")
-            if state.options.bc_less_than_8_upper_bits == "zeros":
-                value = self._in & (1 << self._n) - 1
-        self._received(now, value)
-
-    def _received(self, now: int, value: int) -> None:
-        state = self.state
-        if state.rx_blocked:
-            state.rsr = value
-            self._rsr_waits = True
-            state.overrun(now)
-        else:
-            state.received(now, value)
-
-    def _taken(self, now: int) -> None:
-        state = self.state
-        if state.options.rrdy_point == "fall9":
-            self._take(now)
-        if self._answer_nack:
-            if self._nack_armed:
-                state.mdr &= ~MDR_NACKMOD
-            state.set(now, STR_NACKSNT)
-        self.counter -= 1
-        self._data_bytes += 1
-        if self._rsr_waits:
-            self._holds = "room"
-            return
-        self._after_taken(now)
-
-    def _after_taken(self, now: int) -> None:
-        state = self.state
-        mdr = state.mdr
-        if mdr & MDR_STT and self._answer_nack:
-            self._restart(now)
-        elif self._repeat() or mdr & MDR_STT:
-            if mdr & MDR_STP and self._answer_nack:
-                self._stop(now)
-            elif self._answer_nack:
-                self._holds = "command"
-            else:
-                self._next_data(now)
-        elif self.counter <= 0:
-            self._done(now)
-        elif self._answer_nack:
-            if mdr & MDR_STP:
-                self._stop(now)
-            else:
-                self._holds = "command"
-        else:
-            self._next_data(now)
-
-    def drr_read(self, now: int) -> None:
-        state = self.state
-        if not self._rsr_waits or state.rx_blocked:
-            return
-        self._rsr_waits = False
-        state.str &= ~STR_RSFULL
-        state.received(now, state.rsr)
-        if self._holds == "room":
-            self._holds = ""
-            self._after_taken(now)
-
-    def _loop_back(self, now: int) -> None:
-        """The byte sent comes back n = 8 module clocks after its last bit (or after the write of I2CDXR)."""
-        state = self.state
-        state.touched.add("dlb_delay")
-        if state.options.dlb_delay == "after_last_bit":
-            self._deliver, self._deliver_at = self._byte & 0xFF, now + 8 * state.tm
-
     # STOP, repeated START, loss ----------------------------------------------------------
 
     def _stop_if_allowed(self, now: int) -> None:
@@ -546,17 +419,6 @@ class I2cMaster(I2cClock):
         self._after_high = self._fall
         self._begin_start(now)
 
-    def _begin_condition(self, now: int, sda: int, then: Callable[[int], None]) -> None:
-        """SCL is low: SDA to `sda`, SCL let go after the low time, `then` one high time after it rose."""
-        self._holds = ""
-        self._after_high = then
-        self._condition_sda = sda
-        self._at(max(now, self._low_from + self.state.tm), self._condition_low)
-
-    def _condition_low(self, now: int) -> None:
-        self._drive(self._condition_sda)
-        self._release_after_low(now)
-
     def lose(self, now: int) -> None:
         """Arbitration is lost, or the bus was another's: AL, and the module is a slave-receiver."""
         state = self.state
@@ -569,23 +431,5 @@ class I2cMaster(I2cClock):
         self._starting = self._stopping = False
         self._addresses = []
         self._restart_next = []
-        self._holds = ""
         state.wanted = False
         state.set(now, STR_AL)
-
-    # Debugger ----------------------------------------------------------------------------
-
-    def halt(self, now: int) -> None:
-        if not self.active:
-            return
-        if self.pulls & SCL:
-            self.frozen = True
-        else:
-            self.halting = True
-
-    def go_on(self, now: int) -> None:
-        self.halting = False
-        if self.frozen:
-            self.frozen = False
-            if self._step == self._nothing and not self._holds and self.pulls & SCL:
-                self._at(now, self._release)

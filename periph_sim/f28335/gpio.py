@@ -35,21 +35,20 @@ Chosen:
 from __future__ import annotations
 
 from ..core import chip
-from ..core.chip import NEVER, Note
+from ..core.chip import NEVER
 from ..core.registers import Register
 from . import gpio_map as at
 from .gpio_map import PINS
-from .gpio_routes import Routes, idle_level, note_for
+from .gpio_routes import idle_level
+from .gpio_settings import ALL, DIRECTIONS, PULL_UPS, GpioSettings
 from .pin_table import INPUTS
 from .qualifier import Qualifier
 from .system_options import SystemOptions
 
-ALL = (1 << PINS) - 1
 CONFIGURATION_DELAY = 2  # cycles from a write to MUX or QSEL until it acts
 ASYNCHRONOUS = 3  # QSEL
 SAMPLES = {1: 3, 2: 6}  # QSEL: how many equal samples
 NOT_GATED = 0b11 << 32 | ALL >> 64 << 64  # GPIOINENCLK does not act on the I2C pins and port C
-SYNCHRONISED_ONLY = 64  # from this pin on: port C has no QSEL
 CONFIGURES = ("CTRL", "QSEL1", "QSEL2", "MUX1", "MUX2")
 
 Half = tuple[Register, int]  # a register and how far its half is shifted
@@ -64,20 +63,16 @@ def _halves() -> dict[int, Half]:
 
 
 HALVES = _halves()
-DIRECTIONS = tuple(at.GPIO[f"GP{port}DIR"].offset for port in "ABC")
-PULL_UPS = tuple(at.GPIO[f"GP{port}PUD"].offset for port in "ABC")
-CONTROLS = tuple(at.GPIO[f"GP{port}CTRL"].offset for port in "AB")
-GROUPS = 8  # of eight pins that share a sampling period
 
 
-class Gpio:
-    MAP = at.GPIO
+class Gpio(GpioSettings):
     INPUTS = tuple(f"GPIO{n}" for n in range(PINS))
     OUTPUTS = INPUTS
     LINES: tuple[str, ...] = ()
     filter_width = 0
 
     def __init__(self, options: SystemOptions) -> None:
+        super().__init__()
         self.next_wake = NEVER
         self.out = 0  # mask: levels of the pins in `driven`; 0 elsewhere
         self.driven = 0  # mask: pads that this chip drives as general-purpose outputs
@@ -87,7 +82,6 @@ class Gpio:
         self.changed: list[tuple[str, int]] = []  # (signal or "XINTn", level), since the owner last cleared it
         self.requests = 0
         self.held = 0
-        self.notes: list[Note] = []
         self.touched: set[str] = set()
 
         self._wired = 0  # mask: pads whose level the owner tells
@@ -100,8 +94,6 @@ class Gpio:
         self._outs: list[tuple[int, int, int]] = []  # (when, driven, out)
         self._watching: int  # mask: XINT lines the owner listens to
         self._xints: int  # mask: levels last told of them
-        self._mux = [0] * PINS
-        self._routes = Routes(self._mux)
         self._asynchronous = 0
         self._sampled = 0
         self._dead = 0  # mask: pins whose input path is switched off
@@ -228,16 +220,14 @@ class Gpio:
     def reset(self, now: int) -> None:
         """XRS: registers take their reset values at once; the pads' levels stay what the owner told."""
         before = self._levels(now)
-        self._stored = {register.offset: register.reset for register in self.MAP}  # what a read shows
-        self._active = dict(self._stored)  # the same of those that act with a delay
+        self.reset_registers()
         self._waiting.clear()
         self._outs.clear()
         self._latch = 0
         self._watching = self._xints = 0
         self._input_clock = True  # PCLKCR3.GPIOINENCLK
         self._qualifiers.clear()
-        self._periods = [1] * GROUPS  # sampling period of each eight pins
-        self._origins = [now] * GROUPS  # and a cycle in which they were sampled
+        self.restart_sampling(now)
         self._settle_at = NEVER  # when a synchronised level that someone may read changes
         if self.driven:
             self.driven = self.out = 0
@@ -357,45 +347,9 @@ class Gpio:
 
     def _configure(self, now: int) -> None:
         """Routes and paths as MUX, QSEL and CTRL in force say."""
-        old = self._mux
-        self._mux = [self._pair("MUX", pin) for pin in range(PINS)]
-        self._select = [self._pair("QSEL", pin) if pin < SYNCHRONISED_ONLY else 0 for pin in range(PINS)]
-        if self._mux != old:
-            crowded = self._routes.crowded
-            self._routes = Routes(self._mux)
-            for pin in range(PINS):
-                note = note_for(pin, self._mux[pin]) if self._mux[pin] != old[pin] else None
-                if note is not None:
-                    self.notes.append(note)
-            self._note_crowded(crowded)
-        self._take_periods(now)
+        self.take_over(now)
         self._update_paths(now)
         self.routes_version += 1
-
-    def _note_crowded(self, before: dict[str, tuple[int, ...]]) -> None:
-        for signal, pins in self._routes.crowded.items():
-            if before.get(signal) != pins:
-                names = " and ".join(f"GPIO{pin}" for pin in pins)
-                text = f"{names} are all given to {signal}, so it is a constant {idle_level(signal)}; give it one pin"
-                self.notes.append(Note("duty", text, "SPRUFB0D section 6.5, Table 46"))
-
-    def _take_periods(self, now: int) -> None:
-        for port, offset in enumerate(CONTROLS):
-            control = self._active[offset]
-            periods = [2 * (control >> 8 * i & 0xFF) or 1 for i in range(4)]
-            if periods != self._periods[4 * port : 4 * port + 4]:
-                self._periods[4 * port : 4 * port + 4] = periods
-                self._origins[4 * port : 4 * port + 4] = [now] * 4
-
-    def _pair(self, name: str, pin: int) -> int:
-        """The two bits of a pin in force in GPxMUXn or GPxQSELn."""
-        half, i = divmod(pin % 32, 16)
-        register = self.MAP[f"GP{'ABC'[pin // 32]}{name}{half + 1}"]
-        return self._active[register.offset] >> 2 * i & 3
-
-    def _ports(self, offsets: tuple[int, ...]) -> int:
-        """One mask of all pins from a register of each port."""
-        return ALL & sum(self._stored[offset] << 32 * i for i, offset in enumerate(offsets))
 
     def _update_paths(self, now: int) -> None:
         """Directions and the way of each pin's level, as masks for quick use; samplers come and go."""

@@ -12,8 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from periph_sim.core.chip import NEVER
-from periph_sim.f28335.gpio import ALL, CONFIGURATION_DELAY, Gpio
+from periph_sim.f28335.gpio import CONFIGURATION_DELAY, Gpio
 from periph_sim.f28335.gpio_map import BASE, GPIO, PORT_OF
+from periph_sim.f28335.gpio_settings import ALL
 from periph_sim.f28335.pin_table import INPUTS, OUTPUTS
 from periph_sim.f28335.system_options import SystemOptions
 from tests.waves import play, tidy

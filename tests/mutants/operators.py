@@ -1,6 +1,6 @@
 """One-line changes of a Python source: a text goes in, every `Change` that can be made of it comes out.
 
-    ast --> comparisons, constants, and/or, bit and sum operators, conditions, statements, returns --> Change
+    ast --> comparisons, constants, and/or, signs, operators, conditions, min and max, statements, returns --> Change
 
 A change replaces a few bytes of one line. Annotations, docstrings, decorators, messages, `assert`, protocols and what
 only a type checker sees are left alone: no test could tell.
@@ -35,8 +35,10 @@ OPERATORS = {
     ast.Sub: (r"-", "+"),
     ast.Mult: (r"(?<!\*)\*(?!\*)", "+"),
     ast.FloorDiv: (r"//", "*"),
+    ast.Div: (r"(?<!/)/(?!/)", "*"),
     ast.Mod: (r"%", "//"),
 }
+SWAPPED = {"min": "max", "max": "min", "any": "all", "all": "any"}
 LEFT_ALONE = (ast.JoinedStr, ast.Assert, ast.Raise, ast.Import, ast.ImportFrom, ast.Global, ast.Nonlocal)
 
 
@@ -84,13 +86,20 @@ class _Walk:
                 pattern, other = OPERATORS[type(node.op)]
                 yield from self._between(node.target, node.value, f"{pattern}(?==)", other, "operator")
                 yield from self._whole(node, "pass", "deleted statement")
-            case ast.UnaryOp(op=ast.Not()) | ast.UnaryOp(op=ast.Invert()):
+            case ast.UnaryOp(op=ast.Not()) | ast.UnaryOp(op=ast.Invert()) | ast.UnaryOp(op=ast.USub()):
                 yield from self._whole(node, self._text(node.operand), "negation left out")
             case ast.Constant(value=bool()):
                 yield from self._whole(node, str(not node.value), "constant")
             case ast.Constant(value=int()):
                 yield from self._whole(node, str(node.value + 1), "constant")
                 yield from self._whole(node, str(node.value - 1) if node.value else "1", "constant")
+            case ast.Constant(value=float()) if node.value + 1 != node.value:
+                yield from self._whole(node, repr(node.value + 1), "constant")
+            case ast.Call(func=ast.Name(id=name)) if name in SWAPPED:
+                yield from self._whole(node.func, SWAPPED[name], "swapped function")
+            case ast.comprehension():
+                for condition in node.ifs:
+                    yield from self._whole(condition, f"not ({self._text(condition)})", "negated condition")
             case ast.If() | ast.While() | ast.IfExp():
                 yield from self._whole(node.test, f"not ({self._text(node.test)})", "negated condition")
             case ast.Return(value=ast.expr()):

@@ -1,0 +1,173 @@
+"""Measures of events, record by record: what they need recorded, what is not over, what they say of nothing."""
+
+from __future__ import annotations
+
+import pytest
+
+from periph_sim.core.records import Kind
+from periph_sim.core.time import NO_TIME
+from periph_sim.timing.event_measures import Jitter, Period
+from periph_sim.timing.events import matcher
+from periph_sim.timing.making import make_of_events, measure_named
+from periph_sim.timing.of_events import subjects_of
+from tests.timing.events_by_hand import ONE, came, records, tell
+
+CAME = "10 edge SCL level 1\n20 edge SCL level 0\n25 edge SCL level 1\n60 edge SCL level 1"
+
+
+def test_a_period_is_told_with_where_it_began_and_what_is_not_over_counts():
+    period = tell(make_of_events("period of edge SCL rise", ONE), records(CAME))
+    assert isinstance(period, Period) and came(period) == (35, 25, 15, 2)
+    assert period.unfinished(70) == [(10, 60)] and period.close(70) == ""
+    assert period.close(96) == "'edge SCL rise' did not come again before the run ended" and period.worst == 36
+    assert make_of_events("period of edge SCL rise", ONE).unfinished(70) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "of", "missing"),
+    [
+        ("period of edge SCL rise", "", "no event matched 'edge SCL rise'"),
+        (
+            "period of edge SCL rise",
+            "5 edge SCL level 1",
+            "'edge SCL rise' was seen 1 times, which makes no measurement",
+        ),
+        ("from edge SCL rise to edge SCL fall", "5 edge SCL level 1", "no event matched 'edge SCL fall'"),
+        ("from edge SCL rise to edge SCL fall", "5 edge SCL level 0", "no event matched 'edge SCL rise'"),
+        ("from edge SCL rise to edge SCL fall", "", "no event matched 'edge SCL rise' and 'edge SCL fall'"),
+        (
+            "from edge SCL rise to edge SCL fall",
+            "5 edge SCL level 0\n6 edge SCL level 1",
+            "no 'edge SCL rise' was followed by 'edge SCL fall'",
+        ),
+        (
+            "from edge SCL rise to edge SCL fall, same transfer",
+            "1 bus c START 0\n5 edge SCL level 1\n6 bus c START 0\n7 edge SCL level 0",
+            "no 'edge SCL rise' was followed by 'edge SCL fall' in the same transfer",
+        ),
+        ("period of span modle begin", "", "no event matched 'span modle begin'; the run had no span"),
+        (
+            "period of span modle begin",
+            "1 span dsp model 1",
+            "no event matched 'span modle begin'; did you mean model?",
+        ),
+        (
+            "period of span x begin",
+            "1 span dsp model 1\n2 span dsp filter 1",
+            "no event matched 'span x begin'; the run had spans filter, model",
+        ),
+        ("level of SCI-A.SCIFFRX.RXFFST at edge SCL rise", "", "no event matched 'edge SCL rise'"),
+        ("time in modle", "", "no event matched 'span modle begin'; the run had no span"),
+        ("each time in wire SCL low", "", "'wire SCL low' was never entered and left"),
+    ],
+)
+def test_why_nothing_was_measured(text: str, of: str, missing: str):
+    class Scene:
+        began = level_of = startup_transfers = lambda self, *_: 0
+        transfers_in_round = ticks_per_second = lambda self: 1
+        value_of = lambda self, *_: 0  # noqa: E731
+
+    measure = make_of_events(text, ONE)
+    measure.listen(Scene())  # type: ignore[arg-type]
+    tell(measure, records(of))
+    measure.finish(9)
+    assert measure.missing() == missing
+
+
+def test_a_jitter_of_one_value_has_none_and_of_none_says_why():
+    jitter = measure_named("jitter of edge SCL rise", ONE)
+    assert isinstance(jitter, Jitter) and jitter.missing() == "no event matched 'edge SCL rise'"
+    tell(jitter, records("5 edge SCL level 1\n6 edge SCL level 1"))
+    assert jitter.silent and jitter.missing() == "there was one value, which has none before it"
+    tell(jitter, records("9 edge SCL level 1\n10 edge SCL level 1"))
+    assert came(jitter) == (2, 6, 2, 2)  # periods of 1, 3 and 1
+
+
+# What must be recorded ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("events", "needed"),
+    [
+        (["edge SCL rise"], {Kind.EDGE: {"SCL"}}),
+        (["edge SCL rise", "edge SDA fall"], {Kind.EDGE: {"SCL", "SDA"}}),
+        (["edge SCL rise or edge SDA fall"], {Kind.EDGE: {"SCL", "SDA"}}),
+        (["flag I2C-A.I2CSTR.XRDY rise"], {Kind.FLAG: {"dsp.I2C-A.I2CSTR"}}),
+        (["access W I2C-A.I2CDXR"], {Kind.ACCESS: {"dsp.I2C-A.I2CDXR"}}),
+        (["frame TX"], {Kind.FRAME: {"TX"}}),
+        (["bus START"], {}),
+        (["interrupt SCIRXINTA enter", "edge SCL rise"], {Kind.EDGE: {"SCL"}}),
+        (["span model begin"], {}),
+        (["note lost"], {}),
+        ([], {}),
+    ],
+)
+def test_what_events_need_recorded(events: list[str], needed: dict[Kind, set[str]]):
+    assert subjects_of([matcher(event, ONE) for event in events]) == needed
+
+
+def test_an_event_of_a_group_needs_its_begin_and_end_as_well():
+    burst = make_of_events("period of last frame TX error of burst", ONE)
+    assert (burst.kinds, burst.subjects) == ({Kind.FRAME}, {Kind.FRAME: {"TX"}})
+    transfer = make_of_events("period of first edge SCL rise of transfer", ONE)
+    assert (transfer.kinds, transfer.subjects) == ({Kind.EDGE, Kind.BUS}, {Kind.EDGE: {"SCL"}})
+
+
+# Groups ---------------------------------------------------------------------------------------------------------------
+
+
+class Startup:
+    """Rounds of two transfers behind three of the start-up."""
+
+    def transfers_in_round(self) -> int:
+        return 2
+
+    def startup_transfers(self) -> int:
+        return 3
+
+
+STARTS = "\n".join(
+    f"{at} bus c START 0\n{at + 1} edge SCL level 1\n{at + 2} edge SCL level 1" for at in range(0, 80, 10)
+)
+
+
+@pytest.mark.parametrize(
+    ("event", "at"),
+    [
+        ("first edge SCL rise of round", [31, 51, 71]),
+        ("2nd edge SCL rise of round", [32, 52, 72]),
+        ("3rd edge SCL rise of round", [41, 61]),
+        ("last edge SCL rise of round", [42, 62, 72]),
+        ("5th edge SCL rise of round", []),
+        ("first edge SCL rise of transfer", [at + 1 for at in range(0, 80, 10)]),
+        ("last bus START of round", [40, 60, 70]),
+        ("first bus START of round", [30, 50, 70]),
+    ],
+)
+def test_rounds_begin_behind_the_transfers_of_the_start_up(event: str, at: list[int]):
+    period = make_of_events(f"period of {event}", ONE)
+    period.listen(Startup())  # type: ignore[arg-type]
+    period.keep()
+    tell(period, records(STARTS))
+    period.finish(99)
+    assert period.all_kept()[1].tolist() == at[:-1]
+    assert period.seen == [len(at)]
+
+
+def test_the_latency_to_the_first_access_is_that_of_its_own_unit():
+    of = """
+        10 flag   dsp.PIE PIEIFR9.INTx1 1
+        20 irq    dsp     SCIRXINTA     1
+        25 access imu     R_SCI-A.SCIRXBUF 1
+        31 access dsp     R_SCI-A.SCIRXBUF 1
+        40 irq    dsp     SCIRXINTA     1
+        44 access dsp     R_SCI-A.SCIRXBUF 1
+    """
+    told = make_of_events("interrupt latency SCIRXINTA to first access", ONE)
+    tell(told, records(of))
+    assert came(told) == (21, 10, 21, 1) and told.unfinished(99) == []  # the second entry had no request
+    assert made_empty().unfinished(99) == [] and made_empty().worst_at == NO_TIME
+
+
+def made_empty():
+    return make_of_events("interrupt latency SCIRXINTA to first access", ONE)

@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 
 from ..timing.verdicts import EVERY_PHASE, SEEN, Proof, Verdict
 
+SKIPPED = "polls_skipped"  # the count that tells of the simulator, not of the case
+
 
 @dataclass
 class Result:

@@ -51,7 +51,7 @@ from .firmware import BadFirmware, BadSetting, Firmware, computed_by, load_firmw
 from .head_side import build_head
 from .host_side import HostSide
 from .read_origins import origins_of
-from .result import Result
+from .result import SKIPPED, Result
 from .sci_watch import SciWatch
 from .sensor_period import check_sensor_period
 from .site import Site
@@ -456,7 +456,7 @@ class Scene:
         if self.frames is not None:
             counts["beyond_16_bits"] = self.frames.beyond.total()
         counts["overruns"] = sum(x.measure.count for x in self.limits if x.budget.measure == "overruns")
-        counts["polls_skipped"] = sum(dsp.cpu.polls_skipped for dsp in self.units.values())
+        counts[SKIPPED] = sum(dsp.cpu.polls_skipped for dsp in self.units.values())
         counts["resets"] = sum(dsp.resets for dsp in self.units.values())
         parts: dict[str, Dsp | Chip] = {**self.units, **{name: on_bus.chip for name, on_bus in self.chips.items()}}
         wrong: dict[str, int] = {}

@@ -38,6 +38,10 @@ def read(path: Path, what: str) -> tuple[str, dict[str, Any]]:
     """The text of a TOML file, and the tree it says. what: is in it, for messages. BadCase if it cannot be had."""
     try:
         data = path.read_bytes()
+    except IsADirectoryError:
+        raise BadCase(
+            f"{path}: is a folder; give a {what} file, or run all its cases: periph-sim check {path}"
+        ) from None
     except OSError as error:
         raise BadCase(f"{path}: cannot be read ({error.strerror}); give the path of a {what} file") from None
     try:

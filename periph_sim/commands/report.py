@@ -9,7 +9,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from ..board.result import Result
+from ..board.result import SKIPPED, Result
 from ..case.model import Case
 from ..timing.shown import broken, figure, limit, simulated
 from ..timing.verdicts import EVERY_PHASE, FAIL, NOT_JUDGED, PASS, SEEN, Verdict
@@ -18,7 +18,6 @@ from .assumptions import assumptions
 STYLES = {PASS: "", FAIL: "red", NOT_JUDGED: "yellow"}
 WIDTH = 80
 PADDING = (0, 1, 0, 0)  # of tables
-SKIPPED = "polls_skipped"  # tells of the simulator, not of the case
 
 
 def terminal() -> Console:

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
 
-from ..board.result import Result
+from ..board.result import SKIPPED, Result
 from ..case.load import load
 from ..case.model import Budget, Case, Condition, Unit
 from ..timing.shown import figure, percentile
@@ -56,7 +56,7 @@ def case_report(
         clocks=tuple((name, f"{float(_sysclk(unit) / 1_000_000):.9g} MHz") for name, unit in case.unit.items()),
         options=tuple(result.unknowns),
         changes=tuple(changes),
-        counts={name.replace("_", " "): count for name, count in result.counts.items() if count}
+        counts={name.replace("_", " "): count for name, count in result.counts.items() if count and name != SKIPPED}
         | {"I2C bytes": result.wire_bytes, "SCI bytes": result.sci_bytes},
         findings=tuple(_found(result) if findings is None else findings),
         notes=tuple(result.notes),

@@ -52,6 +52,7 @@ def test_seconds_replaces_the_duration(periph_sim: Run, desk: Path, seconds: str
     ("arguments", "sentence"),
     [
         (["smal.toml"], "smal.toml: cannot be read (No such file or directory); give the path of a case file"),
+        (["."], ".: is a folder; give a case file, or run all its cases: periph-sim check ."),
         (["small.toml", "--seconds", "ten"], "--seconds: 'ten': unit 'ten' is none of ns, us, ms, s, min, h, d"),
         (["small.toml", "--seconds", "-1"], "--seconds: '-1 s' is negative; a duration is 0 or more"),
         (["small.toml", "--set", "seed"], "--set 'seed': expected key=value, for instance controller.period=10 ms"),

@@ -113,6 +113,36 @@ def test_texts_of_a_case_cannot_break_out_of_their_place(small: CaseReport) -> N
     assert evil.replace("&amp;", "&amp;") in "".join(heading.itertext())
 
 
+BOUND = "Bound: the worst for any timing of controller, host and DSP."
+PROVEN = "Every phase: proven, as the bound keeps the limit."
+SEEN = "Seen: held in this run, not proven; each such budget says below why not."
+UNJUDGED = "Not judged: too little was measured; no pass."
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({}, [SEEN]),
+        ({"bound": 3.0, "proof": "every phase"}, [BOUND, PROVEN]),
+        ({"bound": 30.0, "proof": "seen"}, [BOUND, SEEN]),
+        ({"verdict": "not judged"}, [UNJUDGED]),
+        ({"verdict": "fail"}, []),
+    ],
+)
+def test_the_verdicts_have_a_legend_of_what_stands_there(changes: dict[str, object], words: list[str]) -> None:
+    one = budget("a", 2.0)
+    text = page([report(replace(one, verdict=replace(one.verdict, **changes)))], "a report")  # type: ignore[arg-type]
+    legend = re.search(r'<p class="quiet legend">(.*?)</p>', text, re.DOTALL)
+    assert legend is not None and " ".join(legend[1].split()) == " ".join([*words, "Count: times measured."])
+
+
+def test_assumptions_have_their_number_in_the_head() -> None:
+    one = replace(report(budget("a", 2.0)), options=("dsp.i2c.bcm_reset",))
+    assert "<summary>Assumes 1 undocumented behaviour</summary>" in page([one], "a report")
+    both = replace(one, options=(*one.options, "dsp.i2c.rrdy_point"), notes=("a note",))
+    assert "<summary>Assumes 2 undocumented behaviours, notes (1)</summary>" in page([both], "a report")
+
+
 @pytest.mark.long
 def test_a_page_refers_to_nothing_outside_of_it(imu_hil: tuple[CaseReport, str]) -> None:
     tree = parsed(imu_hil[1])

@@ -657,3 +657,42 @@ def test_wrong_calls_are_refused():
         core.intr(5, 0)
     with pytest.raises(ValueError, match="no TRAP #32"):
         core.trap(5, 32)
+
+
+# A reset in the middle --------------------------------------------------------------------------------------
+
+
+def test_reset_in_mid_entry_takes_what_comes_next_at_once():
+    core, now = in_isr(9, irq_after_iret="after_one_instruction")
+    core.raise_line(now, 1)
+    core.clrc_intm(now)
+    core.enter(now + 4, 1)
+    core.reset(now + 6)  # the routine's first instruction would be at now + 14
+    core.raise_line(now + 6, NMI)
+    assert (core.ready, core.next_taken(now + 6), core.earliest()) == (now + 6, NMI, now + 6)
+
+
+def test_reset_pays_the_instruction_owed_after_iret():
+    core, now = in_isr(9, irq_after_iret="after_one_instruction")
+    core.iret(now)
+    assert core.owes_instruction
+    core.reset(now + 1)
+    assert not core.owes_instruction
+
+
+def test_reset_forgets_what_was_latched_in_its_cycle():
+    core = cpu(ier=0)
+    core.raise_line(0, 3)
+    core.wake(IFR_DELAY)
+    assert core.ifr == bit(3)
+    core.reset(IFR_DELAY)
+    core.and_ifr(IFR_DELAY, 0)
+    assert core.ifr == 0
+
+
+@pytest.mark.parametrize("number", [NMI, EMUINT])
+def test_a_host_can_plan_with_what_no_mask_holds(number):
+    core = cpu(ier=0, intm=True)
+    core.setc_intm(10)
+    core.raise_line(10, number)
+    assert core.earliest() == 12

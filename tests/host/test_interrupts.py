@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.f28335.system_options import SystemOptions
 from periph_sim.host.blame import FirmwareError
 from tests.host.bench import Bench
@@ -154,3 +155,48 @@ def test_a_vector_from_boot_rom_is_a_mistake_that_says_so():
     bench.pie.write(0, 0, 0)  # ENPIE = 0
     with pytest.raises(FirmwareError, match=r"INT1 was taken .* with PIECTRL\.ENPIE = 0"):
         bench.run(lambda: bench.cpu.compute(1000), 400)
+
+
+@pytest.mark.parametrize(
+    ("call", "cost", "ier", "intm", "eallow"),
+    [
+        (lambda cpu: cpu.or_ier(0x8004), 2, 0x8015, 1, 0),
+        (lambda cpu: cpu.and_ier(0x0014), 2, 0x0010, 1, 0),
+        (lambda cpu: cpu.eint(), 2, 0x0011, 0, 0),
+        (lambda cpu: cpu.dint(), 2, 0x0011, 1, 0),
+        (lambda cpu: cpu.eallow(), 4, 0x0011, 1, 1),
+        (lambda cpu: (cpu.eallow(), cpu.edis()), 8, 0x0011, 1, 0),
+        (lambda cpu: cpu.nop(), 1, 0x0011, 1, 0),
+    ],
+)
+def test_what_instructions_about_interrupts_do_and_cost(call, cost, ier, intm, eallow):
+    bench = Bench([])
+    bench.core.ier = 0x0011
+
+    def main() -> None:
+        call(bench.cpu)
+        bench.note("end")
+
+    assert bench.run(main, 100) == [("end", cost)]
+    assert (bench.core.ier, bench.core.intm, bench.core.eallow) == (ier, intm, eallow)
+
+
+def test_a_note_of_the_cpu_is_counted_and_recorded_each_time():
+    """IRET with INTM = 0, in two routines."""
+    records: list[Record] = []
+    recorder = Recorder()
+    recorder.subscribe([Kind.NOTE], records.append)
+    bench = Bench([(100, 0, 0), (300, 0, 0)], recorder=recorder)
+    bench.enable()
+
+    def routine() -> None:
+        bench.pie_regs.PIEACK.all = 1
+        bench.cpu.nop()
+        bench.cpu.nop()
+        bench.cpu.eint()
+
+    bench.cpu.handlers["SEQ1INT"] = routine
+    bench.run(lambda: bench.cpu.compute(1000), 900)
+    ((note, count),) = bench.cpu.notes.items()
+    assert (note.code, count) == ("duty", 2) and note.text.startswith("IRET was reached with INTM = 0")
+    assert [(r.what, r.value, r.text) for r in records] == [("duty", n, note.text) for n in (1, 2)]

@@ -1,0 +1,92 @@
+"""What every chip shows before anything happened to it, and the names of its pins and lines."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from periph_sim.core.chip import NEVER, NOTHING
+from periph_sim.f28335.clocks import SystemControl
+from periph_sim.f28335.cpu_timer import CpuTimer
+from periph_sim.f28335.gpio import Gpio
+from periph_sim.f28335.i2c import I2c
+from periph_sim.f28335.pie import Pie
+from periph_sim.f28335.sci import Sci
+from periph_sim.f28335.system_options import SystemOptions
+from periph_sim.f28335.xint import Xint
+
+from .i2c_rig import Rig
+
+SYSTEM = SystemOptions()
+PINS = tuple(f"GPIO{n}" for n in range(88))
+XINTS = ("XINT1", "XINT2", "XINT3", "XINT4", "XINT5", "XINT6", "XINT7")
+
+# chip: inputs, outputs, lines, cycles from an input to its effect, levels of the outputs, first wake-up
+CHIPS: list[tuple[Any, tuple[str, ...], tuple[str, ...], tuple[str, ...], int, int, int]] = [
+    (I2c(), ("SCL", "SDA"), ("SCL", "SDA"), ("I2CINT1A", "I2CINT2A"), 1, 3, NEVER),
+    (Sci(), ("RXD",), ("TXD",), ("RXINT", "TXINT"), 2, 1, NEVER),
+    (Gpio(SYSTEM), PINS, PINS, (), 0, 0, NEVER),
+    (Xint(), XINTS, (), XINTS, 0, 0, NEVER),
+    (Pie(SYSTEM), (), (), (), 0, 0, NEVER),
+    (CpuTimer(0, SYSTEM), (), (), ("TINT",), 0, 0, NEVER),
+    (SystemControl(30_000_000, SYSTEM), (), (), ("WAKEINT",), 0, 0, 256 * 512 // 4),
+]
+
+
+@pytest.mark.parametrize(("chip", "inputs", "outputs", "lines", "width", "out", "wake"), CHIPS)
+def test_new_chip(
+    chip: Any,
+    inputs: tuple[str, ...],
+    outputs: tuple[str, ...],
+    lines: tuple[str, ...],
+    width: int,
+    out: int,
+    wake: int,
+):
+    assert (inputs, outputs, lines) == (chip.INPUTS, chip.OUTPUTS, chip.LINES)
+    assert (chip.filter_width, chip.out, chip.next_wake) == (width, out, wake)
+    assert (chip.requests, chip.held, chip.notes, chip.touched - {"pll_lock_clock"}) == (0, 0, [], set())
+
+
+@pytest.mark.parametrize("chip", [Xint(), Pie(SYSTEM)])
+def test_chips_without_time_have_nothing_to_look_at(chip: Any):
+    assert chip.wake(0) == NOTHING
+
+
+def test_i2c_filter_width_follows_the_module_clock_that_irs_takes_over():
+    rig = Rig(noise_filter_cycles=3)
+    widths = [rig.chip.filter_width]
+    rig.begin()
+    widths.append(rig.chip.filter_width)
+    rig.write("I2CMDR", 0)
+    rig.write("I2CPSC", 9)
+    widths.append(rig.chip.filter_width)
+    rig.begin()
+    widths.append(rig.chip.filter_width)
+    rig.chip.reset(rig.now)
+    widths.append(rig.chip.filter_width)
+    assert widths == [3, 3 * 15, 3 * 15, 3 * 10, 3]
+
+
+@pytest.mark.parametrize("divider", [1, 2, 4, 6, 8, 10, 12, 14])
+def test_sci_takes_the_dividers_of_lospcp(divider: int):
+    chip = Sci()
+    chip.gate(0, True)
+    chip.set_lspclk(0, divider, 0)
+    for offset, value in ((3, 9), (1, 0x22), (9, 0x00)):
+        chip.write(0, offset, value)
+    edges: list[int] = []
+    while len(edges) < 2:
+        now, before = chip.next_wake, chip.out
+        chip.wake(now)
+        if chip.out != before:
+            edges.append(now)
+    fall, rise = edges  # start bit and one data bit of 0
+    assert (rise - fall, fall % divider) == (2 * 8 * 10 * divider, 0)
+
+
+@pytest.mark.parametrize("divider", [0, 3, 5, 7, 9, 11, 13, 15, 16])
+def test_sci_refuses_others(divider: int):
+    with pytest.raises(ValueError, match=f"not / {divider}"):
+        Sci().set_lspclk(0, divider, 0)

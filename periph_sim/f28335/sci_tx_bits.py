@@ -40,6 +40,5 @@ class SciTxBits:
 
     def stop(self) -> None:
         """The frame is cut off: TXD goes to 1."""
-        self._edges.clear()
         self.next_tick = FAR
         self.level = 1

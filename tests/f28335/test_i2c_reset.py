@@ -7,12 +7,16 @@ import pytest
 from .i2c_rig import (
     AAS,
     AD0,
+    AL,
     BB,
     BIT,
     FDF,
     FREE,
+    IE_XRDY,
+    INT1,
     IRS,
     MST,
+    NACK,
     OTHER,
     OWN,
     RRDY,
@@ -24,9 +28,12 @@ from .i2c_rig import (
     STT,
     TRX,
     XA,
+    XRDY,
     Rig,
     addressed,
 )
+
+SOON = 20  # cycles in which a request must have come
 
 CONFIGURATION = {
     "I2COAR": 0x155,
@@ -333,3 +340,44 @@ def test_a_module_reset_between_transfers_serves_each():
             rig.write("I2CDXR", address + n)
             assert rig.take(ack=n < 5) == address + n
         rig.stop()
+
+
+@pytest.mark.rule("I2C-329", "I2C-273")
+def test_irs_1_asks_anew_for_what_is_1_then():
+    """XRDY, the only flag that a reset leaves at 1: code and request two cycles after each rise of IRS."""
+    rig = Rig()
+    rig.write("I2CIER", IE_XRDY)
+    rig.begin()
+    for _ in range(3):
+        begun = rig.now
+        rig.wait(SOON)
+        assert rig.interrupts == [(begun + 2, INT1)]
+        assert rig.peek("I2CISRC") == 5
+        rig.asked()
+        rig.write("I2CMDR", 0)
+        rig.wait(SOON)
+        assert (rig.peek("I2CISRC"), rig.asked()) == (0, 0)
+        rig.write("I2CMDR", IRS)
+
+
+@pytest.mark.rule("I2C-329")
+@pytest.mark.parametrize("point", ["any_ack_fall9", "eager"])
+def test_irs_0_in_a_transfer_as_master_leaves_a_slave_that_answers(point):
+    rig = Rig(dxr_to_xsr_copy_point=point)
+    rig.begin()
+    rig.write("I2CSAR", OTHER)
+    rig.write("I2CCNT", 2)
+    rig.write("I2CDXR", 0x77)
+    rig.write("I2CMDR", IRS | MST | TRX | STT)
+    rig.wait_for(lambda: rig.stretching)
+    rig.wait(3 * BIT)
+    rig.write("I2CMDR", 0)
+    assert not rig.stretching and not rig.pulling_sda
+    rig.wait(BIT)
+    rig.write("I2CDXR", 0x66)
+    rig.write("I2CMDR", IRS)
+    assert rig.flag(XRDY) == (point == "eager"), "moved on to I2CXSR"
+    assert rig.address(OWN) and rig.send(0x35)
+    assert rig.read("I2CDRR") == 0x35
+    rig.stop()
+    assert rig.status(AL | NACK) == 0

@@ -115,3 +115,17 @@ def test_any_divider(brr, divider):
     rig = SciRig(brr=brr)
     rig.chip.set_lspclk(rig.now, divider, 0)
     assert bit_length(rig, divider) == 8 * divider * (max(brr, 1) + 1)
+
+
+@pytest.mark.rule("SCI-085")
+@pytest.mark.parametrize(("write", "bit"), [(399, 400 + 4 * 200), (400, 500 + 3 * 200), (401, 500 + 3 * 200)])
+def test_a_new_divider_is_loaded_with_the_next_sciclk_and_not_with_that_of_its_own_cycle(write: int, bit: int):
+    """A start bit of eight SCICLK of 100 cycles; some of them are 200 long."""
+    rig = SciRig()
+    rig.write("SCITXBUF", 0x55)
+    rig.wait(sciclk=1)
+    start = rig.falls()[0]
+    rig.run_until(start + write)
+    rig.set_brr(49)
+    rig.wait(12)
+    assert rig.edges[1][0] - start == bit

@@ -129,3 +129,17 @@ def test_a_new_divider_is_loaded_with_the_next_sciclk_and_not_with_that_of_its_o
     rig.set_brr(49)
     rig.wait(12)
     assert rig.edges[1][0] - start == bit
+
+
+@pytest.mark.rule("SCI-085")
+def test_a_divider_that_was_just_loaded_counts_to_its_end():
+    """Written a cycle before an SCICLK and again in the cycle of it: that one SCICLK is 200 cycles long."""
+    rig = SciRig()
+    rig.write("SCITXBUF", 0x55)
+    rig.wait(sciclk=1)
+    start = rig.falls()[0]
+    for write, brr in ((399, 49), (400, 24)):
+        rig.run_until(start + write)
+        rig.set_brr(brr)
+    rig.wait(12)
+    assert rig.edges[1][0] - start == 400 + 200 + 3 * 100

@@ -82,12 +82,12 @@ class I2cMaster(I2cMasterReceiver):
         if self._holds == "command":
             if mdr & MDR_STT:
                 self._restart(now)
-            elif mdr & MDR_STP:
+            else:
                 self._stop_if_allowed(now)
         elif self._holds == "data":
             if mdr & MDR_STT:
                 self._restart(now)
-            elif mdr & MDR_STP and mdr & MDR_RM:
+            elif mdr & MDR_RM:
                 self._stop(now)
 
     def _request_bus(self, now: int) -> None:

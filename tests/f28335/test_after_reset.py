@@ -11,6 +11,7 @@ import pytest
 
 from periph_sim.core.options import Value
 from periph_sim.f28335.i2c_map import I2C_MAP
+from periph_sim.f28335.sci import Sci
 from periph_sim.f28335.sci_map import SCI_MAP
 
 from .i2c_rig import (
@@ -314,3 +315,20 @@ def test_sci(use: Callable[[SciRig], None]):
         rig.chip.gate(rig.now, True)
         rig.set_brr(24)
     assert sci_seen(used) == sci_seen(fresh)
+
+
+def test_sci_clock_begins_as_that_of_a_new_module():
+    """Both are given their clock in cycle 40000 and send at once, with BRR as the reset leaves it."""
+    used = SciRig(brr=200)
+    mid_frames(used)
+    used.run_until(40_000)
+    used.chip.reset(40_000)
+    fell: list[int] = []
+    for chip in (used.chip, Sci()):
+        chip.gate(40_000, True)
+        chip.write(40_000, SCI_MAP["SCICTL1"].offset, 0x22)
+        chip.write(40_000, SCI_MAP["SCITXBUF"].offset, 0)
+        while chip.out:
+            fell.append(chip.next_wake)
+            chip.wake(chip.next_wake)
+    assert fell == [40_008, 40_008]

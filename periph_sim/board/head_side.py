@@ -1,4 +1,4 @@
-"""The I2C controller of a case: [controller] goes in, the sensor head on SCL and SDA comes out.
+"""The I2C controller of a case: [controller] goes in, the sensor head on SCL and SDA comes out; and what is asked.
 
 All its times are counted by its own clock, `ppm` off. Rounds keep to that clock however long the run; of a phase of SCL
 the nearest tick is taken.
@@ -10,30 +10,27 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from ..case.model import Controller, RequestTable
+from ..case.model import Controller, RequestTable, RoundsTable
 from ..core.nearest import near
 from ..core.wire import Wire
 from ..devices.sensor_head import CHIPS, Request, Schedule, SensorHead
-from ..lines.i2c_controller import BusTiming, I2cController
+from ..lines.i2c_controller import BusTiming, I2cController, Transfer
+from ..timing.rounds import Asked
 from .site import Site
 
 
 @dataclass(frozen=True)
 class HeadSide:
-    """requests: of each round. round_transfers, startup_transfers: how many a round and the chips' start-up take."""
+    """requests: of each round. asked: what of it is to be seen on the bus."""
 
     head: SensorHead
     requests: list[Request]
-    round_transfers: int
-    startup_transfers: int
+    asked: Asked
 
 
 def build_head(site: Site, table: Controller, on_stuck: Callable[[Wire], None]) -> HeadSide:
     """BadCase, with its line, for requests that nobody can make."""
-    requests = [_chip(site, name, "controller", "order") for name in table.order]
-    requests += [_request(site, i, request) for i, request in enumerate(table.request)]
-    if not requests:
-        raise site.case.mistake("it has no requests; give it order or [[controller.request]]", "controller")
+    requests = _requests(site, table, "controller")
     startup = _startup(site, table, requests)
     by_stop = table.pointer_by == "STOP"
 
@@ -65,7 +62,29 @@ def build_head(site: Site, table: Controller, on_stuck: Callable[[Wire], None]) 
     )
     seed = site.case.seed
     head = SensorHead(site.kernel, controller, requests, schedule, startup=startup, by_stop=by_stop, seed=seed)
-    return HeadSide(head, requests, _transfers(requests, by_stop), _transfers(startup, by_stop))
+    asked = Asked(
+        requests=_transfers(requests, by_stop),
+        period=schedule.period,
+        startup=_transfers(startup, by_stop),
+        first=site.kernel.now + schedule.first,
+        late=schedule.jitter,
+        rounds=schedule.rounds,
+    )
+    return HeadSide(head, requests, asked)
+
+
+def rounds_of(site: Site, table: RoundsTable) -> Asked:
+    """What a master that is no agent asks: [rounds]. BadCase, with its line, for requests that nobody can make."""
+    requests = _requests(site, table, "rounds")
+    return Asked(_transfers(requests, table.pointer_by == "STOP"), site.exact_ticks(table.period, Fraction(0)))
+
+
+def _requests(site: Site, table: Controller | RoundsTable, name: str) -> list[Request]:
+    requests = [_chip(site, chip, name, "order") for chip in table.order]
+    requests += [_request(site, request, name, "request", i) for i, request in enumerate(table.request)]
+    if not requests:
+        raise site.case.mistake(f"it has no requests; give it order or [[{name}.request]]", name)
+    return requests
 
 
 def _startup(site: Site, table: Controller, requests: list[Request]) -> list[Request]:
@@ -78,8 +97,8 @@ def _startup(site: Site, table: Controller, requests: list[Request]) -> list[Req
     return startup
 
 
-def _transfers(requests: list[Request], by_stop: bool) -> int:
-    return sum(len(request.transfers(by_stop)) for request in requests)
+def _transfers(requests: list[Request], by_stop: bool) -> tuple[Transfer, ...]:
+    return tuple(transfer for request in requests for transfer in request.transfers(by_stop))
 
 
 def _chip(site: Site, name: str, *place: str | int) -> Request:
@@ -89,9 +108,9 @@ def _chip(site: Site, name: str, *place: str | int) -> Request:
     return Request(name, chip.address, chip.pointer, 6)
 
 
-def _request(site: Site, entry: int, table: RequestTable) -> Request:
+def _request(site: Site, table: RequestTable, *place: str | int) -> Request:
     if table.chip is not None:
-        known = _chip(site, table.chip, "controller", "request", entry, "chip")
+        known = _chip(site, table.chip, *place, "chip")
         return replace(known, name=table.name or known.name, expect=table.expect)
     assert table.address is not None
     name = table.name or f"{table.address:#04x}"

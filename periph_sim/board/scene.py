@@ -14,20 +14,20 @@ from functools import partial
 from time import perf_counter
 from typing import TypeVar
 
-from ..case.model import Budget, Case, ChipTable, Unit
+from ..case.model import Budget, Case, ChipTable, RoundsTable, Unit
 from ..core.chip import NEVER, Note, joined
 from ..core.kernel import Kernel
 from ..core.nearest import near
 from ..core.options import Value, options_from
 from ..core.records import Kind, Recorder
-from ..core.time import NO_TIME, Timebase, TimeError
+from ..core.time import Timebase, TimeError
 from ..core.wire import Wire
 from ..devices.host_frame import MotionFrames
 from ..devices.host_pc import Host
 from ..devices.model_codes import Computed
 from ..devices.models.parameters import Imu
 from ..devices.register_chip import Source
-from ..devices.sensor_head import CHIPS, Request, Round, SensorHead
+from ..devices.sensor_head import Request, Round, SensorHead
 from ..devices.truth import Axes, Truth
 from ..f28335.code_costs import CodeCosts
 from ..f28335.i2c_options import I2cOptions
@@ -37,18 +37,19 @@ from ..host.blame import FirmwareStalled
 from ..lines.bus_recorder import BusRecorder
 from ..lines.i2c_controller import Transfer
 from ..lines.i2c_counter import I2cCounter
-from ..lines.i2c_watch import I2cWatch
 from ..timing.budgets import BadBudget, Limit
 from ..timing.bus_measures import WrongBytes
 from ..timing.names import Scope, scope_of_case
 from ..timing.origins import Origins
+from ..timing.rounds import Asked
 from ..timing.value_measures import ValueDeviation
 from ..timing.verdicts import FAIL, NOT_JUDGED, PASS, Verdict
+from .bus_side import SPIKE, BusSide
 from .chips import Chip, ChipOnBus, build_chip
 from .dsp import MODULES, PIN_OF, Dsp, DspPlan, End
 from .faults import build_faults
 from .firmware import BadFirmware, BadSetting, Firmware, computed_by, load_firmware, run_main, sensors_of, settings_for
-from .head_side import build_head
+from .head_side import build_head, rounds_of
 from .host_side import HostSide
 from .read_origins import origins_of
 from .result import SKIPPED, Result
@@ -56,7 +57,7 @@ from .sci_watch import SciWatch
 from .sensor_period import check_sensor_period
 from .site import Site
 from .stuck import hopeless
-from .uart_lines import listen_to_frames
+from .uart_lines import UartLines
 
 T = TypeVar("T")
 
@@ -116,8 +117,7 @@ class Scene:
         self.frames: MotionFrames | None = None  # what the host sends, where it is no ramp
         self.wire_bytes = 0  # by the controller agent
         self._counter: I2cCounter | None = None  # where there is none
-        self._transfers_in_round = 0
-        self._startup_transfers = 0
+        self.bus = BusSide(self.wires, self._ticks(SPIKE))
         self.nacked = 0
         self.stuck_lines: list[str] = []
         self.stalled = ""  # by what the run ended before its time
@@ -133,18 +133,21 @@ class Scene:
         if case.controller is not None:
             side = build_head(site, case.controller, self._stuck)
             self.head, self.requests = side.head, side.requests
-            self._transfers_in_round, self._startup_transfers = side.round_transfers, side.startup_transfers
+            self.bus.asked = side.asked
             self.head.on_transfer.append(self._count_transfer)
         elif "SCL" in self.wires:
             self._counter = I2cCounter(self.wires["SCL"], self.wires["SDA"])
             if self.recorder.wants(Kind.BUS):
                 BusRecorder(self.kernel, self.recorder, self.wires["SCL"], self.wires["SDA"])
+        if case.rounds is not None:
+            self.bus.asked = self._asked_by_master(site, case.rounds)
         if case.host is not None:
             self._host_side = HostSide(site, case.host, self.sensors)
             self.host = self._host_side.host
             self.frames, self.truth = self._host_side.frames, self._host_side.truth
         build_faults(site, self.wires, self.units)
-        listen_to_frames(site, self.wires, self.units, None if self._host_side is None else self._host_side.bit)
+        host_bit = None if self._host_side is None else self._host_side.bit
+        self._uart_lines = UartLines(site, self.wires, self.units, host_bit)
         for entry, limit in enumerate(self.limits):
             for part in limit.parts:
                 self._check_needs(entry, part)
@@ -166,6 +169,7 @@ class Scene:
         there = {
             "": True,
             "controller": self.head is not None,
+            "rounds": self.bus.asked is not None,
             "I2C-A": "SCL" in self.wires,
             "host": self.host is not None,
             "SCI-A": any(dsp.has("SCI-A") for dsp in self.units.values()),
@@ -173,9 +177,9 @@ class Scene:
         needs = limit.measure.needs
         if not there[needs]:
             measure = limit.budget.measure
-            raise self.case.mistake(
-                f"{measure!r} needs {needs} in the scene, which has none", "budget", entry, "measure"
-            )
+            names = "[controller], or [rounds] for a unit that is the master," if needs == "rounds" else needs
+            what = f"{measure!r} needs {names} in the scene, which has none"
+            raise self.case.mistake(what, "budget", entry, "measure")
         if isinstance(limit.measure, ValueDeviation) and self.truth is None:
             what = f"{limit.budget.measure!r} of sensor models needs a motion to compare with; give [host.motion]"
             raise self.case.mistake(what, "budget", entry, "measure")
@@ -254,15 +258,17 @@ class Scene:
     # What measures listen to ----------------------------------------------------
 
     def listen_transfers(self, told: Callable[[Transfer], None]) -> None:
-        if self.head is not None:
-            self.head.on_transfer.append(told)
-        elif "SCL" in self.wires:  # stretching is not told: who the controller is, only an agent says
-            names = {chip.address: name for name, chip in CHIPS.items()}
-            I2cWatch(self.kernel, self.wires["SCL"], self.wires["SDA"], told, lambda: 0, names)
+        self.bus.rounds.on_transfer.append(told)
 
     def listen_rounds(self, told: Callable[[Round], None]) -> None:
+        self.bus.rounds.on_round.append(told)
+
+    def _asked_by_master(self, site: Site, table: RoundsTable) -> Asked:
         if self.head is not None:
-            self.head.on_round.append(told)
+            raise self.case.mistake("[controller] says its rounds already; leave one of them out", "rounds")
+        if "SCL" not in self.wires:
+            raise self.case.mistake("it needs a bus, and no unit has I2C-A", "rounds")
+        return rounds_of(site, table)
 
     def listen_frames(self, told: Callable[[int, tuple[int, ...], int], None]) -> None:
         if self.host is not None:
@@ -272,11 +278,22 @@ class Scene:
         self._stuck_told.append(told)
 
     def listen_sci(self, told: Callable[[int, int, bool], None]) -> None:
+        for watch in self._receivers():
+            watch.told.append(told)
+
+    def listen_characters(self, told: Callable[[int], None]) -> None:
+        self._uart_lines.listen_characters(told)
+
+    def listen_received(self, told: Callable[[int], None]) -> int:
+        for watch in self._receivers():
+            watch.received.append(told)
+        return len(self._receivers())
+
+    def _receivers(self) -> list[SciWatch]:
         for name, dsp in self.units.items():
-            if dsp.has("SCI-A"):
-                if name not in self._sci_watches:
-                    self._sci_watches[name] = SciWatch(dsp)
-                self._sci_watches[name].told.append(told)
+            if dsp.has("SCI-A") and name not in self._sci_watches:
+                self._sci_watches[name] = SciWatch(dsp)
+        return list(self._sci_watches.values())
 
     def origins(self) -> Origins:
         """Which host frame the bytes of a read come from. BadCase where the scene does not tell."""
@@ -288,21 +305,16 @@ class Scene:
         return self.case.controller is not None and self.case.controller.check == "host"
 
     def listen_due(self, told: Callable[[int], None]) -> None:
-        if self.head is not None:
-            self.head.on_due.append(told)
+        self.bus.rounds.on_due.append(told)
 
     def listen_missed(self, told: Callable[[int], None]) -> None:
-        if self.head is not None:
-            self.head.on_missed.append(told)
+        self.bus.rounds.on_missed.append(told)
 
-    def transfers_in_round(self) -> int:
-        return self._transfers_in_round
-
-    def startup_transfers(self) -> int:
-        return self._startup_transfers
+    def rounds_at_start(self) -> Callable[[], bool]:
+        return self.bus.rounds.at_start
 
     def round_period(self) -> int:
-        return 0 if self.head is None else self.head.schedule.period // 1
+        return self.bus.period
 
     def began(self) -> int:
         return self.start
@@ -341,7 +353,7 @@ class Scene:
         return clock.tick(now + cycles) - clock.tick(now)
 
     def held_since(self) -> int:
-        return NO_TIME if self.head is None else self.head.controller.held_since
+        return self.bus.held_since
 
     def _hosts(self) -> HostSide:
         assert self._host_side is not None
@@ -406,6 +418,8 @@ class Scene:
             self.stalled = str(stalled)
             length = self.kernel.now - began
         wall = perf_counter() - wall
+        self.bus.finish(self.kernel.now)
+        self._uart_lines.finish(self.kernel.now)
         for limit in self.limits:
             limit.finish(self.kernel.now)
         return self._result(length, wall)

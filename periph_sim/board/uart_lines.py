@@ -1,18 +1,19 @@
-"""Who listens to RX and TX where frames are recorded: a scene's wires go in, a UartMonitor for each comes out.
+"""Who listens to RX and TX: a scene's wires go in; frames are recorded where wanted, characters on RX counted.
 
 A frame is read as its sender sends it: on RX with the host's bit rate, where there is a host; else as SCI-A is set.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 
 from ..core.records import Kind
 from ..core.wire import Wire
-from ..decode.uart_line import Line
+from ..decode import uart_line
 from ..f28335.sci_map import SCI_MAP
-from ..lines.uart_monitor import UartMonitor
+from ..lines.uart_counter import UartCounter
+from ..lines.uart_monitor import Line, UartMonitor
 from ..lines.uart_peer import UartFormat
 from .dsp import Dsp
 from .site import Site
@@ -21,28 +22,51 @@ SCICCR = SCI_MAP["SCICCR"]
 LINES = ("RX", "TX")
 
 
-def listen_to_frames(
-    site: Site, wires: Mapping[str, Wire], units: Mapping[str, Dsp], host_bit: Fraction | None
-) -> None:
+class UartLines:
     """host_bit: ticks of a bit that the host sends; None without a host."""
-    sci = next((dsp for dsp in units.values() if dsp.has("SCI-A")), None)
 
-    def host_line() -> tuple[Fraction, UartFormat]:
-        assert host_bit is not None
-        return host_bit, UartFormat()
+    def __init__(
+        self, site: Site, wires: Mapping[str, Wire], units: Mapping[str, Dsp], host_bit: Fraction | None
+    ) -> None:
+        self._site, self._wires = site, wires
+        self._sci = next((dsp for dsp in units.values() if dsp.has("SCI-A")), None)
+        self._host_bit = host_bit
+        self._counter: UartCounter | None = None
+        for name in LINES:
+            line = self._line(name)
+            if line is not None and site.recorder.wants(Kind.FRAME, name):
+                UartMonitor(site.kernel, site.recorder, wires[name], line)
 
-    def sci_line() -> tuple[Fraction, UartFormat]:
-        assert sci is not None
-        line = line_of(sci, site.kernel.now)
-        return site.timebase.per_second / Fraction(line.baud), UartFormat(line.bits, line.parity, int(line.stop))
+    def listen_characters(self, told: Callable[[int], None]) -> None:
+        """`told(tick)` of each character on RX, as `UartCounter` does."""
+        line = self._line("RX")
+        if line is None:
+            return
+        if self._counter is None:
+            self._counter = UartCounter(self._wires["RX"], line)
+        self._counter.told.append(told)
 
-    for name in LINES:
-        by_host = name == "RX" and host_bit is not None
-        if name in wires and site.recorder.wants(Kind.FRAME, name) and (by_host or sci is not None):
-            UartMonitor(site.kernel, site.recorder, wires[name], host_line if by_host else sci_line)
+    def finish(self, now: int) -> None:
+        """The run is over."""
+        if self._counter is not None:
+            self._counter.finish(now)
+
+    def _line(self, name: str) -> Line | None:
+        """How a wire's sender sends; None where the scene has no such wire, or nobody knows."""
+        if name not in self._wires:
+            return None
+        if name == "RX" and self._host_bit is not None:
+            bit = self._host_bit
+            return lambda: (bit, UartFormat())
+        return None if self._sci is None else self._sci_line
+
+    def _sci_line(self) -> tuple[Fraction, UartFormat]:
+        assert self._sci is not None
+        line = line_of(self._sci, self._site.kernel.now)
+        return self._site.timebase.per_second / Fraction(line.baud), UartFormat(line.bits, line.parity, int(line.stop))
 
 
-def line_of(dsp: Dsp, now: int) -> Line:
+def line_of(dsp: Dsp, now: int) -> uart_line.Line:
     """The rate and format that a unit's SCI-A is set to."""
     socket, cycle = dsp.socket("SCI-A"), dsp.clock.cycle_at(now)
     ccr = socket.peek(cycle, SCICCR.offset)
@@ -52,4 +76,4 @@ def line_of(dsp: Dsp, now: int) -> Line:
     if SCICCR["PARITYENA"].of(ccr):
         parity = "even" if SCICCR["PARITY"].of(ccr) else "odd"
     bits, stop = SCICCR["SCICHAR"].of(ccr) + 1, SCICCR["STOPBITS"].of(ccr) + 1
-    return Line(lspclk / (8 * (brr + 1) if brr else 16), bits, parity, stop)
+    return uart_line.Line(lspclk / (8 * (brr + 1) if brr else 16), bits, parity, stop)

@@ -168,6 +168,15 @@ class Controller(Table):
         return _begins_in_order(self)
 
 
+class RoundsTable(Table):
+    """What a unit, or a capture, asks as master, so that measures of rounds know its rounds on the bus."""
+
+    order: tuple[str, ...] = ()
+    request: tuple[RequestTable, ...] = ()
+    period: Length
+    pointer_by: Literal["repeated START", "STOP"] = "repeated START"
+
+
 class ValueTable(Table):
     """What a chip feels. rows: a time and x, y, z, held until the next row. ramp: the numbers of the host's frames."""
 
@@ -311,6 +320,7 @@ class Case(Table):
     unit: dict[str, Unit] = {}
     chip: dict[str, ChipTable] = {}
     controller: Controller | None = None
+    rounds: RoundsTable | None = None
     host: HostTable | None = None
     fault: tuple[dict[str, object], ...] = ()
     budget: tuple[Budget, ...] = ()

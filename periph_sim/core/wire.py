@@ -18,7 +18,10 @@ Watcher = Callable[[int, int], None]
 
 
 class Wire:
-    """cause: the record of the last edge. recorded: somebody wants each edge, and perhaps who holds a low one."""
+    """cause: the record of the last edge. recorded: somebody wants each edge, and perhaps who holds a low one.
+
+    pulling: who pulls it low in the settled state; bit i is party i.
+    """
 
     def __init__(self, kernel: Kernel, name: str, recorder: Recorder) -> None:
         self.name = name
@@ -29,10 +32,12 @@ class Wire:
         self.rank = kernel.rank()
         self.kernel = kernel
         self._records_holds = self.recorded and recorder.wants(Kind.HOLD)
-        self._pulling = 0  # bit i: party i pulls low
+        self.pulling = 0
+        self._pulling = 0  # the same, in an instant that is not settled yet
         self._pulling_recorded = 0  # the same when it was recorded last
         self._parties: list[str] = []
         self._watches: list[tuple[Sampler, int]] = []  # who is told, and the wire's bit there
+        self._hold_watches: list[Callable[[], None]] = []
         self._queued = False
         self._pulled_under = self._released_under = 0  # the last records under which that was done in this instant
 
@@ -44,6 +49,10 @@ class Wire:
     def watch(self, watcher: Watcher) -> Sampler:
         """`watcher(tick, level)` on every change of the settled level."""
         return watch([self], watcher)
+
+    def watch_holds(self, watcher: Callable[[], None]) -> None:
+        """`watcher()` in each instant in which others pull the wire than before, whether its level changes or not."""
+        self._hold_watches.append(watcher)
 
     def parties(self) -> list[str]:
         """Who has a hold on the line, pulling or not."""
@@ -72,6 +81,10 @@ class Wire:
         """Take the level that results from all pulls, and have those told who sample it."""
         self._queued = False
         level = 0 if self._pulling else 1
+        if self._pulling != self.pulling:
+            self.pulling = self._pulling
+            for watcher in self._hold_watches:
+                watcher()
         if level != self.level:
             self.level = level
             if self.recorded:

@@ -1,12 +1,13 @@
 """A captured session drives the whole firmware: I2C and UART of one time go in; wires compared and budgets come out.
 
     SCL, SDA --closed loop--> I2cPlayer --> bus <--> unit --> budgets: response, stretch, age, FIFO, overruns, spans
-    RX ---------open loop---> EdgePlayer --> SCI-A --^             ^--- I2cWatch: transfers; frames of the capture
+    RX ---------open loop---> EdgePlayer --> SCI-A --^             ^--- transfers on the bus; frames of the capture
 
 The controller keeps to the capture's times: what stretching costs within a round it has caught up with after the
 next pause that is long enough. The host waits for nobody, so RX is not re-timed.
 
-A budget on rounds cannot be judged, since a capture does not say when one was due; it is left out by name.
+A round is due a period after the one before. A capture without a round of the case's requests is judged by no budget
+on rounds; they are left out by name.
 A frame is as many bytes as the host sends; a pause of RX ends it early, and then its values do not count.
 """
 
@@ -19,15 +20,13 @@ from functools import partial
 
 from ..board.scene import Scene
 from ..board.uart_lines import line_of
-from ..case.model import Case
+from ..case.model import Case, Controller, RoundsTable
 from ..decode import uart
 from ..devices.host_pc import FRAME_BYTES, VALUES
-from ..devices.sensor_head import CHIPS
 from ..formats.capture import Capture
 from ..formats.gaps import gap_notes
 from ..lines.edge_player import EdgePlayer
 from ..lines.i2c_controller import Transfer
-from ..lines.i2c_watch import I2cWatch
 from ..recording import Subscribe
 from ..timing.budgets import Limit
 from ..timing.verdicts import Verdict
@@ -51,15 +50,12 @@ class SessionScene(Scene):
 
     def __init__(self, case: Case, checks: bool, subscribe: Subscribe | None) -> None:
         self._checks = checks
-        self.transfer_told: list[Callable[[Transfer], None]] = []
         self.frame_told: list[FrameTold] = []
         super().__init__(case, subscribe)
+        self.listen_transfers(self._count_transfer)
 
     def _check_needs(self, entry: int, limit: Limit) -> None:
         """The capture has both, controller and host; and the unit has SCI-A."""
-
-    def listen_transfers(self, told: Callable[[Transfer], None]) -> None:
-        self.transfer_told.append(told)
 
     def listen_frames(self, told: FrameTold) -> None:
         self.frame_told.append(told)
@@ -67,10 +63,10 @@ class SessionScene(Scene):
     def checks_host(self) -> bool:
         return self._checks
 
-    def tell_transfer(self, transfer: Transfer) -> None:
-        self._count_transfer(transfer)
-        for told in self.transfer_told:
-            told(transfer)
+    @property
+    def rounds(self) -> int:
+        """How many rounds of the case were on the bus."""
+        return self.bus.rounds.completed
 
     def tell_frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
         for told in self.frame_told:
@@ -116,10 +112,7 @@ class SessionReplay(I2cReplay):
         edges, note = ticks_of(self._serial_line, self._serial_origin, scene.timebase.per_second / self._serial_rate)
         self._part.notes += note + gap_notes(serial, self._serial_line)
         EdgePlayer(scene.kernel, scene.wire("RX"), edges)
-        names = {chip.address: name for name, chip in CHIPS.items()}
-        player = self._player
-        lines = scene.wire("SCL"), scene.wire("SDA")
-        I2cWatch(scene.kernel, *lines, self._tell, lambda: player.delay, names)
+        scene.bus.before.append(self._expect)
         self._whole = iter([transfer for transfer in self._part.transfers if transfer.stop is not None])
         gaps = [transfer.gap for transfer in self._part.transfers if transfer.gap is not None]
         self._least_gap = int(min(gaps, default=0) * self._per_position)
@@ -136,17 +129,17 @@ class SessionReplay(I2cReplay):
             raise case.mistake(f"SCI-A is in unit {serial_unit}, I2C-A in {found.unit}; a session drives one", "unit")
         checks = case.controller is not None and case.controller.check == "host"
         prepared = alone(case, found.unit, "controller", found.forced, found.offered)
-        prepared = prepared.model_copy(update={"host": None, "budget": case.budget})
+        rounds = case.rounds if case.controller is None else _rounds(case.controller)
+        prepared = prepared.model_copy(update={"host": None, "budget": case.budget, "rounds": rounds})
         self._session_scene = SessionScene(prepared, checks, subscribe)
         return self._session_scene
 
-    def _tell(self, transfer: Transfer) -> None:
-        """A transfer is over. Where the case does not check against the host, its bytes should be the captured ones."""
+    def _expect(self, transfer: Transfer) -> None:
+        """Where the case does not check against the host, the bytes of a transfer should be the captured ones."""
         captured = next(self._whole, None)
         if captured is not None and not self._session_scene.checks_host():
             for phase, was in zip(transfer.phases, captured.phases, strict=False):
                 phase.expect = bytes(was.data) if phase.read else None
-        self._session_scene.tell_transfer(transfer)
 
     # What the host sent ---------------------------------------------------------------
 
@@ -198,15 +191,16 @@ class SessionReplay(I2cReplay):
         if stuck:
             self._session_scene.tell_stuck()
         report = super()._report(wall, stuck)
-        judged = [self._since_capture(v) for v in self._result.budgets if v.measure not in OF_ROUNDS]
-        left_out = [verdict for verdict in self._result.budgets if verdict.measure in OF_ROUNDS]
+        out = () if self._session_scene.rounds else OF_ROUNDS
+        judged = [self._since_capture(v) for v in self._result.budgets if v.measure not in out]
+        left_out = [verdict for verdict in self._result.budgets if verdict.measure in out]
         report.kind = "session"
         report.budgets = judged
         report.notes = [
             *report.notes,
             *(
-                f"budget {verdict.name!r} is not judged: {verdict.measure!r} needs the sensor head's schedule, "
-                "and the capture takes its place"
+                f"budget {verdict.name!r} is not judged: {verdict.measure!r} needs rounds of the case's requests, "
+                "and the capture has none"
                 for verdict in left_out
             ),
         ]
@@ -221,6 +215,11 @@ class SessionReplay(I2cReplay):
         scene = self._session_scene
         lead = scene.timebase.seconds(self.origin - scene.start)
         return replace(verdict, at_s=float(round(Fraction(verdict.at_s) - lead, 9)))
+
+
+def _rounds(table: Controller) -> RoundsTable:
+    """What the case's controller asks, for a capture that takes its place."""
+    return RoundsTable(order=table.order, request=table.request, period=table.period, pointer_by=table.pointer_by)
 
 
 def _bursts(words: list[uart.Frame], pause: Fraction) -> list[list[uart.Frame]]:

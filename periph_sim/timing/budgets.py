@@ -207,7 +207,7 @@ class Limit:
             worst=None if silent else self.show(nearest.value),
             limit=self.show(nearest.limit),
             margin=None if silent else self.show(nearest.slack),
-            count=measure.count,
+            count=measure.counted,
             verdict=FAIL if nearest.slack < 0 else NOT_JUDGED if silent or not enough else PASS,
             at_s=None if silent or nearest.at < 0 else float(self._timebase.seconds(nearest.at - start)),
             why=self.budget.why,

@@ -31,9 +31,9 @@ class Response(Measure):
 
 
 class Stretch(Measure):
-    """Longest time the other side held SCL low beyond the controller's own low time, per acknowledged phase."""
+    """Longest time SCL was held low after the master had let go of it, per acknowledged phase, whoever that is."""
 
-    needs = "controller"
+    needs = "I2C-A"
     occurrence = READ
     asked = "addressed phases asked"
 
@@ -76,7 +76,7 @@ class WrongBytes(Measure):
     worst is how many were wrong, count how many were compared: a run that compared nothing proves nothing.
     """
 
-    needs = "controller"
+    needs = "rounds"
     asked = "bytes asked"
     unit = "bytes"
     series = False

@@ -212,9 +212,9 @@ def matcher(event: Event | str, scope: Scope) -> Matcher:
 def group_of(event: Event, scope: Scope) -> Group:
     """What the event of a group is counted in. BadEvent if the scene has no such group."""
     if event.group != "burst":
-        if not (scope.controller if event.group == "round" else scope.bus):
-            needs = "[controller] in the scene" if event.group == "round" else "SCL and SDA in the scene"
-            raise BadEvent(f"{event.text!r}: a {event.group} needs {needs}, which has none")
+        if not (scope.rounds if event.group == "round" else scope.bus):
+            needs = "[controller] or [rounds]" if event.group == "round" else "SCL and SDA"
+            raise BadEvent(f"{event.text!r}: a {event.group} needs {needs} in the scene, which has none")
         return stretch_of(event.group, scope)
     if event.kind != "frame":
         raise BadEvent(f"{event.text!r}: a burst is one of frames; write of transfer or of round")

@@ -1,11 +1,13 @@
 """Groups of events, for "the last byte of a transfer": records go in; where a group begins, and which is the n-th.
 
 transfer   from its START to the next transfer's
-round      from its first START to the next round's
+round      from its first START to the next round's; which one is the first, `rounds` knows
 burst      UART frames of one wire without a pause between them that is longer than two characters
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 from ..core.records import Record
 from ..core.time import NO_TIME
@@ -23,8 +25,7 @@ class Groups:
         self.inside = False  # no group has begun yet
         self._group = group
         self._seen = 0
-        self._per_group = 1  # STARTs
-        self._starts = 0
+        self._begins_round: Callable[[], bool] | None = None
         self._frame_began = self._frame_ended = NO_TIME
 
     @property
@@ -34,8 +35,7 @@ class Groups:
 
     def listen(self, scene: Happenings) -> None:
         if self._group.name == "round":
-            self._per_group = scene.transfers_in_round()
-            self._starts = -scene.startup_transfers()
+            self._begins_round = scene.rounds_at_start()
 
     def begins(self, record: Record) -> bool:
         """A group begins with this record."""
@@ -52,8 +52,7 @@ class Groups:
             first = self._frame_ended == NO_TIME or now - self._frame_ended > PAUSE * character
             self._frame_began = now
             return first
-        self._starts += 1
-        return self._starts > 0 and (self._starts - 1) % self._per_group == 0
+        return self._begins_round is None or self._begins_round()
 
     def is_nth(self) -> bool:
         """The event has happened; whether it is the n-th of its group."""

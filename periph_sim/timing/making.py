@@ -63,8 +63,8 @@ def _between(said: Said, scope: Scope) -> Measure:
 def _group(said: Said, scope: Scope) -> Group | None:
     if not said.group:
         return None
-    if not (scope.controller if said.group == "round" else scope.bus):
-        needs = "[controller]" if said.group == "round" else "SCL and SDA"
+    if not (scope.rounds if said.group == "round" else scope.bus):
+        needs = "[controller] or [rounds]" if said.group == "round" else "SCL and SDA"
         raise BadEvent(f"'same {said.group}' needs {needs} in the scene, which has none; leave it out")
     return stretch_of(said.group, scope)
 
@@ -98,6 +98,8 @@ def _reaction(said: Said, scope: Scope) -> Measure:
 
 
 def _gap(said: Said, scope: Scope) -> Measure:
+    if not scope.rounds:
+        raise BadEvent(f"{said.text!r} needs [controller] or [rounds] in the scene, which has none")
     return make_of_events("from last bus STOP of round to first bus START of round", scope)
 
 

@@ -37,6 +37,12 @@ class Happenings(Protocol):
     def listen_sci(self, told: Callable[[int, int, bool], None]) -> None:
         """`told(tick, words in the receive FIFO, something was overrun)` on every change."""
 
+    def listen_characters(self, told: Callable[[int], None]) -> None:
+        """`told(tick)` of each character on RX, and when its start bit began; at the latest as the run ends."""
+
+    def listen_received(self, told: Callable[[int], None]) -> int:
+        """`told(tick)` of each character that an SCI has received, lost or not. How many SCIs listen to RX."""
+
     def origins(self) -> Origins:
         """Which host frame the bytes of a read come from."""
 
@@ -44,15 +50,13 @@ class Happenings(Protocol):
         """Whether known chips are to show values of host frames."""
 
     def listen_due(self, told: Callable[[int], None]) -> None:
-        """`told(tick)` when a round is due by the controller's schedule, whether it can begin or not."""
+        """`told(tick)` of each round that was due, and when, whether it began or not; at the latest as the run ends."""
 
     def listen_missed(self, told: Callable[[int], None]) -> None:
-        """`told(tick)` when a round was due and could not begin."""
+        """The same of those that did not begin while they were due."""
 
-    def transfers_in_round(self) -> int: ...
-
-    def startup_transfers(self) -> int:
-        """How many transfers there are before the first round."""
+    def rounds_at_start(self) -> Callable[[], bool]:
+        """To be asked at a START that is no repeated one: whether it begins a round."""
 
     def round_period(self) -> int:
         """From one round's due time to the next one's, in ticks."""
@@ -75,7 +79,7 @@ class Happenings(Protocol):
         """From a write of I2CDXR that SCL is held for to its release, in ticks, as a unit is set now."""
 
     def held_since(self) -> int:
-        """Since when others hold SCL low that the controller has let go of; NO_TIME if they do not."""
+        """Since when others hold SCL low that the master has let go of; NO_TIME if they do not."""
 
     def host_values(self, number: int) -> tuple[int, ...]: ...
 
@@ -103,7 +107,7 @@ class Measure:
 
     unit = "time"
     series = True
-    needs = ""  # what a scene must have for this to mean anything: "controller", "host" or "SCI-A"
+    needs = ""  # what a scene must have for this to mean anything: "controller", "rounds", "host" or "SCI-A"
     occurrence = ""
     asked = ""
     kinds: frozenset[Kind] = frozenset()
@@ -134,6 +138,11 @@ class Measure:
     @property
     def measured(self) -> int:
         """How many of the occasions were measured."""
+        return self.count
+
+    @property
+    def counted(self) -> int:
+        """What verdicts show as the count: how many values there are."""
         return self.count
 
     def missing(self) -> str:
@@ -232,7 +241,10 @@ class Measure:
 
 
 class Counter(Measure):
-    """Counts something: worst is how many there were, worst_at when the first one was. Zero is a value."""
+    """Counts something: worst is how many there were, worst_at when the first one was. Zero is a value.
+
+    Verdicts show at how many of its occasions it was measured, where it has any.
+    """
 
     unit = "count"
     series = False
@@ -240,6 +252,10 @@ class Counter(Measure):
     @property
     def silent(self) -> bool:
         return False
+
+    @property
+    def counted(self) -> int:
+        return self.count if self.occasions is None else self.measured
 
     def one_more(self, at: int, by: int = 1) -> None:
         if not self.count:

@@ -44,12 +44,16 @@ class BadEvent(ValueError):
 
 @dataclass(frozen=True)
 class Scope:
-    """units: each with its modules. controller, host: whether the scene has that agent on its wires."""
+    """units: each with its modules. controller, host: whether the scene has that agent on its wires.
+
+    rounds: it is known what the controller asks in rounds, whoever it is.
+    """
 
     units: dict[str, tuple[str, ...]] = field(default_factory=dict)
     wires: tuple[str, ...] = ()
     controller: bool = False
     host: bool = False
+    rounds: bool = False
 
     @property
     def bus(self) -> bool:
@@ -144,7 +148,8 @@ def scope_of_case(case: Case) -> Scope:
     wires += ["SDA", "SCL"] if case.controller is not None or case.chip else []
     wires += ["RX"] if case.host is not None else []
     units = {name: tuple(m for m in unit.modules if m in MAPS) for name, unit in case.unit.items()}
-    return Scope(units, tuple(dict.fromkeys(wires)), case.controller is not None, case.host is not None)
+    rounds = case.controller is not None or case.rounds is not None
+    return Scope(units, tuple(dict.fromkeys(wires)), case.controller is not None, case.host is not None, rounds)
 
 
 def scope_of_table(table: RecordTable) -> Scope:
@@ -156,4 +161,5 @@ def scope_of_table(table: RecordTable) -> Scope:
     edges = table.columns["where"][table.rows(Kind.EDGE)]
     wires += [name for place, name in enumerate(table.names["where"]) if (edges == place).any()]
     units = {unit: tuple(m for m in modules if m in MAPS) for unit, modules in table.modules.items()}
-    return Scope(units, tuple(dict.fromkeys(wires)), Kind.BUS.value in kinds, Kind.FRAME.value in kinds)
+    on_bus = Kind.BUS.value in kinds
+    return Scope(units, tuple(dict.fromkeys(wires)), on_bus, Kind.FRAME.value in kinds, on_bus)

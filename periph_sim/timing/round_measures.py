@@ -1,4 +1,4 @@
-"""Measures of rounds: what the controller's schedule wanted and what became of it go in, times and counts come out."""
+"""Measures of rounds: rounds seen on the bus, due and missed ones go in; times and counts come out."""
 
 from __future__ import annotations
 
@@ -11,49 +11,41 @@ from .measures import Counter, Happenings, Measure
 class OfRounds(Measure, ABC):
     """A measure of rounds. Its occasions are the rounds that were due; one that the end of the run cuts off is none."""
 
-    needs = "controller"
+    needs = "rounds"
     asked = "rounds due"
 
     def listen(self, scene: Happenings) -> None:
-        self._open: list[int] = []  # rounds that were due and are not over, by when
-        scene.listen_due(self._due)
-        scene.listen_missed(self._missed)
-        scene.listen_rounds(self._over)
-
-    def _due(self, due: int) -> None:
-        self._open.append(due)
-        self.occasion(due)
-
-    def _missed(self, due: int) -> None:
-        self._open.remove(due)
-
-    def _over(self, over: Round) -> None:
-        if over.due in self._open:
-            self._open.remove(over.due)
-        self.round(over)
+        scene.listen_due(self.occasion)
+        scene.listen_rounds(self.round)
 
     @abstractmethod
     def round(self, over: Round) -> None:
         """A round is over."""
 
-    def finish(self, now: int) -> None:
-        for due in self._open:
-            self.occasion(due, -1)
-
 
 class RoundTime(OfRounds):
-    """From the begin of a round to its last STOP. How late the controller itself begins is left out."""
+    """From a round's begin to its last STOP. How late the controller itself begins is left out."""
 
     def round(self, over: Round) -> None:
         self.take(over.end - over.start, over.start)
 
+    def missing(self) -> str:
+        return "no round was completed"
+
 
 class MissedRounds(Counter):
-    """Rounds that could not begin when they were due, since the one before still ran."""
+    """Rounds that did not begin while they were due."""
 
-    needs = "controller"
+    needs = "rounds"
+    asked = "rounds due"
+
+    @property
+    def measured(self) -> int:
+        """Of a round that is due it is always known whether it began."""
+        return self.occasions or 0
 
     def listen(self, scene: Happenings) -> None:
+        scene.listen_due(self.occasion)
         scene.listen_missed(self.one_more)
 
 

@@ -81,7 +81,7 @@ class Bus:
         answers = {TARGET: [Answer(True), Answer(True, b"\x99\x01\x80")]}
         parties: list[Callable[[], object]] = [
             lambda: alone or I2cTarget(kernel, scl, sda, answers, hold=0),
-            lambda: I2cWatch(kernel, scl, sda, self.transfers.append, lambda: 0, {}),
+            lambda: I2cWatch(scl, sda, self.transfers.append, {}),
             lambda: setattr(self, "counter", I2cCounter(scl, sda)),
             lambda: setattr(self, "idle", I2cController(kernel, recorder, scl, sda, BusTiming(*[HALF] * 7), "idle")),
             lambda: setattr(self, "hands", {"SCL": scl.attach("RTL"), "SDA": sda.attach("RTL")}),

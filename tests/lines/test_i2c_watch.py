@@ -20,13 +20,9 @@ def both(answers: dict[int, list[Answer]], *transfers: list[Phase]) -> tuple[lis
     scl, sda = Wire(kernel, "SCL", recorder), Wire(kernel, "SDA", recorder)
     I2cTarget(kernel, scl, sda, answers, hold=30)
     controller = I2cController(kernel, recorder, scl, sda, BusTiming(100, 100, 20, 100, 100, 100, 200))
-    lost = 0
-
-    def stretched() -> int:
-        return lost
 
     heard: list[Transfer] = []
-    I2cWatch(kernel, scl, sda, heard.append, stretched, {0x53: "accelerometer"})
+    I2cWatch(scl, sda, heard.append, {0x53: "accelerometer"})
     done: list[Transfer] = []
     for phases in transfers:
         controller.begin(Transfer("accelerometer", phases), done.append)

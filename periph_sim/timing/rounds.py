@@ -1,0 +1,221 @@
+"""Rounds on a bus: transfers and what a master asks go in; what each transfer was asked for, and rounds, come out.
+
+    transfers --.                          .--> transfers with the request's name, bytes asked, bytes expected
+                +--> recognized in order --+--> rounds: due, begin, end, refused requests
+    Asked ------'                          '--> rounds due, rounds missed
+
+A transfer is a request's if it begins with its address and way, and writes what it writes. A request that is passed
+over was not made. A transfer that is none of them belongs to no round. A round begins with its first START, or when it
+had to begin by the schedule if the START was held up, and ends with the STOP of its last request; if the first request
+comes before, it was broken off.
+
+When rounds are due: an agent has a schedule. A firmware, or a capture, has a clock of its own: there a round is due a
+period after the begin of the one before, and missed if it has not begun half a period later.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+from ..core.time import NO_TIME
+from ..devices.sensor_head import Round
+from ..lines.i2c_controller import Phase, Transfer
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a master asks for. Times are ticks.
+
+    startup: transfers before the first round. requests: those of each round. first: when the first round is due, None
+    where nobody knows. late: how much later than due a round may begin. rounds: how many are due, None for all of the
+    run.
+    """
+
+    requests: tuple[Transfer, ...]
+    period: Fraction | int
+    startup: tuple[Transfer, ...] = ()
+    first: int | None = None
+    late: int = 0
+    rounds: int | None = None
+
+
+class Schedule(ABC):
+    """When rounds are due."""
+
+    @abstractmethod
+    def begins(self, start: int) -> tuple[list[int], int]:
+        """(rounds missed since the one before, when the one that begins now was due)."""
+
+    @abstractmethod
+    def missed_by(self, now: int, over: int | None) -> list[int]:
+        """Rounds missed since the last one, at the end of a run. over: when that one was, None if it is not."""
+
+
+class ByPlan(Schedule):
+    """Round n is due n periods after the first; it is missed if none begins before the next one is due."""
+
+    def __init__(self, asked: Asked) -> None:
+        assert asked.first is not None
+        self._first, self._asked = asked.first, asked
+        self._next = 0
+
+    def begins(self, start: int) -> tuple[list[int], int]:
+        missed = []
+        while self._due(1) <= start:
+            missed.append(self._due())
+            self._next += 1
+        due = self._due()
+        self._next += 1
+        return missed, due
+
+    def missed_by(self, now: int, over: int | None) -> list[int]:
+        missed = []
+        while self._due() <= now and self._next != self._asked.rounds:
+            if over is None or self._due() + self._asked.late < over or self._due(1) <= now:
+                missed.append(self._due())
+            self._next += 1
+        return missed
+
+    def _due(self, ahead: int = 0) -> int:
+        return int(self._first + (self._next + ahead) * self._asked.period // 1)
+
+
+class ByRoundBefore(Schedule):
+    """A round is due a period after the begin of the one before."""
+
+    def __init__(self, asked: Asked) -> None:
+        self._period = int(asked.period // 1)
+        self._next = NO_TIME
+
+    def begins(self, start: int) -> tuple[list[int], int]:
+        missed = self._missed(start)
+        self._next = start + self._period
+        return missed, start
+
+    def missed_by(self, now: int, over: int | None) -> list[int]:
+        return self._missed(now)
+
+    def _missed(self, now: int) -> list[int]:
+        missed = []
+        while self._next != NO_TIME and now >= self._next + self._period // 2:
+            missed.append(self._next)
+            self._next += self._period
+        return missed
+
+
+class BusRounds:
+    """on_transfer, on_round: told when it is over. on_due, on_missed: told, as soon as it is known, when it was due.
+
+    begun_at: asked, at the end of the run, for the START of a transfer that is not over; NO_TIME if there is none.
+    completed: rounds so far.
+    """
+
+    def __init__(self, asked: Asked | None, begun_at: Callable[[], int]) -> None:
+        self.on_transfer: list[Callable[[Transfer], None]] = []
+        self.on_round: list[Callable[[Round], None]] = []
+        self.on_due: list[Callable[[int], None]] = []
+        self.on_missed: list[Callable[[int], None]] = []
+        self._begun_at = begun_at
+        self._startup = [] if asked is None else list(asked.startup)
+        self._requests = () if asked is None else asked.requests
+        self._schedule: Schedule | None = None
+        if asked is not None:
+            self._schedule = ByRoundBefore(asked) if asked.first is None else ByPlan(asked)
+        self._late = 0 if asked is None else asked.late
+        self._made = 0  # requests of the round under way
+        self._round: Round | None = None
+        self._number = 0
+        self.completed = 0
+        self._over = NO_TIME  # the end of the last round
+
+    def transfer(self, transfer: Transfer) -> None:
+        """A transfer is over."""
+        if self._startup and _place(transfer, self._startup[:1]) is not None:
+            self._tell(asked_for(transfer, self._startup.pop(0)))
+            return
+        passed_over = _place(transfer, self._requests[self._made :])
+        if passed_over is None and self._round is not None and _place(transfer, self._requests[:1]) is not None:
+            self._broken_off()
+            passed_over = 0
+        if passed_over is None:
+            self._tell(transfer)
+        else:
+            self._request(transfer, passed_over)
+
+    def at_start(self) -> bool:
+        """Between two rounds: the next transfer begins one, as far as one can know by its START."""
+        return self._round is None and not self._startup
+
+    def finish(self, now: int) -> None:
+        """The run is over: rounds that were due since the last one were missed, but for one that is cut off."""
+        begun_at = self._begun_at()
+        if self._round is None and begun_at != NO_TIME and not self._startup:
+            self._begin(begun_at)
+        if self._schedule is not None:
+            over = None if self._round is not None or self._startup else self._over
+            self._told_missed(self._schedule.missed_by(now, over))
+
+    def _tell(self, transfer: Transfer) -> None:
+        for told in self.on_transfer:
+            told(transfer)
+
+    def _request(self, transfer: Transfer, passed_over: int) -> None:
+        current = self._round or self._begin(transfer.phases[0].start_at)
+        made = asked_for(transfer, self._requests[self._made + passed_over])
+        self._made += passed_over + 1
+        current.transfers += 1
+        current.nacked += passed_over + (not made.acked)
+        self._tell(made)
+        if self._made == len(self._requests):
+            current.end = self._over = transfer.stop_at
+            self._made, self._round = 0, None
+            self.completed += 1
+            for told in self.on_due:
+                told(current.due)
+            for heard in self.on_round:
+                heard(current)
+
+    def _begin(self, start: int) -> Round:
+        assert self._schedule is not None
+        missed, due = self._schedule.begins(start)
+        self._told_missed(missed)
+        self._number += 1
+        self._round = Round(self._number, due, min(start, due + self._late))
+        return self._round
+
+    def _broken_off(self) -> None:
+        assert self._round is not None
+        for told in self.on_due:
+            told(self._round.due)
+        self._made, self._round = 0, None
+
+    def _told_missed(self, missed: list[int]) -> None:
+        for due in missed:
+            for told in (*self.on_due, *self.on_missed):
+                told(due)
+
+
+def asked_for(transfer: Transfer, request: Transfer) -> Transfer:
+    """The transfer with what was asked: its name, bytes to read, what is expected, and phases that were never begun."""
+    phases = list(transfer.phases[: len(request.phases)])
+    for phase, asked in zip(phases, request.phases, strict=False):
+        phase.count = asked.count
+        phase.expect = asked.expect if phase.expect is None else phase.expect
+        del phase.got[asked.count :]
+    for asked in request.phases[len(phases) :]:
+        phases.append(Phase(asked.address, asked.read, asked.data, asked.count, asked.expect))
+    return replace(transfer, name=request.name, phases=phases)
+
+
+def _place(transfer: Transfer, requests: Sequence[Transfer]) -> int | None:
+    """The first of the requests that a transfer may be."""
+    made = transfer.phases[0]
+    for place, request in enumerate(requests):
+        asked = request.phases[0]
+        same_data = made.data.startswith(asked.data) or asked.data.startswith(made.data)
+        if (made.address, made.read) == (asked.address, asked.read) and same_data:
+            return place
+    return None

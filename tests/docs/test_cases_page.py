@@ -20,6 +20,7 @@ from periph_sim.case.model import (
     HostTable,
     Options,
     RequestTable,
+    RoundsTable,
     Table,
     Unit,
     ValueTable,
@@ -39,6 +40,7 @@ TABLES: dict[str, type[Table]] = {
     "`[chip.NAME.values]`": ValueTable,
     "`[controller]`": Controller,
     "`[[controller.request]]`": RequestTable,
+    "`[rounds]`": RoundsTable,
     "`[host]`": HostTable,
     "`[[budget]]`": Budget,
 }

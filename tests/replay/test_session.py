@@ -53,7 +53,7 @@ def test_the_same_bytes_and_the_same_budgets_within_the_sampling_period(rate, ch
     report = replay(edges if rate is None else sampled(edges, rate), *changes)
     assert report.first_divergence is None and report.agreed == report.events == 6 * 3 * 21
     was, came = by_name(result.budgets), by_name(report.budgets)
-    assert set(was) - set(came) == OF_ROUNDS
+    assert set(came) >= OF_ROUNDS, "rounds are read off the captured bus"
     assert report.verdict == ("pass" if all(came[name].verdict == "pass" for name in came) else "fail")
     period = 0.01 if rate is None else 1e6 / rate
     for name, verdict in came.items():
@@ -73,11 +73,10 @@ def test_the_trace_of_the_repository_is_such_a_session():
     assert came["data age"].at_s == pytest.approx(0.026975, abs=2e-6), "counted from the capture's begin"
 
 
-def test_budgets_on_rounds_are_left_out_by_name():
-    notes = [note for note in replay(run()[1], first=3).notes if "is not judged" in note]
+def test_budgets_on_rounds_that_the_capture_does_not_have_are_left_out_by_name():
+    notes = [note for note in replay(run()[1], first=2).notes if "is not judged" in note]
     assert notes[0] == (
-        "budget 'round complete' is not judged: 'round' needs the sensor head's schedule, "
-        "and the capture takes its place"
+        "budget 'round complete' is not judged: 'round' needs rounds of the case's requests, and the capture has none"
     )
     assert len(notes) == len(OF_ROUNDS)
 

@@ -10,7 +10,7 @@ from periph_sim.timing.measures import Measure
 from periph_sim.timing.names import Scope
 
 MODULES = ("I2C-A", "SCI-A", "GPIO")
-ONE = Scope({"dsp": MODULES}, ("SDA", "SCL", "RX", "TX", "MODEL"), controller=True, host=True)
+ONE = Scope({"dsp": MODULES}, ("SDA", "SCL", "RX", "TX", "MODEL"), controller=True, host=True, rounds=True)
 TWO = Scope({"head": ("I2C-A", "TIMER0"), "imu": ("I2C-A", "SCI-A")}, ("SDA", "SCL", "RX", "TX"))
 BARE = Scope({"dsp": ("I2C-A",)}, ("SDA", "SCL"))
 NO_BUS = Scope({"dsp": ("SCI-A",)}, ("RX", "TX"))

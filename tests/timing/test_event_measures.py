@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -45,12 +47,14 @@ class Rounds:
 
     def __init__(self, transfers: int) -> None:
         self._transfers = transfers
+        self._starts = 0
 
-    def transfers_in_round(self) -> int:
-        return self._transfers
+    def rounds_at_start(self) -> Callable[[], bool]:
+        return self._begins
 
-    def startup_transfers(self) -> int:
-        return 0
+    def _begins(self) -> bool:
+        self._starts += 1
+        return (self._starts - 1) % self._transfers == 0
 
     def began(self) -> int:
         return 0
@@ -279,7 +283,7 @@ def test_events_that_never_share_a_transfer_are_told():
 @pytest.mark.parametrize(
     ("text", "scope", "sentence"),
     [
-        ("from edge SCL rise to edge SCL fall, same round", BARE, "'same round' needs [controller] in the scene, whic"),
+        ("from edge SCL rise to edge SCL fall, same round", BARE, "'same round' needs [controller] or [rounds] in the"),
         ("from edge RX rise to edge RX fall, same transfer", NO_BUS, "'same transfer' needs SCL and SDA in the scene"),
         (
             "interrupt latency INT13",

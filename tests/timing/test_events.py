@@ -120,7 +120,11 @@ def test_it_fits_the_same_records_one_by_one_and_all_at_once(event: str, ticks: 
         ("frame", BARE, "'frame' needs RX in the scene, which has no such wire; give a unit SCI-A"),
         ("frame TX 7 begin", ONE, "'frame TX 7 begin': what a frame carries is known at its end; write frame TX 7 end"),
         ("last edge RX rise of transfer", NO_BUS, "'last edge RX rise of transfer': a transfer needs SCL and SDA in"),
-        ("last edge SCL rise of round", BARE, "'last edge SCL rise of round': a round needs [controller] in the scene"),
+        (
+            "last edge SCL rise of round",
+            BARE,
+            "'last edge SCL rise of round': a round needs [controller] or [rounds] in",
+        ),
         ("3rd bus byte of burst", ONE, "'3rd bus byte of burst': a burst is one of frames; write of transfer or of r"),
         ("note dps:duty", ONE, "there is no unit 'dps'; did you mean dsp?"),
     ],

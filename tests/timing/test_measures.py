@@ -28,6 +28,8 @@ class Told:
         self.frames: list[Callable[[int, tuple[int, ...], int], None]] = []
         self.stuck: list[Callable[[int], None]] = []
         self.sci: list[Callable[[int, int, bool], None]] = []
+        self.characters: list[Callable[[int], None]] = []
+        self.received: list[Callable[[int], None]] = []
         self.due: list[Callable[[int], None]] = []
         self.missed: list[Callable[[int], None]] = []
         self.checked = True
@@ -48,6 +50,13 @@ class Told:
 
     def listen_sci(self, told: Callable[[int, int, bool], None]) -> None:
         self.sci.append(told)
+
+    def listen_characters(self, told: Callable[[int], None]) -> None:
+        self.characters.append(told)
+
+    def listen_received(self, told: Callable[[int], None]) -> int:
+        self.received.append(told)
+        return 1
 
     def origins(self) -> Origins:
         return FrameOrigins(self)
@@ -81,6 +90,10 @@ class Told:
         self.is_due(due)
         for told in self.rounds:
             told(Round(1, due, due, end, nacked))
+
+    def character(self, tick: int, received: bool = True) -> None:
+        for told in self.characters + self.received * received:
+            told(tick)
 
     def frame(self, number: int, tick: int) -> None:
         for told in self.frames:

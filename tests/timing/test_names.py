@@ -128,7 +128,7 @@ def test_what_a_recorded_run_consisted_of():
         (
             "from frame to frame TX, same round",
             NO_BUS,
-            "'same round' needs [controller] in the scene, which has none; leave it out",
+            "'same round' needs [controller] or [rounds] in the scene, which has none; leave it out",
         ),
         (
             "from frame to frame TX, same transfer",

@@ -65,14 +65,32 @@ def test_what_was_asked_counts_as_an_occasion_though_it_never_came_to_the_wire()
 
 
 @pytest.mark.parametrize("name", ["round", "nacked rounds"])
-def test_rounds_that_were_due_and_missed_are_occasions_but_not_that_which_the_run_cuts_off(name: str):
+def test_rounds_that_were_due_and_missed_are_occasions(name: str):
     told = Told(name)
     told.round(due=10, end=20)
     told.misses(due=30)
     told.round(due=50, end=60)
-    told.is_due(70)  # still under way
-    told.measure.finish(75)
     assert (told.measure.measured, told.measure.occasions) == (2, 3)
+
+
+def test_missed_rounds_shows_how_many_were_due():
+    told = Told("missed rounds")
+    for due in (10, 20, 30):
+        told.round(due, due + 5)
+    told.misses(40)
+    v = limit(told, "missed rounds", max=1).verdict()
+    assert (v.verdict, v.worst, v.count, v.counted) == ("pass", 1, 4, "4")
+
+
+@pytest.mark.parametrize("name", ["fifo high-water", "overruns"])
+@pytest.mark.parametrize(("received", "verdict"), [(10, "pass"), (9, "pass"), (8, "not judged")])
+def test_characters_on_rx_that_the_sci_does_not_receive_are_not_measured(name: str, received: int, verdict: str):
+    told = Told(name)
+    for n in range(10):
+        told.character(n, n < received)
+    told.look(3, 1)
+    v = limit(told, name, max=5).verdict()
+    assert (v.verdict, v.measured, v.occasions) == (verdict, received, 10)
 
 
 @pytest.mark.parametrize("name", ["response", "stretch", "wrong bytes"])

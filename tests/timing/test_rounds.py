@@ -1,0 +1,321 @@
+"""Rounds and stretches read off the bus: by hand, against what the controller itself did, and against the records."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from fractions import Fraction
+from functools import cache
+
+import pytest
+
+from periph_sim.board.scene import Scene
+from periph_sim.case.load import load
+from periph_sim.case.model import BadCase
+from periph_sim.core.records import Kind, Record, Recorder
+from periph_sim.core.time import NO_TIME, Timebase
+from periph_sim.devices.sensor_head import Request, Round
+from periph_sim.lines.i2c_controller import Phase, Transfer
+from periph_sim.timing.rounds import Asked, BusRounds
+from tests.board.runs import TIMING
+
+A, B, C = 0x10, 0x20, 0x30
+ONE = tuple(t for address in (A, B) for t in Request(f"{address:#x}", address, 0x05, 2).transfers(by_stop=False))
+
+
+class Heard:
+    """Rounds of A and B, a pointer and two bytes each; the first is due at 100, then every 1000."""
+
+    def __init__(self, **asked: object) -> None:
+        self.begun_at = NO_TIME
+        rounds = self.rounds = BusRounds(Asked(ONE, **({"period": 1000, "first": 100} | asked)), lambda: self.begun_at)
+        self.over: list[Round] = []
+        self.due: list[int] = []
+        self.missed: list[int] = []
+        self.transfers: list[Transfer] = []
+        rounds.on_round.append(self.over.append)
+        rounds.on_due.append(self.due.append)
+        rounds.on_missed.append(self.missed.append)
+        rounds.on_transfer.append(self.transfers.append)
+
+    def ask(self, address: int, at: int, *, length: int = 40, acked: bool = True, pointer: int = 0x05) -> None:
+        phases = [Phase(address, read=False, data=bytes([pointer] * acked), acked=acked, start_at=at)]
+        if acked:
+            phases.append(Phase(address, read=True, acked=True, got=bytearray(b"\1\2"), start_at=at + 10))
+        self.rounds.transfer(Transfer("", phases, stop_at=at + length))
+
+    def round(self, at: int, length: int = 40) -> None:
+        self.ask(A, at)
+        self.ask(B, at + 50, length=length)
+
+    def times(self) -> list[tuple[int, int, int]]:
+        return [(r.due, r.start, r.end) for r in self.over]
+
+
+def test_a_round_is_from_its_first_start_to_the_stop_of_its_last_request():
+    heard = Heard()
+    heard.round(100)
+    heard.round(1100)
+    heard.rounds.finish(1500)
+    assert heard.times() == [(100, 100, 190), (1100, 1100, 1190)]
+    assert (heard.due, heard.missed) == ([100, 1100], [])
+    assert [t.name for t in heard.transfers] == ["0x10", "0x20"] * 2
+
+
+def test_a_start_that_was_held_up_longer_than_the_schedule_allows_is_part_of_the_round():
+    heard = Heard(late=20)
+    heard.round(110)
+    heard.round(1300)
+    assert heard.times() == [(100, 110, 200), (1100, 1120, 1390)]
+
+
+def test_a_round_that_does_not_begin_before_the_next_is_due_was_missed():
+    heard = Heard()
+    heard.round(100, length=1900)  # until 2050
+    heard.round(2100)
+    heard.rounds.finish(2900)
+    assert (heard.due, heard.missed) == ([100, 1100, 2100], [1100])
+
+
+def test_a_round_that_the_end_cuts_off_is_none_and_those_due_meanwhile_were_missed():
+    heard = Heard()
+    heard.ask(A, 100)
+    heard.rounds.finish(2200)
+    assert (heard.over, heard.due, heard.missed) == ([], [1100, 2100], [1100, 2100])
+    held = Heard()
+    held.begun_at = 100  # START, and no STOP
+    held.rounds.finish(1200)
+    assert (held.due, held.missed) == ([1100], [1100])
+
+
+def test_refused_and_passed_over_requests_are_the_rounds():
+    heard = Heard()
+    heard.ask(A, 100, acked=False)
+    heard.ask(B, 150)
+    heard.ask(B, 1100)  # A was not asked
+    assert [(r.nacked, r.end) for r in heard.over] == [(1, 190), (1, 1140)]
+    assert [p.start_at for p in heard.transfers[0].phases] == [100, NO_TIME], "the read that was never begun"
+    assert [p.count for p in heard.transfers[0].phases] == [0, 2]
+
+
+def test_a_round_that_begins_again_was_broken_off():
+    heard = Heard()
+    heard.ask(A, 100)
+    heard.round(1100)
+    assert heard.times() == [(1100, 1100, 1190)] and heard.due == [100, 1100]
+
+
+def test_transfers_that_nobody_asked_for_belong_to_no_round():
+    heard = Heard()
+    heard.ask(A, 100)
+    heard.ask(C, 150)
+    heard.ask(A, 160, pointer=0x77)
+    heard.ask(B, 210)
+    assert heard.times() == [(100, 100, 250)] and len(heard.transfers) == 4
+
+
+def test_the_start_up_comes_before_the_first_round():
+    heard = Heard(startup=ONE)
+    heard.round(20)
+    assert heard.over == [] and heard.rounds.at_start()
+    heard.round(100)
+    assert heard.times() == [(100, 100, 190)]
+
+
+def test_where_nobody_knows_the_schedule_a_round_is_due_a_period_after_the_one_before():
+    heard = Heard(first=None)
+    heard.round(777)
+    heard.round(1780)  # its own clock
+    heard.round(4200)  # nearer to 3780 than to 4780
+    heard.rounds.finish(4300)
+    assert heard.missed == [2780] and heard.due == [777, 1780, 2780, 4200]
+
+
+# Against what the controller did, and against the records -----------------------------------------------------------
+
+
+class Ran:
+    """A run with all its records, and what the controller says itself."""
+
+    def __init__(self, name: str, seconds: str, *changes: str) -> None:
+        self.records: list[Record] = []
+
+        def subscribe(recorder: Recorder, timebase: Timebase) -> None:
+            recorder.subscribe(Kind, self.records.append)
+
+        self.scene = scene = Scene(load(TIMING / f"{name}.toml", list(changes)), subscribe, keep_values=True)
+        self.rounds: list[Round] = []
+        self.transfers: list[Transfer] = []
+        self.missed: list[int] = []
+        if scene.head is not None:
+            scene.head.on_round.append(self.rounds.append)
+            scene.head.on_transfer.append(self.transfers.append)
+            scene.head.on_missed.append(self.missed.append)
+        self.heard: list[Round] = []
+        self.seen: list[Transfer] = []
+        self.not_begun: list[int] = []
+        scene.listen_rounds(self.heard.append)
+        scene.listen_transfers(self.seen.append)
+        scene.listen_missed(self.not_begun.append)
+        self.result = scene.run(Fraction(seconds))
+
+    def values(self, name: str) -> list[tuple[int, int]]:
+        """(value, when) of each that a budget took."""
+        measure = next(limit.measure for limit in self.scene.limits if limit.budget.name == name)
+        values, at = measure.all_kept()
+        return list(zip(values.tolist(), at.tolist(), strict=True))
+
+
+BUDGETS = """budget=[
+    {name="stretch", measure="stretch", max="9 s"}, {name="round", measure="round", max="9 s"},
+    {name="slack", measure="slack", min="0 s"}, {name="gap", measure="gap between rounds", min="0 s"}]"""
+STRETCHED = ("unit.dsp.settings.frame_cost=110 us",)
+SCENES = [
+    ("imu_hil_drift", "0.47", STRETCHED),
+    ("imu_hil_published", "0.3", ("unit.dsp.settings.model_cost=45 ms",)),
+    ("imu_hil_stuck_sda", "0.4", ()),
+    ("imu_hil_glitches", "0.2", ()),
+]
+
+
+@cache
+def ran(place: int) -> Ran:
+    name, seconds, changes = SCENES[place]
+    return Ran(name, seconds, BUDGETS, *changes)
+
+
+def told(transfer: Transfer) -> tuple[object, ...]:
+    phases = [(p.address, p.read, p.count, p.acked, bytes(p.got), p.start_at, p.stretch) for p in transfer.phases]
+    answers = [(p.answer_from, p.answer_at) for p in transfer.phases if p.read]
+    return transfer.name, transfer.stop_at, transfer.acked, phases, answers
+
+
+@pytest.mark.parametrize("place", range(len(SCENES)))
+def test_the_bus_says_what_the_controller_did(place: int):
+    """Of a controller that is held up, loses count of nobody's clocks and clears the bus."""
+    run = ran(place)
+    assert len(run.rounds) >= 9 and [told(t) for t in run.seen] == [told(t) for t in run.transfers]
+    assert run.heard == [Round(n, r.due, r.start, r.end, r.nacked, r.transfers) for n, r in enumerate(run.rounds, 1)]
+    assert run.not_begun == run.missed
+
+
+def lows(records: list[Record], held_by: Callable[[str], bool]) -> list[tuple[int, int]]:
+    """(rise, how long before it the last holder of that kind let go) of each low of SCL that one of them held."""
+    found, holds, let_go = [], False, NO_TIME
+    for r in records:
+        if r.where != "SCL" or r.kind not in (Kind.EDGE, Kind.HOLD):
+            continue
+        if r.value:
+            if holds or let_go != NO_TIME:
+                found.append((r.tick, 0 if holds else r.tick - let_go))
+            holds, let_go = False, NO_TIME
+            continue
+        holding = any(held_by(who) for who in r.text.split(", "))
+        if holds and not holding:
+            let_go = r.tick
+        holds = holding
+    return found
+
+
+def test_stretch_is_what_scl_stays_low_behind_its_release_by_the_controller():
+    run = ran(0)
+    let_go = lows(run.records, lambda who: who == "controller")
+    starts = [r.tick for r in run.records if r.kind is Kind.BUS and r.what in ("START", "repeated START")]
+    wanted = [
+        (max(held for rise, held in let_go if begin < rise <= end), begin)
+        for begin, end in zip(starts, [*starts[1:], run.scene.kernel.now], strict=True)
+    ]
+    assert run.values("stretch") == wanted[: len(run.values("stretch"))] and len(wanted) >= 130
+    assert max(wanted)[0] > 50 * 3000
+
+
+def on_bus(records: list[Record]) -> list[tuple[int, int, int]]:
+    """(START, address, STOP) of each transfer."""
+    found, begin, address = [], 0, 0
+    for r in records:
+        if r.kind is Kind.BUS and r.what == "START":
+            begin, address = r.tick, -1
+        elif r.kind is Kind.BUS and r.what == "address" and address < 0:
+            address = r.value >> 2
+        elif r.kind is Kind.BUS and r.what == "STOP":
+            found.append((begin, address, r.tick))
+    return found
+
+
+@pytest.mark.parametrize("place", [0, 1])
+def test_round_slack_and_gap_are_those_of_the_recorded_bytes(place: int):
+    """Three transfers a round: gyroscope, accelerometer, magnetometer; rounds are due each 20 ms from 5 ms on."""
+    run = ran(place)
+    transfers = on_bus(run.records)
+    rounds = [
+        (a, c)
+        for (a, x, _), (_, y, _), (_, z, c) in zip(*[iter(transfers)] * 3, strict=False)
+        if (x, y, z) == (0x68, 0x53, 30)
+    ]
+    assert len(rounds) >= 6 and run.values("round") == [(end - begin, begin) for begin, end in rounds]
+    ms = run.scene.timebase.per_second // 1000
+    assert run.values("slack") == [
+        (5 * ms + ((begin - 5 * ms) // (20 * ms) + 1) * 20 * ms - end, end) for begin, end in rounds
+    ]
+    gaps = [(later - end, end) for (_, end), (later, _) in itertools.pairwise(rounds)]
+    assert run.values("gap") == gaps and gaps
+
+
+# A unit that is the master ------------------------------------------------------------------------------------------
+
+ROUNDS = 'rounds={period="20 ms", order=["gyroscope", "accelerometer", "magnetometer"]}'
+WORDS = """budget=[
+    {name="stretch", measure="stretch", max="0 us"}, {name="round", measure="round", max="9 s"},
+    {name="slack", measure="slack", min="0 s"}, {name="gap", measure="gap between rounds", min="0 s"},
+    {name="missed", measure="missed rounds", max=0}, {name="nacked", measure="nacked rounds", max=0},
+    {name="response", measure="response", max="1 ms"}]"""
+
+
+def test_the_same_words_judge_a_firmware_that_is_the_master():
+    run = Ran("two_dsps", "0.2", ROUNDS, WORDS)
+    transfers = on_bus(run.records)
+    rounds = list(zip(transfers[::3], transfers[2::3], strict=True))
+    assert [address for _, address, _ in transfers[:3]] == [0x68, 0x53, 0x1E] and len(rounds) >= 8
+    assert run.values("round") == [(last[2] - first[0], first[0]) for first, last in rounds]
+    period = run.scene.timebase.per_second // 50
+    assert run.values("slack") == [(first[0] + period - last[2], last[2]) for first, last in rounds]
+    verdicts = {v.name: v for v in run.result.budgets}
+    assert verdicts["missed"].counted == verdicts["nacked"].counted == str(len(rounds))
+    assert all(v.passed for v in verdicts.values())
+    wanted = [held for _, held in lows(run.records, lambda who: who.startswith("head."))]
+    assert max(value for value, _ in run.values("stretch")) == max(wanted) == 0
+
+
+def test_a_slave_that_holds_scl_is_measured_against_a_firmware_too():
+    """The head asks while the other unit's models run."""
+    run = Ran("two_dsps", "0.1", ROUNDS, WORDS, "unit.head.settings.period=4 ms", "unit.imu.settings.model_cost=3 ms")
+    wanted = [held for _, held in lows(run.records, lambda who: who.startswith("head."))]
+    assert max(value for value, _ in run.values("stretch")) == max(wanted) > 0
+    assert not run.result.budgets[0].passed
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        (("imu_hil_published", ROUNDS), "rounds: [controller] says its rounds already; leave one of them out"),
+        (("uart_logger", ROUNDS), "rounds: it needs a bus, and no unit has I2C-A"),
+        (("two_dsps", 'rounds={period="20 ms"}'), "rounds: it has no requests; give it order or [[rounds.request]]"),
+        (
+            ("two_dsps", 'rounds={period="20 ms", order=["giroscope"]}'),
+            "rounds.order: there is no chip 'giroscope'; did",
+        ),
+        (
+            ("two_dsps", 'budget=[{name="r", measure="round", max="1 s"}]'),
+            "budget.r.measure: 'round' needs [controller], or [rounds] for a unit that is the master, in the scene",
+        ),
+        (
+            ("two_dsps", 'budget=[{name="r", measure="gap between rounds", max="1 s"}]'),
+            "budget.r.measure: 'gap between rounds' needs [controller] or [rounds] in the scene, which has none",
+        ),
+    ],
+)
+def test_rounds_that_cannot_be_are_refused(changes: tuple[str, ...], said: str):
+    name, *given = changes
+    with pytest.raises(BadCase) as caught:
+        Scene(load(TIMING / f"{name}.toml", list(given)))
+    assert said in str(caught.value)

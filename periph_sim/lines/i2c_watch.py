@@ -40,6 +40,7 @@ class I2cWatch:
         self._told = told
         self._names = names
         self._start_at = NO_TIME  # SDA fell, and whoever pulled it gave no clock yet
+        self._starting = 0  # who pulled SDA then
         self._scl_mask = self._sda_mask = 0  # the master's holds on the wires; 0 between transfers
         self._pulls_scl = self._pulls_sda = False  # the master does
         self._began_at = NO_TIME
@@ -77,6 +78,7 @@ class I2cWatch:
             if before & levels & SCL:
                 if (before ^ levels) & SDA:
                     self._start_at = NO_TIME if levels & SDA else now
+                self._starting = self._sda.pulling
             elif self._start_at != NO_TIME:
                 self._first_clock(now)
         else:
@@ -93,12 +95,12 @@ class I2cWatch:
     # START and STOP ----------------------------------------------------------------
 
     def _first_clock(self, now: int) -> None:
-        """SCL is low behind a START: if one who pulls SDA pulls it, that is the master."""
-        masters = {who.partition(".")[0] for who in _parties(self._sda, self._sda.pulling)}
+        """SCL is low behind a START: if one who pulled SDA for it pulls SCL, that is the master."""
+        masters = {who.partition(".")[0] for who in _parties(self._sda, self._starting)}
         mask = _mask(self._scl, masters)
         if self._scl.pulling & mask:
             self._scl_mask, self._sda_mask = mask, _mask(self._sda, masters)
-            self._pulls_scl = self._pulls_sda = True
+            self._pulls_scl, self._pulls_sda = True, bool(self._sda.pulling & self._sda_mask)
             self._transfer, self._began_at = Transfer("", []), self._start_at
             self._phase_begins(self._start_at)
             self._first, self._pulled_at = False, now
@@ -109,7 +111,7 @@ class I2cWatch:
         pulled, self._pulls_sda = self._pulls_sda, bool(self._sda.pulling & self._sda_mask)
         if before & ~levels & SDA and self._given_up(now):
             self._over(self._ended_at)
-            self._start_at = now
+            self._start_at, self._starting = now, self._sda.pulling
         elif self._pulls_sda and not pulled:
             self._phase_begins(now)
         elif pulled and not self._pulls_sda:

@@ -365,6 +365,9 @@ class Closed:
             return "a frame of the host may be due while the one before is still sent, and is left out"
         if receiver is not None and FRAME_BYTES % receiver.level:
             return f"the FIFO asks for service at {receiver.level} words, which do not make up a frame of {FRAME_BYTES}"
+        if receiver is not None and len(receiver.reads) != receiver.level:
+            read = f"{len(receiver.reads)} words are read each time"
+            return f"the FIFO asks for service at {receiver.level} words, but {read}, whether they are there or not"
         return ""
 
     def _age(self, into: int, first_model: int) -> tuple[Term, ...]:
@@ -380,7 +383,7 @@ class Closed:
             Term("late and stretched round", late, "controller.jitter, and as for round", self.round.unproven),
             Term("SCI flag behind the stop bit", handlers.bit, "a bit of host.baud at most"),
             Term("interrupt latency", latency, "int_latency, and a poll's branch that it waits for"),
-            Term("service routines of a frame", routines, "measured with no controller", reasons(handlers.terms)),
+            Term("service routines of a frame", routines, "measured without requests", reasons(handlers.terms)),
         )
         steady = (
             Term("frame that none has followed yet", handlers.period + 1 + handlers.jitter, "host.period, ppm, jitter"),

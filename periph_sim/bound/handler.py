@@ -80,16 +80,19 @@ NONE = Handlers((), 0, 1, 0, 0)
 
 
 def observe_handlers(case: Case, unit: str, firmware: Mapping[str, Firmware] | None = None) -> Handlers:
-    """Run the case without its controller for two frames. BadBound if the routines of a frame do not end."""
+    """Run the case without requests for two frames. BadBound if the routines of a frame do not end."""
     if case.host is None:
         return NONE
     plain = {"jitter": Fraction(0), "frames": FRAMES, "lose": (), "silent": (), "twice": ()}
     host = case.host.model_copy(update=plain)
-    quiet = case.model_copy(update={"controller": None, "host": host, "budget": (), "breaks": ()})
+    length, controller = host.first + (FRAMES + 1) * host.period, case.controller
+    if controller is not None:  # it stays, since models may run at its pace, but asks when all is over
+        controller = controller.model_copy(update={"first": 2 * length, "initialise": None})
+    quiet = case.model_copy(update={"controller": controller, "host": host, "budget": (), "breaks": ()})
     listener = _Listener(unit)
     kinds = (Kind.IRQ, Kind.ACCESS, Kind.SPAN)
     scene = Scene(quiet, lambda recorder, _: recorder.subscribe(kinds, listener.hear), firmware, end="most")
-    scene.run(host.first + (FRAMES + 1) * host.period)
+    scene.run(length)
     if listener.running:
         what = f"a service routine of {unit} that a host frame sets off is not over when the next frame comes"
         raise BadBound(f"{what}; shorten it or lengthen host.period")
@@ -103,7 +106,7 @@ def observe_handlers(case: Case, unit: str, firmware: Mapping[str, Firmware] | N
     options = scene.units[unit].plan.system
     cycle = scene.timebase.per_second / scene.sysclk(unit)
     entry = -int(-(options.int_latency - IFR_DELAY) * cycle // 1)
-    source = "its code, measured with no controller; isr_prologue, isr_epilogue in it"
+    source = "its code, measured without requests; isr_prologue, isr_epilogue in it"
     handlers = [scene.units[unit].cpu.handlers[vector] for vector in {routine.vector for routine in routines}]
     unproven = "; ".join([*_uneven(routines, cycle), *_open(handlers, Program(scene.firmware[unit].main))])
     terms = (

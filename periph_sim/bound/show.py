@@ -12,7 +12,7 @@ from .terms import Bound, Term, total
 WIDTH = 80
 MEASURED = (
     "Code and service routines are straight-line code, measured undisturbed (the case without its host, the case "
-    "without its controller); all else comes from the case."
+    "without requests); all else comes from the case."
 )
 
 

@@ -11,9 +11,10 @@ from periph_sim.bound import BadBound, Report, report
 from periph_sim.bound.beside import closed_form
 from periph_sim.bound.limits import LimitCheck
 from periph_sim.bound.terms import Bound
+from periph_sim.case.load import load
 from periph_sim.case.model import Budget
 from periph_sim.core.records import Kind, Record
-from tests.board.runs import run_case
+from tests.board.runs import TIMING, run_case
 from tests.board.small import case
 from tests.bound.cases import imu_hil, named, reported
 
@@ -24,7 +25,7 @@ NAMES = {"response", "stretch", "margin", "round", "slack", "span model", "age",
 def test_of_the_reference_scene_each_bound_holds_and_none_is_far_off():
     found = reported("duration=1 s", seconds="1")
     assert found.holds and not found.missed and not found.hung
-    assert named(found).keys() == NAMES | {"missed rounds", "nacked rounds"}  # which it limits
+    assert named(found).keys() == NAMES | {"missed rounds", "nacked rounds", "FIFO high-water", "overruns"}  # limited
     ratios = {each.bound.name: each.ratio for each in found.beside}
     assert ratios["response"] == 1  # the controller's SCL low time: the firmware is ready long before
     loose = {"reaction": 5, "latency SCIRXINTA": 2}  # no frame came during a read
@@ -193,6 +194,11 @@ def test_a_poll_pass_is_what_passes_made_one_by_one_take(changes: tuple[str, ...
         ticks = reads[wait.place]
         again = {late - early for early, late in zip(ticks, ticks[wait.reads :], strict=False)}
         assert calm.pass_ticks(wait) in again and min(again) == calm.pass_ticks(wait)
+
+
+def test_models_at_the_controllers_pace_have_bounds_beside_a_host_of_another():
+    of_models = load(TIMING / "imu_hil.toml", ["host.period=17 ms"])  # models that run each 20 ms
+    assert closed_form(of_models).handlers.per_frame == 1
 
 
 def test_what_is_not_seen_is_not_proven():

@@ -112,6 +112,10 @@ def test_a_frame_that_comes_before_the_receiver_is_up_leaves_no_bound_of_age():
     [
         ("host.gap=200", "a frame of the host may be due while the one before is still sent"),
         ("unit.dsp.settings.fifo_level=8", "8 words, which do not make up a frame of 12"),
+        (
+            "unit.dsp.settings.fifo_level=4",
+            "at 4 words, but 12 words are read each time",
+        ),
     ],
 )
 def test_frames_that_are_left_out_or_served_in_parts_leave_no_bound_of_age(change: str, reason: str):

@@ -386,7 +386,7 @@ class Scene:
 
     def doing(self, dsp: Dsp) -> str:
         """What a unit's firmware does now, as a phrase."""
-        if dsp.cpu.finished:
+        if dsp.cpu.returned_at is not None:
             return "has returned from main"
         spin = dsp.cpu.spin_now
         if spin is None:
@@ -509,6 +509,9 @@ class Scene:
                     at = self.timebase.show(dsp.clock.tick(cycle) - self.start)
                     lines.append(f"{name} {module}, first at {at}: {note.text} [{note.source}]")
             lines += [f"{name}: {note.text} [{note.source}] ({n} times)" for note, n in dsp.cpu.notes.items()]
+            if dsp.cpu.returned_at is not None:
+                at = self.timebase.show(dsp.clock.tick(dsp.cpu.returned_at) - self.start)
+                lines.append(f"{name}: main returned at {at}; from then on no service routine runs either")
         for name, chip in self.chips.items():
             for note, (tick, times) in chip.notes.items():
                 at = self.timebase.show(tick - self.start)

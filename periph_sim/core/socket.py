@@ -66,6 +66,7 @@ class Socket:
         self.traces = recorder.wants(Kind.EDGE) and (recorder.wants(Kind.FLAG) or recorder.wants(Kind.ACCESS))
         self._inputs: list[tuple[int, int]] = []  # (cycle from which it has effect, record) of what the chip was given
         self._watched = [r for r in chip.MAP if recorder.wants(Kind.FLAG, f"{name}.{r.name}")]
+        self._upper_words = [(place, r.offset + 1) for place, r in enumerate(self._watched) if r.width == 32]
         self._flags = self._snapshot(clock.cycle_at(kernel.now)) if self._watched else None
 
     # Inputs ------------------------------------------------------------------
@@ -224,6 +225,8 @@ class Socket:
         chip = self.chip
         touched = frozenset(chip.touched)
         values = [chip.peek(cycle, r.offset) for r in self._watched]
+        for place, offset in self._upper_words:
+            values[place] |= chip.peek(cycle, offset) << 16
         chip.touched.intersection_update(touched)
         return values
 

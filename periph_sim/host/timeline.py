@@ -26,7 +26,7 @@ from .stall import NoProgress, watch
 
 
 class Timeline(ABC):
-    """cycle: how many SYSCLKOUT cycles have passed for this CPU. finished: main has returned."""
+    """cycle: how many SYSCLKOUT cycles have passed for this CPU. returned_at: the cycle at which main returned."""
 
     __slots__ = (
         "__weakref__",
@@ -44,8 +44,8 @@ class Timeline(ABC):
         "_wake_cycle",
         "_wake_tick",
         "cycle",
-        "finished",
         "name",
+        "returned_at",
         "stall_limit",
         "thread",
     )
@@ -53,7 +53,7 @@ class Timeline(ABC):
     def __init__(self, kernel: Kernel, clock: Clock, recorder: Recorder, name: str) -> None:
         self.name = name
         self.cycle = 0
-        self.finished = False
+        self.returned_at: int | None = None
         self.stall_limit = 0.0  # seconds of CPU time that firmware may take at one instant; 0: any
         self.thread = 0  # that runs the firmware, while it does
         self._kernel = kernel
@@ -70,12 +70,17 @@ class Timeline(ABC):
         self._interruptible = False  # asleep at an instruction boundary
         self._issued_at: Where | None = None  # of the write that lands now
 
+    @property
+    def finished(self) -> bool:
+        """Main has returned."""
+        return self.returned_at is not None
+
     # Life --------------------------------------------------------------------
 
     def start(self, firmware: Callable[[], None], delay: int = 0) -> None:
         """Run `firmware`, beginning `delay` cycles after now."""
         self.cycle = self._clock.cycle_at(self._kernel.now) + delay
-        self.finished = False
+        self.returned_at = None
 
         def body() -> None:
             try:
@@ -95,7 +100,7 @@ class Timeline(ABC):
                     raise
                 text = str(error.args[0]) if error.args else "no message"
                 raise FirmwareError(f"{self.name}: {type(error).__name__} at {blamed}: {text}") from error
-            self.finished = True
+            self.returned_at = self.cycle
 
         self._greenlet = greenlet(body)
         self._wake_at(self.cycle)

@@ -9,7 +9,7 @@ between lie on a grid that the passes before the gap set; a gap whose last read 
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from .run import Rows, Run
 
 NDBool = NDArray[np.bool_]
+Number = TypeVar("Number", np.int64, np.bool_)
 
 SHORTEST_PASS, LONGEST_PASS = 4, 400  # cycles of a pass of a polling loop
 MOST_READS = 3  # of one register in a pass
@@ -27,17 +28,18 @@ FEW_GAPS = 3  # from so many gaps on their greatest common divisor is taken for 
 
 class Polls(NamedTuple):
     """before, after: for each change in a skipped wait the ticks of the last poll before it and the first from it on
-    (-1 where that poll is a recorded one). changes: those changes' ticks. unplaced: gaps that could not be filled."""
+    (-1 where that poll is a recorded one). changes: those changes' rows. unplaced: the reads before gaps that could
+    not be filled, as places among the reads."""
 
     before: Rows
     after: Rows
     changes: Rows
-    unplaced: int
+    unplaced: Rows
 
 
-def skipped_polls(run: Run, reads: Rows, waits: NDBool, changes: Rows) -> Polls:
+def skipped_polls(run: Run, reads: Rows, waits: NDBool, changes: Rows, looking: NDBool) -> Polls:
     """reads: rows of one place that reads one register. waits: the read after it is the next access of its routine.
-    changes: rows of the register's changes."""
+    changes: rows of the register's changes. looking: the reads that looked at what changed; the polls are theirs."""
     tick = run.table.tick
     ticks = tick[reads]
     gaps = np.where(waits, np.diff(ticks, append=ticks[-1:]), 0)
@@ -48,7 +50,7 @@ def skipped_polls(run: Run, reads: Rows, waits: NDBool, changes: Rows) -> Polls:
     inside = waits[places]
     changes, places = changes[inside], places[inside]
     if not len(changes):
-        return Polls(changes, changes, changes, 0)
+        return Polls(changes, changes, changes, changes)
     best: tuple[int, int, NDBool] | None = None
     for in_pass in range(1, MOST_READS + 1):
         period = _period(run, ticks, waits, gaps, in_pass, longest)
@@ -60,23 +62,23 @@ def skipped_polls(run: Run, reads: Rows, waits: NDBool, changes: Rows) -> Polls:
         if best is None or fits[places].sum() > best[2][places].sum():
             best = in_pass, period, fits
     if best is None or best[2][places].mean() < GAPS_AGREE:
-        gap_count = len(np.unique(places[gaps[places] > 0]))
-        return Polls(changes[:0], changes[:0], changes[:0], gap_count)
+        none = changes[:0]
+        return Polls(none, none, none, np.unique(places[gaps[places] > 0]))
     in_pass, period, fits = best
-    unplaced = len(np.unique(places[~fits[places] & (gaps[places] > period)]))
+    unplaced = np.unique(places[~fits[places] & (gaps[places] > period)])
     chosen = fits[places] & (gaps[places] > period // in_pass)
     changes, places = changes[chosen], places[chosen]
     at = tick[changes]
-    before, after = ticks[places].copy(), ticks[places] + gaps[places]
+    ends = ticks[places] + gaps[places]
+    before, after = np.full(len(at), -1), ends.copy()
     for back in range(in_pass):
         anchor = _shifted(ticks, back)[places]
-        sound = _within(waits, back)[places]
+        theirs = _within(waits, back)[places] & _shifted(looking, back)[places]
         last = anchor + (at - 1 - anchor) // period * period
-        before = np.where(sound & (last < at), np.maximum(before, last), before)
-        after = np.where(sound, np.minimum(after, last + period), after)
-    before = np.where(before == ticks[places], -1, before)
-    after = np.where(after == ticks[places] + gaps[places], -1, after)
-    return Polls(before, after, at, unplaced)
+        before = np.where(theirs & (last > anchor), np.maximum(before, last), before)
+        after = np.where(theirs, np.minimum(after, last + period), after)
+    after = np.where(after == ends, -1, after)
+    return Polls(before, after, changes, unplaced)
 
 
 def _period(run: Run, ticks: Rows, waits: NDBool, gaps: Rows, in_pass: int, longest: int) -> int:
@@ -95,9 +97,9 @@ def _period(run: Run, ticks: Rows, waits: NDBool, gaps: Rows, in_pass: int, long
     return 0
 
 
-def _shifted(ticks: Rows, back: int) -> Rows:
-    """The tick of the read so many reads before."""
-    return ticks if not back else np.concatenate([ticks[:1].repeat(min(back, len(ticks))), ticks[:-back]])
+def _shifted(column: NDArray[Number], back: int) -> NDArray[Number]:
+    """What the column has of the read so many reads before; of the first read where there is none."""
+    return column if not back else np.concatenate([column[:1].repeat(min(back, len(column))), column[:-back]])
 
 
 def _within(waits: NDBool, back: int) -> NDBool:

@@ -1,7 +1,9 @@
-"""How near the firmware's reads of status registers came to the changes of their flags, place by place.
+"""How near the firmware's reads of status registers came to the changes of what they looked at, place by place.
 
 reads, polls put back --> distance to the nearest change, in cycles --> closest, histogram by decades
 read-modify-writes    --> flags that rose in between, flags cleared unmeant
+
+    i2c.I2CSTR.XRDY == 1   changes of XRDY     i2c.I2CSTR.all, i2c.I2CSTR.SCD = 1   of any field: all go back
 """
 
 from __future__ import annotations
@@ -13,10 +15,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ..core.nearest import near
-from ..core.registers import Field, Register
+from ..core.registers import Field
 from .maps import is_status
 from .modify import Modify, modifies
-from .polls import NDBool, skipped_polls
+from .polls import NDBool, Polls, skipped_polls
+from .read_modify_write import read_modify_writes
 from .run import Group, NotInRun, Rows, Run
 
 DECADES = 6  # below 1 cycle, 1 to 9, 10 to 99, up to 1000, up to 10 000, more
@@ -117,14 +120,12 @@ def distances(run: Run, register: str | None = None) -> tuple[Rows, Rows, int]:
     unplaced = 0
     cycles, ticks = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)]
     for group, f in _chosen(run, register):
-        if group.way == "R":
-            changes = _changes(run, group, f)
-            for _, reads, waits in _reads_by_place(run, group):
-                beside = _beside(run, reads, changes, waits)
-                unplaced += beside.unplaced
-                compared = beside.nearest < NEVER
-                cycles.append(_cycles(run, beside.nearest[compared]))
-                ticks.append(beside.ticks[compared])
+        for place in _reads_by_place(run, group) if group.way == "R" else ():
+            beside = _beside(run, group, f, place)
+            unplaced += beside.unplaced
+            compared = beside.nearest < NEVER
+            cycles.append(_cycles(run, beside.nearest[compared]))
+            ticks.append(beside.ticks[compared])
     when = np.concatenate(ticks)
     order = np.argsort(when, kind="stable")
     return np.concatenate(cycles)[order], when[order], unplaced
@@ -137,65 +138,116 @@ def _chosen(run: Run, register: str | None) -> list[tuple[Group, Field | None]]:
 
 
 def _places(run: Run, group: Group, f: Field | None) -> list[PlaceRaces]:
-    changes = _changes(run, group, f)
-    return [_judged(run, group, place, reads, changes, waits) for place, reads, waits in _reads_by_place(run, group)]
+    judged = (_judged(run, group, f, place) for place in _reads_by_place(run, group))
+    return [one for one in judged if one.reads]
 
 
-def _reads_by_place(run: Run, group: Group) -> Iterator[tuple[str, Rows, NDBool]]:
-    """Each place with its reads, and whether the routine's next access is the next one of them."""
+class _Reads(NamedTuple):
+    """All reads of one register at a place. looked_at: codes of the fields, that of "" for all of the register.
+    waits: whether the routine's next access is the next one of them."""
+
+    place: str
+    rows: Rows
+    looked_at: Rows
+    waits: NDBool
+
+
+def _reads_by_place(run: Run, group: Group) -> Iterator[_Reads]:
+    """Each place with its reads. The read of a read-modify-write is one of all of the register, which it gives back."""
+    table = run.table
     rows, following = run.in_order(group.unit)
     order = np.argsort(rows)
     next_of = following[order][np.searchsorted(rows[order], group.rows)]
+    for_writes = read_modify_writes(run, group.unit).reads
     for place, reads in run.by_place(group.rows):
         nexts = next_of[np.searchsorted(group.rows, reads)]
-        yield place, reads, np.append(reads[1:] == nexts[:-1], False)
+        codes = table.columns["field"][reads].astype(np.int64)
+        codes = np.where(np.isin(reads, for_writes), _code(run, ""), codes)
+        yield _Reads(place, reads, codes, np.append(reads[1:] == nexts[:-1], False))
 
 
-def _changes(run: Run, group: Group, f: Field | None) -> Rows:
+def _code(run: Run, name: str) -> int:
+    """The number that a field's name has in the table; -1 where no access names it."""
+    names = run.table.names["field"]
+    return names.index(name) if name in names else -1
+
+
+def _changes(run: Run, group: Group, fields: tuple[Field, ...]) -> Rows:
     """The rows at which fields changed that were not changed, in that cycle, by an access of the unit itself."""
-    of = [run.changes(group.unit, group.module, group.register, each) for each in _fields(group.register, f)]
+    of = [run.changes(group.unit, group.module, group.register, each) for each in fields]
     rows = np.sort(np.concatenate(of))
     others: Rows = rows[~np.isin(run.made_by(rows), run.in_order(group.unit)[0])]
     return others
 
 
-def _fields(register: Register, f: Field | None) -> tuple[Field, ...]:
-    return register.fields if f is None else (f,)
+class _Side(NamedTuple):
+    """Reads, and polls put back, with the change on one side of each. ticks: of the reads. distances: ticks, NEVER
+    where there is no change. changes: rows."""
+
+    ticks: Rows
+    distances: Rows
+    changes: Rows
+
+
+NONE = _Side(*(np.zeros(0, np.int64) for _ in range(3)))
 
 
 class _Beside(NamedTuple):
-    """Ticks from reads to the changes beside them. ticks, nearest: of all of them, recorded reads first."""
+    """The reads of a place beside the changes of what they looked at. before: reads that a change follows; after:
+    reads that follow one. ticks, nearest: of all of them. reads: how many of these were recorded."""
 
-    before_ticks: Rows
-    before: Rows
-    after_ticks: Rows
-    after: Rows
+    before: _Side
+    after: _Side
     ticks: Rows
     nearest: Rows
+    reads: int
     polls: int
     unplaced: int
 
 
-def _beside(run: Run, reads: Rows, changes: Rows, waits: NDBool) -> _Beside:
-    tick = run.table.tick
-    polls = skipped_polls(run, reads, waits, changes)
-    at = np.searchsorted(changes, reads)
-    ends = np.append(tick[changes], NEVER)
-    to_next = np.where(at < len(changes), ends[at] - tick[reads], NEVER)
-    since = np.where(at > 0, tick[reads] - np.append(tick[changes], 0)[at - 1], NEVER)
-    missed, saw = polls.before >= 0, polls.after >= 0
-    missed_at, saw_at = polls.before[missed], polls.after[saw]
-    to_missed, since_seen = (polls.changes - polls.before)[missed], (polls.after - polls.changes)[saw]
-    return _Beside(
-        np.concatenate([tick[reads], missed_at]),
-        np.concatenate([to_next, to_missed]),
-        np.concatenate([tick[reads], saw_at]),
-        np.concatenate([since, since_seen]),
-        np.concatenate([tick[reads], missed_at, saw_at]),
-        np.concatenate([np.minimum(to_next, since), to_missed, since_seen]),
-        len(missed_at) + len(saw_at),
-        polls.unplaced,
-    )
+def _beside(run: Run, group: Group, f: Field | None, place: _Reads) -> _Beside:
+    """All reads of a place, and the polls put back; with f those that looked at it, beside its changes."""
+    before, after, nearest, reads = [NONE], [NONE], [NONE], 0
+    unplaced = np.zeros(0, np.int64)
+    for code in np.unique(place.looked_at).tolist():
+        name = run.table.names["field"][code] if code >= 0 else ""
+        fields = (group.register[name],) if name in group.register else group.register.fields
+        fields = tuple(each for each in fields if f is None or each is f)
+        if not fields:
+            continue
+        changes, looking = _changes(run, group, fields), place.looked_at == code
+        polls = skipped_polls(run, place.rows, place.waits, changes, looking)
+        sides = _of_reads(run, place.rows[looking], changes)
+        before += [sides[0], _of_polls(run, polls, polls.before)]
+        after += [sides[1], _of_polls(run, polls, polls.after)]
+        closer = np.minimum(sides[0].distances, sides[1].distances)
+        nearest += [sides[0]._replace(distances=closer), before[-1], after[-1]]
+        reads += int(looking.sum())
+        unplaced = np.union1d(unplaced, polls.unplaced)
+    both = _joined(nearest)
+    made = len(both.ticks) - reads
+    return _Beside(_joined(before), _joined(after), both.ticks, both.distances, reads, made, len(unplaced))
+
+
+def _of_reads(run: Run, reads: Rows, changes: Rows) -> tuple[_Side, _Side]:
+    """Each read beside the next change, and beside the last one."""
+    tick = run.table.tick[reads]
+    at, rows = np.searchsorted(changes, reads), np.append(changes, 0)
+    ends = run.table.tick[rows]
+    to_next = np.where(at < len(changes), ends[at] - tick, NEVER)
+    since = np.where(at > 0, tick - ends[at - 1], NEVER)
+    return _Side(tick, to_next, rows[at]), _Side(tick, since, rows[at - 1])
+
+
+def _of_polls(run: Run, polls: Polls, ticks: Rows) -> _Side:
+    """Those of the polls put back that are beside a change."""
+    there = ticks >= 0
+    changes, at = polls.changes[there], ticks[there]
+    return _Side(at, np.abs(run.table.tick[changes] - at), changes)
+
+
+def _joined(sides: list[_Side]) -> _Side:
+    return _Side(*(np.concatenate(column) for column in zip(*sides, strict=True)))
 
 
 def _cycles(run: Run, ticks: Rows) -> Rows:
@@ -204,30 +256,29 @@ def _cycles(run: Run, ticks: Rows) -> Rows:
     return cycles
 
 
-def _judged(run: Run, group: Group, place: str, reads: Rows, changes: Rows, waits: NDBool) -> PlaceRaces:
-    beside = _beside(run, reads, changes, waits)
+def _judged(run: Run, group: Group, f: Field | None, place: _Reads) -> PlaceRaces:
+    beside = _beside(run, group, f, place)
     cycles = _cycles(run, beside.nearest[beside.nearest < NEVER])
     decades = np.minimum(np.searchsorted(10 ** np.arange(DECADES - 1), cycles, "right"), DECADES - 1)
     return PlaceRaces(
         group.unit,
         f"{group.module}.{group.register.name}",
-        place,
-        len(reads),
+        place.place,
+        beside.reads,
         beside.polls,
         beside.unplaced,
-        _closest(run, changes, beside.before_ticks, beside.before, 1),
-        _closest(run, changes, beside.after_ticks, beside.after, -1),
+        _closest(run, beside.before),
+        _closest(run, beside.after),
         tuple(np.bincount(decades, minlength=DECADES).tolist()),
         int((beside.nearest == NEVER).sum()),
     )
 
 
-def _closest(run: Run, changes: Rows, ticks: Rows, distances: Rows, side: int) -> Shave | None:
-    """side: 1 where the change comes after the read, -1 where before."""
-    distance = int(distances.min())
-    if distance == NEVER:
+def _closest(run: Run, side: _Side) -> Shave | None:
+    if not len(side.distances) or int(side.distances.min()) == NEVER:
         return None
-    tick = int(ticks[distances == distance].min())  # the first of several
-    at = tick + side * distance
-    row = changes[np.searchsorted(run.table.tick[changes], at)]
-    return Shave(run.cycles.of(distance), tick, run.record(int(row)).what.partition(".")[2])
+    distance = int(side.distances.min())
+    closest = np.flatnonzero(side.distances == distance)
+    first = closest[np.argmin(side.ticks[closest])]
+    field = run.record(int(side.changes[first])).what.partition(".")[2]
+    return Shave(run.cycles.of(distance), int(side.ticks[first]), field)

@@ -12,8 +12,8 @@ HEAD = ("register", "place", "reads", "polls", "closest before", "closest after"
 NOTES = (
     "reads: recorded ones; polls: those beside a change in waits that were skipped, put back on the grid of their "
     "passes. Columns 0 to more: reads and polls by cycles to their nearest change.",
-    "A record does not say at which field a read looked: changes of all fields of the register count, but for those "
-    "that the firmware's own access made in its cycle; --register MODULE.REGISTER.FIELD takes one.",
+    "A read that names a field is compared with the changes of that field; one of the whole register, as each of a "
+    "read-modify-write is, with those of all. Changes that the firmware's own access made in its cycle do not count.",
 )
 
 

@@ -218,6 +218,16 @@ def test_a_bit_field_write_gives_read_only_fields_back(monkeypatch: pytest.Monke
     assert lint(ran(monkeypatch, firmware(clear), **asks(0x23, write="01", count=0))) == []
 
 
+def test_a_byte_loaded_in_advance_is_not_loaded_on_xrdy(monkeypatch: pytest.MonkeyPatch):
+    """The bus is idle, which is looked at by BB; XRDY happens to be 1 in that read."""
+
+    def preload(i2c: Any, dsp: Dsp) -> None:
+        if i2c.I2CSTR.BB == 0:
+            i2c.I2CDXR.all = 0x5A
+
+    assert lint(ran(monkeypatch, firmware(preload), **asks(count=1))) == []
+
+
 def test_a_master_that_reads_is_not_denied_where_the_firmware_wiped_sdir(monkeypatch: pytest.MonkeyPatch):
     """SDIR is up, SCD = 1 writes it back and clears it, then I2CDXR is loaded."""
 

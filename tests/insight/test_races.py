@@ -12,19 +12,20 @@ from firmware.python.startup import start_i2c
 from periph_sim.board.dsp import Dsp
 from periph_sim.core.records import Kind
 from periph_sim.insight import NotInRun, races
+from periph_sim.insight.races import Shave
 from periph_sim.insight.show_races import as_json, text
-from tests.insight.scenes import ADDRESS, asks, by_hand, line_of, ran
+from tests.insight.scenes import ADDRESS, CYCLE, asks, by_hand, line_of, ran
 
 STR = "I2C-A.I2CSTR"
 RRDY, SCD = 0x0008, 0x0020
 
 
-def read(cycle: int, value: int = 0, place: str = "f:1", cause: int = 0) -> tuple[Any, ...]:
-    return cycle, Kind.ACCESS, "dsp", f"R {STR}", value, place, cause
+def read(cycle: int, value: int = 0, place: str = "f:1", cause: int = 0, field: str = "") -> tuple[Any, ...]:
+    return cycle, Kind.ACCESS, "dsp", f"R {STR}", value, place, cause, field
 
 
-def write(cycle: int, value: int = 0, place: str = "f:1", cause: int = 0) -> tuple[Any, ...]:
-    return cycle, Kind.ACCESS, "dsp", f"W {STR}", value, place, cause
+def write(cycle: int, value: int = 0, place: str = "f:1", cause: int = 0, field: str = "") -> tuple[Any, ...]:
+    return cycle, Kind.ACCESS, "dsp", f"W {STR}", value, place, cause, field
 
 
 def flag(cycle: int, name: str, value: int, cause: int = 0) -> tuple[Any, ...]:
@@ -59,6 +60,38 @@ def test_one_field_of_a_register():
         races(run, "I2C-A.I2CSRT")
 
 
+def test_a_read_that_names_a_field_is_compared_with_that_field_only():
+    """BB changes a cycle behind the look at RRDY: it might have been seen only by a look at the whole register."""
+    changes = flag(101, "BB", 1), flag(140, "RRDY", 1)
+    for field, closest in (("RRDY", 40), ("BB", 1), ("", 1), ("SCD", None)):
+        (place,) = races(by_hand(read(100, field=field), *changes)).places
+        assert ((place.before and place.before.cycles), place.alone) == (closest, int(closest is None)), field
+
+
+def test_looks_at_several_fields_at_one_place_are_each_compared_with_their_own():
+    looks = read(100, field="RRDY"), read(105, field="SCD")
+    (place,) = races(by_hand(*looks, flag(107, "RRDY", 1), flag(165, "SCD", 1))).places
+    assert (place.before, place.reads) == (Shave(7, 100 * CYCLE, "RRDY"), 2)
+    assert (place.histogram, place.alone) == ((0, 1, 1, 0, 0, 0), 0)
+
+
+def test_a_read_modify_write_hands_all_fields_back_and_is_compared_with_all():
+    modify = read(100, field="SCD"), write(102, SCD, field="SCD")
+    (place,) = races(by_hand(flag(97, "RRDY", 1), *modify)).places
+    assert place.after and (place.after.cycles, place.after.field) == (3, "RRDY")
+    (place,) = races(by_hand(flag(97, "RRDY", 1), modify[0])).places  # a look at SCD
+    assert place.after is None
+
+
+def test_one_field_takes_the_reads_that_looked_at_it():
+    run = by_hand(read(100, field="RRDY"), flag(103, "BB", 1), read(110, place="g:2"))
+    assert [(p.place, p.reads, p.closest) for p in races(run, f"{STR}.BB").places] == [("g:2", 1, 7)]
+    assert [(p.place, p.reads, p.closest) for p in races(run, f"{STR}.RRDY").places] == [
+        ("f:1", 1, None),
+        ("g:2", 1, None),
+    ]
+
+
 def test_polls_of_a_skipped_wait_are_put_back():
     run = by_hand(read(100), read(110), flag(507, "RRDY", 1), read(510, RRDY))
     (place,) = races(run).places
@@ -78,6 +111,38 @@ def test_polls_put_back_are_those_that_were_made(period: int, passes: int, into:
     missed = max(at for at in grid if at < changed)
     run = by_hand(*(read(at) for at in grid[:shown]), flag(changed, "RRDY", 1), read(saw, RRDY), end=20_000)
     (place,) = races(run).places
+    assert (place.before and place.before.cycles, place.after and place.after.cycles) == (
+        changed - missed,
+        saw - changed,
+    )
+
+
+@given(
+    period=st.integers(12, 60),
+    passes=st.integers(7, 200),
+    into=st.floats(0, 1),
+    offset=st.sampled_from([4, 7]),
+    waited_for=st.sampled_from([0, 1]),
+)
+def test_polls_put_back_are_those_of_the_field_that_changed(
+    period: int, passes: int, into: float, offset: int, waited_for: int
+):
+    """`XRDY or SCD`: a pass looks at XRDY and, `offset` cycles later, at SCD; either may end the wait."""
+    assume((period - offset) % offset)
+    names = "XRDY", "SCD"
+    grid = [(100 + n * period + offset * second, second) for n in range(passes) for second in (0, 1)]
+    own = [at for at, second in grid if second == waited_for]
+    first = 2 * 5  # reads before the wait is skipped: enough to prove how long a pass is
+    changed = grid[first][0] + 1 + int(into * (own[-1] - grid[first][0] - 1))
+    saw = next(at for at in own if at >= changed)
+    missed = max(at for at in own if at < changed)
+    looks = [read(at, field=names[second]) for at, second in grid]
+    recorded = [
+        *looks[: first + 1],
+        *(look for look in looks[first + 1 :] if changed <= look[0] <= saw),
+    ]  # the others were skipped
+    rows = [*recorded, flag(changed, names[waited_for], 1)]
+    (place,) = races(by_hand(*sorted(rows, key=lambda row: (row[0], row[1] is Kind.ACCESS)), end=20_000)).places
     assert (place.before and place.before.cycles, place.after and place.after.cycles) == (
         changed - missed,
         saw - changed,

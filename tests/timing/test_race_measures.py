@@ -44,7 +44,7 @@ def polls(dsp: Dsp) -> None:
         assert i2c.I2CDRR.all
 
 
-@pytest.mark.parametrize("name", [STR, f"{STR}.RRDY", f"{STR}.BB"])
+@pytest.mark.parametrize("name", [STR, f"{STR}.RRDY"])
 def test_a_budget_finds_what_the_recording_shows(monkeypatch: pytest.MonkeyPatch, name: str):
     writes = asks(write="010203", count=0)
     run = ran(monkeypatch, polls, **writes)
@@ -54,6 +54,12 @@ def test_a_budget_finds_what_the_recording_shows(monkeypatch: pytest.MonkeyPatch
     found = timing.races(run.table, name)
     assert (verdict.count, verdict.worst) == (len(found.cycles), found.cycles.min())
     assert verdict.at_s == pytest.approx(found.tick[found.cycles.argmin()] / 3e9)
+
+
+def test_a_field_that_nobody_looked_at_is_not_judged():
+    """BB changes while RRDY is polled, and is never read."""
+    (verdict,) = judged(polls, {"measure": f"race {STR}.BB", "min": 1}, **asks(write="010203", count=0))
+    assert (verdict.verdict, verdict.count) == ("not judged", 0) and f"no read of {STR}.BB had" in verdict.found
 
 
 def test_the_limit_is_in_cycles(monkeypatch: pytest.MonkeyPatch):

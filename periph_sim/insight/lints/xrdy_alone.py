@@ -1,10 +1,11 @@
 """A slave that takes XRDY = 1 for a master's wish to read: it loads I2CDXR though nobody reads from it.
 
-XRDY is 1 in idle, so SDIR or AAS has to be looked at too. A record of a read has the whole register and not the field
-that the firmware looked at; so this is judged by what follows: the last read of I2CSTR before a write of I2CDXR showed
-XRDY = 1 and SDIR = 0, and SDIR was 0 still, as slave and not in FIFO mode. Firmware that had looked at SDIR would not
-have written. A write after which it makes itself master (its next write of I2CMDR has MST = 1) is none. Where the
-firmware itself had cleared SDIR since it was addressed, that is told instead.
+XRDY is 1 in idle, so SDIR or AAS has to be looked at too. Judged by what follows: the last look at XRDY before a write
+of I2CDXR showed XRDY = 1 and SDIR = 0, and SDIR was 0 still, as slave and not in FIFO mode. Firmware that had seen
+SDIR = 1 would not have written. A look is a read that names XRDY or takes the whole register, since the write of I2CDXR
+before. A byte that is loaded without any is no fault of this kind, nor is a write after which the firmware makes itself
+master (its next write of I2CMDR has MST = 1). Where the firmware itself had cleared SDIR since it was addressed, that
+is told instead.
 """
 
 from __future__ import annotations
@@ -17,11 +18,12 @@ from numpy.typing import NDArray
 from ...core.registers import Register
 from ...f28335.i2c_map import I2CDXR, I2CFFTX, I2CMDR, I2CSTR
 from ..finding import Fault, Options
+from ..read_modify_write import read_modify_writes
 from ..run import Group, Rows, Run
 
 SAYS = "XRDY polled without SDIR or AAS being looked at: I2CDXR loaded as slave though SDIR was read as 0"
 SOURCE = "SPRUG03B table 10 (XRDY, SDIR, AAS), table 8 (BCM)"
-TEXT = "loads I2CDXR as slave on XRDY alone: the last read of I2CSTR showed SDIR = 0, so no master was reading yet"
+TEXT = "loads I2CDXR as slave on XRDY alone: its last look at it showed SDIR = 0, so no master was reading yet"
 WIPED = (
     "loads I2CDXR as slave with SDIR = 0 though a master reads: the firmware itself cleared SDIR in this transfer, "
     "by writing I2CSTR at {}"
@@ -33,10 +35,9 @@ def faults(run: Run, options: Options) -> Iterator[Fault]:
         if group.way != "W" or group.register is not I2CDXR:
             continue
         reads = run.accesses_of(group.unit, "R", group.module, I2CSTR.name)
-        if not len(reads):
-            continue
-        place = np.searchsorted(reads, group.rows) - 1
-        seen = np.where(place >= 0, run.table.value[reads[place]], 0)
+        looks = run.looking_at(np.setdiff1d(reads, read_modify_writes(run, group.unit).reads), I2CSTR["XRDY"])
+        last = np.append(looks, -1)[np.searchsorted(looks, group.rows) - 1]
+        seen = np.where(last > np.append(-1, group.rows[:-1]), run.table.value[last], 0)
         modes = run.accesses_of(group.unit, "W", group.module, I2CMDR.name)
         mode_after = np.append(run.table.value[modes], 0)[np.searchsorted(modes, group.rows)]
         master = _held(run, group, I2CMDR, "MST") | (mode_after & I2CMDR["MST"].mask != 0)

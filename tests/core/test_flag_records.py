@@ -1,0 +1,41 @@
+"""Changes of register fields as records: of all words of a register, each under the write that made it."""
+
+from __future__ import annotations
+
+import pytest
+
+from periph_sim.board.dsp import Dsp, DspPlan
+from periph_sim.core.kernel import Kernel
+from periph_sim.core.records import Kind, Record, Recorder
+from periph_sim.core.time import Timebase
+from periph_sim.f28335.code_costs import BARE
+
+
+@pytest.mark.parametrize("pin", [12, 15, 16, 28, 31, 32, 47, 48, 63])
+def test_a_pin_of_either_half_of_a_port_records_its_changes(pin: int):
+    """GPxDIR and GPxDAT are 32 bits wide; an output shows in GPxDAT."""
+    kernel, recorder, seen = Kernel(), Recorder(), list[Record]()
+    recorder.subscribe([Kind.FLAG, Kind.ACCESS], seen.append)
+    dsp = Dsp(kernel, Timebase(150_000_000), recorder, DspPlan("dsp", ("GPIO",), {}, code=BARE))
+    port, name = "AB"[pin // 32], f"GPIO{pin}"
+
+    def main() -> None:
+        gpio = dsp.module("GPIO")
+        dsp.eallow()
+        setattr(getattr(gpio, f"GP{port}DIR"), name, 1)
+        dsp.edis()
+        for register in ("SET", "CLEAR"):
+            dsp.compute(100)
+            setattr(getattr(gpio, f"GP{port}{register}"), name, 1)
+        dsp.compute(100)
+
+    dsp.start(main)
+    kernel.run_until(kernel.now + 100_000)
+    number = {record.number: record for record in seen}
+    changes = [(r.what, r.value, number[r.cause].what[2:]) for r in seen if r.kind is Kind.FLAG and name in r.what]
+    assert changes == [
+        (f"GP{port}DIR.{name}", 1, f"GPIO.GP{port}DIR"),
+        (f"GP{port}DAT.{name}", 0, f"GPIO.GP{port}DIR"),  # the latch is 0 after reset
+        (f"GP{port}DAT.{name}", 1, f"GPIO.GP{port}SET"),
+        (f"GP{port}DAT.{name}", 0, f"GPIO.GP{port}CLEAR"),
+    ]

@@ -8,13 +8,16 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from firmware.python.startup import start_i2c
+from firmware.python.startup import start_i2c, start_pie
+from periph_sim.board import scene as scene_module
 from periph_sim.board.dsp import Dsp
+from periph_sim.board.firmware import Firmware
 from periph_sim.core.records import Kind
 from periph_sim.insight import NotInRun, races
 from periph_sim.insight.races import Shave
 from periph_sim.insight.show_races import as_json, text
-from tests.insight.scenes import ADDRESS, CYCLE, asks, by_hand, line_of, ran
+from tests.board.small import case
+from tests.insight.scenes import ADDRESS, CYCLE, asks, by_hand, line_of, ran, recorded
 
 STR = "I2C-A.I2CSTR"
 RRDY, SCD = 0x0008, 0x0020
@@ -235,3 +238,42 @@ def test_as_json_counts_the_same():
 
 def test_without_status_reads_it_says_so():
     assert "no read of a status register" in text(races(by_hand()))
+
+
+@pytest.mark.parametrize("lands", [2, 4])
+@pytest.mark.parametrize("phase", range(16))
+def test_a_service_routine_between_read_and_write_hides_no_read_modify_write(
+    monkeypatch: pytest.MonkeyPatch, lands: int, phase: int
+):
+    """A timer's interrupt falls before, into and behind `SCD = 1`; its routine begins with a read of the PIE."""
+
+    def ticked() -> None:
+        assert pie.PIEIFR1.INTx7 == 0
+        pie.PIEACK.all = 1
+
+    def main(dsp: Dsp) -> None:
+        nonlocal pie
+        pie, timer, i2c = dsp.module("PIE"), dsp.module("TIMER0"), dsp.module("I2C-A")
+        timer.PRD.all = 200
+        start_pie(dsp, {"TINT0": ticked})
+        timer.TCR.all = 0x4020  # TIE, TRB
+        dsp.compute(192 + phase)
+        drop(i2c)
+        dsp.compute(500)
+
+    pie: Any = None
+    program = Firmware("under test", lambda dsp, settings: main(dsp), None)
+    monkeypatch.setattr(scene_module, "load_firmware", lambda name: program)
+    system = {"system": {"write_lands": lands}}
+    unit = {"firmware": "under test", "modules": ["I2C-A", "TIMER0"], "options": system}
+    run = recorded(case("10 us", unit={"dsp": unit}))
+    (modify,) = races(run, STR).modifies
+    assert (modify.place, modify.count, modify.meant) == (line_of(drop), 1, ("SCD",))
+
+
+def test_the_accesses_of_a_service_routine_do_not_part_a_read_from_its_write():
+    entered = 101, Kind.IRQ, "dsp", "TINT0", 1, "ticked:1", 0
+    of_routine = [(101, Kind.ACCESS, "dsp", f"R PIE.PIEIFR{n}", 0, "ticked:2", 2) for n in range(1, 6)]
+    run = by_hand(read(100, RRDY, field="SCD"), entered, *of_routine, write(102, RRDY | SCD, field="SCD"))
+    (modify,) = races(run, STR).modifies
+    assert (modify.count, modify.meant) == (1, ("SCD",))

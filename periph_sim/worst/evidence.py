@@ -1,6 +1,7 @@
 """What stands behind a wrong byte, a NACK or a hang: a Look and a time go in, Steps with the write or read to blame.
 
 byte on the bus --> the write of I2CDXR that it came of, maybe for another read; FF --> the IRS = 0 that let SDA go
+NACK of an address --> the write of I2COAR, the IRS = 0, or what was never written; of a byte --> the NACKMOD = 1
 wait that ended in a transfer by a flag from before it --> the flag's rise
 RSFULL --> I2CDRR that nobody read
 """
@@ -16,6 +17,13 @@ from .look import Look, Phase
 
 I2C = "I2C-A"
 ONES = 0xFF  # what is read where nobody drives SDA
+LETS_GO = "the module lets SDA go"
+NEEDED = (  # fields that must be 1 for the module to answer, and what follows where they are not
+    ("SYS", "PCLKCR0.I2CAENCLK", "the module has no clock"),
+    (I2C, "I2CMDR.IRS", LETS_GO),
+    ("GPIO", "GPBMUX1.GPIO32", "the module is not connected to SDA"),
+    ("GPIO", "GPBMUX1.GPIO33", "the module is not connected to SCL"),
+)
 WAITED = ("SCD", "RRDY", "NACK")  # flags that firmware waits for and that stay until they are cleared
 
 
@@ -50,11 +58,63 @@ def _first_rise(look: Look, after: int, before: int) -> int:
 def released(look: Look, tick: int) -> list[Step]:
     """Of a module that is held in reset at a tick: when IRS was cleared, and by which write."""
     last = last_change(look, "I2CMDR.IRS", tick)
-    if last is None or last.value:
-        return []
+    return [] if last is None or last.value else [_taken(look, last, LETS_GO, tick)]
+
+
+def deaf(look: Look, tick: int) -> list[Step]:
+    """The first thing without which the module hears nothing, if it lacks at a tick: taken away by a write, or never
+    given."""
+    unit = look.case.unit.get(look.unit)
+    there = ("SYS", *(unit.modules if unit is not None else ()))
+    for module, field, so in NEEDED:
+        if module not in there:
+            continue
+        last = last_change(look, field, tick, module)
+        if last is None:
+            return [look.say(tick, f"{field} = 0, so {so}: the firmware has never set it")]
+        if not last.value:
+            return [_taken(look, last, so, tick)]
+    return []
+
+
+def _taken(look: Look, cleared: Record, so: str, tick: int) -> Step:
+    by = maker(look, cleared)
+    told = f"{cleared.what} cleared, so {so}, {look.span(tick - cleared.tick)} before"
+    return look.step(cleared if by is None else by, told)
+
+
+def own_address(look: Look, tick: int, address: int) -> tuple[list[Step], Step | None]:
+    """Writes of the own address about a tick at which another one was asked for; and the one to blame, if any."""
+    writes = look.accesses(0, look.window.kept[-1].end, "W", I2C, "I2COAR")
+    last = max((r for r in writes if r.tick <= tick), key=lambda r: r.tick, default=None)
+    right = min((r for r in writes if r.tick > tick and r.value == address), key=lambda r: r.tick, default=None)
+    steps = []
+    if last is None:
+        steps.append(look.say(tick, "I2COAR = 0x00: the firmware has never written it"))
+    else:
+        before = look.span(tick - last.tick)
+        steps.append(look.step(last, f"I2COAR = 0x{last.value:02X} written, {before} before the NACK"))
+    if last is not None and last.value == address:
+        return steps, None
+    if right is not None:
+        steps.append(look.step(right, f"I2COAR = 0x{address:02X} written, {look.span(right.tick - tick)} too late"))
+    return steps, steps[-1]
+
+
+def refusing(look: Look, tick: int) -> list[Step]:
+    """Of a receiver that does not acknowledge a byte at a tick: the write that told it so."""
+    last = last_change(look, "I2CMDR.NACKMOD", tick)
+    if last is None or not last.value:
+        return deaf(look, tick)
     by = maker(look, last)
-    told = f"I2CMDR.IRS cleared, so the module lets SDA go, {look.span(tick - last.tick)} before"
+    told = f"I2CMDR.NACKMOD set, so the module refuses the next byte, {look.span(tick - last.tick)} before"
     return [look.step(last if by is None else by, told)]
+
+
+def is_master(look: Look, tick: int) -> bool:
+    """Whether the unit's module is the master at a tick, so that a NACK is another's."""
+    last = last_change(look, "I2CMDR.MST", tick)
+    return last is not None and last.value == 1
 
 
 def stale(look: Look, phase: Phase) -> list[Step]:
@@ -87,9 +147,9 @@ def unread(look: Look, tick: int) -> list[Step]:
     return [*([look.step(waits, f"I2CSTR.RRDY set; {never}")] if waits is not None and waits.value else []), *steps]
 
 
-def last_change(look: Look, field: str, tick: int) -> Record | None:
-    """The last change of a field of the unit's I2C module up to a tick."""
-    where = f"{look.unit}.{I2C}"
+def last_change(look: Look, field: str, tick: int, module: str = I2C) -> Record | None:
+    """The last change of a field of one of the unit's modules up to a tick."""
+    where = f"{look.unit}.{module}"
     there = (*look.window.before, *look.window.records)
     found = [r for r in there if r.kind is Kind.FLAG and (r.where, r.what) == (where, field) and r.tick <= tick]
     return max(found, key=lambda r: (r.tick, r.number), default=None)

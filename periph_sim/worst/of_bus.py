@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from ..insight.record_words import on_the_bus
 from .chain import Part, Step, parts_of
-from .evidence import ONES, bytes_sent, released, stale, unread
+from .evidence import ONES, bytes_sent, deaf, is_master, own_address, refusing, released, stale, unread
 from .look import Look, Phase, in_order
 from .timeline import Stretch
 
@@ -176,23 +176,39 @@ def nacked(look: Look) -> Story:
     """An address that nobody acknowledged: which address the module had then, since when, and what the firmware did."""
     begin = look.window.begin
     phase = next((p for p in look.phases if p.begin >= begin and not p.acked and p.answered is not None), None)
-    if phase is None or phase.answered is None:
+    if phase is None:
         return Story((look.say(begin, "no such address within the records kept"),))
-    at = phase.answered
+    return _unanswered(look, phase)
+
+
+def nack(look: Look) -> Story:
+    """A NACK of an address or of a byte: the write, or the missing one, that made the module refuse it."""
+    at = look.window.begin
+    phase = look.phase_at(at)
+    if phase is not None and phase.answered == at:
+        return _unanswered(look, phase)
+    to_blame = [] if is_master(look, at) else refusing(look, at)
+    steps = [*_asked(look, at), *to_blame, *unread(look, at)]
+    steps.append(look.say(at, f"{look.unit}: {look.doing_at(at)}", None, look.place_at(at)))
+    return Story(in_order(steps), (), _blamed(to_blame) or look.blame_at(at))
+
+
+def _unanswered(look: Look, phase: Phase) -> Story:
+    at = phase.begin if phase.answered is None else phase.answered
     steps = [look.say(phase.begin, f"START, {phase}"), look.say(at, f"address 0x{phase.address:02X} not acknowledged")]
     steps.append(look.say(at, f"{look.unit}: {look.doing_at(at)}", None, look.place_at(at)))
-    steps += [*released(look, at), *unread(look, at), *stale(look, phase)]
-    own = look.accesses(0, at, "W", I2C, "I2COAR")
-    if own:
-        last = max(own, key=lambda r: r.tick)
-        steps.append(
-            look.step(last, f"I2COAR = 0x{last.value:02X} written, {look.span(at - last.tick)} before the NACK")
-        )
-    later = [r for r in look.accesses(at + 1, look.window.kept[-1].end, "W", I2C, "I2COAR") if r.value == phase.address]
-    if later:
-        told = f"I2COAR = 0x{phase.address:02X} written, {look.span(later[0].tick - at)} too late"
-        steps.append(look.step(later[0], told))
-    return Story(in_order(steps), (), look.blame_at(at))
+    if is_master(look, at):
+        return Story(in_order(steps), (), look.blame_at(at))
+    lacks = deaf(look, at)
+    own, wrong = own_address(look, at, phase.address)
+    steps += [*lacks, *own, *unread(look, at), *stale(look, phase)]
+    return Story(in_order(steps), (), look.blame_at(at) or _blamed(lacks or ([wrong] if wrong else [])))
+
+
+def _blamed(steps: list[Step]) -> Part | None:
+    """The first of the steps that has a place, as what is to blame."""
+    step = next((step for step in steps if step.place is not None), None)
+    return None if step is None else Part("code", step.what.partition(",")[0], 0, 1, step.place)
 
 
 def wrong_bytes(look: Look) -> Story:

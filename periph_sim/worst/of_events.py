@@ -16,7 +16,7 @@ from ..timing.events import Matcher
 from ..timing.race_measures import Watched
 from .chain import Part, Step, parts_of
 from .look import Look, in_order
-from .of_bus import Story
+from .of_bus import Story, nack
 
 WRITES = 6  # told of those in between
 BACK = 2  # causes told of each end
@@ -59,6 +59,8 @@ def once(look: Look, event: Matcher | None = None) -> Story:
     """One event with its causes, and what the firmware did then."""
     at = look.window.begin
     record = find(look, event, at)
+    if record is not None and (record.kind, record.what) == (Kind.BUS, "NACK"):
+        return nack(look)
     look = look.of(unit_of(look, record) or look.unit)
     now = look.say(at, f"{look.unit}: {look.doing_at(at)}", None, look.place_at(at))
     if record is None:

@@ -6,6 +6,8 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
 
+import pytest
+
 from firmware.python.startup import start_i2c
 from periph_sim.board.dsp import Dsp
 from periph_sim.board.firmware import Firmware
@@ -20,13 +22,16 @@ from tests.insight.scenes import line_of
 READ = {"address": 0x50, "count": 2, "expect": "01 02"}
 
 
-def explained(serve: Callable[[Any, Dsp], None], measure: str, request: dict[str, Any], **controller: Any) -> Explained:
-    """The one budget of a scene in which `serve` is a slave at 0x50."""
+def explained(
+    serve: Callable[[Any, Dsp], None], measure: str, request: dict[str, Any], start: bool = True, **controller: Any
+) -> Explained:
+    """The one budget of a scene in which `serve` is a slave at 0x50. start: it finds the module set up."""
 
     def main(dsp: Dsp, settings: object) -> None:
-        start_i2c(dsp, own_address=0x50)
         i2c = dsp.module("I2C-A")
-        i2c.I2CMDR.IRS = 1
+        if start:
+            start_i2c(dsp, own_address=0x50)
+            i2c.I2CMDR.IRS = 1
         serve(i2c, dsp)
 
     programs = {"dsp": Firmware("slave", main, None)}
@@ -49,6 +54,141 @@ def place_of(one: Explained, words: str) -> str:
     """Where the firmware did what a step says."""
     place = next(step.place for step in one.chain.steps if words in step.what)
     return f"{place.function}:{place.line}" if place else ""
+
+
+# NACK ------------------------------------------------------------------------------
+
+
+def other_address(i2c: Any, dsp: Dsp) -> None:
+    dsp.compute(30_000)
+    i2c.I2COAR.all = 0x51
+    dsp.compute(1_000_000)
+
+
+def address_too_late(i2c: Any, dsp: Dsp) -> None:
+    """The address is 95 us long, and begins 1 ms after main."""
+    i2c.I2COAR.all = 0x51
+    dsp.compute(165_000)
+    i2c.I2COAR.all = 0x50
+    dsp.compute(1_000_000)
+
+
+def reset_before(i2c: Any, dsp: Dsp) -> None:
+    dsp.compute(100_000)
+    i2c.I2CMDR.IRS = 0
+    dsp.compute(1_000_000)
+
+
+@pytest.mark.parametrize("measure", ["nacked", "nacked rounds", "count of bus NACK", "count of bus NACK address"])
+@pytest.mark.parametrize(
+    ("serve", "words", "below", "written_us"),
+    [
+        (other_address, "I2COAR = 0x51 written,", 2, -800),
+        (address_too_late, "I2COAR = 0x50 written, 5.", 4, 100),
+        (reset_before, "I2CMDR.IRS cleared, so the module lets SDA go", 2, -333),
+    ],
+)
+def test_a_refused_address_goes_back_to_the_write_behind_it(
+    serve: Callable[[Any, Dsp], None], words: str, below: int, written_us: int, measure: str
+):
+    """written_us: from the START of the request to the write."""
+    one = explained(serve, measure, READ)
+    step = next(step for step in one.chain.steps if words in step.what)
+    start = next(step for step in one.chain.steps if step.what.startswith("START, "))
+    assert place_of(one, words) == line_of(serve, below)
+    assert round(one.chain.us(step.at - start.at)) == pytest.approx(written_us, abs=1)
+    assert one.chain.blamed is not None and one.chain.blamed.place == step.place
+    assert any(what == "address 0x50 not acknowledged" for what in said(one))
+
+
+def no_address(i2c: Any, dsp: Dsp) -> None:
+    start_i2c(dsp)  # it writes I2COAR = 0
+    i2c.I2CMDR.IRS = 1
+    dsp.compute(1_000_000)
+
+
+def no_release(i2c: Any, dsp: Dsp) -> None:
+    start_i2c(dsp, own_address=0x50)
+    dsp.compute(1_000_000)
+
+
+def no_clock(i2c: Any, dsp: Dsp) -> None:
+    i2c.I2COAR.all = 0x50
+    i2c.I2CMDR.IRS = 1
+    dsp.compute(1_000_000)
+
+
+def never_addressed(i2c: Any, dsp: Dsp) -> None:
+    dsp.eallow()
+    dsp.module("SYS").PCLKCR0.I2CAENCLK = 1
+    dsp.edis()
+    dsp.compute(10)
+    i2c.I2CMDR.IRS = 1
+    dsp.compute(1_000_000)
+
+
+@pytest.mark.parametrize(
+    ("serve", "told"),
+    [
+        (no_address, "I2COAR = 0x00 written, "),
+        (no_release, "I2CMDR.IRS = 0, so the module lets SDA go: the firmware has never set it"),
+        (no_clock, "PCLKCR0.I2CAENCLK = 0, so the module has no clock: the firmware has never set it"),
+        (never_addressed, "I2COAR = 0x00: the firmware has never written it"),
+    ],
+)
+def test_a_refused_address_goes_back_to_the_write_that_is_missing(serve: Callable[[Any, Dsp], None], told: str):
+    assert any(what.startswith(told) for what in said(explained(serve, "nacked", READ, start=False)))
+
+
+def refuse_byte(i2c: Any, dsp: Dsp) -> None:
+    dsp.spin(lambda: i2c.I2CSTR.AAS == 1)
+    i2c.I2CMDR.NACKMOD = 1
+    dsp.compute(1_000_000)
+
+
+def reset_in_byte(i2c: Any, dsp: Dsp) -> None:
+    dsp.spin(lambda: i2c.I2CSTR.AAS == 1)
+    dsp.compute(6000)
+    i2c.I2CMDR.IRS = 0
+    dsp.compute(1_000_000)
+
+
+@pytest.mark.parametrize(
+    ("serve", "words", "below"),
+    [
+        (refuse_byte, "I2CMDR.NACKMOD set, so the module refuses the next byte, 99.", 2),
+        (reset_in_byte, "I2CMDR.IRS cleared, so the module lets SDA go, 59.", 3),
+    ],
+)
+def test_a_refused_byte_goes_back_to_the_write_behind_it(serve: Callable[[Any, Dsp], None], words: str, below: int):
+    one = explained(serve, "count of bus NACK byte", {"address": 0x50, "write": "01 02"})
+    assert place_of(one, words) == line_of(serve, below)
+    assert one.chain.blamed is not None and str(one.chain.blamed) == words.partition(",")[0]
+    assert "byte 1: 0x01 NACK" in said(one)
+
+
+def test_an_acknowledge_that_a_chip_refuses_to_the_firmware_is_not_put_down_to_its_own_address():
+    """The firmware is the master; nobody is at 0x51."""
+    run = case(
+        "2 ms",
+        unit={"dsp": {"firmware": "master", "modules": ["I2C-A"]}},
+        budget=[{"name": "b", "measure": "count of bus NACK", "max": 0}],
+    )
+
+    def main(dsp: Dsp, settings: object) -> None:
+        start_i2c(dsp, own_address=0x50)
+        i2c = dsp.module("I2C-A")
+        i2c.I2CSAR.all = 0x51
+        i2c.I2CMDR.all = 0x2E20  # STT, STP, MST, TRX, IRS
+        dsp.spin(lambda: i2c.I2CSTR.NACK == 1)
+
+    programs = {"dsp": Firmware("master", main, None)}
+    one = explain(run, Scene(run, programs=programs).run().budgets, programs=programs)["b"]
+    assert "address 0x51 not acknowledged" in said(one)
+    assert not any("I2COAR" in what or "IRS" in what for what in said(one))
+
+
+# Bytes and hangs ---------------------------------------------------------------------
 
 
 def answer_late(i2c: Any, dsp: Dsp) -> None:

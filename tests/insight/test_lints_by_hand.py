@@ -266,7 +266,7 @@ def test_a_byte_that_nobody_ever_reads(text: str, said: list[tuple[int, str]]):
 
 
 ALONE = f"{ON}5 R I2CSTR 0x0410 f:1\n10 W I2CDXR 1 f:2"
-ON_XRDY = "loads I2CDXR as slave on XRDY alone: the last read of I2CSTR showed SDIR = 0, so no master was reading yet"
+ON_XRDY = "loads I2CDXR as slave on XRDY alone: its last look at it showed SDIR = 0, so no master was reading yet"
 WIPED = (
     "loads I2CDXR as slave with SDIR = 0 though a master reads: the firmware itself cleared SDIR in this transfer, "
     "by writing I2CSTR at {}"
@@ -287,6 +287,11 @@ WIPED = (
         ("10 W", "7 R I2CSTR 0x4410 f:1\n10 W", []),  # the last look counts
         ("1 f:2", "1 f:2\n20 W I2CMDR 0x0620 f:3", []),  # it makes itself master
         ("1 f:2", "1 f:2\n20 W I2CMDR 0x0020 f:3\n30 W I2CMDR 0x0620 f:3", [10]),
+        ("10 W", "7 R I2CSTR 0x4410 f:1 SCD\n10 W", [10]),  # that is none at XRDY
+        ("10 W", "7 R I2CSTR 0x4410 f:1 SCD\n9 W I2CSTR 0x4420 f:1 SCD\n10 W", [10]),
+        ("0x0410 f:1", "0x0410 f:1 XRDY", [10]),
+        ("0x0410 f:1", "0x0410 f:1 BB", []),
+        ("10 W", "7 W I2CDXR 1 f:1\n10 W", [7]),  # no look since
         ("5 R I2CSTR", "5 R I2CIER", []),  # it never looked
         ("5 R I2CSTR 0x0410 f:1\n10 W I2CDXR 1 f:2", "5 W I2CDXR 1 f:2\n10 R I2CSTR 0x0410 f:1", []),
         ("10 W I2CDXR", "10 R I2CDXR", []),

@@ -17,8 +17,8 @@ HEAD = "the run: cycles between reads and changes; SYSCLKOUT 150 MHz, which all 
 NOTES = """\
 note: reads: recorded ones; polls: those beside a change in waits that were skipped, put back on the grid of their \
 passes. Columns 0 to more: reads and polls by cycles to their nearest change.
-note: A record does not say at which field a read looked: changes of all fields of the register count, but for those \
-that the firmware's own access made in its cycle; --register MODULE.REGISTER.FIELD takes one."""
+note: A read that names a field is compared with the changes of that field; one of the whole register, as each of a \
+read-modify-write is, with those of all. Changes that the firmware's own access made in its cycle do not count."""
 
 # A look, a read-modify-write of SCD between whose accesses NACK rises, two later reads. RRDY falls by the write: what
 # firmware does itself is no race.

@@ -112,16 +112,7 @@ def _outcome(path: Path, case: Case, changes: tuple[str, ...], keep_values: bool
     trouble = scene.deadlocks()
     if scene.hangs() and not trouble:
         trouble = scene.stuck_lines[-1:]
-    clocks = [int(unit.oscclk * unit.pll / 2) for unit in case.unit.values()]
-    figures = Baseline(
-        case=case.name,
-        simulated=scene.kernel.now - scene.start,
-        ticks_per_second=scene.timebase.per_second,
-        ticks_per_cycle=scene.timebase.per_second // clocks[0] if clocks else 1,
-        events=result.events,
-        counts={**result.counts, "I2C bytes": result.wire_bytes, "SCI bytes": result.sci_bytes},
-        budgets={part.budget.name: _figures(part, scene.start) for limit in scene.limits for part in limit.parts},
-    )
+    figures = baseline_of(scene, result)
     return Outcome(
         path=path,
         figures=figures,
@@ -138,6 +129,21 @@ def _outcome(path: Path, case: Case, changes: tuple[str, ...], keep_values: bool
         result=result,
         values=values_of(scene.limits, scene.start),
         typical=scene.typical(),
+    )
+
+
+def baseline_of(scene: Scene, result: Result) -> Baseline:
+    """The figures of a scene that has run, without chains."""
+    case = scene.case
+    clocks = [int(unit.oscclk * unit.pll / 2) for unit in case.unit.values()]
+    return Baseline(
+        case=case.name,
+        simulated=scene.kernel.now - scene.start,
+        ticks_per_second=scene.timebase.per_second,
+        ticks_per_cycle=scene.timebase.per_second // clocks[0] if clocks else 1,
+        events=result.events,
+        counts={**result.counts, "I2C bytes": result.wire_bytes, "SCI bytes": result.sci_bytes},
+        budgets={part.budget.name: _figures(part, scene.start) for limit in scene.limits for part in limit.parts},
     )
 
 

@@ -14,12 +14,13 @@ from __future__ import annotations
 import ast
 import copy
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from periph_sim.core.registers import Register
 from periph_sim.timing.names import MAPS
 
 DELAYS = (20, 300)  # cycles
+DELETED, MOVED, EXCHANGED = "deleted", "moved past", "exchanged"
 REGISTERS: dict[str, Register] = {register.name: register for each in MAPS.values() for register in each.registers}
 VECTORS = {"SCIRXINTA": "SCITXINTA"}
 BLOCKS = ("body", "orelse")
@@ -29,7 +30,10 @@ Path = tuple[tuple[str, int], ...]  # from a function down: which block, which s
 
 @dataclass(frozen=True)
 class Mutant:
-    """file: the module's name. line: of the statement. kind: what was done. before, after: the statement's source."""
+    """file: the module's name. line: of the statement. kind: what was done. before, after: the statement's source.
+
+    source: of the whole module. path: of the statement. place: of what is exchanged in it.
+    """
 
     file: str
     function: str
@@ -37,22 +41,67 @@ class Mutant:
     kind: str
     before: str
     after: str
-    tree: ast.Module
+    source: str = field(repr=False)
+    path: Path
+    place: int = 0
 
     def __str__(self) -> str:
-        what = f" --> {self.after}" if self.kind == "exchanged" else ""
-        return f"{self.file}.py:{self.line} {self.function}: {self.kind}: {self.before}{what}"
+        return f"{self.file}.py:{self.line} {self.text}"
+
+    @property
+    def text(self) -> str:
+        """What was done to which statement, without its line."""
+        what = f" --> {self.after}" if self.kind == EXCHANGED else ""
+        return f"{self.function}: {self.kind}: {self.before}{what}"
+
+    def tree(self) -> ast.Module:
+        """The changed module."""
+        tree = ast.parse(self.source)
+        function = _functions(tree)[self.function]
+        parent = _at(function, self.path[:-1]) if len(self.path) > 1 else function
+        block, index = self.path[-1]
+        siblings = getattr(parent, block)
+        if self.kind == DELETED:
+            siblings[index] = ast.copy_location(ast.Pass(), siblings[index])
+        elif self.kind == EXCHANGED:
+            _exchange(siblings[index], list(_exchangeable(siblings[index]))[self.place], _following(tree))
+        elif self.kind.startswith(MOVED):
+            siblings[index], siblings[index + 1] = siblings[index + 1], siblings[index]
+        else:
+            dsp = "dsp" if function.args.args[0].arg == "dsp" else "self.dsp"
+            late = ast.parse(f"{dsp}.compute({self.kind.split()[0]})").body[0]
+            siblings.insert(index, ast.copy_location(late, siblings[index]))
+        return ast.fix_missing_locations(tree)
 
 
 def mutants(file: str, source: str, functions: tuple[str, ...]) -> Iterator[Mutant]:
     """Every change of these functions' statements, in order."""
     tree = ast.parse(source)
-    found = {node.name: node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}
+    found, following = _functions(tree), _following(tree)
     for name in functions:
         for path in _statements(found[name]):
-            for kind, after, changed in _changes(tree, name, path):
-                statement = _at(found[name], path)
-                yield Mutant(file, name, statement.lineno, kind, _text(statement), after, changed)
+            parent = _at(found[name], path[:-1]) if len(path) > 1 else found[name]
+            block, index = path[-1]
+            statement, *others = getattr(parent, block)[index:]
+            for kind, after, place in _changes(statement, others, following):
+                yield Mutant(file, name, statement.lineno, kind, _text(statement), after, source, path, place)
+
+
+def _changes(statement: ast.stmt, others: list[ast.stmt], following: dict[str, str]) -> Iterator[tuple[str, str, int]]:
+    """(kind, the statement afterwards, which of its parts). others: the statements behind it."""
+    yield DELETED, "pass", 0
+    for cycles in DELAYS:
+        yield f"{cycles} cycles late", "", 0
+    if others:
+        yield f"{MOVED} {_text(others[0])}", "", 0
+    for place in range(len(list(_exchangeable(statement)))):
+        changed = copy.deepcopy(statement)
+        _exchange(changed, list(_exchangeable(changed))[place], following)
+        yield EXCHANGED, _text(changed), place
+
+
+def _functions(tree: ast.Module) -> dict[str, ast.FunctionDef]:
+    return {node.name: node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}
 
 
 def _statements(function: ast.AST, path: Path = ()) -> Iterator[Path]:
@@ -72,35 +121,6 @@ def _at(function: ast.AST, path: Path) -> ast.stmt:
         node = getattr(node, block)[index]
     assert isinstance(node, ast.stmt)
     return node
-
-
-def _changes(tree: ast.Module, name: str, path: Path) -> Iterator[tuple[str, str, ast.Module]]:
-    """(kind, the statement afterwards, the changed module)."""
-    block, index = path[-1]
-
-    def changed() -> tuple[ast.Module, list[ast.stmt], str]:
-        whole = copy.deepcopy(tree)
-        function = next(n for n in ast.walk(whole) if isinstance(n, ast.FunctionDef) and n.name == name)
-        parent = _at(function, path[:-1]) if len(path) > 1 else function
-        return whole, getattr(parent, block), "dsp" if function.args.args[0].arg == "dsp" else "self.dsp"
-
-    whole, siblings, _ = changed()
-    siblings[index] = ast.copy_location(ast.Pass(), siblings[index])
-    yield "deleted", "pass", whole
-    for cycles in DELAYS:
-        whole, siblings, dsp = changed()
-        siblings.insert(index, ast.copy_location(ast.parse(f"{dsp}.compute({cycles})").body[0], siblings[index]))
-        yield f"{cycles} cycles late", "", ast.fix_missing_locations(whole)
-    whole, siblings, _ = changed()
-    if index + 1 < len(siblings):
-        siblings[index], siblings[index + 1] = siblings[index + 1], siblings[index]
-        yield f"moved past {_text(siblings[index])}", "", whole
-    _, siblings, _ = changed()
-    for number in range(len(list(_exchangeable(siblings[index])))):
-        whole, siblings, _ = changed()
-        place = list(_exchangeable(siblings[index]))[number]
-        _exchange(siblings[index], place, _following(tree))
-        yield "exchanged", _text(siblings[index]), ast.fix_missing_locations(whole)
 
 
 def _exchangeable(statement: ast.stmt) -> Iterator[ast.expr]:

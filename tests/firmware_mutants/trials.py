@@ -3,7 +3,8 @@
     mutant --compiled--> module --> Scene of each case in turn, a step at a time --> first budget that is broken
                                     '-- none --> figures that differ from the unchanged firmware's
 
-A budget that is broken stops it. What breaks none may still move a budget's figures: `periph-sim check` says so.
+A budget that is broken stops it. What breaks none may still move a figure of a budget: `periph-sim check` fails then.
+Cases are shortened so that a trial is affordable: their faults come sooner, their budgets are those that they have.
 """
 
 from __future__ import annotations
@@ -15,10 +16,12 @@ from fractions import Fraction
 from functools import cache
 from itertools import count
 from pathlib import Path
-from time import process_time
 from types import ModuleType
 from typing import Any, NamedTuple
 
+from periph_sim.baselines.compare import INSTANTS, compare
+from periph_sim.baselines.figures import Baseline
+from periph_sim.baselines.outcome import baseline_of
 from periph_sim.board.firmware import Firmware
 from periph_sim.board.scene import Scene
 from periph_sim.case.load import load
@@ -30,46 +33,87 @@ ROOT = Path(__file__).parents[2]
 SOURCES = ROOT / "firmware" / "python"
 STARTUP = "startup"
 START = ("start_pin", "start_i2c", "sci_fifo_receiver", "start_pie")
-SERVICE = {
+FUNCTIONS = {
     "imu_hil": ("sci_received", "slave_config", "batch_read", "run"),
     "imu_hil_robust": (
         *("sci_received", "look_at_line", "own_address", "wait_for", "serve", "send", "wait_for_round"),
         *("look_at_round", "serve_round", "run", "start_timer"),
     ),
+    "startup": ("start_pin", "start_i2c", "sci_fifo_receiver", "start_pie"),
 }
-STEP = Fraction(1, 50)  # s: how often it is asked whether a budget is broken
-PATIENCE = 20  # s of CPU time for a step
+FIRMWARES = {
+    "imu_hil": "The firmware as published, in `imu_hil`, `imu_hil_400k`, and `imu_hil` with every setting on.",
+    "imu_hil_robust": "The firmware that a careful engineer would ship, in these two and the fault cases.",
+    "startup": "What both do first, in `imu_hil` and `imu_hil_400k`; `imu_hil_reset` with the robust firmware.",
+}
+STEP = Fraction(1, 200)  # s: how often it is asked whether a budget is broken
+STALLED = "stall_limit=2 s"  # of CPU time
 
 
 class Run(NamedTuple):
-    """A case, for how long, with which changes."""
+    """A case with a firmware, for how long, with which changes. functions: that it exercises as no run before it."""
 
+    firmware: str
     case: str
     seconds: str
     changes: tuple[str, ...] = ()
+    functions: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        return f"{self.case}, {self.firmware}"
 
 
+COLLIDING = ("host.first=3 ms",)  # so that frames end while a round is served
+SETTINGS = (  # what the shipped cases leave off
+    *("unit.dsp.settings.frame_cost=0.5 us", "unit.dsp.settings.models_run=frame"),
+    *("unit.dsp.settings.mask_during_i2c=true", "budget.service latency.max=4 ms"),
+)
+ON_BUS = ("own_address", "wait_for", "serve", "send", "wait_for_round", "look_at_round", "serve_round", "start_timer")
+ON_LINE = ("sci_received", "look_at_line", "wait_for_round", "look_at_round", "start_timer")
+RESET = Run("imu_hil_robust", "imu_hil_reset", "0.22", ("fault.0.at=45.4 ms", "fault.0.times=1"))
 RUNS = {
     "imu_hil": (
-        Run("imu_hil", "0.24"),
-        Run("imu_hil_drift", "0.5"),
-        Run("imu_hil_400k", "0.1"),
+        Run("imu_hil", "imu_hil", "0.09", COLLIDING),
+        Run("imu_hil", "imu_hil_400k", "0.06", COLLIDING),
+        Run("imu_hil", "imu_hil", "0.08", (*COLLIDING, *SETTINGS), ("sci_received", "batch_read", "run")),
+        Run(
+            *("imu_hil", "imu_hil_stuck_sda", "0.1"),
+            (*COLLIDING, "fault.0.at=38 ms", "fault.0.times=1", "budget.data age.max=80 ms"),
+            ("batch_read",),
+        ),
     ),
     "imu_hil_robust": (
-        Run("imu_hil", "0.24", ("unit.dsp.firmware=imu_hil_robust",)),
-        Run("imu_hil_lost_byte", "1.2"),
-        Run("imu_hil_silent_host", "1.2"),
-        Run("imu_hil_stuck_sda", "0.5"),
-        Run("imu_hil_reset", "0.7"),
-        Run("imu_hil_glitches", "1"),
-        Run("imu_hil_400k", "0.1", ("unit.dsp.firmware=imu_hil_robust",)),
+        Run("imu_hil_robust", "imu_hil", "0.09", COLLIDING),
+        Run("imu_hil_robust", "imu_hil_400k", "0.06", COLLIDING),
+        Run("imu_hil_robust", "imu_hil_lost_byte", "0.2", ("host.lose=[[2, 5], [4, 0], [6, 11]]",), ON_LINE),
+        Run(
+            *("imu_hil_robust", "imu_hil_silent_host", "0.2"),
+            ('host.silent=[["60 ms", "50 ms"]]', "budget.4.after=135 ms"),
+            ON_LINE,
+        ),
+        Run(
+            *("imu_hil_robust", "imu_hil_stuck_sda", "0.16"),
+            ("fault.0.at=38 ms", "fault.0.every=60 ms", "fault.0.times=2"),
+            ON_BUS,
+        ),
+        RESET._replace(functions=("run", *ON_BUS)),
+        Run("imu_hil_robust", "imu_hil_glitches", "0.4", (), ON_BUS),
+    ),
+    "startup": (
+        Run("imu_hil", "imu_hil", "0.09", COLLIDING),
+        Run("imu_hil", "imu_hil_400k", "0.06", COLLIDING),
+        RESET,
     ),
 }
+
+
+BROKEN, ENDED = "budget broken", "run ended"
+MOVED, MOVED_IN_TIME = "figure moved", "instant moved"  # MOVED_IN_TIME: when a value was reached, and no value
 
 
 @dataclass(frozen=True)
 class Trial:
-    """by: the budget that caught it, empty if none did. how: "broken", "moved" or "error"."""
+    """by: the budget that caught it, or the error that ended the run; empty if nothing did. how: see above."""
 
     mutant: Mutant
     case: str = ""
@@ -77,63 +121,66 @@ class Trial:
     how: str = ""
 
 
-Figures = dict[str, tuple[int, int, int]]
+def all_mutants(file: str) -> list[Mutant]:
+    """Those of the code of a firmware, or of the start-up that both have."""
+    return list(mutants(file, _source(file), FUNCTIONS[file]))
 
 
-def all_mutants(firmware: str) -> list[Mutant]:
-    """Those of a firmware's own code and of its start-up."""
-    parts = ((firmware, SERVICE[firmware]), (STARTUP, START))
-    return [one for name, functions in parts for one in mutants(name, _source(name), functions)]
-
-
-def tried(firmware: str, mutant: Mutant) -> Trial:
-    module = _mutated(firmware, mutant)
+def tried(mutant: Mutant) -> Trial:
     moved = Trial(mutant)
-    for run in RUNS[firmware]:
+    for run in RUNS[mutant.file]:
+        if run.functions and mutant.function not in run.functions:
+            continue
         try:
-            by, figures = _ran(run, module)
+            by, figures = _ran(run, _mutated(run.firmware, mutant))
         except Exception as error:  # firmware that cannot go on: a run says so, with its line
-            return Trial(mutant, run.case, f"{type(error).__name__}: {error}".splitlines()[0], "error")
-        if by:
-            return Trial(mutant, run.case, by, "broken")
-        if not moved.by:
-            usual = usual_figures(firmware, run)
-            differing = [name for name, figure in figures.items() if figure != usual[name]]
-            moved = Trial(mutant, run.case, differing[0], "moved") if differing else moved
+            return Trial(mutant, str(run), f"{type(error).__name__}: {error}".splitlines()[0], ENDED)
+        if by or figures is None:
+            return Trial(mutant, str(run), by, BROKEN)
+        moved = _moved(mutant, str(run), usual_figures(run), figures) or moved
+        if moved.how == MOVED:
+            break
     return moved
 
 
+def _moved(mutant: Mutant, case: str, usual: Baseline, figures: Baseline) -> Trial | None:
+    """What `check` tells of these figures; a value before an instant."""
+    changes = [change for change in compare(usual, figures) if not change.note]
+    values = [change for change in changes if change.figure not in INSTANTS]
+    for how, found in ((MOVED, values), (MOVED_IN_TIME, changes)):
+        if found:
+            return Trial(mutant, case, found[0].budget or found[0].figure, how)
+    return None
+
+
 @cache
-def usual_figures(firmware: str, run: Run) -> Figures:
+def usual_figures(run: Run) -> Baseline:
     """Those of the unchanged firmware, which no budget may catch."""
-    by, figures = _ran(run, compiled(_source(firmware), firmware))
-    assert not by, f"{run} fails with the unchanged firmware: {by}"
+    by, figures = _ran(run, compiled(_source(run.firmware), run.firmware))
+    assert figures is not None and not by, f"{run} fails with the unchanged firmware: {by}"
     return figures
 
 
-def _ran(run: Run, module: Any) -> tuple[str, Figures]:
-    """(the first budget that is broken, or what else is wrong; the figures of all)."""
-    case = load(ROOT / "timing" / f"{run.case}.toml", list(run.changes))
+def _ran(run: Run, module: Any) -> tuple[str, Baseline | None]:
+    """(the first budget that is broken or not judged, or that the run hangs; the figures of all)."""
+    case = load(ROOT / "timing" / f"{run.case}.toml", [*run.changes, STALLED])
     scene = Scene(case, programs={"dsp": Firmware("mutant", module.main, module.Settings)})
     end = scene.start + scene.timebase.ticks(run.seconds + " s", "nearest")
     step = scene.timebase.ticks(STEP)
     while scene.kernel.now + step < end:
-        began = process_time()
         scene.kernel.run_until(scene.kernel.now + step)
-        if process_time() - began > PATIENCE:
-            return "it takes too long", {}
         broken = next((limit.budget.name for limit in scene.limits if _broken(limit)), "")
         if broken:
-            return broken, {}
+            return broken, None
     result = scene.run(scene.timebase.seconds(end - scene.kernel.now))
     failed = next((verdict.name for verdict in result.budgets if not verdict.passed), "")
     if not failed and result.verdict == "fail":
         failed = "firmware waits for ever"
-    figures = {one.budget.name: (one.measure.worst, one.measure.least, one.measure.count) for one in scene.limits}
-    return failed, figures
+    return failed, baseline_of(scene, result)
 
 
 def _broken(limit: Limit) -> bool:
+    """True if what was measured so far is beyond a limit that no later value can make good."""
     measure = limit.measure
     most, least = limit.limits.get("max"), limit.limits.get("min")
     if measure.silent or not measure.count:
@@ -143,8 +190,8 @@ def _broken(limit: Limit) -> bool:
 
 def _mutated(firmware: str, mutant: Mutant) -> Any:
     if mutant.file == firmware:
-        return compiled(mutant.tree, firmware)
-    start = compiled(mutant.tree, STARTUP)
+        return compiled(mutant.tree(), firmware)
+    start = compiled(mutant.tree(), STARTUP)
     return compiled(_source(firmware), firmware, {f"firmware.python.{STARTUP}": start})
 
 

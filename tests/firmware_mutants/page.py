@@ -1,0 +1,82 @@
+"""The page that names what catches each mutant: trials go in, docs/firmware_mutants.md comes out, a row a statement."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import groupby
+
+from .argued import ARGUMENTS, argument_of
+from .changes import DELAYS, DELETED, EXCHANGED, MOVED
+from .tally import WAYS, Tally
+from .trials import BROKEN, ENDED, FIRMWARES, MOVED_IN_TIME, Trial
+
+KINDS = (DELETED, *(f"{cycles} cycles late" for cycles in DELAYS), MOVED, EXCHANGED)
+HEAD = """# Firmware mutants
+
+`make firmware-mutants` changes one statement after another of the service path, the start-up and the SCI routine of
+both emulators, runs the flagship's cases with it, and writes this page. A statement is deleted, delayed by 20 and by
+300 cycles, moved past the one behind it, and has each constant, named constant and register field in it exchanged for
+another: a constant loses its lowest bit, a field gives way to the next one of its register.
+
+Cases are run for a fraction of a second, with faults that come sooner. A mutant counts as caught where
+
+* **a budget** in bold is broken or no longer judged: `periph-sim run` fails,
+* the run *ends* with an error that names the line,
+* a budget's worst, least or count, in plain letters, is not what the unchanged firmware has: `periph-sim check` fails;
+  *when* stands behind it if only the instant of a worst or least value is another one.
+
+A number in brackets is an argument, below, why nothing on this chip can tell.
+"""
+
+
+def page(trials: Mapping[str, Sequence[Trial]]) -> str:
+    text = HEAD + _summary(trials)
+    for file, of_file in trials.items():
+        text += f"\n## {file}\n\n{FIRMWARES[file]}\n\n" + _statements(of_file)
+    return text + _arguments()
+
+
+def _summary(trials: Mapping[str, Sequence[Trial]]) -> str:
+    rows = [f"\n| | mutants | {' | '.join(WAYS)} | caught of those not argued |", f"|---{'|---:' * (len(WAYS) + 2)}|"]
+    everything = [trial for of_file in trials.values() for trial in of_file]
+    groups = {f"`{file}.py`": list(of_file) for file, of_file in trials.items()}
+    groups |= {kind: [trial for trial in everything if trial.mutant.kind.startswith(kind)] for kind in KINDS}
+    for name, chosen in {**groups, "all": everything}.items():
+        tally = Tally(chosen)
+        counts = " | ".join(str(tally.ways[way]) for way in WAYS)
+        rows.append(f"| {name} | {tally.total} | {counts} | {tally.share:.1f} % |")
+    return "\n".join(rows) + "\n"
+
+
+def _statements(trials: Sequence[Trial]) -> str:
+    rows = [f"| line | statement | {' | '.join(KINDS)} |", f"|---:|---{'|---' * len(KINDS)}|"]
+    for (line, before), group in groupby(trials, lambda trial: (trial.mutant.line, trial.mutant.before)):
+        of_statement = list(group)
+        cells = [_cell([t for t in of_statement if t.mutant.kind.startswith(kind)]) for kind in KINDS]
+        statement = before.replace("|", "\\|")
+        rows.append(f"| {line} | `{statement}` | {' | '.join(cells)} |")
+    return "\n".join(rows) + "\n"
+
+
+def _cell(trials: Sequence[Trial]) -> str:
+    return "; ".join(_caught(trial) for trial in trials)
+
+
+def _caught(trial: Trial) -> str:
+    if trial.how == ENDED:
+        return "*ends*"
+    if trial.how == BROKEN:
+        return f"**{trial.by}**"
+    argument = argument_of(trial.mutant)
+    if not trial.how:
+        return f"[{ARGUMENTS.index(argument) + 1}]" if argument else "SURVIVED"
+    return f"{trial.by}, *when*" if trial.how == MOVED_IN_TIME else trial.by
+
+
+def _arguments() -> str:
+    rows = ["\n## Without effect on this chip\n"]
+    for number, one in enumerate(ARGUMENTS, 1):
+        source = f" ({', '.join(one.rules)})" if one.rules else ""
+        said = f" `lint` says so: {one.lint}." if one.lint else ""
+        rows.append(f"{number}. {one.why}{source}.{said}")
+    return "\n".join(rows) + "\n"

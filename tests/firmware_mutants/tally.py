@@ -1,0 +1,38 @@
+"""Trials counted: how many mutants broke a budget, ended the run, moved a figure, are argued, survived."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+from .argued import argument_of
+from .trials import BROKEN, ENDED, MOVED, MOVED_IN_TIME, Trial
+
+ENOUGH = 95  # percent
+ARGUED, SURVIVED = "argued", "survived"
+WAYS = (BROKEN, ENDED, MOVED, MOVED_IN_TIME, ARGUED, SURVIVED)
+
+
+class Tally:
+    """refuted: argued to have no effect, and caught all the same."""
+
+    def __init__(self, trials: Sequence[Trial]) -> None:
+        self.ways = Counter(way(trial) for trial in trials)
+        self.survivors = [trial for trial in trials if way(trial) == SURVIVED]
+        self.refuted = [trial for trial in trials if trial.how and argument_of(trial.mutant)]
+        self.total = len(trials)
+
+    @property
+    def share(self) -> float:
+        """Percent of those that are not argued."""
+        counted = self.total - self.ways[ARGUED]
+        return 100 * (counted - self.ways[SURVIVED]) / counted if counted else 100.0
+
+    def __str__(self) -> str:
+        counts = ", ".join(f"{self.ways[each]} {each}" for each in WAYS)
+        return f"{self.total} mutants: {counts}; {self.share:.1f} % of those not argued are caught"
+
+
+def way(trial: Trial) -> str:
+    """One of WAYS."""
+    return trial.how or (ARGUED if argument_of(trial.mutant) else SURVIVED)

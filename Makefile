@@ -32,7 +32,7 @@ ROOMS ?= chips processor measures decoders insight
 mutants: $(STAMP)
 	$(BIN)/python -m tests.mutants --count $(COUNT) $(SEEDS:%=--seed %) $(ROOMS:%=--room %)
 
-# Every statement of both emulators changed; build/firmware_mutants.md names the budget that catches each.
+# Every statement of both emulators changed; docs/firmware_mutants.md names the budget that catches each.
 firmware-mutants: $(STAMP)
 	$(BIN)/python -m tests.firmware_mutants
 

@@ -18,6 +18,7 @@ ROOT = Path(__file__).parents[2]
 PUBLISHED, ROBUST = "unit.dsp.firmware=imu_hil", "unit.dsp.firmware=imu_hil_robust"
 FAULTS = {  # what breaks with the published firmware
     "imu_hil_lost_byte": {"wrong bytes", "data age"},
+    "imu_hil_broken_line": {"wrong bytes", "data age"},
     "imu_hil_silent_host": {"fresh again"},
     "imu_hil_doubled_frame": {"data age"},
     "imu_hil_spikes": {"data age"},

@@ -1,4 +1,4 @@
-"""The changes that are made of a firmware's statements, and that what catches them can fail."""
+"""The changes that are made of a firmware's statements."""
 
 from __future__ import annotations
 
@@ -6,9 +6,7 @@ import ast
 
 import pytest
 
-from tests.firmware_mutants.argued import ARGUMENTS
-from tests.firmware_mutants.changes import mutants
-from tests.firmware_mutants.trials import RUNS, Run, all_mutants, tried, usual_figures
+from tests.firmware_mutants.changes import Mutant, mutants
 
 SOURCE = '''
 RRDY, SDIR = 8, 64
@@ -46,37 +44,34 @@ def test_each_constant_flag_and_field_is_exchanged():
     ]
 
 
-def test_every_mutant_is_another_program_that_compiles():
-    found = list(mutants("small", SOURCE, ("serve",)))
-    texts = [ast.unparse(one.tree) for one in found]
-    assert len(set(texts)) == len(texts) and ast.unparse(ast.parse(SOURCE)) not in texts
-    for one in found:
-        compile(one.tree, "small", "exec")
-
-
-@pytest.mark.parametrize("firmware", RUNS)
-def test_unchanged_firmware_breaks_nothing(firmware: str):
-    assert usual_figures(firmware, RUNS[firmware][0])
+def small(text: str) -> Mutant:
+    (found,) = (one for one in mutants("small", SOURCE, ("serve",)) if one.text == f"serve: {text}")
+    return found
 
 
 @pytest.mark.parametrize(
-    ("text", "by", "how"),
+    ("text", "body"),
     [
-        ("slave_config: deleted: i2c.I2COAR.all = address", "reaction", "broken"),
-        ("batch_read: 300 cycles late: i2c.I2CDXR.all = next(buffer)", "reaction", "broken"),
-        ("start_pie: deleted: dsp.eint()", "data age", "broken"),
-        ("batch_read: 20 cycles late: i2c.I2CDXR.all = next(buffer)", "reaction", "moved"),
-        ("start_pin: moved past dsp.clear_pin(pin): port = 'ABC'[pin // 32]", "", ""),
+        ("deleted: self.count = 6", ["if self.i2c.I2CSTR.all & RRDY:", "    pass"]),
+        ("20 cycles late: return 0", ["self.dsp.compute(20)", "return 0"]),
+        ("300 cycles late: self.i2c.I2CMDR.IRS = 1", ["self.dsp.compute(300)", "self.i2c.I2CMDR.IRS = 1"]),
+        (
+            "moved past return 0: if self.i2c.I2CSTR.all & RRDY:",
+            ["return 0", "if self.i2c.I2CSTR.all & RRDY:", "    self.count = 6"],
+        ),
+        ("exchanged: return 0 --> return 1", ["return 1"]),
     ],
 )
-def test_a_mutant_is_caught_by_the_budget_that_it_is_about(text: str, by: str, how: str, monkeypatch):
-    (mutant,) = (one for one in all_mutants("imu_hil") if str(one).endswith(text))
-    monkeypatch.setitem(RUNS, "imu_hil", (Run("imu_hil", "0.14"),))
-    trial = tried("imu_hil", mutant)
-    assert trial.how == how and (how != "broken" or trial.by) and (how == "broken" or trial.by == by)
+def test_only_the_statement_itself_is_changed(text: str, body: list[str]):
+    before, after = (ast.unparse(tree).splitlines() for tree in (ast.parse(SOURCE), small(text).tree()))
+    assert "\n".join(f"        {line}" for line in body) in "\n".join(after)
+    changed = [line for line in before if line not in after] + [line for line in after if line not in before]
+    assert len(changed) <= 2
 
 
-def test_every_argument_is_about_some_mutant():
-    found = [one for firmware in RUNS for one in all_mutants(firmware)]
-    for one in ARGUMENTS:
-        assert any(one.function == each.function and one.before in each.before for each in found), one
+def test_every_mutant_is_another_program_that_compiles():
+    found = list(mutants("small", SOURCE, ("serve",)))
+    texts = [ast.unparse(one.tree()) for one in found]
+    assert len(set(texts)) == len(texts) and ast.unparse(ast.parse(SOURCE)) not in texts
+    for one in found:
+        compile(one.tree(), "small", "exec")

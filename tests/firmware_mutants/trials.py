@@ -70,6 +70,7 @@ SETTINGS = (  # what the shipped cases leave off
 )
 ON_BUS = ("own_address", "wait_for", "serve", "send", "wait_for_round", "look_at_round", "serve_round", "start_timer")
 ON_LINE = ("sci_received", "look_at_line", "wait_for_round", "look_at_round", "start_timer")
+BREAK = (*COLLIDING, "host.jitter=0 s", "fault.0.at=24.034 ms", "fault.0.spread=0 s", "fault.0.times=1")
 RESET = Run("imu_hil_robust", "imu_hil_reset", "0.22", ("fault.0.at=45.4 ms", "fault.0.times=1"))
 RUNS = {
     "imu_hil": (
@@ -84,7 +85,8 @@ RUNS = {
     ),
     "imu_hil_robust": (
         Run("imu_hil_robust", "imu_hil", "0.09", COLLIDING),
-        Run("imu_hil_robust", "imu_hil_400k", "0.06", COLLIDING),
+        Run("imu_hil_robust", "imu_hil_400k", "0.06", (*COLLIDING, "unit.dsp.settings.frame_cost=0.5 us")),
+        Run("imu_hil_robust", "imu_hil_broken_line", "0.13", BREAK, ON_LINE),
         Run("imu_hil_robust", "imu_hil_lost_byte", "0.2", ("host.lose=[[2, 5], [4, 0], [6, 11]]",), ON_LINE),
         Run(
             *("imu_hil_robust", "imu_hil_silent_host", "0.2"),

@@ -138,6 +138,18 @@ def test_a_break_stands_behind_the_frame_it_also_makes():
     assert table.frame_error.tolist() == [True, False] and table.value.tolist() == [0, -1]
 
 
+@pytest.mark.parametrize(("length", "glitched"), [(1, True), (4, True), (5, False), (6, False)])
+def test_what_is_shorter_than_half_a_bit_is_a_glitch(length: int, glitched: bool):
+    """In a low bit of ten samples."""
+    samples = bytearray(uart_wave([(Fraction(20), frame_bits(0x00))], Fraction(10), 200))
+    for place in range(length):
+        samples[62 + place] ^= 1
+    capture = of_bytes(bytes(samples), ("RX",))
+    assert uart_table(capture, "RX", Line(100_000)).glitched.tolist() == [glitched]
+    (frame,) = uart.events(capture, "RX", Line(100_000))
+    assert isinstance(frame, uart.Frame) and frame.glitched == glitched
+
+
 def test_a_glitch_in_a_frame_is_left_out():
     samples = bytearray(uart_wave([(Fraction(20), frame_bits(0x4B))], Fraction(10), 200))
     samples[55] ^= 1  # in the middle of a bit

@@ -1,0 +1,266 @@
+"""Measures of transfers, rounds and values where they begin, end and count, by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from periph_sim.core.records import Kind, Record
+from periph_sim.core.time import NO_TIME
+from periph_sim.devices.sensor_head import CHIPS, Round
+from periph_sim.lines.i2c_controller import Phase, Transfer
+from periph_sim.timing.bus_measures import Stretch, WrongBytes, begin_of
+from periph_sim.timing.making import make_of_events
+from periph_sim.timing.measures import MILLIONTHS
+from periph_sim.timing.round_measures import Slack
+from periph_sim.timing.span_measures import SpanTime
+from periph_sim.timing.states import State
+from periph_sim.timing.value_measures import RECENT, ValueDeviation
+from tests.timing.events_by_hand import ONE, records, tell
+from tests.timing.test_measures import GYRO, OTHER, Told, read, wrote
+
+
+class Scene:
+    """Whatever a measure asks for: who listens, and what is there."""
+
+    def __init__(self, **there: int) -> None:
+        self.there = there
+        self.heard: dict[str, Callable[..., None]] = {}
+
+    def __getattr__(self, name: str):
+        if name.startswith("listen_"):
+            return lambda told: self.heard.setdefault(name.removeprefix("listen_"), told)
+        if name in self.there:
+            return lambda *_: self.there[name]
+        raise AttributeError(name)
+
+
+# Transfers ------------------------------------------------------------------------------------------------------------
+
+
+def test_a_phase_that_never_began_stands_where_its_transfer_did():
+    refused, asked = wrote(GYRO, at=40, acked=False), Phase(GYRO, read=True)
+    transfer = Transfer("chip", [refused, asked])
+    assert (begin_of(transfer, refused), begin_of(transfer, asked)) == (40, 40)
+    assert begin_of(Transfer("chip", [refused, read(GYRO, at=55)]), read(GYRO, at=55)) == 55
+
+
+@pytest.mark.parametrize(
+    ("since", "said", "worst"),
+    [(NO_TIME, "", (7, 10)), (50, "SCL was still held low when the run ended", (30, 50)), (73, "", (7, 10))],
+)
+def test_scl_that_is_held_at_the_end_counts_with_what_it_has_been(since: int, said: str, worst: tuple[int, int]):
+    measure = Stretch()
+    scene = Scene(held_since=since)
+    measure.listen(scene)  # type: ignore[arg-type]
+    scene.heard["transfers"](Transfer("chip", [read(GYRO, at=10, stretch=7)]))
+    measure.finish(80)
+    assert measure.close(80) == said and (measure.worst, measure.worst_at) == worst
+
+
+def test_the_first_wrong_read_is_told_and_places_are_counted():
+    told = Told("wrong bytes")
+    for got, expected in ((b"\x01\x02", b"\x01\x02"), (b"\x01\x09\x05", b"\x01\x02\x07"), (b"\x08\x09", b"\x01\x09")):
+        phase = read(OTHER, got, at=100 + got[0])
+        phase.expect = expected
+        told.transfer(phase)
+    assert isinstance(told.measure, WrongBytes)
+    assert told.measure.first == "chip read 01 09 05 where 01 02 07 was expected"
+    assert told.measure.where == {"chip byte 1": 1, "chip byte 2": 1, "chip byte 0": 1}
+    assert told.came() == (3, 101, 3, 7)
+
+
+@pytest.mark.parametrize(
+    ("got", "expected", "asked", "wrong", "compared", "occasions"),
+    [
+        (b"\x01", b"\x01\x02", 2, 0, 1, 2),  # cut short: one of two compared
+        (b"\x01\x02\x03", b"\x01\x02", 2, 0, 2, 3),
+        (b"", b"\x01", 1, 0, 0, 1),
+        (b"\x02", b"", 1, 0, 0, 1),
+    ],
+)
+def test_bytes_are_compared_as_far_as_both_go(
+    got: bytes, expected: bytes, asked: int, wrong: int, compared: int, occasions: int
+):
+    told = Told("wrong bytes")
+    phase = Phase(OTHER, read=True, count=asked, acked=True, got=bytearray(got), start_at=5)
+    phase.expect = expected
+    told.transfer(phase)
+    assert (told.measure.worst, told.measure.count, told.measure.occasions) == (wrong, compared, occasions)
+
+
+# Rounds ---------------------------------------------------------------------------------------------------------------
+
+
+def over(due: int, end: int, start: int | None = None, nacked: int = 0) -> Round:
+    return Round(1, due, due if start is None else start, end, nacked)
+
+
+def test_a_round_is_measured_from_its_begin_and_slack_from_its_end():
+    told = Told("round")
+    for heard in told.rounds:
+        heard(over(1000, 1500, start=1100))
+    assert told.came() == (400, 1100, 400, 1)
+    slack, scene = Slack(), Scene(round_period=2000)
+    slack.listen(scene)  # type: ignore[arg-type]
+    for one in (over(1000, 1500), over(3000, 5001)):
+        scene.heard["rounds"](one)
+    assert (slack.worst, slack.worst_at, slack.least, slack.least_at) == (1500, 1500, -1, 5001)
+
+
+@pytest.mark.parametrize(("not_before", "measured", "occasions"), [(0, 3, 3), (10, 3, 3), (11, 2, 2), (51, 0, 0)])
+def test_rounds_are_counted_from_the_time_asked_for(not_before: int, measured: int, occasions: int):
+    told = Told("nacked rounds")
+    told.measure.not_before = not_before
+    for due in (10, 30, 50):
+        told.round(due, due + 5)
+    told.measure.finish(60)
+    assert (told.measure.measured, told.measure.occasions) == (measured, occasions)
+
+
+# Spans and states -----------------------------------------------------------------------------------------------------
+
+
+def test_a_span_that_is_not_over_counts_with_what_it_has_lasted_unit_by_unit():
+    measure = SpanTime("model")
+    tell(measure, records("10 span dsp model 1\n15 span dsp model 0\n20 span imu model 1\n30 span dsp model 1"))
+    assert sorted(measure.unfinished(100)) == [(70, 30), (80, 20)]
+    assert measure.close(100) == "span 'model' still lasted when the run ended"
+    assert (measure.worst, measure.worst_at, measure.least, measure.count) == (80, 20, 5, 3)
+
+
+@pytest.mark.parametrize(
+    ("text", "there", "holds"),
+    [
+        ("wire SCL high", {"level_of": 1}, True),
+        ("wire SCL high", {"level_of": 0}, False),
+        ("wire SCL low", {"level_of": 0}, True),
+        ("flag I2C-A.I2CSTR.AAS = 1", {"value_of": 1}, True),
+        ("flag I2C-A.I2CSTR.AAS = 1", {"value_of": 0}, False),
+        ("bus busy", {}, False),
+        ("bus free", {}, True),
+        ("interrupt SCIRXINTA", {}, False),
+        ("model", {}, False),
+    ],
+)
+def test_which_states_hold_before_anything_has_happened(text: str, there: dict[str, int], holds: bool):
+    state: State = make_of_events(f"time in {text}", ONE)._state  # type: ignore[attr-defined]
+    assert state.holds(Scene(**there)) == holds  # type: ignore[arg-type]
+
+
+def test_a_sum_is_one_number_and_begins_where_the_state_did_first():
+    told = make_of_events("time in wire SCL low", ONE)
+    told.listen(Scene(level_of=1, began=0))  # type: ignore[arg-type]
+    tell(told, records("10 edge SCL level 0\n16 edge SCL level 1\n20 edge SCL level 0"))
+    told.finish(25)
+    told.finish(90)  # it is over once
+    assert not told.series and (told.worst, told.worst_at, told.least, told.least_at, told.count) == (11, 10, 11, 10, 2)
+
+
+# Pairs ----------------------------------------------------------------------------------------------------------------
+
+
+def test_what_may_not_be_guessed_is_told_with_times_from_the_begin_of_the_run():
+    told = make_of_events("from edge SCL rise to edge SDA rise", ONE)
+    told.listen(Scene(began=50, ticks_per_second=1000))  # type: ignore[arg-type]
+    tell(told, records("100 edge SCL level 1\n350 edge SCL level 1\n360 edge SCL level 1\n400 edge SDA level 1"))
+    assert told.missing() == (
+        "'edge SCL rise' came at 0.050000 s and again at 0.300000 s before 'edge SDA rise'; "
+        "say behind a comma which belong together: in order, next or last"
+    )
+
+
+@pytest.mark.parametrize(("not_before", "measured", "occasions"), [(0, 2, 3), (11, 2, 3), (12, 1, 2), (52, 0, 0)])
+def test_transfers_are_counted_from_the_time_asked_for(not_before: int, measured: int, occasions: int):
+    told = make_of_events("from edge SCL rise to edge SDA rise, same transfer", ONE)
+    scene = Scene(began=0, ticks_per_second=1, transfers_in_round=1, startup_transfers=0)
+    told.listen(scene)  # type: ignore[arg-type]
+    told.not_before = not_before
+    of = "10 bus c START 0\n11 edge SCL level 1\n12 edge SDA level 1\n15 bus c STOP 0\n"
+    of += "30 bus c START 0\n31 edge SCL level 1\n35 bus c STOP 0\n"
+    of += "50 bus c START 0\n51 edge SCL level 1\n52 edge SDA level 1\n55 bus c STOP 0\n"
+    tell(told, records(of))
+    told.finish(60)
+    assert (told.measured, told.occasions) == (measured, occasions)
+    assert told.asked == "transfers with 'edge SCL rise'"
+
+
+# Values ---------------------------------------------------------------------------------------------------------------
+
+
+class Truth(Scene):
+    """The truth of the gyroscope at tick t is (t, -t, 0) hundredths of an LSB; frame n was due at 100 n."""
+
+    def frame_due(self, number: int) -> int:
+        return 100 * number
+
+    def truth_at(self, tick: int) -> Mapping[str, tuple[float, float, float]]:
+        return dict.fromkeys(CHIPS, (tick / 100, -tick / 100, 0.0))
+
+
+def sample(*values: int) -> bytes:
+    return b"".join(value.to_bytes(2, "big", signed=True) for value in values)
+
+
+def deviation(at_frame: bool, *, frames: int = 1, chip: str = "") -> tuple[ValueDeviation, Truth]:
+    measure, scene = ValueDeviation(chip, at_frame), Truth()
+    measure.listen(scene)  # type: ignore[arg-type]
+    measure.keep()
+    for number in range(frames):
+        scene.heard["frames"](number + 1, (0,) * 6, 0)
+    return measure, scene
+
+
+def test_a_value_is_off_by_its_worst_axis_at_its_first_data_bit():
+    measure, scene = deviation(False)
+    for answer_at, values in ((200, (2, -2, 0)), (350, (3, -3, 0)), (400, (4, -1, 0)), (500, (5, -5, -7))):
+        phase = read(GYRO, sample(*values), at=answer_at - 20, answer_at=answer_at)
+        scene.heard["transfers"](Transfer("gyroscope", [phase]))
+    assert measure.all_kept()[0].tolist() == [0, MILLIONTHS // 2, 3 * MILLIONTHS, 7 * MILLIONTHS]
+    assert measure.all_kept()[1].tolist() == [180, 330, 380, 480] and measure.occasions == 4
+
+
+@given(st.integers(1, 12), st.integers(0, 14))
+def test_at_the_frame_the_best_of_the_last_eight_counts(frames: int, carried: int):
+    measure, scene = deviation(True, frames=frames)
+    phase = read(GYRO, sample(carried, -carried, 0), at=2000, answer_at=2020)
+    scene.heard["transfers"](Transfer("gyroscope", [phase]))
+    recent = range(max(frames - RECENT, 0) + 1, frames + 1)
+    assert measure.worst == min(abs(carried - number) for number in recent) * MILLIONTHS
+
+
+def test_which_reads_have_a_value():
+    measure, scene = deviation(False, chip="gyroscope")
+    bytes_ = sample(2, -2, 0)
+    transfers = (
+        [read(GYRO, bytes_, at=180, answer_at=200)],
+        [read(0x53, bytes_, at=280, answer_at=300)],  # another chip
+        [read(GYRO, bytes_[:4], at=380, answer_at=400)],  # cut short: asked, and without a value
+        [wrote(GYRO, at=480)],
+        [wrote(GYRO, at=580, acked=False), Phase(GYRO, read=True, count=6)],
+    )
+    for phases in transfers:
+        scene.heard["transfers"](Transfer("gyroscope", phases))
+    assert (measure.count, measure.occasions) == (1, 3)
+    early, before = deviation(False, frames=0)
+    before.heard["transfers"](Transfer("gyroscope", transfers[0]))
+    assert (early.count, early.occasions) == (0, 0)
+    assert (
+        early.missing()
+        == "no sample of gyroscope or accelerometer or magnetometer was read after a host frame had come"
+    )
+    assert measure.missing() == "no sample of gyroscope was read after a host frame had come"
+
+
+def test_a_record_of_another_unit_is_no_wait_of_this_cpu():
+    load = make_of_events("cpu load of dsp", ONE)
+    load.listen(Scene(began=0, ticks_per_second=1000))  # type: ignore[arg-type]
+    for number, (tick, where, kind, value) in enumerate(
+        [(10, "imu", Kind.WAIT, 1), (20, "dsp", Kind.WAIT, 1), (30, "imu", Kind.IRQ, 1), (40, "dsp", Kind.WAIT, 0)]
+    ):
+        load.record(Record(number, tick, kind, where, "x", value, "", 0))
+    load.finish(100)
+    assert load.worst == 80 * MILLIONTHS // 100

@@ -41,7 +41,7 @@ class I2cClock:
         self._driven = 1
 
     def _nothing(self, now: int) -> None:
-        self.due = NEVER
+        """No step is to come."""
 
     def _d(self) -> int:
         return max(5, 8 - self.state.tm)  # Table 15: 7, 6, 5 for IPSC 0, 1, more

@@ -50,14 +50,15 @@ def test_error_that_firmware_words_itself_stays_as_it_is():
     assert str(error.value) == "the sensor does not answer"
 
 
+@pytest.mark.parametrize("how", ["instruction", "compute"])
 @pytest.mark.parametrize("hz", [75_000_000, 300_000_000])
-def test_computation_goes_on_at_the_rate_of_a_retuned_clock(hz: int):
+def test_firmware_goes_on_at_the_rate_of_a_retuned_clock(hz: int, how: str):
     """Of 1000 cycles 400 are over when the clock changes."""
     bench = Bench([])
     ended: list[int] = []
 
     def main() -> None:
-        bench.cpu.compute(1000)
+        getattr(bench.cpu, how)(1000)
         ended.append(bench.kernel.now)
 
     def retune() -> None:
@@ -69,6 +70,7 @@ def test_computation_goes_on_at_the_rate_of_a_retuned_clock(hz: int):
     bench.kernel.run_until(100_000)
     assert bench.cpu.cycle == 1000
     assert ended == [400 * TICKS + 600 * TICKS * 150_000_000 // hz]
+    assert bench.kernel.events == 3  # start, change, end
 
 
 def test_firmware_that_is_ended_runs_its_finally_and_lands_no_write():
@@ -85,6 +87,7 @@ def test_firmware_that_is_ended_runs_its_finally_and_lands_no_write():
     bench.cpu.start(main, delay=5)
     bench.kernel.run_until(16 * TICKS)
     bench.cpu.kill(GreenletExit)
+    bench.cpu.reclock()  # of a CPU that waits for nothing
     assert bench.log == [("ended", 16)]
     bench.kernel.run_until(2000 * TICKS)
     assert (bench.chip.status, bench.cpu.finished, bench.kernel.next_time()) == (4, False, NEVER)
@@ -93,9 +96,27 @@ def test_firmware_that_is_ended_runs_its_finally_and_lands_no_write():
 
 def test_firmware_can_be_started_again():
     bench = Bench([])
-    bench.cpu.start(lambda: bench.cpu.compute(100))
-    bench.kernel.run_until(50 * TICKS)
+    bench.cpu.start(lambda: (bench.cpu.compute(49), bench.flags.STATUS.__setattr__("all", 4), bench.cpu.compute(100)))
+    bench.kernel.run_until(50 * TICKS)  # a write is on its way
     bench.cpu.kill(GreenletExit)
     bench.cpu.start(lambda: (bench.cpu.compute(30), bench.note("end")), delay=7)
     bench.kernel.run_until(1000 * TICKS)
     assert bench.log == [("end", 50 + 7 + 30)] and bench.cpu.finished
+
+
+def test_firmware_is_ended_by_the_exception_that_was_asked_for():
+    class Ended(BaseException):
+        pass
+
+    bench = Bench([])
+
+    def main() -> None:
+        try:
+            bench.cpu.compute(1000)
+        except Ended:
+            bench.note("ended")
+
+    bench.cpu.start(main)
+    bench.kernel.run_until(10 * TICKS)
+    bench.cpu.kill(Ended)
+    assert bench.log == [("ended", 0)]

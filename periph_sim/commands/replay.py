@@ -266,7 +266,8 @@ def rows(report: Report) -> list[tuple[str, str]]:
         found.append(("start bit to read, at most", f"{report.lag_worst_us:.3f} us"))
     else:
         who = "answered by the firmware" if report.role == "slave" else "answered as captured"
-        found.append((who, ", ".join(report.addresses)))
+        plural = "es" * (len(report.addresses) != 1)
+        found.append((who, f"address{plural} {', '.join(report.addresses) or 'none'}"))
         found.append(("NACKs", str(report.nacks)))
         found += _times(report)
     found.append(("simulated", f"{report.simulated_s:.6f} s in {report.wall_s:.3f} s"))

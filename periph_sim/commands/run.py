@@ -35,7 +35,9 @@ from .trouble import told_plainly
 @click.option("--html", type=click.Path(path_type=Path), help="Write a report with plots and timelines to this file.")
 @click.option("--guaranteed", is_flag=True, help="A budget that held in this run but is not proven fails, too.")
 @click.option("--explain", is_flag=True, help="Say of each budget why its worst occurrence was as it was.")
-@click.option("-v", "--verbose", is_flag=True, help="List the undocumented behaviours that the run assumed.")
+@click.option(
+    "-v", "--verbose", is_flag=True, help="List the undocumented behaviours that the run assumed; count skipped polls."
+)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
 def run(
     case: Path,

@@ -168,7 +168,8 @@ class Ran:
 
 BUDGETS = """budget=[
     {name="stretch", measure="stretch", max="9 s"}, {name="round", measure="round", max="9 s"},
-    {name="slack", measure="slack", min="0 s"}, {name="gap", measure="gap between rounds", min="0 s"}]"""
+    {name="slack", measure="slack", min="0 s"}, {name="gap", measure="gap between rounds", min="0 s"},
+    {name="held", measure="SCL held per transfer", max="9 s"}, {name="reaction", measure="reaction", max="9 s"}]"""
 STRETCHED = ("unit.dsp.settings.frame_cost=110 us",)
 SCENES = [
     ("imu_hil_drift", "0.47", STRETCHED),
@@ -259,6 +260,29 @@ def test_round_slack_and_gap_are_those_of_the_recorded_bytes(place: int):
     ]
     gaps = [(later - end, end) for (_, end), (later, _) in itertools.pairwise(rounds)]
     assert run.values("gap") == gaps and gaps
+
+
+def test_what_scl_is_held_for_is_the_sum_of_a_transfers_lows():
+    run = ran(0)
+    by_others = lows(run.records, lambda who: not who.startswith("dsp."))
+    wanted = [
+        (sum(held for rise, held in by_others if begin < rise <= end), begin) for begin, _, end in on_bus(run.records)
+    ]
+    assert run.values("held") == wanted and max(wanted)[0] > 50 * 3000
+
+
+def test_reaction_is_from_the_last_flag_before_each_write():
+    run = ran(0)
+    wanted, asked = [], NO_TIME
+    for r in run.records:
+        if r.kind is Kind.BUS and r.what == "START":
+            asked = NO_TIME
+        elif r.kind is Kind.FLAG and r.what in ("I2CSTR.SDIR", "I2CSTR.XRDY") and r.value:
+            asked = r.tick
+        elif r.kind is Kind.ACCESS and r.what == "W I2C-A.I2CDXR" and asked != NO_TIME:
+            wanted.append((r.tick - asked, asked))
+            asked = NO_TIME
+    assert run.values("reaction") == wanted and len(wanted) > 300
 
 
 # A unit that is the master ------------------------------------------------------------------------------------------

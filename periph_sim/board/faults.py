@@ -10,13 +10,15 @@ from ..core.wire import Wire
 from ..lines.faults import Kind, Place, kinds
 from .dsp import Dsp
 from .firmware import BadSetting, filled
+from .module_reset import ModuleReset
 from .site import Site
 
 RESET = ".XRS"  # a unit's reset pin, as a wire
+MODULE_RESET = ".IRS"  # a unit's I2CMDR.IRS, as one
 
 
 class Wires:
-    """The wires that faults reach: those that the scene has, and each unit's XRS pin, once it is asked for."""
+    """The wires that faults reach: those that the scene has, and each unit's XRS pin and IRS bit, once asked for."""
 
     def __init__(self, site: Site, known: Mapping[str, Wire], units: Mapping[str, Dsp]) -> None:
         self._site = site
@@ -26,14 +28,23 @@ class Wires:
     def __call__(self, name: str) -> Wire:
         """ValueError where there is none of this name."""
         if name not in self._known and name.endswith(RESET):
-            unit = name.removesuffix(RESET)
-            if unit not in self._units:
-                raise ValueError(f"there is no unit {unit!r}; {near(unit, self._units)}")
+            unit = self._unit(name.removesuffix(RESET))
             self._known[name] = self._site.wire(name)
-            self._units[unit].connect_reset(self._known[name])
+            unit.connect_reset(self._known[name])
+        if name not in self._known and name.endswith(MODULE_RESET):
+            unit = self._unit(name.removesuffix(MODULE_RESET))
+            if not unit.has("I2C-A"):
+                raise ValueError(f"unit {unit.plan.name} has no I2C-A that could be reset; add it to its modules")
+            self._known[name] = self._site.wire(name)
+            ModuleReset(self._site.kernel, unit, self._known[name])
         if name not in self._known:
             raise ValueError(f"there is no wire {name!r}; {near(name, self._known)}")
         return self._known[name]
+
+    def _unit(self, name: str) -> Dsp:
+        if name not in self._units:
+            raise ValueError(f"there is no unit {name!r}; {near(name, self._units)}")
+        return self._units[name]
 
 
 def build_faults(site: Site, known: Mapping[str, Wire], units: Mapping[str, Dsp]) -> None:

@@ -53,7 +53,8 @@ class Beside:
 class Report:
     """deadlines: the spare time of each; if one is negative there is no bound. hung: waits that the run never left.
 
-    cycle: ticks of one of SYSCLKOUT. limits: those of the case, beside the bounds.
+    cycle: ticks of one of SYSCLKOUT. held_from: cycles more before each write of I2CDXR, from which on SCL may be held.
+    limits: those of the case, beside the bounds.
     """
 
     case: str
@@ -62,6 +63,7 @@ class Report:
     cycle: Fraction
     handlers: Handlers
     deadlines: tuple[Bound, ...]
+    held_from: int
     beside: tuple[Beside, ...]
     hung: tuple[str, ...]
     limits: tuple[LimitCheck, ...]
@@ -112,7 +114,7 @@ def report(case: Case, seconds: Fraction | None = None, progress: Callable[[floa
     closed = closed_form(case)
     spare = tuple(deadlines(closed))
     length = case.duration if seconds is None else seconds
-    about = (case.name, float(length), closed.timebase, closed.calm.cycle, closed.handlers, spare)
+    about = (case.name, float(length), closed.timebase, closed.calm.cycle, closed.handlers, spare, closed.held_from)
     if any(deadline.ticks < 0 for deadline in spare):
         return Report(*about, (), (), compare_with_limits(Scene(case).limits, ()))
     limited = {measure for budget in case.budget for measure in (budget.measure, *(c.measure for c in budget.also))}

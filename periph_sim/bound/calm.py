@@ -125,12 +125,19 @@ class Calm:
         """The tick without the stretches before it: what the controller alone makes of the time."""
         return tick - sum(length for fell, length in self.stretches if fell + self.low < tick)
 
-    def pass_ticks(self, wait: Wait) -> int:
-        """A pass of a wait: its own length, or `poll_pass` and what each read but the first adds to it."""
+    def longest_delay(self, wait: Wait) -> int:
+        """Ticks from the edge of a wait's flag to the flag, wherever in a cycle the edge comes."""
+        return self.ticks((wait.delay + self.rounding) // self.cycle + 1) + self.rounding
+
+    def pass_cycles(self, wait: Wait) -> int:
+        """A pass of a wait: its own length, or `poll_pass` and what each read but the first adds to it.
+
+        A flag that rises in the cycle of a read is read; so one waits a cycle less than that to be read, at most.
+        """
         one, more = cpu_costs.SIMPLE + self.options.pf2_read_ws, (wait.reads - 1) * read_after_read(self.options)
         if wait.pass_cycles is not None:
-            return self.ticks(max(wait.pass_cycles, one + more))
-        return self.ticks(max(self.code.poll_pass, one) + more)
+            return max(wait.pass_cycles, one + more)
+        return max(self.code.poll_pass, one) + more
 
 
 def read_after_read(options: SystemOptions) -> int:

@@ -38,7 +38,7 @@ class Write:
     """A write of I2CDXR at its latest, interrupts included. before: what of the chain lies before the SCL fall behind
     which its first bit stands, as a term to be taken off. late: ticks from that fall to the release of SCL.
 
-    alone: the same of the chain that is latest without interrupts.
+    alone: the same without interrupts. made: how many writes of I2CDXR the chain makes, this one included.
     """
 
     chain: Late
@@ -46,6 +46,7 @@ class Write:
     before: Term
     late: int
     alone: int
+    made: int
 
 
 class Closed:
@@ -101,14 +102,25 @@ class Closed:
 
     @cached_property
     def writes(self) -> list[list[Write]]:
-        """The writes of each read, one a byte, each by its latest chain."""
+        """The writes of each read, one a byte, each by its latest chain; `alone` is of that which is so undisturbed."""
+        return [
+            [
+                replace(max(chains, key=lambda write: write.late), alone=max(write.alone for write in chains))
+                for chains in of_read
+            ]
+            for of_read in self._candidates
+        ]
+
+    @cached_property
+    def _candidates(self) -> list[list[list[Write]]]:
+        """Of each read, each write by every chain that leads to it."""
         return [self._writes_of(transfer, phase) for transfer, phase in self._reads]
 
-    def _writes_of(self, transfer: Transfer, phase: Phase) -> list[Write]:
+    def _writes_of(self, transfer: Transfer, phase: Phase) -> list[list[Write]]:
         calm = self.calm
         begin = transfer.phases[0].start_at
         made = [tick for tick in calm.writes if phase.start_at < tick <= transfer.stop_at]
-        found = []
+        found: list[list[Write]] = []
         for number, (need, point) in enumerate(zip(self._needs(transfer, phase), made, strict=False)):
             waits = waits_between(calm, begin, point)
             which = "the address's ACK slot" if not number else f"byte {number - 1}'s ACK slot"
@@ -118,12 +130,12 @@ class Closed:
                 length = total((*chain.terms, *self.release))
                 interrupts = self.preempted(length)
                 alone = length + before.ticks
-                candidates.append(Write(chain, interrupts, before, alone + interrupts.ticks, alone))
+                writes = sum(chain.edge < tick <= point for tick in calm.writes)
+                candidates.append(Write(chain, interrupts, before, alone + interrupts.ticks, alone, writes))
             if not candidates:
                 what = f"I2CDXR of {transfer.name} byte {number} is written behind no wait that a flag of the bus ends"
                 raise BadBound(f"{what}, so nothing says how late it may be; wait for SDIR or XRDY before it")
-            latest = max(candidates, key=lambda write: write.late)
-            found.append(replace(latest, alone=max(write.alone for write in candidates)))
+            found.append(candidates)
         if not found:
             what = f"I2CDXR is not written between the read address of {transfer.name} and its STOP"
             raise BadBound(f"{what}, so there is no answer to bound; write it behind the flag that asks for it")
@@ -168,6 +180,23 @@ class Closed:
         low = Term("SCL low time of the controller", self.calm.low, "controller.rate, controller.low")
         taken = (term.taken_off() for term in self._until_release(latest))
         return Bound("margin", "margin of I2CDXR", (low, *taken), least=True)
+
+    @cached_property
+    def held_from(self) -> int:
+        """Cycles more before each write of I2CDXR, from which on SCL may be held for it; 0: it may be already."""
+        return min(self._held_from(write) for read in self._candidates for chains in read for write in chains)
+
+    def _held_from(self, write: Write) -> int:
+        """Longer code may meet more interrupts, which leave less for it: down from what is left without any."""
+        calm, length, left = self.calm, write.alone - write.before.ticks, self.calm.low - write.alone
+        cycles = floor(left / (write.made * calm.cycle))
+        while cycles >= 0:
+            added = calm.ticks(write.made * cycles)
+            room = left - self.preempted(length + added).ticks
+            if added <= room:
+                return cycles + 1
+            cycles = min(cycles - 1, floor(room / (write.made * calm.cycle)))
+        return 0
 
     def _until_release(self, write: Write) -> tuple[Term, ...]:
         """From the SCL fall behind which the first bit stands to the release of SCL."""
@@ -215,7 +244,7 @@ class Closed:
         if not handlers.per_frame or self.case.host is None:
             return []
         protected = options.pf2_read_ws + options.write_lands + WRITE_TO_READ + 3
-        longest = max(protected, cpu_costs.IRET, *(round(calm.pass_ticks(wait) / calm.cycle) for wait in calm.waits))
+        longest = max(protected, cpu_costs.IRET, *map(calm.pass_cycles, calm.waits))
         busy = handlers.cost if handlers.apart <= handlers.cost else 0
         masked = f"{calm.masked} runs with interrupts masked" if calm.masked else self._too_early
         terms = (
@@ -376,8 +405,7 @@ class Closed:
         bus = min(self._bus_time(over) for over in calm.rounds)
         late = total(self.round.terms[1:]) + ceil(self.jitter)
         routines = handlers.per_frame * handlers.cost
-        pass_ticks = max(calm.pass_ticks(wait) for wait in calm.waits)
-        latency = calm.ticks(calm.options.int_latency) + pass_ticks
+        latency = calm.ticks(calm.options.int_latency + max(map(calm.pass_cycles, calm.waits)))
         shared = (
             Term("read in its round", into, "controller.rate, order"),
             Term("late and stretched round", late, "controller.jitter, and as for round", self.round.unproven),

@@ -39,13 +39,13 @@ def chains(calm: Calm, waits: list[Wait], point: int, name: str) -> list[Late]:
         terms = [
             Term(
                 f"{flags} behind its edge",
-                wait.delay + calm.ticks(1) + calm.rounding,
+                calm.longest_delay(wait),
                 "noise_filter_cycles x (IPSC + 1), and an edge within a cycle",
             ),
             Term(
                 f"poll pass for {flags}",
-                calm.pass_ticks(wait),
-                f"{length}, {wait.reads} read{'s' * (wait.reads > 1)} a pass; {wait.place}",
+                calm.ticks(calm.pass_cycles(wait) - 1),
+                f"{length} less 1, {wait.reads} read{'s' * (wait.reads > 1)} a pass; {wait.place}",
             ),
         ]
         at, place = wait.end, wait.place

@@ -25,6 +25,8 @@ def text(report: Report) -> str:
         lines += ["", *_limits(report)]
     for each in report.beside:
         lines += ["", *_sum(report, each.bound)]
+        if each.bound.name == "margin":
+            lines.append(_held_from(report.held_from))
     lines += ["", "what is left before the deadlines that the bounds need:"]
     alike: dict[tuple[Term, ...], list[str]] = {}
     for deadline in report.deadlines:
@@ -104,6 +106,12 @@ def _sum(report: Report, bound: Bound) -> list[str]:
     return [*lines, f"  or, if that is more, the sum of {_us(report, bound.sum)} us", *_terms(report, bound.terms)]
 
 
+def _held_from(cycles: int) -> str:
+    if not cycles:
+        return "  SCL may be held for it already"
+    return f"  SCL is free with {cycles - 1} cycles more before each write; from {cycles} on it may be held"
+
+
 def _terms(report: Report, terms: tuple[Term, ...], counted: bool = False) -> list[str]:
     lines = []
     for term in terms:
@@ -137,19 +145,15 @@ def _columns(rows: list[tuple[str, ...]]) -> list[str]:
 
 
 def as_json(report: Report) -> dict[str, object]:
-    """Times in microseconds and in cycles, as numbers; what is counted as `count`."""
+    """Times in microseconds and in cycles, as numbers."""
 
     def time(ticks: int) -> dict[str, float]:
         us = Fraction(ticks * 1_000_000, report.timebase.per_second)
         return {"us": float(us), "cycles": float(ticks / report.cycle)}
 
-    def value(counted: bool, amount: int) -> dict[str, float]:
-        return {"count": amount} if counted else time(amount)
-
-    def terms(given: tuple[Term, ...], counted: bool = False) -> list[dict[str, object]]:
+    def terms(given: tuple[Term, ...]) -> list[dict[str, object]]:
         return [
-            {"what": term.what, **value(counted, term.ticks), "source": term.source, "unproven": term.unproven}
-            for term in given
+            {"what": term.what, **time(term.ticks), "source": term.source, "unproven": term.unproven} for term in given
         ]
 
     return {
@@ -158,6 +162,7 @@ def as_json(report: Report) -> dict[str, object]:
         "holds": report.holds,
         "passed": report.passed,
         "hung": list(report.hung),
+        "held_from_cycles": report.held_from,
         "deadlines": [
             {"what": deadline.name, "spare": time(deadline.ticks), "terms": terms(deadline.terms)}
             for deadline in report.deadlines
@@ -167,13 +172,13 @@ def as_json(report: Report) -> dict[str, object]:
                 "measure": each.bound.measure,
                 "from_below": each.bound.least,
                 "unproven": each.bound.unproven,
-                "bound": value(each.bound.counted, each.bound.ticks),
-                "seen": None if each.seen is None else value(each.bound.counted, each.seen),
+                "bound": time(each.bound.ticks),
+                "seen": None if each.seen is None else time(each.seen),
                 "ratio": None if each.ratio is None else float(each.ratio),
                 "values": each.count,
                 "holds": each.holds,
                 "floor": terms((each.bound.floor,)) if each.bound.floor is not None else [],
-                "terms": terms(each.bound.terms, each.bound.counted),
+                "terms": terms(each.bound.terms),
             }
             for each in report.beside
         ],
@@ -183,7 +188,7 @@ def as_json(report: Report) -> dict[str, object]:
                 "measure": each.measure,
                 "key": each.key,
                 "bounded": each.bound is not None,
-                "spare": None if each.bound is None else value(each.bound.counted, each.spare or 0),
+                "spare": None if each.spare is None else time(each.spare),
                 "reason": each.reason,
             }
             for each in report.limits

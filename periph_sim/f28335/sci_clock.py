@@ -92,11 +92,12 @@ class SciClock:
         else:
             self._left = 1
 
-    def reset(self, now: int) -> None:
+    def reset(self) -> None:
         """Stopped, divider 0 loaded; LSPCLK as it was."""
-        self.stop(now)
+        self.running = False
         self.brr = 0
         self.period = 2 * self.divider
+        self._cycle = NEVER
         self._left = 2
 
     def _rebase(self, now: int) -> None:

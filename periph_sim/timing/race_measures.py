@@ -27,6 +27,8 @@ from ..insight.run import NotInRun, Run
 from .measures import Happenings, Measure
 from .names import MAPS, BadEvent, Scope, scope_of_table
 
+CLEARING = {f"W {module}.{r.name}" for module, registers in MAPS.items() for r in registers if one_clears(r)}
+
 
 @dataclass(frozen=True)
 class Watched:
@@ -168,16 +170,21 @@ class Race(OfRegister):
 class LostFlags(OfRegister):
     """Flags that a read-modify-write cleared unmeant, and that firmware had not looked at since they rose.
 
-    worst is how many were lost, count how many read-modify-writes there were: without one, nothing is proven.
+    worst is how many were lost, count how many writes there were, of which a plain one clears what it means to: with
+    none, nothing is proven.
     """
 
     unit = "flags"
     series = False
 
+    def record(self, record: Record) -> None:
+        super().record(record)
+        if record.kind is Kind.ACCESS and record.what in CLEARING and self.watched.shows(record):
+            self.count += 1
+
     def look(self, run: Run) -> None:
         modifies = _modifies(run, self.watched)
         gone = sorted(tick for modify in modifies for flag in modify.flags for tick in self.ticks(flag))
-        self.count = sum(modify.count for modify in modifies)
         self.worst = self.least = len(gone)
         self.worst_at = self.least_at = gone[0] if gone else NO_TIME
 
@@ -186,7 +193,7 @@ class LostFlags(OfRegister):
 
     def missing(self) -> str:
         what = self.watched.text or "a register with flags that writing 1 clears"
-        return f"the firmware made no read-modify-write of {what}"
+        return f"the firmware never wrote {what}"
 
 
 class ClearedAlong(LostFlags):

@@ -81,14 +81,45 @@ def test_frames_after_a_reset_are_whole_and_in_time():
 
 
 @pytest.mark.parametrize(
+    ("at", "rounds", "first", "stuck"),
+    [
+        ("5.05 ms", ["---", "GAM"], "", ""),  # in the address: no ACK, and the firmware goes on waiting for it
+        ("5.13 ms", [], "", "RRDY"),  # in the pointer byte: it is never received, and SCL is held with the next
+        ("5.48 ms", ["GAM", "GAM"], "00 00 7f ff ff ff", ""),  # SDA is let go; the STOP ends the wait for XRDY
+    ],
+)
+def test_a_module_that_is_reset_in_mid_byte_lets_go_and_forgets_its_flags(
+    at: str, rounds: list[str], first: str, stuck: str
+):
+    """In the first request, whose data are zeros, as no frame has come before the models."""
+    ran = faulty(f'{{kind="module_reset", unit="dsp", at="{at}"}}', seconds="0.05")
+    assert ran.answered()[:2] == rounds
+    assert not first or ran.read()[0][0] == first
+    assert bool(ran.result.stuck) == bool(stuck) and stuck in "".join(ran.result.stuck)
+
+
+def test_a_module_that_was_off_stays_so_after_its_reset():
+    """As the run begins the firmware has not set IRS: the fault finds nothing to set again."""
+    ran = faulty('{kind="module_reset", unit="dsp", at="0 ms"}', seconds="0.05")
+    plain = run_file(CASE, "0.05")
+    assert ran.read() == plain.read() and ran.broken() == plain.broken() == []
+
+
+def test_a_unit_without_i2c_has_no_module_to_reset():
+    with pytest.raises(BadCase, match="unit dsp has no I2C-A that could be reset; add it to its modules"):
+        run_file("uart_logger", "0.01", 'fault=[{kind="module_reset", unit="dsp", at="1 ms"}]')
+
+
+@pytest.mark.parametrize(
     ("fault", "place", "sentence"),
     [
-        ('{at="1 ms"}', "fault.0", "it has no kind; the kinds are hold, reset, spike"),
+        ('{at="1 ms"}', "fault.0", "it has no kind; the kinds are hold, module_reset, reset, spike"),
         ('{kind="spik", at="1 ms"}', "fault.0.kind", "there is no fault 'spik'; did you mean spike?"),
         ('{kind="spike", at="1 ms", wire="SLC", width="1 us"}', "fault.0", "there is no wire 'SLC'; did you mean SCL?"),
         ('{kind="spike", at="1 ms", wire="SCL"}', "fault.0.width", "it is missing"),
         ('{kind="spike", at="1 ms", wire="SCL", wdith="1 us"}', "fault.0.wdith", "fault spike has no setting 'wdith'"),
         ('{kind="reset", at="1 ms", unit="dps"}', "fault.0", "there is no unit 'dps'; did you mean dsp?"),
+        ('{kind="module_reset", at="1 ms", unit="dps"}', "fault.0", "there is no unit 'dps'; did you mean dsp?"),
         ('{kind="hold", at="1 ms", wire="SDA"}', "fault.0", "either for a length or for so many clocks"),
     ],
 )

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
-from periph_sim.board.firmware import Firmware, load_firmware
-from periph_sim.board.result import Result
+from periph_sim.board.firmware import load_firmware
 from periph_sim.board.scene import Scene
 from periph_sim.case.load import load
+from tests.board.late_code import SOURCES, WRITE, changed, late
 from tests.board.runs import TIMING, run_file
-from tests.firmware_mutants.trials import compiled
 
-ROOT = Path(__file__).parents[2]
 PUBLISHED, ROBUST = "unit.dsp.firmware=imu_hil", "unit.dsp.firmware=imu_hil_robust"
 FAULTS = {  # what breaks with the published firmware
     "imu_hil_lost_byte": {"wrong bytes", "data age"},
@@ -24,6 +22,7 @@ FAULTS = {  # what breaks with the published firmware
     "imu_hil_spikes": {"data age"},
     "imu_hil_stuck_sda": {"data age"},
     "imu_hil_reset": {"wrong bytes", "data age"},
+    "imu_hil_module_reset": {"missed rounds", "nacked rounds", "bus stuck", "data age"},
 }
 
 
@@ -69,52 +68,6 @@ def test_glitches_hang_the_published_firmware_only():
     assert {"missed rounds", "bus stuck"} <= set(published.broken())
 
 
-# A line of firmware is late ----------------------------------------------------------
-
-
-def late(statement: str, cycles: int, case: str = "imu_hil", seconds: str = "0.3") -> tuple[Result, Scene]:
-    """The published firmware with so many cycles before a statement."""
-    source = (ROOT / "firmware" / "python" / "imu_hil.py").read_text(encoding="utf-8")
-    (line,) = (line for line in source.splitlines() if line.strip() == statement)
-    indent = line[: len(line) - len(line.lstrip())]
-    changed = source.replace(line, f"{indent}dsp.compute({cycles})\n{line}") if cycles else source
-    module = compiled(changed, "late")
-    program = {"dsp": Firmware("late", module.main, module.Settings)}
-    scene = Scene(load(TIMING / f"{case}.toml", []), programs=program, keep_values=True)
-    return scene.run(Fraction(seconds)), scene
-
-
-WRITE = "i2c.I2CDXR.all = next(buffer)"
-
-
-def kept(scene: Scene, budget: str) -> list[int]:
-    (measure,) = (limit.measure for limit in scene.limits if limit.budget.name == budget)
-    return [int(value) for value in measure.all_kept()[0]]
-
-
-PASS = 17  # cycles of a pass of the wait behind each write: XRDY and SCD are two reads
-
-
-def moved(cycles: int, budget: str) -> list[float]:
-    """By how many cycles each value of a budget moves, byte by byte, with so many before each write."""
-    _, plain = late(WRITE, 0)
-    _, later = late(WRITE, cycles)
-    cycle = plain.timebase.per_second / plain.units["dsp"].clock.hz
-    return [float((b - a) / cycle) for a, b in zip(kept(plain, budget), kept(later, budget), strict=True)]
-
-
-@pytest.mark.parametrize("cycles", [PASS, 20 * PASS])
-def test_cycles_before_each_write_come_off_the_margin_of_each_byte(cycles: int):
-    steps = moved(cycles, "I2CDXR margin")
-    assert len(steps) == 15 * 18 and steps == pytest.approx([-cycles] * len(steps), abs=0.06)  # a tick
-
-
-def test_twenty_cycles_move_each_byte_by_twenty_to_within_a_pass_of_its_poll():
-    steps = moved(20, "I2CDXR margin")
-    assert all(20 - PASS - 0.1 < -step < 20 + PASS + 0.1 for step in steps)
-    assert sum(steps) / len(steps) == pytest.approx(-20, abs=PASS / 2)
-
-
 @pytest.mark.parametrize(
     "code",
     [
@@ -134,13 +87,71 @@ def test_three_hundred_cycles_before_each_write_break_the_reaction_and_nothing_e
     assert {verdict.name for verdict in result.budgets if verdict.broken} == {"reaction"}
 
 
-def test_a_head_at_400_khz_is_stretched_only_by_a_write_that_is_later_than_it_leaves():
-    kept, _ = late(WRITE, 300, "imu_hil_400k")
-    assert "stretch" not in {verdict.name for verdict in kept.budgets if verdict.broken}
-    broken, _ = late(WRITE, 600, "imu_hil_400k")
-    assert "stretch" in {verdict.name for verdict in broken.budgets if verdict.broken}
-
-
 def test_the_robust_firmware_refuses_a_guard_that_is_shorter_than_its_models():
     with pytest.raises(ValueError, match="guard must be longer than the models take"):
         load_firmware("imu_hil_robust").settings(guard=Fraction(1, 10_000))  # type: ignore[operator]
+
+
+# One line breaks each budget: the table of docs/flagship.md ------------------------------
+
+
+class Break(NamedTuple):
+    """A change of imu_hil.py, or of a setting, and how the page tells it. old, new: of the source."""
+
+    told: str
+    old: str = ""
+    new: str = ""
+    setting: str = ""
+
+
+def before(statement: str, inserted: str) -> Break:
+    return Break(f"`{inserted}` before `{statement}`", statement, f"{inserted}; {statement}")
+
+
+def setting(change: str) -> Break:
+    return Break(f"`--set {change}`", setting=change.replace("'", ""))
+
+
+def without(statement: str) -> Break:
+    return Break(f"without `{statement}`", statement, "pass")
+
+
+PAGE = (TIMING.parent / "docs" / "flagship.md").read_text(encoding="utf-8")
+BREAKS = {
+    "reaction": before(WRITE, "dsp.compute(300)"),
+    "reaction at the latest": before(WRITE, "dsp.compute(600)"),
+    "I2CDXR margin": before(WRITE, "dsp.compute(2000)"),
+    "stretch": before(WRITE, "dsp.compute(2300)"),
+    "service routine": before("self.frame_waits = True", "self.dsp.compute(400)"),
+    "service latency": setting("unit.dsp.settings.mask_during_i2c=true"),
+    "own address": before("i2c.I2CMDR.IRS = 0", "self.dsp.compute(9000)"),
+    "own address at the latest": setting("unit.dsp.settings.beyond_estimate='420 us'"),
+    "module off": before("i2c.I2COAR.all = address", "self.dsp.compute(300)"),
+    "CPU load": before("dsp.clear_pin(settings.pin)", "dsp.compute(60000)"),
+    "lost flags": before("i2c.I2CSTR.SCD = 1", "dsp.compute(16000)"),
+    "wrong bytes": Break("`0x7F` instead of `0xFF` in `sci_received`", "SCIRXBUF.all & 0xFF", "SCIRXBUF.all & 0x7F"),
+    "data age": setting("host.frames=4"),
+    "missed rounds": before(WRITE, "dsp.compute(600000)"),
+    "nacked rounds": without("i2c.I2COAR.all = address"),
+    "SCI FIFO high-water": without("sci.SCIFFRX.RXFFINTCLR = 1"),
+    "SCI overruns": without("sci.SCIFFRX.RXFFINTCLR = 1"),
+}
+
+
+@pytest.mark.parametrize("budget", BREAKS)
+def test_one_line_breaks_each_budget_as_the_page_says(budget: str):
+    change = BREAKS[budget]
+    (row,) = (line for line in PAGE.splitlines() if line.startswith(f"| {budget} |"))
+    assert row.endswith(f"| {change.told} |")
+    source = (SOURCES / "imu_hil.py").read_text(encoding="utf-8")
+    assert source.count(change.old) == 1 or not change.old
+    program = changed(source.replace(change.old, change.new) if change.old else source)
+    scene = Scene(load(TIMING / "imu_hil.toml", [change.setting][: bool(change.setting)]), programs={"dsp": program})
+    result = scene.run(Fraction("0.3"))
+    (verdict,) = (verdict for verdict in result.budgets if verdict.name == budget)
+    assert verdict.verdict == ("not judged" if budget == "own address" else "fail")
+
+
+def test_every_budget_of_the_bench_has_such_a_line_but_for_those_that_are_inputs():
+    inputs = {"model execution", "response", "round complete", "schedule slack"}
+    assert {budget.name for budget in load(TIMING / "imu_hil.toml", []).budget} == BREAKS.keys() | inputs

@@ -44,7 +44,7 @@ def commands(block: str) -> Iterator[tuple[str, str]]:
 
 
 def runs(command: str) -> bool:
-    return command.startswith(("periph-sim ", "pytest "))
+    return command.startswith(("periph-sim ", "pytest ", "sed "))
 
 
 def output(command: str, folder: Path) -> str:

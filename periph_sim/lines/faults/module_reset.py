@@ -1,0 +1,27 @@
+"""A unit's I2C module is reset in mid-byte, by code that its firmware does not know of: a watchdog routine, a debugger.
+
+    I2CMDR.IRS  ‾‾‾‾‾‾|______|‾‾‾‾‾‾     for `length`: the module lets go of both lines and forgets all flags; with
+                                         IRS = 1 it waits for a START, and its firmware for flags that do not come
+
+Source: SPRUG03B section 5.9 (IRS).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from . import Place, pulse
+from .when import Length, When
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings(When):
+    """unit: its name. length: from IRS = 0 to IRS = 1."""
+
+    unit: str
+    length: Length = Fraction(1, 1_000_000)
+
+
+def attach(settings: Settings, place: Place) -> None:
+    pulse(settings, place, f"{settings.unit}.IRS", settings.length)

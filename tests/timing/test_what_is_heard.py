@@ -169,5 +169,12 @@ def test_the_latency_to_the_first_access_is_that_of_its_own_unit():
     assert made_empty().unfinished(99) == [] and made_empty().worst_at == NO_TIME
 
 
+def test_an_access_before_the_routine_is_entered_is_not_its_first():
+    of = "10 flag dsp.PIE PIEIFR9.INTx1 1\n20 irq dsp SCIRXINTA 1\n31 access dsp R_SCI-A.SCIRXBUF 1\n"
+    of += "70 flag dsp.PIE PIEIFR9.INTx1 1\n72 access dsp W_I2C-A.I2CDXR 1\n75 irq dsp SCIRXINTA 1\n"
+    told = tell(made_empty(), records(f"{of}80 access dsp R_SCI-A.SCIRXBUF 1"))
+    assert came(told) == (21, 10, 10, 2)
+
+
 def made_empty():
     return make_of_events("interrupt latency SCIRXINTA to first access", ONE)

@@ -135,12 +135,15 @@ class Start(Protocol):
 
 
 def _explain(checks: list[CaseCheck], before: dict[Path, Baseline | None], start: Start, tolerance: int) -> None:
-    """Second runs, only of cases in which anything changed, for the chains that say why, and which access moved."""
+    """Second runs of all cases, for the chains that say why a figure changed, and which access moved though none did.
+
+    They end behind the last occurrence that a budget's baseline tells of.
+    """
     runs = []
     for one in checks:
         baseline = before[one.outcome.path]
         known = set(baseline.budgets) & set(one.outcome.figures.budgets) if baseline is not None else set()
-        wanted = _wanted(one.outcome, known) if one.changes else {}
+        wanted = _wanted(one.outcome, known)
         runs.append(start(run_chains, one.outcome.path, one.outcome.changes, wanted) if wanted else None)
     for one, run in zip(checks, runs, strict=True):
         baseline = before[one.outcome.path]

@@ -15,6 +15,7 @@ from ..core.records import Kind, Record
 from ..drawing.text import text_diagram
 from ..drawing.timing import BLACK, BLUE, GREY, ORANGE, Box, Lane, Mark, timing_diagram
 from ..drawing.wires import wire_lanes
+from ..insight.maps import register_of
 from ..timing.shown import in_words
 from .timeline import Episode, episodes, units
 from .window import Window
@@ -87,8 +88,11 @@ def _flag_lanes(window: Window) -> list[Lane]:
 
 
 def _flags(window: Window) -> list[tuple[str, str]]:
-    """Place and field of those that changed within the picture and that the measure is about."""
+    """Place and field of those that changed within the picture and that the measure is about; and of all that the
+    chain names, changed or not."""
     changed = {(r.where, r.what) for r in window.between(*window.drawn, Kind.FLAG)}
+    known = {(r.where, r.what) for r in (*window.before, *window.records) if r.kind is Kind.FLAG}
+    changed |= {(where, what) for where, what in known if _told(window, where, what)}
     measure = window.verdict.measure
     about = FLAGS.get(measure.partition(" of ")[0], ())
     order = {what: i for i, what in enumerate(about)}
@@ -98,16 +102,22 @@ def _flags(window: Window) -> list[tuple[str, str]]:
         if what in about
         or f"{where.partition('.')[2]}.{what}" in measure
         or _latency(measure, what)
-        or _told(window, what)
+        or _told(window, where, what)
     ]
     return sorted(chosen, key=lambda one: (one[0], order.get(one[1], 0), one[1]))
 
 
-def _told(window: Window, what: str) -> bool:
-    """Whether the chain names a field, or the data register that it is all of."""
-    register, _, field = what.partition(".")
-    name = register if field == "DATA" else what
-    return any(re.search(rf"\b{name}\b", told) for told in window.told)
+def _told(window: Window, where: str, what: str) -> bool:
+    """Whether the chain names a field, or the register that it is all of."""
+    name = _shown(where, what)
+    return any(re.search(rf"\b{name}\b(?!\.)", told) for told in window.told)
+
+
+def _shown(where: str, what: str) -> str:
+    """ "I2CSTR.SDIR"; the register alone of a field that is all of it: "I2COAR"."""
+    name, _, _ = what.partition(".")
+    register = register_of(where.partition(".")[2], name)
+    return name if register is not None and len(register.fields) == 1 else what
 
 
 def _latency(measure: str, what: str) -> bool:
@@ -118,8 +128,7 @@ def _flag_lane(window: Window, where: str, what: str) -> list[Lane]:
     changes = [r for r in (*window.before, *window.records) if (r.kind, r.where, r.what) == (Kind.FLAG, where, what)]
     earlier = [r for r in changes if r.tick < window.drawn.begin]
     inside = [r for r in changes if window.drawn.begin <= r.tick < window.drawn.end]
-    register, _, name = what.partition(".")
-    name = register if name == "DATA" else name
+    register, name = what.partition(".")[0], _shown(where, what).rpartition(".")[2]
     if name != register and all(r.value in (0, 1) for r in changes):
         initial = earlier[-1].value if earlier else 1 - inside[0].value
         edges = tuple((_seconds(window, r.tick), r.value) for r in inside)

@@ -59,6 +59,20 @@ def test_an_access_that_moved_is_told_with_its_line_though_no_budget_did(cases: 
     assert "holds, but an access moved: " in moved and "[" in moved and ".py:" in moved
 
 
+def test_an_access_that_moved_is_told_though_no_figure_and_no_count_did(cases: Path):
+    """`TRX = 1` and the write of I2CCNT behind it change places: both together take as long as before."""
+    firmware = cases / "small_firmware.py"
+    text = firmware.read_text(encoding="utf-8")
+    first, second = "        i2c.I2CMDR.TRX = 1\n", "        i2c.I2CCNT.all = self.settings.count\n"
+    assert first + second in text
+    firmware.write_text(text.replace(first + second, second + first), encoding="utf-8")
+    (one,) = check([cases], jobs=1)
+    assert not [change for change in one.changes if change.budget is None]
+    assert one.state == "changed" and not one.broken
+    (moved,) = texts(one)
+    assert "holds, but an access moved: I2C-A.I2C" in moved and moved.endswith("[small_firmware.py:105 (batch_read)]")
+
+
 def test_a_move_within_the_tolerance_is_none(cases: Path):
     put(cases, wait=20)
     (one,) = check([cases], jobs=1, tolerance=25)

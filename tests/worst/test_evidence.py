@@ -271,3 +271,21 @@ def test_the_picture_reaches_the_evidence_and_has_the_lane_that_the_chain_names(
     assert window.drawn.begin <= min(ticks) and max(ticks) <= window.drawn.end
     lanes = [line.split(" ")[0] for line in text_picture(window, 120)]
     assert "I2CDXR" in lanes and "IRS" in lanes
+
+
+@pytest.mark.parametrize(
+    ("serve", "measure", "request_", "lane"),
+    [
+        (address_too_late, "nacked", READ, "I2COAR"),
+        (other_address, "nacked", READ, "I2COAR"),  # which does not change in the picture
+        (refuse_byte, "count of bus NACK byte", {"address": 0x50, "write": "01 02"}, "NACKMOD"),
+        (read_nothing, "missed rounds", {"address": 0x50, "write": "01 02 03 04"}, "RSFULL"),
+        (answer_late, "wrong bytes", READ, "I2CDXR"),
+    ],
+)
+def test_the_picture_has_the_lane_that_the_chain_names(
+    serve: Callable[[Any, Dsp], None], measure: str, request_: dict[str, Any], lane: str
+):
+    window = explained(serve, measure, request_).window
+    lanes = [line.split(" ")[0] for line in text_picture(window, 120)]
+    assert lane in lanes and any(lane in told for told in window.told)

@@ -145,15 +145,19 @@ def _columns(rows: list[tuple[str, ...]]) -> list[str]:
 
 
 def as_json(report: Report) -> dict[str, object]:
-    """Times in microseconds and in cycles, as numbers."""
+    """Times in microseconds and in cycles, as numbers; what is counted as `count`."""
 
     def time(ticks: int) -> dict[str, float]:
         us = Fraction(ticks * 1_000_000, report.timebase.per_second)
         return {"us": float(us), "cycles": float(ticks / report.cycle)}
 
-    def terms(given: tuple[Term, ...]) -> list[dict[str, object]]:
+    def value(counted: bool, amount: int) -> dict[str, float]:
+        return {"count": amount} if counted else time(amount)
+
+    def terms(given: tuple[Term, ...], counted: bool = False) -> list[dict[str, object]]:
         return [
-            {"what": term.what, **time(term.ticks), "source": term.source, "unproven": term.unproven} for term in given
+            {"what": term.what, **value(counted, term.ticks), "source": term.source, "unproven": term.unproven}
+            for term in given
         ]
 
     return {
@@ -172,13 +176,13 @@ def as_json(report: Report) -> dict[str, object]:
                 "measure": each.bound.measure,
                 "from_below": each.bound.least,
                 "unproven": each.bound.unproven,
-                "bound": time(each.bound.ticks),
-                "seen": None if each.seen is None else time(each.seen),
+                "bound": value(each.bound.counted, each.bound.ticks),
+                "seen": None if each.seen is None else value(each.bound.counted, each.seen),
                 "ratio": None if each.ratio is None else float(each.ratio),
                 "values": each.count,
                 "holds": each.holds,
                 "floor": terms((each.bound.floor,)) if each.bound.floor is not None else [],
-                "terms": terms(each.bound.terms),
+                "terms": terms(each.bound.terms, each.bound.counted),
             }
             for each in report.beside
         ],
@@ -188,7 +192,7 @@ def as_json(report: Report) -> dict[str, object]:
                 "measure": each.measure,
                 "key": each.key,
                 "bounded": each.bound is not None,
-                "spare": None if each.spare is None else time(each.spare),
+                "spare": None if each.bound is None else value(each.bound.counted, each.spare or 0),
                 "reason": each.reason,
             }
             for each in report.limits

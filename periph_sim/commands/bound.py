@@ -20,8 +20,10 @@ from .trouble import told_plainly
 def bound(case: Path, seconds: str | None, changes: tuple[str, ...], as_json: bool) -> int:
     """Show the worst case of CASE in closed form, term by term, beside the worst value of a run.
 
-    Exit status 0: no value is beyond its bound, and no bound beyond a limit of the case; 1: one is, nothing was
-    seen of it, or the firmware may come too late for a request, so that there is no bound.
+    Bounded are response, stretch, margin, reaction, round, slack, age, spans, service latency, own address and
+    the receive FIFO. Exit status 0: no value is beyond its bound, and no bound beyond a limit of the case; 1: one
+    is, a term of it is no bound, nothing was seen of it, or the firmware may come too late for a request, so that
+    there is no bound; 2: the case has no closed form.
     """
     from ..bound import report
     from ..bound.show import as_json as as_dict

@@ -251,10 +251,8 @@ class Sci(SciLines):
         self._suspended = self._rx_stopping = False
         self._abd_asked = False
         self._request_at = NEVER
-        self._rx_clock.stop(now)
-        self._tx_clock.stop(now)
-        self._rx_clock.reset()
-        self._tx_clock.reset()
+        self._rx_clock.reset(now)
+        self._tx_clock.reset(now)
         self._layout = SciFormat(0, self.options)
         self._rx.reset()
         self._tx.reset()

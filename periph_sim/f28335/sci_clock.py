@@ -92,12 +92,11 @@ class SciClock:
         else:
             self._left = 1
 
-    def reset(self) -> None:
+    def reset(self, now: int) -> None:
         """Stopped, divider 0 loaded; LSPCLK as it was."""
-        self.running = False
+        self.stop(now)
         self.brr = 0
         self.period = 2 * self.divider
-        self._cycle = NEVER
         self._left = 2
 
     def _rebase(self, now: int) -> None:

@@ -230,7 +230,76 @@ OF_THE_START = (
     ),
 )
 
-ARGUMENTS = (*OF_THE_PUBLISHED, *OF_THE_START)
+OF_THE_ROBUST = (
+    Argument(
+        "the main loop looks at the frame when the service routine is over, and not before",
+        (
+            "sci_received: moved past if self.settings.frame_cost:: if not any((word & BROKEN for word in words)):",
+            "sci_received: moved past self.frame_waits = True: self.frame = bytes((word & 255 for word in words))",
+        ),
+    ),
+    Argument(
+        "the FIFO is empty, and the next 12 characters take a millisecond: no request comes between them",
+        (
+            "sci_received: moved past sci.SCIFFRX.all = RX_ON | RX_CLEAR | FRAME_BYTES: if self.settings.frame_cost:",
+            "sci_received: moved past self.pie.PIEACK.all = GROUP_9: sci.SCIFFRX.all = RX_ON | RX_CLEAR | FRAME_BYTES",
+        ),
+        ("SCI-175", "SCI-176", "SYS-101"),
+    ),
+    Argument(
+        "receiver and FIFO are in reset until both are released, and RX is idle meanwhile",
+        (
+            "look_at_line: moved past sci.SCIFFRX.all = FRAME_BYTES: sci.SCICTL1.SWRESET = 0",
+            "look_at_line: moved past sci.SCICTL1.SWRESET = 1: sci.SCIFFRX.all = RX_ON | RX_CLEAR | FRAME_BYTES",
+        ),
+        ("SCI-202", "SCI-205", "SCI-207"),
+    ),
+    Argument(
+        "the next write sets all of SCIFFRX; the level counts for a FIFO that is out of reset",
+        ("look_at_line: exchanged: sci.SCIFFRX.all = FRAME_BYTES --> sci.SCIFFRX.all = FRAME_BYTES >> 1",),
+    ),
+    Argument(
+        "fewer than 12 words waited, so RXFFINT is 0; RXFFOVF asks for no interrupt and nobody reads it",
+        (
+            "look_at_line: exchanged: sci.SCIFFRX.all = RX_ON | RX_CLEAR | FRAME_BYTES --> "
+            "sci.SCIFFRX.all = RX_ON | RX_ON | FRAME_BYTES",
+        ),
+        ("SCI-175", "SCI-180"),
+    ),
+    Argument(
+        "an assignment to a variable takes no time",
+        (
+            "look_at_line: moved past left = 0: sci.SCICTL1.SWRESET = 1",
+            "wait_for: moved past def one_of_them() -> bool:: i2c, timer, found = (self.i2c, self.wait_timer, 0)",
+        ),
+    ),
+    Argument(
+        "found is set by each look of the wait before it is returned",
+        (
+            "wait_for: exchanged: i2c, timer, found = (self.i2c, self.wait_timer, 0) --> "
+            "i2c, timer, found = (self.i2c, self.wait_timer, 1)",
+        ),
+    ),
+    Argument(
+        "the module is in reset, and the next write sets all of I2CMDR",
+        ("own_address: exchanged: i2c.I2CMDR.all = 0 --> i2c.I2CMDR.all = 1",),
+        ("I2C-336",),
+    ),
+    Argument(
+        "FREE counts at a breakpoint only",
+        ("own_address: exchanged: i2c.I2CMDR.all = FREE | IRS --> i2c.I2CMDR.all = IRS | IRS",),
+        ("I2C-324", "I2C-325"),
+    ),
+    Argument(
+        "the two conditions exclude each other: no flag at all is no SDIR and no SCD",
+        (
+            "serve: moved past if found & SDIR:: if not found:",
+            "send: moved past if not found:: if found & SCD:",
+        ),
+    ),
+)
+
+ARGUMENTS = (*OF_THE_PUBLISHED, *OF_THE_ROBUST, *OF_THE_START)
 
 
 def argument_of(mutant: Mutant) -> Argument | None:

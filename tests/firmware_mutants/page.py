@@ -8,7 +8,7 @@ from itertools import groupby
 from .argued import ARGUMENTS, argument_of
 from .changes import DELAYS, DELETED, EXCHANGED, MOVED
 from .tally import WAYS, Tally
-from .trials import BROKEN, ENDED, FIRMWARES, MOVED_IN_TIME, Trial
+from .trials import BROKEN, ENDED, FIRMWARES, MOVED_IN_TIME, Trial, all_mutants
 
 KINDS = (DELETED, *(f"{cycles} cycles late" for cycles in DELAYS), MOVED, EXCHANGED)
 HEAD = """# Firmware mutants
@@ -23,7 +23,8 @@ Cases are run for a fraction of a second, with faults that come sooner. A mutant
 * **a budget** in bold is broken or no longer judged: `periph-sim run` fails,
 * the run *ends* with an error that names the line,
 * a budget's worst, least or count, in plain letters, is not what the unchanged firmware has: `periph-sim check` fails;
-  *when* stands behind it if only the instant of a worst or least value is another one.
+  *when* stands behind it if only the instant of a worst or least value is another one. Where the code between two
+  waits takes another time, the phase of the polls moves the margin of I2CDXR, too, or the end of a wait.
 
 A number in brackets is an argument, below, why nothing on this chip can tell.
 """
@@ -32,8 +33,14 @@ A number in brackets is an argument, below, why nothing on this chip can tell.
 def page(trials: Mapping[str, Sequence[Trial]]) -> str:
     text = HEAD + _summary(trials)
     for file, of_file in trials.items():
-        text += f"\n## {file}\n\n{FIRMWARES[file]}\n\n" + _statements(of_file)
+        text += f"\n## {file}\n\n{FIRMWARES[file]}{_left_out(file, of_file)}\n\n" + _statements(of_file)
     return text + _arguments()
+
+
+def _left_out(file: str, trials: Sequence[Trial]) -> str:
+    """A sentence on a file of which not every mutant was tried."""
+    every = len(all_mutants(file))
+    return "" if len(trials) == every else f" {len(trials)} of {every} mutants were tried."
 
 
 def _summary(trials: Mapping[str, Sequence[Trial]]) -> str:

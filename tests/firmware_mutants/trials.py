@@ -87,6 +87,7 @@ RUNS = {
         Run("imu_hil_robust", "imu_hil", "0.09", COLLIDING),
         Run("imu_hil_robust", "imu_hil_400k", "0.06", (*COLLIDING, "unit.dsp.settings.frame_cost=0.5 us")),
         Run("imu_hil_robust", "imu_hil_broken_line", "0.13", BREAK, ON_LINE),
+        Run("imu_hil_robust", "imu_hil_broken_line", "0.09", (*COLLIDING, "controller.pointer_by=STOP"), ("serve",)),
         Run("imu_hil_robust", "imu_hil_lost_byte", "0.2", ("host.lose=[[2, 5], [4, 0], [6, 11]]",), ON_LINE),
         Run(
             *("imu_hil_robust", "imu_hil_silent_host", "0.2"),

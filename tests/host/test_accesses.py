@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+
 import pytest
 
 from periph_sim.board.dsp import Dsp, DspPlan
@@ -9,8 +11,10 @@ from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.core.wire import Wire
+from periph_sim.f28335.code_costs import BARE
 from periph_sim.f28335.memory import Frame, NoSuchAddress
 from periph_sim.f28335.system_options import SystemOptions
+from periph_sim.host.blame import FirmwareError
 from tests.host.bench import Bench
 
 
@@ -303,3 +307,28 @@ def test_bit_field_write_copies_the_pads_of_its_own_half():
     board.hands[4].drive(1)
     board.kernel.run_until(board.kernel.now + 1000)
     assert board.pads[4].level == 0  # the latch took the pad's 0
+
+
+@pytest.mark.parametrize("strict", [True, False])
+def test_duty_that_the_cpu_notes_ends_a_strict_run_with_its_line_and_time(strict):
+    kernel = Kernel()
+    plan = DspPlan("dsp", (), {}, strict=strict, code=BARE)
+    dsp = Dsp(kernel, Timebase(150_000_000), Recorder(), plan)
+    lines: list[int] = []
+
+    def main() -> None:
+        dsp.cpu.compute(1498)
+        lines.append(sys._getframe().f_lineno + 1)
+        dsp.module("SYS").PCLKCR0.all = 0x10
+        dsp.cpu.compute(10)
+
+    dsp.start(main)
+    told = "PCLKCR0 of SYS was written without EALLOW; the write is ignored"
+    if strict:
+        with pytest.raises(FirmwareError) as error:
+            kernel.run_until(20 * 5000)
+        place = f"line {lines[0]} of test_accesses.py"
+        assert str(error.value) == f"dsp, {place}, at 9.987 us: {told} [SPRUFB0D section 7.2]"
+    else:
+        kernel.run_until(20 * 5000)
+        assert [(note.text, count) for note, count in dsp.cpu.notes.items()] == [(told, 1)]

@@ -353,6 +353,7 @@ PLAIN = f"clears I2CSTR.{{}} along, by a plain write: {UNSEEN}"
         ("10 R", "9 flag I2CSTR.SCD 0\n10 R", [(12, ALONG.format("SDIR"))]),
         ("12 W I2CSTR 0x5430 f:1 SCD", "12 W I2CSTR 0x5430 f:1 SDIR", []),  # it is the one that was meant
         ("12 flag I2CSTR.SDIR 0 <4", "12 flag I2CSTR.SDIR 0", []),  # nobody's write
+        ("12 W I2CSTR 0x5430 f:1 SCD", "12 W I2CMDR 0x0600 f:1", []),  # the module reset
         ("5 flag I2CSTR.SDIR 1", "5 flag I2CSTR.ARDY 1", []),
         ("10 R I2CSTR 0x5410 f:1 SCD\n", "", [(12, PLAIN.format("SDIR"))]),
     ],

@@ -229,6 +229,12 @@ def _seen() -> list[tuple[Any, ...]]:
     return [flag(50, "RRDY", 1), read(80, RRDY, "look:9"), read(100, RRDY), write(102, RRDY | SCD)]
 
 
+def test_a_flag_that_rose_before_the_recording_began_is_not_said_to_be_unseen():
+    run = by_hand(read(100, RRDY), write(102, RRDY | SCD), flag(102, "RRDY", 0, cause=2))
+    ((rrdy,),) = [modify.flags for modify in races(run).modifies]
+    assert (rrdy.flag, rrdy.along, rrdy.unseen, races(run).lost) == ("RRDY", 1, 0, 0)
+
+
 def test_as_json_counts_the_same():
     run = by_hand(*_seen(), flag(102, "RRDY", 0, cause=4))
     found = as_json(races(run))

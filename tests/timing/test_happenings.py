@@ -176,7 +176,7 @@ def test_what_may_not_be_guessed_is_told_with_times_from_the_begin_of_the_run():
 @pytest.mark.parametrize(("not_before", "measured", "occasions"), [(0, 2, 3), (11, 2, 3), (12, 1, 2), (52, 0, 0)])
 def test_transfers_are_counted_from_the_time_asked_for(not_before: int, measured: int, occasions: int):
     told = make_of_events("from edge SCL rise to edge SDA rise, same transfer", ONE)
-    scene = Scene(began=0, ticks_per_second=1, transfers_in_round=1, startup_transfers=0)
+    scene = Scene(began=0, ticks_per_second=1)
     told.listen(scene)  # type: ignore[arg-type]
     told.not_before = not_before
     of = "10 bus c START 0\n11 edge SCL level 1\n12 edge SDA level 1\n15 bus c STOP 0\n"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 
 from periph_sim.core.records import Kind
@@ -63,8 +65,8 @@ def test_a_period_is_told_with_where_it_began_and_what_is_not_over_counts():
 )
 def test_why_nothing_was_measured(text: str, of: str, missing: str):
     class Scene:
-        began = level_of = startup_transfers = lambda self, *_: 0
-        transfers_in_round = ticks_per_second = lambda self: 1
+        began = level_of = lambda self, *_: 0
+        ticks_per_second = lambda self: 1  # noqa: E731
         value_of = lambda self, *_: 0  # noqa: E731
 
     measure = make_of_events(text, ONE)
@@ -119,11 +121,15 @@ def test_an_event_of_a_group_needs_its_begin_and_end_as_well():
 class Startup:
     """Rounds of two transfers behind three of the start-up."""
 
-    def transfers_in_round(self) -> int:
-        return 2
+    def __init__(self) -> None:
+        self._starts = -3
 
-    def startup_transfers(self) -> int:
-        return 3
+    def rounds_at_start(self) -> Callable[[], bool]:
+        return self._begins
+
+    def _begins(self) -> bool:
+        self._starts += 1
+        return self._starts > 0 and self._starts % 2 == 1
 
 
 STARTS = "\n".join(

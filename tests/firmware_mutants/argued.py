@@ -271,6 +271,9 @@ OF_THE_ROBUST = (
         (
             "look_at_line: moved past left = 0: sci.SCICTL1.SWRESET = 1",
             "wait_for: moved past def one_of_them() -> bool:: i2c, timer, found = (self.i2c, self.wait_timer, 0)",
+            "wait_for_round: moved past frames = self.settings.models_run == 'frame': "
+            "i2c, near, late, ran = (self.i2c, self.round_timer, self.wait_timer, False)",
+            "wait_for_round: moved past def something_to_do() -> bool:: frames = self.settings.models_run == 'frame'",
         ),
     ),
     Argument(

@@ -125,7 +125,7 @@ BREAKS = {
     "service routine": before("self.frame_waits = True", "self.dsp.compute(400)"),
     "service latency": setting("unit.dsp.settings.mask_during_i2c=true"),
     "own address": before("i2c.I2CMDR.IRS = 0", "self.dsp.compute(9000)"),
-    "own address at the latest": setting("unit.dsp.settings.beyond_estimate='420 us'"),
+    "latest own address": setting("unit.dsp.settings.beyond_estimate='420 us'"),
     "module off": before("i2c.I2COAR.all = address", "self.dsp.compute(300)"),
     "CPU load": before("dsp.clear_pin(settings.pin)", "dsp.compute(60000)"),
     "lost flags": before("i2c.I2CSTR.SCD = 1", "dsp.compute(16000)"),

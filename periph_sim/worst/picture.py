@@ -130,7 +130,7 @@ def _flag_lane(window: Window, where: str, what: str) -> list[Lane]:
     inside = [r for r in changes if window.drawn.begin <= r.tick < window.drawn.end]
     register, name = what.partition(".")[0], _shown(where, what).rpartition(".")[2]
     if name != register and all(r.value in (0, 1) for r in changes):
-        initial = earlier[-1].value if earlier else 1 - inside[0].value
+        initial = earlier[-1].value if earlier else 1 - changes[0].value  # the first change may lie behind the picture
         edges = tuple((_seconds(window, r.tick), r.value) for r in inside)
         return [Lane(name, "flags", BLACK, initial=initial, edges=edges)]
     return [Lane(name, "flags", BLACK, boxes=_values(window, earlier[-1:], inside))]
@@ -138,7 +138,7 @@ def _flag_lane(window: Window, where: str, what: str) -> list[Lane]:
 
 def _values(window: Window, earlier: list[Record], inside: list[Record]) -> tuple[Box, ...]:
     marks = [*((window.drawn.begin, r.value) for r in earlier), *((r.tick, r.value) for r in inside)]
-    ends = [*(tick for tick, _ in marks[1:]), window.drawn.end]
+    ends = [*(tick for tick, _ in marks[1:]), *([window.drawn.end] if marks else [])]
     return tuple(
         Box(_seconds(window, tick), _seconds(window, end), f"0x{value:02X}" if value > 9 else f"{value}")
         for (tick, value), end in zip(marks, ends, strict=True)

@@ -225,7 +225,7 @@ def test_missing_file(case_file: Path):
 
 
 def test_a_folder_is_no_case(case_file: Path):
-    assert refusal(Path(".")) == ".: cannot be read (Is a directory); give the path of a case file"
+    assert refusal(Path(".")) == ".: is a folder; give a case file, or run all its cases: periph-sim check ."
 
 
 def test_not_toml(case_file: Path):

@@ -48,7 +48,8 @@ def test_a_captured_controller_is_imitated(trace, events, addresses):
 )
 def test_bytes_acks_and_repeated_starts_come_out_as_captured(wave):
     report = replay(wave)
-    assert (report.verdict, report.agreed) == ("pass", report.events) and report.notes == []
+    assert (report.verdict, report.agreed) == ("pass", report.events)
+    assert unplanned(report.notes) == []
 
 
 def test_stretches_of_the_captured_target_are_played_with_their_length():
@@ -95,11 +96,16 @@ def test_a_firmware_without_a_script_asks_what_it_asks(tmp_path, order, outcome)
     assert found == outcome
 
 
+def unplanned(notes: list[str]) -> list[str]:
+    """But for the end of the script, which comes before that of some captures."""
+    return [note for note in notes if not note.startswith("dsp: main returned at ")]
+
+
 def test_what_is_left_out_is_told_and_nothing_left_is_refused():
     report = replay("S A0+ 00+ P S A1+ P")
     assert report.verdict == "pass" and report.events == 6
     assert (report.captured_events, report.transfers, report.captured_transfers) == (10, 1, 2)
-    (note,) = report.notes
+    (note,) = unplanned(report.notes)
     assert note == (
         "transfers that a master of this module cannot do, left out: "
         "1 (a read of no byte, whose address was acknowledged)"

@@ -9,6 +9,7 @@ worst case that moves to another round carries other data.
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -47,12 +48,26 @@ def chains(case: Case, wanted: dict[str, Wanted]) -> dict[str, Told]:
     if not wanted:
         return {}
     kept: list[Record] = []
-    scene = Scene(case, lambda recorder, _: recorder.subscribe(KINDS, kept.append))
+
+    def keep(record: Record) -> None:
+        if record.kind is not Kind.ACCESS or record.what.startswith("W "):
+            kept.append(record)
+
+    scene = Scene(case, lambda recorder, _: recorder.subscribe(KINDS, keep))
     margin = scene.timebase.ticks(AROUND)
     ends = [one.at + one.length + margin for one in wanted.values()]
     longest = scene.timebase.ticks(case.duration, "nearest")
     scene.run(scene.timebase.seconds(min(max(ends), longest)))
-    return {name: _chain(kept, scene.start + one.at, one, margin) for name, one in wanted.items()}
+    return {
+        name: _chain(_around(kept, scene.start + one.at, one, margin), scene.start + one.at, one, margin)
+        for name, one in wanted.items()
+    }
+
+
+def _around(records: list[Record], at: int, wanted: Wanted, margin: int) -> list[Record]:
+    """The records, which are in order of time, that a chain can be made of."""
+    begin = bisect_left(records, at - max(wanted.length, margin), key=lambda r: r.tick)
+    return records[begin : bisect_right(records, at + wanted.length + margin, key=lambda r: r.tick)]
 
 
 def _chain(records: list[Record], at: int, wanted: Wanted, margin: int) -> Told:
@@ -83,7 +98,7 @@ def _place(record: Record) -> str:
 
 def _counts(record: Record, coarse: bool) -> bool:
     if record.kind is Kind.ACCESS:
-        return not coarse and record.what.startswith("W ")
+        return not coarse
     return record.kind is not Kind.BUS or not coarse or record.what in COARSE
 
 

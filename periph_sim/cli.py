@@ -42,9 +42,11 @@ class Commands(click.Group):
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         if not args[0].startswith("-") and not _is_command(_file(args[0])):
-            from .core.nearest import near
+            from .core.suggest import did_you_mean
 
-            raise click.UsageError(f"there is no command {args[0]!r}; {near(args[0], self.list_commands(ctx))}", ctx)
+            raise click.UsageError(
+                f"there is no command {args[0]!r}; {did_you_mean(args[0], self.list_commands(ctx))}", ctx
+            )
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:

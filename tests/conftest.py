@@ -26,25 +26,25 @@ settings.load_profile("periph-sim")
 
 # Whole cases run through everything; what they reach is reached by the tests of its parts.
 WHOLE = (
-    "tests/board/test_cases.py",
-    "tests/board/test_copy_points.py",
-    "tests/board/test_determinism.py",
-    "tests/board/test_responder.py",
-    "tests/board/test_two_dsps.py",
+    "tests/scene/test_cases.py",
+    "tests/scene/test_copy_points.py",
+    "tests/scene/test_determinism.py",
+    "tests/scene/test_responder.py",
+    "tests/scene/test_two_dsps.py",
     "tests/captures/",
     "tests/commands/test_all_measures.py",
     "tests/commands/test_check.py",
     "tests/commands/test_moving.py",
     "tests/commands/test_worst.py",
     "tests/devices/test_attitude.py",
-    "tests/extremes/",
-    "tests/moving/test_on_wires.py",
+    "tests/sensors/extremes/",
+    "tests/dissertation/moving/test_on_wires.py",
     "tests/replay/test_command.py",
-    "tests/report/test_browser.py",
+    "tests/reports/html/test_browser.py",
     "tests/rules/",
     "tests/test_event_counts.py",
     "tests/timing/test_model_age.py",
-    "tests/worst/test_window.py",
+    "tests/explain/test_window.py",
 )
 
 

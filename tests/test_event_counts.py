@@ -10,11 +10,11 @@ from fractions import Fraction
 
 import pytest
 
-from periph_sim.board.scene import Scene
-from periph_sim.case.load import load
-from periph_sim.lines.uart_peer import UartPeer
-from tests.board.runs import TIMING, run_case, run_file
-from tests.board.small import case
+from periph_sim.bus.uart.sender import UartSender
+from periph_sim.scene.case.load import load
+from periph_sim.scene.scene import Scene
+from tests.scene.runs import TIMING, run_case, run_file
+from tests.scene.small import case
 
 BIT_8N1 = 4 * 8 * (40 + 1)  # SYSCLKOUT cycles: LSPCLK is a quarter, BRR 40
 TICKS = 20  # per cycle of 150 MHz
@@ -67,7 +67,7 @@ def sci_events(data: bytes, modules: list[str]) -> int:
     """
     unit = {"firmware": "uart_logger", "modules": modules, "code": {"between_accesses": 0}}
     scene = Scene(case(unit={"dsp": unit}))
-    peer = UartPeer(scene.kernel, scene.recorder, scene.wire("RX"), Fraction(BIT_8N1 * TICKS))
+    peer = UartSender(scene.kernel, scene.recorder, scene.wire("RX"), Fraction(BIT_8N1 * TICKS))
     scene.kernel.at(scene.timebase.ticks("1 ms"), lambda: peer.send(data, Fraction(0), lambda tick: None))
     return scene.run(Fraction(20, 1000)).events
 

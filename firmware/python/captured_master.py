@@ -21,9 +21,9 @@ from typing import Annotated
 
 from pydantic import AfterValidator
 
-from firmware.python.startup import start_i2c
-from periph_sim.board.dsp import Dsp
-from periph_sim.case.settings import Duration
+from periph_sim.core.settings import Duration
+from periph_sim.firmware import start_i2c
+from periph_sim.processor.dsp import Dsp
 
 FREE, STT, STP, MST, TRX, RM, IRS = 0x4000, 0x2000, 0x0800, 0x0400, 0x0200, 0x0080, 0x0020  # I2CMDR
 FLAGS = 0x0026  # of I2CSTR, cleared by writing ones: SCD, ARDY, NACK

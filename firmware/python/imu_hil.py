@@ -20,9 +20,9 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 from firmware.python.imu_models import ModelSettings, models_of, shown
-from firmware.python.startup import sci_fifo_receiver, start_i2c, start_pie, start_pin
-from periph_sim.board.dsp import Dsp
-from periph_sim.case.settings import Duration, HexBytes
+from periph_sim.core.settings import Duration, HexBytes
+from periph_sim.firmware import sci_fifo_receiver, start_i2c, start_pie, start_pin
+from periph_sim.processor.dsp import Dsp
 
 FRAME_BYTES = 12
 GYROSCOPE, ACCELEROMETER, MAGNETOMETER = 0x68, 0x53, 0x1E

@@ -27,10 +27,10 @@ from typing import Literal
 
 from firmware.python.imu_hil import ACCELEROMETER, FRAME_BYTES, GYROSCOPE, MAGNETOMETER, endless
 from firmware.python.imu_models import ModelSettings, models_of, shown
-from firmware.python.startup import sci_fifo_receiver, start_i2c, start_pie, start_pin
-from periph_sim.board.dsp import Dsp
-from periph_sim.case.settings import Duration
-from periph_sim.host.registers import ModulePort
+from periph_sim.core.settings import Duration
+from periph_sim.firmware import sci_fifo_receiver, start_i2c, start_pie, start_pin
+from periph_sim.processor.dsp import Dsp
+from periph_sim.processor.register_view import ModulePort
 
 RRDY, XRDY, SCD, AAS, SDIR = 1 << 3, 1 << 4, 1 << 5, 1 << 9, 1 << 14  # I2CSTR
 IRS, FREE = 1 << 5, 1 << 14  # I2CMDR

@@ -2,7 +2,7 @@
 
     12 bytes --> six int16 --> attitude (1e-4 rad), acceleration (1e-3 g) --> Imu --> codes --> bytes
 
-The models are those of periph_sim/devices/models, sample by sample as the F28335 computes them: the last attitude and
+The models are those of periph_sim/sensors/models, sample by sample as the F28335 computes them: the last attitude and
 body rates are kept from one sample to the next, also where no new frame has come (section 3.4 of the dissertation).
 """
 
@@ -16,16 +16,16 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator
 
-from periph_sim.case.sensors import named as parameter_set
-from periph_sim.case.settings import DurationRange, Spread
-from periph_sim.devices.host_pc import ACCELERATION, ANGLE
-from periph_sim.devices.imu_noise import ImuNoise
-from periph_sim.devices.models.counts import counts_of
-from periph_sim.devices.models.imu import Imu, Noise
-from periph_sim.devices.models.parameters import Imu as Parameters
-from periph_sim.numeric import named
-from periph_sim.numeric.estimate import estimate
-from periph_sim.numeric.float32 import Float32
+from periph_sim.core.settings import DurationRange, Spread
+from periph_sim.scene.case.sensor_sets import named as parameter_set
+from periph_sim.sensors.host_frame import ACCELERATION, ANGLE
+from periph_sim.sensors.imu_noise import ImuNoise
+from periph_sim.sensors.models.counts import counts_of
+from periph_sim.sensors.models.imu import Imu, Noise
+from periph_sim.sensors.models.parameters import Imu as Parameters
+from periph_sim.sensors.numeric import arithmetic_names as named
+from periph_sim.sensors.numeric.estimate import estimate
+from periph_sim.sensors.numeric.float32 import Float32
 
 FRAME = Struct("<6h")
 LITTLE, BIG = Struct("<3h"), Struct(">3h")

@@ -20,9 +20,9 @@ from fractions import Fraction
 from itertools import chain, repeat
 from typing import Literal
 
-from firmware.python.startup import start_i2c, start_pie
-from periph_sim.board.dsp import Dsp
-from periph_sim.case.settings import Duration, HexBytes
+from periph_sim.core.settings import Duration, HexBytes
+from periph_sim.firmware import start_i2c, start_pie
+from periph_sim.processor.dsp import Dsp
 
 AAS_CODE, SCD_CODE, XRDY_CODE, RRDY_CODE, NACK_CODE = 7, 6, 5, 4, 2  # I2CISRC
 

@@ -14,9 +14,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from firmware.python.startup import start_i2c, start_pie
-from periph_sim.board.dsp import Dsp
-from periph_sim.case.settings import Duration
+from periph_sim.core.settings import Duration
+from periph_sim.firmware import start_i2c, start_pie
+from periph_sim.processor.dsp import Dsp
 
 CHIPS = {0x68: 0x1D, 0x53: 0x32, 0x1E: 0x03}  # address -> first data register
 

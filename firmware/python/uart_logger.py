@@ -18,8 +18,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal
 
-from firmware.python.startup import sci_fifo_receiver
-from periph_sim.board.dsp import Dsp
+from periph_sim.firmware import sci_fifo_receiver
+from periph_sim.processor.dsp import Dsp
 
 LSPCLK_HZ = 37_500_000  # SYSCLKOUT/4, as after reset
 FE, PE = 1 << 15, 1 << 14  # of SCIRXBUF

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..case.model import Case
 from ..core.options import Value
+from ..scene.case.model import Case
 from .option_groups import OPTIONS
 
 PAGE = "docs/options.md"

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import click
 
-from .inputs import time_given
+from .input_options import time_given
 from .progress import progress
-from .trouble import told_plainly
+from .usage_error import usage_errors_in_one_sentence
 
 
 @click.command()
@@ -25,13 +25,13 @@ def bound(case: Path, seconds: str | None, changes: tuple[str, ...], as_json: bo
     is, a term of it is no bound, nothing was seen of it, or the firmware may come too late for a request, so that
     there is no bound; 2: the case has no closed form.
     """
-    from ..bound import report
-    from ..bound.show import as_json as as_dict
-    from ..bound.show import text
-    from ..case.load import load
+    from ..explain.bound import report
+    from ..explain.bound.text_report import as_json as as_dict
+    from ..explain.bound.text_report import text
+    from ..scene.case.load import load
 
     length = None if seconds is None else time_given("--seconds", seconds if seconds[-1:].isalpha() else f"{seconds} s")
-    with told_plainly():
+    with usage_errors_in_one_sentence():
         loaded = load(case, list(changes))
         with progress(loaded.name) as told:
             found = report(loaded, length, told)

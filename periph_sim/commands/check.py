@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ..baselines import CaseCheck, Refused
-from ..baselines import check as checked
-from ..formats.whole import whole
-from .inputs import apart
+from ..reports.baselines import CaseCheck, RejectedCase
+from ..reports.baselines import check as checked
+from ..traces.formats.atomic_write import atomic_write
+from .input_options import apart
 from .progress import progress
-from .trouble import told_plainly
+from .usage_error import usage_errors_in_one_sentence
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -56,11 +56,11 @@ def check(
     if update and changes:
         raise click.UsageError("--update-baseline with --set: a baseline is of the case as it stands; leave one out")
     apart(junit=junit_file, html=html_file)
-    refused: list[Refused] = []
-    with told_plainly(), ExitStack() as outputs:
+    refused: list[RejectedCase] = []
+    with usage_errors_in_one_sentence(), ExitStack() as outputs:
         # Asked for their places before the runs, so that none is in vain.
         unfinished, unfinished_html = (
-            None if file is None else outputs.enter_context(whole(file)) for file in (junit_file, html_file)
+            None if file is None else outputs.enter_context(atomic_write(file)) for file in (junit_file, html_file)
         )
         with progress("check") as told:
             checks = checked(
@@ -75,7 +75,7 @@ def check(
                 on_refused=refused.append,
             )
         if unfinished is not None:
-            from ..baselines.junit import junit
+            from ..reports.baselines.junit import junit
 
             unfinished.write_text(junit(checks, refused), encoding="utf-8")
         if unfinished_html is not None:
@@ -86,7 +86,7 @@ def check(
     else:
         _show(checks, refused)
     if annotations is not None:
-        from ..baselines.annotations import github
+        from ..reports.baselines.annotations import github
 
         for line in github(checks, refused):
             click.echo(line, err=as_json)  # the service reads both; standard output stays one object
@@ -95,8 +95,8 @@ def check(
     return 0 if passed else 1
 
 
-def _object(checks: list[CaseCheck], refused: list[Refused], passed: bool) -> dict[str, object]:
-    from ..worst.show import as_json
+def _object(checks: list[CaseCheck], refused: list[RejectedCase], passed: bool) -> dict[str, object]:
+    from ..explain.text_report import as_json
 
     return {
         "verdict": "pass" if passed else "fail",
@@ -125,9 +125,9 @@ def _object(checks: list[CaseCheck], refused: list[Refused], passed: bool) -> di
 
 def _html(checks: list[CaseCheck], jobs: int | None) -> str:
     """The report: each case is run once more, for its timelines."""
-    from ..baselines.check import workers
-    from ..report import page
-    from ..report.gather import report_of_file
+    from ..reports.baselines.check import workers
+    from ..reports.html import page
+    from ..reports.html.gather import report_of_file
 
     with workers(jobs, len(checks)) as start:
         waiting = [
@@ -147,9 +147,9 @@ def _html(checks: list[CaseCheck], jobs: int | None) -> str:
     return page(reports, "periph-sim check" if len(reports) > 1 else reports[0].name)
 
 
-def _show(checks: list[CaseCheck], refused: list[Refused]) -> None:
-    from ..worst.show import text
-    from .report import budget_table, legend, say, terminal
+def _show(checks: list[CaseCheck], refused: list[RejectedCase]) -> None:
+    from ..explain.text_report import text
+    from .result_text import budget_table, legend, say, terminal
 
     console = terminal()
     say(
@@ -187,13 +187,13 @@ def _show(checks: list[CaseCheck], refused: list[Refused]) -> None:
 LEGEND = "columns count budgets; must break: named in `breaks`; baseline: changed figures"
 
 
-def _table(checks: list[CaseCheck], refused: list[Refused]) -> Table:
+def _table(checks: list[CaseCheck], refused: list[RejectedCase]) -> Table:
     """A row a case: how many budgets have each verdict, and what the baseline says."""
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
     from ..timing.verdicts import BROKEN, EVERY_PHASE, NOT_JUDGED, SEEN
-    from .report import PADDING
+    from .result_text import PADDING
 
     table = Table(box=SIMPLE_HEAD, padding=PADDING, pad_edge=False)
     table.add_column("case", no_wrap=True)

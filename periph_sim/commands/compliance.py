@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from .inputs import RATE, SALVAGE, read_capture
+from .input_options import RATE, SALVAGE, read_capture
 
 
 @click.command()
@@ -38,11 +38,11 @@ def compliance(
 
     A limit passes, fails, or cannot be decided at the capture's sample rate. Exit status 0: none fails; 1: one does.
     """
-    from .. import formats
-    from ..compliance import Verdict, check
-    from ..compliance.show import as_json as as_dict
     from ..replay import BadReplay
     from ..replay.channels import channel_map
+    from ..traces import formats
+    from ..traces.compliance import Verdict, check
+    from ..traces.compliance.text_report import as_json as as_dict
 
     try:
         given = read_capture(capture, rate, salvage)

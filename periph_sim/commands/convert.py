@@ -12,14 +12,14 @@ from pathlib import Path
 import click
 import numpy as np
 
-from .. import formats
-from ..core.nearest import near
-from ..formats import BadCapture, psr
-from ..formats.part import window_of, with_channels, within
-from ..formats.resample import rate_text, resampled
-from ..recording import format_of, recording_formats, rewrite
-from .inputs import RATE, SALVAGE, rate_given, read_capture
-from .trouble import told_plainly
+from ..core.suggest import did_you_mean
+from ..records.recording import format_of, recording_formats, rewrite
+from ..traces import formats
+from ..traces.capture.excerpt import window_of, with_channels, within
+from ..traces.capture.resample import rate_text, resampled
+from ..traces.formats import BadCapture, psr
+from .input_options import RATE, SALVAGE, rate_given, read_capture
+from .usage_error import usage_errors_in_one_sentence
 
 
 @click.command()
@@ -43,7 +43,7 @@ def convert(
 
     Of a run recorded as .psr, OUT may also be any format of `run --record`, with all that was recorded.
     """
-    with told_plainly():
+    with usage_errors_in_one_sentence():
         if _same_file(given, out):
             raise click.ClickException(f"{out}: IN and OUT are one file; give another name for OUT")
         part = any(option is not None for option in (rate, sample, channels, window)) or salvage
@@ -86,7 +86,7 @@ def _check_suffix(out: Path, part: bool) -> None:
     if format_of(out):
         way_out = "leave out what selects a part" if part else "record one with run --record run.psr"
         raise click.ClickException(f"{out}: this format holds the records of a run, not a capture; {way_out}")
-    raise click.ClickException(f"{out}: nothing is written as {out.suffix!r}; {near(out.suffix, _suffixes())}")
+    raise click.ClickException(f"{out}: nothing is written as {out.suffix!r}; {did_you_mean(out.suffix, _suffixes())}")
 
 
 def _suffixes() -> list[str]:

@@ -13,13 +13,13 @@ from pathlib import Path
 import click
 
 from ..core.shorten import shorten
-from ..decode.rows import grouped, merged
-from ..formats.capture import Capture
-from ..formats.sampling import sample_step
-from . import event_text
+from ..traces.capture.capture import Capture
+from ..traces.capture.sampling import sample_step
+from ..traces.decode.event_rows import grouped, merged
+from . import decoded_text as event_text
 from .decode_buses import Bus, asked_for
-from .inputs import RATE, SALVAGE, read_capture
-from .trouble import told_plainly
+from .input_options import RATE, SALVAGE, read_capture
+from .usage_error import usage_errors_in_one_sentence
 
 A_SECOND = {"s": 1, "ms": 10**3, "us": 10**6, "ns": 10**9, "ps": 10**12}
 
@@ -56,7 +56,7 @@ def decode(
     Without --i2c and --uart, channels called scl and sda, rx and tx are taken. The times of several buses stand in
     one list.
     """
-    with told_plainly():
+    with usage_errors_in_one_sentence():
         capture = read_capture(file, rate, salvage)
         shortest = 0 if glitch is None else _shortest(glitch, capture)
         found = asked_for(capture, i2cs, uarts, shortest)

@@ -12,15 +12,15 @@ from typing import NamedTuple
 
 import click
 
-from ..core.nearest import near
-from ..decode.i2c_table import i2c_table
-from ..decode.plausible import impossible_rate
-from ..decode.rows import Rows, i2c_rows, no_rows, uart_rows
-from ..decode.uart_line import line_of, width_of
-from ..decode.uart_table import uart_table
-from ..formats.capture import Capture, Channel, listed
-from ..formats.gaps import gap_notes
-from ..formats.line_names import called
+from ..core.suggest import did_you_mean
+from ..traces.capture.capture import Capture, Channel, listed
+from ..traces.capture.channel_names import channels_named
+from ..traces.capture.gaps import gap_notes
+from ..traces.decode.event_rows import Rows, i2c_rows, no_rows, uart_rows
+from ..traces.decode.i2c_table import i2c_table
+from ..traces.decode.sampling_rate import impossible_rate
+from ..traces.decode.uart_format import line_of, width_of
+from ..traces.decode.uart_table import uart_table
 
 UART_LINES = ("rx", "tx")
 FLAGS = ("invert", "vote")  # without a value
@@ -44,7 +44,7 @@ def asked_for(capture: Capture, i2cs: tuple[str, ...], uarts: tuple[str, ...], s
         return [_i2c(capture, text, shortest) for text in i2cs] + [
             bus for text in uarts for bus in _uart(capture, text, shortest)
         ]
-    sure = {line: found[0] for line in ("scl", "sda", *UART_LINES) if len(found := called(capture, line)) == 1}
+    sure = {line: found[0] for line in ("scl", "sda", *UART_LINES) if len(found := channels_named(capture, line)) == 1}
     buses = [_i2c_of(capture, sure["scl"], sure["sda"], shortest)] if {"scl", "sda"} <= sure.keys() else []
     lines = [sure[name] for name in UART_LINES if name in sure]
     if not buses and not lines:
@@ -111,7 +111,7 @@ def _frames(capture: Capture, wire: Channel, given: dict[str, str], shortest: in
         return _nothing(wire, f"{wire.name} is {'high' if wire.initial else 'low'} throughout: nothing to decode")
     baud, shape = given.get("baud", "auto"), given.get("format")
     if baud == "auto":
-        from ..decode.uart_guess import guess
+        from ..traces.decode.uart_guess import guess
 
         guessed = guess(capture, wire.index, shape, "invert" in given or None, shortest)
         notes.append(f"{wire.name}: {guessed}")
@@ -137,7 +137,7 @@ def _pairs(option: str, text: str, known: tuple[str, ...]) -> dict[str, str]:
         name, equals, value = part.partition("=")
         name = name.strip().casefold()
         if name not in known:
-            raise click.ClickException(f"{option} {text}: there is no {name!r}; {near(name, known)}")
+            raise click.ClickException(f"{option} {text}: there is no {name!r}; {did_you_mean(name, known)}")
         if name in given:
             raise click.ClickException(f"{option} {text}: {name} is given twice; expected once")
         if name not in FLAGS and not value.strip():

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .inputs import SALVAGE, read_capture, time_given
+from .input_options import SALVAGE, read_capture, time_given
 
 if TYPE_CHECKING:
-    from ..decode.uart import Line
+    from ..traces.decode.uart import Line
 
 PARITIES = {"n": "none", "o": "odd", "e": "even", "m": "mark", "s": "space"}
 
@@ -46,12 +46,12 @@ def diff(
 
     Exit status 0: the same events at the same times within the tolerance; 1: not so.
     """
-    from .. import formats
-    from ..diff import diff_i2c, diff_uart
-    from ..diff.show import as_json as as_dict
-    from ..diff.show import text
     from ..replay import BadReplay
     from ..replay.channels import channel_map
+    from ..traces import formats
+    from ..traces.diff import diff_i2c, diff_uart
+    from ..traces.diff.text_report import as_json as as_dict
+    from ..traces.diff.text_report import text
 
     allowed = None if tolerance is None else time_given("--tolerance", tolerance)
     channel, line = (None, None) if uart is None else _line(uart)
@@ -85,8 +85,8 @@ def diff(
 
 def _line(text: str) -> tuple[str | None, Line]:
     """(channel, line) of `rx=CHANNEL,baud=RATE,format=8n1`; baud must be there."""
-    from ..core.nearest import near
-    from ..decode.uart import Line
+    from ..core.suggest import did_you_mean
+    from ..traces.decode.uart import Line
 
     given: dict[str, str] = {}
     for part in text.split(","):
@@ -94,7 +94,9 @@ def _line(text: str) -> tuple[str | None, Line]:
         if not equals or not value:
             raise click.ClickException(f"--uart {text!r}: expected rx=CHANNEL,baud=RATE,format=8n1")
         if key not in ("rx", "baud", "format"):
-            raise click.ClickException(f"--uart {text!r}: there is no {key!r}; {near(key, ('rx', 'baud', 'format'))}")
+            raise click.ClickException(
+                f"--uart {text!r}: there is no {key!r}; {did_you_mean(key, ('rx', 'baud', 'format'))}"
+            )
         given[key] = value
     frame = re.fullmatch(r"([5-9])([noems])([12])", given.get("format", "8n1").casefold())
     if frame is None:

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .trouble import told_plainly
+from .usage_error import usage_errors_in_one_sentence
 
 if TYPE_CHECKING:
-    from ..numeric.costs import Tables
+    from ..sensors.numeric.costs import Tables
 
 
 @click.command()
@@ -40,20 +40,20 @@ def extremes(
     Says how far each is off in the working range, what it costs in cycles, and from which input on it saturates,
     wraps, or is no number any more. NAME may be given several times, and EXTREME too.
     """
-    from ..case.sensors import named
-    from ..extremes import USUAL, report
-    from ..extremes.plot import picture
-    from ..extremes.show import as_json as as_dict
-    from ..extremes.show import text
-    from ..formats.whole import whole
+    from ..scene.case.sensor_sets import named
+    from ..sensors.extremes import USUAL, report
+    from ..sensors.extremes.plot import picture
+    from ..sensors.extremes.text_report import as_json as as_dict
+    from ..sensors.extremes.text_report import text
+    from ..traces.formats.atomic_write import atomic_write
 
-    with told_plainly():
+    with usage_errors_in_one_sentence():
         if plot is not None and plot.suffix != ".svg":
             raise click.ClickException(f"{plot}: the picture is SVG; give a name that ends with .svg")
         imu = None if parameters is None else named(parameters)
         found = report(names or USUAL, seed, samples, only, imu, tables)
         if plot is not None:
-            with whole(plot) as unfinished:
+            with atomic_write(plot) as unfinished:
                 unfinished.write_text(picture(found), encoding="utf-8")
     click.echo(json.dumps(as_dict(found), indent=2) if as_json else text(found))
     if plot is not None and not as_json:

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .inputs import rate_given
-from .trouble import told_plainly
+from .input_options import rate_given
+from .usage_error import usage_errors_in_one_sentence
 
 if TYPE_CHECKING:
-    from ..formats.unit_csv import Column
-    from ..identification.show import Axis
+    from ..sensors.identification.text_report import Axis
+    from ..traces.formats.unit_csv import Column
 
 PICTURES = (".svg", ".png")
 UNEVEN = 0.01  # of a period, that two recordings may differ in
@@ -57,26 +57,26 @@ def identify(
     """
     if picture is not None and picture.suffix.casefold() not in PICTURES:
         raise click.ClickException(f"--plot {picture}: its suffix is {picture.suffix!r}; expected .svg or .png")
-    with told_plainly(), ExitStack() as outputs:
+    with usage_errors_in_one_sentence(), ExitStack() as outputs:
         try:
-            from ..identification import show
+            from ..sensors.identification import text_report as show
         except ModuleNotFoundError as error:
             raise click.ClickException(
                 f"identify needs {error.name}, which is not installed: pip install 'periph-sim[sensors]'"
             ) from None
-        from ..formats.whole import whole
+        from ..traces.formats.atomic_write import atomic_write
 
-        paths = {path: outputs.enter_context(whole(path)) for path in (picture, parameters) if path is not None}
+        paths = {path: outputs.enter_context(atomic_write(path)) for path in (picture, parameters) if path is not None}
         axes, period = _axes(file, rate, expect, undisturbed, slow_terms)
         count = len(axes[0].found.series.samples)
         title = f"{file}: {count} samples, one every {period:g} s"
         if picture is not None:
-            from ..identification.plot import plot
+            from ..sensors.identification.plot import plot
 
             plot(title, axes, paths[picture])
         if parameters is not None:
-            from ..case.sensors_text import text_of
-            from ..experiments.identified import parameters_of_axes
+            from ..dissertation.at_rest.identified import parameters_of_axes
+            from ..scene.case.sensor_sets_text import text_of
 
             named = {axis.found.series.name: axis for axis in axes}
             found = parameters_of_axes(named, undisturbed is not None)
@@ -92,8 +92,8 @@ def _axes(
     file: Path, rate: str | None, expect: tuple[str, ...], undisturbed: Path | None, slow: bool
 ) -> tuple[list[Axis], float]:
     """Every column but time, identified, and the sampling period."""
-    from ..identification import identify as identified
-    from ..identification.show import Axis
+    from ..sensors.identification import identify as identified
+    from ..sensors.identification.text_report import Axis
 
     columns, period = _recording(file, rate)
     others: Mapping[str, Column] = {}
@@ -120,7 +120,7 @@ def _recording(file: Path, rate: str | None) -> tuple[dict[str, Column], float]:
     """The columns but time by name, and the period in seconds."""
     import numpy as np
 
-    from ..formats.unit_csv import line_of_row, read
+    from ..traces.formats.unit_csv import line_of_row, read
 
     columns = {column.name: column for column in read(file)}
     time = columns.pop("time", None)
@@ -147,7 +147,7 @@ def _recording(file: Path, rate: str | None) -> tuple[dict[str, Column], float]:
 
 
 def _expected(given: tuple[str, ...], columns: Mapping[str, Column]) -> dict[str, float]:
-    from ..core.nearest import near
+    from ..core.suggest import did_you_mean
 
     wanted: dict[str, float] = {}
     for text in given:
@@ -155,7 +155,7 @@ def _expected(given: tuple[str, ...], columns: Mapping[str, Column]) -> dict[str
         if not equals:
             raise click.ClickException(f"--expect {text!r}: expected NAME=VALUE")
         if name not in columns:
-            raise click.ClickException(f"--expect {text!r}: there is no column {name!r}; {near(name, columns)}")
+            raise click.ClickException(f"--expect {text!r}: there is no column {name!r}; {did_you_mean(name, columns)}")
         try:
             wanted[name] = float(value)
         except ValueError:

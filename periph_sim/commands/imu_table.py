@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from .trouble import told_plainly
+from .usage_error import usage_errors_in_one_sentence
 
 MOST_SAMPLES = 10_000_000
 PUBLISHED = "table_5_1"
@@ -34,28 +34,28 @@ def imu_table(samples: int, seed: int, parameters: str | None, turn: bool, csv: 
     Beside each figure stand the published ones and what the model expects. With the set that reproduces the table, also
     how it follows from Table 4.1, step by step.
     """
-    from ..case.sensors import named
-    from ..devices.models.parameters import Imu
-    from ..experiments.readings import readings
-    from ..experiments.rest import at_rest
-    from ..experiments.static_table import static_table
-    from ..experiments.static_text import text
+    from ..dissertation.at_rest.readings import readings
+    from ..dissertation.at_rest.rest import at_rest
+    from ..dissertation.at_rest.static_table import static_table
+    from ..dissertation.at_rest.static_text import text
+    from ..scene.case.sensor_sets import named
+    from ..sensors.models.parameters import Imu
 
-    with told_plainly(), ExitStack() as outputs:
+    with usage_errors_in_one_sentence(), ExitStack() as outputs:
         unfinished = None
         if csv is not None:
-            from ..formats.whole import whole
+            from ..traces.formats.atomic_write import atomic_write
 
-            unfinished = outputs.enter_context(whole(csv))
+            unfinished = outputs.enter_context(atomic_write(csv))
         if turn:
-            from ..experiments import earth_field
+            from ..dissertation.at_rest import earth_field
 
             click.echo(earth_field.text(named(parameters) if parameters else Imu(), earth_field.fit()))
             return 0
         imu = named(parameters or PUBLISHED)
         found = at_rest(imu, samples, seed)
         if unfinished is not None:
-            from ..experiments.rest import write
+            from ..dissertation.at_rest.rest import write
 
             write(found, imu, unfinished)
         rows, told = static_table(imu, found), readings() if parameters in (None, PUBLISHED) else []

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import click
 
-from .inputs import RUN_FILE, SYSCLK, open_run, time_given
-from .trouble import told_plainly
+from .input_options import RUN_FILE, SYSCLK, open_run, time_given
+from .usage_error import usage_errors_in_one_sentence
 
 
 @click.command()
@@ -21,13 +21,13 @@ def lint(run: Path, bound: str, sysclk: str | None, as_json: bool) -> int:
 
     RUN is what `run --record x.psr` wrote. Exit status 0: nothing found; 1: something is.
     """
-    from ..insight.finding import Options
-    from ..insight.lint import lint as lint_of
-    from ..insight.show_lint import as_json as as_dict
-    from ..insight.show_lint import text
+    from ..records.lint_finding import Options
+    from ..records.lint_runner import lint as lint_of
+    from ..records.lint_text_report import as_json as as_dict
+    from ..records.lint_text_report import text
 
     options = Options(time_given("--bound", bound))
-    with told_plainly():
+    with usage_errors_in_one_sentence():
         opened = open_run(run, sysclk)
         findings = lint_of(opened, options)
     click.echo(json.dumps(as_dict(opened, findings)) if as_json else text(opened, findings))

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import click
 
-from .inputs import length_given
+from .input_options import length_given
 from .progress import progress
-from .trouble import told_plainly
+from .usage_error import usage_errors_in_one_sentence
 
 DIFFERENT = 1  # the exit status where the wires carried other bytes than were computed
 
@@ -33,19 +33,19 @@ def moving(
     The emulator is the case's firmware, with its gyroscope as built and corrected; the real sensors are the three
     chips on the same bus. Both go into the same filter.
     """
-    from ..case.load import load
-    from ..moving.experiment import run
-    from ..moving.show import as_json as to_json
-    from ..moving.show import lines
-    from ..moving.subject import subject_of
+    from ..dissertation.moving.experiment import run
+    from ..dissertation.moving.subject import subject_of
+    from ..dissertation.moving.text_report import as_json as to_json
+    from ..dissertation.moving.text_report import lines
+    from ..scene.case.load import load
 
-    with told_plainly(), ExitStack() as outputs:
+    with usage_errors_in_one_sentence(), ExitStack() as outputs:
         subject = subject_of(load(case, list(changes)), None if seconds is None else length_given(seconds))
         pictures = None if folder is None else outputs.enter_context(_pictures(folder))
         with progress(subject.case.name) as told:
             outcome = run(subject, not direct, told)
         if pictures is not None:
-            from ..moving import plot
+            from ..dissertation.moving import plot
 
             plot.attitudes(outcome, pictures[0])
             plot.rates(outcome, pictures[1])
@@ -59,7 +59,7 @@ def moving(
 @contextmanager
 def _pictures(folder: Path) -> Iterator[list[Path]]:
     """Where to draw both pictures: they appear in the folder, which is made, when all went well, else neither does."""
-    from ..formats.whole import whole
+    from ..traces.formats.atomic_write import atomic_write
 
     try:
         import matplotlib  # noqa: F401
@@ -72,7 +72,7 @@ def _pictures(folder: Path) -> Iterator[list[Path]]:
         raise click.ClickException(f"--plot {folder}: {(error.strerror or 'an error').lower()}") from None
     try:
         with ExitStack() as both:
-            yield [both.enter_context(whole(folder / name)) for name in ("attitudes.svg", "rates.svg")]
+            yield [both.enter_context(atomic_write(folder / name)) for name in ("attitudes.svg", "rates.svg")]
     except BaseException:
         if made:
             folder.rmdir()

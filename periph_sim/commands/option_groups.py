@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from ..devices.adxl345 import Adxl345Options
-from ..devices.hmc5883l import Hmc5883lOptions
-from ..devices.itg3200 import Itg3200Options
-from ..f28335.i2c_options import I2cOptions
-from ..f28335.sci_options import SciOptions
-from ..f28335.system_options import SystemOptions
+from ..devices.chips.adxl345 import Adxl345Options
+from ..devices.chips.hmc5883l import Hmc5883lOptions
+from ..devices.chips.itg3200 import Itg3200Options
+from ..f28335.i2c.options import I2cOptions
+from ..f28335.sci.options import SciOptions
+from ..f28335.system.options import SystemOptions
 
 OPTIONS: dict[str, type] = {
     "i2c": I2cOptions,

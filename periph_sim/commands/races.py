@@ -7,8 +7,8 @@ from pathlib import Path
 
 import click
 
-from .inputs import RUN_FILE, SYSCLK, open_run
-from .trouble import told_plainly
+from .input_options import RUN_FILE, SYSCLK, open_run
+from .usage_error import usage_errors_in_one_sentence
 
 
 @click.command()
@@ -23,11 +23,11 @@ def races(run: Path, register: str | None, least: int | None, no_lost: bool, sys
 
     RUN is what `run --record x.psr` wrote. Flags that a read-modify-write cleared unmeant are listed too.
     """
-    from ..insight.races import races as races_of
-    from ..insight.show_races import as_json as as_dict
-    from ..insight.show_races import text
+    from ..records.races import races as races_of
+    from ..records.races_text_report import as_json as as_dict
+    from ..records.races_text_report import text
 
-    with told_plainly():
+    with usage_errors_in_one_sentence():
         found = races_of(open_run(run, sysclk), register)
     click.echo(json.dumps(as_dict(found)) if as_json else text(found))
     too_near = least is not None and found.closest is not None and found.closest < least

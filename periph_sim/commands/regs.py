@@ -8,10 +8,15 @@ import click
 from rich.console import Console
 from rich.table import Table
 
-from ..core.nearest import near
 from ..core.options import allowed
 from ..core.registers import Register, RegisterMap
-from ..f28335 import clocks_map, gpio_map, i2c_map, pie_map, sci_map, timer_map, xint_map
+from ..core.suggest import did_you_mean
+from ..f28335.cpu import pie_map, xint_map
+from ..f28335.gpio import register_map as gpio_map
+from ..f28335.i2c import register_map as i2c_map
+from ..f28335.sci import register_map as sci_map
+from ..f28335.system import clocks_map
+from ..f28335.system import cpu_timer_map as timer_map
 from .option_groups import OPTIONS
 
 MAPS: dict[str, tuple[int, RegisterMap]] = {
@@ -38,14 +43,14 @@ def regs(name: str | None, want_options: bool) -> None:
     else:
         module, _, register = name.partition(".")
         if module not in MAPS:
-            raise click.ClickException(f"there is no module {module!r}; {near(module, MAPS)}")
+            raise click.ClickException(f"there is no module {module!r}; {did_you_mean(module, MAPS)}")
         base, registers = MAPS[module]
         if not register:
             show_map(console, module, base, registers)
         elif register in registers:
             show_register(console, module, base, registers[register])
         else:
-            hint = near(register, (r.name for r in registers))
+            hint = did_you_mean(register, (r.name for r in registers))
             raise click.ClickException(f"{module} has no register {register!r}; {hint}")
 
 
@@ -80,7 +85,7 @@ def reset_of(register: Register) -> str:
 
 def show_options(console: Console, name: str | None) -> None:
     if name is not None and name not in OPTIONS:
-        raise click.ClickException(f"there are no options for {name!r}; {near(name, OPTIONS)}")
+        raise click.ClickException(f"there are no options for {name!r}; {did_you_mean(name, OPTIONS)}")
     table = Table("option", "values, the default first", "question")
     for group, kind in OPTIONS.items():
         if name in (None, group):

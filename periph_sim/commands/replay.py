@@ -13,25 +13,25 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from ..case.load import load
-from ..case.model import Case
-from ..formats.capture import Capture
-from ..formats.whole import whole
-from ..recording import recording
+from ..records.recording import recording
 from ..replay.channels import ALL, channel_map, serial_channel
 from ..replay.compare import Change, Divergence
-from ..replay.i2c import I2cReplay
+from ..replay.i2c_closed_loop import I2cReplay
 from ..replay.i2c_master import I2cMasterReplay
-from ..replay.i2c_open import I2cOpenReplay
+from ..replay.i2c_open_loop import I2cOpenReplay
 from ..replay.report import Report
 from ..replay.session import SessionReplay
 from ..replay.uart import UartReplay, line_format
 from ..replay.verdict import AMBIGUOUS, PASS, headline
+from ..scene.case.load import load
+from ..scene.case.model import Case
+from ..traces.capture.capture import Capture
+from ..traces.formats.atomic_write import atomic_write
 from .assumptions import assumptions
-from .inputs import RATE, SALVAGE, read_capture, time_given
+from .input_options import RATE, SALVAGE, read_capture, time_given
 from .progress import progress
-from .report import budget_table, legend, say, terminal
-from .trouble import told_plainly
+from .result_text import budget_table, legend, say, terminal
+from .usage_error import usage_errors_in_one_sentence
 
 FIRST = {
     "byte": "first wrong byte",
@@ -109,7 +109,7 @@ def replay(
     Exit status 0: the wires agree with the capture, and budgets and tolerance hold; 1: they do not, or nothing was
     asked of the firmware; 2: it cannot be replayed.
     """
-    with told_plainly():
+    with usage_errors_in_one_sentence():
         case = load(case_file, list(changes))
         given = read_capture(capture, rate, salvage)
         both = serial is None and any({"I2C-A", "SCI-A"} <= set(unit.modules) for unit in case.unit.values())
@@ -191,7 +191,7 @@ def _draw(path: Path, picture: str | None) -> None:
     if picture is None:
         click.echo(f"{path}: not written, since there is no divergence to draw", err=True)
         return
-    with whole(path) as unfinished:
+    with atomic_write(path) as unfinished:
         unfinished.write_text(picture, encoding="utf-8")
 
 

@@ -10,21 +10,21 @@ from pathlib import Path
 
 import click
 
-from ..board.result import Result
-from ..board.scene import Scene
-from ..bound.phases import judge_phases
-from ..case.load import load
-from ..formats.whole import whole
-from ..recording import recording
+from ..explain.bound.phases import judge_phases
+from ..explain.chain import Chain
+from ..explain.explain import explain as explained
+from ..explain.text_report import as_json as chain_as_json
+from ..explain.text_report import text
+from ..records.recording import recording
+from ..scene.case.load import load
+from ..scene.result import Result
+from ..scene.scene import Scene
 from ..timing.verdicts import EVERY_PHASE
-from ..worst.chain import Chain
-from ..worst.explain import explain as explained
-from ..worst.show import as_json as chain_as_json
-from ..worst.show import text
-from .inputs import apart, length_given
+from ..traces.formats.atomic_write import atomic_write
+from .input_options import apart, length_given
 from .progress import progress
-from .report import show, terminal
-from .trouble import told_plainly
+from .result_text import show, terminal
+from .usage_error import usage_errors_in_one_sentence
 
 
 @click.command()
@@ -55,10 +55,10 @@ def run(
     Where a bound is known and within the limit, that is proven for any timing of controller, host and DSP.
     """
     apart(record=record, html=html)
-    with told_plainly(), ExitStack() as outputs:
+    with usage_errors_in_one_sentence(), ExitStack() as outputs:
         loaded = load(case, list(changes))
         length = None if seconds is None else length_given(seconds)
-        unfinished = None if html is None else outputs.enter_context(whole(html))
+        unfinished = None if html is None else outputs.enter_context(atomic_write(html))
         subscribe, ended_at = outputs.enter_context(recording(record, loaded.recorded_modules))
         scene = Scene(loaded, subscribe, keep_values=html is not None)
         with progress(loaded.name) as told:
@@ -67,7 +67,7 @@ def run(
         judge_phases(scene, result.budgets)
         chains = _chains(scene, result, length) if explain else {}
         if unfinished is not None:
-            from ..report import case_report, page
+            from ..reports.html import case_report, page
             from ..timing.values import values_of
 
             values = values_of(scene.limits, scene.start)
@@ -90,11 +90,11 @@ def _chains(scene: Scene, result: Result, length: Fraction | None) -> dict[str, 
 
 def _object(result: Result, chains: dict[str, Chain] | None) -> dict[str, object]:
     """The result and what it proves; if chains are given, `chain` under each budget, null where it has no instant."""
-    whole = {**dataclasses.asdict(result), "proof": result.proof}
-    for budget in whole["budgets"] if chains is not None else ():
+    shown = {**dataclasses.asdict(result), "proof": result.proof}
+    for budget in shown["budgets"] if chains is not None else ():
         chain = (chains or {}).get(budget["name"])
         budget["chain"] = None if chain is None else chain_as_json(chain)
-    return whole
+    return shown
 
 
 def status(result: Result, guaranteed: bool = False) -> int:

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import click
 
-from .inputs import RUN_FILE, SYSCLK, open_run
-from .trouble import told_plainly
+from .input_options import RUN_FILE, SYSCLK, open_run
+from .usage_error import usage_errors_in_one_sentence
 
 
 @click.command()
@@ -22,10 +22,10 @@ def why(run: Path, question: str, depth: int, sysclk: str | None, as_json: bool)
 
     RUN is what `run --record x.psr` wrote. A question is a field, wire, span or interrupt, and a time: 'SDA@3 us'.
     """
-    from ..insight.show_why import as_json as as_dict
-    from ..insight.show_why import text
-    from ..insight.why import why as answer_to
+    from ..records.cause_trace.text_report import as_json as as_dict
+    from ..records.cause_trace.text_report import text
+    from ..records.cause_trace.why import why as answer_to
 
-    with told_plainly():
+    with usage_errors_in_one_sentence():
         answer = answer_to(open_run(run, sysclk), question, depth)
     click.echo(json.dumps(as_dict(answer)) if as_json else text(answer))

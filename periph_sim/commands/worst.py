@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .inputs import length_given
+from .input_options import length_given
 from .progress import progress
-from .trouble import told_plainly
+from .usage_error import usage_errors_in_one_sentence
 
 if TYPE_CHECKING:
+    from ..explain.explain import Explained
     from ..timing.verdicts import Verdict
-    from ..worst.explain import Explained
 
 WIDTH = 100
 
@@ -35,13 +35,13 @@ def worst(
 
     BUDGET names those that are wanted; all if none is named. Exit status as of run: 0 if they hold, 1 if not.
     """
-    from ..board.scene import Scene
-    from ..case.load import load
-    from ..worst.explain import explain
+    from ..explain.explain import explain
+    from ..scene.case.load import load
+    from ..scene.scene import Scene
 
     if svg is not None and not svg.is_dir():
         raise click.ClickException(f"--svg: {svg} is no folder; make it, or give another")
-    with told_plainly():
+    with usage_errors_in_one_sentence():
         loaded = load(case, list(changes))
         length = None if seconds is None else length_given(seconds)
         for name in budgets:
@@ -54,7 +54,7 @@ def worst(
         if svg is not None:
             _write(svg, found)
     if as_json:
-        from ..worst.show import as_json as chain_as_json
+        from ..explain.text_report import as_json as chain_as_json
 
         chains = {
             verdict.name: chain_as_json(found[verdict.name].chain) for verdict in verdicts if verdict.name in found
@@ -69,15 +69,15 @@ def worst(
 
 def _known(name: str, names: list[str], case: Path) -> None:
     if name not in names:
-        from ..core.nearest import near
+        from ..core.suggest import did_you_mean
 
-        raise click.ClickException(f"{case}: there is no budget {name!r}; {near(name, names)}")
+        raise click.ClickException(f"{case}: there is no budget {name!r}; {did_you_mean(name, names)}")
 
 
 def _told(verdict: Verdict, one: Explained | None) -> list[str]:
     """Chain and picture; one line where there is no instant."""
-    from ..worst.picture import text_picture
-    from ..worst.show import text
+    from ..explain.picture import text_picture
+    from ..explain.text_report import text
 
     if one is None:
         said = "nothing was measured" if verdict.worst is None else f"{verdict.worst}: it never happened"
@@ -87,8 +87,8 @@ def _told(verdict: Verdict, one: Explained | None) -> list[str]:
 
 def _write(folder: Path, found: dict[str, Explained]) -> None:
     """A file a budget, all of them or none. BadCapture where that is not possible."""
-    from ..formats.whole import whole
-    from ..worst.picture import svg_picture
+    from ..explain.picture import svg_picture
+    from ..traces.formats.atomic_write import atomic_write
 
     names: dict[str, str] = {}
     for name in found:
@@ -99,4 +99,4 @@ def _write(folder: Path, found: dict[str, Explained]) -> None:
     with ExitStack() as together:
         for file, name in names.items():
             picture = svg_picture(found[name].window)
-            together.enter_context(whole(folder / file)).write_text(picture, encoding="utf-8")
+            together.enter_context(atomic_write(folder / file)).write_text(picture, encoding="utf-8")

@@ -10,7 +10,7 @@ from __future__ import annotations
 import dataclasses
 from typing import Any, TypeVar
 
-from .nearest import near
+from .suggest import did_you_mean
 
 T = TypeVar("T")
 Value = str | int | bool
@@ -39,7 +39,7 @@ def options_from(kind: type[T], given: dict[str, Value]) -> T:
     known = {f.name: f for f in dataclasses.fields(kind)}  # type: ignore[arg-type]
     for name, value in given.items():
         if name not in known:
-            raise ValueError(f"there is no option {name!r}; {near(name, known)}")
+            raise ValueError(f"there is no option {name!r}; {did_you_mean(name, known)}")
         about = known[name].metadata
         if "values" in about:
             fits = any(value == v and type(value) is type(v) for v in about["values"])

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
 
-from .nearest import near
+from .suggest import did_you_mean
 
 
 class RegisterMapError(Exception):
@@ -141,7 +141,7 @@ class Register:
     def __getitem__(self, name: str) -> Field:
         found = self._by_name.get(name)
         if found is None:
-            raise KeyError(f"{self.name} has no field {name!r}; {near(name, self._by_name)}")
+            raise KeyError(f"{self.name} has no field {name!r}; {did_you_mean(name, self._by_name)}")
         return found
 
     def __contains__(self, name: str) -> bool:
@@ -234,7 +234,7 @@ class RegisterMap:
     def __getitem__(self, name: str) -> Register:
         found = self._by_name.get(name)
         if found is None:
-            raise KeyError(f"{self.name} has no register {name!r}; {near(name, self._by_name)}")
+            raise KeyError(f"{self.name} has no register {name!r}; {did_you_mean(name, self._by_name)}")
         return found
 
     def __contains__(self, name: str) -> bool:

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .rotations import Floats, angle_between, angles, quaternion_of, wrapped
+from ..sensors.rotations import Floats, angle_between, angles, quaternion_of, wrapped
 
 LEAST_ANGLE = 1e-6  # radians between gravity and field: below that no yaw can be told
 

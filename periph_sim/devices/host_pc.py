@@ -1,6 +1,6 @@
 """The host: sends frames of six signed 16-bit values over a UART, one every period.
 
-    schedule --> values of frame n --> bytes --> UartPeer
+    schedule --> values of frame n --> bytes --> UartSender
 
 Values are those of a ramp that tells frames apart, or of a motion (`host_frame`). The dissertation leaves the
 encoding open: low byte first is a choice of ours. Nothing in a frame marks its start.
@@ -16,13 +16,12 @@ from functools import partial
 from random import Random
 from typing import Literal
 
+from ..bus.uart.sender import UartSender
 from ..core.kernel import Kernel
-from ..lines.uart_peer import UartPeer
-from .host_frame import ByteOrder
+from ..sensors.host_frame import ByteOrder
 
 VALUES = 6
 FRAME_BYTES = 2 * VALUES
-ANGLE, ACCELERATION = 1e-4, 1e-3  # rad and g a count
 
 
 def ramp(number: int) -> tuple[int, ...]:
@@ -69,7 +68,7 @@ class Host:
     def __init__(
         self,
         kernel: Kernel,
-        peer: UartPeer,
+        peer: UartSender,
         schedule: HostSchedule,
         values: Callable[[int], tuple[int, ...]] = ramp,
         seed: int = 0,

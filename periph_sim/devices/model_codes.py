@@ -12,11 +12,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..numeric import named
-from .host_pc import ACCELERATION, ANGLE
-from .imu_noise import ImuNoise
-from .models.imu import Imu, Noise, State
-from .models.parameters import Imu as Parameters
+from ..sensors.host_frame import ACCELERATION, ANGLE
+from ..sensors.imu_noise import ImuNoise
+from ..sensors.models.imu import Imu, Noise, State
+from ..sensors.models.parameters import Imu as Parameters
+from ..sensors.numeric import arithmetic_names as named
 from .sensor_head import CHIPS, ChipData
 
 ModelState = State[Any]

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..lines.i2c_controller import Transfer
-from .rotations import Floats
+from ..bus.i2c.controller import Transfer
+from ..sensors.rotations import Floats
 from .sensor_head import CHIPS, ChipData, Round, SensorHead
 
 

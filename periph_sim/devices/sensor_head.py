@@ -20,8 +20,8 @@ from fractions import Fraction
 from functools import partial
 from random import Random
 
+from ..bus.i2c.controller import I2cController, Phase, Transfer
 from ..core.kernel import Kernel
-from ..lines.i2c_controller import I2cController, Phase, Transfer
 
 
 @dataclass(frozen=True)

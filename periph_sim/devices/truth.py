@@ -1,7 +1,7 @@
 """What is true while a run goes on: an instant goes in; what each chip should show then, x, y, z in its LSB, comes out.
 
     frames of the host --LineBetweenFrames--> Truth --> budgets on "value error"
-    motion, sensors ---------MotionFelt-------> Truth
+    motion, sensors ---------MotionTruth-------> Truth
 
 A truth is asked with seconds from the instant at which the host's first frame is due. Where the chips show the values
 of frames it is the line between them; where sensor models stand between, it is what ideal sensors with the same
@@ -19,9 +19,9 @@ from typing import Protocol, TypeVar
 
 import numpy as np
 
-from .models.felt import Felt
-from .models.parameters import Imu
-from .motion import Motion
+from ..sensors.models.parameters import Imu
+from ..sensors.models.sensed_motion import SensedMotion
+from ..sensors.motion import Motion
 
 Axes = Sequence[Fraction | float]
 T = TypeVar("T")
@@ -60,13 +60,13 @@ class LineBetweenFrames:
         return shown([a + part * distance(b, a) for a, b in zip(now, later, strict=True)])
 
 
-class MotionFelt:
+class MotionTruth:
     """Float64 models of a motion, without noise. first: seconds of the motion's time at which frame 0 is due."""
 
     KEPT = 64  # instants: each is asked for several chips, and by several budgets
 
     def __init__(self, imu: Imu, motion: Motion, first: Fraction) -> None:
-        felt = Felt(imu, motion)
+        felt = SensedMotion(imu, motion)
 
         def at(seconds: Fraction) -> Mapping[str, Axes]:
             values = felt.lsb(np.array([float(first + seconds)]))

@@ -36,9 +36,9 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", MARKER)
     for place in config.getini(CASES):
         if not place.exists():
-            from ..core.nearest import near
+            from ..core.suggest import did_you_mean
 
-            there = near(place.name, sorted(entry.name for entry in config.rootpath.iterdir()))
+            there = did_you_mean(place.name, sorted(entry.name for entry in config.rootpath.iterdir()))
             raise pytest.UsageError(f"{CASES}: there is no folder or file {str(place)!r}; {there}")
 
 

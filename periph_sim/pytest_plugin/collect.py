@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from ..case.find import is_case
+from ..scene.case.discover import is_case
 from . import CASES
 
 HANGS = "hangs nowhere"
@@ -35,7 +35,7 @@ class CaseFile(pytest.File):
 
     def collect(self) -> Iterable[pytest.Item]:
         """The tests. CollectError in one sentence if the case cannot be built."""
-        from ..case.source import line_of
+        from ..scene.case.origin import line_of
 
         try:
             self._plan = self._planned()
@@ -56,7 +56,7 @@ class CaseFile(pytest.File):
 
     def _planned(self) -> Any:
         """The plan of a case that can be built: units, firmware, measures and all."""
-        from ..case.load import load
+        from ..scene.case.load import load
         from .runs import Plan
 
         plan = Plan(load(self.path))
@@ -112,6 +112,6 @@ class CaseItem(pytest.Item):
 
 def of_the_user(error: BaseException) -> bool:
     """Whether the input is to blame for it, and its text is a sentence."""
-    from ..commands.trouble import MISTAKES
+    from ..commands.usage_error import MISTAKES
 
     return not MISTAKES.isdisjoint(f"{kind.__module__}.{kind.__qualname__}" for kind in type(error).__mro__)

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..timing.shown import figure, instant, limit
+from ..explain.chain import Chain
+from ..explain.picture import text_picture
+from ..explain.text_report import text
+from ..explain.window import Window
+from ..timing.format_value import figure, instant, limit
 from ..timing.verdicts import Verdict
-from ..worst.chain import Chain
-from ..worst.picture import text_picture
-from ..worst.show import text
-from ..worst.window import Window
 from .figures import aligned
 from .runs import Run
 

@@ -93,7 +93,7 @@ def table(reports: Iterable[Any]) -> list[tuple[str, bool]]:
     budgets = judged(reports)
     if not budgets:
         return []
-    from ..timing.shown import figure, instant, limit
+    from ..timing.format_value import figure, instant, limit
 
     rows: list[tuple[str, ...]] = [("case/budget", "seen", "bound", "limit", "when", "", "judged by")]
     for one in budgets:

@@ -14,13 +14,13 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
-from ..board.firmware import Firmware
-from ..case.explain import explain
-from ..case.load import apply, load
-from ..case.model import BadCase, Case
-from ..case.settings import duration
-from ..case.source import Source
-from ..core.nearest import near
+from ..core.settings import duration
+from ..core.suggest import did_you_mean
+from ..scene.case.error_text import explain
+from ..scene.case.load import apply, load
+from ..scene.case.model import BadCase, Case
+from ..scene.case.origin import Source
+from ..scene.firmware_loader import Firmware
 from ..timing.verdicts import Verdict
 from . import current
 from .figures import told
@@ -95,7 +95,7 @@ class SceneFactory:
             for file in sorted((folder / path).parent.glob("*.toml"))
         }
         raise BadCase(
-            f"{path}: there is no such case file beside the test or in {root}; {near(path.as_posix(), there)}"
+            f"{path}: there is no such case file beside the test or in {root}; {did_you_mean(path.as_posix(), there)}"
         )
 
     def _told(self, run: Run, verdicts: Sequence[Verdict]) -> None:

@@ -11,22 +11,22 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from pathlib import Path
 
-from ..board.firmware import Firmware
-from ..board.result import Result
-from ..board.scene import Scene
-from ..bound.phases import judge_phases
-from ..case.model import Case
-from ..core.nearest import near
+from ..bus.i2c.controller import Transfer
 from ..core.records import Kind, Recorder
+from ..core.suggest import did_you_mean
 from ..core.time import Timebase
-from ..formats.capture import Capture
-from ..formats.record_table import Columns, RecordTable
-from ..lines.i2c_controller import Transfer
+from ..explain.bound.phases import judge_phases
+from ..explain.chain import Chain
+from ..explain.explain import chain_of, explain
+from ..explain.window import Window, windows_of_edges, windows_of_table
 from ..replay.wire_log import WireLog
+from ..scene.case.model import Case
+from ..scene.firmware_loader import Firmware
+from ..scene.result import Result
+from ..scene.scene import Scene
 from ..timing.verdicts import EVERY_PHASE, Verdict
-from ..worst.chain import Chain
-from ..worst.explain import chain_of, explain
-from ..worst.window import Window, windows_of_edges, windows_of_table
+from ..traces.capture.capture import Capture
+from ..traces.formats.record_table import Columns, RecordTable
 
 Told = Callable[["Run", Sequence[Verdict]], None]
 
@@ -65,7 +65,7 @@ class Budgets(dict[str, Verdict]):
 
     def __missing__(self, name: str) -> Verdict:
         __tracebackhide__ = True
-        raise NoSuchBudget(f"case {self._case} has no budget {name!r}; {near(name, self)}")
+        raise NoSuchBudget(f"case {self._case} has no budget {name!r}; {did_you_mean(name, self)}")
 
 
 @dataclass(repr=False)
@@ -98,7 +98,7 @@ class Run:
         if self.plan.case.controller is None:
             raise LookupError(
                 f"case {self.result.case} has no controller; "
-                "periph_sim.decode.i2c.transfers(run.edges()) gives what was on its wires"
+                "periph_sim.traces.decode.i2c.transfers(run.edges()) gives what was on its wires"
             )
         return self._transfers
 
@@ -145,7 +145,9 @@ class Run:
             raise ValueError("assert_budgets: name at least one budget; assert_all() judges all of the case")
         for name in names:
             if name not in self.budgets:
-                raise NoSuchBudget(f"case {self.result.case} has no budget {name!r}; {near(name, self.budgets)}")
+                raise NoSuchBudget(
+                    f"case {self.result.case} has no budget {name!r}; {did_you_mean(name, self.budgets)}"
+                )
         self._judge([verdict for verdict in self.result.budgets if verdict.name in names], guaranteed)
 
     def assert_all(self, *, guaranteed: bool = False) -> None:
@@ -192,7 +194,7 @@ def run_plan(plan: Plan, told: Told, *, keep_edges: bool = False, record: bool =
     scene = plan.scene(subscribe)
     log = WireLog(*scene.wires.values()) if keep_edges or record else None
     transfers: list[Transfer] = []
-    scene.listen_transfers(transfers.append)
+    scene.on_transfer(transfers.append)
     result = scene.run(plan.length)
     judge_phases(scene, result.budgets)
     now, per_second = scene.kernel.now, Fraction(scene.timebase.per_second)

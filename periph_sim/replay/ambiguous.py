@@ -16,9 +16,9 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import NamedTuple
 
-from ..decode.uart import Event, Frame, Line, RejectedStart
+from ..traces.decode.uart import Event, Frame, Line, RejectedStart
 from .compare import Happened
-from .words import byte_words
+from .event_names import byte_words
 
 LIKELY = Fraction(1, 4)  # bits that a rejected start lasts at least where a receiver may take it for a start bit
 AHEAD = 8  # words that must agree where two readings meet again

@@ -13,8 +13,8 @@ from collections import defaultdict
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
-from ..decode.i2c import Byte, Phase, Transfer
-from ..lines.i2c_target import Answer
+from ..bus.i2c.scripted_target import Answer
+from ..traces.decode.i2c import Byte, Phase, Transfer
 from .i2c_script import turns
 from .i2c_setup import Played
 

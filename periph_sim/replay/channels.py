@@ -5,9 +5,9 @@ scl and sda are an I2C capture, rx alone a UART capture, all three a session.
 
 from __future__ import annotations
 
-from ..core.nearest import near
-from ..formats.capture import Capture, listed
-from ..formats.line_names import called
+from ..core.suggest import did_you_mean
+from ..traces.capture.capture import Capture, listed
+from ..traces.capture.channel_names import channels_named
 from . import BadReplay
 
 I2C, UART = ("scl", "sda"), ("rx",)
@@ -22,7 +22,7 @@ def channel_map(capture: Capture, text: str | None, session: bool = False) -> di
     if text is not None:
         return _given(capture, text)
     for lines in (ALL, I2C, UART) if session else (I2C, UART):
-        found = {line: called(capture, line) for line in lines}
+        found = {line: channels_named(capture, line) for line in lines}
         if all(len(channels) == 1 for channels in found.values()):
             return {line: channels[0].name for line, channels in found.items()}
     raise BadReplay(
@@ -36,7 +36,7 @@ def serial_channel(capture: Capture, text: str | None) -> str:
     if text is None and len(capture.channels) == 1:
         return capture.channels[0].name
     if text is None:
-        lines = called(capture, "rx")
+        lines = channels_named(capture, "rx")
         if len(lines) == 1:
             return lines[0].name
         raise BadReplay(
@@ -56,7 +56,7 @@ def _given(capture: Capture, text: str, option: str = "--map") -> dict[str, str]
         if not equals or not wanted:
             raise BadReplay(f"{option} {text!r}: expected scl=CHANNEL,sda=CHANNEL or rx=CHANNEL")
         if line not in I2C + UART:
-            raise BadReplay(f"{option} {text!r}: there is no line {line!r}; {near(line, I2C + UART)}")
+            raise BadReplay(f"{option} {text!r}: there is no line {line!r}; {did_you_mean(line, I2C + UART)}")
         try:
             capture.channel(wanted)
         except LookupError:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import zip_longest
 
-from ..diff.align import align
+from ..traces.diff.align import align
 
 NOTHING = "nothing more"
 

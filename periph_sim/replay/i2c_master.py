@@ -14,26 +14,26 @@ from collections.abc import Callable
 from fractions import Fraction
 from time import perf_counter
 
-from ..board.scene import Scene
-from ..case.model import Case
+from ..bus.i2c.scripted_target import ScriptedTarget
 from ..core.chip import NEVER
 from ..core.time import Timebase
-from ..decode import i2c as decode
-from ..formats.capture import Capture
-from ..lines.i2c_target import I2cTarget
-from ..recording import Subscribe
+from ..records.recording import Subscribe
+from ..scene.case.model import Case
+from ..scene.scene import Scene
+from ..traces.capture.capture import Capture
+from ..traces.decode import i2c as decode
 from . import BadReplay
 from .as_master import as_master
 from .compare import compare
+from .divergence_history import Place, with_history
+from .event_names import i2c_words
 from .history import FlagHistory
 from .i2c_setup import HOLD, LEAD, PATIENCE, TAIL, events_of, played
 from .picture import closed_loop_picture
 from .report import Report
-from .scenes import alone, settings_of, taken, unit_with
+from .scene_setup import alone, settings_of, taken, unit_with
 from .verdict import verdict_of
 from .wire_log import WireLog
-from .witness import Place, with_history
-from .words import i2c_words
 
 MODULE_HZ = 10_000_000  # that TI's start-up code sets; I2CCLKL and I2CCLKH count it
 D = 5  # cycles that the module adds to each (SPRUG03B Table 15)
@@ -77,7 +77,7 @@ class I2cMasterReplay:
         self.kernel = scene.kernel
         self.origin = scene.start + (0 if self._scripted else scene.timebase.ticks(LEAD, "nearest"))
         self.log = WireLog(scene.wire("SCL"), scene.wire("SDA"))
-        I2cTarget(scene.kernel, scene.wire("SCL"), scene.wire("SDA"), half.answers, scene.timebase.ticks(HOLD))
+        ScriptedTarget(scene.kernel, scene.wire("SCL"), scene.wire("SDA"), half.answers, scene.timebase.ticks(HOLD))
         self._notes = list(part.notes)
         if half.left_out:
             self._notes.append(f"transfers that a master of this module cannot do, left out: {self._why()}")

@@ -17,9 +17,9 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from statistics import median
 
-from ..decode.i2c import Bit, Byte, Condition, Party, Phase, Transfer
-from ..lines.i2c_player import Move
-from ..lines.i2c_target import Answer
+from ..bus.i2c.player import Move
+from ..bus.i2c.scripted_target import Answer
+from ..traces.decode.i2c import Bit, Byte, Condition, Party, Phase, Transfer
 
 HALF = Fraction(1, 2)  # of a sample, where a position is one
 

@@ -12,17 +12,17 @@ from fractions import Fraction
 from functools import cached_property
 from statistics import median
 
-from ..case.model import Case
-from ..decode import i2c as decode
-from ..decode.plausible import impossible_rate
-from ..formats.capture import Capture
-from ..formats.gaps import gap_notes
-from ..formats.sampling import sample_step, stamp_notes
-from ..lines.i2c_target import Answer
+from ..bus.i2c.scripted_target import Answer
+from ..scene.case.model import Case
+from ..traces.capture.capture import Capture
+from ..traces.capture.gaps import gap_notes
+from ..traces.capture.sampling import sample_step, stamp_notes
+from ..traces.decode import i2c as decode
+from ..traces.decode.sampling_rate import impossible_rate
 from . import BadReplay
 from .as_target import AsTarget, as_target
 from .i2c_script import Turn, most_frequent, turns
-from .scenes import settings_of, unit_with
+from .scene_setup import settings_of, unit_with
 from .time_base import check_length, rate_of
 
 LEAD = Fraction(1, 1000)  # the firmware starts this long before the capture begins

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
-from ..decode import i2c
-from ..drawing.timing import BLACK, BLUE, GREY, ORANGE, Box, Lane, Mark, Tick, timing_diagram
-from ..formats.capture import Capture, Channel
+from ..traces.capture.capture import Capture, Channel
+from ..traces.decode import i2c
+from ..traces.drawing.svg_diagram import BLACK, BLUE, GREY, ORANGE, Box, Lane, Mark, Tick, timing_diagram
 from .compare import Change, Divergence, Happened
 from .i2c_setup import Played
 from .report import Report

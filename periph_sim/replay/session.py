@@ -18,24 +18,24 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 
-from ..board.scene import Scene
-from ..board.uart_lines import line_of
-from ..case.model import Case, Controller, RoundsTable
-from ..decode import uart
+from ..bus.edge_player import EdgePlayer
+from ..bus.i2c.controller import Transfer
 from ..devices.host_pc import FRAME_BYTES, VALUES
-from ..formats.capture import Capture
-from ..formats.gaps import gap_notes
-from ..lines.edge_player import EdgePlayer
-from ..lines.i2c_controller import Transfer
-from ..recording import Subscribe
+from ..records.recording import Subscribe
+from ..scene.case.model import Case, Controller, RoundsTable
+from ..scene.scene import Scene
+from ..scene.uart_lines import line_of
 from ..timing.budgets import Limit
 from ..timing.verdicts import Verdict
+from ..traces.capture.capture import Capture
+from ..traces.capture.gaps import gap_notes
+from ..traces.decode import uart
 from . import BadReplay
 from .history import FlagHistory
-from .i2c import I2cReplay
+from .i2c_closed_loop import I2cReplay
 from .i2c_setup import LEAD, TAIL, Answering
 from .report import Report
-from .scenes import alone, unit_with
+from .scene_setup import alone, unit_with
 from .time_base import check_length, rate_of
 from .uart import LineFormat, ticks_of
 
@@ -52,12 +52,12 @@ class SessionScene(Scene):
         self._checks = checks
         self.frame_told: list[FrameTold] = []
         super().__init__(case, subscribe)
-        self.listen_transfers(self._count_transfer)
+        self.on_transfer(self._count_transfer)
 
     def _check_needs(self, entry: int, limit: Limit) -> None:
         """The capture has both, controller and host; and the unit has SCI-A."""
 
-    def listen_frames(self, told: FrameTold) -> None:
+    def on_frame(self, told: FrameTold) -> None:
         self.frame_told.append(told)
 
     def checks_host(self) -> bool:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from ..formats.capture import Capture
-from ..formats.resample import rate_text
+from ..traces.capture.capture import Capture
+from ..traces.capture.resample import rate_text
 from . import BadReplay
 
 LONGEST = 24 * 3600  # simulated seconds

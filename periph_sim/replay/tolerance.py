@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from ..board.scene import Scene
+from ..scene.scene import Scene
 
 
 def tolerance_of(given: Fraction | None, rate: Fraction, scene: Scene) -> Fraction:

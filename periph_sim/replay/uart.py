@@ -16,28 +16,28 @@ from dataclasses import dataclass
 from fractions import Fraction
 from time import perf_counter
 
-from ..board.dsp import Dsp
-from ..board.scene import Scene
-from ..board.uart_lines import line_of
-from ..case.model import Case
+from ..bus.edge_player import EdgePlayer
 from ..core.records import Kind, Record, Recorder
 from ..core.time import Timebase
-from ..decode import uart as decode
-from ..f28335.sci_map import SCI_MAP
-from ..formats.capture import Capture, Channel
-from ..formats.gaps import gap_notes
-from ..lines.edge_player import EdgePlayer
-from ..recording import Subscribe
+from ..f28335.sci.register_map import SCI_MAP
+from ..processor.dsp import Dsp
+from ..records.recording import Subscribe
+from ..scene.case.model import Case
+from ..scene.scene import Scene
+from ..scene.uart_lines import line_of
+from ..traces.capture.capture import Capture, Channel
+from ..traces.capture.gaps import gap_notes
+from ..traces.decode import uart as decode
 from . import BadReplay
 from .ambiguous import Word, settled
 from .compare import NOTHING, Divergence, Happened, compare
+from .divergence_history import Place, with_history
 from .history import FlagHistory
 from .picture import Side, divergence_picture, title_of
 from .report import Report
-from .scenes import alone, settings_of, unit_with
+from .scene_setup import alone, settings_of, unit_with
 from .time_base import check_length, rate_of
 from .verdict import verdict_of
-from .witness import Place, with_history
 
 LEAD = Fraction(1, 1000)  # the firmware starts this long before the capture begins
 TAKEN = Fraction(100, 10**6)  # for the firmware to take the last word

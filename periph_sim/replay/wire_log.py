@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..core.time import Timebase
 from ..core.wire import Wire
-from ..formats.capture import Capture, Channel, channel_of
+from ..traces.capture.capture import Capture, Channel, channel_of
 
 
 class WireLog:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .over_table import Durations, between, happened, periods
-from .race_measures import Distances, lost_flags, races
+from .measures.over_table import Durations, between, happened, periods
+from .measures.race import Distances, lost_flags, races
 
 __all__ = ["Distances", "Durations", "between", "happened", "lost_flags", "periods", "races"]

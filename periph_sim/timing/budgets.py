@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from ..case.model import Budget
-from ..case.settings import duration, share
+from ..core.settings import duration, share
 from ..core.time import NO_TIME, Timebase
-from .event_measures import EventCount
-from .joined import join
-from .making import measure_named
-from .measures import MILLIONTHS, Measure
-from .names import BadEvent, Scope
+from .budget_schema import Budget
+from .language.scope import BadEvent, Scope
+from .measures.combined import combine
+from .measures.event import EventCount
+from .measures.factory import measure_named
+from .measures.measure import MILLIONTHS, Measure
 from .verdicts import FAIL, NOT_JUDGED, PASS, Verdict
 
 PER_MILLE = {"p50": 500, "p95": 950, "p99": 990, "p99_9": 999}
@@ -164,7 +164,7 @@ class Limit:
             part.measure.finish(now)
             part._found = part.measure.close(now)
         if len(self.parts) > 1:
-            lacking = join([part.measure for part in self.parts])
+            lacking = combine([part.measure for part in self.parts])
             for part, lacks in zip(self.parts, lacking, strict=True):
                 if lacks:
                     what = f"{self.measure.count} values of {self.budget.measure!r}"

@@ -20,9 +20,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
+from ..bus.i2c.controller import Phase, Transfer
 from ..core.time import NO_TIME
 from ..devices.sensor_head import Round
-from ..lines.i2c_controller import Phase, Transfer
 
 
 @dataclass(frozen=True)

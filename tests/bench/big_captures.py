@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from tests.formats.writers import metadata
+from tests.traces.formats.writers import metadata
 
 CHUNK = 4 << 20
 BIT = 48  # samples of one bit on the I2C bus

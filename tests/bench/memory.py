@@ -13,8 +13,8 @@ import sys
 from fractions import Fraction
 from pathlib import Path
 
-from periph_sim.board.scene import Scene
-from periph_sim.case.load import load
+from periph_sim.scene.case.load import load
+from periph_sim.scene.scene import Scene
 
 from .scenes import CASE
 

@@ -15,11 +15,11 @@ from struct import pack
 import numpy as np
 
 from firmware.python.imu_models import Models
-from periph_sim.devices.host_pc import ACCELERATION, ANGLE
-from periph_sim.devices.models.arrays import codes_of
-from periph_sim.devices.models.imu import Noise
-from periph_sim.devices.models.parameters import Imu, Magnetometer
-from periph_sim.numeric import named
+from periph_sim.sensors.host_frame import ACCELERATION, ANGLE
+from periph_sim.sensors.models.arrays import codes_of
+from periph_sim.sensors.models.imu import Noise
+from periph_sim.sensors.models.parameters import Imu, Magnetometer
+from periph_sim.sensors.numeric import arithmetic_names as named
 
 from .timed import Seconds, timed
 

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
-from periph_sim.board.result import Result
-from periph_sim.board.scene import Scene
-from periph_sim.case.load import load
-from periph_sim.recording import recording
+from periph_sim.records.recording import recording
+from periph_sim.scene.case.load import load
+from periph_sim.scene.result import Result
+from periph_sim.scene.scene import Scene
 
 from .timed import Seconds, median_of, middle, timed
 

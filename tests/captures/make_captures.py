@@ -15,16 +15,16 @@ import tempfile
 from fractions import Fraction
 from pathlib import Path
 
-from periph_sim import formats
-from periph_sim.board.scene import Scene
-from periph_sim.case.load import load
-from periph_sim.formats.capture import Capture, Span
-from periph_sim.formats.part import with_channels, within
-from periph_sim.formats.resample import resampled
-from tests.board.runs import Edges
-from tests.formats.writers import sr_bytes
+from periph_sim.scene.case.load import load
+from periph_sim.scene.scene import Scene
+from periph_sim.traces import formats
+from periph_sim.traces.capture.capture import Capture, Span
+from periph_sim.traces.capture.excerpt import with_channels, within
+from periph_sim.traces.capture.resample import resampled
 from tests.replay.make_session import samples
 from tests.replay.slow import slow_case
+from tests.scene.runs import Edges
+from tests.traces.formats.writers import sr_bytes
 
 FOLDER = Path(__file__).resolve().parents[2] / "traces"
 LINES = ("SCL", "SDA")

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim import formats
-from periph_sim.decode import i2c, uart
-from periph_sim.formats import Capture
+from periph_sim.traces import formats
+from periph_sim.traces.decode import i2c, uart
+from periph_sim.traces.formats import Capture
 from tests.captures.where import captures, decoded, remarks
 
 MOST_EDGES = 150_000

@@ -13,12 +13,12 @@ from fractions import Fraction
 
 import pytest
 
-from periph_sim import formats
-from periph_sim.decode import i2c, i2c_objects, uart, uart_objects
-from periph_sim.decode.i2c_table import i2c_table
-from periph_sim.decode.uart_guess import guess
-from periph_sim.decode.uart_table import uart_table
-from periph_sim.formats import Capture
+from periph_sim.traces import formats
+from periph_sim.traces.decode import i2c, i2c_objects, uart, uart_objects
+from periph_sim.traces.decode.i2c_table import i2c_table
+from periph_sim.traces.decode.uart_guess import guess
+from periph_sim.traces.decode.uart_table import uart_table
+from periph_sim.traces.formats import Capture
 from tests.captures.where import FOLDER, capture_of, decoded, needs_captures, oracle, remarks
 
 # The sampling rate behind files that only have times.

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from periph_sim import formats
-from periph_sim.formats import Capture
+from periph_sim.traces import formats
+from periph_sim.traces.formats import Capture
 from tests.captures.where import FOLDER, captures, needs_captures
-from tests.formats.looks import facts
+from tests.traces.formats.looks import facts
 
 
 def levels(capture: Capture) -> list[tuple[int, list[int]]]:

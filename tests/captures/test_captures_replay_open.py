@@ -10,9 +10,9 @@ from functools import cache
 
 import pytest
 
-from periph_sim.case.load import load as load_case
-from periph_sim.replay.i2c_open import I2cOpenReplay
+from periph_sim.replay.i2c_open_loop import I2cOpenReplay
 from periph_sim.replay.report import Report
+from periph_sim.scene.case.load import load as load_case
 from tests.captures.test_captures_decode import load
 from tests.captures.test_captures_replay_i2c import CANNOT, CASE, FIRST, NAMES, NOBODY, STYLES, lines
 from tests.captures.where import needs_captures

@@ -12,9 +12,9 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.case.load import load as load_case
 from periph_sim.replay.report import Report
 from periph_sim.replay.uart import LEAD, UartReplay, line_format
+from periph_sim.scene.case.load import load as load_case
 from tests.captures.test_captures_decode import channel, load, options
 from tests.captures.where import decoded, needs_captures, oracle
 

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim import formats
+from periph_sim.traces import formats
 from tests.captures.where import FOLDER, captures, needs_captures
-from tests.formats.looks import edges, facts
-from tests.formats.sigrok import sigrok_says
+from tests.traces.formats.looks import edges, facts
+from tests.traces.formats.sigrok import sigrok_says
 
 QUICK = 20_000_000  # samples: more would take seconds each
 GRID = {"uart_async115200_csv.csv": 500_000_000, "i2c_mdfu_write_csv.csv": 125_000_000}

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.timing.language import FORMS
-from periph_sim.timing.registry import MEASURES, SPAN
+from periph_sim.timing.language.language import FORMS
+from periph_sim.timing.measures.registry import MEASURES, SPAN
 from tests.commands.conftest import Came, Run
 
 BROKEN = {  # of what cannot be less: more than that

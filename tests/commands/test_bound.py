@@ -6,8 +6,8 @@ import json
 
 import pytest
 
-from tests.board.runs import TIMING
 from tests.commands.conftest import Run
+from tests.scene.runs import TIMING
 
 CASE = str(TIMING / "imu_hil_published.toml")
 

@@ -10,8 +10,8 @@ from xml.etree import ElementTree as xml
 
 import pytest
 
-from tests.baselines.desk import put
 from tests.commands.conftest import Run
+from tests.reports.baselines.desk import put
 
 ROOT = Path(__file__).parents[2]
 TIMING = ROOT / "timing"
@@ -165,7 +165,7 @@ def test_a_bad_case_is_a_row_an_error_and_status_2_and_the_others_are_judged(per
 def test_a_run_needs_nothing_of_a_terminal(cases: Path):
     """In a process as a worker is: nothing of the command line or of tables is imported."""
     code = (
-        "import sys; from pathlib import Path; from periph_sim.baselines.outcome import run_case\n"
+        "import sys; from pathlib import Path; from periph_sim.reports.baselines.outcome import run_case\n"
         "print(run_case(Path('timing/small.toml')).broken)\n"
         "print(sorted({'click', 'rich', 'periph_sim.cli'} & set(sys.modules)))"
     )

@@ -10,11 +10,19 @@ from pathlib import Path
 import pytest
 
 from periph_sim.cli import FOLDER, cli
-from periph_sim.commands.trouble import MISTAKES
+from periph_sim.commands.usage_error import MISTAKES
 from tests.commands.conftest import Run
 
 TRACE = str(Path(__file__).resolve().parents[2] / "traces" / "host_frames.sr")
-HEAVY = ("pydantic", "rich", "greenlet", "periph_sim.board", "periph_sim.case", "periph_sim.f28335", "periph_sim.lines")
+HEAVY = (
+    "pydantic",
+    "rich",
+    "greenlet",
+    "periph_sim.scene",
+    "periph_sim.scene.case",
+    "periph_sim.f28335",
+    "periph_sim.bus",
+)
 
 
 def imported_by(*arguments: str) -> list[str]:

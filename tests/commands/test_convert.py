@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim import formats
-from periph_sim.decode import i2c, uart
+from periph_sim.traces import formats
+from periph_sim.traces.decode import i2c, uart
 from tests.commands.conftest import Run
-from tests.formats.looks import edges, facts
+from tests.traces.formats.looks import edges, facts
 
 TRACES = Path(__file__).resolve().parents[2] / "traces"
 NACK = str(TRACES / "nack.sr")

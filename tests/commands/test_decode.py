@@ -12,11 +12,11 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim import formats
-from periph_sim.decode import i2c
+from periph_sim.traces import formats
+from periph_sim.traces.decode import i2c
 from tests.commands.conftest import Run
-from tests.formats.make_traces import read_registers
-from tests.formats.writers import I2cWave, frame_bits, metadata, sr_bytes, uart_wave, zip_bytes
+from tests.traces.formats.make_traces import read_registers
+from tests.traces.formats.writers import I2cWave, frame_bits, metadata, sr_bytes, uart_wave, zip_bytes
 
 TRACES = Path(__file__).resolve().parents[2] / "traces"
 NACK = TRACES / "nack.sr"

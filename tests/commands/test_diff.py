@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.commands.conftest import Run
-from tests.formats.writers import I2cWave, sr_bytes
+from tests.traces.formats.writers import I2cWave, sr_bytes
 
 ROOT = Path(__file__).parents[2]
 IMU_ROUND = str(ROOT / "traces" / "imu_round.sr")

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from periph_sim.case.sensors import load
-from periph_sim.devices.models.parameters import Imu
+from periph_sim.scene.case.sensor_sets import load
+from periph_sim.sensors.models.parameters import Imu
 from tests.commands.conftest import Run
 
 
@@ -154,7 +154,7 @@ def test_what_cannot_be_identified_is_refused_and_writes_nothing(
 def test_without_scipy_the_way_out_is_said(rest: Path, periph_sim: Run, monkeypatch: pytest.MonkeyPatch):
     import sys
 
-    for name in [name for name in sys.modules if name.startswith(("scipy", "periph_sim.identification"))]:
+    for name in [name for name in sys.modules if name.startswith(("scipy", "periph_sim.sensors.identification"))]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "scipy.special", None)
     monkeypatch.setitem(sys.modules, "scipy", None)

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.board.runs import TIMING
 from tests.commands.conftest import Run
+from tests.scene.runs import TIMING
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.commands.conftest import Run
-from tests.formats.writers import metadata, zip_bytes
+from tests.traces.formats.writers import metadata, zip_bytes
 
 ROOT = Path(__file__).resolve().parents[2]
 NACK, FRAMES = (str(ROOT / "traces" / name) for name in ("nack.sr", "host_frames.sr"))

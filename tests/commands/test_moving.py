@@ -10,9 +10,9 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from periph_sim.moving import direct
-from tests.board.runs import TIMING
+from periph_sim.dissertation.moving import direct_computation as direct
 from tests.commands.conftest import Run
+from tests.scene.runs import TIMING
 
 CASE = str(TIMING / "imu_moving.toml")
 QUICK = (CASE, "--direct", "--seconds", "1")
@@ -42,7 +42,7 @@ def test_bytes_that_differ_are_status_1(desk: Path, periph_sim: Run, monkeypatch
         readings.codes["magnetometer"][5, 2] ^= 0x0101
         return readings
 
-    monkeypatch.setattr("periph_sim.moving.direct.emulator", wrong)
+    monkeypatch.setattr("periph_sim.dissertation.moving.direct_computation.emulator", wrong)
     came = periph_sim("moving", CASE, "--seconds", "0.2")
     assert came.status == 1
     assert came.out.endswith("\n356 of 360 bytes read from the emulator are those computed without wires\n")
@@ -67,7 +67,7 @@ def test_pictures_appear_both_or_not_at_all(desk: Path, periph_sim: Run, monkeyp
     def fails(*given: object) -> None:
         raise np.linalg.LinAlgError("no")
 
-    monkeypatch.setattr("periph_sim.moving.plot.rates", fails)
+    monkeypatch.setattr("periph_sim.dissertation.moving.plot.rates", fails)
     for folder in ("there", "new"):
         assert periph_sim("moving", *QUICK, "--plot", folder).status == 3
     assert [path.name for path in Path("there").iterdir()] == ["attitudes.svg"]

@@ -9,13 +9,13 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from periph_sim.board.scene import Scene
-from periph_sim.bound.phases import judge_phases
-from periph_sim.case.load import load
-from periph_sim.commands.report import budget_table, legend, rounded, terminal
+from periph_sim.commands.result_text import budget_table, legend, rounded, terminal
+from periph_sim.explain.bound.phases import judge_phases
+from periph_sim.scene.case.load import load
+from periph_sim.scene.scene import Scene
 from periph_sim.timing.verdicts import EVERY_PHASE, FAIL, NOT_JUDGED, PASS, SEEN, Proof, Verdict, Word
-from tests.board.runs import TIMING
 from tests.commands.conftest import Run
+from tests.scene.runs import TIMING
 
 CASES = sorted(path.stem for path in TIMING.glob("*.toml"))
 

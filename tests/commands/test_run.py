@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim import formats
-from tests.board.runs import TIMING
+from periph_sim.traces import formats
 from tests.commands.conftest import CASE, Run
+from tests.scene.runs import TIMING
 
 ROOT = Path(__file__).parents[2]
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.board.dsp import Dsp, DspPlan
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
-from periph_sim.f28335.code_costs import BARE
+from periph_sim.f28335.cpu.compiled_code_costs import BARE
+from periph_sim.processor.dsp import Dsp, DspPlan
 
 
 @pytest.mark.parametrize("pin", [12, 15, 16, 28, 31, 32, 47, 48, 63])

@@ -9,7 +9,7 @@ from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.socket import Socket
 from periph_sim.core.time import Clock, Timebase
-from tests.host.flag_chip import FlagChip
+from tests.processor.flag_chip import FlagChip
 
 
 def test_a_note_is_told_once_and_counted_each_time():

@@ -8,16 +8,16 @@ from pathlib import Path
 
 import numpy as np
 
+from periph_sim.bus.i2c.controller import BusTiming, I2cController, Phase, Transfer
+from periph_sim.bus.i2c.target_side import TargetSide
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.core.wire import Wire
-from periph_sim.decode import i2c
-from periph_sim.devices.register_chip import RegisterChip
-from periph_sim.devices.register_pointer import RegisterPointer
-from periph_sim.formats.capture import Capture, Channel
-from periph_sim.lines.i2c_controller import BusTiming, I2cController, Phase, Transfer
-from periph_sim.lines.i2c_target_side import TargetSide
+from periph_sim.devices.chips.register_chip import RegisterChip
+from periph_sim.devices.chips.register_pointer import RegisterPointer
+from periph_sim.traces.capture.capture import Capture, Channel
+from periph_sim.traces.decode import i2c
 
 TIMEBASE = Timebase()  # a tick is a nanosecond
 US, MS, SECOND = 1_000, 1_000_000, 1_000_000_000

@@ -11,11 +11,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from periph_sim.decode import i2c
-from periph_sim.devices.adxl345 import Adxl345
-from periph_sim.devices.hmc5883l import Hmc5883l
-from periph_sim.devices.itg3200 import Itg3200
-from periph_sim.lines.i2c_controller import Phase
+from periph_sim.bus.i2c.controller import Phase
+from periph_sim.devices.chips.adxl345 import Adxl345
+from periph_sim.devices.chips.hmc5883l import Hmc5883l
+from periph_sim.devices.chips.itg3200 import Itg3200
+from periph_sim.traces.decode import i2c
 from tests.devices.bench import DELAY, TIMEBASE, US, Bench, steady
 from tests.devices.oracles import AdxlOracle, HmcOracle, ItgOracle, Oracle
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from periph_sim.devices.attitude import NoAttitude, Noise, errors, estimate
-from periph_sim.devices.rotations import quaternions
+from periph_sim.sensors.rotations import quaternions
 from tests.devices.aerospace import FIELD, at_rest, body_rates, to_body
 
 STEP = 0.02

@@ -7,11 +7,11 @@ from itertools import pairwise
 
 import pytest
 
+from periph_sim.bus.uart.sender import UartSender
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
 from periph_sim.core.wire import Wire
 from periph_sim.devices.host_pc import FRAME_BYTES, Host, HostSchedule, PacedBy, encode, ramp
-from periph_sim.lines.uart_peer import UartPeer
 
 BIT = 10
 FRAME = FRAME_BYTES * 10 * BIT  # ticks
@@ -24,7 +24,7 @@ class Desk:
         self.falls: list[int] = []
         wire = Wire(self.kernel, "RX", recorder)
         wire.watch(lambda tick, level: self.falls.append(tick) if not level else None)
-        self.host = Host(self.kernel, UartPeer(self.kernel, recorder, wire, Fraction(BIT)), schedule, seed=seed)
+        self.host = Host(self.kernel, UartSender(self.kernel, recorder, wire, Fraction(BIT)), schedule, seed=seed)
         self.sent: list[tuple[int, tuple[int, ...], int]] = []
         self.host.sent.append(lambda number, values, tick: self.sent.append((number, values, tick)))
 

@@ -7,10 +7,10 @@ from types import ModuleType
 
 import pytest
 
-from periph_sim.devices.adxl345 import Adxl345Options
-from periph_sim.devices.hmc5883l import Hmc5883lOptions
-from periph_sim.devices.itg3200 import Itg3200Options
-from tests.devices import test_adxl345, test_hmc5883l, test_itg3200
+from periph_sim.devices.chips.adxl345 import Adxl345Options
+from periph_sim.devices.chips.hmc5883l import Hmc5883lOptions
+from periph_sim.devices.chips.itg3200 import Itg3200Options
+from tests.devices.chips import test_adxl345, test_hmc5883l, test_itg3200
 
 
 @pytest.mark.parametrize(

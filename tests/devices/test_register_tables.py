@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from periph_sim.core.registers import OnWrite
-from periph_sim.devices.adxl345 import Adxl345
-from periph_sim.devices.hmc5883l import Hmc5883l
-from periph_sim.devices.itg3200 import Itg3200
-from periph_sim.devices.register_chip import RegisterChip
+from periph_sim.devices.chips.adxl345 import Adxl345
+from periph_sim.devices.chips.hmc5883l import Hmc5883l
+from periph_sim.devices.chips.itg3200 import Itg3200
+from periph_sim.devices.chips.register_chip import RegisterChip
 from tests.devices.bench import TIMEBASE, Bench, steady
 from tests.devices.register_tables import ADXL345, HMC5883L, ITG3200
 

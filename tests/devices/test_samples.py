@@ -8,14 +8,14 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from periph_sim.board.scene import Scene
 from periph_sim.devices.attitude import errors, estimate
-from periph_sim.devices.rotations import quaternions
+from periph_sim.devices.chips.sensed_values import held
 from periph_sim.devices.samples import SampleLog, Samples, in_units
 from periph_sim.devices.sensor_head import CHIPS
-from periph_sim.devices.values import held
-from tests.board.small import case
+from periph_sim.scene.scene import Scene
+from periph_sim.sensors.rotations import quaternions
 from tests.devices.aerospace import FIELD, at_rest, body_rates
+from tests.scene.small import case
 
 ORDER = ["gyroscope", "accelerometer", "magnetometer"]
 MODELS = {"gyroscope": "itg3200", "accelerometer": "adxl345", "magnetometer": "hmc5883l"}

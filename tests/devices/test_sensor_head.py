@@ -7,9 +7,9 @@ from functools import partial
 
 import pytest
 
+from periph_sim.bus.i2c.controller import Transfer
 from periph_sim.devices.sensor_head import CHIPS, Request, Round, Schedule, SensorHead
-from periph_sim.lines.i2c_controller import Transfer
-from tests.lines.i2c_rig import TIMING, UNIT, I2cRig
+from tests.bus.i2c_rig import TIMING, UNIT, I2cRig
 
 NACKED = 40 * UNIT  # a transfer that nobody acknowledges
 GYRO = Request("gyroscope", 0x68, 0x1D, 6)

@@ -10,9 +10,12 @@ from typing import Annotated, Any
 import pytest
 from pydantic import TypeAdapter
 
-from periph_sim.board.dsp import MODULES
-from periph_sim.case.model import (
-    Budget,
+from periph_sim.bus.faults import kinds
+from periph_sim.bus.faults.when import When
+from periph_sim.core.settings import Table
+from periph_sim.devices.sensor_head import CHIPS
+from periph_sim.processor.dsp import MODULES
+from periph_sim.scene.case.model import (
     Case,
     ChipTable,
     Code,
@@ -21,14 +24,11 @@ from periph_sim.case.model import (
     Options,
     RequestTable,
     RoundsTable,
-    Table,
     Unit,
     ValueTable,
 )
-from periph_sim.devices.sensor_head import CHIPS
-from periph_sim.lines.faults import kinds
-from periph_sim.lines.faults.when import When
-from periph_sim.timing.registry import MEASURES, SPAN, make
+from periph_sim.timing.budget_schema import Budget
+from periph_sim.timing.measures.registry import MEASURES, SPAN, make
 from tests.docs.pages import ROOT
 
 PAGE = (ROOT / "docs" / "cases.md").read_text(encoding="utf-8")

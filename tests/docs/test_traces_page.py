@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from periph_sim import formats
-from periph_sim.recording import recording_formats
+from periph_sim.records.recording import recording_formats
+from periph_sim.traces import formats
 from tests.docs.pages import ROOT, commands, output, scratch
 
 PAGE = (ROOT / "docs" / "traces.md").read_text(encoding="utf-8")

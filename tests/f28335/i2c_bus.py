@@ -20,8 +20,8 @@ from typing import NamedTuple, Protocol
 
 from periph_sim.core.chip import NEVER, Note
 from periph_sim.core.options import Value, options_from
-from periph_sim.f28335.i2c import I2c
-from periph_sim.f28335.i2c_options import I2cOptions
+from periph_sim.f28335.i2c.module import I2c
+from periph_sim.f28335.i2c.options import I2cOptions
 
 SCL, SDA = 0, 1
 LINES = ("SCL", "SDA")

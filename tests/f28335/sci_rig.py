@@ -15,9 +15,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from periph_sim.core.options import options_from
-from periph_sim.f28335.sci import Sci
-from periph_sim.f28335.sci_map import SCI_MAP
-from periph_sim.f28335.sci_options import SciOptions
+from periph_sim.f28335.sci.module import Sci
+from periph_sim.f28335.sci.options import SciOptions
+from periph_sim.f28335.sci.register_map import SCI_MAP
 
 START = 4000  # cycles from switching on to the first column, so that nothing of the set-up is left under way
 

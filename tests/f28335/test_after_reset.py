@@ -10,28 +10,11 @@ from collections.abc import Callable
 import pytest
 
 from periph_sim.core.options import Value
-from periph_sim.f28335.i2c_map import I2C_MAP
-from periph_sim.f28335.sci import Sci
-from periph_sim.f28335.sci_map import SCI_MAP
+from periph_sim.f28335.i2c.register_map import I2C_MAP
+from periph_sim.f28335.sci.module import Sci
+from periph_sim.f28335.sci.register_map import SCI_MAP
 
-from .i2c_rig import (
-    BIT,
-    DLB,
-    FFEN,
-    FFIENA,
-    FFRST,
-    IRS,
-    MST,
-    NACKMOD,
-    OTHER,
-    OWN,
-    SCL,
-    SDA,
-    STT,
-    TRX,
-    XA,
-    Rig,
-)
+from .i2c_rig import BIT, DLB, FFEN, FFIENA, FFRST, IRS, MST, NACKMOD, OTHER, OWN, SCL, SDA, STT, TRX, XA, Rig
 from .sci_rig import SciRig, frame
 
 # I2C --------------------------------------------------------------------------------------------------

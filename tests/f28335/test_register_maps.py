@@ -12,7 +12,12 @@ from dataclasses import replace
 import pytest
 
 from periph_sim.core.registers import Field, Register, RegisterMap, Tie
-from periph_sim.f28335 import clocks_map, gpio_map, i2c_map, pie_map, sci_map, timer_map, xint_map
+from periph_sim.f28335.cpu import pie_map, xint_map
+from periph_sim.f28335.gpio import register_map as gpio_map
+from periph_sim.f28335.i2c import register_map as i2c_map
+from periph_sim.f28335.sci import register_map as sci_map
+from periph_sim.f28335.system import clocks_map
+from periph_sim.f28335.system import cpu_timer_map as timer_map
 
 MAPS: dict[str, RegisterMap] = {
     "system control": clocks_map.MAP,

@@ -17,7 +17,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from periph_sim.core.registers import Register
-from periph_sim.timing.names import MAPS
+from periph_sim.timing.language.scope import MAPS
 
 DELAYS = (20, 300)  # cycles
 DELETED, MOVED, EXCHANGED = "deleted", "moved past", "exchanged"

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.case.load import load
-from periph_sim.insight import lint
-from tests.board.runs import TIMING
+from periph_sim.records import lint
+from periph_sim.scene.case.load import load
 from tests.firmware_mutants.argued import ARGUMENTS, WITHOUT_EFFECT, argument_of, means
 from tests.firmware_mutants.changes import Mutant
 from tests.firmware_mutants.tally import Tally
@@ -21,7 +20,8 @@ from tests.firmware_mutants.trials import (
     tried,
     usual_figures,
 )
-from tests.insight.scenes import recorded
+from tests.records.scenes import recorded
+from tests.scene.runs import TIMING
 
 SHORT = {file: runs[:1] for file, runs in RUNS.items()} | {"imu_hil_robust": RUNS["imu_hil_robust"][2:3]}
 

@@ -29,13 +29,13 @@ class Room:
 
 ROOMS = {
     "chips": Room(("periph_sim/f28335",), ("tests/f28335",)),
-    "processor": Room(("periph_sim/host",), ("tests/host",), ("tests/board",)),
+    "processor": Room(("periph_sim/processor",), ("tests/processor",), ("tests/scene",)),
     "measures": Room(("periph_sim/timing",), ("tests/timing",)),
-    "decoders": Room(("periph_sim/decode",), ("tests/decode",)),
-    "insight": Room(("periph_sim/insight",), ("tests/insight",), ("tests/commands/test_insight.py",)),
-    "numeric": Room(("periph_sim/numeric",), ("tests/numeric",)),
-    "models": Room(("periph_sim/devices/models",), ("tests/devices/models",)),
-    "extremes": Room(("periph_sim/extremes",), ("tests/extremes",)),
+    "decoders": Room(("periph_sim/traces/decode",), ("tests/traces/decode",)),
+    "insight": Room(("periph_sim/records",), ("tests/records",), ("tests/commands/test_insight.py",)),
+    "numeric": Room(("periph_sim/sensors/numeric",), ("tests/sensors/numeric",)),
+    "models": Room(("periph_sim/sensors/models",), ("tests/sensors/models",)),
+    "extremes": Room(("periph_sim/sensors/extremes",), ("tests/sensors/extremes",)),
 }
 USUAL = ("chips", "processor", "measures", "decoders", "insight")
 

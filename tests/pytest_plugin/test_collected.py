@@ -7,7 +7,7 @@ import xml.etree.ElementTree as ElementTree
 
 import pytest
 
-from periph_sim.case.model import Case
+from periph_sim.scene.case.model import Case
 
 from .project import SMALL
 
@@ -46,7 +46,7 @@ def test_one_budget_is_chosen(project: pytest.Pytester, args: list[str], passed:
 
 
 def test_a_case_runs_once_for_all_its_tests(project: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> None:
-    from periph_sim.board.scene import Scene
+    from periph_sim.scene.scene import Scene
 
     runs = []
     real = Scene.run
@@ -158,7 +158,7 @@ def test_a_fault_in_the_run_is_told_by_each_of_its_tests(project: pytest.Pyteste
 
 def test_a_case_that_hangs_fails_although_its_budgets_hold(project: pytest.Pytester) -> None:
     (project.path / "timing" / "hangs.py").write_text(
-        "from firmware.python.startup import start_i2c\n"
+        "from periph_sim.firmware import start_i2c\n"
         "def main(dsp, settings):\n"
         "    with dsp.span('boot'):\n"
         "        dsp.compute(9)\n"

@@ -7,8 +7,8 @@ import pytest
 from .project import SMALL
 
 SCENE = """
-from periph_sim.compliance import check
-from periph_sim.decode import i2c
+from periph_sim.traces.compliance import check
+from periph_sim.traces.decode import i2c
 
 def test_a_run(scene):
     run = scene("timing/small.toml", seconds=0.007)

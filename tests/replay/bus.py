@@ -6,19 +6,19 @@ from collections import defaultdict
 from collections.abc import Callable
 from fractions import Fraction
 
+from periph_sim.bus.i2c.player import I2cPlayer
+from periph_sim.bus.i2c.scripted_target import Answer, ScriptedTarget
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.core.wire import Wire
-from periph_sim.decode import i2c
-from periph_sim.decode.i2c import Transfer
-from periph_sim.formats import Capture
-from periph_sim.lines.i2c_player import I2cPlayer
-from periph_sim.lines.i2c_target import Answer, I2cTarget
 from periph_sim.replay.compare import Comparison, compare
+from periph_sim.replay.event_names import i2c_words
 from periph_sim.replay.i2c_script import controllers_half, moves, turns, usual_hold
 from periph_sim.replay.wire_log import WireLog
-from periph_sim.replay.words import i2c_words
+from periph_sim.traces.decode import i2c
+from periph_sim.traces.decode.i2c import Transfer
+from periph_sim.traces.formats import Capture
 
 
 class Bus:
@@ -32,7 +32,7 @@ class Bus:
         self.log = WireLog(self.scl, self.sda)
         self.player = I2cPlayer(self.kernel, self.scl, self.sda)
         if answers is not None:
-            I2cTarget(self.kernel, self.scl, self.sda, answers, hold)
+            ScriptedTarget(self.kernel, self.scl, self.sda, answers, hold)
 
     def events(self) -> list[i2c.Event]:
         return i2c.events(self.log.capture(self.timebase, self.kernel.now))

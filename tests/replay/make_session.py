@@ -8,12 +8,12 @@ from __future__ import annotations
 from fractions import Fraction
 from pathlib import Path
 
-from periph_sim.board.result import Result
-from periph_sim.board.scene import Scene
-from periph_sim.case.load import load
-from periph_sim.formats.capture import Capture, Channel, channel_of
-from tests.board.runs import TIMING, Edges
-from tests.formats.writers import sr_bytes
+from periph_sim.scene.case.load import load
+from periph_sim.scene.result import Result
+from periph_sim.scene.scene import Scene
+from periph_sim.traces.capture.capture import Capture, Channel, channel_of
+from tests.scene.runs import TIMING, Edges
+from tests.traces.formats.writers import sr_bytes
 
 FILE = Path(__file__).resolve().parents[2] / "traces" / "imu_session.sr"
 LINES = ("SCL", "SDA", "RX")

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from periph_sim.formats import Capture
-from tests.decode.drawing import of_bytes
-from tests.formats.writers import I2cWave
+from periph_sim.traces.formats import Capture
+from tests.traces.decode.drawing import of_bytes
+from tests.traces.formats.writers import I2cWave
 
 FIRMWARE = """
 from dataclasses import dataclass

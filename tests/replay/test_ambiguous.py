@@ -9,15 +9,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from periph_sim.case.load import load
-from periph_sim.decode import uart
-from periph_sim.decode.uart import Frame, Line, RejectedStart
-from periph_sim.formats import Capture
 from periph_sim.replay.ambiguous import Settled, Word, settled
 from periph_sim.replay.report import Report
 from periph_sim.replay.uart import LEAD, UartReplay, line_format
-from tests.decode.drawing import of_bytes
-from tests.formats.writers import frame_bits, uart_wave
+from periph_sim.scene.case.load import load
+from periph_sim.traces.decode import uart
+from periph_sim.traces.decode.uart import Frame, Line, RejectedStart
+from periph_sim.traces.formats import Capture
+from tests.traces.decode.drawing import of_bytes
+from tests.traces.formats.writers import frame_bits, uart_wave
 
 LOGGER = Path(__file__).resolve().parents[2] / "timing" / "uart_logger.toml"
 RATE, BAUD = 2_000_000, 115_200

@@ -10,8 +10,8 @@ from firmware.python.captured_master import Part, parts
 from periph_sim.replay import as_master as reasons
 from periph_sim.replay.as_master import as_master
 from periph_sim.replay.i2c_setup import played
-from tests.decode.drawing import of_bytes
-from tests.formats.writers import I2cWave
+from tests.traces.decode.drawing import of_bytes
+from tests.traces.formats.writers import I2cWave
 
 
 def wave_of(text: str, half: int = 20) -> I2cWave:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from periph_sim.lines.i2c_target import Answer
+from periph_sim.bus.i2c.scripted_target import Answer
 from periph_sim.replay.as_target import as_target
 from periph_sim.replay.i2c_script import Turn
 

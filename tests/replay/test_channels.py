@@ -8,7 +8,7 @@ import pytest
 
 from periph_sim.replay import BadReplay
 from periph_sim.replay.channels import channel_map
-from tests.decode.drawing import of_bytes
+from tests.traces.decode.drawing import of_bytes
 
 I2C = of_bytes(b"\x03", ("SCL", "SDA", "D2"))
 PLAIN = of_bytes(b"\x03", ("D0", "D1"))

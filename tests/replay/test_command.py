@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 
 from periph_sim.cli import main
-from tests.formats.writers import frame_bits, sr_bytes, uart_wave
 from tests.replay.make_session import samples
 from tests.replay.slow import one_read, slow_case
+from tests.traces.formats.writers import frame_bits, sr_bytes, uart_wave
 
 ROOT = Path(__file__).resolve().parents[2]
 TRACES, CASES = ROOT / "traces", ROOT / "timing"

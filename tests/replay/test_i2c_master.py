@@ -6,15 +6,15 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim import formats
-from periph_sim.case.load import load
-from periph_sim.formats import Capture
 from periph_sim.replay import BadReplay
 from periph_sim.replay.i2c_master import I2cMasterReplay
 from periph_sim.replay.report import Report
-from tests.decode.drawing import of_bytes
-from tests.formats.make_traces import FOLDER
+from periph_sim.scene.case.load import load
+from periph_sim.traces import formats
+from periph_sim.traces.formats import Capture
 from tests.replay.test_as_master import wave_of
+from tests.traces.decode.drawing import of_bytes
+from tests.traces.formats.make_traces import FOLDER
 
 CASES = Path(__file__).resolve().parents[2] / "timing"
 MASTER = CASES / "captured_master.toml"

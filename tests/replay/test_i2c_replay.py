@@ -9,15 +9,15 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim import formats
-from periph_sim.case.load import load
-from periph_sim.formats import Capture
 from periph_sim.replay import BadReplay
-from periph_sim.replay.i2c import I2cReplay
+from periph_sim.replay.i2c_closed_loop import I2cReplay
 from periph_sim.replay.report import Report
-from tests.decode.drawing import of_bytes
-from tests.formats.make_traces import FOLDER, ROUND
-from tests.formats.writers import I2cWave
+from periph_sim.scene.case.load import load
+from periph_sim.traces import formats
+from periph_sim.traces.formats import Capture
+from tests.traces.decode.drawing import of_bytes
+from tests.traces.formats.make_traces import FOLDER, ROUND
+from tests.traces.formats.writers import I2cWave
 
 CASES = Path(__file__).resolve().parents[2] / "timing"
 RESPONDER = CASES / "responder.toml"

@@ -8,17 +8,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from periph_sim import formats
-from periph_sim.decode import i2c
-from periph_sim.decode.i2c import Transfer
-from periph_sim.formats import Capture
-from periph_sim.lines.i2c_player import Move
-from periph_sim.lines.i2c_target import Answer
+from periph_sim.bus.i2c.player import Move
+from periph_sim.bus.i2c.scripted_target import Answer
 from periph_sim.replay.i2c_script import Edge, Turn, controllers_half, hurried, most_frequent, moves, turns, usual_hold
-from tests.decode.drawing import drawn, of_bytes
-from tests.formats.make_traces import FOLDER, read_registers
-from tests.formats.writers import I2cWave
+from periph_sim.traces import formats
+from periph_sim.traces.decode import i2c
+from periph_sim.traces.decode.i2c import Transfer
+from periph_sim.traces.formats import Capture
 from tests.replay.bus import both_halves
+from tests.traces.decode.drawing import drawn, of_bytes
+from tests.traces.formats.make_traces import FOLDER, read_registers
+from tests.traces.formats.writers import I2cWave
 
 SCL, SDA = True, False
 

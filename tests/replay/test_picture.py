@@ -8,14 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim import formats
-from periph_sim.case.load import load
-from periph_sim.replay.i2c import I2cReplay
+from periph_sim.replay.i2c_closed_loop import I2cReplay
 from periph_sim.replay.i2c_master import I2cMasterReplay
-from periph_sim.replay.i2c_open import I2cOpenReplay
+from periph_sim.replay.i2c_open_loop import I2cOpenReplay
 from periph_sim.replay.uart import LineFormat, UartReplay
-from tests.formats.make_traces import FOLDER
+from periph_sim.scene.case.load import load
+from periph_sim.traces import formats
 from tests.replay.slow import one_read, slow_case
+from tests.traces.formats.make_traces import FOLDER
 
 CASES = Path(__file__).resolve().parents[2] / "timing"
 

@@ -8,20 +8,20 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim import formats
-from periph_sim.board.result import Result
-from periph_sim.board.scene import Scene
-from periph_sim.case.load import load
-from periph_sim.case.model import BadCase
-from periph_sim.formats.capture import Capture
 from periph_sim.replay.report import Report
 from periph_sim.replay.session import SessionReplay
 from periph_sim.replay.uart import LineFormat
+from periph_sim.scene.case.load import load
+from periph_sim.scene.case.model import BadCase
+from periph_sim.scene.result import Result
+from periph_sim.scene.scene import Scene
 from periph_sim.timing.verdicts import Verdict
-from tests.board.runs import TIMING, Edges
-from tests.formats.make_traces import FOLDER
+from periph_sim.traces import formats
+from periph_sim.traces.capture.capture import Capture
 from tests.replay.make_session import ran, sampled
 from tests.replay.slow import slow_case
+from tests.scene.runs import TIMING, Edges
+from tests.traces.formats.make_traces import FOLDER
 
 US = Fraction(1, 10**6)
 IMU = TIMING / "imu_hil_published.toml"

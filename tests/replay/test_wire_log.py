@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from fractions import Fraction
 
+from periph_sim.bus.edge_player import EdgePlayer
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.core.wire import Wire
-from periph_sim.lines.edge_player import EdgePlayer
 from periph_sim.replay.wire_log import WireLog
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from fractions import Fraction
 
 from periph_sim.core.records import Kind, Record
-from periph_sim.formats.record_table import Columns, RecordTable
-from periph_sim.timing.measures import Measure
-from periph_sim.timing.names import Scope
+from periph_sim.timing.language.scope import Scope
+from periph_sim.timing.measures.measure import Measure
+from periph_sim.traces.formats.record_table import Columns, RecordTable
 
 MODULES = ("I2C-A", "SCI-A", "GPIO")
 ONE = Scope({"dsp": MODULES}, ("SDA", "SCL", "RX", "TX", "MODEL"), controller=True, host=True, rounds=True)

@@ -7,12 +7,22 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from periph_sim.devices.sensor_head import CHIPS
-from periph_sim.timing.age_measures import Age
-from periph_sim.timing.making import make_of_events
+from periph_sim.timing.measures.age import Age
+from periph_sim.timing.measures.factory import make_of_events
 from periph_sim.timing.verdicts import Verdict
-from tests.board.runs import Ran, run_file
+from tests.scene.runs import Ran, run_file
 from tests.timing.events_by_hand import ONE
-from tests.timing.test_measures import ACCEL, GYRO, MAGNET, Told, accel_bytes, gyro_bytes, magnet_bytes, read, wrote
+from tests.timing.measures.test_measure import (
+    ACCEL,
+    GYRO,
+    MAGNET,
+    Told,
+    accel_bytes,
+    gyro_bytes,
+    magnet_bytes,
+    read,
+    wrote,
+)
 from tests.timing.test_occasions import never
 
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.case.model import Budget
 from periph_sim.core.time import Timebase
+from periph_sim.timing.budget_schema import Budget
 from periph_sim.timing.budgets import BadBudget, Limit
-from periph_sim.timing.measures import Counter
+from periph_sim.timing.measures.measure import Counter
 from periph_sim.timing.verdicts import Verdict
 
 US = 3000  # ticks, with SYSCLKOUT at 150 MHz

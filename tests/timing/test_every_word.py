@@ -7,25 +7,24 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from periph_sim.timing.language import FORMS
-from periph_sim.timing.making import measure_named
-from periph_sim.timing.names import BadEvent
-from periph_sim.timing.registry import MEASURES
-from tests.board import test_event_budgets
+from periph_sim.timing.language.language import FORMS
+from periph_sim.timing.language.scope import BadEvent
+from periph_sim.timing.measures.factory import measure_named
+from periph_sim.timing.measures.registry import MEASURES
 from tests.docs.pages import ROOT
-from tests.timing import (
-    test_age,
-    test_groups,
-    test_loads,
-    test_margins,
-    test_model_age,
-    test_pairs,
-    test_race_measures,
-    test_rounds,
-    test_states,
-    test_value_measures,
-)
+from tests.scene import test_event_budgets
+from tests.timing import test_age, test_loads, test_margins, test_model_age, test_pairs, test_rounds
 from tests.timing.events_by_hand import BARE, ONE
+from tests.timing.measures import (
+    test_groups,
+    test_states,
+)
+from tests.timing.measures import (
+    test_race as test_race_measures,
+)
+from tests.timing.measures import (
+    test_value as test_value_measures,
+)
 
 ANOTHER_WAY: dict[str, Callable[..., None]] = {
     "from": test_pairs.test_in_order_is_a_queue,

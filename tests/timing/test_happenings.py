@@ -8,19 +8,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from periph_sim.bus.i2c.controller import Phase, Transfer
 from periph_sim.core.records import Kind, Record
 from periph_sim.core.time import NO_TIME
 from periph_sim.devices.sensor_head import CHIPS, Round
-from periph_sim.lines.i2c_controller import Phase, Transfer
-from periph_sim.timing.bus_measures import Stretch, WrongBytes, begin_of
-from periph_sim.timing.making import make_of_events
-from periph_sim.timing.measures import MILLIONTHS
-from periph_sim.timing.round_measures import Slack
-from periph_sim.timing.span_measures import SpanTime
-from periph_sim.timing.states import State
-from periph_sim.timing.value_measures import RECENT, ValueDeviation
+from periph_sim.timing.measures.bus import Stretch, WrongBytes, begin_of
+from periph_sim.timing.measures.factory import make_of_events
+from periph_sim.timing.measures.measure import MILLIONTHS
+from periph_sim.timing.measures.round import Slack
+from periph_sim.timing.measures.span import SpanTime
+from periph_sim.timing.measures.states import State
+from periph_sim.timing.measures.value import RECENT, ValueDeviation
 from tests.timing.events_by_hand import ONE, records, tell
-from tests.timing.test_measures import GYRO, OTHER, Told, read, wrote
+from tests.timing.measures.test_measure import GYRO, OTHER, Told, read, wrote
 
 
 class Scene:

@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from periph_sim.case.model import Budget
 from periph_sim.core.time import Timebase
+from periph_sim.timing.budget_schema import Budget
 from periph_sim.timing.budgets import PER_MILLE, BadBudget, Limit
-from periph_sim.timing.load_measures import Load
-from periph_sim.timing.registry import MEASURES
+from periph_sim.timing.measures.load import Load
+from periph_sim.timing.measures.registry import MEASURES
 from periph_sim.timing.verdicts import Verdict
 from tests.timing.events_by_hand import ONE, records, tell
 

@@ -7,9 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.core.records import Kind, Record
-from periph_sim.timing.load_measures import MILLIONTHS, CpuLoad, Load
-from periph_sim.timing.making import make_of_events
-from tests.board.runs import run_file
+from periph_sim.timing.measures.factory import make_of_events
+from periph_sim.timing.measures.load import MILLIONTHS, CpuLoad, Load
+from tests.scene.runs import run_file
 from tests.timing.events_by_hand import ONE, came, records, tell
 
 

@@ -7,17 +7,17 @@ from fractions import Fraction
 
 import pytest
 
-from firmware.python.startup import start_i2c
-from periph_sim.board.dsp import Dsp
-from periph_sim.board.scene import Scene
-from periph_sim.case.load import load
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import NO_TIME, Timebase
-from periph_sim.timing.making import measure_named
-from periph_sim.timing.margin_measures import Margin
-from periph_sim.timing.names import BadEvent
-from tests.board.runs import TIMING
-from tests.board.small import scene_with
+from periph_sim.firmware import start_i2c
+from periph_sim.processor.dsp import Dsp
+from periph_sim.scene.case.load import load
+from periph_sim.scene.scene import Scene
+from periph_sim.timing.language.scope import BadEvent
+from periph_sim.timing.measures.factory import measure_named
+from periph_sim.timing.measures.margin import Margin
+from tests.scene.runs import TIMING
+from tests.scene.small import scene_with
 from tests.timing.events_by_hand import BARE, ONE
 
 BUDGETS = (

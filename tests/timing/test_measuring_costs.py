@@ -6,11 +6,11 @@ from collections import Counter
 
 import pytest
 
-from periph_sim.board.scene import Scene
-from periph_sim.case.load import load
 from periph_sim.core.records import Kind, Recorder
 from periph_sim.core.time import Timebase
-from tests.board.runs import TIMING, run_case
+from periph_sim.scene.case.load import load
+from periph_sim.scene.scene import Scene
+from tests.scene.runs import TIMING, run_case
 
 CASE = load(TIMING / "imu_hil_published.toml")
 SECONDS = "0.1"

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.board.scene import Scene
-from periph_sim.case.load import load
-from periph_sim.case.model import BadCase
-from periph_sim.timing.registry import MEASURES
+from periph_sim.explain.explain import STORIES, explain
+from periph_sim.scene.case.load import load
+from periph_sim.scene.case.model import BadCase
+from periph_sim.scene.scene import Scene
+from periph_sim.timing.measures.registry import MEASURES
 from periph_sim.timing.verdicts import Verdict
-from periph_sim.worst.explain import STORIES, explain
-from tests.board.runs import TIMING, run_file
-from tests.moving.subjects import TWO_ANGLES
+from tests.dissertation.moving.subjects import TWO_ANGLES
+from tests.scene.runs import TIMING, run_file
 
 AGES = 'budget=[{name = "age", measure = "age", max = "9 s"}, {name = "model age", measure = "model age", max = "9 s"}]'
 

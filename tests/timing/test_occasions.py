@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.case.model import Budget
+from periph_sim.bus.i2c.controller import Phase
 from periph_sim.core.time import NO_TIME, Timebase
-from periph_sim.lines.i2c_controller import Phase
+from periph_sim.timing.budget_schema import Budget
 from periph_sim.timing.budgets import Limit
-from tests.board.runs import run_file
-from tests.timing.test_measures import GYRO, Told, read, wrote
+from tests.scene.runs import run_file
+from tests.timing.measures.test_measure import GYRO, Told, read, wrote
 
 
 def never(address: int) -> Phase:

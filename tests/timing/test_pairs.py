@@ -8,18 +8,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware.python.startup import sci_fifo_receiver
-from periph_sim.board.dsp import Dsp
-from periph_sim.case.model import Budget
 from periph_sim.core.records import Kind, Record
 from periph_sim.core.time import Timebase
+from periph_sim.firmware import sci_fifo_receiver
+from periph_sim.processor.dsp import Dsp
+from periph_sim.timing.budget_schema import Budget
 from periph_sim.timing.budgets import Limit
-from periph_sim.timing.making import make_of_events
+from periph_sim.timing.measures.factory import make_of_events
 from periph_sim.timing.verdicts import Verdict
-from tests.board.runs import run_file
-from tests.board.small import scene_with
+from tests.scene.runs import run_file
+from tests.scene.small import scene_with
 from tests.timing.events_by_hand import ONE, came, records, tell
-from tests.timing.test_event_measures import Rounds, between, pairs
+from tests.timing.measures.test_event import Rounds, between, pairs
 
 RISES = "from edge SCL rise to edge SDA rise"
 

@@ -9,15 +9,15 @@ from functools import cache
 
 import pytest
 
-from periph_sim.board.scene import Scene
-from periph_sim.case.load import load
-from periph_sim.case.model import BadCase
+from periph_sim.bus.i2c.controller import Phase, Transfer
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import NO_TIME, Timebase
 from periph_sim.devices.sensor_head import Request, Round
-from periph_sim.lines.i2c_controller import Phase, Transfer
+from periph_sim.scene.case.load import load
+from periph_sim.scene.case.model import BadCase
+from periph_sim.scene.scene import Scene
 from periph_sim.timing.rounds import Asked, BusRounds
-from tests.board.runs import TIMING
+from tests.scene.runs import TIMING
 
 A, B, C = 0x10, 0x20, 0x30
 ONE = tuple(t for address in (A, B) for t in Request(f"{address:#x}", address, 0x05, 2).transfers(by_stop=False))
@@ -154,9 +154,9 @@ class Ran:
         self.heard: list[Round] = []
         self.seen: list[Transfer] = []
         self.not_begun: list[int] = []
-        scene.listen_rounds(self.heard.append)
-        scene.listen_transfers(self.seen.append)
-        scene.listen_missed(self.not_begun.append)
+        scene.on_round(self.heard.append)
+        scene.on_transfer(self.seen.append)
+        scene.on_missed_round(self.not_begun.append)
         self.result = scene.run(Fraction(seconds))
 
     def values(self, name: str) -> list[tuple[int, int]]:

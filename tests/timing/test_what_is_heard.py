@@ -8,10 +8,10 @@ import pytest
 
 from periph_sim.core.records import Kind
 from periph_sim.core.time import NO_TIME
-from periph_sim.timing.event_measures import Jitter, Period
-from periph_sim.timing.events import matcher
-from periph_sim.timing.making import make_of_events, measure_named
-from periph_sim.timing.of_events import subjects_of
+from periph_sim.timing.language.events import matcher
+from periph_sim.timing.measures.event import Jitter, Period
+from periph_sim.timing.measures.event_pairing import subjects_of
+from periph_sim.timing.measures.factory import make_of_events, measure_named
 from tests.timing.events_by_hand import ONE, came, records, tell
 
 CAME = "10 edge SCL level 1\n20 edge SCL level 0\n25 edge SCL level 1\n60 edge SCL level 1"

@@ -1,0 +1,1 @@
+"""The other parties on SCL and SDA: controllers, targets, monitors."""

@@ -1,0 +1,82 @@
+"""Bus clear: a controller that finds SDA held low gives clocks until it is let go, nine at most, and then a STOP.
+
+    SCL  ‾‾|___|‾‾‾|___|‾‾‾|___|‾‾‾‾‾‾    a device that lost count in mid-byte lets go of SDA
+    SDA  ______________|‾‾‾|_____|‾‾‾‾    at the latest where it takes a 1 for a NACK
+                                STOP
+
+The STOP is tried after nine clocks too: an F28335 that took the fall of SDA for a START reads the zeros that follow as
+a general call, and its ACK lies in the ninth clock.
+
+Source: UM10204 section 3.1.16.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ...core.kernel import Kernel
+from ...core.wire import Wire
+
+MOST_CLOCKS = 9
+
+
+class BusClear:
+    """scl, sda: the wires; pull_scl, pull_sda: the controller's own holds, 0 pulls. low, high, hold: ticks.
+
+    `done(clocks, free)` comes when the STOP is over; free: SDA is high.
+    """
+
+    def __init__(
+        self,
+        kernel: Kernel,
+        scl: Wire,
+        sda: Wire,
+        masks: tuple[int, int],
+        times: tuple[int, int, int],
+        done: Callable[[int, bool], None],
+    ) -> None:
+        self._kernel = kernel
+        self._scl, self._sda = scl, sda
+        self._scl_mask, self._sda_mask = masks
+        self._low, self._high, self._hold = times
+        self._done = done
+        self._clocks = 0
+
+    def begin(self) -> None:
+        """SCL is high, and so is our own hold on SDA."""
+        self._clocks = 0
+        self._look()
+
+    def _look(self) -> None:
+        """At the end of a high phase: another clock, or the STOP."""
+        if not self._scl.level:  # somebody holds it low
+            self._kernel.at(self._kernel.now + self._high, self._look)
+        elif self._sda.level or self._clocks == MOST_CLOCKS:
+            self._scl.pull(self._scl_mask, 0)
+            self._kernel.at(self._kernel.now + self._hold, self._sda_low)
+        else:
+            self._clocks += 1
+            self._scl.pull(self._scl_mask, 0)
+            self._kernel.at(self._kernel.now + self._low, self._release)
+
+    def _release(self) -> None:
+        self._scl.pull(self._scl_mask, 1)
+        self._kernel.at(self._kernel.now + self._high, self._look)
+
+    def _sda_low(self) -> None:
+        self._sda.pull(self._sda_mask, 0)
+        self._kernel.at(self._kernel.now + self._low - self._hold, self._stop_rises)
+
+    def _stop_rises(self) -> None:
+        self._scl.pull(self._scl_mask, 1)
+        self._kernel.at(self._kernel.now + self._high, self._stop)
+
+    def _stop(self) -> None:
+        if not self._scl.level:
+            self._kernel.at(self._kernel.now + self._high, self._stop)
+            return
+        self._sda.pull(self._sda_mask, 1)
+        self._kernel.at(self._kernel.now + self._hold, self._over)
+
+    def _over(self) -> None:
+        self._done(self._clocks, self._sda.level == 1)

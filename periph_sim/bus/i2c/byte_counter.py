@@ -1,0 +1,34 @@
+"""Counts the bytes on an I2C bus, addresses included: samples of the lines go in, a number comes out.
+
+For scenes in which no agent is the controller and so nobody else counts.
+"""
+
+from __future__ import annotations
+
+from ...core.wire import Wire, watch
+from .line_events import EVENT, FALL, IDLE, RISE, START, STOP
+
+PULSES = 9  # eight bits and the acknowledge
+
+
+class I2cByteCounter:
+    """bytes: whole ones, each with its acknowledge; what is cut off by a START or STOP does not count."""
+
+    def __init__(self, scl: Wire, sda: Wire) -> None:
+        self.bytes = 0
+        self._lines = IDLE
+        self._active = False
+        self._pulses = 0
+        watch([scl, sda], self._on_lines)
+
+    def _on_lines(self, now: int, levels: int) -> None:
+        event = EVENT[self._lines << 2 | levels]
+        self._lines = levels
+        if event in (START, STOP):
+            self._active = event == START
+            self._pulses = 0
+        elif event == RISE:
+            self._pulses += self._active
+        elif event == FALL and self._pulses == PULSES:
+            self.bytes += 1
+            self._pulses = 0

@@ -1,0 +1,434 @@
+"""An I2C controller on the wires: transfers go in, SCL and SDA edges and a report of each transfer come out.
+
+    Transfer --> bits --> SCL, SDA
+                  ^--- the lines as they really are: stretching, ACKs, data, arbitration
+
+It makes one START-to-STOP transfer at a time. A bit is: SCL falls, SDA changes `hold`
+later if it must, SCL is let go `low` after the fall, falls again `high` after it really
+rose. SDA is read at the end of the high phase. Two or three events a bit.
+
+Source: UM10204 sections 3.1.1 to 3.1.10 (bus protocol), Table 10 (times).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from ...core.kernel import Kernel
+from ...core.records import Kind, Recorder
+from ...core.time import NO_TIME
+from ...core.wire import Wire, watch
+from .bus_clear import BusClear
+from .line_events import EVENT, FALL, IDLE, NOTHING, RISE, SCL, SDA, START, STOP
+
+NO_BYTE = 1 << 30  # instead of the number of a byte: STOP or repeated START is next
+
+
+@dataclass(frozen=True)
+class BusTiming:
+    """All in ticks; each what the controller does, not a limit. filter: a level of SDA that lasts less is not seen."""
+
+    low: int  # SCL let go this long after it fell
+    high: int  # SCL falls this long after it rose
+    hold: int  # SDA changes this long after SCL fell
+    start_hold: int  # SDA falls to SCL falls, START
+    start_setup: int  # SCL rises to SDA falls, repeated START
+    stop_setup: int  # SCL rises to SDA rises, STOP
+    free: int  # STOP to the next START, at least
+    filter: int = 0
+
+
+@dataclass
+class Phase:
+    """One addressed part of a transfer: START or repeated START, address, bytes.
+
+    address: the 7-bit address, right-aligned. data: the bytes to write, or what is
+    expected of a read (compared, None where nothing is expected). count: bytes to read.
+    """
+
+    address: int
+    read: bool
+    data: bytes = b""
+    count: int = 0
+    expect: bytes | None = None
+    address_byte: int | None = None  # sent instead of address and R/W (general call, START byte)
+    # What came of it:
+    acked: bool = False
+    got: bytearray = field(default_factory=bytearray)
+    acks: list[bool] = field(default_factory=list)  # of data bytes, whoever gave them
+    start_at: int = NO_TIME  # SDA fell
+    answer_from: int = NO_TIME  # SCL fell after the address's ACK
+    answer_at: int = NO_TIME  # SCL rose for the first data bit
+    stretch: int = 0  # longest time the other side held SCL low beyond `low`
+
+
+@dataclass
+class Transfer:
+    """What happens between a START and its STOP, and what came of it."""
+
+    name: str
+    phases: list[Phase]
+    stop_at: int = NO_TIME
+    lost: bool = False  # arbitration lost
+
+    @property
+    def acked(self) -> bool:
+        """True if every address was acknowledged."""
+        return not self.lost and all(p.acked for p in self.phases)
+
+    @property
+    def wire_bytes(self) -> int:
+        """Bytes on the wire, addresses included."""
+        return sum(1 + len(p.acks) for p in self.phases if p.start_at != NO_TIME)
+
+
+class I2cController:
+    """who: its name on the wires and in records. stuck_after: a line low longer than this is reported by `on_stuck`.
+
+    clear_after: so long after a START that was refused, since nobody let go of SDA or nobody gave the STOP that was
+    due, the bus is cleared. 0: never, as where there may be other controllers. gives_up: a written byte that the target
+    refuses ends the transfer with a STOP; else the next phase of the transfer follows.
+    """
+
+    __slots__ = (
+        "_bit",
+        "_bus_busy",
+        "_byte",
+        "_clear",
+        "_clear_after",
+        "_done",
+        "_gives_up",
+        "_guard",
+        "_high",
+        "_high_end",
+        "_in",
+        "_index",
+        "_kernel",
+        "_last_stop",
+        "_let_go_at",
+        "_lines",
+        "_on_stuck",
+        "_phase",
+        "_phase_index",
+        "_receiving",
+        "_recorder",
+        "_refused_since",
+        "_rising",
+        "_sampler",
+        "_scl_mask",
+        "_scl_moved",
+        "_scl_seen",
+        "_scl_wire",
+        "_sda_event",
+        "_sda_level",
+        "_sda_mask",
+        "_sda_moved",
+        "_sda_seen",
+        "_sda_wire",
+        "_stuck_after",
+        "_transfer",
+        "busy",
+        "timing",
+        "who",
+    )
+
+    def __init__(
+        self,
+        kernel: Kernel,
+        recorder: Recorder,
+        scl: Wire,
+        sda: Wire,
+        timing: BusTiming,
+        who: str = "controller",
+        stuck_after: int = 0,
+        on_stuck: Callable[[Wire], None] | None = None,
+        clear_after: int = 0,
+        gives_up: bool = False,
+    ) -> None:
+        self.who = who
+        self.timing = timing
+        self.busy = False
+        self._kernel = kernel
+        self._recorder = recorder if recorder.wants(Kind.BUS) else None
+        self._scl_wire = scl
+        self._sda_wire = sda
+        self._scl_mask = scl.attach(who).mask
+        self._sda_mask = sda.attach(who).mask
+        self._stuck_after = stuck_after
+        self._on_stuck = on_stuck
+        self._guard = 0  # the promise to report a line held too long, 0 when there is none
+        self._sda_level = 1
+        self._rising = False  # SCL is let go and has not risen yet
+        self._high = timing.high  # how long SCL stays high next, and what comes then
+        self._high_end: Callable[[], None] = self._bit_end
+        self._let_go_at = 0
+        self._last_stop = -timing.free
+        self._transfer = Transfer("", [])
+        self._done: Callable[[Transfer], None] = lambda transfer: None
+        self._phase = Phase(0, False)
+        self._phase_index = 0
+        self._byte = 0  # being sent, or 0xFF while receiving
+        self._bit = 0  # 0..8; 8 is the ACK
+        self._in = 0  # bits read so far
+        self._index = -1  # -1: address byte, else the number of the data byte
+        self._receiving = False
+        self._scl_moved = kernel.now
+        self._bus_busy = False  # between a START and its STOP, whoever made them
+        self._gives_up = gives_up
+        self._clear_after = clear_after
+        self._refused_since = NO_TIME  # a START is due, and the bus is not free
+        masks, times = (self._scl_mask, self._sda_mask), (timing.low, timing.high, timing.hold)
+        self._clear = BusClear(kernel, scl, sda, masks, times, self._cleared)
+        self._lines = IDLE
+        self._scl_seen = SCL  # its level before it moved last, spikes left out
+        self._sda_moved = -timing.filter
+        self._sda_event = NOTHING  # what its last change is, if it lasts
+        self._sda_seen = 1  # behind the filter
+        self._sampler = watch([scl, sda], self._on_lines)
+
+    @property
+    def held_since(self) -> int:
+        """Since when SCL is let go and still low; NO_TIME if it is not."""
+        return self._let_go_at if self._rising else NO_TIME
+
+    # Transfers ----------------------------------------------------------------
+
+    def begin(self, transfer: Transfer, done: Callable[[Transfer], None]) -> None:
+        """Start as soon as the bus has been free long enough; `done(transfer)` comes with its STOP."""
+        if self.busy:
+            raise ValueError(f"{self.who}: asked for transfer {transfer.name!r} while {self._transfer.name!r} runs")
+        self.busy = True
+        self._transfer = transfer
+        self._done = done
+        self._phase_index = 0
+        self._settle(self._kernel.now)
+        start = max(self._kernel.now, self._last_stop + self.timing.free)
+        self._kernel.at(start, self._start)
+
+    def _start(self) -> None:
+        now = self._kernel.now
+        if not self._may_start(now):
+            self._watch_stuck()
+            if self._refused_since == NO_TIME:
+                self._refused_since = now
+            if self._may_clear(now):
+                self._clear.begin()
+                return
+            free_at = self._last_stop + self.timing.free
+            self._kernel.at(free_at if free_at > now else now + self.timing.free, self._start)
+            return
+        self._calm()
+        self._refused_since = NO_TIME
+        phase = self._phase = self._transfer.phases[self._phase_index]
+        phase.start_at = now
+        self._set_sda(0)
+        self._mark("START" if self._phase_index == 0 else "repeated START", 0)
+        byte = phase.address << 1 | phase.read if phase.address_byte is None else phase.address_byte
+        self._load(byte, -1, receiving=False)
+        self._kernel.at(now + self.timing.start_hold, self._first_low)
+
+    def _may_start(self, now: int) -> bool:
+        """Both lines are high; and the bus is free for long enough, or ours already."""
+        if not self._scl_wire.level or not self._sda():
+            return False
+        return self._phase_index > 0 or not (self._bus_busy or now < self._last_stop + self.timing.free)
+
+    def _may_clear(self, now: int) -> bool:
+        if not self._clear_after or not self._scl_wire.level:
+            return False
+        return now - max(self._refused_since, self._scl_moved) >= self._clear_after
+
+    def _cleared(self, clocks: int, free: bool) -> None:
+        """The bus was cleared, or nine clocks were not enough. A transfer that was under way is lost."""
+        self._mark("clear", clocks)
+        self._refused_since = NO_TIME
+        if free and self._phase_index:
+            self._transfer.lost = True
+            self._finish()
+        else:
+            self._kernel.at(max(self._kernel.now, self._last_stop + self.timing.free), self._start)
+
+    def _on_lines(self, now: int, levels: int) -> None:
+        event = EVENT[self._lines << 2 | levels]
+        if (self._lines ^ levels) & SDA:
+            self._settle(now)
+            self._sda_moved, self._sda_event = now, self._unspoilt(now, event)
+        if event in (RISE, FALL):
+            if now - self._scl_moved >= self.timing.filter:
+                self._scl_seen = self._lines & SCL
+            self._scl_moved = now
+        self._lines = levels
+        self._settle(now)
+        if self._rising:
+            if levels & SCL:
+                self._rising = False
+                self._calm()
+                self._phase.stretch = max(self._phase.stretch, now - self._let_go_at)
+                self._rose(now)
+            else:
+                self._watch_stuck()
+
+    def _unspoilt(self, now: int, event: int) -> int:
+        """What a change of SDA is where SCL has just been spiked: START and STOP are decided behind the filter."""
+        if event != NOTHING or now - self._scl_moved >= self.timing.filter or not self._scl_seen:
+            return event
+        return START if self._lines & SDA else STOP
+
+    def _settle(self, now: int) -> None:
+        """What SDA's last change was, once it has outlasted the filter. It counts from when it came."""
+        level = self._lines >> 1
+        if level == self._sda_seen or now - self._sda_moved < self.timing.filter:
+            return
+        self._sda_seen = level
+        if self._sda_event == START:
+            self._bus_busy = True
+        elif self._sda_event == STOP:
+            self._bus_busy = False
+            self._last_stop = self._sda_moved
+
+    def _sda(self) -> int:
+        """SDA as it is seen behind the filter."""
+        self._settle(self._kernel.now)
+        return self._sda_seen
+
+    def _first_low(self) -> None:
+        self._high, self._high_end = self.timing.high, self._bit_end
+        self._low(self._byte >> 7 & 1)
+
+    # Bits ---------------------------------------------------------------------
+
+    def _load(self, byte: int, index: int, *, receiving: bool) -> None:
+        self._byte, self._index, self._receiving = byte, index, receiving
+        self._bit = self._in = 0
+
+    def _low(self, sda: int) -> None:
+        """SCL falls; SDA goes to `sda` a hold time later; SCL is let go after the low time."""
+        timing = self.timing
+        self._scl_wire.pull(self._scl_mask, 0)
+        if sda == self._sda_level:
+            self._kernel.at(self._kernel.now + timing.low, self._release)
+        else:
+            self._sda_level = sda
+            self._kernel.at(self._kernel.now + timing.hold, self._sda_follows)
+
+    def _sda_follows(self) -> None:
+        timing = self.timing
+        self._sda_wire.pull(self._sda_mask, self._sda_level)
+        self._kernel.at(self._kernel.now + timing.low - timing.hold, self._release)
+
+    def _set_sda(self, level: int) -> None:
+        self._sda_level = level
+        self._sda_wire.pull(self._sda_mask, level)
+
+    def _release(self) -> None:
+        """SCL is let go. If nobody else holds it, it rises now; else with the edge that we then wait for."""
+        self._scl_wire.pull(self._scl_mask, 1)
+        self._let_go_at = self._kernel.now
+        self._rising = True
+        self._sampler.ask()
+
+    def _rose(self, now: int) -> None:
+        if self._index == 0 and self._bit == 0:
+            self._phase.answer_at = now
+        self._kernel.at(now + self._high, self._high_end)
+
+    def _bit_end(self) -> None:
+        """End of the high phase: read SDA, go on to the next bit."""
+        level = self._sda()
+        bit = self._bit
+        if bit == 8:
+            self._byte_end(level == 0)
+            return
+        if level == 0 and self._sda_level and not self._receiving:
+            self._lose()
+            return
+        self._in = self._in << 1 | level
+        self._bit = bit = bit + 1
+        if bit < 8:
+            self._low(self._byte >> (7 - bit) & 1)
+        else:
+            self._low(self._ack_level() if self._receiving else 1)
+
+    def _ack_level(self) -> int:
+        """What a reading controller answers: 0 until the last byte."""
+        return 1 if self._index + 1 >= self._phase.count else 0
+
+    # Bytes --------------------------------------------------------------------
+
+    def _byte_end(self, ack: bool) -> None:
+        phase = self._phase
+        refused = not ack and (self._index < 0 or not self._receiving)  # a reader refuses the last byte itself
+        if self._index < 0:
+            phase.acked = ack
+            self._mark("address", self._in << 1 | (not ack))
+        else:
+            phase.acks.append(ack)
+            self._mark("byte", self._in << 1 | (not ack))
+            if self._receiving:
+                phase.got.append(self._in)
+        following = self._index + 1
+        if self._index < 0 and ack:
+            phase.answer_from = self._kernel.now
+        wanted = phase.count if phase.read else len(phase.data)
+        if following < wanted and (ack or (self._receiving and self._index >= 0)):
+            if phase.read:
+                self._load(0xFF, following, receiving=True)
+            else:
+                self._load(phase.data[following], following, receiving=False)
+            self._low(self._byte >> 7 & 1)
+            return
+        if refused:
+            self._mark("NACK", int(self._index >= 0))
+        gives_up = refused and (self._index < 0 or self._gives_up)
+        self._load(0xFF, NO_BYTE, receiving=False)
+        if self._phase_index + 1 < len(self._transfer.phases) and not gives_up:
+            self._phase_index += 1
+            self._high, self._high_end = self.timing.start_setup, self._start
+            self._low(1)
+        else:
+            self._high, self._high_end = self.timing.stop_setup, self._stop
+            self._low(0)
+
+    def _stop(self) -> None:
+        self._set_sda(1)
+        self._mark("STOP", 0)
+        self._finish()
+
+    def _lose(self) -> None:
+        self._transfer.lost = True
+        self._mark("arbitration lost", 0)
+        self._set_sda(1)
+        self._finish()
+
+    def _finish(self) -> None:
+        self.busy = False
+        self._transfer.stop_at = self._kernel.now
+        self._done(self._transfer)
+
+    # Trouble ------------------------------------------------------------------
+
+    def _watch_stuck(self) -> None:
+        if self._stuck_after and not self._guard:
+            due = self._kernel.now + self._stuck_after
+            self._guard = self._kernel.at(due, self._stuck)
+
+    def _calm(self) -> None:
+        if self._guard:
+            self._kernel.cancel(self._guard)
+            self._guard = 0
+
+    def _stuck(self) -> None:
+        self._guard = 0
+        due = self._scl_moved + self._stuck_after
+        if due > self._kernel.now:  # another controller's transfers went on meanwhile
+            self._guard = self._kernel.at(due, self._stuck)
+            return
+        wire = self._sda_wire if self._scl_wire.level else self._scl_wire
+        self._mark("stuck", wire.level)
+        if self._on_stuck is not None:
+            self._on_stuck(wire)
+
+    def _mark(self, what: str, value: int) -> None:
+        if self._recorder is not None:
+            self._recorder.emit(self._kernel.now, Kind.BUS, self.who, what, value, self._transfer.name)

@@ -1,0 +1,63 @@
+"""Says what happens on an I2C bus on which no agent is the controller: edges go in, BUS records come out.
+
+    SCL, SDA --sampled together--> START, address, byte, NACK, STOP, as a controller agent records them
+
+So that budgets on the bus can be kept by firmware that is the master, and by captures.
+
+Source: UM10204 sections 3.1.4 to 3.1.10.
+"""
+
+from __future__ import annotations
+
+from ...core.kernel import Kernel
+from ...core.records import Kind, Recorder
+from ...core.wire import Wire, watch
+
+SCL, SDA = 1, 2  # bits of the sampled levels
+BITS = 9
+WHO = "bus"
+
+
+class BusRecorder:
+    """text of its records: the address of the phase, "0x68"."""
+
+    def __init__(self, kernel: Kernel, recorder: Recorder, scl: Wire, sda: Wire) -> None:
+        self._recorder = recorder
+        self._kernel = kernel
+        self._levels = scl.level | sda.level << 1
+        self._busy = False  # between a START and its STOP
+        self._index = -1  # -1: the address, else the number of the data byte
+        self._bits = self._in = 0
+        self._read = False
+        self._address = ""
+        watch([scl, sda], self._moved)
+
+    def _moved(self, now: int, levels: int) -> None:
+        before, self._levels = self._levels, levels
+        if before & levels & SCL:
+            self._condition(bool(levels & SDA))
+        elif levels & SCL:
+            self._bits += 1
+            self._in = self._in << 1 | levels >> 1
+        elif self._busy and self._bits == BITS:
+            self._byte_over()
+
+    def _condition(self, stop: bool) -> None:
+        if stop:
+            self._mark("STOP", 0)
+        else:
+            self._mark("repeated START" if self._busy else "START", 0)
+        self._busy, self._index, self._bits, self._in = not stop, -1, 0, 0
+
+    def _byte_over(self) -> None:
+        byte, refused = self._in >> 1, bool(self._in & 1)
+        if self._index < 0:
+            self._address, self._read = f"{byte >> 1:#04x}", bool(byte & 1)
+        self._mark("byte" if self._index >= 0 else "address", self._in)
+        if refused and (self._index < 0 or not self._read):
+            self._mark("NACK", int(self._index >= 0))
+        self._index += 1
+        self._bits = self._in = 0
+
+    def _mark(self, what: str, value: int) -> None:
+        self._recorder.emit(self._kernel.now, Kind.BUS, WHO, what, value, self._address if self._busy else "")

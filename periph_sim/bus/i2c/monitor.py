@@ -1,0 +1,192 @@
+"""Listens to an I2C bus: levels of SCL and SDA and who pulls them go in, transfers as their master made them come out.
+
+    SCL, SDA, who pulls --> START, clocks, STOP of the master --> Transfer: phases, bytes, ACKs, times, stretching
+
+The master is who pulls SDA for the START and then SCL. A clock begins where it pulls SCL; a START or STOP is its own
+pull or release of SDA while SCL is high. So a spike of somebody else, or a slave that lost count, changes what the
+master reads and not what it makes. Where SCL stays low behind the master's release, it is stretched. Nobody is asked:
+an agent, a firmware and a capture are heard alike.
+
+Source: UM10204 sections 3.1.4 to 3.1.10, Table 10 (tSP).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from ...core.time import NO_TIME
+from ...core.wire import Wire, watch
+from .controller import Phase, Transfer
+from .line_events import SCL, SDA
+
+BITS = 9  # of a byte, its ACK included
+
+
+class I2cMonitor:
+    """told: given each transfer with its STOP. names: what to call a transfer, by address.
+
+    filter: ticks; a level of SDA that lasts less is not read.
+    """
+
+    def __init__(
+        self,
+        scl: Wire,
+        sda: Wire,
+        told: Callable[[Transfer], None],
+        names: Mapping[int, str],
+        filter: int = 0,
+    ) -> None:
+        self._scl, self._sda = scl, sda
+        self._told = told
+        self._names = names
+        self._start_at = NO_TIME  # SDA fell, and whoever pulled it gave no clock yet
+        self._starting = 0  # who pulled SDA then
+        self._scl_mask = self._sda_mask = 0  # the master's holds on the wires; 0 between transfers
+        self._pulls_scl = self._pulls_sda = False  # the master does
+        self._began_at = NO_TIME
+        self._first = True  # the master's next pull of SCL is the START's own
+        self._let_go_at = NO_TIME  # the master has let go of SCL, which has not risen yet
+        self._rose_at = NO_TIME
+        self._ended_at = NO_TIME  # somebody gave a STOP, and the master no clock since
+        self._pulled_at = self._clock_length = 0  # the master's last pull of SCL, and from the one before to it
+        self._transfer = Transfer("", [])
+        self._phase = Phase(0, False)
+        self._index = -1  # -1: address byte, else the number of the data byte
+        self._bits = 0
+        self._in = 0
+        self._filter = filter
+        self._sda_at = -filter
+        self._sda_seen = 1  # what SDA was before it moved last, spikes left out
+        sampler = watch([scl, sda], self._moved)
+        self._levels = sampler.levels
+        for wire in (scl, sda):
+            wire.watch_holds(sampler.ask)
+
+    @property
+    def held_since(self) -> int:
+        """Since when the master has let go of SCL and it is still low; NO_TIME if it is not."""
+        return self._let_go_at
+
+    @property
+    def begun_at(self) -> int:
+        """The START of the transfer under way; NO_TIME if there is none."""
+        return self._began_at if self._scl_mask else NO_TIME
+
+    def _moved(self, now: int, levels: int) -> None:
+        before, self._levels = self._levels, levels
+        if not self._scl_mask:
+            if before & levels & SCL:
+                if (before ^ levels) & SDA:
+                    self._start_at = NO_TIME if levels & SDA else now
+                self._starting = self._sda.pulling
+            elif self._start_at != NO_TIME:
+                self._first_clock(now)
+        else:
+            pulls = bool(self._scl.pulling & self._scl_mask)
+            if pulls or self._pulls_scl or self._let_go_at != NO_TIME:
+                self._clock(now, before, levels, pulls)
+            else:
+                self._condition(now, before, levels)
+        if (before ^ levels) & SDA:
+            if now - self._sda_at >= self._filter:
+                self._sda_seen = before >> 1
+            self._sda_at = now
+
+    # START and STOP ----------------------------------------------------------------
+
+    def _first_clock(self, now: int) -> None:
+        """SCL is low behind a START: if one who pulled SDA for it pulls SCL, that is the master."""
+        masters = {who.partition(".")[0] for who in _parties(self._sda, self._starting)}
+        mask = _mask(self._scl, masters)
+        if self._scl.pulling & mask:
+            self._scl_mask, self._sda_mask = mask, _mask(self._sda, masters)
+            self._pulls_scl, self._pulls_sda = True, bool(self._sda.pulling & self._sda_mask)
+            self._transfer, self._began_at = Transfer("", []), self._start_at
+            self._phase_begins(self._start_at)
+            self._first, self._pulled_at = False, now
+            self._start_at = self._let_go_at = self._ended_at = NO_TIME
+
+    def _condition(self, now: int, before: int, levels: int) -> None:
+        """SCL is high as far as the master goes: it has let go of it, and it has risen."""
+        pulled, self._pulls_sda = self._pulls_sda, bool(self._sda.pulling & self._sda_mask)
+        if before & ~levels & SDA and self._given_up(now):
+            self._over(self._ended_at)
+            self._start_at, self._starting = now, self._sda.pulling
+        elif self._pulls_sda and not pulled:
+            self._phase_begins(now)
+        elif pulled and not self._pulls_sda:
+            self._over(now)
+        elif before & levels & SCL and levels & ~before & SDA and now - self._sda_at >= self._filter:
+            self._ended_at = now
+
+    def _given_up(self, now: int) -> bool:
+        """Somebody else gave a STOP in the middle of the transfer, and the master no clock for as long as two take."""
+        return self._ended_at != NO_TIME and now - self._pulled_at > 2 * self._clock_length
+
+    def _phase_begins(self, at: int) -> None:
+        self._phase = Phase(0, False, start_at=at)
+        self._index, self._bits, self._in = -1, 0, 0
+        self._first = True
+
+    def _over(self, at: int) -> None:
+        self._scl_mask = self._sda_mask = 0
+        self._let_go_at = NO_TIME
+        if self._transfer.phases:
+            self._transfer.stop_at = at
+            self._told(self._transfer)
+
+    # Clocks ------------------------------------------------------------------------
+
+    def _clock(self, now: int, before: int, levels: int, pulls: bool) -> None:
+        """SCL is low, falls or rises. pulls: the master pulls it."""
+        if pulls and not self._pulls_scl:
+            self._ended_at = NO_TIME
+            self._clock_length, self._pulled_at = now - self._pulled_at, now
+            if self._first:
+                self._first = False
+            else:
+                self._bit_over(now, before >> 1 if now - self._sda_at >= self._filter else self._sda_seen)
+        elif self._pulls_scl and not pulls:
+            self._let_go_at = now
+        self._pulls_scl = pulls
+        self._pulls_sda = bool(self._sda.pulling & self._sda_mask)
+        if levels & SCL and self._let_go_at != NO_TIME:
+            phase, stretch = self._phase, now - self._let_go_at
+            if stretch > phase.stretch:
+                phase.stretch = stretch
+            self._rose_at, self._let_go_at = now, NO_TIME
+
+    def _bit_over(self, now: int, bit: int) -> None:
+        self._bits += 1
+        self._in = self._in << 1 | bit
+        if self._bits == BITS:
+            self._byte_over(now)
+        elif self._bits == 1 and self._index == 0 and self._phase.acked:
+            self._phase.answer_at = self._rose_at
+
+    def _byte_over(self, now: int) -> None:
+        phase, transfer = self._phase, self._transfer
+        byte, ack = self._in >> 1, not self._in & 1
+        if self._index < 0:
+            phase.address, phase.read, phase.acked = byte >> 1, bool(byte & 1), ack
+            transfer.phases.append(phase)
+            transfer.name = transfer.name or self._names.get(phase.address, f"{phase.address:#04x}")
+            if ack:
+                phase.answer_from = now
+        else:
+            phase.acks.append(ack)
+            if phase.read:
+                phase.got.append(byte)
+            else:
+                phase.data += bytes([byte])
+        self._index += 1
+        self._bits = self._in = 0
+
+
+def _parties(wire: Wire, mask: int) -> list[str]:
+    return [who for place, who in enumerate(wire.parties()) if mask >> place & 1]
+
+
+def _mask(wire: Wire, parties: set[str]) -> int:
+    """The holds of these parties; a unit's pin is the unit's."""
+    return sum(1 << place for place, who in enumerate(wire.parties()) if who.partition(".")[0] in parties)

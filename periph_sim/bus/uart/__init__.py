@@ -1,0 +1,1 @@
+"""The other parties on a UART line: senders and monitors."""

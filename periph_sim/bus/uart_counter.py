@@ -1,0 +1,48 @@
+"""Counts characters on a UART line: its edges go in, each whole character is told, whoever sent it.
+
+    wire  ──┐___┌───┐___...───┌──────┐___     a start bit that ends no character before it begins one
+            begin        free again  the one before is told now, or as the run ends
+
+It needs no event of its own: when the line is free again is known from the begin.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+
+from ..core.time import NO_TIME
+from ..core.wire import Wire
+from .uart.monitor import Line
+
+
+class UartCounter:
+    """line: as of a `UartMonitor`. told: each character's start bit, when the next one begins or as the run ends."""
+
+    def __init__(self, wire: Wire, line: Line) -> None:
+        self.told: list[Callable[[int], None]] = []
+        self._line = line
+        self._begun_at = NO_TIME
+        self._over_at = 0  # the end of the last stop bit,
+        self._free_at = 0  # and the middle of it, from which on a fall is a start bit
+        wire.watch(self._edge)
+
+    def _edge(self, now: int, level: int) -> None:
+        if level or now < self._free_at:
+            return
+        self._tell()
+        bit, form = self._line()
+        length = 1 + form.bits + (form.parity != "none") + form.stop
+        self._begun_at = now
+        self._over_at, self._free_at = now + int(length * bit), now + int((length - Fraction(1, 2)) * bit)
+
+    def finish(self, now: int) -> None:
+        """The run is over; a character that it cuts off is none."""
+        if self._over_at <= now:
+            self._tell()
+
+    def _tell(self) -> None:
+        if self._begun_at != NO_TIME:
+            for told in self.told:
+                told(self._begun_at)
+        self._begun_at = NO_TIME

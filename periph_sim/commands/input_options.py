@@ -1,0 +1,76 @@
+"""What several commands take: a capture, a rate, a time. Texts of options go in, values or one sentence come out."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from ..core.time import TimeError, seconds
+from ..traces import formats
+
+if TYPE_CHECKING:
+    from ..records.run import Run
+
+RATE = click.option("--rate", metavar="RATE", help="Samples a second, where the file does not say: '4 MHz'.")
+SALVAGE = click.option(
+    "--salvage", is_flag=True, help="Read a damaged file up to the damage, and say what was dropped."
+)
+RUN_FILE = click.argument("run", type=click.Path(path_type=Path))
+SYSCLK = click.option("--sysclk", metavar="RATE", help="SYSCLKOUT, where RUN does not show it: '150 MHz'.")
+
+
+def read_capture(path: Path, rate: str | None, salvage: bool = False, option: str = "--rate") -> formats.Capture:
+    """The capture in a file; BadCapture if it cannot be read. option: how the rate was given, for messages."""
+    return formats.read(path, None if rate is None else rate_given(option, rate), salvage=salvage)
+
+
+def rate_given(option: str, text: str) -> Fraction:
+    """Samples a second, above 0."""
+    try:
+        rate = formats.rate_of(text)
+    except ValueError as error:
+        raise click.ClickException(f"{option}: {error}") from None
+    if not rate:
+        raise click.ClickException(f"{option}: expected more than 0")
+    return rate
+
+
+def time_given(option: str, text: str) -> Fraction:
+    """Seconds, 0 or more."""
+    try:
+        length = seconds(text)
+    except TimeError as error:
+        raise click.ClickException(f"{option}: {error}") from None
+    if length < 0:
+        raise click.ClickException(f"{option}: {text!r} is negative; expected 0 or more")
+    return length
+
+
+def length_given(text: str) -> Fraction:
+    """Seconds to simulate, 0 or more: 10 or '10 s'."""
+    from ..core.settings import duration
+
+    try:
+        return duration(text if text.strip()[-1:].isalpha() else f"{text} s")
+    except ValueError as error:
+        raise click.ClickException(f"--seconds: {error}") from None
+
+
+def apart(**outputs: Path | None) -> None:
+    """Refuse two options that name one file to be written, where the later one would take the other's place."""
+    taken: dict[Path, str] = {}
+    for option, path in outputs.items():
+        if path is not None:
+            other = taken.setdefault(path.resolve(), option)
+            if other != option:
+                raise click.ClickException(f"--{other} and --{option} both name {path}; give each a file of its own")
+
+
+def open_run(path: Path, sysclk: str | None) -> Run:
+    """A recorded run; BadCapture or NotInRun if there is none in the file."""
+    from ..records.run import Run
+
+    return Run.read(path, None if sysclk is None else rate_given("--sysclk", sysclk))

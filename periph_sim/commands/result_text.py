@@ -1,0 +1,146 @@
+"""A result as a person reads it in the terminal: a Result goes in, tables come out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from textwrap import wrap
+
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Table
+
+from ..scene.case.model import Case
+from ..scene.result import SKIPPED, Result
+from ..timing.format_value import broken, figure, limit, simulated
+from ..timing.verdicts import EVERY_PHASE, FAIL, NOT_JUDGED, PASS, SEEN, Verdict
+from .assumptions import assumptions
+
+STYLES = {PASS: "", FAIL: "red", NOT_JUDGED: "yellow"}
+WIDTH = 80
+PADDING = (0, 1, 0, 0)  # of tables
+
+
+def terminal() -> Console:
+    """Standard output. Below 80 columns the terminal may break lines, but no table loses words."""
+    console = Console()
+    console.width = max(console.width, WIDTH)
+    return console
+
+
+def show(console: Console, result: Result, case: Case, guaranteed: bool = False, verbose: bool = False) -> None:
+    """guaranteed: what is not proven has failed. verbose: list what the run assumed, and tell what it skipped."""
+    say(console, f"{result.case}: {_title(result, guaranteed)}", style="bold")
+    console.print(budget_table(result.budgets))
+    for line in legend(result.budgets):
+        say(console, line)
+    say(
+        console,
+        f"{simulated(result.simulated_s)} simulated at {result.fidelity} fidelity; "
+        f"{result.wire_bytes} I2C bytes, {result.sci_bytes} SCI bytes, {result.events} events",
+    )
+    for line in _counts(result.counts, verbose):
+        say(console, line)
+    for verdict in result.budgets:
+        if verdict.found and not verdict.broken:
+            say(console, f"{verdict.name}: {verdict.found}")
+    if result.first_wrong:
+        say(console, f"first wrong: {result.first_wrong}")
+    for place, times in list(result.wrong.items())[:12]:
+        say(console, f"wrong: {place}, {times} times")
+    for line in result.stuck:
+        say(console, f"stuck: {line}")
+    for line in result.notes:
+        say(console, f"note: {line}")
+    for line in assumptions(result.unknowns, case, verbose):
+        say(console, line)
+
+
+def say(console: Console, line: str, style: str = "") -> None:
+    """One line as it is: whole, so that it can be searched for, and without colours or markup of its own."""
+    console.print(line, style=style, highlight=False, markup=False, soft_wrap=True)
+
+
+def _counts(counts: Mapping[str, int], verbose: bool) -> list[str]:
+    told = [f"{count} {name.replace('_', ' ')}" for name, count in counts.items() if count and name != SKIPPED]
+    lines = [", ".join(told)] if told else []
+    if verbose and counts.get(SKIPPED):
+        lines.append(f"skipped {rounded(counts[SKIPPED])} polls")
+    return lines
+
+
+def rounded(count: int) -> str:
+    """`142.7 M`, `28.2 k`, `999`: a count of which only the size matters."""
+    for size, letter in ((10**6, "M"), (10**3, "k")):
+        if count >= size:
+            return f"{count / size:.1f} {letter}"
+    return str(count)
+
+
+def _title(result: Result, guaranteed: bool) -> str:
+    if result.verdict != PASS:
+        return result.verdict.upper()
+    if result.proof == EVERY_PHASE:
+        return "PASS, for every phase"
+    return "FAIL, since it passes in what was seen only" if guaranteed else "PASS, in what was seen"
+
+
+def budget_table(budgets: Sequence[Verdict]) -> Table:
+    """A row a budget; red where it is broken, yellow where it is not judged. Only names may take two lines."""
+    table = Table(box=SIMPLE_HEAD, padding=PADDING, pad_edge=False)
+    table.add_column("budget")
+    names = ("seen", "bound", "limit", "count") if any(each.bound is not None for each in budgets) else NO_BOUND
+    for name in names:
+        table.add_column(name, justify="right", no_wrap=True)
+    table.add_column("", no_wrap=True)
+    for verdict in budgets:
+        cells = row(verdict)
+        table.add_row(verdict.name, *(cells[name] for name in names), verdict.word, style=STYLES[verdict.verdict])
+    return table
+
+
+NO_BOUND = ("seen", "limit", "margin", "count")  # columns where nothing is bounded
+
+
+def row(verdict: Verdict) -> dict[str, str]:
+    """The figures of a verdict by column."""
+    unit = verdict.unit
+    return {
+        "seen": figure(verdict.worst, unit),
+        "bound": figure(verdict.bound, unit),
+        "limit": limit(verdict.limit, unit, verdict.which),
+        "margin": figure(verdict.margin, unit),
+        "count": verdict.counted,
+    }
+
+
+def legend(budgets: Sequence[Verdict]) -> list[str]:
+    """What broke, with its instant; then what the words of this table mean, and why what was seen is not proven."""
+    lines = [f"{each.name}: {broken(each)}" for each in budgets if each.broken and each.worst is not None]
+    if not budgets:
+        return []
+    bounded = any(each.bound is not None for each in budgets)
+    words = {each.word for each in budgets}
+    lines.append("bound: worst for any timing of controller, host, DSP; " * bounded + "count: times measured")
+    if EVERY_PHASE in words:
+        lines.append("every phase: proven, as the bound keeps the limit")
+    lines += _unproven(budgets, bounded)
+    if NOT_JUDGED in words:
+        lines.append("not judged: too little was measured; no pass")
+    return lines
+
+
+def _unproven(budgets: Sequence[Verdict], bounded: bool) -> list[str]:
+    """What *seen* means, and each reason once."""
+    doubts: dict[str, list[str]] = {}
+    for each in budgets:
+        if each.unbounded:
+            doubts.setdefault(each.unbounded, []).append(each.name)
+    said = "seen: held in this run, not proven"
+    if not doubts:
+        return [said] if any(each.word == SEEN for each in budgets) else []
+    if len(doubts) == 1 and not bounded:
+        return wrap(f"{said}: {next(iter(doubts))}", WIDTH, subsequent_indent="  ")
+    lines = [f"{said}:"]
+    for reason, names in doubts.items():
+        lines += wrap(f"{', '.join(names)}: {reason}", WIDTH, initial_indent="  ", subsequent_indent="    ")
+    return lines

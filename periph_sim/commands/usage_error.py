@@ -1,0 +1,41 @@
+"""How a command says no: a mistake of the user's goes in, one sentence and exit status 2 come out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import click
+
+# Errors that the input is to blame for, by name: a command that cannot raise one need not import it.
+MISTAKES = {
+    "periph_sim.reports.baselines.errors.BadCheck",
+    "periph_sim.explain.bound.terms.BadBound",
+    "periph_sim.scene.case.model.BadCase",
+    "periph_sim.core.kernel.SimulationStuck",
+    "periph_sim.devices.attitude.NoAttitude",
+    "periph_sim.sensors.models.quantity.BadParameter",
+    "periph_sim.sensors.motion.BadMotion",
+    "periph_sim.sensors.noise.BadNoise",
+    "periph_sim.sensors.extremes.NoSuchExtreme",
+    "periph_sim.f28335.system.memory_map.NoSuchAddress",
+    "periph_sim.traces.capture.capture.BadCapture",
+    "periph_sim.processor.error_origin.FirmwareError",
+    "periph_sim.sensors.identification.series.BadSeries",
+    "periph_sim.records.run.NotInRun",
+    "periph_sim.sensors.numeric.arithmetic_names.NoSuchArithmetic",
+    "periph_sim.sensors.numeric.q.DoesNotFit",
+    "periph_sim.records.recording.BadRecording",
+    "periph_sim.replay.BadReplay",
+}
+
+
+@contextmanager
+def usage_errors_in_one_sentence() -> Iterator[None]:
+    """Errors that the input is to blame for become one line on standard error and status 2."""
+    try:
+        yield
+    except Exception as error:
+        if MISTAKES.isdisjoint(f"{kind.__module__}.{kind.__qualname__}" for kind in type(error).__mro__):
+            raise
+        raise click.ClickException(str(error)) from None

@@ -1,0 +1,126 @@
+"""Types for settings in case files and firmware: texts with units go in, exact numbers come out.
+
+`Duration` takes "250 us" and gives seconds as an exact fraction; a bare number is refused,
+since its unit would be a guess. `DurationRange` takes "240 us to 260 us" and gives a `Spread`.
+`Frequency` takes "100 kHz", `HexBytes` "1d 00 ff", `Share` "90 %".
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Annotated
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, PlainSerializer
+
+from .time import TimeError, seconds
+
+HERTZ = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000, "GHz": 1_000_000_000}
+
+
+def share(value: object) -> Fraction:
+    """A part of a whole, 0 to 1, of "40 %". ValueError with the way out otherwise."""
+    if isinstance(value, Fraction):
+        return value
+    text = str(value).strip()
+    try:
+        percent = Fraction(text.removesuffix("%").strip())
+    except (ValueError, ZeroDivisionError):
+        percent = Fraction(-1)
+    if not text.endswith("%") or not 0 <= percent <= 100:
+        raise ValueError(f"{value!r} is no part of a whole; write for instance '90 %'")
+    return percent / 100
+
+
+def duration(value: object) -> Fraction:
+    """Seconds. ValueError with the way out when the unit is missing or unknown, or the time is negative."""
+    if isinstance(value, Fraction):
+        return value
+    if not isinstance(value, str):
+        raise ValueError(f'{value!r} has no unit; write for instance "{value} ms"')
+    try:
+        length = seconds(value)
+    except TimeError as error:
+        raise ValueError(str(error)) from None
+    if length < 0:
+        raise ValueError(f"{value!r} is negative; a duration is 0 or more")
+    return length
+
+
+@dataclass(frozen=True)
+class Spread:
+    """A cost known as a range, `least` to `most`, in seconds: each occurrence takes one value of it.
+
+    `Dsp.compute` draws the values; a bound takes the end. ValueError for a negative or empty range.
+    """
+
+    least: Fraction
+    most: Fraction
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.least <= self.most:
+            raise ValueError(f"a range from {self.least} s to {self.most} s; its least comes first, and is 0 or more")
+
+    def __add__(self, fixed: Fraction) -> Spread:
+        return Spread(self.least + fixed, self.most + fixed)
+
+    def __str__(self) -> str:
+        return f"{self.least} s to {self.most} s"
+
+
+def spread(value: object) -> Spread:
+    """The range of "240 us to 260 us", or of one duration. ValueError as `duration`."""
+    if isinstance(value, Spread):
+        return value
+    first, to, second = value.partition(" to ") if isinstance(value, str) else (value, "", "")
+    least = duration(first)
+    most = duration(second) if to else least
+    if most < least:
+        raise ValueError(f"{value!r}: {second} is shorter than {first}; write the least first")
+    return Spread(least, most)
+
+
+def frequency(value: object) -> Fraction:
+    """Hertz. ValueError with the way out when the unit is missing or unknown."""
+    if isinstance(value, Fraction):
+        return value
+    if not isinstance(value, str):
+        raise ValueError(f'{value!r} has no unit; write for instance "{value} kHz"')
+    number, _, unit = value.strip().partition(" ")
+    if unit not in HERTZ:
+        raise ValueError(f"{value!r}: expected a number, a blank and one of {', '.join(HERTZ)}")
+    try:
+        hertz = Fraction(number) * HERTZ[unit]
+    except (ValueError, ZeroDivisionError):
+        raise ValueError(f"{value!r}: {number!r} is not a number") from None
+    if hertz <= 0:
+        raise ValueError(f"{value!r}: a frequency is above 0")
+    return hertz
+
+
+def hex_bytes(value: object) -> bytes:
+    """Bytes from "1d 00 ff" or a list of numbers 0 to 255."""
+    if isinstance(value, bytes):
+        return value
+    try:
+        if isinstance(value, str):
+            return bytes.fromhex(value)
+        if isinstance(value, list) and all(type(v) is int for v in value):
+            return bytes(value)
+    except ValueError:
+        pass
+    raise ValueError(f'{value!r} are no bytes; write for instance "1d 00 ff"')
+
+
+Duration = Annotated[Fraction, BeforeValidator(duration), PlainSerializer(str)]
+DurationRange = Annotated[Spread, BeforeValidator(spread), PlainSerializer(str)]
+Frequency = Annotated[Fraction, BeforeValidator(frequency), PlainSerializer(str)]
+HexBytes = Annotated[bytes, BeforeValidator(hex_bytes), PlainSerializer(lambda b: b.hex(" "))]
+Share = Annotated[Fraction, BeforeValidator(share), PlainSerializer(lambda part: f"{float(100 * part):g} %")]
+
+
+STRICT = ConfigDict(extra="forbid", arbitrary_types_allowed=True, frozen=True)
+
+
+class Table(BaseModel):
+    model_config = STRICT

@@ -1,0 +1,21 @@
+"""The way out of a misspelt name: what goes in is a wrong name and the right ones, out comes a phrase."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+from .shorten import shorten
+
+LONGEST = 60  # characters of a name in the phrase; files may hold any
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """A phrase that names the nearest right names, or all of them where none is near."""
+    names = [shorten(str(k), LONGEST) for k in known]
+    folded = {k.casefold(): k for k in reversed(names)}
+    close = [folded[k] for k in get_close_matches(name[:LONGEST].casefold(), list(folded), 3, 0.6)]
+    if close:
+        return f"did you mean {' or '.join(close)}?"
+    shown = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
+    return f"it has {shown}" if names else "it has none"

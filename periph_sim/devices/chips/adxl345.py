@@ -1,0 +1,179 @@
+"""ADXL345 accelerometer: register accesses and acceleration in g go in; samples, flags and the FIFO come out.
+
+    Source (g) --output rate--> offset, range, format --> Fifo --> DATAX0 to DATAZ1, INT_SOURCE, FIFO_STATUS
+
+Not modelled: what tap, activity, inactivity and free-fall detection find, AUTO_SLEEP, the self-test force, the
+filter (a sample is the source's value at that instant), the INT pins, the 5 us between two reads of the FIFO, which
+I2C up to 400 kHz cannot break. Enabling what is not detected leaves a note.
+
+Source: ADXL345 data sheet Rev 0, sections named at the methods.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from ...core.options import choice
+from ...core.registers import Register
+from ...core.time import Clock, Timebase
+from .adxl345_fifo import DEPTH, Fifo, Mode
+from .adxl345_map import DATA, MAP, OFFSETS, SHEET
+from .register_chip import RegisterChip, Source, clipped, nearest
+
+ADDRESSES = (0x53, 0x1D)  # SDO/ALT ADDRESS low, high
+LSB_PER_G = 256
+OFFSETS_PER_G = 64  # 15.6 mg/LSB
+TURN_ON = Fraction(11, 10_000)  # on top of one period
+LAST = 0x39
+UNMODELLED = 0x7C  # events of INT_ENABLE: taps, activity, inactivity, free fall
+
+
+@dataclass(frozen=True, slots=True)
+class Adxl345Options:
+    pointer_past_end: str = choice(
+        "goes_on", "wraps_to_0", "stays", question="Where the pointer goes after the last register, 0x39."
+    )
+    rate_change: str = choice(
+        "restarts", "after_next_sample", question="When a new rate begins to count while the chip measures."
+    )
+    overrun_in_fifo: str = choice(
+        "when_filled", "when_lost", question="What sets Overrun in FIFO, stream and trigger mode."
+    )
+    entries_most: int = choice(32, 33, question="What FIFO_STATUS shows while 33 samples can be read.")
+
+
+class Adxl345(RegisterChip):
+    """The registers and what they do; `RegisterPointer` puts it on a bus. It acknowledges from power-up on."""
+
+    MAP = MAP
+    SECTION = f"{SHEET}, register map: reserved, do not access"
+    ADDRESSES = ADDRESSES
+
+    def __init__(
+        self,
+        timebase: Timebase,
+        source: Source,
+        address: int = ADDRESSES[0],
+        options: Adxl345Options | None = None,
+        powered: int = 0,
+    ) -> None:
+        super().__init__(timebase, source, address, powered, ready=Fraction(0))
+        self.options = options or Adxl345Options()
+        self.fifo = Fifo(self.options.overrun_in_fifo == "when_filled")
+        self._clock: Clock | None = None  # of samples; None in standby and sleep
+        self._taken = 0  # samples of that clock
+        self._latched: bytes | None = None  # what this burst reads
+
+    @property
+    def rate(self) -> Fraction:
+        """Samples a second (BW_RATE table; codes below 6 as in later revisions)."""
+        return Fraction(3200, 2 ** (15 - self.get("BW_RATE", "Rate")))
+
+    @property
+    def lsb_per_unit(self) -> Fraction:
+        """LSB of a g, right-justified, as DATA_FORMAT stands."""
+        return Fraction(LSB_PER_G, 1 if self.get("DATA_FORMAT", "FULL_RES") else 2 ** self.get("DATA_FORMAT", "Range"))
+
+    def begin(self, now: int) -> bool:
+        self._latched = None
+        return super().begin(now)
+
+    def following(self, number: int) -> int:
+        if number != LAST:
+            return super().following(number)
+        self.touched.add("pointer_past_end")
+        if self.options.pointer_past_end == "goes_on":
+            return super().following(number)
+        return 0 if self.options.pointer_past_end == "wraps_to_0" else number
+
+    def trigger(self, now: int) -> None:
+        """The pin that FIFO_CTL's trigger bit names has become active."""
+        self.catch_up(now)
+        self.fifo.trigger()
+
+    # Samples ------------------------------------------------------------------------
+
+    def catch_up(self, now: int) -> None:
+        if self._clock is None:
+            return
+        due = self._clock.cycle_after(now)
+        new = range(self._taken, due)
+        self._taken = max(due, self._taken)
+        most = 2 * 33  # more than that change nothing but what was overrun
+        if len(new) > most:
+            new = new[:most] if self.fifo.keeps_first else new[-most:]
+        for number in new:
+            self.fifo.take(self.formatted(self.source(self._clock.tick(number))))
+
+    def formatted(self, g: Sequence[float | Fraction]) -> bytes:
+        """Six data bytes of three accelerations in g: offset, full resolution or 10 bits, saturation, justification."""
+        span = self.get("DATA_FORMAT", "Range")
+        bits = 10 + span if self.get("DATA_FORMAT", "FULL_RES") else 10
+        scale = self.lsb_per_unit
+        data = b""
+        for axis, value in enumerate(g):
+            offset = self.get(OFFSETS[axis])
+            word = nearest(value * scale + (offset - 256 if offset & 0x80 else offset) * scale / OFFSETS_PER_G)
+            word = clipped(word, -(1 << bits - 1), (1 << bits - 1) - 1)
+            if self.get("DATA_FORMAT", "Justify"):
+                word <<= 16 - bits
+            data += (word & 0xFFFF).to_bytes(2, "little")
+        return data
+
+    # Accesses -----------------------------------------------------------------------
+
+    def on_register_read(self, now: int, register: Register) -> int:
+        if register.name in DATA:
+            if self._latched is None:
+                self._latched = self.fifo.latch()
+            return self._latched[DATA.index(register.name)]
+        if register.name == "INT_SOURCE":
+            self.put("INT_SOURCE", "DATA_READY", self.fifo.data_ready)
+            self.put("INT_SOURCE", "Watermark", self.fifo.watermark)
+            self.put("INT_SOURCE", "Overrun", self.fifo.overrun)
+            if self.fifo.entries >= DEPTH:
+                self.touched.add("overrun_in_fifo")
+        elif register.name == "FIFO_STATUS":
+            self.put("FIFO_STATUS", "FIFO_TRIG", self.fifo.triggered)
+            if self.fifo.entries > DEPTH:
+                self.touched.add("entries_most")
+            self.put("FIFO_STATUS", "Entries", min(self.fifo.entries, self.options.entries_most))
+        return super().on_register_read(now, register)
+
+    def on_register_write(self, now: int, register: Register, old: int) -> None:
+        value = self.stored[register.offset]
+        if register.name == "POWER_CTL":
+            if value & 0x10:
+                self.note("unknown", "AUTO_SLEEP is set; this model never falls asleep by itself", f"{SHEET} POWER_CTL")
+            if (value ^ old) & 0x0C:
+                self._start(now)
+        elif register.name == "BW_RATE":
+            self._rate_changed(now, old)
+        elif register.name == "FIFO_CTL":
+            self.fifo.set_up(Mode(self.get("FIFO_CTL", "Mode")), self.get("FIFO_CTL", "Samples"))
+        elif register.name == "INT_ENABLE" and value & UNMODELLED:
+            what = "taps, activity, inactivity and free fall are not detected by this model"
+            self.note("unknown", f"INT_ENABLE = {value:#04x}: {what}", f"{SHEET} INT_ENABLE")
+        elif register.name == "DATA_FORMAT" and value & 0x80:
+            self.note("unknown", "SELF_TEST is set; this model adds no force", f"{SHEET} DATA_FORMAT")
+
+    def _start(self, now: int) -> None:
+        """Measure or Sleep has changed: the first sample comes a period and 1.1 ms later, or none does."""
+        self._clock, self._taken = None, 0
+        if self.get("POWER_CTL", "Measure") and not self.get("POWER_CTL", "Sleep"):
+            self._clock = self.beats(self.after(now, 1 / self.rate + TURN_ON), self.rate)
+
+    def _rate_changed(self, now: int, old: int) -> None:
+        code, low_power = self.get("BW_RATE", "Rate"), self.get("BW_RATE", "LOW_POWER")
+        if low_power and not 0x7 <= code <= 0xC:
+            self.note("duty", f"LOW_POWER is set with rate code {code:#x}; 0x7 to 0xC allow it", f"{SHEET} BW_RATE")
+        if self._clock is None or not (old ^ code) & 0x0F:
+            return
+        self.touched.add("rate_change")
+        if self.options.rate_change == "restarts":
+            first = self.after(now, 1 / self.rate)
+        else:
+            first = self._clock.tick(self._taken)
+        self._clock, self._taken = self.beats(first, self.rate), 0

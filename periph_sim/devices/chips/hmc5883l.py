@@ -1,0 +1,188 @@
+"""HMC5883L magnetometer: register accesses and a field in gauss go in; measurements, RDY and LOCK come out.
+
+    Source (gauss) --single or at the output rate--> average, bias, gain, overflow --> DXRA to DYRB (x, z, y), Status
+
+Of several samples that are averaged the instants are not stated: here they are spread evenly over the output
+period, or over the 6 ms of a single measurement, the last one at its end. Not modelled: the 3.4 MHz mode, the
+DRDY pin (it is RDY with a pulse of 250 us).
+
+Source: Honeywell HMC5883L data sheet, sections named at the methods.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from ...core.options import choice
+from ...core.registers import Register
+from ...core.time import Clock, Timebase
+from .hmc5883l_map import DATA, MAP, SHEET
+from .register_chip import RegisterChip, Source, nearest
+
+ADDRESSES = (0x1E,)
+LSB_PER_GAUSS = (1370, 1090, 820, 660, 440, 390, 330, 230)  # by GN
+RATES = tuple(Fraction(rate) for rate in ("0.75", "1.5", "3", "7.5", "15", "30", "75", "75"))  # by DO; 7 is reserved
+LEAST, MOST, OVERFLOW = -2048, 2047, -4096
+BIAS = (Fraction("1.16"), Fraction("1.16"), Fraction("1.08"))  # gauss on x, y, z: self-test
+BUS_READY = Fraction(200, 10**6)
+ANALOG_READY = Fraction(50, 1000)
+SINGLE = Fraction(6, 1000)
+WRITING = Fraction(250, 10**6)  # RDY is low for so long when data are placed
+CONTINUOUS, ONE = 0, 1  # of Mode.MD
+
+
+@dataclass(frozen=True, slots=True)
+class Hmc5883lOptions:
+    idle_code: int = choice(2, 3, question="What Mode.MD reads after a single measurement.")
+    power_on_measures: bool = choice(
+        False, True, question="Does the chip make the single measurement of its power-on mode by itself?"
+    )
+    rdy_clears: str = choice("all_six", "any", question="How many data registers must be read to clear RDY.")
+
+
+class Hmc5883l(RegisterChip):
+    """The registers and what they do; `RegisterPointer` puts it on a bus. Invalid registers read 0."""
+
+    MAP = MAP
+    SECTION = f"{SHEET}, register access"
+    ADDRESSES = ADDRESSES
+
+    def __init__(
+        self,
+        timebase: Timebase,
+        source: Source,
+        address: int = ADDRESSES[0],
+        options: Hmc5883lOptions | None = None,
+        powered: int = 0,
+    ) -> None:
+        super().__init__(timebase, source, address, powered, BUS_READY)
+        self.options = options or Hmc5883lOptions()
+        self._analog = self.after(powered, ANALOG_READY)
+        self._clock: Clock | None = None  # ends of measurements
+        self._taken = 0
+        self._placed = powered  # when data were placed last
+        self._unread = False
+        self._to_read: set[str] = set(DATA)  # of the data that stand there
+        self._gains = [self.get("CRB", "GN")]  # of the next measurement, and of those behind it
+        self._mode_is_power_ons = True
+        self._idle_by_itself = False
+        if self.options.power_on_measures:
+            self._start(powered)
+
+    @property
+    def rate(self) -> Fraction:
+        return RATES[self.get("CRA", "DO")]
+
+    @property
+    def lsb_per_unit(self) -> Fraction:
+        """LSB of a gauss, as GN stands."""
+        return Fraction(LSB_PER_GAUSS[self.get("CRB", "GN")])
+
+    def following(self, number: int) -> int:
+        """After 0x08 the pointer goes back to 0x03, after 0x0C to 0x00."""
+        return {0x08: 0x03, 0x0C: 0x00}.get(number, super().following(number))
+
+    # Measurements -------------------------------------------------------------------
+
+    def _start(self, now: int) -> None:
+        """Mode was written, or CRA in continuous mode: a measurement under way is given up (section on modes)."""
+        self._clock, self._taken = None, 0
+        begin = max(now, self._analog)
+        mode = self.get("Mode", "MD")
+        if mode == CONTINUOUS:
+            self._clock = self.beats(self.after(begin, 2 / self.rate), self.rate)
+        elif mode == ONE:
+            self._clock = self.beats(self.after(begin, SINGLE), self.rate)
+
+    def catch_up(self, now: int) -> None:
+        if self._clock is None:
+            return
+        due = self._clock.cycle_after(now)
+        if self.get("Mode", "MD") == ONE:
+            if due:
+                end, self._clock = self._clock.tick(0), None
+                self._idle_by_itself = True
+                self.put("Mode", "MD", self.options.idle_code)
+                self._measured(end, 1, SINGLE)
+            return
+        if due > self._taken:
+            number, self._taken = due - self._taken, due
+            self._measured(self._clock.tick(due - 1), number, 1 / self.rate)
+
+    def _measured(self, end: int, number: int, over: Fraction) -> None:
+        """So many measurements have ended, the last one at `end`; only its data remain."""
+        del self._gains[: min(number, len(self._gains)) - 1]
+        gain = LSB_PER_GAUSS[self._gains[0]]
+        if len(self._gains) > 1:
+            del self._gains[0]
+        if self.get("Status", "LOCK"):
+            return
+        for axis, value in zip("XYZ", self._average(end, over), strict=True):
+            counts = nearest(value * gain)
+            word = counts & 0xFFFF if LEAST <= counts <= MOST else OVERFLOW & 0xFFFF
+            self.stored[self.MAP[f"D{axis}RA"].offset] = word >> 8
+            self.stored[self.MAP[f"D{axis}RB"].offset] = word & 0xFF
+        self._placed, self._unread, self._to_read = end, True, set(DATA)
+
+    def _average(self, end: int, over: Fraction) -> list[float | Fraction]:
+        """The mean of 1, 2, 4 or 8 samples (CRA.MA) with the self-test bias (CRA.MS)."""
+        number = 1 << self.get("CRA", "MA")
+        step = self.timebase.ticks(over, "down") // number
+        samples = [self.source(end - step * back) for back in range(number)]
+        sign = {1: 1, 2: -1}.get(self.get("CRA", "MS"), 0)
+        return [sum(axis[1:], axis[0]) / number + sign * BIAS[n] for n, axis in enumerate(zip(*samples, strict=True))]
+
+    # Accesses -----------------------------------------------------------------------
+
+    def read(self, now: int, number: int) -> int:
+        if self.MAP.at(number) is None:
+            return 0
+        return super().read(now, number)
+
+    def on_register_read(self, now: int, register: Register) -> int:
+        name, value = register.name, super().on_register_read(now, register)
+        if self._mode_is_power_ons and name in (*DATA, "Mode", "Status"):
+            self.touched.add("power_on_measures")
+        if name in DATA:
+            self._to_read.discard(name)
+            self.put("Status", "LOCK", bool(self._to_read))
+            if not self._to_read:
+                self._to_read = set(DATA)
+            if self.options.rdy_clears == "any" or not self.get("Status", "LOCK"):
+                self._unread = False
+        elif name == "Mode":
+            self.put("Status", "LOCK", 1)
+            if self._idle_by_itself:
+                self.touched.add("idle_code")
+        elif name == "Status":
+            if 0 < len(self._to_read) < len(DATA):
+                self.touched.add("rdy_clears")
+            written = now >= self.after(self._placed, WRITING)
+            return register["RDY"].put(value, self._unread and written)
+        return value
+
+    def on_register_write(self, now: int, register: Register, old: int) -> None:
+        name, value = register.name, self.stored[register.offset]
+        if name in ("CRA", "Mode"):
+            self.put("Status", "LOCK", 0)
+            self._to_read = set(DATA)
+        if name == "CRB":
+            if self.get("CRB", "ZERO"):
+                self.note("duty", f"CRB = {value:#04x}: bits 4 to 0 must be 0", f"{SHEET} CRB")
+            self._gains = [self._gains[0], self.get("CRB", "GN")]
+        elif name == "Mode":
+            if self.get("Mode", "HS"):
+                self.note("unknown", "HS is set; this model has no 3.4 MHz mode", f"{SHEET} Mode")
+            self._mode_is_power_ons = self._idle_by_itself = False
+            self._start(now)
+        elif name == "CRA":
+            self._cra_written(now, old)
+
+    def _cra_written(self, now: int, old: int) -> None:
+        if self.get("CRA", "DO") == 7:
+            self.note("duty", "DO = 7 is reserved; 75 Hz is taken here", f"{SHEET} CRA")
+        if self.get("CRA", "MS") == 3:
+            self.note("duty", "MS = 3 is reserved; no bias is taken here", f"{SHEET} CRA")
+        if self.get("CRA", "DO") != self.MAP["CRA"]["DO"].of(old) and self.get("Mode", "MD") == CONTINUOUS:
+            self._start(now)

@@ -1,0 +1,230 @@
+"""ITG-3200 gyroscope: register accesses and rates in degrees a second go in; samples, temperature and flags come out.
+
+    Source (deg/s) --F_int / (SMPLRT_DIV + 1)--> 14.375 LSB, saturation --> GYRO_XOUT_H ..., INT_STATUS, INT pin
+
+Not modelled: the low-pass filter (a sample is the source's value at that instant), its delay, the tolerance of
+scale and zero-rate output (put them into the source), external clocks.
+
+Source: InvenSense ITG-3200 Product Specification rev 1.4, sections named at the methods.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+
+from ...core.options import choice
+from ...core.registers import Register
+from ...core.time import Clock, Timebase
+from .itg3200_map import DATA, MAP, SHEET
+from .register_chip import RegisterChip, Source, clipped, nearest
+
+ADDRESSES = (0x68, 0x69)  # AD0 low, high
+LSB_PER_DEG_S = Fraction(115, 8)  # 14.375
+REGISTER_ACCESS = Fraction(20, 1000)  # after power
+START_UP = Fraction(50, 1000)  # after power, and after sleep
+PLL_SETTLING = Fraction(1, 1000)
+PULSE = Fraction(50, 10**6)  # of the INT pin, unless latched
+FIRST_RESERVED, LAST_RESERVED = 0x23, 0x3C  # where the pointer stops: decimal 35 to 60
+SHOWN = ("TEMP_OUT_H", "TEMP_OUT_L", *DATA)
+ROOM = 25.0  # degrees Celsius
+
+
+@dataclass(frozen=True, slots=True)
+class Itg3200Options:
+    who_am_i_bit_0: str = choice("ad0", "zero", question="Bit 0 of WHO_AM_I, which is not part of the ID field.")
+    who_am_i_write: str = choice(
+        "stored", "changes_address", question="Does writing WHO_AM_I change the address it answers?"
+    )
+    pointer_stops: str = choice(
+        "first_reserved",
+        "last_before",
+        question="Where the pointer stays after GYRO_ZOUT_L: on 0x23, which reads 0, or on 0x22.",
+    )
+    fs_sel_other: str = choice(
+        "as_3", "halves_each_step", question="Full scale with FS_SEL 0, 1, 2: as with 3, or 250, 500, 1000 deg/s."
+    )
+    burst: str = choice("coherent", "live", question="Do the bytes of one burst belong to one sample?")
+    standby_axis: str = choice("holds", "zero", question="What the registers of an axis in standby show.")
+    reset_blocks_bus: bool = choice(False, True, question="Is there no register access for 20 ms after H_RESET?")
+
+
+class Itg3200(RegisterChip):
+    """The registers and what they do; `RegisterPointer` puts it on a bus.
+
+    temperature: degrees Celsius at a tick.
+    """
+
+    MAP = MAP
+    SECTION = f"{SHEET} register map"
+    ADDRESSES = ADDRESSES
+
+    def __init__(
+        self,
+        timebase: Timebase,
+        source: Source,
+        address: int = ADDRESSES[0],
+        options: Itg3200Options | None = None,
+        powered: int = 0,
+        temperature: Callable[[int], float] = lambda tick: ROOM,
+    ) -> None:
+        super().__init__(timebase, source, address, powered, REGISTER_ACCESS)
+        self.options = options or Itg3200Options()
+        self.temperature = temperature
+        self._clock: Clock | None = None  # of samples; None while asleep
+        self._taken = 0
+        self._awake = powered  # when the gyroscopes have started up
+        self._settled = powered  # when the clock source is ready,
+        self._told_ready = False  # and whether INT_STATUS has shown it
+        self._shown = dict.fromkeys(SHOWN, 0)  # the data registers
+        self._burst = dict(self._shown)  # as they were when the burst began
+        self._scale_known = True  # FS_SEL was 3 when they were
+        self._ad0 = ADDRESSES.index(address)
+        self._identify()
+        self._start(powered)
+
+    @property
+    def rate(self) -> Fraction:
+        """Samples a second (section on SMPLRT_DIV): F_int is 8 kHz with DLPF_CFG 0, else 1 kHz."""
+        internal = 1000 if self.get("DLPF_FS", "DLPF_CFG") else 8000
+        return Fraction(internal, self.get("SMPLRT_DIV") + 1)
+
+    @property
+    def lsb_per_unit(self) -> Fraction:
+        """LSB of a deg/s, as FS_SEL stands."""
+        if self.options.fs_sel_other == "halves_each_step":
+            return LSB_PER_DEG_S * (8 >> self.get("DLPF_FS", "FS_SEL"))
+        return LSB_PER_DEG_S
+
+    def begin(self, now: int) -> bool:
+        self.catch_up(now)
+        self._burst = dict(self._shown)
+        return super().begin(now)
+
+    def following(self, number: int) -> int:
+        """The pointer stops at the reserved registers. The sheet says decimal 33 to 60, but 33, 34 are GYRO_ZOUT."""
+        if FIRST_RESERVED <= number <= LAST_RESERVED:
+            return number
+        if number + 1 == FIRST_RESERVED:
+            self.touched.add("pointer_stops")
+            if self.options.pointer_stops == "last_before":
+                return number
+        return super().following(number)
+
+    def int_pin(self, now: int) -> int:
+        """Level of INT: active while latched, or for 50 us after a sample; ACTL = 1 makes active low."""
+        self.catch_up(now)
+        active = False
+        if self.get("INT_CFG", "LATCH_INT_EN"):
+            active = bool(self.get("INT_STATUS"))
+        elif self.get("INT_CFG", "RAW_RDY_EN") and self._clock is not None and self._taken:
+            active = now < self.after(self._clock.tick(self._taken - 1), PULSE)
+        return int(active) ^ self.get("INT_CFG", "ACTL")
+
+    # Samples ------------------------------------------------------------------------
+
+    def catch_up(self, now: int) -> None:
+        if not self._told_ready and now >= self._settled and self.get("INT_CFG", "ITG_RDY_EN"):
+            self._told_ready = True
+            self.put("INT_STATUS", "ITG_RDY", 1)
+        if self._clock is None:
+            return
+        due = self._clock.cycle_after(now)
+        if due > self._taken:
+            self._taken = due
+            self._sample(self._clock.tick(due - 1))
+            if self.get("INT_CFG", "RAW_RDY_EN"):
+                self.put("INT_STATUS", "RAW_DATA_RDY", 1)
+
+    def _sample(self, tick: int) -> None:
+        """The data registers take the values of this instant."""
+        self._show("TEMP_OUT", nearest((self.temperature(tick) - 35) * 280) - 13200)
+        scale = self.lsb_per_unit
+        self._scale_known = self.get("DLPF_FS", "FS_SEL") == 3
+        for axis, value in zip("XYZ", self.source(tick), strict=True):
+            if not self.get("PWR_MGM", f"STBY_{axis}G"):
+                self._show(f"GYRO_{axis}OUT", nearest(value * scale))
+                continue
+            self.touched.add("standby_axis")
+            if self.options.standby_axis == "zero":
+                self._show(f"GYRO_{axis}OUT", 0)
+
+    def _show(self, name: str, value: int) -> None:
+        word = clipped(value, -0x8000, 0x7FFF) & 0xFFFF
+        self._shown[f"{name}_H"], self._shown[f"{name}_L"] = word >> 8, word & 0xFF
+
+    # Accesses -----------------------------------------------------------------------
+
+    def on_register_read(self, now: int, register: Register) -> int:
+        if register.name in SHOWN:
+            value = self._data(register.name)
+        else:
+            value = super().on_register_read(now, register)
+        if register.name == "WHO_AM_I" and self._ad0:
+            self.touched.add("who_am_i_bit_0")
+        if register.name == "INT_STATUS" or self.get("INT_CFG", "INT_ANYRD_2CLEAR"):
+            self.stored[self.MAP["INT_STATUS"].offset] = 0
+        return value
+
+    def _data(self, name: str) -> int:
+        if self._burst != self._shown:
+            self.touched.add("burst")
+        if name in DATA and not self._scale_known:
+            self.touched.add("fs_sel_other")
+        return (self._burst if self.options.burst == "coherent" else self._shown)[name]
+
+    def on_register_write(self, now: int, register: Register, old: int) -> None:
+        name, value = register.name, self.stored[register.offset]
+        if name == "DLPF_FS":
+            if self.get(name, "FS_SEL") != 3:
+                found = self.get(name, "FS_SEL")
+                self.note("duty", f"FS_SEL = {found} is reserved; 3 is the full scale", f"{SHEET} DLPF_FS")
+            if self.get(name, "DLPF_CFG") == 7:
+                self.note("duty", "DLPF_CFG = 7 is reserved; 1 kHz is taken here", f"{SHEET} DLPF_FS")
+        if name in ("DLPF_FS", "SMPLRT_DIV") and value != old and self._clock is not None:
+            self._sample_from(max(now, self._awake))
+        elif name == "PWR_MGM":
+            self._power(now, old)
+        elif name == "WHO_AM_I":
+            self.touched.add("who_am_i_write")
+            if self.options.who_am_i_write == "changes_address":
+                self.address = self.get("WHO_AM_I", "ID") << 1 | self._ad0
+
+    def _power(self, now: int, old: int) -> None:
+        if self.get("PWR_MGM", "H_RESET"):
+            self._reset(now)
+            return
+        changed = old ^ self.get("PWR_MGM")
+        if self.get("PWR_MGM", "CLK_SEL") > 5:
+            self.note("duty", f"CLK_SEL = {self.get('PWR_MGM', 'CLK_SEL')} is reserved", f"{SHEET} PWR_MGM")
+        if changed & 0x07:
+            self._settled, self._told_ready = self.after(now, PLL_SETTLING), False
+        if changed & 0x40:
+            self._start(now)
+
+    def _reset(self, now: int) -> None:
+        """H_RESET: every register as after power-on, the gyroscopes start anew; the bit clears itself."""
+        self.stored = {register.offset: register.reset for register in self.MAP}
+        self._shown = dict.fromkeys(SHOWN, 0)
+        self._identify()
+        self.touched.add("reset_blocks_bus")
+        if self.options.reset_blocks_bus:
+            self.ready = self.after(now, REGISTER_ACCESS)
+        self._start(now)
+
+    def _start(self, now: int) -> None:
+        """Awake from now on: the gyroscopes need 50 ms, the first sample one period more. Asleep: no samples."""
+        self._clock = None
+        if not self.get("PWR_MGM", "SLEEP"):
+            self._settled, self._told_ready = self.after(now, PLL_SETTLING), False
+            self._awake = self.after(now, START_UP)
+            self._sample_from(self._awake)
+
+    def _sample_from(self, begin: int) -> None:
+        self._clock, self._taken = self.beats(self.after(begin, 1 / self.rate), self.rate), 0
+
+    def _identify(self) -> None:
+        """WHO_AM_I and the address are those of pin AD0 again."""
+        self.address = ADDRESSES[self._ad0]
+        self.put("WHO_AM_I", "BIT0", self._ad0 if self.options.who_am_i_bit_0 == "ad0" else 0)

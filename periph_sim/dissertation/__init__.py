@@ -1,0 +1,1 @@
+"""The dissertation's experiments again: what was published goes beside what comes out."""

@@ -1,0 +1,110 @@
+"""Earth field of the dissertation's laboratory: Table 5.1, Table 4.1 and section 5.2 go in, H_rt and its turn come out.
+
+    real mean at rest m, hard iron V --> m = H + d V --> d --> H_rt --> x, y, z at a yaw of 270, 180, 90, 0 degrees
+
+Table 5.1 gives the mean of the real magnetometer, level and pointing north, but not whether the hard iron of Table 4.1
+was near it: d is 0 or 1. Section 5.2 decides. It says of the turn about z (Figure 5.1) that at 0 and 180 degrees y is
+about the bias, so the field has hardly any part along y, and that the field is nearly horizontal, so it has hardly any
+along z. Least squares of either statement over d:
+
+    y: (m_y - d V_y)^2 least at d = m_y / V_y        z: d = m_z / V_z
+
+Both come out below 0, so d = 0 is the nearer one: the mean is the undisturbed field.
+
+Equation 4.10 agrees: the hard iron is the mean taken beside iron less the undisturbed one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import atan2, degrees
+
+import numpy as np
+
+from ...sensors.models.imu import Imu
+from ...sensors.models.parameters import Imu as Parameters
+from ...sensors.models.parameters import Magnetometer
+from ...sensors.models.quantity import Vector
+from ...sensors.models.sensed_motion import Unrounded
+from . import published
+from .rest import Floats
+
+MEAN = published.REAL["magnetometer"].mean
+HARD_IRON = Magnetometer().hard_iron
+YAWS = (270, 180, 90, 0)  # degrees, in the order of Figure 5.1
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One reading of Table 5.1's mean. disturbed: it has the hard iron in it. field: H_rt then, gauss."""
+
+    disturbed: bool
+    field: Vector
+
+    @property
+    def off_north(self) -> float:
+        """The horizontal field's angle from the body's x axis while that points north, in degrees."""
+        return degrees(atan2(self.field[1], self.field[0]))
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Both readings of the mean, and d by least squares of either statement of section 5.2.
+
+    candidates: undisturbed, disturbed.
+    """
+
+    along_y: float
+    along_z: float
+    candidates: tuple[Candidate, Candidate]
+
+    @property
+    def taken(self) -> Candidate:
+        """The reading nearest to both statements."""
+        return self.candidates[self.along_y + self.along_z > 1]
+
+
+def fit(mean: Vector = MEAN, hard_iron: Vector = HARD_IRON) -> Fit:
+    """The earth field from the mean at rest and the hard iron, x, y, z in gauss."""
+    along_y, along_z = (mean[axis] / hard_iron[axis] for axis in (1, 2))
+    x, y, z = (m - v for m, v in zip(mean, hard_iron, strict=True))
+    return Fit(along_y, along_z, (Candidate(False, mean), Candidate(True, (x, y, z))))
+
+
+def turn(imu: Parameters, yaws: tuple[int, ...] = YAWS) -> Floats:
+    """Field that the magnetometer shows at each yaw (degrees), level, without noise or rounding: gauss, (n, 3)."""
+    model = Imu(Unrounded(), imu)
+    zero = np.zeros(len(yaws))
+    turned, _ = model.motion((zero, zero, np.radians(yaws)), (zero, zero, zero))
+    return np.stack(model.magnetometer.codes(turned, model.silence.magnetometer), axis=1) / imu.magnetometer.scale
+
+
+def text(imu: Parameters, found: Fit) -> str:
+    """The fit, and the turn of Figure 5.1 with this set, as lines."""
+    undisturbed, disturbed = found.candidates
+    x, y, z = found.taken.field
+    lines = [
+        f"Earth field H from Table 5.1's real mean {_three(MEAN)} gauss = H + d V, V the hard iron of Table 4.1",
+        "",
+        f"{'section 5.2 says':<44}{'d = 0':>10}{'d = 1':>10}{'least squares':>16}",
+        f"{'y at 0 and 180 is about the bias: |Hy|':<44}"
+        f"{abs(undisturbed.field[1]):>10.4f}{abs(disturbed.field[1]):>10.4f}{f'd = {found.along_y:.2f}':>16}",
+        f"{'the field is nearly horizontal: |Hz|':<44}"
+        f"{abs(undisturbed.field[2]):>10.4f}{abs(disturbed.field[2]):>10.4f}{f'd = {found.along_z:.2f}':>16}",
+        f"{'x points north: degrees between x and H':<44}"
+        f"{abs(undisturbed.off_north):>10.1f}{abs(disturbed.off_north):>10.1f}",
+        "",
+        f"taken: d = {int(found.taken.disturbed)}, H = ({x:.4f}, {y:.4f}, {z:.4f}) gauss",
+        "",
+        f"Turn about z as in Figure 5.1, with hard iron {_three(imu.magnetometer.hard_iron)} gauss",
+        "",
+        f"{'yaw':>5}{'x':>10}{'y':>10}{'z':>10}{'y less the bias':>18}",
+    ]
+    for yaw, row in zip(YAWS, turn(imu), strict=True):
+        cells = "".join(f"{value:>10.4f}" for value in row)
+        lines.append(f"{yaw:>5}{cells}{row[1] - imu.magnetometer.hard_iron[1]:>18.4f}")
+    return "\n".join(lines)
+
+
+def _three(values: Vector) -> str:
+    return ", ".join(f"{value:.4f}" for value in values)

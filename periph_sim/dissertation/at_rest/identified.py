@@ -1,0 +1,77 @@
+"""What was identified as a parameter set: columns named after sensors and axes go in, an `Imu` comes out.
+
+    gyroscope_x, _y, _z [deg/s] --> means, S taken out --> bias;  densities, rounding taken out --> noise_density
+
+The set gives the same means at rest again: where cross-axis sensitivity turns a part of gravity into the other axes,
+that part is no bias.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...sensors.identification.text_report import Axis
+from ...sensors.models.parameters import Imu
+from ...sensors.models.quantity import BadParameter, Vector
+from ...sensors.noise import AXES
+from .rest import SENSORS, UNITS, Sensor
+
+GRAVITY = np.array([0.0, 0.0, -1.0])  # what a level accelerometer should tell, g; section 4.3.4
+
+
+def parameters_of_axes(axes: Mapping[str, Axis], hard_iron: bool, start: Imu | None = None) -> Imu:
+    """`start` (Table 4.1 if None) with what the columns tell. hard_iron: their bias is against an undisturbed mean.
+
+    BadParameter for a column that belongs to no sensor, an axis that is missing, or another unit than the models have.
+    """
+    imu = start or Imu()
+    wanted = {f"{sensor}_{axis}": sensor for sensor in SENSORS for axis in AXES}
+    for name in axes:
+        if name not in wanted:
+            raise BadParameter(name, f"it is no column of a sensor model; expected {', '.join(wanted)}")
+    for sensor in dict.fromkeys(wanted[name] for name in axes):
+        three = []
+        for axis in AXES:
+            name = f"{sensor}_{axis}"
+            if name not in axes:
+                raise BadParameter(name, f"it is missing; a set needs all three axes of the {sensor}")
+            if axes[name].unit != UNITS[sensor]:
+                raise BadParameter(name, f"its unit is {axes[name].unit!r}; expected {UNITS[sensor]!r}")
+            three.append(axes[name])
+        changes: dict[str, Any] = {sensor: _identified(sensor, getattr(imu, sensor), three, hard_iron)}
+        imu = replace(imu, **changes)
+    return imu
+
+
+def _identified(name: str, sensor: Any, three: list[Axis], hard_iron: bool) -> Sensor:
+    matrix = np.array(sensor.matrix) / sensor.scale
+    felt = np.linalg.solve(matrix, [axis.found.series.samples.mean() for axis in three])
+    changes: dict[str, Vector] = {"noise_density": _vector([axis.found.sensor_density for axis in three])}
+    if name == "accelerometer":
+        changes["bias"] = _vector(felt - GRAVITY)
+    elif name == "gyroscope":
+        changes["bias"] = _vector(felt)
+    else:
+        iron = np.array(sensor.hard_iron)
+        if hard_iron:
+            iron = np.linalg.solve(matrix, [axis.found.bias.value for axis in three])
+            changes["hard_iron"] = _vector(iron)
+        changes["earth_field"] = _vector(felt - iron)
+    slow = [axis.found.slow for axis in three]
+    terms = [one for one in slow if one is not None]
+    if terms:
+        for key in ("bias_instability", "random_walk"):
+            found = [getattr(one, key) for one in terms]
+            changes[key] = _vector([term.value if term.found else 0.0 for term in found])
+    identified: Sensor = replace(sensor, **changes)
+    return identified
+
+
+def _vector(values: list[float] | NDArray[np.float64]) -> Vector:
+    x, y, z = (float(value) for value in values)
+    return x, y, z

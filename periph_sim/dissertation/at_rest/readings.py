@@ -1,0 +1,88 @@
+"""How Table 5.1's emulated means follow from the parameters: readings of these go in, their distances come out.
+
+Each reading takes one thing more into account than the one before it; the last but one is the shipped set `table_5_1`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import hypot, sqrt
+from typing import Any
+
+from ...sensors.models.parameters import NONE, Imu
+from ...sensors.noise import AXES
+from . import published
+from .rest import SENSORS, Expected, expected_at_rest
+from .static_table import PRINTED
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A reading of the parameters, and the published emulator's means less its own, in standard errors."""
+
+    says: str
+    off: dict[str, tuple[float, ...]]
+
+    def rms(self, sensor: str) -> float:
+        """Root mean square over the sensor's axes; about 1 where chance explains it."""
+        return sqrt(sum(off**2 for off in self.off[sensor]) / len(AXES))
+
+
+def readings() -> list[Reading]:
+    """The published means against each reading."""
+    return [Reading(says, _off(expected_at_rest(imu()))) for says, imu in READINGS]
+
+
+def _off(expected: Mapping[str, Sequence[Expected]]) -> dict[str, tuple[float, ...]]:
+    return {
+        sensor: tuple(
+            (found - axis.mean) / hypot(axis.mean_error(published.SAMPLES), PRINTED, PRINTED)  # theirs, and the bias
+            for found, axis in zip(published.EMULATOR[sensor].mean, expected[sensor], strict=True)
+        )
+        for sensor in SENSORS
+    }
+
+
+def _each(imu: Imu, sensors: Sequence[str] = SENSORS, **changes: Any) -> Imu:
+    changed: dict[str, Any] = {sensor: replace(getattr(imu, sensor), **changes) for sensor in sensors}
+    return replace(imu, **changed)
+
+
+def table_4_1() -> Imu:
+    """Table 4.1, away from iron: the samples of Table 5.1 were taken there (section 5.2)."""
+    return _each(Imu(), ("magnetometer",), hard_iron=NONE)
+
+
+def without_cross_axis() -> Imu:
+    """The same with each axis for itself."""
+    return _each(table_4_1(), cross_axis=0.0)
+
+
+def with_printed_means() -> Imu:
+    """Biases to four decimals, which are the real IMU's means in Table 5.1; Table 4.1 rounds them to two."""
+    imu = table_4_1()
+    x, y, z = published.REAL["accelerometer"].mean
+    return replace(
+        imu,
+        accelerometer=replace(imu.accelerometer, bias=(x, y, round(z + 1.0, 4))),
+        gyroscope=replace(imu.gyroscope, bias=published.REAL["gyroscope"].mean),
+    )
+
+
+def with_floor() -> Imu:
+    """The same with codes of accelerometer and magnetometer rounded down, as a shift of a fixed-point number does."""
+    return _each(with_printed_means(), ("accelerometer", "magnetometer"), rounding="floor")
+
+
+def with_floor_everywhere() -> Imu:
+    return _each(with_printed_means(), rounding="floor")
+
+
+READINGS: list[tuple[str, Callable[[], Imu]]] = [
+    ("bias of Table 4.1 alone", without_cross_axis),
+    ("and cross-axis sensitivity", table_4_1),
+    ("and bias to four decimals", with_printed_means),
+    ("and floor for two: table_5_1", with_floor),
+    ("and floor for the gyroscope", with_floor_everywhere),
+]

@@ -1,0 +1,122 @@
+"""The sensors at rest: parameters and a seed go in; samples, and what their mean and variance must be, come out.
+
+    Imu --> models + noise --> codes / scale --> samples       ours, by chance
+    Imu --> bias, S, Gaussian over the codes --> Expected      exact: rounding and saturation included
+
+Dissertation section 5.2: level, pointing north, no acceleration, 10 000 samples at 50 Hz.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import erf, inf, isnan, sqrt
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...sensors.imu_noise import ImuNoise
+from ...sensors.models import magnetometer as model
+from ...sensors.models.arrays import codes_of
+from ...sensors.models.parameters import Accelerometer, Gyroscope, Imu, Magnetometer
+from ...sensors.noise import AXES
+from ...sensors.numeric.float64 import Float64
+
+Floats = NDArray[np.float64]
+Sensor = Accelerometer | Gyroscope | Magnetometer
+
+SENSORS = ("accelerometer", "gyroscope", "magnetometer")
+UNITS = {"accelerometer": "g", "gyroscope": "deg/s", "magnetometer": "gauss"}
+FAR = 12.0  # sigma beyond which no code is counted: less than 1e-30 of all
+
+
+@dataclass(frozen=True)
+class Expected:
+    """Of one axis, in its unit: mean, variance and fourth central moment of the values its codes stand for."""
+
+    mean: float
+    variance: float
+    fourth: float
+
+    def mean_error(self, samples: int) -> float:
+        """Standard error of the mean of so many samples."""
+        return sqrt(self.variance / samples)
+
+    def variance_error(self, samples: int) -> float:
+        """Standard error of their variance."""
+        return sqrt((self.fourth - self.variance**2 * (samples - 3) / (samples - 1)) / samples)
+
+
+def at_rest(imu: Imu, samples: int, seed: int) -> dict[str, Floats]:
+    """What each sensor tells, in its unit, shape (samples, 3)."""
+    still = np.zeros(samples)
+    codes = codes_of(imu, (still, still, still), (still, still, still), ImuNoise(imu, seed).values(0, samples))
+    return {name: np.stack(getattr(codes, name), axis=1) / getattr(imu, name).scale for name in SENSORS}
+
+
+def sensed_at_rest(imu: Imu) -> dict[str, tuple[float, float, float]]:
+    """What each sensor feels before its matrix S, without noise: gravity or field, and bias."""
+    accelerometer, gyroscope, magnetometer = imu.accelerometer, imu.gyroscope, imu.magnetometer
+    x, y, z = accelerometer.bias
+    north, east, down = (h + v for h, v in zip(magnetometer.earth_field, magnetometer.hard_iron, strict=True))
+    on_board = model.Magnetometer(Float64(), magnetometer).on_board((north, east, down))
+    return {"accelerometer": (x, y, z - 1.0), "gyroscope": gyroscope.bias, "magnetometer": on_board}
+
+
+def expected_at_rest(imu: Imu) -> dict[str, list[Expected]]:
+    """Of each sensor's three axes, for white noise alone: bias instability and random walk have no fixed mean."""
+    felt = sensed_at_rest(imu)
+    return {name: _expected(getattr(imu, name), felt[name], imu.period) for name in SENSORS}
+
+
+def variances_before_rounding(sensor: Sensor, period: float) -> Floats:
+    """Of the three axes, in LSB squared: white noise through S."""
+    matrix = np.array(sensor.matrix)
+    return matrix**2 @ (np.array(sensor.noise_density) / period)
+
+
+def _expected(sensor: Sensor, felt: tuple[float, float, float], period: float) -> list[Expected]:
+    means, variances = np.array(sensor.matrix) @ np.array(felt), variances_before_rounding(sensor, period)
+    return [_of_codes(sensor, mean, sqrt(variance)) for mean, variance in zip(means, variances, strict=True)]
+
+
+def _of_codes(sensor: Sensor, mean: float, sigma: float) -> Expected:
+    """Moments of a Gaussian, in LSB, after rounding and saturation, in the sensor's unit."""
+    if isnan(mean):
+        return Expected(0.0, 0.0, 0.0)  # what is no number has code 0 in float64, noise or not
+    least, most = sensor.limits
+    reach = FAR * sigma + 2
+    first, last = (int(np.clip(end, least, most)) for end in (mean - reach, mean + reach))
+    ends = [_upper_end(sensor, code, least, most) for code in range(first - 1, last + 1)]
+    share = np.diff([_below(end, mean, sigma) for end in ends])
+    codes = np.arange(first, last + 1)
+    values = codes / sensor.scale
+    centre = float(share @ values)
+    return Expected(centre, float(share @ (values - centre) ** 2), float(share @ (values - centre) ** 4))
+
+
+def _upper_end(sensor: Sensor, code: int, least: int, most: int) -> float:
+    """Below what value, in LSB, a converter gives at most this code."""
+    if code < least:
+        return -inf
+    if code >= most:
+        return inf
+    if sensor.rounding == "nearest":
+        return code + 0.5
+    return code + 1.0 if sensor.rounding == "floor" or code >= 0 else float(code)
+
+
+def _below(value: float, mean: float, sigma: float) -> float:
+    if not sigma:
+        return float(mean <= value)
+    return (1 + erf((value - mean) / (sigma * sqrt(2)))) / 2
+
+
+def write(samples: dict[str, Floats], imu: Imu, path: Path) -> None:
+    """The samples as CSV: `time [s]`, then `gyroscope_x [deg/s]` and so on; to the last bit."""
+    titles = [f"{name}_{axis} [{UNITS[name]}]" for name in samples for axis in AXES]
+    rows = np.hstack(list(samples.values())).tolist()
+    with path.open("w", encoding="utf-8", newline="") as file:
+        file.write(",".join(["time [s]", *titles]) + "\n")
+        for number, row in enumerate(rows):
+            file.write(",".join([f"{number * imu.period:.9g}", *map(repr, row)]) + "\n")

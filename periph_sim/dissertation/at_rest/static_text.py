@@ -1,0 +1,95 @@
+"""Table 5.1 again, as text: its rows and the readings go in, lines for people come out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from ...sensors.models.parameters import Imu
+from . import published
+from .readings import Reading
+from .rest import SENSORS, UNITS, variances_before_rounding
+from .static_table import AxisRow, Figure
+
+COLUMNS = ("", "real IMU", "emulator", "ours", "expected", "ours off", "emulator off")
+
+
+def text(imu: Imu, rows: Sequence[AxisRow], told: Sequence[Reading], samples: int, seed: int) -> str:
+    """The table of this set, deviations in standard errors (se), and what explains the published means, if `told`."""
+    lines = [
+        f"At rest, {samples} samples, seed {seed}; published (Table 5.1) {published.SAMPLES} at {published.RATE} Hz.",
+        "off: less what the model expects, in standard errors (se), of figures with four decimals where printed.",
+    ]
+    for title, name, form in (
+        ("mean", "mean", ".4f"),
+        ("3 sigma", "three_sigma", ".4f"),
+        ("variance", "variance", ".2e"),
+    ):
+        lines += ["", *_block(title, name, form, rows)]
+    lines += ["", *_gyroscope_variances(imu, rows)]
+    if told:
+        lines += ["", *_explained(told)]
+    return "\n".join(lines)
+
+
+def _block(title: str, name: str, form: str, rows: Sequence[AxisRow]) -> Iterator[str]:
+    yield _line((title, *COLUMNS[1:]))
+    for row in rows:
+        figure: Figure = getattr(row, name)
+        printed = form if name != "variance" else ".4f"
+        yield _line(
+            (
+                f"{row.sensor} {row.axis}, {_unit(row.sensor, name)}",
+                f"{figure.real:{printed}}",
+                f"{figure.emulator:{printed}}",
+                f"{figure.ours:{form}}",
+                f"{figure.expected:{form}}",
+                "-" if figure.ours_off is None else f"{figure.ours_off:+.1f} se",
+                f"{figure.emulator_off:+.1f} se" if figure.emulator else "-",
+            )
+        )
+
+
+def _explained(told: Sequence[Reading]) -> Iterator[str]:
+    yield "Published emulator's means less those of the model, x, y, z in se, and their root mean square:"
+    yield ""
+    yield _wide(("the model with", *SENSORS))
+    for reading in told:
+        cells = (
+            f"{' '.join(f'{off:+.1f}' for off in reading.off[sensor])}  ({reading.rms(sensor):.1f})"
+            for sensor in SENSORS
+        )
+        yield _wide((reading.says, *cells))
+
+
+def _gyroscope_variances(imu: Imu, rows: Sequence[AxisRow]) -> Iterator[str]:
+    """Its LSB is of the size of its noise, so rounding shows in its variances; published ones by their three sigma."""
+    three = [row for row in rows if row.sensor == "gyroscope"]
+    published_ones = [(row.three_sigma.emulator / 3) ** 2 for row in three]
+    expected = [row.variance.expected for row in three]
+    unrounded = variances_before_rounding(imu.gyroscope, imu.period) / imu.gyroscope.scale**2
+    yield f"gyroscope variances: published {_three(published_ones)} (by 3 sigma)"
+    yield f"  expected with whole LSB    {_three(expected)}: {_more(expected, published_ones)}"
+    yield f"  expected before rounding   {_three(unrounded)}: {_more(unrounded, published_ones)}"
+
+
+def _more(values: Iterable[float], than: Iterable[float]) -> str:
+    return ", ".join(f"{100 * (value / other - 1):+.0f} %" for value, other in zip(values, than, strict=True))
+
+
+def _three(values: Iterable[float]) -> str:
+    return ", ".join(f"{value:.5f}" for value in values)
+
+
+def _unit(sensor: str, figure: str) -> str:
+    unit = UNITS[sensor]
+    if figure != "variance":
+        return unit
+    return f"({unit})^2" if "/" in unit else f"{unit}^2"
+
+
+def _line(cells: Sequence[str]) -> str:
+    return f"{cells[0]:<22}" + "".join(f"{cell:>13}" for cell in cells[1:])
+
+
+def _wide(cells: Sequence[str]) -> str:
+    return f"{cells[0]:<28}" + "".join(f"{cell:>27}" for cell in cells[1:])

@@ -1,0 +1,98 @@
+"""What would be read, computed without wires: frames and their order go in; codes, run by run of the models, come out.
+
+    frames --> int16 counts --> models over arrays, in the firmware's arithmetic, with its noise --> codes
+
+Run n of the models has the noise of number n; run 0 is made before any frame has come, of zeros. Which frame a run
+works on is a matter of time: it is given, or taken from a schedule without jitter.
+"""
+
+from __future__ import annotations
+
+from math import ceil
+from typing import Any
+
+import numpy as np
+
+from ...devices.host_pc import FRAME_BYTES, encode
+from ...sensors.host_frame import ACCELERATION, ANGLE
+from ...sensors.imu_noise import ImuNoise
+from ...sensors.models.arrays import codes_of
+from ...sensors.models.derivative import Triple
+from ...sensors.models.imu import Codes, Noise
+from ...sensors.models.sensed_motion import SensedMotion
+from ...sensors.numeric import arithmetic_names as named
+from ...sensors.numeric.arithmetic import Arithmetic
+from ...sensors.rotations import Floats
+from .readings import Ints, Readings
+from .subject import Subject
+
+BITS_OF_REQUEST = 3 + 9 * 9  # START, repeated START, STOP; two addresses, a pointer, six bytes
+BITS_OF_BYTE = 10  # start, eight, stop
+
+
+def emulator(subject: Subject, frames: Ints | None = None) -> Readings:
+    """Of each round; of each run of the models instead where frames says which frame each works on (-1: none yet)."""
+    carried = frames_by_schedule(subject) if frames is None else frames
+    counts = _counts(subject, carried)
+    imu, runs = subject.sensors, len(carried)
+    one, many = named.scalar(subject.arithmetic), named.arrays(subject.arithmetic)
+    noise = None
+    if subject.seed is not None:
+        added = ImuNoise(imu, subject.seed).values(0, runs)
+        x, y, z = (_taken(one, chip) for chip in added)
+        noise = Noise(x, y, z)
+    scaled = [many.scaled(column, lsb) for column, lsb in zip(counts.T, 3 * [ANGLE] + 3 * [ACCELERATION], strict=True)]
+    attitude, pushed = (scaled[0], scaled[1], scaled[2]), (scaled[3], scaled[4], scaled[5])
+    codes = codes_of(imu, attitude, pushed, noise, before=(0.0, 0.0, 0.0), arithmetic=many)
+    return Readings(_due(subject, runs), _stacked(codes), _scales(subject))
+
+
+def sensors(subject: Subject) -> Readings:
+    """Of real sensors that sample at the instant at which a round is due, with another noise than the emulator's."""
+    seconds = _due(subject, subject.rounds)
+    imu = subject.sensors
+    noise = None if subject.seed is None else ImuNoise(imu, subject.seed + 1).values(0, subject.rounds)
+    felt = SensedMotion(imu, subject.frames.motion).lsb(seconds, noise)
+    return Readings(seconds, {name: np.rint(lsb).astype(np.int64) for name, lsb in felt.items()}, _scales(subject))
+
+
+def frames_by_schedule(subject: Subject) -> Ints:
+    """int64[rounds]: which frame the run before each round works on, if nothing is late; -1 for none."""
+    host, controller = subject.host, subject.controller
+    request = BITS_OF_REQUEST / controller.rate + controller.gap
+    over = controller.first + 3 * request - controller.gap  # of round 0; the models begin then
+    sent = host.first + (FRAME_BYTES * BITS_OF_BYTE + (FRAME_BYTES - 1) * host.gap) / host.baud  # frame 0
+    found = [-1]
+    for number in range(1, subject.rounds):
+        begun = over + (number - 1) * controller.period
+        last = ceil((begun - sent) / host.period) - 1
+        found.append(max(-1, last if host.frames is None else min(last, host.frames - 1)))
+    return np.array(found[: subject.rounds], np.int64)
+
+
+def _counts(subject: Subject, carried: Ints) -> Ints:
+    """int64[n, 6]: the counts that the firmware takes from the bytes of each frame, low byte first; zeros for -1."""
+    rows = {-1: np.zeros(6, np.int64)}
+    for number in sorted(set(carried.tolist()) - {-1}):
+        data = encode(subject.frames(number), subject.frames.byte_order)
+        rows[number] = np.frombuffer(data, "<i2").astype(np.int64)
+    return np.array([rows[number] for number in carried.tolist()], np.int64).reshape(-1, 6)
+
+
+def _taken(a: Arithmetic[Any], chip: Triple[Floats]) -> Triple[Floats]:
+    """Noise as numbers of an arithmetic, each as the firmware takes it."""
+    x, y, z = (np.array([a.constant(value) for value in axis.tolist()]) for axis in chip)
+    return x, y, z
+
+
+def _stacked(codes: Codes[np.ndarray[tuple[int], np.dtype[np.int16]]]) -> dict[str, Ints]:
+    return {name: np.stack(getattr(codes, name), axis=1).astype(np.int64) for name in codes._fields}
+
+
+def _due(subject: Subject, rounds: int) -> Floats:
+    controller = subject.controller
+    return np.array([float(controller.first + n * controller.period) for n in range(rounds)])
+
+
+def _scales(subject: Subject) -> dict[str, float]:
+    return {name: getattr(subject.sensors, name).scale for name in Codes._fields}

@@ -1,0 +1,58 @@
+"""What a sensor head got in an experiment: codes of three chips, round by round, and what they mean in units."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...devices.attitude import estimate
+from ...devices.samples import Samples
+from ...sensors.models.parameters import Imu
+from ...sensors.rotations import Floats, quaternions
+from .subject import Subject
+
+Ints = NDArray[np.int64]
+NAMES = ("gyroscope", "accelerometer", "magnetometer")  # in the order of Samples
+
+
+@dataclass(frozen=True)
+class Readings:
+    """One row a round. seconds: float64[n], when it was due. codes: by chip, int64[n, 3], x, y, z.
+
+    lsb_per_unit: by chip. overflow: codes of the magnetometer that stand for no value; real chips have one.
+    """
+
+    seconds: Floats
+    codes: dict[str, Ints]
+    lsb_per_unit: dict[str, float]
+    overflow: int | None = None
+
+    def samples(self, imu: Imu) -> Samples:
+        """deg/s, g and gauss of the body, cross-axis sensitivity, known biases and hard iron taken off."""
+        found = {}
+        for name, codes in self.codes.items():
+            sensor = getattr(imu, name)
+            values = codes / self.lsb_per_unit[name]
+            if name == "magnetometer" and self.overflow is not None:
+                values[(codes == self.overflow).any(axis=1)] = np.nan
+            known = sensor.hard_iron if name == "magnetometer" else sensor.bias
+            found[name] = np.linalg.solve(np.array(sensor.matrix) / sensor.scale, values.T).T - known
+        mounted = found["gyroscope"]
+        body = np.empty_like(mounted)
+        for column, axis in enumerate(imu.gyroscope.mounting):
+            body[:, abs(int(axis)) - 1] = np.sign(axis) * mounted[:, column]
+        return Samples(self.seconds, body, found["accelerometer"], found["magnetometer"])
+
+
+def attitudes(subject: Subject, readings: Readings) -> Floats:
+    """float64[n, 4]: what the filter makes of it. It begins at the true attitude, as the experiment began at 0."""
+    s = readings.samples(subject.sensors)
+    start = truth(subject, readings.seconds[:1])[0] if len(readings.seconds) else None
+    return estimate(s.seconds, s.gyro, s.accel, s.mag, subject.sensors.magnetometer.earth_field, start=start)
+
+
+def truth(subject: Subject, seconds: Floats) -> Floats:
+    """float64[n, 4]: the true attitude."""
+    return quaternions(subject.motion.attitude(seconds))

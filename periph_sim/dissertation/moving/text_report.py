@@ -1,0 +1,77 @@
+"""What came of a moving experiment, for people and for programs: an outcome goes in; lines, or one object, come out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from ...devices.attitude import Errors
+from ...sensors.models.parameters import Rates
+from ...sensors.rotations import Floats
+from .experiment import Outcome
+from .lag import Lag
+
+AXES = ("roll", "pitch", "yaw", "total")
+
+
+def rms(values: Floats) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def lines(outcome: Outcome) -> Iterator[str]:
+    """A table of all comparisons, and the point of the experiment as a sentence."""
+    subject, count = outcome.subject, len(outcome.seconds)
+    noise = "no noise" if subject.seed is None else f"noise of seed {subject.seed}"
+    how = "computed without wires" if outcome.bytes is None else "over SCI, firmware and I2C"
+    yield f"{subject.case.name}: {count} rounds; emulator in {subject.arithmetic}, {noise}, {how}"
+    yield ""
+    yield f"{'degrees: root mean square, worst':38}" + "".join(f"{axis:>16}" for axis in AXES)
+    for name, apart in outcome.apart().items():
+        columns = (getattr(apart, axis) for axis in AXES)
+        yield f"{name:38}" + "".join(f"{rms(one):>9.3f}{np.abs(one).max():>7.2f}" for one in columns)
+    yield ""
+    for rates in outcome.emulated:
+        yield _point(outcome, rates)
+    if outcome.bytes is not None:
+        equal = outcome.bytes.compared - outcome.bytes.different
+        yield f"{equal} of {outcome.bytes.compared} bytes read from the emulator are those computed without wires"
+
+
+def _point(outcome: Outcome, rates: Rates) -> str:
+    """How far the emulator is from the real sensors, as it is and, where it is late, with its lateness taken off."""
+    apart, late = outcome.apart(), outcome.behind(rates)
+    between = rms(apart[f"emulator {rates} less real sensors"].total)
+    said = f"{rates}: emulator and real sensors {between:.3f} degrees apart (rms)"
+    if not late.seconds:
+        return said
+    return f"{said}; {rms(late.apart.total):.3f} with the real ones {late.seconds * 1000:.0f} ms earlier"
+
+
+def as_json(outcome: Outcome) -> dict[str, Any]:
+    """Angles in degrees."""
+    read = outcome.bytes
+    return {
+        "case": outcome.subject.case.name,
+        "rounds": len(outcome.seconds),
+        "arithmetic": outcome.subject.arithmetic,
+        "noise_seed": outcome.subject.seed,
+        "wires": read is not None,
+        "bytes": None if read is None else {"compared": read.compared, "different": read.different},
+        "behind": {rates: _behind(outcome.behind(rates)) for rates in outcome.emulated},
+        "apart": {name: _numbers(one) for name, one in outcome.apart().items()},
+    }
+
+
+def _behind(late: Lag) -> dict[str, float]:
+    left = late.apart.total
+    return {"seconds": late.seconds, "rms_left": rms(left) if len(left) else 0.0}
+
+
+def _numbers(apart: Errors) -> dict[str, dict[str, float]]:
+    found = {}
+    for axis in AXES:
+        values: Floats = getattr(apart, axis)
+        found[axis] = {"rms": rms(values), "worst": float(np.abs(values).max())}
+    return found

@@ -1,0 +1,71 @@
+"""How late straight-line code between waits can be: a calm run's waits go in, the chain that makes it latest comes out.
+
+    flag k on the bus --filter, poll pass--> code k --> [wait k+1: flag long there] --> code k+1 --> ... --> point
+
+If every wait from k+1 on finds its flag there, the code behind flag k runs through; the latest chain of all k is the
+worst case, and nothing but interrupts makes it later. A chain begins with an edge on the bus, so its end is counted
+against another instant of the bus.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .terms import Term, total
+from .undisturbed_run import UndisturbedRun, Wait
+
+
+@dataclass(frozen=True)
+class LatestChain:
+    """The latest chain to a point. edge: where it begins. terms: from there on, without interrupts."""
+
+    edge: int
+    terms: tuple[Term, ...]
+
+    @property
+    def end(self) -> int:
+        """When the point is reached, counted in the calm run's ticks."""
+        return self.edge + total(self.terms)
+
+
+def chains(calm: UndisturbedRun, waits: list[Wait], point: int, name: str) -> list[LatestChain]:
+    """The chains of these waits, which are in order, to the code at `point`; name: what is done there."""
+    found = []
+    for k, wait in enumerate(waits):
+        if wait.edge is None:
+            continue
+        flags = " or ".join(field.rpartition(".")[2] for field in wait.fields)
+        length = "poll_pass" if wait.pass_cycles is None else "pass_cycles"
+        terms = [
+            Term(
+                f"{flags} behind its edge",
+                calm.longest_delay(wait),
+                "noise_filter_cycles x (IPSC + 1), and an edge within a cycle",
+            ),
+            Term(
+                f"poll pass for {flags}",
+                calm.ticks(calm.pass_cycles(wait) - 1),
+                f"{length} less 1, {wait.reads} read{'s' * (wait.reads > 1)} a pass; {wait.place}",
+            ),
+        ]
+        at, place = wait.end, wait.place
+        for later in waits[k + 1 :]:
+            terms.append(_code(calm, (at, later.first), f"{place} to {later.place}", later.into))
+            at, place = later.end, later.place
+        terms.append(_code(calm, (at, point), f"{place} to {name}"))
+        found.append(LatestChain(wait.edge, tuple(terms)))
+    return found
+
+
+def _code(calm: UndisturbedRun, part: tuple[int, int], what: str, into: int = 0) -> Term:
+    """The code between two instants, and what of a pass comes before the read that ends the wait behind it."""
+    begin, end = part
+    spans = [n for n, times in calm.spans.items() if any(begin <= b and e <= end for b, e in times)]
+    within = f" with {' and '.join(spans)}" * bool(spans)
+    source = "straight-line code, measured in a run without host"
+    return Term(f"code {what}{within}", calm.lasting(begin, end) + into, source, calm.unproven(begin, end))
+
+
+def waits_between(calm: UndisturbedRun, begin: int, end: int) -> list[Wait]:
+    """The waits that ended between two instants."""
+    return [wait for wait in calm.waits if begin <= wait.end <= end]

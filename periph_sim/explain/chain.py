@@ -1,0 +1,119 @@
+"""Why the worst occurrence was as it was, as data: Steps in order of time, and Parts that add up to its length.
+
+Window --explain--> Chain(steps, parts, more) --show--> text, --object--> JSON
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+
+from ..core.time import Timebase
+from ..processor.source_location import SourceLocation
+from ..timing.verdicts import Verdict
+from .cpu_activity import Doing, Stretch, phrase
+
+
+@dataclass(frozen=True)
+class Place:
+    """A place in the firmware. file: None where only a recording says it. line: from 1."""
+
+    function: str
+    line: int
+    file: Path | None
+
+    def __str__(self) -> str:
+        """ "imu_hil.py:106 (batch_read)"."""
+        return f"{self.spot} ({self.function})" if self.file else self.spot
+
+    @property
+    def spot(self) -> str:
+        """ "imu_hil.py:106"; with the function where the file is not known."""
+        return f"{self.file.name if self.file else self.function}:{self.line}"
+
+
+def place_of(where: str) -> Place | None:
+    """The place that a record's text names; None if it names none."""
+    function, _, line = where.rpartition(":")
+    if not function or not line.isdecimal():
+        return None
+    return Place(function, int(line), Path(where.path) if isinstance(where, SourceLocation) else None)
+
+
+@dataclass(frozen=True)
+class Step:
+    """One link of the chain. at: ticks from the begin of the occurrence. length: ticks; None for an instant."""
+
+    at: int
+    what: str
+    length: int | None = None
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class Part:
+    """What a part of the occurrence's time went into. count: in how many stretches. place: of the longest."""
+
+    doing: Doing
+    what: str
+    length: int
+    count: int = 1
+    place: Place | None = None
+
+    def __str__(self) -> str:
+        return phrase(self.doing, self.what)
+
+
+@dataclass(frozen=True)
+class Chain:
+    """steps: in order of time. parts: the longest first; their lengths add up to `length` wherever there are any.
+
+    length: of the occurrence, ticks. typical: the length of the least remarkable occurrence, None where it is not
+    known. more: by how much each part is longer here than there (ticks, signed), the largest difference first.
+    """
+
+    verdict: Verdict
+    timebase: Timebase = field(compare=False)
+    length: int
+    steps: tuple[Step, ...]
+    parts: tuple[Part, ...] = ()
+    typical: int | None = None
+    more: tuple[Part, ...] = ()
+    blame: Part | None = None  # of an occurrence without length: what the firmware did instead
+
+    @property
+    def blamed(self) -> Part | None:
+        """The part that most of the time went into, of those that are a place in the firmware; of `more` if known."""
+        if self.blame is not None:
+            return self.blame
+        candidates = [part for part in self.more if part.length > 0] or self.parts
+        return next((part for part in candidates if part.place is not None), None)
+
+    def us(self, ticks: int) -> Fraction:
+        return Fraction(ticks * 1_000_000, self.timebase.per_second)
+
+
+def parts_of(stretches: Iterable[Stretch]) -> tuple[Part, ...]:
+    """Stretches summed up by what was done, the longest sum first."""
+    sums: dict[tuple[Doing, str], list[Stretch]] = {}
+    for one in stretches:
+        sums.setdefault((one.doing, one.what), []).append(one)
+    parts = []
+    for (doing, what), of in sums.items():
+        longest = max(of, key=lambda one: one.length)
+        begun = len({one.since for one in of})
+        parts.append(Part(doing, what, sum(one.length for one in of), begun, place_of(longest.where)))
+    return tuple(sorted(parts, key=lambda part: -part.length))
+
+
+def difference(here: Iterable[Part], there: Iterable[Part]) -> tuple[Part, ...]:
+    """By how much each part is longer here, the largest first; parts of equal length left out."""
+    before = {(part.doing, part.what): part for part in there}
+    found = []
+    for part in here:
+        other = before.pop((part.doing, part.what), None)
+        found.append(Part(part.doing, part.what, part.length - (other.length if other else 0), part.count, part.place))
+    found += [Part(p.doing, p.what, -p.length, p.count, p.place) for p in before.values()]
+    return tuple(sorted((p for p in found if p.length), key=lambda part: -part.length))

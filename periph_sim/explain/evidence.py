@@ -1,0 +1,255 @@
+"""Looks into a Window that every explanation needs: what the bus, a unit's firmware and its flags did, and when.
+
+Window, case --> Look: phases on the bus, lows of SCL, accesses, flags with who saw them, Steps of these
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from itertools import pairwise
+
+from ..core.records import Kind, Record
+from ..records.record_text import BusByte, bus_byte, happened
+from ..scene.case.model import Case
+from .chain import Part, Place, Step, place_of
+from .cpu_activity import DOING, Episode, Stretch, episodes, open_at, phrase, timeline, units
+from .window import Window
+
+SMALL = Fraction(1, 100)  # of an occurrence: waits shorter than that are not told
+MOST = 12  # service routines, spans and waits told of an occurrence: the longest
+
+
+@dataclass(frozen=True)
+class Phase:
+    """What the controller did from a START or repeated START to the next one or the STOP.
+
+    answered: the tick of the SCL fall behind the address's ACK slot; None if the record ends before.
+    """
+
+    name: str
+    begin: int
+    end: int
+    address: int
+    read: bool
+    acked: bool
+    answered: int | None
+    repeated: bool
+    data: tuple[Record, ...]
+
+    def __str__(self) -> str:
+        """ "gyroscope (0x68 R)"."""
+        return f"{self.name} (0x{self.address:02X} {'R' if self.read else 'W'})"
+
+
+class Evidence:
+    """window: of the occurrence. unit: whose firmware it is about."""
+
+    def __init__(self, window: Window, case: Case, unit: str | None = None) -> None:
+        self.window = window
+        self.case = case
+        there = [name for name in case.unit if name in units(window)] or [*case.unit]
+        self.unit = unit or (there[0] if there else "")
+
+    def of(self, unit: str) -> Evidence:
+        """The same about another unit."""
+        return Evidence(self.window, self.case, unit)
+
+    # Firmware ---------------------------------------------------------------------
+
+    def timeline(self, begin: int, end: int) -> list[Stretch]:
+        return timeline(self.window, self.unit, begin, end)
+
+    def doing_at(self, tick: int) -> str:
+        """What the firmware did then, as a phrase, with since when."""
+        stack = open_at(self.window, self.unit, tick)
+        if not stack:
+            return "other code"
+        top = stack[-1]
+        return f"{phrase(DOING[top.kind], top.what)}, begun {self.span(tick - top.tick)} before"
+
+    def place_at(self, tick: int) -> Place | None:
+        part = self.blame_at(tick)
+        return None if part is None else part.place
+
+    def blame_at(self, tick: int) -> Part | None:
+        """What the firmware did then, if it has a place."""
+        stack = open_at(self.window, self.unit, tick)
+        if not stack:
+            return None
+        top = stack[-1]
+        return Part(DOING[top.kind], top.what, tick - top.tick, 1, place_of(top.text))
+
+    def accesses(self, begin: int, end: int, way: str, module: str, *registers: str) -> list[Record]:
+        """Reads ("R") or writes ("W") of registers between two ticks, both included; what came before among them."""
+        names = {f"{way} {module}.{register}" for register in registers}
+        found = (*self.window.before, *self.window.records)
+        return [
+            r for r in found if r.kind is Kind.ACCESS and r.what in names and begin <= r.tick <= end and self._ours(r)
+        ]
+
+    def _ours(self, record: Record) -> bool:
+        return record.where == self.unit
+
+    def flags(self, begin: int, end: int, module: str, *fields: str) -> list[Record]:
+        """Changes of fields between two ticks, both included."""
+        where = f"{self.unit}.{module}"
+        return [r for r in self.window.between(begin, end, Kind.FLAG) if r.where == where and r.what in fields]
+
+    def saw(self, flag: Record) -> Record | None:
+        """The first read of a flag's register from its change on."""
+        module, register = flag.where.partition(".")[2], flag.what.partition(".")[0]
+        reads = self.accesses(flag.tick, self.window.kept[-1].end, "R", module, register)
+        return reads[0] if reads else None
+
+    def episodes(self, begin: int, end: int) -> list[Episode]:
+        return episodes(self.window, self.unit, begin, end)
+
+    def waited_for(self, tick: int) -> list[Step]:
+        """Of a wait that goes on at a tick: where it stands, and when and by what the fields it polls changed last."""
+        stack = open_at(self.window, self.unit, tick)
+        if not stack or stack[-1].kind is not Kind.WAIT:
+            return []
+        wait = stack[-1]
+        steps = [self.step(wait, f"{phrase('wait', wait.what)} begins, and goes on")]
+        there = (*self.window.before, *self.window.records)
+        for field in wait.what.split(" and "):
+            module, _, what = field.partition(".")
+            where = f"{self.unit}.{module}"
+            changes = [
+                r for r in there if r.kind is Kind.FLAG and (r.where, r.what) == (where, what) and r.tick <= tick
+            ]
+            if changes:
+                last = max(changes, key=lambda r: r.tick)
+                by = next((r for r in there if r.number == last.cause and r.tick == last.tick), None)
+                told = happened(last) if by is None else f"{happened(last)} by {happened(by)}"
+                steps.append(self.step(last, told) if by is None else self.step(by, told))
+        return steps
+
+    # Bus --------------------------------------------------------------------------
+
+    @cached_property
+    def phases(self) -> list[Phase]:
+        """All that begin in the window."""
+        found: list[Phase] = []
+        records = [r for r in self.window.records if r.kind is Kind.BUS]
+        starts = [i for i, r in enumerate(records) if r.what in ("START", "repeated START")]
+        for i in starts:
+            over = next((j for j in range(i + 1, len(records)) if records[j].what in ENDS), len(records))
+            inside = records[i + 1 : over]
+            address = next((r for r in inside if r.what == "address"), None)
+            sent = NO_ADDRESS if address is None else bus_byte(address) or NO_ADDRESS
+            end = records[over].tick if over < len(records) else self.window.kept[-1].end - 1
+            found.append(
+                Phase(
+                    name=records[i].text,
+                    begin=records[i].tick,
+                    end=end,
+                    address=sent.value,
+                    read=bool(sent.read),
+                    acked=sent.acked,
+                    answered=None if address is None else address.tick,
+                    repeated=records[i].what != "START",
+                    data=tuple(r for r in inside if r.what == "byte"),
+                )
+            )
+        return found
+
+    def phase_at(self, tick: int) -> Phase | None:
+        """The phase on the bus at a tick."""
+        return next((p for p in reversed(self.phases) if p.begin <= tick <= p.end), None)
+
+    @property
+    def low(self) -> int:
+        """How long the case's controller holds SCL low for a bit, in ticks; 0 if there is none."""
+        table = self.case.controller
+        if table is None:
+            return 0
+        return self.window.timebase.ticks(table.low or Fraction(1, 2) / table.rate, "nearest")
+
+    @property
+    def period(self) -> int:
+        """From one round's due time to the next one's; 0 if there are no rounds."""
+        table = self.case.controller
+        return 0 if table is None else self.window.timebase.ticks(table.period, "nearest")
+
+    def stretches(self, begin: int, end: int) -> list[tuple[int, int]]:
+        """When SCL was held low beyond the controller's own low time: from its letting go to the rise."""
+        if not self.low or not any(channel.name == "SCL" for channel in self.window.edges.channels):
+            return []
+        scl = self.window.edges.channel("SCL")
+        moves = list(zip(scl.edges.tolist(), scl.levels.tolist(), strict=True))
+        lows = [(fall, rise) for (fall, down), (rise, _) in pairwise(moves) if not down]
+        return [
+            (fall + self.low, rise) for fall, rise in lows if begin <= fall and rise <= end and rise - fall > self.low
+        ]
+
+    # Steps ------------------------------------------------------------------------
+
+    def step(self, record: Record, what: str = "", length: int | None = None) -> Step:
+        """A record as a Step."""
+        place = place_of(record.text) if record.kind in IN_FIRMWARE else None
+        return self.say(record.tick, what or happened(record), length, place)
+
+    def say(self, tick: int, what: str, length: int | None = None, place: Place | None = None) -> Step:
+        return Step(tick - self.window.begin, what, length, place)
+
+    def told(self, one: Episode, end: int) -> Step:
+        """A service routine, span or wait as a Step; one that is not over at `end` says so."""
+        what = str(one)
+        if one.doing == "interrupt":
+            below = f", preempting {_of(one.within[-1])}" if one.within else ""
+            what = f"{one.what} entered{below}"
+        if one.end is None or one.end > end:
+            return self.say(one.begin, f"{what}, which goes on", None, place_of(one.where))
+        return self.say(one.begin, what, one.end - one.begin, place_of(one.where))
+
+    def story(self, begin: int, end: int) -> list[Step]:
+        """What the firmware did from one tick to another: service routines, spans, waits that take some time."""
+        least = (end - begin) * SMALL
+        told = [one for one in self.episodes(begin, end) if one.doing != "wait" or _inside(one, begin, end) > least]
+        if len(told) > MOST:
+            told = sorted(sorted(told, key=lambda one: -_inside(one, begin, end))[:MOST], key=lambda one: one.begin)
+        return [self.told(one, end) for one in told]
+
+    def span(self, ticks: int) -> str:
+        """A length for people."""
+        return self.window.timebase.show(ticks)
+
+
+IN_FIRMWARE = (Kind.ACCESS, *DOING)
+NO_ADDRESS = BusByte(0, acked=False, read=False)  # of a phase that ended before its address
+ENDS = ("START", "repeated START", "STOP", "arbitration lost")
+
+
+def _of(record: Record) -> str:
+    place = place_of(record.text)
+    told = phrase(DOING[record.kind], record.what)
+    return f"{'the ' if told.startswith('wait') else ''}{told}{f' at {place.spot}' if place else ''}"
+
+
+def _inside(one: Episode, begin: int, end: int) -> int:
+    return min(end, end if one.end is None else one.end) - max(begin, one.begin)
+
+
+def in_order(*steps: Iterable[Step]) -> tuple[Step, ...]:
+    """Steps of several sources in order of time, each once.
+
+    What is told of the same place at the same tick more than once, each text beginning with the shortest of them, is
+    told by the longest.
+    """
+    together: list[Step] = []
+    for step in (step for some in steps for step in some):
+        same = next((one for one in together if _same(one, step)), None)
+        if same is None:
+            together.append(step)
+        elif len(step.what) > len(same.what):
+            together[together.index(same)] = step
+    return tuple(sorted(together, key=lambda step: step.at))
+
+
+def _same(one: Step, other: Step) -> bool:
+    alike = one.what.startswith(other.what) or other.what.startswith(one.what)
+    return alike and (one.at, one.length, one.place) == (other.at, other.length, other.place)

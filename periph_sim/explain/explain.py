@@ -1,0 +1,143 @@
+"""The explanation of each budget's worst occurrence: windows go in, a Chain each comes out.
+
+case, verdicts, typical ones --> windows --> Evidence --> ChainBuilder of its measure --> Chain, beside the typical one
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+from ..core.records import Kind
+from ..scene.case.model import Case
+from ..scene.firmware_loader import Firmware
+from ..scene.scope import scope_of_case
+from ..timing.language.events import EVERYTHING, Matcher, matcher
+from ..timing.language.language import is_form, measure_of
+from ..timing.measures.factory import make_of_events
+from ..timing.measures.race import RegisterMeasure
+from ..timing.measures.registry import SPAN
+from ..timing.verdicts import Verdict
+from ..traces.capture.capture import Span
+from ..traces.drawing.capture_lanes import bit_of
+from . import bus_chain as of_bus
+from . import event_chain as of_events
+from . import host_chain as of_host
+from .bus_chain import ChainBuilder
+from .chain import Chain, difference
+from .evidence import Evidence
+from .window import BIT, LATE, Window, windows
+
+REACH = 70  # bits: a picture is not made longer than that for the evidence, so that bytes can be told apart
+
+STORIES: dict[str, Callable[[Evidence], ChainBuilder]] = {
+    "response": of_bus.response,
+    "stretch": of_bus.stretch,
+    "round": of_bus.round_time,
+    "missed rounds": of_bus.missed,
+    "nacked rounds": of_bus.nacked,
+    "nacked": of_bus.nacked,
+    "wrong bytes": of_bus.wrong_bytes,
+    "age": of_host.age,
+    "model age": of_host.age,
+    "fifo high-water": of_host.fifo,
+    "overruns": of_host.fifo,
+    "stuck": of_bus.stuck,
+    "slack": of_bus.slack,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Explained:
+    """A Chain with the window that it is told from."""
+
+    window: Window
+    chain: Chain
+
+
+def explain(
+    case: Case,
+    verdicts: Iterable[Verdict],
+    typical: Iterable[Verdict] = (),
+    length: Fraction | None = None,
+    programs: Mapping[str, Firmware] | None = None,
+) -> dict[str, Explained]:
+    """By the name of its budget, why each worst occurrence was as it was; without those that have no instant.
+
+    typical: for budgets of these names, the occurrence that is least remarkable, to be compared with. Everything
+    comes from one more run of the case; the other arguments are those of `windows`.
+    """
+    worst = [verdict for verdict in verdicts if verdict.at_s is not None]
+    names = {verdict.name for verdict in worst}
+    usual = [verdict for verdict in typical if verdict.at_s is not None and verdict.name in names]
+    found = windows(case, [*worst, *usual], length, programs)
+    usual_windows = {w.verdict.name: w for w in found[len(worst) :]}
+    return {w.verdict.name: _explained(case, w, usual_windows.get(w.verdict.name)) for w in found[: len(worst)]}
+
+
+def _explained(case: Case, window: Window, usual: Window | None) -> Explained:
+    chain = chain_of(case, window)
+    if usual is not None and (usual.begin, usual.end) != (window.begin, window.end):
+        there = chain_of(case, usual)
+        comparable = chain.parts and (there.parts or not there.length)
+        more = difference(chain.parts, there.parts) if comparable else ()
+        chain = replace(chain, typical=there.length, more=more)
+    return Explained(_reaching(window, chain), chain)
+
+
+def _reaching(window: Window, chain: Chain) -> Window:
+    """The window with a picture that reaches the chain's evidence, where that is an instant's and not far away."""
+    told = tuple(step.what for step in chain.steps)
+    if window.begin != window.end or window.verdict.measure in LATE or not chain.steps:
+        return replace(window, told=told)
+    bit = bit_of(window.edges, window.timebase.ticks(BIT, "nearest"))
+    begin, end = window.drawn
+    for step in sorted(chain.steps, key=lambda step: abs(step.at)):
+        first, last = (window.begin + step.at + room for room in (-bit, bit))
+        if max(end, last) - min(begin, first) <= REACH * bit:
+            begin, end = min(begin, first), max(end, last)
+    return replace(window, told=told, drawn=Span(max(begin, window.kept[0].begin), min(end, window.kept[-1].end)))
+
+
+def chain_of(case: Case, window: Window) -> Chain:
+    """The Chain of one window."""
+    steps, parts, blame = _story(case, window)
+    return Chain(window.verdict, window.timebase, window.end - window.begin, steps, parts, blame=blame)
+
+
+def _story(case: Case, window: Window) -> ChainBuilder:
+    measure = window.verdict.measure
+    look = Evidence(window, case)
+    if measure in STORIES:
+        return STORIES[measure](look)
+    scope = scope_of_case(case)
+    if measure.startswith(SPAN):
+        name = measure.removeprefix(SPAN)
+        begin, end = (Matcher(f"span {name}", Kind.SPAN, None, name, EVERYTHING, value) for value in (1, 0))
+        return of_events.between(look, begin, end)
+    if not is_form(measure):
+        raise ValueError(f"there is no explanation of {measure!r}; expected a measure of timing.measures")
+    said = measure_of(measure)
+    made = make_of_events(measure, scope)
+    events: list[Matcher] = list(getattr(made, "matchers", ()))
+    if said.form == "interrupt":
+        return of_events.latency(look, events[0], None if said.access else events[1])
+    if said.form in ("from", "reaction", "gap"):
+        return of_events.between(look, events[0], events[1])
+    if said.form == "period":
+        return of_events.between(look, events[0], events[0])
+    if said.form == "jitter":
+        return of_events.two_periods(look, matcher(said.events[0], scope)) if said.events else of_events.once(look)
+    if said.form == "each":
+        first, last = (of_events.one_of(look, events, at) for at in (look.window.begin, look.window.end))
+        return of_events.between(look, first, last)
+    if said.form in ("level", "time", "count"):
+        return of_events.once(look, events[0])
+    if isinstance(made, RegisterMeasure):
+        return of_events.around(look, made.watched)
+    if said.form in ("age", "model"):
+        return of_host.age(look)
+    if said.form == "value":
+        return of_host.value(look)
+    return of_events.whole(look)

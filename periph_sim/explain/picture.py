@@ -1,0 +1,173 @@
+"""A window as a small timing diagram, in characters or SVG: an Explained goes in, text comes out.
+
+    wires: SCL, SDA, bytes, pins that move
+    flags: those that the measure is about, or names
+    firmware of each unit: service routines, spans, waits
+
+Time 0 of the axis is the begin of the worst occurrence.
+"""
+
+from __future__ import annotations
+
+import re
+
+from ..core.records import Kind, Record
+from ..records.register_maps import register_of
+from ..timing.format_value import in_words
+from ..traces.drawing.capture_lanes import wire_lanes
+from ..traces.drawing.svg_diagram import BLACK, BLUE, GREY, ORANGE, Box, Lane, Mark, timing_diagram
+from ..traces.drawing.text_diagram import text_diagram
+from .cpu_activity import Episode, episodes, units
+from .window import Window
+
+ANSWER = ("I2CSTR.AAS", "I2CSTR.SDIR", "I2CSTR.XRDY")
+RECEIVED = ("SCIFFRX.RXFFINT",)
+FLAGS: dict[str, tuple[str, ...]] = {  # of a measure that is about them without naming them
+    "response": ANSWER,
+    "stretch": ANSWER,
+    "wrong bytes": (*ANSWER, "I2CDXR.DATA"),
+    "nacked": ANSWER[:1],
+    "nacked rounds": ANSWER[:1],
+    "age": RECEIVED,
+    "model age": RECEIVED,
+    "fifo high-water": RECEIVED,
+    "overruns": RECEIVED,
+}
+COLUMNS_SVG = 160  # bytes that can be told apart side by side in an SVG
+LEAST_BOX = 400  # of the picture: an episode shorter than this part of it is drawn as one
+
+
+def text_picture(window: Window, width: int) -> list[str]:
+    """The lines of the diagram, none longer than `width`; none where nothing happens that could be drawn."""
+    lanes = _lanes(window, width)
+    if not lanes:
+        return []
+    return text_diagram(lanes, _span(window), _marks(window), _axis(window), width)
+
+
+def svg_picture(window: Window) -> str:
+    """SVG text; with one lane that is empty where nothing happens that could be drawn."""
+    lanes = _lanes(window, COLUMNS_SVG) or [Lane("nothing", "", GREY)]
+    verdict = window.verdict
+    title = f"{verdict.name}: worst{'' if verdict.worst is None else ' ' + _figure(window)} at {_at(window)}"
+    return timing_diagram(lanes, _span(window), _marks(window), title, _axis(window))
+
+
+def _lanes(window: Window, columns: int) -> list[Lane]:
+    lanes = wire_lanes(window.edges, window.drawn, lambda at: _seconds(window, at), columns)
+    lanes += _flag_lanes(window)
+    there = units(window)
+    for unit in there:
+        lanes += _firmware(window, unit, unit if len(there) > 1 else "firmware")
+    return lanes
+
+
+def _firmware(window: Window, unit: str, group: str) -> list[Lane]:
+    """A lane each for service routines, spans and waits, where there are any."""
+    of = episodes(window, unit, window.drawn.begin, window.drawn.end)
+    lanes = []
+    for doing, name, colour in (("interrupt", "irq", ORANGE), ("span", "span", BLUE), ("wait", "wait", GREY)):
+        boxes = tuple(_box(window, one) for one in of if one.doing == doing)
+        if boxes:
+            lanes.append(Lane(name, group, colour, boxes=boxes))
+    return lanes
+
+
+def _box(window: Window, one: Episode) -> Box:
+    drawn = window.drawn
+    end = drawn.end if one.end is None else min(one.end, drawn.end)
+    begin = max(one.begin, drawn.begin)
+    least = (drawn.end - drawn.begin) // LEAST_BOX
+    text = one.what if one.doing != "wait" else str(one).removeprefix("wait for ").rpartition("I2CSTR.")[2]
+    return Box(_seconds(window, begin), _seconds(window, max(end, begin + least)), text)
+
+
+def _flag_lanes(window: Window) -> list[Lane]:
+    """The flags as waves, those of several bits as boxes with their values."""
+    return [lane for where, what in _flags(window) for lane in _flag_lane(window, where, what)]
+
+
+def _flags(window: Window) -> list[tuple[str, str]]:
+    """Place and field of those that changed within the picture and that the measure is about; and of all that the
+    chain names, changed or not."""
+    changed = {(r.where, r.what) for r in window.between(*window.drawn, Kind.FLAG)}
+    known = {(r.where, r.what) for r in (*window.before, *window.records) if r.kind is Kind.FLAG}
+    changed |= {(where, what) for where, what in known if _told(window, where, what)}
+    measure = window.verdict.measure
+    about = FLAGS.get(measure.partition(" of ")[0], ())
+    order = {what: i for i, what in enumerate(about)}
+    chosen = [
+        (where, what)
+        for where, what in changed
+        if what in about
+        or f"{where.partition('.')[2]}.{what}" in measure
+        or _latency(measure, what)
+        or _told(window, where, what)
+    ]
+    return sorted(chosen, key=lambda one: (one[0], order.get(one[1], 0), one[1]))
+
+
+def _told(window: Window, where: str, what: str) -> bool:
+    """Whether the chain names a field, or the register that it is all of."""
+    name = _shown(where, what)
+    return any(re.search(rf"\b{name}\b(?!\.)", told) for told in window.told)
+
+
+def _shown(where: str, what: str) -> str:
+    """ "I2CSTR.SDIR"; the register alone of a field that is all of it: "I2COAR"."""
+    name, _, _ = what.partition(".")
+    register = register_of(where.partition(".")[2], name)
+    return name if register is not None and len(register.fields) == 1 else what
+
+
+def _latency(measure: str, what: str) -> bool:
+    return measure.startswith("interrupt latency") and what.startswith("PIEIFR")
+
+
+def _flag_lane(window: Window, where: str, what: str) -> list[Lane]:
+    changes = [r for r in (*window.before, *window.records) if (r.kind, r.where, r.what) == (Kind.FLAG, where, what)]
+    earlier = [r for r in changes if r.tick < window.drawn.begin]
+    inside = [r for r in changes if window.drawn.begin <= r.tick < window.drawn.end]
+    register, name = what.partition(".")[0], _shown(where, what).rpartition(".")[2]
+    if name != register and all(r.value in (0, 1) for r in changes):
+        initial = earlier[-1].value if earlier else 1 - changes[0].value  # the first change may lie behind the picture
+        edges = tuple((_seconds(window, r.tick), r.value) for r in inside)
+        return [Lane(name, "flags", BLACK, initial=initial, edges=edges)]
+    return [Lane(name, "flags", BLACK, boxes=_values(window, earlier[-1:], inside))]
+
+
+def _values(window: Window, earlier: list[Record], inside: list[Record]) -> tuple[Box, ...]:
+    marks = [*((window.drawn.begin, r.value) for r in earlier), *((r.tick, r.value) for r in inside)]
+    ends = [*(tick for tick, _ in marks[1:]), *([window.drawn.end] if marks else [])]
+    return tuple(
+        Box(_seconds(window, tick), _seconds(window, end), f"0x{value:02X}" if value > 9 else f"{value}")
+        for (tick, value), end in zip(marks, ends, strict=True)
+    )
+
+
+def _marks(window: Window) -> list[Mark]:
+    name = window.verdict.name
+    if window.begin == window.end:
+        return [Mark(0.0, name)]
+    end = Mark(_seconds(window, window.end), f"ends, {_figure(window)} later")
+    return [Mark(0.0, f"{name}: worst begins"), end]
+
+
+def _span(window: Window) -> tuple[float, float]:
+    return _seconds(window, window.drawn.begin), _seconds(window, window.drawn.end)
+
+
+def _seconds(window: Window, tick: float) -> float:
+    return (tick - window.begin) / window.timebase.per_second
+
+
+def _figure(window: Window) -> str:
+    return in_words(window.verdict.worst or 0, window.verdict.unit)
+
+
+def _at(window: Window) -> str:
+    return f"{float(window.timebase.seconds(window.begin - window.start)):.6f} s"
+
+
+def _axis(window: Window) -> str:
+    return f"from {_at(window)} on"

@@ -1,0 +1,362 @@
+"""The CPU's interrupt logic: request pulses and instructions in; which interrupt is taken, and when, out.
+
+    raise_line --IFR_DELAY--> IFR --IER, INTM--> next_taken --> enter --> vector chosen --> first ISR instruction
+                                                   ^              |
+                                  instruction boundary        context saved; iret brings it back
+
+The machine executes no instructions. A host that does calls a method at the cycle at
+which the instruction begins, and asks `next_taken` at each boundary between two
+instructions (RPT loops have none inside; what has reached D2 completes). A boundary at
+which an interrupt is taken is cycle b:
+
+    b                        enter(b, number): IFR bit falls, context saved, IER bit falls, ST1 changes
+    b + vector_delay         ask the PIE for the vector
+    b + entry_cycles         first instruction of the service routine
+
+With the default latency a request of cycle t that finds an interruptible CPU is latched
+at t + 4, its vector chosen at t + 5, its first instruction begun at t + 14.
+
+Source: SPRU430F chapter 3 and the instructions' pages; SPRUFB0D section 8; SPRZ272N sections 3.1.1, 3.1.2.
+
+Chosen:
+- The way to the IFR takes IFR_DELAY for every request: from the PIE, from PIEACK opening a
+  group, from timers 1 and 2.
+- INTM changes with the start of CLRC/SETC INTM, and nothing is taken until its 2 cycles are over.
+- IDLE wakes at once on an interrupt that was already flagged and enabled in IER.
+- Real-time emulation mode is not modelled: DBGIER is only kept.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import NamedTuple
+
+from ...core.chip import NEVER, Note
+from ..system.options import SystemOptions
+from . import instruction_costs as cpu_costs
+from .instruction_costs import IFR_DELAY, VECTOR_AND_SAVE
+
+# ST1 (SPRU430F section 2.4)
+INTM = 1 << 0
+DBGM = 1 << 1
+PAGE0 = 1 << 2
+VMAP = 1 << 3
+SPA = 1 << 4
+LOOP = 1 << 5
+EALLOW = 1 << 6
+IDLESTAT = 1 << 7
+AMODE = 1 << 8
+OBJMODE = 1 << 9
+M0M1MAP = 1 << 11
+
+ST1_RESET = INTM | DBGM | VMAP | M0M1MAP
+SP_RESET = 0x400
+NOT_RESTORED = LOOP | IDLESTAT | M0M1MAP  # by IRET
+
+# Interrupt numbers are vector numbers (SPRUFB0D Table 112); 1 to 14 are INT1 to INT14.
+DLOGINT = 15
+RTOSINT = 16
+EMUINT = 17
+NMI = 18
+MASKABLE = 16  # numbers 1 to 16 have a bit, number - 1, in IFR and IER
+
+# The pairs in the order in which they are stored, low word first (SPRU430F Table 3-4).
+CONTEXT = (
+    ("ST0", "T"),
+    ("AL", "AH"),
+    ("PL", "PH"),
+    ("AR0", "AR1"),
+    ("ST1", "DP"),
+    ("IER", "DBGSTAT"),
+    ("PC low", "PC high"),
+)
+CONTEXT_SP = 1 + 2 * len(CONTEXT)  # by how much SP rises
+
+
+def int13_source(xnmicr: int) -> str:
+    """What drives INT13 for this value of XNMICR: "TINT1", or "XNMI_XINT13" with SELECT (bit 1) set (Table 123)."""
+    return "XNMI_XINT13" if xnmicr & 2 else "TINT1"
+
+
+class Context(NamedTuple):
+    """What an entry saved. sp, st1, ier: as they were before it."""
+
+    number: int
+    sp: int
+    st1: int
+    ier: int
+
+    def stores(self) -> tuple[tuple[int, str], ...]:
+        """(address, register) of the 14 words, in the order of the stores."""
+        words: list[tuple[int, str]] = []
+        for i, (low, high) in enumerate(CONTEXT):
+            even = self.sp + 1 + 2 * i & ~1
+            words += [(even, low), (even + 1, high)]
+        return tuple(words)
+
+
+class CpuInterrupts:
+    """Times are SYSCLKOUT cycles, never falling from call to call."""
+
+    def __init__(self, options: SystemOptions) -> None:
+        self.entry_cycles = options.int_latency - IFR_DELAY  # boundary to first ISR instruction
+        self.vector_delay = self.entry_cycles - VECTOR_AND_SAVE  # boundary to vector fetch
+        self.next_wake = NEVER  # when a request on its way reaches the IFR
+        self.ifr = 0
+        self.ier = 0
+        self.dbgier = 0
+        self.st1 = ST1_RESET
+        self.sp = SP_RESET
+        self.contexts: list[Context] = []  # innermost last
+        self.ready = 0  # before this cycle no interrupt is taken
+        self.owes_instruction = False  # after IRET: one instruction first; the host then calls `instruction_done`
+        self.notes: list[Note] = []
+        self.touched: set[str] = set()
+        self._options = options
+        self._coming: deque[tuple[int, int]] = deque()  # (cycle, IFR bit) of requests on their way
+        self._latched_at = -1
+        self._latched = 0  # IFR bits that hardware set in that cycle
+        self._nonmaskable = 0  # bit 0 EMUINT, bit 1 NMI: in order of priority
+        self._pieack_end = -1  # end of the latest instruction that wrote PIEACK
+
+    # Status -------------------------------------------------------------------
+
+    @property
+    def intm(self) -> int:
+        return self.st1 & INTM
+
+    @property
+    def dbgm(self) -> int:
+        return self.st1 >> 1 & 1
+
+    @property
+    def eallow(self) -> int:
+        return self.st1 >> 6 & 1
+
+    @property
+    def idlestat(self) -> int:
+        return self.st1 >> 7 & 1
+
+    # Inputs from outside the CPU ------------------------------------------------
+
+    def raise_line(self, now: int, number: int) -> None:
+        """A pulse on INT1 to INT14, DLOGINT, RTOSINT, EMUINT or NMI."""
+        self._sync(now)
+        if number in (EMUINT, NMI):
+            self._nonmaskable |= 1 << number - EMUINT
+        else:
+            self._coming.append((now + IFR_DELAY, self._bit(number)))
+            self.next_wake = self._coming[0][0]
+
+    def wrote_pieack(self, now: int) -> None:
+        """The instruction begun now writes PIEACK; only the usage note in `clrc_intm` needs to know."""
+        self._pieack_end = now + cpu_costs.SIMPLE
+
+    def wake(self, now: int) -> None:
+        self._sync(now)
+
+    def reset(self, now: int) -> None:
+        """Every register as after a hardware reset; nothing is pending, nothing is nested."""
+        self.ifr = 0
+        self.ier = 0
+        self.dbgier = 0
+        self.st1 = ST1_RESET
+        self.sp = SP_RESET
+        self.contexts.clear()
+        self.ready = now
+        self.owes_instruction = False
+        self.next_wake = NEVER
+        self._coming.clear()
+        self._latched = 0
+        self._nonmaskable = 0
+        self._pieack_end = -1
+
+    # Entry and exit ---------------------------------------------------------------
+
+    def next_taken(self, now: int) -> int:
+        """The number of the interrupt to take at this instruction boundary, or 0."""
+        self._sync(now)
+        if now < self.ready or self.owes_instruction:
+            return 0
+        if self._nonmaskable:
+            return EMUINT if self._nonmaskable & 1 else NMI
+        pending = self.ifr & self.ier
+        if not pending or self.st1 & INTM:
+            return 0
+        if pending >> RTOSINT - 1:
+            return RTOSINT
+        return (pending & -pending).bit_length()
+
+    def earliest(self) -> int:
+        """The first cycle at which an interrupt can be taken as masks and requests stand now, or NEVER.
+
+        An instruction owed after IRET counts as one cycle, the least it takes.
+        """
+        ready = self.ready + self.owes_instruction
+        if self._nonmaskable:
+            return ready
+        if self.st1 & INTM:
+            return NEVER
+        if self.ifr & self.ier:
+            return ready
+        for cycle, bit in self._coming:
+            if bit & self.ier:
+                return max(cycle, ready)
+        return NEVER
+
+    def enter(self, now: int, number: int) -> Context:
+        """The context saved by taking this interrupt at boundary `now`. ValueError if `next_taken` says otherwise."""
+        if self.next_taken(now) != number:
+            raise ValueError(
+                f"interrupt {number} cannot be taken at cycle {now}; next_taken says {self.next_taken(now)}"
+            )
+        self.touched.add("int_latency")
+        if number > MASKABLE:
+            self._nonmaskable &= ~(1 << number - EMUINT)
+            return self._save(number, now + self.entry_cycles)
+        bit = self._bit(number)
+        self.ifr &= ~bit
+        context = self._save(number, now + self.entry_cycles)
+        self.ier &= ~bit
+        return context
+
+    def trap(self, now: int, number: int) -> Context:
+        """TRAP #number, 0 to 31: into its routine whatever the masks say; IFR and IER stay."""
+        self._sync(now)
+        if not 0 <= number < 32:
+            raise ValueError(f"there is no TRAP #{number}; expected 0 to 31")
+        return self._save(number, now + cpu_costs.TRAP)
+
+    def intr(self, now: int, number: int) -> Context:
+        """INTR: as the interrupt itself, but whatever the masks say. EMUINT and NMI act as TRAP."""
+        self._sync(now)
+        if number in (EMUINT, NMI):
+            return self._save(number, now + cpu_costs.INTR)
+        bit = self._bit(number)
+        if self.ifr & bit:
+            self.touched.add("intr_clears_ifr")
+            if self._options.intr_clears_ifr:
+                self.ifr &= ~bit
+        context = self._save(number, now + cpu_costs.INTR)
+        self.ier &= ~bit
+        return context
+
+    def iret(self, now: int) -> Context:
+        """The context that IRET, begun now, brings back. ValueError outside of any service routine."""
+        self._sync(now)
+        if not self.contexts:
+            raise ValueError(f"IRET at cycle {now}, but no interrupt, TRAP or INTR was entered")
+        if not self.st1 & INTM:
+            text = "IRET was reached with INTM = 0; a routine that enabled interrupts must disable them before its end"
+            self.notes.append(Note("duty", text, "SPRZ272N section 3.1.2"))
+        context = self.contexts.pop()
+        self.st1 = context.st1 & ~NOT_RESTORED | self.st1 & NOT_RESTORED
+        self.ier = context.ier
+        self.sp -= CONTEXT_SP
+        self._next_boundary(now + cpu_costs.IRET)
+        if self.ifr & self.ier or self._coming:
+            self.touched.add("irq_after_iret")
+        self.owes_instruction = self._options.irq_after_iret == "after_one_instruction"
+        return context
+
+    def instruction_done(self) -> None:
+        """An instruction of the interrupted code has completed; to be called where `owes_instruction` is True."""
+        self.owes_instruction = False
+
+    # Instructions -------------------------------------------------------------------
+
+    def clrc_intm(self, now: int) -> None:
+        """CLRC INTM, EINT."""
+        self._sync(now)
+        self.st1 &= ~INTM
+        self._next_boundary(now + cpu_costs.CLRC_INTM)
+        if now <= self._pieack_end and self.contexts:
+            text = (
+                "interrupts were enabled directly after a write of PIEACK; if a nested interrupt clears PIEIER bits of "
+                "its group, line 1 of that group may come unasked. A NOP between the two prevents it"
+            )
+            self.notes.append(Note("duty", text, "SPRZ272N section 3.1.1"))
+
+    def setc_intm(self, now: int) -> None:
+        """SETC INTM, DINT."""
+        self._sync(now)
+        self.st1 |= INTM
+        self._next_boundary(now + cpu_costs.SETC_INTM)
+
+    def set_eallow(self, now: int, on: bool) -> None:
+        """EALLOW, or EDIS."""
+        self._sync(now)
+        self.st1 = self.st1 & ~EALLOW | (EALLOW if on else 0)
+        self._next_boundary(now + cpu_costs.EALLOW)
+
+    def and_ifr(self, now: int, mask: int) -> None:
+        """AND IFR, #mask. A bit that hardware sets in this cycle stays set."""
+        self._sync(now)
+        self.ifr = self.ifr & mask | (self._latched if self._latched_at == now else 0)
+        self._next_boundary(now + cpu_costs.AND_IFR)
+
+    def or_ifr(self, now: int, mask: int) -> None:
+        self._sync(now)
+        self.ifr |= mask & 0xFFFF
+        self._next_boundary(now + cpu_costs.OR_IFR)
+
+    def and_ier(self, now: int, mask: int) -> None:
+        self._sync(now)
+        self.ier &= mask
+        self._next_boundary(now + cpu_costs.AND_IER)
+
+    def or_ier(self, now: int, mask: int) -> None:
+        self._sync(now)
+        self.ier |= mask & 0xFFFF
+        self._next_boundary(now + cpu_costs.OR_IER)
+
+    def mov_ier(self, now: int, value: int) -> None:
+        """MOV IER, loc16."""
+        self._sync(now)
+        self.ier = value & 0xFFFF
+        self._next_boundary(now + cpu_costs.MOV_IER_LOC16)
+
+    def idle(self, now: int) -> None:
+        """IDLE: from now + cpu_costs.IDLE on the host asks `idle_ends` whenever something may have changed."""
+        self._sync(now)
+        self.st1 |= IDLESTAT
+        self._next_boundary(now + cpu_costs.IDLE)
+
+    def idle_ends(self, now: int) -> bool:
+        """Whether the CPU leaves IDLE now. `next_taken` then says whether a routine or the next instruction follows."""
+        self._sync(now)
+        if now < self.ready or not (self.ifr & self.ier or self._nonmaskable):
+            return False
+        self.st1 &= ~IDLESTAT
+        return True
+
+    # Inside -----------------------------------------------------------------------
+
+    def _sync(self, now: int) -> None:
+        """Let requests that have arrived by now into the IFR."""
+        while self.next_wake <= now:
+            cycle, bit = self._coming.popleft()
+            if self._latched_at != cycle:
+                self._latched_at = cycle
+                self._latched = 0
+            self._latched |= bit
+            self.ifr |= bit
+            self.next_wake = self._coming[0][0] if self._coming else NEVER
+
+    def _save(self, number: int, first_instruction: int) -> Context:
+        context = Context(number, self.sp, self.st1, self.ier)
+        self.contexts.append(context)
+        self.sp += CONTEXT_SP
+        self.st1 = (self.st1 | INTM | DBGM) & ~(LOOP | EALLOW | IDLESTAT)
+        self._next_boundary(first_instruction)
+        return context
+
+    def _next_boundary(self, cycle: int) -> None:
+        self.ready = cycle
+        self.owes_instruction = False
+
+    @staticmethod
+    def _bit(number: int) -> int:
+        if not 1 <= number <= MASKABLE:
+            raise ValueError(f"there is no maskable interrupt {number}; expected 1 to {MASKABLE}")
+        return 1 << number - 1

@@ -1,0 +1,249 @@
+"""Peripheral interrupt expansion: requests of 96 lines in; pulses on INT1 to INT12 and vectors out.
+
+    request(group, line) --> PIEIFR --PIEIER--> PIEACK closed? --no--> pulse on INTx, PIEACK closes
+                               ^
+    vector(group) -------------+-- lowest line flagged and enabled now; its PIEIFR bit falls
+
+The PIE has no clock of its own here: everything happens in the cycle of the input that
+causes it. The delay from a request to the CPU's IFR is `CpuInterrupts`' business.
+
+Source: SPRUFB0D sections 8.1 to 8.5.
+
+Chosen:
+- ENPIE = 0 changes the vectors only (Table 114): requests are flagged and pulsed all the
+  same. A vector from boot ROM clears no PIEIFR bit and leaves PIEVECT alone.
+- When nothing flagged is enabled at the vector fetch, line 1 counts as the line taken: its
+  PIEIFR bit falls if it was set.
+- TRAP and INTR take the vector of line 1 and clear no PIEIFR bit.
+- A request in the cycle of the vector fetch comes before it.
+"""
+
+from __future__ import annotations
+
+from ...core.chip import NEVER, NOTHING, Note
+from ..system.options import SystemOptions
+from .pie_map import (
+    BOOT_ROM_VECTORS,
+    CPU_VECTORS,
+    GROUPS,
+    LINES_PER_GROUP,
+    MAP,
+    PIEACK,
+    PIECTRL,
+    PIEIER,
+    PIEIFR,
+    cpu_vector,
+    line_vector,
+)
+
+ENPIE = PIECTRL["ENPIE"].mask
+PIEVECT = PIECTRL["PIEVECT"].mask
+
+
+class Pie:
+    """Groups are numbered 1 to 12, lines 1 to 8, as in the manual."""
+
+    MAP = MAP
+    INPUTS: tuple[str, ...] = ()
+    OUTPUTS: tuple[str, ...] = ()
+    LINES: tuple[str, ...] = ()
+    filter_width = 0
+
+    def __init__(self, options: SystemOptions) -> None:
+        self.next_wake = NEVER
+        self.out = 0
+        self.requests = 0
+        self.held = 0
+        self.notes: list[Note] = []
+        self.touched: set[str] = set()
+        self._options = options
+        self._piectrl: int  # registers: `reset` gives them their values
+        self._pieack: int
+        self._pieier: list[int]
+        self._pieifr: list[int]
+        self.reset(0)
+
+    # Inputs from peripherals and CPU -----------------------------------------
+
+    def request(self, now: int, group: int, line: int) -> None:
+        """A peripheral asks once."""
+        self._check(group, line)
+        self._latch(now, group - 1, 1 << line - 1)
+        self._send(group - 1)
+
+    def hold(self, now: int, group: int, line: int, on: bool) -> None:
+        """A peripheral holds its line asserted, or lets go. Asserting asks; `pie_held_line` says when it asks again."""
+        self._check(group, line)
+        bit = 1 << line - 1
+        rose = on and not self._lines_held[group - 1] & bit
+        self._lines_held[group - 1] = self._lines_held[group - 1] & ~bit | (bit if on else 0)
+        if rose:
+            self._latch(now, group - 1, bit)
+            self._send(group - 1)
+
+    def vector(self, now: int, group: int) -> tuple[int, int]:
+        """(line, address) that the CPU takes for INTx now; the line is 0 when the vector comes from boot ROM.
+
+        Called once, at the vector fetch: it clears the PIEIFR bit of the line.
+        """
+        self._check(group, 1)
+        if not self._piectrl & ENPIE:
+            return 0, BOOT_ROM_VECTORS + 2 * group
+        g = group - 1
+        ready = self._pieifr[g] & self._pieier[g]
+        bit = ready & -ready or 1
+        line = bit.bit_length()
+        self._pieifr[g] &= ~bit
+        self._fetched(line_vector(group, line))
+        if self._lines_held[g] & bit and self._level_sensitive(g):
+            self._latch(now, g, bit)
+        return line, line_vector(group, line)
+
+    def trap_vector(self, now: int, number: int) -> int:
+        """The address that TRAP #number or INTR takes: for 1 to 12 that of the group's line 1."""
+        if not 0 <= number < 32:
+            raise ValueError(f"there is no vector {number}; expected 0 to 31")
+        if not self._piectrl & ENPIE or number == CPU_VECTORS["RESET"]:
+            return BOOT_ROM_VECTORS + 2 * number
+        address = cpu_vector(number)
+        if number <= GROUPS:
+            address = line_vector(number, 1)
+            text = f"TRAP or INTR took vector {number} with the PIE enabled; it is not meant for vectors 1 to 12"
+            self.notes.append(Note("duty", text, "SPRU430F TRAP, INTR"))
+        self._fetched(address)
+        return address
+
+    def cpu_vector(self, now: int, number: int) -> int:
+        """The address for an interrupt that comes through no group: INT13, INT14 and up. ValueError for 1 to 12."""
+        if 1 <= number <= GROUPS:
+            raise ValueError(f"INT{number} is a PIE group; ask `vector` for its line")
+        return self.trap_vector(now, number)
+
+    # The chip's interface ----------------------------------------------------
+
+    def pins(self, now: int, levels: int) -> int:
+        raise ValueError("the PIE has no input pins; its inputs are `request` and `hold`")
+
+    def wake(self, now: int) -> int:
+        """Nothing here happens by itself."""
+        return NOTHING
+
+    def gate(self, now: int, on: bool) -> None:
+        """The PIE's clock cannot be switched off."""
+
+    def read(self, now: int, offset: int) -> int:
+        if offset == PIEACK.offset and self._as_reset:
+            self.touched.add("pieack_reset")
+        if offset & 1 and 1 <= offset // 2 <= GROUPS:
+            self._seen[offset // 2 - 1] = self._pieifr[offset // 2 - 1]
+        return self.peek(now, offset)
+
+    def peek(self, now: int, offset: int) -> int:
+        """The register's value; 0 where there is none."""
+        if offset == PIECTRL.offset:
+            return self._piectrl
+        if offset == PIEACK.offset:
+            return self._pieack
+        if not 1 <= offset // 2 <= GROUPS:
+            return 0
+        return self._pieifr[offset // 2 - 1] if offset & 1 else self._pieier[offset // 2 - 1]
+
+    def write(self, now: int, offset: int, value: int) -> None:
+        if offset == PIECTRL.offset:
+            self._piectrl, _ = PIECTRL.write(self._piectrl, value)
+        elif offset == PIEACK.offset:
+            self._acknowledge(now, value)
+        elif 1 <= offset // 2 <= GROUPS:
+            g = offset // 2 - 1
+            if offset & 1:
+                self._write_pieifr(now, g, value)
+            else:
+                self._pieier[g], _ = PIEIER[g].write(self._pieier[g], value)
+            self._send(g)
+
+    def reset(self, now: int) -> None:
+        self._piectrl = PIECTRL.reset
+        self._pieack = self._options.pieack_reset
+        self._as_reset = PIEACK["PIEACK"].mask  # the groups whose PIEACK bit is still what the reset made it
+        self._told_held = 0  # of these, the groups whose held request was noted
+        self._pieier = [register.reset for register in PIEIER]
+        self._pieifr = [register.reset for register in PIEIFR]
+        self._lines_held = [0] * GROUPS
+        self._set_at = [-1] * GROUPS  # cycle of the latest requests of a group
+        self._set_now = [0] * GROUPS  # the lines that asked in that cycle
+        self._seen = [0] * GROUPS  # PIEIFR as the CPU last read it
+        self.pulses = 0  # bit x - 1: INTx was pulsed since the owner last set this to 0
+
+    # Inside -------------------------------------------------------------------
+
+    def _latch(self, now: int, g: int, bits: int) -> None:
+        self._pieifr[g] |= bits
+        if self._set_at[g] != now:
+            self._set_at[g] = now
+            self._set_now[g] = 0
+        self._set_now[g] |= bits
+
+    def _send(self, g: int) -> None:
+        """Pulse the group's CPU line if something may go out and the group is open."""
+        if not self._pieifr[g] & self._pieier[g]:
+            return
+        if self._as_reset >> g & 1:
+            self.touched.add("pieack_reset")
+            self._note_held(g)
+        if not self._pieack >> g & 1:
+            self._pieack |= 1 << g
+            self._as_reset &= ~(1 << g)
+            self.pulses |= 1 << g
+
+    def _note_held(self, g: int) -> None:
+        """Once a group: nothing that firmware did closed it."""
+        if self._pieack & ~self._told_held & 1 << g:
+            self._told_held |= 1 << g
+            text = (
+                f"request of group {g + 1} held by PIEACK as reset left it (pieack_reset = 0xfff); "
+                "nothing of the group is served before firmware writes PIEACK"
+            )
+            self.notes.append(Note("unknown", text, "SPRUFB0D Figure 85"))
+
+    def _acknowledge(self, now: int, value: int) -> None:
+        opened = self._pieack & value
+        self._as_reset &= ~value
+        self._pieack, _ = PIEACK.write(self._pieack, value)
+        for g in range(GROUPS):
+            if opened >> g & 1:
+                self._open(now, g)
+
+    def _open(self, now: int, g: int) -> None:
+        if self._lines_held[g] and not self._level_sensitive(g):
+            self._latch(now, g, self._lines_held[g])
+        self._send(g)
+
+    def _level_sensitive(self, g: int) -> bool:
+        """Whether a PIEIFR bit of this group cannot stay 0 while its line is held."""
+        if self._lines_held[g]:
+            self.touched.add("pie_held_line")
+        return self._options.pie_held_line == "at_vector_fetch"
+
+    def _write_pieifr(self, now: int, g: int, value: int) -> None:
+        before = self._pieifr[g]
+        set_now = self._set_now[g] if self._set_at[g] == now else 0
+        self._pieifr[g], _ = PIEIFR[g].write(before, value, set_now)
+        if self._level_sensitive(g):
+            self._pieifr[g] |= self._lines_held[g]
+        cleared = before & ~self._pieifr[g]
+        name = PIEIFR[g].name
+        lost = cleared & ~self._seen[g]
+        if lost:
+            text = f"a write of {value:#06x} to {name} erased the requests {lost:#04x}, which firmware had not read yet"
+            self.notes.append(Note("lost", text, "SPRUFB0D section 8.3.1 rule 1"))
+        if cleared & self._seen[g]:
+            text = f"a write of {value:#06x} to {name} cleared flags; they are to be cleared by service only"
+            self.notes.append(Note("duty", text, "SPRUFB0D section 8.3.1 rule 1"))
+
+    def _fetched(self, address: int) -> None:
+        self._piectrl = self._piectrl & ~PIEVECT | address & PIEVECT
+
+    @staticmethod
+    def _check(group: int, line: int) -> None:
+        if not (1 <= group <= GROUPS and 1 <= line <= LINES_PER_GROUP):
+            raise ValueError(f"the PIE has no line {group}.{line}; there are 1.1 to {GROUPS}.{LINES_PER_GROUP}")

@@ -1,0 +1,120 @@
+"""External interrupts XINT1 to XINT7: qualified pin levels go in, requests and two time stamps come out.
+
+    level --> edge of the chosen polarity, if enabled --> requests
+                              |
+                              +--> XINTnCTR = 0, then +1 each SYSCLKOUT (XINT1, XINT2)
+
+Levels come from `Gpio` (GPIOXINTnSEL picks the pin). To spare the edges of lines nobody
+enabled, the owner brackets each write to this module:
+
+    xint.settle(now, gpio.xint_levels(now))
+    xint.write(now, offset, value)
+    gpio.watch_xints(now, xint.enabled)
+
+The counters change in every cycle: they are computed when read, and `next_wake` does not
+announce them.
+
+Source: SPRUFB0D section 8.6, Figures 91 to 95, Tables 121 to 126.
+
+Chosen:
+- A counter runs from the moment its line is enabled, also before the first edge.
+- XNMI is not modelled: XNMICR is stored (SELECT is for whoever drives INT13), XNMICTR reads 0.
+"""
+
+from __future__ import annotations
+
+from ...core.chip import ALL, NEVER, NOTHING, Note
+from .xint_map import XINT
+
+LINES = 7
+XNMICR = XINT["XNMICR"].offset
+ENABLE = XINT["XINT1CR"]["ENABLE"]
+POLARITY = XINT["XINT1CR"]["POLARITY"]
+COUNTERS = {XINT["XINT1CTR"].offset: 0, XINT["XINT2CTR"].offset: 1}  # offset -> line
+RISING, BOTH = 1, 3  # polarity; 0 and 2 are falling
+
+
+class Xint:
+    MAP = XINT
+    INPUTS = tuple(f"XINT{n}" for n in range(1, LINES + 1))
+    OUTPUTS: tuple[str, ...] = ()
+    LINES = INPUTS
+    filter_width = 0
+
+    def __init__(self) -> None:
+        self.next_wake = NEVER
+        self.out = 0
+        self.requests = 0
+        self.held = 0
+        self.notes: list[Note] = []
+        self.touched: set[str] = set()
+        self.enabled = 0  # mask: lines whose edges matter
+        self._level = 0
+        self._control = [0] * (LINES + 1)  # XINT1CR ... XINT7CR, XNMICR
+        self._count = [0, 0]  # of XINT1CTR, XINT2CTR when stopped
+        self._since = [0, 0]  # cycle in which they would have been 0, when running
+
+    def settle(self, now: int, levels: int) -> None:
+        """All lines' levels (bit 0: XINT1) as they have been; no edges. Enabled lines know theirs already."""
+        self._level = self._level & self.enabled | levels & ~self.enabled
+
+    def pins(self, now: int, levels: int) -> int:
+        """The levels on LINES; only those of enabled lines have an effect."""
+        moved, self._level = (levels ^ self._level) & self.enabled, levels
+        if not moved:
+            return NOTHING
+        for line in range(LINES):
+            if moved >> line & 1 and self._is_valid(line, levels >> line & 1):
+                self.requests |= 1 << line
+                if line < len(self._since):
+                    self._since[line] = now
+        return ALL
+
+    def wake(self, now: int) -> int:
+        """Nothing happens here by itself."""
+        return NOTHING
+
+    def read(self, now: int, offset: int) -> int:
+        return self.peek(now, offset)
+
+    def peek(self, now: int, offset: int) -> int:
+        if offset <= XNMICR:
+            return self._control[offset]
+        line = COUNTERS.get(offset)
+        return 0 if line is None else self._counted(now, line)
+
+    def write(self, now: int, offset: int, value: int) -> None:
+        if offset > XNMICR:
+            return
+        register = XINT.at(offset)
+        assert register is not None, "the control registers lie without a gap"
+        self._control[offset], _ = register.write(self._control[offset], value & 0xFFFF)
+        enable = self._control[offset] & ENABLE.mask
+        if offset == XNMICR:
+            if enable:
+                self.notes.append(
+                    Note("unknown", "XNMI is enabled but not modelled: no NMI comes", "SPRUFB0D Table 122")
+                )
+            return
+        if offset < len(self._since):
+            self._run_counter(now, offset, bool(enable))
+        self.enabled = self.enabled & ~(1 << offset) | enable << offset
+
+    def reset(self, now: int) -> None:
+        """XRS: all disabled, counters at 0. The lines' levels stay."""
+        self.enabled = self.requests = 0
+        self._control = [0] * (LINES + 1)
+        self._count = [0, 0]
+
+    def _is_valid(self, line: int, level: int) -> bool:
+        polarity = POLARITY.of(self._control[line])
+        return polarity == BOTH or (polarity == RISING) == bool(level)
+
+    def _counted(self, now: int, line: int) -> int:
+        return now - self._since[line] & 0xFFFF if self.enabled >> line & 1 else self._count[line]
+
+    def _run_counter(self, now: int, line: int, run: bool) -> None:
+        """Before `enabled` changes: a counter stops with its count, or goes on from it."""
+        count = self._counted(now, line)
+        self._count[line] = count
+        self._since[line] = now - count

@@ -1,0 +1,1 @@
+"""GPIO: registers, multiplexer, qualification (SPRUFB0D section 6)."""

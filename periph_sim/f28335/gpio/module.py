@@ -1,0 +1,430 @@
+"""GPIO pins: pad levels and register accesses go in; qualified levels, routes and driven levels come out.
+
+    pad --> synchroniser --> qualifier --+--> peripheral input (source, seen_at, changed)
+     ^                                   +--> XINT line (changed)
+     |                                   +--> GPxDAT read
+     +-- out_delay <-- latch, DIR, MUX
+
+The owner joins wires, peripherals and this machine. `pins` tells the levels of the pads that `wire`
+named; every other pad follows what this chip drives on it, or its pull-up.
+
+An edge between two SYSCLKOUT edges is told with the later of them as `now` and
+exact=False; one that falls on a SYSCLKOUT edge with exact=True. A synchronised pin shows
+it at the first SYSCLKOUT edge strictly after it, an asynchronous one at the first not
+before it: `seen_at` says which cycle that is. So a pin that is synchronised or
+asynchronous needs no wake-up to feed a peripheral; a sampled one reports in `changed`,
+and so does every input signal whose level another route or mode changes. A peripheral's
+output reaches the pads in `sink` `out_delay` cycles after it, or its route, changed.
+
+Source: SPRUFB0D section 6, PCLKCR3 in section 5.1; SPRZ272N section 3.2 (qualifier).
+
+Chosen:
+- MUX, QSEL and CTRL take effect 2 cycles after the write ("such as", the manual says);
+  DIR, PUD, the interrupt selects and the latches at once. Outputs of every kind then
+  take `gpio_out_delay` to the pad.
+- The qualifiers' prescalers count from reset, one for eight pins; a change of CTRL restarts
+  those of the port.
+- A pin's sampler starts when its QSEL selects one, from the level shown until then.
+- With QSEL = 3 on a peripheral's pin GPxDAT and XINT see the pad's level, too.
+- GPIOINENCLK = 0: an output pin of port A or B (not GPIO32, 33) reads 0 and so do XINT
+  lines on it; switched on again, it shows the pad at once, a sampler starts from 0.
+- Bits of GPIO that no pin has, and words between registers, read 0.
+- GPIOLPMSEL and GPIOXNMISEL are only stored.
+"""
+
+from __future__ import annotations
+
+from ...core import chip
+from ...core.chip import NEVER
+from ...core.registers import Register
+from ..system.options import SystemOptions
+from . import register_map as at
+from .pin_mux_table import INPUTS
+from .qualifier import Qualifier
+from .register_map import PINS
+from .routes import idle_level
+from .settings import ALL, DIRECTIONS, PULL_UPS, GpioSettings
+
+CONFIGURATION_DELAY = 2  # cycles from a write to MUX or QSEL until it acts
+ASYNCHRONOUS = 3  # QSEL
+SAMPLES = {1: 3, 2: 6}  # QSEL: how many equal samples
+NOT_GATED = 0b11 << 32 | ALL >> 64 << 64  # GPIOINENCLK does not act on the I2C pins and port C
+CONFIGURES = ("CTRL", "QSEL1", "QSEL2", "MUX1", "MUX2")
+
+Half = tuple[Register, int]  # a register and how far its half is shifted
+
+
+def _halves() -> dict[int, Half]:
+    halves: dict[int, Half] = {}
+    for register in at.GPIO:
+        for shift in range(0, register.width, 16):
+            halves[register.offset + shift // 16] = (register, shift)
+    return halves
+
+
+HALVES = _halves()
+
+
+class Gpio(GpioSettings):
+    INPUTS = tuple(f"GPIO{n}" for n in range(PINS))
+    OUTPUTS = INPUTS
+    LINES: tuple[str, ...] = ()
+    filter_width = 0
+
+    def __init__(self, options: SystemOptions) -> None:
+        super().__init__()
+        self.next_wake = NEVER
+        self.out = 0  # mask: levels of the pins in `driven`; 0 elsewhere
+        self.driven = 0  # mask: pads that this chip drives as general-purpose outputs
+        self.out_version = 0  # counts changes of `out` and `driven`
+        self.out_delay = int(options.gpio_out_delay)  # cycles from a latch or a peripheral's output to the pad
+        self.routes_version = 0  # counts the moments at which MUX, QSEL or CTRL settings took effect
+        self.changed: list[tuple[str, int]] = []  # (signal or "XINTn", level), since the owner last cleared it
+        self.requests = 0
+        self.held = 0
+        self.touched: set[str] = set()
+
+        self._wired = 0  # mask: pads whose level the owner tells
+        self._pad = ALL & ~at.GPIO["GPAPUD"].reset  # mask: levels of the pads, first the pull-ups
+        self._edge_at = -1  # the cycle on which the last exact edges fell,
+        self._before = 0  # and the pads before them
+        self._qualifiers: dict[int, Qualifier] = {}
+        self._qualified = 0  # mask: output of the qualifiers
+        self._waiting: list[tuple[int, int, int]] = []  # (when, register offset, value)
+        self._outs: list[tuple[int, int, int]] = []  # (when, driven, out)
+        self._watching: int  # mask: XINT lines the owner listens to
+        self._xints: int  # mask: levels last told of them
+        self._asynchronous = 0
+        self._sampled = 0
+        self._dead = 0  # mask: pins whose input path is switched off
+        self.reset(0)
+
+    # Pads and peripherals ----------------------------------------------------
+
+    def wire(self, pads: int) -> None:
+        """From now on the owner tells the levels of the pads in this mask. ValueError if there is no such pad."""
+        if pads & ~ALL:
+            raise ValueError(f"there is no GPIO{pads.bit_length() - 1}; the pins are GPIO0 to GPIO{PINS - 1}")
+        self._wired |= pads
+
+    def pins(self, now: int, levels: int, exact: bool = True) -> int:
+        """The levels at all pads that are wired; `exact` if they changed on the SYSCLKOUT edge itself."""
+        if self.next_wake < now:
+            self._catch_up(now - 1)
+        moved = (levels ^ self._pad) & self._wired
+        if moved:
+            self._flip(now, moved, exact)
+        return chip.ALL
+
+    @property
+    def pads(self) -> int:
+        """Mask of the levels at the pads."""
+        return self._pad
+
+    @property
+    def watched(self) -> int:
+        """Mask of the pins that feed an XINT line the owner listens to."""
+        return self._watched
+
+    def seen_at(self, now: int, index: int, exact: bool) -> int:
+        """The cycle from which a pad edge told with (now, index, exact) is seen inside; NEVER if `changed` tells."""
+        bit = 1 << index
+        if self._sampled & bit:
+            return NEVER
+        return now if self._asynchronous & bit or not exact else now + 1
+
+    def source(self, signal: str) -> int | None:
+        """The pin that feeds an input signal; None where none or more than one is given to it."""
+        return self._routes.source[signal]
+
+    def sink(self, signal: str) -> tuple[int, ...]:
+        """The pins that an output signal drives."""
+        return self._routes.sink[signal]
+
+    def peripheral_level(self, now: int, signal: str) -> int:
+        """The level an input signal shows in cycle `now`."""
+        self._catch_up(now)
+        return self._level_of(now, signal)
+
+    def pulled_up(self) -> int:
+        """Mask of the pins whose pull-up is on."""
+        return self._pull_ups
+
+    def gpioin_enabled(self, now: int, on: bool) -> None:
+        """PCLKCR3.GPIOINENCLK acts from cycle `now` on."""
+        self._catch_up(now)
+        self._input_clock = on
+        self._update_paths(now)
+        self._tell_xints(now)
+        self._plan()
+
+    def xint_levels(self, now: int) -> int:
+        """Mask of the levels on XINT1 (bit 0) to XINT7."""
+        self._catch_up(now)
+        shown = self._shown(now)
+        return sum((shown >> self._xint_pin(i) & 1) << i for i in range(len(at.XINT_SELECTS)))
+
+    def watch_xints(self, now: int, lines: int) -> None:
+        """Tell in `changed` what the XINT lines in this mask do; the others cost nothing."""
+        levels = self.xint_levels(now)
+        self._xints = self._xints & self._watching | levels & ~self._watching
+        self._watching = lines
+        self._update_paths(now)
+        self._plan()
+
+    # The chip's protocol -----------------------------------------------------
+
+    def wake(self, now: int) -> int:
+        self._catch_up(now)
+        return chip.ALL
+
+    def read(self, now: int, offset: int) -> int:
+        return self.peek(now, offset)
+
+    def peek(self, now: int, offset: int) -> int:
+        self._catch_up(now)
+        half = HALVES.get(offset)
+        if half is None:
+            return 0
+        register, shift = half
+        if register.name.endswith("DAT"):
+            value = self._shown(now) >> 32 * "ABC".index(register.name[2])
+        else:
+            value, _ = register.read(self._stored[register.offset])
+        return value >> shift & 0xFFFF
+
+    def write(self, now: int, offset: int, value: int) -> None:
+        self._catch_up(now)
+        half = HALVES.get(offset)
+        if half is None:
+            return
+        register, shift = half
+        name = register.name[3:]
+        if at.DATA <= register.offset < at.SELECT:
+            self._write_data(name, 32 * "ABC".index(register.name[2]) + shift, value & 0xFFFF)
+            self._drive(now)
+        else:
+            stored = self._stored[register.offset]
+            merged = stored & ~(0xFFFF << shift) | (value & 0xFFFF) << shift
+            stored, _ = register.write(stored, merged)
+            self._stored[register.offset] = stored
+            if name in CONFIGURES:
+                self._waiting.append((now + CONFIGURATION_DELAY, register.offset, stored))
+            else:
+                self._update_paths(now)
+                self._drive(now)
+                self._follow_drive(now)
+        self._tell_xints(now)
+        self._plan()
+
+    def reset(self, now: int) -> None:
+        """XRS: registers take their reset values at once; the pads' levels stay what the owner told."""
+        before = self._levels(now)
+        self.reset_registers()
+        self._waiting.clear()
+        self._outs.clear()
+        self._latch = 0
+        self._watching = self._xints = 0
+        self._input_clock = True  # PCLKCR3.GPIOINENCLK
+        self._qualifiers.clear()
+        self.restart_sampling(now)
+        self._settle_at = NEVER  # when a synchronised level that someone may read changes
+        if self.driven:
+            self.driven = self.out = 0
+            self.out_version += 1
+        self._configure(now)
+        self._follow_drive(now)
+        self._tell_signals(now, before)
+        self._plan()
+
+    # What happens by itself --------------------------------------------------
+
+    def _catch_up(self, now: int) -> None:
+        while self.next_wake <= now:
+            self._step(self.next_wake)
+
+    def _step(self, now: int) -> None:
+        """Everything due in cycle `now`: samples, then outputs, then new settings."""
+        for pin, qualifier in self._qualifiers.items():
+            if qualifier.due <= now:
+                qualifier.advance(now)
+                self._qualified ^= 1 << pin
+                signal = self._routes.signal_at.get(pin)
+                if signal is not None:
+                    self.changed.append((signal, qualifier.qualified))
+        while self._outs and self._outs[0][0] <= now:
+            _, self.driven, self.out = self._outs.pop(0)
+            self.out_version += 1
+            self._follow_drive(now)
+        if self._waiting and self._waiting[0][0] <= now:
+            self._take_settings(now)
+        if self._settle_at <= now:
+            self._settle_at = NEVER
+        self._tell_xints(now)
+        self._plan()
+
+    def _plan(self) -> None:
+        when = self._settle_at
+        if self._outs:
+            when = min(when, self._outs[0][0])
+        if self._waiting:
+            when = min(when, self._waiting[0][0])
+        for qualifier in self._qualifiers.values():
+            when = min(when, qualifier.due)
+        self.next_wake = when
+
+    # From pads to levels -----------------------------------------------------
+
+    def _flip(self, now: int, bits: int, exact: bool) -> None:
+        """The pads in `bits` changed."""
+        settling = self._settle_at <= now  # an edge of the cycle before, on whichever pin, shows now
+        if not exact and self._edge_at == now:
+            raise ValueError(f"an edge before cycle {now} was told after one exactly on it; tell edges in their order")
+        if exact and self._edge_at != now:
+            self._edge_at = now
+            self._before = self._pad
+        self._pad ^= bits
+        if bits & self._sampled:
+            self._sample(now + 1 if exact else now, bits)
+        if exact and bits & self._settles:
+            self._settle_at = now + 1
+            self.next_wake = min(self.next_wake, now + 1)
+        if settling or bits & self._watched:
+            self._tell_xints(now)
+
+    def _sample(self, now: int, bits: int) -> None:
+        for pin, qualifier in self._qualifiers.items():
+            if bits >> pin & 1 and not self._dead >> pin & 1:
+                qualifier.edge(now, self._pad >> pin & 1)
+        self._plan()
+
+    def _synchronised(self, now: int) -> int:
+        return self._before if self._edge_at == now else self._pad
+
+    def _shown(self, now: int) -> int:
+        """Mask of the levels behind synchroniser and qualifier in cycle `now`."""
+        level = self._synchronised(now) & ~self._asynchronous | self._pad & self._asynchronous
+        return (level & ~self._sampled | self._qualified & self._sampled) & ~self._dead
+
+    def _level_of(self, now: int, signal: str) -> int:
+        pin = self._routes.source[signal]
+        return idle_level(signal) if pin is None else self._shown(now) >> pin & 1
+
+    def _levels(self, now: int) -> tuple[int, ...]:
+        return tuple(self._level_of(now, signal) for signal in INPUTS)
+
+    def _tell_signals(self, now: int, before: tuple[int, ...]) -> None:
+        for signal, old in zip(INPUTS, before, strict=True):
+            level = self._level_of(now, signal)
+            if level != old:
+                self.changed.append((signal, level))
+
+    def _xint_pin(self, line: int) -> int:
+        return self._stored[at.XINT_SELECTS[line]] + at.XINT_FIRST_PIN[line]
+
+    def _tell_xints(self, now: int) -> None:
+        if not self._watching:
+            return
+        shown = self._shown(now)
+        for i in range(len(at.XINT_SELECTS)):
+            if self._watching >> i & 1:
+                level = shown >> self._xint_pin(i) & 1
+                if level != self._xints >> i & 1:
+                    self._xints ^= 1 << i
+                    self.changed.append((f"XINT{i + 1}", level))
+
+    # From registers to settings ----------------------------------------------
+
+    def _take_settings(self, now: int) -> None:
+        """Writes to MUX, QSEL and CTRL that act from now on."""
+        before = self._levels(now)
+        while self._waiting and self._waiting[0][0] <= now:
+            _, offset, value = self._waiting.pop(0)
+            self._active[offset] = value
+        self._configure(now)
+        self._drive(now)
+        self._tell_signals(now, before)
+
+    def _configure(self, now: int) -> None:
+        """Routes and paths as MUX, QSEL and CTRL in force say."""
+        self.take_over(now)
+        self._update_paths(now)
+        self.routes_version += 1
+
+    def _update_paths(self, now: int) -> None:
+        """Directions and the way of each pin's level, as masks for quick use; samplers come and go."""
+        shown = self._shown(now)
+        self._pull_ups = ALL & ~self._ports(PULL_UPS)
+        self._outputs = self._ports(DIRECTIONS) & self._routes.gpio  # general-purpose ones
+        self._dead = 0 if self._input_clock else (self._outputs | self._routes.outputs) & ~NOT_GATED
+        self._asynchronous = self._sampled = 0
+        for pin, select in enumerate(self._select):
+            if select in SAMPLES:
+                self._sampled |= 1 << pin
+                self._update_sampler(now, pin, SAMPLES[select], shown >> pin & 1)
+            elif select == ASYNCHRONOUS and not self._routes.gpio >> pin & 1:
+                self._asynchronous |= 1 << pin
+        self._qualifiers = {pin: q for pin, q in self._qualifiers.items() if self._sampled >> pin & 1}
+        self._qualified = sum(q.qualified << pin for pin, q in self._qualifiers.items())
+        self._watched = 0  # mask: pins that feed a watched XINT line
+        for line in range(len(at.XINT_SELECTS)):
+            if self._watching >> line & 1:
+                self._watched |= 1 << self._xint_pin(line)
+        heard = self._routes.inputs & ~self._watched  # the owner itself brings their edges to the peripheral
+        # An exact edge on these pins asks for a wake-up.
+        self._settles = ALL & ~self._asynchronous & ~self._sampled & ~self._dead & ~heard
+        if self._edge_at == now and (self._pad ^ self._before) & self._settles:
+            self._settle_at = now + 1
+
+    def _update_sampler(self, now: int, pin: int, samples: int, shown: int) -> None:
+        """The sampler of a pin with its settings in force; a dead pin's starts over from 0."""
+        dead = self._dead >> pin & 1
+        period, origin = self._periods[pin // 8], self._origins[pin // 8]
+        qualifier = self._qualifiers.get(pin)
+        if qualifier is None or dead:
+            qualifier = Qualifier(now, 0 if dead else shown, period, samples, origin)
+            self._qualifiers[pin] = qualifier
+        qualifier.configure(now, period, samples, origin)
+        level = self._pad >> pin & 1
+        if not dead and qualifier.level != level:
+            just_changed = self._edge_at == now and self._before >> pin & 1 != level
+            qualifier.edge(now + 1 if just_changed else now, level)
+
+    # From latches to pads ----------------------------------------------------
+
+    def _write_data(self, name: str, shift: int, word: int) -> None:
+        """One half of DAT, SET, CLEAR or TOGGLE."""
+        bits = word << shift & ALL
+        if name == "DAT":
+            self._latch = self._latch & ~(0xFFFF << shift) | bits
+        elif name == "SET":
+            self._latch |= bits
+        elif name == "CLEAR":
+            self._latch &= ~bits
+        else:
+            self._latch ^= bits
+
+    def _drive(self, now: int) -> None:
+        """Latch, DIR or MUX changed: what the pads are to show after the output delay."""
+        driven = self._outputs
+        out = self._latch & driven
+        last = self._outs[-1] if self._outs else (now, self.driven, self.out)
+        if (driven, out) == (last[1], last[2]):
+            return
+        self.touched.add("gpio_out_delay")
+        when = now + self.out_delay
+        if self._outs and last[0] == when:  # the other half of the same access
+            self._outs.pop()
+        self._outs.append((when, driven, out))
+        if not self.out_delay:
+            self._outs.clear()
+            self.driven, self.out = driven, out
+            self.out_version += 1
+            self._follow_drive(now)
+
+    def _follow_drive(self, now: int) -> None:
+        """Pads that are not wired take the level this chip drives on them, or their pull-up."""
+        level = self.out & self.driven | self._pull_ups & ~self.driven
+        moved = (level ^ self._pad) & ~self._wired
+        if moved:
+            self._flip(now, moved, True)

@@ -1,0 +1,79 @@
+"""The sampling qualifier of one pin: a synchronised level goes in, the qualified level and when it changes come out.
+
+    level --> sample every `period` cycles --> `samples` equal ones in a row --> qualified
+
+    period 2, 3 samples   sample     | | | | | |
+                          level    ___/~~~~~~~~~
+                          qualified_________/~~~
+
+Lazy: it takes no samples one by one but counts, when asked, how many fell into the time
+since. `due` is the cycle at which the output will change if the level stays.
+
+Simply counting equal samples is what silicon does, and the erratum's pulse follows from
+it: one of n·(m - 1) + 1 cycles passes in one of n phases, though n·m was intended.
+
+Source: SPRUFB0D section 6.4.3, Tables 42 to 45, Figure 46; SPRZ272N section 3.2.
+
+Chosen:
+- The output changes in the cycle of the last of the equal samples.
+- A change of the sampling period restarts the prescaler; a change between three and six
+  samples keeps the samples already taken.
+"""
+
+from __future__ import annotations
+
+from ...core.chip import NEVER
+
+DEPTH = 6  # more samples than this are never asked for
+
+
+class Qualifier:
+    """level: what it starts with, as if sampled for long. origin: a cycle in which the prescaler sampled."""
+
+    def __init__(self, now: int, level: int, period: int, samples: int, origin: int) -> None:
+        self.level = level  # from the synchroniser
+        self.qualified = level
+        self.due = NEVER  # when `qualified` will change, if the level stays
+        self._period = period
+        self._samples = samples
+        self._origin = origin
+        self._sampled = level  # the last sample
+        self._run = DEPTH  # so many last samples were equal
+        self._done = now  # samples up to and with this cycle are taken
+
+    def edge(self, now: int, level: int) -> None:
+        """The synchronised level is `level` from cycle `now` on (a sample in that cycle sees it)."""
+        self.advance(now - 1)
+        self.level = level
+        self._plan()
+
+    def advance(self, now: int) -> None:
+        """Take all samples up to and with cycle `now`."""
+        if now <= self._done:
+            return
+        origin, period = self._origin, self._period
+        taken = (now - origin) // period - (self._done - origin) // period
+        self._done = now
+        if not taken:
+            return
+        if self._sampled != self.level:
+            self._sampled = self.level
+            self._run = 0
+        self._run = min(self._run + taken, DEPTH)
+        if self._run >= self._samples:
+            self.qualified = self._sampled
+            self.due = NEVER
+
+    def configure(self, now: int, period: int, samples: int, origin: int) -> None:
+        """A new period, number of samples and phase, from cycle `now` on."""
+        self.advance(now)
+        self._period, self._samples, self._origin = period, samples, origin
+        self._plan()
+
+    def _plan(self) -> None:
+        if self.level == self.qualified:
+            self.due = NEVER
+            return
+        have = self._run if self._sampled == self.level else 0
+        lacking = max(self._samples - have, 1)
+        self.due = self._origin + ((self._done - self._origin) // self._period + lacking) * self._period

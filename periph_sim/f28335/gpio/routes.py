@@ -1,0 +1,65 @@
+"""From multiplexer values to routes: which pin feeds each input signal, which pins each output drives.
+
+    mux value of every pin  -->  Routes: source, sink, and the pins as bit masks
+
+Source: SPRUFB0D section 6.5, Tables 46 to 49.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ...core.chip import Note
+from .pin_mux_table import FUNCTIONS, IDLE_LOW, INPUTS, OUTPUTS
+
+
+def function(pin: int, mux: int) -> str:
+    """What GPxMUX = `mux` makes of the pin: "GPIO", a signal, or "" for a reserved value."""
+    return FUNCTIONS[pin][mux - 1] if mux else "GPIO"
+
+
+def idle_level(signal: str) -> int:
+    """What an input shows when no pin, or more than one, is given to it (Table 46)."""
+    return 0 if signal in IDLE_LOW else 1
+
+
+class Routes:
+    """mux: one value 0 to 3 for each of the 88 pins."""
+
+    def __init__(self, mux: Sequence[int]) -> None:
+        self.source: dict[str, int | None] = {}
+        self.sink: dict[str, tuple[int, ...]] = {}
+        self.signal_at: dict[int, str] = {}  # pin -> the input signal that it alone feeds
+        self.crowded: dict[str, tuple[int, ...]] = {}  # input signals with more than one pin
+        given: dict[str, list[int]] = {}
+        self.gpio = 0  # mask: pins that are general-purpose
+        for pin, value in enumerate(mux):
+            name = function(pin, value)
+            if name == "GPIO":
+                self.gpio |= 1 << pin
+            else:
+                given.setdefault(name, []).append(pin)
+        for signal in INPUTS:
+            pins = given.get(signal, [])
+            self.source[signal] = pins[0] if len(pins) == 1 else None
+            if len(pins) == 1:
+                self.signal_at[pins[0]] = signal
+            elif pins:
+                self.crowded[signal] = tuple(pins)
+        for signal in OUTPUTS:
+            self.sink[signal] = tuple(given.get(signal, ()))
+        self.inputs = sum(1 << pin for pin in self.signal_at)  # mask: pins that feed a modelled input
+        self.outputs = sum(1 << pin for pins in self.sink.values() for pin in pins)  # mask: pins a module drives
+
+
+def note_for(pin: int, mux: int) -> Note | None:
+    """What to tell when a pin is given to a reserved value or to a module that is not modelled."""
+    name = function(pin, mux)
+    if name == "GPIO" or name in INPUTS or name in OUTPUTS:
+        return None
+    if not name:
+        text = f"GPIO{pin} is multiplexed to the reserved value {mux}; choose a value the table names"
+        return Note("duty", text, "SPRUFB0D section 6.5, note")
+    text = f"GPIO{pin} is given to {name}, which is not modelled: the pin stays high-impedance"
+    joint = "pins are given to functions that are not modelled, and stay high-impedance"
+    return Note("unknown", text, "SPRUFB0D Tables 47 to 49", joint, f"GPIO{pin} ({name})")

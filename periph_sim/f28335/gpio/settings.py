@@ -1,0 +1,81 @@
+"""What the GPIO control registers say: MUX, QSEL and CTRL go in; routes, samplers' settings, and notes come out.
+
+    stored --2 cycles--> active --take_over--> routes, select, periods
+
+Source: SPRUFB0D sections 6.4 to 6.6, Tables 42 to 49.
+"""
+
+from __future__ import annotations
+
+from ...core.chip import Note
+from . import register_map as at
+from .register_map import PINS
+from .routes import Routes, idle_level, note_for
+
+ALL = (1 << PINS) - 1
+SYNCHRONISED_ONLY = 64  # from this pin on: port C has no QSEL
+GROUPS = 8  # of eight pins that share a sampling period
+DIRECTIONS = tuple(at.GPIO[f"GP{port}DIR"].offset for port in "ABC")
+PULL_UPS = tuple(at.GPIO[f"GP{port}PUD"].offset for port in "ABC")
+CONTROLS = tuple(at.GPIO[f"GP{port}CTRL"].offset for port in "AB")
+
+
+class GpioSettings:
+    """Registers by their offsets: what a read shows, and what of them acts."""
+
+    MAP = at.GPIO
+
+    def __init__(self) -> None:
+        self.notes: list[Note] = []
+        self._mux = [0] * PINS
+        self._routes = Routes(self._mux)
+
+    def reset_registers(self) -> None:
+        """XRS; `take_over` makes it act."""
+        self._stored = {register.offset: register.reset for register in self.MAP}  # what a read shows
+        self._active = dict(self._stored)  # the same of those that act with a delay
+
+    def restart_sampling(self, now: int) -> None:
+        """XRS: every cycle is a sample."""
+        self._periods = [1] * GROUPS  # sampling period of each eight pins
+        self._origins = [now] * GROUPS  # and a cycle in which they were sampled
+
+    def take_over(self, now: int) -> None:
+        """What is active acts from now on."""
+        old = self._mux
+        self._mux = [self._pair("MUX", pin) for pin in range(PINS)]
+        self._select = [self._pair("QSEL", pin) if pin < SYNCHRONISED_ONLY else 0 for pin in range(PINS)]
+        if self._mux != old:
+            crowded = self._routes.crowded
+            self._routes = Routes(self._mux)
+            for pin in range(PINS):
+                note = note_for(pin, self._mux[pin]) if self._mux[pin] != old[pin] else None
+                if note is not None:
+                    self.notes.append(note)
+            self._note_crowded(crowded)
+        self._take_periods(now)
+
+    def _note_crowded(self, before: dict[str, tuple[int, ...]]) -> None:
+        for signal, pins in self._routes.crowded.items():
+            if before.get(signal) != pins:
+                names = " and ".join(f"GPIO{pin}" for pin in pins)
+                text = f"{names} are all given to {signal}, so it is a constant {idle_level(signal)}; give it one pin"
+                self.notes.append(Note("duty", text, "SPRUFB0D section 6.5, Table 46"))
+
+    def _take_periods(self, now: int) -> None:
+        for port, offset in enumerate(CONTROLS):
+            control = self._active[offset]
+            periods = [2 * (control >> 8 * i & 0xFF) or 1 for i in range(4)]
+            if periods != self._periods[4 * port : 4 * port + 4]:
+                self._periods[4 * port : 4 * port + 4] = periods
+                self._origins[4 * port : 4 * port + 4] = [now] * 4
+
+    def _pair(self, name: str, pin: int) -> int:
+        """The two bits of a pin in force in GPxMUXn or GPxQSELn."""
+        half, i = divmod(pin % 32, 16)
+        register = self.MAP[f"GP{'ABC'[pin // 32]}{name}{half + 1}"]
+        return self._active[register.offset] >> 2 * i & 3
+
+    def _ports(self, offsets: tuple[int, ...]) -> int:
+        """One mask of all pins from a register of each port."""
+        return ALL & sum(self._stored[offset] << 32 * i for i, offset in enumerate(offsets))

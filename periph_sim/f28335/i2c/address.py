@@ -1,0 +1,62 @@
+"""Whose address is on the bus: address bytes and I2COAR go in; whether this module is meant, and to do what, comes out.
+
+    7-bit     AAAAAAA r/w
+    10-bit    11110AA w   AAAAAAAA   [Sr  11110AA r]
+
+Source: SPRUG03B sections 2.5, 5.8, Table 10 (AAS, AD0).
+"""
+
+from __future__ import annotations
+
+from .register_map import MDR_XA
+from .registers import I2cRegisters
+
+GENERAL_CALL, START_BYTE = 0, 1
+TEN_BIT = 0b11110
+
+
+class I2cAddress:
+    """read: the byte looked at last asks us to send. selected: a 10-bit address matched in full in this transfer."""
+
+    def __init__(self, state: I2cRegisters) -> None:
+        self.read = False
+        self.selected = False
+        self._state = state
+        self._latched = 0
+
+    def latch(self) -> None:
+        """I2COAR as it is now counts where it is not live (`oar_latch`)."""
+        self._latched = self._state.oar
+
+    def is_ours(self, byte: int, second: bool) -> bool:
+        """second: the byte with the lower eight of ten bits. Sets `read`."""
+        state, options = self._state, self._state.options
+        own = state.oar if options.oar_latch == "live" else self._latched
+        self.read = False
+        if second:
+            return byte == own & 0xFF
+        if byte == GENERAL_CALL:
+            state.touched.add("general_call")
+            return options.general_call == "acknowledged"
+        if byte == START_BYTE:
+            state.touched |= {"start_byte_ad0", "oar_zero"}
+            self.read = True
+            return own == 0 and not state.mdr & MDR_XA and options.oar_zero == "own_address_too"
+        self.read = bool(byte & 1)
+        if state.mdr & MDR_XA:
+            if byte >> 3 != TEN_BIT or byte >> 1 & 3 != own >> 8 & 3:
+                return False
+            return self.selected or not self.read
+        return byte >> 1 == own & 0x7F
+
+    def is_answered_by_master(self, byte: int, second: bool) -> bool:
+        """Whether the module, being master, acknowledges this byte: a general call of its own, if anything."""
+        if byte != GENERAL_CALL or second:
+            return False
+        self.read = False
+        self._state.touched.add("own_general_call")
+        return self._state.options.own_general_call == "answered"
+
+    def is_whole(self, byte: int, second: bool) -> bool:
+        """False for the first byte of a 10-bit address, which sets no flag yet."""
+        return not self._state.mdr & MDR_XA or second or self.read or byte == GENERAL_CALL

@@ -1,0 +1,107 @@
+"""The FIFOs of the I2C module: words and register writes go in; levels, their flags and requests on I2CINT2A come out.
+
+    I2CFFTX, I2CFFRX --> TXFFINT where TXFFST <= TXFFIL, RXFFINT where RXFFST >= RXFFIL --enabled--> I2CINT2A
+
+Source: SPRUG03B sections 5.11 and 5.12, Tables 21, 22.
+
+Chosen:
+- In FIFO mode XRDY says that the TX FIFO has room, RRDY that the RX FIFO holds something.
+"""
+
+from __future__ import annotations
+
+from ...core.fifo import Fifo
+from .flags import I2cFlags
+from .register_map import I2C_MAP, MDR_IRS, STR_XRDY
+
+I2CFFTX, I2CFFRX = I2C_MAP["I2CFFTX"], I2C_MAP["I2CFFRX"]
+FFEN = I2CFFTX["I2CFFEN"].mask
+FFRST = I2CFFTX["TXFFRST"].mask  # the same places in I2CFFRX from here on
+FFINT = I2CFFTX["TXFFINT"].mask
+FFINTCLR = I2CFFTX["TXFFINTCLR"].mask
+FFIENA = I2CFFTX["TXFFIENA"].mask
+FFIL = I2CFFTX["TXFFIL"].mask
+
+DEPTH = 16
+INT2 = 2
+
+
+class I2cFifos(I2cFlags):
+    """fftx, ffrx: what is stored of I2CFFTX and I2CFFRX."""
+
+    __slots__ = ("_rx_was_high", "_tx_was_low", "ffrx", "fftx", "mdr", "rx_fifo", "tx_fifo", "xsr_full")
+
+    def reset_fifos(self) -> None:
+        """XRS."""
+        self.mdr = 0
+        self.xsr_full = False
+        self.fftx = self.ffrx = 0
+        self.tx_fifo = Fifo(DEPTH)
+        self.rx_fifo = Fifo(DEPTH)
+        self._tx_was_low = self._rx_was_high = False
+
+    @property
+    def fifo(self) -> bool:
+        return bool(self.fftx & FFEN)
+
+    def fifo_levels(self, now: int) -> None:
+        """After any change of a FIFO: the level flags and their request."""
+        alive = self.fifo and self.mdr & MDR_IRS
+        if alive and self.fftx & FFRST:
+            low = len(self.tx_fifo) <= self.fftx & FFIL
+            self.fftx = self._level_flag(self.fftx, low, self._tx_was_low)
+            self._tx_was_low = low
+        else:
+            self._tx_was_low = False
+        if alive and self.ffrx & FFRST:
+            high = len(self.rx_fifo) >= self.ffrx & FFIL
+            self.ffrx = self._level_flag(self.ffrx, high, self._rx_was_high)
+            self._rx_was_high = high
+        else:
+            self._rx_was_high = False
+        if self.fifo:
+            if len(self.tx_fifo) < DEPTH:
+                self.str |= STR_XRDY
+            else:
+                self.str &= ~STR_XRDY
+            self.update(now)
+
+    def _level_flag(self, register: int, condition: bool, before: bool) -> int:
+        level = self.options.fifo_int_mode == "level"
+        if condition and (level or not before) and not register & FFINT:
+            self.touched.add("fifo_int_mode")
+            register |= FFINT
+            if register & FFIENA:
+                self.requests |= INT2
+        return register
+
+    def write_fftx(self, now: int, value: int) -> None:
+        before = self.fftx
+        self.fftx, fired = I2CFFTX.write(before, value)
+        if not self.fftx & FFRST:
+            self.tx_fifo.clear()
+            if self.xsr_full:
+                self.touched.add("txfifo_reset_flushes_xsr")
+                if self.options.txfifo_reset_flushes_xsr:
+                    self.xsr_full = False
+        self._flag_written(fired, before, "tx")
+        self.fifo_levels(now)
+
+    def write_ffrx(self, now: int, value: int) -> None:
+        before = self.ffrx
+        self.ffrx, fired = I2CFFRX.write(before, value)
+        if not self.ffrx & FFRST:
+            self.rx_fifo.clear()
+        self._flag_written(fired, before, "rx")
+        self.fifo_levels(now)
+
+    def _flag_written(self, fired: int, before: int, which: str) -> None:
+        register = self.fftx if which == "tx" else self.ffrx
+        if fired & FFINTCLR:
+            register &= ~FFINT
+        elif register & FFINT and register & FFIENA and not before & FFIENA:
+            self.requests |= INT2
+        if which == "tx":
+            self.fftx = register
+        else:
+            self.ffrx = register

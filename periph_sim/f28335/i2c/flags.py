@@ -1,0 +1,159 @@
+"""Flags and interrupts of the I2C module: I2CSTR and I2CIER go in; INTCODE, and a request on I2CINT1A, come out.
+
+    I2CSTR & I2CIER --> pending --event_to_isrc_delay, rank--> INTCODE, I2CINT1A --read of I2CISRC--> the next
+
+Source: SPRUG03B section 3, Tables 3, 9, 10, 11.
+
+Chosen:
+- A request dropped before its code was loaded (its flag was cleared) is forgotten.
+"""
+
+from __future__ import annotations
+
+from ...core.chip import NEVER, Note
+from .options import I2cOptions
+from .register_map import I2C_MAP, STR_AAS
+
+SRC_AL, SRC_NACK, SRC_ARDY, SRC_RRDY, SRC_XRDY, SRC_SCD, SRC_AAS = (1 << n for n in range(7))
+CODE_CLEARS = {1: SRC_AL, 2: SRC_NACK, 6: SRC_SCD}  # I2CISRC code -> flag that its read clears (Table 11)
+INT1 = 1
+
+
+class I2cFlags:
+    """str: I2CSTR. requests: lines asked for since the owner last set this to 0. code_at: when a code is loaded."""
+
+    __slots__ = (
+        "_active",
+        "_pending",
+        "code",
+        "code_at",
+        "held",
+        "ier",
+        "isrc_high",
+        "nack_as_slave",
+        "notes",
+        "options",
+        "requests",
+        "str",
+        "touched",
+        "wanted",
+    )
+
+    def __init__(self, options: I2cOptions) -> None:
+        self.options = options
+        self.notes: list[Note] = []
+        self.touched: set[str] = set()
+        self.reset_flags()
+
+    def reset_flags(self) -> None:
+        """XRS."""
+        self.str = I2C_MAP["I2CSTR"].reset
+        self.ier = self.isrc_high = self.requests = self.held = 0
+        self.wanted = False  # a transmitter is in a transfer: data requests make sense
+        self.nack_as_slave = False
+        self.code = 0
+        self.code_at = NEVER
+        self._pending = 0  # requests whose code was not loaded yet
+        self._active = 0
+
+    def duty(self, text: str, source: str) -> None:
+        self.notes.append(Note("duty", text, source))
+
+    # Flags -------------------------------------------------------------------
+
+    def set(self, now: int, flags: int) -> None:
+        self.str |= flags
+        self.update(now)
+
+    def clear(self, now: int, flags: int) -> None:
+        self.str &= ~flags
+        self.update(now)
+
+    def sources(self) -> int:
+        """The flags that are enabled to ask, as bits in the order of I2CIER."""
+        status = self.str
+        active = (status & 0x3F | (SRC_AAS if status & STR_AAS else 0)) & self.ier
+        if active & SRC_XRDY and not self.wanted:
+            self.touched.add("xrdyint_when_idle")
+            if self.options.xrdyint_when_idle == "only_addressed":
+                active &= ~SRC_XRDY
+        if active & SRC_NACK and self.nack_as_slave:
+            self.touched.add("nackint_in_slave_tx")
+            if not self.options.nackint_in_slave_tx:
+                active &= ~SRC_NACK
+        return active
+
+    def update(self, now: int) -> None:
+        """After any change of flags or enables: new requests are noted, and a code is on its way if none stands."""
+        if not self.ier and not self._active:
+            return
+        active = self.sources()
+        rising = active & ~self._active
+        self._active = active
+        self._pending = (self._pending | rising) & active
+        if self.code and not active >> (self.code - 1) & 1:
+            self.touched.add("isrc_follows_flag")
+            if self.options.isrc_follows_flag == "vanishes":
+                self._show(now, 0)
+        if self._pending and self.code_at == NEVER and (not self.code or self._outranks()):
+            self.code_at = now + self.options.event_to_isrc_delay
+            self.touched.add("event_to_isrc_delay")
+            if not self.options.event_to_isrc_delay:
+                self.load_code(now)
+
+    def _outranks(self) -> bool:
+        self.touched.add("isrc_preempt")
+        return self.options.isrc_preempt == "highest" and self._rank(self._first()) < self._rank(self.code)
+
+    def _rank(self, code: int) -> int:
+        return code if self.options.int_priority == "ascending" else -code
+
+    def _first(self) -> int:
+        """The code that goes first among the pending requests, or 0."""
+        codes = [bit + 1 for bit in range(7) if self._pending >> bit & 1]
+        if len(codes) > 1:
+            self.touched.add("int_priority")
+        return min(codes, key=self._rank, default=0)
+
+    def load_code(self, now: int) -> None:
+        """The arbiter's delay is over: the pending request of highest rank becomes INTCODE."""
+        self.code_at = NEVER
+        code = self._first()
+        if not code or (self.code and not self._outranks()):
+            return
+        if self.code:  # replaced before it was read: it waits again
+            self._pending |= 1 << (self.code - 1)
+        else:
+            self.requests |= INT1
+        self._pending &= ~(1 << (code - 1))
+        self._show(now, code)
+
+    def _show(self, now: int, code: int) -> None:
+        self.code = code
+        if self.options.int_line == "level":
+            self.held = self.held & ~INT1 | (INT1 if code else 0)
+
+    def read_isrc(self, now: int) -> int:
+        code = self.code
+        if code:
+            self._show(now, 0)
+            cleared = CODE_CLEARS.get(code, 0)
+            if code == 7:
+                self.touched.add("isrc_read_clears_aas")
+                if self.options.isrc_read_clears_aas:
+                    cleared = STR_AAS
+            if cleared:
+                self.clear(now, cleared)
+            self.touched.add("int_line")
+            self.code_at = NEVER
+            self.load_code(now)
+        return code | self.isrc_high
+
+    def forget_requests(self, now: int) -> None:
+        """IRS went to 0."""
+        if self.code:
+            self.touched.add("irs_clears_isrc")
+            if self.options.irs_clears_isrc:
+                self._show(now, 0)
+        self.code_at = NEVER
+        self._pending = self._active = 0

@@ -1,0 +1,105 @@
+"""What TI asks of the I2C module's settings: registers and SYSCLKOUT go in, a "duty" note for each breach comes out.
+
+Each limit is checked where it begins to hold: clock and own address when IRS rises, the rate of SCL and the address
+sent at each START. Times follow from the SYSCLKOUT that the owner tells. Source: SPRUG03B sections 1.1, 1.4, 5.7,
+5.8, 5.9; SPRS439M Table 6-31.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from .register_map import I2C_MAP, MDR_FDF, MDR_IRS, MDR_MST, MDR_XA, STR_BB
+from .registers import I2cRegisters
+
+MODULE_CLOCK_MHZ = (7, 12)
+SCL_KHZ = (10, 400)
+LEAST_LOW_US, LEAST_HIGH_US = Fraction(13, 10), Fraction(6, 10)
+BEYOND_7_BITS = 0x380
+BYTE_ENABLES = I2C_MAP["I2CIER"]["XRDY"].mask | I2C_MAP["I2CIER"]["RRDY"].mask
+
+
+class I2cLimits:
+    """sysclk_hz: SYSCLKOUT."""
+
+    def __init__(self, state: I2cRegisters) -> None:
+        self.sysclk_hz = Fraction(150_000_000)
+        self._state = state
+
+    def enabled(self) -> None:
+        """IRS has risen: the module clock and the own address are in force."""
+        self.module_clock()
+        self.own_address()
+
+    def module_clock(self) -> None:
+        least, most = MODULE_CLOCK_MHZ
+        mhz = self.sysclk_hz / self._state.tm / 1_000_000
+        if not least <= mhz <= most:
+            given = f"I2CPSC = {self._state.tm - 1} gives a module clock of {_show(mhz)} MHz"
+            at = f"at SYSCLKOUT = {_show(self.sysclk_hz / 1_000_000)} MHz"
+            self._state.duty(f"{given} {at}; expected {least} to {most} MHz", "SPRUG03B section 1.4")
+
+    def own_address(self) -> None:
+        self._address("I2COAR", self._state.oar)
+
+    def sent_address(self) -> None:
+        self._address("I2CSAR", self._state.sar)
+
+    def _address(self, name: str, value: int) -> None:
+        if value & BEYOND_7_BITS and not self._state.mdr & MDR_XA:
+            self._state.duty(
+                f"{name} = {value:#05x} has bits 9 to 7 set with XA = 0; expected 0 there", "SPRUG03B §5.8, §5.9"
+            )
+
+    def scl(self, low: int, high: int) -> None:
+        """The phases that SCL is given, in cycles of SYSCLKOUT."""
+        least, most = SCL_KHZ
+        khz = self.sysclk_hz / (low + high) / 1000
+        if not least <= khz <= most:
+            text = f"SCL would run at {_show(khz)} kHz; expected {least} to {most} kHz"
+            self._state.duty(text, "SPRUG03B section 1.1")
+        low_us, high_us = (1_000_000 * cycles / self.sysclk_hz for cycles in (low, high))
+        if low_us < LEAST_LOW_US or high_us < LEAST_HIGH_US:
+            times = f"SCL has {_show(low_us)} us low, {_show(high_us)} us high"
+            least_times = f"at least {_show(LEAST_LOW_US)} us and {_show(LEAST_HIGH_US)} us"
+            self._state.duty(f"{times}; expected {least_times}", "SPRS439M Table 6-31")
+
+    def start_commanded(self, bus_busy: bool) -> None:
+        """STT was set. bus_busy: what BB would show if the module had heard the bus all the time."""
+        shown = bool(self._state.str & STR_BB)
+        if shown != bus_busy:
+            really = "a transfer is on the bus" if bus_busy else "the bus is free"
+            text = f"STT was set with BB = {shown:d}, left from before IRS rose, while {really}"
+            self._state.duty(
+                f"{text}; wait after IRS = 1 as long as the longest transfer lasts", "SPRUG03B section 5.3"
+            )
+
+    def written_while_enabled(self, name: str) -> bool:
+        """True, and noted, if a register that belongs into IRS = 0 was written with IRS = 1."""
+        if not self._state.mdr & MDR_IRS:
+            return False
+        text = f"{name} was written with IRS = 1; configuration belongs into IRS = 0"
+        self._state.duty(text, "SPRUG03B section 4")
+        return True
+
+    def divisor(self, name: str, value: int) -> None:
+        """I2CCLKL or I2CCLKH was written."""
+        self.written_while_enabled(name)
+        if not value:
+            self._state.duty(f"{name} was written 0; expected 1 to 65535", "SPRUG03B Tables 13, 14")
+
+    def fifo_enables(self) -> None:
+        """I2CIER was written, or FIFO mode entered."""
+        if self._state.fifo and self._state.ier & BYTE_ENABLES:
+            self._state.duty("I2CIER enables XRDY or RRDY in FIFO mode; expected 0 there", "SPRUG03B Table 9")
+
+    def loopback(self, begins: bool) -> None:
+        """I2CMDR was written with DLB = 1."""
+        if begins and not self._state.mdr & MDR_MST:
+            self._state.duty("DLB was set with MST = 0; loopback needs a master", "SPRUG03B Table 5")
+        if self._state.mdr & MDR_FDF:
+            self._state.duty("DLB and FDF are both 1; free data format has no loopback", "SPRUG03B §2.5.3")
+
+
+def _show(value: Fraction) -> str:
+    return f"{float(value):.6g}"

@@ -1,0 +1,435 @@
+"""The I2C module as master: commands in I2CMDR go in; SCL and SDA, bit by bit, and flags come out.
+
+    STT --> START --> [START byte] --> address --> data --> hold, repeated START, or STOP
+
+SCL itself is `I2cClock`, receiving `I2cMasterReceiver`. Data are looked at behind the noise filter (`rise`).
+Source: SPRUG03B sections 2.3 to 2.8, 5.7, Tables 5, 6.
+
+Chosen:
+- START hold, repeated START setup and STOP setup last one high time of SCL.
+- SDA changes one module clock after SCL fell.
+- A hold ends with the write that sets STT or STP, also where the bit was 1 already.
+- hold_scl_after_nack = no: a STOP follows a NACK by itself.
+- In loopback the module acknowledges itself.
+"""
+
+from __future__ import annotations
+
+from .limits import I2cLimits
+from .master_receiver import I2cMasterReceiver
+from .register_map import (
+    MDR_DLB,
+    MDR_FDF,
+    MDR_MST,
+    MDR_NACKMOD,
+    MDR_RM,
+    MDR_STB,
+    MDR_STP,
+    MDR_STT,
+    MDR_TRX,
+    MDR_XA,
+    SCL,
+    SDA,
+    STR_AL,
+    STR_ARDY,
+    STR_BB,
+    STR_NACK,
+    STR_XSMT,
+)
+from .registers import I2cRegisters
+
+START_BYTE = 0x01
+
+
+class I2cMaster(I2cMasterReceiver):
+    """active: this module has the bus. sees_idle: both lines are high behind the filter."""
+
+    def __init__(self, state: I2cRegisters, limits: I2cLimits) -> None:
+        super().__init__(state)
+        self.limits = limits
+        self.sees_idle = True
+        self.reset()
+
+    def reset(self) -> None:
+        """IRS = 0: lines released, no transfer."""
+        self.let_go(self._fall)
+        self.reset_bytes()
+        self._waits_for_bus = False
+        self._addresses: list[int] = []
+        self._starting = False  # our START, or repeated START, is not seen yet
+        self._stopping = False  # nor our STOP
+        self._own_restart = False
+        self._restart_next: list[int] = []  # addresses for a repeated START made by itself
+        self._free_from = 0  # the bus is free long enough for a START
+
+    # Commands -----------------------------------------------------------------------
+
+    def command(self, now: int, written: int) -> None:
+        """I2CMDR was written with `written`: act on STT and STP."""
+        state = self.state
+        mdr = state.mdr
+        if not mdr & MDR_MST or not written & (MDR_STT | MDR_STP):
+            return
+        if mdr & MDR_RM and mdr & MDR_STT and mdr & MDR_STP:
+            return  # reserved: no activity (Table 6)
+        if not self.active:
+            if mdr & MDR_STT:
+                self._request_bus(now)
+            return
+        if self._holds == "released":
+            self._scl_low(now)
+            self._holds = "command"
+        if self._holds == "command":
+            if mdr & MDR_STT:
+                self._restart(now)
+            else:
+                self._stop_if_allowed(now)
+        elif self._holds == "data":
+            if mdr & MDR_STT:
+                self._restart(now)
+            elif mdr & MDR_RM:
+                self._stop(now)
+
+    def _request_bus(self, now: int) -> None:
+        state = self.state
+        if state.str & STR_BB:
+            state.touched.add("stt_while_busy")
+            policy = state.options.stt_while_busy
+            if policy == "foreign_al":
+                self.lose(now)
+                return
+            if policy == "foreign_waits":
+                self._waits_for_bus = True
+                return
+        self._take_command()
+        self._at(max(now + state.tm, self._free_from), self._start)
+
+    def start_seen(self, now: int) -> None:
+        if self._starting:
+            self._starting = False
+        elif self.active:
+            self._meets_foreign_condition(now)
+
+    def stop_seen(self, now: int) -> None:
+        if self._stopping:
+            self._stopping = False
+            self.active = False
+            self._free_from = now + self.low()
+            self.state.mdr &= ~(MDR_STP | MDR_MST)
+            self.state.wanted = False
+        elif self._waits_for_bus:
+            self._waits_for_bus = False
+            self._free_from = now + self.low()
+            self._take_command()
+            self._at(self._free_from, self._start)
+        elif self.active:
+            self._meets_foreign_condition(now)
+
+    def _meets_foreign_condition(self, now: int) -> None:
+        """A START or STOP of others in our transfer: against data neither is arbitrated (section 2.8)."""
+        self.state.touched.add("foreign_start_stop")
+        if self.state.options.foreign_start_stop == "loses_arbitration":
+            self.lose(now)
+
+    def _start(self, now: int) -> None:
+        """The moment of the START has come; behind the filter a START of others may still be unseen: both go on."""
+        state = self.state
+        if state.str & STR_BB and state.options.stt_while_busy != "always_repeated_start":
+            self._request_bus(now)  # another master was earlier
+            return
+        if not self.sees_idle:
+            self._at(now + self.low(), self._start)
+            return
+        self.active = True
+        self._begin_start(now)
+
+    def _begin_start(self, now: int) -> None:
+        state = self.state
+        self.pulls |= SDA
+        self._starting = True
+        self._high_phase = False
+        state.wanted = state.trx
+        state.clear(now, STR_ARDY)
+        self._at(now + self.high(), self._started)
+
+    def _take_command(self) -> None:
+        """What the registers say with the START counts for the whole transfer."""
+        state = self.state
+        state.touched.add("cnt_copy_point")
+        if state.options.cnt_copy_point == "start":
+            self.load_counter()
+        self._own_restart = False
+        self._restart_next = []
+        self._addresses = [] if state.mdr & MDR_FDF else self._address_bytes()
+        self.limits.scl(self.low(), self.high())
+
+    def _started(self, now: int) -> None:
+        """START is out: SCL goes low, the first byte is chosen."""
+        state = self.state
+        mdr = state.mdr
+        self._scl_low(now)
+        if self._own_restart and self._restart_next:
+            self._addresses, self._restart_next = self._restart_next, []
+            self._next_address(now)
+            return
+        if mdr & MDR_STB and self._kind != "start byte":
+            self._kind = "start byte"
+            self._begin_byte(now, START_BYTE, 8)
+            return
+        state.mdr &= ~MDR_STT
+        self._stp_at_start = bool(mdr & MDR_STP)
+        self._data_bytes = 0
+        state.wanted = bool(mdr & MDR_TRX)
+        state.update(now)
+        if mdr & MDR_FDF:
+            self._kind = ""
+            self._next_data(now)
+        else:
+            self._next_address(now)
+
+    def load_counter(self) -> None:
+        self.counter = self.state.cnt or 65536
+
+    def _address_bytes(self) -> list[int]:
+        state = self.state
+        mdr = state.mdr
+        if not mdr & MDR_DLB:
+            self.limits.sent_address()
+        address = state.oar if mdr & MDR_DLB else state.sar
+        read = 0 if mdr & MDR_TRX else 1
+        if not mdr & MDR_XA:
+            return [(address & 0x7F) << 1 | read]
+        header = 0xF0 | address >> 7 & 6
+        if not read:
+            return [header, address & 0xFF]
+        state.touched.add("ten_bit_read")
+        if state.options.ten_bit_read == "full_address_first" and not self.active:
+            self._restart_next = [header | 1]
+            return [header, address & 0xFF]
+        return [header | 1]
+
+    # Bytes --------------------------------------------------------------------------
+
+    def _next_address(self, now: int) -> None:
+        self._kind = "address"
+        self._begin_byte(now, self._addresses.pop(0), 8)
+
+    def _begin_byte(self, now: int, byte: int, n: int) -> None:
+        self._byte, self._n, self._bit = byte, n, 0
+        self._answer_nack = self._nack_armed = False
+        self._holds = ""
+        self._at(max(now, self._low_from + self.state.tm), self._set_sda)
+
+    def _set_sda(self, now: int) -> None:
+        """SCL is low: the next bit goes to SDA, SCL is let go when the low time is over."""
+        bit, n = self._bit, self._n
+        if self._kind == "take":
+            level = int(self._answer_nack) if bit == n else 1
+        else:
+            level = 1 if bit == n else self._byte >> (n - 1 - bit) & 1
+        self._drive(level)
+        self._release_after_low(now)
+
+    def fell(self, now: int) -> None:
+        """SCL has fallen, behind the filter. In our high phase it is somebody's low that begins: ours begins, too."""
+        if not self.active or self.lines & SCL:
+            return
+        if self._step == self._started:  # while our START was still held
+            self._started(now)
+        elif self._high_phase and self._after_high == self._fall:
+            self._fall(now)
+        else:
+            return
+        self._low_from = now - self._filter()
+
+    def rise(self, now: int, sda: int) -> None:
+        """SCL has risen, behind the filter: one bit."""
+        if not self.active or self._after_high != self._fall:
+            return
+        self._sampled = sda
+        if self._kind != "take" and self._bit < self._n and self._driven and not sda:
+            self.lose(now)
+            return
+        if self._bit < self._n:
+            self._in = (self._in << 1 | sda) & 0xFF
+            if self._bit == self._n - 1:
+                self._nack_armed = bool(self.state.mdr & MDR_NACKMOD)
+        if self._kind == "take" and self._bit == self._n and self.state.options.rrdy_point == "rise9":
+            self._take(now)
+
+    def _fall(self, now: int) -> None:
+        if self._bit == self._n and self._kind in ("address", "send") and self._sampled and self._leaves_scl_high():
+            self._high_phase = False
+            self._refused(now)
+            return
+        self._scl_low(now)
+        self._bit = bit = self._bit + 1
+        if bit <= self._n:
+            if bit == self._n and self._kind == "take":
+                self._choose_answer()
+                if self.state.options.rrdy_point == "fall8":
+                    self._take(now)
+            if bit == self._n and self._kind == "send" and self.state.mdr & MDR_DLB:
+                self._loop_back(now)
+            self._at(now + self.state.tm, self._set_sda)
+            return
+        self._byte_over(now)
+
+    def _byte_over(self, now: int) -> None:
+        state = self.state
+        ack = self._sampled == 0 or bool(state.mdr & MDR_DLB)
+        kind = self._kind
+        if kind == "start byte":
+            self._restart(now, own=True)
+        elif kind == "address":
+            self._address_over(now, ack)
+        elif kind == "send":
+            self._sent(now, ack)
+        else:
+            self._taken(now)
+
+    def _address_over(self, now: int, ack: bool) -> None:
+        state = self.state
+        general_call = not state.mdr & MDR_XA and self._byte == 0
+        if ack and not general_call:
+            state.clear(now, STR_NACK)
+        elif ack:
+            state.nack_received(now, as_slave=False)
+        if not ack:
+            self._refused(now)
+        elif self._addresses:
+            self._next_address(now)
+        elif self._restart_next:
+            self._restart(now, own=True)
+        else:
+            self._next_data(now)
+
+    def _next_data(self, now: int) -> None:
+        """SCL is low, the bus is ours: the next data byte, or a wait for it."""
+        state = self.state
+        if not state.mdr & MDR_TRX:
+            self._kind = "take"
+            self._begin_byte(now, 0, state.bits)
+        elif state.copy_to_xsr(now):
+            state.xsr_full = False
+            self._kind = "send"
+            state.clear(now, STR_ARDY)
+            self._begin_byte(now, state.xsr, state.bits)
+        elif state.mdr & MDR_RM and state.mdr & MDR_STP:
+            self._stop(now)
+        else:
+            self._kind = "send"
+            self._holds = "data"
+            state.clear(now, STR_XSMT)
+            if state.mdr & MDR_RM and self._data_bytes:
+                state.set(now, STR_ARDY)
+
+    def dxr_written(self, now: int) -> None:
+        state = self.state
+        if state.mdr & MDR_DLB and self.active and state.options.dlb_delay == "after_dxr_write":
+            state.touched.add("dlb_delay")
+            self._deliver, self._deliver_at = state.dxr, now + 8 * state.tm
+        if self._holds == "data":
+            self._next_data(now)
+
+    def _sent(self, now: int, ack: bool) -> None:
+        state = self.state
+        self._data_bytes += 1
+        self.counter -= 1
+        if not ack:
+            self._refused(now)
+            return
+        if not (not state.mdr & MDR_XA and state.sar == 0 and not state.mdr & MDR_FDF):
+            state.clear(now, STR_NACK)
+        if state.mdr & MDR_RM:
+            state.set(now, STR_ARDY)
+        if state.mdr & MDR_STT:
+            self._restart(now)
+        elif state.mdr & MDR_RM:
+            if state.mdr & MDR_STP and not state.tx_ready:
+                self._stop(now)
+            else:
+                self._next_data(now)
+        elif self.counter == 0:
+            self._done(now)
+        else:
+            self._next_data(now)
+
+    def _done(self, now: int) -> None:
+        """The counter has reached 0."""
+        state = self.state
+        if state.mdr & MDR_STP:
+            self._stop(now)
+            return
+        state.set(now, STR_ARDY)
+        if state.mdr & MDR_STT:
+            self._restart(now)
+        else:
+            self._holds = "command"
+
+    def _refused(self, now: int) -> None:
+        state = self.state
+        state.wanted = False
+        state.touched |= {"ardy_on_nack", "hold_scl_after_nack"}
+        if state.options.ardy_on_nack:
+            state.str |= STR_ARDY
+        state.nack_received(now, as_slave=False)
+        self._addresses = []
+        self._restart_next = []
+        if state.options.hold_scl_after_nack:
+            self._holds = "command"
+        elif state.mdr & MDR_STP:
+            self._stop(now)
+        else:
+            self._holds = "released"
+
+    def _leaves_scl_high(self) -> bool:
+        """Whether SCL stays high after a NACK until the next command, where it is not held low."""
+        mdr = self.state.mdr
+        return not self.state.options.hold_scl_after_nack and not mdr & (MDR_STP | MDR_DLB)
+
+    # STOP, repeated START, loss ----------------------------------------------------------
+
+    def _stop_if_allowed(self, now: int) -> None:
+        state = self.state
+        if not self._data_bytes and not state.mdr & MDR_RM:
+            state.touched.add("stop_without_data")
+            if state.options.stop_without_data == "waits_for_data":
+                return
+        self._stop(now)
+
+    def _stop(self, now: int) -> None:
+        self.state.clear(now, STR_ARDY)
+        self._begin_condition(now, 0, self._stop_high)
+
+    def _stop_high(self, now: int) -> None:
+        self._stopping = True
+        self._after_high = self._fall
+        self._high_phase = False
+        self.pulls &= ~SDA
+
+    def _restart(self, now: int, *, own: bool = False) -> None:
+        """A repeated START; own: one that belongs to the command in progress."""
+        self._own_restart = own
+        if not own:
+            self._take_command()
+        self._begin_condition(now, 1, self._restart_high)
+
+    def _restart_high(self, now: int) -> None:
+        self._after_high = self._fall
+        self._begin_start(now)
+
+    def lose(self, now: int) -> None:
+        """Arbitration is lost, or the bus was another's: AL, and the module is a slave-receiver."""
+        state = self.state
+        state.touched.add("al_clears_stt")
+        cleared = MDR_MST | MDR_STP
+        if state.options.al_clears_stt:
+            cleared |= MDR_STT
+        state.mdr &= ~cleared
+        self.let_go(self._fall)
+        self._starting = self._stopping = False
+        self._addresses = []
+        self._restart_next = []
+        state.wanted = False
+        state.set(now, STR_AL)

@@ -1,0 +1,450 @@
+"""The I2C module: register accesses, SCL and SDA go in; SCL, SDA, I2CINT1A and I2CINT2A come out.
+
+    SCL, SDA --noise filter--> START, STOP, rise, fall --> I2cSlave, I2cMaster --> pulls --> SCL, SDA
+    registers <--> I2cRegisters (flags, data path, FIFOs, interrupts) <--> the two
+
+This file joins them: what each register write means, resets, the clock gate, loopback,
+debugger halts; and it decides when anybody must be woken.
+
+Source: SPRUG03B; clock gate SPRUFB0D section 5.1.
+
+Chosen:
+- With the clock gated off the module lets go of both lines and hears nothing; its registers keep their values.
+- A filtered edge acts one filter width after the edge; a shorter pulse is never seen.
+- A debugger halt as slave holds SCL low from the fall that ends the byte (or the transfer) on.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from ...core.chip import ALL, NEVER, NOTHING, OUTPUTS
+from . import register_map as at
+from .fifos import DEPTH
+from .limits import I2cLimits
+from .master import I2cMaster
+from .noise_filter import I2cNoiseFilter
+from .options import I2cOptions
+from .register_map import (
+    I2C_MAP,
+    MDR_BC,
+    MDR_DLB,
+    MDR_FREE,
+    MDR_IRS,
+    MDR_MST,
+    MDR_STP,
+    MDR_STT,
+    SCL,
+    SDA,
+    STR_RRDY,
+    STR_SDIR,
+    STR_XRDY,
+)
+from .registers import I2cRegisters
+from .slave import I2cSlave
+
+I2CSTR = I2C_MAP["I2CSTR"]
+BOTH = SCL | SDA
+
+
+class I2c:
+    MAP = I2C_MAP
+    INPUTS: tuple[str, ...] = ("SCL", "SDA")
+    OUTPUTS: tuple[str, ...] = ("SCL", "SDA")
+    LINES: tuple[str, ...] = ("I2CINT1A", "I2CINT2A")
+
+    def __init__(self, options: I2cOptions = I2cOptions()) -> None:  # noqa: B008 (frozen)
+        self.options = options
+        self.state = I2cRegisters(options)
+        self.target = I2cSlave(self.state)
+        self.limits = I2cLimits(self.state)
+        self.master = I2cMaster(self.state, self.limits)
+        self.next_wake = NEVER
+        self._timer = NEVER  # the first of all timers inside, as of the last input
+        self.out = BOTH
+        self.requests = 0
+        self.held = 0
+        self.notes = self.state.notes
+        self.touched = self.state.touched
+        self._clocked = False
+        self._pins = BOTH
+        self._lines = I2cNoiseFilter(options.unequal_arrival == "one_sample", self.touched)
+        self.filter_width = options.noise_filter_cycles  # cycles; the module clock is one cycle until IRS rises
+        self._bus_busy = False  # between a START and a STOP, also of those that came while IRS was 0
+        self._suspended = False
+        self._frozen_pull = 0  # what a halted slave pulls until the CPU runs on
+
+    # Pins ------------------------------------------------------------------------
+
+    def pins(self, now: int, levels: int) -> int:
+        if levels == self._pins:
+            return NOTHING
+        self._pins = levels
+        late = self.next_wake <= now
+        if late:
+            self._advance(now)
+        if not self.state.mdr & MDR_DLB:
+            self._hear(now, levels)
+        if late or self.master.active or not self.filter_width:
+            self._plan()
+            return ALL
+        self.next_wake = self._timer if self._timer < self._lines.due else self._lines.due
+        return OUTPUTS
+
+    def _hear(self, now: int, levels: int) -> None:
+        """The lines of the bus, or in loopback our own outputs."""
+        lines, master = self._lines, self.master
+        if master.active:
+            master.hear(now, levels)
+        else:
+            master.lines = levels
+        if not self._clocked:
+            lines.settle(levels)
+            return
+        lines.sample(now, levels, self.filter_width, self.state.tm)
+        if lines.due <= now:
+            self._lines_moved(now)
+
+    def _lines_moved(self, now: int) -> None:
+        """A change behind the filter: where both lines move at once it is SCL that counts."""
+        before, levels = self._lines.levels, self._lines.take(now)
+        if before & levels & SCL:
+            self._bus_busy = not levels & SDA
+        if not self.state.mdr & MDR_IRS:
+            return
+        master, target = self.master, self.target
+        if not (before ^ levels) & SCL:
+            if not levels & SCL:
+                return
+            if levels & SDA:
+                target.stop(now)
+                master.stop_seen(now)
+            else:
+                target.start(now)
+                master.start_seen(now)
+            target.muted = master.active
+        elif levels & SCL:
+            sda = levels >> 1
+            if master.active:
+                master.rise(now, sda)
+                target.muted = master.active
+            target.rise(now, sda)
+        else:
+            if master.active:
+                master.fell(now)
+            target.fall(now)
+            if self._suspended:
+                self._halt_target()
+
+    # Time ------------------------------------------------------------------------
+
+    def wake(self, now: int) -> int:
+        edge = self._timer > now and not self.master.active  # and nothing else
+        self._advance(now)
+        self._show()
+        return OUTPUTS if edge and self.target.in_mid_byte else ALL
+
+    def _advance(self, now: int) -> None:
+        """Everything that is due by `now`, in order of time; filtered edges before timers."""
+        lines = self._lines
+        if self._timer > now and lines.due > now:
+            return
+        while True:
+            edge, timer = lines.due, self._timer
+            if edge <= timer:
+                if edge > now:
+                    return
+                self._lines_moved(edge)
+            elif timer > now:
+                return
+            else:
+                self._timer_due(timer)
+            if self.state.mdr & MDR_DLB:
+                self._hear(min(timer, edge), self._levels())  # in loopback it hears itself
+            self._timer = self._next_timer()
+
+    def _next_timer(self) -> int:
+        master = self.master
+        timer = master.next_due if master.active else master.due
+        if self.target.due < timer:
+            timer = self.target.due
+        return self.state.code_at if self.state.code_at < timer else timer
+
+    def _timer_due(self, now: int) -> None:
+        if self.state.code_at == now:
+            self.state.load_code(now)
+        elif self.master.next_due == now:
+            self.master.sees_idle = self._lines.levels == BOTH
+            self.master.timer(now)
+            self.target.muted = self.master.active
+        else:
+            self.target.timer(now)
+
+    def _levels(self) -> int:
+        if not self._clocked or not self.state.mdr & MDR_IRS:
+            return BOTH
+        return BOTH & ~(self.target.pulls | self.master.pulls)
+
+    def _plan(self) -> None:
+        """After an input that may have set or stopped a timer."""
+        self._timer = self._next_timer() if self._clocked else NEVER
+        self._show()
+
+    def _show(self) -> None:
+        """Outputs and wake-up after an input."""
+        if not self._clocked:
+            self.out, self.next_wake = BOTH, NEVER
+            return
+        state = self.state
+        self.requests |= state.requests
+        state.requests = 0
+        self.held = state.held
+        self.out = self._levels()
+        self.next_wake = self._timer if self._timer < self._lines.due else self._lines.due
+
+    # Registers -----------------------------------------------------------------------
+
+    def read(self, now: int, offset: int) -> int:
+        self._advance(now)
+        if not self._accessible():
+            return 0
+        state = self.state
+        if offset == at.DRR:
+            value = state.read_drr(now)
+            self.target.drr_read(now)
+            self.master.drr_read(now)
+        elif offset == at.ISRC:
+            value = state.read_isrc(now)
+        else:
+            return self.peek(now, offset)
+        self._loop_and_plan(now)
+        return value
+
+    def _accessible(self) -> bool:
+        if self._clocked:
+            return True
+        self.touched.add("clock_gate_access")
+        return self.options.clock_gate_access == "accessible"
+
+    def peek(self, now: int, offset: int) -> int:
+        if self.next_wake <= now:
+            self._advance(now)
+        state = self.state
+        if not self._clocked and not self._accessible():
+            return 0
+        if offset == at.STR:
+            return state.str
+        if offset == at.MDR:
+            return state.mdr
+        if offset == at.DRR:
+            return state.rx_fifo.words[0] if state.fifo and state.rx_fifo else state.drr
+        if offset == at.ISRC:
+            return state.code | state.isrc_high
+        if offset == at.FFTX:
+            return state.fftx | len(state.tx_fifo) << 8
+        if offset == at.FFRX:
+            return state.ffrx | min(len(state.rx_fifo), DEPTH) << 8
+        if offset == at.EMDR:
+            state.touched.add("emdr_present")
+            if not state.emdr_written:
+                state.touched.add("bcm_reset")
+            return state.bcm if self.options.emdr_present else 0
+        return state.stored(offset)
+
+    def write(self, now: int, offset: int, value: int) -> None:
+        self._advance(now)
+        if not self._accessible():
+            return
+        state = self.state
+        if offset == at.DXR:
+            state.write_dxr(now, value)
+            self.target.dxr_written(now)
+            self.master.dxr_written(now)
+        elif offset == at.STR:
+            self._write_str(now, value)
+        elif offset == at.MDR:
+            looped = state.mdr & MDR_DLB
+            self._write_mdr(now, value & ~(1 << 12))
+            if looped and not state.mdr & MDR_DLB:
+                self._hear(now, self._pins)  # they may stand still for long
+        elif offset == at.IER:
+            state.ier = value & 0x7F
+            self.limits.fifo_enables()
+            state.update(now)
+        elif offset == at.FFTX:
+            before = state.fifo
+            state.write_fftx(now, value)
+            if not before:
+                self.limits.fifo_enables()
+        elif offset == at.FFRX:
+            state.write_ffrx(now, value)
+        else:
+            self._write_plain(now, offset, value)
+        self._loop_and_plan(now)
+
+    def _loop_and_plan(self, now: int) -> None:
+        if self.state.mdr & MDR_DLB:
+            self._hear(now, self._levels())
+        self._plan()
+
+    def _write_plain(self, now: int, offset: int, value: int) -> None:
+        """Registers that only hold a value; with the duties that TI names for them."""
+        state = self.state
+        if offset == at.OAR:
+            state.oar = value & 0x3FF
+            if self.limits.written_while_enabled("I2COAR"):
+                state.touched.add("oar_latch")
+                self.limits.own_address()
+        elif offset == at.SAR:
+            state.sar = value & 0x3FF
+        elif offset == at.CLKL:
+            state.clkl = value & 0xFFFF
+            self.limits.divisor("I2CCLKL", state.clkl)
+        elif offset == at.CLKH:
+            state.clkh = value & 0xFFFF
+            self.limits.divisor("I2CCLKH", state.clkh)
+        elif offset == at.CNT:
+            state.cnt = value & 0xFFFF
+            if self.options.cnt_copy_point == "write":
+                self.master.load_counter()
+        elif offset == at.ISRC:
+            state.isrc_high = value & 0xF00
+            if state.isrc_high:
+                state.duty("I2CISRC bits 11 to 8 were not written 0", "SPRUG03B Table 11")
+        elif offset == at.EMDR:
+            self._write_emdr(value)
+        elif offset == at.PSC:
+            self._write_psc(value & 0xFF)
+
+    def _write_emdr(self, value: int) -> None:
+        self.touched.add("emdr_present")
+        if self.options.emdr_present:
+            self.state.bcm = value & 1
+            self.state.emdr_written = True
+            if value & ~1:
+                self.state.duty("I2CEMDR bits 15 to 1 were not written 0", "SPRUG03B Table 8")
+
+    def _write_psc(self, value: int) -> None:
+        state = self.state
+        if state.mdr & MDR_IRS:
+            self.touched.add("psc_write_irs1")
+            state.duty("I2CPSC was written with IRS = 1, where it has no effect; write it in IRS = 0", "SPRUG03B §1.4")
+            if self.options.psc_write_irs1 == "dropped":
+                return
+        state.psc = value
+
+    def _write_str(self, now: int, value: int) -> None:
+        state = self.state
+        if value & state.str & STR_RRDY:
+            state.rrdy_cleared()
+        state.str, _ = I2CSTR.write(state.str, value)
+        if value & state.str & STR_XRDY:
+            self.touched.add("xrdy_w1c")
+            if self.options.xrdy_w1c == "yes":
+                state.str &= ~STR_XRDY
+        state.update(now)
+
+    # I2CMDR -----------------------------------------------------------------------------
+
+    def _write_mdr(self, now: int, value: int) -> None:
+        state = self.state
+        old = state.mdr
+        commands = MDR_STT | MDR_STP
+        if not old & MDR_IRS:
+            if value & MDR_IRS and value & commands:
+                self.touched.add("stt_with_irs_write")
+            if not value & MDR_IRS or self.options.stt_with_irs_write == "dropped":
+                value = value & ~commands | old & commands
+        if (value ^ old) & MDR_BC and state.tx_ready:
+            state.duty("BC was changed after I2CDXR was written; expected BC first", "SPRUG03B §5.12")
+        state.mdr = value
+        if value & MDR_IRS and not old & MDR_IRS:
+            self._enable(now)
+        elif old & MDR_IRS and not value & MDR_IRS:
+            self._disable(now)
+            return
+        elif value & MDR_IRS and (self.target.pulls | self.master.pulls) & SCL:
+            self.touched.add("irs_write1_releases_bus")
+            if self.options.irs_write1_releases_bus:
+                self.target.release_bus()
+        if value & MDR_DLB:
+            state.clear(now, STR_SDIR)
+            self.limits.loopback(begins=not old & MDR_DLB)
+        if value & MDR_IRS:
+            if not value & MDR_MST and self.master.active and not value & MDR_DLB:
+                state.duty("MST was cleared in the middle of a transfer", "SPRUG03B Table 5")
+            if value & MDR_STT and value & MDR_MST and not self.master.active:
+                self.limits.start_commanded(self._bus_busy)
+            self.master.command(now, value)
+            self.target.muted = self.master.active
+
+    def _enable(self, now: int) -> None:
+        state = self.state
+        state.tm = state.psc + 1
+        self.filter_width = self.options.noise_filter_cycles * state.tm
+        state.touched.add("noise_filter_cycles")
+        self.limits.enabled()
+        self.target.reset()
+        state.fifo_levels(now)
+        state.update(now)
+
+    def _disable(self, now: int) -> None:
+        self.target.reset()
+        self.master.reset()
+        self._frozen_pull = 0
+        self.target.muted = False
+        self.state.irs_reset(now)
+
+    # Clock, debugger, reset ----------------------------------------------------------------
+
+    def set_sysclk(self, now: int, hz: Fraction) -> None:
+        """SYSCLKOUT is `hz` from `now` on, for the limits in seconds; else the module knows cycles only."""
+        self._advance(now)
+        changed, self.limits.sysclk_hz = hz != self.limits.sysclk_hz, hz
+        if changed and self.state.mdr & MDR_IRS:
+            self.limits.module_clock()
+
+    def gate(self, now: int, on: bool) -> None:
+        """PCLKCR0.I2CAENCLK acts from `now` on."""
+        self._advance(now)
+        if on != self._clocked:
+            self._lines.settle(self._pins)
+            self._bus_busy = self._pins != BOTH
+            self.master.lines = self._pins
+        self._clocked = on
+        self._plan()
+
+    def suspend(self, now: int, on: bool) -> None:
+        """A breakpoint was reached (True), or the debugger lets the CPU run on."""
+        self._advance(now)
+        self._suspended = on and not self.state.mdr & MDR_FREE
+        if self._suspended:
+            self.master.halt(now)
+        else:
+            self.master.resume_after_halt(now)
+            self.target.pulls &= ~self._frozen_pull
+            self._frozen_pull = 0
+        self._plan()
+
+    def _halt_target(self) -> None:
+        target = self.target
+        if self.master.active or not target.follows:
+            return
+        self.touched.add("free_slave_unit")
+        complete = self.options.free_slave_unit == "byte" or not target.own_transfer
+        if complete and target.bit == 0 and not target.pulls & SCL:
+            target.pulls |= SCL
+            self._frozen_pull = SCL
+
+    def reset(self, now: int) -> None:
+        """XRS: every register takes its reset value, the clock gate is off."""
+        self.state.reset()
+        self.target.reset()
+        self.master.reset()
+        self._clocked = False
+        self.held = 0
+        self.filter_width = self.options.noise_filter_cycles
+        self._lines.settle(self._pins)
+        self._suspended = False
+        self._frozen_pull = 0
+        self._plan()

@@ -1,0 +1,242 @@
+"""The CPU's side of the I2C module: registers and the data path; flags, interrupts and FIFOs are its bases.
+
+    I2CDXR or TX FIFO --> I2CXSR --> the bit engines        bit engines --> I2CRSR --> I2CDRR or RX FIFO
+    flags and I2CIER --> arbiter --> I2CISRC, I2CINT1A      FIFO levels --> I2CINT2A
+
+Knows no edge: the bit engines (`slave`, `master`) say what happened and when, and
+so could a coarser line side. Source: SPRUG03B sections 4 (reset), 5.
+"""
+
+from __future__ import annotations
+
+from ...core.chip import Note
+from . import register_map as i2c_map
+from .fifos import DEPTH, FFRST, I2cFifos
+from .options import I2cOptions
+from .register_map import (
+    I2C_MAP,
+    MDR_BC,
+    MDR_NACKMOD,
+    MDR_STP,
+    MDR_STT,
+    MDR_TRX,
+    STR_NACK,
+    STR_RRDY,
+    STR_RSFULL,
+    STR_XRDY,
+    STR_XSMT,
+)
+
+I2CSTR = I2C_MAP["I2CSTR"]
+COMMANDS = MDR_STT | MDR_STP | MDR_NACKMOD
+
+
+class I2cRegisters(I2cFifos):
+    """Everything of the module that is not bits on wires. Times are SYSCLKOUT cycles."""
+
+    __slots__ = (
+        "bcm",
+        "clkh",
+        "clkl",
+        "cnt",
+        "drr",
+        "drr_unread",
+        "dxr",
+        "dxr_behind",
+        "dxr_full",
+        "emdr_written",
+        "oar",
+        "psc",
+        "rsr",
+        "sar",
+        "tm",
+        "xsr",
+    )
+
+    def __init__(self, options: I2cOptions) -> None:
+        super().__init__(options)
+        self.reset()
+
+    def reset(self) -> None:
+        """XRS."""
+        self.reset_flags()
+        self.reset_fifos()
+        self.oar = self.clkl = self.clkh = self.cnt = self.psc = 0
+        self.sar = I2C_MAP["I2CSAR"].reset
+        self.bcm = self.options.bcm_reset if self.options.emdr_present else 1
+        self.emdr_written = False
+        self.tm = 1  # module clock in cycles, as taken over when IRS last rose
+        self.dxr = self.xsr = self.drr = self.rsr = 0
+        self.dxr_full = self.drr_unread = False
+        self.dxr_behind: list[int] = []  # bytes written behind a full I2CDXR (dxr_write_while_full)
+
+    def irs_reset(self, now: int) -> None:
+        """IRS went to 0: status to its defaults; what survives is the options' business."""
+        keep_bb = self.str & I2CSTR["BB"].mask if self.options.bb_on_irs_reset == "keep" else 0
+        self.touched.add("bb_on_irs_reset")
+        if self.dxr_full or self.xsr_full:
+            self.touched.add("dxr_survives_irs")
+        if self.options.dxr_survives_irs != "kept_and_still_sent":
+            self.dxr_full = False
+            self.dxr_behind.clear()
+        self.xsr_full = False
+        self.wanted = False
+        self.str = I2CSTR.reset | keep_bb
+        self.forget_requests(now)
+        self.drr_unread = False
+        if self.mdr & COMMANDS:
+            self.touched.add("irs_clears_commands")
+            if self.options.irs_clears_commands:
+                self.mdr &= ~COMMANDS
+        if self.tx_fifo or self.rx_fifo:
+            self.touched.add("irs_clears_fifo")
+            if self.options.irs_clears_fifo:
+                self.tx_fifo.clear()
+                self.rx_fifo.clear()
+
+    # Data path, sending --------------------------------------------------------
+
+    @property
+    def tx_ready(self) -> bool:
+        """Whether a byte waits to go to I2CXSR."""
+        return bool(self.tx_fifo) or self.dxr_full if self.fifo else self.dxr_full
+
+    def write_dxr(self, now: int, value: int) -> None:
+        value &= 0xFF
+        if self.fifo:
+            if not self.fftx & FFRST:
+                self.notes.append(
+                    Note(
+                        "lost",
+                        "a byte was written to I2CDXR while TXFFRST = 0 holds the TX FIFO empty",
+                        "SPRUG03B Table 21",
+                    )
+                )
+            elif self._extra_stage and not self.dxr_full:
+                self.dxr, self.dxr_full = value, True
+            elif not self.tx_fifo.push(value):
+                self.notes.append(Note("lost", "a byte was written to a full TX FIFO", "SPRUG03B section 5.12"))
+            self.fifo_levels(now)
+            self.set(now, STR_XSMT)
+            return
+        if self.dxr_full:
+            self.touched.add("dxr_write_while_full")
+            policy = self.options.dxr_write_while_full
+            if policy == "ignored":
+                return
+            if policy == "queued_behind_xsr":
+                self.dxr_behind.append(value)
+                return
+        self.dxr, self.dxr_full = value, True
+        self.str = self.str & ~STR_XRDY | STR_XSMT
+        self.update(now)
+
+    @property
+    def _extra_stage(self) -> bool:
+        self.touched.add("fifo_extra_stage")
+        return self.options.fifo_extra_stage == "dxr_drr_behind"
+
+    def copy_to_xsr(self, now: int, xrdy: bool = True) -> bool:
+        """I2CDXR (or the TX FIFO's head) goes to I2CXSR; False if there is nothing. xrdy: XRDY rises with it."""
+        if self.fifo:
+            if self._extra_stage:
+                if not self.dxr_full:
+                    return False
+                self.xsr = self.dxr
+                self.dxr_full = bool(self.tx_fifo)
+                if self.tx_fifo:
+                    self.dxr = self.tx_fifo.pop()
+            elif self.tx_fifo:
+                self.xsr = self.tx_fifo.pop()
+            else:
+                return False
+            self.xsr_full = True
+            self.fifo_levels(now)
+            return True
+        if not self.dxr_full:
+            return False
+        self.xsr, self.xsr_full = self.dxr, True
+        if self.dxr_behind:
+            self.dxr = self.dxr_behind.pop(0)
+            return True
+        self.dxr_full = False
+        if xrdy:
+            self.set(now, STR_XRDY)
+        return True
+
+    # Data path, receiving --------------------------------------------------------
+
+    @property
+    def rx_blocked(self) -> bool:
+        """Whether a further byte finds no place."""
+        if self.fifo:
+            room = DEPTH + (1 if self._extra_stage else 0)
+            return len(self.rx_fifo) >= room if self.ffrx & FFRST else False
+        return self.drr_unread
+
+    def received(self, now: int, value: int) -> None:
+        """I2CRSR is copied to I2CDRR, or to the RX FIFO."""
+        if self.fifo:
+            if self.ffrx & FFRST:
+                self.rx_fifo.words.append(value)
+                self.fifo_levels(now)
+                self.set(now, STR_RRDY)
+            return
+        self.drr = value
+        self.drr_unread = True
+        self.set(now, STR_RRDY)
+
+    def read_drr(self, now: int) -> int:
+        if self.fifo:
+            if self.rx_fifo:
+                self.drr = self.rx_fifo.pop()
+                if not self.rx_fifo:
+                    self.str &= ~STR_RRDY
+                self.fifo_levels(now)
+        else:
+            self.drr_unread = False
+            self.str &= ~STR_RRDY
+        self.update(now)
+        return self.drr
+
+    def rrdy_cleared(self) -> None:
+        """RRDY was cleared by writing 1 to it."""
+        self.touched.add("rrdy_clear_reads_drr")
+        if self.options.rrdy_clear_reads_drr:
+            self.drr_unread = False
+
+    # Small things the engines ask ---------------------------------------------------
+
+    def stored(self, offset: int) -> int:
+        """What a register that only holds a value shows; 0 where there is none."""
+        return {
+            i2c_map.OAR: self.oar,
+            i2c_map.IER: self.ier,
+            i2c_map.CLKL: self.clkl,
+            i2c_map.CLKH: self.clkh,
+            i2c_map.CNT: self.cnt,
+            i2c_map.SAR: self.sar,
+            i2c_map.DXR: self.dxr,
+            i2c_map.PSC: self.psc,
+        }.get(offset, 0)
+
+    @property
+    def bits(self) -> int:
+        """Bits of the next data byte."""
+        return self.mdr & MDR_BC or 8
+
+    @property
+    def trx(self) -> bool:
+        return bool(self.mdr & MDR_TRX)
+
+    @property
+    def setup(self) -> int:
+        """Cycles from a bit on SDA to the release of SCL; never 0, both at once could be a START or a STOP."""
+        return max(1, self.options.sda_setup_before_scl_release * self.tm)
+
+    def nack_received(self, now: int, as_slave: bool) -> None:
+        self.nack_as_slave = as_slave
+        self.set(now, STR_NACK)
+
+    def overrun(self, now: int) -> None:
+        self.set(now, STR_RSFULL)

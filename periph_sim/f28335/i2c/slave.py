@@ -1,0 +1,356 @@
+"""The I2C module as slave, bit by bit: START, STOP, rise and fall go in; what it pulls low, and flags, come out.
+
+    OFF --START--> ADDRESS --match--> RECEIVE or TRANSMIT --STOP--> OFF
+                      +--no match, or NACK received--> IGNORE --START or STOP-->
+
+A byte is n bits (8 for addresses, BC for data). `bit` counts the rises of the present
+byte; "rise 8" and "fall 8" are those of its n-th pulse, "rise 9", "fall 9" of the
+acknowledge. Source: SPRUG03B sections 2 and 3, Table 1, Table 10, Figure 17.
+
+Chosen:
+- A slave that has sent a NACK goes on receiving until the START or STOP.
+- A NACK has been sent (NACKSNT, NACKMOD) at the fall that ends its slot.
+- With `eager_reloaded_at_address` I2CXSR is loaded anew where the read address matches, at fall 8.
+"""
+
+from __future__ import annotations
+
+from ...core.chip import NEVER
+from .register_map import (
+    MDR_FDF,
+    MDR_IRS,
+    MDR_MST,
+    MDR_NACKMOD,
+    MDR_XA,
+    SCL,
+    SDA,
+    STR_AAS,
+    STR_AD0,
+    STR_BB,
+    STR_NACKSNT,
+    STR_RSFULL,
+    STR_SCD,
+    STR_SDIR,
+    STR_XRDY,
+)
+from .slave_transmitter import ADDRESS, ADDRESS_LOW, IGNORE, OFF, RECEIVE, TRANSMIT, I2cSlaveTransmitter
+
+
+class I2cSlave(I2cSlaveTransmitter):
+    """pulls: mask of the lines held low. due: when it must be called by itself (`timer`), or NEVER."""
+
+    @property
+    def follows(self) -> bool:
+        """This transfer is, or may be, for us."""
+        return OFF < self.phase < IGNORE
+
+    @property
+    def in_mid_byte(self) -> bool:
+        """True while an edge of SCL moves nothing but the shift register, and SDA as transmitter."""
+        return self.follows and 0 < self.bit < self._n
+
+    # Line events --------------------------------------------------------------------
+
+    def start(self, now: int) -> None:
+        state, options = self.state, self.state.options
+        self._let_go()
+        flags = STR_AD0
+        if options.sdir_clear == "any_start_or_stop":
+            flags |= STR_SDIR
+        if state.str & STR_SDIR:
+            state.touched.add("sdir_clear")
+        if not state.mdr & MDR_XA:
+            flags |= STR_AAS
+        state.str &= ~flags
+        state.wanted = False
+        state.set(now, STR_BB)
+        if options.oar_latch == "at_start":
+            self._address.latch()
+        self.bit = 0
+        self._shift = 0
+        self._n = 8
+        self._sent = 0
+        self._nack_armed = False
+        self.phase = ADDRESS
+        self._first_byte = True
+        if state.mdr & MDR_FDF and not state.mdr & MDR_MST:
+            self.own_transfer = True
+            self._n = state.bits
+            self.phase = TRANSMIT if state.trx else RECEIVE
+
+    def stop(self, now: int) -> None:
+        state, options = self.state, self.state.options
+        self._let_go()
+        if not self.own_transfer:
+            state.touched.add("scd_foreign")
+        if self.own_transfer or options.scd_foreign == "every_stop":
+            state.str |= STR_SCD
+        flags = STR_BB | STR_AD0 | STR_AAS
+        if state.str & STR_SDIR:
+            state.touched.add("sdir_clear")
+        if options.sdir_clear == "any_start_or_stop":
+            flags |= STR_SDIR
+        state.wanted = False
+        state.clear(now, flags)
+        self.phase = OFF
+        self.own_transfer = self._address.selected = False
+
+    def rise(self, now: int, sda: int) -> None:
+        phase = self.phase
+        if phase in (OFF, IGNORE):
+            return
+        self.bit = bit = self.bit + 1
+        n = self._n
+        if bit <= n:
+            if phase != TRANSMIT:
+                self._shift = self._shift << 1 | sda
+                if bit == n:
+                    self._last_rise(now)
+        elif phase == TRANSMIT:
+            self._answered(now, sda)
+        elif self._ack:
+            self._ack_rise(now)
+
+    def fall(self, now: int) -> None:
+        phase = self.phase
+        if phase in (OFF, IGNORE):
+            return
+        bit, n = self.bit, self._n
+        if bit < n:
+            if phase == TRANSMIT:
+                if bit == 0 and self._first_byte:
+                    self._begin_byte(now, first=True)
+                else:
+                    self._drive(self.state.xsr >> (n - 1 - bit) & 1)
+        elif bit == n:
+            if phase == TRANSMIT:
+                self._drive(1)
+                self._shifting = False
+                self._eager(now)
+            elif phase == RECEIVE:
+                self._data_complete(now)
+            else:
+                self._address_complete(now)
+        else:
+            self._slot_ends(now)
+
+    # Address ------------------------------------------------------------------------
+
+    def _last_rise(self, now: int) -> None:
+        """Rise 8: NACKMOD is looked at; with aas_sdir_point = rise8 the address is judged already."""
+        state = self.state
+        self._nack_armed = bool(state.mdr & MDR_NACKMOD)
+        if self.phase == RECEIVE:
+            return
+        if state.options.aas_sdir_point == "rise8" and not self.muted and self._address.is_ours(*self._address_byte):
+            self._address_flags(now)
+
+    @property
+    def _address_byte(self) -> tuple[int, bool]:
+        """The address byte in I2CRSR, and whether it is the second of a 10-bit address."""
+        return self._shift & 0xFF, self.phase == ADDRESS_LOW
+
+    def _address_complete(self, now: int) -> None:
+        state, options = self.state, self.state.options
+        self._ack = (
+            self._address.is_answered_by_master(*self._address_byte)
+            if self.muted
+            else self._address.is_ours(*self._address_byte)
+        )
+        if not self._ack:
+            if self._shift & 0xFF == 1 and options.start_byte_ad0 == "set" and not self.muted:
+                state.str |= STR_AD0
+            if state.mdr & MDR_XA:
+                state.clear(now, STR_AAS)
+                self._address.selected = False
+            if options.sdir_clear == "until_next_address":
+                state.str &= ~STR_SDIR
+            self.phase = IGNORE
+            return
+        if self._nack_armed:
+            state.touched.add("nackmod_on_address")
+            if options.nackmod_on_address == "address_too":
+                self._ack = False
+        self.own_transfer = True
+        if self._address.read and state.tx_ready:
+            state.touched.add("stale_byte_next_read")
+            if options.stale_byte_next_read == "discarded":
+                state.dxr_full = False
+                state.set(now, STR_XRDY)
+        if self._address.read and options.dxr_to_xsr_copy_point == "eager_reloaded_at_address" and state.bcm:
+            self._copy(now)
+        state.touched.add("aas_sdir_point")
+        if options.aas_sdir_point == "fall8":
+            self._address_flags(now)
+        if self._ack:
+            self.pulls |= SDA
+
+    def _address_flags(self, now: int) -> None:
+        state = self.state
+        if not self._address.is_whole(*self._address_byte):
+            return
+        flags = STR_AAS
+        if self._address.read:
+            flags |= STR_SDIR
+            state.wanted = state.bcm == 1
+            if not state.emdr_written:
+                state.touched.add("bcm_reset")
+        elif state.options.sdir_clear == "until_next_address":
+            state.str &= ~STR_SDIR
+        if self._shift & 0xFF == 0 and self.phase == ADDRESS:
+            flags |= STR_AD0
+        state.set(now, flags)
+
+    # Receiving ------------------------------------------------------------------------
+
+    def _policy(self) -> str:
+        """What a byte without room meets: "stretch", "nack" or "overwrite"."""
+        state = self.state
+        if state.fifo:
+            state.touched.add("fifo_17th_byte")
+            return state.options.fifo_17th_byte
+        state.touched.add("rx_overrun_policy")
+        return state.options.rx_overrun_policy.partition("_")[0]
+
+    def _data_complete(self, now: int) -> None:
+        """Fall 8 of a data byte."""
+        state = self.state
+        if self._first_byte and state.mdr & MDR_FDF:
+            state.touched.add("aas_fdf_point")
+            if state.options.aas_fdf_point == "end_of_byte":
+                state.set(now, STR_AAS)
+        self._ack = not self._nack_armed
+        blocked = state.rx_blocked
+        if blocked and self._policy() == "nack":
+            self._ack = False
+        if self._ack:
+            if blocked and self._policy() == "stretch" and state.options.rsfull_stretch_point == "before_ack":
+                state.touched.add("rsfull_stretch_point")
+                self.pulls |= SCL
+                self._waits_for_room = True
+            else:
+                self.pulls |= SDA
+        state.touched.add("rrdy_point")
+        if state.options.rrdy_point == "fall8" or self._waits_for_room:
+            self._take(now)
+
+    def _take(self, now: int) -> None:
+        """I2CRSR is complete: it moves on, or waits."""
+        state = self.state
+        value = self._value()
+        if state.rx_blocked:
+            self._rsr_waits = True
+            state.rsr = value
+            state.overrun(now)
+        else:
+            state.received(now, value)
+
+    def _value(self) -> int:
+        if self._n == 8:
+            return self._shift & 0xFF
+        self.state.touched.add("bc_less_than_8_upper_bits")
+        if self.state.options.bc_less_than_8_upper_bits == "zeros":
+            return self._shift & (1 << self._n) - 1
+        return self._shift & 0xFF
+
+    def _ack_rise(self, now: int) -> None:
+        """Rise 9 of a byte that we acknowledge."""
+        if self.phase == RECEIVE and self.state.options.rrdy_point == "rise9" and not self._rsr_waits:
+            self._take(now)
+        if self._address.read and self.phase == ADDRESS:
+            self._copy_at_rise9(now)
+
+    def drr_read(self, now: int) -> None:
+        """The CPU has read I2CDRR: a waiting byte moves on, a stretch ends."""
+        if not self._rsr_waits or self.state.rx_blocked:
+            return
+        self._rsr_waits = False
+        self.state.str &= ~STR_RSFULL
+        self.state.received(now, self.state.rsr)
+        if self._waits_for_room:
+            self._waits_for_room = False
+            if self.bit == self._n:
+                self.pulls |= SDA
+            self.pulls &= ~SCL
+
+    # The acknowledge slot's end -----------------------------------------------------------
+
+    def _slot_ends(self, now: int) -> None:
+        state, options = self.state, self.state.options
+        phase = self.phase
+        self.pulls &= ~SDA
+        if phase == TRANSMIT:
+            self._begin_byte(now, first=False)
+            return
+        if not self._ack:
+            self._nack_was_sent(now)
+        elif phase in (ADDRESS, ADDRESS_LOW) and options.aas_sdir_point == "fall9":
+            self._address_flags(now)
+        if phase == RECEIVE:
+            self._data_slot_ends(now)
+        if self._ack and not self._address.read and options.dxr_to_xsr_copy_point == "any_ack_fall9" and state.bcm:
+            if state.tx_ready:
+                state.touched.add("dxr_to_xsr_copy_point")
+            self._copy(now)
+        self._next_byte(now)
+
+    def _data_slot_ends(self, now: int) -> None:
+        state = self.state
+        if state.options.rrdy_point == "fall9" or (state.options.rrdy_point == "rise9" and not self._ack):
+            self._take(now)
+        if self._first_byte and state.mdr & MDR_FDF:
+            state.set(now, STR_AAS)
+        if self._rsr_waits and self._ack and self._policy() == "stretch":
+            state.touched.add("rsfull_stretch_point")
+            self.pulls |= SCL
+            self._waits_for_room = True
+
+    def _nack_was_sent(self, now: int) -> None:
+        state = self.state
+        if self._nack_armed:
+            state.mdr &= ~MDR_NACKMOD
+        state.set(now, STR_NACKSNT)
+
+    def _next_byte(self, now: int) -> None:
+        state = self.state
+        phase, low = self.phase, self.phase == ADDRESS_LOW
+        self.bit = 0
+        self._nack_armed = False
+        self._first_byte = False
+        if phase in (ADDRESS, ADDRESS_LOW) and not self._ack:
+            self.phase = IGNORE
+        elif phase == ADDRESS and state.mdr & MDR_XA and not self._address.read and self._shift & 0xFF:
+            self.phase = ADDRESS_LOW
+        elif phase in (ADDRESS, ADDRESS_LOW) and self._address.read:
+            self.phase = TRANSMIT
+            self._begin_byte(now, first=True)
+        elif phase in (ADDRESS, ADDRESS_LOW):
+            self._address.selected = self._address.selected or low
+            self.phase = RECEIVE
+        self._n = 8 if self.phase == ADDRESS_LOW else state.bits
+        if self.phase != TRANSMIT and self._n == 8:
+            self._shift = 0
+
+    # Reset and release ------------------------------------------------------------------------
+
+    def _let_go(self) -> None:
+        self.pulls = 0
+        self._waits_for_data = self._waits_for_room = False
+        self._copy_at = self._release_at = self.due = NEVER
+        self._shifting = False
+        self._ack = False
+
+    def reset(self) -> None:
+        """IRS = 0, or no clock: lines released, nothing going on."""
+        self._let_go()
+        self.phase = OFF
+        self.bit = 0
+        self._rsr_waits = self.own_transfer = self._address.selected = False
+        if self.state.mdr & MDR_IRS:
+            self._address.latch()
+
+    def release_bus(self) -> None:
+        """IRS = 1 written over 1, where that ends a stretch."""
+        self.pulls &= ~SCL
+        self._waits_for_data = self._waits_for_room = False
+        self._copy_at = self._release_at = self.due = NEVER

@@ -1,0 +1,189 @@
+"""The I2C module as slave-transmitter: bytes in I2CXSR go in; SDA, bit by bit, stretches and data flags come out.
+
+    I2CDXR --copy--> I2CXSR --_send--> bit after bit --> answer of the master --> next byte, or NACK
+                        +--empty--> underflow: SCL held until I2CDXR is written (BCM = 1)
+
+The addresses, and the way here, are in `slave`. Source: SPRUG03B sections 2 and 3, Tables 8, 10, Figure 17.
+
+Chosen:
+- In free data format a transmitter is loaded at the fall after START.
+- BCM = 0: the copy comes one module clock after the write, the release of SCL after the setup time.
+"""
+
+from __future__ import annotations
+
+from ...core.chip import NEVER
+from .address import I2cAddress
+from .register_map import MDR_MST, SCL, SDA, STR_AAS, STR_NACK, STR_XRDY, STR_XSMT
+from .registers import I2cRegisters
+
+OFF, ADDRESS, ADDRESS_LOW, RECEIVE, TRANSMIT, IGNORE = range(6)
+ONES = 0xFF
+
+
+class I2cSlaveTransmitter:
+    """pulls: mask of the lines held low. due: when it must be called by itself (`timer`), or NEVER."""
+
+    def __init__(self, state: I2cRegisters) -> None:
+        self.state = state
+        self.pulls = 0
+        self.due = NEVER
+        self.phase = OFF
+        self.bit = 0
+        self.muted = False  # this module is master now: it hears, but answers nothing
+        self._n = 8
+        self._shift = 0
+        self._ack = False
+        self._nack_armed = False
+        self._address = I2cAddress(state)
+        self.own_transfer = False  # this transfer was for us
+        self._waits_for_data = False  # SCL held: transmitter without data
+        self._waits_for_room = False  # SCL held: receiver with I2CDRR unread
+        self._rsr_waits = False
+        self._copy_at = NEVER
+        self._release_at = NEVER
+        self._sent = 0
+        self._first_byte = False
+        self._shifting = False
+
+    def _copy(self, now: int, xrdy: bool = True) -> bool:
+        return self.state.copy_to_xsr(now, xrdy)
+
+    def eager_now(self) -> bool:
+        """Whether a byte in I2CDXR goes to I2CXSR at once."""
+        state = self.state
+        point = state.options.dxr_to_xsr_copy_point
+        if point == "eager_if_trx":
+            return state.trx
+        return point in ("eager", "eager_reloaded_at_address")
+
+    def _eager(self, now: int) -> None:
+        if self.eager_now() and not self.state.xsr_full and not self._shifting and self.state.tx_ready:
+            self.state.touched.add("dxr_to_xsr_copy_point")
+            self._copy(now)
+
+    def dxr_written(self, now: int) -> None:
+        """The CPU wrote I2CDXR."""
+        state = self.state
+        if self._waits_for_data:
+            if state.bcm:
+                self._copy(now)
+                self._send(now)
+                self._waits_for_data = False
+                self._release(now)
+            elif self._copy_at == NEVER:
+                state.wanted = False
+                state.touched.add("xsmt_rule")
+                if state.options.xsmt_rule == "figure":
+                    state.clear(now, STR_XSMT)
+                self._copy_at = now + state.tm
+                self.due = min(self.due, self._copy_at)
+            return
+        if not self.muted and not state.mdr & MDR_MST:
+            self._eager(now)
+
+    def _release(self, now: int) -> None:
+        self.state.touched.add("sda_setup_before_scl_release")
+        self._release_at = now + self.state.setup
+        self.due = min(self._release_at, self._copy_at)
+
+    def timer(self, now: int) -> None:
+        """`due` has come."""
+        if self._copy_at <= now:
+            self._copy_at = NEVER
+            self._waits_for_data = False
+            self._copy(now)
+            self.state.set(now, STR_XSMT)
+            self._send(now)
+            self._release(now)
+        if self._release_at <= now:
+            self._release_at = NEVER
+            self.pulls &= ~SCL
+        self.due = min(self._copy_at, self._release_at)
+
+    def _begin_byte(self, now: int, first: bool) -> None:
+        """Fall 9 of an acknowledged byte (or the fall after START): the next byte of data begins."""
+        state, options = self.state, self.state.options
+        self.bit = 0
+        self._n = state.bits
+        self._first_byte = False
+        if state.cnt and self._sent >= state.cnt:
+            state.touched.add("cnt_in_slave_tx")
+            if options.cnt_in_slave_tx == "counts_bytes":
+                state.xsr, state.xsr_full = ONES, True
+                self._send(now)
+                return
+        point = options.dxr_to_xsr_copy_point
+        if state.tx_ready and state.bcm:
+            state.touched.add("dxr_to_xsr_copy_point")
+        if not state.bcm or point in ("any_ack_fall9", "ack_fall9") or not state.xsr_full:
+            self._copy(now)
+        elif point == "ack_rise9" and not state.dxr_full:
+            state.set(now, STR_XRDY)
+        if state.xsr_full:
+            self._send(now)
+        else:
+            self._underflow(now, first)
+
+    def _underflow(self, now: int, first: bool) -> None:
+        state, options = self.state, self.state.options
+        state.touched.add("tx_underflow_policy")
+        if state.bcm or options.xsmt_rule == "text":
+            state.str &= ~STR_XSMT
+        state.wanted = True
+        state.update(now)
+        if state.bcm:
+            if first:
+                state.touched.add("stretch_after_address_ack")
+                if not options.stretch_after_address_ack:
+                    self._send(now)
+                    return
+            elif options.tx_underflow_policy != "stretch":
+                if options.tx_underflow_policy == "send_ones":
+                    state.xsr = ONES
+                self._send(now)
+                return
+        self.pulls |= SCL
+        self._waits_for_data = True
+
+    def _send(self, now: int) -> None:
+        """The byte in I2CXSR begins to be shifted out: its first bit goes to SDA."""
+        state = self.state
+        state.xsr_full = False
+        self._shifting = True
+        self._sent += 1
+        self._drive(state.xsr >> (self._n - 1) & 1)
+
+    def _drive(self, level: int) -> None:
+        if level:
+            self.pulls &= ~SDA
+        else:
+            self.pulls |= SDA
+
+    def _answered(self, now: int, sda: int) -> None:
+        """Rise 9 of a byte that we sent."""
+        state, options = self.state, self.state.options
+        if sda == 0:
+            state.clear(now, STR_NACK)
+            self._copy_at_rise9(now)
+            return
+        self.phase = IGNORE
+        state.wanted = False
+        state.str &= ~STR_AAS
+        if state.tx_ready:
+            state.touched.add("nack_clears_dxr")
+            if options.nack_clears_dxr:
+                state.dxr_full = False
+                state.str |= STR_XRDY
+        else:
+            state.touched.add("xsmt_on_final_nack")
+            if options.xsmt_on_final_nack == "0_without_stretch":
+                state.str &= ~STR_XSMT
+        state.nack_received(now, as_slave=True)
+
+    def _copy_at_rise9(self, now: int) -> None:
+        """The copy, where it comes in the middle of the ACK slot; XRDY may rise with it or at the slot's end."""
+        state, options = self.state, self.state.options
+        if options.dxr_to_xsr_copy_point == "ack_rise9" and state.bcm and state.tx_ready:
+            state.touched |= {"dxr_to_xsr_copy_point", "xrdy_rise_point"}
+            self._copy(now, xrdy=options.xrdy_rise_point == "at_copy")

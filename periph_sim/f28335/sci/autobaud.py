@@ -1,0 +1,69 @@
+"""SCI autobaud: edges on RXD go in; the character 'A' or 'a' and the length of its bits come out.
+
+    'A' = 0x41    start 1 0 0 0 0 0 1 0 stop      edges at bits 0 1 2 7 8 9
+    'a' = 0x61    start 1 0 0 0 0 1 1 0 stop      edges at bits 0 1 2 6 8 9
+
+Chosen, where the manual is silent: the nine bits from the first fall to the rise of the
+stop bit are measured in LSPCLK periods; each edge between must lie within an eighth of
+a bit of its place; the character counts when 7/8 of its stop bit have passed high. While
+a measurement waits the ordinary receiver is off: it would see the same edges at a wrong
+rate, as breaks and errors. Any other character is lost.
+
+Source: TI SPRUFZ5A section 1.2.10.3, table 2-11.
+"""
+
+from __future__ import annotations
+
+from ...core.chip import NEVER
+
+PLACES = {0x41: (0, 1, 2, 7, 8, 9), 0x61: (0, 1, 2, 6, 8, 9)}
+
+
+class SciAutobaud:
+    """`due`: the cycle at which `character` counts, if the line stays high until then."""
+
+    def __init__(self) -> None:
+        self.armed = False
+        self.due = NEVER
+        self.character = 0
+        self.nine_bits = 0  # cycles from the first fall to the stop bit
+        self._edges: list[int] = []  # a fall first
+
+    def arm(self, on: bool) -> None:
+        if on != self.armed:
+            self.armed = on
+            self.due = NEVER
+            self._edges.clear()
+
+    def edge(self, now: int, level: int) -> None:
+        """RXD is at `level` from cycle `now` on; a second edge of one cycle takes the first back."""
+        edges = self._edges
+        self.due = NEVER
+        if edges and edges[-1] == now:
+            edges.pop()
+        elif edges or not level:
+            if len(edges) == 8:
+                del edges[:2]
+            edges.append(now)
+        if len(edges) >= 6 and len(edges) % 2 == 0:
+            self._compare(edges[-6:])
+
+    def brr(self, divider: int, phase: int, nearest: bool) -> int:
+        """The baud divider for the measured length, 1 to 65535."""
+        last = self._edges[-1]
+        first = last - self.nine_bits
+        lspclks = (last - phase) // divider - (first - phase) // divider
+        steps = (lspclks + 36) // 72 if nearest else lspclks // 72
+        return min(max(steps - 1, 1), 0xFFFF)
+
+    def _compare(self, edges: list[int]) -> None:
+        first, last = edges[0], edges[5]
+        total = last - first
+        for character, places in PLACES.items():
+            if all(
+                8 * abs(9 * (edge - first) - place * total) <= total for edge, place in zip(edges, places, strict=True)
+            ):
+                self.character = character
+                self.nine_bits = total
+                self.due = last + total * 7 // 72
+                return

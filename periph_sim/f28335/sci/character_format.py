@@ -1,0 +1,69 @@
+"""A character's format: SCICCR goes in, the places of its bits come out, for both directions.
+
+    start  data LSB first  [address]  [parity]  stop [stop]
+
+Source: TI SPRUFZ5A sections 1.2.3 and 1.2.6, table 2-3; SPRZ272N figure 3-1 for the
+erratum's early search.
+"""
+
+from __future__ import annotations
+
+from .options import SciOptions
+from .register_map import SCI_MAP
+
+_CCR = SCI_MAP["SCICCR"]
+STOPBITS = _CCR["STOPBITS"].mask
+PARITY = _CCR["PARITY"].mask
+PARITYENA = _CCR["PARITYENA"].mask
+ADDRIDLE_MODE = _CCR["ADDRIDLE_MODE"].mask
+SCICHAR = _CCR["SCICHAR"]
+
+DUE = {"seven_eighths": 7, "drawing": 6, "stop_end": 8}  # SCICLK periods into the stop bit
+BREAK_TICKS = {"10": 80, "9.625": 77}
+
+
+class SciFormat:
+    """Bits are numbered from the start bit, 0; ticks are counted from the start bit's first low sample."""
+
+    def __init__(self, sciccr: int, options: SciOptions) -> None:
+        self.sciccr = sciccr
+        self.data_bits = SCICHAR.of(sciccr) + 1
+        self.data_mask = (1 << self.data_bits) - 1
+        self.address = bool(sciccr & ADDRIDLE_MODE)
+        self.parity = bool(sciccr & PARITYENA)
+        self.even = bool(sciccr & PARITY)
+        self.stops = 2 if sciccr & STOPBITS else 1
+        self.extra_bits = self.address + self.parity
+        self.stop_bit = 1 + self.data_bits + self.extra_bits
+        self.bits = self.stop_bit + self.stops
+        stop = 8 * self.stop_bit
+        self.stop_at = stop
+        self.vote_at = stop + (3 if options.stop_vote_samples == "4_5_6" else 2)
+        self.voted_at = self.vote_at + 2
+        self.due = stop + DUE[options.rxrdy_point]
+        self.end = 8 * self.bits
+        self.early_hunt = self.address
+        self.hunt = stop + options.start_hunt_point - 1
+        if self.address:  # erratum: sub-sample 6 of the address bit
+            behind = self.parity and options.addrbit_hunt_with_parity == "parity_bit"
+            self.hunt = 8 * (1 + self.data_bits + behind) + 5
+        counted_from = self.voted_at if options.break_count_from == "last_stop_sample" else stop + 7
+        self.break_at = counted_from + BREAK_TICKS[options.break_bits]
+
+    def parity_bit(self, word: int, address: int) -> int:
+        """The bit that makes the ones of `word`, the address bit and itself even (or odd)."""
+        ones = word.bit_count() + (address if self.address else 0)
+        return ones & 1 if self.even else ones & 1 ^ 1
+
+    def levels(self, word: int, address: int, whole_byte: bool) -> int:
+        """The frame's levels as a number, start bit in bit 0; stop bits are ones."""
+        data = word & self.data_mask
+        at = 1 + self.data_bits
+        levels = data << 1
+        if self.address:
+            levels |= address << at
+            at += 1
+        if self.parity:
+            levels |= self.parity_bit(word if whole_byte else data, address) << at
+            at += 1
+        return levels | ((1 << self.stops) - 1) << at

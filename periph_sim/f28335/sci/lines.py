@@ -1,0 +1,355 @@
+"""The SCI module between its lines: RXD, clocks and debugger stops go in; TXD, RXINT, TXINT and what is due come out.
+
+    RXD --> SciRxBits --deliver--> SciRx --> RXINT
+                 ^ loop-back
+    TXD <-- SciTxBits <--words---- SciTx --> TXINT
+
+The CPU's side, which sets the two halves up, is in `module`. `deliver` and `take_words` are the seams for line
+sides coarser than edges: they leave out the bits, everything else is the same code.
+
+Chosen, where the manual is silent:
+- Loop-back passes the receiver's synchroniser like the pin, and TXD shows the frames too.
+- rx_int_extra delays every receive request that comes from the line (break and errors
+  too); a request made by a CPU write comes at once.
+- A debugger stop with SOFT = 1 lets a frame whose start bit was accepted finish; then
+  that half's clock stands still, as both do at once with SOFT = 0.
+- Autobaud: the character, ABD and the new divider come together, 7/8 into the stop bit.
+
+Source: TI SPRUFZ5A; SPRUFB0D section 5.1 for the clock gate.
+"""
+
+from __future__ import annotations
+
+from ...core.chip import ALL, NEVER, NOTHING, OUTPUTS, Note
+from .autobaud import SciAutobaud
+from .character_format import SciFormat
+from .clock import SciClock
+from .options import SciOptions
+from .receiver import SciRx
+from .receiver_bits import BREAK, FE, FRAME, IDLE, PE, SciRxBits
+from .register_map import SCI_MAP
+from .transmitter import SciTx, SentWord
+
+RXINT = 1
+TXINT = 2
+
+LOOPBKENA = SCI_MAP["SCICCR"]["LOOPBKENA"].mask
+ABD = SCI_MAP["SCIFFCT"]["ABD"].mask
+CDC = SCI_MAP["SCIFFCT"]["CDC"].mask
+SOFT = SCI_MAP["SCIPRI"]["SOFT"].mask
+FREE = SCI_MAP["SCIPRI"]["FREE"].mask
+
+LINE_QUESTIONS = ("rxrdy_point", "rx_sync_stages")  # every frame that comes as levels depends on them
+
+
+class SciLines:
+    """name: as notes call the module. options: answers to open questions."""
+
+    MAP = SCI_MAP
+    INPUTS: tuple[str, ...] = ("RXD",)
+    OUTPUTS: tuple[str, ...] = ("TXD",)
+    LINES: tuple[str, ...] = ("RXINT", "TXINT")
+
+    def __init__(self, name: str = "SCI-A", options: SciOptions = SciOptions()) -> None:  # noqa: B008 (frozen)
+        self.name = name
+        self.options = options
+        self.next_wake = NEVER
+        self.out = 1
+        self.requests = 0
+        self.held = 0
+        self.notes: list[Note] = []
+        self.touched: set[str] = set()
+        self._layout = SciFormat(0, options)
+        self._rx_clock = SciClock()
+        self._tx_clock = SciClock()
+        self._bits = SciRxBits(self._layout, options.idle_before_first_frame, self.touched)
+        self._rx = SciRx(options, self.touched)
+        self._tx = SciTx(options, self._tx_clock, self._layout, self.touched)
+        self._autobaud = SciAutobaud()
+        self.filter_width = self._sync = options.rx_sync_stages
+        self._int_extra = options.rx_int_extra
+        self._idle_sets_wake = options.rxwake_idle_point == "tenth_bit"
+        self._format_at_once = options.format_write_effect == "at_once"
+        self._brr_at_once = options.brr_write_effect == "at_once"
+        self._rxd = 1
+        self._gated = True  # the clock gate is off
+        self._suspended = False
+        self._rx_stopping = False  # the receiver's clock stops when its frame is complete
+        self._ccr = 0
+        self._ctl1 = 0  # without TXWAKE, which lives in SciTx
+        self._hbaud = 0
+        self._lbaud = 0
+        self._ffct = 0
+        self._pri = 0
+        self._abd_asked = False  # ABD has requested TXINT since CDC was set
+        self._listening = False  # the bit receiver follows the line
+        self._word_line = False
+        # When each part has something to do, in cycles.
+        self._rx_at = NEVER
+        self._tx_at = NEVER
+        self._request_at = NEVER
+
+    # The seams for coarser line sides ---------------------------------------
+
+    def deliver(self, now: int, word: int, address_bit: int = 0) -> None:
+        """A frame is complete at `now`.
+
+        word: data with its marks, FE in bit 15 and PE in bit 14. address_bit: the address
+        bit; in idle-line mode 1 when at least ten idle bits came before. Lost while SW
+        RESET, SCIRST, the clock gate or a debugger hold the module.
+        """
+        self._run(now)
+        if not self._rx_clock.running:
+            self._note("lost", f"a frame {word & 0xFF:#04x} came while the module had no clock", "SPRUFB0D §5.1.1")
+        elif self._autobaud.armed:
+            if word in (0x41, 0x61):
+                self._set_abd()
+                self._arm_receiver(now)
+                self._move(now, word, address_bit)
+        elif self._tx.running:
+            self._move(now, word, address_bit)
+        self._watch_idle(now)
+        self._schedule()
+
+    def deliver_break(self, now: int) -> None:
+        """A break is complete at `now`; its first frame was delivered before, with FE."""
+        self._run(now)
+        if self._rx_clock.running and self._tx.running:
+            self._take_break(now)
+        self._schedule()
+
+    def take_words(self) -> list[SentWord]:
+        """From now on words come out in the list returned, which the owner empties, and TXD stays at 1.
+
+        In loop-back frames are made as ever, for the module itself.
+        """
+        self._word_line = True
+        self._tx.word_line = not self._ccr & LOOPBKENA
+        return self._tx.sent
+
+    # Inputs: pin, time, clock, debugger -------------------------------------
+
+    def pins(self, now: int, levels: int) -> int:
+        level = levels & 1
+        if level == self._rxd:
+            return NOTHING
+        planned = self.next_wake
+        if now > planned:
+            self._run(now - 1)
+        self._rxd = level
+        if not self._ccr & LOOPBKENA:
+            self._line(now, level)
+        if now > planned:
+            return ALL
+        return OUTPUTS if self.next_wake != planned else NOTHING  # what an edge does shows with a wake-up
+
+    def wake(self, now: int) -> int:
+        self._run(now)
+        return ALL
+
+    def gate(self, now: int, on: bool) -> None:
+        """The module's bit in PCLKCR0."""
+        self._run(now)
+        self._gated = not on
+        self._set_clocks(now, self._tx.stopping)
+
+    def set_lspclk(self, now: int, divider: int, phase: int) -> None:
+        """LSPCLK has a period of `divider` SYSCLKOUT cycles, with edges at cycles = phase mod divider."""
+        if divider not in (1, 2, 4, 6, 8, 10, 12, 14):
+            raise ValueError(f"LSPCLK is SYSCLKOUT / 1, 2, 4, 6, 8, 10, 12 or 14, not / {divider}")
+        self._run(now)
+        self._rx_clock.set_lspclk(now, divider, phase)
+        self._tx_clock.set_lspclk(now, divider, phase)
+        self._replan()
+
+    def suspend(self, now: int, on: bool) -> None:
+        """A debugger stops the CPU, or lets it run again."""
+        self._run(now)
+        self._suspended = on
+        self._rx_stopping = False
+        tx_finishes = False
+        if on and not self._pri & FREE:
+            rx_tick = self._rx_clock.passed(now)
+            self._bits.settle(rx_tick)
+            soft = bool(self._pri & SOFT)
+            self._rx_stopping = soft and self._bits.framed
+            tx_finishes = soft and self._tx.active
+        self._set_clocks(now, tx_finishes)
+
+    def _set_clocks(self, now: int, tx_finishes: bool) -> None:
+        stopped = self._suspended and not self._pri & FREE
+        for clock, finishes in ((self._rx_clock, self._rx_stopping), (self._tx_clock, tx_finishes)):
+            if self._gated or (stopped and not finishes):
+                clock.stop(now)
+            else:
+                clock.start(now)
+        self._tx.resume(now)
+        self._tx.stopping = tx_finishes
+        self._replan()
+
+    def _line(self, now: int, level: int) -> None:
+        """The receiver's input is at `level` from `now` on."""
+        if self._autobaud.armed:
+            self._autobaud.edge(now, level)
+            self._schedule()
+        if self._bits.toggle(self._rx_clock.from_cycle(now + self._sync), level):
+            self._rx_at = self._rx_clock.at(self._bits.next_tick)
+            self._schedule()
+
+    # What is due ------------------------------------------------------------
+
+    def _run(self, now: int) -> None:
+        """Everything due up to `now`, in order of time."""
+        while self.next_wake <= now:
+            at = self.next_wake
+            if self._tx_at <= at:
+                self._run_tx(at)
+            if self._rx_at <= at:
+                self._run_rx(at)
+            if self._autobaud.due <= at:
+                self._finish_autobaud(at)
+            if self._request_at <= at:
+                self._request_at = NEVER
+                self.requests |= RXINT
+            self._schedule()
+
+    def _schedule(self) -> None:
+        due = self._rx_at if self._rx_at < self._tx_at else self._tx_at
+        if self._request_at < due:
+            due = self._request_at
+        if self._autobaud.due < due:
+            due = self._autobaud.due
+        self.next_wake = due
+
+    def _replan(self) -> None:
+        """The clocks or what the halves wait for have changed."""
+        self._plan_tx()
+        self._rx_at = self._rx_clock.at(self._bits.next_tick)
+        self._schedule()
+
+    def _plan_tx(self) -> None:
+        due = self._tx_clock.at(self._tx.next_tick)
+        between = self._tx.next_cycle
+        self._tx_at = due if due < between else between
+
+    def _run_tx(self, at: int) -> None:
+        tx = self._tx
+        tx.run(at)
+        if tx.request:
+            tx.request = False
+            self.requests |= TXINT
+        if tx.stopping and not tx.active:
+            tx.stopping = False
+            self._tx_clock.stop(at)
+        self._plan_tx()
+        self._set_out(at)
+
+    def _set_out(self, now: int) -> None:
+        level = self._tx.bits.level
+        if level != self.out:
+            self.out = level
+            if self._ccr & LOOPBKENA:
+                self._line(now, level)
+
+    def _run_rx(self, at: int) -> None:
+        bits = self._bits
+        tick = self._rx_clock.passed(at)
+        while bits.next_tick <= tick:
+            event = bits.step(tick)
+            if event == FRAME:
+                self.touched.update(LINE_QUESTIONS)
+                if bits.address and not self._layout.address:
+                    self.touched.add("rxwake_idle_point")
+                self._move(at, bits.word, bits.address)
+                if self._rx_stopping:
+                    self._rx_stopping = False
+                    self._rx_clock.stop(at)
+            elif event == IDLE:
+                self.touched.add("rxwake_idle_point")
+                self._rx.line_idle()
+            elif event == BREAK:
+                self._take_break(at)
+        self._watch_idle(at)
+        self._rx_at = self._rx_clock.at(bits.next_tick)
+
+    def _move(self, now: int, word: int, address: int) -> None:
+        """A character leaves RXSHF."""
+        rx = self._rx
+        rx.deliver(word, address, bool(word & FE) and self._is_break_like(word, address))
+        if rx.request:
+            self._request_rx(now)
+
+    def _is_break_like(self, word: int, address: int) -> bool:
+        """Every bit of the frame was 0; of the parity bit PE tells that."""
+        if word & ~PE != FE or (address and self._layout.address):
+            return False
+        return not self._layout.parity or bool(word & PE) != self._layout.even
+
+    def _take_break(self, now: int) -> None:
+        if self._rx.line_break():
+            self.touched.add("rx_after_break")
+            if self.options.rx_after_break == "blocked":
+                self._bits.close()
+        if self._rx.request:
+            self._request_rx(now)
+
+    def _request_rx(self, now: int) -> None:
+        """A receive request that comes from the line."""
+        self._rx.request = False
+        self.touched.add("rx_int_extra")
+        if self._int_extra:
+            self._request_at = min(self._request_at, now + self._int_extra)
+        else:
+            self.requests |= RXINT
+
+    def _watch_idle(self, now: int) -> None:
+        """Ask for the tenth idle bit where somebody could see it."""
+        rx = self._rx
+        watch = self._idle_sets_wake and rx.enabled and not rx.waked and not self._layout.address
+        if watch != self._bits.watch_idle:
+            self._bits.set_watch(self._rx_clock.passed(now), watch)
+            self._rx_at = self._rx_clock.at(self._bits.next_tick)
+
+    # Autobaud ---------------------------------------------------------------
+
+    def _finish_autobaud(self, at: int) -> None:
+        auto = self._autobaud
+        clock = self._rx_clock
+        self.touched.add("autobaud_brr_rule")
+        brr = auto.brr(clock.divider, clock.phase, self.options.autobaud_brr_rule == "nearest")
+        self._hbaud, self._lbaud = brr >> 8, brr & 0xFF
+        self._set_brr(at)
+        word = auto.character
+        self._set_abd()
+        self._arm_receiver(at)
+        self._move(at, word, 0)
+        self._replan()
+
+    def _set_abd(self) -> None:
+        self._ffct |= ABD
+        if not self._abd_asked:
+            self._abd_asked = True
+            self.requests |= TXINT
+
+    def _arm_receiver(self, now: int) -> None:
+        """Who listens to RXD: nobody in reset, autobaud while it waits, else the bit receiver."""
+        listening = self._tx.running
+        waits = listening and self._ffct & (CDC | ABD) == CDC
+        was_listening = self._listening
+        self._autobaud.arm(waits)
+        self._listening = listening and not waits
+        if self._listening and not was_listening:
+            self._bits.open(self._rx_clock.passed(now) + 1)
+        elif was_listening and not self._listening:
+            self._bits.close()
+
+    # What registers ask for --------------------------------------------------
+
+    def _note(self, code: str, text: str, source: str) -> None:
+        self.notes.append(Note(code, f"{self.name}: {text}", source))
+
+    def _set_brr(self, now: int) -> None:
+        brr = self._hbaud << 8 | self._lbaud
+        self.touched.add("brr_write_effect")
+        self._rx_clock.set_brr(now, brr, self._brr_at_once)
+        self._tx_clock.set_brr(now, brr, self._brr_at_once)

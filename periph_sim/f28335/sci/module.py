@@ -1,0 +1,264 @@
+"""The SCI module as the CPU sees it: register accesses and resets go in; what they mean to its halves comes out.
+
+    registers --> Sci --> SciRx, SciTx, SciAutobaud and their clocks (`lines`) <--> RXD, TXD, RXINT, TXINT
+
+Chosen, where the manual is silent:
+- The clock gate is off after construction and after `reset`; LSPCLK stays as last told.
+- SCIRST = 0 stops both channels in standard mode too; it leaves SCIRXST as it is.
+- CDC must be written 0 before ABD requests TXINT again.
+
+Source: TI SPRUFZ5A; SPRUFB0D section 5.1 for the clock gate.
+"""
+
+from __future__ import annotations
+
+from ...core.chip import NEVER
+from .character_format import SciFormat
+from .lines import ABD, CDC, FREE, LOOPBKENA, RXINT, SOFT, TXINT, SciLines
+from .register_map import SCI_MAP
+from .transmitter import SCIFFENA, SCIRST
+
+SCICTL1 = SCI_MAP["SCICTL1"]
+RXERRINTENA = SCICTL1["RXERRINTENA"].mask
+SWRESET = SCICTL1["SWRESET"].mask
+TXWAKE = SCICTL1["TXWAKE"].mask
+SLEEP = SCICTL1["SLEEP"].mask
+TXENA = SCICTL1["TXENA"].mask
+RXENA = SCICTL1["RXENA"].mask
+SCICTL2 = SCI_MAP["SCICTL2"]
+RXBKINTENA = SCICTL2["RXBKINTENA"].mask
+TXINTENA = SCICTL2["TXINTENA"].mask
+SCIFFCT = SCI_MAP["SCIFFCT"]
+ABDCLR = SCIFFCT["ABDCLR"].mask
+FFTXDLY = SCIFFCT["FFTXDLY"].mask
+
+# Word offsets, as in SCI_MAP.
+CCR, CTL1, HBAUD, LBAUD, CTL2, RXST, RXEMU, RXBUF = range(8)
+TXBUF, FFTX, FFRX, FFCT, PRI = 0x9, 0xA, 0xB, 0xC, 0xF
+
+AUTOBAUD_LEAST_BIT = 300  # cycles: 500 kbit/s at SYSCLKOUT = 150 MHz
+
+
+class Sci(SciLines):
+    """name: as notes call the module. options: answers to open questions."""
+
+    # CPU access -------------------------------------------------------------
+
+    def read(self, now: int, offset: int) -> int:
+        if now >= self.next_wake:
+            self._run(now)
+        if self._gated and self._no_clock("read"):
+            return 0
+        if offset == RXBUF:
+            return self._read_rxbuf(now)
+        if offset == RXST and self._rx.fifo_mode and self._rx.fifo.words:
+            self.touched.add("rxrdy_in_fifo_mode")
+        elif offset == CTL2 and self._tx.fifo_mode and self._tx.fifo.words:
+            self.touched.add("txrdy_in_fifo_mode")
+        return self._show(now, offset)
+
+    def peek(self, now: int, offset: int) -> int:
+        if now >= self.next_wake:
+            self._run(now)
+        return self._show(now, offset)
+
+    def write(self, now: int, offset: int, value: int) -> None:
+        if now >= self.next_wake:
+            self._run(now)
+        if self._gated and self._no_clock("written"):
+            return
+        if offset == TXBUF:
+            self._tx.write_buffer(now, value)
+        elif offset == FFTX:
+            self._write_fftx(now, value)
+        elif offset == FFRX:
+            self._rx.write_fifo(value)
+        elif offset == CCR:
+            self._write_ccr(now, value)
+        elif offset == CTL1:
+            self._write_ctl1(now, value)
+        elif offset == HBAUD:
+            self._hbaud = value & 0xFF
+            self._set_brr(now)
+        elif offset == LBAUD:
+            self._lbaud = value & 0xFF
+            self._set_brr(now)
+        elif offset == CTL2:
+            self._rx.set_enables(bool(value & RXBKINTENA), bool(self._ctl1 & RXERRINTENA))
+            self._tx.set_int_enabled(bool(value & TXINTENA))
+        elif offset == FFCT:
+            self._write_ffct(now, value)
+        elif offset == PRI:
+            self._pri = value & (SOFT | FREE)
+        else:
+            self._check_offset(offset)
+        self._after_write(now)
+
+    def _after_write(self, now: int) -> None:
+        rx, tx = self._rx, self._tx
+        if rx.request:
+            rx.request = False
+            self.requests |= RXINT
+        if tx.request:
+            tx.request = False
+            self.requests |= TXINT
+        for text in tx.lost:
+            self._note("lost", text, "SPRUFZ5A T2-6, T2-9")
+        tx.lost.clear()
+        self._set_out(now)
+        self._watch_idle(now)
+        self._replan()
+
+    def _read_rxbuf(self, now: int) -> int:
+        rx = self._rx
+        word = rx.read_buffer()
+        if rx.request:
+            rx.request = False
+            self.requests |= RXINT
+        self._watch_idle(now)
+        if self._rx_at < self.next_wake:
+            self._schedule()
+        return word
+
+    def _show(self, now: int, offset: int) -> int:
+        rx, tx = self._rx, self._tx
+        if offset == RXST:
+            return rx.show_status()
+        if offset == FFRX:
+            return rx.show_fifo()
+        if offset == RXBUF:
+            return rx.show_buffer()
+        if offset == RXEMU:
+            return rx.show_buffer() & 0xFF
+        if offset == CTL2:
+            enables = (RXBKINTENA if rx.bk_enabled else 0) | (TXINTENA if tx.int_enabled else 0)
+            return tx.show_flags(now) | enables
+        if offset == FFTX:
+            return tx.show_fifo()
+        if offset == TXBUF:
+            return tx.txbuf
+        if offset == CTL1:
+            return self._ctl1 | (TXWAKE if tx.txwake else 0)
+        if offset == CCR:
+            return self._ccr
+        if offset == HBAUD:
+            return self._hbaud
+        if offset == LBAUD:
+            return self._lbaud
+        if offset == FFCT:
+            return self._ffct
+        if offset == PRI:
+            return self._pri
+        self._check_offset(offset)
+        return 0
+
+    def _check_offset(self, offset: int) -> None:
+        if not 0 <= offset <= 0xF:
+            raise ValueError(f"{self.name} has offsets 0 to 0xF, not {offset:#x}")
+
+    def _no_clock(self, what: str) -> bool:
+        """True if an access without a clock finds nothing."""
+        self.touched.add("clock_gate_access")
+        self._note(
+            "duty", f"was {what} while its PCLKCR0 bit is 0; the clock is to be turned on first", "SPRUFB0D §5.1.1"
+        )
+        return self.options.clock_gate_access == "reads_0"
+
+    def _write_ccr(self, now: int, value: int) -> None:
+        before = self._ccr
+        self._ccr = value & 0xFF
+        self._layout = SciFormat(self._ccr, self.options)
+        self._rx.parity = self._layout.parity
+        tick = self._rx_clock.passed(now)
+        self._bits.settle(tick)
+        if self._bits.framed or self._tx.active:
+            self.touched.add("format_write_effect")
+        self._bits.set_layout(tick, self._layout, self._format_at_once)
+        self._tx.set_layout(now, self._layout, self._format_at_once)
+        if (before ^ self._ccr) & LOOPBKENA:
+            looped = self._ccr & LOOPBKENA
+            self._tx.word_line = self._word_line and not looped
+            self._line(now, self.out if looped else self._rxd)
+
+    def _write_ctl1(self, now: int, value: int) -> None:
+        before = self._ctl1
+        self._ctl1 = value & (RXERRINTENA | SWRESET | SLEEP | TXENA | RXENA)
+        rx, tx = self._rx, self._tx
+        rx.enabled = bool(value & RXENA)
+        rx.sleep = bool(value & SLEEP)
+        rx.set_enables(rx.bk_enabled, bool(value & RXERRINTENA))
+        if value & TXWAKE:
+            tx.txwake = True
+        tx.set_enabled(now, bool(value & TXENA))
+        if (before ^ value) & SWRESET:
+            tx.in_swreset = not value & SWRESET
+            if tx.in_swreset:
+                self._enter_swreset()
+            self._set_running(now)
+
+    def _enter_swreset(self) -> None:
+        self._tx.halt()
+        self._rx.clear_flags()
+        if self._rx.fifo.words or self._tx.fifo.words:
+            self.touched.add("swreset_fifo_effect")
+        if self.options.swreset_fifo_effect == "cleared":
+            self._rx.clear_fifo()
+            self._tx.clear_fifo()
+
+    def _write_fftx(self, now: int, value: int) -> None:
+        tx = self._tx
+        before = tx.scifftx
+        tx.write_fifo(now, value)
+        self._rx.set_fifo_mode(bool(tx.scifftx & SCIFFENA))
+        if (before ^ value) & SCIRST:
+            if not value & SCIRST:
+                tx.halt()
+                self.touched.add("scirst_scope")
+                if self.options.scirst_scope == "shifters_and_fifos":
+                    self._rx.clear_fifo()
+                    tx.clear_fifo()
+            self._set_running(now)
+
+    def _set_running(self, now: int) -> None:
+        """SW RESET or SCIRST has changed."""
+        if self._ctl1 & SWRESET and self._tx.scifftx & SCIRST:
+            self._tx.release(now)
+        self._arm_receiver(now)
+
+    def _write_ffct(self, now: int, value: int) -> None:
+        before = self._ffct
+        self._ffct, strobes = SCIFFCT.write(before, value)
+        if strobes & ABDCLR:
+            self._ffct &= ~ABD
+        if not self._ffct & CDC:
+            self._abd_asked = False
+        elif not before & CDC and self._rx_clock.brr != 1 and 8 * self._rx_clock.period < AUTOBAUD_LEAST_BIT:
+            self._note(
+                "duty",
+                f"CDC was set with BRR = {self._rx_clock.brr}, over 500 kbit/s; expected is 1 or a slower rate",
+                "SPRUFZ5A §1.2.10.3",
+            )
+        self._tx.delay = self._ffct & FFTXDLY
+        self._tx.replan(now)
+        self._arm_receiver(now)
+
+    # System reset -----------------------------------------------------------
+
+    def reset(self, now: int) -> None:
+        self._run(now)
+        self._ccr = self._ctl1 = self._hbaud = self._lbaud = self._ffct = self._pri = 0
+        self._gated = True
+        self._suspended = self._rx_stopping = False
+        self._abd_asked = False
+        self._request_at = NEVER
+        self._rx_clock.reset(now)
+        self._tx_clock.reset(now)
+        self._layout = SciFormat(0, self.options)
+        self._rx.reset()
+        self._tx.reset()
+        self._tx.set_layout(now, self._layout, False)
+        self._tx.word_line = self._word_line
+        self._arm_receiver(now)
+        self._bits.set_layout(self._rx_clock.passed(now), self._layout, False)
+        self._line(now, self._rxd)
+        self._after_write(now)

@@ -1,0 +1,279 @@
+"""SCI receiver, CPU side: words go in; SCIRXBUF, the FIFO, flags and the receive request come out.
+
+    deliver(word) --> RXSHF move --> SCIRXBUF or FIFO --read--> CPU
+                        |
+                        +--> RXRDY, FE, PE, OE, RXWAKE, RXFFST, RXFFINT, RXFFOVF --> request
+
+The same code serves every fidelity: the bit receiver calls `deliver` at the stop bit, a
+coarser line side does so at the instant it has worked out.
+
+Chosen, where the manual is silent:
+- Every move to SCIRXBUF with RXBKINTENA = 1 requests RXINT, an overrun included; an
+  enable set while its flag stands requests at once, as for the transmitter.
+- In FIFO mode RXWAKE is set by an address frame and cleared only by reading SCIRXBUF
+  (and the resets), in both multiprocessor modes.
+- A word read from the FIFO stays in SCIRXBUF as "the last word".
+- Words held off by RXFIFORESET = 0 still set their error flags.
+- RXFFOVF is left by RXFIFORESET; RXFFINT is left when SCIFFENA is cleared.
+- BRKDT needs RXENA = 1, as all flags do.
+
+Source: TI SPRUFZ5A sections 1.2.4 to 1.2.10, tables 2-7, 2-8, 2-10.
+"""
+
+from __future__ import annotations
+
+from ...core.fifo import Fifo
+from .options import SciOptions
+from .receiver_bits import FE, PE
+from .register_map import SCI_MAP
+
+_RXST = SCI_MAP["SCIRXST"]
+ST_RXERROR = _RXST["RXERROR"].mask
+ST_RXRDY = _RXST["RXRDY"].mask
+ST_BRKDT = _RXST["BRKDT"].mask
+ST_FE = _RXST["FE"].mask
+ST_OE = _RXST["OE"].mask
+ST_PE = _RXST["PE"].mask
+ST_RXWAKE = _RXST["RXWAKE"].mask
+CHARACTER_ERRORS = ST_FE | ST_OE | ST_PE
+
+SCIFFRX = SCI_MAP["SCIFFRX"]
+RXFFOVF = SCIFFRX["RXFFOVF"].mask
+RXFFOVRCLR = SCIFFRX["RXFFOVRCLR"].mask
+RXFIFORESET = SCIFFRX["RXFIFORESET"].mask
+RXFFST = SCIFFRX["RXFFST"]
+RXFFINT = SCIFFRX["RXFFINT"].mask
+RXFFINTCLR = SCIFFRX["RXFFINTCLR"].mask
+RXFFIENA = SCIFFRX["RXFFIENA"].mask
+RXFFIL = SCIFFRX["RXFFIL"]
+
+DEPTH = 16
+
+
+class SciRx:
+    """`request`: RXINT was asked for since the owner last set this to False."""
+
+    def __init__(self, options: SciOptions, touched: set[str]) -> None:
+        self.options = options
+        self.touched = touched
+        self.request = False
+        # Enables and modes, copied here from the registers of the whole module.
+        self.enabled = False
+        self.sleep = False
+        self.bk_enabled = False
+        self.error_enabled = False
+        self.fifo_mode = False
+        self.parity = False
+        # The receiver's own state.
+        self.status = 0  # BRKDT, FE, OE, PE, RXWAKE, RXRDY in their SCIRXST places
+        self.rxbuf = 0
+        self.fifo = Fifo(DEPTH)
+        self.sciffrx = SCIFFRX.reset  # configuration, RXFFOVF and RXFFINT; RXFFST is counted
+        self._reached = False  # RXFFST >= RXFFIL held after the last change
+        self._sticky = options.error_flags_sticky
+        self._level_mode = options.fifo_int_mode == "level"
+
+    @property
+    def waked(self) -> bool:
+        return bool(self.status & ST_RXWAKE)
+
+    # From the line ----------------------------------------------------------
+
+    def deliver(self, word: int, address: int, break_like: bool) -> None:
+        """A character is complete. break_like: every bit of it, the stop bit too, was 0."""
+        if not self.enabled:
+            return
+        if self.sleep and not address:
+            self._pass_in_sleep(word)
+            return
+        errors = (ST_FE if word & FE else 0) | (ST_PE if word & PE else 0)
+        if break_like:
+            self.touched.add("break_char_delivered")
+        if break_like and not self.options.break_char_delivered:
+            self._set_errors(errors)
+            return
+        if self.fifo_mode:
+            errors |= self._to_fifo(word)
+        else:
+            if self.status & ST_RXRDY:
+                errors |= ST_OE
+            self.rxbuf = word & 0xFF
+            self.status |= ST_RXRDY
+            self.request = self.request or self.bk_enabled
+        if address:
+            self.status |= ST_RXWAKE
+        elif not self.fifo_mode:
+            self.status &= ~ST_RXWAKE
+        self._set_errors(errors)
+        if self.fifo_mode:
+            self._watch_level()
+
+    def line_idle(self) -> None:
+        """The line has been idle for ten bits."""
+        if self.enabled:
+            self.status |= ST_RXWAKE
+
+    def line_break(self) -> bool:
+        """A break is complete. True if it was taken as one."""
+        if not self.enabled:
+            return False
+        if self.sleep:
+            self.touched.add("brkdt_in_sleep")
+            if self.options.brkdt_in_sleep == "suppressed":
+                return False
+        if self.bk_enabled and not self.fifo_mode:
+            self.request = True
+        self._set_errors(ST_BRKDT, keep=True)
+        return True
+
+    def _pass_in_sleep(self, word: int) -> None:
+        self.touched.add("sleep_loads_buffer")
+        if not self.options.sleep_loads_buffer:
+            return
+        if not self.fifo_mode:
+            self.rxbuf = word & 0xFF
+            return
+        asked = self.request
+        self._to_fifo(word)
+        self._watch_level()
+        self.request = asked
+
+    def _to_fifo(self, word: int) -> int:
+        """Add a word. OE's bit if that is an overrun."""
+        waiting = len(self.fifo)
+        if waiting:
+            self.touched.add("oe_in_fifo_mode")
+        overrun = ST_OE if waiting and self.options.oe_in_fifo_mode == "per_unread_word" else 0
+        if not self.sciffrx & RXFIFORESET:
+            return overrun
+        if self.fifo.push(word):
+            return overrun
+        self.touched.update(("fifo_overflow_drops", "rxffovf_interrupt"))
+        if self.options.fifo_overflow_drops == "oldest":
+            self.fifo.pop()
+            self.fifo.push(word)
+        if not self.sciffrx & RXFFOVF:
+            self.sciffrx |= RXFFOVF
+            if self.sciffrx & RXFFIENA and self.options.rxffovf_interrupt == "rxffiena":
+                self.request = True
+        return ST_OE
+
+    def _set_errors(self, errors: int, keep: bool = False) -> None:
+        """Set the error flags of one event. keep: flags of earlier characters stay in any case."""
+        was_error = self.status & (CHARACTER_ERRORS | ST_BRKDT)
+        if was_error:
+            self.touched.add("error_flags_sticky")
+            if not self._sticky and not keep:
+                self.status &= ~CHARACTER_ERRORS
+        if not errors:
+            return
+        self.status |= errors
+        if was_error:
+            self.touched.add("rxerr_int_mode")
+        if self.error_enabled and (not was_error or self.options.rxerr_int_mode == "every_error"):
+            self.request = True
+
+    # FIFO interrupt ---------------------------------------------------------
+
+    def _watch_level(self) -> None:
+        """Set RXFFINT where RXFFST has reached RXFFIL."""
+        reached = self.fifo_mode and len(self.fifo) >= RXFFIL.of(self.sciffrx)
+        if reached and (self._level_mode or not self._reached) and not self.sciffrx & RXFFINT:
+            self.sciffrx |= RXFFINT
+            if self.sciffrx & RXFFIENA:
+                self.request = True
+        self._reached = reached
+
+    # From the CPU -----------------------------------------------------------
+
+    def show_status(self) -> int:
+        status = self.status
+        if not self.parity:
+            status &= ~ST_PE
+        if self.fifo_mode and self.options.rxrdy_in_fifo_mode == "follows":
+            status = status | ST_RXRDY if len(self.fifo) else status & ~ST_RXRDY
+        if status & (CHARACTER_ERRORS | ST_BRKDT):
+            status |= ST_RXERROR
+        return status
+
+    def show_buffer(self) -> int:
+        """SCIRXBUF, without the effects of reading it."""
+        if not self.fifo_mode:
+            return self.rxbuf & 0xFF
+        if self.fifo.words:
+            return self.fifo.words[0]
+        return self.rxbuf if self.options.rxfifo_read_when_empty == "last_word" else 0
+
+    def show_fifo(self) -> int:
+        return self.sciffrx | len(self.fifo) << RXFFST.lsb
+
+    def read_buffer(self) -> int:
+        """SCIRXBUF as the CPU reads it: the character is taken."""
+        word = self.show_buffer()
+        if self.fifo_mode:
+            if self.fifo.words:
+                self.rxbuf = self.fifo.pop()
+                self._watch_level()
+            else:
+                self.touched.add("rxfifo_read_when_empty")
+        self.status &= ~(ST_RXRDY | ST_RXWAKE)
+        return word
+
+    def write_fifo(self, value: int) -> None:
+        """SCIFFRX."""
+        before = self.sciffrx
+        self.sciffrx, strobes = SCIFFRX.write(before, value)
+        if strobes & RXFFOVRCLR:
+            self.sciffrx &= ~RXFFOVF
+        if strobes & RXFFINTCLR:
+            self.sciffrx &= ~RXFFINT
+            if self._reached:
+                self.touched.add("fifo_int_mode")
+        if not self.sciffrx & RXFIFORESET:
+            self.fifo.clear()
+        if self.sciffrx & RXFFINT and self.sciffrx & RXFFIENA & ~before and self.fifo_mode:
+            self.request = True
+        self._watch_level()
+
+    def set_enables(self, bk_enabled: bool, error_enabled: bool) -> None:
+        """RXBKINTENA and RXERRINTENA; one that is set while its flag stands requests at once."""
+        if bk_enabled and not self.bk_enabled and not self.fifo_mode and self.status & (ST_RXRDY | ST_BRKDT):
+            self.request = True
+        if error_enabled and not self.error_enabled and self.show_status() & ST_RXERROR:
+            self.request = True
+        self.bk_enabled = bk_enabled
+        self.error_enabled = error_enabled
+
+    def set_fifo_mode(self, on: bool) -> None:
+        if on and not self.fifo_mode and self.sciffrx & RXFFINT and self.sciffrx & RXFFIENA:
+            self.request = True
+        self.fifo_mode = on
+        self._watch_level()
+
+    # Resets -----------------------------------------------------------------
+
+    def clear_flags(self) -> None:
+        """SW RESET = 0."""
+        self.status = 0
+
+    def clear_fifo(self) -> None:
+        """The FIFO emptied, its flags cleared; nothing is requested by that."""
+        asked = self.request
+        self.fifo.clear()
+        self.sciffrx &= ~(RXFFINT | RXFFOVF)
+        self._watch_level()
+        self.request = asked
+
+    def reset(self) -> None:
+        self.enabled = False
+        self.sleep = False
+        self.bk_enabled = False
+        self.error_enabled = False
+        self.fifo_mode = False
+        self.parity = False
+        self.request = False
+        self.status = 0
+        self.rxbuf = 0
+        self.fifo.clear()
+        self.sciffrx = SCIFFRX.reset
+        self._reached = False

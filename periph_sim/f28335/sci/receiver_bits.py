@@ -1,0 +1,300 @@
+"""SCI receiver, line side: levels on RXD at SCICLK ticks go in; frames, breaks and idle lines come out.
+
+    toggle(tick, level) --> [ticks at which the sampled level changed] --step--> FRAME, BREAK, IDLE
+
+Lazy: an edge is only noted. Start bits, votes, breaks and idle times are worked out from
+the noted edges when one of them is due (`next_tick`), with the result that looking at
+every SCICLK would give. A tick is a sample; what happens between two samples is unseen.
+
+Rules: four low samples in a row are a start bit, its first low sample is sub-sample 1;
+every bit is the majority of its sub-samples 4, 5, 6; the search for the next start bit
+opens inside the stop bit, in address-bit mode (erratum) inside the address bit.
+
+Chosen, where the manual is silent:
+- After a missing stop bit the line must have been sampled high before a low counts as a
+  start bit, except for a start bit that the erratum's early search accepted before. A
+  break thus gives one character, and a high sample in it makes the ten bits begin anew
+  behind the next missing stop bit.
+- Idle bits are counted from the end of the last programmed stop bit; any low sample
+  begins the count anew, also one that is no start bit. With exactly 80 high samples the
+  line is idle.
+- When SW RESET is released on a low line, four low samples are a start bit as ever.
+
+Source: TI SPRUFZ5A sections 1.2.5 to 1.2.8, table 2-7; SPRZ272N figure 3-1.
+"""
+
+from __future__ import annotations
+
+from .character_format import SciFormat
+
+FAR = 2**62  # a tick that no run reaches
+
+NOTHING, FRAME, BREAK, IDLE = range(4)
+
+FE = 1 << 15  # framing error, where SCIRXBUF shows it
+PE = 1 << 14  # parity error
+
+IDLE_TICKS = 80  # ten bits
+VOTE = (0, 0, 0, 1, 0, 1, 1, 1)  # majority of three samples
+
+
+class SciRxBits:
+    """After `step` returned FRAME: `word` with its marks, and `address`, 1 for an address frame."""
+
+    def __init__(self, layout: SciFormat, idle_at_once: bool, touched: set[str]) -> None:
+        self.next_tick = FAR
+        self.word = 0
+        self.address = 0
+        self.watch_idle = False  # an idle line is worth an event
+        self._layout = layout  # of the next frame
+        self._idle_at_once = idle_at_once
+        self._touched = touched
+        self._open = False
+        self._line = 1  # the level last toggled to
+        self._toggles: list[int] = []  # ticks at which the sampled level changes, behind _level's run
+        self._level = 1  # of the run being looked at
+        self._low_from = FAR  # first sample of a low run that may be a start bit; FAR: this run may not
+        self._high_from = FAR  # from where ten idle bits are counted in a high run
+        self._idle_base = FAR  # no idle bit is counted before
+        self._idle = False  # the line was idle since the last frame
+        self._idle_news = False  # ... and this is not told yet
+        self._framed = False  # a start bit was accepted:
+        self._start = 0  # its first low sample
+        self._frame = layout  # its format
+        self._missing_stop = 0  # last sample of the stop bit that armed the break
+        self._break_at = FAR
+        self._sure = True  # no later edge can move next_tick
+
+    @property
+    def framed(self) -> bool:
+        """A start bit was accepted and its frame is not complete."""
+        return self._framed
+
+    # Inputs -----------------------------------------------------------------
+
+    def toggle(self, tick: int, level: int) -> bool:
+        """The samples from `tick` on are `level`. True if `next_tick` may have changed."""
+        if level == self._line:
+            return False
+        self._line = level
+        toggles = self._toggles
+        if toggles and toggles[-1] >= tick:
+            toggles.pop()  # the level before lasted for no sample
+        else:
+            toggles.append(tick)
+        if self._sure:
+            if not self._open:
+                self._drop(tick - 1)
+            return False
+        self._plan()
+        return True
+
+    def set_layout(self, tick: int, layout: SciFormat, at_once: bool) -> None:
+        """A new format from the next start bit on, or for the frame under way too. `tick`: the last one past."""
+        self.settle(tick)
+        self._layout = layout
+        if at_once:
+            self._frame = layout
+        self._plan()
+        self.next_tick = max(self.next_tick, tick + 1)
+
+    def set_watch(self, tick: int, watch: bool) -> None:
+        """Tell of tenth idle bits to come, or do not. `tick`: the last one past."""
+        self.settle(tick)
+        self._idle_news = False  # the idle line up to now was nobody's business
+        self.watch_idle = watch
+        self._plan()
+
+    def settle(self, tick: int) -> None:
+        """Accept what was a start bit by `tick`."""
+        if self._break_at != FAR:
+            self._end_break_on_high(tick)
+        if self._open and not self._framed:
+            self._hunt(tick)
+
+    def open(self, tick: int) -> None:
+        """Search for a start bit from sample `tick` on."""
+        self.close()
+        self._open = True
+        self._idle = False
+        self._idle_base = tick if self._idle_at_once else FAR
+        if not self._layout.address:
+            self._touched.add("idle_before_first_frame")
+        self._resume(tick)
+        self._plan()
+
+    def close(self) -> None:
+        """Forget the frame under way and look at nothing."""
+        self._open = False
+        self._framed = False
+        self._break_at = FAR
+        self._plan()
+
+    # Events -----------------------------------------------------------------
+
+    def step(self, tick: int) -> int:
+        """The first event up to `tick`; NOTHING when all are told, then `next_tick` is the next."""
+        if self._open:
+            if self._break_at != FAR:
+                self._end_break_on_high(tick)
+            if not self._framed:
+                self._hunt(tick)
+            if self._idle_news:
+                self._idle_news = False
+                if self.watch_idle:
+                    return IDLE
+            due = self._start + self._frame.due if self._framed else FAR
+            if self._break_at <= tick and self._break_at < due:
+                self._wait_for_high()
+                return BREAK
+            if due <= tick:
+                self._finish()
+                return FRAME
+        self._plan()
+        return NOTHING
+
+    def _hunt(self, tick: int) -> None:
+        """Go through the runs up to `tick` until a start bit is accepted."""
+        toggles = self._toggles
+        while True:
+            end = toggles[0] if toggles else FAR
+            if self._level:
+                if not self._idle and self._high_from + IDLE_TICKS <= min(end, tick):
+                    self._idle = True
+                    self._idle_news = True
+            elif end - self._low_from >= 4 and self._low_from + 3 <= tick:
+                self._framed = True
+                self._start = self._low_from
+                self._frame = self._layout
+                return
+            if end > tick:
+                return
+            toggles.pop(0)
+            self._turn(end)
+
+    def _turn(self, tick: int) -> None:
+        """The next run begins at `tick`."""
+        self._level ^= 1
+        if self._level:
+            self._high_from = max(tick, self._idle_base)
+        else:
+            self._low_from = tick
+
+    def _end_break_on_high(self, tick: int) -> None:
+        for t in self._toggles:
+            if t > self._missing_stop:
+                if t <= min(tick, self._break_at):
+                    self._break_at = FAR
+                return
+
+    def _wait_for_high(self) -> None:
+        """A break is complete: no frame is under way, and this low is no start bit."""
+        self._drop(self._break_at)
+        self._break_at = FAR
+        self._framed = False
+        self._low_from = FAR
+        self._idle_base = 0
+
+    def _finish(self) -> None:
+        """The frame is complete: its votes, and where the search goes on."""
+        start, frame = self._start, self._frame
+        last = start + frame.stop_at + 8
+        samples = 0  # bit n: the level n ticks behind the first low sample
+        for t in self._toggles:
+            if t > last:
+                break
+            samples ^= -1 << (t - start)
+        self._framed = False
+        self._read_word(samples, frame)
+        self.address = self.address if frame.address else int(self._idle)
+        self._idle = False
+        self._idle_base = start + frame.end
+        hunt = start + frame.hunt
+        self._resume(hunt)
+        if frame.address and frame.parity:
+            self._touched.add("addrbit_hunt_with_parity")
+        if not frame.early_hunt and samples >> (frame.stop_at + 5) & 7 != 7:
+            self._touched.add("start_hunt_point")
+        if self.word & FE:
+            self._after_missing_stop(samples, start, frame)
+
+    def _read_word(self, samples: int, frame: SciFormat) -> None:
+        a, b, c = samples >> 3, samples >> 4, samples >> 5
+        votes = (a & b | a & c | b & c) >> 8
+        word = 0
+        for bit in range(frame.data_bits):
+            word |= (votes & 1) << bit
+            votes >>= 8
+        self.address = votes & 1
+        if frame.parity:
+            if frame.address:
+                votes >>= 8
+            if votes & 1 != frame.parity_bit(word, self.address):
+                word |= PE
+        if (samples >> frame.stop_at + 2 ^ samples >> frame.stop_at + 5) & 1:
+            self._touched.add("stop_vote_samples")
+        if not VOTE[samples >> frame.vote_at & 7]:
+            word |= FE
+        self.word = word
+
+    def _after_missing_stop(self, samples: int, start: int, frame: SciFormat) -> None:
+        """Count for a break while the line stays low, and take no start bit from this low."""
+        voted = start + frame.voted_at
+        if self._break_at == FAR and not samples >> frame.voted_at & 1:
+            self._missing_stop = voted
+            self._break_at = start + frame.break_at
+            self._touched.update(("break_bits", "break_count_from", "stop_vote_samples"))
+        if frame.hunt < frame.voted_at:
+            self._hunt(voted)
+            if not self._framed and not self._level:
+                self._low_from = FAR
+        else:
+            between = (1 << frame.hunt - frame.voted_at + 1) - 1
+            if not samples >> frame.voted_at & between:
+                self._low_from = FAR
+
+    # What is due next -------------------------------------------------------
+
+    def _drop(self, tick: int) -> None:
+        """Take the toggles up to `tick` as past."""
+        toggles = self._toggles
+        while toggles and toggles[0] <= tick:
+            toggles.pop(0)
+            self._level ^= 1
+
+    def _resume(self, tick: int) -> None:
+        """Search from sample `tick` on."""
+        self._drop(tick)
+        self._high_from = self._idle_base
+        self._low_from = tick
+
+    def _plan(self) -> None:
+        """next_tick from all edges known; _sure when no later edge can change it."""
+        self._sure = True
+        if not self._open:
+            self.next_tick = FAR
+            return
+        due = self._break_at
+        if self._framed:
+            self.next_tick = min(due, self._start + self._frame.due)
+            return
+        level, low_from, high_from = self._level, self._low_from, self._high_from
+        watch = self.watch_idle and not self._idle
+        for end in self._toggles:
+            if level:
+                if watch and high_from + IDLE_TICKS <= end:
+                    due = min(due, high_from + IDLE_TICKS)
+                    watch = False
+                low_from = end
+            else:
+                if end - low_from >= 4:
+                    self.next_tick = min(due, low_from + self._layout.due)
+                    return
+                high_from = max(end, self._idle_base)
+            level ^= 1
+        self._sure = False
+        if not level:
+            due = min(due, low_from + self._layout.due)
+        elif watch:
+            due = min(due, high_from + IDLE_TICKS)
+        self.next_tick = due

@@ -1,0 +1,431 @@
+"""SCI transmitter, CPU side: SCITXBUF and the FIFO go in; frames, flags and the transmit request come out.
+
+    write --> SCITXBUF or FIFO --load--> TXSHF, WUT --start--> SciTxBits (levels), or `sent` (words)
+                                  |
+                                  +--> TXRDY, TXFFST, TXFFINT --> request
+
+Time is counted in SCICLK ticks. With the default options a word is loaded into TXSHF at
+the tick of its start bit.
+
+Chosen, where the manual is silent:
+- TXWAKE works in FIFO mode as in standard mode: the next word loaded takes it.
+- A word written less than FFTXDLY after the end of the one before waits for the rest.
+- SCITXBUF and FIFO keep what they hold when SCIFFENA changes; only the selected one is sent.
+- Words written to the FIFO while SW RESET = 0 or SCIRST = 0 with scope "shifters" wait.
+- SW RESET making TXRDY 1 requests nothing.
+
+Source: TI SPRUFZ5A sections 1.2.3 to 1.2.10, tables 2-4, 2-6, 2-9, 2-11.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ...core.chip import NEVER
+from ...core.fifo import Fifo
+from .character_format import SciFormat
+from .clock import SciClock
+from .options import SciOptions
+from .receiver_bits import FAR, IDLE_TICKS
+from .register_map import SCI_MAP
+from .transmitter_bits import SciTxBits
+
+SCIFFTX = SCI_MAP["SCIFFTX"]
+SCIRST = SCIFFTX["SCIRST"].mask
+SCIFFENA = SCIFFTX["SCIFFENA"].mask
+TXFIFOXRESET = SCIFFTX["TXFIFOXRESET"].mask
+TXFFST = SCIFFTX["TXFFST"]
+TXFFINT = SCIFFTX["TXFFINT"].mask
+TXFFINTCLR = SCIFFTX["TXFFINTCLR"].mask
+TXFFIENA = SCIFFTX["TXFFIENA"].mask
+TXFFIL = SCIFFTX["TXFFIL"]
+
+TXRDY = SCI_MAP["SCICTL2"]["TXRDY"].mask
+TXEMPTY = SCI_MAP["SCICTL2"]["TXEMPTY"].mask
+
+DEPTH = 16
+
+
+class SentWord(NamedTuple):
+    """A frame on its way, as `Sci.deliver` of another module wants it.
+
+    address: the address bit, or in idle-line mode 1 after ten idle bits.
+    start, end: cycles of the start edge and of the end of the last stop bit, at the present rate.
+    """
+
+    word: int
+    address: int
+    start: int
+    end: int
+
+
+class SciTx:
+    """`request`: TXINT was asked for since the owner last set this to False."""
+
+    def __init__(self, options: SciOptions, clock: SciClock, layout: SciFormat, touched: set[str]) -> None:
+        self.options = options
+        self.touched = touched
+        self.request = False
+        self.bits = SciTxBits()
+        self.word_line = False  # words are handed over in `sent`, no levels are made
+        self.sent: list[SentWord] = []
+        self.lost: list[str] = []  # what happened to words that will never be sent
+        # Enables and modes, copied here from the registers of the whole module.
+        self.enabled = False  # TXENA
+        self.running = False  # neither SWRESET nor SCIRST holds it
+        self.in_swreset = True
+        self.stopping = False  # nothing follows the frame being sent
+        self.int_enabled = False
+        self.delay = 0  # FFTXDLY
+        # The transmitter's own state.
+        self.txbuf = 0
+        self.txwake = False
+        self.wut = False
+        self.fifo = Fifo(DEPTH)
+        self.scifftx = SCIFFTX.reset  # configuration and TXFFINT; TXFFST is counted
+        self.active = False  # a frame or an idle time is being sent ...
+        self.next_tick = FAR
+        self.next_cycle = NEVER  # for what falls between ticks
+        self._clock = clock
+        self._layout = layout
+        self._waiting = False  # SCITXBUF holds a character ...
+        self._drain = 0  # words that TXENA = 0 does not hold back
+        self._loaded = False  # TXSHF holds a word whose start bit has not begun
+        self._txshf = 0
+        self._data_frame = False  # what is being sent is a frame, no idle time
+        self._began = 0  # ... since this tick
+        self._end = FAR  # ... until this tick
+        self._last_end = -FAR
+        self._start_at = FAR  # tick of the next start bit
+        self._load_at = FAR  # tick of the next load
+        self._load_cycle = NEVER  # cycle of the next load, where it needs no tick
+        self._empty_until = 0  # TXEMPTY still reads 1 before this cycle
+        self._reached = False  # TXFFST <= TXFFIL held after the last change
+        self._level_mode = options.fifo_int_mode == "level"
+
+    @property
+    def fifo_mode(self) -> bool:
+        return bool(self.scifftx & SCIFFENA)
+
+    # Time -------------------------------------------------------------------
+
+    def run(self, now: int) -> None:
+        """Do what is due up to `now`."""
+        tick = self._clock.passed(now)
+        if self.stopping and self._end <= tick:
+            self._finish()
+            self._set_next(now)
+            return
+        if (self._load_cycle <= now and self._clock.running) or self._load_at <= tick:
+            self._load()
+        if self._end <= tick:
+            self._finish()
+        if self._start_at <= tick:
+            self._start(now)
+        if self.bits.next_tick <= tick:
+            self.bits.step()
+        self._set_next(now)
+
+    def replan(self, now: int) -> None:
+        """Something changed that decides when the next word goes out."""
+        self._plan(now)
+        self._set_next(now)
+
+    def resume(self, now: int) -> None:
+        """The clock runs or stands still from now on; what waited for a tick gone by takes the next."""
+        self.stopping = False
+        coming = self._clock.passed(now) + 1
+        self._start_at = max(self._start_at, coming)
+        self._load_at = max(self._load_at, coming)
+        self.replan(now)
+
+    def _finish(self) -> None:
+        self.active = False
+        self._last_end = self._end
+        self._end = FAR
+
+    def _plan(self, now: int) -> None:
+        """When the next word is loaded and when its start bit begins."""
+        if self._loaded:
+            return
+        planned = self._start_at
+        if not self._may_load():
+            self._start_at = self._load_at = FAR
+            self._load_cycle = NEVER
+        elif self.active:
+            self._plan_behind(now)
+        elif planned == FAR:
+            self._plan_from_idle(now)
+
+    def _plan_behind(self, now: int) -> None:
+        """A frame is being sent: the next follows it."""
+        if self.fifo_mode:
+            self._start_at = self._load_at = self._end + self._pause()
+            return
+        self._start_at = self._load_at = self._end
+        self.touched.add("tx_reload_point")
+        if self._data_frame and self.options.tx_reload_point == "stop_begin":
+            stop = self._end - 8 * self._layout.stops
+            self._load_at = max(stop, self._clock.passed(now) + 1)
+
+    def _plan_from_idle(self, now: int) -> None:
+        """The transmitter stands still: the phase of the divider decides."""
+        clock = self._clock
+        self.touched.update(("tx_phase", "txrdy_point"))
+        if self.options.tx_phase == "restart":
+            clock.restart(now)
+        begin = clock.passed(now) + 1
+        if self.options.tx_phase == "next_bit_tick":
+            begin = -(-begin // 8) * 8
+        pause = self._pause() if self.fifo_mode else 0
+        if pause:
+            self.touched.add("fftxdly_first_word")
+            if self.options.fftxdly_first_word == "delay":
+                begin += pause
+            begin = max(begin, self._last_end + pause)
+        self._start_at = self._load_at = begin
+        if self.options.txrdy_point == "next_lspclk" and not pause:
+            self._load_at = FAR
+            self._load_cycle = clock.lspclk_after(now)
+
+    def _pause(self) -> int:
+        """FFTXDLY in ticks."""
+        delay = self.delay
+        if not delay:
+            return 0
+        self.touched.add("fftxdly_unit")
+        if delay == 255:
+            self.touched.add("fftxdly_max")
+            delay = self.options.fftxdly_max
+        return delay * 8 if self.options.fftxdly_unit == "bit" else delay
+
+    def _may_load(self) -> bool:
+        waiting = len(self.fifo) > 0 if self.fifo_mode else self._waiting
+        return waiting and self.running and (self.enabled or self._drain > 0)
+
+    def _load(self) -> None:
+        """A word moves to TXSHF, TXWAKE to WUT."""
+        self._load_at = FAR
+        self._load_cycle = NEVER
+        self._loaded = True
+        self.wut = self.txwake
+        self.txwake = False
+        self._drain = max(0, self._drain - 1)
+        if self.fifo_mode:
+            self._txshf = self.fifo.pop()
+            self.watch_level()
+            return
+        self._txshf = self.txbuf
+        self._waiting = False
+        if self.int_enabled:
+            self.request = True
+
+    def _start(self, now: int) -> None:
+        """TXSHF's word begins, or the idle time that TXWAKE made of it."""
+        layout = self._layout
+        tick = self._start_at
+        self._start_at = FAR
+        self._loaded = False
+        self.active = True
+        self._began = tick
+        self._data_frame = layout.address or not self.wut
+        if self._data_frame:
+            self._end = tick + layout.end
+            self._send(tick)
+        else:
+            self.touched.add("txwake_idle_len")
+            self._end = tick + (88 if self.options.txwake_idle_len == "11_bits" else layout.end)
+        self._plan(now)
+
+    def _send(self, tick: int) -> None:
+        layout = self._layout
+        word = self._txshf
+        address = int(self.wut) if layout.address else int(tick - self._last_end >= IDLE_TICKS)
+        if self.word_line:
+            clock = self._clock
+            self.sent.append(SentWord(word & layout.data_mask, address, clock.at(tick), clock.at(self._end)))
+            return
+        self.bits.send(tick, self._levels(layout), layout.bits)
+
+    def _levels(self, layout: SciFormat) -> int:
+        word = self._txshf
+        whole_byte = False
+        if layout.parity and word & ~layout.data_mask:
+            self.touched.add("parity_of_short_chars")
+            whole_byte = self.options.parity_of_short_chars == "whole_byte"
+        return layout.levels(word, int(self.wut), whole_byte)
+
+    def _set_next(self, now: int) -> None:
+        due = self.bits.next_tick
+        if self._end < due:
+            due = self._end
+        if self._start_at < due:
+            due = self._start_at
+        if self._load_at < due:
+            due = self._load_at
+        self.next_tick = due
+        self.next_cycle = self._load_cycle if self._clock.running else NEVER
+        if now < self._empty_until < self.next_cycle:
+            self.next_cycle = self._empty_until
+
+    # From the CPU -----------------------------------------------------------
+
+    def write_buffer(self, now: int, value: int) -> None:
+        """SCITXBUF."""
+        was_empty = self._is_empty()
+        before, self.txbuf = self.txbuf, value & 0xFF
+        if self.fifo_mode:
+            self._to_fifo()
+        elif self.in_swreset and self.options.txbuf_write_in_swreset == "lost":
+            self.touched.add("txbuf_write_in_swreset")
+            self.lost.append(f"SCITXBUF was written {value & 0xFF:#04x} while SW RESET = 0: the character is lost")
+            return
+        elif self._waiting:
+            self.touched.add("txbuf_write_when_full")
+            self.lost.append(f"SCITXBUF was written {value & 0xFF:#04x} while TXRDY = 0: one character is lost")
+            if self.options.txbuf_write_when_full == "ignored":
+                self.txbuf = before
+        else:
+            self._waiting = True
+        if self.in_swreset:
+            self.touched.add("txbuf_write_in_swreset")
+        self.replan(now)
+        if was_empty and self._start_at != FAR:
+            self.touched.add("txempty_fall")
+            if self.options.txempty_fall == "halfway":
+                self._empty_until = now + (self._clock.at(self._start_at) - now) // 2
+                self._set_next(now)
+
+    def _to_fifo(self) -> None:
+        if not self.scifftx & TXFIFOXRESET:
+            self.lost.append("SCITXBUF was written while TXFIFOXRESET = 0 holds the transmit FIFO: the word is lost")
+        elif not self.scifftx & SCIRST and self.options.scirst_scope == "shifters_and_fifos":
+            self.touched.add("scirst_scope")
+            self.lost.append("SCITXBUF was written while SCIRST = 0 holds the transmit channel: the word is lost")
+        elif not self.fifo.push(self.txbuf):
+            self.touched.add("txfifo_write_when_full")
+            self.lost.append("SCITXBUF was written while TXFFST = 16: one word is lost")
+            if self.options.txfifo_write_when_full == "overwrites_last":
+                self.fifo.words[-1] = self.txbuf
+        else:
+            self.watch_level()
+
+    def write_fifo(self, now: int, value: int) -> None:
+        """SCIFFTX. The owner looks after SCIRST and SCIFFENA in the rest of the module."""
+        before = self.scifftx
+        self.scifftx, strobes = SCIFFTX.write(before, value)
+        if strobes & TXFFINTCLR:
+            self.scifftx &= ~TXFFINT
+            if self._reached:
+                self.touched.add("fifo_int_mode")
+        if not self.scifftx & TXFIFOXRESET:
+            self.fifo.clear()
+        if (self.scifftx ^ before) & SCIFFENA:
+            self._drain = 0
+        if self.scifftx & TXFFINT and self.fifo_mode and self.scifftx & (TXFFIENA | SCIFFENA) & ~before:
+            self.request = self.request or bool(self.scifftx & TXFFIENA)
+        self.watch_level()
+        self.replan(now)
+
+    def watch_level(self) -> None:
+        """Set TXFFINT where TXFFST has come down to TXFFIL."""
+        held = not self.scifftx & SCIRST and self.options.scirst_scope == "shifters_and_fifos"
+        reached = self.fifo_mode and not held and len(self.fifo) <= TXFFIL.of(self.scifftx)
+        if reached and (self._level_mode or not self._reached) and not self.scifftx & TXFFINT:
+            self.scifftx |= TXFFINT
+            if self.scifftx & TXFFIENA:
+                self.request = True
+        self._reached = reached
+
+    def set_enabled(self, now: int, on: bool) -> None:
+        """TXENA."""
+        if on == self.enabled:
+            return
+        self.enabled = on
+        self._drain = 0
+        waiting = len(self.fifo) if self.fifo_mode else int(self._waiting)
+        if not on and waiting:
+            self.touched.add("txena_clear_drains")
+            if self.options.txena_clear_drains == "all_written":
+                self._drain = waiting
+        self.replan(now)
+
+    def set_int_enabled(self, on: bool) -> None:
+        """TXINTENA; set while TXRDY = 1 it requests at once."""
+        if on and not self.int_enabled and not self.fifo_mode and self.show_flags(0) & TXRDY:
+            self.request = True
+        self.int_enabled = on
+
+    def set_layout(self, now: int, layout: SciFormat, at_once: bool) -> None:
+        """A new format from the next frame on, or for the frame under way too."""
+        self._layout = layout
+        if at_once and self.active and self._data_frame:
+            done = (self._clock.passed(now) - self._began) // 8 + 1
+            self._end = self._began + 8 * max(layout.bits, done)
+            if not self.word_line:
+                self.bits.resend(self._began, self._levels(layout), max(layout.bits, done), done)
+        self.replan(now)
+
+    def show_flags(self, now: int) -> int:
+        """TXRDY and TXEMPTY in their SCICTL2 places."""
+        if self.in_swreset:
+            return TXRDY | TXEMPTY
+        if not self.fifo_mode:
+            ready = not self._waiting
+        else:
+            ready = self.options.txrdy_in_fifo_mode == "stays_1" or not self.fifo.words
+        empty = self._is_empty() or now < self._empty_until
+        return (TXRDY if ready else 0) | (TXEMPTY if empty else 0)
+
+    def show_fifo(self) -> int:
+        return self.scifftx | len(self.fifo) << TXFFST.lsb
+
+    def _is_empty(self) -> bool:
+        waiting = len(self.fifo) > 0 if self.fifo_mode else self._waiting
+        return not (waiting or self.active or self._loaded)
+
+    # Resets -----------------------------------------------------------------
+
+    def halt(self) -> None:
+        """State machines to reset: what is in SCITXBUF and TXSHF is lost, TXD goes to 1."""
+        self.running = False
+        self.active = False
+        self.wut = False
+        self._waiting = False
+        self._drain = 0
+        self._loaded = False
+        self._data_frame = False
+        self._end = self._start_at = self._load_at = FAR
+        self._load_cycle = NEVER
+        self._last_end = -FAR
+        self._empty_until = 0
+        self.bits.stop()
+        self.next_tick = FAR
+        self.next_cycle = NEVER
+
+    def release(self, now: int) -> None:
+        """No reset holds the transmitter any more."""
+        self.running = True
+        self.replan(now)
+
+    def clear_fifo(self) -> None:
+        """The FIFO emptied, its flag cleared; nothing is requested by that."""
+        asked = self.request
+        self.fifo.clear()
+        self.scifftx &= ~TXFFINT
+        self.watch_level()
+        self.request = asked
+
+    def reset(self) -> None:
+        self.halt()
+        self.in_swreset = True
+        self.stopping = False
+        self.enabled = False
+        self.int_enabled = False
+        self.delay = 0
+        self.txbuf = 0
+        self.txwake = False
+        self.fifo.clear()
+        self.scifftx = SCIFFTX.reset
+        self.request = False
+        self._reached = False

@@ -1,0 +1,1 @@
+"""System control, CPU timers, watchdog and the memory map (SPRUFB0D)."""

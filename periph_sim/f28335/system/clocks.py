@@ -1,0 +1,388 @@
+"""System control: register writes in; the clock ratio, prescalers, module gates and the watchdog's verdicts out.
+
+    PLLCR, PLLSTS  -->  sysclk_numerator / sysclk_denominator   (SYSCLKOUT in terms of OSCCLK)
+    LOSPCP, HISPCP -->  lspclk_divider, lspclk_phase, hspclk_divider
+    PCLKCR0/1/3    -->  gates, enabled()                        (2 cycles after the write)
+    SCSR, WDCR, .. -->  reset_requested, WAKEINT in `requests`
+
+Time is SYSCLKOUT cycles as for every chip, but this chip decides how long a cycle is. The
+owner compares the ratio after every input: cycles from that input's `now` on have the
+new length. OSCCLK counts (PLL lock, watchdog) go on exactly through such a change.
+
+After `reset_requested` the owner resets every chip, this one among them, and lets the
+CPU start WDRST_CYCLES later: the watchdog holds XRS low that long.
+
+Source: SPRUFB0D section 5; lock time SPRS439M Table 6-9; boot ROM SPRS439M Table 3-17.
+
+Chosen:
+- Every write of PLLCR starts a lock, the same value or 0 included (Table 22 speaks of the
+  write, not of a change).
+- While the PLL locks, a DIVSEL other than 0 (which the manual forbids) divides the bypass clock.
+- A reserved PLLCR value runs on as bypass; DIVSEL = 3 with the PLL on divides by 1.
+- New prescaler values act at once.
+- A read where there is no register gives 0, a write there does nothing.
+
+Not modelled: missing-clock detection and limp mode, STANDBY and HALT; their bits are
+kept, and a note says so when firmware asks for them.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from math import gcd
+
+from ...core.chip import ALL, NEVER, Note
+from .clocks_map import (
+    GATES,
+    HISPCP,
+    LOSPCP,
+    LPMCR0,
+    MAP,
+    PCLKCR0,
+    PCLKCR1,
+    PCLKCR3,
+    PLLCR,
+    PLLSTS,
+    SCSR,
+    WDCNTR,
+    WDCR,
+    WDKEY,
+    Gate,
+)
+from .options import SystemOptions
+from .oscclk import PARTS, OscClock
+from .watchdog import WDFLAG, WDINT_OSCCLKS, Watchdog
+
+PLL_LOCK_OSCCLKS = 131072  # SPRS439M Table 6-9
+VCO_MAX_HZ = 300_000_000  # section 5.2.1
+GATE_DELAY = 2  # SYSCLKOUT from a PCLKCR write to its effect, section 5.1.1
+WDINTS_DELAY = 2  # SYSCLKOUT from WDINT to SCSR.WDINTS, Table 27
+WDRST_CYCLES = WDINT_OSCCLKS // 4  # how long a watchdog reset lasts, at the reset's OSCCLK/4
+WDFLAG_DELAY = WDRST_CYCLES + 8192  # SYSCLKOUT from a watchdog reset to WDFLAG, notes below Table 30
+
+DIVIDE = (4, 4, 2, 1)  # by DIVSEL
+DIVSEL = PLLSTS["DIVSEL"]
+PLLLOCKS = PLLSTS["PLLLOCKS"].mask
+PLLOFF = PLLSTS["PLLOFF"].mask
+OSCOFF = PLLSTS["OSCOFF"].mask
+MCLKOFF = PLLSTS["MCLKOFF"].mask
+WDINTS = SCSR["WDINTS"].mask
+LPM = LPMCR0["LPM"]
+
+MODULES: tuple[str, ...] = tuple(gate.module for gate in GATES)
+
+
+def prescale(code: int) -> int:
+    """The divider that a LOSPCP or HISPCP code stands for: 1, 2, 4, 6, 8, 10, 12, 14."""
+    return 2 * code or 1
+
+
+class SystemControl:
+    """oscclk_hz: frequency of OSCCLK, for `sysclk_hz` and the check of the PLL's limit."""
+
+    MAP = MAP
+    INPUTS: tuple[str, ...] = ()
+    OUTPUTS: tuple[str, ...] = ()
+    LINES: tuple[str, ...] = ("WAKEINT",)
+    filter_width = 0
+
+    def __init__(self, oscclk_hz: int, options: SystemOptions) -> None:
+        if oscclk_hz < 1:
+            raise ValueError(f"OSCCLK is {oscclk_hz} Hz; expected a positive number")
+        self.oscclk_hz = oscclk_hz
+        self.next_wake = NEVER
+        self.out = 0
+        self.requests = 0
+        self.held = 0
+        self.notes: list[Note] = []
+        self.touched: set[str] = set()
+        self.reset_requested = False  # by the watchdog; cleared by `reset`
+        self._options = options
+        self._clock = OscClock()
+        self._watchdog = Watchdog(options, self.touched)
+        self._pllsts: int  # registers: `reset` gives them their values
+        self._pllcr: int
+        self._hispcp: int
+        self._lospcp: int
+        self._pclkcr0: int
+        self._pclkcr1: int
+        self._pclkcr3: int
+        self._lpmcr0: int
+        self._gates_to_come: list[tuple[int, int]] = []  # (cycle, gates)
+        self._wdints_to_come: list[tuple[int, int]] = []  # (cycle, level)
+        self.reset(0)
+
+    # What the owner asks ----------------------------------------------------
+
+    @property
+    def sysclk_hz(self) -> Fraction:
+        """SYSCLKOUT in Hz, exact."""
+        return Fraction(self.oscclk_hz * self.sysclk_numerator, self.sysclk_denominator)
+
+    def enabled(self, module: str) -> bool:
+        """Whether the module has its clock now. ValueError for a name that is not in MODULES."""
+        return bool(self.gates >> self._gate(module)[0] & 1)
+
+    def divider(self, module: str) -> int:
+        """SYSCLKOUT cycles per cycle of the clock this module runs on. ValueError as in `enabled`."""
+        clock = self._gate(module)[1].clock
+        if clock == "SYSCLKOUT":
+            return 1
+        return self.lspclk_divider if clock == "LSPCLK" else self.hspclk_divider
+
+    @staticmethod
+    def _gate(module: str) -> tuple[int, Gate]:
+        if module not in MODULES:
+            raise ValueError(f"no clock gate for {module!r}; there are {', '.join(MODULES)}")
+        index = MODULES.index(module)
+        return index, GATES[index]
+
+    # Inputs -----------------------------------------------------------------
+
+    def pins(self, now: int, levels: int) -> int:
+        raise ValueError("system control has no input pins")
+
+    def wake(self, now: int) -> int:
+        self._sync(now)
+        return ALL
+
+    def read(self, now: int, offset: int) -> int:
+        return self.peek(now, offset)
+
+    def peek(self, now: int, offset: int) -> int:
+        """The register's value. Nothing here has a read effect."""
+        self._sync(now)
+        register = MAP.at(offset)
+        return 0 if register is None else register.read(self._value(now, offset))[0]
+
+    def write(self, now: int, offset: int, value: int) -> None:
+        """EALLOW is the bus's business: a protected write that comes here counts."""
+        self._sync(now)
+        if offset == PLLSTS.offset:
+            self._write_pllsts(now, value)
+        elif offset == PLLCR.offset:
+            self._write_pllcr(now, value)
+        elif offset == HISPCP.offset:
+            self._hispcp, _ = HISPCP.write(self._hispcp, value)
+            self.hspclk_divider = prescale(self._hispcp)
+        elif offset == LOSPCP.offset:
+            self._write_lospcp(now, value)
+        elif offset == PCLKCR0.offset:
+            self._pclkcr0, _ = PCLKCR0.write(self._pclkcr0, value)
+            self._gates_to_come.append((now + GATE_DELAY, self._gates()))
+        elif offset == PCLKCR1.offset:
+            self._pclkcr1, _ = PCLKCR1.write(self._pclkcr1, value)
+        elif offset == PCLKCR3.offset:
+            self._pclkcr3, _ = PCLKCR3.write(self._pclkcr3, value)
+            self._gates_to_come.append((now + GATE_DELAY, self._gates()))
+        elif offset == LPMCR0.offset:
+            self._write_lpmcr0(value)
+        else:
+            self._write_watchdog(now, offset, value)
+        self._schedule()
+
+    def reset(self, now: int) -> None:
+        """XRS, or the watchdog's reset if `reset_requested`: WDFLAG then follows WDFLAG_DELAY cycles later."""
+        by_watchdog = self.reset_requested
+        self._pllcr = PLLCR.reset
+        self._pllsts = PLLSTS.reset
+        self._locked_at = NEVER  # OSCCLK position
+        self._reset_all_but_pll(now)
+        self._wdflag_at = now + WDFLAG_DELAY if by_watchdog else NEVER
+        self._tune(now)
+        self._schedule()
+
+    def debugger_reset(self, now: int) -> None:
+        """A reset from the debugger: as `reset`, but PLLCR, PLLSTS and so SYSCLKOUT stay."""
+        self._sync(now)
+        self._reset_all_but_pll(now)
+        self._schedule()
+
+    def boot(self, now: int) -> None:
+        """What the boot ROM leaves behind for user code: DIVSEL = 2."""
+        self._sync(now)
+        self._pllsts = DIVSEL.put(self._pllsts, 2)
+        self._tune(now)
+        self._schedule()
+
+    # Registers --------------------------------------------------------------
+
+    def _value(self, now: int, offset: int) -> int:
+        """What is stored at an offset the map knows."""
+        if offset == WDCR.offset or offset == WDKEY.offset:
+            return self._watchdog.wdcr
+        if offset == WDCNTR.offset:
+            return self._watchdog.count(self._clock.at(now))
+        if offset == SCSR.offset:
+            return self._watchdog.scsr & ~WDINTS | (WDINTS if self._wdints else 0)
+        return {
+            PLLSTS.offset: self._pllsts,
+            PLLCR.offset: self._pllcr,
+            HISPCP.offset: self._hispcp,
+            LOSPCP.offset: self._lospcp,
+            PCLKCR0.offset: self._pclkcr0,
+            PCLKCR1.offset: self._pclkcr1,
+            PCLKCR3.offset: self._pclkcr3,
+            LPMCR0.offset: self._lpmcr0,
+        }[offset]
+
+    def _write_pllsts(self, now: int, value: int) -> None:
+        before = self._pllsts
+        self._pllsts, _ = PLLSTS.write(before, value)
+        divsel = DIVSEL.of(self._pllsts)
+        if divsel != DIVSEL.of(before) and not before & PLLLOCKS:
+            self._duty(
+                f"PLLSTS.DIVSEL was changed to {divsel} while the PLL locks; it may change once PLLLOCKS is 1",
+                "SPRUFB0D section 5.2.4",
+            )
+        self._check_divsel()
+        if self._pllsts & PLLOFF and self._pllcr:
+            self._duty(
+                f"PLLSTS.PLLOFF was set with PLLCR = {self._pllcr}; it may be set in bypass only", "SPRUFB0D Table 22"
+            )
+        if self._pllsts & ~before & OSCOFF:
+            self._unknown("PLLSTS.OSCOFF = 1: missing-clock detection is not modelled", "SPRUFB0D Table 22")
+        self._tune(now)
+
+    def _write_pllcr(self, now: int, value: int) -> None:
+        divsel = DIVSEL.of(self._pllsts)
+        self._pllcr, _ = PLLCR.write(self._pllcr, value)
+        if divsel:
+            self._duty(f"PLLCR was written with PLLSTS.DIVSEL = {divsel}; it must be 0 first", "SPRUFB0D section 5.2.4")
+        if not self._pllsts & MCLKOFF:
+            self._duty("PLLCR was written with PLLSTS.MCLKOFF = 0; the procedure sets it first", "SPRUFB0D Figure 22")
+        if self._watchdog.enabled:
+            self._duty("PLLCR was written with the watchdog on; it should be off", "SPRS439M section 3.6.1.2")
+        if self._pllcr > 10:
+            self._duty(f"PLLCR = {self._pllcr} is reserved; expected 0 to 10", "SPRUFB0D Table 21")
+        elif self._pllcr and self._pllsts & PLLOFF:
+            self._duty(f"PLLCR = {self._pllcr} was written with PLLSTS.PLLOFF = 1", "SPRUFB0D Table 22")
+        vco = self._ratio() * self.oscclk_hz
+        if vco > VCO_MAX_HZ:
+            self._duty(f"the PLL would run at {vco} Hz; at most {VCO_MAX_HZ} Hz are allowed", "SPRUFB0D section 5.2.1")
+        self._check_divsel()
+        self._pllsts &= ~PLLLOCKS
+        self._locked_at = self._clock.at(now) + PLL_LOCK_OSCCLKS * PARTS
+        self._tune(now)
+
+    def _write_lospcp(self, now: int, value: int) -> None:
+        self._lospcp, _ = LOSPCP.write(self._lospcp, value)
+        self.lspclk_divider = prescale(self._lospcp)
+        if self.lspclk_divider > 1:
+            self.touched.add("lspclk_phase")
+        if self._options.lspclk_phase == "restart_on_write":
+            self.lspclk_phase = now
+
+    def _write_lpmcr0(self, value: int) -> None:
+        self._lpmcr0, _ = LPMCR0.write(self._lpmcr0, value)
+        if LPM.of(self._lpmcr0):
+            self._unknown("LPMCR0 selects STANDBY or HALT: the model's IDLE stops the CPU only", "SPRUFB0D section 5.3")
+
+    def _write_watchdog(self, now: int, offset: int, value: int) -> None:
+        position = self._clock.at(now)
+        if offset == WDKEY.offset:
+            self._watchdog.write_wdkey(position, value)
+        elif offset == WDCR.offset:
+            self._watchdog.write_wdcr(position, value)
+        elif offset == SCSR.offset:
+            self._watchdog.write_scsr(position, value)
+        self._look_at_watchdog(now)
+
+    # Inside -----------------------------------------------------------------
+
+    def _reset_all_but_pll(self, now: int) -> None:
+        self._hispcp = HISPCP.reset
+        self._lospcp = LOSPCP.reset
+        self._pclkcr0 = PCLKCR0.reset
+        self._pclkcr1 = PCLKCR1.reset
+        self._pclkcr3 = PCLKCR3.reset
+        self._lpmcr0 = LPMCR0.reset
+        self.hspclk_divider = prescale(self._hispcp)
+        self.lspclk_divider = prescale(self._lospcp)
+        self.lspclk_phase = now  # LSPCLK begins a period at this cycle, and each divider cycles from it
+        self.gates = self._gates()  # bit i: MODULES[i] has its clock now
+        self._gates_to_come.clear()
+        self._watchdog.reset(self._clock.at(now))
+        self.requests = 0
+        self.reset_requested = False
+        self._wdint = 1  # WDINT as it was last seen
+        self._wdints = 1
+        self._wdints_to_come.clear()
+        self._wdflag_at = NEVER
+
+    def _sync(self, now: int) -> None:
+        while self.next_wake <= now:
+            cycle = self.next_wake
+            self._watchdog.advance(self._clock.at(cycle))
+            self._look_at_watchdog(cycle)
+            if self._clock.at(cycle) >= self._locked_at:
+                self._locked_at = NEVER
+                self._pllsts |= PLLLOCKS
+                self._tune(cycle)
+            while self._gates_to_come and self._gates_to_come[0][0] <= cycle:
+                self.gates = self._gates_to_come.pop(0)[1]
+            while self._wdints_to_come and self._wdints_to_come[0][0] <= cycle:
+                self._wdints = self._wdints_to_come.pop(0)[1]
+            if cycle >= self._wdflag_at:
+                self._wdflag_at = NEVER
+                self._watchdog.wdcr |= WDFLAG
+            self._schedule()
+
+    def _schedule(self) -> None:
+        wake = self._wdflag_at
+        due = min(self._locked_at, self._watchdog.next_due)
+        if due < NEVER:
+            wake = min(wake, self._clock.cycle_at(due))
+        if self._gates_to_come:
+            wake = min(wake, self._gates_to_come[0][0])
+        if self._wdints_to_come:
+            wake = min(wake, self._wdints_to_come[0][0])
+        self.next_wake = wake
+
+    def _look_at_watchdog(self, cycle: int) -> None:
+        dog = self._watchdog
+        if dog.wdint != self._wdint:
+            self._wdint = dog.wdint
+            self._wdints_to_come.append((cycle + WDINTS_DELAY, dog.wdint))
+        if dog.interrupt:
+            dog.interrupt = False
+            self.requests |= 1
+        self.reset_requested = dog.reset_requested
+
+    def _ratio(self) -> int:
+        """What the PLL multiplies by; 1 in bypass, which every setting without a defined ratio falls back to."""
+        return self._pllcr if 1 <= self._pllcr <= 10 and not self._pllsts & PLLOFF else 1
+
+    def _tune(self, now: int) -> None:
+        """Take over the clock that PLLCR, DIVSEL and the lock state make."""
+        divide = DIVIDE[DIVSEL.of(self._pllsts)]
+        ratio = self._ratio()
+        if not self._pllsts & PLLLOCKS:
+            ratio = 1
+            self.touched.add("pll_lock_clock")
+            if self._options.pll_lock_clock == "osc_div_2":
+                divide = 2
+        common = gcd(ratio, divide)  # SYSCLKOUT = OSCCLK * numerator / denominator, in lowest terms
+        self.sysclk_numerator = ratio // common
+        self.sysclk_denominator = divide // common
+        self._clock.retune(now, self.sysclk_numerator, self.sysclk_denominator)
+
+    def _gates(self) -> int:
+        gates = 0
+        for i, gate in enumerate(GATES):
+            register = self._pclkcr0 if gate.register is PCLKCR0 else self._pclkcr3
+            if register & gate.enable.mask:
+                gates |= 1 << i
+        return gates
+
+    def _check_divsel(self) -> None:
+        if DIVSEL.of(self._pllsts) == 3 and self._pllcr:
+            self._duty(
+                f"PLLSTS.DIVSEL = 3 with PLLCR = {self._pllcr}; it is allowed with PLLCR = 0 only", "SPRUFB0D Table 22"
+            )
+
+    def _duty(self, text: str, source: str) -> None:
+        self.notes.append(Note("duty", text, source))
+
+    def _unknown(self, text: str, source: str) -> None:
+        self.notes.append(Note("unknown", text, source))

@@ -1,0 +1,185 @@
+"""32-bit CPU timer: SYSCLKOUT cycles and register accesses in; TINT out.
+
+    SYSCLKOUT --> PSCH:PSC (TDDRH:TDDR + 1) --> TIMH:TIM --zero--> TIF, and with TIE: TINT
+                                                  ^   |
+                                      PRDH:PRD ---+<--+ the step after zero, or TRB
+
+Nothing is counted cycle by cycle: the count of a cycle is worked out when somebody looks,
+and `next_wake` is the next zero that anybody can see (TIE = 1, or TIF still 0).
+TIM and PSC themselves move without a wake-up: `timer_map` marks them as free-running.
+
+Source: SPRUFB0D section 5.5, Tables 31 to 38.
+
+Chosen:
+- Only a step ends at zero: a TRB load or a CPU write of 0 sets no flag. With PRD = 0 every
+  step does, so that the period is (PRD + 1)(TDDR + 1) there, too.
+- With timer_tif_point = on_reload every reload sets TIF, also the first one after reset.
+- A zero in the cycle of a TCR write comes first; a 1 written to TIF clears its flag.
+- With its clock off the timer stands still; its registers can be read and written.
+- The timer does not know breakpoints; FREE and SOFT are only kept.
+"""
+
+from __future__ import annotations
+
+from ...core.chip import ALL, NEVER, Note
+from .cpu_timer_map import BASES, MAP, PRD, PRDH, TCR, TIM, TIMH, TPR, TPRH
+from .options import SystemOptions
+
+TIF = TCR["TIF"].mask
+TIE = TCR["TIE"].mask
+TRB = TCR["TRB"].mask
+TSS = TCR["TSS"].mask
+
+# Where the three TINT lines go (Figure 32, Table 112): a PIE group and line, or a CPU interrupt number.
+TINT0_PIE = (1, 7)
+TINT1_CPU = 13
+TINT2_CPU = 14
+
+
+class CpuTimer:
+    """number: 0, 1 or 2. Runs from reset, as the hardware does."""
+
+    MAP = MAP
+    INPUTS: tuple[str, ...] = ()
+    OUTPUTS: tuple[str, ...] = ()
+    LINES: tuple[str, ...] = ("TINT",)
+    filter_width = 0
+
+    def __init__(self, number: int, options: SystemOptions) -> None:
+        if number not in (0, 1, 2):
+            raise ValueError(f"there is no CPU timer {number!r}; there are 0, 1 and 2")
+        self.base = BASES[number]
+        self.next_wake = NEVER
+        self.out = 0
+        self.requests = 0
+        self.held = 0
+        self.notes: list[Note] = []
+        self.touched: set[str] = set()
+        self._options = options
+        self._on_reload = options.timer_tif_point == "on_reload"
+        self._clocked = True  # PCLKCR3 resets with the timers' clocks on
+        self._tcr = TCR.reset
+        self._prd = 0xFFFF  # PRDH:PRD
+        self._tddr = 0  # TDDRH:TDDR
+        self._since = 0  # the cycle for which _tim and _psc hold
+        self._tim = 0
+        self._psc = 0
+        self._event_at = NEVER  # the next cycle at which TIF is set, visible or not
+
+    # Inputs -----------------------------------------------------------------
+
+    def pins(self, now: int, levels: int) -> int:
+        raise ValueError("a CPU timer has no input pins")
+
+    def wake(self, now: int) -> int:
+        self._sync(now)
+        self._schedule()
+        return ALL
+
+    def read(self, now: int, offset: int) -> int:
+        return self.peek(now, offset)
+
+    def peek(self, now: int, offset: int) -> int:
+        """The register's value; no register here has a read effect. 0 where there is none."""
+        self._sync(now)
+        self._schedule()
+        if offset == TCR.offset:
+            return self._tcr
+        if offset == TIM.offset:
+            return self._tim & 0xFFFF
+        if offset == TIMH.offset:
+            return self._tim >> 16
+        if offset == PRD.offset:
+            return self._prd & 0xFFFF
+        if offset == PRDH.offset:
+            return self._prd >> 16
+        if offset == TPR.offset:
+            return (self._psc & 0xFF) << 8 | self._tddr & 0xFF
+        if offset == TPRH.offset:
+            return self._psc >> 8 << 8 | self._tddr >> 8
+        return 0
+
+    def write(self, now: int, offset: int, value: int) -> None:
+        self._sync(now)
+        value &= 0xFFFF
+        if offset == TCR.offset:
+            self._write_tcr(value)
+        elif offset == TIM.offset:
+            self._tim = self._tim & 0xFFFF0000 | value
+        elif offset == TIMH.offset:
+            self._tim = self._tim & 0xFFFF | value << 16
+        elif offset == PRD.offset:
+            self._prd = self._prd & 0xFFFF0000 | value
+        elif offset == PRDH.offset:
+            self._prd = self._prd & 0xFFFF | value << 16
+        elif offset == TPR.offset:
+            self._tddr = self._tddr & 0xFF00 | value & 0xFF
+        elif offset == TPRH.offset:
+            self._tddr = self._tddr & 0xFF | (value & 0xFF) << 8
+        self._schedule()
+
+    def gate(self, now: int, on: bool) -> None:
+        """PCLKCR3.CPUTIMERnENCLK took effect."""
+        self._sync(now)
+        self._clocked = on
+        self._schedule()
+
+    def reset(self, now: int) -> None:
+        """XRS: stands at 0 with the longest 16-bit period, and runs."""
+        self._clocked = True
+        self._tcr = TCR.reset
+        self._prd = PRDH.reset << 16 | PRD.reset
+        self._tddr = 0
+        self._since = now
+        self._tim = 0
+        self._psc = 0
+        self.requests = 0
+        self._schedule()
+
+    # Inside -----------------------------------------------------------------
+
+    def _write_tcr(self, value: int) -> None:
+        before = self._tcr
+        self._tcr, strobes = TCR.write(before, value)
+        if strobes & TRB:
+            self._tim = self._prd
+            self._psc = self._tddr
+        if self._tcr & TIE and not before & TIE and self._tcr & TIF:
+            self.touched.add("timer_late_tie")
+            if self._options.timer_late_tie == "requests":
+                self.requests |= 1
+
+    def _running(self) -> bool:
+        return self._clocked and not self._tcr & TSS
+
+    def _sync(self, now: int) -> None:
+        """Bring count, prescaler and TIF up to `now`."""
+        if now >= self._event_at:
+            self._tcr |= TIF
+            self.touched.add("timer_tif_point")
+            if self._tcr & TIE:
+                self.requests |= 1
+        elapsed = now - self._since
+        self._since = now
+        if not elapsed or not self._running():
+            return
+        if elapsed <= self._psc:
+            self._psc -= elapsed
+            return
+        more, past = divmod(elapsed - self._psc - 1, self._tddr + 1)
+        self._psc = self._tddr - past
+        steps = more + 1
+        if steps <= self._tim:
+            self._tim -= steps
+        else:
+            self._tim = self._prd - (steps - self._tim - 1) % (self._prd + 1)
+
+    def _schedule(self) -> None:
+        """When TIF is set next, and whether anybody can see it."""
+        if not self._running():
+            self._event_at = self.next_wake = NEVER
+            return
+        steps = self._tim + 1 if self._on_reload else self._tim or self._prd + 1
+        self._event_at = self._since + self._psc + 1 + (steps - 1) * (self._tddr + 1)
+        visible = self._tcr & TIE or not self._tcr & TIF
+        self.next_wake = self._event_at if visible else NEVER

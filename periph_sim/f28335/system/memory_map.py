@@ -1,0 +1,108 @@
+"""The peripheral frames: an address goes in, the module behind it, its register and its wait states come out.
+
+Source: SPRS439M Table 3-5 (wait states), SPRUFB0D section 7.2 and Tables 86-96 (frames,
+EALLOW), section 7.4 (block protection).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+from functools import cached_property
+
+from ...core.registers import Register
+from ...core.socket import Socket
+from ...core.suggest import did_you_mean
+from .options import SystemOptions
+
+
+class Frame(IntEnum):
+    """Peripheral frames differ in wait states and in the access widths they allow."""
+
+    PF0 = 0  # PIE, CPU timers: 16 and 32 bits
+    PF1 = 1  # GPIO: 16 and 32 bits
+    PF2 = 2  # system control, SCI, I2C, XINT: 16 bits only
+
+
+# A read in here waits for a write in here to complete (PROTSTART, PROTRANGE as the boot ROM leaves them).
+PROTECTED_BLOCK = range(0x4000, 0x8000)
+WRITE_TO_READ = 3  # cycles of that wait, less what passes in between
+
+LOW, HIGH, BOTH = 0b01, 0b10, 0b11  # 16-bit words of a register that an access moves
+WORDS_MASK = (0, 0xFFFF, 0xFFFF_0000, 0xFFFF_FFFF)  # their bits in the register's value
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a module lives: `base` is the address of its offset 0."""
+
+    name: str
+    base: int
+    size: int
+    frame: Frame
+    socket: Socket
+
+    @cached_property
+    def protected_block(self) -> bool:
+        return self.base in PROTECTED_BLOCK
+
+
+class WaitStates:
+    """Extra cycles of one access, by frame. Wait states are the options' where TI leaves a doubt."""
+
+    def __init__(self, options: SystemOptions) -> None:
+        self.read = {Frame.PF0: 1, Frame.PF1: 2, Frame.PF2: options.pf2_read_ws}
+        self.write = {Frame.PF0: 0, Frame.PF1: 0, Frame.PF2: options.pf2_write_ws}
+        self.pf1_after_pf1 = options.pf1_back_to_back_write
+
+
+class NoSuchAddress(ValueError):
+    """Nothing of this scene answers at an address, or no register stands there."""
+
+
+class AddressMap:
+    """Every module of one F28335. Modules that the scene does not name are not here."""
+
+    def __init__(self) -> None:
+        self.places: dict[str, Place] = {}
+
+    def add(self, place: Place) -> None:
+        for other in self.places.values():
+            if place.base < other.base + other.size and other.base < place.base + place.size:
+                raise ValueError(f"{place.name} at {place.base:#06x} overlaps {other.name} at {other.base:#06x}")
+        self.places[place.name] = place
+
+    def find(self, address: int) -> tuple[Place, Register, int]:
+        """(module, register, which 16-bit half of it) at an address. NoSuchAddress otherwise."""
+        for place in self.places.values():
+            offset = address - place.base
+            if 0 <= offset < place.size:
+                for back in (0, 1):
+                    register = place.socket.chip.MAP.at(offset - back)
+                    if register is not None and register.width > 16 * back:
+                        return place, register, back
+                last = place.base + place.size - 1
+                raise NoSuchAddress(
+                    f"{address:#06x} is not a register of {place.name} ({place.base:#06x} to {last:#06x}); "
+                    f"the nearest are {nearest(place, offset)}"
+                )
+        here = ", ".join(f"{p.name} {p.base:#06x}" for p in self.places.values())
+        raise NoSuchAddress(f"{address:#06x} belongs to no module of this scene, which has {here}")
+
+    def named(self, text: str) -> tuple[Place, Register]:
+        """The register that "I2C-A.I2CSTR" names. NoSuchAddress otherwise, with the nearest right name."""
+        module, _, name = text.partition(".")
+        if module not in self.places:
+            raise NoSuchAddress(f"there is no module {module!r} in this scene; {did_you_mean(module, self.places)}")
+        place = self.places[module]
+        if name not in place.socket.chip.MAP:
+            raise NoSuchAddress(
+                f"{module} has no register {name!r}; {did_you_mean(name, (r.name for r in place.socket.chip.MAP))}"
+            )
+        return place, place.socket.chip.MAP[name]
+
+
+def nearest(place: Place, offset: int) -> str:
+    """The registers around a hole, with their addresses."""
+    by_distance = sorted(place.socket.chip.MAP, key=lambda r: (abs(r.offset - offset), r.offset))[:2]
+    return " and ".join(f"{r.name} {place.base + r.offset:#06x}" for r in sorted(by_distance, key=lambda r: r.offset))

@@ -1,0 +1,110 @@
+"""Open questions about the CPU and the system around the peripherals: one field each, the default first.
+
+Clocks, PIE, timers, GPIO, the bus and the CPU host share this one class, because one
+scene answers each question once. A machine that consults a field adds the field's name
+to its `touched` set.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ...core.options import choice, number
+
+
+@dataclass(frozen=True)
+class SystemOptions:
+    # CPU interrupts
+    int_latency: int = number(
+        14,
+        13,
+        16,
+        unit="cycles",
+        question="From a peripheral's request to the first instruction of its service routine: 14 in the field, "
+        "while the documents count spans that add up to 13 to 16.",
+    )
+    irq_after_iret: str = choice(
+        "at_once",
+        "after_one_instruction",
+        question="Does an interrupt that waits at IRET come before the next instruction of the interrupted code?",
+    )
+    intr_clears_ifr: bool = choice(
+        True,
+        False,
+        question="Does INTR clear the IFR bit (CPU guide section 3.3.1) or not (system guide section 8.5.3 note 3)?",
+    )
+
+    # PIE
+    pieack_reset: int = choice(
+        0x000,
+        0xFFF,
+        question="Does PIEACK hold all groups after reset, as the register's drawing says, or none? TI's examples for "
+        "I2C, timers and SCI never write PIEACK before their first interrupt, and run on silicon.",
+    )
+
+    pie_held_line: str = choice(
+        "at_pieack",
+        "at_vector_fetch",
+        question="When does the PIE latch a request line again that is still held after its interrupt was served: when "
+        "the group is acknowledged, or as soon as the vector fetch has cleared PIEIFR?",
+    )
+
+    # Bus
+    pf2_read_ws: int = number(
+        2, 0, 15, unit="wait states", question="What does a read in peripheral frame 2 cost beyond its one cycle?"
+    )
+    pf2_write_ws: int = number(
+        0, 0, 15, unit="wait states", question="What does a write in peripheral frame 2 cost beyond its one cycle?"
+    )
+    pf1_back_to_back_write: int = choice(
+        1,
+        0,
+        question="How many cycles does a write in peripheral frame 1 directly after another one cost in addition?",
+    )
+    write_lands: int = choice(
+        2,
+        4,
+        question="How many cycles after its own instruction could have read does a write reach the peripheral: 2, from "
+        "pipeline stage R2 to W, or 4, which the three cycles of write-to-read protection imply?",
+    )
+
+    # GPIO
+    gpio_out_delay: int = choice(
+        1,
+        0,
+        2,
+        question="How many cycles after the latch or the peripheral does an output pin change?",
+    )
+
+    # Timers and clocks
+    timer_tif_point: str = choice(
+        "on_zero",
+        "on_reload",
+        question="Is TIF set on the step to zero, or with the reload one prescaler period later?",
+    )
+    timer_late_tie: str = choice(
+        "requests",
+        "waits_for_zero",
+        question="Does setting TIE while TIF is still 1 request at once, as other peripherals do (section 8.1.1), or "
+        "does only reaching zero request (Table 36)?",
+    )
+    pll_lock_clock: str = choice(
+        "osc_div_4",
+        "osc_div_2",
+        question="What does the CPU run on while the PLL locks: the bypass clock of DIVSEL = 0, or OSCCLK/2?",
+    )
+    lspclk_phase: str = choice(
+        "free_running",
+        "restart_on_write",
+        question="Does a LOSPCP write leave the phase of the peripheral clock divider alone or restart it?",
+    )
+    wd_divider: str = choice(
+        "restarts_on_clear",
+        "free_running",
+        question="Does clearing WDCNTR also restart the divider before it, or is the next step up to one WDCLK early?",
+    )
+    wd_bad_key: str = choice(
+        "ignored",
+        "reset",
+        question="Does a wrong key in WDKEY do nothing (system guide) or reset at once (errata usage note)?",
+    )

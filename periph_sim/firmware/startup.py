@@ -1,0 +1,77 @@
+"""What every program does first: clocks to the modules, pins, PIE. Reads like TI's start-up code.
+
+Source: SPRUFB0D sections 5.1 (PCLKCR), 6 (GPIO), 8.3 (PIE); SPRUFZ5A and SPRUG03B for the modules.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ..processor.dsp import Dsp
+
+
+def start_pin(dsp: Dsp, pin: int) -> None:
+    """GPIO `pin` becomes an output, low."""
+    if not dsp.has("GPIO"):
+        return
+    gpio = dsp.module("GPIO")
+    port = "ABC"[pin // 32]
+    dsp.clear_pin(pin)
+    dsp.eallow()
+    setattr(gpio[f"GP{port}DIR"], f"GPIO{pin}", 1)
+    dsp.edis()
+
+
+def start_i2c(dsp: Dsp, own_address: int = 0) -> None:
+    """Clock and pins for I2C-A, module clock 10 MHz, in reset. Pins asynchronous, as TI's code sets them."""
+    clocks = dsp.module("SYS")
+    dsp.eallow()
+    clocks.PCLKCR0.I2CAENCLK = 1
+    if dsp.has("GPIO"):
+        gpio = dsp.module("GPIO")
+        gpio.GPBQSEL1.GPIO32 = 3
+        gpio.GPBQSEL1.GPIO33 = 3
+        gpio.GPBMUX1.GPIO32 = 1
+        gpio.GPBMUX1.GPIO33 = 1
+    dsp.edis()
+    i2c = dsp.module("I2C-A")
+    i2c.I2CMDR.all = 0
+    i2c.I2COAR.all = own_address
+    i2c.I2CPSC.all = 14
+    i2c.I2CCLKL.all = 10
+    i2c.I2CCLKH.all = 5
+
+
+def sci_fifo_receiver(dsp: Dsp, brr: int, level: int, sciccr: int = 0x07) -> None:
+    """SCI-A, receive FIFO with an interrupt at `level` words; 8 data bits, no parity unless SCICCR says otherwise."""
+    clocks = dsp.module("SYS")
+    dsp.eallow()
+    clocks.PCLKCR0.SCIAENCLK = 1
+    if dsp.has("GPIO"):
+        gpio = dsp.module("GPIO")
+        gpio.GPAQSEL2.GPIO28 = 3
+        gpio.GPAMUX2.GPIO28 = 1
+        gpio.GPAMUX2.GPIO29 = 1
+    dsp.edis()
+    sci = dsp.module("SCI-A")
+    sci.SCICCR.all = sciccr
+    sci.SCICTL1.all = 0x03
+    sci.SCICTL2.all = 0x00
+    sci.SCIHBAUD.all = brr >> 8
+    sci.SCILBAUD.all = brr & 0xFF
+    sci.SCIFFTX.all = 0xC000  # SCIRST, SCIFFENA
+    sci.SCIFFRX.all = 0x0000  # FIFO held in reset
+    sci.SCIFFRX.all = 0x6060 | level  # overflow and interrupt flags cleared, FIFO on, interrupt on
+    sci.SCICTL1.all = 0x23  # out of SW RESET
+
+
+def start_pie(dsp: Dsp, handlers: dict[str, Callable[[], None]]) -> None:
+    """PIE on, the lines of `handlers` enabled with them as service routines, interrupts on."""
+    pie = dsp.module("PIE")
+    pie.PIECTRL.ENPIE = 1
+    for name, handler in handlers.items():
+        group, line = dsp.handle(name, handler)
+        setattr(pie[f"PIEIER{group}"], f"INTx{line}", 1)
+        dsp.enable_interrupt(group)
+    pie.PIEACK.all = 0xFFF
+    dsp.eint()

@@ -1,1 +1,0 @@
-"""One file, one lint: SAYS, and `faults(run, options)`, which yields the accesses at fault (`insight/finding.py`)."""

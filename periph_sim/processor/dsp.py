@@ -1,0 +1,383 @@
+"""One F28335 as a scene names it: its clock, the modules asked for, interrupts, and the CPU that runs the firmware.
+
+    modules --> sockets --> address map --> Cpu <-- firmware
+                   |  requests --> PIE --> CPU interrupts
+                   pins --> Router --> wires
+
+Only what is named is built: a unit without SCI has no SCI object, events or cost.
+System control, PIE and the CPU's interrupt logic belong to every unit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import partial
+
+from greenlet import GreenletExit
+
+from ..core.chip import Chip, Note
+from ..core.kernel import CHIP, PADS, Kernel
+from ..core.records import Recorder
+from ..core.socket import Socket
+from ..core.suggest import did_you_mean
+from ..core.time import Clock, Timebase
+from ..core.wire import Wire
+from ..f28335.cpu import pie_map, xint_map
+from ..f28335.cpu.compiled_code_costs import CodeCosts
+from ..f28335.cpu.interrupts import CpuInterrupts, int13_source
+from ..f28335.cpu.pie import Pie
+from ..f28335.cpu.xint import Xint
+from ..f28335.gpio import register_map as gpio_map
+from ..f28335.gpio.module import Gpio
+from ..f28335.i2c import register_map as i2c_map
+from ..f28335.i2c.module import I2c
+from ..f28335.i2c.options import I2cOptions
+from ..f28335.sci import register_map as sci_map
+from ..f28335.sci.module import Sci
+from ..f28335.sci.options import SciOptions
+from ..f28335.system import clocks_map
+from ..f28335.system import cpu_timer_map as timer_map
+from ..f28335.system.clocks import WDRST_CYCLES, SystemControl
+from ..f28335.system.cpu_timer import TINT0_PIE, TINT1_CPU, TINT2_CPU, CpuTimer
+from ..f28335.system.memory_map import AddressMap, Frame, Place
+from ..f28335.system.options import SystemOptions
+from .cpu import Cpu
+from .firmware_view import End, FirmwareView
+from .pin_router import Port, Router
+
+MODULES = (*sci_map.BASES, "I2C-A", "GPIO", "XINT", "TIMER0", "TIMER1", "TIMER2")
+
+WATCHDOG_OFF = 0x68  # WDCR: WDDIS with its check bits
+
+# The pins that TI's start-up code gives to each signal; used for wires when no GPIO module is in the scene.
+PIN_OF = {
+    "SDAA": 32,
+    "SCLA": 33,
+    "SCIRXDA": 28,
+    "SCITXDA": 29,
+    "SCIRXDB": 19,
+    "SCITXDB": 18,
+    "SCIRXDC": 62,
+    "SCITXDC": 63,
+}
+
+
+@dataclass
+class DspPlan:
+    """What a unit consists of. wires: GPIO number -> wire. ppm: error of its crystal.
+
+    seed: of the values drawn from spreads. end: the value that is taken instead, in runs for bounds.
+    """
+
+    name: str
+    modules: tuple[str, ...]
+    wires: dict[int, Wire]
+    oscclk_hz: int = 30_000_000
+    pll: int = 10
+    ppm: Fraction = Fraction(0)
+    from_boot: bool = False
+    skip_polls: bool = True
+    strict: bool = False
+    seed: int = 0
+    end: End = "drawn"
+    stall_limit: float = 0.0  # seconds of CPU time that firmware may take at one instant; 0: any
+    code: CodeCosts = field(default_factory=CodeCosts)
+    system: SystemOptions = field(default_factory=SystemOptions)
+    i2c: I2cOptions = field(default_factory=I2cOptions)
+    sci: SciOptions = field(default_factory=SciOptions)
+
+
+class Dsp(FirmwareView):
+    """A running F28335, which firmware is handed and sees as a `FirmwareView`."""
+
+    def __init__(self, kernel: Kernel, timebase: Timebase, recorder: Recorder, plan: DspPlan) -> None:
+        super().__init__(plan.name, plan.seed, plan.end)
+        self.plan = plan
+        self._kernel = kernel
+        self._timebase = timebase
+        self.recorder = recorder
+        self.control = SystemControl(plan.oscclk_hz, plan.system)
+        began = 0 if plan.from_boot else start_up(self.control, plan.pll)
+        self.clock = Clock(timebase, self._sysclk_hz(), tick0=kernel.now, cycle0=began)
+        self.memory = AddressMap()
+        self.pie = Pie(plan.system)
+        self.core = CpuInterrupts(plan.system)
+        self._firmware: Callable[[], None] = _nothing
+        self._gates = self.control.gates
+        self._lspclk = (self.control.lspclk_divider, self.control.lspclk_phase)
+        self.resets = 0
+        self.on_reset: list[Callable[[], None]] = []
+        for name in plan.modules:
+            if name not in MODULES:
+                raise ValueError(f"{plan.name}: there is no module {name!r}; {did_you_mean(name, MODULES)}")
+        self._build(plan)
+        self.cpu = Cpu(
+            kernel,
+            self.clock,
+            recorder,
+            plan.name,
+            self.memory,
+            self.core,
+            self.pie,
+            plan.system,
+            code=plan.code,
+            skip_polls=plan.skip_polls,
+            strict=plan.strict,
+        )
+        self.cpu.stall_limit = plan.stall_limit
+        self.router = self._route(plan)
+        cycle = self.clock.cycle_at(kernel.now)
+        for socket in self._sockets.values():
+            socket.publish(cycle)  # what a chip has due from the first cycle on: the watchdog, if boot left it on
+
+    # Life ----------------------------------------------------------------------
+
+    def start(self, firmware: Callable[[], None]) -> None:
+        self._firmware = firmware
+        self.cpu.start(firmware)
+
+    def _sysclk_hz(self) -> Fraction:
+        return self.control.sysclk_hz * (1 + self.plan.ppm / 1_000_000)
+
+    def socket(self, name: str) -> Socket:
+        return self._sockets[name]
+
+    @property
+    def sockets(self) -> dict[str, Socket]:
+        return self._sockets
+
+    @property
+    def touched(self) -> set[str]:
+        """Open questions on whose answers the run depended so far, as "module.option"."""
+        found = {f"system.{name}" for name in self.core.touched}
+        for name, socket in self._sockets.items():
+            kind = {"I": "i2c", "S": "sci"}.get(name[0], "system") if "-" in name else "system"
+            found |= {f"{kind}.{option}" for option in socket.chip.touched}
+        return found
+
+    # Building ------------------------------------------------------------------
+
+    def _build(self, plan: DspPlan) -> None:
+        self._add("SYS", self.control, clocks_map.BASE, 0x20, Frame.PF2, self._lines_of("SYS"))
+        self._add("PIE", self.pie, pie_map.BASE, 0x20, Frame.PF0, _no_request)
+        self._sockets["SYS"].after = self._follow_control
+        self._sockets["PIE"].after = self._follow_pie
+        for name in plan.modules:
+            requests = self._lines_of(name)
+            if name in sci_map.BASES:
+                sci = Sci(name, plan.sci)
+                self._add(name, sci, sci_map.BASES[name], 16, Frame.PF2, requests)
+                sci.set_lspclk(self.clock.cycle_at(self._kernel.now), *self._lspclk)
+            elif name == "I2C-A":
+                i2c = I2c(plan.i2c)
+                i2c.set_sysclk(0, self.control.sysclk_hz)
+                self._add(name, i2c, i2c_map.BASE, 0x40, Frame.PF2, requests)
+            elif name == "GPIO":
+                self._add(name, Gpio(plan.system), gpio_map.BASE, 0x80, Frame.PF1, requests)
+            elif name == "XINT":
+                self._add(name, Xint(), xint_map.BASE, 0x10, Frame.PF2, requests)
+            else:
+                number = int(name[-1])
+                self._add(name, CpuTimer(number, plan.system), timer_map.BASES[number], 8, Frame.PF0, requests)
+
+    def _add(
+        self, name: str, chip: Chip, base: int, size: int, frame: Frame, on_request: Callable[[int, int], None]
+    ) -> None:
+        phase = PADS if name == "GPIO" else CHIP
+        socket = Socket(self._kernel, self.clock, self.recorder, f"{self.name}.{name}", chip, on_request, phase)
+        socket.on_held = partial(self._held, pie_lines(name))
+        if self.plan.strict:
+            socket.on_note = partial(self._noted, socket.name)
+        self._sockets[name] = socket
+        self.memory.add(Place(name, base, size, frame, socket))
+
+    def _noted(self, who: str, cycle: int, note: Note) -> None:
+        self.cpu.insist(note, who)
+
+    def _lines_of(self, module: str) -> Callable[[int, int], None]:
+        """What a module's requests do: go to their PIE lines, or straight to INT13 and INT14."""
+        if module == "TIMER1":
+            return self._timer1_requested
+        if module == "TIMER2":
+            return lambda cycle, asked: self.cpu.request(cycle, TINT2_CPU)
+        return partial(self._requested, pie_lines(module))
+
+    def _timer1_requested(self, cycle: int, asked: int) -> None:
+        """INT13 is timer 1's unless XNMICR gives it to the XNMI pin (SPRUFB0D Table 123)."""
+        xint = self._sockets.get("XINT")
+        xnmicr = 0 if xint is None else xint.chip.peek(cycle, xint.chip.MAP["XNMICR"].offset)
+        if int13_source(xnmicr) == "TINT1":
+            self.cpu.request(cycle, TINT1_CPU)
+
+    def _requested(self, places: tuple[tuple[int, int], ...], cycle: int, asked: int) -> None:
+        for i, (group, line) in enumerate(places):
+            if asked >> i & 1:
+                self.pie.request(cycle, group, line)
+        self._sockets["PIE"].publish(cycle)
+
+    def _held(self, places: tuple[tuple[int, int], ...], cycle: int, held: int) -> None:
+        for i, (group, line) in enumerate(places):
+            self.pie.hold(cycle, group, line, bool(held >> i & 1))
+        self._sockets["PIE"].publish(cycle)
+
+    def _follow_pie(self, cycle: int) -> None:
+        pulses, self.pie.pulses = self.pie.pulses, 0
+        number = 1
+        while pulses:
+            if pulses & 1:
+                self.cpu.request(cycle, number)
+            pulses >>= 1
+            number += 1
+
+    def _follow_control(self, cycle: int) -> None:
+        """Clocks and gates as system control now says."""
+        control = self.control
+        hz = self._sysclk_hz()
+        if hz != self.clock.hz:
+            self.clock.retune(cycle, hz)
+            for socket in self._sockets.values():
+                socket.reclock()
+            self.cpu.reclock()
+            if "I2C-A" in self._sockets:
+                i2c = self._sockets["I2C-A"].chip
+                assert isinstance(i2c, I2c)
+                i2c.set_sysclk(cycle, control.sysclk_hz)
+                self._sockets["I2C-A"].publish(cycle)
+        lspclk = (control.lspclk_divider, control.lspclk_phase)
+        if lspclk != self._lspclk:
+            self._lspclk = lspclk
+            for name in sci_map.BASES:
+                if name in self._sockets:
+                    sci = self._sockets[name].chip
+                    assert isinstance(sci, Sci)
+                    sci.set_lspclk(cycle, *lspclk)
+                    self._sockets[name].publish(cycle)
+        if control.gates != self._gates:
+            self._gates = control.gates
+            self.gate(cycle)
+        if control.reset_requested:
+            self._kernel.at(self._kernel.now, self._reset)
+
+    def gate(self, cycle: int) -> None:
+        """Every module's clock on or off, as PCLKCR says."""
+        for name, socket in self._sockets.items():
+            chip = socket.chip
+            if isinstance(chip, Sci | I2c | CpuTimer):
+                chip.gate(cycle, self.control.enabled(name))
+                socket.publish(cycle)
+            elif isinstance(chip, Gpio):
+                chip.gpioin_enabled(cycle, self.control.enabled("GPIOIN"))
+                socket.publish(cycle)
+
+    def _route(self, plan: DspPlan) -> Router | None:
+        inputs: dict[str, Port] = {}
+        outputs: dict[str, Port] = {}
+        for name, socket in self._sockets.items():
+            if name == "I2C-A":
+                inputs |= {"SCLA": (socket, 0), "SDAA": (socket, 1)}
+                outputs |= {"SCLA": (socket, 0), "SDAA": (socket, 1)}
+            elif name in sci_map.BASES:
+                inputs[f"SCIRXD{name[-1]}"] = (socket, 0)
+                outputs[f"SCITXD{name[-1]}"] = (socket, 0)
+        if "GPIO" in self._sockets:
+            socket = self._sockets["GPIO"]
+            gpio = socket.chip
+            assert isinstance(gpio, Gpio)
+            xint = self._sockets.get("XINT")
+            kernel, clock, recorder = self._kernel, self.clock, self.recorder
+            return Router(kernel, clock, recorder, gpio, socket, plan.name, plan.wires, inputs, outputs, xint)
+        for signal, (socket, index) in inputs.items():
+            wire = plan.wires.get(PIN_OF[signal])
+            if wire is not None:
+                socket.inputs.listen(index, wire)  # seen at the next SYSCLKOUT edge
+        for signal, (socket, index) in outputs.items():
+            wire = plan.wires.get(PIN_OF[signal])
+            if wire is not None:
+                socket.connect(index, [wire.attach(f"{plan.name}.{signal}")])
+        return None
+
+    # Reset -------------------------------------------------------------------------
+
+    def connect_reset(self, xrs: Wire) -> None:
+        """The XRS pin: low holds this unit in reset."""
+        xrs.watch(self._xrs_changed)
+
+    def _xrs_changed(self, tick: int, level: int) -> None:
+        """Seen with the next cycle, since clocks change there."""
+        action = partial(self.cpu.start, self._from_reset) if level else self._enter_reset
+        self._kernel.at(self.clock.tick(self.clock.cycle_at(tick)), action)
+
+    def _reset(self) -> None:
+        """XRS by the watchdog."""
+        if self.control.reset_requested:
+            self._enter_reset()
+            self.cpu.start(self._from_reset, delay=WDRST_CYCLES)
+
+    def _enter_reset(self) -> None:
+        """Every module to its reset state; firmware stops where it stands."""
+        self.resets += 1
+        for told in self.on_reset:
+            told()
+        cycle = self.clock.cycle_at(self._kernel.now)
+        self.cpu.kill(GreenletExit)
+        self.core.reset(cycle)
+        for socket in self._sockets.values():
+            socket.chip.reset(cycle)
+            socket.publish(cycle)
+        self.gate(cycle)
+
+    def _from_reset(self) -> None:
+        """What runs after a reset: TI's start-up code, unless the firmware has its own, and then the firmware."""
+        if not self.plan.from_boot:
+            control = self.module("SYS")
+            self.eallow()
+            control.WDCR.all = WATCHDOG_OFF
+            control.PLLSTS.MCLKOFF = 1
+            control.PLLCR.all = self.plan.pll
+            self.spin(lambda: control.PLLSTS.PLLLOCKS == 1)
+            control.PLLSTS.MCLKOFF = 0
+            control.PLLSTS.DIVSEL = 2
+            self.edis()
+        self._firmware()
+
+
+def pie_lines(module: str) -> tuple[tuple[int, int], ...]:
+    """Group and line of each of a module's interrupt lines, in the order of its LINES."""
+    if module == "TIMER0":
+        return (TINT0_PIE,)
+    if module in sci_map.BASES:
+        return (pie_map.LINES[f"SCIRXINT{module[-1]}"], pie_map.LINES[f"SCITXINT{module[-1]}"])
+    if module == "I2C-A":
+        return (pie_map.LINES["I2CINT1A"], pie_map.LINES["I2CINT2A"])
+    if module == "XINT":
+        return tuple(pie_map.LINES[f"XINT{n}"] for n in range(1, 8))
+    if module == "SYS":
+        return (pie_map.LINES["WAKEINT"],)
+    return ()
+
+
+def start_up(control: SystemControl, pll: int) -> int:
+    """What TI's start-up code does before main: watchdog off, PLL at `pll`/2. Returns the cycle at which main is."""
+
+    def write(cycle: int, register: str, value: int) -> None:
+        control.write(cycle, clocks_map.MAP[register].offset, value)
+
+    write(1, "WDCR", WATCHDOG_OFF)
+    write(2, "PLLSTS", 1 << 6)
+    write(3, "PLLCR", pll)
+    locked = control.next_wake
+    control.wake(locked)
+    write(locked + 1, "PLLSTS", 0)
+    write(locked + 2, "PLLSTS", 2 << 7)
+    control.touched.clear()  # what was done before main does not bear on the run
+    return locked + 100
+
+
+def _nothing() -> None:
+    """No firmware: the modules are alone."""
+
+
+def _no_request(cycle: int, asked: int) -> None:
+    raise AssertionError("this module has no interrupt lines")

@@ -1,0 +1,65 @@
+"""Whose fault an exception is: an exception goes in; the place in the firmware to blame, or none, comes out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from inspect import isasyncgenfunction, iscoroutinefunction, isgeneratorfunction, signature
+from pathlib import Path
+from types import CodeType
+
+from .source_location import is_firmware, is_ours
+from .stall_watch import NoProgress
+
+FIRMWARE_VIEW = (
+    str(Path("processor", "register_view.py")),
+    str(Path("processor", "firmware_view.py")),
+)  # they refuse wrong names
+
+
+class FirmwareError(Exception):
+    """Firmware that cannot go on: it raised, or it did what a scene with `strict` does not allow."""
+
+
+class Misuse(FirmwareError):
+    """A call or a value that the DSP's interface refuses. The firmware's statement is told with it."""
+
+
+class FirmwareStalled(FirmwareError):
+    """Firmware that let no simulated time pass for too long. The run fails; it is no mistake in the use of the tool."""
+
+
+def flaw_of(function: Callable[..., object], arguments: int) -> str:
+    """Why a function cannot be firmware that is called with so many arguments, as a clause; empty if it can."""
+    plain = getattr(function, "__func__", function)
+    if iscoroutinefunction(plain):
+        return "is async"
+    if isgeneratorfunction(plain) or isasyncgenfunction(plain):
+        return "is a generator (it has a yield), so calling it runs nothing"
+    try:
+        signature(function).bind(*[None] * arguments)
+    except TypeError:
+        return f"takes {signature(function)}"
+    except ValueError:  # of something built in nobody knows what it takes
+        return ""
+    return ""
+
+
+def defined_at(function: object) -> str:
+    """Where a function is defined, "line 3 of blink.py"; empty if it is not written in Python."""
+    code = getattr(function, "__code__", None)
+    return f"line {code.co_firstlineno} of {Path(code.co_filename).name}" if isinstance(code, CodeType) else ""
+
+
+def raised_at(error: BaseException) -> str:
+    """Where in the firmware an exception comes from, "line 7 of blink.py"; empty if the fault is our own."""
+    place = ""
+    ours = False
+    refused = isinstance(error, Misuse | NoProgress)  # raised by us, about the firmware
+    step = error.__traceback__
+    while step is not None:
+        code = step.tb_frame.f_code
+        ours = is_ours(code.co_filename) and not code.co_filename.endswith(FIRMWARE_VIEW)
+        if is_firmware(code.co_filename):
+            place = f"line {step.tb_lineno} of {Path(code.co_filename).name}"
+        step = step.tb_next
+    return "" if ours and not refused else place

@@ -1,0 +1,187 @@
+"""What firmware sees of its F28335: registers, waits, computations, interrupts and pins go in; cycles pass.
+
+`Dsp` builds the unit behind it.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable
+from fractions import Fraction
+from random import Random
+from typing import Literal
+
+from ..core.settings import Spread
+from ..core.socket import Socket
+from ..core.suggest import did_you_mean
+from ..f28335.cpu import pie_map
+from ..f28335.system.clocks import SystemControl
+from ..f28335.system.memory_map import AddressMap
+from .cpu import Cpu
+from .error_origin import Misuse, flaw_of
+from .register_view import ModulePort
+
+End = Literal["drawn", "least", "most"]  # which value of a `Spread` a computation takes
+
+
+class Span:
+    """A `with` statement's stretch. A class, since contextlib would stand between the firmware and its place."""
+
+    def __init__(self, cpu: Cpu, name: str) -> None:
+        self._cpu = cpu
+        self._name = name
+
+    def __enter__(self) -> None:
+        self._cpu.mark_span(self._name, 1)
+
+    def __exit__(self, *_: object) -> None:
+        self._cpu.mark_span(self._name, 0)
+
+
+class FirmwareView:
+    """One unit as its firmware sees it. end: which value of a `Spread` computations take."""
+
+    name: str
+    cpu: Cpu
+    memory: AddressMap
+    control: SystemControl
+
+    def __init__(self, name: str, seed: int, end: End) -> None:
+        self.name = name
+        self._end: End = end
+        self._sockets: dict[str, Socket] = {}
+        self._ports: dict[str, ModulePort] = {}
+        self._random = Random(f"{seed} {name} computations")
+
+    def has(self, module: str) -> bool:
+        return module in self._sockets
+
+    def module(self, name: str) -> ModulePort:
+        """The registers of a module: "I2C-A", "SCI-A", "GPIO", "PIE", "SYS", "TIMER0". KeyError if it is not built."""
+        if name not in self._sockets:
+            raise KeyError(f"{self.name} has no module {name!r}; {did_you_mean(name, self._sockets)}")
+        if name not in self._ports:
+            self._ports[name] = ModulePort(self.cpu, self.memory.places[name])
+        return self._ports[name]
+
+    def spin(
+        self,
+        condition: Callable[[], object],
+        *,
+        pass_cycles: int | None = None,
+        timeout: Fraction | int | None = None,
+    ) -> bool:
+        """Wait until `condition()` is true, as `while (!...);` does. True if it came, False if the wait timed out.
+
+        pass_cycles: what one pass of this loop takes in all, counted in its disassembly; else the unit's
+        `code.poll_pass` and what further reads add to it. timeout: cycles, or seconds (rounded up to a cycle), from the
+        begin of the wait, service routines included; it is looked at between two passes.
+        """
+        _callable("spin", condition)
+        if pass_cycles is not None and (type(pass_cycles) is not int or pass_cycles < 1):
+            raise Misuse(f"dsp.spin: pass_cycles is {pass_cycles!r}; expected a whole number of cycles above 0")
+        return self.cpu.spin(condition, pass_cycles, None if timeout is None else self._cycles(timeout))
+
+    def spin_either(
+        self, ready: Callable[[], object], over: Callable[[], object], *, pass_cycles: int | None = None
+    ) -> bool:
+        """`while (!ready) if (over) break;`: True if `over` ended the wait. pass_cycles: as for `spin`."""
+        _callable("spin_either", ready)
+        _callable("spin_either", over)
+        ended_by = ""
+
+        def either() -> bool:
+            nonlocal ended_by
+            if ready():
+                ended_by = "ready"
+            elif over():
+                ended_by = "over"
+            return bool(ended_by)
+
+        self.spin(either, pass_cycles=pass_cycles)
+        return ended_by == "over"
+
+    def compute(self, cost: Spread | Fraction | int, name: str = "") -> None:
+        """Work that takes `cost`: a whole number of cycles, or seconds (rounded up to a cycle).
+
+        Of a spread each occurrence takes a whole number of cycles, all of them equally likely.
+        """
+        self.cpu.compute(self._drawn(cost) if isinstance(cost, Spread) else self._cycles(cost), name)
+
+    def _cycles(self, cost: Fraction | int) -> int:
+        if isinstance(cost, Fraction):
+            cycles = -int(-cost * self.control.sysclk_hz // 1)
+        else:
+            try:
+                cycles = operator.index(cost)
+            except TypeError:
+                way = "expected whole cycles, or seconds as a Fraction: Fraction(250, 10**6)"
+                raise Misuse(f"a time of {cost!r} is no exact number; {way}") from None
+        if cycles < 0:
+            raise Misuse(f"a time of {cycles} cycles is negative; expected 0 or more")
+        return cycles
+
+    def _drawn(self, spread: Spread) -> int:
+        least, most = self._cycles(spread.least), self._cycles(spread.most)
+        if self._end == "drawn":
+            return self._random.randint(least, most)
+        return most if self._end == "most" else least
+
+    def span(self, name: str) -> Span:
+        """A named stretch of firmware, for budgets and recordings; costs no cycles. For a `with` statement."""
+        if not isinstance(name, str) or not name:
+            raise Misuse(f"dsp.span needs the name of the stretch, but got {name!r}")
+        return Span(self.cpu, name)
+
+    def set_pin(self, pin: int) -> None:
+        """GPxSET = bit: one whole-register write. Nothing where the scene has no GPIO."""
+        self._write_pin("SET", pin)
+
+    def clear_pin(self, pin: int) -> None:
+        """GPxCLEAR = bit."""
+        self._write_pin("CLEAR", pin)
+
+    def _write_pin(self, what: str, pin: int) -> None:
+        if self.has("GPIO"):
+            self.module("GPIO")[f"GP{'ABC'[pin // 32]}{what}"].all = 1 << pin % 32
+
+    def eallow(self) -> None:
+        self.cpu.eallow()
+
+    def edis(self) -> None:
+        self.cpu.edis()
+
+    def eint(self) -> None:
+        self.cpu.eint()
+
+    def dint(self) -> None:
+        self.cpu.dint()
+
+    def enable_interrupt(self, number: int) -> None:
+        """IER |= M_INTn."""
+        self.cpu.or_ier(1 << (number - 1))
+
+    def handle(self, name: str, handler: Callable[[], None]) -> tuple[int, int]:
+        """Make `handler` the service routine of a vector; returns its PIE group and line ((n, 0) for INTn)."""
+        _routine(name, handler)
+        self.cpu.handlers[name] = handler
+        if name in pie_map.LINES:
+            return pie_map.LINES[name]
+        if name in pie_map.CPU_VECTORS:
+            return pie_map.CPU_VECTORS[name], 0
+        raise KeyError(f"there is no vector {name!r}; {did_you_mean(name, [*pie_map.LINES, *pie_map.CPU_VECTORS])}")
+
+
+def _callable(what: str, given: object) -> None:
+    if not callable(given):
+        way = "write dsp.spin(lambda: ...), so that each pass looks again"
+        raise Misuse(f"dsp.{what} needs a function to call in each pass, but got {given!r}; {way}")
+
+
+def _routine(name: str, handler: Callable[[], None]) -> None:
+    """Misuse if this cannot be a service routine."""
+    if not callable(handler):
+        raise Misuse(f"the routine of {name!r} is {handler!r}; give the function itself, without calling it")
+    what = flaw_of(handler, 0)
+    if what:
+        raise Misuse(f"the routine of {name!r} {what}; a service routine is a plain function without arguments")

@@ -1,0 +1,194 @@
+"""Joins wires, the GPIO multiplexer and the peripherals of one F28335.
+
+    wires --> pads --> (synchroniser, qualifier, MUX) --> inputs of a peripheral, one sample a cycle
+    peripheral output, GPIO latch --> MUX --> pad --> wire
+
+An asynchronous pin costs nothing here: its wire is an input of its peripheral (`Socket.inputs`), and the GPIO
+machine is told of it only when somebody reads it.
+"""
+
+from __future__ import annotations
+
+from ..core.kernel import Kernel
+from ..core.records import Recorder
+from ..core.socket import Socket
+from ..core.time import NO_TIME, Clock
+from ..core.wire import Pin, Sampler, Wire
+from ..f28335.cpu.xint import Xint
+from ..f28335.gpio.module import Gpio
+from ..f28335.gpio.pin_mux_table import OUTPUTS
+
+Port = tuple[Socket, int]  # a peripheral and the index of one of its pins
+
+
+class Router:
+    """pads: GPIO number -> wire. inputs, outputs: signal of the pin table -> the peripheral's pin."""
+
+    def __init__(
+        self,
+        kernel: Kernel,
+        clock: Clock,
+        recorder: Recorder,
+        gpio: Gpio,
+        gpio_socket: Socket,
+        who: str,
+        pads: dict[int, Wire],
+        inputs: dict[str, Port],
+        outputs: dict[str, Port],
+        xint: Socket | None,
+    ) -> None:
+        self._kernel = kernel
+        self._clock = clock
+        self._gpio = gpio
+        self._gpio_socket = gpio_socket
+        self._wires = pads
+        self._inputs = inputs
+        self._outputs = outputs
+        self._pins: dict[int, Pin] = {n: wire.attach(f"{who}.GPIO{n}") for n, wire in pads.items()}
+        self._straight: set[str] = set()  # signals whose wire is an input of their peripheral
+        self._feeds: dict[int, Port] = {}  # synchronised pad -> the input that it feeds
+        self._pads = Sampler(kernel, recorder, self._on_pads)  # those of which the GPIO machine is told
+        self._heard: set[int] = set()
+        self._unheard = -1  # mask: all other pads
+        self._between_at = NO_TIME  # when it is told next of edges between two SYSCLKOUT edges
+        self._xint = xint
+        self._routes = -1
+        self._outs = -1
+        for socket, _ in outputs.values():
+            socket.out_delay = gpio.out_delay
+        self._xint_chip: Xint | None = None
+        self._lines = 0  # XINT lines that the GPIO machine reports
+        if xint is not None:
+            assert isinstance(xint.chip, Xint)
+            self._xint_chip = xint.chip
+            xint.before = self._before_xint
+            xint.after = self._watch_lines
+        gpio.wire(sum(1 << n for n in pads))
+        gpio_socket.after = self.look
+        gpio_socket.before = self._tell_all_pads
+        gpio_socket.on_watch = self._listen
+        self.look(clock.cycle_at(kernel.now))
+
+    # Pads ----------------------------------------------------------------------
+
+    def _listen(self) -> None:
+        """The GPIO machine hears of a pad that feeds a peripheral straight only if somebody waits for its level."""
+        straight = {self._gpio.source(signal) for signal in self._straight}
+        everything = bool(self._gpio_socket.watchers)
+        heard = {n for n in self._wires if everything or n not in straight or self._gpio.watched >> n & 1}
+        for n in self._heard - heard:
+            self._pads.put(n, self._wires[n].level)
+        for n in heard - self._heard:
+            self._pads.listen(n, self._wires[n])
+        self._heard = heard
+        self._unheard = ~sum(1 << n for n in heard)
+
+    def _on_pads(self, tick: int, levels: int) -> None:
+        """Pads have changed: on a SYSCLKOUT edge, or between two, which the machine is told at the later one."""
+        cycle = self._clock.cycle_at(tick)
+        begin = self._clock.tick(cycle)
+        if begin == tick:
+            moved = self._tell(cycle, levels)
+            if not any(moved >> n & 1 for n in self._feeds):
+                return
+            begin = self._clock.tick(cycle + 1)  # a synchronised input shows it then
+        self._plan_between(begin)
+
+    def _plan_between(self, begin: int) -> None:
+        if begin != self._between_at:
+            self._between_at = begin
+            self._gpio_socket.later(begin, self._between)
+
+    def _between(self) -> None:
+        """At a SYSCLKOUT edge: the levels just before it, which are what a synchroniser takes."""
+        self._between_at = NO_TIME
+        cycle, levels = self._clock.cycle_at(self._kernel.now), self._pads.levels
+        self._tell(cycle, levels, exact=False)
+        for n, (socket, index) in self._feeds.items():
+            socket.inputs.put(index, levels >> n & 1)
+
+    def _tell(self, cycle: int, levels: int, exact: bool = True) -> int:
+        """The GPIO machine is told of the pads that it hears of; those that moved for it."""
+        gpio = self._gpio
+        levels = levels & ~self._unheard | gpio.pads & self._unheard
+        moved = levels ^ gpio.pads
+        if moved:
+            gpio.pins(cycle, levels, exact)
+            self._gpio_socket.publish(cycle)
+        return moved
+
+    def _tell_all_pads(self, cycle: int) -> None:
+        """Before an access: also the pads that the machine is not told of edge by edge."""
+        self._gpio.pins(cycle, sum(wire.level << n for n, wire in self._wires.items()))
+
+    # Routes --------------------------------------------------------------------
+
+    def look(self, cycle: int) -> None:
+        """After each input of the GPIO machine: new routes, new levels on its outputs, qualified edges."""
+        gpio = self._gpio
+        if gpio.routes_version != self._routes:
+            self._routes = gpio.routes_version
+            self._reroute(cycle)
+        if gpio.out_version != self._outs:
+            self._outs = gpio.out_version
+            self._drive()
+        if gpio.changed:
+            changed, gpio.changed = gpio.changed, []
+            for signal, level in changed:
+                if signal in self._inputs and signal not in self._straight:
+                    socket, index = self._inputs[signal]
+                    socket.inputs.put(index, level)
+                elif self._xint is not None and signal.startswith("XINT"):
+                    self._xint.inputs.put(int(signal[4:]) - 1, level)
+
+    def _before_xint(self, cycle: int) -> None:
+        """Before an access to XINT: its lines as they are. Afterwards: hear of the edges of enabled ones only."""
+        assert self._xint is not None and self._xint_chip is not None
+        self._tell_all_pads(cycle)
+        levels = self._gpio.xint_levels(cycle)
+        self._xint_chip.settle(cycle, levels)
+        self._xint.inputs.levels = levels
+
+    def _watch_lines(self, cycle: int) -> None:
+        assert self._xint_chip is not None
+        if self._xint_chip.enabled != self._lines:
+            self._lines = self._xint_chip.enabled
+            self._gpio.watch_xints(cycle, self._lines)
+            self._listen()
+
+    def _reroute(self, cycle: int) -> None:
+        gpio = self._gpio
+        self._tell_all_pads(cycle)
+        self._straight.clear()
+        self._feeds.clear()
+        for signal, (socket, index) in self._inputs.items():
+            pad = gpio.source(signal)
+            if pad in self._wires and gpio.seen_at(cycle, pad, exact=True) == cycle:
+                self._straight.add(signal)
+                socket.inputs.listen(index, self._wires[pad])
+                continue
+            if pad in self._wires and gpio.seen_at(cycle, pad, exact=True) == cycle + 1:
+                self._feeds[pad] = (socket, index)
+            socket.inputs.put(index, gpio.peripheral_level(cycle, signal))
+        self._listen()
+        if self._feeds:
+            self._plan_between(self._clock.tick(cycle + 1))
+        after = self._clock.tick(cycle + gpio.out_delay)
+        self._kernel.at(max(after, self._kernel.now), self._reconnect)
+
+    def _reconnect(self) -> None:
+        """Outputs to the pins that are theirs now."""
+        for signal in OUTPUTS:
+            if signal in self._outputs:
+                socket, index = self._outputs[signal]
+                pins = [self._pins[n] for n in self._gpio.sink(signal) if n in self._pins]
+                socket.connect(index, pins)
+        self._drive()
+
+    def _drive(self) -> None:
+        """Pads that GPIO drives; all others but those of peripherals are let go."""
+        gpio = self._gpio
+        theirs = {n for signal in self._outputs for n in gpio.sink(signal)}
+        for n, pin in self._pins.items():
+            if n not in theirs:
+                pin.drive(gpio.out >> n & 1 if gpio.driven >> n & 1 else 1)

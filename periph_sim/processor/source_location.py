@@ -1,0 +1,74 @@
+"""A place in the firmware: a frame of a running program, or a routine, goes in; "function:line" and file come out.
+
+Records show it as text. Who has the record of a running scene, and not of a file, can ask for the file, too.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import sysconfig
+from collections.abc import Callable
+from pathlib import Path
+from types import CodeType, FrameType
+
+PACKAGE = f"{Path(__file__).parents[1]}{os.sep}"  # what a place in the firmware is never in,
+FIRMWARE_ROOM = f"{PACKAGE}firmware{os.sep}"  # but for the start-up code that firmware imports
+STDLIB = f"{sysconfig.get_path('stdlib')}{os.sep}"  # nor in this, which our own calls go through
+INSTALLED = f"{STDLIB}site-packages{os.sep}"  # which may hold firmware
+
+
+class SourceLocation(str):
+    """ "function:line". path: of the file. line: counted from 1."""
+
+    __slots__ = ("line", "path")
+
+    path: str
+    line: int
+
+    def for_people(self) -> str:
+        return f"line {self.line} of {Path(self.path).name}"
+
+
+class SourceLocator:
+    """The places that one program was seen at, each made once."""
+
+    def __init__(self) -> None:
+        self._known: dict[tuple[CodeType, int], SourceLocation] = {}
+
+    def now(self, depth: int) -> SourceLocation:
+        """Where the firmware stands: the innermost frame that is not ours, from `depth` frames above the caller on."""
+        frame = sys._getframe(depth + 1)
+        while is_ours(frame.f_code.co_filename) and frame.f_back is not None:
+            frame = frame.f_back
+        return self._place(frame.f_code, frame.f_lineno)
+
+    def of_frame(self, frame: FrameType | None) -> SourceLocation | None:
+        """The innermost frame of firmware from this one outwards; None if there is none."""
+        while frame is not None and not is_firmware(frame.f_code.co_filename):
+            frame = frame.f_back
+        return None if frame is None else self._place(frame.f_code, frame.f_lineno)
+
+    def of(self, routine: Callable[[], None]) -> SourceLocation | None:
+        """Where a routine begins; None if it is not written in Python."""
+        code = getattr(routine, "__code__", None)
+        return self._place(code, code.co_firstlineno) if isinstance(code, CodeType) else None
+
+    def _place(self, code: CodeType, line: int) -> SourceLocation:
+        place = self._known.get((code, line))
+        if place is None:
+            place = self._known[code, line] = SourceLocation(f"{code.co_name}:{line}")
+            place.path, place.line = code.co_filename, line
+        return place
+
+
+def is_ours(file: str) -> bool:
+    """True if this file belongs to the simulation, and not to firmware."""
+    return file.startswith(PACKAGE) and not file.startswith(FIRMWARE_ROOM)
+
+
+def is_firmware(file: str) -> bool:
+    """True if code of this file is neither ours nor Python's own."""
+    if is_ours(file) or file.startswith("<frozen "):
+        return False
+    return not file.startswith(STDLIB) or file.startswith(INSTALLED)

@@ -1,0 +1,15 @@
+"""What a recorded run can tell afterwards: why a field had its value, how near reads came to changes, faults of use.
+
+    .psr --Run--> why, races, lint --> text, JSON
+
+Nothing is simulated again: the records of `run --record x.psr` are all that is needed.
+"""
+
+from __future__ import annotations
+
+from .cause_trace.why import why
+from .lint_runner import lint
+from .races import races
+from .run import NotInRun, Run
+
+__all__ = ["NotInRun", "Run", "lint", "races", "why"]

@@ -1,0 +1,126 @@
+"""From a record back to what made it: a row goes in, the row of its cause comes out, and how that is known.
+
+A recording names the causes of what chips do: the access or edge that changed a flag or moved a pin, at once or behind
+filters and bit clocks, where it is the last that had come through. What a party on the wire meant by an edge, which
+request stands behind an interrupt and what the firmware saw before it wrote is taken from the order of the records, and
+said to be inferred.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...core.records import Kind, Record
+from ...f28335.cpu.pie_map import LINES
+from ..run import Run
+from .firmware_causes import INFERRED, RECORDED, Link, causes_of_access, held_up
+from .holders import causes_of_hold, mover
+from .interrupt_sources import sources
+
+ROUND_A_GATE = 16  # cycles: most between a module's request and the PIE's flag
+
+
+@dataclass(frozen=True)
+class Step:
+    """One record of the walk. known: RECORDED, INFERRED, or "" for the record that was asked about.
+
+    of: the row of the record that it is told as a cause of; -1 of the one that was asked about. aside: the walk does
+    not go on from it.
+    """
+
+    row: int
+    record: Record
+    known: str
+    because: str = ""
+    of: int = -1
+    aside: bool = False
+
+
+def walk_back(run: Run, row: int, depth: int) -> Iterator[Step]:
+    """The record itself, then its causes, at most `depth` of them, and what stands beside a cause."""
+    step = Step(row, run.record(row), "")
+    yield step
+    flag: Record | None = None
+    for _ in range(depth):
+        flag = step.record if step.record.kind is Kind.FLAG else flag
+        links = [link for link in causes(run, step.row, step.record, flag) if link.row < step.row]
+        told = [_step(run, step.row, link) for link in links]
+        yield from told
+        if not told or told[-1].aside:
+            return
+        step = told[-1]
+
+
+def _step(run: Run, row: int, link: Link) -> Step:
+    of = row if link.of is None else link.of
+    return Step(link.row, run.record(link.row), link.known, link.because, of, link.aside)
+
+
+def causes(run: Run, row: int, record: Record, flag: Record | None = None) -> list[Link]:
+    """What a record came of: its cause last, if anybody knows it, and before that what stands beside it.
+
+    flag: the change of a field that the walk came from.
+    """
+    kind = record.kind
+    if kind is Kind.ACCESS:
+        return causes_of_access(run, row, record, flag)
+    if kind is Kind.HOLD:
+        return causes_of_hold(run, row, record) or _recorded(run, record) or _of_party(run, row, record)
+    if kind is Kind.FLAG:
+        return _request(run, row, record) or _recorded(run, record)
+    if kind is Kind.IRQ:
+        return _of_interrupt(run, row, record)
+    return _recorded(run, record) or (_of_party(run, row, record) if kind is Kind.EDGE else [])
+
+
+def _recorded(run: Run, record: Record) -> list[Link]:
+    """The cause that the record itself names."""
+    found = run.row_of(record.cause)
+    if found is None:
+        return []
+    if record.kind is not Kind.FLAG:
+        return [Link(found, RECORDED, "caused it")]
+    at_once = int(run.table.tick[found]) == record.tick
+    return [Link(found, RECORDED, "in the same cycle" if at_once else "the last input that had come through")]
+
+
+def _request(run: Run, row: int, record: Record) -> list[Link]:
+    """Of a PIE's flag: the field of the module that asked for the interrupt last before, within a few cycles."""
+    unit, _, owner = record.where.rpartition(".")
+    register, _, line = record.what.partition(".")
+    if owner != "PIE" or not register.startswith("PIEIFR") or not record.value:
+        return []
+    place = int(register.removeprefix("PIEIFR")), int(line.removeprefix("INTx"))
+    module, fields = sources(next((name for name, of in LINES.items() if of == place), ""))
+    rose = (run.rows(Kind.FLAG, f"{unit}.{module}", field) for field in fields)
+    asked = [run.last(rows[run.table.value[rows] != 0], record.tick, row) for rows in rose]
+    found = max((one for one in asked if one is not None), default=None)
+    if found is None or run.cycles.of(record.tick - int(run.table.tick[found])) > ROUND_A_GATE:
+        return []
+    return [Link(found, INFERRED, "the request behind it")]
+
+
+def _of_interrupt(run: Run, row: int, record: Record) -> list[Link]:
+    """The PIE's flag of an interrupt, and the service routines that it had to wait for; of its end, its begin."""
+    if not record.value:
+        return _recorded(run, record)
+    if record.what not in LINES:
+        return _recorded(run, record)
+    group, line = LINES[record.what]
+    asked = run.rows(Kind.FLAG, f"{record.where}.PIE", f"PIEIFR{group}.INTx{line}")
+    found = run.last(asked[run.table.value[asked] == 1], record.tick, row)
+    if found is None:
+        return _recorded(run, record)
+    held = held_up(run, record, found, row)
+    return [*held, Link(found, INFERRED, "the PIE's flag of the interrupt")]
+
+
+def _of_party(run: Run, row: int, record: Record) -> list[Link]:
+    """What the party on the wire that pulled it, or let it go, did last."""
+    party = mover(run, row, record)
+    rows = np.sort(np.concatenate([run.rows(kind, party) for kind in (Kind.BUS, Kind.FRAME)]))
+    found = run.last(rows, record.tick, row)
+    return [] if found is None else [Link(found, INFERRED, f"what {party} did last on the wire")]

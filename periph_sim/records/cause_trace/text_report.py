@@ -1,0 +1,140 @@
+"""An answer to "why" as a person reads it, and as JSON; floats appear here and nowhere before."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ...core.records import Kind
+from ..record_text import happened_where, number
+from ..register_maps import register_of
+from ..run import Run
+from .causes import Step
+from .holders import holders
+from .why import AS_RESET, Answer
+
+SKIPPED = (
+    "note: polls of a wait that is skipped exactly are not recorded, only its first and last passes; "
+    "a read above is the next recorded one"
+)
+
+
+def text(answer: Answer) -> str:
+    """What it was and since when, its meaning, the causes back, and forward who read it and when it changed."""
+    run, subject = answer.run, answer.subject
+    lines = [f"{subject.name} at {run.at(answer.tick)}: {_value(answer)}", *_meaning(answer), "", "back:"]
+    if not answer.back:
+        lines.append(f"  nothing changed it before; {'it is ' + AS_RESET if subject.field else 'no record of it'}")
+    at = answer.back[0].record.tick if answer.back else 0
+    rows = []
+    for step in answer.back:
+        distance = run.length(at - step.record.tick) + " before" if step.known else run.at(step.record.tick)
+        known = f"[{step.known}: {step.because}]" if step.known else ""
+        rows.append((f"#{step.record.number}", distance, f"{'    ' * step.aside}{said(run, step)}", known))
+    lines += aligned(rows)
+    return "\n".join([*lines, "", "forward:", *_forward(answer)])
+
+
+def as_json(answer: Answer) -> dict[str, object]:
+    """Times in seconds as numbers, and in ticks; `back` begins with the record that gave the value."""
+    run, subject = answer.run, answer.subject
+    register, f = subject.register, subject.field
+    return {
+        "subject": subject.name,
+        "kind": subject.kind.value,
+        "at_s": float(run.seconds(answer.tick)),
+        "tick": answer.tick,
+        "ticks_per_second": str(run.per_second),
+        "cycle_ticks": float(run.cycles.ticks),
+        "cycle_from": run.cycles.how,
+        "value": answer.value,
+        "since_s": float(run.seconds(answer.since)),
+        "doc": f.doc if f is not None else None,
+        "source": register.source if register is not None else None,
+        "pulled_by": list(answer.pulled_by),
+        "held_by": list(answer.held_by),
+        "back": [_entry(answer, step) for step in answer.back],
+        "set_off": [_entry(answer, step) for step in answer.effects],
+        "next_read": None if answer.reader is None else _entry(answer, answer.reader),
+        "reads_before_change": answer.reads,
+        "next_change": None if answer.changed is None else _entry(answer, answer.changed),
+    }
+
+
+def said(run: Run, step: Step) -> str:
+    """One record in words, with the section of the manual that tells of its register."""
+    record = step.record
+    words = happened_where(record)
+    if record.kind is Kind.EDGE and record.value:
+        who = ", ".join(holders(run, step.row, record))
+        words += f", released by {who}" if who else ""
+    if record.kind is not Kind.FLAG:
+        return words
+    module, name = record.where.rpartition(".")[2], record.what.partition(".")[0]
+    register = register_of(module, name)
+    return f"{words} [{register.source}]" if register is not None else words
+
+
+def _value(answer: Answer) -> str:
+    if answer.value is None:
+        return "not known, it never changed"
+    states = {Kind.EDGE: ("low", "high"), Kind.SPAN: ("not in it", "in it"), Kind.IRQ: ("not in it", "in it")}
+    kind = answer.subject.kind
+    value = states[kind][answer.value != 0] if kind in states else number(answer.value)
+    if not answer.back:
+        return f"{value}, {AS_RESET}" if kind is Kind.FLAG else f"{value} from the start"
+    run = answer.run
+    said = f"{value} since {run.at(answer.since)}, {run.length(answer.tick - answer.since)} before"
+    pulled, held = (" and ".join(who) for who in (answer.pulled_by, answer.held_by))
+    return said if pulled == held else f"{said}; pulled low first by {pulled}, held now by {held}"
+
+
+def _meaning(answer: Answer) -> list[str]:
+    register, f = answer.subject.register, answer.subject.field
+    return [f"  {f.name}, {f.access}: {f.doc} [{register.source}]"] if register is not None and f is not None else []
+
+
+def _forward(answer: Answer) -> list[str]:
+    run, since = answer.run, answer.since
+    rows = []
+    for step in answer.effects:
+        rows.append(("set off", f"{run.length(step.record.tick - since)} after", said(run, step)))
+    if answer.reader is not None:
+        rows.append(("read", f"{run.length(answer.reader.record.tick - since)} after", said(run, answer.reader)))
+    if answer.changed is not None:
+        rows.append(("changed", f"{run.length(answer.changed.record.tick - since)} after", said(run, answer.changed)))
+    lines = aligned(rows)
+    field = answer.subject.field is not None
+    if field:
+        until = "that change" if answer.changed is not None else "the end of the run"
+        lines.append(
+            f"  {answer.reads or 'no'} recorded read{'s' * (answer.reads != 1)} that looked at it before {until}"
+        )
+    if answer.changed is None:
+        lines.append("  it did not change again")
+    return [*lines, SKIPPED] if field else lines
+
+
+def aligned(rows: Sequence[tuple[str, ...]]) -> list[str]:
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))] if rows else []
+    return ["  " + "  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in rows]
+
+
+def _entry(answer: Answer, step: Step) -> dict[str, object]:
+    record = step.record
+    away = record.tick - answer.since
+    return {
+        "record": record.number,
+        "at_s": float(answer.run.seconds(record.tick)),
+        "tick": record.tick,
+        "cycles_from_value": answer.run.cycles.of(away),
+        "kind": record.kind.value,
+        "where": record.where,
+        "what": record.what,
+        "value": record.value,
+        "text": record.text,
+        "said": said(answer.run, step),
+        "known": step.known or None,
+        "because": step.because or None,
+        "cause_of": int(answer.run.table.number[step.of]) if step.of >= 0 else None,
+        "aside": step.aside,
+    }

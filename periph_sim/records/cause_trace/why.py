@@ -1,0 +1,104 @@
+r"""Why a field, wire, span or interrupt stood as it did at an instant: what it came from, and what came of it.
+
+question --> value, the record that gave it --> causes back
+                                          \--> next reads, effects and change forward
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...core.records import Kind
+from ..run import Rows, Run
+from ..subject import Subject, asked
+from .causes import Step, walk_back
+from .firmware_causes import RECORDED
+from .holders import holders, wire_rows
+
+DEPTH = 8  # causes walked back
+EFFECTS = 5  # shown of those that a record set off
+AS_RESET = "as reset left it"
+
+
+@dataclass(frozen=True)
+class Answer:
+    """value: None where nothing is known, as of a wire before its first edge. since: the tick from which on it had the
+    value; 0 where it never changed before. back: the record that gave the value, then its causes; of a low wire
+    first the record from which on nobody else has held it. pulled_by, held_by: of such a wire, who pulled it low, and
+    who holds it now. reads: how many recorded reads looked at the field before the next change."""
+
+    run: Run
+    subject: Subject
+    tick: int
+    value: int | None
+    since: int
+    back: tuple[Step, ...]
+    pulled_by: tuple[str, ...]
+    held_by: tuple[str, ...]
+    effects: tuple[Step, ...]
+    reader: Step | None
+    reads: int
+    changed: Step | None
+
+
+def why(run: Run, question: str, depth: int = DEPTH) -> Answer:
+    """The answer to "I2C-A.I2CSTR.XRDY@12.345ms". NotInRun for an unknown name or a time outside the run."""
+    subject, tick = asked(run, question)
+    rows = run.rows(subject.kind, subject.where, subject.what)
+    row = run.last(rows, tick)
+    after = -1 if row is None else row
+    next_row = run.next(rows, after)
+    reads = _reads(run, subject, after, next_row)
+    value = _value(run, subject, rows, row)
+    now, low = row, subject.kind is Kind.EDGE and value == 0 and row is not None
+    if low:
+        now = run.last(wire_rows(run, subject.where), tick)
+    back = () if now is None else tuple(walk_back(run, now, depth))
+    return Answer(
+        run,
+        subject,
+        tick,
+        value,
+        0 if row is None else int(run.table.tick[row]),
+        back,
+        holders(run, row, run.record(row)) if low and row is not None else (),
+        holders(run, now, run.record(now)) if low and now is not None else (),
+        _effects(run, row),
+        _step(run, int(reads[0])) if len(reads) else None,
+        len(reads),
+        None if next_row is None else _step(run, next_row),
+    )
+
+
+def _value(run: Run, subject: Subject, rows: Rows, row: int | None) -> int | None:
+    """The subject's value from `row` on; before its first change what reset left, or a wire was before it moved."""
+    if row is not None:
+        return int(run.table.value[row])
+    if subject.field is not None:
+        return subject.field.reset
+    if subject.kind is Kind.EDGE:
+        return 1 - int(run.table.value[rows[0]] != 0) if len(rows) else None
+    return 0
+
+
+def _reads(run: Run, subject: Subject, after: int, until: int | None) -> Rows:
+    """The recorded reads that looked at the field between two of its changes."""
+    if subject.register is None or subject.field is None:
+        return np.empty(0, np.int64)
+    rows = run.accesses_of(subject.unit, "R", subject.module, subject.register.name)
+    end = np.searchsorted(rows, until) if until is not None else len(rows)
+    return run.looking_at(rows[np.searchsorted(rows, after, "right") : end], subject.field)
+
+
+def _effects(run: Run, row: int | None) -> tuple[Step, ...]:
+    """What names this record as its cause."""
+    if row is None:
+        return ()
+    rows = np.flatnonzero(run.table.cause == run.table.number[row])[:EFFECTS]
+    return tuple(_step(run, int(effect)) for effect in rows)
+
+
+def _step(run: Run, row: int) -> Step:
+    return Step(row, run.record(row), RECORDED)

@@ -1,0 +1,32 @@
+"""Lints on what firmware did in a recorded run: every file of `lints/` is one, found by being there.
+
+Run --each lint--> rows at fault --> findings, one a place and fault
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import cast
+
+from ..core.discover import modules_with
+from . import lints
+from .lint_finding import Finding, Lint, Options
+from .run import Run
+
+
+@cache
+def all_lints() -> dict[str, Lint]:
+    """The lints by name, in the order of their names."""
+    found = modules_with("faults", lints.__name__, lints.__path__)
+    return {name.replace("_", "-"): cast(Lint, module) for name, module in found.items()}
+
+
+def lint(run: Run, options: Options | None = None) -> list[Finding]:
+    """What all lints find, in the order of first times."""
+    found = []
+    for name, one in all_lints().items():
+        for fault in one.faults(run, options or Options()):
+            for place, rows in run.by_place(fault.rows):
+                first = int(run.table.tick[rows[0]])
+                found.append(Finding(name, fault.unit, place, len(rows), first, fault.text, fault.source))
+    return sorted(found, key=lambda finding: (finding.first, finding.lint, finding.place))

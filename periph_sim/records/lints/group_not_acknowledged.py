@@ -1,0 +1,31 @@
+"""A service routine of a PIE interrupt behind which nobody writes PIEACK: its group never interrupts again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ...core.records import Kind
+from ...f28335.cpu.pie_map import LINES, PIEACK
+from ..lint_finding import Fault, Options
+from ..run import Run
+
+SAYS = "a service routine after which PIEACK is never written for its group"
+SOURCE = "SPRUFB0D section 8.3 and table 115"
+TEXT = "{} is served, and PIEACK bit {} is not written afterwards: no interrupt of group {} comes any more"
+
+
+def faults(run: Run, options: Options) -> Iterator[Fault]:
+    for unit in run.units:
+        acknowledges = run.accesses_of(unit, "W", "PIE", PIEACK.name)
+        for vector, (group, _) in LINES.items():
+            rows = run.rows(Kind.IRQ, unit, vector)
+            entries, ends = rows[run.table.value[rows] != 0], rows[run.table.value[rows] == 0]
+            if not len(ends):
+                continue
+            of_group = acknowledges[run.table.value[acknowledges] >> group - 1 & 1 == 1]
+            unanswered = entries[entries > of_group.max(initial=-1)]
+            left = np.array([entry for entry in unanswered.tolist() if (ends > entry).any()], np.int64)
+            if len(left):
+                yield Fault(unit, left, TEXT.format(vector, group - 1, group), SOURCE)

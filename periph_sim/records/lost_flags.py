@@ -1,0 +1,129 @@
+"""Read-modify-writes of registers whose flags are cleared by writing 1, and the flags that they cleared unmeant.
+
+i2c.I2CSTR.SCD = 1   read, SCD put in, written back: whatever else was read as 1 is cleared as well
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..core.registers import Field
+from .read_modify_write import read_modify_writes
+from .register_maps import one_clears
+from .run import Group, Rows, Run
+
+
+@dataclass(frozen=True)
+class LostFlag:
+    """What happened to one flag in the read-modify-writes of one place. first: tick of the first loss, or None.
+
+    rose: between read and write. lost_between: of these, cleared by that write. along: set when it was read, and
+    cleared by the write though another flag was meant. unseen: of these, never looked at by the firmware since they
+    rose: a read that named another field of the register does not count.
+    lost: the ticks at which it was gone without having been seen, in order. cleared: those at which it was cleared
+    unmeant, seen or not.
+    """
+
+    flag: str
+    rose: int
+    lost_between: int
+    along: int
+    unseen: int
+    first: int | None
+    lost: tuple[int, ...]
+    cleared: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class ReadModifyWrite:
+    """The read-modify-writes of one place. meant: the flags that firmware named, or that they clear for sure; doubt:
+    the recording cannot say which of these was meant, as all were set each time."""
+
+    unit: str
+    register: str
+    place: str
+    count: int
+    meant: tuple[str, ...]
+    doubt: tuple[str, ...]
+    flags: tuple[LostFlag, ...]
+
+    @property
+    def lost(self) -> int:
+        """Flags gone without the firmware having read them."""
+        return sum(flag.lost_between + flag.unseen for flag in self.flags)
+
+
+def modifies(run: Run, group: Group) -> list[ReadModifyWrite]:
+    """Of a group of writes, place by place; none where no field is cleared by writing 1."""
+    fields = one_clears(group.register)
+    if not fields or group.way != "W":
+        return []
+    reads, writes = pairs(run, group)
+    found = []
+    for place, some in run.by_place(writes):
+        of_place = np.isin(writes, some)
+        found.append(_judged(run, group, place, reads[of_place], writes[of_place], fields))
+    return found
+
+
+def pairs(run: Run, group: Group) -> tuple[Rows, Rows]:
+    """Reads and writes, row by row, of the read-modify-writes among a group of writes."""
+    found = read_modify_writes(run, group.unit)
+    ours = np.isin(found.writes, group.rows)
+    return found.reads[ours], found.writes[ours]
+
+
+def _judged(
+    run: Run, group: Group, place: str, reads: Rows, writes: Rows, fields: tuple[Field, ...]
+) -> ReadModifyWrite:
+    values, written = run.table.value[reads], run.table.value[writes]
+    proven = int(np.bitwise_or.reduce(written & ~values))
+    always = int(np.bitwise_and.reduce(written))
+    ones = [f for f in fields if always & f.mask]
+    named = set(run.table.texts("field", writes)) - {""}
+    meant = [f for f in fields if proven & f.mask] or (ones if len(ones) == 1 else [])
+    if named:
+        meant = [f for f in fields if f.name in named]
+    doubt = ones if not meant and not named else []
+    plain = np.setdiff1d(run.accesses_of(group.unit, "R", group.module, group.register.name), reads)
+    flags = [
+        _lost(run, group, f, reads, writes, run.looking_at(plain, f), f not in meant and f not in doubt) for f in fields
+    ]
+    return ReadModifyWrite(
+        group.unit,
+        f"{group.module}.{group.register.name}",
+        place,
+        len(writes),
+        tuple(f.name for f in meant),
+        tuple(f.name for f in doubt),
+        tuple(flag for flag in flags if flag.rose or flag.along),
+    )
+
+
+def _lost(run: Run, group: Group, f: Field, reads: Rows, writes: Rows, plain: Rows, other: bool) -> LostFlag:
+    """plain: reads that looked at the flag, but for those of these read-modify-writes. other: it was not the one
+    meant."""
+    table = run.table
+    changes = run.changes(group.unit, group.module, group.register, f)
+    rises, falls = changes[table.value[changes] != 0], changes[table.value[changes] == 0]
+    rose = np.searchsorted(rises, writes) > np.searchsorted(rises, reads)
+    cleared = np.isin(writes, run.made_by(falls))
+    along = cleared & ~rose & (table.value[reads] & f.mask != 0) & other
+    place = np.searchsorted(rises, reads) - 1
+    last_rise = np.append(rises, -1)[place]
+    last_read = np.append(plain, -1)[np.searchsorted(plain, reads) - 1]
+    at = writes[(rose & cleared) | along]
+    unseen = along & (last_read < last_rise)
+    lost = writes[(rose & cleared) | unseen]
+    return LostFlag(
+        f.name,
+        int(rose.sum()),
+        int((rose & cleared).sum()),
+        int(along.sum()),
+        int(unseen.sum()),
+        int(table.tick[at[0]]) if len(at) else None,
+        tuple(table.tick[lost].tolist()),
+        tuple(table.tick[at].tolist()),
+    )

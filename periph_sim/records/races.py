@@ -1,0 +1,284 @@
+"""How near the firmware's reads of status registers came to the changes of what they looked at, place by place.
+
+reads, polls put back --> distance to the nearest change, in cycles --> closest, histogram by decades
+read-modify-writes    --> flags that rose in between, flags cleared unmeant
+
+    i2c.I2CSTR.XRDY == 1   changes of XRDY     i2c.I2CSTR.all, i2c.I2CSTR.SCD = 1   of any field: all go back
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ..core.registers import Field
+from ..core.suggest import did_you_mean
+from .lost_flags import ReadModifyWrite, modifies
+from .polls import NDBool, Polls, skipped_polls
+from .read_modify_write import read_modify_writes
+from .register_maps import is_status
+from .run import Group, NotInRun, Rows, Run
+
+DECADES = 6  # below 1 cycle, 1 to 9, 10 to 99, up to 1000, up to 10 000, more
+NEVER = np.iinfo(np.int64).max
+
+
+@dataclass(frozen=True)
+class NearMiss:
+    """The closest of one side. cycles: between read and change. tick: of the read."""
+
+    cycles: int
+    tick: int
+    field: str
+
+
+@dataclass(frozen=True)
+class PlaceRaces:
+    """One place's reads of one register. before: a read that just missed a change; after: one that just saw it.
+
+    polls: put back from skipped waits. unplaced: skipped waits with a change whose polls could not be put back.
+    histogram: reads by the distance to their nearest change, by decades of cycles; `alone` had no change to compare.
+    """
+
+    unit: str
+    register: str
+    place: str
+    reads: int
+    polls: int
+    unplaced: int
+    before: NearMiss | None
+    after: NearMiss | None
+    histogram: tuple[int, ...]
+    alone: int
+
+    @property
+    def closest(self) -> int | None:
+        return min((shave.cycles for shave in (self.before, self.after) if shave is not None), default=None)
+
+
+@dataclass(frozen=True)
+class Races:
+    run: Run
+    places: tuple[PlaceRaces, ...]
+    modifies: tuple[ReadModifyWrite, ...]
+
+    @property
+    def closest(self) -> int | None:
+        """The fewest cycles between any read and a change; None where there was none."""
+        return min((place.closest for place in self.places if place.closest is not None), default=None)
+
+    @property
+    def lost(self) -> int:
+        """Flags that read-modify-writes cleared without meaning them, and that the firmware cannot have seen."""
+        return sum(modify.lost for modify in self.modifies)
+
+    @property
+    def along(self) -> int:
+        """Flags that read-modify-writes cleared without meaning them, seen or not."""
+        return sum(flag.along for modify in self.modifies for flag in modify.flags)
+
+
+def races(run: Run, register: str | None = None) -> Races:
+    """All status registers, or one as "I2C-A.I2CSTR" or one field of it; closest first.
+
+    NotInRun where the firmware never accessed such a register, or there is none.
+    """
+    chosen = _chosen(run, register)
+    places = [place for group, f in chosen if group.way == "R" for place in _places(run, group, f)]
+    found = [modify for group, _ in chosen for modify in modifies(run, group)]
+    places.sort(key=lambda place: (NEVER if place.closest is None else place.closest, place.register, place.place))
+    return Races(run, tuple(places), tuple(sorted(found, key=lambda modify: -modify.lost)))
+
+
+def _named(run: Run, name: str) -> list[tuple[Group, Field | None]]:
+    wanted = _folded(name)
+    known: dict[str, list[tuple[Group, Field | None]]] = {}
+    for group in run.accesses:
+        for unit in ("", f"{group.unit}."):
+            text = f"{unit}{group.module}.{group.register.name}"
+            known.setdefault(text, []).append((group, None))
+            for f in group.register.fields:
+                known.setdefault(f"{text}.{f.name}", []).append((group, f))
+    for text, found in known.items():
+        if _folded(text) == wanted:
+            return found
+    registers = [text for text in known if text.count(".") == min(max(name.count("."), 1), 2)]
+    raise NotInRun(f"{run.name}: the firmware never accessed {name!r}; {did_you_mean(name, registers)}")
+
+
+def _folded(name: str) -> str:
+    return name.casefold().replace("-", "")
+
+
+def distances(run: Run, register: str | None = None) -> tuple[Rows, Rows, int]:
+    """(cycles, ticks, unplaced): of each read and each poll put back that has a change to be compared with, how many
+    cycles lie between the two, and when it was, in the order of time; and the skipped waits with a change whose polls
+    could not be put back. NotInRun as for `races`."""
+    unplaced = 0
+    cycles, ticks = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)]
+    for group, f in _chosen(run, register):
+        for place in _reads_by_place(run, group) if group.way == "R" else ():
+            beside = _beside(run, group, f, place)
+            unplaced += beside.unplaced
+            compared = beside.nearest < NEVER
+            cycles.append(_cycles(run, beside.nearest[compared]))
+            ticks.append(beside.ticks[compared])
+    when = np.concatenate(ticks)
+    order = np.argsort(when, kind="stable")
+    return np.concatenate(cycles)[order], when[order], unplaced
+
+
+def _chosen(run: Run, register: str | None) -> list[tuple[Group, Field | None]]:
+    if register is not None:
+        return _named(run, register)
+    return [(group, None) for group in run.accesses if is_status(group.register)]
+
+
+def _places(run: Run, group: Group, f: Field | None) -> list[PlaceRaces]:
+    judged = (_judged(run, group, f, place) for place in _reads_by_place(run, group))
+    return [one for one in judged if one.reads]
+
+
+class _Reads(NamedTuple):
+    """All reads of one register at a place. looked_at: codes of the fields, that of "" for all of the register.
+    waits: whether the routine's next access is the next one of them."""
+
+    place: str
+    rows: Rows
+    looked_at: Rows
+    waits: NDBool
+
+
+def _reads_by_place(run: Run, group: Group) -> Iterator[_Reads]:
+    """Each place with its reads. The read of a read-modify-write is one of all of the register, which it gives back."""
+    table = run.table
+    rows, following = run.in_order(group.unit)
+    order = np.argsort(rows)
+    next_of = following[order][np.searchsorted(rows[order], group.rows)]
+    for_writes = read_modify_writes(run, group.unit).reads
+    for place, reads in run.by_place(group.rows):
+        nexts = next_of[np.searchsorted(group.rows, reads)]
+        codes = table.columns["field"][reads].astype(np.int64)
+        codes = np.where(np.isin(reads, for_writes), _code(run, ""), codes)
+        yield _Reads(place, reads, codes, np.append(reads[1:] == nexts[:-1], False))
+
+
+def _code(run: Run, name: str) -> int:
+    """The number that a field's name has in the table; -1 where no access names it."""
+    names = run.table.names["field"]
+    return names.index(name) if name in names else -1
+
+
+def _changes(run: Run, group: Group, fields: tuple[Field, ...]) -> Rows:
+    """The rows at which fields changed that were not changed, in that cycle, by an access of the unit itself."""
+    of = [run.changes(group.unit, group.module, group.register, each) for each in fields]
+    rows = np.sort(np.concatenate(of))
+    others: Rows = rows[~np.isin(run.made_by(rows), run.in_order(group.unit)[0])]
+    return others
+
+
+class _Side(NamedTuple):
+    """Reads, and polls put back, with the change on one side of each. ticks: of the reads. distances: ticks, NEVER
+    where there is no change. changes: rows."""
+
+    ticks: Rows
+    distances: Rows
+    changes: Rows
+
+
+NONE = _Side(*(np.zeros(0, np.int64) for _ in range(3)))
+
+
+class _Beside(NamedTuple):
+    """The reads of a place beside the changes of what they looked at. before: reads that a change follows; after:
+    reads that follow one. ticks, nearest: of all of them. reads: how many of these were recorded."""
+
+    before: _Side
+    after: _Side
+    ticks: Rows
+    nearest: Rows
+    reads: int
+    polls: int
+    unplaced: int
+
+
+def _beside(run: Run, group: Group, f: Field | None, place: _Reads) -> _Beside:
+    """All reads of a place, and the polls put back; with f those that looked at it, beside its changes."""
+    before, after, nearest, reads = [NONE], [NONE], [NONE], 0
+    unplaced = np.zeros(0, np.int64)
+    for code in np.unique(place.looked_at).tolist():
+        name = run.table.names["field"][code] if code >= 0 else ""
+        fields = (group.register[name],) if name in group.register else group.register.fields
+        fields = tuple(each for each in fields if f is None or each is f)
+        if not fields:
+            continue
+        changes, looking = _changes(run, group, fields), place.looked_at == code
+        polls = skipped_polls(run, place.rows, place.waits, changes, looking)
+        sides = _of_reads(run, place.rows[looking], changes)
+        before += [sides[0], _of_polls(run, polls, polls.before)]
+        after += [sides[1], _of_polls(run, polls, polls.after)]
+        closer = np.minimum(sides[0].distances, sides[1].distances)
+        nearest += [sides[0]._replace(distances=closer), before[-1], after[-1]]
+        reads += int(looking.sum())
+        unplaced = np.union1d(unplaced, polls.unplaced)
+    both = _joined(nearest)
+    made = len(both.ticks) - reads
+    return _Beside(_joined(before), _joined(after), both.ticks, both.distances, reads, made, len(unplaced))
+
+
+def _of_reads(run: Run, reads: Rows, changes: Rows) -> tuple[_Side, _Side]:
+    """Each read beside the next change, and beside the last one."""
+    tick = run.table.tick[reads]
+    at, rows = np.searchsorted(changes, reads), np.append(changes, 0)
+    ends = run.table.tick[rows]
+    to_next = np.where(at < len(changes), ends[at] - tick, NEVER)
+    since = np.where(at > 0, tick - ends[at - 1], NEVER)
+    return _Side(tick, to_next, rows[at]), _Side(tick, since, rows[at - 1])
+
+
+def _of_polls(run: Run, polls: Polls, ticks: Rows) -> _Side:
+    """Those of the polls put back that are beside a change."""
+    there = ticks >= 0
+    changes, at = polls.changes[there], ticks[there]
+    return _Side(at, np.abs(run.table.tick[changes] - at), changes)
+
+
+def _joined(sides: list[_Side]) -> _Side:
+    return _Side(*(np.concatenate(column) for column in zip(*sides, strict=True)))
+
+
+def _cycles(run: Run, ticks: Rows) -> Rows:
+    """Whole cycles, rounded to nearest."""
+    cycles: Rows = (ticks / float(run.cycles.ticks) + 0.5).astype(np.int64)
+    return cycles
+
+
+def _judged(run: Run, group: Group, f: Field | None, place: _Reads) -> PlaceRaces:
+    beside = _beside(run, group, f, place)
+    cycles = _cycles(run, beside.nearest[beside.nearest < NEVER])
+    decades = np.minimum(np.searchsorted(10 ** np.arange(DECADES - 1), cycles, "right"), DECADES - 1)
+    return PlaceRaces(
+        group.unit,
+        f"{group.module}.{group.register.name}",
+        place.place,
+        beside.reads,
+        beside.polls,
+        beside.unplaced,
+        _closest(run, beside.before),
+        _closest(run, beside.after),
+        tuple(np.bincount(decades, minlength=DECADES).tolist()),
+        int((beside.nearest == NEVER).sum()),
+    )
+
+
+def _closest(run: Run, side: _Side) -> NearMiss | None:
+    if not len(side.distances) or int(side.distances.min()) == NEVER:
+        return None
+    distance = int(side.distances.min())
+    closest = np.flatnonzero(side.distances == distance)
+    first = closest[np.argmin(side.ticks[closest])]
+    field = run.record(int(side.changes[first])).what.partition(".")[2]
+    return NearMiss(run.cycles.of(distance), int(side.ticks[first]), field)

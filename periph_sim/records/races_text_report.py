@@ -1,0 +1,120 @@
+"""A flag-race report as a person reads it, and as JSON."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from .cause_trace.text_report import aligned
+from .lost_flags import ReadModifyWrite
+from .races import DECADES, NearMiss, PlaceRaces, Races
+
+HEAD = ("register", "place", "reads", "polls", "closest before", "closest after", *("0", "<10", "<100", "<1k", "<10k"))
+NOTES = (
+    "reads: recorded ones; polls: those beside a change in waits that were skipped, put back on the grid of their "
+    "passes. Columns 0 to more: reads and polls by cycles to their nearest change.",
+    "A read that names a field is compared with the changes of that field; one of the whole register, as each of a "
+    "read-modify-write is, with those of all. Changes that the firmware's own access made in its cycle do not count.",
+)
+
+
+def text(races: Races) -> str:
+    """A table of places, closest first; what read-modify-writes did to flags; and how to read it."""
+    run = races.run
+    if not races.places:
+        return f"{run.name}: no read of a status register was recorded"
+    lines = [f"{run.name}: cycles between reads and changes; {run.cycles.how}", ""]
+    table = aligned([(*HEAD, "more"), *(_row(races, place) for place in races.places)])
+    lines += [table[0], "-" * max(map(len, table)), *table[1:], ""]
+    if races.modifies:
+        lines.append("read-modify-writes of flags that writing 1 clears:")
+        lines += [line for modify in races.modifies for line in _modify(races, modify)]
+        lines.append("")
+    unplaced = sum(place.unplaced for place in races.places)
+    lines += [f"note: {note}" for note in NOTES]
+    if unplaced:
+        lines.append(
+            f"note: {unplaced} skipped waits with a change in them do not show how long a pass is; "
+            "there only the recorded reads count"
+        )
+    closest = "no change to be near to" if races.closest is None else f"{races.closest} cycles"
+    lines.append(f"closest: {closest}; flags lost to read-modify-writes: {races.lost} (cleared along: {races.along})")
+    return "\n".join(lines)
+
+
+def as_json(races: Races) -> dict[str, object]:
+    """Distances in cycles; times in seconds."""
+    run = races.run
+    return {
+        "run": run.name,
+        "cycle_ticks": float(run.cycles.ticks),
+        "cycle_from": run.cycles.how,
+        "closest": races.closest,
+        "lost": races.lost,
+        "cleared_along": races.along,
+        "decades": ["0", *(f"{10**n}..{10 ** (n + 1) - 1}" for n in range(DECADES - 2)), f"{10 ** (DECADES - 2)}.."],
+        "places": [
+            {
+                **dataclasses.asdict(place),
+                "before": _shave_json(races, place.before),
+                "after": _shave_json(races, place.after),
+            }
+            for place in races.places
+        ],
+        "modifies": [
+            {
+                **dataclasses.asdict(modify),
+                "lost": modify.lost,
+                "flags": [
+                    {
+                        **{k: v for k, v in dataclasses.asdict(flag).items() if k != "first"},
+                        "first_s": None if flag.first is None else float(run.seconds(flag.first)),
+                    }
+                    for flag in modify.flags
+                ],
+            }
+            for modify in races.modifies
+        ],
+        "notes": list(NOTES),
+    }
+
+
+def _row(races: Races, place: PlaceRaces) -> tuple[str, ...]:
+    return (
+        _name(races, place),
+        place.place,
+        str(place.reads),
+        str(place.polls),
+        _shave(races, place.before),
+        _shave(races, place.after),
+        *map(str, place.histogram),
+    )
+
+
+def _name(races: Races, of: PlaceRaces | ReadModifyWrite) -> str:
+    return of.register if len(races.run.units) == 1 else f"{of.unit}.{of.register}"
+
+
+def _shave(races: Races, shave: NearMiss | None) -> str:
+    return "-" if shave is None else f"{shave.cycles} ({shave.field}, {races.run.at(shave.tick)})"
+
+
+def _shave_json(races: Races, shave: NearMiss | None) -> dict[str, object] | None:
+    if shave is None:
+        return None
+    return {"cycles": shave.cycles, "read_at_s": float(races.run.seconds(shave.tick)), "field": shave.field}
+
+
+def _modify(races: Races, modify: ReadModifyWrite) -> list[str]:
+    meant = " and ".join(modify.meant)
+    if modify.doubt:
+        meant = f"one of {', '.join(modify.doubt)}, all set each time"
+    lines = [f"  {_name(races, modify)} at {modify.place}: {modify.count} times, to clear {meant or 'nothing'}"]
+    for flag in modify.flags:
+        if flag.rose:
+            lines.append(f"    {flag.flag} rose between read and write {flag.rose} times; lost {flag.lost_between}")
+        if flag.along:
+            lines.append(
+                f"    {flag.flag} was cleared along with it {flag.along} times, {flag.unseen} of them never read "
+                f"since it rose; first at {races.run.at(flag.first or 0)}"
+            )
+    return lines if modify.flags else [f"{lines[0]}; no other flag cleared, none rose in between"]

@@ -1,0 +1,118 @@
+"""Records in words: a record goes in, what happened as a phrase comes out. Here it is known how values are packed.
+
+BUS address 0x1A1   "controller: 0x68 W NACK (gyroscope)"
+BUS byte 0x22       "controller: 0x11 ACK (gyroscope)"
+FLAG I2CSTR.SDIR 1  "I2C-A.I2CSTR.SDIR set"
+ACCESS W I2CSTR     "I2C-A.I2CSTR written, 0x5638 (SCD = 1)"
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from ..core.records import Kind, Record
+from ..core.registers import Field
+from .register_maps import register_of
+
+IN_FIRMWARE = (Kind.ACCESS, Kind.IRQ, Kind.SPAN, Kind.WAIT)  # their text is a place in the firmware
+
+
+class BusByte(NamedTuple):
+    """A byte on the bus with its acknowledge. An address byte has its seven (or ten) bits in `value`, and `read`."""
+
+    value: int
+    acked: bool
+    read: bool | None = None
+
+    def __str__(self) -> str:
+        """ "0x68 R ACK", "0x11 NACK"."""
+        way = "" if self.read is None else " R" if self.read else " W"
+        return f"0x{self.value:02X}{way} {'ACK' if self.acked else 'NACK'}"
+
+
+def bus_byte(record: Record) -> BusByte | None:
+    """What a BUS record of an address or a byte carries; None for START, STOP and the like, which carry nothing."""
+    value, acked = record.value >> 1, not record.value & 1
+    if record.what == "address":
+        return BusByte(value >> 1, acked, bool(value & 1))
+    return BusByte(value, acked) if record.what == "byte" else None
+
+
+def on_the_bus(record: Record) -> str:
+    """A BUS or FRAME record without who and what for: "START", "0x68 R ACK", "0x55"; "frame" as one begins."""
+    if record.kind is Kind.FRAME:
+        return "frame" if record.what == "begin" else f"0x{record.value:02X}"
+    carried = bus_byte(record)
+    return record.what if carried is None else str(carried)
+
+
+def happened(record: Record) -> str:
+    """What a record says, without unit, time and place in the firmware: "I2C-A.I2CSTR.SDIR set"."""
+    return _SAID[record.kind](record)
+
+
+def happened_where(record: Record) -> str:
+    """The same with the unit: "dsp.I2C-A.I2CSTR.SDIR set", "dsp: SCIRXINTA entered at sci_received:76"."""
+    said = happened(record)
+    if record.kind is Kind.FLAG:
+        unit, dot, _ = record.where.partition(".")
+        return f"{unit}{dot}{said}"
+    if record.kind not in IN_FIRMWARE:
+        return f"{record.where}: {said}" if record.kind is Kind.NOTE else said
+    return f"{record.where}: {said}{f' at {record.text}' if record.text else ''}"
+
+
+def number(value: int) -> str:
+    """A field's value: up to 9 in decimals, others in hexadecimals."""
+    return str(value) if 0 <= value < 10 else f"{value:#x}"
+
+
+def _edge(record: Record) -> str:
+    by = f", pulled low by {record.text}" if record.text and not record.value else ""
+    return f"{record.where} {'rises' if record.value else 'falls'}{by}"
+
+
+def _access(record: Record) -> str:
+    way, _, name = record.what.partition(" ")
+    f = _field(*name.partition(".")[::2], record.field)
+    named = "" if f is None else f" ({f.name} = {number(f.of(record.value))})"
+    return f"{name} {'read' if way == 'R' else 'written'}, {record.value:#06x}{named}"
+
+
+def _flag(record: Record) -> str:
+    module = record.where.partition(".")[2] or record.where
+    f = _field(module, *record.what.partition(".")[::2])
+    if f is not None and f.msb == f.lsb:
+        return f"{module}.{record.what} {'set' if record.value else 'cleared'}"
+    return f"{module}.{record.what} = {number(record.value)}"
+
+
+def _field(module: str, register: str, name: str) -> Field | None:
+    known = register_of(module, register)
+    return known[name] if known is not None and name in known else None
+
+
+def _bus(record: Record) -> str:
+    about = f" ({record.text})" if record.text else ""
+    return f"{record.where}: {on_the_bus(record)}{about}"
+
+
+def _hold(record: Record) -> str:
+    return f"{record.where} stays low, held by {record.text}"
+
+
+FRAME_PARTS = {"byte": "", "begin": " begins", "end": " is over", "error": " is over, with an error"}
+
+_SAID: dict[Kind, Callable[[Record], str]] = {
+    Kind.EDGE: _edge,
+    Kind.HOLD: _hold,
+    Kind.ACCESS: _access,
+    Kind.FLAG: _flag,
+    Kind.IRQ: lambda r: f"{r.what} {'entered' if r.value else 'left'}",
+    Kind.SPAN: lambda r: f"span {r.what} {'begins' if r.value else 'ends'}",
+    Kind.WAIT: lambda r: f"wait for {r.what} {'begins' if r.value else 'is over'}",
+    Kind.BUS: _bus,
+    Kind.FRAME: lambda r: f"{r.where}: {on_the_bus(r)}{FRAME_PARTS[r.what]}",
+    Kind.NOTE: lambda r: f"note: {r.text}" if r.text else f"note {r.what}",
+}

@@ -1,0 +1,131 @@
+"""Writing a run to a file: records go in as they happen; the file appears whole when the run is over, or not at all.
+
+One file of this folder is one format. It defines
+
+    SUFFIX                                    the end of its file names
+    MODE                                      "w" for text, "wb" for bytes
+    KINDS                                     the kinds of records it wants
+    open_writer(file, timebase, modules)      what is told each record, and the last tick at the end
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import ExitStack, contextmanager
+from functools import cache
+from pathlib import Path
+from typing import IO, Any, Literal, Protocol, cast
+
+from ...core.discover import modules_with
+from ...core.records import Kind, Record, Recorder
+from ...core.suggest import did_you_mean
+from ...core.time import Timebase
+from ...traces.capture.capture import BadCapture
+from ...traces.formats.atomic_write import atomic_write
+from ...traces.formats.record_table import RecordTable
+
+
+class Writer(Protocol):
+    @property
+    def write(self) -> Callable[[Record], None]: ...
+
+    def close(self, now: int) -> None: ...
+
+
+class RecordingFormat(Protocol):
+    SUFFIX: str
+    MODE: Literal["w", "wb"]
+    KINDS: Iterable[Kind]
+
+    def open_writer(self, file: IO[Any], timebase: Timebase, modules: dict[str, tuple[str, ...]]) -> Writer: ...
+
+
+class BadRecording(ValueError):
+    """A file that cannot be written; one sentence."""
+
+
+Subscribe = Callable[[Recorder, Timebase], None]
+EndedAt = Callable[[int], None]
+
+
+@cache
+def recording_formats() -> dict[str, RecordingFormat]:
+    """The formats of this folder by suffix."""
+    found = [cast(RecordingFormat, module) for module in modules_with("SUFFIX", __name__, __path__).values()]
+    return {one.SUFFIX: one for one in found}
+
+
+def format_of(path: Path) -> RecordingFormat | None:
+    """The format whose suffix the name ends with, which may have two dots; None where there is none."""
+    name = path.name.casefold()
+    return next((found for suffix, found in recording_formats().items() if name.endswith(suffix)), None)
+
+
+@contextmanager
+def recording(path: Path | None, modules: dict[str, tuple[str, ...]]) -> Iterator[tuple[Subscribe, EndedAt]]:
+    """Gives two functions: one that a scene calls to be recorded, one to be told the last tick of the run.
+
+    modules: unit -> its modules. BadRecording when the suffix is unknown or the place
+    cannot be written to.
+    """
+    if path is None:
+        yield (lambda recorder, timebase: None), (lambda tick: None)
+        return
+    chosen = _chosen(path)
+    writers: list[Writer] = []
+    with _opened(path, chosen) as file:
+
+        def subscribe(recorder: Recorder, timebase: Timebase) -> None:
+            writer = chosen.open_writer(file, timebase, modules)
+            writers.append(writer)
+            recorder.subscribe(chosen.KINDS, writer.write)
+
+        def ended_at(tick: int) -> None:
+            for writer in writers:
+                writer.close(tick)
+
+        yield subscribe, ended_at
+
+
+def rewrite(table: RecordTable, path: Path) -> None:
+    """A run that was recorded, written in another format: the file that recording it so would have made.
+
+    BadRecording when the suffix is unknown, the place cannot be written to, or the ticks are not a run's.
+    """
+    chosen = _chosen(path)
+    per_second = table.per_second
+    if per_second is None or per_second.denominator != 1 or per_second % 10**9:
+        raise BadRecording(
+            f"{path}: cannot be written ({per_second} ticks a second; a run has whole ones a nanosecond)"
+        )
+    wanted = frozenset(chosen.KINDS)
+    with _opened(path, chosen) as file:
+        writer = chosen.open_writer(file, Timebase(int(per_second)), table.modules)
+        write = writer.write
+        for record in table.records():
+            if record.kind in wanted:
+                write(record)
+        writer.close(table.end)
+
+
+def _chosen(path: Path) -> RecordingFormat:
+    chosen = format_of(path)
+    if chosen is None:
+        hint = did_you_mean(path.suffix, recording_formats())
+        raise BadRecording(f"{path}: no recording is written as {path.suffix!r}; {hint}")
+    return chosen
+
+
+@contextmanager
+def _opened(path: Path, chosen: RecordingFormat) -> Iterator[IO[Any]]:
+    """The file, which takes its place when all went well."""
+    with ExitStack() as stack:
+        try:
+            unfinished = stack.enter_context(atomic_write(path))
+        except BadCapture as error:
+            raise BadRecording(str(error)) from None
+        yield stack.enter_context(unfinished.open(chosen.MODE, encoding=_encoding(chosen)))
+
+
+def _encoding(chosen: RecordingFormat) -> str | None:
+    return "utf-8" if chosen.MODE == "w" else None

@@ -1,0 +1,179 @@
+"""A run as tracks to look at in ui.perfetto.dev or chrome://tracing: the Trace Event Format, JSON.
+
+    records --> process "dsp":        threads "firmware" and "interrupts", slices that nest; notes
+                process "dsp.I2C-A":  a counter for each register field that changed
+                process "bus":        transfers with their bytes, decoded from SCL and SDA; what each party said
+                process "wires":      a counter a wire, 0 or 1
+
+`ts` is microseconds with three decimals, rounded down to a nanosecond, which is as fine as the viewers are; `args.tick`
+of slices and instants is the exact time, in ticks of `otherData.ticks_per_second`. Counters have no other arguments,
+since each would be drawn.
+
+Source: Trace Event Format (Google, 2016), sections on duration, instant, counter and metadata events.
+"""
+
+from __future__ import annotations
+
+import json
+from array import array
+from fractions import Fraction
+from pathlib import Path
+from typing import IO, Literal
+
+import numpy as np
+
+from ...core.records import Kind, Record
+from ...core.time import GHZ, Timebase
+from ...traces.capture.capture import Capture, Channel, channel_of
+from ...traces.decode import i2c
+from ..record_text import BusByte, on_the_bus
+
+SUFFIX = ".perfetto.json"
+MODE: Literal["w"] = "w"
+KINDS = (Kind.EDGE, Kind.FLAG, Kind.IRQ, Kind.SPAN, Kind.BUS, Kind.FRAME, Kind.NOTE)
+
+THREAD_OF = {Kind.SPAN: "firmware", Kind.IRQ: "interrupts"}
+
+
+class Track:
+    """One thread of the viewer; slices on it nest."""
+
+    def __init__(self, pid: int, tid: int) -> None:
+        self.head = f'"pid":{pid},"tid":{tid}'
+        self.open: list[str] = []  # names of the slices that have not ended, encoded
+
+
+class PerfettoWriter:
+    def __init__(self, file: IO[str], timebase: Timebase, modules: dict[str, tuple[str, ...]]) -> None:
+        self._file = file
+        self._per_second = timebase.per_second
+        self._separator = ""
+        self._pids: dict[str, int] = {}
+        self._tracks: dict[tuple[str, str], Track] = {}
+        self._counters: dict[tuple[str, str], str] = {}
+        self._edges: dict[str, array[int]] = {}
+        head = {"displayTimeUnit": "ns", "otherData": {"by": "periph-sim", "ticks_per_second": str(self._per_second)}}
+        file.write(json.dumps(head)[:-1] + ', "traceEvents": [\n')
+        for unit in modules:
+            for thread in THREAD_OF.values():
+                self._track(unit, thread)
+
+    def write(self, record: Record) -> None:
+        kind = record.kind
+        if kind is Kind.EDGE:
+            self._counter("wires", record.where, record.tick, record.value)
+            self._edges.setdefault(record.where, array("q")).extend((record.tick, record.value))
+        elif kind is Kind.FLAG:
+            self._counter(record.where, record.what, record.tick, record.value)
+        elif kind in THREAD_OF:
+            track = self._track(record.where, THREAD_OF[kind])
+            if record.value:
+                self._begin(track, record.what, record.tick)
+            elif track.open:
+                self._end(track, record.tick)
+        else:
+            place, thread = (record.where, "notes") if kind is Kind.NOTE else ("bus", record.where)
+            self._instant(self._track(place, thread), record)
+
+    def close(self, now: int) -> None:
+        for track in self._tracks.values():
+            while track.open:
+                self._end(track, now)
+        self._transfers(now)
+        self._file.write("\n]}\n")
+
+    def _transfers(self, now: int) -> None:
+        """What the independent decoder sees on SCL and SDA, with the exact begin and end of each byte."""
+        if not {"SCL", "SDA"} <= set(self._edges):
+            return
+        length = now + 1
+        channels = tuple(_channel(index, name, self._edges[name], length) for index, name in enumerate(("SCL", "SDA")))
+        track = self._track("bus", "transfers")
+        per_second = Fraction(self._per_second)
+        for transfer in i2c.transfers(Capture(Path(), per_second, length, channels, sampled=False)):
+            if not transfer.phases:  # its START is out of sight
+                continue
+            self._begin(track, _title(transfer), transfer.phases[0].start.at)
+            for place, byte in ((place, byte) for phase in transfer.phases for place, byte in enumerate(phase.bytes)):
+                self._begin(track, _byte(byte, place), byte.at)
+                last = byte.bits[-1]
+                self._end(track, now if last.high is None else last.at + last.high)
+            self._end(track, transfer.stop.at if transfer.stop else now)
+
+    def _pid(self, process: str) -> int:
+        if process not in self._pids:
+            self._pids[process] = pid = len(self._pids) + 1
+            self._event(f'"ph":"M","name":"process_name","pid":{pid},"tid":0,"args":{{"name":{json.dumps(process)}}}')
+        return self._pids[process]
+
+    def _track(self, process: str, thread: str) -> Track:
+        track = self._tracks.get((process, thread))
+        if track is None:
+            tid = len(self._tracks) + 1
+            track = self._tracks[process, thread] = Track(self._pid(process), tid)
+            self._event(f'"ph":"M","name":"thread_name",{track.head},"args":{{"name":{json.dumps(thread)}}}')
+        return track
+
+    def _counter(self, process: str, name: str, tick: int, value: int) -> None:
+        head = self._counters.get((process, name))
+        if head is None:
+            pid = self._pid(process)
+            head = self._counters[process, name] = f'"ph":"C","name":{json.dumps(name)},"pid":{pid},"tid":0'
+        self._event(f'{head},"ts":{self._ts(tick)},"args":{{"value":{value}}}')
+
+    def _begin(self, track: Track, name: str, tick: int) -> None:
+        track.open.append(json.dumps(name))
+        self._slice("B", track, track.open[-1], tick)
+
+    def _end(self, track: Track, tick: int) -> None:
+        self._slice("E", track, track.open.pop(), tick)
+
+    def _slice(self, phase: str, track: Track, name: str, tick: int) -> None:
+        self._event(f'"ph":"{phase}","name":{name},{track.head},"ts":{self._ts(tick)},"args":{{"tick":{tick}}}')
+
+    def _instant(self, track: Track, record: Record) -> None:
+        about: dict[str, int | str] = {"tick": record.tick}
+        name = record.what
+        if record.kind is Kind.NOTE:
+            about["value"] = record.value
+        else:
+            name = f"{on_the_bus(record)} {record.text}".strip()
+        if record.text:
+            about["text"] = record.text
+        ts, args = self._ts(record.tick), json.dumps(about)
+        self._event(f'"ph":"i","s":"t","name":{json.dumps(name)},{track.head},"ts":{ts},"args":{args}')
+
+    def _ts(self, tick: int) -> str:
+        ns = tick * GHZ // self._per_second
+        return f"{ns // 1000}.{ns % 1000:03}"
+
+    def _event(self, inside: str) -> None:
+        self._file.write(f"{self._separator}{{{inside}}}")
+        self._separator = ",\n"
+
+
+def _title(transfer: i2c.Transfer) -> str:
+    """`0x68 W 0x68 R`."""
+    named = (phase for phase in transfer.phases if phase.address is not None)
+    return " ".join(f"0x{phase.address:02X} {'R' if phase.read else 'W'}" for phase in named) or "cut off"
+
+
+def _byte(byte: i2c.Byte, place: int) -> str:
+    """`0x68 W ACK` of the first byte of a phase, `0x1D ACK` of others; a cut byte shows its bits."""
+    if byte.value is None:
+        return "cut off: " + "".join(str(bit.value) for bit in byte.bits)
+    if byte.acked is None:
+        return f"0x{byte.value:02X} no ninth bit"
+    if place:
+        return str(BusByte(byte.value, byte.acked))
+    return str(BusByte(byte.value >> 1, byte.acked, bool(byte.value & 1)))
+
+
+def _channel(index: int, name: str, flat: array[int], length: int) -> Channel:
+    """A wire that was let go before its first edge; flat: tick, level, tick, level."""
+    pairs = np.frombuffer(flat, np.int64).reshape(-1, 2)
+    return channel_of(name, index, [0, *pairs[:, 0].tolist()], [1, *pairs[:, 1].tolist()], length)
+
+
+def open_writer(file: IO[str], timebase: Timebase, modules: dict[str, tuple[str, ...]]) -> PerfettoWriter:
+    return PerfettoWriter(file, timebase, modules)

@@ -1,0 +1,35 @@
+"""Our own records, columnar: the whole run as typed arrays in one zip; layout in `traces/formats/psr.py`.
+
+records as they happen --> growing arrays, 49 bytes a record --> written when the run is over
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import IO, Literal
+
+from ...core.records import Kind
+from ...core.time import Timebase
+from ...traces.formats.psr import write_table
+from ...traces.formats.record_table import Columns
+
+SUFFIX = ".psr"
+MODE: Literal["wb"] = "wb"
+KINDS = tuple(Kind)
+
+
+class PsrWriter:
+    def __init__(self, file: IO[bytes], timebase: Timebase, modules: dict[str, tuple[str, ...]]) -> None:
+        self._file = file
+        self._per_second = Fraction(timebase.per_second)
+        self._modules = modules
+        columns = Columns()
+        self.write = columns.add
+        self._columns = columns
+
+    def close(self, now: int) -> None:
+        write_table(self._columns.table(self._per_second, now, self._modules), self._file)
+
+
+def open_writer(file: IO[bytes], timebase: Timebase, modules: dict[str, tuple[str, ...]]) -> PsrWriter:
+    return PsrWriter(file, timebase, modules)

@@ -1,0 +1,276 @@
+"""A recorded run with the few looks that questions about it need, each a search in sorted arrays.
+
+RecordTable --> Run: rows of a field, its value at a tick, accesses with place and register, cycles, times
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from math import gcd
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.records import Kind, Record
+from ..core.registers import Field, Register
+from ..traces.formats.psr import holds_run, read_table, recognises
+from ..traces.formats.record_table import RecordTable
+from .register_maps import OF_ALL_UNITS, register_of
+
+Rows = NDArray[np.int64]
+
+UNITS = (("ns", 1), ("us", 10**3), ("ms", 10**6))
+HEAD = 64  # bytes that tell a recording from other files
+WAY_OUT = "record one with periph-sim run CASE --record RUN.psr"
+SYSCLK_HZ = 150_000_000  # of an F28335 at full speed
+
+
+class NotInRun(ValueError):
+    """A question about something that the recording does not have; one sentence."""
+
+
+class Group(NamedTuple):
+    """The accesses of one way by one unit to one register. way: "R" or "W"."""
+
+    unit: str
+    way: str
+    module: str
+    register: Register
+    rows: Rows
+
+
+@dataclass(frozen=True)
+class Cycles:
+    """How long a SYSCLKOUT cycle is. ticks: of one cycle. how: where that is known from."""
+
+    ticks: Fraction
+    how: str
+
+    def of(self, ticks: int) -> int:
+        """Whole cycles in a distance, rounded to nearest."""
+        return round(Fraction(ticks) / self.ticks)
+
+
+class Run:
+    """A recording, opened. NotInRun if the file holds a capture and no run; BadCapture if it cannot be read.
+
+    sysclk: SYSCLKOUT in Hz; None takes what the recording shows, or 150 MHz.
+    """
+
+    def __init__(self, table: RecordTable, name: str = "the run", sysclk: Fraction | None = None) -> None:
+        self.table = table
+        self.name = name
+        if table.per_second is None:
+            raise NotInRun(f"{name}: it does not say how long a tick is; {WAY_OUT}")
+        self.per_second: Fraction = table.per_second
+        self._sysclk = sysclk
+        self._remembered: dict[str, Rows] = {}
+        self._orders: dict[str, tuple[Rows, Rows]] = {}
+        self._rows: dict[tuple[Kind, str | None, str | None], Rows] = {}
+
+    @classmethod
+    def read(cls, path: Path, sysclk: Fraction | None = None) -> Run:
+        if not path.is_file():
+            raise NotInRun(f"{path}: there is no such file; {WAY_OUT}")
+        with path.open("rb") as file:
+            if not recognises(path, file.read(HEAD)):
+                raise NotInRun(f"{path}: not a recorded run; {WAY_OUT}")
+        table = read_table(path)
+        if not holds_run(path):
+            raise NotInRun(f"{path}: a capture of wires, with no accesses or flags; {WAY_OUT}")
+        return cls(table, str(path), sysclk)
+
+    # Looks -----------------------------------------------------------------------
+
+    def rows(self, kind: Kind, where: str | None = None, what: str | None = None) -> Rows:
+        """Rows of one kind, place and thing, in the order of their ticks."""
+        key = kind, where, what
+        if key not in self._rows:
+            found = self.table.rows(kind, where, what)
+            ticks = self.table.tick[found]
+            if (np.diff(ticks) < 0).any():
+                found = found[np.argsort(ticks, kind="stable")]
+            self._rows[key] = found
+        return self._rows[key]
+
+    def remembered(self, name: str, make: Callable[[], Rows]) -> Rows:
+        """What `make` gives, made once."""
+        if name not in self._remembered:
+            self._remembered[name] = make()
+        return self._remembered[name]
+
+    def record(self, row: int) -> Record:
+        return next(self.table.records(np.array([row])))
+
+    def records(self, rows: Rows) -> Iterator[Record]:
+        return self.table.records(rows)
+
+    def row_of(self, number: int) -> int | None:
+        """The row of a record by its number; None where it was not recorded."""
+        row = int(np.searchsorted(self.table.number, number))
+        return row if number and row < len(self.table) and int(self.table.number[row]) == number else None
+
+    def made_by(self, rows: Rows) -> Rows:
+        """Beside each row that of its cause, where both happened at one tick; else -1."""
+        table = self.table
+        causes = np.minimum(np.searchsorted(table.number, table.cause[rows]), max(len(table) - 1, 0))
+        at_once = (table.number[causes] == table.cause[rows]) & (table.tick[causes] == table.tick[rows])
+        return np.where(at_once, causes, -1)
+
+    def last(self, rows: Rows, tick: int, before: int | None = None) -> int | None:
+        """The last of these rows up to a tick, and above row `before` where that is given."""
+        place = int(np.searchsorted(self.table.tick[rows], tick, "right"))
+        while place and before is not None and rows[place - 1] >= before:
+            place -= 1
+        return int(rows[place - 1]) if place else None
+
+    def next(self, rows: Rows, after: int) -> int | None:
+        """The first of these rows below row `after`."""
+        place = int(np.searchsorted(rows, after, "right"))
+        return int(rows[place]) if place < len(rows) else None
+
+    # Registers -------------------------------------------------------------------
+
+    @cached_property
+    def units(self) -> dict[str, tuple[str, ...]]:
+        """Each unit with its modules, those that every unit has among them."""
+        return {
+            unit: (*(module for module in modules if not module.startswith("pin:")), *OF_ALL_UNITS)
+            for unit, modules in self.table.modules.items()
+        }
+
+    def changes(self, unit: str, module: str, register: Register, f: Field) -> Rows:
+        """The rows at which a field changed."""
+        return self.rows(Kind.FLAG, f"{unit}.{module}", f"{register.name}.{f.name}")
+
+    def changed_before(self, unit: str, module: str, register: Register, f: Field, row: int) -> int | None:
+        """The row of the field's last change above a row."""
+        return self.last(self.changes(unit, module, register, f), int(self.table.tick[row]), row)
+
+    def values(self, unit: str, module: str, register: Register, f: Field, rows: Rows) -> Rows:
+        """What a field held just above each of these rows."""
+        changes = self.changes(unit, module, register, f)
+        before = np.searchsorted(changes, rows) - 1
+        held = np.append(self.table.value[changes], f.reset)  # place -1: what reset leaves
+        return held[before]
+
+    def in_order(self, unit: str) -> tuple[Rows, Rows]:
+        """The unit's accesses as its firmware made them: those of the main program, then routine by routine, each
+        in order; and beside each row the one that follows in the same routine, -1 at its end."""
+        if unit in self._orders:
+            return self._orders[unit]
+        rows = self.rows(Kind.ACCESS, unit)
+        routine = self.table.cause[rows]
+        order = np.argsort(routine, kind="stable")
+        rows, routine = rows[order], routine[order]
+        following = np.append(rows[1:], -1)
+        following[np.append(routine[1:] != routine[:-1], True)] = -1
+        self._orders[unit] = rows, following
+        return rows, following
+
+    def routine(self, unit: str, entry: int) -> Rows:
+        """The unit's accesses in one run of a service routine, by the number of its entry; 0: in the main program."""
+        rows, _ = self.in_order(unit)
+        routines = self.remembered(f"routines of {unit}", lambda: self.table.cause[rows])
+        found: Rows = rows[np.searchsorted(routines, entry) : np.searchsorted(routines, entry, "right")]
+        return found
+
+    def service(self, unit: str, routine: int, after: int, before: int) -> tuple[Rows, Rows]:
+        """The rows at which service routines ended between two rows, and those at which they were entered.
+
+        routine: the number of the entry of the routine that they interrupted; 0: the main program.
+        """
+        table = self.table
+
+        def found() -> Rows:
+            ends = self.rows(Kind.IRQ, unit)
+            ends = ends[table.value[ends] == 0]
+            entries = np.minimum(np.searchsorted(table.number, table.cause[ends]), max(len(table) - 1, 0))
+            known = table.number[entries] == table.cause[ends]
+            return np.stack([ends[known], entries[known]])
+
+        ends, entries = self.remembered(f"service routines of {unit}", found)
+        within = (ends > after) & (ends < before) & (table.cause[entries] == routine)
+        return ends[within], entries[within]
+
+    @cached_property
+    def accesses(self) -> tuple[Group, ...]:
+        """All accesses, grouped by unit, way and register; those to registers without a map are left out."""
+        table = self.table
+        rows = self.rows(Kind.ACCESS)
+        where, what = table.columns["where"][rows].astype(np.int64), table.columns["what"][rows].astype(np.int64)
+        keys = where * (len(table.names["what"]) + 1) + what
+        order = np.argsort(keys, kind="stable")
+        rows = rows[order]
+        found, begins, counts = np.unique(keys[order], return_index=True, return_counts=True)
+        groups = []
+        for key, begin, count in zip(found.tolist(), begins.tolist(), counts.tolist(), strict=True):
+            unit = table.names["where"][key // (len(table.names["what"]) + 1)]
+            way, _, name = table.names["what"][key % (len(table.names["what"]) + 1)].partition(" ")
+            module, _, register_name = name.partition(".")
+            register = register_of(module, register_name)
+            if register is not None:
+                groups.append(Group(unit, way, module, register, rows[begin : begin + count]))
+        return tuple(groups)
+
+    def accesses_of(self, unit: str, way: str, module: str, register: str) -> Rows:
+        return self.rows(Kind.ACCESS, unit, f"{way} {module}.{register}")
+
+    def looking_at(self, reads: Rows, f: Field) -> Rows:
+        """Those of these reads that looked at a field: that named it, or the whole register."""
+        about = np.array([name in ("", f.name) for name in self.table.names["field"]], bool)
+        found: Rows = reads[about[self.table.columns["field"][reads]]]
+        return found
+
+    def by_place(self, rows: Rows) -> Iterator[tuple[str, Rows]]:
+        """The rows of each place in the firmware, "function:line"."""
+        codes = self.table.columns["text"][rows]
+        for code in np.unique(codes).tolist():
+            yield self.table.names["text"][code], rows[codes == code]
+
+    # Time ------------------------------------------------------------------------
+
+    @cached_property
+    def cycles(self) -> Cycles:
+        """The cycle of SYSCLKOUT: as given, as the accesses show it, or of 150 MHz."""
+        if self._sysclk is not None:
+            return Cycles(self.per_second / self._sysclk, f"SYSCLKOUT {_mhz(self._sysclk)}, as given")
+        full = self.per_second / SYSCLK_HZ
+        grids = []
+        for unit in self.table.modules:
+            ticks = self.table.tick[self.rows(Kind.ACCESS, unit)]
+            if len(ticks) > 1:
+                grids.append(int(np.gcd.reduce(np.diff(ticks))))
+        grid = gcd(*grids) if grids else 0
+        if grid and Fraction(grid) % full == 0:
+            return Cycles(full, "SYSCLKOUT 150 MHz, which all accesses fall on")
+        if grid and grid > full:
+            clock = self.per_second / grid
+            return Cycles(Fraction(grid), f"SYSCLKOUT {_mhz(clock)}, the grid that all accesses fall on")
+        return Cycles(
+            full, "SYSCLKOUT taken as 150 MHz; the accesses fall on no one grid (an error of the crystal, or several)"
+        )
+
+    def seconds(self, ticks: int) -> Fraction:
+        return Fraction(ticks) / self.per_second
+
+    def at(self, tick: int) -> str:
+        """A time of the run, in milliseconds, to the nanosecond."""
+        return f"{float(self.seconds(tick) * 1000):.6f} ms"
+
+    def length(self, ticks: int) -> str:
+        """A distance in the unit that suits it, with its cycles."""
+        ns = self.seconds(ticks) * 10**9
+        unit, size = next(((u, size) for u, size in UNITS if abs(ns) < 1000 * size), ("s", 10**9))
+        text = f"{float(ns / size):.3f}".rstrip("0").rstrip(".")
+        cycles = self.cycles.of(ticks)
+        return f"{text} {unit} ({cycles} cycle{'s' * (cycles != 1)})"
+
+
+def _mhz(hz: Fraction) -> str:
+    return f"{float(hz / 1_000_000):g} MHz"

@@ -1,0 +1,130 @@
+"""What a question is about: "I2CA.I2CSTR.XRDY@12.345ms" goes in, a subject and a tick come out.
+
+Units may be left out where only one has the thing; hyphens and case do not matter.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from ..core.records import Kind
+from ..core.registers import Field, Register
+from ..core.suggest import did_you_mean
+from ..core.time import TimeError, seconds
+from .register_maps import registers_of
+from .run import NotInRun, Run
+
+COARSEST = Fraction(1, 10**6)  # seconds: no instant is shown to fewer digits; what is typed so means no one change
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A field, a wire, a span or an interrupt. where, what: as its records have them. unit: "" for a wire."""
+
+    kind: Kind
+    name: str
+    unit: str
+    where: str
+    what: str
+    module: str = ""
+    register: Register | None = None
+    field: Field | None = None
+
+
+def asked(run: Run, question: str) -> tuple[Subject, int]:
+    """Subject and tick. NotInRun says what is wrong with the question."""
+    name, at, time = question.rpartition("@")
+    if not at or not name.strip():
+        raise NotInRun(f"{question!r}: expected NAME@TIME, as in I2C-A.I2CSTR.XRDY@12.345ms or SDA@3us")
+    subject = named(run, name.strip())
+    return subject, _tick(run, time, subject)
+
+
+def named(run: Run, name: str) -> Subject:
+    """The one subject that a name means. NotInRun where there is none, or more than one."""
+    known = subjects(run)
+    wanted = _folded(name)
+    found = (
+        [s for s in known if s.name == name]
+        or [s for s in known if s.name.endswith("." + name)]  # a span "model" beside a wire "MODEL"
+        or [s for s in known if _folded(s.name) == wanted]
+        or [s for s in known if _folded(s.name).endswith("." + wanted)]
+    )
+    if len(found) == 1:
+        return found[0]
+    if found:
+        names = ", ".join(s.name for s in found[:8])
+        raise NotInRun(f"{run.name}: {name!r} may mean {names}{', ...' if len(found) > 8 else ''}; give one of them")
+    raise NotInRun(f"{run.name}: nothing in the run is called {name!r}; {_hint(known, name)}")
+
+
+def subjects(run: Run) -> list[Subject]:
+    """All that can be asked for."""
+    found = []
+    for unit, modules in run.units.items():
+        for module in modules:
+            for register in registers_of(module) or ():
+                for f in register.fields:
+                    what = f"{register.name}.{f.name}"
+                    where = f"{unit}.{module}"
+                    found.append(Subject(Kind.FLAG, f"{where}.{what}", unit, where, what, module, register, f))
+    table = run.table
+    for kind in (Kind.EDGE, Kind.SPAN, Kind.IRQ):
+        rows = run.rows(kind)
+        codes = table.columns["where"][rows].astype(np.int64) << 32 | table.columns["what"][rows]
+        rows = rows[np.sort(np.unique(codes, return_index=True)[1])]
+        for place, thing in zip(table.texts("where", rows), table.texts("what", rows), strict=True):
+            unit, name = ("", place) if kind is Kind.EDGE else (place, f"{place}.{thing}")
+            found.append(Subject(kind, name, unit, place, thing))
+    return found
+
+
+def _tick(run: Run, text: str, subject: Subject) -> int:
+    """The tick that a time means: that of the change of the subject which is shown as this time, if there is one.
+
+    Shown times are rounded, so the exact instant of a change may be a little later than what is typed for it.
+    """
+    try:
+        at = seconds(text)
+    except TimeError as error:
+        raise NotInRun(str(error)) from None
+    tick = int(at * run.per_second // 1)
+    if not 0 <= tick <= run.table.end:
+        raise NotInRun(f"{run.name}: {text.strip()} is outside the run, which goes from 0 to {run.at(run.table.end)}")
+    digit = _last_digit(text)
+    if digit > COARSEST:
+        return tick
+    changes = run.rows(subject.kind, subject.where, subject.what)
+    place = int(np.searchsorted(run.table.tick[changes], tick, "right"))
+    around = [int(run.table.tick[row]) for row in changes[max(place - 1, 0) : place + 1]]
+    meant = min(around, key=lambda one: abs(run.seconds(one) - at), default=tick)
+    return meant if abs(run.seconds(meant) - at) <= digit / 2 else tick
+
+
+def _last_digit(text: str) -> Fraction:
+    """What the last digit of a time counts, in seconds: 1e-10 in "26730.2667us"."""
+    number = text.strip()[: len(text.strip()) - len(text.strip().lstrip("0123456789._"))]
+    zeros = re.sub(r"\d", "0", number)
+    return seconds(f"{zeros[:-1]}1{text.strip()[len(number) :]}") if zeros[-1:] == "0" else Fraction(1)
+
+
+def _hint(known: list[Subject], name: str) -> str:
+    """The nearest names, written with as many parts as the one given."""
+    parts = name.count(".") + 1
+    short = dict.fromkeys(".".join(s.name.split(".")[-parts:]) for s in known if s.name.count(".") + 1 >= parts)
+    folded = {_folded(text): text for text in short}
+    phrase = did_you_mean(_folded(name), folded)
+    if phrase.startswith("did you mean"):
+        nearest = [folded[text] for text in phrase.removeprefix("did you mean ").removesuffix("?").split(" or ")]
+        return f"did you mean {' or '.join(nearest)}?"
+    wires = [s.name for s in known if s.kind is Kind.EDGE]
+    modules = dict.fromkeys(s.where for s in known if s.kind is Kind.FLAG)
+    return f"it has fields of {', '.join(modules)}; wires {', '.join(wires) or 'none'}"
+
+
+def _folded(name: str) -> str:
+    return name.casefold().replace("-", "")

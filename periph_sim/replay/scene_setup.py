@@ -1,0 +1,50 @@
+"""A case made ready for a replay: the agent whose place the capture takes is removed, open settings are filled in.
+
+Budgets are not judged in a replay: its verdict is whether the wires agree with the capture.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Mapping
+from dataclasses import is_dataclass
+
+from ..scene.case.model import Case
+from ..scene.firmware_loader import BadFirmware, load_firmware
+
+
+def unit_with(case: Case, module: str) -> str:
+    """The first unit that has a module. BadCase if none has."""
+    for name, unit in case.unit.items():
+        if module in unit.modules:
+            return name
+    raise case.mistake(f"no unit has {module}, which this capture is for; add it to a unit's modules", "unit")
+
+
+def settings_of(case: Case, unit: str) -> frozenset[str]:
+    """Names of the settings that a unit's firmware takes. BadCase if there is no such firmware."""
+    try:
+        kind = load_firmware(case.unit[unit].firmware).settings
+    except BadFirmware as error:
+        raise case.mistake(str(error), "unit", unit, "firmware") from None
+    return (
+        frozenset(inspect.signature(kind).parameters) if inspect.isclass(kind) and is_dataclass(kind) else frozenset()
+    )
+
+
+def taken(case: Case, unit: str, offered: Mapping[str, object]) -> list[str]:
+    """Which of the offered settings `alone` will fill in with something."""
+    known = settings_of(case, unit)
+    return [name for name, value in offered.items() if name in known - case.unit[unit].settings.keys() and value]
+
+
+def alone(case: Case, unit: str, agent: str, forced: Mapping[str, object], offered: Mapping[str, object]) -> Case:
+    """The case without its agent ("controller" or "host") and budgets, with settings for one unit's firmware.
+
+    forced: set in any case. offered: set if the firmware takes them and the case leaves them open.
+    """
+    known = settings_of(case, unit)
+    old = case.unit[unit]
+    settings = {name: value for name, value in offered.items() if name in known} | old.settings | dict(forced)
+    units = {**case.unit, unit: old.model_copy(update={"settings": settings})}
+    return case.model_copy(update={"unit": units, agent: None, "budget": ()})

@@ -1,0 +1,1 @@
+"""Reports of runs: baselines with JUnit XML and annotations, and HTML pages."""

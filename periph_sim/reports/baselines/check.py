@@ -1,0 +1,263 @@
+"""Case files go in; each is run in a process of its own and held against its baseline; a CaseCheck each comes out.
+
+    paths --> cases --> processes --> outcomes --> compared, explained, judged --> CaseCheck
+                                                   or written as new baselines
+
+The results come in the order of the files' names, however many processes there are.
+"""
+
+from __future__ import annotations
+
+import gc
+import os
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from difflib import unified_diff
+from multiprocessing import get_context
+from pathlib import Path
+from signal import SIG_DFL, SIGINT, signal
+from typing import Protocol, TypeVar, TypeVarTuple
+
+from ...scene.case.discover import cases_below
+from .compare import Change, compare, explain, moved_accesses
+from .errors import BadCheck
+from .event_chain import EventLine, Wanted
+from .figures import Baseline, Figures
+from .files import path_for, read, text_of, write_all
+from .judge import CaseCheck, State, judge
+from .outcome import Outcome, RejectedCase, occurrence, run_case, run_chains, run_explained
+
+T = TypeVar("T")
+Ts = TypeVarTuple("Ts")
+
+
+def case_files(paths: Iterable[Path]) -> list[Path]:
+    """The case files: a file as it is, of a folder all below it; each once. BadCheck if there are none."""
+    found: dict[Path, None] = {}
+    for path in paths:
+        if path.is_dir():
+            inside = list(cases_below(path))
+            if not inside:
+                expected = "expected .toml files with a [unit.NAME], [controller] or [[budget]] table"
+                raise BadCheck(f"{path}: there is no case in it or below it; {expected}")
+            found |= dict.fromkeys(inside)
+        elif path.exists():
+            found[path] = None
+        else:
+            raise BadCheck(f"{path}: there is no such file or folder; give case files, or folders of them")
+    return list(found)
+
+
+def check(
+    paths: Iterable[Path],
+    *,
+    jobs: int | None = None,
+    tolerance: int = 0,
+    update: bool = False,
+    changes: Sequence[str] = (),
+    keep_values: bool = False,
+    guaranteed: bool = False,
+    told: Callable[[float], None] | None = None,
+    on_refused: Callable[[RejectedCase], None] | None = None,
+) -> list[CaseCheck]:
+    """How each case stands. jobs: processes, as many as there are cores if None; 1 runs all in this one.
+
+    tolerance: cycles by which times may differ. update: the figures become the new baselines, all or none.
+    changes: "key=value" texts applied to every case, to see what they would change. keep_values: in the outcomes.
+    guaranteed: what holds only in what was seen is not as it should be. told: the part done, 0 to 1. on_refused: called
+    with each case that cannot be run or compared; the others go on.
+    BadCheck for such cases without it, and in any case where baselines are to be written: all of them or none. A
+    script that calls this with more than one process needs the usual `if __name__ == "__main__":`.
+    """
+    files = case_files(paths)
+    refused: list[RejectedCase] = []
+    before = {} if update else _baselines(files, refused)
+    with workers(jobs, len(files)) as start:
+        outcomes: list[Outcome] = []
+        waiting = [(path, start(run_case, path, tuple(changes), keep_values)) for path in files]
+        for done, (path, came) in enumerate(waiting, 1):
+            try:
+                one = came()
+            except BadCheck as error:
+                one = RejectedCase(path, str(error))
+            if isinstance(one, RejectedCase):
+                refused.append(one)
+            elif update or path in before:
+                outcomes.append(one)
+            if told is not None:
+                told(done / len(files))
+        if refused and (update or on_refused is None):
+            raise BadCheck("\n".join(one.why for one in refused))
+        for one in refused:
+            assert on_refused is not None
+            on_refused(one)
+        if update:
+            checks = _updated(outcomes, start)
+            _find_causes(checks, start)
+            return checks
+        checks = [_compared(outcome, before[outcome.path], tolerance) for outcome in outcomes]
+        _explain(checks, before, start, tolerance)
+        _find_causes(checks, start)
+    for one_check in checks:
+        one_check.findings = judge(one_check, guaranteed)
+    return checks
+
+
+def _baselines(files: Iterable[Path], refused: list[RejectedCase]) -> dict[Path, Baseline | None]:
+    """The baseline of each case; cases whose baseline cannot be read are added to `refused`."""
+    found: dict[Path, Baseline | None] = {}
+    for path in files:
+        try:
+            found[path] = read(path_for(path))
+        except BadCheck as error:
+            refused.append(RejectedCase(path, str(error)))
+    return found
+
+
+def _compared(outcome: Outcome, baseline: Baseline | None, tolerance: int) -> CaseCheck:
+    path = path_for(outcome.path)
+    if baseline is None:
+        return CaseCheck(outcome, path, "missing", [])
+    changes = compare(baseline, outcome.figures, tolerance)
+    return CaseCheck(outcome, path, _state(changes), changes)
+
+
+def _state(changes: list[Change]) -> State:
+    return "changed" if any(not change.note for change in changes) else "equal"
+
+
+class Start(Protocol):
+    """Starts a call, perhaps in another process; what comes back gives its result."""
+
+    def __call__(self, work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> Callable[[], T]: ...
+
+
+def _explain(checks: list[CaseCheck], before: dict[Path, Baseline | None], start: Start, tolerance: int) -> None:
+    """Second runs of all cases, for the chains that say why a figure changed, and which access moved though none did.
+
+    They end behind the last occurrence that a budget's baseline tells of.
+    """
+    runs = []
+    for one in checks:
+        baseline = before[one.outcome.path]
+        known = set(baseline.budgets) & set(one.outcome.figures.budgets) if baseline is not None else set()
+        wanted = _wanted(one.outcome, known)
+        runs.append(start(run_chains, one.outcome.path, one.outcome.changes, wanted) if wanted else None)
+    for one, run in zip(checks, runs, strict=True):
+        baseline = before[one.outcome.path]
+        if baseline is not None:
+            now = one.outcome.figures.budgets
+            worse = {c.budget for c in one.changes if c.budget is not None and _is_worst(c, now.get(c.budget))}
+            if run is not None:
+                chains = run().of
+                one.outcome.figures = _with_chains(one.outcome.figures, chains)
+                others = {name: chain for name, chain in chains.items() if name not in worse}
+                moved = [] if worse else moved_accesses(baseline, one.outcome.figures, others, tolerance)
+                one.changes[:0] = moved
+                one.state = _state(one.changes)
+            explain(one.changes, baseline, one.outcome.figures, one.outcome.result.first_wrong)
+
+
+def _find_causes(checks: list[CaseCheck], start: Start) -> None:
+    """Second runs, only of cases with budgets that broke and must not, for what led to that."""
+    runs = []
+    for one in checks:
+        outcome = one.outcome
+        broken = one.broken
+        runs.append(start(run_explained, outcome.path, outcome.changes, broken, outcome.typical) if broken else None)
+    for one, run in zip(checks, runs, strict=True):
+        one.causes = run() if run is not None else {}
+
+
+def _is_worst(change: Change, figures: Figures | None) -> bool:
+    return figures is not None and change.figure == figures.chain_of
+
+
+def _updated(outcomes: list[Outcome], start: Start) -> list[CaseCheck]:
+    """New baselines, written once all are complete."""
+    runs = [start(run_chains, one.path, one.changes, _wanted(one, set(one.figures.budgets))) for one in outcomes]
+    checks = []
+    texts: dict[Path, str] = {}
+    for outcome, run in zip(outcomes, runs, strict=True):
+        outcome.figures = _with_chains(outcome.figures, run().of)
+        path = path_for(outcome.path)
+        text = text_of(outcome.figures)
+        old = path.read_bytes().decode("utf-8", "replace") if path.is_file() else ""
+        one = CaseCheck(outcome, path, "equal" if text == old else "written", [])
+        if text != old:
+            texts[path] = text
+            one.diff = _diff(path, old, text)
+            one.changes = _changes_since(path, outcome)
+        checks.append(one)
+    write_all(texts)
+    for one in checks:
+        one.findings = judge(one)
+    return checks
+
+
+def _changes_since(path: Path, outcome: Outcome) -> list[Change]:
+    try:
+        baseline = read(path)
+    except BadCheck:  # of another version, or damaged: it is being replaced
+        return []
+    if baseline is None:
+        return []
+    changes = compare(baseline, outcome.figures)
+    explain(changes, baseline, outcome.figures, outcome.result.first_wrong)
+    return changes
+
+
+def _diff(path: Path, old: str, new: str) -> str:
+    name = path.as_posix()
+    lines = unified_diff(old.splitlines(), new.splitlines(), name if old else "nothing", name, lineterm="", n=1)
+    return "\n".join(lines)
+
+
+def _wanted(outcome: Outcome, names: set[str]) -> dict[str, Wanted]:
+    found = {name: occurrence(figures) for name, figures in outcome.figures.budgets.items() if name in names}
+    return {name: one for name, one in found.items() if one is not None}
+
+
+def _with_chains(figures: Baseline, chains: dict[str, EventLine]) -> Baseline:
+    lines = {name: chain.lines for name, chain in chains.items()}
+    budgets = {n: f.model_copy(update={"chain": lines.get(n, f.chain)}) for n, f in figures.budgets.items()}
+    return figures.model_copy(update={"budgets": budgets})
+
+
+@contextmanager
+def workers(jobs: int | None, calls: int) -> Iterator[Start]:
+    """A way to start so many calls, `jobs` at a time, each in a process of its own; as many as there are cores if None.
+
+    One job, or a single call: in this process.
+    """
+    if jobs == 1 or calls == 1:
+
+        def here(work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> Callable[[], T]:
+            return lambda: work(path, *rest)
+
+        yield here
+        return
+    gc.collect()  # firmware of earlier runs is stopped by the thread that ran it, not by one of these
+    with ThreadPoolExecutor(min(jobs or os.cpu_count() or 1, calls)) as threads:
+
+        def there(work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> Callable[[], T]:
+            return threads.submit(lambda: _apart(work, path, *rest)).result
+
+        try:
+            yield there
+        except BaseException:  # a case that cannot be run, or Ctrl-C: the rest need not be
+            threads.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+def _apart(work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> T:
+    """The call in a fresh process, so that no case sees what the firmware of another left behind."""
+    quietly = (SIGINT, SIG_DFL)  # Ctrl-C ends it without a traceback
+    with ProcessPoolExecutor(1, get_context("spawn"), initializer=signal, initargs=quietly) as process:
+        try:
+            return process.submit(work, path, *rest).result()
+        except BrokenProcessPool:
+            what = "its process died before it was done; periph-sim run shows how far it comes"
+            raise BadCheck(f"{path}: {what}") from None

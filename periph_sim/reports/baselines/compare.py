@@ -1,0 +1,154 @@
+"""A baseline and a run now go in; what changed comes out, a line a figure.
+
+Exact unless a tolerance is given. With one, times may differ by that much, and instants, which move with them, are not
+compared. Counts of simulated events and of skipped polls say something of the simulation and nothing of the firmware:
+they are told as notes, and fail nobody.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+from .event_chain import EventLine, first_divergence, first_moved
+from .figures import Baseline, Figures
+
+NOTES = ("events", "polls_skipped")
+CHAIN = "chain"
+MOST_MOVED = 3  # accesses that moved, told of a case
+SAME = Fraction(1, 1000)  # seconds by which an occurrence may move and be the same
+VALUES = ("worst", "least")
+INSTANTS = ("worst_at", "least_at")
+
+
+@dataclass
+class Change:
+    """A figure that is another one now. budget: None for one of the case as a whole. why: "" or what explains it.
+
+    note: it is told and fails nobody.
+    """
+
+    budget: str | None
+    figure: str
+    before: int | str | None
+    now: int | str | None
+    text: str
+    why: str = ""
+    note: bool = False
+
+    def __str__(self) -> str:
+        return f"{self.text}: {self.why}" if self.why else self.text
+
+
+def compare(before: Baseline, now: Baseline, tolerance: int = 0) -> list[Change]:
+    """What changed, in the order of the case's budgets; chains only explain. tolerance: in cycles, of times."""
+    changes = []
+    for figure in ("case", "simulated", "ticks_per_second", "ticks_per_cycle"):
+        old, new = getattr(before, figure), getattr(now, figure)
+        if old != new:
+            changes.append(Change(None, figure, old, new, f"{figure} {old} -> {new}"))
+    for name in [*now.budgets, *(name for name in before.budgets if name not in now.budgets)]:
+        old_one, new_one = before.budgets.get(name), now.budgets.get(name)
+        if old_one is None:
+            changes.append(Change(name, "budget", None, name, f"{name}: a new budget, not in the baseline"))
+        elif new_one is None:
+            changes.append(Change(name, "budget", name, None, f"{name}: in the baseline, but no budget of the case"))
+        else:
+            changes += _budget(name, before, old_one, now, new_one, tolerance)
+    counts = {"events": (before.events, now.events)}
+    for key in sorted({*before.counts, *now.counts}):
+        counts[key] = (before.counts.get(key, 0), now.counts.get(key, 0))
+    for key, (was, came) in counts.items():
+        if was != came:
+            shown = key.replace("_", " ")
+            changes.append(Change(None, key, was, came, f"{shown} {was} -> {came}", note=key in NOTES))
+    return changes
+
+
+def _budget(name: str, before: Baseline, old: Figures, now: Baseline, new: Figures, tolerance: int) -> list[Change]:
+    changes = []
+    for figure in ("measure", "unit"):
+        was, came = getattr(old, figure), getattr(new, figure)
+        if was != came:
+            changes.append(Change(name, figure, was, came, f"{name} {figure} {was} -> {came}"))
+    for figure in _figures(old, new):
+        was, came = getattr(old, figure), getattr(new, figure)
+        timed = figure in INSTANTS or (figure in VALUES and new.unit == "time" == old.unit)
+        if was == came or (tolerance and figure in INSTANTS):
+            continue
+        if timed and None not in (was, came) and abs(came - was) <= tolerance * now.ticks_per_cycle:
+            continue
+        shown = figure.replace("_", " ")
+        if timed:
+            nothing = "never" if figure in INSTANTS else "nothing measured"
+            text = f"{name} {shown} {_cycles(before, was, nothing)} -> {_cycles(now, came, nothing)}"
+            if None not in (was, came):
+                text = text.replace(" cycles ->", " ->")
+        else:
+            counted = f" {new.unit}" if figure in VALUES and new.unit != "count" else ""
+            text = f"{name} {shown} {_or_none(was)} -> {_or_none(came)}{counted}"
+        changes.append(Change(name, figure, was, came, text))
+    return changes
+
+
+def _figures(old: Figures, new: Figures) -> tuple[str, ...]:
+    """Those that say something of their own: where one number is kept, largest, smallest and count are the same."""
+    one = [f.unit != "time" and (f.worst, f.worst_at) == (f.least, f.least_at) for f in (old, new)]
+    if not all(one):
+        return (*VALUES, *INSTANTS, "count")
+    if old.count == old.worst and new.count == new.worst:
+        return ("worst", "worst_at")
+    return ("worst", "worst_at", "count")
+
+
+def explain(changes: list[Change], before: Baseline, now: Baseline, first_wrong: str) -> None:
+    """Put in words why a worst value is another one: how its chain parts from the baseline's."""
+    for change in changes:
+        if change.budget is None or change.budget not in before.budgets or change.budget not in now.budgets:
+            continue
+        old, new = before.budgets[change.budget], now.budgets[change.budget]
+        if change.figure != new.chain_of:
+            continue
+        at = new.worst_at if new.chain_of == "worst" else new.least_at
+        if new.measure == "wrong bytes" and first_wrong and not old.worst:
+            change.why = first_wrong
+        elif old.chain and new.chain and old.chain_of == new.chain_of:
+            change.why = first_divergence(old.chain, new.chain, now.cycles) or "no event of its chain moved"
+        elif at is not None and not old.chain:
+            change.why = f"first at {_ms(now, at)}, where there was none"
+
+
+def moved_accesses(
+    before: Baseline, now: Baseline, chains: Mapping[str, EventLine], tolerance: int = 0
+) -> list[Change]:
+    """What moved in the chains of budgets whose figures did not change, each once. tolerance: in cycles."""
+    found: dict[str, Change] = {}
+    for name, chain in chains.items():
+        old, new = before.budgets.get(name), now.budgets.get(name)
+        if old is None or new is None or not old.chain or not _same_occurrence(old, new, now):
+            continue
+        moved = first_moved(old.chain, chain, now.cycles, tolerance * now.ticks_per_cycle)
+        if moved and moved not in found:
+            found[moved] = Change(name, CHAIN, None, None, f"{name} holds, but an access moved: {moved}")
+    return [*found.values()][:MOST_MOVED]
+
+
+def _same_occurrence(old: Figures, new: Figures, now: Baseline) -> bool:
+    """Whether a chain is of the occurrence that the baseline's is of."""
+    then_at, now_at = (f.worst_at if f.chain_of == "worst" else f.least_at for f in (old, new))
+    if old.measure != new.measure or old.chain_of != new.chain_of or then_at is None or now_at is None:
+        return False
+    return abs(now_at - then_at) < SAME * now.ticks_per_second
+
+
+def _ms(now: Baseline, at: int) -> str:
+    return f"{at * 1000 / now.ticks_per_second:.6f} ms"
+
+
+def _cycles(of: Baseline, ticks: int | None, nothing: str) -> str:
+    return nothing if ticks is None else f"{of.cycles(ticks)} cycles"
+
+
+def _or_none(value: object) -> str:
+    return "none" if value is None else str(value)

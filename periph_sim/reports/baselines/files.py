@@ -1,0 +1,75 @@
+"""Baseline files: a Baseline goes in, sorted JSON with one figure a line comes out, and the other way round.
+
+A file is written whole or not at all, and several files are written together once every one is complete.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from contextlib import ExitStack
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from ...traces.capture.capture import BadCapture
+from ...traces.formats.atomic_write import atomic_write
+from .errors import BadCheck
+from .figures import SCHEMA, Baseline
+
+FOLDER = "baselines"
+
+
+def path_for(case: Path) -> Path:
+    """Where the baseline of a case file stands: baselines/NAME.json beside it."""
+    return case.parent / FOLDER / f"{case.stem}.json"
+
+
+def text_of(baseline: Baseline) -> str:
+    """What stands in the file: JSON, keys sorted, a figure a line."""
+    return json.dumps(baseline.model_dump(), indent=2, sort_keys=True, ensure_ascii=False) + "\n"
+
+
+def read(path: Path) -> Baseline | None:
+    """The baseline in a file, None if there is no such file. BadCheck if it is not one of this schema version."""
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        raise BadCheck(f"{path}: cannot be read ({error.strerror}); expected a baseline") from None
+    try:
+        tree = json.loads(data)
+    except ValueError as error:
+        raise BadCheck(f"{path}: it is not JSON ({error}); {RENEW}") from None
+    if not isinstance(tree, dict) or "schema_version" not in tree:
+        raise BadCheck(f"{path}: it has no schema_version, expected {SCHEMA}; {RENEW}")
+    if tree["schema_version"] != SCHEMA:
+        raise BadCheck(
+            f"{path}: schema_version is {tree['schema_version']!r}, expected {SCHEMA}: another version of periph-sim "
+            f"wrote it; compare with that version, or {RENEW}"
+        )
+    try:
+        return Baseline.model_validate_json(data)
+    except ValidationError as error:
+        first = error.errors()[0]
+        key = ".".join(str(part) for part in first["loc"])
+        raise BadCheck(f"{path}: {key}: {first['msg'].lower()}; {RENEW}") from None
+
+
+RENEW = "write it anew with --update-baseline"
+
+
+def write_all(texts: Mapping[Path, str]) -> None:
+    """Write each text at its path, all of them or none. BadCheck where that is not possible."""
+    try:
+        for folder in {path.parent for path in texts}:
+            folder.mkdir(exist_ok=True)
+    except OSError as error:
+        raise BadCheck(f"{error.filename}: no folder can be made there ({error.strerror})") from None
+    try:
+        with ExitStack() as together:
+            for path, text in texts.items():
+                together.enter_context(atomic_write(path)).write_text(text, encoding="utf-8")
+    except BadCapture as error:
+        raise BadCheck(str(error)) from None

@@ -1,0 +1,87 @@
+"""What is not as it should be with a case: its outcome and changes go in, findings with their lines come out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+from ...explain.chain import Chain
+from ...timing.format_value import broken
+from ...timing.verdicts import EVERY_PHASE, Verdict
+from .compare import Change
+from .outcome import Outcome
+
+State = Literal["equal", "changed", "missing", "written"]
+
+
+@dataclass
+class Finding:
+    """One thing that makes `check` fail. line: of the case file, 1 at least."""
+
+    budget: str | None
+    line: int
+    text: str
+
+
+@dataclass
+class CaseCheck:
+    """How a case stands. state: of its baseline. diff: what `--update-baseline` changed, as a unified diff.
+
+    causes: of budgets that broke and must not, why the worst occurrence was as it was.
+    """
+
+    outcome: Outcome
+    baseline: Path
+    state: State
+    changes: list[Change]
+    diff: str = ""
+    causes: dict[str, Chain] = field(default_factory=dict)
+    findings: list[Finding] = field(default_factory=list)
+
+    @property
+    def broken(self) -> list[Verdict]:
+        """The budgets that broke and must not."""
+        outcome = self.outcome
+        return [v for v in outcome.verdicts if v.broken and v.name not in outcome.breaks]
+
+    @property
+    def passed(self) -> bool:
+        return not self.findings
+
+
+def judge(check: CaseCheck, guaranteed: bool = False) -> list[Finding]:
+    """Everything that is not as it should be, budgets first. guaranteed: what holds only in what was seen is not."""
+    outcome = check.outcome
+    top = outcome.name_line or 1
+    findings = []
+    for verdict in outcome.verdicts:
+        line = outcome.lines[verdict.name] or top
+        must = verdict.name in outcome.breaks
+        if verdict.broken:
+            if not must:
+                findings.append(Finding(verdict.name, line, f"{verdict.name} breaks: {broken(verdict)}"))
+        elif not verdict.passed:
+            findings.append(Finding(verdict.name, line, f"{verdict.name} is not judged: {lacking(verdict)}"))
+        elif must:
+            line = outcome.breaks_line or line
+            text = f"{verdict.name} holds, but breaks says that it must break; take it out there if the bug is mended"
+            findings.append(Finding(verdict.name, line, text))
+        elif guaranteed and verdict.proof != EVERY_PHASE:
+            text = f"{verdict.name} held in this run, but is not proven: {verdict.unbounded}"
+            findings.append(Finding(verdict.name, line, text))
+    findings += [Finding(None, top, text) for text in outcome.trouble]
+    if check.state == "missing":
+        text = f"it has no baseline {check.baseline}; write one with --update-baseline"
+        findings.append(Finding(None, top, text))
+    elif check.state == "changed":
+        for change in (change for change in check.changes if not change.note):
+            line = outcome.lines.get(change.budget or "", 0) or top
+            there = change.budget if change.budget in {verdict.name for verdict in outcome.verdicts} else None
+            findings.append(Finding(there, line, str(change)))
+    return findings
+
+
+def lacking(verdict: Verdict) -> str:
+    """Why a budget is not judged, as a phrase."""
+    return verdict.found or f"nothing was measured by {verdict.measure!r}"

@@ -1,0 +1,110 @@
+"""JUnit XML of a check: CaseChecks go in, the text of a file comes out.
+
+A test suite a case, a test case a budget, and one more, "the case", for what concerns the case
+as a whole. Properties carry the figures. A budget that must break and does has passed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from xml.etree import ElementTree as xml
+
+from .figures import Baseline
+from .judge import CaseCheck
+from .outcome import RejectedCase
+
+WHOLE = "the case"
+
+
+def junit(checks: list[CaseCheck], refused: Sequence[RejectedCase] = ()) -> str:
+    """The XML, with its declaration. Text that XML cannot hold is replaced by U+FFFD.
+
+    refused: cases that could not be run; each is a suite with one test that is an error.
+    """
+    root = xml.Element("testsuites", name="periph-sim check")
+    for check in checks:
+        _suite(root, check)
+    for one in refused:
+        _refused(root, one)
+    _sums(root, list(root))
+    xml.indent(root)
+    return '<?xml version="1.0" encoding="utf-8"?>\n' + xml.tostring(root, encoding="unicode") + "\n"
+
+
+def _suite(root: xml.Element, check: CaseCheck) -> None:
+    outcome, figures = check.outcome, check.outcome.figures
+    suite = xml.SubElement(root, "testsuite", name=_safe(figures.case), file=_safe(outcome.path.as_posix()))
+    properties = xml.SubElement(suite, "properties")
+    for name, value in {"baseline": check.state, "events": figures.events, **figures.counts}.items():
+        xml.SubElement(properties, "property", name=name, value=str(value))
+    for verdict in outcome.verdicts:
+        tail = "_us" if verdict.unit == "us" else ""
+        said = _figures(figures, verdict.name) | {
+            f"limit{tail}": str(verdict.limit),
+            "verdict": verdict.word,
+            "must_break": "yes" if verdict.name in outcome.breaks else "no",
+        }
+        said |= {f"bound{tail}": str(verdict.bound)} if verdict.bound is not None else {}
+        said |= {"unbounded": verdict.unbounded} if verdict.unbounded else {}
+        _test(suite, check, verdict.name, outcome.lines[verdict.name], said)
+    _test(suite, check, None, outcome.name_line, {})
+    _sums(suite, suite.findall("testcase"))
+    suite.set("time", f"{outcome.result.wall_s:.6f}")
+
+
+def _test(suite: xml.Element, check: CaseCheck, budget: str | None, line: int, said: dict[str, str]) -> None:
+    """One test case; all that is wrong with it is one failure, a line each."""
+    where = _safe(check.outcome.path.as_posix())
+    name = WHOLE if budget is None else _safe(budget)
+    case = _safe(check.outcome.figures.case)
+    test = xml.SubElement(suite, "testcase", classname=case, name=name, file=where, line=str(line or 1))
+    if said:
+        properties = xml.SubElement(test, "properties")
+        for key, value in said.items():
+            xml.SubElement(properties, "property", name=key, value=_safe(value))
+    wrong = [_safe(finding.text) for finding in check.findings if finding.budget == budget]
+    if wrong:
+        xml.SubElement(test, "failure", message=wrong[0], type="check").text = "\n".join(wrong)
+
+
+def _refused(root: xml.Element, refused: RejectedCase) -> None:
+    file = _safe(refused.path.as_posix())
+    suite = xml.SubElement(root, "testsuite", name=_safe(refused.path.stem), file=file)
+    test = xml.SubElement(suite, "testcase", classname=_safe(refused.path.stem), name=WHOLE, file=file, line="1")
+    xml.SubElement(test, "error", message=_safe(refused.why), type="check").text = _safe(refused.why)
+    _sums(suite, [test])
+
+
+def _sums(parent: xml.Element, tests: list[xml.Element]) -> None:
+    """tests, failures and errors of what is below."""
+    if parent.tag == "testsuite":
+        sums = {"tests": len(tests)}
+        for key in ("failure", "error"):
+            sums[f"{key}s"] = sum(test.find(key) is not None for test in tests)
+    else:
+        sums = {key: sum(int(suite.get(key, "0")) for suite in tests) for key in ("tests", "failures", "errors")}
+    for key, value in sums.items():
+        parent.set(key, str(value))
+
+
+def _figures(figures: Baseline, budget: str) -> dict[str, str]:
+    """A budget's figures by name: times and instants in cycles of SYSCLKOUT, the rest as counted."""
+    of = figures.budgets[budget]
+    shown = {"measure": of.measure, "count": str(of.count)}
+    for key, value, in_cycles in (
+        ("worst", of.worst, of.unit == "time"),
+        ("worst_at", of.worst_at, True),
+        ("least", of.least, of.unit == "time"),
+        ("least_at", of.least_at, True),
+    ):
+        if value is not None:
+            shown[f"{key}_cycles" if in_cycles else key] = figures.cycles(value) if in_cycles else str(value)
+    return shown
+
+
+def _safe(text: str) -> str:
+    """The text without characters that XML 1.0 has no way to write."""
+    return "".join(
+        c if c in "\t\n\r" or " " <= c <= "\ud7ff" or "\ue000" <= c <= "\ufffd" or c > "\uffff" else "\ufffd"
+        for c in text
+    )

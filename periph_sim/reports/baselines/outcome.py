@@ -1,0 +1,176 @@
+"""One case run once: a case file goes in, an Outcome comes out that can be sent from one process to another.
+
+Needs no terminal, command line or table: this is what a worker process runs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ...core.kernel import SimulationStuck
+from ...explain.bound.phases import judge_phases
+from ...explain.chain import Chain
+from ...explain.explain import explain
+from ...f28335.system.memory_map import NoSuchAddress
+from ...processor.error_origin import FirmwareError
+from ...scene.case.load import load
+from ...scene.case.model import BadCase, Case
+from ...scene.result import Result
+from ...scene.scene import Scene
+from ...timing.budgets import Limit
+from ...timing.values import Values, values_of
+from ...timing.verdicts import Verdict
+from .errors import BadCheck
+from .event_chain import EventLine, Wanted, chains
+from .figures import Baseline, Figures
+
+REFUSED = (BadCase, SimulationStuck, NoSuchAddress, FirmwareError)
+
+
+@dataclass
+class Outcome:
+    """What a run of a case file came to. lines: where budgets and their joined conditions stand in the file; 0 if
+    nobody knows.
+
+    changes: the "key=value" texts applied to the case. typical: what its budgets measured furthest from their limits.
+    trouble: sentences about firmware that waits for ever. values: of each budget, where any were kept.
+    """
+
+    path: Path
+    figures: Baseline
+    breaks: tuple[str, ...]
+    trouble: list[str]
+    lines: dict[str, int]
+    breaks_line: int
+    name_line: int
+    changes: tuple[str, ...]
+    result: Result
+    values: list[Values | None]
+    typical: list[Verdict]
+
+    @property
+    def verdicts(self) -> list[Verdict]:
+        return self.result.budgets
+
+    @property
+    def broken(self) -> list[str]:
+        return [verdict.name for verdict in self.verdicts if verdict.broken]
+
+    @property
+    def not_passed(self) -> list[str]:
+        """Budgets that are broken or not judged."""
+        return [verdict.name for verdict in self.verdicts if not verdict.passed]
+
+
+@dataclass
+class RejectedCase:
+    """A case that cannot be run: one sentence, for the user."""
+
+    path: Path
+    why: str
+
+
+@dataclass
+class Chains:
+    """The chain of each budget's worst occurrence."""
+
+    path: Path
+    of: dict[str, EventLine] = field(default_factory=dict)
+
+
+def run_case(path: Path, changes: tuple[str, ...] = (), keep_values: bool = False) -> Outcome | RejectedCase:
+    """Run a case for its own duration."""
+    try:
+        return _outcome(path, load(path, list(changes)), changes, keep_values)
+    except REFUSED as error:
+        return RejectedCase(path, str(error))
+
+
+def run_chains(path: Path, changes: tuple[str, ...], wanted: dict[str, Wanted]) -> Chains:
+    """Run a case once more, as far as needed, for the chains of these budgets."""
+    try:
+        return Chains(path, chains(load(path, list(changes)), wanted))
+    except REFUSED as error:  # it ran a moment ago: the file or its firmware was changed meanwhile
+        raise BadCheck(f"{path}: it ran, but not a second time: {error}") from None
+
+
+def run_explained(
+    path: Path, changes: tuple[str, ...], verdicts: list[Verdict], typical: list[Verdict]
+) -> dict[str, Chain]:
+    """Run a case once more, as far as needed, for why these worst occurrences were as they were; by budget."""
+    try:
+        return {name: one.chain for name, one in explain(load(path, list(changes)), verdicts, typical).items()}
+    except REFUSED as error:
+        raise BadCheck(f"{path}: it ran, but not a second time: {error}") from None
+
+
+def _outcome(path: Path, case: Case, changes: tuple[str, ...], keep_values: bool) -> Outcome:
+    scene = Scene(case, keep_values=keep_values)
+    result = scene.run()
+    judge_phases(scene, result.budgets)
+    trouble = scene.deadlocks()
+    if scene.hangs() and not trouble:
+        trouble = scene.stuck_lines[-1:]
+    figures = baseline_of(scene, result)
+    return Outcome(
+        path=path,
+        figures=figures,
+        breaks=case.breaks,
+        trouble=trouble,
+        lines={
+            part.budget.name: case.line("budget", entry)
+            for entry, limit in enumerate(scene.limits)
+            for part in limit.parts
+        },
+        breaks_line=case.line("breaks"),
+        name_line=case.line("name"),
+        changes=changes,
+        result=result,
+        values=values_of(scene.limits, scene.start),
+        typical=scene.typical(),
+    )
+
+
+def baseline_of(scene: Scene, result: Result) -> Baseline:
+    """The figures of a scene that has run, without chains."""
+    case = scene.case
+    clocks = [int(unit.oscclk * unit.pll / 2) for unit in case.unit.values()]
+    return Baseline(
+        case=case.name,
+        simulated=scene.kernel.now - scene.start,
+        ticks_per_second=scene.timebase.per_second,
+        ticks_per_cycle=scene.timebase.per_second // clocks[0] if clocks else 1,
+        events=result.events,
+        counts={**result.counts, "I2C bytes": result.wire_bytes, "SCI bytes": result.sci_bytes},
+        budgets={part.budget.name: _figures(part, scene.start) for limit in scene.limits for part in limit.parts},
+    )
+
+
+def _figures(limit: Limit, start: int) -> Figures:
+    measure = limit.measure
+    silent = measure.silent
+
+    def when(at: int) -> int | None:
+        return None if silent or at < 0 else at - start
+
+    return Figures(
+        measure=limit.budget.measure,
+        unit=measure.unit,
+        count=measure.count,
+        worst=None if silent else measure.worst,
+        worst_at=when(measure.worst_at),
+        least=None if silent else measure.least,
+        least_at=when(measure.least_at),
+        chain_of="least" if limit.budget.max is None else "worst",
+        chain=[],
+    )
+
+
+def occurrence(figures: Figures) -> Wanted | None:
+    """What a budget's chain is the chain of; None where nothing happened or nobody knows when."""
+    least = figures.chain_of == "least"
+    value, at = (figures.least, figures.least_at) if least else (figures.worst, figures.worst_at)
+    if value is None or at is None:
+        return None
+    return Wanted(figures.measure, at, value if figures.unit == "time" else 0)

@@ -1,0 +1,88 @@
+"""How measured values are spread: Values go in, bins with their counts, limits and quantiles come out.
+
+Bins are equally wide and begin at whole multiples of their width, so that two runs can be laid one over the other.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...timing.measures.measure import MILLIONTHS
+from ...timing.values import Values
+from ...traces.drawing.svg_diagram import nice_step
+
+MOST = 60  # bins
+SHOWN = (("median", 500), ("p95", 950), ("p99", 990))
+UNITS = (("ns", 1), ("us", 10**3), ("ms", 10**6), ("s", 10**9))
+
+
+@dataclass(frozen=True)
+class Bin:
+    """Values from begin up to, not including, end."""
+
+    begin: float
+    end: float
+    count: int
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """All in `unit`, which suits the values. limits: by their keys. quantiles: name and value (nearest rank).
+
+    counted: the values are counts, so that a bin of width 1 is that of its begin alone.
+    """
+
+    unit: str
+    counted: bool
+    bins: tuple[Bin, ...]
+    least: float
+    worst: float
+    limits: tuple[tuple[str, float], ...]
+    quantiles: tuple[tuple[str, float], ...]
+
+    @property
+    def count(self) -> int:
+        return sum(one.count for one in self.bins)
+
+
+def distribution(values: Values, per_ns: int) -> Distribution:
+    """per_ns: ticks a nanosecond, where the values are times."""
+    data = np.sort(values.values)
+    least, worst = int(data[0]), int(data[-1])
+    unit, size, grain = _scale(values.unit, max(abs(least), abs(worst)), per_ns)
+    width = _width(worst - least, grain)
+    first = least // width
+    places, counts = np.unique(data // width - first, return_counts=True)
+    return Distribution(
+        unit="" if unit == "value" else unit,
+        counted=size == 1,
+        bins=tuple(
+            Bin((first + place) * width / size, (first + place + 1) * width / size, count)
+            for place, count in zip(places.tolist(), counts.tolist(), strict=True)
+        ),
+        least=least / size,
+        worst=worst / size,
+        limits=tuple((key, limit / size) for key, limit in values.limits.items()),
+        quantiles=tuple((name, int(data[-(-per * len(data) // 1000) - 1]) / size) for name, per in SHOWN),
+    )
+
+
+def _width(spread: int, grain: int) -> int:
+    """1, 2 or 5 times a power of ten of grains, so that at most MOST bins are needed."""
+    return grain * max(1, round(nice_step(spread / grain, MOST - 1))) if spread > grain else grain
+
+
+def _scale(unit: str, largest: int, per_ns: int) -> tuple[str, int, int]:
+    """The unit to show, how many of the values' own units it has, and the least width of a bin in these."""
+    if unit == "time":
+        return *_unit(largest, per_ns), per_ns
+    if unit == "LSB":
+        return unit, MILLIONTHS, MILLIONTHS // 1000
+    return unit, 1, 1
+
+
+def _unit(largest: int, per_ns: int) -> tuple[str, int]:
+    """The unit in which this many ticks are at least 1 and below 1000, and its ticks."""
+    return next(((unit, ns * per_ns) for unit, ns in UNITS if largest < 1000 * ns * per_ns), ("s", 10**9 * per_ns))

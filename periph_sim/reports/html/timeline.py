@@ -1,0 +1,128 @@
+"""A timeline as the page's script draws it: lanes with their events in ticks; compact JSON comes out.
+
+Times are ticks from `origin` on, each event's as the distance to the one before, so that most are short numbers.
+What an event says in its tooltip is a place in `says`, since most events say the same as many others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+Ticks = list[int]
+
+
+@dataclass
+class SpanLabel:
+    """Texts, each once. A text's first line is its title."""
+
+    texts: dict[str, int] = field(default_factory=dict)
+
+    def place(self, text: str) -> int:
+        return self.texts.setdefault(text, len(self.texts))
+
+
+@dataclass
+class Wave:
+    """A line of two levels. initial: before the first of `at`, at each of which it turns over; says: of each edge."""
+
+    name: str
+    unit: str
+    initial: int
+    at: Ticks = field(default_factory=list)
+    says: list[int] = field(default_factory=list)
+
+    def json(self) -> dict[str, Any]:
+        return {"kind": "wave", "initial": self.initial, "at": _steps(self.at), "says": self.says}
+
+
+@dataclass
+class Boxes:
+    """Stretches of time with a label each; begins in order."""
+
+    name: str
+    unit: str
+    at: Ticks = field(default_factory=list)
+    end: Ticks = field(default_factory=list)
+    labels: list[int] = field(default_factory=list)
+    says: list[int] = field(default_factory=list)
+
+    def add(self, begin: int, end: int, label: int, says: int) -> None:
+        self.at.append(begin)
+        self.end.append(max(end, begin))
+        self.labels.append(label)
+        self.says.append(says)
+
+    def json(self) -> dict[str, Any]:
+        long = [end - at for at, end in zip(self.at, self.end, strict=True)]
+        return {"kind": "boxes", "at": _steps(self.at), "long": long, "labels": self.labels, "says": self.says}
+
+
+@dataclass
+class Marks:
+    """Instants with a label each. strong: drawn as more important than the others (a write among reads).
+
+    places: where in the firmware each was, or empty where that is not known.
+    """
+
+    name: str
+    unit: str
+    at: Ticks = field(default_factory=list)
+    labels: list[int] = field(default_factory=list)
+    says: list[int] = field(default_factory=list)
+    strong: list[int] = field(default_factory=list)
+    places: list[int] = field(default_factory=list)
+
+    def json(self) -> dict[str, Any]:
+        found = {"kind": "marks", "at": _steps(self.at), "labels": self.labels, "says": self.says}
+        return found | {"strong": self.strong} | ({"places": self.places} if self.places else {})
+
+
+Lane = Wave | Boxes | Marks
+
+
+@dataclass(frozen=True)
+class Timeline:
+    """Around one worst occurrence.
+
+    origin: tick of 0, from the run's begin on; begin, end: of the occurrence, as all other ticks from `origin` on.
+    per_second: ticks. cycles: ticks of a SYSCLKOUT cycle by unit, the first unit's for lines that are nobody's own.
+    shown: at first; kept: what there is, one range or two. groups: a name and its lanes.
+    """
+
+    origin: int
+    begin: int
+    end: int
+    per_second: int
+    cycles: dict[str, float]
+    shown: tuple[int, int]
+    kept: tuple[tuple[int, int], ...]
+    groups: tuple[tuple[str, tuple[Lane, ...]], ...]
+    says: tuple[str, ...]
+
+    def json(self) -> dict[str, Any]:
+        return {
+            "origin": str(self.origin),  # may be beyond what a double holds
+            "begin": self.begin,
+            "end": self.end,
+            "perSecond": self.per_second,
+            "cycles": self.cycles,
+            "shown": self.shown,
+            "kept": self.kept,
+            "groups": [
+                {"name": name, "lanes": [{"name": lane.name, "unit": lane.unit, **lane.json()} for lane in lanes]}
+                for name, lanes in self.groups
+            ],
+            "says": self.says,
+        }
+
+
+def _steps(at: Iterable[int]) -> list[int]:
+    """Each as the distance from the one before; the first from 0."""
+    before = 0
+    steps = []
+    for tick in at:
+        steps.append(tick - before)
+        before = tick
+    return steps

@@ -1,0 +1,65 @@
+"""What is heard on a scene's I2C bus: its wires and what is asked go in; transfers and rounds come out.
+
+    SCL, SDA --I2cMonitor--> transfers --BusRounds--> transfers as asked, rounds
+
+Nothing is built before somebody listens.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+
+from ..bus.i2c.controller import Transfer
+from ..bus.i2c.monitor import I2cMonitor
+from ..core.time import NO_TIME
+from ..core.wire import Wire
+from ..devices.sensor_head import CHIPS
+from ..timing.rounds import Asked, BusRounds
+
+SPIKE = Fraction(50, 10**9)  # UM10204 Table 10, tSP: what lasts less on SDA is not read
+
+
+class BusSide:
+    """asked: what the master asks, None where nobody knows. spike: ticks. before: given each transfer first."""
+
+    def __init__(self, wires: Mapping[str, Wire], spike: int) -> None:
+        self.asked: Asked | None = None
+        self.before: list[Callable[[Transfer], None]] = []
+        self._wires = wires
+        self._spike = spike
+        self._watch: I2cMonitor | None = None
+        self._rounds: BusRounds | None = None
+
+    @property
+    def rounds(self) -> BusRounds:
+        """Listens from now on, if it did not before."""
+        if self._rounds is None:
+            self._rounds = BusRounds(self.asked, self._begun_at)
+            if "SCL" in self._wires:
+                names = {chip.address: name for name, chip in CHIPS.items()}
+                self._watch = I2cMonitor(self._wires["SCL"], self._wires["SDA"], self._heard, names, self._spike)
+        return self._rounds
+
+    @property
+    def period(self) -> int:
+        """From one round's due time to the next one's, in ticks; 0 if there are none."""
+        return 0 if self.asked is None else int(self.asked.period // 1)
+
+    @property
+    def held_since(self) -> int:
+        """Since when others hold SCL low that the master has let go of; NO_TIME if they do not, or nobody listens."""
+        return NO_TIME if self._watch is None else self._watch.held_since
+
+    def finish(self, now: int) -> None:
+        """The run is over."""
+        if self._rounds is not None:
+            self._rounds.finish(now)
+
+    def _begun_at(self) -> int:
+        return NO_TIME if self._watch is None else self._watch.begun_at
+
+    def _heard(self, transfer: Transfer) -> None:
+        for told in self.before:
+            told(transfer)
+        self.rounds.transfer(transfer)

@@ -1,0 +1,115 @@
+"""TOML and `key=value` changes go in; a checked `Case` comes out, or one sentence that says what is wrong."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from ...core.suggest import did_you_mean
+from .error_text import explain
+from .model import BadCase, Case
+from .origin import Place, Source
+
+
+def load(path: Path, changes: list[str] | None = None) -> Case:
+    """The case in a file, with `key=value` changes applied. BadCase with one sentence otherwise.
+
+    Paths of firmware files count from the folder of the case, wherever the command was started.
+    """
+    text, tree = read(path, "case")
+    source = Source(path, text, tuple((change, apply(tree, change)) for change in changes or []))
+    try:
+        return _located(Case.model_validate(tree), path.parent).from_source(source)
+    except ValidationError as error:
+        raise BadCase(explain(source, error, tree)) from None
+
+
+def _located(case: Case, folder: Path) -> Case:
+    """The case with the paths of its firmware files below `folder`."""
+    files = {name: unit for name, unit in case.unit.items() if unit.firmware.endswith(".py")}
+    moved = {name: unit.model_copy(update={"firmware": str(folder / unit.firmware)}) for name, unit in files.items()}
+    return case.model_copy(update={"unit": case.unit | moved})
+
+
+def read(path: Path, what: str) -> tuple[str, dict[str, Any]]:
+    """The text of a TOML file, and the tree it says. what: is in it, for messages. BadCase if it cannot be had."""
+    try:
+        data = path.read_bytes()
+    except IsADirectoryError:
+        raise BadCase(
+            f"{path}: is a folder; give a {what} file, or run all its cases: periph-sim check {path}"
+        ) from None
+    except OSError as error:
+        raise BadCase(f"{path}: cannot be read ({error.strerror}); give the path of a {what} file") from None
+    try:
+        text = data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        found = f"byte {data[error.start]:#04x}"
+        raise BadCase(
+            f"{path}, line {line}: {found} is not UTF-8; a {what} file is TOML, which is UTF-8 text"
+        ) from None
+    try:
+        tree = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise BadCase(f"{path}: it is not TOML: {error}") from None
+    return text, tree
+
+
+def apply(tree: dict[str, object], change: str) -> Place:
+    """Set one key of a case, as in "unit.dsp.settings.model_cost=400 us", and return its place.
+
+    The value is read as TOML, or as text where it is none; and where TOML would take underscores out of a number: an
+    option may be called 3_4_5. BadCase if the change is not of that form.
+    """
+    key, found, value = change.partition("=")
+    names = [name.strip() for name in key.split(".")]
+    if not found or not all(names):
+        raise BadCase(f"--set {change!r}: expected key=value, for instance controller.period=10 ms")
+    try:
+        parsed = tomllib.loads(f"value = {value.strip()}")["value"]
+    except tomllib.TOMLDecodeError:
+        parsed = value.strip()
+    if isinstance(parsed, int | float) and "_" in value:
+        parsed = value.strip()
+    table: object = tree
+    place: list[str | int] = []
+    for name in names[:-1]:
+        step, table = _child(table, name, change)
+        place.append(step)
+    if isinstance(table, list):
+        number = _index(table, names[-1], change)
+        place.append(number)
+        table[number] = parsed
+    else:
+        assert isinstance(table, dict)
+        place.append(names[-1])
+        table[names[-1]] = parsed
+    return tuple(place)
+
+
+def _child(table: object, name: str, change: str) -> tuple[str | int, object]:
+    """The key or number of the named child, and the child; an empty table if there was none."""
+    if isinstance(table, list):
+        number = _index(table, name, change)
+        return number, _not_a_value(table[number], name, change)
+    assert isinstance(table, dict)
+    return name, _not_a_value(table.setdefault(name, {}), name, change)
+
+
+def _not_a_value(child: object, name: str, change: str) -> object:
+    if not isinstance(child, dict | list):
+        raise BadCase(f"--set {change!r}: {name} is a value, not a table")
+    return child
+
+
+def _index(table: list[object], name: str, change: str) -> int:
+    """An entry of a list of tables: by number, or by its `name`."""
+    for i, entry in enumerate(table):
+        if name == str(i) or (isinstance(entry, dict) and entry.get("name") == name):
+            return i
+    names = [str(e.get("name", i)) if isinstance(e, dict) else str(i) for i, e in enumerate(table)]
+    raise BadCase(f"--set {change!r}: there is no entry {name!r}; {did_you_mean(name, names)}")

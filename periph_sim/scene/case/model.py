@@ -1,0 +1,280 @@
+"""What a case is: data that says what the scene consists of, who does what when, and which budgets must hold.
+
+The tables of a case file are the classes below; a key that none of them has is refused.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Annotated, Literal, TypeVar
+
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Field,
+    PrivateAttr,
+    ValidationInfo,
+    model_validator,
+)
+
+from ...core.options import Value
+from ...core.settings import Duration, Frequency, HexBytes, Table
+from ...core.suggest import did_you_mean
+from ...f28335.cpu.compiled_code_costs import CodeCosts
+from ...timing.budget_schema import Budget
+from .origin import Source, key_of, line_of
+
+
+class BadCase(ValueError):
+    """A case file that cannot be run; the message is one sentence for the user."""
+
+
+def _exact(value: object) -> Fraction:
+    if isinstance(value, bool) or not isinstance(value, int | float | str | Fraction):
+        raise ValueError(f"{value!r} is not a number")
+    try:
+        return Fraction(str(value))
+    except (ValueError, ZeroDivisionError):
+        raise ValueError(f"{value!r} is not a number") from None
+
+
+def _above_zero(value: Fraction) -> Fraction:
+    if value <= 0:
+        raise ValueError("it must be longer than 0")
+    return value
+
+
+def _scalar(value: object) -> object:
+    if not isinstance(value, str | int):
+        raise ValueError("expected a text, a whole number, true or false")
+    return value
+
+
+Exact = Annotated[Fraction, BeforeValidator(_exact)]
+Answer = Annotated[Value, BeforeValidator(_scalar)]  # to an open question
+Length = Annotated[Duration, AfterValidator(_above_zero)]
+Address = Annotated[int, Field(ge=0, le=0x7F)]
+Byte = Annotated[int, Field(ge=0, le=0xFF)]
+BusRate = Annotated[Frequency, Field(le=5_000_000)]  # UM10204's fastest
+Crystal = Annotated[Frequency, Field(ge=4_000_000, le=150_000_000)]  # SPRS439: X1/X2 and XCLKIN
+Ppm = Annotated[Exact, Field(ge=-100_000, le=100_000)]
+RateError = Annotated[Exact, Field(ge=-50, le=50)]
+Bits = Annotated[Exact, Field(ge=0)]
+Axes = tuple[Exact, Exact, Exact]
+CodeCycles = Annotated[int, Field(ge=0, le=1000)]
+PassCycles = Annotated[int, Field(ge=1, le=1000)]
+
+COMPILED = CodeCosts()
+
+
+class Options(Table):
+    """Answers to open questions; names and values as `periph-sim regs --options` lists them."""
+
+    i2c: dict[str, Answer] = {}
+    sci: dict[str, Answer] = {}
+    system: dict[str, Answer] = {}
+
+
+class Code(Table):
+    """What compiled code costs besides accesses and computations, in cycles; the defaults are counted in images."""
+
+    between_accesses: CodeCycles = COMPILED.between_accesses
+    poll_pass: PassCycles = COMPILED.poll_pass
+    isr_prologue: CodeCycles = COMPILED.isr_prologue
+    isr_epilogue: CodeCycles = COMPILED.isr_epilogue
+
+
+class Unit(Table):
+    """One F28335. pins: names for GPIO pins to be watched; wires of SDA, SCL, RX, TX are connected by themselves."""
+
+    firmware: str
+    settings: dict[str, object] = {}
+    modules: tuple[str, ...]
+    oscclk: Crystal = Fraction(30_000_000)
+    pll: Annotated[int, Field(ge=1, le=10)] = 10
+    ppm: Ppm = Fraction(0)
+    from_boot: bool = False
+    skip_polls: bool = True
+    pins: dict[str, Annotated[int, Field(ge=0, le=87)]] = {}
+    code: Code = Code()
+    options: Options = Options()
+
+
+class RequestTable(Table):
+    """One request of a round: `chip` names a known sensor, or address, pointer and count are given."""
+
+    chip: str | None = None
+    name: str | None = None
+    address: Address | None = None
+    pointer: Byte | None = None
+    count: Annotated[int, Field(ge=0, le=65535)] = 6
+    write: HexBytes = b""
+    expect: HexBytes | None = None
+
+    @model_validator(mode="after")
+    def _one_or_the_other(self) -> RequestTable:
+        if (self.chip is None) == (self.address is None):
+            raise ValueError("a request needs either chip or address")
+        said = sorted(self.model_fields_set & {"pointer", "count", "write"})
+        if self.chip is not None and said:
+            raise ValueError(f"chip says {' and '.join(said)} already; leave that out or give address instead of chip")
+        if self.expect is not None and len(self.expect) != self.count:
+            raise ValueError(f"expect has {len(self.expect)} bytes, but count is {self.count}")
+        return self
+
+
+class Controller(Table):
+    """The sensor head, or any other I2C controller that asks in rounds. ppm: error of the clock of all its times."""
+
+    rate: BusRate = Fraction(100_000)
+    ppm: Ppm = Fraction(0)
+    low: Length | None = None  # else half a period
+    high: Length | None = None
+    hold: Duration = Fraction(300, 10**9)
+    filter: Duration = Fraction(0)
+    first: Duration = Fraction(5, 1000)
+    period: Length = Fraction(20, 1000)
+    jitter: Duration = Fraction(0)
+    gap: Duration = Fraction(50, 10**6)
+    rounds: Annotated[int, Field(ge=1)] | None = None
+    pointer_by: Literal["repeated START", "STOP"] = "repeated START"
+    order: tuple[str, ...] = ()
+    request: tuple[RequestTable, ...] = ()
+    initialise: Length | None = None  # before the first round; else no chip is set up
+    check: Literal["expect", "host"] = "expect"  # what "wrong bytes" compares with
+    on_nack: Literal["go on", "give up"] = "go on"  # with the next phase of a transfer, where a written byte is refused
+    stuck_after: Length = Fraction(25, 1000)
+    clear_after: Length | None = None  # else the bus is never cleared
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Controller:
+        if self.initialise is not None and self.initialise > self.first:
+            raise ValueError("initialise is longer than first, so it would begin before the run; make first later")
+        return _begins_in_order(self)
+
+
+class RoundsTable(Table):
+    """What a unit, or a capture, asks as master, so that measures of rounds know its rounds on the bus."""
+
+    order: tuple[str, ...] = ()
+    request: tuple[RequestTable, ...] = ()
+    period: Length
+    pointer_by: Literal["repeated START", "STOP"] = "repeated START"
+
+
+class ValueTable(Table):
+    """What a chip feels. rows: a time and x, y, z, held until the next row. ramp: the numbers of the host's frames."""
+
+    fixed: Axes | None = None
+    rows: tuple[tuple[Duration, Exact, Exact, Exact], ...] = ()
+    ramp: Literal["angles", "accelerations"] | None = None
+    first: Duration = Fraction(10, 1000)
+    period: Length = Fraction(20, 1000)
+    unit: Literal["physical", "LSB"] = "physical"
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> ValueTable:
+        if (self.fixed is not None) + bool(self.rows) + (self.ramp is not None) != 1:
+            raise ValueError("values need one of fixed, rows and ramp")
+        if self.ramp is None and self.model_fields_set & {"first", "period"}:
+            raise ValueError("first and period belong to ramp; give ramp, or leave them out")
+        return self
+
+
+class ChipTable(Table):
+    """A sensor chip on SDA and SCL. registers: written before the run, by name. powered: for how long it was then."""
+
+    model: Literal["adxl345", "itg3200", "hmc5883l"]
+    address: Address | None = None  # else the chip's first
+    values: ValueTable
+    registers: dict[str, Byte] = {}
+    powered: Duration = Fraction(1)
+    output_delay: Length = Fraction(300, 10**9)  # UM10204 section 3.1.1: hold time of a device's own SDA
+    options: dict[str, Answer] = {}
+
+
+class HostTable(Table):
+    """The host that sends frames over the UART. ppm: error of the clock that schedules them; error: of its bit rate.
+
+    lose: [frame, byte] pairs not sent. silent: [from, length] in which no frame begins. twice: frames sent two times.
+    motion: the settings of a kind of `devices.motion`, which is its `kind`. encoding: those of `host_frame`.
+    """
+
+    baud: Annotated[int, Field(ge=1, le=10_000_000)] = 115_200
+    error: RateError = Fraction(0)  # percent
+    ppm: Ppm = Fraction(0)
+    first: Duration = Fraction(2, 1000)
+    period: Length = Fraction(20, 1000)
+    jitter: Duration = Fraction(0)
+    paced_by: Literal["schedule", "pause"] = "schedule"
+    gap: Bits = Fraction(0)  # bits between bytes
+    frames: Annotated[int, Field(ge=0)] | None = None
+    lose: tuple[tuple[int, Annotated[int, Field(ge=0, le=11)]], ...] = ()
+    silent: tuple[tuple[Duration, Duration], ...] = ()
+    twice: tuple[Annotated[int, Field(ge=0)], ...] = ()
+    motion: dict[str, object] = {}
+    encoding: dict[str, object] = {}
+
+    @model_validator(mode="after")
+    def _in_order(self) -> HostTable:
+        return _begins_in_order(self)
+
+
+Scheduled = TypeVar("Scheduled", Controller, HostTable)
+
+
+def _begins_in_order(table: Scheduled) -> Scheduled:
+    if table.jitter > table.period:
+        raise ValueError("jitter is longer than period, so one would begin before the last; shorten it")
+    return table
+
+
+def _named_budget(name: str, info: ValidationInfo) -> str:
+    known = [budget.name for budget in info.data.get("budget", ())]  # empty too where a budget itself was refused
+    if "budget" in info.data and name not in known:
+        raise ValueError(f"there is no budget {name!r}; {did_you_mean(name, known)}")
+    return name
+
+
+class Case(Table):
+    """fault: the settings of a kind of `bus.faults` each, which is its `kind`.
+
+    breaks: names of the budgets that a known bug breaks; `periph-sim check` passes only if exactly those do."""
+
+    name: str
+    about: str = ""
+    duration: Duration
+    start: Duration = Fraction(0)
+    seed: int = 0
+    fidelity: Literal["edge"] = "edge"
+    strict: bool = False
+    stall_limit: Duration = Fraction(10)
+    unit: dict[str, Unit] = {}
+    chip: dict[str, ChipTable] = {}
+    controller: Controller | None = None
+    rounds: RoundsTable | None = None
+    host: HostTable | None = None
+    fault: tuple[dict[str, object], ...] = ()
+    budget: tuple[Budget, ...] = ()
+    breaks: tuple[Annotated[str, AfterValidator(_named_budget)], ...] = ()
+    _source: Source | None = PrivateAttr(default=None)
+
+    def from_source(self, source: Source) -> Case:
+        """This case, which now knows the file it came from."""
+        self._source = source
+        return self
+
+    @property
+    def recorded_modules(self) -> dict[str, tuple[str, ...]]:
+        """What a recording lists for each unit: its modules and its named pins."""
+        return {name: (*unit.modules, *(f"pin:{pin}" for pin in unit.pins)) for name, unit in self.unit.items()}
+
+    def mistake(self, what: str, *place: str | int) -> BadCase:
+        """An error about a place in this case: file and line if it came from a file."""
+        key = key_of(place, {"budget": [{"name": budget.name} for budget in self.budget]})
+        where = f"case {self.name}" if self._source is None else self._source.where(place)
+        return BadCase(f"{where}: {key}: {what}")
+
+    def line(self, *place: str | int) -> int:
+        """The line of the case's file on which a key or its table stands; 0 if there is no file or no such key."""
+        return 0 if self._source is None else line_of(self._source.text, place)

@@ -1,0 +1,33 @@
+"""What every party of a scene is built with: its case, time and wires."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+
+from ..core.kernel import Kernel
+from ..core.records import Recorder
+from ..core.time import Timebase, round_ratio
+from ..core.wire import Wire
+from .case.model import Case
+
+
+@dataclass(frozen=True)
+class SceneContext:
+    """wire: the wire of a name, made when it is asked for first. start: the tick at which the run begins."""
+
+    case: Case
+    kernel: Kernel
+    recorder: Recorder
+    timebase: Timebase
+    wire: Callable[[str], Wire]
+    start: int
+
+    def ticks(self, length: Fraction, ppm: Fraction = Fraction(0)) -> int:
+        """Seconds, counted by a clock that is off, in ticks to the nearest."""
+        return round_ratio(self.exact_ticks(length, ppm), "nearest")
+
+    def exact_ticks(self, length: Fraction, ppm: Fraction) -> Fraction:
+        """The same without rounding."""
+        return length * self.timebase.per_second / (1 + ppm / 1_000_000)

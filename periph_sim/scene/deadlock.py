@@ -1,0 +1,79 @@
+"""Firmware that waits for what cannot come: a unit's wait goes in, the reason why it is hopeless, or none, comes out.
+
+    registers that the wait reads <-- their modules, if they have a clock: what they have due by themselves,
+                                      and wires, moved by other parties
+                                  <-- service routines, if interrupts are on: then every module counts
+
+An agent whose schedule is over could have gone on: who waits for more of it is idle, not stuck.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ..core.chip import NEVER
+from ..core.wire import Wire
+from ..f28335.i2c.module import I2c
+from ..f28335.sci.module import Sci
+from ..f28335.system.cpu_timer import CpuTimer
+from ..processor.dsp import PIN_OF, Dsp
+from ..processor.polling import Spin
+
+INPUTS = {
+    "I2C-A": ("SDAA", "SCLA"),
+    "SCI-A": ("SCIRXDA",),
+    "SCI-B": ("SCIRXDB",),
+    "SCI-C": ("SCIRXDC",),
+    "TIMER0": (),
+    "TIMER1": (),
+    "TIMER2": (),
+    "SYS": (),
+}
+
+
+def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool]) -> str:
+    """Why the wait that `dsp` is in cannot end, as a clause; empty if it can, or if it is in none.
+
+    may_move: whether the named parties, who are not of this unit, may ever move the wire.
+    """
+    spin = dsp.cpu.spin_now
+    if spin is None or not dsp.cpu.sleeps_in_spin:
+        return ""
+    modules = [module for module in signals_behind(dsp, spin) if has_clock(dsp, module)]
+    if not modules:
+        return f"PCLKCR gives {' and '.join(dict.fromkeys(poll.place.name for poll in spin.polls))} no clock"
+    wires = {wire.name: wire for module in modules for wire in wires_into(dsp, module)}
+    for wire in wires.values():
+        others = [who for who in wire.parties() if not who.startswith(f"{dsp.name}.")]
+        if others and may_move(wire, others):
+            return ""
+    if any(dsp.socket(module).chip.next_wake < NEVER for module in modules) or dsp.core.next_wake < NEVER:
+        return ""
+    due = f"{' and '.join(modules)} {'has' if len(modules) == 1 else 'have'} nothing due"
+    moved = f"nobody will move {' or '.join(wires)}" if wires else "no wire leads there"
+    return f"{due} and {moved}"
+
+
+def signals_behind(dsp: Dsp, spin: Spin) -> list[str]:
+    """Modules on which the end of a wait depends."""
+    takes_interrupts = dsp.core.ier and not dsp.core.intm
+    read = list(dict.fromkeys(poll.place.name for poll in spin.polls))
+    if takes_interrupts or "PIE" in read:
+        return list(dsp.sockets)
+    return read
+
+
+def has_clock(dsp: Dsp, module: str) -> bool:
+    return not isinstance(dsp.socket(module).chip, Sci | I2c | CpuTimer) or dsp.control.enabled(module)
+
+
+def wires_into(dsp: Dsp, module: str) -> list[Wire]:
+    """Wires that a module may see: those of its usual pins, and all whose pins are of no module in particular."""
+    wires = dsp.plan.wires
+    if module not in INPUTS:
+        return list(wires.values())
+    if not INPUTS[module]:
+        return []
+    others = {PIN_OF[signal] for name, signals in INPUTS.items() if name != module for signal in signals}
+    outputs = {PIN_OF[signal] for signal in PIN_OF if signal.startswith("SCITXD")}
+    return [wire for pin, wire in wires.items() if pin not in others | outputs]

@@ -1,0 +1,136 @@
+"""Finds a program and checks its settings: names and values of a case go in, a `Firmware` and its settings come out."""
+
+from __future__ import annotations
+
+import importlib.util
+import inspect
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass, is_dataclass
+from importlib.machinery import SourceFileLoader
+from pathlib import Path
+from types import CodeType, ModuleType
+from typing import TypeVar
+
+from pydantic import TypeAdapter, ValidationError
+
+from ..core.suggest import did_you_mean
+from ..devices.model_codes import Computed
+from ..processor.dsp import Dsp
+from ..processor.error_origin import Misuse, defined_at, flaw_of
+from ..sensors.models.parameters import Imu
+from .case.error_text import complaint, place_of
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Firmware:
+    """A program: its main function, and the dataclass of what a case may set, if it has one."""
+
+    name: str
+    main: Callable[[Dsp, object], None]
+    settings: object
+
+
+class BadFirmware(ValueError):
+    """A program that cannot be had; one sentence."""
+
+
+class BadSetting(ValueError):
+    """A setting that the firmware does not take. name: which."""
+
+    def __init__(self, what: str, name: str) -> None:
+        super().__init__(what)
+        self.name = name
+
+
+def load_firmware(name: str) -> Firmware:
+    """A program: a name under firmware/python, or the path of a .py file. BadFirmware if it cannot be had."""
+    try:
+        module = _firmware_file(Path(name)) if name.endswith(".py") else _firmware_module(name)
+    except BadFirmware:
+        raise
+    except Exception as error:
+        raise BadFirmware(f"firmware {name!r} cannot be loaded: {type(error).__name__}: {error}") from None
+    if not callable(getattr(module, "main", None)):
+        raise BadFirmware(f"firmware {name!r} has no function main(dsp, settings)")
+    what = flaw_of(module.main, 2)
+    if what:
+        at = defined_at(module.main)
+        raise BadFirmware(f"firmware {name!r}, {at}: main {what}; expected a plain function main(dsp, settings)")
+    return Firmware(name, module.main, getattr(module, "Settings", None))
+
+
+def run_main(firmware: Firmware, dsp: Dsp, settings: object) -> None:
+    """Call main. Misuse if it returns a value, which nobody would take."""
+    came = firmware.main(dsp, settings)  # type: ignore[func-returns-value]
+    if came is not None:
+        raise Misuse(f"main, {defined_at(firmware.main)}, returned {came!r}; firmware returns nothing")
+
+
+class _Source(SourceFileLoader):
+    """Compiles the text at every load: bytecode kept by the second would miss an edit, and litter the user's folder."""
+
+    def get_code(self, fullname: str) -> CodeType:
+        return self.source_to_code(self.get_data(self.path), self.path)
+
+
+def _firmware_file(path: Path) -> ModuleType:
+    if not path.is_file():
+        raise BadFirmware(f"there is no firmware file {str(path)!r}; its path counts from the folder of the case")
+    name = f"firmware_file_{path.stem}"
+    loader = _Source(name, str(path))
+    spec = importlib.util.spec_from_file_location(name, path, loader=loader)
+    assert spec is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # dataclasses look their module up by name
+    loader.exec_module(module)
+    return module
+
+
+def _firmware_module(name: str) -> ModuleType:
+    folder = importlib.import_module("firmware.python")
+    known = [p.stem for root in folder.__path__ for p in Path(root).glob("*.py") if p.stem != "__init__"]
+    if name not in known:
+        raise BadFirmware(f"there is no firmware {name!r}; {did_you_mean(name, sorted(known))}")
+    return importlib.import_module(f"firmware.python.{name}")
+
+
+def settings_for(firmware: Firmware, given: dict[str, object]) -> object:
+    """The firmware's Settings with the given values. BadSetting naming the setting otherwise."""
+    kind = firmware.settings
+    if not (inspect.isclass(kind) and is_dataclass(kind)):
+        for name in given:
+            raise BadSetting(f"firmware {firmware.name} takes no settings", name)
+        return None
+    return filled(kind, given, f"firmware {firmware.name}")
+
+
+def sensors_of(settings: object) -> Imu | None:
+    """The sensors that firmware stands for, by its settings' `sensors`; None where it computes none."""
+    sensors = getattr(settings, "sensors", None)
+    return sensors if isinstance(sensors, Imu) else None
+
+
+def computed_by(settings: object) -> Computed | None:
+    """How firmware computes its sensors, by its settings' `arithmetic` and `noise_seed`; None where it does not."""
+    sensors, arithmetic = sensors_of(settings), getattr(settings, "arithmetic", None)
+    if sensors is None or not isinstance(arithmetic, str):
+        return None
+    return Computed(sensors, arithmetic, getattr(settings, "noise_seed", None))
+
+
+def filled(kind: type[T], given: dict[str, object], who: str) -> T:
+    """A dataclass with the given values. BadSetting naming the setting otherwise. who: in messages."""
+    known = inspect.signature(kind).parameters
+    for name in given:
+        if name not in known:
+            raise BadSetting(f"{who} has no setting {name!r}; {did_you_mean(name, known)}", name)
+    try:
+        return TypeAdapter(kind).validate_python(given)
+    except ValidationError as error:
+        first = error.errors()[0]
+        name, *inside = map(str, place_of(first)) if first["loc"] else [""]
+        place = ".".join(inside) + ": " if any(not part.isdecimal() for part in inside) else ""
+        raise BadSetting(f"{place}{complaint(first)}", name) from None

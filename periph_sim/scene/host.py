@@ -1,0 +1,92 @@
+"""The host of a case: [host] goes in; the sender on RX, what its frames tell, and what is true meanwhile come out.
+
+    [host.motion], ramp --> values of frame n --> Host --> RX
+                       '--> Truth at a tick, by the host's own clock
+
+Frames are scheduled by the clock of the host's computer, `ppm` off; the bit rate is that of its serial converter,
+which has a crystal of its own: `error`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from functools import partial
+from typing import TypeVar
+
+from ..bus.uart.sender import UartSender
+from ..devices.host_pc import Host, HostSchedule, ramp
+from ..devices.truth import Axes, LineBetweenFrames, MotionTruth, Truth
+from ..sensors.host_frame import MotionFrames
+from ..sensors.models.parameters import Imu
+from .case.model import HostTable
+from .context import SceneContext
+from .firmware_loader import BadSetting
+from .host_motion import encoding_of, frames_of
+
+T = TypeVar("T")
+
+
+class HostAgent:
+    """host: the agent. bit: ticks of a bit on its line.
+
+    frames: what it sends of a motion, None of a ramp. truth: what chips should show, where known.
+
+    sensors: those that firmware computes, None where chips show the values of frames.
+    """
+
+    def __init__(self, site: SceneContext, table: HostTable, sensors: Imu | None) -> None:
+        """BadCase, with its line, for a motion or an encoding that cannot be."""
+        self._site = site
+        self._period = table.period
+        encoding = self._settings("encoding", lambda: encoding_of(table.encoding))
+        self.frames: MotionFrames | None = None
+        if table.motion:
+            frames = partial(frames_of, table.motion, encoding, table.first, table.period)
+            self.frames = self._settings("motion", frames)
+        self.truth = self._truth(table, sensors)
+        bit = site.timebase.per_second / (Fraction(table.baud) * (1 + table.error / 100))
+        self.bit = bit
+        peer = UartSender(site.kernel, site.recorder, site.wire("RX"), bit)
+        seed = site.case.seed + 1
+        self.host = Host(site.kernel, peer, self._schedule(table), self.values, seed, encoding.byte_order)
+
+    def _schedule(self, table: HostTable) -> HostSchedule:
+        site = self._site
+
+        def ticks(length: Fraction) -> int:
+            return site.ticks(length, table.ppm)
+
+        spans = [(site.start + site.ticks(begin), site.ticks(length)) for begin, length in table.silent]
+        return HostSchedule(
+            first=ticks(table.first),
+            period=site.exact_ticks(table.period, table.ppm),
+            jitter=ticks(table.jitter),
+            gap=table.gap,
+            lose=frozenset(table.lose),
+            frames=table.frames,
+            paced_by=table.paced_by,
+            silent=tuple((begin, begin + length) for begin, length in spans),
+            twice=frozenset(table.twice),
+        )
+
+    def _truth(self, table: HostTable, sensors: Imu | None) -> Truth | None:
+        """What chips should show. None where models make it of frames of which no motion is known."""
+        if sensors is None:
+            return LineBetweenFrames(self.values, table.period)
+        return None if self.frames is None else MotionTruth(sensors, self.frames.motion, table.first)
+
+    def values(self, number: int) -> tuple[int, ...]:
+        """Six numbers of a frame."""
+        return (self.frames or ramp)(number)
+
+    def truth_at(self, tick: int) -> Mapping[str, Axes]:
+        """By chip, its true values x, y, z in LSB."""
+        assert self.truth is not None
+        return self.truth.at(self.host.frame_at(tick) * self._period)
+
+    def _settings(self, table: str, build: Callable[[], T]) -> T:
+        try:
+            return build()
+        except BadSetting as error:
+            raise self._site.case.mistake(str(error), "host", table, *filter(None, [error.name])) from None

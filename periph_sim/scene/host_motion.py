@@ -1,0 +1,32 @@
+"""What the host sends: the tables [host.motion] and [host.encoding] of a case go in, the values of frames come out."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from ..core.suggest import did_you_mean
+from ..sensors.host_frame import Encoding, MotionFrames
+from ..sensors.motion import BadMotion, kinds
+from ..traces.formats import BadCapture
+from .firmware_loader import BadSetting, filled
+
+
+def encoding_of(given: dict[str, object]) -> Encoding:
+    """BadSetting, naming the setting, for one that is not as it should be."""
+    return filled(Encoding, given, "host.encoding")
+
+
+def frames_of(given: dict[str, object], encoding: Encoding, first: Fraction, period: Fraction) -> MotionFrames:
+    """The frames of the motion that `given` names with `kind`, and sets up. BadSetting naming the setting otherwise."""
+    settings = dict(given)
+    name = settings.pop("kind", None)
+    if name is None:
+        raise BadSetting(f"it has no kind; the kinds are {', '.join(kinds())}", "kind")
+    if name not in kinds():
+        raise BadSetting(f"there is no motion {name!r}; {did_you_mean(str(name), kinds())}", "kind")
+    kind = kinds()[str(name)]
+    try:
+        motion = kind.motion(filled(kind.Settings, settings, f"motion {name}"))
+    except (BadMotion, BadCapture) as error:
+        raise BadSetting(str(error), "") from None
+    return MotionFrames(motion, encoding, first, period)

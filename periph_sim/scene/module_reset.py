@@ -1,0 +1,38 @@
+"""The I2C module of a unit reset from beside its firmware: a wire goes in, writes of I2CMDR.IRS come out.
+
+wire low:  IRS = 0           wire high:  IRS = 1, if it was so before
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+from ..core.kernel import Kernel
+from ..core.wire import Wire
+from ..f28335.i2c.register_map import I2C_MAP
+from ..processor.dsp import Dsp
+
+I2CMDR = I2C_MAP["I2CMDR"]
+IRS = I2CMDR["IRS"].mask
+
+
+class ModuleReset:
+    def __init__(self, kernel: Kernel, unit: Dsp, wire: Wire) -> None:
+        self._kernel = kernel
+        self._clock = unit.clock
+        self._socket = unit.socket("I2C-A")
+        self._was_on = False
+        wire.watch(self._changed)
+
+    def _changed(self, tick: int, level: int) -> None:
+        """The write lands with the next cycle."""
+        cycle = self._clock.cycle_at(tick)
+        self._kernel.at(self._clock.tick(cycle), partial(self._write, cycle, level))
+
+    def _write(self, cycle: int, level: int) -> None:
+        value = self._socket.peek(cycle, I2CMDR.offset)
+        if not level:
+            self._was_on = bool(value & IRS)
+            self._socket.write(cycle, I2CMDR.offset, value & ~IRS)
+        elif self._was_on:
+            self._socket.write(cycle, I2CMDR.offset, value | IRS)

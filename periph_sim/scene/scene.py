@@ -1,0 +1,404 @@
+"""A running scene: a case goes in; wires, units, agents and measures are built, run, and summed up.
+
+    Case --> Scene --run--> Result
+             wires SDA, SCL, RX, TX; units; sensor head; host; budgets
+
+It builds only what the case names: no host, no RX wire; no controller, no agent.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from functools import partial
+from time import perf_counter
+
+from ..bus.i2c.byte_counter import I2cByteCounter
+from ..bus.i2c.controller import Transfer
+from ..bus.i2c.event_recorder import BusRecorder
+from ..core.chip import NEVER, Note
+from ..core.kernel import Kernel
+from ..core.records import Kind, Recorder
+from ..core.time import Timebase, TimeError
+from ..core.wire import Wire
+from ..devices.chips.register_chip import Source
+from ..devices.host_pc import Host
+from ..devices.model_codes import Computed
+from ..devices.sensor_head import Request, Round, SensorHead
+from ..devices.truth import Axes, Truth
+from ..f28335.i2c.options import I2cOptions
+from ..f28335.system.options import SystemOptions
+from ..processor.dsp import Dsp
+from ..processor.error_origin import FirmwareStalled
+from ..processor.firmware_view import End
+from ..sensors.host_frame import MotionFrames
+from ..sensors.models.parameters import Imu
+from ..timing.budget_schema import Budget
+from ..timing.budgets import BadBudget, Limit
+from ..timing.language.scope import Scope
+from ..timing.measures.origins import Origins
+from ..timing.measures.value import ValueDeviation
+from ..timing.rounds import Asked
+from ..timing.verdicts import Verdict
+from .bus_side import SPIKE, BusSide
+from .case.model import Case, ChipTable, RoundsTable
+from .context import SceneContext
+from .controller import build_head, rounds_of
+from .deadlock import deadlock_reason
+from .faults import build_faults
+from .firmware_loader import Firmware
+from .host import HostAgent
+from .read_origins import origins_of
+from .result import Result
+from .sci_monitor import SciMonitor
+from .scope import scope_of_case
+from .sensor_chips import ChipOnBus, build_chip
+from .summary import result_of
+from .uart_lines import UartLines
+from .unit import build_unit, options_of
+
+
+class Scene:
+    """subscribe: called while the scene is built, before anything runs; recorders subscribe there.
+
+    programs: firmware given as Python functions, by unit; of these units the case's `firmware` is only a name.
+    keep_values: of measures that take one value after the other, for `timing.values`.
+    sources: what chips feel, given as functions of the tick, by chip; they stand in for the case's `values`.
+    end: which value of a `Spread` computations take, instead of one drawn each time.
+    """
+
+    def __init__(
+        self,
+        case: Case,
+        subscribe: Callable[[Recorder, Timebase], None] | None = None,
+        programs: Mapping[str, Firmware] | None = None,
+        *,
+        keep_values: bool = False,
+        sources: Mapping[str, Source] | None = None,
+        end: End = "drawn",
+    ) -> None:
+        if not (case.unit or case.chip or case.controller or case.host):
+            raise case.mistake("there is nothing to run; give it a [unit.NAME] with its firmware", "unit")
+        self.case = case
+        self.timebase = Timebase(*(int(unit.oscclk * unit.pll / 2) for unit in case.unit.values()))
+        self.recorder = Recorder()
+        scope = scope_of_case(case)
+        self.start = self.timebase.ticks(case.start, "nearest")
+        self.limits = [self._limit(i, budget, scope) for i, budget in enumerate(case.budget)]
+        for limit in self.limits:
+            if keep_values and limit.measure.series:
+                limit.measure.keep()
+            for part in limit.parts:
+                self.recorder.subscribe(part.measure.kinds, part.measure.record, part.measure.subjects)
+        if subscribe is not None:
+            subscribe(self.recorder, self.timebase)
+        self.kernel = Kernel(self.start)
+        self.wires: dict[str, Wire] = {}
+        self.units: dict[str, Dsp] = {}
+        self.firmware: dict[str, Firmware] = {}  # by unit
+        self.chips: dict[str, ChipOnBus] = {}
+        self.head: SensorHead | None = None
+        self.requests: list[Request] = []  # of each of its rounds
+        self.host: Host | None = None
+        self._host_side: HostAgent | None = None
+        self.truth: Truth | None = None
+        self.sensors: Imu | None = None  # whose values firmware computes, where it has models
+        self.computed: Computed | None = None  # and how it computes them
+        self._origins: Origins | None = None  # of what is read, as soon as a measure asks
+        self.frames: MotionFrames | None = None  # what the host sends, where it is no ramp
+        self.wire_bytes = 0  # by the controller agent
+        self._counter: I2cByteCounter | None = None  # where there is none
+        self.bus = BusSide(self.wires, self._ticks(SPIKE))
+        self.nacked = 0
+        self.stuck_lines: list[str] = []
+        self.stalled = ""  # by what the run ended before its time
+        self._stuck_wire: Wire | None = None  # the line last reported stuck, and how many rounds were over then
+        self._stuck_after_rounds = 0
+        self._stuck_told: list[Callable[[int], None]] = []
+        self._sci_watches: dict[str, SciMonitor] = {}
+        site = SceneContext(case, self.kernel, self.recorder, self.timebase, self.wire, self.start)
+        for name, unit in case.unit.items():
+            built = build_unit(site, name, unit, (programs or {}).get(name), end)
+            self.units[name], self.firmware[name] = built.dsp, built.firmware
+            self.sensors = self.sensors or built.sensors
+            self.computed = self.computed or built.computed
+        for name, table in case.chip.items():
+            self._build_chip(name, table, (sources or {}).get(name))
+        if case.controller is not None:
+            side = build_head(site, case.controller, self._stuck)
+            self.head, self.requests = side.head, side.requests
+            self.bus.asked = side.asked
+            self.head.on_transfer.append(self._count_transfer)
+        elif "SCL" in self.wires:
+            self._counter = I2cByteCounter(self.wires["SCL"], self.wires["SDA"])
+            if self.recorder.wants(Kind.BUS):
+                BusRecorder(self.kernel, self.recorder, self.wires["SCL"], self.wires["SDA"])
+        if case.rounds is not None:
+            self.bus.asked = self._asked_by_master(site, case.rounds)
+        if case.host is not None:
+            self._host_side = HostAgent(site, case.host, self.sensors)
+            self.host = self._host_side.host
+            self.frames, self.truth = self._host_side.frames, self._host_side.truth
+        build_faults(site, self.wires, self.units)
+        host_bit = None if self._host_side is None else self._host_side.bit
+        self._uart_lines = UartLines(site, self.wires, self.units, host_bit)
+        for entry, limit in enumerate(self.limits):
+            for part in limit.parts:
+                self._check_needs(entry, part)
+                part.measure.listen(self)
+
+    # Building ------------------------------------------------------------------
+
+    def _limit(self, entry: int, budget: Budget, scope: Scope) -> Limit:
+        if any(other.name == budget.name for other in self.case.budget[:entry]):
+            what = f"there are two budgets {budget.name!r}; verdicts are known by name, so give one another name"
+            raise self.case.mistake(what, "budget", entry, "name")
+        try:
+            return Limit(budget, self.timebase, scope, self.start)
+        except BadBudget as error:
+            raise self.case.mistake(str(error), "budget", entry, *error.place) from None
+
+    def _check_needs(self, entry: int, limit: Limit) -> None:
+        """A budget on what this scene cannot have would always hold: it is a mistake, not a pass."""
+        there = {
+            "": True,
+            "controller": self.head is not None,
+            "rounds": self.bus.asked is not None,
+            "I2C-A": "SCL" in self.wires,
+            "host": self.host is not None,
+            "SCI-A": any(dsp.has("SCI-A") for dsp in self.units.values()),
+        }
+        needs = limit.measure.needs
+        if not there[needs]:
+            measure = limit.budget.measure
+            names = "[controller], or [rounds] for a unit that is the master," if needs == "rounds" else needs
+            what = f"{measure!r} needs {names} in the scene, which has none"
+            raise self.case.mistake(what, "budget", entry, "measure")
+        if isinstance(limit.measure, ValueDeviation) and self.truth is None:
+            what = f"{limit.budget.measure!r} of sensor models needs a motion to compare with; give [host.motion]"
+            raise self.case.mistake(what, "budget", entry, "measure")
+
+    def wire(self, name: str) -> Wire:
+        if name not in self.wires:
+            self.wires[name] = Wire(self.kernel, name, self.recorder)
+        return self.wires[name]
+
+    def _build_chip(self, name: str, table: ChipTable, source: Source | None) -> None:
+        chip = self.chips[name] = build_chip(self.case, name, self.kernel, self.recorder, self.timebase, source)
+        if self.case.strict:
+            chip.on_note = partial(self._chip_noted, name)
+        chip.attach(self.wire("SCL"), self.wire("SDA"), self._ticks(table.output_delay))
+
+    def _ticks(self, length: Fraction) -> int:
+        return self.timebase.ticks(length, "nearest")
+
+    # What measures listen to ----------------------------------------------------
+
+    def on_transfer(self, told: Callable[[Transfer], None]) -> None:
+        self.bus.rounds.on_transfer.append(told)
+
+    def on_round(self, told: Callable[[Round], None]) -> None:
+        self.bus.rounds.on_round.append(told)
+
+    def _asked_by_master(self, site: SceneContext, table: RoundsTable) -> Asked:
+        if self.head is not None:
+            raise self.case.mistake("[controller] says its rounds already; leave one of them out", "rounds")
+        if "SCL" not in self.wires:
+            raise self.case.mistake("it needs a bus, and no unit has I2C-A", "rounds")
+        return rounds_of(site, table)
+
+    def on_frame(self, told: Callable[[int, tuple[int, ...], int], None]) -> None:
+        if self.host is not None:
+            self.host.sent.append(told)
+
+    def on_stuck(self, told: Callable[[int], None]) -> None:
+        self._stuck_told.append(told)
+
+    def on_sci(self, told: Callable[[int, int, bool], None]) -> None:
+        for watch in self._receivers():
+            watch.told.append(told)
+
+    def listen_characters(self, told: Callable[[int], None]) -> None:
+        self._uart_lines.listen_characters(told)
+
+    def listen_received(self, told: Callable[[int], None]) -> int:
+        for watch in self._receivers():
+            watch.received.append(told)
+        return len(self._receivers())
+
+    def _receivers(self) -> list[SciMonitor]:
+        for name, dsp in self.units.items():
+            if dsp.has("SCI-A") and name not in self._sci_watches:
+                self._sci_watches[name] = SciMonitor(dsp)
+        return list(self._sci_watches.values())
+
+    def origins(self) -> Origins:
+        """Which host frame the bytes of a read come from. BadCase where the scene does not tell."""
+        if self._origins is None:
+            self._origins = origins_of(self)
+        return self._origins
+
+    def checks_host(self) -> bool:
+        return self.case.controller is not None and self.case.controller.check == "host"
+
+    def on_round_due(self, told: Callable[[int], None]) -> None:
+        self.bus.rounds.on_due.append(told)
+
+    def on_missed_round(self, told: Callable[[int], None]) -> None:
+        self.bus.rounds.on_missed.append(told)
+
+    def rounds_at_start(self) -> Callable[[], bool]:
+        return self.bus.rounds.at_start
+
+    def round_period(self) -> int:
+        return self.bus.period
+
+    def began(self) -> int:
+        return self.start
+
+    def level_of(self, wire: str) -> int:
+        return self.wires[wire].level
+
+    def value_of(self, place: str, name: str) -> int:
+        unit, _, module = place.partition(".")
+        chip = self.units[unit].socket(module).chip
+        register_name, _, field_name = name.partition(".")
+        register = chip.MAP[register_name]
+        cycle = self.units[unit].clock.cycle_at(self.kernel.now)
+        touched = frozenset(chip.touched)
+        value = chip.peek(cycle, register.offset)
+        if register.width == 32:
+            value |= chip.peek(cycle, register.offset + 1) << 16
+        chip.touched.intersection_update(touched)  # looking is not depending on them
+        return register[field_name].of(value)
+
+    def ticks_per_second(self) -> int:
+        return self.timebase.per_second
+
+    def sysclk(self, unit: str) -> Fraction:
+        return self.units[unit or next(iter(self.units))].clock.hz
+
+    def i2c_release_delay(self, unit: str) -> int:
+        """Copy to I2CXSR unless BCM does that at the write, SDA set up before SCL, pin output."""
+        given, clock = self.case.unit[unit].options, self.units[unit].clock
+        i2c = options_of(self.case, I2cOptions, given.i2c, unit, "i2c")
+        system = options_of(self.case, SystemOptions, given.system, unit, "system")
+        module = self.value_of(f"{unit}.I2C-A", "I2CPSC.IPSC") + 1
+        copy = 0 if self.value_of(f"{unit}.I2C-A", "I2CEMDR.BCM") else module
+        cycles = copy + max(1, i2c.sda_setup_before_scl_release * module) + system.gpio_out_delay
+        now = clock.cycle_at(self.kernel.now)
+        return clock.tick(now + cycles) - clock.tick(now)
+
+    def held_since(self) -> int:
+        return self.bus.held_since
+
+    def _hosts(self) -> HostAgent:
+        assert self._host_side is not None
+        return self._host_side
+
+    def host_values(self, number: int) -> tuple[int, ...]:
+        return self._hosts().values(number)
+
+    def frame_due(self, number: int) -> int:
+        return self._hosts().host.due(number)
+
+    def truth_at(self, tick: int) -> Mapping[str, Axes]:
+        return self._hosts().truth_at(tick)
+
+    def bytes_on_bus(self) -> int:
+        """By the controller agent, or as they were counted on the wires where there is none."""
+        return self.wire_bytes if self._counter is None else self._counter.bytes
+
+    def _count_transfer(self, transfer: Transfer) -> None:
+        self.wire_bytes += transfer.wire_bytes
+        self.nacked += not transfer.acked
+
+    def _stuck(self, wire: Wire) -> None:
+        who = " and ".join(wire.held_by()) or "nobody"
+        at = self.timebase.show(self.kernel.now - self.start)
+        doing = "; ".join(f"{name} {self.doing(dsp)}" for name, dsp in self.units.items())
+        self.stuck_lines.append(f"{wire.name} is held low by {who} at {at}: {doing}")
+        if self.head is not None:
+            self._stuck_wire, self._stuck_after_rounds = wire, self.head.rounds
+        for told in self._stuck_told:
+            told(self.kernel.now)
+
+    # Running --------------------------------------------------------------------
+
+    def doing(self, dsp: Dsp) -> str:
+        """What a unit's firmware does now, as a phrase."""
+        if dsp.cpu.returned_at is not None:
+            return "has returned from main"
+        spin = dsp.cpu.spin_now
+        if spin is None:
+            where = dsp.cpu.stands_at()
+            at = "" if where is None else f" at {where.for_people()}"
+            return f"waits in IDLE for an interrupt{at}" if dsp.core.idlestat else f"computes{at}"
+        since = self.timebase.show(dsp.clock.tick(spin.since) - self.start)
+        return f"waits for {spin.waits_for()} since {since}"
+
+    def run(self, duration: Fraction | None = None, progress: Callable[[float], None] | None = None) -> Result:
+        """Run for `duration` seconds (the case's own if None) and sum up. progress: told the part done, 0 to 1.
+
+        BadCase, before anything runs, for a run longer than there are ticks.
+        """
+        began = self.kernel.now
+        try:
+            end = self.timebase.end_of_run(began, self.case.duration if duration is None else duration)
+        except TimeError as error:
+            raise self.case.mistake(str(error), "duration") from None
+        length = end - began
+        wall = perf_counter()
+        steps = 100 if progress is not None else 1
+        try:
+            for step in range(1, steps + 1):
+                self.kernel.run_until(began + length * step // steps)
+                if progress is not None:
+                    progress(step / steps)
+        except FirmwareStalled as stalled:
+            self.stalled = str(stalled)
+            length = self.kernel.now - began
+        wall = perf_counter() - wall
+        self.bus.finish(self.kernel.now)
+        self._uart_lines.finish(self.kernel.now)
+        for limit in self.limits:
+            limit.finish(self.kernel.now)
+        return result_of(self, length, wall)
+
+    def typical(self) -> list[Verdict]:
+        """Of each budget that took several values, the one furthest from its limit, as a verdict. After `run`."""
+        found = (limit.typical(self.start) for limit in self.limits)
+        return [verdict for verdict in found if verdict is not None]
+
+    def deadlocks(self) -> list[str]:
+        """Firmware that waits for what cannot come, a sentence each: for what, since when, why it cannot.
+
+        Firmware that let no simulated time pass, and so ended the run, is the only one that is told.
+        """
+        if self.stalled:
+            return [self.stalled]
+        told = []
+        for name, dsp in self.units.items():
+            why = deadlock_reason(dsp, self._may_move)
+            if why:
+                told.append(f"{name} {self.doing(dsp)} and would for ever: {why}")
+        return told
+
+    def _may_move(self, wire: Wire, parties: list[str]) -> bool:
+        """Whether one of these parties has something left to do, or an agent among them has done all it was to do."""
+        if self.kernel.next_time() < NEVER:
+            return True
+        asking = self.head is not None and not self.head.at_rest
+        return any(who.partition(".")[0] not in self.units and not (asking and who == "controller") for who in parties)
+
+    def hangs(self) -> bool:
+        """A line that was reported stuck is still held by somebody else than the controller, in the same round."""
+        wire, head = self._stuck_wire, self.head
+        if wire is None or head is None or head.at_rest or head.rounds != self._stuck_after_rounds:
+            return False
+        return any(who != head.who for who in wire.held_by())
+
+    def _chip_noted(self, name: str, note: Note) -> None:
+        """With `strict`: it is firmware that speaks to a chip and breaks its duties."""
+        for dsp in self.units.values():
+            dsp.cpu.insist(note, name)

@@ -1,0 +1,74 @@
+"""What a run came to: a scene that has run goes in; its Result, with verdicts, counts and notes, comes out."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..core.chip import joined
+from ..processor.dsp import Dsp
+from ..timing.measures.bus import WrongBytes
+from ..timing.verdicts import FAIL, NOT_JUDGED, PASS
+from .result import SKIPPED, Result
+from .sensor_chips import Chip
+
+if TYPE_CHECKING:
+    from .scene import Scene
+
+
+def result_of(scene: Scene, length: int, wall: float) -> Result:
+    """What a run of `length` ticks came to, which took `wall` seconds."""
+    verdicts = [limit.verdict(scene.start) for limit in scene.limits]
+    deadlocks = scene.deadlocks()
+    stuck = [*scene.stuck_lines[:10], *deadlocks]
+    failed = not all(v.passed for v in verdicts) or bool(deadlocks) or scene.hangs()
+    counts = {"rounds": 0, "missed": 0, "nacked": scene.nacked, "frames": 0, "stuck": len(scene.stuck_lines)}
+    if scene.head is not None:
+        counts |= {"rounds": scene.head.rounds, "missed": scene.head.missed}
+    if scene.host is not None:
+        counts |= {"frames": scene.host.frames}
+    if scene.frames is not None:
+        counts["beyond_16_bits"] = scene.frames.beyond.total()
+    counts["overruns"] = sum(x.measure.count for x in scene.limits if x.budget.measure == "overruns")
+    counts[SKIPPED] = sum(dsp.cpu.polls_skipped for dsp in scene.units.values())
+    counts["resets"] = sum(dsp.resets for dsp in scene.units.values())
+    parts: dict[str, Dsp | Chip] = {**scene.units, **{name: on_bus.chip for name, on_bus in scene.chips.items()}}
+    wrong: dict[str, int] = {}
+    first_wrong = ""
+    for limit in scene.limits:
+        if isinstance(limit.measure, WrongBytes):
+            wrong, first_wrong = limit.measure.where, limit.measure.first
+    return Result(
+        case=scene.case.name,
+        verdict=FAIL if failed else PASS if verdicts else NOT_JUDGED,
+        fidelity=scene.case.fidelity,
+        simulated_s=float(scene.timebase.seconds(length)),
+        wall_s=round(wall, 6),
+        events=scene.kernel.events,
+        wire_bytes=scene.bytes_on_bus(),
+        sci_bytes=0 if scene.host is None else scene.host.bytes,
+        budgets=verdicts,
+        counts=counts,
+        unknowns=sorted({f"{name}.{t}" for name, part in parts.items() for t in part.touched}),
+        notes=_notes(scene),
+        stuck=stuck,
+        wrong=wrong,
+        first_wrong=first_wrong,
+    )
+
+
+def _notes(scene: Scene) -> list[str]:
+    lines = []
+    for name, dsp in scene.units.items():
+        for module, socket in dsp.sockets.items():
+            for cycle, note in joined(socket.notes):
+                at = scene.timebase.show(dsp.clock.tick(cycle) - scene.start)
+                lines.append(f"{name} {module}, first at {at}: {note.text} [{note.source}]")
+        lines += [f"{name}: {note.text} [{note.source}] ({n} times)" for note, n in dsp.cpu.notes.items()]
+        if dsp.cpu.returned_at is not None:
+            at = scene.timebase.show(dsp.clock.tick(dsp.cpu.returned_at) - scene.start)
+            lines.append(f"{name}: main returned at {at}; from then on no service routine runs either")
+    for name, chip in scene.chips.items():
+        for note, (tick, times) in chip.notes.items():
+            at = scene.timebase.show(tick - scene.start)
+            lines.append(f"{name}, first at {at}: {note.text} [{note.source}] ({times} times)")
+    return lines

@@ -1,0 +1,109 @@
+"""Builds a unit of a case: a [unit.NAME] table goes in; its F28335, with its firmware started, comes out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from typing import TypeVar
+
+from ..core.options import Value, options_from
+from ..core.suggest import did_you_mean
+from ..core.wire import Wire
+from ..devices.model_codes import Computed
+from ..f28335.cpu.compiled_code_costs import CodeCosts
+from ..f28335.i2c.options import I2cOptions
+from ..f28335.sci.options import SciOptions
+from ..f28335.system.options import SystemOptions
+from ..processor.dsp import MODULES, PIN_OF, Dsp, DspPlan
+from ..processor.firmware_view import End
+from ..sensors.models.parameters import Imu
+from .case.model import Case, Unit
+from .context import SceneContext
+from .firmware_loader import (
+    BadFirmware,
+    BadSetting,
+    Firmware,
+    computed_by,
+    load_firmware,
+    run_main,
+    sensors_of,
+    settings_for,
+)
+from .sensor_period import check_sensor_period
+
+T = TypeVar("T")
+
+I2C_PINS = {"SDA": PIN_OF["SDAA"], "SCL": PIN_OF["SCLA"]}
+SCI_PINS = {"RX": PIN_OF["SCIRXDA"], "TX": PIN_OF["SCITXDA"]}
+
+
+@dataclass(frozen=True)
+class BuiltUnit:
+    """sensors, computed: whose values the firmware computes, and how, where it has models."""
+
+    dsp: Dsp
+    firmware: Firmware
+    sensors: Imu | None
+    computed: Computed | None
+
+
+def build_unit(context: SceneContext, name: str, unit: Unit, program: Firmware | None, end: End) -> BuiltUnit:
+    """The unit, its firmware started. program: instead of the case's firmware. BadCase for what it cannot have."""
+    case = context.case
+    for module in unit.modules:
+        if module not in MODULES:
+            hint = did_you_mean(module, MODULES)
+            raise case.mistake(f"there is no module {module!r}; {hint}", "unit", name, "modules")
+    plan = DspPlan(
+        name,
+        unit.modules,
+        _wires(context, unit),
+        oscclk_hz=int(unit.oscclk),
+        pll=unit.pll,
+        ppm=unit.ppm,
+        from_boot=unit.from_boot,
+        skip_polls=unit.skip_polls,
+        strict=case.strict,
+        seed=case.seed,
+        end=end,
+        stall_limit=float(case.stall_limit),
+        code=CodeCosts(**unit.code.model_dump()),
+        system=options_of(case, SystemOptions, unit.options.system, name, "system"),
+        i2c=options_of(case, I2cOptions, unit.options.i2c, name, "i2c"),
+        sci=options_of(case, SciOptions, unit.options.sci, name, "sci"),
+    )
+    dsp = Dsp(context.kernel, context.timebase, context.recorder, plan)
+    try:
+        firmware = program or load_firmware(unit.firmware)
+    except BadFirmware as error:
+        raise case.mistake(str(error), "unit", name, "firmware") from None
+    try:
+        settings = settings_for(firmware, unit.settings)
+    except BadSetting as error:
+        inside = (error.name,) if error.name else ()  # none: about several together
+        raise case.mistake(str(error), "unit", name, "settings", *inside) from None
+    sensors = sensors_of(settings)
+    if sensors is not None:
+        check_sensor_period(case, name, settings, sensors)
+    dsp.start(partial(run_main, firmware, dsp, settings))
+    return BuiltUnit(dsp, firmware, sensors, computed_by(settings))
+
+
+def options_of(case: Case, kind: type[T], given: dict[str, Value], unit: str, group: str) -> T:
+    """Answers to open questions; each is checked by itself, so that a mistake is told with its line."""
+    for name, value in given.items():
+        try:
+            options_from(kind, {name: value})
+        except ValueError as error:
+            raise case.mistake(str(error), "unit", unit, "options", group, name) from None
+    return options_from(kind, given)
+
+
+def _wires(context: SceneContext, unit: Unit) -> dict[int, Wire]:
+    """GPIO number -> wire, of the unit's modules and of its named pins."""
+    wires: dict[int, Wire] = {}
+    if "I2C-A" in unit.modules:
+        wires |= {pin: context.wire(wire) for wire, pin in I2C_PINS.items()}
+    if "SCI-A" in unit.modules:
+        wires |= {pin: context.wire(wire) for wire, pin in SCI_PINS.items()}
+    return wires | {pin: context.wire(label) for label, pin in unit.pins.items()}

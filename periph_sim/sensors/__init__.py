@@ -1,0 +1,1 @@
+"""Sensor models: motion, arithmetic, noise, identification, extremes."""

@@ -1,0 +1,106 @@
+"""Where the arithmetic of the sensor models breaks: names of arithmetics go in, a report of every extreme comes out.
+
+working range --search--> how far each is off float64
+motions, fields --sweep--> from which input on it leaves the reference, and how
+events ------------------> lost frames, weeks, divisions by 0, refused parameters
+beside the models -------> length of a run, clocks of some ppm, lines at the last tick, sums of noise, inputs
+costs -------------------> cycles of a sample
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from ...core.suggest import did_you_mean
+from ..models.counts import counts_of
+from ..models.parameters import Imu
+from ..numeric import arithmetic_names as named
+from ..numeric.costs import Tables
+from ..numeric.costs.fpu import RTS
+from ..numeric.estimate import Estimate, estimate
+from . import events
+from . import time_and_bus as beside_models
+from .fields import FIELDS
+from .finding import Finding
+from .frames import REFERENCE
+from .motions import MOTIONS
+from .sweep import Sweep
+from .working_range import Worst, worst
+
+SWEEPS: tuple[Sweep, ...] = (*MOTIONS, *FIELDS)
+EVENTS = {
+    "lost or doubled frame": events.lost_frames,
+    "division by Ts = 0": events.zero_period,
+    "time in seconds, 30 days": events.weeks,
+    "smallest LSB": events.smallest_steps,
+    "parameters": events.refused,
+}
+BESIDE: dict[str, Callable[[], Iterator[Finding]]] = {
+    "length of a run": beside_models.longest_run,
+    "clocks": beside_models.clocks,
+    "last tick": beside_models.lines_at_the_last_tick,
+    "10^9 samples of noise": beside_models.noise_sums,
+    "inputs": beside_models.inputs,
+}
+USUAL = ("float64", "float32", "q16", "q16 saturating", "q12")
+
+
+@dataclass(frozen=True)
+class Report:
+    """imu, seed: of the search in the working range. errors: of each arithmetic but the reference.
+
+    without_fastrts: what float32 costs with the compiler's library.
+    """
+
+    imu: Imu
+    names: tuple[str, ...]
+    seed: int
+    errors: dict[str, Worst]
+    costs: dict[str, Estimate]
+    without_fastrts: Estimate
+    findings: tuple[Finding, ...]
+
+    def of(self, extreme: str) -> list[Finding]:
+        return [one for one in self.findings if one.extreme == extreme]
+
+
+class NoSuchExtreme(ValueError):
+    """A name that no extreme has; one sentence."""
+
+
+def known() -> tuple[str, ...]:
+    """Names of all extremes."""
+    return (*(sweep.name for sweep in SWEEPS), *EVENTS, *BESIDE)
+
+
+def report(
+    names: tuple[str, ...] = USUAL,
+    seed: int = 0,
+    samples: int = 1000,
+    only: tuple[str, ...] = (),
+    imu: Imu | None = None,
+    tables: Tables = "RAM",
+) -> Report:
+    """Every extreme, or only those named, in every named arithmetic. samples: of the search in the working range.
+
+    imu: what the search and the costs are of; extremes bring their own parameters. tables: where a library has them.
+    NoSuchArithmetic, DoesNotFit or NoSuchExtreme for a name that is none.
+    """
+    for name in only:
+        if name not in known():
+            raise NoSuchExtreme(f"there is no extreme {name!r}; {did_you_mean(name, known())}")
+    wanted = set(only or known())
+    names = tuple(dict.fromkeys(names))
+    imu = imu or Imu()
+    counts = counts_of(imu)
+    costs = {name: estimate(counts, named.library(name), tables) for name in names}
+    errors = {name: worst(name, imu, samples, seed) for name in names if name != REFERENCE}
+    found = [sweep.find(name, errors.get(name)) for sweep in SWEEPS if sweep.name in wanted for name in names]
+    for event, findings in EVENTS.items():
+        if event in wanted:
+            found += findings(names, errors)
+    for name, beside in BESIDE.items():
+        if name in wanted:
+            found += beside()
+    return Report(imu, names, seed, errors, costs, estimate(counts, RTS, tables), tuple(found))

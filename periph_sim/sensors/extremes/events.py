@@ -1,0 +1,149 @@
+"""Extremes that are no sweep of one sample: lost frames, time over weeks, divisions by 0, refused parameters, steps.
+
+Each gives its findings for the arithmetics that it is asked for. worst: how far each is off in the working range.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from math import inf, nan
+from typing import Any
+
+import numpy as np
+
+from ..host_frame import ACCELERATION, ANGLE
+from ..models.parameters import Accelerometer, Gyroscope, Imu, Magnetometer
+from ..models.quantity import BadParameter
+from ..numeric import arithmetic_names as named
+from ..numeric.arithmetic import Arithmetic
+from ..numeric.iqmath import Ints
+from .finding import EVERY, Finding, Happens
+from .frames import REFERENCE, codes_of
+from .working_range import Worst
+
+DAY = 86_400.0
+MONTH = 30 * DAY
+ROLL = 0  # the row of the gyroscope's x
+
+
+def first_where(holds: Callable[[float], bool], low: float, high: float) -> float | None:
+    """The least value, to 48 halvings, at which something holds that holds from there on; None if not at `high`."""
+    if not holds(high):
+        return None
+    for _ in range(48):
+        middle = (low + high) / 2
+        low, high = (low, middle) if holds(middle) else (middle, high)
+    return high
+
+
+def lost_frames(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding]:
+    """A frame that does not come, or comes twice: one sample without a step, then one with two.
+
+    The two samples together still hold the whole turn, until the double step leaves the converter's range.
+    """
+    rates = np.arange(1, 2001)
+    steps = np.rint(np.radians(rates) * Imu().period / ANGLE).astype(np.int64)
+    none, once, twice = (_rolled(steps, k) for k in (0, 1, 2))
+    for name in names:
+        imu = Imu()
+        double = codes_of(named.arrays(name), imu, twice)
+        sums = codes_of(named.arrays(name), imu, none).codes[ROLL] + double.codes[ROLL]
+        meant = 2 * codes_of(named.arrays(REFERENCE), imu, once).codes[ROLL]
+        off = np.abs(sums - meant)
+        allowed = 2 * (1 if name == REFERENCE else worst[name].allowed()[ROLL])
+        lost = np.flatnonzero(off > allowed)
+        happens: Happens = "agrees"
+        if len(lost):
+            q = named.format_of(name)
+            over = q is not None and bool(double.overflown[lost[0]])
+            happens = "full scale" if not over else "wraps" if q is not None and q.overflow == "wrap" else "saturates"
+        begins = float(rates[lost[0]]) if len(lost) else None
+        yield Finding("lost or doubled frame", name, happens, begins, "deg/s", float(off.max()))
+
+
+def _rolled(steps: Ints, times: int) -> Ints:
+    """int64[12, n]: standing still, then so many steps of roll at once."""
+    counts = np.zeros((12, len(steps)), dtype=np.int64)
+    counts[0] = counts[3] = -(times * steps) // 2
+    counts[6] = counts[0] + times * steps
+    return counts
+
+
+def weeks(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding]:
+    """Seconds counted up by Ts, for 30 days: from when on an addition of Ts is off by more than half of it.
+
+    The sensor models keep no time and no sum: what they keep is one attitude and one rate, whatever the hour.
+    """
+    period = Imu().period
+    for name in names:
+        a, q = named.scalar(name), named.format_of(name)
+        end = MONTH if q is None else min(MONTH, 2.0 ** (31 - q.bits) - 2.0**-q.bits)
+        begins = _first_time(a, end, lambda grown: abs(grown - period) > period / 2)
+        stands = _first_time(a, end, lambda grown: grown == 0)
+        happens: Happens = "agrees"
+        if begins is not None:
+            happens = "off" if q is None else "saturates" if q.overflow == "saturate" else "wraps"
+        note = f"{(float(a.value(a.constant(period))) / period - 1) * DAY:+.3g} s a day"
+        if stands is not None:
+            note += f", stands still from {stands / 3600:.4g} h on"
+        yield Finding(
+            "time in seconds, 30 days", name, happens, None if begins is None else begins / 3600, "h", note=note
+        )
+
+
+def _first_time(a: Arithmetic[Any], end: float, holds: Callable[[float], bool]) -> float | None:
+    """The first number of seconds at which something holds of what an addition of Ts adds to them."""
+    step = a.constant(Imu().period)
+
+    def at(seconds: float) -> bool:
+        with np.errstate(all="ignore"):
+            before = a.constant(seconds)
+            return holds(float(a.value(a.add(before, step)) - a.value(before)))
+
+    return first_where(at, 1.0, end)
+
+
+def zero_period(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding]:
+    """A derivative that divides by a measured Ts of 0: a step of one count, and none."""
+    for name in names:
+        a = named.scalar(name)
+        with np.errstate(all="ignore"):
+            step, zero = a.constant(ANGLE), a.constant(0.0)
+            moved, still = (float(a.value(a.div(x, zero))) for x in (step, zero))
+        happens: Happens = "NaN" if moved != moved or still != still else "saturates"
+        yield Finding("division by Ts = 0", name, happens, 0.0, "s", note=f"a step: {moved:g}, none: {still:g}")
+
+
+def refused(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding]:
+    """Parameters that are no numbers, and a Ts of 0: no arithmetic ever sees them."""
+    tried: tuple[tuple[str, Callable[[], object]], ...] = (
+        ("Ts = 0", lambda: Imu(period=0.0)),
+        ("Ts infinite", lambda: Imu(period=inf)),
+        ("bias NaN", lambda: Gyroscope(bias=(0.0, nan, 0.0))),
+        ("scale infinite", lambda: Accelerometer(scale=inf)),
+        ("field NaN", lambda: Magnetometer(earth_field=(nan, 0.0, 0.0))),
+    )
+    for what, make in tried:
+        try:
+            make()
+        except BadParameter as error:
+            yield Finding(f"parameter: {what}", EVERY, "refused", None, "", note=str(error))
+        else:
+            yield Finding(f"parameter: {what}", EVERY, "agrees", None, "")
+
+
+def smallest_steps(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding]:
+    """Codes of the accelerometer that a fine ramp through its range never shows, and the gyroscope's step a count."""
+    g = int(Accelerometer().full_scale / ACCELERATION)
+    ramp = np.zeros((12, 2 * g + 1), dtype=np.int64)
+    ramp[9] = np.arange(-g, g + 1)
+    seen = len(np.unique(codes_of(named.arrays(REFERENCE), Imu(), ramp).codes[3]))
+    turn = np.zeros((12, 1), dtype=np.int64)
+    turn[6] = 1
+    for name in names:
+        missing = seen - len(np.unique(codes_of(named.arrays(name), Imu(), ramp).codes[3]))
+        turned, still = (codes_of(named.arrays(name), Imu(), counts).exact[ROLL] for counts in (turn, 0 * turn))
+        step = float((turned - still)[0])
+        note = f"{missing} of {seen} accelerometer codes never shown; one count of roll is {step:.2f} LSB of rate"
+        happens: Happens = "agrees" if missing <= 0 and step > 0 else "off"
+        yield Finding("smallest LSB", name, happens, None, "", note=note)

@@ -1,0 +1,99 @@
+"""Frames of the host go in, nine codes come out, in any arithmetic: what all extremes are made of.
+
+A sample needs three attitudes, the last two for the rates and the first for their change, and one acceleration, as
+the int16 counts of host frames: every arithmetic gets the same whole numbers.
+
+    counts int64[12, n]: attitude before last, last, now (roll, pitch, yaw in 1e-4 rad), acceleration (1e-3 g)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..host_frame import ACCELERATION, ANGLE
+from ..models import parameters
+from ..models.derivative import Triple
+from ..models.imu import Imu
+from ..numeric.arithmetic import Arithmetic, Rounding
+from ..numeric.counting import Counting
+from ..numeric.iqmath import Ints
+from ..numeric.q import Q
+from ..numeric.q_arrays import QArrays
+
+T = TypeVar("T")
+
+INT16 = 0x8000
+SENSORS = ("gyroscope", "accelerometer", "magnetometer")
+REFERENCE = "float64"
+
+
+@dataclass(frozen=True)
+class Codes:
+    """codes: LSB as the chips give them, float64[9, n]. exact: the same before saturation and rounding.
+
+    overflown: whether a number left its Q format on the way, bool[n].
+    """
+
+    codes: NDArray[np.float64]
+    exact: NDArray[np.float64]
+    overflown: NDArray[np.bool_]
+
+
+class Exact(Counting[T], Generic[T]):
+    """An arithmetic without its last two steps: the LSB of a sensor before they are saturated and rounded."""
+
+    def clamp(self, x: T, low: T, high: T) -> T:
+        return x
+
+    def to_integer(self, x: T, rounding: Rounding) -> T:
+        return x
+
+
+def codes_of(a: Arithmetic[Any], imu: parameters.Imu, counts: Any) -> Codes:
+    """Nine codes of each of n samples. counts: int64[12, n]; or twelve ints, for arithmetics of one number.
+
+    a: a new one, since a Q format remembers what has overflown.
+    """
+    with np.errstate(all="ignore"):
+        model = Imu(Exact(a), imu)
+        before, last, now = (_scaled(a, counts[i : i + 3], ANGLE) for i in (0, 3, 6))
+        _, body_before = model.motion(last, before)
+        turned, body = model.motion(now, last)
+        exact = model.codes(turned, _scaled(a, counts[9:12], ACCELERATION), body, body_before, model.silence)
+        values, codes = [], []
+        for chip, name in zip(exact, SENSORS, strict=True):
+            sensor: parameters.Sensor = getattr(imu, name)
+            low, high = (a.constant(limit) for limit in sensor.limits)
+            values += [a.value(x) for x in chip]
+            codes += [a.to_integer(a.clamp(x, low, high), sensor.rounding) for x in chip]
+    length = np.shape(counts[0]) or (1,)
+    return Codes(_table(codes, length), _table(values, length), np.broadcast_to(_overflown(a), length))
+
+
+def _overflown(a: Arithmetic[Any]) -> NDArray[np.bool_]:
+    if isinstance(a, QArrays):
+        return a.overflown
+    return np.asarray(isinstance(a, Q) and a.overflows > 0)
+
+
+def _table(rows: list[Any], length: tuple[int, ...]) -> NDArray[np.float64]:
+    return np.array([np.broadcast_to(row, length) for row in rows], dtype=np.float64)
+
+
+def _scaled(a: Arithmetic[Any], rows: Ints, lsb: float) -> Triple[Any]:
+    return a.scaled(rows[0], lsb), a.scaled(rows[1], lsb), a.scaled(rows[2], lsb)
+
+
+def counted(radians: Any) -> Ints:
+    """Angles as counts of a frame, as a host that does not look at their size sends them: int16 that wrap."""
+    counts: Ints = (np.rint(np.asarray(radians) / ANGLE).astype(np.int64) + INT16) % (2 * INT16) - INT16
+    return counts
+
+
+def standing(attitude: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Ints:
+    """int64[12]: the same attitude three times, no acceleration."""
+    return np.concatenate([counted(attitude)] * 3 + [np.zeros(3, dtype=np.int64)])

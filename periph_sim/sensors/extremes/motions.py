@@ -1,0 +1,161 @@
+"""Extremes of motion: pitch through 90 degrees, wraps of yaw and of int16, rates and accelerations beyond full scale.
+
+Each is a Sweep: a value from ordinary to extreme goes in, the frames that a host would send come out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import pi, radians
+
+import numpy as np
+
+from ..host_frame import ACCELERATION, ANGLE
+from ..models.parameters import Gyroscope, Imu
+from ..numeric.iqmath import Ints
+from .frames import counted
+from .sweep import Sample, Sweep
+
+Attitude = tuple[float, float, float]  # rad
+
+AS_BUILT = Imu()
+CORRECTED = Imu(gyroscope=Gyroscope(rates="corrected"))
+UNWRAPPED = Imu(wrap="unwrapped")
+SLOW = radians(1)  # rad a sample: 50 deg/s
+FAST = 500.0  # deg/s
+ONE_COUNT = 5.0  # LSB of the gyroscope that one count of an angle makes, 4.1, and its cross-axis
+
+
+def sent(attitude: Callable[[int], Attitude], acceleration: float = 0.0) -> Ints:
+    """int64[12] as a host sends it: the attitudes 2, 1 and 0 samples ago, in int16 that wrap; acceleration in g."""
+    return np.concatenate([*(counted(attitude(k)) for k in (2, 1, 0)), _acceleration(acceleration)])
+
+
+def meant(attitude: Callable[[int], Attitude]) -> Ints:
+    """The same if frames had room for any angle."""
+    angles = [np.rint(np.asarray(attitude(k)) / ANGLE).astype(np.int64) for k in (2, 1, 0)]
+    return np.concatenate([*angles, _acceleration(0.0)])
+
+
+def _acceleration(g: float) -> Ints:
+    return np.full(3, round(g / ACCELERATION), dtype=np.int64)
+
+
+def pitching(value: float, imu: Imu) -> Sample:
+    """A body that is pitched over the top lies on its back beyond; against the pitch itself, going on beyond 90."""
+
+    def level(ago: int) -> Attitude:
+        return (0.0, radians(value) - ago * SLOW, 0.0)
+
+    def over(ago: int) -> Attitude:
+        pitch = level(ago)[1]
+        return (0.0, pitch, 0.0) if pitch <= pi / 2 else (pi, pi - pitch, pi)
+
+    return Sample(imu, sent(over), imu, meant(level))
+
+
+def yawing(value: float, imu: Imu, wrapped_by_host: bool) -> Sample:
+    """Through 180 degrees, against a yaw that goes on beyond them."""
+
+    def on(ago: int) -> Attitude:
+        return (0.0, 0.0, radians(value) - ago * SLOW)
+
+    def wrapped(ago: int) -> Attitude:
+        return (0.0, 0.0, (on(ago)[2] + pi) % (2 * pi) - pi)
+
+    return Sample(imu, sent(wrapped if wrapped_by_host else on), imu, meant(on))
+
+
+def yaw_step(value: float) -> Sample:
+    """After standing still; its middle is 0, so that no angle wraps."""
+    half = radians(value) / 2
+    return Sample(AS_BUILT, sent(lambda ago: (0.0, 0.0, -half if ago else half)))
+
+
+def rolling(value: float, late: float = 0.0) -> Sample:
+    """A roll rate in deg/s; late: by which part of Ts the frames are."""
+    step = radians(value) * AS_BUILT.period
+
+    def steady(ago: int) -> Attitude:
+        return (-ago * step, 0.0, 0.0)
+
+    return Sample(AS_BUILT, sent(lambda ago: (-ago * step * (1 + late), 0.0, 0.0)), AS_BUILT, meant(steady))
+
+
+def spinning(value: float) -> Sample:
+    """A roll rate that no frame can tell, for who gives the models angles: counts with room for any."""
+    step = radians(value) * AS_BUILT.period
+    counts = meant(lambda ago: (-ago * step, 0.0, 0.0))
+    return Sample(AS_BUILT, counts)
+
+
+def accelerated(value: float) -> Sample:
+    return Sample(AS_BUILT, sent(lambda ago: (0.0, 0.0, 0.0), value))
+
+
+MOTIONS = (
+    Sweep(
+        "pitch through 90, as built",
+        "50 deg/s over the top, where roll and yaw jump by 180",
+        "deg",
+        87,
+        93,
+        lambda value: pitching(value, AS_BUILT),
+        ONE_COUNT,
+    ),
+    Sweep(
+        "pitch through 90, corrected",
+        "the same with the rates of appendix B",
+        "deg",
+        87,
+        93,
+        lambda value: pitching(value, CORRECTED),
+        ONE_COUNT,
+    ),
+    Sweep(
+        "yaw through 180, as built",
+        "50 deg/s; the plain difference is a step of -359",
+        "deg",
+        177,
+        183,
+        lambda value: yawing(value, AS_BUILT, wrapped_by_host=True),
+        ONE_COUNT,
+    ),
+    Sweep(
+        "yaw through 180, unwrapped",
+        "the same with the short way round",
+        "deg",
+        177,
+        183,
+        lambda value: yawing(value, UNWRAPPED, wrapped_by_host=True),
+        ONE_COUNT,
+    ),
+    Sweep(
+        "yaw beyond int16",
+        "50 deg/s, unwrapped; a host that counts on, so its int16 wraps",
+        "deg",
+        185,
+        191,
+        lambda value: yawing(value, UNWRAPPED, wrapped_by_host=False),
+        ONE_COUNT,
+    ),
+    Sweep("yaw step in one sample", "after standing still, as built", "deg", 0, 359, yaw_step),
+    Sweep("roll rate", "full scale is 2000, the converter's last code 2279", "deg/s", 0, 8000, rolling),
+    Sweep(
+        "roll rate beyond frames",
+        "angles of any size; cross-axis sensitivity takes y and z to full scale at 114 000",
+        "deg/s",
+        0,
+        1e6,
+        spinning,
+    ),
+    Sweep("acceleration", "on all axes, up to what a frame can say", "g", 0, 32.767, accelerated),
+    Sweep(
+        "Ts jitter",
+        "500 deg/s, frames late by a part of Ts, which the model does not know",
+        "% of Ts",
+        0,
+        50,
+        lambda value: rolling(FAST, value / 100),
+    ),
+)

@@ -1,0 +1,142 @@
+"""From which input on an arithmetic leaves the reference: a sweep from ordinary to extreme goes in, findings come out.
+
+value --> parameters, counts --> codes --+-> differ by more than the arithmetic may? --> first such value
+value --> reference's own ----> codes ---+   looked for on a grid, then between two of its points, and so on
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..models import parameters
+from ..numeric import arithmetic_names as named
+from ..numeric.iqmath import Ints
+from .finding import Finding, Happens
+from .frames import REFERENCE, SENSORS, Codes, codes_of
+from .working_range import Worst
+
+FIRST_GRID = 121  # points between an ordinary and an extreme value: what wraps may look right again a little further on
+GRID = 13  # points between two of them, and again between two of those
+ZOOMS = 4
+
+Bools = NDArray[np.bool_]
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Sample:
+    """What the model gets at one value of a sweep, and what the reference gets: the same unless said."""
+
+    imu: parameters.Imu
+    counts: Ints  # int64[12]
+    true_imu: parameters.Imu | None = None
+    true_counts: Ints | None = None
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """ordinary, extreme: where it begins and ends, in `unit`; the latter may be below the former.
+
+    slack: LSB by which codes may differ besides, since the counts of a frame are rounded otherwise in the reference.
+    """
+
+    name: str
+    what: str
+    unit: str
+    ordinary: float
+    extreme: float
+    at: Callable[[float], Sample]
+    slack: float = 0
+
+    def find(self, arithmetic: str, worst: Worst | None) -> Finding:
+        """What happens first. worst: how far this arithmetic may be off; None for the reference itself."""
+        allowed = (np.ones(9) if worst is None else worst.allowed()) + self.slack
+        largest = float(_grid(self, arithmetic, self.ordinary, self.extreme, FIRST_GRID).off.max())
+        overflows = self._first(arithmetic, lambda grid: grid.codes.overflown)
+        begins = self._first(arithmetic, lambda grid: grid.astray(allowed))
+        happens: Happens = "agrees"
+        if begins is not None:
+            there = _grid(self, arithmetic, begins, begins, 1)
+            happens = there.how(arithmetic)
+            largest = max(largest, float(there.off.max()))
+        elif worst is None:
+            begins = self._first(arithmetic, lambda grid: grid.full)
+            happens = "agrees" if begins is None else "full scale"
+        return Finding(self.name, arithmetic, happens, begins, self.unit, largest, overflows=overflows)
+
+    def _first(self, arithmetic: str, holds: Callable[[Grid], Bools]) -> float | None:
+        """The first value of a grid where something holds, then of a grid up to there, and so on."""
+        low, high, found = self.ordinary, self.extreme, None
+        for points in (FIRST_GRID, *[GRID] * ZOOMS):
+            grid = _grid(self, arithmetic, low, high, points)
+            held = np.flatnonzero(holds(grid))
+            if not len(held):
+                return found
+            found = float(grid.values[held[0]])
+            if held[0] == 0:
+                return found
+            low, high = float(grid.values[held[0] - 1]), found
+        return found
+
+
+@dataclass(frozen=True)
+class Grid:
+    """values: float64[n]. off: codes off the reference's, float64[9, n]. full: any code is its converter's last."""
+
+    values: Floats
+    codes: Codes
+    off: Floats
+    full: Bools
+
+    def astray(self, allowed: Floats) -> Bools:
+        """Where the codes are further off than that, or what they come from is no number."""
+        return np.logical_or((self.off > allowed[:, None]).any(axis=0), np.isnan(self.codes.exact).any(axis=0))
+
+    def how(self, arithmetic: str) -> Happens:
+        """Why they are, at the first value."""
+        if np.isnan(self.codes.exact[:, 0]).any():
+            return "NaN"
+        q = named.format_of(arithmetic)
+        if q is not None and self.codes.overflown[0]:
+            return "saturates" if q.overflow == "saturate" else "wraps"
+        return "off"
+
+
+@lru_cache(maxsize=256)
+def _grid(sweep: Sweep, arithmetic: str, low: float, high: float, points: int) -> Grid:
+    """A sweep from low to high."""
+    values = np.linspace(low, high, points)
+    samples = [sweep.at(float(value)) for value in values]
+    codes = _together(arithmetic, samples)
+    limits = [[getattr(one.imu, name).limits for name in SENSORS] for one in samples]
+    lowest, highest = np.repeat(np.array(limits), 3, axis=1).transpose(2, 1, 0)
+    full = np.logical_or(codes.codes <= lowest, codes.codes >= highest).any(axis=0)
+    return Grid(values, codes, np.abs(codes.codes - _true(sweep, low, high, points)), full)
+
+
+@lru_cache(maxsize=256)
+def _true(sweep: Sweep, low: float, high: float, points: int) -> Floats:
+    """The reference's codes over the same values."""
+    samples = [sweep.at(float(value)) for value in np.linspace(low, high, points)]
+    true = [
+        Sample(one.true_imu or one.imu, one.counts if one.true_counts is None else one.true_counts) for one in samples
+    ]
+    return _together(REFERENCE, true).codes
+
+
+def _together(arithmetic: str, samples: list[Sample]) -> Codes:
+    """Codes of all samples: at once where they share their parameters, one by one where not."""
+    if all(one.imu is samples[0].imu for one in samples):
+        counts = np.stack([one.counts for one in samples], axis=1)
+        return codes_of(named.arrays(arithmetic), samples[0].imu, counts)
+    each = [codes_of(named.scalar(arithmetic), one.imu, one.counts.tolist()) for one in samples]
+    return Codes(
+        np.hstack([one.codes for one in each]),
+        np.hstack([one.exact for one in each]),
+        np.hstack([one.overflown for one in each]),
+    )

@@ -1,0 +1,161 @@
+"""A report of the extremes as a person reads it, and as JSON."""
+
+from __future__ import annotations
+
+from ..models.quantity import described
+from ..numeric.estimate import MEASURED, SYSCLK
+from . import SWEEPS, Report
+from .finding import EVERY, Finding
+from .frames import REFERENCE, SENSORS
+
+Rows = list[list[str]]
+
+
+def text(report: Report) -> str:
+    """Tables: error and cost in the working range, cycles by part, and what happens at each extreme."""
+    return "\n".join(
+        [
+            "working range: largest error found against float64, in LSB before rounding; cost of a sample at 150 MHz",
+            f"tables of the libraries are in {report.costs[report.names[0]].tables}",
+            "",
+            *aligned(_range_rows(report)),
+            "",
+            f"cycles by part; measured: {float(MEASURED) * 1e6:g} us, {round(MEASURED * SYSCLK)} cycles",
+            "",
+            *aligned(_cost_rows(report)),
+            *_without_fastrts(report),
+            "",
+            *_titled("extremes: what happens, and from which input on", _extreme_rows(report)),
+            *_titled("time, clocks, lines and inputs, whatever the arithmetic", _common_rows(report)),
+            *_remarks(report),
+        ]
+    )
+
+
+def aligned(rows: Rows) -> list[str]:
+    """Lines with columns side by side, the first row as their head."""
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+    lines.insert(1, "-" * max(map(len, lines)))
+    return lines
+
+
+def _range_rows(report: Report) -> Rows:
+    rows = [["arithmetic", *SENSORS, "cycles", "us", "library"]]
+    for name in report.names:
+        cost = report.costs[name]
+        error = report.errors.get(name)
+        errors = ["0" if error is None else f"{error.error[sensor]:.2g}" for sensor in SENSORS]
+        micro = [float(cycles * 1_000_000 / SYSCLK) for cycles in (cost.low, cost.high)]
+        rows.append([name, *errors, _span(cost.low, cost.high), _span(*micro), cost.library.name])
+    return rows
+
+
+def _cost_rows(report: Report) -> Rows:
+    parts = list(dict.fromkeys(line.part for line in report.costs[report.names[0]].lines))
+    rows = [["part", *report.names]]
+    for part in parts:
+        rows.append([part, *(_span(*report.costs[name].part(part)) for name in report.names)])
+    rows.append(["not explained", *(_rest(*report.costs[name].left_of()) for name in report.names)])
+    return rows
+
+
+def _without_fastrts(report: Report) -> list[str]:
+    if "float32" not in report.names:
+        return []
+    cost = report.without_fastrts
+    return [f"float32 with {cost.library.name} instead: {_span(cost.low, cost.high)} cycles, by a guess"]
+
+
+def _extreme_rows(report: Report) -> Rows:
+    rows = [["extreme", "unit", *report.names]]
+    by_extreme: dict[str, dict[str, Finding]] = {}
+    for finding in report.findings:
+        by_extreme.setdefault(finding.extreme, {})[finding.arithmetic] = finding
+    for extreme, found in by_extreme.items():
+        if EVERY not in found:
+            unit = next(iter(found.values())).unit
+            rows.append([extreme, unit, *(_cell(found[name]) for name in report.names)])
+    return rows
+
+
+def _common_rows(report: Report) -> Rows:
+    rows = [["extreme", "what happens", "from"]]
+    for one in report.findings:
+        if one.arithmetic == EVERY:
+            begins = "" if one.begins is None else f"{one.begins:.6g} {one.unit}"
+            rows.append([one.extreme, one.happens, begins])
+    return rows
+
+
+def _titled(title: str, rows: Rows) -> list[str]:
+    """A table under its title, and an empty line; nothing where the table would have a head only."""
+    return [title, "", *aligned(rows), ""] if len(rows) > 1 else []
+
+
+def _cell(finding: Finding) -> str:
+    return finding.happens if finding.begins is None else f"{finding.happens} {finding.begins:.4g}"
+
+
+def _remarks(report: Report) -> list[str]:
+    lines = [f"{sweep.name}: {sweep.what}" for sweep in SWEEPS if report.of(sweep.name)]
+    for finding in report.findings:
+        if finding.note:
+            of = "" if finding.arithmetic == EVERY else f", {finding.arithmetic}"
+            lines.append(f"{finding.extreme}{of}: {finding.note}")
+    if REFERENCE in report.names:
+        lines.append(f"{REFERENCE} is the reference: full scale is where its converter shows its last code")
+    return lines
+
+
+def _span(low: float, high: float) -> str:
+    """One number, or two with "to" between."""
+    first, last = (f"{value:.4g}" if value < 1000 else f"{value:.0f}" for value in (low, high))
+    return first if first == last else f"{first} to {last}"
+
+
+def _rest(least: int, most: int) -> str:
+    return "nothing left" if most < 0 else _span(max(least, 0), most)
+
+
+def as_json(report: Report) -> dict[str, object]:
+    """Errors and inputs as numbers; null where nothing begins."""
+    return {
+        "reference": REFERENCE,
+        "seed": report.seed,
+        "parameters": [
+            {"name": name, "value": value, "unit": unit, "source": source}
+            for name, value, unit, source in described(report.imu)
+        ],
+        "measured_cycles": round(MEASURED * SYSCLK),
+        "float32_without_fastrts_cycles": [report.without_fastrts.low, report.without_fastrts.high],
+        "arithmetics": [_arithmetic(report, name) for name in report.names],
+        "findings": [
+            {
+                "extreme": one.extreme,
+                "arithmetic": one.arithmetic,
+                "happens": one.happens,
+                "begins": one.begins,
+                "overflows": one.overflows,
+                "unit": one.unit,
+                "worst_lsb": one.worst,
+                "note": one.note,
+            }
+            for one in report.findings
+        ],
+    }
+
+
+def _arithmetic(report: Report, name: str) -> dict[str, object]:
+    cost, error = report.costs[name], report.errors.get(name)
+    return {
+        "name": name,
+        "library": cost.library.name,
+        "guessed": cost.guessed,
+        "cycles": [cost.low, cost.high],
+        "parts": {part: list(cost.part(part)) for part in dict.fromkeys(line.part for line in cost.lines)},
+        "operations": {kind: line.count for kind, line in cost.kinds().items()},
+        "not_explained_cycles": list(cost.left_of()),
+        "error_lsb": {sensor: 0.0 if error is None else error.error[sensor] for sensor in SENSORS},
+        "error_at": {} if error is None else {sensor: error.at[sensor].tolist() for sensor in SENSORS},
+    }

@@ -1,0 +1,92 @@
+"""How far each arithmetic is off float64 where the sensors are meant to work: the worst case, looked for.
+
+Working range: any roll and yaw, pitch between -90 and 90 degrees, no wrap between two frames, angle rates up to the
+gyroscope's 2000 deg/s, linear acceleration up to the accelerometer's 2 g; parameters as given.
+
+Search: samples drawn evenly from the range, then steps around the worst of each axis that get smaller and smaller.
+The largest error found is a lower bound of the largest there is; more samples make it a better one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..host_frame import ACCELERATION, ANGLE
+from ..models import parameters
+from ..numeric import arithmetic_names as named
+from ..numeric.iqmath import Ints
+from .frames import REFERENCE, SENSORS, codes_of
+
+LIMITS = np.array([int(pi / ANGLE), int(pi / 2 / ANGLE), int(pi / ANGLE)])  # counts: roll, pitch, yaw
+ROUNDS = 10  # of refinement
+
+
+@dataclass(frozen=True)
+class Worst:
+    """Largest error of each sensor, LSB before saturation and rounding, and the counts (int64[12]) that show it."""
+
+    arithmetic: str
+    error: dict[str, float]
+    at: dict[str, Ints]
+
+    @property
+    def largest(self) -> float:
+        return max(self.error.values())
+
+    def allowed(self) -> NDArray[np.float64]:
+        """float64[9]: how many codes an error of that size can make a difference of, by axis."""
+        return np.repeat([np.floor(self.error[name]) + 1 for name in SENSORS], 3)
+
+
+def drawn(samples: int, seed: int, rate: float = 2000.0) -> Ints:
+    """int64[12, n] of the working range. rate: largest of an angle, in deg/s."""
+    random = np.random.default_rng(seed)
+    before = random.integers(-LIMITS[:, None], LIMITS[:, None], (3, samples), endpoint=True)
+    most = int(np.radians(rate) * parameters.Imu().period / ANGLE)
+    last = _stepped(before, random.integers(-most, most, (3, samples), endpoint=True))
+    now = _stepped(last, random.integers(-most, most, (3, samples), endpoint=True))
+    g = int(parameters.Accelerometer().full_scale / ACCELERATION)
+    return np.concatenate([before, last, now, random.integers(-g, g, (3, samples), endpoint=True)])
+
+
+def worst(arithmetic: str, imu: parameters.Imu, samples: int = 2000, seed: int = 0, rate: float = 2000.0) -> Worst:
+    """The largest errors that were found. rate: largest of an angle, in deg/s."""
+    counts = drawn(samples, seed, rate)
+    random = np.random.default_rng(seed + 1)
+    error: dict[str, float] = {}
+    at: dict[str, Ints] = {}
+    for place, name in enumerate(SENSORS):
+        near = counts
+        for around in range(ROUNDS + 1):
+            off = _errors(arithmetic, imu, near)[3 * place : 3 * place + 3].max(axis=0)
+            best = int(off.argmax())
+            if name not in error or off[best] > error[name]:
+                error[name], at[name] = float(off[best]), near[:, best]
+            near = _around(at[name], random, samples // 4, 2000 >> around, rate)
+    return Worst(arithmetic, error, at)
+
+
+def _errors(arithmetic: str, imu: parameters.Imu, counts: Ints) -> NDArray[np.float64]:
+    exact = codes_of(named.arrays(REFERENCE), imu, counts).exact
+    off: NDArray[np.float64] = np.abs(codes_of(named.arrays(arithmetic), imu, counts).exact - exact)
+    return np.nan_to_num(off, nan=np.inf)
+
+
+def _around(at: Ints, random: np.random.Generator, samples: int, reach: int, rate: float) -> Ints:
+    """Samples near one, still within the working range."""
+    near = at[:, None] + random.integers(-reach, reach, (12, samples), endpoint=True)
+    most = int(np.radians(rate) * parameters.Imu().period / ANGLE)
+    g = int(parameters.Accelerometer().full_scale / ACCELERATION)
+    before = np.clip(near[0:3], -LIMITS[:, None], LIMITS[:, None])
+    last = _stepped(before, np.clip(near[3:6] - before, -most, most))
+    now = _stepped(last, np.clip(near[6:9] - last, -most, most))
+    return np.concatenate([before, last, now, np.clip(near[9:12], -g, g)])
+
+
+def _stepped(counts: Ints, step: Ints) -> Ints:
+    stepped: Ints = np.clip(counts + step, -LIMITS[:, None], LIMITS[:, None])
+    return stepped

@@ -1,0 +1,101 @@
+"""A host frame's six values: attitude and acceleration go in, signed 16-bit counts come out.
+
+    motion --sampled--> rad, g --/ what one count stands for--> counts --beyond 16 bits?--> refuse, saturate or wrap
+
+The dissertation leaves the encoding open (section 3.4.1), so it is a named setting for every value.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .motion import VALUES, BadMotion, Floats, Motion, sampled
+from .motion.quantities import Acceleration, Angle
+
+ByteOrder = Literal["little", "big"]
+
+LEAST, MOST = -0x8000, 0x7FFF
+
+
+@dataclass(frozen=True)
+class Encoding:
+    """phi to az: what one count stands for, in rad and g. beyond: what becomes of a value that 16 bits cannot hold."""
+
+    phi: Angle = 1e-4
+    theta: Angle = 1e-4
+    psi: Angle = 1e-4
+    ax: Acceleration = 1e-3
+    ay: Acceleration = 1e-3
+    az: Acceleration = 1e-3
+    byte_order: ByteOrder = "little"
+    beyond: Literal["refuse", "saturate", "wrap"] = "refuse"
+
+    def __post_init__(self) -> None:
+        for name, scale in zip(VALUES, self.scales, strict=True):
+            if not scale > 0:
+                raise BadMotion(f"{name}: one count stands for {scale:g}; expected more than 0")
+
+    @property
+    def scales(self) -> tuple[float, ...]:
+        """What one count of each of the six values stands for."""
+        return self.phi, self.theta, self.psi, self.ax, self.ay, self.az
+
+    def counts(self, values: Floats) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+        """(counts, whether a value was beyond 16 bits) of values in rad and g, both of shape (n, 6).
+
+        Rounded to nearest, halves to even. BadMotion for the first beyond, where such values are refused.
+        """
+        whole = np.rint(values / np.array(self.scales))
+        beyond = (whole < LEAST) | (whole > MOST)
+        if self.beyond == "refuse" and beyond.any():
+            place, column = np.argwhere(beyond)[0]
+            scale, found = self.scales[column], values[place, column]
+            raise BadMotion(
+                f"{VALUES[column]} is {found:.6g}, which is {whole[place, column]:.0f} counts of {scale:g}; expected "
+                f"{LEAST * scale:g} to {MOST * scale:g}, or another scale, or beyond = "
+                '"saturate" or "wrap"'
+            )
+        if self.beyond == "wrap":
+            return (whole.astype(np.int64) - LEAST) % 0x10000 + LEAST, beyond
+        return np.clip(whole, LEAST, MOST).astype(np.int64), beyond
+
+
+class MotionFrames:
+    """The values of frame n, which is due at first + n * period seconds of the motion's own time.
+
+    motion: what they are of. beyond: how often each value of the frames so far was beyond 16 bits; frames are asked
+    for in rising order.
+    """
+
+    def __init__(self, motion: Motion, encoding: Encoding, first: Fraction, period: Fraction) -> None:
+        self.beyond: Counter[str] = Counter()
+        self.motion = motion
+        self._encoding = encoding
+        self._first = first
+        self._period = period
+        self._counted = 0
+
+    @property
+    def byte_order(self) -> ByteOrder:
+        return self._encoding.byte_order
+
+    def __call__(self, number: int) -> tuple[int, ...]:
+        """Six counts. BadMotion if the motion is out of its range there, or beyond 16 bits and that is refused."""
+        time = np.array([float(self._first + number * self._period)])
+        try:
+            counts, beyond = self._encoding.counts(sampled(self.motion, time))
+        except BadMotion as error:
+            raise BadMotion(f"frame {number}, due at {time[0]:.6g} s: {error}") from None
+        if number >= self._counted:
+            self._counted = number + 1
+            self.beyond.update(name for name, one in zip(VALUES, beyond[0], strict=True) if one)
+        return tuple(counts[0].tolist())
+
+
+ANGLE, ACCELERATION = 1e-4, 1e-3  # rad and g a count

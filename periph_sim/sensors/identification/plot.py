@@ -1,0 +1,72 @@
+"""The Allan plot: what was identified goes in, a log-log picture with error bars and fitted lines comes out as a file.
+
+One panel a unit. Points with the interval in which the true deviation lies with 68 %; the line of slope -1/2 where it
+was fitted, thin where it goes on to 1 s, and the ring where it is read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from .confidence import LEVELS, edf, interval
+from .density import READ_AT
+from .slow_terms import FLOOR
+from .text_report import Axis
+
+COLOURS = ("#0060a8", "#c04a00", "#3a7d34", "#7a3b9a", "#777777")  # told apart also without all colours
+MARKS = "osd^v"
+STYLE: dict[Any, Any] = {"svg.hashsalt": "periph-sim", "svg.fonttype": "none", "font.size": 9.0, "axes.axisbelow": True}
+
+
+def plot(title: str, axes: Sequence[Axis], path: Path) -> None:
+    """Writes SVG or PNG, as the suffix says. Equal input gives equal bytes of SVG."""
+    units = list(dict.fromkeys(axis.unit for axis in axes))
+    with rc_context(STYLE):
+        figure = Figure(figsize=(1.5 + 4.2 * len(units), 4.4))
+        panels = figure.subplots(1, len(units), squeeze=False)
+        for panel, unit in zip(panels[0], units, strict=True):
+            for number, axis in enumerate(one for one in axes if one.unit == unit):
+                _draw(panel, axis, COLOURS[number % len(COLOURS)], MARKS[number % len(MARKS)])
+            panel.set(xscale="log", yscale="log", xlabel="averaging time, s", ylabel=f"Allan deviation, {unit}")
+            panel.grid(True, which="major", color="#dddddd")
+            panel.grid(True, which="minor", color="#f0f0f0")
+            panel.axvline(READ_AT, color="#555555", linewidth=0.8, linestyle=":")
+            panel.legend(loc="lower left", frameon=True, framealpha=0.9)
+        figure.suptitle(title)
+        figure.tight_layout()
+        metadata = {"Date": None} if path.suffix.casefold() == ".svg" else {}
+        figure.savefig(path, metadata=metadata, dpi=110)
+
+
+def _draw(panel: Axes, axis: Axis, colour: str, mark: str) -> None:
+    found, noise = axis.found.allan, axis.found.density
+    low, high = interval(edf(found), LEVELS["68 %"])
+    bars = np.abs(found.deviation * (np.sqrt(np.stack([low, high])) - 1))
+    panel.errorbar(
+        found.taus,
+        found.deviation,
+        yerr=bars,
+        fmt=mark,
+        color=colour,
+        markersize=4,
+        linewidth=1,
+        capsize=2,
+        label=axis.found.series.name,
+    )
+    fitted = found.taus[noise.region]
+    panel.plot(fitted, np.sqrt(noise.value / fitted), color=colour, linewidth=1.2)
+    to_read = np.array([min(fitted[0], READ_AT), max(fitted[-1], READ_AT)])
+    panel.plot(to_read, np.sqrt(noise.value / to_read), color=colour, linewidth=0.6)
+    panel.plot([READ_AT], [np.sqrt(noise.value / READ_AT)], "o", markersize=9, markerfacecolor="none", color=colour)
+    slow = axis.found.slow
+    if slow is not None:
+        whole = noise.value / found.taus
+        whole = whole + FLOOR * slow.bias_instability.squared + slow.random_walk.squared * found.taus / 3
+        panel.plot(found.taus, np.sqrt(whole), color=colour, linewidth=0.9, linestyle="--")

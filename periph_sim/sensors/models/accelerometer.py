@@ -1,0 +1,55 @@
+"""Accelerometer: attitude, linear acceleration and body rates go in, codes of the ADXL345 come out.
+
+    A_sys = A_CG - A_pig                                     A_pig = [-sin(theta), cos(theta) sin(phi),
+    A_med = A_sys + w x (w x d) + w' x d                              cos(theta) cos(phi)]  in g
+    code  = S (A_med + bias + noise)
+
+Source: equations 4.1 to 4.4. At rest and level: 0, 0, -1 g. The products with w in rad/s and d in m are in m/s^2 and
+are divided by g = 9.81 m/s^2 at the end. Dividing d instead would save three products; a lever arm of centimetres has
+too few bits left then in Q16.
+"""
+
+from __future__ import annotations
+
+from typing import Generic, TypeVar
+
+from ..numeric.arithmetic import Arithmetic
+from . import parameters
+from .angles import Angles
+from .derivative import Triple
+from .output import Output, cross, minus, plus, triple
+
+T = TypeVar("T")
+
+
+class Accelerometer(Generic[T]):
+    def __init__(self, a: Arithmetic[T], sensor: parameters.Accelerometer) -> None:
+        self._a = a
+        self._arm = triple(a, sensor.lever_arm)
+        self._per_g = a.constant(1 / parameters.STANDARD_GRAVITY)
+        self._bias = triple(a, sensor.bias)
+        self._output = Output(a, sensor)
+
+    def codes(
+        self, angles: Angles[T], acceleration: Triple[T], body: Triple[T], change: Triple[T], noise: Triple[T]
+    ) -> Triple[T]:
+        """LSB. acceleration: linear, in g; body: p, q, r in rad/s; change: of them, in rad/s^2; noise in g."""
+        a = self._a
+        system = minus(a, acceleration, gravity(a, angles))
+        measured = plus(a, system, self._lever(body, change))
+        return self._output.codes(plus(a, plus(a, measured, self._bias), noise))
+
+    def _lever(self, body: Triple[T], change: Triple[T]) -> Triple[T]:
+        """w x (w x d) + w' x d, in g."""
+        a, mul = self._a, self._a.mul
+        x, y, z = plus(a, cross(a, body, cross(a, body, self._arm)), cross(a, change, self._arm))
+        return mul(x, self._per_g), mul(y, self._per_g), mul(z, self._per_g)
+
+
+def gravity(a: Arithmetic[T], angles: Angles[T]) -> Triple[T]:
+    """A_pig of equation 4.2, in g."""
+    return (
+        a.neg(angles.s_theta),
+        a.mul(angles.c_theta, angles.s_phi),
+        a.mul(angles.c_theta, angles.c_phi),
+    )

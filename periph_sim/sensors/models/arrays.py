@@ -1,0 +1,78 @@
+"""The models over whole recordings: arrays of attitude, acceleration and noise go in, arrays of codes come out.
+
+The same equations as for one sample, over pieces of the arrays that stay in the cache. Pieces do not show: a sample
+depends on itself and the one before only, and any length of pieces gives the same codes.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..numeric.arithmetic import Arithmetic
+from ..numeric.float64 import Float64Arrays, Floats
+from . import parameters
+from .derivative import Triple
+from .finite import check_arrays, check_before, inputs_of
+from .imu import Codes, Imu, Noise
+
+PIECE = 8192  # samples: what is being worked on fits the second-level cache
+
+Int16s = NDArray[np.int16]
+
+
+def codes_of(
+    imu: parameters.Imu,
+    attitude: Triple[Floats],
+    acceleration: Triple[Floats],
+    noise: Noise[Floats] | None = None,
+    *,
+    before: tuple[float, float, float] | None = None,
+    arithmetic: Arithmetic[Floats] | None = None,
+    piece: int = PIECE,
+) -> Codes[Int16s]:
+    """Nine arrays int16[n] of LSB.
+
+    attitude: roll, pitch, yaw, float64[n] in rad; acceleration: x, y, z, linear, float64[n] in g; noise: nine
+    float64[n] in deg/s, g and gauss, or none. before: the attitude one period before the first; as if the first had
+    stood, unless given (a Simulink block begins with 0, 0, 0). ValueError if the arrays differ in length; NotFinite,
+    naming axis and sample, for a NaN or an infinity.
+    """
+    length = len(attitude[0])
+    model = Imu(arithmetic or Float64Arrays(), imu)
+    given = inputs_of(attitude, acceleration, noise)
+    if any(len(array) != length for array in given):
+        raise ValueError(f"arrays of {', '.join(str(len(array)) for array in given)} samples; expected the same of all")
+    check_arrays(given)
+    out = np.empty((9, length), dtype=np.int16)
+    last = tuple(angle[:1] for angle in attitude)
+    if before is not None:
+        check_before(before)
+        last = tuple(np.atleast_1d(model.a.constant(angle)) for angle in before)
+    x, y, z = model.at_rest.body
+    body_last = np.atleast_1d(x), np.atleast_1d(y), np.atleast_1d(z)
+    with np.errstate(all="ignore"):  # an arithmetic says itself what x/0 and overflow give
+        for begin in range(0, length, piece):
+            here = slice(begin, begin + piece)
+            now = _cut(attitude, here)
+            turned, body = model.motion(now, _behind(last, now))
+            added = model.silence if noise is None else Noise(*(_cut(chip, here) for chip in noise))
+            codes = model.codes(turned, _cut(acceleration, here), body, _behind(body_last, body), added)
+            for row, axis in zip(out, (axis for chip in codes for axis in chip), strict=True):
+                row[here] = axis
+            last, body_last = _last(now), _last(body)
+    return Codes((out[0], out[1], out[2]), (out[3], out[4], out[5]), (out[6], out[7], out[8]))
+
+
+def _cut(arrays: Triple[Floats], here: slice) -> Triple[Floats]:
+    return arrays[0][here], arrays[1][here], arrays[2][here]
+
+
+def _behind(last: tuple[Floats, ...], now: Triple[Floats]) -> Triple[Floats]:
+    """Each array one sample later: what came before it in front, its own last left out."""
+    x, y, z = (np.concatenate((first, array[:-1])) for first, array in zip(last, now, strict=True))
+    return x, y, z
+
+
+def _last(arrays: Triple[Floats]) -> Triple[Floats]:
+    return arrays[0][-1:], arrays[1][-1:], arrays[2][-1:]

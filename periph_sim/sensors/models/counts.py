@@ -1,0 +1,41 @@
+"""How many operations a sample takes, part by part: parameters go in, {"gyroscope": {"mul": 15, ...}, ...} comes out.
+
+The choices among the parameters (corrected rates, unwrapped angles, how the field is turned) change the counts; the
+numbers do not, since the equations have no branches.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from ..numeric.counting import Counting
+from ..numeric.float64 import Float64
+from . import parameters
+from .angles import angles
+from .imu import Imu
+
+PARTS = ("frame", "derivative", "angles", "gyroscope", "accelerometer", "magnetometer")
+FRAME = 6  # values of a host frame that are scaled
+
+
+def counts_of(imu: parameters.Imu) -> dict[str, Counter[str]]:
+    """Operations of one sample by part; `frame` is the scaling of a host frame's six values."""
+    a = Counting(Float64())
+    model = Imu(a, imu)
+    still = (0.0, 0.0, 0.0)
+    noise, (attitude, before) = model.silence, model.at_rest
+    found: dict[str, Counter[str]] = {"frame": Counter({"scaled": FRAME})}
+    rates = model.derivative.rates(attitude, still)
+    derivative = a.take()
+    turned = angles(a, attitude)
+    found["angles"] = a.take()
+    body = model.gyroscope.body_rates(rates, turned)
+    model.gyroscope.codes(body, still, noise.gyroscope)
+    found["gyroscope"] = a.take()
+    change = model.derivative.change(body, before)
+    found["derivative"] = derivative + a.take()
+    model.accelerometer.codes(turned, still, body, change, noise.accelerometer)
+    found["accelerometer"] = a.take()
+    model.magnetometer.codes(turned, noise.magnetometer)
+    found["magnetometer"] = a.take()
+    return {part: found[part] for part in PARTS}

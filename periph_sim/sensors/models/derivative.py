@@ -1,0 +1,55 @@
+"""The discrete derivative that gyroscope and accelerometer share: two attitudes go in, three rates come out.
+
+    u(k), u(k-1) --> (u(k) - u(k-1)) / Ts --> phi', theta', psi' in rad/s
+
+Source: the dissertation's section 4.3.2 (y(k) = (u(k) - u(k-1)) / Ts, Ts constant) and 4.3.5 (computed once for both).
+It takes plain differences, so a yaw that goes on from +180 to -180 degrees counts as a step of nearly -360: "as
+built". "unwrapped" adds or takes one turn where a step of roll or yaw is longer than half a turn.
+
+1/Ts is a constant, as a block with a fixed sample time has it. Ts = 0 has no derivative: such a set of parameters is
+refused, so no arithmetic ever divides by it.
+"""
+
+from __future__ import annotations
+
+from math import pi
+from typing import Generic, TypeVar
+
+from ..numeric.arithmetic import Arithmetic
+from .parameters import Wrap
+
+T = TypeVar("T")
+Triple = tuple[T, T, T]
+
+
+class Derivative(Generic[T]):
+    """period: Ts in seconds."""
+
+    def __init__(self, a: Arithmetic[T], period: float, wrap: Wrap = "as built") -> None:
+        self._a = a
+        self._wrap = wrap
+        self._per_second = a.constant(1 / period)
+        self._half_turn, self._turn = a.constant(pi), a.constant(2 * pi)
+        self._minus_half_turn = a.constant(-pi)
+
+    def rates(self, now: Triple[T], before: Triple[T]) -> Triple[T]:
+        """phi', theta', psi' in rad/s from two attitudes in rad."""
+        sub = self._a.sub
+        roll, pitch, yaw = sub(now[0], before[0]), sub(now[1], before[1]), sub(now[2], before[2])
+        if self._wrap == "unwrapped":
+            roll, yaw = self._short_way(roll), self._short_way(yaw)
+        return self._in_a_second((roll, pitch, yaw))
+
+    def change(self, now: Triple[T], before: Triple[T]) -> Triple[T]:
+        """The change of three rates in a second: rad/s^2 from rad/s."""
+        sub = self._a.sub
+        return self._in_a_second((sub(now[0], before[0]), sub(now[1], before[1]), sub(now[2], before[2])))
+
+    def _in_a_second(self, step: Triple[T]) -> Triple[T]:
+        mul, k = self._a.mul, self._per_second
+        return mul(step[0], k), mul(step[1], k), mul(step[2], k)
+
+    def _short_way(self, step: T) -> T:
+        a = self._a
+        down = a.select_greater(step, self._half_turn, a.sub(step, self._turn), step)
+        return a.select_greater(self._minus_half_turn, step, a.add(step, self._turn), down)

@@ -1,0 +1,106 @@
+"""The whole IMU: attitude, acceleration and noise go in, nine codes come out, in any arithmetic.
+
+    attitude --+--> Derivative --> Gyroscope -----> x, y, z
+               +--> angles ------> Accelerometer -> x, y, z
+    a_lin -----+                   Magnetometer --> x, y, z
+
+Source: the dissertation's Figure 4.6 and section 4.3.5. The derivative is computed once, and so are the six sines and
+cosines.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Generic, NamedTuple, TypeVar
+
+from ..numeric.arithmetic import Arithmetic
+from ..numeric.q import DoesNotFit
+from . import parameters
+from .accelerometer import Accelerometer
+from .angles import Angles, angles
+from .derivative import Derivative, Triple
+from .finite import check_sample
+from .gyroscope import Gyroscope
+from .magnetometer import Magnetometer
+
+T = TypeVar("T")
+
+
+class Noise(NamedTuple, Generic[T]):
+    """What is added before S: deg/s, g and gauss on x, y, z."""
+
+    gyroscope: Triple[T]
+    accelerometer: Triple[T]
+    magnetometer: Triple[T]
+
+
+class Codes(NamedTuple, Generic[T]):
+    """LSB on x, y, z of each chip: whole numbers."""
+
+    gyroscope: Triple[T]
+    accelerometer: Triple[T]
+    magnetometer: Triple[T]
+
+
+class State(NamedTuple, Generic[T]):
+    """What one sample leaves to the next: attitude in rad, body rates in rad/s."""
+
+    attitude: Triple[T]
+    body: Triple[T]
+
+
+@contextmanager
+def _constants_of(part: str) -> Iterator[None]:
+    """Says whose constant it is that a format cannot hold."""
+    try:
+        yield
+    except DoesNotFit as error:
+        raise DoesNotFit(f"{part}: {error}") from None
+
+
+class Imu(Generic[T]):
+    """Keeps no state: `step` takes what the sample before left and gives what it leaves."""
+
+    def __init__(self, a: Arithmetic[T], imu: parameters.Imu) -> None:
+        """DoesNotFit, with the part whose constant it is, where a Q format cannot hold one."""
+        self.a = a
+        zero = a.constant(0.0)
+        still = (zero, zero, zero)
+        self.silence: Noise[T] = Noise(still, still, still)
+        self.at_rest: State[T] = State(still, still)
+        with _constants_of("derivative, 1 / period"):
+            self.derivative = Derivative(a, imu.period, imu.wrap)
+        with _constants_of("gyroscope"):
+            self.gyroscope = Gyroscope(a, imu.gyroscope)
+        with _constants_of("accelerometer"):
+            self.accelerometer = Accelerometer(a, imu.accelerometer)
+        with _constants_of("magnetometer"):
+            self.magnetometer = Magnetometer(a, imu.magnetometer)
+
+    def motion(self, attitude: Triple[T], before: Triple[T]) -> tuple[Angles[T], Triple[T]]:
+        """Sines and cosines, and p, q, r in rad/s, from this attitude and the one before, in rad."""
+        turned = angles(self.a, attitude)
+        return turned, self.gyroscope.body_rates(self.derivative.rates(attitude, before), turned)
+
+    def codes(
+        self, turned: Angles[T], acceleration: Triple[T], body: Triple[T], body_before: Triple[T], noise: Noise[T]
+    ) -> Codes[T]:
+        """Nine LSB. acceleration: linear, in g; body, body_before: p, q, r of this sample and the last, in rad/s."""
+        change = self.derivative.change(body, body_before)
+        return Codes(
+            self.gyroscope.codes(body, acceleration, noise.gyroscope),
+            self.accelerometer.codes(turned, acceleration, body, change, noise.accelerometer),
+            self.magnetometer.codes(turned, noise.magnetometer),
+        )
+
+    def step(
+        self, attitude: Triple[T], acceleration: Triple[T], noise: Noise[T], before: State[T]
+    ) -> tuple[Codes[T], State[T]]:
+        """One sample, and what it leaves to the next. attitude in rad, acceleration in g.
+
+        NotFinite, naming the axis, for a NaN or an infinity.
+        """
+        check_sample(attitude, acceleration, noise)
+        turned, body = self.motion(attitude, before.attitude)
+        return self.codes(turned, acceleration, body, before.body, noise), State(attitude, body)

@@ -1,0 +1,101 @@
+"""Magnetometer: attitude goes in, codes of the HMC5883L come out.
+
+    H_rm = Rx(phi) Ry(theta) Rz(psi) H_rt + V
+    H_rp = sph2cart(cart2sph(H_rm) + [0, azimuth, elevation of the board])
+    code = S (H_rp + noise)
+
+Source: equations 4.6 to 4.8. Section 4.3.3 writes azimuth = atan(Hy/Hx) and elevation = atan(Hz/sqrt(Hx^2 + Hy^2)):
+"plain". Half of all azimuths come out half a turn off then, and 0/0 has no answer, so "four-quadrant" with atan2 is
+what is meant. "rotation" needs no angle: with r = sqrt(Hx^2 + Hy^2), rho = sqrt(r^2 + Hz^2), board angles a and e,
+
+    rho cos(elevation + e) = r cos e - Hz sin e        rho sin(elevation + e) = Hz cos e + r sin e
+    r cos(azimuth + a) = Hx cos a - Hy sin a           r sin(azimuth + a) = Hy cos a + Hx sin a
+
+It gives what "four-quadrant" gives but along the z axis itself (r = 0), where atan2(0, 0) = 0 puts the vector on the
+side of x: there "rotation" takes that side too.
+"""
+
+from __future__ import annotations
+
+from math import cos, radians, sin
+from typing import Generic, TypeVar
+
+from ..numeric.arithmetic import Arithmetic
+from . import parameters
+from .angles import Angles
+from .derivative import Triple
+from .output import Output, plus, triple
+
+T = TypeVar("T")
+
+
+class Magnetometer(Generic[T]):
+    def __init__(self, a: Arithmetic[T], sensor: parameters.Magnetometer) -> None:
+        self._a = a
+        self._earth = triple(a, sensor.earth_field)
+        self._hard_iron = triple(a, sensor.hard_iron)
+        self._spherical, self._norm = sensor.spherical, sensor.norm
+        azimuth, elevation = radians(sensor.board_azimuth), radians(sensor.board_elevation)
+        self._azimuth, self._elevation = a.constant(azimuth), a.constant(elevation)
+        self._s_azimuth, self._c_azimuth = a.constant(sin(azimuth)), a.constant(cos(azimuth))
+        self._s_elevation, self._c_elevation = a.constant(sin(elevation)), a.constant(cos(elevation))
+        self._one, self._zero = a.constant(1.0), a.constant(0.0)
+        self._output = Output(a, sensor)
+
+    def codes(self, angles: Angles[T], noise: Triple[T]) -> Triple[T]:
+        """LSB. noise in gauss."""
+        a = self._a
+        seen = plus(a, rotated(a, angles, self._earth), self._hard_iron)
+        return self._output.codes(plus(a, self.on_board(seen), noise))
+
+    def on_board(self, field: Triple[T]) -> Triple[T]:
+        """H_rp from H_rm: the field as the inclined board sees it."""
+        return self._turned(field) if self._spherical == "rotation" else self._by_angles(field)
+
+    def _by_angles(self, field: Triple[T]) -> Triple[T]:
+        a, (x, y, z) = self._a, field
+        level, rho = self._lengths(field)
+        if self._spherical == "plain":
+            azimuth, elevation = a.atan(a.div(y, x)), a.atan(a.div(z, level))
+        else:
+            azimuth, elevation = a.atan2(y, x), a.atan2(z, level)
+        azimuth, elevation = a.add(azimuth, self._azimuth), a.add(elevation, self._elevation)
+        s_azimuth, c_azimuth = a.sincos(azimuth)
+        s_elevation, c_elevation = a.sincos(elevation)
+        flat = a.mul(rho, c_elevation)
+        return a.mul(flat, c_azimuth), a.mul(flat, s_azimuth), a.mul(rho, s_elevation)
+
+    def _turned(self, field: Triple[T]) -> Triple[T]:
+        a, mul, (x, y, z) = self._a, self._a.mul, field
+        if self._norm == "mag":
+            level = a.mag(x, y)
+        else:
+            level = a.sqrt(a.add(mul(x, x), mul(y, y)))
+        flat = a.sub(mul(level, self._c_elevation), mul(z, self._s_elevation))
+        up = a.add(mul(z, self._c_elevation), mul(level, self._s_elevation))
+        safe = a.select_greater(level, self._zero, level, self._one)
+        east, north = a.div(y, safe), a.select_greater(level, self._zero, a.div(x, safe), self._one)
+        return (
+            mul(flat, a.sub(mul(north, self._c_azimuth), mul(east, self._s_azimuth))),
+            mul(flat, a.add(mul(east, self._c_azimuth), mul(north, self._s_azimuth))),
+            up,
+        )
+
+    def _lengths(self, field: Triple[T]) -> tuple[T, T]:
+        """sqrt(Hx^2 + Hy^2) and rho."""
+        a, mul, (x, y, z) = self._a, self._a.mul, field
+        if self._norm == "mag":
+            level = a.mag(x, y)
+            return level, a.mag(level, z)
+        squared = a.add(mul(x, x), mul(y, y))
+        return a.sqrt(squared), a.sqrt(a.add(squared, mul(z, z)))
+
+
+def rotated(a: Arithmetic[T], angles: Angles[T], field: Triple[T]) -> Triple[T]:
+    """Rx(phi) Ry(theta) Rz(psi) times a vector: about one axis after the other, as section 4.3.3 writes them."""
+    add, sub, mul = a.add, a.sub, a.mul
+    x, y, z = field
+    x, y = add(mul(angles.c_psi, x), mul(angles.s_psi, y)), sub(mul(angles.c_psi, y), mul(angles.s_psi, x))
+    x, z = sub(mul(angles.c_theta, x), mul(angles.s_theta, z)), add(mul(angles.s_theta, x), mul(angles.c_theta, z))
+    y, z = add(mul(angles.c_phi, y), mul(angles.s_phi, z)), sub(mul(angles.c_phi, z), mul(angles.s_phi, y))
+    return x, y, z

@@ -1,0 +1,134 @@
+"""What each sensor model has to be told: named numbers with unit, range and source (see quantity.py).
+
+Table 4.1 of the dissertation is the default. Where it gives no value the source says so, and why this one was taken.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+from ..numeric.arithmetic import Rounding
+from .quantity import BadParameter, Checked, Choice, Quantity, Vector
+
+Rates = Literal["as built", "corrected"]
+Wrap = Literal["as built", "unwrapped"]
+Spherical = Literal["four-quadrant", "plain", "rotation"]
+Norm = Literal["squares", "mag"]
+
+STANDARD_GRAVITY = 9.81  # m/s^2 in one g, section 4.3.4
+NONE: Vector = (0.0, 0.0, 0.0)
+
+TABLE = "dissertation, Table 4.1"
+SILENT = "the dissertation gives none"
+ARM = f"{SILENT}; 0, at the centre of gravity, which changes nothing at rest"
+G_SENS = f"{SILENT}; 0.1 is usual for such a gyroscope, and changes nothing at rest"
+AXES = f"{SILENT}; the chip's axes are taken to be the body's"
+FIELD = "Table 5.1, the real mean: undisturbed, level, pointing north (section 5.2; see experiments/earth_field.py)"
+BOARD = f"{SILENT}; 0: its effect at rest is in earth_field already"
+OFF = "section 4.3.4 leaves it out; 0 is off"
+NEAREST = "not said; nearest, which Table 5.1's emulated means of the gyroscope fit within one standard error"
+EITHER = "not said; nearest; Table 5.1's emulated means of this sensor lie half an LSB lower, where a floor has them"
+
+
+@dataclass(frozen=True)
+class Sensor(Checked):
+    """What the three have in common: S (scale on its diagonal, cross-axis beside it) and the converter's codes."""
+
+    scale: float
+    cross_axis: float
+    bits: int
+    rounding: Rounding
+
+    @property
+    def matrix(self) -> tuple[Vector, Vector, Vector]:
+        """S: LSB on each axis per unit on each. Off the diagonal: cross_axis times scale, all with the same sign."""
+        on, off = self.scale, self.scale * self.cross_axis
+        return (on, off, off), (off, on, off), (off, off, on)
+
+    @property
+    def limits(self) -> tuple[int, int]:
+        """The converter's lowest and highest code, in LSB."""
+        return -(1 << (self.bits - 1)), (1 << (self.bits - 1)) - 1
+
+
+@dataclass(frozen=True)
+class Accelerometer(Sensor):
+    """ADXL345 (equations 4.1 to 4.4). lever_arm: d of equation 4.3."""
+
+    bias: Annotated[Vector, Quantity("g", -16, 16, TABLE)] = (-0.02, 0.02, -0.00)
+    noise_density: Annotated[Vector, Quantity("g^2/Hz", 0, 1, TABLE)] = (0.16e-4, 0.16e-4, 0.15e-4)
+    scale: Annotated[float, Quantity("LSB/g", 1e-3, 1e6, TABLE)] = 256.0
+    cross_axis: Annotated[float, Quantity("", -0.5, 0.5, TABLE)] = 0.01
+    bits: Annotated[int, Quantity("bit", 2, 16, TABLE)] = 10
+    full_scale: Annotated[float, Quantity("g", 1e-3, 1e3, "ADXL345 data sheet, range 0")] = 2.0
+    rounding: Annotated[Rounding, Choice(EITHER)] = "nearest"
+    lever_arm: Annotated[Vector, Quantity("m", -100, 100, ARM)] = NONE
+    bias_instability: Annotated[Vector, Quantity("g", 0, 16, OFF)] = NONE
+    random_walk: Annotated[Vector, Quantity("g/s^0.5", 0, 16, OFF)] = NONE
+
+
+@dataclass(frozen=True)
+class Gyroscope(Sensor):
+    """ITG-3200 (equation 4.5, appendix B). mounting: which body axis, signed, each chip axis looks along; 1 is x.
+
+    rates: "as built", the derivatives of the three angles, or "corrected", the body rates of appendix B.
+    """
+
+    bias: Annotated[Vector, Quantity("deg/s", -2000, 2000, TABLE)] = (-3.10, 3.60, 0.04)
+    noise_density: Annotated[Vector, Quantity("(deg/s)^2/Hz", 0, 1e4, TABLE)] = (0.05e-3, 0.12e-3, 0.04e-3)
+    scale: Annotated[float, Quantity("LSB/(deg/s)", 1e-3, 1e6, TABLE)] = 14.375
+    cross_axis: Annotated[float, Quantity("", -0.5, 0.5, TABLE)] = 0.02
+    bits: Annotated[int, Quantity("bit", 2, 16, TABLE)] = 16
+    full_scale: Annotated[float, Quantity("deg/s", 1e-3, 1e6, "ITG-3200 specification, FS_SEL 3")] = 2000.0
+    rounding: Annotated[Rounding, Choice(NEAREST)] = "nearest"
+    g_sens: Annotated[float, Quantity("(deg/s)/g", -100, 100, G_SENS)] = 0.1
+    mounting: Annotated[Vector, Quantity("", -3, 3, AXES)] = (1, 2, 3)
+    rates: Annotated[Rates, Choice("section 4.3.2; appendix B")] = "as built"
+    bias_instability: Annotated[Vector, Quantity("deg/s", 0, 2000, OFF)] = NONE
+    random_walk: Annotated[Vector, Quantity("(deg/s)/s^0.5", 0, 2000, OFF)] = NONE
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if sorted(abs(axis) for axis in self.mounting) != [1, 2, 3]:
+            found = ", ".join(f"{axis:g}" for axis in self.mounting)
+            raise BadParameter("gyroscope.mounting", f"expected 1, 2 and 3 once each, with a sign, but it is {found}")
+
+
+@dataclass(frozen=True)
+class Magnetometer(Sensor):
+    """HMC5883L (equations 4.6 to 4.8). hard_iron: V; earth_field: H_rt; board: Incl_PCB.
+
+    spherical: how H_rp is found. "four-quadrant": by azimuth and elevation with atan2, as meant; "plain": with the
+    arctangents as written; "rotation": the same values as "four-quadrant" without any angle (see magnetometer.py).
+    norm: "squares", the roots as written; "mag", two magnitudes of two numbers, which form no large square.
+    """
+
+    hard_iron: Annotated[Vector, Quantity("gauss", -8, 8, TABLE)] = (-0.16, 0.17, -0.02)
+    noise_density: Annotated[Vector, Quantity("gauss^2/Hz", 0, 1, TABLE)] = (0.58e-6, 0.77e-6, 0.20e-6)
+    scale: Annotated[float, Quantity("LSB/gauss", 1e-3, 1e6, TABLE)] = 660.0
+    cross_axis: Annotated[float, Quantity("", -0.5, 0.5, TABLE)] = 0.002
+    bits: Annotated[int, Quantity("bit", 2, 16, TABLE)] = 12
+    full_scale: Annotated[float, Quantity("gauss", 1e-3, 1e3, "HMC5883L data sheet, GN 3")] = 2.5
+    rounding: Annotated[Rounding, Choice(EITHER)] = "nearest"
+    earth_field: Annotated[Vector, Quantity("gauss", -1000, 1000, FIELD)] = (0.3239, -0.0447, 0.0060)
+    board_azimuth: Annotated[float, Quantity("deg", -180, 180, BOARD)] = 0.0
+    board_elevation: Annotated[float, Quantity("deg", -90, 90, BOARD)] = 0.0
+    spherical: Annotated[Spherical, Choice("equation 4.7; section 4.3.3 writes plain arctangents")] = "four-quadrant"
+    norm: Annotated[Norm, Choice("section 4.3.3, cart2sph")] = "squares"
+    bias_instability: Annotated[Vector, Quantity("gauss", 0, 8, OFF)] = NONE
+    random_walk: Annotated[Vector, Quantity("gauss/s^0.5", 0, 8, OFF)] = NONE
+
+
+@dataclass(frozen=True)
+class Imu(Checked):
+    """All three sensors, and what they share: the derivative. period: Ts.
+
+    wrap: "as built", a step of nearly 360 degrees counts as one; "unwrapped", roll and yaw take the short way round.
+    """
+
+    accelerometer: Accelerometer = Accelerometer()
+    gyroscope: Gyroscope = Gyroscope()
+    magnetometer: Magnetometer = Magnetometer()
+    period: Annotated[float, Quantity("s", 1e-6, 3600, "section 3.4: 20 ms; 0 has no derivative")] = 0.02
+    wrap: Annotated[Wrap, Choice("section 4.3.2 takes plain differences")] = "as built"

@@ -1,0 +1,64 @@
+"""What the sensors of a moving body should show: parameters and a motion go in, exact LSB at any instants come out.
+
+    motion.truth --attitude, rates, acceleration at t--> models in float64 --> LSB, saturated, not rounded
+
+Rates are those of the motion itself at that instant, not differences of two samples, and always body rates (appendix
+B): a gyroscope that is fastened to the body feels nothing else, however an emulator computes it. Where the motion has
+a corner, what is behind it counts.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..motion import Motion
+from ..numeric.arithmetic import Rounding
+from ..numeric.float64 import Float64Arrays
+from .angles import Angles, angles
+from .derivative import Triple
+from .imu import Imu, Noise
+from .parameters import Imu as Parameters
+
+Floats = NDArray[np.float64]
+
+STEP = 1e-4  # seconds over which the change of the body rates is taken; it matters with a lever arm only
+
+
+class Unrounded(Float64Arrays):
+    """float64 whose codes keep their fractions."""
+
+    def to_integer(self, x: Floats, rounding: Rounding) -> Floats:
+        return x
+
+
+class SensedMotion:
+    """imu: its parameters. motion: what the body does, from time 0 on."""
+
+    def __init__(self, imu: Parameters, motion: Motion) -> None:
+        corrected = replace(imu, gyroscope=replace(imu.gyroscope, rates="corrected"))
+        self._motion = motion.truth
+        self._period = imu.period
+        self._model = Imu(Unrounded(), corrected)
+
+    def lsb(self, times: Floats, noise: Noise[Floats] | None = None) -> dict[str, Floats]:
+        """By chip, x, y, z in LSB, float64[n, 3], at times in seconds, float64[n]. noise: as `imu_noise` gives it."""
+        turned, body = self._turning(times)
+        _, later = self._turning(times + STEP)
+        # The models take the change of the rates from one sample to the next.
+        part = self._period / STEP
+        before = tuple(now - (then - now) * part for now, then in zip(body, later, strict=True))
+        pushed = _columns(self._motion.acceleration(times))
+        codes = self._model.codes(turned, pushed, body, (before[0], before[1], before[2]), noise or self._model.silence)
+        return {name: np.stack(getattr(codes, name), axis=1) for name in codes._fields}
+
+    def _turning(self, times: Floats) -> tuple[Angles[Floats], Triple[Floats]]:
+        """Sines and cosines; p, q, r in rad/s."""
+        turned = angles(self._model.a, _columns(self._motion.attitude(times)))
+        return turned, self._model.gyroscope.body_rates(_columns(self._motion.rates(times)), turned)
+
+
+def _columns(values: Floats) -> Triple[Floats]:
+    return values[:, 0], values[:, 1], values[:, 2]

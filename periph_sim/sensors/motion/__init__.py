@@ -1,0 +1,82 @@
+"""Host motion: a kind and its settings go in, attitude and acceleration as functions of time come out.
+
+One file of this folder that has a function `motion` is one kind of motion, found by being there. It defines
+
+    Settings             a dataclass of what a case may set in [host.motion], with units (`quantities`)
+    motion(settings)     the `Motion`; BadMotion in one sentence if there can be none
+
+Angles are the usual aerospace ones, z down: roll phi, pitch theta, yaw psi in rad. Accelerations are linear ones
+of the body in g, without gravity (dissertation sections 3.4 and 4.3.1).
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Protocol, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.discover import modules_with
+from .quantities import ACCELERATION_RANGE, ANGLE_RANGE, shown
+
+Floats = NDArray[np.float64]
+
+ANGLES = ("phi", "theta", "psi")
+ACCELERATIONS = ("ax", "ay", "az")
+VALUES = ANGLES + ACCELERATIONS
+
+
+class BadMotion(ValueError):
+    """Motion that cannot be: the message names the value and the range, or the file and the line."""
+
+
+class Motion(Protocol):
+    """A motion from time 0 on. Times are float64 seconds of shape (n,); results have shape (n, 3)."""
+
+    ends: float  # seconds after which nothing moves any more; infinite where it goes on
+
+    @property
+    def truth(self) -> Motion:
+        """How the body moves in truth, where what is told of its attitude is less than that; else the same motion."""
+        ...
+
+    def attitude(self, times: Floats) -> Floats:
+        """phi, theta, psi in rad."""
+        ...
+
+    def rates(self, times: Floats) -> Floats:
+        """What phi, theta, psi change by in truth, in rad/s; behind a corner, where there is one."""
+        ...
+
+    def acceleration(self, times: Floats) -> Floats:
+        """ax, ay, az in g."""
+        ...
+
+
+class Kind(Protocol):
+    """What every kind of motion of this folder has."""
+
+    Settings: type[object]
+
+    def motion(self, settings: object) -> Motion: ...
+
+
+@cache
+def kinds() -> dict[str, Kind]:
+    """Every kind of motion, by the name of its file."""
+    return {name: cast(Kind, module) for name, module in modules_with("motion", __name__, __path__).items()}
+
+
+def sampled(motion: Motion, times: Floats) -> Floats:
+    """The six values at these times, shape (n, 6): rad and g. BadMotion for the first that is out of range."""
+    values = np.hstack([motion.attitude(times), motion.acceleration(times)])
+    for first, limit, unit in ((0, ANGLE_RANGE, "rad"), (3, ACCELERATION_RANGE, "g")):
+        wrong = np.argwhere(~(np.abs(values[:, first : first + 3]) <= limit))  # so that NaN is wrong too
+        if len(wrong):
+            row, column = wrong[0][0], wrong[0][1] + first
+            raise BadMotion(
+                f"motion: {VALUES[column]} is {values[row, column]:.6g} {unit} at {times[row]:.6g} s; "
+                f"expected {shown(limit, unit)}"
+            )
+    return values

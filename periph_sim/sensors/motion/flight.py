@@ -1,0 +1,83 @@
+"""A recorded flight: a CSV file goes in; between its rows all values go straight, angles the short way round.
+
+    time [s],phi [deg],theta [deg],psi [deg],ax [g],ay [g],az [m/s^2]
+
+Angles in rad, deg or mrad, accelerations in g, mg or m/s^2; the columns may stand in any order, and others beside
+them are not looked at. Roll and yaw come out from -180 (not included) to 180 degrees, however the file counts them.
+Time 0 of the run is the first row; behind the last one its values stay.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import pi
+from pathlib import Path
+
+import numpy as np
+
+from ...core.suggest import did_you_mean
+from ...traces.formats.unit_csv import Column, line_of_row, read
+from . import ACCELERATIONS, ANGLES, VALUES, BadMotion, Floats
+from .pieces import Straight
+from .quantities import ACCELERATION_RANGE, ACCELERATION_UNITS, ANGLE_RANGE, ANGLE_UNITS, TIME_UNITS, shown
+
+
+@dataclass(frozen=True)
+class Settings:
+    """file: its path, from where the command is run."""
+
+    file: Path
+
+
+class Flight(Straight):
+    """A record whose roll and yaw may run through 180 degrees."""
+
+    def attitude(self, times: Floats) -> Floats:
+        angles = super().attitude(times)
+        return angles - 2 * pi * np.ceil((angles - pi) / (2 * pi))
+
+
+def motion(settings: Settings) -> Flight:
+    """BadCapture or BadMotion with file and line for a file that holds no flight."""
+    path = settings.file
+    columns = {column.name: column for column in read(path)}
+    times = _values(path, columns, "time", TIME_UNITS)
+    late = np.flatnonzero(np.diff(times) <= 0)
+    if len(late):
+        row = int(late[0]) + 1
+        raise _bad(path, row, f"time is {times[row]:.9g} s", f"more than {times[row - 1]:.9g} s, as the row before has")
+    values = np.stack(
+        [_values(path, columns, name, ANGLE_UNITS, ANGLE_RANGE) for name in ANGLES]
+        + [_values(path, columns, name, ACCELERATION_UNITS, ACCELERATION_RANGE) for name in ACCELERATIONS],
+        axis=1,
+    )
+    values[:, :3] = np.unwrap(values[:, :3], axis=0)
+    return Flight(times - times[0], values)
+
+
+def _values(
+    path: Path, columns: Mapping[str, Column], name: str, units: Mapping[str, float], limit: float | None = None
+) -> Floats:
+    if name not in columns:
+        raise BadMotion(
+            f"{path}, line 1: there is no column {name!r} among {len(columns)}; {did_you_mean(name, columns)}"
+        )
+    column = columns[name]
+    if column.unit not in units:
+        raise BadMotion(f"{path}, line 1: the unit of {name} is {column.unit!r}; expected {' or '.join(units)}")
+    values: Floats = column.values * units[column.unit]
+    if limit is not None:
+        beyond = np.flatnonzero(np.abs(values) > limit)
+        if len(beyond):
+            row = int(beyond[0])
+            found = f"{name} is {column.values[row]:.6g} {column.unit}"
+            raise _bad(path, row, found, shown(limit / units[column.unit], column.unit))
+    return values
+
+
+def _bad(path: Path, row: int, found: str, expected: str) -> BadMotion:
+    return BadMotion(f"{path}, line {line_of_row(path, row)}: {found}; expected {expected}")
+
+
+assert VALUES == ANGLES + ACCELERATIONS  # the order of the rows above is that of a host frame

@@ -1,0 +1,73 @@
+"""Arithmetics by name: "float64", "float32", "q16", "q12 saturating", "q16 rounded" go in, what computes so comes out.
+
+name --> scalar(name)   one number at a time, as firmware does
+     --> arrays(name)   element by element
+     --> library(name)  what its operations cost
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Any, NamedTuple
+
+from ...core.suggest import did_you_mean
+from .arithmetic import Arithmetic
+from .costs import Library
+from .costs.double import DOUBLE
+from .costs.fpu import FASTRTS
+from .costs.iqmath import IQMATH, ROUNDED, SATURATED
+from .float32 import Float32
+from .float64 import Float64, Float64Arrays
+from .q import Overflow, Product, Q, RoundedQ
+from .q_arrays import QArrays
+
+EXAMPLES = ("float64", "float32", "q16", "q16 rounded", "q16 saturating")
+
+
+class NoSuchArithmetic(ValueError):
+    """A name that no arithmetic has; one sentence."""
+
+
+class Format(NamedTuple):
+    """A Q format. Saturating products are rounded too, as IQrsmpy does."""
+
+    bits: int
+    overflow: Overflow
+    product: Product
+
+
+def format_of(name: str) -> Format | None:
+    """The Q format of a name; None for float32 and float64. NoSuchArithmetic for anything else."""
+    if name in ("float32", "float64"):
+        return None
+    found = re.fullmatch(r"q(\d{1,3})( saturating| rounded)?", name)
+    if found is None:
+        raise NoSuchArithmetic(f"there is no arithmetic {name!r}; {did_you_mean(name, EXAMPLES)}")
+    if found[2] == " saturating":
+        return Format(int(found[1]), "saturate", "rounded")
+    return Format(int(found[1]), "wrap", "rounded" if found[2] else "cut")
+
+
+def scalar(name: str) -> Arithmetic[Any]:
+    """NoSuchArithmetic or DoesNotFit if there is none of that name."""
+    q = format_of(name)
+    if q is not None:
+        return (Q if q.product == "cut" else RoundedQ)(q.bits, q.overflow)
+    return Float64() if name == "float64" else Float32()
+
+
+def arrays(name: str) -> Arithmetic[Any]:
+    q = format_of(name)
+    if q is not None:
+        return QArrays(*q)
+    return Float64Arrays() if name == "float64" else Float32()
+
+
+def library(name: str) -> Library:
+    """What computes so on the F28335: IQmath, the FPU with fastRTS, or software."""
+    q = format_of(name)
+    if q is None:
+        return DOUBLE if name == "float64" else FASTRTS
+    if q.overflow == "saturate":
+        return SATURATED
+    return IQMATH if q.product == "cut" else ROUNDED

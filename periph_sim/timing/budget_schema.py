@@ -1,0 +1,74 @@
+"""Budgets as a case file states them: tables with limits go in, checked Budgets come out.
+
+What their measures mean, `budgets.py` knows.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Annotated, Self
+
+from pydantic import BaseModel, BeforeValidator, Field, model_validator
+
+from ..core.settings import STRICT, Duration, Share, Table
+
+
+def _limit(value: object) -> object:
+    if isinstance(value, bool) or not isinstance(value, str | int):
+        raise ValueError('expected a duration with its unit ("250 us"), or a whole number for counts')
+    return value
+
+
+Extent = Annotated[str | int, BeforeValidator(_limit)]
+
+LIMITS = ("max", "min", "exactly", "p50", "p95", "p99", "p99_9")  # keys of a budget
+
+
+class Limited(BaseModel):
+    """Limits on a measure: durations with their unit, "40 %" of the time, "2 LSB", whole numbers for counts."""
+
+    model_config = STRICT
+
+    @model_validator(mode="after")
+    def _has_a_limit(self) -> Self:
+        if not self.limits():
+            keys = [key for key in LIMITS if key in type(self).model_fields]
+            raise ValueError(f"a budget needs a limit: {', '.join(keys[:-1])} or {keys[-1]}")
+        return self
+
+    def limits(self) -> dict[str, str | int]:
+        """The limits that are given, by key."""
+        given: dict[str, str | int | None] = {key: getattr(self, key, None) for key in LIMITS}
+        return {key: limit for key, limit in given.items() if limit is not None}
+
+
+class Condition(Limited):
+    """What must hold at the same occurrence as a budget's own measure."""
+
+    measure: str
+    max: Extent | None = None
+    min: Extent | None = None
+    exactly: Extent | None = None
+
+
+class Budget(Table, Limited):
+    """p50 to p99_9: the most that 50 to 99.9 percent of the values may come to. after: what began sooner is left out.
+
+    coverage: the part of all occasions that must have been measured; with less, the budget is not judged.
+    also: `and` in a file: conditions joined to it.
+    """
+
+    name: str
+    measure: str
+    max: Extent | None = None
+    min: Extent | None = None
+    exactly: Extent | None = None
+    p50: Extent | None = None
+    p95: Extent | None = None
+    p99: Extent | None = None
+    p99_9: Extent | None = None
+    after: Duration | None = None
+    coverage: Share = Fraction(9, 10)
+    also: tuple[Condition, ...] = Field(default=(), alias="and")
+    why: str = ""
+    source: str = ""

@@ -1,0 +1,389 @@
+"""Named events: text goes in, an Event, and with a Scope the test for its records comes out.
+
+    event   = one { "or" one } | ( "first" | "last" | number ( "st" | "nd" | "rd" | "th" ) ) one "of" group
+    group   = "transfer" | "round" | "burst"
+    one     = "edge" wire ( "rise" | "fall" | "change" )
+            | "flag" field ( "rise" | "fall" | "change" | "=" number )
+            | "access" ( "R" | "W" ) register
+            | "interrupt" vector ( "enter" | "leave" )
+            | "span" span ( "begin" | "end" )
+            | "bus" ( "START" | "repeated" "START" | "STOP" | "arbitration" "lost" | "stuck" | "clear"
+                    | "NACK" [ "address" | "byte" ] | "address" [ number ] [ "read" | "write" ] | "byte" [ number ] )
+            | "frame" [ "RX" | "TX" ] [ number ] [ "begin" | "end" | "error" ]
+            | "note" ( "duty" | "lost" | "unknown" )
+
+    Event + Scope --> Matcher(kind, where, what, mask, want)
+                        |-- fits(record)   as the run goes on
+                        '-- rows(table)    over a recorded run, all at once
+
+Both say the same of every record: kind, place and thing are equal, and `value & mask == want`. `EVENTS` is the list
+of what can be named.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.records import Kind, Record
+from ...core.suggest import did_you_mean
+from ...traces.formats.record_table import RecordTable
+from .scope import BadEvent, Scope, scope_of_table
+from .tokens import Words
+
+EVERYTHING = -1  # all bits of a value
+CHANGES = ("rise", "fall", "change")
+NOTES = ("duty", "lost", "unknown")
+BUS = ("START", "repeated START", "STOP", "address", "byte", "arbitration lost", "stuck", "clear", "NACK")
+OF_AGENT = ("arbitration lost", "stuck", "clear")  # told by the controller of a case only
+LINES = ("RX", "TX")
+FRAME_PARTS = ("begin", "end", "error")
+NTH = re.compile(r"(\d+)(st|nd|rd|th)")
+GROUPS = ("transfer", "round", "burst")
+
+
+@dataclass(frozen=True)
+class Event:
+    """kind: the event's first word. name: what it is about. how: which change or way. number: a value, if given.
+
+    others: events that are as good, "or" between them. nth, group: which one of a transfer, round or burst counts; -1
+    is the last.
+    """
+
+    kind: str
+    text: str
+    unit: str = ""
+    name: str = ""
+    how: str = ""
+    number: int | None = None
+    others: tuple[Event, ...] = ()
+    nth: int = 0
+    group: str = ""
+
+
+@dataclass(frozen=True)
+class Group:
+    """A stretch of a run in which events are counted: a name of GROUPS.
+
+    begin, end: START and STOP; of a burst a frame's begin and end.
+    """
+
+    name: str
+    begin: Matcher
+    end: Matcher
+
+
+@dataclass(frozen=True)
+class Matcher:
+    """where: the places it may happen at; None for any. others: matchers that are as good, "or" between them.
+
+    nth, group: which one counts, 1 for the first, -1 for the last, where not every one does.
+    """
+
+    text: str
+    kind: Kind
+    where: frozenset[str] | None
+    what: str
+    mask: int = 0
+    want: int = 0
+    free: bool = False  # the name is free text, so that nobody knows whether it can happen
+    others: tuple[Matcher, ...] = ()
+    nth: int = 0
+    group: Group | None = None
+
+    @property
+    def each(self) -> tuple[Matcher, ...]:
+        """This one and the others."""
+        return (self, *self.others)
+
+    def fits(self, record: Record) -> bool:
+        """True if this is the event, whichever of its group it is."""
+        return self._fits(record) or any(other._fits(record) for other in self.others)
+
+    def _fits(self, record: Record) -> bool:
+        return (
+            record.what == self.what
+            and record.kind is self.kind
+            and (self.where is None or record.where in self.where)
+            and record.value & self.mask == self.want
+        )
+
+    @property
+    def subjects(self) -> frozenset[str]:
+        """The wires or registers whose records it needs, but for others', as `Recorder.subscribe` has them.
+
+        None of them if it needs all.
+        """
+        places = self.where or frozenset()
+        if self.kind in (Kind.EDGE, Kind.FRAME):
+            return places
+        if self.kind is Kind.FLAG:
+            return frozenset(f"{place}.{self.what.partition('.')[0]}" for place in places)
+        if self.kind is Kind.ACCESS:
+            return frozenset(f"{place}.{self.what[2:]}" for place in places)
+        return frozenset()
+
+    def rows(self, table: RecordTable) -> NDArray[np.int64]:
+        """The rows at which it happened, in order. BadEvent for one of a group, which only a budget can tell."""
+        if self.group is not None:
+            raise BadEvent(
+                f"{self.text!r}: over a recorded run every one is found; leave first, last or the number out"
+            )
+        rows: NDArray[np.int64] = np.unique(np.concatenate([one._rows(table) for one in self.each]))
+        return rows
+
+    def _rows(self, table: RecordTable) -> NDArray[np.int64]:
+        wanted = (
+            _named(table, "kind", frozenset((self.kind.value,)))
+            & _named(table, "what", frozenset((self.what,)))
+            & _named(table, "where", self.where)
+        )
+        rows: NDArray[np.int64] = np.flatnonzero(wanted)
+        kept: NDArray[np.int64] = rows[table.value[rows] & self.mask == self.want]
+        return kept
+
+
+def _named(table: RecordTable, column: str, names: frozenset[str] | None) -> NDArray[np.bool_]:
+    if names is None:
+        return np.ones(len(table), bool)
+    known = np.array([name in names for name in table.names[column]], bool)
+    return known[table.columns[column]] if len(known) else np.zeros(len(table), bool)
+
+
+def event_of(text: str) -> Event:
+    """The event that a text names. BadEvent otherwise."""
+    words = Words(text)
+    event = read_event(words)
+    words.end()
+    return event
+
+
+def read_event(words: Words) -> Event:
+    """The event that comes next. BadEvent otherwise."""
+    begin = words.place
+    nth = _read_nth(words)
+    first = _read_one(words)
+    if nth:
+        words.one_of(["of"])
+        group = words.one_of(list(GROUPS))
+        return replace(first, text=words.between(begin), nth=nth, group=group)
+    others = []
+    while words.took("or"):
+        others.append(_read_one(words))
+    return replace(first, text=words.between(begin), others=tuple(others)) if others else first
+
+
+def _read_nth(words: Words) -> int:
+    """1 for "first" or "1st", -1 for "last"; 0 where no such word comes."""
+    for word, nth in (("first", 1), ("last", -1)):
+        if words.took(word):
+            return nth
+    found = NTH.fullmatch(words.next)
+    if found is None:
+        return 0
+    if not int(found[1]):
+        raise BadEvent(f"{words.text!r}: {found[0]!r}, but counting begins with 1st")
+    words.take("a number")
+    return int(found[1])
+
+
+def _read_one(words: Words) -> Event:
+    begin = words.place
+    kind = words.one_of(list(EVENTS))
+    unit, name, how, number = EVENTS[kind].read(words)
+    return Event(kind, words.between(begin), unit, name, how, number)
+
+
+def matcher(event: Event | str, scope: Scope) -> Matcher:
+    """The test for an event. BadEvent if it cannot happen in this scene."""
+    if isinstance(event, str):
+        event = event_of(event)
+    found = EVENTS[event.kind].match(event, scope)
+    if event.others:
+        return replace(found, others=tuple(matcher(other, scope) for other in event.others))
+    return replace(found, nth=event.nth, group=group_of(event, scope)) if event.nth else found
+
+
+def group_of(event: Event, scope: Scope) -> Group:
+    """What the event of a group is counted in. BadEvent if the scene has no such group."""
+    if event.group != "burst":
+        if not (scope.rounds if event.group == "round" else scope.bus):
+            needs = "[controller] or [rounds]" if event.group == "round" else "SCL and SDA"
+            raise BadEvent(f"{event.text!r}: a {event.group} needs {needs} in the scene, which has none")
+        return stretch_of(event.group, scope)
+    if event.kind != "frame":
+        raise BadEvent(f"{event.text!r}: a burst is one of frames; write of transfer or of round")
+    begin, end = (matcher(f"frame {event.name} {how}", scope) for how in ("begin", "end"))
+    return Group("burst", begin, end)
+
+
+def matcher_for(event: Event | str, table: RecordTable) -> Matcher:
+    """The same for a recorded run."""
+    return matcher(event, scope_of_table(table))
+
+
+def stretch_of(name: str, scope: Scope) -> Group:
+    """A transfer or a round: it begins with a START that is no repeated one."""
+    return Group(name, matcher("bus START", scope), matcher("bus STOP", scope))
+
+
+Parts = tuple[str, str, str, int | None]
+
+
+def _read_edge(words: Words) -> Parts:
+    return "", words.name("a wire")[1], words.one_of(list(CHANGES)), None
+
+
+def _read_flag(words: Words) -> Parts:
+    unit, name = words.name("a field")
+    how = words.one_of([*CHANGES, "="])
+    number = None
+    if how == "=":
+        number = words.number(0xFFFFFFFF)
+        if number is None:
+            raise BadEvent(f"{words.text!r}: a number is expected after =")
+    return unit, name, how, number
+
+
+def _read_access(words: Words) -> Parts:
+    way = words.one_of(["R", "W"])
+    unit, name = words.name("a register")
+    return unit, name, way, None
+
+
+def _read_interrupt(words: Words) -> Parts:
+    unit, name = words.name("an interrupt's name")
+    return unit, name, words.one_of(["enter", "leave"]), None
+
+
+def _read_span(words: Words) -> Parts:
+    unit, name = words.name("a span's name")
+    while words.next and words.next not in ("begin", "end", "to", ","):
+        name += f" {words.take('begin or end')}"
+    return unit, name, words.one_of(["begin", "end"]), None
+
+
+def _read_bus(words: Words) -> Parts:
+    what = words.one_of([name.split()[0] for name in BUS])
+    if what == "repeated":
+        return "", f"repeated {words.one_of(['START'])}", "", None
+    if what == "NACK":
+        return "", what, words.one_of(["address", "byte"]) if words.next in ("address", "byte") else "", None
+    if what == "arbitration":
+        return "", f"arbitration {words.one_of(['lost'])}", "", None
+    if what == "address":
+        number = words.number(0x7F)
+        how = words.one_of(["read", "write"]) if words.next in ("read", "write") else ""
+        return "", what, how, number
+    return "", what, "", words.number(0xFF) if what == "byte" else None
+
+
+def _read_frame(words: Words) -> Parts:
+    wire = words.one_of(list(LINES)) if words.next in LINES else LINES[0]
+    number = words.number(0xFF)
+    if words.next in FRAME_PARTS:
+        return "", wire, words.one_of(list(FRAME_PARTS)), number
+    return "", wire, "begin" if number is None else "end", number  # what it carries is known when it is over
+
+
+def _read_note(words: Words) -> Parts:
+    unit, name = words.name("a note's code")
+    if name not in NOTES:
+        raise BadEvent(f"{words.text!r}: there is no note {name!r}; {did_you_mean(name, NOTES)}")
+    return unit, name, "", None
+
+
+def _match_edge(event: Event, scope: Scope) -> Matcher:
+    mask, want = {"rise": (1, 1), "fall": (1, 0), "change": (0, 0)}[event.how]
+    return Matcher(event.text, Kind.EDGE, frozenset((scope.wire(event.name),)), "level", mask, want)
+
+
+def _match_flag(event: Event, scope: Scope) -> Matcher:
+    unit, module, register, field = scope.field(event.unit, event.name)
+    width = field.msb - field.lsb + 1
+    if event.number is not None and event.number >> width:
+        raise BadEvent(f"{event.name} has {width} bits and so is never {event.number:#x}")
+    if width > 1 and event.how in ("rise", "fall"):
+        raise BadEvent(f"{event.name} has {width} bits and so does not {event.how}; write change, or = and a value")
+    mask, want = {
+        "rise": (EVERYTHING, 1),
+        "fall": (EVERYTHING, 0),
+        "change": (0, 0),
+        "=": (EVERYTHING, event.number or 0),
+    }[event.how]
+    place = frozenset((f"{unit}.{module}",))
+    return Matcher(event.text, Kind.FLAG, place, f"{register.name}.{field.name}", mask, want)
+
+
+def _match_access(event: Event, scope: Scope) -> Matcher:
+    unit, module, register = scope.register(event.unit, event.name)
+    return Matcher(event.text, Kind.ACCESS, frozenset((unit,)), f"{event.how} {module}.{register.name}")
+
+
+def _match_interrupt(event: Event, scope: Scope) -> Matcher:
+    unit = scope.vector(event.unit, event.name)
+    return Matcher(event.text, Kind.IRQ, frozenset((unit,)), event.name, EVERYTHING, int(event.how == "enter"))
+
+
+def _match_span(event: Event, scope: Scope) -> Matcher:
+    unit = frozenset((scope.unit(event.unit),))
+    return Matcher(event.text, Kind.SPAN, unit, event.name, EVERYTHING, int(event.how == "begin"), free=True)
+
+
+def _match_bus(event: Event, scope: Scope) -> Matcher:
+    if not (scope.controller if event.name in OF_AGENT else scope.bus):
+        needs = "[controller]" if event.name in OF_AGENT else "SCL and SDA"
+        raise BadEvent(
+            f"{event.text!r} needs {needs} in the scene, which has none; give it [controller], or a unit I2C-A"
+        )
+    mask = want = 0
+    if event.name == "address":  # value: address, R/W, NACK from bit 2 down
+        if event.number is not None:
+            mask, want = -4, event.number << 2
+        if event.how:
+            mask, want = mask | 2, want | (2 if event.how == "read" else 0)
+    elif event.name == "NACK" and event.how:
+        mask, want = EVERYTHING, int(event.how == "byte")
+    elif event.number is not None:
+        mask, want = -2, event.number << 1
+    return Matcher(event.text, Kind.BUS, None, event.name, mask, want)
+
+
+def _match_frame(event: Event, scope: Scope) -> Matcher:
+    if event.name not in scope.wires:
+        raise BadEvent(f"{event.text!r} needs {event.name} in the scene, which has no such wire; give a unit SCI-A")
+    wire = frozenset((event.name,))
+    if event.number is None:
+        return Matcher(event.text, Kind.FRAME, wire, event.how)
+    if event.how == "begin":
+        what = "what a frame carries is known at its end"
+        raise BadEvent(f"{event.text!r}: {what}; write {event.text.removesuffix(' begin')} end")
+    return Matcher(event.text, Kind.FRAME, wire, event.how, EVERYTHING, event.number)
+
+
+def _match_note(event: Event, scope: Scope) -> Matcher:
+    return Matcher(event.text, Kind.NOTE, scope.places(event.unit), event.name)
+
+
+class EventKind(NamedTuple):
+    """read: the words behind the kind's own. match: the test for what they say."""
+
+    read: Callable[[Words], Parts]
+    match: Callable[[Event, Scope], Matcher]
+
+
+EVENTS = {
+    "edge": EventKind(_read_edge, _match_edge),
+    "flag": EventKind(_read_flag, _match_flag),
+    "access": EventKind(_read_access, _match_access),
+    "interrupt": EventKind(_read_interrupt, _match_interrupt),
+    "span": EventKind(_read_span, _match_span),
+    "bus": EventKind(_read_bus, _match_bus),
+    "frame": EventKind(_read_frame, _match_frame),
+    "note": EventKind(_read_note, _match_note),
+}

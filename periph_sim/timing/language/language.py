@@ -1,0 +1,372 @@
+"""Measures of events as text: "from EVENT to EVENT" goes in; what is measured, between which events, comes out.
+
+    text --> words --> Said(form, events or names, rule) ; BadEvent says what was found where what was expected
+
+    measure = pair
+            | "count" "of" event [ pair ]
+            | "period" "of" event
+            | "jitter" "of" ( event | measure )
+            | "level" "of" field [ "at" event ]
+            | "interrupt" "latency" vector [ "to" "first" "access" ]
+            | "reaction" [ "of" unit ]
+            | "gap" "between" "rounds"
+            | "margin" "of" [ unit ":" ] "I2CDXR"
+            | "SCL" "held" "per" "transfer" [ "by" unit ]
+            | [ "each" ] "time" "in" state
+            | "cpu" "load" [ "of" unit ] [ "per" duration ]
+            | "bus" "load" [ "per" duration ]
+            | "slack"
+            | "race" ( field | register )
+            | "lost" "flags" [ register ]
+            | "cleared" "along" field
+            | [ "model" ] "age" [ "of" chip ]
+            | "value" "error" [ "of" chip ] [ "at" ( "first" "bit" | "frame" ) ]
+    state   = span | "flag" field "=" number | "wire" wire ( "high" | "low" )
+            | "bus" ( "busy" | "free" ) | "interrupt" vector
+    pair    = "from" event "to" event { "," ( "in" "order" | "next" | "last" | "same" ( "transfer" | "round" ) ) }
+    event   = see `events`
+    field, register, vector, span: [ unit ":" ] name; a name with blanks stands in quotes
+
+Words stand apart by blanks; a span's name may have several words before "begin" or "end", and stands in quotes
+where its first word is one that begins another state.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
+from fractions import Fraction
+
+from ...core.settings import duration
+from ...devices.sensor_head import CHIPS
+from .events import EVENTS, Event, read_event
+from .scope import BadEvent
+from .tokens import Words
+
+FORMS = {
+    "from": "from EVENT to EVENT",
+    "period": "period of EVENT",
+    "jitter": "jitter of EVENT",
+    "count": "count of EVENT",
+    "level": "level of MODULE.REGISTER.FIELD",
+    "interrupt": "interrupt latency NAME",
+    "reaction": "reaction",
+    "gap": "gap between rounds",
+    "margin": "margin of I2CDXR",
+    "SCL": "SCL held per transfer",
+    "time": "time in STATE",
+    "each": "each time in STATE",
+    "cpu": "cpu load",
+    "bus": "bus load",
+    "slack": "slack",
+    "race": "race MODULE.REGISTER.FIELD",
+    "lost": "lost flags",
+    "cleared": "cleared along MODULE.REGISTER.FIELD",
+    "age": "age of CHIP",
+    "model": "model age of CHIP",
+    "value": "value error of CHIP",
+}
+LEVELS = ("high", "low")
+BUS_STATES = ("busy", "free")
+
+
+@dataclass(frozen=True)
+class During:
+    """A state: it begins with one of `enters` and is over with one of `leaves` that is none of `enters`."""
+
+    text: str
+    enters: tuple[Event, ...]
+    leaves: tuple[Event, ...]
+
+
+@dataclass(frozen=True)
+class Said:
+    """form: a key of FORMS. events: those named. text: all of it. unit, name: of a field, vector, unit or chip.
+
+    state: of times in one.
+    pairing: one of PAIRINGS, or empty. group: "transfer" or "round" that a pair lies in. instant: of values.
+    window: of a load, in seconds. of: what the jitter is of, if that is a measure. access: to the first one.
+    """
+
+    form: str
+    events: tuple[Event, ...] = ()
+    text: str = field(default="", compare=False)
+    unit: str = ""
+    name: str = ""
+    state: During | None = None
+    pairing: str = ""
+    group: str = ""
+    instant: str = ""
+    window: Fraction | None = None
+    of: Said | None = None
+    access: bool = False
+
+
+def is_form(text: str) -> bool:
+    """Whether a measure's text is one of this language, right or wrong."""
+    return text.split(" ", 1)[0].rstrip(",") in FORMS
+
+
+def near_form(text: str) -> str:
+    """The form whose first word is nearly the text's; empty if none is."""
+    close = get_close_matches(text.split(" ", 1)[0], list(FORMS), 1, 0.75)
+    return FORMS[close[0]] if close else ""
+
+
+def measure_of(text: str) -> Said:
+    """What a measure's text says. BadEvent otherwise."""
+    words = Words(text)
+    said = _MEASURES[words.one_of(list(FORMS))](words)
+    words.end()
+    return replace(said, text=text)
+
+
+def name_text(unit: str, name: str) -> str:
+    return f"{unit}:{name}" if unit else name
+
+
+def _from(words: Words) -> Said:
+    begin = read_event(words)
+    words.one_of(["to"])
+    end = read_event(words)
+    pairing = group = ""
+    while not (pairing and group) and (words.took(",") or words.next in ("in", "next", "last", "same")):
+        said = words.one_of([word for word in ("in", "next", "last") if not pairing] + ["same"] * (not group))
+        if said == "same":
+            group = words.one_of(["transfer", "round"])
+        else:
+            pairing = f"in {words.one_of(['order'])}" if said == "in" else said
+    return Said("from", (begin, end), pairing=pairing, group=group)
+
+
+def _count(words: Words) -> Said:
+    words.one_of(["of"])
+    counted = read_event(words)
+    if not words.took("from"):
+        return Said("count", (counted,))
+    pair = _from(words)
+    return replace(pair, form="count", events=(counted, *pair.events))
+
+
+def _period(words: Words) -> Said:
+    words.one_of(["of"])
+    return Said("period", (read_event(words),))
+
+
+def _jitter(words: Words) -> Said:
+    words.one_of(["of"])
+    form = words.next
+    if form in EVENTS and words.following not in ("latency", "load"):
+        return Said("jitter", (read_event(words),))
+    if form not in FORMS:
+        words.take("a measure or an event")
+        return Said("jitter", name=" ".join(filter(None, (form, words.rest()))))
+    words.take("a measure")
+    return Said("jitter", of=_MEASURES[form](words))
+
+
+def _level(words: Words) -> Said:
+    words.one_of(["of"])
+    unit, name = words.name("a field")
+    events = (read_event(words),) if words.took("at") else ()
+    return Said("level", events, unit=unit, name=name)
+
+
+def _latency(words: Words) -> Said:
+    words.one_of(["latency"])
+    unit, name = words.name("an interrupt's name")
+    to_access = words.took("to")
+    if to_access:
+        words.one_of(["first"])
+        words.one_of(["access"])
+    return Said("interrupt", unit=unit, name=name, access=to_access)
+
+
+def _reaction(words: Words) -> Said:
+    return Said("reaction", unit=words.take("a unit") if words.took("of") else "")
+
+
+def _gap(words: Words) -> Said:
+    words.one_of(["between"])
+    words.one_of(["rounds"])
+    return Said("gap")
+
+
+def _time(form: str) -> Callable[[Words], Said]:
+    def parse(words: Words) -> Said:
+        if form == "each":
+            words.one_of(["time"])
+        words.one_of(["in"])
+        begin = words.place
+        state = _STATES.get(words.next, _span_state)
+        enters, leaves = state(words)
+        return Said(form, state=During(words.between(begin), enters, leaves))
+
+    return parse
+
+
+States = tuple[tuple[Event, ...], tuple[Event, ...]]
+
+
+def _span_state(words: Words) -> States:
+    words.took("span")
+    begin = words.place
+    unit, name = words.name("a span's name")
+    while words.next:
+        name += f" {words.take('a span')}"
+    text = f"span {words.between(begin)}"
+    return (Event("span", f"{text} begin", unit, name, "begin"),), (Event("span", f"{text} end", unit, name, "end"),)
+
+
+def _flag_state(words: Words) -> States:
+    begin = words.place
+    words.one_of(["flag"])
+    unit, name = words.name("a field")
+    place = words.between(begin)
+    words.one_of(["="])
+    number = words.number(0xFFFFFFFF)
+    if number is None:
+        raise BadEvent(f"{words.text!r}: a number is expected after =")
+    enters = Event("flag", words.between(begin), unit, name, "=", number)
+    return (enters,), (Event("flag", f"{place} change", unit, name, "change"),)
+
+
+def _wire_state(words: Words) -> States:
+    words.one_of(["wire"])
+    name = words.name("a wire")[1]
+    edges = [Event("edge", f"edge {name} {how}", "", name, how) for how in ("rise", "fall")]
+    if words.one_of(list(LEVELS)) == "low":
+        edges.reverse()
+    return (edges[0],), (edges[1],)
+
+
+def _bus_state(words: Words) -> States:
+    words.one_of(["bus"])
+    begins = (Event("bus", "bus START", "", "START"),)
+    ends = tuple(Event("bus", f"bus {name}", "", name) for name in ("STOP", "arbitration lost"))
+    return (begins, ends) if words.one_of(list(BUS_STATES)) == "busy" else (ends, begins)
+
+
+def _routine_state(words: Words) -> States:
+    words.one_of(["interrupt"])
+    begin = words.place
+    unit, name = words.name("an interrupt's name")
+    text = f"interrupt {words.between(begin)}"
+    enters, leaves = (Event("interrupt", f"{text} {how}", unit, name, how) for how in ("enter", "leave"))
+    return (enters,), (leaves,)
+
+
+_STATES: dict[str, Callable[[Words], States]] = {
+    "span": _span_state,
+    "flag": _flag_state,
+    "wire": _wire_state,
+    "bus": _bus_state,
+    "interrupt": _routine_state,
+}
+
+
+def _margin(words: Words) -> Said:
+    words.one_of(["of"])
+    unit, name = words.name("I2CDXR")
+    if name.removeprefix("I2C-A.") != "I2CDXR":
+        raise BadEvent(f"{words.text!r}: only I2CDXR has a margin; write margin of I2CDXR")
+    return Said("margin", unit=unit)
+
+
+def _held(words: Words) -> Said:
+    for word in ("held", "per", "transfer"):
+        words.one_of([word])
+    return Said("SCL", unit=words.take("a unit") if words.took("by") else "")
+
+
+def _cpu(words: Words) -> Said:
+    words.one_of(["load"])
+    unit = words.take("a unit") if words.took("of") else ""
+    return Said("cpu", unit=unit, window=_window(words))
+
+
+def _bus_load(words: Words) -> Said:
+    words.one_of(["load"])
+    return Said("bus", window=_window(words))
+
+
+def _window(words: Words) -> Fraction | None:
+    if not words.took("per"):
+        return None
+    given = words.rest()
+    if not given:
+        raise BadEvent(f"{words.text!r} ends where the length of a window is expected; write for instance per 20 ms")
+    try:
+        window = duration(given)
+    except ValueError as error:
+        raise BadEvent(f"{words.text!r}: {error}") from None
+    if not window:
+        raise BadEvent(f"{words.text!r}: a window is longer than 0")
+    return window
+
+
+def _race(words: Words) -> Said:
+    unit, name = words.name("a field or a register")
+    return Said("race", unit=unit, name=name)
+
+
+def _lost(words: Words) -> Said:
+    words.one_of(["flags"])
+    unit, name = words.name("a register") if words.next else ("", "")
+    return Said("lost", unit=unit, name=name)
+
+
+def _cleared(words: Words) -> Said:
+    words.one_of(["along"])
+    unit, name = words.name("a field")
+    return Said("cleared", unit=unit, name=name)
+
+
+def _age(words: Words) -> Said:
+    return Said("age", name=_chip(words))
+
+
+def _model_age(words: Words) -> Said:
+    words.one_of(["age"])
+    return Said("model", name=_chip(words))
+
+
+def _chip(words: Words) -> str:
+    return words.one_of(list(CHIPS)) if words.took("of") else ""
+
+
+def _value(words: Words) -> Said:
+    words.one_of(["error"])
+    chip = _chip(words)
+    instant = "first bit"
+    if words.took("at"):
+        instant = words.one_of(["first", "frame"])
+        if instant == "first":
+            instant = f"first {words.one_of(['bit'])}"
+    return Said("value", instant=instant, name=chip)
+
+
+_MEASURES: dict[str, Callable[[Words], Said]] = {
+    "from": _from,
+    "period": _period,
+    "jitter": _jitter,
+    "count": _count,
+    "level": _level,
+    "interrupt": _latency,
+    "reaction": _reaction,
+    "gap": _gap,
+    "margin": _margin,
+    "SCL": _held,
+    "time": _time("time"),
+    "each": _time("each"),
+    "cpu": _cpu,
+    "bus": _bus_load,
+    "slack": lambda words: Said("slack"),
+    "race": _race,
+    "lost": _lost,
+    "cleared": _cleared,
+    "age": _age,
+    "model": _model_age,
+    "value": _value,
+}

@@ -1,0 +1,160 @@
+"""What events can be about: a case or a recorded run goes in; units, modules, registers and wires come out.
+
+    Case, RecordTable --> Scope --> where a record of a named thing comes from, or BadEvent with near names
+
+It knows what could happen there, not what did: a name it lets through is a name that a record can bear.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from ...core.records import Kind
+from ...core.registers import Field, Register, RegisterMap
+from ...core.suggest import did_you_mean
+from ...f28335.cpu import pie_map, xint_map
+from ...f28335.gpio import register_map as gpio_map
+from ...f28335.i2c import register_map as i2c_map
+from ...f28335.sci import register_map as sci_map
+from ...f28335.system import clocks_map
+from ...f28335.system import cpu_timer_map as timer_map
+from ...traces.formats.record_table import RecordTable
+
+MAPS: dict[str, RegisterMap] = {
+    **{f"SCI-{letter}": sci_map.SCI_MAP for letter in "ABC"},
+    "I2C-A": i2c_map.I2C_MAP,
+    "GPIO": gpio_map.GPIO,
+    "XINT": xint_map.XINT,
+    **{f"TIMER{number}": timer_map.MAP for number in range(3)},
+    "PIE": pie_map.MAP,
+    "SYS": clocks_map.MAP,
+}
+EVERY_UNIT = ("PIE", "SYS")  # modules of each F28335, whatever a case names
+WIRES = {"I2C-A": ("SDA", "SCL"), "SCI-A": ("RX", "TX")}
+VECTORS: dict[str, tuple[str, ...]] = {
+    **{f"SCI-{letter}": (f"SCIRXINT{letter}", f"SCITXINT{letter}") for letter in "ABC"},
+    "I2C-A": ("I2CINT1A", "I2CINT2A"),
+    "XINT": (*(f"XINT{number}" for number in range(1, 8)), "INT13"),
+    "TIMER0": ("TINT0",),
+    "TIMER1": ("INT13",),
+    "TIMER2": ("INT14",),
+    "SYS": ("WAKEINT",),
+}
+
+
+class BadEvent(ValueError):
+    """A text that names no event, or one that cannot be in this scene; one sentence."""
+
+
+@dataclass(frozen=True)
+class Scope:
+    """units: each with its modules. controller, host: whether the scene has that agent on its wires.
+
+    rounds: it is known what the controller asks in rounds, whoever it is.
+    """
+
+    units: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    wires: tuple[str, ...] = ()
+    controller: bool = False
+    host: bool = False
+    rounds: bool = False
+
+    @property
+    def bus(self) -> bool:
+        """There is an I2C bus, whoever is its controller."""
+        return self.controller or "SCL" in self.wires
+
+    def wire(self, name: str) -> str:
+        if name not in self.wires:
+            raise BadEvent(f"there is no wire {name!r}; {did_you_mean(name, self.wires)}")
+        return name
+
+    def register(self, unit: str, text: str) -> tuple[str, str, Register]:
+        """(unit, module, register) of "I2C-A.I2CDXR"."""
+        parts = text.split(".")
+        if len(parts) != 2:
+            raise BadEvent(f"{text!r} is no register; write its module and its name, for instance I2C-A.I2CDXR")
+        module, name = parts
+        owner = self.owner(unit, module)
+        return owner, module, _register(module, name)
+
+    def field(self, unit: str, text: str) -> tuple[str, str, Register, Field]:
+        """(unit, module, register, field) of "I2C-A.I2CSTR.XRDY"."""
+        parts = text.split(".")
+        if len(parts) != 3:
+            raise BadEvent(
+                f"{text!r} is no field; write its module, its register and its name, for instance I2C-A.I2CSTR.XRDY"
+            )
+        module, name, wanted = parts
+        owner = self.owner(unit, module)
+        register = _register(module, name)
+        if wanted not in register:
+            raise BadEvent(f"{name} has no field {wanted!r}; {did_you_mean(wanted, [f.name for f in register.fields])}")
+        return owner, module, register, register[wanted]
+
+    def vector(self, unit: str, name: str) -> str:
+        """The unit whose CPU can take this interrupt."""
+        asked = [self.unit(unit)] if unit else list(self.units)
+        having = {u: [v for m in self._modules(u) for v in VECTORS.get(m, ())] for u in asked}
+        found = [u for u, vectors in having.items() if name in vectors]
+        if not found:
+            known = sorted({v for vectors in having.values() for v in vectors})
+            raise BadEvent(f"nothing in the scene asks for the interrupt {name!r}; {did_you_mean(name, known)}")
+        return self._one(found, name)
+
+    def unit(self, name: str) -> str:
+        """The unit of this name; the only one where none is named."""
+        if not name:
+            return self._one(list(self.units), "it")
+        if name not in self.units:
+            raise BadEvent(f"there is no unit {name!r}; {did_you_mean(name, self.units)}")
+        return name
+
+    def owner(self, unit: str, module: str) -> str:
+        """The unit that has a module."""
+        if unit:
+            if module not in self._modules(self.unit(unit)):
+                raise BadEvent(f"{unit} has no module {module!r}; {did_you_mean(module, self._modules(unit))}")
+            return unit
+        having = [name for name in self.units if module in self._modules(name)]
+        if not having:
+            known = list(dict.fromkeys(m for name in self.units for m in self._modules(name)))
+            raise BadEvent(f"the scene has no module {module!r}; {did_you_mean(module, known)}")
+        return self._one(having, module)
+
+    def places(self, unit: str) -> frozenset[str]:
+        """Every place of a unit that a record can come from; of all units where none is named."""
+        named = [self.unit(unit)] if unit else list(self.units)
+        return frozenset(place for u in named for place in (u, *(f"{u}.{m}" for m in self._modules(u))))
+
+    def _modules(self, unit: str) -> tuple[str, ...]:
+        return (*self.units[unit], *EVERY_UNIT)
+
+    def _one(self, units: list[str], what: str) -> str:
+        if not units:
+            raise BadEvent("the scene has no unit")
+        if len(units) > 1:
+            raise BadEvent(f"{' and '.join(units)} have {what}; say whose is meant: {units[0]}: before the name")
+        return units[0]
+
+
+def _register(module: str, name: str) -> Register:
+    registers = MAPS[module]
+    if name not in registers:
+        raise BadEvent(
+            f"{module} has no register {name!r}; {did_you_mean(name, [r.name for r in registers.registers])}"
+        )
+    return registers[name]
+
+
+def scope_of_table(table: RecordTable) -> Scope:
+    """What a recorded run consisted of; controller and host are there if a record comes from them."""
+    kinds = set(table.texts("kind", table.rows(Kind.BUS)[:1]) + table.texts("kind", table.rows(Kind.FRAME)[:1]))
+    listed = [name for modules in table.modules.values() for name in modules]
+    wires = [wire for module in listed for wire in WIRES.get(module, ())]
+    wires += [name.removeprefix("pin:") for name in listed if name.startswith("pin:")]
+    edges = table.columns["where"][table.rows(Kind.EDGE)]
+    wires += [name for place, name in enumerate(table.names["where"]) if (edges == place).any()]
+    units = {unit: tuple(m for m in modules if m in MAPS) for unit, modules in table.modules.items()}
+    on_bus = Kind.BUS.value in kinds
+    return Scope(units, tuple(dict.fromkeys(wires)), on_bus, Kind.FRAME.value in kinds, on_bus)

@@ -1,0 +1,98 @@
+"""A text taken word by word: what a measure or event says goes in, words come out, or what was expected instead."""
+
+from __future__ import annotations
+
+import re
+
+from ...core.suggest import did_you_mean
+from .scope import BadEvent
+
+WORD = re.compile(r"""\s*("[^"]+"|'[^']+'|["',=]|[^\s,="']+)""")
+
+
+class Words:
+    """The words of a text, taken one by one."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self._words = WORD.findall(text)
+        self._at = 0
+        if '"' in self._words or "'" in self._words:
+            raise BadEvent(f"{text!r}: a quote is not closed, or nothing is in it; write for instance 'time update'")
+
+    @property
+    def next(self) -> str:
+        """The word to come; empty at the end."""
+        return self._words[self._at] if self._at < len(self._words) else ""
+
+    @property
+    def following(self) -> str:
+        """The word behind the next one; empty if there is none."""
+        return self._words[self._at + 1] if self._at + 1 < len(self._words) else ""
+
+    def rest(self) -> str:
+        """All words to come, taken at once."""
+        begin, self._at = self._at, len(self._words)
+        return self.between(begin)
+
+    def take(self, expected: str) -> str:
+        word = self.next
+        if not word:
+            raise BadEvent(f"{self.text!r} ends where {expected} is expected")
+        self._at += 1
+        return word
+
+    def one_of(self, choices: list[str]) -> str:
+        word = self.next
+        if word not in choices:
+            expected = " or ".join([", ".join(choices[:-1]), choices[-1]] if len(choices) > 1 else choices)
+            if not word:
+                raise BadEvent(f"{self.text!r} ends where {expected} is expected")
+            hint = f"; {did_you_mean(word, choices)}" if len(choices) > 1 else ""
+            raise BadEvent(f"{self.text!r}: {word!r} where {expected} is expected{hint}")
+        self._at += 1
+        return word
+
+    def took(self, word: str) -> bool:
+        if self.next != word:
+            return False
+        self._at += 1
+        return True
+
+    def name(self, expected: str) -> tuple[str, str]:
+        """(unit, name); the unit is empty where none is named."""
+        word = self.take(expected)
+        unit, colon, name = word.partition(":")
+        if word[0] in "\"'":
+            return "", word[1:-1]
+        if not colon:
+            return "", word
+        if not name:
+            name = self.take(expected)  # imu: "a name in quotes"
+            name = name[1:-1] if name[0] in "\"'" else name
+        return unit, name
+
+    def number(self, top: int) -> int | None:
+        """The number that comes next, if one does."""
+        word = self.next
+        if not word[:1].isdigit():
+            return None
+        try:
+            number = int(word, 0)
+        except ValueError:
+            raise BadEvent(f"{self.text!r}: {word!r} is no number; write for instance 0x68") from None
+        if number > top:
+            raise BadEvent(f"{self.text!r}: {word} is more than it can be, {top:#x}")
+        self._at += 1
+        return number
+
+    def between(self, begin: int) -> str:
+        return " ".join(self._words[begin : self._at])
+
+    @property
+    def place(self) -> int:
+        return self._at
+
+    def end(self) -> None:
+        if self.next:
+            raise BadEvent(f"{self.text!r}: {self.next!r} is more than a measure or event says; leave it out")

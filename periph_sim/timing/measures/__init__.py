@@ -1,0 +1,1 @@
+"""Measures, one file a family: records and agents' reports go in, values come out."""

@@ -1,0 +1,120 @@
+"""Measures of reads on the bus: transfers go in; answer times, stretching, refusals and wrong bytes come out."""
+
+from __future__ import annotations
+
+from ...bus.i2c.controller import Phase, Transfer
+from ...core.time import NO_TIME
+from .measure import READ, Counter, Measure, SceneEvents
+from .origins import ADDRESSES
+
+
+def begin_of(transfer: Transfer, phase: Phase) -> int:
+    """The tick of a phase's START; of its transfer's where the phase never began, since the one before was refused."""
+    return transfer.phases[0].start_at if phase.start_at == NO_TIME else phase.start_at
+
+
+class Response(Measure):
+    """From the SCL fall that ends the ACK slot of a read address to the SCL rise of the first data bit."""
+
+    needs = "I2C-A"
+    asked = "reads asked"
+
+    def listen(self, scene: SceneEvents) -> None:
+        scene.on_transfer(self._transfer)
+
+    def _transfer(self, transfer: Transfer) -> None:
+        for phase in transfer.phases:
+            if phase.read:
+                self.occasion(begin_of(transfer, phase))
+            if phase.read and phase.answer_at != NO_TIME:
+                self.take(phase.answer_at - phase.answer_from, phase.answer_from)
+
+
+class Stretch(Measure):
+    """Longest time SCL was held low after the master had let go of it, per acknowledged phase, whoever that is."""
+
+    needs = "I2C-A"
+    occurrence = READ
+    asked = "addressed phases asked"
+
+    def listen(self, scene: SceneEvents) -> None:
+        self._scene = scene
+        scene.on_transfer(self._transfer)
+
+    def _transfer(self, transfer: Transfer) -> None:
+        for phase in transfer.phases:
+            self.occasion(begin_of(transfer, phase))
+            if phase.acked:
+                self.take(phase.stretch, phase.start_at)
+
+    def finish(self, now: int) -> None:
+        self._held_since = self._scene.held_since()
+
+    def unfinished(self, now: int) -> list[tuple[int, int]]:
+        return [] if self._held_since == NO_TIME else [(now - self._held_since, self._held_since)]
+
+    def unfinished_text(self) -> str:
+        return "SCL was still held low when the run ended"
+
+
+class Nacked(Counter):
+    """Requests whose address nobody acknowledged."""
+
+    needs = "I2C-A"
+
+    def listen(self, scene: SceneEvents) -> None:
+        scene.on_transfer(self._transfer)
+
+    def _transfer(self, transfer: Transfer) -> None:
+        if not transfer.acked and transfer.phases[0].start_at != NO_TIME:
+            self.one_more(transfer.phases[0].start_at)
+
+
+class WrongBytes(Measure):
+    """Bytes read that are not what they should be: `expect` of the request, or what a recent host frame makes them.
+
+    worst is how many were wrong, count how many were compared: a run that compared nothing proves nothing.
+    """
+
+    needs = "rounds"
+    asked = "bytes asked"
+    unit = "bytes"
+    series = False
+
+    def listen(self, scene: SceneEvents) -> None:
+        self._origins = scene.origins() if scene.checks_host() else None
+        self.where: dict[str, int] = {}  # "gyroscope byte 0" -> how often it was wrong
+        self.first = ""  # the first wrong read, as a sentence
+        scene.on_transfer(self._transfer)
+
+    def _transfer(self, transfer: Transfer) -> None:
+        for phase in transfer.phases:
+            if phase.read and (phase.expect is not None or (self._origins is not None and phase.address in ADDRESSES)):
+                self.occasion(begin_of(transfer, phase), max(phase.count, len(phase.got)))
+            if phase.read and phase.got:
+                wanted = self._wanted(phase)
+                wrong = [i for i, (a, b) in enumerate(zip(phase.got, wanted, strict=False)) if a != b]
+                self.count += min(len(phase.got), len(wanted))
+                if wrong:
+                    if not self.worst:
+                        self.worst_at = self.least_at = phase.start_at
+                        self.first = f"{transfer.name} read {phase.got.hex(' ')} where {wanted.hex(' ')} was expected"
+                    self.worst = self.least = self.worst + len(wrong)
+                for i in wrong:
+                    place = f"{transfer.name} byte {i}"
+                    self.where[place] = self.where.get(place, 0) + 1
+
+    def _wanted(self, phase: Phase) -> bytes:
+        if phase.expect is not None:
+            return phase.expect
+        origin = None if self._origins is None else self._origins.of(phase)
+        return b"" if origin is None else origin.wanted
+
+
+class Stuck(Counter):
+    """Times a line was held low longer than the controller's `stuck_after`."""
+
+    needs = "controller"
+
+    def listen(self, scene: SceneEvents) -> None:
+        scene.on_stuck(self.one_more)

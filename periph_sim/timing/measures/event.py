@@ -1,0 +1,147 @@
+"""Measures of named events: Matchers go in, a Measure that listens to just their records comes out.
+
+Each class says what it measures. Of two events at one time the one recorded first is the earlier one.
+"""
+
+from __future__ import annotations
+
+from ...core.records import Kind, Record, Subjects
+from ...core.time import NO_TIME
+from ..language.events import Matcher
+from .event_pairing import EventMeasure, span_hint
+from .measure import Counter, Measure, SceneEvents
+
+
+class Period(EventMeasure):
+    """From an event to the next of its kind."""
+
+    def __init__(self, event: Matcher) -> None:
+        super().__init__(event)
+        self._last = NO_TIME
+
+    def happened(self, place: int, record: Record) -> None:
+        last, self._last = self._last, record.tick
+        if last != NO_TIME:
+            self.take(record.tick - last, last)
+
+    def unfinished(self, now: int) -> list[tuple[int, int]]:
+        return [] if self._last == NO_TIME else [(now - self._last, self._last)]
+
+    def unfinished_text(self) -> str:
+        return f"{self.matchers[0].text!r} did not come again before the run ended"
+
+
+class EventCount(EventMeasure, Counter):
+    """How often an event happened. Zero counts, but for names that are free text, where it may be a slip."""
+
+    def __init__(self, event: Matcher) -> None:
+        super().__init__(event)
+        self.event = event
+
+    def happened(self, place: int, record: Record) -> None:
+        self.one_more(record.tick)
+
+    @property
+    def silent(self) -> bool:
+        return self.event.free and not self.count
+
+    def missing(self) -> str:
+        return f"no event matched {self.event.text!r}; {span_hint(self.event, self.spans or set())}"
+
+
+class Level(EventMeasure):
+    """Value of a register field whenever it changed: the words in a FIFO, the bits left to count."""
+
+    unit = "value"
+
+    def happened(self, place: int, record: Record) -> None:
+        self.take(record.value, record.tick)
+
+
+class LevelAt(EventMeasure):
+    """Value of a register field whenever an event happens."""
+
+    unit = "value"
+
+    def __init__(self, event: Matcher, change: Matcher) -> None:
+        super().__init__(event, change, order=(1, 0))
+        self._value = 0
+
+    def listen(self, scene: SceneEvents) -> None:
+        super().listen(scene)
+        (place,) = self.matchers[1].where or ("",)
+        self._value = scene.value_of(place, self.matchers[1].what)
+
+    def happened(self, place: int, record: Record) -> None:
+        if place:
+            self._value = record.value
+        else:
+            self.take(self._value, record.tick)
+
+    def missing(self) -> str:
+        return self.unmatched(list(self.matchers[:1]))
+
+
+class ToFirstAccess(EventMeasure):
+    """From an interrupt's request to the first access of its service routine, behind what saves the context."""
+
+    def __init__(self, asked: Matcher, entered: Matcher) -> None:
+        super().__init__(asked, entered)
+        self.kinds |= {Kind.ACCESS}
+        (self._unit,) = entered.where or ("",)
+        self._asked_at = NO_TIME
+        self._inside = False
+
+    def record(self, record: Record) -> None:
+        if record.kind is not Kind.ACCESS:
+            super().record(record)
+        elif self._inside and record.where == self._unit:
+            self._inside = False
+            if self._asked_at != NO_TIME:
+                self.take(record.tick - self._asked_at, self._asked_at)
+                self._asked_at = NO_TIME
+
+    def happened(self, place: int, record: Record) -> None:
+        if place:
+            self._inside = True
+        else:
+            self._asked_at = record.tick
+
+    def unfinished(self, now: int) -> list[tuple[int, int]]:
+        return [] if self._asked_at == NO_TIME else [(now - self._asked_at, self._asked_at)]
+
+    def unfinished_text(self) -> str:
+        return f"{self.matchers[0].text!r} still waited for an access of its routine when the run ended"
+
+
+class Jitter(Measure):
+    """How much a value of another measure differs from the one before (cycle-to-cycle jitter)."""
+
+    def __init__(self, of: Measure) -> None:
+        super().__init__()
+        self.of = of
+        self.unit, self.needs, self.kinds = of.unit, of.needs, of.kinds
+        self._before: int | None = None
+        of.tap = self._took
+
+    @property
+    def subjects(self) -> Subjects:
+        return self.of.subjects
+
+    def listen(self, scene: SceneEvents) -> None:
+        self.of.listen(scene)
+
+    def record(self, record: Record) -> None:
+        self.of.record(record)
+
+    def finish(self, now: int) -> None:
+        self.of.finish(now)
+        self.occasions = None if self.of.occasions is None else max(0, self.of.occasions - 1)
+
+    def _took(self, value: int, at: int) -> None:
+        before, self._before = self._before, value
+        if before is not None:
+            self.take(abs(value - before), at)
+
+    def missing(self) -> str:
+        return self.of.missing() if self.of.silent else "there was one value, which has none before it"

@@ -1,0 +1,60 @@
+"""Groups of events, for "the last byte of a transfer": records go in; where a group begins, and which is the n-th.
+
+transfer   from its START to the next transfer's
+round      from its first START to the next round's; which one is the first, `rounds` knows
+burst      UART frames of one wire without a pause between them that is longer than two characters
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ...core.records import Record
+from ...core.time import NO_TIME
+from ..language.events import Group, Matcher
+from .measure import SceneEvents
+
+PAUSE = 2  # characters without a frame that end a burst
+
+
+class Groups:
+    """Of one event: which of its group it is. nth: from 1; -1 for the last."""
+
+    def __init__(self, group: Group, nth: int) -> None:
+        self.nth = nth
+        self.inside = False  # no group has begun yet
+        self._group = group
+        self._seen = 0
+        self._begins_round: Callable[[], bool] | None = None
+        self._frame_began = self._frame_ended = NO_TIME
+
+    @property
+    def matchers(self) -> tuple[Matcher, ...]:
+        """What must be recorded."""
+        return self._group.begin, self._group.end
+
+    def listen(self, scene: SceneEvents) -> None:
+        if self._group.name == "round":
+            self._begins_round = scene.rounds_at_start()
+
+    def begins(self, record: Record) -> bool:
+        """A group begins with this record."""
+        first = self._group.begin.fits(record) and self._is_first(record.tick)
+        if self._group.end.fits(record):
+            self._frame_ended = record.tick
+        if first:
+            self._seen, self.inside = 0, True
+        return first
+
+    def _is_first(self, now: int) -> bool:
+        if self._group.name == "burst":
+            character = self._frame_ended - self._frame_began
+            first = self._frame_ended == NO_TIME or now - self._frame_ended > PAUSE * character
+            self._frame_began = now
+            return first
+        return self._begins_round is None or self._begins_round()
+
+    def is_nth(self) -> bool:
+        """The event has happened; whether it is the n-th of its group."""
+        self._seen += self.inside
+        return self.inside and self._seen == self.nth

@@ -1,0 +1,139 @@
+"""Parts of the time: when CPU or bus are busy goes in; the part of the run, or of the busiest window, comes out.
+
+    busy      ──┐__┌─────┐___┌─┐_________
+    of the run                              all of it
+    per 20 ms    |--- W ---|                the window of that length, wherever it begins, with the most in it
+
+A window is fullest where it begins with a busy stretch or ends with one, so only those are looked at.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from fractions import Fraction
+
+from ...core.records import Kind, Record
+from ...core.time import NO_TIME
+from .measure import MILLIONTHS, Measure, SceneEvents
+
+
+class Load(Measure):
+    """A part of the time, in millionths. window: its length in seconds; None for the whole run."""
+
+    unit = "%"
+    series = False
+
+    def __init__(self, window: Fraction | None = None) -> None:
+        super().__init__()
+        self._seconds = window
+        self._window = 0  # ticks
+        self._busy = 0
+        self._since = NO_TIME  # since when it is busy
+        self._began = 0
+        self._stretches: deque[tuple[int, int]] = deque()  # those that a window to come may reach back to
+        self._begins: deque[int] = deque()  # of windows that are not over yet
+
+    def listen(self, scene: SceneEvents) -> None:
+        self._began = scene.began()
+        if self._seconds is not None:
+            self._window = round(self._seconds * scene.ticks_per_second())
+            self._begins.append(self._began)
+
+    def begins(self, at: int) -> None:
+        """It gets busy. Told twice, it has been all along."""
+        if self._since == NO_TIME:
+            self._pass(at)
+            self._since = at
+            if self._window:
+                self._begins.append(at)
+
+    def ends(self, at: int) -> None:
+        if self._since == NO_TIME:
+            return
+        self._pass(at)
+        self._busy += at - self._since
+        if self._window:
+            self._stretches.append((self._since, at))
+        self._since = NO_TIME
+        self._look(at - self._window)
+
+    def _pass(self, now: int) -> None:
+        """Windows that are over by now."""
+        while self._begins and self._begins[0] + self._window <= now:
+            self._look(self._begins.popleft())
+        while self._stretches and self._stretches[0][1] <= now - self._window:
+            self._stretches.popleft()
+
+    def _look(self, begin: int) -> None:
+        """The window that begins there, if it lies in the run."""
+        if not self._window or begin < self._began:
+            return
+        end = begin + self._window
+        busy = sum(max(0, min(end, e) - max(begin, b)) for b, e in self._stretches)
+        if self._since != NO_TIME:
+            busy += max(0, end - max(begin, self._since))
+        part = _millionths(busy, self._window)
+        if not self.count or part > self.worst:
+            self.worst = self.least = part
+            self.worst_at = self.least_at = begin
+        self.count += 1
+
+    def finish(self, now: int) -> None:
+        busy = self._since != NO_TIME
+        if self._window:
+            self._pass(now)
+            self._look(now - self._window)
+            self.count = min(self.count, 1)
+            return
+        whole = now - self._began
+        self.count = int(whole > 0)
+        self.worst = self.least = _millionths(self._busy + (now - self._since if busy else 0), whole) if whole else 0
+        self.worst_at = self.least_at = now
+
+    def missing(self) -> str:
+        return "the run is shorter than its window" if self._window else ""
+
+
+def _millionths(busy: int, whole: int) -> int:
+    return (2 * busy * MILLIONTHS + whole) // (2 * whole)
+
+
+class CpuLoad(Load):
+    """The part of the time in which a CPU's firmware does not wait: outside of spins and IDLE."""
+
+    kinds = frozenset({Kind.IRQ, Kind.WAIT})
+
+    def __init__(self, unit: str, window: Fraction | None = None) -> None:
+        super().__init__(window)
+        self._unit = unit
+        self._under_way: list[Kind] = []  # waits and service routines, the inner ones last
+
+    def listen(self, scene: SceneEvents) -> None:
+        super().listen(scene)
+        self.begins(scene.began())
+
+    def record(self, record: Record) -> None:
+        if record.where != self._unit:
+            return
+        under_way = self._under_way
+        if record.value:
+            under_way.append(record.kind)
+        elif record.kind in under_way:
+            del under_way[len(under_way) - 1 - under_way[::-1].index(record.kind) :]
+        if under_way and under_way[-1] is Kind.WAIT:
+            self.ends(record.tick)
+        else:
+            self.begins(record.tick)
+
+
+class BusLoad(Load):
+    """The part of the time between a START and its STOP, whoever makes them."""
+
+    needs = "I2C-A"
+    kinds = frozenset({Kind.BUS})
+
+    def record(self, record: Record) -> None:
+        if record.what == "START":
+            self.begins(record.tick)
+        elif record.what in ("STOP", "arbitration lost"):
+            self.ends(record.tick)

@@ -1,0 +1,151 @@
+"""How well in time I2CDXR is written, and how long we hold SCL: wires, accesses and flags go in, times come out.
+
+    SCL    ─┐___________┌─┐_        the controller lets go of SCL at g; that is when the first bit must be ready
+    ACK end             g
+    write      w--------|           margin: g - w, less what the module takes from write to release
+    late                |----w      negative: so long SCL is held
+
+The write of a byte is the last one before I2CDXR is copied to I2CXSR. XRDY tells that: it is 1 where nothing is left.
+"""
+
+from __future__ import annotations
+
+from ...core.records import Kind, Record, Subjects
+from ...core.time import NO_TIME
+from .bus_monitor import KINDS, SUBJECTS, BusMonitor
+from .measure import Measure, SceneEvents
+
+
+class _Reads(BusMonitor):
+    """Bytes that the unit sends as a slave, with the instant at which each is needed."""
+
+    def __init__(self, unit: str, measure: Margin) -> None:
+        super().__init__(unit)
+        self._measure = measure
+
+    def first_bit(self, let_go: int, rose: int) -> None:
+        if self.read and self.ours:
+            self._measure.needed(let_go, rose)
+
+
+class Margin(Measure):
+    """From the write of I2CDXR to the latest instant that is soon enough; negative where SCL is held for it.
+
+    Of each byte that a unit sends as a slave: the controller lets go of SCL, and by then the module must have, too.
+    """
+
+    asked = "bytes sent"
+    kinds = KINDS | {Kind.ACCESS, Kind.FLAG}
+
+    def __init__(self, unit: str) -> None:
+        super().__init__()
+        self._unit = unit
+        self._bus = _Reads(unit, self)
+        self._waiting = NO_TIME  # the write that is in I2CDXR,
+        self._shifting = NO_TIME  # and that of what is in I2CXSR
+        self._empty = True  # I2CDXR, as XRDY says
+
+    @property
+    def subjects(self) -> Subjects:
+        return SUBJECTS | {
+            Kind.ACCESS: {f"{self._unit}.I2C-A.I2CDXR"},
+            Kind.FLAG: {f"{self._unit}.I2C-A.I2CSTR"},
+        }
+
+    def listen(self, scene: SceneEvents) -> None:
+        self._scene = scene
+        self._empty = bool(scene.value_of(f"{self._unit}.I2C-A", "I2CSTR.XRDY"))
+
+    def record(self, record: Record) -> None:
+        if record.kind in KINDS:
+            self._bus.hear(record)
+            return
+        if record.kind is Kind.ACCESS:
+            if record.where == self._unit and record.what == "W I2C-A.I2CDXR":
+                self._bus.settle_before(record.tick)
+                self._copied()
+                self._waiting = record.tick
+        elif record.where == f"{self._unit}.I2C-A" and record.what == "I2CSTR.XRDY":
+            self._bus.settle_before(record.tick)
+            self._empty = bool(record.value)
+            self._copied()
+
+    def _copied(self) -> None:
+        """XRDY says whether what was written is still in I2CDXR; a byte that I2CXSR waits for does not stay there."""
+        if self._empty and self._waiting != NO_TIME:
+            self._shifting, self._waiting = self._waiting, NO_TIME
+
+    def needed(self, let_go: int, rose: int) -> None:
+        """SCL rose for the first bit of a byte of ours."""
+        self.occasion(rose)
+        self._copied()
+        written, self._shifting = self._shifting, NO_TIME
+        if written != NO_TIME:
+            self.take(let_go - self._scene.i2c_release_delay(self._unit) - written, written)
+
+    def finish(self, now: int) -> None:
+        bus = self._bus
+        bus.settle()
+        if bus.read and bus.ours and bus.phase_at != NO_TIME and bus.held_by_us_alone():
+            self.occasion(now)
+            self.take(bus.others_held_until - now, bus.others_held_until)
+
+    def missing(self) -> str:
+        return f"{self._unit} sent no byte as a slave whose write of I2CDXR is known"
+
+
+class _Lows(BusMonitor):
+    def __init__(self, unit: str, measure: HeldPerTransfer) -> None:
+        super().__init__(unit)
+        self._measure = measure
+
+    def started(self, now: int) -> None:
+        self._measure.begins(now)
+
+    def stopped(self, now: int) -> None:
+        self._measure.over()
+
+    def held(self, let_go: int, rose: int) -> None:
+        self._measure.add(rose - let_go)
+
+
+class HeldPerTransfer(Measure):
+    """Sum of all the time in a transfer for which a unit alone holds SCL low."""
+
+    kinds = KINDS
+
+    def __init__(self, unit: str) -> None:
+        super().__init__()
+        self._bus = _Lows(unit, self)
+        self._began = NO_TIME
+        self._sum = 0
+
+    @property
+    def subjects(self) -> Subjects:
+        return SUBJECTS
+
+    def record(self, record: Record) -> None:
+        self._bus.hear(record)
+
+    def begins(self, at: int) -> None:
+        self._began, self._sum = at, 0
+
+    def add(self, ticks: int) -> None:
+        self._sum += ticks
+
+    def over(self) -> None:
+        if self._began != NO_TIME:
+            self.take(self._sum, self._began)
+        self._began = NO_TIME
+
+    def finish(self, now: int) -> None:
+        self._bus.settle()
+
+    def unfinished(self, now: int) -> list[tuple[int, int]]:
+        if self._began == NO_TIME:
+            return []
+        held = now - self._bus.others_held_until if self._bus.held_by_us_alone() else 0
+        return [(self._sum + held, self._began)]
+
+    def unfinished_text(self) -> str:
+        return "a transfer was not over when the run ended"

@@ -1,0 +1,207 @@
+"""Which host frame the bytes of a read come from, and which bytes would have been right: worked out on the bus.
+
+    frames of the host ---------.
+    MODEL pin (runs of models) --+--> Origins --of(phase)--> Origin: frame, when it had ended, wanted bytes
+    reads of the controller ----'
+
+Where the chips show the numbers of frames (`FrameOrigins`), a read's bytes are looked for among the last frames.
+Where firmware computes sensors (`ModelOrigins`), run n of the models may have taken any of the last frames that had
+come by the rise of the MODEL pin; each read leaves those chains of frames whose codes agree with its bytes. A chain
+never goes back to an older frame. Nothing is asked of the firmware but the level of that pin.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from itertools import combinations_with_replacement
+from typing import NamedTuple, Protocol
+
+from ...bus.i2c.controller import Phase, Transfer
+from ...core.time import NO_TIME
+from ...devices.model_codes import Computed, ModelCodes, ModelState, register_bytes
+from ...devices.sensor_head import CHIPS
+from ...devices.truth import shown
+
+BEFORE_ANY = -1  # instead of a frame's number: what firmware shows before a frame has come
+ZEROS = (0,) * 6
+RECENT = 8  # frames that a read may carry
+PASSED_OVER = 3  # frames that a run of the models may have passed over, or taken once more
+MOST = 64  # chains that are followed at a time
+
+
+class Origin(NamedTuple):
+    """frame: whose values the bytes carry, the youngest of several; None where they are those of no frame.
+
+    ended: the tick at which its last stop bit ended. wanted: of all that would have been right what agrees in the
+    most bytes.
+    """
+
+    frame: int | None
+    ended: int
+    wanted: bytes
+
+    @property
+    def known(self) -> bool:
+        """They are the values of a frame that the host has sent."""
+        return self.frame is not None and self.frame != BEFORE_ANY
+
+
+class Sources(Protocol):
+    """What a scene lets origins listen to."""
+
+    def on_transfer(self, told: Callable[[Transfer], None]) -> None: ...
+
+    def on_frame(self, told: Callable[[int, tuple[int, ...], int], None]) -> None: ...
+
+
+class Sent(NamedTuple):
+    """A frame as the host sent it."""
+
+    number: int
+    values: tuple[int, ...]
+    ended: int
+
+
+NOTHING_SENT = Sent(BEFORE_ANY, ZEROS, NO_TIME)
+
+
+class Origins(ABC):
+    """Listens before the measures that ask it, so that each phase of a transfer has its origin when they hear of it."""
+
+    def __init__(self, scene: Sources) -> None:
+        self._sent: deque[Sent] = deque([NOTHING_SENT], maxlen=RECENT)
+        self._of: dict[int, Origin] = {}
+        scene.on_frame(self._frame)
+        scene.on_transfer(self._transfer)
+
+    def of(self, phase: Phase) -> Origin | None:
+        """The origin of what a phase of the transfer that is just over has read; None of what is no chip's data."""
+        return self._of.get(id(phase))
+
+    def _frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
+        self._sent.append(Sent(number, values, tick))
+
+    def _transfer(self, transfer: Transfer) -> None:
+        self._of.clear()
+        for phase in transfer.phases:
+            if phase.read and phase.got and phase.address in ADDRESSES:
+                self._of[id(phase)] = self._origin(phase.address, bytes(phase.got))
+
+    @abstractmethod
+    def _origin(self, address: int, got: bytes) -> Origin: ...
+
+
+ADDRESSES = frozenset(chip.address for chip in CHIPS.values())
+
+
+class FrameOrigins(Origins):
+    """The chips show a frame's numbers: angles, accelerations, angles again."""
+
+    def _origin(self, address: int, got: bytes) -> Origin:
+        return _nearest(got, ((sent, _numbers(address, sent.values)) for sent in reversed(self._sent)))
+
+
+class Chain(NamedTuple):
+    """One way in which the models may have come to where they are: the frame of their last run, and what that left."""
+
+    sent: Sent
+    data: dict[int, bytes]
+    state: ModelState
+
+
+@dataclass
+class Run:
+    """A run of the models that is over. sent: the frames that it may have taken, oldest first."""
+
+    number: int
+    sent: list[Sent]
+
+
+class ModelOrigins(Origins):
+    """Firmware computes the chips' values. `model_pin` is to be told of every change of its MODEL pin."""
+
+    def __init__(self, scene: Sources, computed: Computed) -> None:
+        super().__init__(scene)
+        self._codes = ModelCodes(computed)
+        self.reset()
+
+    def reset(self) -> None:
+        """The firmware begins anew, the pin as an input."""
+        self._pulled_up = True
+        silent = dict.fromkeys(ADDRESSES, bytes(6))
+        self._chains = [Chain(NOTHING_SENT, silent, self._codes.at_rest)]
+        self._before: list[Chain] = []  # those of the run before the last
+        self._runs = 0
+        self._over: list[Run] = []  # runs that no chain has taken yet
+        self._last: Run | None = None
+        self._may_take: list[Sent] = []
+
+    def model_pin(self, now: int, level: int) -> None:
+        """High while the models run: what had come by its rise is what a run can have worked on."""
+        if level:
+            self._may_take = list(self._sent)
+        elif self._pulled_up:  # it becomes an output
+            self._pulled_up = False
+        else:
+            self._last = Run(self._runs, self._may_take)
+            self._over.append(self._last)
+            self._runs += 1
+
+    def _origin(self, address: int, got: bytes) -> Origin:
+        for run in self._over:
+            self._before, self._chains = self._chains, self._longer(run)
+        self._over.clear()
+        fitting = [chain for chain in self._chains if chain.data[address].startswith(got)]
+        if not fitting and any(chain.data[address].startswith(got) for chain in self._before):
+            return _nearest(got, _data(self._before, address))  # the read began before the last run was over
+        if not fitting:
+            fitting = [chain for chain in self._anew() if chain.data[address].startswith(got)]
+        if fitting:
+            self._chains = fitting
+        return _nearest(got, _data(self._chains, address))
+
+    def _longer(self, run: Run) -> list[Chain]:
+        """Every chain with a frame more, youngest frames first."""
+        longer: dict[tuple[int, int], Chain] = {}
+        for chain in self._chains:
+            for sent in reversed([sent for sent in run.sent if sent.number >= chain.sent.number][-PASSED_OVER - 1 :]):
+                longer.setdefault((sent.number, chain.sent.number), self._chain(run.number, sent, chain.state))
+        return list(longer.values())[:MOST]
+
+    def _anew(self) -> Iterator[Chain]:
+        """Chains that do not go on from any other: the last runs took frames in order, whatever was before."""
+        if self._last is not None:
+            number, recent = self._last.number, self._last.sent[-PASSED_OVER - 1 :]
+            for first, second, third in combinations_with_replacement(recent, 3):
+                before = self._chain(0, second, self._chain(0, first, self._codes.at_rest).state)
+                yield self._chain(number, third, before.state)
+
+    def _chain(self, number: int, sent: Sent, before: ModelState) -> Chain:
+        return Chain(sent, *self._codes.run(number, sent.values, before))
+
+
+def _data(chains: Iterable[Chain], address: int) -> Iterator[tuple[Sent, bytes]]:
+    return ((chain.sent, chain.data[address]) for chain in chains)
+
+
+def _nearest(got: bytes, candidates: Iterable[tuple[Sent, bytes]]) -> Origin:
+    """The youngest candidate whose bytes are those; else, as of no frame, that which agrees in the most."""
+    best, agreeing = b"", -1
+    found: Sent | None = None
+    for sent, wanted in candidates:
+        agree = sum(a == b for a, b in zip(got, wanted, strict=False))
+        if agree == len(got) and (found is None or sent.number > found.number):
+            found, best, agreeing = sent, wanted, agree
+        elif agree > agreeing:
+            best, agreeing = wanted, agree
+    return Origin(None, NO_TIME, best) if found is None else Origin(found.number, found.ended, best)
+
+
+def _numbers(address: int, values: tuple[int, ...]) -> bytes:
+    """The register bytes of the chip with this address where it shows the numbers of a frame."""
+    name, chip = next((name, chip) for name, chip in CHIPS.items() if chip.address == address)
+    x, y, z = shown(values)[name]
+    return register_bytes(chip, (x, y, z))

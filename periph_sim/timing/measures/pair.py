@@ -1,0 +1,179 @@
+"""Measures of pairs of events: from each first event to its second, and how often a third happens in between.
+
+    A1   A2        B1   B2
+    |----+---------|    |      in order: n-th with n-th
+         |--------------|
+    |--------------|           next: each with the next second one, which may end several
+         |---------|
+         |---------|           last: only the last one before a second one
+
+Where no pairing is said and a second A falls before the first one's B, nobody can know which belongs to which: then
+nothing is proven.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import NamedTuple
+
+from ...core.records import Record
+from ..language.events import Group, Matcher
+from .event_pairing import EventMeasure
+from .groups import Groups
+from .measure import SceneEvents
+
+PAIRINGS = ("in order", "next", "last")
+FIRST, SECOND, START, STOP = range(4)  # places of a pair's events
+
+
+class Open(NamedTuple):
+    """A first event that waits. at: its tick. since: what the clock or the counter said then."""
+
+    at: int
+    since: int
+
+
+class Between(EventMeasure):
+    """From each event to that of another kind that belongs to it.
+
+    pairing: one of PAIRINGS; empty where one A at most may wait. group: pairs lie in one transfer or round: a transfer
+    lasts from its START to the next one's, so that what firmware does about a STOP belongs to it.
+    """
+
+    def __init__(
+        self, begin: Matcher, end: Matcher, pairing: str, group: Group | None = None, extra: tuple[Matcher, ...] = ()
+    ) -> None:
+        inside = () if group is None else (group.begin, group.end)
+        super().__init__(begin, end, *inside, *extra, order=_order(len(inside), len(extra)))
+        self.pairing = pairing
+        self._extra = FIRST + 2 + len(inside)
+        self._rule = None if group is None else Groups(group, 0)
+        self._rule_text = "" if group is None else f" in the same {group.name}"
+        self._stopped = True
+        self._waiting: deque[Open] = deque()
+        self._again: tuple[int, int] | None = None
+        self._begun = self._paired = False  # in the group under way
+        if group is not None:
+            self.asked = f"{group.name}s with {begin.text!r}"
+            self.occasions = 0
+        self._groups_paired = 0
+        self._began_at, self._per_second = 0, 1
+
+    @property
+    def measured(self) -> int:
+        return self.count if self._rule is None else self._groups_paired
+
+    def listen(self, scene: SceneEvents) -> None:
+        super().listen(scene)
+        self._began_at = scene.began()
+        self._per_second = scene.ticks_per_second()
+        if self._rule is not None:
+            self._rule.listen(scene)
+
+    def clock(self, record: Record) -> int:
+        """What differs between a pair's events."""
+        return record.tick
+
+    def happened(self, place: int, record: Record) -> None:
+        if place >= self._extra:
+            self.between(record)
+        elif place == START:
+            self._started(record)
+        elif place == STOP:
+            self._stopped = True
+        elif place == SECOND:
+            self._second(record)
+        elif self._rule is None or self._rule.inside:
+            self._first(record)
+
+    def between(self, record: Record) -> None:
+        """An event happened that belongs to no pair."""
+
+    def _started(self, record: Record) -> None:
+        assert self._rule is not None
+        self._stopped = False
+        if self._rule.begins(record):
+            self._group_over()
+            self._waiting.clear()
+
+    def _group_over(self) -> None:
+        if self._begun:
+            self.occasion(self._begun_at)
+            self._groups_paired += self._paired and self._begun_at >= self.not_before
+        self._begun = self._paired = False
+
+    def _first(self, record: Record) -> None:
+        if not self._begun:
+            self._begun, self._begun_at = True, record.tick
+        if self._waiting and not self.pairing and self._again is None:
+            self._again = (self._waiting[0].at, record.tick)
+        if self.pairing == "last":
+            self._waiting.clear()
+        self._waiting.append(Open(record.tick, self.clock(record)))
+
+    def _second(self, record: Record) -> None:
+        waiting, now = self._waiting, self.clock(record)
+        for _ in range(min(1, len(waiting)) if self.pairing == "in order" else len(waiting)):
+            one = waiting.popleft()
+            self._paired = True
+            self.take(now - one.since, one.at)
+
+    def finish(self, now: int) -> None:
+        super().finish(now)
+        self._now = self.last_clock(now)
+        if self._rule is not None and (self._stopped or self._paired):
+            self._group_over()
+
+    def last_clock(self, now: int) -> int:
+        """What `clock` would say at the end of the run."""
+        return now
+
+    def unfinished(self, now: int) -> list[tuple[int, int]]:
+        if self._rule is not None and self._stopped:  # in a transfer or round, not every first has a second
+            return []
+        return [(self._now - one.since, one.at) for one in self._waiting]
+
+    def unfinished_text(self) -> str:
+        return f"{self.matchers[FIRST].text!r} still waited for {self.matchers[SECOND].text!r} when the run ended"
+
+    @property
+    def silent(self) -> bool:
+        return not self.count or self._again is not None
+
+    def missing(self) -> str:
+        first, second = (self.matchers[place].text for place in (FIRST, SECOND))
+        if self._again is not None:
+            one, other = (f"{(at - self._began_at) / self._per_second:.6f} s" for at in self._again)
+            what = f"{first!r} came at {one} and again at {other} before {second!r}"
+            return f"{what}; say behind a comma which belong together: in order, next or last"
+        if all(self.seen[:2]):
+            return f"no {first!r} was followed by {second!r}{self._rule_text}"
+        return self.unmatched([self.matchers[place] for place in (FIRST, SECOND) if not self.seen[place]])
+
+
+class CountBetween(Between):
+    """How often an event happens between two others: after the first one, up to the second."""
+
+    unit = "count"
+
+    def __init__(
+        self, counted: Matcher, begin: Matcher, end: Matcher, pairing: str, group: Group | None = None
+    ) -> None:
+        super().__init__(begin, end, pairing, group, (counted,))
+        self._total = 0
+
+    def between(self, record: Record) -> None:
+        self._total += 1
+
+    def clock(self, record: Record) -> int:
+        return self._total
+
+    def last_clock(self, now: int) -> int:
+        return self._total
+
+
+def _order(inside: int, extra: int) -> tuple[int, ...]:
+    """Places, in the order in which one record is several events: START, what is counted, the end, the begin, STOP."""
+    starts, stops = ((START,), (STOP,)) if inside else ((), ())
+    counted = range(2 + inside, 2 + inside + extra)
+    return (*starts, *counted, SECOND, FIRST, *stops)

@@ -1,0 +1,239 @@
+"""Races and lost flags as measures: accesses and flag changes are kept, and looked through when the run is over.
+
+    records --Columns--> insight.Run --> distances in cycles, flags lost to read-modify-writes
+
+What counts is what `periph-sim races` shows of a recorded run (`records/races.py`, `records/lost_flags.py`).
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.records import Kind, Record, Subjects
+from ...core.suggest import did_you_mean
+from ...core.time import NO_TIME
+from ...records.lost_flags import LostFlag, ReadModifyWrite
+from ...records.races import distances
+from ...records.races import races as races_of
+from ...records.register_maps import is_status, one_clears
+from ...records.run import NotInRun, Run
+from ...traces.formats.record_table import Columns, RecordTable
+from ..language.scope import MAPS, BadEvent, Scope, scope_of_table
+from .measure import Measure, SceneEvents
+
+CLEARING = {f"W {module}.{r.name}" for module, registers in MAPS.items() for r in registers if one_clears(r)}
+
+
+@dataclass(frozen=True)
+class Watched:
+    """A status register, or one field of it. unit, module, register: empty for all of the scene's."""
+
+    text: str
+    unit: str = ""
+    module: str = ""
+    register: str = ""
+    field: str = ""
+
+    @property
+    def name(self) -> str | None:
+        """As `insight` calls it."""
+        return ".".join(filter(None, (self.unit, self.module, self.register, self.field))) or None
+
+    def shows(self, record: Record) -> bool:
+        """Whether a record is an access to the register, or a change of what is watched of it."""
+        if record.kind is Kind.ACCESS:
+            place = f"{self.module}.{self.register}" if self.register else record.what[2:]
+            return self.concerns(record) and record.what[2:] == place
+        field = f"{self.register}.{self.field}" if self.field else record.what
+        return record.kind is Kind.FLAG and self.concerns(record) and record.what == field
+
+    def concerns(self, record: Record) -> bool:
+        if record.kind is Kind.ACCESS:
+            return record.where == self.unit or not self.unit
+        if not self.unit:
+            return True
+        return record.where == f"{self.unit}.{self.module}" and record.what.startswith(f"{self.register}.")
+
+
+def raced(unit: str, text: str, scope: Scope) -> Watched:
+    """What "I2C-A.I2CSTR.XRDY" or "I2C-A.I2CSTR" names. BadEvent unless hardware changes flags of that register."""
+    if text.count(".") == 2:
+        owner, module, register, f = scope.field(unit, text)
+        field = f.name
+    else:
+        owner, module, register = scope.register(unit, text)
+        field = ""
+    if not is_status(register):
+        flags = [r.name for r in MAPS[module] if is_status(r)]
+        raise BadEvent(
+            f"{register.name} is no status register: hardware sets no flag in it; {did_you_mean(register.name, flags)}"
+        )
+    return Watched(text, owner, module, register.name, field)
+
+
+def losing(unit: str, text: str, scope: Scope) -> Watched:
+    """The register whose flags may be lost; all of the scene's where none is named. BadEvent if none can be."""
+    if not text:
+        if not scope.units:
+            raise BadEvent("the scene has no unit")
+        return Watched("")
+    owner, module, register = scope.register(unit, text)
+    if not one_clears(register):
+        flags = [r.name for r in MAPS[module] if one_clears(r)]
+        raise BadEvent(
+            f"writing 1 clears no flag of {register.name}, so none can be lost; {did_you_mean(register.name, flags)}"
+        )
+    return Watched(text, owner, module, register.name)
+
+
+def clearing(unit: str, text: str, scope: Scope) -> Watched:
+    """The one flag that a write may clear along with another. BadEvent if writing 1 does not clear it."""
+    owner, module, register, f = scope.field(unit, text)
+    clearable = [each.name for each in one_clears(register)]
+    if f.name not in clearable:
+        raise BadEvent(f"writing 1 does not clear {text}; {did_you_mean(f.name, clearable)}")
+    return Watched(text, owner, module, register.name, f.name)
+
+
+class RegisterMeasure(Measure, ABC):
+    """Keeps the records that concern a register, to look at them as a recorded run."""
+
+    kinds = frozenset({Kind.ACCESS, Kind.FLAG})
+
+    def __init__(self, watched: Watched) -> None:
+        super().__init__()
+        self.watched = watched
+        self._columns = Columns()
+
+    @property
+    def subjects(self) -> Subjects:
+        watched = self.watched
+        return {Kind.FLAG: {f"{watched.unit}.{watched.module}.{watched.register}"}} if watched.register else {}
+
+    def listen(self, scene: SceneEvents) -> None:
+        self._per_second = scene.ticks_per_second()
+        self._sysclk = scene.sysclk(self.watched.unit)
+
+    def record(self, record: Record) -> None:
+        if self.watched.concerns(record):
+            self._columns.add(record)
+
+    def finish(self, now: int) -> None:
+        table = self._columns.table(Fraction(self._per_second), now, {})
+        self.look(Run(table, sysclk=self._sysclk))
+        self._columns = Columns()
+
+    @abstractmethod
+    def look(self, run: Run) -> None:
+        """Measure over all that was kept."""
+
+
+class Race(RegisterMeasure):
+    """From each CPU read of a status register to the nearest change of what was looked at, in cycles of SYSCLKOUT.
+
+    Where a wait was skipped, and its polls beside a change cannot be put back, nothing is proven.
+    """
+
+    unit = "cycles"
+
+    def __init__(self, watched: Watched) -> None:
+        super().__init__(watched)
+        self._unplaced = 0
+
+    @property
+    def silent(self) -> bool:
+        return not self.count or self._unplaced > 0
+
+    def look(self, run: Run) -> None:
+        try:
+            cycles, ticks, self._unplaced = distances(run, self.watched.name)
+        except NotInRun:  # never accessed: nothing was measured, and `missing` says so
+            return
+        for value, at in zip(cycles.tolist(), ticks.tolist(), strict=True):
+            self.take(value, at)
+
+    def missing(self) -> str:
+        if self._unplaced:
+            return (
+                f"of {self._unplaced} skipped waits for {self.watched.text} the polls beside a change are not known; "
+                "skip_polls = false in the unit's table makes and records each of them"
+            )
+        return f"no read of {self.watched.text} had a change to be compared with"
+
+
+class LostFlags(RegisterMeasure):
+    """Flags that a read-modify-write cleared unmeant, and that firmware had not looked at since they rose.
+
+    worst is how many were lost, count how many writes there were, of which a plain one clears what it means to: with
+    none, nothing is proven.
+    """
+
+    unit = "flags"
+    series = False
+
+    def record(self, record: Record) -> None:
+        super().record(record)
+        if record.kind is Kind.ACCESS and record.what in CLEARING and self.watched.shows(record):
+            self.count += 1
+
+    def look(self, run: Run) -> None:
+        modifies = _modifies(run, self.watched)
+        gone = sorted(tick for modify in modifies for flag in modify.flags for tick in self.ticks(flag))
+        self.worst = self.least = len(gone)
+        self.worst_at = self.least_at = gone[0] if gone else NO_TIME
+
+    def ticks(self, flag: LostFlag) -> tuple[int, ...]:
+        return flag.lost
+
+    def missing(self) -> str:
+        what = self.watched.text or "a register with flags that writing 1 clears"
+        return f"the firmware never wrote {what}"
+
+
+class ClearedAlong(LostFlags):
+    """How often a read-modify-write cleared this flag though another one was meant, whether it had been read or not.
+
+    This is for a flag that is waited for afterwards, and that no other write may take.
+    """
+
+    def ticks(self, flag: LostFlag) -> tuple[int, ...]:
+        return flag.cleared if flag.flag == self.watched.field else ()
+
+
+def _modifies(run: Run, watched: Watched) -> tuple[ReadModifyWrite, ...]:
+    try:
+        return races_of(run, watched.name).modifies
+    except NotInRun:
+        return ()
+
+
+class Distances(NamedTuple):
+    """cycles: from each read to its nearest change. tick: when the read was, the same length. int64."""
+
+    cycles: NDArray[np.int64]
+    tick: NDArray[np.int64]
+
+
+def races(table: RecordTable, name: str, sysclk: Fraction | None = None) -> Distances:
+    """How many cycles lie between each read of a status register, or of one field, and the nearest change.
+
+    name: "I2C-A.I2CSTR", "imu:I2C-A.I2CSTR.XRDY". sysclk: in Hz; None takes what the records show. BadEvent if the
+    run can have no such register; NotInRun if the firmware never accessed it.
+    """
+    unit, _, text = name.rpartition(":")
+    cycles, tick, _ = distances(Run(table, sysclk=sysclk), raced(unit, text, scope_of_table(table)).name)
+    return Distances(cycles, tick)
+
+
+def lost_flags(table: RecordTable, name: str = "") -> NDArray[np.int64]:
+    """The ticks at which read-modify-writes of a register, or of any, lost a flag. BadEvent as for `races`."""
+    unit, _, text = name.rpartition(":")
+    modifies = _modifies(Run(table), losing(unit, text, scope_of_table(table)))
+    lost = sorted(tick for modify in modifies for flag in modify.flags for tick in flag.lost)
+    return np.array(lost, np.int64)

@@ -1,0 +1,34 @@
+"""The measures that a budget calls by a fixed name. Measures of events that users name are in `event`."""
+
+from __future__ import annotations
+
+from .age import Age, ModelAge
+from .bus import Nacked, Response, Stretch, Stuck, WrongBytes
+from .measure import Measure
+from .round import MissedRounds, NackedRounds, RoundTime
+from .sci import FifoHighWater, Overruns
+from .span import SpanTime
+
+SPAN = "span:"
+
+MEASURES: dict[str, type[Measure]] = {
+    "response": Response,
+    "stretch": Stretch,
+    "round": RoundTime,
+    "missed rounds": MissedRounds,
+    "nacked rounds": NackedRounds,
+    "nacked": Nacked,
+    "wrong bytes": WrongBytes,
+    "age": Age,
+    "model age": ModelAge,
+    "fifo high-water": FifoHighWater,
+    "overruns": Overruns,
+    "stuck": Stuck,
+}
+
+
+def make(name: str) -> Measure:
+    """The measure that a budget names: one of MEASURES, or "span:NAME". KeyError otherwise."""
+    if name.startswith(SPAN):
+        return SpanTime(name.removeprefix(SPAN))
+    return MEASURES[name]()

@@ -1,0 +1,55 @@
+"""Measures of an SCI's receiver: words that wait and characters that are lost.
+
+Their occasions are the characters on RX, whoever sent them; one that is not received is not measured.
+"""
+
+from __future__ import annotations
+
+from .measure import Counter, Measure, SceneEvents
+
+
+class _OfCharacters(Measure):
+    """A measure of an SCI that receives."""
+
+    needs = "SCI-A"
+    asked = "characters on RX"
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._received = 0
+        self._receivers = 1
+
+    @property
+    def measured(self) -> int:
+        return self._received
+
+    def listen(self, scene: SceneEvents) -> None:
+        scene.on_sci(self.changed)
+        scene.listen_characters(self._on_wire)
+        self._receivers = scene.listen_received(self._character)
+
+    def _character(self, tick: int) -> None:
+        self._received += tick >= self.not_before
+
+    def _on_wire(self, begun: int) -> None:
+        self.occasion(begun, self._receivers)
+
+    def changed(self, tick: int, words: int, overrun: bool) -> None:
+        """So many words wait now. overrun: something has just been lost."""
+
+
+class FifoHighWater(_OfCharacters):
+    """Most words that ever waited in the SCI receive FIFO."""
+
+    unit = "words"
+
+    def changed(self, tick: int, words: int, overrun: bool) -> None:
+        self.take(words, tick)
+
+
+class Overruns(_OfCharacters, Counter):
+    """Characters lost in the SCI: FIFO overflow (RXFFOVF) or SCIRXBUF overrun (OE), counted as they happen."""
+
+    def changed(self, tick: int, words: int, overrun: bool) -> None:
+        if overrun:
+            self.one_more(tick)

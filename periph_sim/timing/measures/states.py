@@ -1,0 +1,118 @@
+"""How long a state lasted: events that begin and end it go in; each time in it, or the sum of all, comes out.
+
+    wire SCL low   ──┐______┌──────┐___┌──     each: 6 and 3      time in: 9
+
+A state that holds as the run begins belongs to the sum. It is no "each", since nobody saw it begin; but if it lasts to
+the end of the run, it counts with that.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+from ...core.records import Kind, Record
+from ...core.time import NO_TIME
+from ..language.events import EVERYTHING, Matcher
+from .event_pairing import EventMeasure
+from .measure import SceneEvents
+
+
+@dataclass(frozen=True)
+class State:
+    """enters: what begins it. leaves: what ends it, unless that is one of `enters`, too."""
+
+    text: str
+    enters: tuple[Matcher, ...]
+    leaves: tuple[Matcher, ...]
+
+    def holds(self, scene: SceneEvents) -> bool:
+        """Whether a scene in which nothing has happened yet is in this state."""
+        first = self.enters[0]
+        (place, *_) = first.where or ("",)
+        if first.kind is Kind.EDGE:
+            return scene.level_of(place) == first.want
+        if first.kind is Kind.FLAG:
+            return first.mask == EVERYTHING and scene.value_of(place, first.what) == first.want
+        return first.kind is Kind.BUS and first.what == "STOP"  # no START yet: the bus is free
+
+
+class _InState(EventMeasure, ABC):
+    """Hears when the state begins and ends."""
+
+    def __init__(self, state: State) -> None:
+        super().__init__(*state.enters, *state.leaves)
+        self._state = state
+        self._since = NO_TIME
+
+    def listen(self, scene: SceneEvents) -> None:
+        if self._state.holds(scene):
+            self.begins(scene.began(), seen=False)
+
+    def record(self, record: Record) -> None:
+        self.hear(record)
+        if any(event.fits(record) for event in self._state.enters):
+            if self._since == NO_TIME:
+                self.begins(record.tick, seen=True)
+        elif self._since != NO_TIME and any(event.fits(record) for event in self._state.leaves):
+            self.ends(record.tick)
+            self._since = NO_TIME
+
+    def begins(self, at: int, seen: bool) -> None:
+        self._since = at
+
+    @abstractmethod
+    def ends(self, at: int) -> None:
+        """The state was left, or the run ended in it."""
+
+    def missing(self) -> str:
+        if self._state.enters[0].free:
+            return self.unmatched(list(self._state.enters[:1]))
+        return f"{self._state.text!r} was never entered and left"
+
+
+class TimeIn(_InState):
+    """Sum of all times in a state; of a span, from its begin to its end, service routines in between included."""
+
+    series = False
+
+    @property
+    def silent(self) -> bool:
+        """A state that can be checked may have lasted no time at all; a span's name may be a slip."""
+        return self._state.enters[0].free and not self.count
+
+    def begins(self, at: int, seen: bool) -> None:
+        super().begins(at, seen)
+        if not self.count:
+            self.worst_at = self.least_at = at
+        self.count += 1
+
+    def ends(self, at: int) -> None:
+        self.worst = self.least = self.worst + at - self._since
+
+    def finish(self, now: int) -> None:
+        if self._since != NO_TIME:
+            self.ends(now)
+            self._since = NO_TIME
+
+
+class EachTimeIn(_InState):
+    """Each time in a state, from when it begins to when it is over."""
+
+    def __init__(self, state: State) -> None:
+        super().__init__(state)
+        self._whole = False  # the begin of the present time was seen
+
+    def begins(self, at: int, seen: bool) -> None:
+        super().begins(at, seen)
+        self._whole = seen
+
+    def ends(self, at: int) -> None:
+        if self._whole:
+            self.take(at - self._since, self._since)
+
+    def unfinished(self, now: int) -> list[tuple[int, int]]:
+        return [] if self._since == NO_TIME else [(now - self._since, self._since)]
+
+    def unfinished_text(self) -> str:
+        return f"{self._state.text!r} still lasted when the run ended"

@@ -1,0 +1,1 @@
+"""A capture in memory: channels of edges, their gaps, grids and excerpts."""

@@ -1,0 +1,44 @@
+"""Does a trace keep the timing limits of the I2C-bus specification? For the command and for tests.
+
+    Capture --measure--> times of every limit --judge--> Report: pass, fail, or undecidable at this sample rate
+
+In a test: `check(capture, "SCL", "SDA", Mode.FAST).assert_compliant()`.
+"""
+
+from __future__ import annotations
+
+from ..capture.capture import Capture
+from ..capture.gaps import gap_notes
+from ..capture.sampling import stamp_notes
+from .limits import Mode
+from .measure import measure
+from .resolution import resolution_of
+from .verdict import Report, Row, Verdict, judge
+
+__all__ = ["Mode", "Report", "Row", "Verdict", "check"]
+
+
+def check(
+    capture: Capture,
+    scl: str | int = "SCL",
+    sda: str | int = "SDA",
+    mode: Mode | str = Mode.STANDARD,
+    *,
+    exact: bool | None = None,
+) -> Report:
+    """The verdict on every limit of a mode; `str()` of it is a table.
+
+    exact: as for `resolution_of`. LookupError if a channel is not there; ValueError without a rate.
+    """
+    mode = Mode(mode)
+    resolution = resolution_of(capture, exact)
+    measures = measure(capture, scl, sda, mode, resolution)
+    notes = list(capture.notes)
+    notes += stamp_notes(capture) if resolution.slack else []
+    notes += gap_notes(capture, capture.channel(scl), capture.channel(sda))
+    if measures.blind:
+        notes.append(
+            f"pulses that mode {mode.value} allows may be shorter than a sample and lie between two: no limit passes"
+        )
+    rows = judge(measures, mode, resolution)
+    return Report(str(capture.path), mode, resolution, rows, measures.starts, len(measures.shared), tuple(notes))

@@ -1,0 +1,285 @@
+"""Every time that Table 10 of UM10204 names, measured over the whole trace at once.
+
+    Capture --known spans, spikes put aside--> SCL rises and falls, SDA edges --> symbol -> Measured
+
+             tHD;STA tLOW  tHIGH       tSU;STA tHD;STA                tSU;STO  tBUF
+    SCL  -------|______|--------|_____|-----------|___ ... ________|-------------------
+    SDA  ---|______________/-------------\\________________________________/--------\\___
+           START   | tSU;DAT         repeated START                       STOP     START
+                |--| tHD;DAT (first change), tVD;DAT (last change before the rise)
+
+Rules:
+- SDA changes while SCL is high before and after are conditions: START (falling), STOP (rising), a repeated START if
+  the condition before was a START. Where both lines change at one position, it is data: no time behind the fall, or no
+  time before the rise.
+- SCL's high phases with a condition inside are no tHIGH and no whole period; tSU;STA and tSU;STO are measured from the
+  rise to the first condition behind it.
+- Data times are measured between START and STOP; tVD;DAT, tVD;ACK and the maximum of tHD;DAT only in low phases that
+  come before a bit: with no condition in the high phase behind. The ninth bit of each byte is ACK.
+- Who drove: conditions and SCL are the controller's. A bit is driven by whom the protocol asks (bytes behind R/W = 1
+  by the target, their ACK by the controller, the rest the other way round); a falling SDA is the work of the driver of
+  this bit, a rising one of the driver before, who has let go. SDA falling ahead of STOP is the controller's.
+- Unknown spans are never crossed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..capture.capture import Capture, Channel, Positions, Span
+from ..decode.i2c import Party
+from .limits import LIMIT, Mode
+from .resolution import Resolution
+from .spikes import without_spikes
+
+Scalar = TypeVar("Scalar", bound=np.generic)
+Flags = NDArray[np.bool_]
+Parties = NDArray[np.uint8]
+
+NOBODY, CONTROLLER, TARGET = 0, 1, 2
+PARTY: dict[int, Party | None] = {NOBODY: None, CONTROLLER: Party.CONTROLLER, TARGET: Party.TARGET}
+BITS = 9  # of a byte, with its ACK
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """One symbol's times, in order: where each begins, how many positions it is long, and by whose doing (a PARTY key).
+
+    excused: where a maximum does not bind. doubtful: where at this resolution it is not sure that the limit binds (the
+    pulse may be a spike, the low phase a stretched one), so that a time beyond it is not surely wrong.
+    """
+
+    begins: Positions
+    lengths: Positions
+    party: Parties
+    excused: Flags
+    doubtful: Flags
+
+    def __len__(self) -> int:
+        return len(self.lengths)
+
+
+def measured(
+    begins: Positions,
+    ends: Positions,
+    party: Parties | int = CONTROLLER,
+    excused: Flags | None = None,
+    doubtful: Flags | None = None,
+) -> Measured:
+    """From `begins` to `ends`; nobody is excused and nothing doubtful unless said."""
+    nothing = np.zeros(len(begins), np.bool_)
+    who = np.full(len(begins), party, np.uint8) if isinstance(party, int) else party
+    return Measured(
+        begins,
+        ends - begins,
+        who,
+        nothing if excused is None else excused,
+        nothing if doubtful is None else doubtful,
+    )
+
+
+@dataclass(frozen=True)
+class Measures:
+    """of: symbol -> its times, for every limit a capture can show. starts: STARTs of any kind.
+
+    shared: positions at which both lines change, so that their order is unknown. coarse: the mode allows SCL pulses
+    shorter than a sample. blind: besides, some levels of SCL last one sample only, so that others may lie between two.
+    """
+
+    of: dict[str, Measured]
+    starts: int
+    shared: Positions
+    coarse: bool
+    blind: bool
+
+
+def measure(capture: Capture, scl: str | int, sda: str | int, mode: Mode, resolution: Resolution) -> Measures:
+    """All times of a capture. LookupError if a channel is not there. The mode says what is a spike."""
+    lines = capture.channel(scl), capture.channel(sda)
+    spans = capture.known(*lines)
+    clock, data = lines
+    parts = [_Part(clock.cut(span), data.cut(span), span, mode, resolution) for span in spans]
+    lows = [part.own_lows() for part in parts]
+    shortest = min((int(low.min()) for low in lows if len(low)), default=0)
+    found = [part.measures(shortest) for part in parts]
+    coarse = resolution.period > min(_least("tHIGH", mode), _least("tLOW", mode))
+    return Measures(
+        {symbol: _joined([of[symbol] for of in found]) for symbol in (found[0] if found else {})},
+        sum(len(part.starts) for part in parts),
+        np.intersect1d(clock.edges, data.edges, assume_unique=True),
+        coarse,
+        coarse and any(part.shortest_phase() <= resolution.slack for part in parts),
+    )
+
+
+def _joined(parts: list[Measured]) -> Measured:
+    return Measured(
+        np.concatenate([part.begins for part in parts]),
+        np.concatenate([part.lengths for part in parts]),
+        np.concatenate([part.party for part in parts]),
+        np.concatenate([part.excused for part in parts]),
+        np.concatenate([part.doubtful for part in parts]),
+    )
+
+
+class _Part:
+    """The lines within one known span."""
+
+    def __init__(self, scl: Channel, sda: Channel, span: Span, mode: Mode, resolution: Resolution) -> None:
+        self._mode, self._resolution = mode, resolution
+        scl, sda, self._spikes, self._spike_lengths = without_spikes(scl, sda, mode, resolution)
+        self.rises = scl.edges[scl.levels == 1]
+        self.falls = scl.edges[scl.levels == 0]
+        self._edges, self._levels = sda.edges, sda.levels
+        steady = (scl.before(sda.edges) == 1) & (scl.at(sda.edges) == 1)
+        self.conditions = sda.edges[steady]
+        self.is_start = sda.levels[steady] == 0
+        self.starts = self.conditions[self.is_start]
+        # A pulse is a rise and what follows it up to the next fall; the low phase before it goes with it.
+        self._low_from = _at(self.falls, np.searchsorted(self.falls, self.rises) - 1)  # -1: out of sight
+        self._high_to = _at(self.falls, np.searchsorted(self.falls, self.rises, side="right"))  # -1: out of sight
+        high_to = np.where(self._high_to < 0, span.end, self._high_to)
+        self._condition_in = np.searchsorted(self.conditions, high_to) > np.searchsorted(self.conditions, self.rises)
+        self._number_bits(sda)
+
+    def _number_bits(self, sda: Channel) -> None:
+        """Of each pulse: which bit it is since the last START, and who should drive SDA in it."""
+        last = np.searchsorted(self.conditions, self.rises) - 1
+        busy = (last >= 0) & _pick(self.is_start, last, False)
+        first = np.searchsorted(self.rises, self.conditions)  # the first pulse behind each condition
+        number = np.arange(len(self.rises)) - _pick(first, last, 0)
+        self._busy = busy
+        self._is_bit = busy & ~self._condition_in
+        self._ack = busy & (number % BITS == BITS - 1)
+        rw_bit = first + 7
+        next_first = np.append(first[1:], len(self.rises))
+        asked = np.zeros(len(first), np.bool_)
+        whole = rw_bit < next_first
+        asked[whole] = sda.at(self.rises[rw_bit[whole]]) == 1
+        read = _pick(asked, last, False) & (number >= BITS)
+        by_target = (read != self._ack) & self._is_bit  # before START and STOP it is the controller
+        self._driver = np.where(busy, np.where(by_target, TARGET, CONTROLLER), NOBODY).astype(np.uint8)
+        before = np.concatenate((np.zeros(1, np.uint8), self._driver))[:-1]
+        self._driver_before = np.where(busy & (number == 0), CONTROLLER, before).astype(np.uint8)
+
+    def own_lows(self) -> Positions:
+        """Lengths of the low phases before bits."""
+        seen = self._is_bit & (self._low_from >= 0)
+        lengths: Positions = self.rises[seen] - self._low_from[seen]
+        return lengths
+
+    def shortest_phase(self) -> int:
+        """Positions of the shortest level of SCL between two edges."""
+        edges = np.sort(np.concatenate((self.rises, self.falls)))
+        return int(np.diff(edges).min()) if len(edges) > 1 else np.iinfo(np.int64).max
+
+    def measures(self, shortest_low: int) -> dict[str, Measured]:
+        """symbol -> its times. shortest_low: of the whole capture, in positions."""
+        return {
+            **self._clock(),
+            **self._start_stop(),
+            **self._data(shortest_low),
+            "tSP": measured(self._spikes, self._spikes + self._spike_lengths, NOBODY),
+        }
+
+    def _clock(self) -> dict[str, Measured]:
+        low = self._low_from >= 0
+        high = (self._high_to >= 0) & ~self._condition_in
+        period = low & high
+        short_low = self._may_be_spike(self.rises - self._low_from)
+        short_high = self._may_be_spike(self._high_to - self.rises)
+        either = (short_low | short_high)[period]
+        return {
+            "fSCL": measured(self._low_from[period], self._high_to[period], doubtful=either),
+            "tLOW": measured(self._low_from[low], self.rises[low], doubtful=short_low[low]),
+            "tHIGH": measured(self.rises[high], self._high_to[high], doubtful=short_high[high]),
+        }
+
+    def _start_stop(self) -> dict[str, Measured]:
+        conditions, is_start = self.conditions, self.is_start
+        after_start = np.concatenate((np.zeros(1, np.bool_), is_start))[:-1]
+        before = np.concatenate((np.full(1, -1, np.int64), conditions))[:-1]
+        rise = _at(self.rises, np.searchsorted(self.rises, conditions) - 1)
+        rise = np.where(rise > before, rise, -1)  # a condition between: not from the rise
+        fall = _at(self.falls, np.searchsorted(self.falls, conditions))
+        behind = np.append(conditions[1:], np.iinfo(np.int64).max)[: len(conditions)]
+        held = is_start & (fall >= 0) & (fall < behind)
+        again = is_start & after_start & (rise >= 0)
+        stop = ~is_start & (rise >= 0)
+        free = is_start & ~after_start & (before >= 0)
+        return {
+            "tHD;STA": measured(conditions[held], fall[held]),
+            "tSU;STA": measured(rise[again], conditions[again]),
+            "tSU;STO": measured(rise[stop], conditions[stop]),
+            "tBUF": measured(before[free], conditions[free]),
+        }
+
+    def _data(self, shortest_low: int) -> dict[str, Measured]:
+        if not len(self._edges):
+            nothing = self._edges
+            return {symbol: measured(nothing, nothing) for symbol in ("tHD;DAT", "tSU;DAT", "tVD;DAT", "tVD;ACK")}
+        begin = np.where(self._low_from < 0, 0, self._low_from)
+        first = np.searchsorted(self._edges, begin)
+        last = np.searchsorted(self._edges, self.rises, side="right") - 1
+        changed = (last >= first) & self._busy
+        seen = changed & (self._low_from >= 0)
+        bit = seen & self._is_bit
+        stretched, maybe = self._stretched(shortest_low)
+        excused = ~self._is_bit | stretched
+        data, ack = bit & ~self._ack, bit & self._ack
+        low_from, rises = self._low_from, self.rises
+        first, last = np.minimum(first, len(self._edges) - 1), np.maximum(last, 0)
+        hold_by, setup_by = self._by(first), self._by(last)
+        valid = self._edges[last]
+        # With SCL's rise in one sample: data, or a condition just behind it.
+        unsure = (valid == rises) & (self._resolution.slack > 0)
+        return {
+            "tHD;DAT": measured(low_from[seen], self._edges[first][seen], hold_by[seen], excused[seen], maybe[seen]),
+            "tSU;DAT": measured(valid[changed], rises[changed], setup_by[changed], doubtful=unsure[changed]),
+            "tVD;DAT": measured(low_from[data], valid[data], setup_by[data], excused[data], maybe[data]),
+            "tVD;ACK": measured(low_from[ack], valid[ack], setup_by[ack], excused[ack], maybe[ack]),
+        }
+
+    def _by(self, edge: NDArray[np.intp]) -> Parties:
+        """Who made this SDA edge, one a pulse, in the low phase before it."""
+        return np.where(self._levels[edge] == 0, self._driver, self._driver_before).astype(np.uint8)
+
+    def _stretched(self, shortest_low: int) -> tuple[Flags, Flags]:
+        """Where the low phase before a pulse is surely stretched, and where this cannot be decided.
+
+        Own is what is no longer than the least tLOW, or than the shortest of the trace and a tenth; both lengths are
+        true to within the slack.
+        """
+        least, slack = _least("tLOW", self._mode), self._resolution.slack
+        lengths = self.rises - self._low_from
+        own = 10 * (lengths + slack) <= 11 * (shortest_low - slack)
+        own |= lengths <= self._resolution.surely_at_most(least)
+        stretched = 10 * (lengths - slack) > 11 * (shortest_low + slack)
+        stretched &= lengths >= self._resolution.surely_above(least)
+        return stretched, ~own & ~stretched
+
+    def _may_be_spike(self, lengths: Positions) -> Flags:
+        most = LIMIT["tSP"].bounds[self._mode].most
+        if most is None or not self._resolution.slack:
+            return np.zeros(len(lengths), np.bool_)
+        return lengths < self._resolution.surely_above(most)
+
+
+def _least(symbol: str, mode: Mode) -> int:
+    return LIMIT[symbol].bounds[mode].least or 0
+
+
+def _at(positions: Positions, index: NDArray[np.intp]) -> Positions:
+    """positions[index], -1 where there is no such one."""
+    padded = np.concatenate((positions, np.full(1, -1, np.int64)))
+    return padded[np.where((index < 0) | (index >= len(positions)), len(positions), index)]
+
+
+def _pick(values: NDArray[Scalar], index: NDArray[np.intp], default: bool | int) -> NDArray[Scalar]:
+    """values[index], the default where the index is -1."""
+    padded = np.concatenate((values, np.array([default], values.dtype)))
+    return padded[np.where(index < 0, len(values), index)]

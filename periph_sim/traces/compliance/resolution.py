@@ -1,0 +1,64 @@
+"""How good a position is, and what a measured time can therefore decide.
+
+    Capture --> Resolution --thresholds--> whole numbers of positions to compare with
+
+A time of n samples is truly between n - 1 and n + 1 sample periods, both ends excluded: each edge stands at the first
+sample after it. Exact positions (ticks of a simulation) are what they say. All arithmetic is in whole numbers.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from math import ceil, floor
+
+from ..capture.capture import Capture
+from ..capture.sampling import grid_of, is_exact
+
+NS = 10**9
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """rate: positions a second. slack: positions that a time may be off to either side, 0 if exact."""
+
+    rate: Fraction
+    slack: int
+
+    @property
+    def period(self) -> Fraction:
+        """What a time may be off, in nanoseconds."""
+        return self.slack * NS / self.rate
+
+    def ns(self, positions: int) -> Fraction:
+        return positions * NS / self.rate
+
+    def surely_at_least(self, ns: int) -> int:
+        """The fewest positions that surely are `ns` or more."""
+        return ceil(ns * self.rate / NS) + self.slack
+
+    def surely_at_most(self, ns: int) -> int:
+        """The most positions that surely are `ns` or less."""
+        return floor(ns * self.rate / NS) - self.slack
+
+    def surely_below(self, ns: int) -> int:
+        """The most positions that surely are less than `ns`."""
+        return self.surely_at_most(ns) if self.slack else ceil(ns * self.rate / NS) - 1
+
+    def surely_above(self, ns: int) -> int:
+        """The fewest positions that surely are more than `ns`."""
+        return self.surely_at_least(ns) if self.slack else floor(ns * self.rate / NS) + 1
+
+
+def resolution_of(capture: Capture, exact: bool | None = None) -> Resolution:
+    """What the capture's positions are good to.
+
+    exact: True takes unsampled times as they are, False as stamps on the coarsest grid that holds all edges; None:
+    exact where the capture is known to be, or finer than any analyser samples. ValueError without a rate.
+    """
+    if capture.rate is None:
+        raise ValueError(f"{capture.path}: limits need a time base and the file states no rate; state the rate")
+    if capture.sampled:
+        return Resolution(capture.rate, 1)
+    exact = is_exact(capture) if exact is None else exact
+    return Resolution(capture.rate, 0 if exact else grid_of(capture.channels))

@@ -1,0 +1,167 @@
+"""Measured times against the limits: a verdict for each, and one for the trace.
+
+    Measures + LIMITS + Resolution --> Row, one a limit --> Report
+
+A time passes if even the worst it may truly have keeps the limit, fails if even the best breaks it, and is undecidable
+in between. A row fails if any of its times does, else is undecidable if any is, else passes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from fractions import Fraction
+
+import numpy as np
+
+from ..decode.i2c import Party
+from .limits import LIMITS, Bounds, Limit, Mode
+from .measure import PARTY, Flags, Measured, Measures
+from .resolution import Resolution
+
+PLACES = 3  # worst places a row names
+
+
+class Verdict(Enum):
+    PASS = "pass"
+    FAIL = "fail"
+    UNDECIDABLE = "undecidable at this sample rate"
+    NOT_SEEN = "does not occur"
+    NO_LIMIT = "no limit in this mode"
+    NOT_IN_CAPTURE = "not in a logic capture"
+
+
+@dataclass(frozen=True)
+class Place:
+    """A time that does not surely keep its limit. at: the position where it begins. length: positions."""
+
+    at: int
+    length: int
+    party: Party | None
+
+
+@dataclass(frozen=True)
+class Row:
+    """least, most: positions, None where nothing was measured. failed, undecided: how many times.
+
+    excused: times beyond a maximum that does not bind there. unsure: of `undecided`, those beyond their limit where
+    it may not bind. worst: the worst places, worst first.
+    """
+
+    limit: Limit
+    bounds: Bounds
+    count: int
+    least: int | None
+    most: int | None
+    verdict: Verdict
+    failed: int = 0
+    undecided: int = 0
+    excused: int = 0
+    unsure: int = 0
+    worst: tuple[Place, ...] = ()
+
+
+@dataclass(frozen=True)
+class Report:
+    """The verdict on one trace. shared: positions at which both lines change. notes: a sentence each."""
+
+    name: str
+    mode: Mode
+    resolution: Resolution
+    rows: tuple[Row, ...]
+    starts: int
+    shared: int
+    notes: tuple[str, ...] = ()
+
+    @property
+    def verdict(self) -> Verdict:
+        """FAIL if any row fails, else UNDECIDABLE if any is or none could be judged, else PASS."""
+        found = {row.verdict for row in self.rows}
+        if Verdict.FAIL in found:
+            return Verdict.FAIL
+        return Verdict.UNDECIDABLE if Verdict.UNDECIDABLE in found or Verdict.PASS not in found else Verdict.PASS
+
+    def row(self, symbol: str) -> Row:
+        """KeyError if there is no such limit."""
+        for row in self.rows:
+            if row.limit.symbol == symbol:
+                return row
+        raise KeyError(f"there is no limit {symbol!r}; there are {', '.join(row.limit.symbol for row in self.rows)}")
+
+    def of(self, verdict: Verdict) -> list[str]:
+        """The symbols that have this verdict."""
+        return [row.limit.symbol for row in self.rows if row.verdict is verdict]
+
+    def assert_compliant(self, strict: bool = False) -> None:
+        """AssertionError with the worst rows if any limit is broken; strict: or cannot be decided."""
+        if self.verdict is Verdict.FAIL or (strict and self.verdict is Verdict.UNDECIDABLE):
+            from .text_report import failure
+
+            raise AssertionError(failure(self, strict))
+
+    def seconds(self, position: int) -> Fraction:
+        return position / self.resolution.rate
+
+    def __str__(self) -> str:
+        from .text_report import table
+
+        return table(self)
+
+
+def judge(measures: Measures, mode: Mode, resolution: Resolution) -> tuple[Row, ...]:
+    """One row a limit, in the order of the specification's table."""
+    return tuple(_row(limit, measures, mode, resolution) for limit in LIMITS)
+
+
+def _row(limit: Limit, measures: Measures, mode: Mode, resolution: Resolution) -> Row:
+    found = measures.of.get(limit.symbol)
+    bounds = limit.bounds[mode]
+    if not limit.seen:
+        return Row(limit, bounds, 0, None, None, Verdict.NOT_IN_CAPTURE)
+    if bounds == Bounds():
+        return Row(limit, bounds, 0, None, None, Verdict.NO_LIMIT)
+    # What is shorter than a sample can lie between two of them.
+    hidden = measures.blind or (limit.symbol == "tSP" and resolution.period > (bounds.most or 0))
+    if found is None or not len(found):
+        return Row(limit, bounds, 0, None, None, Verdict.UNDECIDABLE if hidden or measures.coarse else Verdict.NOT_SEEN)
+    return _judged(limit, bounds, found, resolution, hidden, measures.coarse)
+
+
+def _judged(limit: Limit, bounds: Bounds, found: Measured, resolution: Resolution, hidden: bool, coarse: bool) -> Row:
+    lengths = found.lengths
+    kept = np.ones(len(lengths), np.bool_)
+    broken = np.zeros(len(lengths), np.bool_)
+    excused = 0
+    if bounds.least is not None:
+        kept &= lengths >= resolution.surely_at_least(bounds.least)
+        broken |= lengths <= resolution.surely_below(bounds.least)
+    if bounds.most is not None:
+        within = lengths <= resolution.surely_at_most(bounds.most)
+        excused = int((found.excused & ~within).sum())
+        kept &= within | found.excused
+        if not (hidden or coarse):  # else an edge between may have gone unseen
+            broken |= (lengths >= resolution.surely_above(bounds.most)) & ~found.excused
+    unsure = int((broken & found.doubtful).sum())
+    broken &= ~found.doubtful
+    failed, undecided = int(broken.sum()), int((~kept & ~broken).sum())
+    if failed:
+        verdict, culprits = Verdict.FAIL, broken
+    else:
+        verdict = Verdict.UNDECIDABLE if undecided or hidden else Verdict.PASS
+        culprits = ~kept
+    worst = _worst(found, culprits, bounds, resolution)
+    least, most = int(lengths.min()), int(lengths.max())
+    return Row(limit, bounds, len(lengths), least, most, verdict, failed, undecided, excused, unsure, worst)
+
+
+def _worst(found: Measured, culprits: Flags, bounds: Bounds, resolution: Resolution) -> tuple[Place, ...]:
+    """The culprits that go furthest beyond their limit, or come nearest to it."""
+    which = np.flatnonzero(culprits)
+    lengths = found.lengths[which]
+    beyond = np.full(len(which), np.iinfo(np.int64).min)
+    if bounds.least is not None:
+        beyond = np.maximum(beyond, resolution.surely_at_least(bounds.least) - lengths)
+    if bounds.most is not None:
+        beyond = np.maximum(beyond, lengths - resolution.surely_at_most(bounds.most))
+    order = which[np.argsort(-beyond, kind="stable")[:PLACES]]
+    return tuple(Place(int(found.begins[k]), int(found.lengths[k]), PARTY[int(found.party[k])]) for k in order.tolist())

@@ -1,0 +1,112 @@
+"""Events of any protocol as rows of one shape, so that several buses of a capture stand in one list.
+
+I2cTable, UartTable --> Rows (numbers) --> in order of time
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import compress
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..capture.capture import Positions
+from . import i2c_table
+from .i2c_table import I2cTable
+from .uart_table import UartTable
+
+# The words of a row, by number; those of I2C as in i2c_table.Kind.
+OF_I2C = ("start", "repeated start", "address", "address low", "data", "ack", "nack", "stop", "cut")
+EVENTS = (*OF_I2C, "frame", "break", "rejected start")
+FAULTS = [", ".join(compress(("parity error", "frame error", "glitch"), (n & 1, n & 2, n & 4))) for n in range(1, 8)]
+DETAILS = ("", "write", "read", *FAULTS)
+START, CUT = EVENTS.index("start"), EVENTS.index("cut")
+FRAME, BREAK, REJECTED = range(len(OF_I2C), len(EVENTS))
+
+OF_UART = np.array([FRAME, BREAK, CUT, REJECTED], np.uint8)  # by uart_table.Kind
+OF_FAULTS = np.array([0, *range(3, 10)], np.uint8)  # by parity error + 2 * frame error + 4 * glitch
+
+
+class Rows(NamedTuple):
+    """Arrays of equal length; the tuple is of columns.
+
+    at, end  int64   positions, as in the tables
+    bus      uint8   which of the buses that were asked for
+    event    uint8   index into EVENTS
+    value    int32   address, byte or bits; -1 for none
+    bits     uint8   how many bits of `value` were on the wire
+    detail   uint8   index into DETAILS
+    """
+
+    at: Positions
+    end: Positions
+    bus: NDArray[np.uint8]
+    event: NDArray[np.uint8]
+    value: NDArray[np.int32]
+    bits: NDArray[np.uint8]
+    detail: NDArray[np.uint8]
+
+    def take(self, rows: NDArray[np.int64] | NDArray[np.bool_] | slice) -> Rows:
+        """The rows of these numbers, of this mask or slice."""
+        return Rows._make(column[rows] for column in self)
+
+
+def joined(parts: Sequence[Rows]) -> Rows:
+    """The rows of all parts, one part behind the other."""
+    return Rows._make(np.concatenate(columns) for columns in zip(*parts, strict=True))
+
+
+def no_rows() -> Rows:
+    """The rows of a line on which nothing happened."""
+    kinds = (np.int64, np.int64, np.uint8, np.uint8, np.int32, np.uint8, np.uint8)
+    return Rows._make(np.empty(0, kind) for kind in kinds)
+
+
+def i2c_rows(table: I2cTable, bus: int = 0) -> Rows:
+    """The rows of an I2C table: bytes, whole or cut, say who was asked to send."""
+    is_byte = (table.bits >= 8) | (table.kind == i2c_table.Kind.CUT)
+    detail = (table.read + np.uint8(1)) * is_byte
+    return Rows(table.at, table.end, _all(bus, table), table.kind, table.value.astype(np.int32), table.bits, detail)
+
+
+def uart_rows(table: UartTable, bus: int = 0) -> Rows:
+    """The rows of a UART table."""
+    detail = OF_FAULTS[table.parity_error + 2 * table.frame_error + 4 * table.glitched]
+    return Rows(table.at, table.end, _all(bus, table), OF_UART[table.kind], table.value, table.bits, detail)
+
+
+def merged(parts: Sequence[Rows]) -> Rows:
+    """All rows in order of time; of one position in the order of the parts."""
+    if len(parts) == 1:
+        return parts[0]
+    rows = joined(parts)
+    return rows.take(np.argsort(rows.at, kind="stable"))
+
+
+def _all(bus: int, table: I2cTable | UartTable) -> NDArray[np.uint8]:
+    return np.full(len(table.at), bus, np.uint8)
+
+
+def grouped(rows: Rows, silence: Sequence[int | None]) -> tuple[Rows, NDArray[np.int64]]:
+    """The rows, those of one transfer together, and the number of the row each transfer begins with.
+
+    An I2C transfer begins at a START, a burst of frames where its line was quiet for over `silence[bus]`
+    positions before; for an I2C bus `silence` is None. Transfers come in order of their first row.
+    """
+    parts, keys = [], []
+    for bus, quiet in enumerate(silence):
+        part = rows.take(rows.bus == bus)
+        if quiet is None:
+            first = part.event == START
+        else:
+            first = np.concatenate(([True], part.at[1:] - np.maximum.accumulate(part.end)[:-1] > quiet))[: len(part.at)]
+        parts.append(part)
+        keys.append(part.at[first][np.cumsum(first) - 1] if len(part.at) else part.at)
+    buses = np.concatenate([part.bus for part in parts])
+    begins = np.concatenate(keys)
+    order = np.lexsort((buses, begins))
+    buses, begins = buses[order], begins[order]
+    new = np.concatenate(([True], (np.diff(begins) != 0) | (np.diff(buses) != 0)))[: len(order)]
+    return joined(parts).take(order), np.flatnonzero(new)

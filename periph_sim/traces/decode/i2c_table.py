@@ -1,0 +1,255 @@
+"""I2C from edges, all at once: SCL and SDA in, a table of events out, a row an event and a column a property.
+
+    edges --> clock rises with SDA's level | START and STOP --> phases --> bytes --> rows in order of time
+
+The rules are those of `decode.i2c`, which gives the same events one by one as objects, with the timing of each
+bit. Here nothing is done edge by edge: a capture of a million edges takes some tens of milliseconds.
+
+10-bit addresses (UM10204, section 3.1.11): behind an acknowledged 11110xx with R/W = 0 the next byte is their lower
+half, `ADDRESS_LOW`, whose value is the whole address.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..capture.capture import Capture, Channel, Positions
+from .glitch_filter import without_glitches
+
+Flags = NDArray[np.bool_]
+Counts = NDArray[np.int64]
+
+
+class Kind(IntEnum):
+    """What a row is. CUT: bits of a byte that START, STOP or the end of the capture left incomplete."""
+
+    START = 0
+    REPEATED_START = 1
+    ADDRESS = 2
+    ADDRESS_LOW = 3
+    DATA = 4
+    ACK = 5
+    NACK = 6
+    STOP = 7
+    CUT = 8
+
+
+class I2cTable(NamedTuple):
+    """Arrays of equal length, in order of time; the tuple is of columns.
+
+    kind    uint8   a `Kind`
+    at      int64   START, STOP: the SDA edge; else the rising SCL of the first bit, of ACK and NACK the ninth
+    last    int64   the rising SCL of the last bit (of an address: of its R/W bit); START, STOP: as `at`
+    end     int64   the falling SCL behind the last bit, or `last` where the capture ends before; START, STOP: as `at`
+    value   int16   ADDRESS: seven bits, right-aligned; ADDRESS_LOW: ten bits; DATA: the byte; CUT: its bits, the
+                    last one least significant; else -1
+    bits    uint8   bits gathered: 8 of a whole byte, 1 of ACK and NACK, fewer than 8 of CUT, 0 of START and STOP
+    read    bool    the address of this phase asked the target to send; False where there is none
+    """
+
+    kind: NDArray[np.uint8]
+    at: Positions
+    last: Positions
+    end: Positions
+    value: NDArray[np.int16]
+    bits: NDArray[np.uint8]
+    read: Flags
+
+    def take(self, rows: NDArray[np.int64] | Flags | slice) -> I2cTable:
+        """The table of some rows: their numbers, a mask, or a slice."""
+        return I2cTable._make(column[rows] for column in self)
+
+
+class I2cBits(NamedTuple):
+    """Every SCL pulse, arrays of equal length, in order of time; the tuple is of columns.
+
+    at      int64   the rising SCL
+    value   uint8   SDA there
+    low     int64   positions SCL was low before, stretching included; -1 where that began out of sight
+    high    int64   positions to the falling SCL; -1 where the capture ended before
+    """
+
+    at: Positions
+    value: NDArray[np.uint8]
+    low: Counts
+    high: Counts
+
+
+def i2c_table(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA", glitch: int = 0) -> I2cTable:
+    """All events of a capture; nothing before the first START of each known span, nothing across unknown ones.
+
+    glitch: pulses of fewer positions on either line are left out first. LookupError if a channel is not there.
+    """
+    return _joined([_table(rises, lines) for rises, lines in _spans(capture, scl, sda, glitch)])
+
+
+def i2c_bits(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA", glitch: int = 0) -> I2cBits:
+    """Every SCL pulse of a capture, whether a START was seen before or not. LookupError if a channel is not there."""
+    found = []
+    for rises, (clock, data) in _spans(capture, scl, sda, glitch):
+        falls = _edges(clock, 0)
+        before = falls if clock.initial else np.concatenate(([-1], falls))
+        behind = falls[1:] if clock.initial else falls
+        low = rises - before[: len(rises)]
+        if len(low) and not clock.initial:
+            low[0] = -1
+        high = np.full(len(rises), -1, np.int64)
+        high[: len(behind)] = behind - rises[: len(behind)]
+        found.append((rises, data.at(rises), low, high))
+    none = (np.empty(0, np.int64), np.empty(0, np.uint8), np.empty(0, np.int64), np.empty(0, np.int64))
+    return I2cBits._make(np.concatenate(columns) for columns in zip(none, *found, strict=True))
+
+
+def _spans(
+    capture: Capture, scl: str | int, sda: str | int, glitch: int
+) -> Iterator[tuple[Positions, tuple[Channel, Channel]]]:
+    """Rising SCL, and both lines, of each span in which both are known."""
+    clock, data = capture.channel(scl), capture.channel(sda)
+    for span in capture.known(clock, data):
+        lines = without_glitches(clock.cut(span), glitch), without_glitches(data.cut(span), glitch)
+        yield _edges(lines[0], 1), lines
+
+
+def _edges(line: Channel, level: int) -> Positions:
+    """The edges to a level: every second one."""
+    return line.edges[int(line.initial == level) :: 2]
+
+
+def _table(rises: Positions, lines: tuple[Channel, Channel]) -> I2cTable:
+    """The events of one span in which both lines are known."""
+    clock, data = lines
+    falls = _edges(clock, 0)[clock.initial :]  # the first one stands behind the first rise
+
+    # Where each SDA edge stands among SCL's, and what SCL does there.
+    edges = data.edges
+    passed = np.searchsorted(clock.edges, edges)  # SCL edges before it
+    seen = (passed + 1 - clock.initial) >> 1  # rises among them
+    high = (passed & 1) != clock.initial
+    together = clock.edges[np.minimum(passed, len(clock.edges) - 1)] == edges if len(clock.edges) else np.False_
+    which = np.flatnonzero(high & ~together)
+
+    # SDA at each rise: its edges up to there turn the level over.
+    values = np.bincount(seen, minlength=len(rises) + 1)[: len(rises)].astype(np.uint8)
+    np.cumsum(values, out=values)  # only whether it is odd counts, so it may wrap
+    values &= 1
+    values ^= np.uint8(data.initial)
+
+    starts = (which & 1) == (data.initial ^ 1)  # falling SDA; edge 0 falls where the line began high
+    first = int(np.argmax(starts)) if starts.any() else len(starts)
+    which, starts = which[first:], starts[first:]
+    if not len(which):
+        return _joined([])
+    conditions, seen = edges[which], seen[which]
+
+    # Phases: the rises behind each START, without the pulse of the next condition unless that is a ninth.
+    ends = np.append(np.maximum(seen[:-1], seen[1:] - 1), len(rises))
+    ends[:-1] += (ends[:-1] - seen[:-1]) % 9 == 8
+    count = np.where(starts, ends - seen, 0)
+    return _rows(conditions, starts, _bytes(seen, count, values), rises, values, falls)
+
+
+class _Bytes(NamedTuple):
+    """The bytes of all phases, whole or cut, in order. phase: their condition, by number. begin: their first rise."""
+
+    phase: Counts
+    begin: Counts
+    kind: NDArray[np.uint8]
+    value: NDArray[np.int16]
+    bits: Counts  # without the ninth
+    acked: Flags  # whether there is a ninth
+    read: Flags
+
+
+def _bytes(seen: Counts, count: Counts, values: NDArray[np.uint8]) -> _Bytes:
+    """Nine rises a byte: `count` of them, from `seen` on, belong to each condition."""
+    per = (count + 8) // 9
+    phase = np.repeat(np.arange(len(per)), per)
+    number = np.arange(len(phase)) - np.repeat(np.cumsum(per) - per, per)  # of the byte in its phase
+    begin = seen[phase] + 9 * number
+    there = count[phase] - 9 * number
+    bits, acked, whole = np.minimum(there, 8), there >= 9, there >= 8
+
+    padded = np.append(values, np.zeros(8, np.uint8))
+    eights = np.ndarray(len(values) + 1, np.uint64, padded, strides=(1,))  # eight values from each place on, as a word
+    value = np.packbits(eights[begin].view(np.uint8).reshape(-1, 8), axis=1)[:, 0].astype(np.int16)
+    value >>= 8 - bits
+    head = whole & (number == 0)
+    reads = np.zeros(len(per), bool)
+    reads[phase[head]] = value[head] & 1
+
+    kind = np.where(whole, np.uint8(Kind.DATA), np.uint8(Kind.CUT))
+    kind[head] = Kind.ADDRESS
+    tens = np.flatnonzero(head & (value & 0xF9 == 0xF0) & acked)  # 11110xx and R/W = 0
+    tens = tens[np.append(kind, Kind.CUT)[tens + 1] == Kind.DATA]
+    tens = tens[values[begin[tens] + 8] == 0]
+    kind[tens + 1] = Kind.ADDRESS_LOW
+    value[tens + 1] |= (value[tens] & 6) << 7
+    value[head] >>= 1
+    return _Bytes(phase, begin, kind, value, bits, acked, reads[phase])
+
+
+def _rows(
+    conditions: Positions, starts: Flags, found: _Bytes, rises: Positions, values: NDArray[np.uint8], falls: Positions
+) -> I2cTable:
+    """Conditions (START and STOP, the first one a START) and bytes in turn, an acknowledge behind its byte."""
+    again = np.concatenate(([False], starts[:-1]))  # the condition before was a START
+    shown = starts | again  # a second STOP ends nothing
+
+    of_bytes = np.concatenate(([0], np.cumsum(1 + found.acked)))  # rows up to each byte, conditions aside
+    of_conditions = np.cumsum(shown)
+    at_byte = of_bytes[:-1] + of_conditions[found.phase]
+    at_ack = at_byte[found.acked] + 1
+    before = np.searchsorted(found.phase, np.arange(len(conditions)))
+    at_condition = (of_bytes[before] + of_conditions - 1)[shown]
+
+    last = found.begin + found.bits - 1
+    ninth = found.begin[found.acked] + 8
+    table = _empty(int(of_bytes[-1] + of_conditions[-1]))
+    table.kind[at_condition] = np.where(starts, np.where(again, Kind.REPEATED_START, Kind.START), Kind.STOP)[shown]
+    table.at[at_condition] = table.last[at_condition] = table.end[at_condition] = conditions[shown]
+    table.kind[at_byte] = found.kind
+    table.at[at_byte] = rises[found.begin]
+    table.last[at_byte] = rises[last]
+    table.end[at_byte] = _behind(falls, rises, last)
+    table.value[at_byte] = found.value
+    table.bits[at_byte] = found.bits
+    table.read[at_byte] = found.read
+    table.kind[at_ack] = values[ninth] + np.uint8(Kind.ACK)  # NACK stands behind ACK
+    table.at[at_ack] = table.last[at_ack] = rises[ninth]
+    table.end[at_ack] = _behind(falls, rises, ninth)
+    table.bits[at_ack] = 1
+    table.read[at_ack] = found.read[found.acked]
+    return table
+
+
+def _behind(falls: Positions, rises: Positions, which: Counts) -> Positions:
+    """The falling edges behind some rises; the rise itself where the last one has none."""
+    if len(falls) == len(rises):
+        return falls[which]
+    ends = rises[which]
+    there = which < len(falls)
+    ends[there] = falls[which[there]]
+    return ends
+
+
+def _empty(rows: int) -> I2cTable:
+    return I2cTable(
+        np.zeros(rows, np.uint8),
+        np.zeros(rows, np.int64),
+        np.zeros(rows, np.int64),
+        np.zeros(rows, np.int64),
+        np.full(rows, -1, np.int16),
+        np.zeros(rows, np.uint8),
+        np.zeros(rows, bool),
+    )
+
+
+def _joined(tables: list[I2cTable]) -> I2cTable:
+    if len(tables) == 1:
+        return tables[0]
+    return I2cTable._make(np.concatenate(columns) for columns in zip(*(tables or [_empty(0)]), strict=True))

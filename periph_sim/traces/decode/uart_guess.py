@@ -1,0 +1,213 @@
+"""What a serial line is set to, from its edges: a channel in, rate, frame and polarity out, and how sure that is.
+
+    low pulses --> the largest bit time they are whole numbers of --> a usual rate near it
+    frames as each usual shape would read them --> the first one without errors that enough values speak for
+
+Low pulses hold start and data bits and never silence, so all of them are whole bits long; high ones are not.
+What reads a line without errors need not be right: 7e1 reads as 8n1 always, and any parity fits one byte out of
+two. A shape that asks more of the line is believed where at least six different values agree with it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from math import ceil
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..capture.capture import Capture, Channel, Span
+from ..capture.sampling import sample_step
+from .glitch_filter import without_glitches
+from .uart_format import Line, line_of, sample_point_step
+from .uart_table import Kind, breaks_of, frames_of
+
+Pulses = NDArray[np.int64]
+
+# Rates that people use.
+USUAL = (
+    *(50, 75, 110, 134, 150, 200, 300, 600, 1200, 1800, 2400, 4800, 7200, 9600, 14400, 19200, 28800, 31250, 38400),
+    *(56000, 57600, 74880, 76800, 100_000, 115_200, 125_000, 153_600, 187_500, 230_400, 250_000, 312_500, 345_600),
+    *(375_000, 460_800, 500_000, 576_000, 625_000, 750_000, 921_600, 1_000_000, 1_250_000, 1_500_000, 1_843_200),
+    *(2_000_000, 2_500_000, 3_000_000, 3_500_000, 4_000_000, 6_000_000, 8_000_000, 12_000_000),
+)
+NEAR = 0.035  # a rate this near to a usual one is taken for it: 2.5 % that receivers bear, 1 % of a short capture
+
+# Shapes in the order in which they are believed, each where it reads without errors.
+SHAPES = ("5n1", "6n1", "7n1", "7e1", "7o1", "8n1", "8e1", "8o1", "9n1")
+PLAIN = "8n1"
+ENOUGH = 6  # different values that must agree with any other shape
+CLEAN = 0.005  # part of the frames that may be wrong all the same
+
+MANY = 12  # pulses from which on it shows that all are longer by the same
+LOOKED_AT = 20_000  # edges that the shapes are tried on
+LONGEST = 10.5  # bits of a low pulse, start and nine data bits; longer ones are breaks
+
+
+@dataclass(frozen=True)
+class Guess:
+    """measured: baud as the edges have it. errors: part of the frames, of those looked at, that are wrong.
+
+    off: how far edges are from bit bounds, in bits, on average. also: shapes that read as well, but are less
+    likely or less spoken for. sure: 0 to 1, small where few frames, errors, edges that fit ill, or other shapes
+    that fit as well leave doubt; a guide, no probability.
+    """
+
+    line: Line
+    measured: float
+    frames: int
+    errors: float
+    off: float
+    also: tuple[str, ...]
+    sure: float
+
+    def __str__(self) -> str:
+        inverted = ", inverted" if self.line.invert else ""
+        also = f"; {' and '.join(self.also)} would fit, too" if self.also else ""
+        return (
+            f"guessed {self.line.baud} baud, {self.line.shape}{inverted} (edges say {self.measured:.0f} baud; "
+            f"{self.errors:.1%} of {self.frames} frames have errors{also}; {self.sure:.0%} sure)"
+        )
+
+
+def guess(
+    capture: Capture, channel: str | int, shape: str | None = None, invert: bool | None = None, glitch: int = 0
+) -> Guess:
+    """The settings that read a channel best; `shape` (8n1) and `invert` where they are known.
+
+    LookupError if the channel is not there; ValueError if the capture has no rate, or too few edges for a guess.
+    """
+    wire = capture.channel(channel)
+    if capture.rate is None:
+        raise ValueError(f"{capture.path}: a guess of the baud rate needs a time base; state the rate")
+    spans, step = capture.known(wire), sample_step(capture)
+    parts = [without_glitches(wire.cut(span), glitch) for span in spans]
+    found = [
+        tried
+        for turned in ((False, True) if invert is None else (invert,))
+        if (tried := _best(capture.rate, step, parts, shape, turned))
+    ]
+    if not found:
+        raise ValueError(
+            f"{capture.path}: {wire.name} has {len(wire.edges)} edges and no pulse to guess a baud rate from; state it"
+        )
+    return max(found, key=lambda tried: (1 - tried.errors) ** 8 * _idle(parts, spans, tried.line.invert))
+
+
+@dataclass(frozen=True)
+class _Tried:
+    """A shape, and how it reads the line. values: how many different ones."""
+
+    line: Line
+    frames: int
+    values: int
+    errors: float
+
+
+def _best(rate: Fraction, step: int, parts: list[Channel], shape: str | None, invert: bool) -> Guess | None:
+    """The best reading at one polarity; None if there is nothing to go by. step: positions of a sample."""
+    pulses = np.concatenate([np.empty(0, np.int64), *(_low_pulses(part, invert) for part in parts)])
+    found = _bit_time(pulses, step)
+    if found is None:
+        return None
+    width, off = found
+    measured = float(rate) / width
+    usual = min(USUAL, key=lambda usual: abs(usual - measured) / usual)
+    baud = usual if abs(usual - measured) <= NEAR * usual else round(measured)
+    tried = [_try(rate, step, parts, line_of(str(baud), wanted, invert)) for wanted in ((shape,) if shape else SHAPES)]
+    least = min(one.errors for one in tried)
+    clean = [one for one in tried if one.errors <= least + CLEAN]
+    spoken_for = [one for one in clean if one.line.shape in (shape, PLAIN) or one.values >= ENOUGH]
+    best = (spoken_for or clean)[0]
+    others = [one for one in clean if one is not best and not _only_longer(one.line, best.line)]
+    also = tuple(one.line.shape for one in others)
+    doubt = any(one.values < ENOUGH and one.line.shape != PLAIN for one in others)
+    sure = max(0.0, 1 - 2 * best.errors) * max(0.0, 1 - 4 * off) * best.frames / (best.frames + 3)
+    sure *= 0.5 if doubt else 1.0
+    return Guess(best.line, measured, best.frames, best.errors, off, also, sure)
+
+
+def _only_longer(line: Line, than: Line) -> bool:
+    """Silence reads as more data bits, all high, and says nothing."""
+    return line.parity == "none" and line.shape != PLAIN and line.bits > than.bits
+
+
+def _low_pulses(part: Channel, invert: bool) -> Pulses:
+    """Lengths of the pulses at the level of a start bit, between two edges each."""
+    first = int(part.initial == int(invert))
+    falls, rises = part.edges[first::2], part.edges[first + 1 :: 2]
+    return rises - falls[: len(rises)]
+
+
+def _bit_time(pulses: Pulses, step: int) -> tuple[float, float] | None:
+    """Positions of one bit, and how far the pulses are from whole bits on average, in bits.
+
+    The shortest pulse that is no rarity is one bit, or a few where the bytes never have a single bit alone.
+    """
+    pulses = np.sort(pulses[pulses >= 2])
+    if not len(pulses):
+        return None
+    alike = np.searchsorted(pulses, 1.3 * pulses, side="right") - np.arange(len(pulses))
+    common = pulses[alike >= max(1, len(pulses) // 25)]
+    shortest = float(np.mean(pulses[(pulses >= common[0]) & (pulses <= 1.3 * common[0])]))
+    fits = [_fit(pulses, shortest / bits) for bits in (1, 2, 3, 4) if shortest / bits >= 2]
+    fits = fits or [_fit(pulses, shortest)]
+    for width, off in fits:
+        if off <= 0.07 + 0.4 * sample_point_step(step, width) / width:  # an edge falls between two samples
+            return width, off
+    return min(fits, key=lambda fit: fit[1])
+
+
+def _fit(pulses: Pulses, width: float) -> tuple[float, float]:
+    """A bit time near `width` that fits the pulses best, and how far they are off on average.
+
+    A line that falls faster than it rises makes all low pulses longer by the same.
+    """
+    longer = 0.0
+    for longest in (2.5, 5.5, LONGEST, LONGEST):  # short pulses first: an error of the bit time adds up in long ones
+        some = pulses[pulses < longest * width]
+        bits = np.maximum(np.rint((some - longer) / width), 1)
+        if len(some) < MANY or len(np.unique(bits)) < 3:
+            width, longer = float(np.sum(some * bits) / np.sum(bits * bits)) if len(some) else width, 0.0
+        else:
+            middle = float(np.mean(bits))
+            width = float(np.sum((bits - middle) * some) / np.sum((bits - middle) ** 2))
+            longer = float(np.mean(some)) - middle * width
+            longer = min(max(longer, -width / 4), width / 4)
+    some = pulses[pulses < LONGEST * width]
+    if not len(some):
+        return width, 0.5
+    bits = (some - longer) / width
+    return width, float(np.mean(np.abs(bits - np.maximum(np.rint(bits), 1))))
+
+
+def _try(rate: Fraction, step: int, parts: list[Channel], line: Line) -> _Tried:
+    """How a line reads: without what the end cuts off."""
+    width = rate / Fraction(line.baud)
+    sample = sample_point_step(step, width)
+    frames = wrong = 0
+    values: set[int] = set()
+    for part in parts:
+        edges = part.edges[: LOOKED_AT - 2 * frames]
+        if not len(edges) or width < 2:
+            continue
+        some = replace(part, edges=edges, levels=part.levels[: len(edges)])
+        end = int(edges[-1]) + ceil(line.frame * width)
+        table = frames_of(some, line, width, end, sample)
+        table = table.take(table.kind == Kind.FRAME)
+        breaks = breaks_of(some, line, width).at
+        table = table.take(~np.isin(table.at, breaks, assume_unique=True))
+        frames += len(table.at)
+        wrong += int(np.count_nonzero(table.parity_error | table.frame_error))
+        values.update(np.unique(table.value).tolist())
+    return _Tried(line, frames, len(values), wrong / frames if frames else 1.0)
+
+
+def _idle(parts: list[Channel], spans: list[Span], invert: bool) -> float:
+    """Part of the time that the line is at the level it would rest at: most lines rest more than they work."""
+    low = 0
+    for part, span in zip(parts, spans, strict=True):
+        bounds = np.concatenate(([span.begin], part.edges, [span.end]))
+        low += int(np.diff(bounds)[part.initial ^ int(invert) :: 2].sum())
+    return 1 - low / sum(span.end - span.begin for span in spans)

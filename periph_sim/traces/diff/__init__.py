@@ -1,0 +1,58 @@
+"""Two captures compared by what happened on the bus, not by when: for the command and for tests.
+
+    Capture A, Capture B --decode--> words --pair--> entries --> TraceDiff
+
+A run whose interrupt came 3 us later has the same events; from one of them on they are 3 us later, and that one is
+named.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from ..capture.capture import Capture
+from ..decode.uart import Line
+from .compare import ChangePoint, Entry, TraceDiff, compared
+from .event_names import Group, i2c_groups, uart_groups
+from .matching import pairs
+
+__all__ = ["ChangePoint", "Entry", "TraceDiff", "diff_i2c", "diff_uart"]
+
+I2cLines = tuple[str | int, str | int]
+
+
+def diff_i2c(
+    a: Capture,
+    b: Capture,
+    lines: I2cLines = ("SCL", "SDA"),
+    lines_b: I2cLines | None = None,
+    tolerance: Fraction | None = None,
+) -> TraceDiff:
+    """The differences of two I2C captures. lines: SCL and SDA, of B too unless `lines_b` says otherwise.
+
+    tolerance: seconds; None: a position of each capture. LookupError for a missing channel, ValueError without a rate.
+    """
+    return _diff(a, b, i2c_groups(a, *lines), i2c_groups(b, *(lines_b or lines)), tolerance)
+
+
+def diff_uart(
+    a: Capture,
+    b: Capture,
+    line: Line,
+    channel: str | int = "RX",
+    channel_b: str | int | None = None,
+    tolerance: Fraction | None = None,
+) -> TraceDiff:
+    """The differences of two UART lines. Otherwise as `diff_i2c`."""
+    other = channel if channel_b is None else channel_b
+    return _diff(a, b, uart_groups(a, channel, line), uart_groups(b, other, line), tolerance)
+
+
+def _diff(a: Capture, b: Capture, of_a: list[Group], of_b: list[Group], tolerance: Fraction | None) -> TraceDiff:
+    rates = []
+    for capture in (a, b):
+        if capture.rate is None:
+            raise ValueError(f"{capture.path}: differences in time need a rate and the file states none; state it")
+        rates.append(capture.rate)
+    both = rates[0], rates[1]
+    return compared(pairs(of_a, of_b, both), (str(a.path), str(b.path)), both, tolerance)

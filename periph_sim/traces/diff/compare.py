@@ -1,0 +1,190 @@
+"""Paired events with their times: what differs, and where a difference in time begins.
+
+    pairs, rate of A, rate of B --> TraceDiff: entries, offset, change points, a summary a kind
+
+Times are whole ticks of a clock that both rates divide. B's clock began at another moment than A's: the first event
+that both have sets the offset, and how much later an event is in B is counted from there. A change point is where
+this lateness leaves the value it had since the last change point by more than the tolerance: what happened just before
+is the cause, and events behind it that are equally late are no news.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from math import lcm
+from statistics import median_low
+from typing import NamedTuple
+
+from .event_names import Event
+from .matching import Pair
+
+
+class Entry(NamedTuple):
+    """number: place among all pairs. later: ticks by which B's event is later than A's, None where one is not there."""
+
+    number: int
+    a: Event | None
+    b: Event | None
+    later: int | None
+
+    @property
+    def changed(self) -> bool:
+        return self.a is not None and self.b is not None and self.a.word != self.b.word
+
+    @property
+    def kind(self) -> str:
+        event = self.a or self.b
+        assert event is not None, "an entry has at least one event"
+        return event.kind
+
+
+class ChangePoint(NamedTuple):
+    """From `entry` on B is `step` ticks later than it was at `before`, the event that both have before."""
+
+    entry: Entry
+    before: Entry
+    step: int
+
+
+@dataclass(frozen=True)
+class KindSummary:
+    """Of one kind of event. median, worst: ticks B is later, worst by size; None where no event is in both."""
+
+    kind: str
+    both: int
+    changed: int
+    missing: int
+    inserted: int
+    median: int | None
+    worst: Entry | None
+
+
+@dataclass(frozen=True)
+class TraceDiff:
+    """Two captures compared. ticks: a second. offset: ticks from A's clock to B's, None without a common event.
+
+    tolerance: seconds; a lateness up to there is no difference.
+    """
+
+    name_a: str
+    name_b: str
+    rate_a: Fraction
+    rate_b: Fraction
+    ticks: int
+    offset: int | None
+    tolerance: Fraction
+    entries: tuple[Entry, ...]
+
+    @cached_property
+    def missing(self) -> list[Entry]:
+        """In A only."""
+        return [entry for entry in self.entries if entry.b is None]
+
+    @cached_property
+    def inserted(self) -> list[Entry]:
+        """In B only."""
+        return [entry for entry in self.entries if entry.a is None]
+
+    @cached_property
+    def changed(self) -> list[Entry]:
+        return [entry for entry in self.entries if entry.changed]
+
+    @cached_property
+    def late(self) -> list[Entry]:
+        """Later or earlier in B by more than the tolerance."""
+        return [entry for entry in self.entries if entry.later is not None and self.beyond(entry.later)]
+
+    @cached_property
+    def change_points(self) -> list[ChangePoint]:
+        """Where the lateness changes by more than the tolerance."""
+        found: list[ChangePoint] = []
+        level = 0
+        before: Entry | None = None
+        for entry in self.entries:
+            if entry.later is None:
+                continue
+            if before is not None and self.beyond(entry.later - level):
+                found.append(ChangePoint(entry, before, entry.later - level))
+                level = entry.later
+            before = entry
+        return found
+
+    @property
+    def equal(self) -> bool:
+        """The same events, at the same times within the tolerance."""
+        return not (self.missing or self.inserted or self.changed or self.late)
+
+    @cached_property
+    def first(self) -> Entry | None:
+        """The first entry that differs in any way."""
+        return next((entry for entry in self.entries if self.differs(entry)), None)
+
+    @cached_property
+    def kinds(self) -> list[KindSummary]:
+        """One summary a kind of event, in order of first appearance."""
+        sorted_out: dict[str, list[Entry]] = {}
+        for entry in self.entries:
+            sorted_out.setdefault(entry.kind, []).append(entry)
+        return [_summary(kind, entries) for kind, entries in sorted_out.items()]
+
+    @cached_property
+    def _most(self) -> int:
+        """The largest lateness in ticks that is no difference."""
+        return int(self.tolerance * self.ticks)
+
+    def beyond(self, ticks: int) -> bool:
+        return abs(ticks) > self._most
+
+    def differs(self, entry: Entry) -> bool:
+        return entry.later is None or entry.changed or self.beyond(entry.later)
+
+    def seconds(self, ticks: int) -> Fraction:
+        return Fraction(ticks, self.ticks)
+
+    def time_a(self, entry: Entry) -> Fraction | None:
+        """Where A has it, in seconds of A's own clock."""
+        return None if entry.a is None else entry.a.at / self.rate_a
+
+    def time_b(self, entry: Entry) -> Fraction | None:
+        """Where B has it, in seconds of B's own clock."""
+        return None if entry.b is None else entry.b.at / self.rate_b
+
+
+def compared(
+    paired: Iterable[Pair],
+    names: tuple[str, str],
+    rates: tuple[Fraction, Fraction],
+    tolerance: Fraction | None = None,
+) -> TraceDiff:
+    """tolerance: seconds; None: one position of each capture, which is what sampling alone may make of it."""
+    rate_a, rate_b = rates
+    ticks = lcm(rate_a.numerator, rate_b.numerator)
+    per_a, per_b = int(ticks / rate_a), int(ticks / rate_b)  # whole: see lcm
+    entries: list[Entry] = []
+    offset: int | None = None
+    for number, (a, b) in enumerate(paired):
+        later: int | None = None
+        if a is not None and b is not None:
+            later = b.at * per_b - a.at * per_a
+            offset = later if offset is None else offset
+            later -= offset
+        entries.append(Entry(number, a, b, later))
+    allowed = 1 / rate_a + 1 / rate_b if tolerance is None else tolerance
+    return TraceDiff(*names, rate_a, rate_b, ticks, offset, allowed, tuple(entries))
+
+
+def _summary(kind: str, entries: list[Entry]) -> KindSummary:
+    both = [entry for entry in entries if entry.later is not None]
+    lateness = [entry.later for entry in both if entry.later is not None]
+    return KindSummary(
+        kind,
+        len(both),
+        sum(entry.changed for entry in entries),
+        sum(entry.b is None for entry in entries),
+        sum(entry.a is None for entry in entries),
+        median_low(lateness) if lateness else None,
+        max(both, key=lambda entry: abs(entry.later or 0)) if both else None,
+    )

@@ -1,0 +1,126 @@
+"""Events of two captures, paired: groups in, pairs out, in order, by what happened and not by when.
+
+    groups of A, groups of B --whole groups alike--> --events alike--> --events of one kind--> pairs
+
+First whole groups (transfers) are aligned by their text, so that a long capture is mostly done. Then the events of what
+lies between, if that has much in common; if not, each transfer with the one it is most like. Among equals, times decide
+which one is missing. What is left of two transfers is paired where it is of one class (a byte with a byte, ACK with
+NACK): these are the changed ones. The rest is missing (in B) or inserted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterable, Iterator, Sequence
+from fractions import Fraction
+from itertools import chain
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+
+from .align import Run, align
+from .event_names import Event, Group
+from .gap_alignment import Numbers, place_by_time
+from .similarity import ENOUGH, class_of, head, shape, similar_runs
+
+T = TypeVar("T")
+FEW_EVENTS = 5_000  # that are aligned one by one, across the bounds of transfers
+FEW_GROUPS = 60  # each of which is compared with each of the other side
+
+
+class Pair(NamedTuple):
+    """One event in both captures, or None where it is not. Both with different words: changed."""
+
+    a: Event | None
+    b: Event | None
+
+    @property
+    def changed(self) -> bool:
+        return self.a is not None and self.b is not None and self.a.word != self.b.word
+
+
+def pairs(a: Sequence[Group], b: Sequence[Group], rates: tuple[Fraction, Fraction]) -> list[Pair]:
+    """Every event of both, once, in order. rates: positions a second of A and B."""
+    return list(_Pairing(rates).pairs(a, b))
+
+
+class _Pairing:
+    def __init__(self, rates: tuple[Fraction, Fraction]) -> None:
+        self._rates = tuple(map(float, rates))  # times here only choose among equals
+
+    def pairs(self, a: Sequence[Group], b: Sequence[Group]) -> Iterator[Pair]:
+        texts = [_text(group) for group in a], [_text(group) for group in b]
+        begins = [group[0].at for group in a], [group[0].at for group in b]
+        for run, left, right in _between(self._aligned(*texts, *begins), a, b):
+            yield from self._block(left, right)
+            for one, other in zip(a[run.a : run.a + run.length], b[run.b : run.b + run.length], strict=True):
+                yield from map(Pair, one, other)
+
+    def _block(self, a: Sequence[Group], b: Sequence[Group]) -> Iterator[Pair]:
+        """Groups that have no equal: event by event where half of all is alike, else each group with the like of it."""
+        if len(a) == len(b) and all(shape(one) == shape(other) for one, other in zip(a, b, strict=True)):
+            for one, other in zip(a, b, strict=True):
+                yield from map(Pair, one, other)
+            return
+        if sum(map(len, a)) + sum(map(len, b)) <= FEW_EVENTS:
+            found = [*self._events([*chain.from_iterable(a)], [*chain.from_iterable(b)])]
+            same = sum(pair.a is not None and pair.b is not None and not pair.changed for pair in found)
+            if same >= ENOUGH * (len(found) - same):
+                yield from found
+                return
+        few = len(a) * len(b) <= FEW_GROUPS**2
+        runs = similar_runs(a, b) if few else self._by_head(a, b)
+        for run, left, right in _between(runs, a, b):
+            if few or not runs or not left or not right:
+                yield from (Pair(event, None) for group in left for event in group)
+                yield from (Pair(None, event) for group in right for event in group)
+            else:
+                yield from self._block(left, right)
+            for one, other in zip(a[run.a : run.a + run.length], b[run.b : run.b + run.length], strict=True):
+                yield from self._events(one, other)
+
+    def _by_head(self, a: Sequence[Group], b: Sequence[Group]) -> list[Run]:
+        """Runs of groups with the same addresses."""
+        heads = [head(group) for group in a], [head(group) for group in b]
+        begins = [group[0].at for group in a], [group[0].at for group in b]
+        return self._aligned(*heads, *begins)
+
+    def _events(self, a: Sequence[Event], b: Sequence[Event]) -> Iterator[Pair]:
+        words = [event.word for event in a], [event.word for event in b]
+        at = [event.at for event in a], [event.at for event in b]
+        for run, left, right in _between(self._aligned(*words, *at), a, b):
+            yield from _unlike(left, right)
+            yield from map(Pair, a[run.a : run.a + run.length], b[run.b : run.b + run.length])
+
+    def _aligned(self, a: Iterable[Hashable], b: Iterable[Hashable], at_a: list[int], at_b: list[int]) -> list[Run]:
+        one, other = _numbered(a, b)
+        rate_a, rate_b = self._rates
+        return place_by_time(align(one, other), one, other, np.array(at_a) / rate_a, np.array(at_b) / rate_b)
+
+
+def _unlike(a: Sequence[Event], b: Sequence[Event]) -> Iterator[Pair]:
+    """Events none of which has its equal: those of one class are changed, the rest missing or inserted."""
+    classes = align(*_numbered([class_of(event.kind) for event in a], [class_of(event.kind) for event in b]))
+    for run, left, right in _between(classes, a, b):
+        yield from (Pair(event, None) for event in left)
+        yield from (Pair(None, event) for event in right)
+        yield from map(Pair, a[run.a : run.a + run.length], b[run.b : run.b + run.length])
+
+
+def _numbered(a: Iterable[Hashable], b: Iterable[Hashable]) -> tuple[Numbers, Numbers]:
+    """Equal items get equal numbers."""
+    numbers: dict[Hashable, int] = {}
+    left = [numbers.setdefault(item, len(numbers)) for item in a]
+    right = [numbers.setdefault(item, len(numbers)) for item in b]
+    return np.array(left, np.int64), np.array(right, np.int64)
+
+
+def _between(runs: list[Run], a: Sequence[T], b: Sequence[T]) -> Iterator[tuple[Run, Sequence[T], Sequence[T]]]:
+    """Each run, with what both have before it and behind the run before; an empty run at the end."""
+    at_a = at_b = 0
+    for run in [*runs, Run(len(a), len(b), 0)]:
+        yield run, a[at_a : run.a], b[at_b : run.b]
+        at_a, at_b = run.a + run.length, run.b + run.length
+
+
+def _text(group: Group) -> tuple[str, ...]:
+    return tuple(event.word for event in group)

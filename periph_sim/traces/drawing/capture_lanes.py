@@ -1,0 +1,110 @@
+"""Wires of a capture as lanes of a diagram: a capture and a span of it go in; waves, and bytes on the bus, come out.
+
+Capture --cut to span--> SCL, SDA, bytes, other wires that move
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from ..capture.capture import Capture, Channel, Span
+from ..decode import i2c
+from .svg_diagram import BLACK, Box, Lane
+
+BUS = ("SCL", "SDA")
+BYTE = 9  # bits, with its ACK
+
+Seconds = Callable[[float], float]  # a position of the capture on the diagram's axis
+
+
+def wire_lanes(capture: Capture, span: Span, seconds: Seconds, columns: int, colour: str = BLACK) -> list[Lane]:
+    """The bus with its bytes; then each other wire that moves within the span.
+
+    columns: how many things can be told apart side by side. What is on the bus is told byte by byte; phase by phase
+    where a bit is less than a column; not at all where a byte is.
+    """
+    lanes: list[Lane] = []
+    names = [channel.name for channel in capture.channels]
+    if all(name in names for name in BUS):
+        bus = [_wave(capture.channel(name), span, seconds, colour) for name in BUS]
+        boxes = _boxes(capture, span, seconds, columns)
+        if boxes or any(lane.edges for lane in bus):
+            lanes += [*bus, *([Lane("bytes", "bus", colour, boxes=boxes)] if boxes else [])]
+    for channel in capture.channels:
+        wave = _wave(channel, span, seconds, colour)
+        if channel.name not in BUS and wave.edges:
+            lanes.append(wave)
+    return lanes
+
+
+def bit_of(capture: Capture, otherwise: int) -> int:
+    """How long a bit of the I2C bus takes, in positions: the middle of the distances of SCL's rising edges."""
+    for channel in capture.channels:
+        rises = channel.edges[channel.levels == 1]
+        if channel.name == BUS[0] and len(rises) > BYTE:
+            return int(np.median(np.diff(rises)))
+    return otherwise
+
+
+def _wave(channel: Channel, span: Span, seconds: Seconds, colour: str) -> Lane:
+    cut = channel.cut(span)
+    edges = tuple((seconds(at), to) for at, to in zip(cut.edges.tolist(), cut.levels.tolist(), strict=True))
+    return Lane(channel.name, "bus" if channel.name in BUS else "wires", colour, initial=cut.initial, edges=edges)
+
+
+def _boxes(capture: Capture, span: Span, seconds: Seconds, columns: int) -> tuple[Box, ...]:
+    bit = bit_of(capture, 0)
+    column = (span.end - span.begin) / columns
+    if not bit or column > BYTE * bit:
+        return ()
+    told = _bytes if column <= bit else _phases
+    boxes = [box for transfer in i2c.transfers(_around(capture, span)) for box in told(transfer, bit, span.end)]
+    return tuple(
+        Box(seconds(begin), seconds(end), text) for begin, end, text in boxes if end > span.begin and begin < span.end
+    )
+
+
+Stretch = tuple[float, float, str]  # begin, end, text
+
+
+def _bytes(transfer: i2c.Transfer, bit: int, end: int) -> Iterator[Stretch]:
+    """START, bytes, ACK and STOP."""
+    for number, phase in enumerate(transfer.phases):
+        yield phase.start.at, phase.start.at + bit / 2, "Sr" if number else "S"
+        for place, byte in enumerate(phase.bytes):
+            if byte.value is None:
+                continue
+            text = f"0x{byte.value:02X}" if place else f"0x{byte.value >> 1:02X} {'R' if byte.value & 1 else 'W'}"
+            yield byte.bits[0].at, byte.bits[7].at + bit / 2, text
+            if byte.acked is not None:
+                yield byte.bits[8].at, byte.bits[8].at + bit / 2, "A" if byte.acked else "N"
+    if transfer.stop is not None and transfer.phases:
+        yield transfer.stop.at, transfer.stop.at + bit / 2, "P"
+
+
+def _phases(transfer: i2c.Transfer, bit: int, end: int) -> Iterator[Stretch]:
+    """Each phase up to the next one or the STOP, by its address and how many bytes follow."""
+    stops = [phase.start.at for phase in transfer.phases[1:]]
+    stops.append(end if transfer.stop is None else transfer.stop.at)
+    for phase, stop in zip(transfer.phases, stops, strict=True):
+        if phase.address is not None:
+            acked = phase.bytes[0].acked is not False
+            text = f"0x{phase.address:02X} {'R' if phase.read else 'W'} {len(phase.data)}"
+            yield phase.start.at, stop, text if acked else f"0x{phase.address:02X} N"
+
+
+def _around(capture: Capture, span: Span) -> Capture:
+    """From the last STOP before the span to its end and half as far again: all that is decoded, however long the run.
+
+    So a byte that the span cuts in two is still whole here, where the run went on as long.
+    """
+    scl, sda = (capture.channel(name) for name in BUS)
+    known = [one for one in capture.known(scl, sda) if one.begin <= span.begin]
+    high = (scl.at(sda.edges) == 1) & (scl.before(sda.edges) == 1)
+    before = sda.edges[high & (sda.levels == 1) & (sda.edges < span.begin)]
+    end = min(capture.length, span.end + (span.end - span.begin) // 2)
+    begin = max(int(before[-1]) if len(before) else 0, known[-1].begin if known else 0)
+    cut = Span(begin, end)
+    return Capture(capture.path, capture.rate, end, (scl.cut(cut), sda.cut(cut)), sampled=False)

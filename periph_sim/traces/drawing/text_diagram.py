@@ -1,0 +1,165 @@
+"""A timing diagram in characters: lanes, a window of time and marks go in; lines of text come out.
+
+    lanes --cut to window--> waves (two rows a lane), boxes (one row)     SCL   ┐ ┌─┐ ┌─┐
+    marks -----------------> a row above each, pointing down                    └─┘ └─┘ └
+    window ----------------> axis with its unit                           bytes [-- 68 write --]
+
+One column is one slice of the window. A wave that turns over more than once within a slice is shown as ░: too fast to
+be drawn, but seen. The same lanes as in `drawing.timing` make the same picture as SVG. Equal input gives equal text.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import ceil, floor
+
+from .svg_diagram import UNITS, Box, Lane, Mark, nice_step
+
+GUTTER = 8  # columns of lane names at least
+LEAST = 20  # columns of waves at least
+FAST = "░"
+LEVEL = ("─", " "), (" ", "─")  # the two rows of a low and of a high column, bottom first
+RISE, FALL = ("┘", "┌"), ("└", "┐")
+
+
+def text_diagram(
+    lanes: Sequence[Lane], window: tuple[float, float], marks: Sequence[Mark] = (), axis: str = "", width: int = 80
+) -> list[str]:
+    """The lines, none longer than `width`, without spaces at their ends. window: first and last time shown, in seconds.
+
+    axis: what the times are counted from. Groups and colours of lanes are not shown. ValueError if there is no lane,
+    the window holds no time, or `width` leaves fewer than 20 columns for the waves.
+    """
+    begin, end = window
+    gutter = max([GUTTER, *(len(lane.name) + 2 for lane in lanes)])
+    if not lanes or end <= begin:
+        raise ValueError(f"a diagram of {len(lanes)} lanes from {begin} s to {end} s; expected a lane and a later end")
+    if width - gutter < LEAST:
+        raise ValueError(f"a diagram {width} wide; expected {gutter + LEAST} or more for these lanes")
+    slices = _Slices(begin, end, width - gutter)
+    lines = [" " * gutter + row for row in _marks(marks, slices)]
+    for lane in lanes:
+        for number, row in enumerate(_lane(lane, slices)):
+            lines.append(f"{'' if number else lane.name:{gutter}}{row}")
+    lines += [" " * gutter + row for row in _axis(slices, axis)]
+    return [line.rstrip() for line in lines]
+
+
+class _Slices:
+    """A window cut into columns."""
+
+    def __init__(self, begin: float, end: float, count: int) -> None:
+        self.begin, self.end, self.count = begin, end, count
+
+    def column(self, at: float) -> int:
+        """The column that a time falls into; below 0 or from `count` on if it is not in the window.
+
+        A time just short of a column, by less than floats can tell, is in that column.
+        """
+        return floor((at - self.begin) / (self.end - self.begin) * self.count + 1e-6)
+
+    def last(self, at: float) -> int:
+        """The last column that ends by this time."""
+        return ceil((at - self.begin) / (self.end - self.begin) * self.count - 1e-6) - 1
+
+
+def _lane(lane: Lane, slices: _Slices) -> list[str]:
+    rows: list[str] = []
+    if lane.initial is not None:
+        rows += _wave(lane.initial, lane.edges, slices)
+    if lane.boxes:
+        rows.append(_boxes(lane.boxes, slices))
+    if lane.ticks:
+        rows.append(_ticks([(tick.at, tick.text) for tick in lane.ticks], slices))
+    return rows or [""]
+
+
+def _wave(initial: int, edges: Sequence[tuple[float, int]], slices: _Slices) -> list[str]:
+    """The upper and the lower row."""
+    level = initial
+    turns: dict[int, int] = {}  # column -> edges within
+    for at, value in edges:
+        column = slices.column(at)
+        if column < 0:
+            level = value
+        elif column < slices.count:
+            turns[column] = turns.get(column, 0) + 1
+    cells: list[tuple[str, str]] = []
+    for column in range(slices.count):
+        count = turns.get(column, 0)
+        after = level ^ (count & 1)
+        if count > 1:
+            cells.append((FAST, FAST))
+        else:
+            cells.append((RISE if after else FALL) if count else LEVEL[level])
+        level = after
+    return ["".join(top for _, top in cells), "".join(bottom for bottom, _ in cells)]
+
+
+def _boxes(boxes: Sequence[Box], slices: _Slices) -> str:
+    """Boxes as [-- text --]; a narrow one as its text alone, as the first word of it, or as |. wrong: with ! in it."""
+    row = [" "] * slices.count
+    taken = 0  # columns that a box may no longer begin in
+    for box in sorted(boxes, key=lambda one: one.begin):
+        if box.end <= slices.begin or box.begin >= slices.end:
+            continue
+        first = max(slices.column(box.begin), taken)
+        last = min(max(slices.last(box.end), first), slices.count - 1)
+        if first > last:
+            continue
+        row[first : last + 1] = _boxed(box.text + "!" * box.wrong, last - first + 1)
+        taken = last + 1
+    return "".join(row)
+
+
+def _boxed(text: str, width: int) -> str:
+    if len(text) + 6 <= width:
+        return f"[{f' {text} ':-^{width - 2}}]"
+    if len(text) + 2 <= width:
+        return f"[{text:^{width - 2}}]"
+    if len(text) <= width:
+        return f"{text:^{width}}"
+    short = text.strip().partition(" ")[0]
+    return f"{short:^{width}}" if len(short) <= width else "|" * width
+
+
+def _ticks(ticks: Sequence[tuple[float, str]], slices: _Slices) -> str:
+    """Instants as |text; a text whose room another instant needs is left out."""
+    row = [" "] * slices.count
+    places = [(slices.column(at), text) for at, text in ticks if 0 <= slices.column(at) < slices.count]
+    for column, _ in places:
+        row[column] = "|"
+    for column, text in places:
+        room = row[column + 1 : column + 1 + len(text)]
+        if len(room) == len(text) and not any(cell.strip() for cell in room):
+            row[column + 1 : column + 1 + len(text)] = text
+    return "".join(row)
+
+
+def _marks(marks: Sequence[Mark], slices: _Slices) -> list[str]:
+    """A row a mark, in order of time; v stands above the instant."""
+    rows = []
+    for mark in sorted(marks, key=lambda one: one.at):
+        column = slices.column(mark.at)
+        if 0 <= column < slices.count:
+            if column + 2 + len(mark.text) <= slices.count or column < slices.count // 2:
+                rows.append((" " * column + f"v {mark.text}")[: slices.count])
+            else:
+                rows.append(f"{mark.text[: column - 1]:>{column - 1}} v")
+    return rows
+
+
+def _axis(slices: _Slices, told: str) -> list[str]:
+    step = nice_step(slices.end - slices.begin, 8)
+    scale, unit = next(((s, u) for s, u in reversed(UNITS) if step >= s * 0.999), UNITS[0])
+    rule, words = ["·"] * slices.count, [" "] * slices.count
+    taken = 0
+    for number in range(ceil(slices.begin / step - 1e-9), floor(slices.end / step + 1e-9) + 1):
+        column = slices.column(number * step)
+        text = f"{number * step / scale:g}"
+        if 0 <= column < slices.count:
+            rule[column] = "+"
+            if column >= taken and column + len(text) <= slices.count:
+                words[column : column + len(text)] = text
+                taken = column + len(text) + 1
+    return ["".join(rule), "".join(words), f"{unit}{', ' if told else ''}{told}"[: slices.count]]

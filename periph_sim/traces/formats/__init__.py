@@ -1,0 +1,174 @@
+"""Trace files: a path goes in, a `Capture` comes out, whatever wrote the file; and back.
+
+One file of this folder is one format. It defines
+
+    NAME                                     what people call it
+    SUFFIXES                                 the usual ends of its file names, with the dot; "/" for a folder
+
+and one or both of
+
+    recognises(path, head)                   whether a file that begins with these bytes can be one (b"" for a folder)
+    read(path, rate=None, salvage=False)     the Capture; BadCapture in one sentence if it cannot be had
+
+    write(capture, path)                     makes the file (`path` is a temporary name); None, or notes on what is lost
+    SAMPLES_ONLY = True                      if positions must be samples, since the format has no times
+
+and is found by being there. `rate` states the sampling rate where the file does not, or says it
+wrong; times given in seconds are put on its grid. With `salvage` a damaged file is read up to the
+damage, and the notes of the Capture say what was dropped.
+"""
+
+from __future__ import annotations
+
+import importlib
+from fractions import Fraction
+from functools import cache
+from os.path import isdir  # False also for a name that is too long
+from pathlib import Path
+from typing import Protocol, cast
+
+from ...core.discover import modules_with
+from ...core.suggest import did_you_mean
+from ..capture.capture import BadCapture, Capture, Channel, Span, rate_of
+from ..capture.resample import resampled
+from ..capture.sampling import on_samples
+from .atomic_write import atomic_write
+
+__all__ = ["BadCapture", "Capture", "Channel", "Format", "Span", "formats", "rate_of", "read", "whole", "write"]
+
+HEAD = 4096  # bytes of a file that `recognises` is shown
+
+REFUSED = {  # by suffix: what it is, and the way out
+    ".sal": ("a Saleae session, whose layout the vendor changes at will", "export CSV or binary from Logic 2"),
+    ".logicdata": ("a Saleae Logic 1 session, whose layout is not published", "export CSV from Logic"),
+    ".pvs": ("a PulseView setup without samples", "give the .sr file beside it"),
+}
+
+
+class Format(Protocol):
+    """What every format of this folder has."""
+
+    NAME: str
+    SUFFIXES: tuple[str, ...]
+
+
+class Reader(Format, Protocol):
+    """A format that is read."""
+
+    def recognises(self, path: Path, head: bytes) -> bool: ...
+
+    def read(self, path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture: ...
+
+
+class Writer(Format, Protocol):
+    """A format that is written."""
+
+    def write(self, capture: Capture, path: Path) -> tuple[str, ...] | None: ...
+
+
+@cache
+def formats() -> dict[str, Format]:
+    """Every format of this folder, by the name of its file."""
+    return {name: cast(Format, module) for name, module in modules_with("NAME", __name__, __path__).items()}
+
+
+def readers() -> dict[str, Reader]:
+    """The formats that are read."""
+    return {name: cast(Reader, found) for name, found in formats().items() if hasattr(found, "read")}
+
+
+def writers() -> dict[str, Writer]:
+    """The formats that are written, by suffix."""
+    able = [cast(Writer, found) for found in formats().values() if hasattr(found, "write")]
+    return {suffix: writer for writer in able for suffix in writer.SUFFIXES}
+
+
+def read(path: str | Path, rate: Fraction | None = None, *, salvage: bool = False) -> Capture:
+    """The capture in a file or folder; BadCapture says what is wrong with it and the way out.
+
+    The content decides; the suffix only says which formats are asked first, and which one complains
+    when none knows the content.
+    """
+    path = Path(path)
+    suffix = "/" if isdir(path) else path.suffix.casefold()
+    if rate is not None and rate <= 0:
+        raise ValueError(f"the sampling rate is {rate} Hz; expected more than 0")
+    if suffix in REFUSED:
+        found, way_out = REFUSED[suffix]
+        raise BadCapture(path, "its name", found, _known(), way_out)
+    head = _head(path)
+    likely = _readers_of(suffix)
+    for candidate in likely:
+        if candidate.recognises(path, head):
+            return candidate.read(path, rate, salvage)
+    for candidate in readers().values():
+        if candidate not in likely and candidate.recognises(path, head):
+            return candidate.read(path, rate, salvage)
+    if len(likely) == 1:
+        return likely[0].read(path, rate, salvage)
+    raise BadCapture(path, "its first bytes", repr(head[:24]) if head else "nothing", _known(), "export one of these")
+
+
+def _readers_of(suffix: str) -> list[Reader]:
+    """The formats that are read and have this suffix. Only files that mention it are imported: most take long."""
+    found: list[Reader] = []
+    for file in sorted(Path(__file__).parent.glob("*.py")):
+        if file.stem != "__init__" and f'"{suffix}"' in file.read_text(encoding="utf-8"):
+            module = importlib.import_module(f"{__name__}.{file.stem}")
+            if hasattr(module, "read") and suffix in getattr(module, "SUFFIXES", ()):
+                found.append(cast(Reader, module))
+    return found
+
+
+def write(capture: Capture, path: str | Path, *, rate: Fraction | None = None) -> tuple[str, ...]:
+    """Notes about what writing changed, a sentence each; the suffix chooses the format.
+
+    With `rate` the capture is put on the samples of that rate first, without one on the slowest that loses no edge
+    where the format holds samples only. The file appears whole or not at all; BadCapture says why it did not.
+    """
+    path = Path(path)
+    writer = _writer_of(path)
+    if rate is not None and rate <= 0:
+        raise ValueError(f"the sampling rate is {rate} Hz; expected more than 0")
+    ready = ready_for(path, capture if rate is None else resampled(capture, rate))
+    with atomic_write(path) as unfinished:
+        try:
+            lost = writer.write(ready, unfinished)
+        except BadCapture as error:
+            raise (error.of(path) if str(error).startswith(str(unfinished)) else error) from None
+        except OSError as error:
+            found = (error.strerror or "an error").lower()
+            raise BadCapture(path, "writing", found, "room for the file", "give another path") from error
+    return (*ready.notes[len(capture.notes) :], *(lost or ()))
+
+
+def ready_for(path: Path, capture: Capture) -> Capture:
+    """The capture as the format of `path` can hold it. BadCapture where nothing is written under such a name."""
+    return on_samples(capture) if getattr(_writer_of(path), "SAMPLES_ONLY", False) else capture
+
+
+def _writer_of(path: Path) -> Writer:
+    able = writers()
+    name = path.name.casefold()
+    suffix = max((known for known in able if name.endswith(known)), key=len, default=None)  # one may have two dots
+    if suffix is None:
+        raise BadCapture(
+            path, "its name", repr(path.suffix), f"one of {', '.join(able)}", did_you_mean(path.suffix, able)
+        )
+    return able[suffix]
+
+
+def _head(path: Path) -> bytes:
+    if isdir(path):
+        return b""
+    try:
+        with path.open("rb") as file:
+            return file.read(HEAD)
+    except OSError as error:
+        raise BadCapture(
+            path, "the file", (error.strerror or "an error").lower(), "a file that can be read", "check its name"
+        ) from error
+
+
+def _known() -> str:
+    return ", ".join(f.NAME for f in readers().values())

@@ -1,0 +1,267 @@
+"""Rows of levels, with or without a time before them: blocks of lines in, the rows that change something out.
+
+    1,0\\n  2360,1,0\\n --> all rows of the form of the first? --> compare whole rows --> changed rows: time, levels
+                       --> else line by line
+
+A block whose rows all look like the first is compared as arrays; any other is read line by line, which
+allows comments, blank lines and mixed line ends, and finds what is wrong with its line number.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..capture import size_limits as limits
+from ..capture.capture import Levels, Positions
+
+LEVELS = {b"0": 0, b"1": 1}
+NUMBER = re.compile(rb"([-+]?\d+)(?:\.(\d*))?(?:[eE]([-+]?\d\d?))?", re.ASCII)
+IN_TIMES = np.isin(np.arange(256), np.frombuffer(b"0123456789.+-eE", np.uint8))
+BELOW_64_BITS = 1 << 62
+
+
+class BadRow(ValueError):
+    """A row that cannot be read: its line, what was found and what was expected."""
+
+    def __init__(self, line: int, found: str, expected: str) -> None:
+        super().__init__(f"line {line}: found {found}, expected {expected}")
+        self.line = line
+        self.found = found
+        self.expected = expected
+
+
+class Time(NamedTuple):
+    """digits / 10**decimals, exactly."""
+
+    digits: int
+    decimals: int
+
+    def scaled(self, decimals: int) -> int:
+        return int(self.digits * 10 ** (decimals - self.decimals))
+
+
+@dataclass(frozen=True)
+class Form:
+    """What the rows of a block have in common, behind the time: `(byte & mask) == bytes`, levels at `cells`."""
+
+    bytes: NDArray[np.uint8]
+    mask: NDArray[np.uint8]
+    cells: NDArray[np.intp]
+
+
+class Rows:
+    """Takes up blocks of whole lines; `count` is the number of rows and `line` that of lines so far."""
+
+    def __init__(self, columns: int, timed: bool, separator: str, line: int) -> None:
+        self.count = 0
+        self.line = line
+        self._columns = columns
+        self._timed = timed
+        self._separator = separator.encode()
+        self._before: bytes | None = None  # levels of the last row, a byte each
+        self._last = Time(0, 0)
+        self._held = 0
+        self._places: list[Positions] = []  # rows, or the digits of times
+        self._decimals: list[int] = []
+        self._levels: list[Levels] = []
+
+    def feed(self, block: bytes) -> None:
+        """BadRow when a row cannot be read; those before it are kept."""
+        if not self._quickly(block):
+            self._line_by_line(block)
+
+    def changes(self) -> tuple[Positions, int, Levels]:
+        """(place of each row that changes something, decimals of the places, its levels, a line each).
+
+        Places are row numbers where there are no times. OverflowError if the times need over 64 bits.
+        """
+        decimals = max(self._decimals, default=0)
+        scaled = [
+            places if of == decimals else _times_ten_to(places, decimals - of)
+            for places, of in zip(self._places, self._decimals, strict=True)
+        ]
+        levels = np.concatenate(self._levels) if self._levels else np.zeros((0, self._columns), np.uint8)
+        return np.concatenate([*scaled, np.zeros(0, np.int64)]), decimals, levels
+
+    def last(self) -> Time:
+        """The time of the last row."""
+        return self._last
+
+    # Whole blocks ------------------------------------------------------------------
+
+    def _quickly(self, block: bytes) -> bool:
+        """Takes up a block of rows that all have the form of its first; False if they have not."""
+        first = block[: block.find(b"\n") + 1]
+        tail = first[first.find(self._separator) :] if self._timed else first
+        form = _form(tail, self._columns)
+        if form is None or not block.endswith(b"\n"):
+            return False
+        return self._timed_rows(block, form) if self._timed else self._plain_rows(block, form)
+
+    def _plain_rows(self, block: bytes, form: Form) -> bool:
+        width = len(form.bytes)
+        data = np.frombuffer(block, np.uint8)
+        if len(data) % width:
+            return False
+        rows = data.reshape(-1, width)
+        if ((rows & form.mask) != form.bytes).any():
+            return False
+        changed = np.flatnonzero(data[width:] != data[:-width]) // width + 1
+        changed = changed[np.flatnonzero(np.diff(changed, prepend=0))]
+        changed = self._with_first(changed, rows[0][form.cells])
+        self._keep(changed + self.count, 0, np.bitwise_and(rows[changed][:, form.cells], 1))
+        self._done(len(rows), rows[-1][form.cells])
+        return True
+
+    def _timed_rows(self, block: bytes, form: Form) -> bool:
+        width = len(form.bytes)
+        data = np.frombuffer(block, np.uint8)
+        ends = np.flatnonzero(data == ord("\n")) + 1
+        begins = np.concatenate(([0], ends[:-1]))
+        if (ends - begins <= width).any():
+            return False
+        places = ends[:, None] + np.arange(-width, 0)
+        tails = data[places]
+        if ((tails & form.mask) != form.bytes).any():
+            return False
+        in_times = np.ones(len(data), np.bool_)
+        in_times[places] = False
+        if not IN_TIMES[data[in_times]].all():
+            return False
+        changed = np.flatnonzero((tails[1:] != tails[:-1]).any(axis=1)) + 1
+        changed = self._with_first(changed, tails[0][form.cells])
+        read = changed if len(changed) and changed[-1] == len(ends) - 1 else np.append(changed, len(ends) - 1)
+        cuts = zip(begins[read].tolist(), (ends[read] - width).tolist(), strict=True)
+        try:
+            digits, decimals = _times([block[begin:end] for begin, end in cuts])
+        except (ValueError, OverflowError):
+            return False
+        last = Time(int(digits[-1]), decimals)
+        if (digits[1:] < digits[:-1]).any() or (self.count and _less(Time(int(digits[0]), decimals), self._last)):
+            return False
+        self._keep(digits[: len(changed)], decimals, np.bitwise_and(tails[changed][:, form.cells], 1))
+        self._done(len(ends), tails[-1][form.cells])
+        self._last = last
+        return True
+
+    def _with_first(self, changed: NDArray[np.intp], levels: Levels) -> NDArray[np.intp]:
+        """The changed rows, with the first of the block if it differs from the one before."""
+        if self._before == bytes(levels & 1):
+            return changed
+        return np.concatenate((np.zeros(1, np.intp), changed))
+
+    def _done(self, rows: int, levels: Levels) -> None:
+        self._before = bytes(levels & 1)
+        self.count += rows
+        self.line += rows
+
+    def _keep(self, places: NDArray[np.integer], decimals: int, levels: Levels) -> None:
+        if not len(places):
+            return
+        self._held += len(places)
+        if self._held * (8 + self._columns) > 8 * limits.MOST_EDGES:
+            most = 8 * limits.MOST_EDGES // (8 + self._columns)
+            raise BadRow(self.line + 1, f"over {most} changes", "fewer")
+        self._places.append(places.astype(np.int64))
+        self._decimals.append(decimals)
+        self._levels.append(levels)
+
+    # Line by line -------------------------------------------------------------------
+
+    def _line_by_line(self, block: bytes) -> None:
+        places: list[int] = []
+        decimals: list[int] = []
+        levels: list[bytes] = []
+        before = self.count
+        try:
+            for line in block.splitlines():
+                self.line += 1
+                row = line.strip()
+                if not row or row.startswith(b";"):
+                    continue
+                now = self._row(row)
+                self.count += 1
+                if now != self._before:
+                    places.append(self._last.digits if self._timed else self.count - 1)
+                    decimals.append(self._last.decimals if self._timed else 0)
+                    levels.append(now)
+                    self._before = now
+        finally:
+            most = max(decimals, default=0)
+            scaled = [Time(place, of).scaled(most) for place, of in zip(places, decimals, strict=True)]
+            shaped = np.frombuffer(b"".join(levels), np.uint8).reshape(-1, self._columns)
+            try:
+                self._keep(np.array(scaled, np.int64), most, shaped)
+            except OverflowError:
+                self.count = before
+                raise BadRow(self.line, "times that need over 64 bits", "times of one kind") from None
+
+    def _row(self, row: bytes) -> bytes:
+        """The levels of a row, a byte each; takes up its time."""
+        cells = [cell.strip() for cell in row.split(self._separator)]
+        expected = f"{'a time and ' if self._timed else ''}{self._columns} levels 0 or 1"
+        time, levels = self._last, b""
+        try:
+            if self._timed:
+                time = _time(cells.pop(0))
+            levels = bytes([LEVELS[cell] for cell in cells])
+        except (ValueError, KeyError):
+            pass
+        if len(levels) != self._columns:
+            raise BadRow(self.line, repr(row[:80].decode("utf-8", "replace")), expected)
+        if self.count and _less(time, self._last):
+            raise BadRow(self.line, "a time before that of the row above", "rising times")
+        self._last = time
+        return levels
+
+
+def _form(row: bytes, columns: int) -> Form | None:
+    """What rows that look like this one have in common; None if it is not `columns` levels and single marks."""
+    if not re.fullmatch(rb"[,;|\t ]{0,2}[01]([,;|\t ]{1,2}[01])*[ \t]?\r?\n", row):
+        return None
+    data = np.frombuffer(row, np.uint8)
+    level = (data == ord("0")) | (data == ord("1"))
+    mask = np.where(level, 0xFE, 0xFF).astype(np.uint8)
+    cells = np.flatnonzero(level)
+    return Form(data & mask, mask, cells) if len(cells) == columns else None
+
+
+def _times(texts: list[bytes]) -> tuple[NDArray[np.int64], int]:
+    """(digits, decimals that all have). ValueError if one is no number, OverflowError beyond 64 bits."""
+    joined = b" ".join(texts)
+    if b"e" not in joined and b"E" not in joined:
+        points = {len(text) - 1 - text.rfind(b".") if b"." in text else 0 for text in texts}
+        if len(points) == 1 and joined.count(b".") in (0, len(texts)):
+            return np.array(list(map(int, joined.replace(b".", b"").split())), np.int64), points.pop()
+    times = [_time(text) for text in texts]
+    decimals = max(time.decimals for time in times)
+    return np.array([time.scaled(decimals) for time in times], np.int64), decimals
+
+
+def _time(text: bytes) -> Time:
+    """ValueError if it is no number or none that 64 bits hold."""
+    if not (match := NUMBER.fullmatch(text)):
+        raise ValueError
+    part = match[2] or b""
+    power = int(match[3] or 0) - len(part)
+    digits = int(match[1] + part) * 10 ** max(power, 0)
+    if abs(digits) >= BELOW_64_BITS or power < -30:
+        raise ValueError
+    return Time(digits, max(-power, 0))
+
+
+def _less(a: Time, b: Time) -> bool:
+    decimals = max(a.decimals, b.decimals)
+    return a.scaled(decimals) < b.scaled(decimals)
+
+
+def _times_ten_to(places: Positions, power: int) -> Positions:
+    if power > 18 or (len(places) and int(np.abs(places).max()) >= BELOW_64_BITS // 10**power):
+        raise OverflowError
+    scaled: Positions = places * 10**power
+    return scaled

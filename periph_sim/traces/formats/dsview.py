@@ -1,0 +1,210 @@
+"""DSView sessions, `.dsl`: a zip with one packed bit a sample and a file a channel and block in, edges out.
+
+    L-<channel>/0, /1, ... --> words of 64 samples --> words that change inside or at their begin --> edges
+
+Chosen: a probe without blocks was not captured. DSView numbers the probes of the header and the
+folders of the blocks apart when channels are off; where a number has no folder, both are taken in order.
+With salvage the levels of a channel are unknown behind its damage.
+
+Source: the demo captures that come with DSView (header versions 2 and 3): INI text and such blocks.
+"""
+
+from __future__ import annotations
+
+import re
+from fractions import Fraction
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ..capture import size_limits as limits
+from ..capture.buffer import PositionBuffer
+from ..capture.capture import BadCapture, Capture, Channel, Span, channel_of_edges, rate_of
+from .packed_samples import BLOCK
+from .zip_member import Archive, Damage
+
+NAME = "DSView session (.dsl)"
+SUFFIXES = (".dsl",)
+
+WHAT = "DSView session"
+WORD = 8  # bytes: 64 samples
+SALVAGE = "copy or save it again, or read what is whole with --salvage"
+
+
+def recognises(path: Path, head: bytes) -> bool:
+    return head[:4] == b"PK\3\4" and (path.suffix.casefold() == ".dsl" or head[30:36] == b"header")
+
+
+def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
+    """The capture; `rate` wins over the file's samplerate. BadCapture if zip, header or blocks are broken."""
+    with Archive(path, WHAT, salvage) as archive:
+        keys = _header(path, archive.text("header"))
+        probes = {int(match[1]): name for key, name in keys.items() if (match := re.fullmatch(r"probe(\d{1,4})", key))}
+        stated = _stated(path, keys)
+        folders = _folders(path, archive, probes, keys)
+        notes = list(archive.notes)
+        length = _count(keys, "total samples") or 8 * max(folder.size for folder in folders.values())
+        scans = {probe: _scanned(archive, folder, salvage, notes) for probe, folder in folders.items()}
+    there = max((scan.length for scan in scans.values()), default=0)
+    if there < length and not salvage:
+        raise BadCapture(path, "its blocks", f"{there} samples", f"{length} as the header states", SALVAGE)
+    if not stated and not rate:
+        notes.append("the file states no samplerate, so positions have no time")
+    length = min(length, there)
+    if not length:
+        raise BadCapture(path, "its blocks", "no samples", "logic samples", "capture again")
+    channels = tuple(scan.channel(probes[probe], probe, length) for probe, scan in scans.items())
+    _check_edges(path, channels)
+    return Capture(path, rate or stated, length, channels, notes=tuple(notes))
+
+
+class Folder(NamedTuple):
+    """Where the samples of a channel are: in `blocks` members L-<number>/..., of `size` bytes in all."""
+
+    number: int
+    blocks: int
+    size: int
+
+
+class Bits:
+    """Blocks of packed samples of one channel in, in order; its edges out. `length` is the number of samples so far."""
+
+    def __init__(self) -> None:
+        self.length = 0
+        self._rest = b""  # of a word that the last block cut
+        self._first = 0
+        self._last = 0
+        self._edges = PositionBuffer()
+
+    def feed(self, block: bytes) -> None:
+        """Takes up a block of any size."""
+        if self.length == 0 and block:
+            self._first = self._last = block[0] & 1
+        self.length += 8 * len(block)
+        block = self._rest + block if self._rest else block
+        whole = len(block) - len(block) % WORD
+        self._rest = block[whole:]
+        if whole:
+            self._compare(block[:whole], 8 * len(self._rest))
+
+    def mark(self) -> tuple[int, bytes, int, int]:
+        """This place, for `back`."""
+        return self.length, self._rest, self._last, len(self._edges)
+
+    def back(self, mark: tuple[int, bytes, int, int]) -> None:
+        """Forgets all blocks since the mark."""
+        self.length, self._rest, self._last, edges = mark
+        self._edges.cut(edges)
+
+    def channel(self, name: str, index: int, length: int) -> Channel:
+        """The line up to `length`, unknown from the last sample that was fed; nothing may be fed behind."""
+        known = min(self.length, length)
+        if self._rest:
+            self._compare(self._rest.ljust(WORD, b"\0"), 8 * (len(self._rest) - WORD))
+            self._rest = b""
+        edges = self._edges.done()
+        unknown = (Span(known, length),) if known < length else ()
+        return channel_of_edges(name, index, self._first, edges[: np.searchsorted(edges, known)], unknown)
+
+    def __len__(self) -> int:
+        return len(self._edges)
+
+    def _compare(self, block: bytes, behind: int) -> None:
+        """Takes up whole words, of which the last ends `behind` samples before `length`."""
+        words = np.frombuffer(block, "<u8")
+        before = words << np.uint64(1)
+        before[1:] |= words[:-1] >> np.uint64(63)
+        before[0] |= np.uint64(self._last)
+        flips = words ^ before
+        busy = np.flatnonzero(flips != 0)
+        if len(busy):
+            bits = np.unpackbits(flips[busy].astype("<u8").view(np.uint8), bitorder="little").view(np.bool_)
+            at = np.flatnonzero(bits)
+            self._edges.append((busy[at >> 6] << 6) + (at & 63), self.length - behind - 8 * len(block))
+        self._last = int(words[-1]) >> 63
+
+
+def _scanned(archive: Archive, folder: Folder, salvage: bool, notes: list[str]) -> Bits:
+    bits = Bits()
+    for block in range(folder.blocks):
+        name = f"L-{folder.number}/{block}"
+        before = bits.mark()
+        try:
+            if name not in archive.members:
+                raise Damage(name, "nothing")
+            for content in archive.blocks(name, BLOCK):
+                bits.feed(content)
+                if len(bits) > limits.MOST_EDGES:
+                    raise _too_many(archive.path, name)
+        except Damage as damage:
+            if not salvage:
+                raise BadCapture(archive.path, name, damage.found, f"a whole {WHAT}", SALVAGE) from None
+            if not damage.cut:
+                bits.back(before)
+            notes.append(f"{name} holds {damage.found}: what its channel did from sample {bits.length} on is dropped")
+            break
+    return bits
+
+
+def _folders(path: Path, archive: Archive, probes: dict[int, str], keys: dict[str, str]) -> dict[int, Folder]:
+    """The blocks of every probe that has any."""
+    sizes: dict[int, int] = {}
+    blocks = _count(keys, "total blocks") or 0
+    for name, member in archive.members.items():
+        if match := re.fullmatch(r"L-(\d{1,4})/(\d{1,9})", name, re.ASCII):
+            sizes[int(match[1])] = sizes.get(int(match[1]), 0) + (member.size or 0)
+            blocks = max(blocks, int(match[2]) + 1)
+    if not sizes or not probes:
+        missing = "no block L-0/0" if probes else "no probe0"
+        raise BadCapture(path, "the archive", missing, "logic samples", "export .sr or VCD from DSView")
+    total = sum(sizes.values())
+    if total > limits.MOST_BYTES:
+        raise BadCapture(path, "its blocks", f"{total} bytes", f"at most {limits.MOST_BYTES}", "cut the capture")
+    paired = {probe: probe for probe in sorted(probes) if probe in sizes}
+    if len(paired) < len(sizes):
+        paired = dict(zip(sorted(probes), sorted(sizes), strict=False))
+    return {probe: Folder(number, blocks, sizes[number]) for probe, number in paired.items()}
+
+
+def _count(keys: dict[str, str], key: str) -> int | None:
+    """A number of the header, None where it states none that can be."""
+    stated = keys.get(key, "")
+    return int(stated) if re.fullmatch(r"[1-9]\d{0,17}", stated, re.ASCII) else None
+
+
+def _stated(path: Path, keys: dict[str, str]) -> Fraction | None:
+    try:
+        return rate_of(keys["samplerate"]) or None if "samplerate" in keys else None
+    except ValueError:
+        raise BadCapture(
+            path, "header, samplerate", repr(keys["samplerate"]), "a rate such as 4 MHz", "state the rate"
+        ) from None
+
+
+def _header(path: Path, text: str) -> dict[str, str]:
+    section = version = ""
+    keys: dict[str, str] = {}
+    for line in (line.strip() for line in text.splitlines()):
+        key, equals, value = (part.strip() for part in line.partition("="))
+        if line.startswith("["):
+            section = line
+        elif equals and section == "[version]" and key == "version":
+            version = value
+        elif equals and section == "[header]":
+            keys.setdefault(key, value)
+    if version not in ("2", "3"):
+        found = f"version {version[:20]!r}" if version else "no version"
+        raise BadCapture(path, "header", found, "version 2 or 3", "export .sr or VCD from DSView")
+    if keys.get("device mode", "0") != "0":
+        raise BadCapture(path, "header, device mode", keys["device mode"][:20], "0, logic", "capture logic channels")
+    return keys
+
+
+def _check_edges(path: Path, channels: tuple[Channel, ...]) -> None:
+    if sum(len(channel.edges) for channel in channels) > limits.MOST_EDGES:
+        raise _too_many(path, "its blocks")
+
+
+def _too_many(path: Path, place: str) -> BadCapture:
+    return BadCapture(path, place, f"over {limits.MOST_EDGES} edges", "fewer", "cut the capture")

@@ -1,0 +1,111 @@
+"""Packed samples in, the edges of each channel out: blocks of bytes are looked at once, and only changes are kept.
+
+    block --> words --> which words differ from the one before --> which bits of those --> positions a channel
+
+The comparison runs at about the speed of memory; a channel costs only where a word changed. So memory
+and nearly all time follow the number of edges, which is limited.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..capture import size_limits as limits
+from ..capture.buffer import PositionBuffer
+from ..capture.capture import BadCapture, Channel, channel_of_edges
+
+BLOCK = 1 << 19  # bytes looked at in one go: fits the caches of a processor
+
+Words = NDArray[np.unsignedinteger]
+
+
+class Mark(NamedTuple):
+    """A place to go back to."""
+
+    length: int
+    last: int
+    rest: bytes
+    edges: tuple[int, ...]
+
+
+class Scan:
+    """Blocks of little-endian samples of `unitsize` bytes in, in order. `channels` are bit -> name.
+
+    `length` is the number of whole samples so far, `rest` the bytes of one that the last block cut.
+    """
+
+    def __init__(self, path: Path, unitsize: int, channels: dict[int, str]) -> None:
+        self.length = 0
+        self.rest = b""
+        self._path = path
+        self._unitsize = unitsize
+        self._names = channels
+        self._edges = {bit: PositionBuffer() for bit in channels}
+        self._first = 0
+        self._last = 0
+
+    def feed(self, block: bytes) -> None:
+        """Takes up a block of any size. BadCapture when there are more edges than `limits` allows."""
+        if self.rest:
+            block = self.rest + block
+        whole = len(block) - len(block) % self._unitsize
+        self.rest = block[whole:]
+        if whole:
+            self._compare(_words(memoryview(block)[:whole], self._unitsize))
+
+    def mark(self) -> Mark:
+        """This place, for `back`."""
+        return Mark(self.length, self._last, self.rest, tuple(len(edges) for edges in self._edges.values()))
+
+    def back(self, mark: Mark) -> None:
+        """Forgets all blocks since the mark."""
+        self.length, self._last, self.rest = mark.length, mark.last, mark.rest
+        for edges, length in zip(self._edges.values(), mark.edges, strict=True):
+            edges.cut(length)
+
+    def channels(self) -> tuple[Channel, ...]:
+        """Every channel, in the order given; nothing may be fed behind."""
+        return tuple(
+            channel_of_edges(self._names[bit], bit, self._first >> bit & 1, edges.done())
+            for bit, edges in self._edges.items()
+        )
+
+    def _compare(self, words: Words) -> None:
+        if self.length == 0:
+            self._first = self._last = int(words[0])
+        at = _changes(words, self._last)
+        if len(at):
+            now = words[at]  # and up to the next change
+            flips = now.copy()
+            flips[1:] ^= now[:-1]
+            flips[0] ^= words.dtype.type(self._last)
+            for bit, edges in self._edges.items():
+                edges.append(at[(flips & words.dtype.type(1 << bit)) != 0], self.length)
+            if sum(len(edges) for edges in self._edges.values()) > limits.MOST_EDGES:
+                place, most = f"sample {self.length + len(words)}", limits.MOST_EDGES
+                raise BadCapture(
+                    self._path, place, f"over {most} edges", "fewer", "cut the capture or drop its busy channels"
+                )
+        self._last = int(words[-1])
+        self.length += len(words)
+
+
+def _changes(words: Words, last: int) -> NDArray[np.int64]:
+    """The places of words that differ from the one before; `last` stands before the first."""
+    differs = np.empty(len(words), np.bool_)
+    differs[0] = int(words[0]) != last
+    np.not_equal(words[1:], words[:-1], out=differs[1:])
+    return np.flatnonzero(differs)
+
+
+def _words(block: memoryview, unitsize: int) -> Words:
+    """Little-endian samples of 1 to 8 bytes as an array of the next wider machine word."""
+    if unitsize in (1, 2, 4, 8):
+        return np.frombuffer(block, f"<u{unitsize}")
+    wide = np.zeros((len(block) // unitsize, 4 if unitsize == 3 else 8), np.uint8)
+    wide[:, :unitsize] = np.frombuffer(block, np.uint8).reshape(-1, unitsize)
+    return wide.view(f"<u{wide.shape[1]}")[:, 0]

@@ -1,0 +1,328 @@
+"""Our own records, `.psr`: a run or a capture as typed columns; what goes in comes out, whole and exact.
+
+    RecordTable, Capture --> write_table, write --> zip of numpy arrays --> read_table, read
+
+A zip whose members are .npy arrays, so that `numpy.load` opens it:
+
+    head.npy     UTF-8 bytes of a JSON object: format, version, ticks_per_second, end, names, modules, capture
+    number.npy   int64    tick.npy   int64    kind.npy  uint8     where.npy  uint32
+    what.npy     uint32   value.npy  int64    text.npy  uint32    cause.npy  int64
+    field.npy    uint32   (from version 2 on; a file of version 1 names no fields)
+
+`kind`, `where`, `what`, `text` and `field` are places in `names`, so each string stands once. `ticks_per_second` is a
+whole number, a fraction as text ("100000000/3"), or null. A capture has one "edge" record an edge, `where` being the
+channel's place, and under `capture` what edges alone do not say; of a run each wire that ever changed is a channel.
+"""
+
+from __future__ import annotations
+
+import json
+import zipfile
+import zlib
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from tokenize import TokenError
+from typing import IO, Any, NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.records import Kind
+from ..capture.capture import BadCapture, Capture, Channel, Positions, Span, channel_of_edges
+from ..capture.grid import OffGrid
+from ..capture.line_states import quantized
+from .record_table import COLUMNS, TABLES, RecordTable
+
+NAME = "periph-sim records (.psr)"
+SUFFIXES = (".psr",)
+
+FORMAT = "periph-sim records"
+VERSION = 2
+MOST_BYTES = 4 << 30  # of all members unpacked: more than 90 million records
+EDGE = Kind.EDGE.value
+COPY = "copy or record it again"
+# What numpy raises for a damaged head of an array, which it reads as Python.
+UNREADABLE = (ValueError, SyntaxError, TokenError, TypeError, KeyError, AttributeError, MemoryError, RecursionError)
+
+
+def recognises(path: Path, head: bytes) -> bool:
+    return head[:4] == b"PK\x03\x04" and head[30:38] == b"head.npy"
+
+
+def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
+    """The edges as a Capture, on the grid of `rate` where one is given. BadCapture says what is wrong."""
+    head, table = _load(path)
+    capture = _stored(path, head, table) if head.get("capture") is not None else _wires(path, table)
+    return capture if rate is None or rate == capture.rate else _at_rate(capture, rate)
+
+
+def read_table(path: Path) -> RecordTable:
+    """Every record, as columns. BadCapture says what is wrong with the file."""
+    return _load(path)[1]
+
+
+def holds_run(path: Path) -> bool:
+    """Whether the file is a recorded run, with more in it than edges. False for any other file, or none."""
+    try:
+        with path.open("rb") as file:
+            known = recognises(path, file.read(38))
+        if not known:
+            return False
+        with zipfile.ZipFile(path) as archive:
+            return _head(path, archive).get("capture") is None
+    except (OSError, BadCapture, zipfile.BadZipFile):
+        return False
+
+
+def write(capture: Capture, path: Path) -> None:
+    """The capture, all that it knows but its path."""
+    channels = capture.channels
+    tick = np.concatenate([np.empty(0, np.int64), *(channel.edges for channel in channels)])
+    value = np.concatenate([np.empty(0, np.uint8), *(channel.levels for channel in channels)])
+    where = np.repeat(np.arange(len(channels)), [len(channel.edges) for channel in channels])
+    order = np.lexsort((where, tick))
+    count = len(tick)
+    zeros = np.zeros(count, np.int64)
+    rows: dict[str, NDArray[Any]] = {
+        "number": np.arange(1, count + 1),
+        "tick": tick[order],
+        "where": where[order],
+        "value": value[order],
+    }
+    columns = {name: rows.get(name, zeros).astype(dtype) for name, (_, dtype) in COLUMNS.items()}
+    names = {"kind": (EDGE,), "where": tuple(c.name for c in channels), "what": ("level",)}
+    names |= {"text": ("",), "field": ("",)}
+    about = {
+        "length": capture.length,
+        "sampled": capture.sampled,
+        "exact": capture.exact,
+        "notes": list(capture.notes),
+        "channels": [
+            {"index": c.index, "initial": c.initial, "unknown": [list(span) for span in c.unknown]} for c in channels
+        ],
+    }
+    with path.open("wb") as file:
+        write_table(RecordTable(columns, names, capture.rate, capture.length), file, about)
+
+
+def write_table(table: RecordTable, file: IO[bytes], capture: dict[str, Any] | None = None) -> None:
+    """The members into an open file, the same bytes for the same table. capture: see `write`."""
+    per_second = table.per_second
+    head = {
+        "format": FORMAT,
+        "version": VERSION,
+        "ticks_per_second": int(per_second) if per_second and per_second.denominator == 1 else _text(per_second),
+        "end": table.end,
+        "names": table.names,
+        "modules": table.modules,
+        "capture": capture,
+    }
+    arrays = {"head": np.frombuffer(json.dumps(head).encode(), np.uint8), **table.columns}
+    # Level 1: a record is written once, and the higher levels take three times as long for a tenth of the size.
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
+        for name, values in arrays.items():
+            member = zipfile.ZipInfo(f"{name}.npy")  # without the date, equal runs give equal files
+            member.compress_type = zipfile.ZIP_DEFLATED
+            member.create_system = 3
+            with archive.open(member, "w", force_zip64=True) as out:
+                np.lib.format.write_array(out, values, allow_pickle=False)
+
+
+def _text(rate: Fraction | None) -> str | None:
+    return None if rate is None else str(rate)
+
+
+def _bad(path: Path, place: str, found: str, expected: str, way_out: str = COPY) -> NoReturn:
+    raise BadCapture(path, place, found, expected, way_out)
+
+
+def _load(path: Path) -> tuple[dict[str, Any], RecordTable]:
+    try:
+        with zipfile.ZipFile(path) as archive:
+            total = sum(info.file_size for info in archive.infolist())
+            if total > MOST_BYTES:
+                _bad(path, "its members", f"{total} bytes unpacked", f"at most {MOST_BYTES}", "record a shorter run")
+            head = _head(path, archive)
+            stored = [name for name in COLUMNS if name != "field" or head["version"] > 1]
+            columns = {name: _column(path, archive, name, COLUMNS[name][1]) for name in stored}
+    except (zipfile.BadZipFile, zlib.error, EOFError, OSError, NotImplementedError, RuntimeError) as error:
+        raise BadCapture(path, "the zip", _said(error), "an undamaged file", COPY) from error
+    return head, _table(path, head, columns)
+
+
+def _said(error: Exception) -> str:
+    return " ".join(str(error).split()) or type(error).__name__
+
+
+def _member(path: Path, archive: zipfile.ZipFile, name: str) -> tuple[IO[bytes], int]:
+    try:
+        return archive.open(f"{name}.npy"), archive.getinfo(f"{name}.npy").file_size
+    except KeyError:
+        _bad(path, "the zip", f"no member {name}.npy", "one")
+
+
+def _column(path: Path, archive: zipfile.ZipFile, name: str, dtype: str) -> NDArray[Any]:
+    """The array of a member, whose type and size are checked before memory is asked for."""
+    file, size = _member(path, archive, name)
+    with file:
+        try:
+            version = np.lib.format.read_magic(file)
+            if version != (1, 0):
+                _bad(path, f"{name}.npy", f"layout {version[0]}.{version[1]}", "layout 1.0")
+            shape, _, found = np.lib.format.read_array_header_1_0(file)
+        except UNREADABLE as error:
+            raise BadCapture(path, f"{name}.npy", _said(error), "the head of an array", COPY) from error
+        if found != np.dtype(dtype) or len(shape) != 1 or shape[0] * found.itemsize > size:
+            _bad(path, f"{name}.npy", f"an array of {found}, shape {shape}, in {size} bytes", f"one column of {dtype}")
+        content = file.read()
+    if len(content) != shape[0] * found.itemsize:
+        _bad(path, f"{name}.npy", f"{len(content)} bytes", f"{shape[0] * found.itemsize} for {shape[0]} records")
+    return np.frombuffer(content, found)
+
+
+def _head(path: Path, archive: zipfile.ZipFile) -> dict[str, Any]:
+    try:
+        head = json.loads(_column(path, archive, "head", "|u1").tobytes())
+    except (ValueError, RecursionError) as error:
+        if isinstance(error, BadCapture):
+            raise
+        raise BadCapture(path, "head.npy", _said(error), "a JSON object", COPY) from error
+    if not isinstance(head, dict) or head.get("format") != FORMAT:
+        _bad(path, "head.npy", "another kind of file", f"the format {FORMAT!r}", "give a recording of periph-sim")
+    version = head.get("version")
+    if type(version) is not int or version < 1:
+        _bad(path, "head.npy", f"version {version!r}", f"a number up to {VERSION}")
+    if version > VERSION:
+        _bad(path, "head.npy", f"version {version}", f"up to {VERSION}", "read it with the newer periph-sim it is from")
+    return head
+
+
+def _table(path: Path, head: dict[str, Any], columns: dict[str, NDArray[Any]]) -> RecordTable:
+    """The head and the columns checked against each other."""
+    lengths = {name: len(values) for name, values in columns.items()}
+    if len(set(lengths.values())) != 1:
+        _bad(path, "its columns", f"lengths {lengths}", "one length")
+    try:
+        names = {name: tuple(_strings(head["names"][name])) for name in TABLES if name in columns}
+        end = _whole(head["end"])
+        per_second = _rate(head["ticks_per_second"])
+        modules = {str(unit): tuple(_strings(of)) for unit, of in head["modules"].items()}
+    except (KeyError, TypeError, ValueError, AttributeError, ZeroDivisionError) as error:
+        raise BadCapture(path, "head.npy", f"{type(error).__name__} {error}", "names, end and rate", COPY) from error
+    for name, known in names.items():
+        if len(columns[name]) and int(columns[name].max()) >= len(known):
+            _bad(path, f"{name}.npy", f"place {int(columns[name].max())}", f"places in a table of {len(known)} names")
+    strange = [name for name in names["kind"] if name not in {kind.value for kind in Kind}]
+    if strange:
+        _bad(path, "head.npy", f"records of kind {strange[0]!r}", f"{', '.join(kind.value for kind in Kind)}")
+    if "field" not in columns:
+        columns, names = columns | {"field": np.zeros(len(columns["tick"]), "<u4")}, names | {"field": ("",)}
+    return RecordTable(columns, names, per_second, end, modules)
+
+
+def _strings(given: Any) -> list[str]:
+    if not isinstance(given, list) or not all(isinstance(item, str) for item in given):
+        raise ValueError("no list of names")
+    return given
+
+
+def _whole(given: Any) -> int:
+    if type(given) is not int or not 0 <= given < 1 << 63:
+        raise ValueError(f"no count: {given!r}")
+    return given
+
+
+def _rate(given: Any) -> Fraction | None:
+    if given is None:
+        return None
+    if not isinstance(given, (int, str)) or len(str(given)) > 100 or (rate := Fraction(given)) <= 0:
+        raise ValueError(f"no rate: {given!r}")
+    return rate
+
+
+def _wires(path: Path, table: RecordTable) -> Capture:
+    """Of a run: each wire that ever changed, in the order of their first changes, from its first tick to its end."""
+    rows = table.rows(Kind.EDGE)
+    if (np.diff(table.tick[rows], prepend=0) < 0).any():
+        _bad(path, "tick.npy", "an edge before the one above", "times that rise from 0")
+    length = max(table.end, int(table.tick[rows[-1]]) + 1 if len(rows) else 1, 1)
+    where = table.columns["where"][rows]
+    places, firsts = np.unique(where, return_index=True)
+    channels = []
+    for index, place in enumerate(places[np.argsort(firsts)].tolist()):
+        own = rows[where == place]
+        channels.append(_wire(table.names["where"][place], index, table.tick[own], table.value[own]))
+    if not channels:
+        _bad(path, "its records", "no edge of a wire", "edges", "record a run in which a wire changes")
+    return Capture(path, table.per_second, length, tuple(channels), sampled=False, exact=True)
+
+
+def _wire(name: str, index: int, tick: NDArray[np.int64], value: NDArray[np.int64]) -> Channel:
+    """Of several levels at one tick the last counts; the level before the first change is the other one."""
+    last = np.append(tick[1:] != tick[:-1], True)
+    at, levels = tick[last], (value[last] != 0).astype(np.uint8)
+    if at[0] == 0:
+        initial, at, levels = int(levels[0]), at[1:], levels[1:]
+    else:
+        initial = 1 - int(value[0] != 0)
+    changed = np.diff(levels, prepend=np.uint8(initial)) != 0
+    return channel_of_edges(name, index, initial, at[changed])
+
+
+def _stored(path: Path, head: dict[str, Any], table: RecordTable) -> Capture:
+    about = head["capture"]
+    try:
+        length = _whole(about["length"])
+        notes = tuple(_strings(about["notes"]))
+        given = list(about["channels"])
+        sampled, exact = about["sampled"], about.get("exact", False)  # `exact` is not in the first files
+        if type(sampled) is not bool or type(exact) is not bool:
+            raise ValueError("sampled or exact")
+        if len(given) != len(table.names["where"]) or length < 1:
+            raise ValueError("channels or length")
+        channels = tuple(_channel(table, place, entry, length) for place, entry in enumerate(given))
+    except (KeyError, TypeError, ValueError) as error:
+        raise BadCapture(path, "head.npy", f"a capture without {error}", "all of it", COPY) from error
+    return Capture(path, table.per_second, length, channels, sampled, notes, exact)
+
+
+def _channel(table: RecordTable, place: int, entry: dict[str, Any], length: int) -> Channel:
+    own = table.columns["where"] == place
+    edges, levels = table.tick[own], table.value[own].astype(np.uint8)
+    initial, index = _whole(entry["initial"]), _whole(entry["index"])
+    unknown = tuple(Span(_whole(begin), _whole(end)) for begin, end in entry["unknown"])
+    channel = channel_of_edges(table.names["where"][place], index, initial, edges, unknown)
+    rising = (np.diff(edges, prepend=0) > 0).all() and (not len(edges) or edges[-1] < length)
+    spans = [0, *(position for span in unknown for position in span), length]
+    if initial > 1 or not rising or spans != sorted(spans) or (channel.levels != levels).any():
+        raise ValueError(f"sound edges of channel {place}")
+    return channel
+
+
+def _at_rate(capture: Capture, rate: Fraction) -> Capture:
+    """Samples take the rate that the caller knows; ticks go onto its samples, BadCapture where one falls on none."""
+    ratio = capture.rate
+    if capture.sampled or ratio is None:
+        return replace(capture, rate=rate)
+
+    def placed(positions: Positions) -> Positions:
+        try:
+            return quantized(positions, ratio, rate)
+        except OffGrid as off:
+            found = f"an edge at position {positions[off.which]} of {ratio} a second"
+            raise BadCapture(
+                capture.path, "its times", found, f"times on the grid of {rate} Hz", "state the right rate or none"
+            ) from off
+
+    channels = []
+    length = int(-(-capture.length * rate // ratio))
+    for c in capture.channels:
+        edges = placed(c.edges)
+        if (np.diff(edges, prepend=0) <= 0).any():
+            found = f"two edges of {c.name} in one sample of {rate} Hz"
+            raise BadCapture(capture.path, "its times", found, "one", "state the right rate or none")
+        length = max([length, *(edges[-1:] + 1).tolist()])
+        unknown = tuple(Span(*placed(np.array(span, np.int64)).tolist()) for span in c.unknown)
+        channels.append(channel_of_edges(c.name, c.index, c.initial, edges, unknown))
+    return Capture(capture.path, rate, length, tuple(channels), True, capture.notes)

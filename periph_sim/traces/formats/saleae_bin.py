@@ -1,0 +1,270 @@
+"""Saleae's binary export, versions 0 and 1: one file a channel (or their folder) in, edges out.
+
+    <SALEAE> version type | v0: level begin end count times... | v1: chunks of level rate begin end count times...
+
+Times are float64 seconds. They are put on the sampling grid (v1 states it, v0 needs `rate`), else on
+nanoseconds, which is what the vendor's CSV of the same capture holds.
+
+Chosen: position 0 is the earliest begin of all files. Time between chunks is unknown. With salvage a
+channel is unknown behind its damage.
+
+Source: Saleae's published export formats, binary digital version 0 and the 2025 update.
+"""
+
+from __future__ import annotations
+
+import re
+import struct
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..capture import size_limits as limits
+from ..capture.buffer import PositionBuffer
+from ..capture.capture import BadCapture, Capture, Channel, Positions, Span, channel_of_edges
+
+NAME = "Saleae binary (digital_N.bin or their folder)"
+SUFFIXES = (".bin", "/")
+
+MARK = b"<SALEAE>"
+KINDS = {1: "analogue data", 100: "a piece of a Logic 2 session"}
+NANOSECONDS = Fraction(10**9)
+OFF_GRID = 0.02  # of a sample: far more than float64 loses, far less than a wrong rate gives
+MOST_POSITIONS = float(1 << 62)
+BLOCK = 1 << 16  # times read at once
+OR_SALVAGE = ", or read what is whole with --salvage"
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """A stretch without gaps: level at its begin, where in the file the times of change are; times in seconds."""
+
+    initial: int
+    rate: float | None
+    begin: float
+    end: float
+    place: int  # of the chunk, in bytes
+    at: int  # of its times
+    count: int
+    cut: bool = False  # the file ends within its times
+
+
+def recognises(path: Path, head: bytes) -> bool:
+    return bool(_files(path)) if path.is_dir() else head.startswith(MARK)
+
+
+def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
+    """The capture of one file, or of all `digital_N.bin` of a folder. BadCapture names file and byte."""
+    files = _files(path) if path.is_dir() else {_number(path) or 0: path}
+    if not files:
+        raise BadCapture(path, "the folder", "no digital_N.bin", "one file a channel", "export digital data as binary")
+    notes: list[str] = []
+    chunks = {index: _chunks(file, notes if salvage else None) for index, file in files.items()}
+    edges = sum(chunk.count for parts in chunks.values() for chunk in parts)
+    if edges > limits.MOST_EDGES:
+        raise BadCapture(path, "its counts", f"{edges} edges", f"at most {limits.MOST_EDGES}", "export a shorter time")
+    stated = {chunk.rate for parts in chunks.values() for chunk in parts}
+    if rate is None and len(stated) == 1 and (only := stated.pop()) is not None:
+        rate = Fraction(only)
+    begin = min(part.begin for parts in chunks.values() for part in parts)
+    end = max(part.end for parts in chunks.values() for part in parts)
+    grid = _Grid(begin, rate)
+    length = grid.nearest(path, end) + 1
+    channels = []
+    for index in sorted(files):
+        line = _Line(files[index], grid, notes if salvage else None)
+        channels.append(line.channel(index, chunks[index], length))
+    return Capture(path, rate or NANOSECONDS, length, tuple(channels), rate is not None, tuple(notes))
+
+
+class _Grid:
+    """Seconds to positions counted from `begin`."""
+
+    def __init__(self, begin: float, rate: Fraction | None) -> None:
+        self._begin = begin
+        self._rate = float(rate or NANOSECONDS)
+        self._strict = rate is not None
+
+    def places(self, path: Path, times: NDArray[np.float64]) -> Positions:
+        """Positions of changes. BadCapture if one lies between two samples of a known rate."""
+        exact = self._exact(path, times)
+        near = np.rint(exact)
+        off = np.abs(exact - near) > OFF_GRID
+        if self._strict and off.any():
+            found = f"a change at {times[off][0]} s"
+            raise BadCapture(path, "its times", found, f"the grid of {self._rate:g} Hz", "state the right rate")
+        return near.astype(np.int64)
+
+    def nearest(self, path: Path, time: float) -> int:
+        """The position nearest to a begin or an end, which real files have between samples, too."""
+        return round(float(self._exact(path, np.array([time]))[0]))
+
+    def _exact(self, path: Path, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        with np.errstate(over="ignore"):  # what does not fit is refused below
+            exact = (times - self._begin) * self._rate
+        if not np.all(np.abs(exact) < MOST_POSITIONS):
+            raise BadCapture(path, "its times", "a time beyond 64 bits", "seconds", "export it again")
+        return exact
+
+
+class _Line:
+    """The edges of one file, read in blocks. Without `notes` damage is refused, with them it is noted."""
+
+    def __init__(self, path: Path, grid: _Grid, notes: list[str] | None) -> None:
+        self._path = path
+        self._grid = grid
+        self._notes = notes
+        self._flips = PositionBuffer()
+
+    def channel(self, index: int, chunks: list[Chunk], length: int) -> Channel:
+        unknown: list[Span] = []
+        known_to = 0
+        level = chunks[0].initial
+        with self._path.open("rb") as file:
+            for chunk in chunks:
+                begin = self._grid.nearest(self._path, chunk.begin)
+                if begin > known_to:
+                    unknown.append(Span(known_to, begin))
+                if chunk.initial != level:  # it changed while nobody looked
+                    self._flips.append(np.array([begin]))
+                before = len(self._flips)
+                end = self._changes(file, chunk)
+                level = chunk.initial ^ (len(self._flips) - before) & 1
+                known_to = self._grid.nearest(self._path, chunk.end if end is None else end) + 1
+                if end is not None:
+                    break
+        if known_to < length:
+            unknown.append(Span(known_to, length))
+        edges = _odd(self._flips.done())
+        initial = chunks[0].initial
+        if len(edges) and edges[0] == 0:
+            initial, edges = initial ^ 1, edges[1:]
+        return channel_of_edges(self._path.stem, index, initial, edges, tuple(unknown))
+
+    def _changes(self, file: BinaryIO, chunk: Chunk) -> float | None:
+        """Takes up the changes of a chunk; None, or the last time before they end early."""
+        file.seek(chunk.at)
+        last = chunk.begin
+        for done in range(0, chunk.count, BLOCK):
+            times = np.frombuffer(file.read(8 * min(BLOCK, chunk.count - done)), "<f8")
+            steps = np.concatenate(([last], times))
+            sound = np.isfinite(times) & (times >= steps[:-1]) & (times <= chunk.end)
+            if not sound.all():
+                good = int(np.argmin(sound))
+                if self._notes is None:
+                    place = f"byte {chunk.place}"
+                    way_out = f"export it again{OR_SALVAGE}"
+                    raise BadCapture(self._path, place, "times out of order", "begin, rising times, end", way_out)
+                place = f"byte {chunk.at + 8 * (done + good)}"
+                self._notes.append(f"{self._path.name} has times out of order from {place} on: they are dropped")
+                self._flips.append(self._grid.places(self._path, times[:good]))
+                return float(steps[good])
+            self._flips.append(self._grid.places(self._path, times))
+            last = float(times[-1])
+        return last if chunk.cut else None
+
+
+def _odd(flips: Positions) -> Positions:
+    """The positions, which do not fall, that occur an odd number of times: two changes in one undo each other."""
+    firsts = np.flatnonzero(np.diff(flips, prepend=-1))
+    if len(firsts) == len(flips):
+        return flips
+    counts = np.diff(firsts, append=len(flips))
+    odd: Positions = flips[firsts[counts & 1 == 1]]
+    return odd
+
+
+def _files(folder: Path) -> dict[int, Path]:
+    found = {number: file for file in folder.glob("*.bin") if (number := _number(file)) is not None}
+    return dict(sorted(found.items()))
+
+
+def _number(path: Path) -> int | None:
+    match = re.fullmatch(r"digital_(\d+)\.bin", path.name)
+    return int(match[1]) if match else None
+
+
+def _chunks(path: Path, notes: list[str] | None) -> list[Chunk]:
+    """The chunks of a file, without their times. With `notes` those before any damage."""
+    with path.open("rb") as file:
+        cursor = _Cursor(path, file)
+        if cursor.take("8s")[0] != MARK:
+            raise BadCapture(path, "byte 0", "no <SALEAE> mark", "a Saleae binary export", "export it again")
+        version, kind = cursor.take("ii")
+        if kind != 0:
+            found = KINDS.get(kind, f"type {kind}")
+            raise BadCapture(path, "byte 12", found, "digital data", "export digital data as binary")
+        if version not in (0, 1):
+            raise BadCapture(path, "byte 8", f"version {version}", "version 0 or 1", "export CSV")
+        count = cursor.take("Q")[0] if version else 1
+        chunks: list[Chunk] = []
+        try:
+            for _ in range(min(count, cursor.left)):  # a chunk is more than a byte: no count makes a long loop
+                chunk = _chunk(cursor, version, notes)
+                if chunks and chunk.begin < chunks[-1].end:
+                    found = "one that begins before the last ends"
+                    raise BadCapture(path, "its chunks", found, "chunks in order", "export again")
+                chunks.append(chunk)
+        except BadCapture as error:
+            if not chunks:
+                raise
+            if notes is None:
+                way_out = error.way_out.removesuffix(OR_SALVAGE) + OR_SALVAGE
+                raise BadCapture(path, error.place, error.found, error.expected, way_out) from None
+            notes.append(f"{error.place} of {path.name} has {error.found}: what follows is dropped")
+            return chunks
+    if len(chunks) < count or not chunks:
+        raise BadCapture(path, "byte 16", f"{count} chunks", "at least one, all there", "export it again")
+    return chunks
+
+
+def _chunk(cursor: _Cursor, version: int, notes: list[str] | None) -> Chunk:
+    place = cursor.at
+    (level,) = cursor.take("I")
+    (rate,) = cursor.take("d") if version else (None,)
+    begin, end, count = cursor.take("ddQ")
+    if level > 1:
+        raise BadCapture(cursor.path, f"byte {place}", f"initial level {level}", "0 or 1", "export it again")
+    if rate is not None and not 0 < rate < float("inf"):
+        raise BadCapture(cursor.path, f"byte {place}", f"sample rate {rate}", "more than 0", "export it again")
+    if not float("-inf") < begin <= end < float("inf"):
+        expected = "begin, rising times, end"
+        raise BadCapture(cursor.path, f"byte {place}", "times out of order", expected, "export it again")
+    at = cursor.at
+    if notes is not None and 8 * count > cursor.left:
+        whole = cursor.left // 8
+        notes.append(f"{cursor.path.name} ends after {whole} of {count} changes: what follows is dropped")
+        cursor.skip(8 * whole)
+        return Chunk(level, rate, begin, end, place, at, whole, cut=True)
+    cursor.skip(8 * count, OR_SALVAGE)
+    return Chunk(level, rate, begin, end, place, at, count)
+
+
+class _Cursor:
+    """A file's bytes, taken from the front; BadCapture at a cut."""
+
+    def __init__(self, path: Path, file: BinaryIO) -> None:
+        self.path = path
+        self.at = 0
+        self._file = file
+        self._size = file.seek(0, 2)
+
+    @property
+    def left(self) -> int:
+        return self._size - self.at
+
+    def take(self, layout: str) -> tuple[Any, ...]:
+        at = self.at
+        self.skip(struct.calcsize("<" + layout))
+        self._file.seek(at)
+        return struct.unpack("<" + layout, self._file.read(self.at - at))
+
+    def skip(self, size: int, more: str = "") -> None:
+        if size > self.left:
+            way_out = f"the file was cut, export it again{more}"
+            raise BadCapture(self.path, f"byte {self.at}", f"{self.left} bytes more", f"{size}", way_out)
+        self.at += size

@@ -1,0 +1,246 @@
+"""sigrok sessions, `.sr`: a zip of metadata and packed samples in, edges out; and back as version 2.
+
+    logic-1 | logic-1-1, -2, ... -10 --> blocks of samples --> edges a channel
+    edges a channel --> words --> chunks logic-1-1, -2, ... of 4 MiB
+
+Chosen: a file that names no probe at all has all of `total probes`, called 0, 1, ...; where some
+are named, the nameless were not captured. With salvage, a chunk in which the damage lies is dropped
+with all behind it, unless the file merely ends there or it is the first.
+
+Source: sigrok's file format as its own tools write and read it (libsigrok 0.1 to 0.6 files).
+"""
+
+from __future__ import annotations
+
+import re
+import zipfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..capture import size_limits as limits
+from ..capture.capture import MOST_DIGITS, BadCapture, Capture, Channel, rate_of
+from ..capture.resample import rate_text
+from .packed_samples import BLOCK, Scan
+from .zip_member import Archive, Damage
+
+NAME = "sigrok session (.sr)"
+SUFFIXES = (".sr",)
+SAMPLES_ONLY = True
+
+WHAT = "sigrok session"
+CHUNK = 1 << 22  # bytes of a chunk, as sigrok's own writer makes them
+MOST_WIDE = 64  # channels: 8 bytes a sample
+LONG_AGO = (1980, 1, 1, 0, 0, 0)  # a date in the file would make two writings of one capture differ
+SALVAGE = "read what is whole with --salvage"
+
+
+@dataclass(frozen=True)
+class Metadata:
+    """What the member `metadata` says about the first device."""
+
+    capturefile: str
+    unitsize: int
+    probes: dict[int, str]  # bit of the sample -> name
+    samplerate: str | None
+
+
+def recognises(path: Path, head: bytes) -> bool:
+    return head.startswith(b"PK")
+
+
+def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
+    """The capture; `rate` wins over the file's samplerate. BadCapture if zip, metadata or samples are broken."""
+    with Archive(path, WHAT, salvage) as archive:
+        _check_version(path, archive.text("version"))
+        meta = _metadata(path, archive.text("metadata"))
+        notes = list(archive.notes)
+        members = _sample_members(path, archive, meta.capturefile, notes if salvage else None)
+        rate = rate or _rate(path, meta, notes)
+        scan = Scan(path, meta.unitsize, meta.probes)
+        for member in members:
+            if not _scanned(archive, member, scan, notes if salvage else None):
+                break
+    if not scan.length:
+        raise BadCapture(path, meta.capturefile, "no samples", "logic samples", "capture again")
+    if scan.rest:
+        notes.append(f"{len(scan.rest)} bytes of a partial sample at the end are left out")
+    return Capture(path, rate, scan.length, scan.channels(), notes=tuple(notes))
+
+
+def _scanned(archive: Archive, member: str, scan: Scan, notes: list[str] | None) -> bool:
+    """Whether the samples of a member were all sound. Without `notes` damage is refused, with them it is noted."""
+    before = scan.mark()
+    try:
+        for block in archive.blocks(member, BLOCK):
+            scan.feed(block)
+    except Damage as damage:
+        if notes is None:
+            raise BadCapture(
+                archive.path, member, damage.found, f"a whole {WHAT}", f"copy or save it again, or {SALVAGE}"
+            ) from None
+        if damage.cut:
+            notes.append(f"{member} holds {damage.found}: what follows sample {scan.length} is dropped")
+        elif before.length:
+            scan.back(before)
+            notes.append(f"{member} holds {damage.found}: it and what follows sample {scan.length} is dropped")
+        else:
+            notes.append(f"{member} holds {damage.found}: its samples are read up to {scan.length}, some may be wrong")
+        scan.rest = b""
+        return False
+    return True
+
+
+def _rate(path: Path, meta: Metadata, notes: list[str]) -> Fraction | None:
+    try:
+        stated = rate_of(meta.samplerate) if meta.samplerate is not None else None
+    except ValueError:
+        raise BadCapture(
+            path, "metadata, samplerate", repr(meta.samplerate), "a rate such as 4 MHz", "state the rate"
+        ) from None
+    if not stated:
+        notes.append("the file states no samplerate, so positions have no time")
+    return stated or None
+
+
+def _check_version(path: Path, text: str) -> None:
+    if text.strip() not in ("1", "2"):
+        raise BadCapture(path, "version", repr(text.strip()[:40]), "1 or 2", "save it with sigrok 0.7")
+
+
+def _sample_members(path: Path, archive: Archive, capturefile: str, notes: list[str] | None) -> list[str]:
+    """The members that hold samples, in order: one plain, or chunks by number (10 after 9).
+
+    A missing number is refused, or ends the list when there are `notes`.
+    """
+    chunk = re.compile(re.escape(capturefile) + r"-(\d{1,9})", re.ASCII)
+    numbered = {int(match[1]): name for name in archive.members if (match := chunk.fullmatch(name))}
+    members = [capturefile] if capturefile in archive.members else [numbered[n] for n in sorted(numbered)]
+    if not members:
+        found = f"no member {capturefile!r} or {capturefile + '-1'!r}"
+        raise BadCapture(path, "the archive", found, "logic samples", "capture again")
+    if capturefile not in archive.members:
+        missing = next((n for n in range(1, len(numbered) + 1) if n not in numbered), None)
+        if missing is not None:
+            expected = f"chunks 1 to {max(numbered)}"
+            if notes is None or missing == 1:
+                way_out = "save it again" if missing == 1 else f"save it again, or {SALVAGE}"
+                raise BadCapture(path, "the archive", f"no chunk {capturefile}-{missing}", expected, way_out)
+            notes.append(f"{capturefile}-{missing} is missing: it and what follows is dropped")
+            members = members[: missing - 1]
+    size = sum(archive.members[name].size or 0 for name in members)
+    if size > limits.MOST_BYTES:
+        found = f"{size} bytes unpacked"
+        raise BadCapture(path, capturefile, found, f"at most {limits.MOST_BYTES}", "cut it with sigrok-cli")
+    return members
+
+
+def _metadata(path: Path, text: str) -> Metadata:
+    """Sections and keys by hand: real files indent keys, which configparser takes for continued values."""
+    section = ""
+    keys: dict[str, str] = {}
+    for line in (line.strip() for line in text.splitlines()):
+        if line.startswith("["):
+            section = line
+        elif section == "[device 1]" and "=" in line:
+            key, _, value = line.partition("=")
+            keys.setdefault(key.strip(), value.strip())
+    if not keys:
+        raise BadCapture(path, "metadata", "no section [device 1]", "the device's settings", "save it again as .sr")
+    unitsize = _number(path, keys, "unitsize", 1, 8)
+    probes = {}
+    for key, value in keys.items():
+        if (match := re.fullmatch(r"probe(\d+)", key)) and value:
+            bit = int(match[1][:MOST_DIGITS]) - 1
+            if not 0 <= bit < 8 * unitsize:
+                fit = f"probe1 to probe{8 * unitsize}"
+                raise BadCapture(path, f"metadata, {key}", f"unitsize {unitsize}", fit, "mend the metadata")
+            probes[bit] = value
+    if not probes:
+        total = _number(path, keys, "total probes", 1, 8 * unitsize)
+        probes = {bit: str(bit) for bit in range(total)}
+    return Metadata(keys.get("capturefile", "logic-1"), unitsize, dict(sorted(probes.items())), keys.get("samplerate"))
+
+
+def _number(path: Path, keys: dict[str, str], key: str, least: int, most: int) -> int:
+    value = keys.get(key, "nothing")
+    if not value.isdecimal() or len(value) > MOST_DIGITS or not least <= int(value) <= most:
+        raise BadCapture(path, f"metadata, {key}", value, f"{least} to {most}", "mend the metadata or save it again")
+    return int(value)
+
+
+# Writing ------------------------------------------------------------------------
+
+
+def write(capture: Capture, path: Path) -> tuple[str, ...] | None:
+    """Writes version 2, the channels in order as bits from 0. BadCapture where sigrok could not read it."""
+    channels = capture.channels
+    if not 1 <= len(channels) <= MOST_WIDE:
+        raise BadCapture(
+            path, "its channels", f"{len(channels)}", f"1 to {MOST_WIDE}", "pick some with --channels, or write .vcd"
+        )
+    if capture.length > limits.MOST_SAMPLES_WRITTEN:
+        at = "" if capture.rate is None else f" of {rate_text(capture.rate)}"
+        found, most = f"{capture.length} samples{at}", f"at most {limits.MOST_SAMPLES_WRITTEN}"
+        raise BadCapture(path, "its length", found, most, "choose a lower rate with --sample '4 MHz', or write .vcd")
+    if capture.rate is not None and capture.rate.denominator != 1:
+        found = f"{capture.rate} samples a second"
+        raise BadCapture(path, "its rate", found, "a whole number", "choose one with --sample '4 MHz'")
+    unitsize = next(size for size in (1, 2, 4, 8) if len(channels) <= 8 * size)
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        _put(archive, "version", b"2")
+        _put(archive, "metadata", _described(capture, unitsize).encode())
+        for number, words in enumerate(_chunks(capture, unitsize), 1):
+            _put(archive, f"logic-1-{number}", words.data)
+    gaps = [channel.name for channel in channels if channel.unknown]
+    if gaps:
+        return (f"a session has no unknown levels: those of {', '.join(gaps)} are written as the level before them",)
+    return None
+
+
+def _put(archive: zipfile.ZipFile, name: str, content: bytes | memoryview) -> None:
+    info = zipfile.ZipInfo(name, LONG_AGO)
+    info.create_system = 3
+    info.external_attr = 0o644 << 16
+    info.compress_type = zipfile.ZIP_DEFLATED
+    archive.writestr(info, content)
+
+
+def _described(capture: Capture, unitsize: int) -> str:
+    names = (" ".join(channel.name.split()) or str(channel.index) for channel in capture.channels)
+    lines = [
+        "[global]",
+        "sigrok version=0.5.2",
+        "",
+        "[device 1]",
+        "capturefile=logic-1",
+        f"total probes={len(capture.channels)}",
+        *([] if capture.rate is None else [f"samplerate={rate_text(capture.rate)}"]),
+        "total analog=0",
+        *(f"probe{number}={name}" for number, name in enumerate(names, 1)),
+        f"unitsize={unitsize}",
+    ]
+    return "\n".join([*lines, ""])
+
+
+def _chunks(capture: Capture, unitsize: int) -> Iterator[NDArray[np.unsignedinteger]]:
+    """The samples as words, a chunk at a time: each edge turns its bit over, from there on."""
+    samples = CHUNK // unitsize
+    word = sum(channel.initial << bit for bit, channel in enumerate(capture.channels))
+    for begin in range(0, capture.length, samples):
+        flips = np.zeros(min(samples, capture.length - begin), f"<u{unitsize}")
+        for bit, channel in enumerate(capture.channels):
+            flips[_within(channel, begin, begin + samples)] ^= flips.dtype.type(1 << bit)
+        flips[0] ^= flips.dtype.type(word)
+        words = np.bitwise_xor.accumulate(flips)
+        word = int(words[-1])
+        yield words
+
+
+def _within(channel: Channel, begin: int, end: int) -> NDArray[np.int64]:
+    first, last = np.searchsorted(channel.edges, [begin, end])
+    return channel.edges[first:last] - begin

@@ -1,0 +1,128 @@
+"""CSV with a unit in every column's title: a path goes in, names, units and float64 columns come out.
+
+    time [s],phi [deg],ax [g]
+    0.00,1.5,0.01
+
+The first line holds the titles; every other line has one finite number a column. What is wrong is said with its
+line (BadCapture). Read as arrays; line by line only to find what is wrong.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.shorten import shorten
+from ..capture.capture import BadCapture
+
+Floats = NDArray[np.float64]
+
+TITLE = re.compile(r"\s*(\S[^\[\]]*?)\s*\[\s*([^\[\]]*?)\s*\]\s*")
+WRITTEN = "a title such as 'time [s]' or 'phi [deg]' for every column"
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """One column: its name and unit as the title has them, and its numbers."""
+
+    name: str
+    unit: str
+    values: Floats
+
+
+def read(path: Path) -> list[Column]:
+    """The columns in the order of the file, of equal length, one row at least. BadCapture in one sentence."""
+    try:
+        with path.open("rb") as file:
+            head = file.readline().decode("utf-8-sig")
+    except OSError as error:
+        raise BadCapture(
+            path, "the file", (error.strerror or "an error").lower(), "a file that can be read", "check its name"
+        ) from None
+    except UnicodeDecodeError:
+        raise _bad(path, 1, "bytes that are not UTF-8", "text") from None
+    try:
+        titles = [_title(path, cell) for cell in next(csv.reader([head]), [])]
+    except csv.Error as error:
+        raise _bad(path, 1, str(error), WRITTEN) from None
+    names = [name for name, _ in titles]
+    for place, name in enumerate(names):
+        if name in names[:place]:
+            raise _bad(path, 1, f"two columns named {name!r}", "a name of its own for every column")
+    if not titles:
+        raise _bad(path, 1, "nothing", WRITTEN)
+    values = _numbers(path, len(titles))
+    return [Column(name, unit, values[:, place]) for place, (name, unit) in enumerate(titles)]
+
+
+def line_of_row(path: Path, row: int) -> int:
+    """The line on which a row of numbers stands, counted from 0, since there may be blank lines."""
+    return next(line for number, (line, _) in enumerate(_rows(path)) if number == row)
+
+
+def _title(path: Path, cell: str) -> tuple[str, str]:
+    found = TITLE.fullmatch(cell)
+    if found is None:
+        raise _bad(path, 1, shorten(repr(cell), 100), WRITTEN)
+    return found[1], found[2]
+
+
+def _numbers(path: Path, columns: int) -> Floats:
+    """Shape (rows, columns), all finite."""
+    import warnings
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # a file without rows is told below
+            values = np.loadtxt(path, delimiter=",", skiprows=1, comments=None, ndmin=2, encoding="utf-8-sig")
+    except (ValueError, UnicodeDecodeError):
+        raise _first_wrong(path, columns) from None
+    if not values.size:
+        raise _bad(path, 2, "nothing", "a row of numbers")
+    if values.shape[1] != columns or not np.isfinite(values).all():
+        raise _first_wrong(path, columns)
+    return values
+
+
+def _first_wrong(path: Path, columns: int) -> BadCapture:
+    line = 1
+    try:
+        for line, cells in _rows(path):
+            if len(cells) != columns:
+                return _bad(path, line, f"{len(cells)} cells", f"{columns}, as there are titles")
+            for cell in cells:
+                if not _is_finite(cell):
+                    return _bad(path, line, shorten(repr(cell), 100), "a finite number")
+    except UnicodeDecodeError:
+        return _bad(path, line + 1, "bytes that are not UTF-8", "numbers")
+    except csv.Error as error:
+        return _bad(path, line + 1, str(error), "numbers")
+    return _bad(path, line, "a row that cannot be read", "finite numbers with commas between them")
+
+
+def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
+    """Every row behind the titles, with its line."""
+    with path.open(encoding="utf-8-sig", newline="") as file:
+        rows = csv.reader(file)
+        next(rows, None)
+        for cells in rows:
+            if cells:
+                yield rows.line_num, cells
+
+
+def _is_finite(cell: str) -> bool:
+    try:
+        return isfinite(float(cell)) and "_" not in cell
+    except ValueError:
+        return False
+
+
+def _bad(path: Path, line: int, found: str, expected: str) -> BadCapture:
+    return BadCapture(path, f"line {line}", found, expected, "correct the file")

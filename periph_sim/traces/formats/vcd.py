@@ -1,0 +1,277 @@
+"""Value change dumps (IEEE 1364, four-state): text in, edges at integer ticks out; written by `vcd_writer`.
+
+    lines of bytes --> one array of positions and one of states a bit --> Channel
+
+Read line by line and not with pyvcd's reader, which goes byte by byte, refuses the spaces that sigrok's users put
+into channel names and the non-ASCII letters in comments, and takes a file cut short for whole; nor with wellen, which
+reads FST for us, since it loses the end of a capture and the declared ranges of vectors.
+
+Chosen:
+- Tick 0 of the file is position 0; before the first `#` levels are unknown, unless values precede it.
+- `z` is high (an open-drain line let go); `x` and the VHDL states that say neither 0 nor 1 are unknown.
+- A vector is a channel a bit, `name[k]`. Reals, strings, events and parameters are left out.
+- A last `#N` with nothing behind it is the end: N positions. Else the last change is the last position.
+- With salvage the changes before what is wrong are kept, if lines were declared and a time has come.
+"""
+
+from __future__ import annotations
+
+import re
+from array import array
+from collections.abc import Iterator
+from fractions import Fraction
+from functools import partial
+from pathlib import Path
+from typing import NoReturn
+
+import numpy as np
+
+from ..capture.capture import BadCapture, Capture, Positions
+from ..capture.changes import UNKNOWN
+from ..capture.grid import OffGrid
+from ..capture.line_states import channel_of_states, quantized
+from ..capture.size_limits import MOST_EDGES
+from .vcd_writer import MOST_TICKS, OURS, SCOPE, SECONDS, write
+
+__all__ = ["NAME", "SUFFIXES", "read", "recognises", "write"]
+
+NAME = "value change dump (.vcd)"
+SUFFIXES = (".vcd",)
+
+STATES = {
+    ord(letter): state for letters, state in (("0lL", 0), ("1hHzZ", 1), ("xXuUwW-", UNKNOWN)) for letter in letters
+}
+TIME, COMMAND = ord("#"), ord("$")
+NO_LEVELS = {"parameter", "real", "realtime", "real_parameter", "string", "event", "time"}
+WIDEST = 1024  # bits of a vector
+MOST_LINES = 1 << 18  # bits declared
+LONGEST = 1 << 20  # bytes of a line
+
+
+class Line:
+    """The states of one scalar or one bit of a vector."""
+
+    def __init__(self) -> None:
+        self.at = array("q")
+        self.states = bytearray()
+        self.put_at = self.at.append
+        self.put_state = self.states.append
+
+    def positions(self) -> Positions:
+        return np.frombuffer(self.at, np.int64) if self.at else np.empty(0, np.int64)
+
+
+def recognises(path: Path, head: bytes) -> bool:
+    return re.match(rb"\s*\$(date|version|timescale|comment|scope|var)\b", head) is not None
+
+
+def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
+    """The capture in ticks of the file's timescale, or in samples where `rate` is given. BadCapture names the line."""
+    with path.open("rb") as file:
+        lines = iter(partial(file.readline, LONGEST), b"")
+        return _Reader(path, lines, salvage).read(rate)
+
+
+class _Reader:
+    def __init__(self, path: Path, lines: Iterator[bytes], salvage: bool) -> None:
+        self._path = path
+        self._numbered = enumerate(lines, 1)
+        self._salvage = salvage
+        self._notes: tuple[str, ...] = ()
+        self._words: list[bytes] = []  # the rest of the line, backwards
+        self._per_second: Fraction | None = None
+        self._scopes: list[str] = []
+        self._ours = False
+        self._names: list[tuple[str, Line]] = []
+        self._lines: dict[bytes, list[Line]] = {}  # identifier -> its bits, most significant first
+        self._now = 0
+        self._timed = False  # a `#` has come
+        self._moved = False  # a change has come since
+
+    def read(self, rate: Fraction | None) -> Capture:
+        try:
+            self._parse()
+        except BadCapture as error:
+            if not self._salvage or not self._names or not self._timed:
+                raise
+            self._notes = (f"read up to tick {self._now}: {str(error).removeprefix(f'{self._path}, ')}",)
+        if not self._names:
+            self._bad(0, "no one-bit variable", "at least one", "dump the lines of the bus")
+        if not self._timed:
+            self._bad(0, "no time", "changes after a #", "dump a run")
+        return self._capture(rate)
+
+    def _parse(self) -> None:
+        """Most lines are a time or the change of a scalar, one of a few texts: these are done here."""
+        simple: dict[bytes, tuple[Line, int]] = {}  # a whole line -> what it changes to which state
+        now = self._now
+        changes = 0
+        for number, text in self._numbered:
+            change = simple.get(text)
+            if change is not None:
+                line, state = change
+                line.put_at(now)
+                line.put_state(state)
+                self._moved = True
+                changes += 1
+                if changes > MOST_EDGES:
+                    self._too_many(number)
+                continue
+            if text[0] == TIME and self._timed and len(text) < 20:
+                digits = text[1:].rstrip()
+                if digits.isdigit() and (later := int(digits)) > now:
+                    self._now = now = later
+                    self._moved = False
+                    continue
+            if len(text) == LONGEST and not text.endswith(b"\n"):
+                self._bad(number, f"a line of more than {LONGEST} bytes", "shorter ones", "write the dump again")
+            words = text.split()
+            self._words = words[::-1]
+            while self._words:
+                self._word(number, self._words.pop())
+            now = self._now
+            changes += len(words)  # at most
+            if changes > MOST_EDGES:
+                self._too_many(number)
+            if len(words) == 1 and words[0][0] in STATES and len(simple) < MOST_LINES:
+                bits = self._lines.get(words[0][1:], ())
+                if len(bits) == 1:
+                    simple[text] = bits[0], STATES[words[0][0]]
+
+    def _word(self, number: int, word: bytes) -> None:
+        first = word[0]
+        if first == TIME:
+            self._time(number, word)
+        elif first in STATES:  # some writers put a blank before the identifier
+            self._change(number, word[1:] or self._next(number, word), word[:1])
+        elif first in b"bB":
+            self._change(number, self._next(number, word), word[1:])
+        elif first in b"rRsS":
+            self._next(number, word)
+        elif first == COMMAND:
+            self._command(number, _text(word))
+        else:
+            self._bad(number, repr(_text(word)), "a time, a change or a $ command", "write the dump again")
+
+    def _command(self, number: int, word: str) -> None:
+        if word in ("$dumpvars", "$dumpall", "$dumpon", "$dumpoff", "$end"):
+            return
+        body = []
+        while (item := self._next(number, word.encode())) != b"$end":
+            body.append(_text(item))
+        if word == "$timescale":
+            self._timescale(number, "".join(body))
+        elif word == "$version":
+            self._ours = body == [OURS]
+        elif word == "$scope":
+            self._scopes.append(body[-1] if body else "")
+        elif word == "$upscope" and self._scopes:
+            self._scopes.pop()
+        elif word == "$var":
+            self._var(number, body)
+
+    def _timescale(self, number: int, text: str) -> None:
+        match = re.fullmatch(r"(1|10|100)([munpf]?s)", text)
+        if not match:
+            self._bad(number, f"timescale {text!r}", "1, 10 or 100 of s, ms, us, ns, ps or fs", "mend it")
+        else:
+            self._per_second = Fraction(10 ** SECONDS[match[2]], int(match[1]))
+
+    def _var(self, number: int, body: list[str]) -> None:
+        if len(body) < 4 or not re.fullmatch(r"\d{1,4}", body[1]) or int(body[1]) > WIDEST:
+            self._bad(number, f"$var {' '.join(body)}", f"type, width (to {WIDEST}), identifier and name", "mend it")
+        kind, width, code = body[0], int(body[1]), body[2].encode()
+        name = re.sub(r"\s+(\[-?\d+\])$", r"\1", " ".join(body[3:]))
+        if kind in NO_LEVELS or not width:
+            self._lines.setdefault(code, [])
+            return
+        if len(self._names) + width > MOST_LINES:
+            self._bad(number, f"more than {MOST_LINES} bits", "fewer lines", "dump the lines of the bus only")
+        lines = self._lines.setdefault(code, [Line() for _ in range(width)])
+        if len(lines) != width:
+            self._bad(number, f"{width} bits for identifier {body[2]!r}", f"{len(lines)} as before", "mend it")
+        scopes = self._scopes[1:] if self._ours and self._scopes[:1] == [SCOPE] else self._scopes
+        scoped = ".".join([*filter(None, scopes), name])
+        if width == 1:
+            self._names.append((scoped, lines[0]))
+            return
+        match = re.search(r"\s*\[\s*(-?\d{1,9})\s*:\s*(-?\d{1,9})\s*\]$", scoped)
+        msb, lsb = (int(match[1]), int(match[2])) if match else (width - 1, 0)
+        stem = scoped[: match.start()] if match else scoped
+        step = 1 if lsb >= msb else -1
+        self._names.extend((f"{stem}[{msb + step * k}]", line) for k, line in enumerate(lines))
+
+    def _time(self, number: int, word: bytes) -> None:
+        digits = word[1:]
+        now = int(digits) if digits.isdigit() and len(digits) < 20 else -1
+        if not 0 <= now <= MOST_TICKS:
+            found = repr(_text(word))
+            self._bad(number, found, f"# and a number of ticks to {MOST_TICKS}", "write the dump again")
+        if self._timed and now <= self._now:
+            if now < self._now:
+                self._bad(number, f"time {now} after {self._now}", "times that rise", "write the dump again")
+            return
+        if not self._timed or now > self._now:  # values before the first # hold from the start
+            self._timed = True
+            self._now = now
+            self._moved = False
+
+    def _change(self, number: int, code: bytes, value: bytes) -> None:
+        if code not in self._lines:
+            found = f"a change of {_text(code)!r}"
+            self._bad(number, found, "an identifier that a $var declares", "write the dump again")
+        bits = self._lines[code]
+        if not bits:
+            return
+        value = value.lower()
+        value = value.rjust(len(bits), value[:1] if value[:1] in (b"x", b"z") else b"0")
+        if len(value) != len(bits) or any(letter not in STATES for letter in value):
+            found = f"value {_text(value)!r}"
+            self._bad(number, found, f"{len(bits)} of the states 0, 1, x and z", "write the dump again")
+        for line, letter in zip(bits, value, strict=True):
+            line.put_at(self._now)
+            line.put_state(STATES[letter])
+        self._moved = True
+
+    def _next(self, number: int, after: bytes) -> bytes:
+        while not self._words:
+            item = next(self._numbered, None)
+            if item is None:
+                found = f"the end of the file after {_text(after)!r}"
+                self._bad(number, found, "the rest of it", "copy the file again")
+            self._words = item[1].split()[::-1]
+        return self._words.pop()
+
+    def _capture(self, rate: Fraction | None) -> Capture:
+        ticks = self._per_second
+        length = self._now + 1 if self._moved or self._now == 0 else self._now
+        placed = {id(line): line.positions() for _, line in self._names}
+        if rate is not None:
+            moments = np.unique(np.concatenate([np.array([self._now], np.int64), *placed.values()]))
+            samples = self._samples(moments, ticks or rate, rate)
+            placed = {key: samples[np.searchsorted(moments, at)] for key, at in placed.items()}
+            length = int(samples[-1]) + (1 if length > self._now else 0)
+        channels = tuple(
+            channel_of_states(name, index, placed[id(line)], np.frombuffer(line.states, np.uint8), length)
+            for index, (name, line) in enumerate(self._names)
+        )
+        return Capture(self._path, rate or ticks, length, channels, rate is not None, self._notes)
+
+    def _samples(self, moments: Positions, ticks: Fraction, rate: Fraction) -> Positions:
+        try:
+            return quantized(moments, ticks, rate)
+        except OffGrid as off:
+            found = f"a change at #{moments[off.which]}"
+            raise BadCapture(
+                self._path, "its times", found, f"times on the grid of {rate} Hz", "state the right rate or none"
+            ) from off
+
+    def _too_many(self, number: int) -> NoReturn:
+        self._bad(number, f"more than {MOST_EDGES} changes", "a shorter run", "dump fewer lines")
+
+    def _bad(self, number: int, found: str, expected: str, way_out: str) -> NoReturn:
+        raise BadCapture(self._path, f"line {number}" if number else "the file", found, expected, way_out)
+
+
+def _text(word: bytes) -> str:
+    return word.decode(errors="replace")

@@ -1,0 +1,60 @@
+"""WaveDrom's JSON, for a picture in a document: a short window goes in, a line of bricks a channel comes out.
+
+    SCL  11100111...     one brick is the greatest step of which all edges are a multiple
+
+Written only. Bricks are all equally long, so the picture is true to scale; a window that needs too many is refused.
+Source: the WaveDrom schema (github.com/wavedrom/schema), waves `0`, `1`, `x` and `.` for "as before".
+"""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+from math import gcd
+from pathlib import Path
+
+from ..capture.capture import BadCapture, Capture
+from ..capture.changes import changes
+
+NAME = "WaveDrom (.wavedrom.json)"
+SUFFIXES = (".wavedrom.json",)
+
+MOST_EDGES = 1000
+MOST_BRICKS = 4000
+LETTERS = "01x"
+
+
+def write(capture: Capture, path: Path) -> None:
+    """The picture's source. BadCapture where the window is too long to be looked at."""
+    edges = sum(len(channel.edges) for channel in capture.channels)
+    if edges > MOST_EDGES:
+        _refuse(capture, f"{edges} edges", f"at most {MOST_EDGES}")
+    count = len(capture.channels)
+    at, which, states = (column.tolist() for column in changes(capture))
+    brick = gcd(*at, capture.length) or 1
+    bricks = capture.length // brick
+    if bricks > MOST_BRICKS:
+        brick = gcd(*at) or capture.length  # the window's end need not fall on a brick
+        bricks = -(-capture.length // brick)
+    if bricks > MOST_BRICKS:
+        _refuse(capture, f"{bricks} bricks of {brick} positions", f"at most {MOST_BRICKS}")
+    waves = [["."] * bricks for _ in range(count)]
+    for position, line, state in zip(at, which, states, strict=True):
+        waves[line][position // brick] = LETTERS[state]
+    lanes = [{"name": c.name, "wave": "".join(wave)} for c, wave in zip(capture.channels, waves, strict=True)]
+    long = "" if capture.rate is None else f", {_time(brick / capture.rate)} each"
+    foot = {"text": f"{bricks} bricks{long}"}
+    picture = {"signal": lanes, "config": {"skin": "narrowerer"}, "foot": foot}
+    path.write_text(json.dumps(picture, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+
+
+def _refuse(capture: Capture, found: str, expected: str) -> None:
+    raise BadCapture(capture.path, "the window", found, expected, "state a shorter one, as --window '100 us..150 us'")
+
+
+def _time(length: Fraction) -> str:
+    """For people: `250 ns`, `8.333 us`."""
+    for unit, size in (("s", 1), ("ms", 10**3), ("us", 10**6)):
+        if length * size >= 1:
+            return f"{float(length * size):.6g} {unit}"
+    return f"{float(length * 10**9):.6g} ns"

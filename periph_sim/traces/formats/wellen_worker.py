@@ -1,0 +1,121 @@
+"""The work of a process of its own: a waveform file goes in, the states of its lines come out on standard output.
+
+    python -m periph_sim.traces.formats.wellen_worker FILE --> head (JSON), then arrays: positions, states, a line each
+
+A damaged file can make the reader ask for any memory and abort, which nobody can catch; so it may not happen in the
+process of the user. Only this file knows the library.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import sys
+from array import array
+from collections.abc import Iterator
+from typing import IO, Any
+
+import numpy as np
+
+MEMORY = 4 << 30  # bytes of address space
+SECONDS = 300  # of processor time
+WIDEST = 1024  # bits of a vector
+MOST_LINES = 1 << 18
+FEW = 32
+NO_LINES = {"Parameter", "Event", "Time"}
+
+
+def limited() -> None:
+    """Memory and time end here, where the system can say so."""
+    try:
+        import resource
+    except ImportError:  # not a POSIX system: the process is still one of its own
+        return
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+
+def alone() -> IO[bytes]:
+    """The output, to which from now on nobody but us writes: what the library prints goes where errors go."""
+    out = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)
+    return out
+
+
+def main(path: str) -> None:
+    import pywellen
+
+    limited()
+    out = alone()
+    wave = pywellen.Waveform(path, multi_threaded=False, remove_scopes_with_empty_name=True)
+    named: list[tuple[str, int, int]] = []  # name, width, place of its signal
+    places: dict[str, int] = {}
+    variables: list[Any] = []  # one of each signal
+    for variable in wave.all_vars():
+        width = variable.bitwidth
+        if variable.is_real or variable.is_string or str(variable.var_type) in NO_LINES or not width or width > WIDEST:
+            continue
+        key = str(variable.signal_id)
+        if key not in places:
+            places[key] = len(variables)
+            variables.append(variable)
+        named.append((variable.full_name, width, places[key]))
+    lines = sum(width for _, width, _ in named)
+    if lines > MOST_LINES:
+        raise ValueError(f"{lines} lines are more than {MOST_LINES}")
+    timescale = wave.timescale
+    head = {
+        "format": str(wave.file_format),
+        "factor": timescale.factor if timescale else None,
+        "exponent": timescale.unit.to_exponent() if timescale else None,
+        "variables": named,
+        "signals": len(variables),
+    }
+    out.write(json.dumps(head).encode() + b"\n")
+    for changes in collected(wave, places, variables):
+        at = np.frombuffer(changes.at, np.uint64)
+        for values in (at, np.frombuffer(changes.letters, np.uint8).reshape(len(at), changes.width)):
+            packed = io.BytesIO()  # numpy asks a file for its position, which a pipe has not
+            np.lib.format.write_array(packed, values, allow_pickle=False)
+            out.write(packed.getbuffer())
+    out.close()
+
+
+class Changes:
+    """Of one signal: times, and the state of each bit as a letter, most significant first."""
+
+    def __init__(self, width: int) -> None:
+        self.width = width
+        self.at = array("Q")
+        self.letters = bytearray()
+
+    def add(self, time: int, value: int | str) -> None:
+        text = format(value, f"0{self.width}b") if isinstance(value, int) else value
+        self.at.append(time)
+        self.letters += text.rjust(self.width, "0").encode("ascii", "replace")[-self.width :]
+
+
+def collected(wave: Any, places: dict[str, int], variables: list[Any]) -> Iterator[Changes]:
+    """The changes of each signal. Reading one goes through all of an FST, so many are read in one go."""
+    if len(variables) <= FEW or str(wave.file_format) != "FST":
+        for variable in variables:
+            changes = Changes(variable.bitwidth)
+            for time, value in variable.signal:
+                changes.add(time, value)
+            yield changes
+        return
+    all_of = [Changes(variable.bitwidth) for variable in variables]
+
+    def change(time: int, signal: Any, value: Any) -> None:
+        place = places.get(str(signal))
+        if place is not None:
+            all_of[place].add(time, value)
+
+    wave.stream_changes(change, None)
+    yield from all_of
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

@@ -1,0 +1,257 @@
+"""Zip archives for the session formats: a path goes in, members come out in blocks that fit a processor's cache.
+
+    central directory | with salvage also: local headers, forward --> Archive.members --> blocks of unpacked bytes
+
+Each block is checked as it goes: sizes, CRC-32, end of the deflate stream. What does not fit is `Damage`,
+and the caller decides between a refusal and reading up to there.
+
+Source: APPNOTE 6.3 (PKWARE), sections 4.3 and 4.5.
+"""
+
+from __future__ import annotations
+
+import struct
+import zipfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Self, cast
+
+from zlib_ng import zlib_ng
+
+from ..capture.capture import BadCapture
+from ..capture.size_limits import MOST_DIRECTORY, MOST_METADATA
+
+STORED, DEFLATED = 0, 8
+ENCRYPTED, SIZES_BEHIND = 1 << 0, 1 << 3  # flag bits of a header
+LOCAL = struct.Struct("<4s5H3I2H")
+LOCAL_MARK, BEHIND_MARK, END_MARK = b"PK\3\4", b"PK\7\x08", b"PK\5\6"
+END_REACH = 22 + 65535  # the end record and the longest comment behind it
+ZIP64 = 1  # tag of the extra field with 64-bit sizes
+PIECE = 1 << 16  # packed bytes read at once
+BrokenStream = cast(type[Exception], zlib_ng.error)  # its stub calls the class an instance
+BROKEN = (zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError, OSError, ValueError, struct.error)
+
+
+class Damage(ValueError):
+    """Where a member stops being sound. `cut`: the file ends there, and what came before it is right."""
+
+    def __init__(self, member: str, found: str, cut: bool = False) -> None:
+        super().__init__(f"{member}: {found}")
+        self.member = member
+        self.found = found
+        self.cut = cut
+
+
+@dataclass(frozen=True)
+class Member:
+    """One packed file. `size` and `crc` are None where a cut archive does not say them."""
+
+    name: str
+    at: int  # of its data, from the beginning of the archive
+    packed: int
+    method: int
+    size: int | None
+    crc: int | None
+
+
+class Archive:
+    """The members of a zip by name; `notes` says what salvaging found. BadCapture if it is no zip.
+
+    what: the kind of file, for messages. A context manager.
+    """
+
+    def __init__(self, path: Path, what: str, salvage: bool = False) -> None:
+        self.path = path
+        self.what = what
+        self.notes: list[str] = []
+        try:
+            self._file = path.open("rb")
+        except OSError as error:
+            raise BadCapture(path, "the file", (error.strerror or "an error").lower(), what, "check its name") from None
+        try:
+            self.members = self._members(salvage)
+        except BaseException:
+            self._file.close()
+            raise
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self._file.close()
+
+    def text(self, name: str) -> str:
+        """A whole member as text, with marks where it is not UTF-8. BadCapture if it is missing, large or damaged."""
+        if name not in self.members:
+            raise BadCapture(self.path, "the archive", f"no member {name!r}", f"a {self.what}", "save it again")
+        size = self.members[name].size
+        if size is None or size > MOST_METADATA:
+            found = f"{size} bytes" if size else "a member that was cut"
+            raise BadCapture(self.path, name, found, f"at most {MOST_METADATA}", "save it again")
+        try:
+            return b"".join(self.blocks(name, MOST_METADATA)).decode("utf-8", "replace")
+        except Damage as damage:
+            raise BadCapture(self.path, name, damage.found, f"a whole {self.what}", "copy or save it again") from None
+
+    def blocks(self, name: str, most: int) -> Iterator[bytes]:
+        """The unpacked bytes of a member, at most `most` at a time. Damage where they stop being sound."""
+        member = self.members[name]
+        total = crc = 0
+        for block in self._unpacked(member, most):
+            total += len(block)
+            if member.size is not None and total > member.size:
+                raise Damage(name, f"more than the {member.size} bytes it states")
+            crc = zlib_ng.crc32(block, crc)
+            yield block
+        if member.size is not None and total != member.size:
+            raise Damage(name, f"{total} bytes instead of {member.size}", cut=self._ends_at(member))
+        if member.crc is not None and crc != member.crc:
+            raise Damage(name, "bytes that do not fit their CRC-32")
+
+    def _unpacked(self, member: Member, most: int) -> Iterator[bytes]:
+        if member.method == STORED:
+            yield from self._packed(member, most)
+            return
+        inflate = zlib_ng.decompressobj(-15)
+        for piece in self._packed(member, PIECE):
+            while piece and not inflate.eof:
+                try:
+                    block = inflate.decompress(piece, most)
+                except BrokenStream:
+                    raise Damage(member.name, "a broken deflate stream") from None
+                piece = inflate.unconsumed_tail
+                if block:
+                    yield block
+        while not inflate.eof and (block := inflate.decompress(b"", most)):
+            yield block
+        if not inflate.eof:
+            raise Damage(member.name, "a deflate stream without an end", cut=self._ends_at(member))
+
+    def _packed(self, member: Member, most: int) -> Iterator[bytes]:
+        left = member.packed
+        self._file.seek(member.at)
+        while left and (piece := self._file.read(min(left, most))):
+            left -= len(piece)
+            yield piece
+
+    def _ends_at(self, member: Member) -> bool:
+        """Whether the archive ends within this member."""
+        return member.at + member.packed >= self._file.seek(0, 2)
+
+    # Where the members are ---------------------------------------------------------
+
+    def _members(self, salvage: bool) -> dict[str, Member]:
+        try:
+            self._check_directory()
+            with zipfile.ZipFile(self._file) as directory:
+                return {info.filename: self._listed(info) for info in directory.infolist()}
+        except BROKEN as error:
+            found = f"a broken zip ({str(error) or type(error).__name__})"
+            if salvage and self._starts_as_zip():
+                self.notes.append(f"the archive is {found}: its members were looked for one by one")
+                return self._met()
+            way_out = "copy or save it again"
+            if self._starts_as_zip():
+                way_out += ", or read what is whole with --salvage"
+            raise BadCapture(self.path, "the archive", found, f"a whole {self.what}", way_out) from None
+
+    def _check_directory(self) -> None:
+        """Refuses a directory whose entries alone would fill the memory."""
+        end = self._file.seek(0, 2)
+        self._file.seek(max(0, end - END_REACH))
+        tail = self._file.read()
+        place = tail.rfind(END_MARK)
+        if 0 <= place <= len(tail) - 16:
+            (size,) = struct.unpack_from("<I", tail, place + 12)
+            if size > MOST_DIRECTORY:
+                raise zipfile.BadZipFile(f"a directory of {size} bytes, expected at most {MOST_DIRECTORY}")
+
+    def _starts_as_zip(self) -> bool:
+        self._file.seek(0)
+        return self._file.read(4) == LOCAL_MARK
+
+    def _listed(self, info: zipfile.ZipInfo) -> Member:
+        """A member of the directory; its local header says where the data begin."""
+        self._file.seek(info.header_offset)
+        head = self._file.read(LOCAL.size)
+        if len(head) < LOCAL.size or head[:4] != LOCAL_MARK:
+            raise zipfile.BadZipFile(f"no member at byte {info.header_offset}")
+        *_, name, extra = LOCAL.unpack(head)
+        self._check_kind(info.filename, info.flag_bits, info.compress_type)
+        at = info.header_offset + LOCAL.size + name + extra
+        return Member(info.filename, at, info.compress_size, info.compress_type, info.file_size, info.CRC)
+
+    def _check_kind(self, name: str, flags: int, method: int) -> None:
+        if flags & ENCRYPTED:
+            raise zipfile.BadZipFile(f"member {name!r} is encrypted")
+        if method not in (STORED, DEFLATED):
+            raise zipfile.BadZipFile(f"member {name!r} is packed by method {method}, not by deflate")
+
+    def _met(self) -> dict[str, Member]:
+        """The members met from the front, up to the first that cannot be followed."""
+        end = self._file.seek(0, 2)
+        found: dict[str, Member] = {}
+        at = 0
+        while at + LOCAL.size <= end:
+            self._file.seek(at)
+            head = self._file.read(LOCAL.size)
+            mark, _, flags, method, _, _, crc, packed, size, name_size, extra_size = LOCAL.unpack(head)
+            behind = self._file.read(name_size + extra_size)
+            if mark != LOCAL_MARK or len(behind) < name_size + extra_size:
+                break
+            name, extra = behind[:name_size].decode("utf-8", "replace"), behind[name_size:]
+            try:
+                self._check_kind(name, flags, method)
+            except zipfile.BadZipFile:
+                break
+            at += LOCAL.size + name_size + extra_size
+            if flags & SIZES_BEHIND and method == DEFLATED:
+                member, at = self._measured(name, at, end)
+            else:
+                size, packed = _wide(extra, size, packed)
+                member = Member(name, at, min(packed, end - at), method, size, crc)
+                at += packed
+            found.setdefault(name, member)
+        return found
+
+    def _measured(self, name: str, at: int, end: int) -> tuple[Member, int]:
+        """(a member whose sizes stand behind its data, the place of the next): unpacked once to find its end."""
+        inflate = zlib_ng.decompressobj(-15)
+        self._file.seek(at)
+        packed = size = 0
+        while not inflate.eof and (piece := inflate.unconsumed_tail or self._file.read(PIECE)):
+            if not inflate.unconsumed_tail:
+                packed += len(piece)
+            try:
+                size += len(inflate.decompress(piece, PIECE))
+            except BrokenStream:
+                return Member(name, at, end - at, DEFLATED, None, None), end
+        if not inflate.eof:
+            return Member(name, at, end - at, DEFLATED, None, None), end
+        packed -= len(inflate.unused_data)
+        self._file.seek(at + packed)
+        behind = self._file.read(24)
+        if behind.startswith(BEHIND_MARK):
+            behind = behind[4:]
+            extra = 4
+        else:
+            extra = 0
+        crc = struct.unpack("<I", behind[:4])[0] if len(behind) >= 4 else None
+        narrow = at + packed + extra + 12
+        self._file.seek(narrow)
+        follows = self._file.read(4)
+        following = narrow if follows.startswith(b"PK") or not follows else narrow + 8  # else 64-bit sizes
+        return Member(name, at, packed, DEFLATED, size, crc), following
+
+
+def _wide(extra: bytes, size: int, packed: int) -> tuple[int, int]:
+    """Sizes from the extra field where the header's 32 bits do not hold them."""
+    place = 0
+    while place + 4 <= len(extra):
+        tag, length = struct.unpack_from("<HH", extra, place)
+        if tag == ZIP64 and size == packed == 0xFFFFFFFF and length >= 16 and place + 20 <= len(extra):
+            size, packed = struct.unpack_from("<QQ", extra, place + 4)
+        place += 4 + length
+    return size, packed

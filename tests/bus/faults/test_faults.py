@@ -1,0 +1,139 @@
+"""Fault agents on bare wires, as timing diagrams: a column is 10 ns."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from fractions import Fraction
+from functools import partial
+from random import Random
+
+import pytest
+from pydantic import TypeAdapter, ValidationError
+
+from periph_sim.bus.faults import Place, kinds
+from periph_sim.bus.faults.when import When
+from periph_sim.core.kernel import Kernel
+from periph_sim.core.records import Recorder
+from periph_sim.core.wire import Wire
+from tests.waves import play, tidy
+
+COLUMN = 10  # ticks, which are ns
+
+
+class Desk:
+    """Rows of a diagram: SCL, SDA, dsp.XRS as they are; scl, sda what a partner does."""
+
+    def __init__(self, kind: str, seed: int = 0, **settings: object) -> None:
+        self.kernel = Kernel()
+        self.wires = {name: Wire(self.kernel, name, Recorder()) for name in ("SCL", "SDA", "dsp.XRS")}
+        self.partner = {name.lower(): wire.attach("partner") for name, wire in self.wires.items()}
+        place = Place(self.kernel, "fault 0", self.wires.__getitem__, self._ticks, 0, Random(seed))
+        kinds()[kind].attach(TypeAdapter(kinds()[kind].Settings).validate_python(settings), place)
+
+    def _ticks(self, seconds: Fraction) -> int:
+        return int(seconds * 10**9)
+
+    def drive(self, now: int, signal: str, level: int) -> None:
+        self.kernel.at(now, partial(self.partner[signal].drive, level))
+
+    def run_until(self, time: int) -> None:
+        self.kernel.run_until(time)
+
+    def show(self, signal: str) -> int:
+        return self.wires[signal].level
+
+    def falls(self, signal: str, until: int) -> list[int]:
+        found: list[int] = []
+        self.wires[signal].watch(lambda tick, level: None if level else found.append(tick))
+        self.run_until(until)
+        return found
+
+
+def test_a_spike_is_a_short_low_and_leaves_the_other_line_alone():
+    diagram = """
+    < SCL  1..0.1....
+    < SDA  1.........
+    """
+    assert play(diagram, Desk("spike", wire="SCL", at="30 ns", width="20 ns"), COLUMN) == tidy(diagram)
+
+
+def test_a_spike_on_a_low_line_shows_only_where_it_outlasts_it():
+    diagram = """
+    > scl  1.0..1....
+    < SCL  1.0...1...
+    """
+    assert play(diagram, Desk("spike", wire="SCL", at="40 ns", width="20 ns"), COLUMN) == tidy(diagram)
+
+
+def test_a_line_is_held_for_a_length():
+    diagram = """
+    > sda  1....0...1
+    < SDA  1.0......1
+    """
+    assert play(diagram, Desk("hold", wire="SDA", at="20 ns", length="60 ns"), COLUMN) == tidy(diagram)
+
+
+def test_a_line_is_held_until_scl_has_fallen_so_often():
+    diagram = """
+    > scl  10101.010101010
+    < SDA  1...0...1......
+    """
+    assert play(diagram, Desk("hold", wire="SDA", at="40 ns", clocks=2), COLUMN) == tidy(diagram)
+
+
+def test_a_held_line_names_who_holds_it():
+    desk = Desk("hold", wire="SDA", at="20 ns", length="60 ns")
+    desk.run_until(50)
+    assert desk.wires["SDA"].held_by() == ["fault 0"]
+
+
+def test_a_reset_pulls_the_units_pin():
+    diagram = """
+    < dsp.XRS  1.0...1...
+    < SDA      1.........
+    """
+    assert play(diagram, Desk("reset", unit="dsp", at="20 ns", length="40 ns"), COLUMN) == tidy(diagram)
+
+
+def test_faults_come_again_and_again_a_little_late_by_chance():
+    settings = {"wire": "SDA", "at": "1 us", "every": "500 ns", "spread": "200 ns", "times": 20, "width": "10 ns"}
+    falls = Desk("spike", seed=4, **settings).falls("SDA", 10**6)
+    late = [fall - 1000 - 500 * number for number, fall in enumerate(falls)]
+    assert len(falls) == 20 and len(set(late)) > 10 and all(0 <= tick <= 200 for tick in late)
+    assert falls == Desk("spike", seed=4, **settings).falls("SDA", 10**6)
+    assert falls != Desk("spike", seed=5, **settings).falls("SDA", 10**6)
+
+
+def test_without_every_a_fault_comes_once_and_without_times_for_ever():
+    once = {"wire": "SDA", "at": "0 ns", "width": "10 ns"}
+    assert Desk("spike", **once).falls("SDA", 10**6) == [0]
+    assert len(Desk("spike", **once, every="100 ns").falls("SDA", 10**6)) == 10**4 + 1
+
+
+@pytest.mark.parametrize(
+    ("kind", "settings", "sentence"),
+    [
+        ("spike", {"at": "1 us", "wire": "SCL", "width": "0 s"}, "it must be longer than 0"),
+        ("spike", {"at": 3, "wire": "SCL", "width": "1 us"}, '3 has no unit; write for instance "3 ms"'),
+        ("spike", {"at": "-1 us", "wire": "SCL", "width": "1 us"}, "it is negative; a time is 0 or more"),
+        ("spike", {"at": "1 us", "times": 3, "wire": "SCL", "width": "1 us"}, "times belongs to every"),
+        (
+            "spike",
+            {"at": "1 us", "every": "1 us", "spread": "2 us", "wire": "SCL", "width": "1 us"},
+            "spread is longer than every, so one would come before the last; shorten it",
+        ),
+        ("hold", {"at": "1 us", "wire": "SDA"}, "either for a length or for so many clocks; give one of them"),
+        ("hold", {"at": "1 us", "wire": "SDA", "length": "1 us", "clocks": 9}, "give one of them"),
+        ("hold", {"at": "1 us", "wire": "SDA", "clocks": 0}, "greater than or equal to 1"),
+    ],
+)
+def test_settings_that_cannot_be_are_refused(kind: str, settings: dict[str, object], sentence: str):
+    with pytest.raises(ValidationError) as caught:
+        Desk(kind, **settings)
+    assert sentence in str(caught.value)
+
+
+@pytest.mark.parametrize("name", kinds())
+def test_every_kind_says_when_it_happens(name: str):
+    assert issubclass(kinds()[name].Settings, When)
+    assert {"at", "every", "spread", "times"} <= {f.name for f in fields(kinds()[name].Settings)}

@@ -1,0 +1,286 @@
+"""The controller's edges on bare wires, drawn. One column is 10 ticks; a bit is 2 columns low, 2 high.
+
+`sda` and `scl` are what the partner does, SCL and SDA what the lines then show.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+from periph_sim.bus.i2c.controller import Phase
+from tests.bus.i2c_rig import TIMING, UNIT, I2cRig
+from tests.waves import play, tidy
+
+
+def drawn(rig: I2cRig, diagram: str) -> None:
+    assert play(diagram, rig, UNIT) == tidy(diagram)
+
+
+def test_address_0x53_to_write_and_a_byte_0x5a_both_acknowledged():
+    rig = I2cRig()
+    transfer = rig.begin(Phase(0x53, read=False, data=b"\x5a"))
+    drawn(
+        rig,
+        """
+        > sda 1 .... .... .... .... .... .... .... .... 0... 1... .... .... .... .... .... .... .... 0... 1... .
+        < SCL 1 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. .
+        < SDA 0 .1.. .0.. .1.. .0.. .... .1.. .... .0.. .... 10.. .1.. .0.. .1.. .... .0.. .1.. .0.. .... 10.1 .
+        """,
+    )
+    phase = transfer.phases[0]
+    assert transfer.acked and phase.acks == [True] and transfer.wire_bytes == 2
+    assert (phase.start_at, phase.answer_from, phase.answer_at) == (0, 37 * UNIT, 39 * UNIT)
+    assert rig.over == [transfer] and transfer.stop_at == 76 * UNIT
+
+
+def test_a_byte_0xaa_is_read_and_the_last_one_not_acknowledged():
+    rig = I2cRig()
+    transfer = rig.begin(Phase(0x53, read=True, count=1))
+    drawn(
+        rig,
+        """
+        > sda 1 .... .... .... .... .... .... .... .... 0... 1... 0... 1... 0... 1... 0... 1... 0... 1... .... .
+        < SCL 1 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. .
+        < SDA 0 .1.. .0.. .1.. .0.. .... .1.. .... .... 0... 1... 0... 1... 0... 1... 0... 1... 0... 1... .0.1 .
+        """,
+    )
+    assert transfer.phases[0].got == b"\xaa" and transfer.phases[0].acks == [False]
+
+
+def test_two_bytes_are_read_and_the_first_is_acknowledged_by_the_controller():
+    rig = I2cRig()
+    transfer = rig.begin(Phase(0x53, read=True, count=2))
+    rig.pull(33 * UNIT + 1, "sda", 0)
+    rig.pull(37 * UNIT + 1, "sda", 1)
+    rig.run_until(120 * UNIT)
+    assert transfer.phases[0].got == b"\xff\xff" and transfer.phases[0].acks == [True, False]
+    assert (70 * UNIT, "SDA", 0) in rig.edges and (74 * UNIT, "SDA", 1) in rig.edges  # the ACK, a hold after SCL's fall
+
+
+def test_an_address_that_nobody_acknowledges_ends_with_a_stop():
+    rig = I2cRig()
+    transfer = rig.begin(Phase(0x53, read=False, data=b"\x01\x02"))
+    drawn(
+        rig,
+        """
+        < SCL 1 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. .
+        < SDA 0 .1.. .0.. .1.. .0.. .... .1.. .... .0.. .1.. .0.1 .
+        """,
+    )
+    assert not transfer.acked and transfer.wire_bytes == 1
+
+
+def test_a_repeated_start_changes_direction_without_a_stop():
+    rig = I2cRig()
+    transfer = rig.begin(Phase(0x53, read=False), Phase(0x53, read=True))
+    drawn(
+        rig,
+        """
+        > sda 1 .... .... .... .... .... .... .... .... 0... 1... .... .... .... .... .... .... .... .... .... ....
+        < SCL 1 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1.
+        < SDA 0 .1.. .0.. .1.. .0.. .... .1.. .... .0.. .... 1..0 .1.. .0.. .1.. .0.. .... .1.. .... .... .... .0.1
+        """,
+    )
+    assert transfer.phases[1].start_at == 40 * UNIT
+    assert [phase.acked for phase in transfer.phases] == [True, False]
+
+
+def test_no_second_phase_follows_an_address_that_was_not_acknowledged():
+    rig = I2cRig()
+    transfer = rig.begin(Phase(0x53, read=False), Phase(0x53, read=True, count=1))
+    rig.run_until(200 * UNIT)
+    assert transfer.stop_at == 40 * UNIT
+    assert transfer.phases[1].start_at < 0 and transfer.wire_bytes == 1
+
+
+@pytest.mark.parametrize(("gives_up", "phases"), [(True, 1), (False, 2)])
+def test_after_a_refused_byte_it_gives_up_or_goes_on_with_the_next_phase(gives_up: bool, phases: int):
+    rig = I2cRig(gives_up=gives_up)
+    transfer = rig.begin(Phase(0x53, read=False, data=b"\x01\x02"), Phase(0x53, read=True, count=1))
+    rig.pull(33 * UNIT, "sda", 0)  # acknowledges the address, and nothing else
+    rig.pull(37 * UNIT, "sda", 1)
+    rig.run_until(400 * UNIT)
+    assert transfer.phases[0].acked and transfer.phases[0].acks == [False]
+    assert sum(phase.start_at >= 0 for phase in transfer.phases) == phases
+    refused = [("byte", 0x01 << 1 | 1), ("NACK", 1)]
+    assert [mark for mark in rig.marks if mark[0] in ("byte", "NACK")][:2] == refused
+    assert rig.marks.count(("NACK", 0)) == (not gives_up)  # the address to read
+
+
+def test_the_byte_that_a_reader_refuses_itself_is_no_nack_of_the_target():
+    rig = I2cRig()
+    rig.begin(Phase(0x53, read=True, count=1))
+    rig.pull(33 * UNIT, "sda", 0)
+    rig.pull(37 * UNIT, "sda", 1)
+    rig.run_until(400 * UNIT)
+    assert [what for what, _ in rig.marks] == ["START", "address", "byte", "STOP"]
+
+
+def test_scl_held_low_by_the_partner_is_waited_for_and_measured():
+    rig = I2cRig()
+    transfer = rig.begin(Phase(0x53, read=False))
+    drawn(
+        rig,
+        """
+        > scl 1 .... .... .... .... .... .... .... .... .0.....1.. .... ..
+        > sda 1 .... .... .... .... .... .... .... .... 0......... .1.. ..
+        < SCL 1 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0......1.0 .1.. ..
+        < SDA 0 .1.. .0.. .1.. .0.. .... .1.. .... .0.. .......... ..1. ..
+        """,
+    )
+    assert transfer.phases[0].stretch == 5 * UNIT
+    assert transfer.acked and transfer.stop_at == 45 * UNIT
+
+
+def test_a_partner_that_lets_go_at_the_very_tick_stretches_by_nothing():
+    rig = I2cRig()
+    transfer = rig.begin(Phase(0x53, read=False))
+    rig.pull(2 * UNIT, "scl", 0)
+    rig.pull(3 * UNIT, "scl", 1)  # asked first, done first: before the controller lets go
+    rig.run_until(60 * UNIT)
+    assert transfer.phases[0].stretch == 0
+    assert transfer.stop_at == 40 * UNIT
+
+
+def test_a_low_bus_while_a_one_is_sent_loses_arbitration_and_lets_go():
+    rig = I2cRig()
+    transfer = rig.begin(Phase(0x7F, read=True, count=1))
+    drawn(
+        rig,
+        """
+        > sda 1 .... .0.. .... .... .
+        < SCL 1 0.1. 0.1. .... .... .
+        < SDA 0 .1.. .0.. .... .... .
+        """,
+    )
+    assert transfer.lost and not transfer.acked and rig.over == [transfer]
+    assert rig.wires["SDA"].held_by() == ["partner"] and rig.wires["SCL"].held_by() == []
+
+
+def test_a_low_bus_while_a_zero_is_sent_loses_nothing():
+    rig = I2cRig()
+    transfer = rig.begin(Phase(0x00, read=False))
+    rig.pull(3 * UNIT, "sda", 0)
+    rig.run_until(60 * UNIT)
+    assert not transfer.lost and transfer.acked  # whoever holds SDA low acknowledges, too
+
+
+def test_the_next_start_keeps_the_bus_free_time_and_the_last_stop():
+    rig = I2cRig()
+    first = rig.begin(Phase(0x53, read=False))
+    rig.run_until(first.stop_at if first.stop_at >= 0 else 40 * UNIT)
+    second = rig.begin(Phase(0x53, read=False))
+    rig.run_until(100 * UNIT)
+    assert second.phases[0].start_at - first.stop_at == TIMING.free
+
+
+def test_another_controllers_transfer_is_waited_for_even_while_both_its_lines_are_high():
+    rig = I2cRig()
+    rig.pull(0, "sda", 0)  # START
+    rig.pull(5, "scl", 0)
+    rig.pull(8, "sda", 1)
+    rig.pull(12, "scl", 1)  # a long one-bit: both lines high, but the bus is not free
+    rig.pull(400, "scl", 0)
+    rig.pull(410, "sda", 0)
+    rig.pull(420, "scl", 1)
+    rig.pull(430, "sda", 1)  # STOP
+    rig.run_until(50)
+    transfer = rig.begin(Phase(0x53, read=False))
+    rig.run_until(1000)
+    assert transfer.phases[0].start_at == 430 + TIMING.free
+
+
+def test_one_transfer_at_a_time():
+    rig = I2cRig()
+    rig.begin(Phase(0x53, read=False))
+    with pytest.raises(ValueError, match="controller: asked for transfer 'test' while 'test' runs"):
+        rig.begin(Phase(0x53, read=False))
+
+
+def test_scl_held_low_too_long_is_reported_once_with_who_holds_it():
+    rig = I2cRig(stuck_after=50 * UNIT)
+    rig.begin(Phase(0x53, read=False))
+    rig.pull(6 * UNIT, "scl", 0)
+    rig.run_until(1000 * UNIT)
+    assert rig.stuck == [(57 * UNIT, "SCL", ["partner"])]
+
+
+def test_sda_held_low_before_a_start_is_reported_with_who_holds_it():
+    rig = I2cRig(stuck_after=50 * UNIT)
+    rig.partner["sda"].drive(0)
+    rig.begin(Phase(0x53, read=False))
+    rig.run_until(60 * UNIT)
+    assert rig.stuck == [(50 * UNIT, "SDA", ["partner"])]
+
+
+def test_a_bus_that_is_merely_used_by_another_controller_is_not_stuck():
+    rig = I2cRig(stuck_after=50 * UNIT)
+    rig.pull(0, "sda", 0)
+    for i in range(40):
+        rig.pull(UNIT + 2 * i * UNIT, "scl", 0)
+        rig.pull(2 * UNIT + 2 * i * UNIT, "scl", 1)
+    rig.pull(85 * UNIT, "sda", 1)
+    rig.run_until(1)
+    transfer = rig.begin(Phase(0x53, read=False))
+    rig.run_until(300 * UNIT)
+    assert rig.stuck == []
+    assert transfer.phases[0].start_at == 85 * UNIT + TIMING.free
+
+
+def test_a_line_let_go_in_time_is_not_reported():
+    rig = I2cRig(stuck_after=50 * UNIT)
+    transfer = rig.begin(Phase(0x53, read=False))
+    rig.pull(6 * UNIT, "scl", 0)
+    rig.pull(56 * UNIT, "scl", 1)
+    rig.run_until(200 * UNIT)
+    assert rig.stuck == [] and transfer.phases[0].stretch == 49 * UNIT
+
+
+def test_any_first_byte_can_be_sent():
+    rig = I2cRig()
+    rig.begin(Phase(0, read=False, address_byte=0x01))  # the START byte
+    rig.run_until(60 * UNIT)
+    sda = {tick // UNIT: level for tick, name, level in rig.edges if name == "SDA"}
+    assert sda == {0: 0, 30: 1, 38: 0, 40: 1}
+
+
+@pytest.mark.parametrize(
+    ("before", "width", "seen"),
+    [(1, 9, "00"), (8, 9, "00"), (15, 9, "00"), (8, 20, "00"), (10, 20, "80"), (12, 13, "80")],
+)
+def test_a_level_shorter_than_the_filter_is_not_read(before: int, width: int, seen: str):
+    """A byte of zeros; SDA is let go for `width`, `before` the end of the first bit's high phase. The filter is 10."""
+    rig = I2cRig(filter_width=10)
+    transfer = rig.begin(Phase(0x10, read=True, count=1))
+    rig.pull(33 * UNIT, "sda", 0)  # ACK, and eight zeros
+    sampled = 41 * UNIT  # SCL falls behind the first bit
+    rig.pull(sampled - before, "sda", 1)
+    rig.pull(sampled - before + width, "sda", 0)
+    rig.pull(69 * UNIT, "sda", 1)
+    rig.run_until(2000)
+    assert transfer.phases[0].got.hex() == seen
+
+
+def test_spikes_of_an_idle_bus_are_no_start_and_no_stop():
+    """One 20 ticks before a START is due would be a STOP, so that the bus was not free for long enough."""
+    rig = I2cRig(filter_width=10)
+    rig.pull(80, "sda", 0)
+    rig.pull(88, "sda", 1)
+    rig.run_until(100)
+    transfer = rig.begin(Phase(0x10, read=False))
+    rig.run_until(2000)
+    assert transfer.phases[0].start_at == 100
+
+
+def test_a_spike_right_behind_a_stop_does_not_undo_it():
+    """It begins 3 ticks behind the STOP and lasts 4: the bus is free from its end on."""
+    rig = I2cRig(filter_width=10)
+    first = rig.begin(Phase(0x10, read=False))
+    rig.run_until(390)
+    rig.pull(403, "sda", 0)
+    rig.pull(407, "sda", 1)
+    rig.run_until(500)
+    assert first.stop_at == 400
+    second = rig.begin(Phase(0x10, read=False))
+    rig.run_until(2000)
+    assert second.phases[0].start_at == 500

@@ -1,0 +1,81 @@
+"""What a captured target answers, seen by a controller on the same wires."""
+
+from __future__ import annotations
+
+import pytest
+
+from periph_sim.bus.i2c.controller import BusTiming, I2cController, Phase, Transfer
+from periph_sim.bus.i2c.scripted_target import Answer, ScriptedTarget
+from periph_sim.core.kernel import Kernel
+from periph_sim.core.records import Recorder
+from periph_sim.core.wire import Wire
+
+
+def asked(answers: dict[int, list[Answer]], *transfers: list[Phase]) -> list[Transfer]:
+    """The transfers, one after the other, when these answers are on the bus."""
+    kernel, recorder = Kernel(), Recorder()
+    scl, sda = Wire(kernel, "SCL", recorder), Wire(kernel, "SDA", recorder)
+    ScriptedTarget(kernel, scl, sda, answers, hold=30)
+    controller = I2cController(kernel, recorder, scl, sda, BusTiming(100, 100, 20, 100, 100, 100, 200))
+    done: list[Transfer] = []
+    for phases in transfers:
+        controller.begin(Transfer("test", phases), done.append)
+        kernel.run_until(kernel.now + 100_000)
+    assert len(done) == len(transfers) and scl.level == sda.level == 1
+    return done
+
+
+def test_a_read_gets_the_answers_bytes_and_ones_behind_them():
+    (done,) = asked({0x53: [Answer(True, b"\x12\x80")]}, [Phase(0x53, read=True, count=3)])
+    assert done.acked and done.phases[0].got == b"\x12\x80\xff"
+
+
+def test_a_write_is_acknowledged_byte_by_byte_as_the_answer_says():
+    (done,) = asked({0x53: [Answer(True, acks=(True, False))]}, [Phase(0x53, read=False, data=b"\x01\x02")])
+    assert done.acked and done.phases[0].acks == [True, False]
+    (done,) = asked({0x53: [Answer(True)]}, [Phase(0x53, read=False, data=b"\x01\x02")])
+    assert done.phases[0].acks == [True, True]
+
+
+def test_answers_go_in_order_across_transfers_and_repeated_starts():
+    answers = {0x53: [Answer(False), Answer(True), Answer(True, b"\xaa")], 0x68: [Answer(True, b"\x55")]}
+    first, second, third, fourth = asked(
+        answers,
+        [Phase(0x53, read=False, data=b"\x00")],
+        [Phase(0x53, read=False, data=b"\x00"), Phase(0x53, read=True, count=1)],
+        [Phase(0x68, read=True, count=1)],
+        [Phase(0x68, read=True, count=1)],
+    )
+    assert not first.acked
+    assert second.acked and second.phases[1].got == b"\xaa"
+    assert third.phases[0].got == b"\x55"
+    assert not fourth.acked, "no answer is left"
+
+
+def test_an_address_of_nobody_is_left_alone():
+    (done,) = asked({0x53: [Answer(True)]}, [Phase(0x54, read=True, count=1)])
+    assert not done.acked
+
+
+@pytest.mark.parametrize(
+    ("stretches", "where"),
+    [
+        (((-1, 8, 700),), "address ACK"),
+        (((0, 0, 700),), "first bit of the data"),
+        (((0, 8, 700),), "data ACK"),
+        (((1, 3, 700),), "within a byte"),
+    ],
+)
+@pytest.mark.parametrize("read", [True, False])
+def test_it_stretches_where_its_answer_says_so(stretches: tuple, where: str, read: bool):
+    """The controller's low is 100, so of 700 ticks 600 are beyond it."""
+    phase = Phase(0x53, read, data=b"" if read else b"\x01\x02", count=2 if read else 0)
+    (done,) = asked({0x53: [Answer(True, b"\x12\x34", stretches=stretches)]}, [phase])
+    assert done.acked and done.phases[0].stretch == 600
+    assert done.phases[0].got == (b"\x12\x34" if read else b"")
+
+
+def test_a_stretch_belongs_to_one_answer():
+    answers = [Answer(True, stretches=((0, 0, 700),)), Answer(True)]
+    first, second = asked({0x53: answers}, [Phase(0x53, False, b"\x01")], [Phase(0x53, False, b"\x01")])
+    assert (first.phases[0].stretch, second.phases[0].stretch) == (600, 0)

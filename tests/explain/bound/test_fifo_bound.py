@@ -1,0 +1,122 @@
+"""Words in the receive FIFO and when the receiver is ready: against arrivals one by one, and against runs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from periph_sim.explain.bound.compare_with_run import closed_form
+from periph_sim.explain.bound.fifo_bound import Receiver, fifo_bounds
+from periph_sim.explain.bound.terms import Bound, Term
+from tests.explain.bound.cases import imu_hil
+from tests.explain.bound.test_terms import SOURCE
+from tests.scene.runs import run_case
+
+
+def waiting(character: int, level: int, reads: list[int], end: int) -> int:
+    """Most words that wait where they come back to back, the one that asks for service at 0; one read at each tick."""
+    most = words = level
+    for tick in range(1, end + 1):
+        words += tick % character == 0
+        most = max(most, words)
+        words -= min(words, reads.count(tick))
+    return most
+
+
+@given(
+    st.integers(1, 16),
+    st.lists(st.integers(1, 300), min_size=1, max_size=12).map(sorted),
+    st.integers(1, 120),
+    st.integers(0, 50),
+)
+def test_high_water_is_what_words_back_to_back_make_of_it_and_no_less(level, reads, character, rest):
+    """
+    words   L     L+1    L+2          one of `character` ticks after the other
+    routine |latency|  read read read ...
+    """
+    receiver = Receiver(level, tuple(reads), character, 0, False)
+    routine = reads[-1] + rest
+    if not receiver.keeps_up(0, routine):
+        return
+    assert level + receiver.more(0, routine) == waiting(character, level, reads, routine)
+
+
+def held_up(folder: Path, cycles: int) -> str:
+    """The emulator whose service routine computes so long before it reads the first word, as a change of a case."""
+    text = SOURCE.read_text(encoding="utf-8")
+    before = "        self.frame = bytes(sci.SCIRXBUF"
+    assert text.count(before) == 1
+    name = folder / "held_up.py"
+    name.write_text(text.replace(before, f"        self.dsp.compute({cycles})\n{before}"), encoding="utf-8")
+    return f"unit.dsp.firmware={name}"
+
+
+def fifo(*changes: str) -> dict[str, Bound]:
+    return {bound.name: bound for bound in closed_form(imu_hil(*changes)).fifo}
+
+
+def words(bound: Bound) -> tuple[int, ...]:
+    return tuple(term.ticks for term in bound.terms)
+
+
+@pytest.mark.parametrize(
+    ("level", "cycles", "expected"),
+    [(12, 10, (12, 0)), (4, 15_000, (4, 1)), (8, 27_000, (8, 2))],  # 100 us, 180 us; a character takes 87 us
+)
+def test_a_bound_of_the_fifo_is_reached(tmp_path, level: int, cycles: int, expected: tuple[int, int]):
+    changes = (held_up(tmp_path, cycles), f"unit.dsp.settings.fifo_level={level}", "controller.first=50 ms")
+    found = fifo(*changes)
+    assert words(found["FIFO high-water"]) == expected and not found["overruns"].unproven
+    ran = {verdict.name: verdict.worst for verdict in run_case(imu_hil(*changes), "0.006").result.budgets}
+    assert ran["SCI FIFO high-water"] == sum(expected) and ran["SCI overruns"] == 0
+
+
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        (("unit.dsp.settings.fifo_level=13",), "the FIFO asks at 13 words, 12 words are read each time"),
+        (("unit.dsp.settings.fifo_level=1", "unit.dsp.settings.frame_cost=90 us"), "the FIFO asks at 1 words"),
+        (("unit.dsp.options.sci.oe_in_fifo_mode=per_unread_word",), "each word that finds another unread"),
+        (("host.first=0 us",), "part of the first host frame, at 0.000 us, may come before"),
+    ],
+)
+def test_why_overruns_are_not_bounded(changes: tuple[str, ...], reason: str):
+    assert reason in fifo(*changes)["overruns"].unproven
+
+
+def test_words_that_fill_the_fifo_are_none_too_many():
+    receiver = Receiver(14, (*range(200, 320, 10), 330, 340), 100, 0, False)
+    latency = (Term("latency", 0, ""),)
+    high, lost = fifo_bounds(receiver, latency, 350)
+    assert high.ticks == 16 and not lost.unproven
+    high, lost = fifo_bounds(replace(receiver, delay=100), latency, 350)
+    assert high.ticks == 17 and "17 words" in lost.unproven
+
+
+SLOW_START = "unit.dsp.code.between_accesses=15"
+
+
+def test_a_frame_that_comes_before_the_receiver_is_up_leaves_no_bound_of_age():
+    """Part of the first frame is lost, each later one is read out of step, and no read has a frame's values."""
+    early, late = (closed_form(imu_hil(SLOW_START, f"host.first={first} us")).ages[0] for first in (0, 60))
+    assert early.unproven.startswith("part of the first host frame, at 0.000 us, may come before the firmware")
+    assert not late.unproven and late.ticks <= early.ticks
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        ("host.gap=200", "a frame of the host may be due while the one before is still sent"),
+        ("unit.dsp.settings.fifo_level=8", "8 words, which do not make up a frame of 12"),
+        (
+            "unit.dsp.settings.fifo_level=4",
+            "at 4 words, but 12 words are read each time",
+        ),
+    ],
+)
+def test_frames_that_are_left_out_or_served_in_parts_leave_no_bound_of_age(change: str, reason: str):
+    assert reason in closed_form(imu_hil(change)).ages[0].unproven

@@ -1,0 +1,85 @@
+"""What a CPU did when, from episodes drawn by hand."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from periph_sim.explain.chain import difference, parts_of
+from periph_sim.explain.cpu_activity import episodes, open_at, timeline
+from periph_sim.traces.capture.capture import Span
+from tests.explain.made import drawn
+
+
+def told(window, begin=0, end=100):
+    return " ".join(f"{one.begin}:{one.what or one.doing}" for one in timeline(window, "dsp", begin, end))
+
+
+@pytest.mark.parametrize(
+    ("episodes", "line"),
+    [
+        ([], "0:code"),
+        (["span model 10 60"], "0:code 10:model 60:code"),
+        (["span model 10 60", "irq SCI 20 30"], "0:code 10:model 20:SCI 30:model 60:code"),
+        (["wait AAS 0 100", "irq SCI 20 50", "span frame 25 40"], "0:AAS 20:SCI 25:frame 40:SCI 50:AAS"),
+        (["span model -40 40"], "0:model 40:code"),
+        (["span model -90 40"], "0:model 40:code"),  # begun before anything was kept
+        (["wait AAS 80 -"], "0:code 80:AAS"),
+        (["span model 10 20", "span model 30 40"], "0:code 10:model 20:code 30:model 40:code"),
+    ],
+)
+def test_the_innermost_counts(episodes, line):
+    assert told(drawn(*episodes)) == line
+
+
+def test_of_what_was_not_kept_nothing_is_said():
+    window = drawn("span model 10 90", "irq SCI 70 80", kept=(Span(-50, 30), Span(60, 150)))
+    assert told(window) == "0:code 10:model 30:unknown 70:SCI 80:unknown 90:unknown"
+    assert window.hole == Span(30, 60)
+    again = drawn("wait AAS 10 90", "wait AAS 95 -", kept=(Span(-50, 30), Span(60, 150)))
+    assert told(again) == "0:code 10:AAS 30:unknown 90:unknown 95:AAS"
+
+
+def test_what_is_open_at_a_tick_is_told_from_outside_in():
+    window = drawn("wait AAS -90 100", "irq SCI 20 50", "span frame 25 40")
+    assert [r.what for r in open_at(window, "dsp", 30)] == ["AAS", "SCI", "frame"]
+    assert [r.what for r in open_at(window, "dsp", 45)] == ["AAS", "SCI"]
+    assert open_at(window, "other", 45) == []
+
+
+def test_episodes_know_what_they_preempt():
+    window = drawn("wait AAS -90 100", "irq SCI 20 50", "span frame 25 -")
+    found = {one.what: one for one in episodes(window, "dsp", 0, 60)}
+    assert [r.what for r in found["SCI"].within] == ["AAS"]
+    assert (found["SCI"].begin, found["SCI"].end, found["AAS"].begin) == (20, 50, -90)
+    assert "AAS" not in {one.what for one in episodes(window, "dsp", 100, 120)}
+
+
+TICKS = st.integers(-60, 140)
+
+
+@given(
+    st.lists(st.tuples(st.sampled_from(["span a", "irq b", "wait c"]), TICKS, st.integers(1, 60)), max_size=6), TICKS
+)
+def test_stretches_leave_no_gap_and_parts_add_up(made, begin):
+    """Whatever the records say, also such as no CPU could have made."""
+    window = drawn(*(f"{name} {first} {first + length}" for name, first, length in made))
+    end = max(begin, 100)
+    line = timeline(window, "dsp", begin, end)
+    assert [one.begin for one in line] == [begin, *(one.end for one in line[:-1])] or begin == end
+    assert sum(part.length for part in parts_of(line)) == end - begin
+    assert all(one.length > 0 for one in line)
+
+
+def test_differences_are_of_equal_things():
+    here, there = (
+        parts_of(timeline(drawn(*made), "dsp", 0, 100))
+        for made in (["span model 0 50", "irq SCI 10 30"], ["span model 0 50", "wait AAS 60 70"])
+    )
+    assert [(p.what or p.doing, p.length) for p in difference(here, there)] == [
+        ("SCI", 20),
+        ("code", 10),
+        ("AAS", -10),
+        ("model", -20),
+    ]

@@ -1,0 +1,224 @@
+"""Chains of real runs: what they claim adds up, stands in the records, and names the right line of the firmware."""
+
+from __future__ import annotations
+
+import json
+import linecache
+from fractions import Fraction
+from functools import cache
+from pathlib import Path
+
+import pytest
+from hypothesis import Phase, given, settings
+from hypothesis import strategies as st
+
+from periph_sim.explain.chain import Chain
+from periph_sim.explain.explain import STORIES, explain
+from periph_sim.explain.text_report import as_json, text
+from periph_sim.scene.case.load import load
+from periph_sim.scene.case.model import Case
+from periph_sim.scene.scene import Scene
+from periph_sim.timing.budget_schema import Budget
+from periph_sim.timing.measures.registry import MEASURES
+
+TIMING = Path(__file__).parents[2] / "timing"
+SETTING = "unit.dsp.settings."
+LATE = (f"{SETTING}frame_cost=200 us", "host.first=4.24 ms")  # the service routine lies in the gyroscope's read
+
+
+def chains(case: Case, length: Fraction) -> dict[str, Chain]:
+    scene = Scene(case)
+    result = scene.run(length)
+    return {name: one.chain for name, one in explain(case, result.budgets, scene.typical(), length).items()}
+
+
+@cache
+def of(name: str, *changes: str, length: Fraction = Fraction(1, 8)) -> dict[str, Chain]:
+    return chains(load(TIMING / f"{name}.toml", list(changes)), length)
+
+
+def measured(measure: str, *changes: str, name: str = "imu_hil_published", limit: str = 'max = "1 s"') -> Chain:
+    """The chain of a budget that a case does not have."""
+    key, _, value = limit.partition(" = ")
+    budget = Budget.model_validate({"name": "asked", "measure": measure, key: json.loads(value)})
+    case = load(TIMING / f"{name}.toml", list(changes)).model_copy(update={"budget": (budget,)})
+    return chains(case, Fraction(1, 10))["asked"]
+
+
+def said(chain: Chain) -> str:
+    return "\n".join(text(chain))
+
+
+def line_of(chain: Chain, what: str) -> str:
+    """The line of source that the step of this beginning points at."""
+    place = next(step.place for step in chain.steps if step.what.startswith(what))
+    assert place is not None and place.file is not None
+    return linecache.getline(str(place.file), place.line).strip()
+
+
+def test_a_stretch_is_told_from_the_flag_to_the_write_that_ends_it():
+    chain = of("imu_hil_published", *LATE)["stretch"]
+    told = [step.what for step in chain.steps]
+    assert told == [
+        "repeated START, gyroscope (0x68 R)",
+        "I2C-A.I2CSTR.SDIR set",
+        "the firmware sees I2CSTR.SDIR, 0.040 us later",
+        told[3],
+        "span frame",
+        "address acknowledged",
+        "I2C-A.I2CSTR.XRDY set",
+        "byte 1: 0x00 ACK",
+        "the controller lets go of SCL; dsp holds it low",
+        "the firmware sees I2CSTR.XRDY, 192.513 us later",
+        "wait for I2C-A.I2CSTR.XRDY or SCD, which goes on",
+        "I2CDXR written, for which SCL was held",
+        "SCL rises",
+    ]
+    assert told[3].startswith("SCIRXINTA entered, preempting the wait for I2C-A.I2CSTR.XRDY or SCD at imu_hil.py:")
+    assert line_of(chain, "SCIRXINTA") == "def sci_received(self) -> None:"
+    assert line_of(chain, "I2CDXR written") == "i2c.I2CDXR.all = next(buffer)"
+    assert chain.blamed is not None and chain.blamed.what == "frame"
+    assert chain.typical == 0 and sum(part.length for part in chain.more) == chain.length
+
+
+def test_a_response_that_nobody_delayed_is_the_controllers_own_low_time():
+    chain = of("imu_hil_published")["response"]
+    assert [(str(part), part.length) for part in chain.parts] == [("SCL low by the controller", 15000)]
+    assert chain.steps[-1].what == "SCL rises as soon as the controller lets go of it"
+
+
+def test_a_round_is_its_transfers_its_gaps_and_what_held_scl():
+    chain = of("imu_hil_published", *LATE)["round complete"]
+    names = {str(part): part.length for part in chain.parts}
+    for chip in ("gyroscope", "accelerometer", "magnetometer"):
+        assert names[f"bits of {chip}"] == 840 * 3000  # 84 bits, however long SCL was held between them
+    assert names["bus free between two transfers"] == 2 * 50 * 3000
+    assert any(step.what == "SCL held low by dsp: span frame, begun 102.520 us before" for step in chain.steps)
+
+
+def test_a_nack_is_told_with_the_address_that_the_module_had():
+    chain = of("late_model")["nacked rounds"]
+    assert "I2COAR = 0x00 written, 5094.447 us before the NACK" in said(chain)
+    assert chain.blamed is not None and str(chain.blamed) == "span model"
+    later = of("wrong_order")["nacked rounds"]
+    assert "I2COAR = 0x53 written, 900.400 us too late" in said(later)
+    assert line_of(later, "I2COAR = 0x53") == "i2c.I2COAR.all = address"
+    assert later.blamed is not None and str(later.blamed) == "wait for I2C-A.I2CSTR.AAS"
+
+
+def test_a_hang_names_the_read_modify_write_that_cleared_the_flag():
+    """SCD = 1 writes back the whole register, and with it SDIR, which rose a moment before."""
+    chain = of("imu_hil_drift", f"{SETTING}frame_cost=200 us", length=Fraction(9, 20))["missed rounds"]
+    cleared = "I2C-A.I2CSTR.SDIR cleared by I2C-A.I2CSTR written, 0x5638"
+    assert line_of(chain, cleared) == "i2c.I2CSTR.SCD = 1"
+    assert line_of(chain, "wait for I2C-A.I2CSTR.SDIR begins, and goes on") == "dsp.spin(lambda: i2c.I2CSTR.SDIR == 1)"
+
+
+def test_data_that_waits_for_a_round_is_told_with_the_round_it_missed():
+    chain = of("imu_hil_published", *LATE)["data age"]
+    steps = [step.what.partition(",")[0] for step in chain.steps]
+    assert steps == [
+        "the host's frame is over",
+        "SCI-A.SCIFFRX.RXFFINT set",
+        "SCIRXINTA entered",
+        "span frame",
+        "magnetometer (0x1E R)",
+        "span model",
+        "span frame",
+        "START",
+    ]
+
+
+def test_a_full_fifo_is_told_with_who_did_not_read_it():
+    changes = (f"{SETTING}model_cost=18 ms", f"{SETTING}fifo_level=13")
+    chain = measured("fifo high-water", *changes, limit="max = 1")
+    assert "dsp: wait for I2C-A.I2CSTR.AAS" in said(chain)
+    assert "13 words in the FIFO" in said(chain) and "SCIRXBUF read, 0." in said(chain)
+
+
+def test_an_overrun_is_told_as_a_fifo_is():
+    text_of_it = said(measured("overruns", f"{SETTING}frame_cost=30 ms", "host.period=2 ms", limit="max = 0"))
+    assert "SCI-A.SCIFFRX.RXFFOVF set" in text_of_it and "dsp: span frame" in text_of_it
+
+
+FROM = "from flag I2C-A.I2CSTR.SDIR rise to access W I2C-A.I2CDXR"
+
+
+def test_two_events_are_told_with_their_causes_and_what_lay_between():
+    chain = measured(FROM)
+    steps = [step.what for step in chain.steps]
+    assert any(step.startswith("SCL falls, pulled low by controller (") for step in steps)
+    assert steps.index("I2C-A.I2CSTR.SDIR set") < len(steps) - 1
+    assert steps[-1].startswith("I2C-A.I2CDXR written, ")
+    assert line_of(chain, "I2C-A.I2CDXR written") == "i2c.I2CDXR.all = next(buffer)"
+    assert sum(part.length for part in chain.parts) == chain.length > 0
+
+
+def test_a_request_that_nobody_took_says_so():
+    chain = measured("interrupt latency SCIRXINTA", f"{SETTING}mask_during_i2c=true", "host.first=4.24 ms")
+    assert "the CPU does not take it, and no other routine is served: interrupts are off" in said(chain)
+    assert str(chain.parts[0]) == "wait for I2C-A.I2CSTR.XRDY or SCD"
+    prompt = measured("interrupt latency SCIRXINTA", "host.first=4.24 ms")
+    assert "interrupts are off" not in said(prompt)
+
+
+@pytest.mark.parametrize(
+    ("measure", "limit", "told"),
+    [
+        ("period of bus START", 'max = "1 s"', "controller: START (gyroscope)"),
+        ("jitter of bus START", 'max = "1 s"', "then one of"),
+        ("count of bus address read", "max = 1", "controller: 0x68 R ACK (gyroscope)"),
+        ("level of SCI-A.SCIFFRX.RXFFST", "max = 1", "SCI-A.SCIFFRX.RXFFST = 0xc"),
+        ("time in model", 'max = "1 s"', "span model begins"),
+        ("cpu load", 'max = "90 %"', "of the run: wait for I2C-A.I2CSTR.AAS"),
+        ("bus load", 'max = "90 %"', "of the run: "),
+        ("slack", 'min = "1 us"', "the next round is due"),
+        ("value error of gyroscope", "max = 3000", "gyroscope (0x68 R): 0x00 0x00"),
+        ("from edge MODEL rise to edge MODEL fall", 'max = "1 s"', "MODEL rises"),
+        ("stuck", "max = 9", ""),
+    ],
+)
+def test_every_form_of_measure_is_explained(measure: str, limit: str, told: str):
+    if measure == "stuck":
+        changes, name = (
+            (f"{SETTING}frame_cost=200 us", "controller.stuck_after=2 ms", "host.first=4 ms"),
+            "imu_hil_published",
+        )
+        chain = measured(measure, *changes, name=name, limit=limit)
+        assert "SCL falls, and stays low" in said(chain) and "SDIR cleared by I2C-A.I2CSTR written" in said(chain)
+        return
+    assert told in said(measured(measure, limit=limit))
+
+
+def test_no_measure_is_without_a_story():
+    assert {*MEASURES, "slack"} == set(STORIES)
+
+
+@given(
+    first=st.integers(2000, 8000),
+    frame_cost=st.integers(0, 300),
+    model=st.integers(50, 900),
+)
+@settings(max_examples=6, deadline=None, phases=(Phase.explicit, Phase.generate))
+def test_whatever_the_phase_what_is_claimed_adds_up(first: int, frame_cost: int, model: int):
+    changes = [f"host.first={first} us", f"{SETTING}frame_cost={frame_cost} us", f"{SETTING}model_cost={model} us"]
+    for chain in chains(load(TIMING / "imu_hil_published.toml", changes), Fraction(28, 1000)).values():
+        assert sum(part.length for part in chain.parts) == (chain.length if chain.parts else 0)
+        assert all(part.length > 0 for part in chain.parts)
+        if chain.verdict.unit == "us" and chain.verdict.measure != "slack":
+            assert float(chain.us(chain.length)) == pytest.approx(chain.verdict.worst, abs=1e-3)
+        assert [step.at for step in chain.steps] == sorted(step.at for step in chain.steps)
+        assert sum(part.length for part in chain.more) == (chain.length - (chain.typical or 0) if chain.more else 0)
+        for step in chain.steps:
+            if step.place is not None:
+                assert linecache.getline(str(step.place.file), step.place.line).strip()
+
+
+def test_json_says_what_the_text_says():
+    chain = of("imu_hil_published", *LATE)["stretch"]
+    told = json.loads(json.dumps(as_json(chain)))
+    assert told["length_us"] == 97.8333 and told["typical_us"] == 0
+    assert sum(part["length_us"] for part in told["parts"]) == pytest.approx(97.8333, abs=1e-3)
+    step = next(step for step in told["steps"] if step["what"].startswith("SCIRXINTA"))
+    assert (step["function"], step["length_us"]) == ("sci_received", 200.36)
+    assert step["file"].endswith("firmware/python/imu_hil.py")

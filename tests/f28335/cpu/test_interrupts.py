@@ -1,0 +1,698 @@
+"""CPU interrupt logic, alone and behind the PIE. Rules SYS-095, 106 to 112, 124 to 129, 132 to 139, 141 to 153.
+
+Rules about instruction boundaries inside running code (SYS-130, 131) need the host.
+"""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from periph_sim.core.chip import NEVER
+from periph_sim.core.options import options_from
+from periph_sim.f28335.cpu import instruction_costs as cpu_costs
+from periph_sim.f28335.cpu.interrupts import (
+    DBGM,
+    DLOGINT,
+    EALLOW,
+    EMUINT,
+    IDLESTAT,
+    INTM,
+    LOOP,
+    M0M1MAP,
+    NMI,
+    OBJMODE,
+    RTOSINT,
+    VMAP,
+    CpuInterrupts,
+    int13_source,
+)
+from periph_sim.f28335.cpu.pie import Pie
+from periph_sim.f28335.cpu.pie_map import PIEACK, PIECTRL, PIEIER, PIEIFR, line_vector
+from periph_sim.f28335.system.options import SystemOptions
+from tests.waves import play, tidy
+
+IFR_DELAY = 4
+
+
+def cpu(*, ier: int = 0xFFFF, intm: bool = False, **options: int | str | bool) -> CpuInterrupts:
+    """A CPU with these interrupts enabled, ready from cycle 0."""
+    core = CpuInterrupts(options_from(SystemOptions, dict(options)))
+    core.ier = ier
+    if not intm:
+        core.st1 &= ~INTM
+    return core
+
+
+def bit(number: int) -> int:
+    return 1 << number - 1
+
+
+def in_isr(number: int = 9, **options: str) -> tuple[CpuInterrupts, int]:
+    """A CPU that has just begun a service routine, and that cycle."""
+    core = CpuInterrupts(options_from(SystemOptions, dict(options)))
+    core.ier = 0xFFFF
+    core.st1 &= ~INTM
+    core.raise_line(0, number)
+    core.enter(IFR_DELAY, number)
+    return core, core.ready
+
+
+class Rig:
+    """PIE and CPU as a board joins them, running code whose every cycle is an instruction boundary.
+
+    REQ requests lines of group 9, REQ8 of group 8. ISR is 1 while a routine runs (from its first
+    instruction), TAKEN the group entered, LINE the line its vector stands for.
+    """
+
+    def __init__(self, ier: int = 0xFFFF) -> None:
+        self.core = cpu(ier=ier)
+        self.pie = Pie(SystemOptions())
+        self.pie.write(0, PIECTRL.offset, 1)
+        self.pie.write(0, PIEACK.offset, 0xFFF)
+        for group in (8, 9):
+            self.pie.write(0, PIEIER[group - 1].offset, 0xFF)
+        self.now = -1
+        self.taken = 0
+        self.line = 0
+        self.fetch_at = NEVER
+        self.begun = 0
+
+    def drive(self, now: int, signal: str, level: int) -> None:
+        if signal in ("REQ", "REQ8"):
+            self.pie.request(now, 9 if signal == "REQ" else 8, level)
+        elif signal == "PIEIER9":
+            self.pie.write(now, PIEIER[8].offset, level)
+        elif signal == "ACK9":
+            self.pie.write(now, PIEACK.offset, level << 8)
+        elif signal == "IRET":
+            self.core.iret(now)
+        self.pass_on(now)
+
+    def pass_on(self, now: int) -> None:
+        for number in range(1, 13):
+            if self.pie.pulses & bit(number):
+                self.core.raise_line(now, number)
+        self.pie.pulses = 0
+
+    def run_until(self, time: int) -> None:
+        while self.now < time:
+            self.now += 1
+            if self.now == self.fetch_at:
+                self.line = self.pie.vector(self.now, self.taken)[0]
+                self.fetch_at = NEVER
+            number = self.core.next_taken(self.now)
+            if number:
+                self.core.enter(self.now, number)
+                self.taken = number
+                self.fetch_at = self.now + self.core.vector_delay
+
+    def show(self, signal: str) -> int:
+        if signal == "IFR9":
+            self.core.wake(self.now)
+            return self.core.ifr >> 8 & 1
+        if signal == "ISR":
+            return int(bool(self.core.contexts) and self.now >= self.core.ready)
+        return {"TAKEN": self.taken, "LINE": self.line}[signal]
+
+
+# Request to first instruction -------------------------------------------------------
+
+
+@pytest.mark.rule("SYS-127", "SYS-132", "SYS-138", "SYS-139")
+def test_14_cycles_from_the_request_to_the_first_instruction():
+    diagram = """
+        > REQ    .1.. .... .... .... ..
+        < IFR9   0... .... .... .... ..
+        < TAKEN  0... .9.. .... .... ..
+        < LINE   0... ..1. .... .... ..
+        < ISR    0... .... .... ...1 ..
+    """
+    assert play(diagram, Rig(), 1) == tidy(diagram)
+
+
+@pytest.mark.rule("SYS-127")
+def test_the_ifr_bit_rises_4_cycles_after_the_request_and_stays():
+    diagram = """
+        > REQ    .1.. .... .... ....
+        < IFR9   0... .1.. .... ....
+        < TAKEN  0... .... .... ....
+    """
+    assert play(diagram, Rig(ier=0), 1) == tidy(diagram)
+
+
+@pytest.mark.rule("SYS-138", "SYS-139")
+@pytest.mark.parametrize("latency", [14, 13, 15, 16])
+def test_open_int_latency(latency):
+    """The vector is always chosen 9 cycles before the first instruction; the rest of the latency comes before."""
+    core = cpu(int_latency=latency)
+    core.raise_line(100, 9)
+    assert core.next_taken(103) == 0
+    assert core.next_taken(104) == 9
+    core.enter(104, 9)
+    assert core.ready == 100 + latency
+    assert 104 + core.vector_delay == 100 + latency - 9
+    assert core.touched == {"int_latency"}
+
+
+@pytest.mark.rule("SYS-139")
+@given(rest=st.integers(0, 7))
+def test_the_rest_of_the_current_instruction_comes_on_top(rest):
+    core = cpu()
+    core.raise_line(0, 9)
+    core.enter(IFR_DELAY + rest, 9)
+    assert core.ready == 14 + rest
+
+
+@pytest.mark.rule("SYS-127")
+@given(at=st.lists(st.integers(0, 40), min_size=1, max_size=5))
+def test_every_cycle_is_sampled(at):
+    core = cpu(ier=0)
+    numbers = dict(enumerate(sorted(at), start=1))
+    for number, now in numbers.items():
+        core.raise_line(now, number)
+    for now in range(sorted(at)[-1], 50):
+        core.wake(now)
+        assert core.ifr == sum(bit(n) for n, t in numbers.items() if t + IFR_DELAY <= now)
+
+
+@pytest.mark.rule("SYS-106", "SYS-107")
+def test_the_vector_is_chosen_one_cycle_after_the_entry_began():
+    """Line 2 comes in the last cycle in which it can still overtake line 4; a cycle later it has to wait."""
+    overtakes = """
+        > REQ   4... .2.. ....
+        < LINE  0... .2.. ....
+    """
+    waits = """
+        > REQ   4... ..2. ....
+        < LINE  0... .4.. ....
+    """
+    assert play(overtakes, Rig(), 1) == tidy(overtakes)
+    assert play(waits, Rig(), 1) == tidy(waits)
+
+
+@pytest.mark.rule("SYS-112")
+def test_of_two_groups_the_lower_is_served_first():
+    diagram = """
+        > REQ    1... .... .... .... .... .... .... .... ....
+        > REQ8   2... .... .... .... .... .... .... .... ....
+        > IRET   .... .... .... .... 1... .... .... .... ....
+        < TAKEN  0... 8... .... .... .... .... 9... .... ....
+        < LINE   0... .2.. .... .... .... .... .1.. .... ....
+        < ISR    0... .... .... ..1. 0... .... .... .... ..1.
+    """
+    # A routine of two instructions; the second entry begins when IRET is over.
+    assert play(diagram, Rig(), 1) == tidy(diagram)
+
+
+@pytest.mark.rule("SYS-108", "SYS-125")
+def test_pieier_cleared_on_the_way_runs_line_1():
+    diagram = """
+        > REQ      3... .... .... ....
+        > PIEIER9  .... 0... .... ....
+        < TAKEN    0... 9... .... ....
+        < LINE     0... .1.. .... ....
+    """
+    assert play(diagram, Rig(), 1) == tidy(diagram)
+
+
+@pytest.mark.rule("SYS-110", "SYS-137")
+def test_nothing_is_taken_between_approval_and_the_first_instruction():
+    core = cpu()
+    core.raise_line(0, 9)
+    core.raise_line(1, 1)
+    core.enter(IFR_DELAY, 9)
+    core.st1 &= ~INTM  # even if nothing masked it
+    assert [core.next_taken(now) for now in range(IFR_DELAY, 14)] == [0] * 10
+    assert core.next_taken(14) == 1
+
+
+# What is taken ------------------------------------------------------------------------
+
+
+@pytest.mark.rule("SYS-128")
+@given(number=st.integers(1, 16), ier=st.integers(0, 0xFFFF), intm=st.booleans())
+def test_taken_if_ier_and_intm_allow_it_else_pending(number, ier, intm):
+    core = cpu(ier=ier, intm=intm)
+    core.raise_line(0, number)
+    allowed = bool(ier & bit(number)) and not intm
+    assert core.next_taken(10) == (number if allowed else 0)
+    assert core.ifr == bit(number)
+    core.or_ier(10, bit(number))
+    core.clrc_intm(12)
+    assert core.next_taken(14) == number
+
+
+@pytest.mark.rule("SYS-129")
+def test_priority():
+    core = cpu()
+    order = [EMUINT, NMI, RTOSINT, *range(1, 15), DLOGINT]
+    for number in reversed(order):
+        core.raise_line(0, number)
+    served = []
+    now = 10
+    while core.next_taken(now):
+        served.append(core.next_taken(now))
+        core.enter(now, served[-1])
+        core.iret(core.ready)
+        now = core.ready
+    assert served == order
+
+
+@pytest.mark.rule("SYS-129")
+def test_reset_comes_before_everything():
+    core, now = in_isr()
+    for number in (EMUINT, NMI, 1):
+        core.raise_line(now, number)
+    core.reset(now + 10)
+    assert core.next_taken(now + 10) == 0
+    assert (core.ifr, core.contexts, core.next_wake) == (0, [], NEVER)
+
+
+@pytest.mark.rule("SYS-129")
+@pytest.mark.parametrize("number", [NMI, EMUINT])
+def test_nmi_ignores_the_masks_and_leaves_ifr_and_ier(number):
+    core = cpu(ier=0, intm=True)
+    core.or_ifr(0, 0x55)
+    core.raise_line(0, number)
+    assert core.next_taken(5) == number
+    core.enter(5, number)
+    assert (core.ifr, core.ier) == (0x55, 0)
+    assert core.next_taken(core.ready) == 0
+
+
+@pytest.mark.rule("SYS-095")
+@pytest.mark.parametrize(
+    ("xnmicr", "source"), [(0, "TINT1"), (1, "TINT1"), (0xD, "TINT1"), (2, "XNMI_XINT13"), (3, "XNMI_XINT13")]
+)
+def test_what_drives_int13(xnmicr, source):
+    assert int13_source(xnmicr) == source
+
+
+def test_st1_is_laid_out_as_in_the_manual():
+    assert [INTM, DBGM, VMAP, LOOP] == [0x001, 0x002, 0x008, 0x020]
+    assert [EALLOW, IDLESTAT, OBJMODE, M0M1MAP] == [0x040, 0x080, 0x200, 0x800]
+    assert CpuInterrupts(SystemOptions()).st1 == 0x080B
+
+
+# Entry and exit -----------------------------------------------------------------------------
+
+
+@pytest.mark.rule("SYS-133", "SYS-134")
+@pytest.mark.parametrize(("sp", "first"), [(0x400, 0x400), (0x401, 0x402)], ids=["even", "odd"])
+def test_where_the_context_is_stored(sp, first):
+    core = cpu()
+    core.sp = sp
+    core.raise_line(0, 9)
+    stores = core.enter(IFR_DELAY, 9).stores()
+    names = ["ST0", "T", "AL", "AH", "PL", "PH", "AR0", "AR1", "ST1", "DP", "IER", "DBGSTAT"]
+    assert stores == tuple(enumerate([*names, "PC low", "PC high"], start=first))
+    assert core.sp == sp + 15
+    core.iret(core.ready)
+    assert core.sp == sp
+
+
+@pytest.mark.rule("SYS-132", "SYS-135", "SYS-136")
+def test_what_entry_changes():
+    core = cpu(ier=0x0140)
+    core.st1 |= LOOP | EALLOW | IDLESTAT | OBJMODE
+    core.st1 &= ~DBGM
+    before = core.st1
+    core.or_ifr(0, bit(9) | bit(7))
+    context = core.enter(2, 7)
+    assert core.ifr == bit(9)
+    assert (context.ier, core.ier) == (0x0140, 0x0100)
+    assert context.st1 == before
+    assert core.st1 == OBJMODE | VMAP | M0M1MAP | INTM | DBGM
+
+
+@pytest.mark.rule("SYS-141")
+def test_iret_takes_8_cycles_and_restores_ier_and_st1_but_for_three_bits():
+    core = cpu(ier=0x0140)
+    core.st1 = EALLOW | LOOP | IDLESTAT | M0M1MAP | OBJMODE | VMAP
+    core.or_ifr(0, bit(9))
+    core.enter(2, 9)
+    core.or_ier(20, 0x8000)
+    core.st1 &= ~(OBJMODE | M0M1MAP)
+    core.iret(40)
+    assert core.ier == 0x0140
+    assert core.st1 == EALLOW | OBJMODE | VMAP
+    assert (core.intm, core.dbgm, core.eallow, core.idlestat) == (0, 0, 1, 0)
+    assert core.ready == 48
+
+
+@pytest.mark.rule("SYS-141")
+def test_iret_leaves_the_bits_set_that_it_does_not_restore():
+    core, now = in_isr()
+    core.st1 |= LOOP | IDLESTAT
+    core.iret(now)
+    assert core.st1 & (LOOP | IDLESTAT | M0M1MAP) == LOOP | IDLESTAT | M0M1MAP
+
+
+@pytest.mark.rule("SYS-142", "SYS-143")
+def test_open_irq_after_iret_at_once():
+    core, now = in_isr(9)
+    core.raise_line(now, 9)
+    core.iret(now + 20)
+    assert [core.next_taken(now + 20 + n) for n in range(9)] == [0] * 8 + [9]
+    assert core.touched == {"int_latency", "irq_after_iret"}
+
+
+@pytest.mark.rule("SYS-142", "SYS-143")
+def test_open_irq_after_iret_after_one_instruction():
+    core, now = in_isr(9, irq_after_iret="after_one_instruction")
+    core.raise_line(now, 9)
+    core.iret(now + 20)
+    assert core.next_taken(now + 28) == 0
+    assert core.owes_instruction
+    core.instruction_done()
+    assert core.next_taken(now + 29) == 9
+    assert core.touched == {"int_latency", "irq_after_iret"}
+
+
+def test_a_host_can_plan_with_the_instruction_owed():
+    core, now = in_isr(9, irq_after_iret="after_one_instruction")
+    core.raise_line(now, 9)
+    core.iret(now + 20)
+    assert core.earliest() == now + 29
+    core.instruction_done()
+    assert core.earliest() == now + 28
+
+
+def test_an_interrupt_instruction_pays_the_one_owed_after_iret():
+    core, now = in_isr(9, irq_after_iret="after_one_instruction")
+    core.raise_line(now, 9)
+    core.iret(now + 20)
+    core.set_eallow(now + 28, True)
+    assert core.next_taken(now + 32) == 9
+
+
+@pytest.mark.rule("SYS-153")
+def test_eallow_is_0_in_the_routine_and_1_again_after_it():
+    core = cpu()
+    core.set_eallow(0, True)
+    assert (core.eallow, core.ready) == (1, 4)
+    core.raise_line(0, 9)
+    core.enter(4, 9)
+    assert core.eallow == 0
+    core.iret(core.ready)
+    assert core.eallow == 1
+    core.set_eallow(core.ready, False)
+    assert core.eallow == 0
+
+
+# Masks by instruction ---------------------------------------------------------------------------
+
+
+@pytest.mark.rule("SYS-144")
+def test_clrc_intm_takes_2_cycles_and_enables_directly_after():
+    core = cpu(intm=True)
+    core.raise_line(0, 9)
+    core.clrc_intm(10)
+    assert [core.next_taken(now) for now in (10, 11, 12)] == [0, 0, 9]
+
+
+@pytest.mark.rule("SYS-145")
+def test_after_setc_intm_nothing_maskable_is_taken():
+    core = cpu()
+    core.setc_intm(0)
+    assert core.ready == 2
+    core.raise_line(0, 9)
+    assert [core.next_taken(now) for now in range(4, 20)] == [0] * 16
+    core.raise_line(20, NMI)
+    assert core.next_taken(20) == NMI
+
+
+@pytest.mark.rule("SYS-146")
+def test_a_request_that_arrives_in_the_cycle_of_and_ifr_wins():
+    core = cpu(ier=0)
+    core.raise_line(0, 3)
+    core.raise_line(6, 9)
+    core.and_ifr(10, 0)
+    assert core.ifr == bit(9)
+    core.and_ifr(12, 0)
+    assert core.ifr == 0
+    core.raise_line(12, 9)
+    core.or_ifr(16, bit(1))
+    assert core.ifr == bit(9) | bit(1)
+
+
+@pytest.mark.rule("SYS-124", "SYS-147")
+@given(number=st.integers(1, 12))
+def test_or_ifr_starts_the_interrupt_through_line_1(number):
+    core = cpu()
+    pie = Pie(SystemOptions())
+    pie.write(0, PIECTRL.offset, 1)
+    core.or_ifr(0, bit(number))
+    assert core.next_taken(1) == 0
+    assert core.next_taken(2) == number
+    core.enter(2, number)
+    assert core.ifr == 0
+    assert pie.vector(2 + core.vector_delay, number) == (1, line_vector(number, 1))
+
+
+@pytest.mark.rule("SYS-147")
+def test_or_ifr_waits_for_ier_and_intm_like_hardware():
+    core = cpu(ier=0)
+    core.or_ifr(0, bit(3))
+    assert core.next_taken(2) == 0
+    core.mov_ier(2, 0x50000 | bit(3))
+    assert core.ier == bit(3)
+    assert [core.next_taken(now) for now in (6, 7)] == [0, 3]  # MOV IER takes 5 cycles
+    core.and_ier(7, ~bit(3))
+    assert core.next_taken(9) == 0
+
+
+# TRAP, INTR, IDLE -----------------------------------------------------------------------------------
+
+
+@pytest.mark.rule("SYS-124")
+@pytest.mark.parametrize("number", range(1, 13))
+def test_trap_and_intr_take_the_vector_of_line_1(number):
+    pie = Pie(SystemOptions())
+    pie.write(0, PIECTRL.offset, 1)
+    pie.write(0, PIEIER[number - 1].offset, 4)
+    pie.request(0, number, 3)
+    assert pie.trap_vector(1, number) == line_vector(number, 1)
+    assert pie.peek(1, PIEIFR[number - 1].offset) == 4
+    assert [note.source for note in pie.notes] == ["SPRU430F TRAP, INTR"]
+
+
+@pytest.mark.rule("SYS-148")
+def test_trap_ignores_the_masks_and_leaves_ifr_and_ier():
+    core = cpu(ier=bit(5), intm=True)
+    core.or_ifr(0, bit(5) | bit(6))
+    context = core.trap(10, 5)
+    assert (core.ifr, core.ier, context.ier) == (bit(5) | bit(6), bit(5), bit(5))
+    assert core.ready == 18
+    assert core.st1 & (INTM | DBGM) == INTM | DBGM
+    core.iret(20)
+    assert core.ier == bit(5)
+
+
+@pytest.mark.rule("SYS-149")
+@pytest.mark.parametrize(("clears", "left"), [(True, bit(6)), (False, bit(5) | bit(6))])
+def test_open_intr_clears_ifr(clears, left):
+    core = cpu(ier=bit(5) | bit(6), intm=True, intr_clears_ifr=clears)
+    core.or_ifr(0, bit(5) | bit(6))
+    context = core.intr(10, 5)
+    assert (core.ifr, core.ier, context.ier) == (left, bit(6), bit(5) | bit(6))
+    assert core.ready == 18
+    assert core.touched == {"intr_clears_ifr"}
+
+
+@pytest.mark.rule("SYS-149")
+def test_intr_needs_no_ier_bit():
+    core = cpu(ier=0, intm=True)
+    core.intr(0, 14)
+    assert [c.number for c in core.contexts] == [14]
+    assert not core.touched
+
+
+def test_intr_nmi_acts_as_trap():
+    core = cpu(ier=3)
+    core.or_ifr(0, 4)
+    core.intr(2, NMI)
+    assert (core.ifr, core.ier, core.ready) == (4, 3, 10)
+
+
+@pytest.mark.rule("SYS-150")
+@pytest.mark.parametrize(("intm", "then"), [(False, 9), (True, 0)])
+def test_idle_waits_for_an_enabled_interrupt(intm, then):
+    core = cpu(ier=bit(9), intm=intm)
+    core.idle(0)
+    assert core.idlestat == 1
+    assert not core.idle_ends(4)
+    core.raise_line(10, 8)  # not enabled in IER
+    core.raise_line(20, 9)
+    assert next(now for now in range(5, 30) if core.idle_ends(now)) == 24
+    assert core.idlestat == 0
+    assert core.next_taken(24) == then
+    if then:
+        core.enter(24, 9)
+        core.iret(40)
+        assert core.next_taken(48) == 0  # the instruction after IDLE
+
+
+@pytest.mark.rule("SYS-150")
+def test_idle_takes_5_cycles_even_if_something_waits():
+    core = cpu(ier=bit(9), intm=True)
+    core.or_ifr(0, bit(9))
+    core.idle(10)
+    assert [core.idle_ends(now) for now in (10, 14, 15)] == [False, False, True]
+
+
+# Reset, duties -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.rule("SYS-151")
+def test_state_after_reset():
+    fresh = CpuInterrupts(SystemOptions())
+    used, now = in_isr()
+    used.dbgier = 5
+    used.raise_line(now, 3)
+    used.reset(now + 1)
+    for core in (fresh, used):
+        assert (core.ier, core.ifr, core.dbgier, core.sp) == (0, 0, 0, 0x400)
+        assert (core.intm, core.dbgm, core.eallow, core.idlestat) == (1, 1, 0, 0)
+        assert core.st1 & VMAP
+        assert not core.st1 & OBJMODE
+        assert not core.contexts
+
+
+@pytest.mark.rule("SYS-152")
+def test_iret_with_interrupts_enabled_is_reported():
+    core, now = in_isr()
+    core.clrc_intm(now)
+    core.iret(now + 10)
+    assert [(note.code, note.source) for note in core.notes] == [("duty", "SPRZ272N section 3.1.2")]
+
+
+@pytest.mark.rule("SYS-152")
+def test_nesting_that_disables_before_iret_is_served_and_not_reported():
+    core, now = in_isr(9)
+    core.clrc_intm(now)
+    core.raise_line(now, 1)
+    inner = core.next_taken(now + 4)
+    core.enter(now + 4, inner)
+    core.iret(core.ready)
+    core.setc_intm(core.ready)
+    core.iret(core.ready)
+    assert inner == 1
+    assert not core.contexts
+    assert not core.notes
+
+
+@pytest.mark.rule("SYS-126")
+@pytest.mark.parametrize(("between", "reported"), [(0, True), (1, False)], ids=["directly", "with a NOP"])
+def test_pieack_and_eint_without_a_nop_between_are_reported(between, reported):
+    core, now = in_isr()
+    core.wrote_pieack(now)
+    core.clrc_intm(now + cpu_costs.SIMPLE + between)
+    assert [note.source for note in core.notes] == ["SPRZ272N section 3.1.1"] * reported
+
+
+def test_outside_of_routines_pieack_and_eint_are_no_nesting():
+    core = cpu(intm=True)
+    core.wrote_pieack(0)
+    core.clrc_intm(1)
+    assert not core.notes
+
+
+# What a host plans with ----------------------------------------------------------------------------------
+
+
+@given(
+    requests=st.lists(st.tuples(st.integers(0, 30), st.integers(1, 14)), max_size=4),
+    ier=st.integers(0, 0x3FFF),
+    intm=st.booleans(),
+)
+def test_earliest_is_when_next_taken_first_answers(requests, ier, intm):
+    core, twin = cpu(ier=ier, intm=intm), cpu(ier=ier, intm=intm)
+    for now, number in sorted(requests):
+        core.raise_line(now, number)
+        twin.raise_line(now, number)
+    taken = [now for now in range(max((t for t, _ in requests), default=0), 60) if twin.next_taken(now)]
+    earliest = core.earliest()
+    if taken:
+        assert max(earliest, max(t for t, _ in requests)) == taken[0]
+    else:
+        assert earliest == NEVER
+
+
+COSTS = """
+    SIMPLE 1        RPT 1           CLRC_INTM 2     SETC_INTM 2      CLRC_DBGM 2      SETC_DBGM 2
+    EALLOW 4        EDIS 4          AND_IER 2       OR_IER 2         AND_IFR 2        OR_IFR 2
+    MOV_IER_LOC16 5 MOV_LOC16_IER 1 TRAP 8          INTR 8           IRET 8           IDLE 5
+    B_TAKEN 7       B_NOT_TAKEN 4   SB_TAKEN 7      SB_NOT_TAKEN 4   XB_TAKEN 7       XB_NOT_TAKEN 4
+    BF_TAKEN 4      BF_NOT_TAKEN 4  SBF_TAKEN 4     SBF_NOT_TAKEN 4
+    BANZ_TAKEN 4    BANZ_NOT_TAKEN 2 BAR_TAKEN 4    BAR_NOT_TAKEN 2
+    LB 4            LC 4            LCR 4           FFC 4            LRETR 4          LRET 8      LRETE 8
+    PUSH 1          POP 1           PUSH_ACC 2      PUSH_LOC16 2     POP_LOC16 2      POP_RPC 3
+    POP_ST1 5       POP_IFR 5       POP_DBGIER 5
+    IFR_DELAY 4     VECTOR_AND_SAVE 9                PIEIER_SETTLE 5
+"""
+
+
+def test_instruction_costs():
+    """As the manual's pages print them; the names are the contract with the host."""
+    words = COSTS.split()
+    costs = {name: cost for name, cost in vars(cpu_costs).items() if name.isupper()}
+    assert costs == dict(zip(words[::2], map(int, words[1::2]), strict=True))
+
+
+# Wrong use -----------------------------------------------------------------------------------------------
+
+
+def test_wrong_calls_are_refused():
+    core = cpu()
+    with pytest.raises(ValueError, match="IRET at cycle 5, but no interrupt"):
+        core.iret(5)
+    with pytest.raises(ValueError, match="interrupt 9 cannot be taken at cycle 5"):
+        core.enter(5, 9)
+    with pytest.raises(ValueError, match="no maskable interrupt 19"):
+        core.raise_line(5, 19)
+    with pytest.raises(ValueError, match="no maskable interrupt 0"):
+        core.intr(5, 0)
+    with pytest.raises(ValueError, match="no TRAP #32"):
+        core.trap(5, 32)
+
+
+# A reset in the middle --------------------------------------------------------------------------------------
+
+
+def test_reset_in_mid_entry_takes_what_comes_next_at_once():
+    core, now = in_isr(9, irq_after_iret="after_one_instruction")
+    core.raise_line(now, 1)
+    core.clrc_intm(now)
+    core.enter(now + 4, 1)
+    core.reset(now + 6)  # the routine's first instruction would be at now + 14
+    core.raise_line(now + 6, NMI)
+    assert (core.ready, core.next_taken(now + 6), core.earliest()) == (now + 6, NMI, now + 6)
+
+
+def test_reset_pays_the_instruction_owed_after_iret():
+    core, now = in_isr(9, irq_after_iret="after_one_instruction")
+    core.iret(now)
+    assert core.owes_instruction
+    core.reset(now + 1)
+    assert not core.owes_instruction
+
+
+def test_reset_forgets_what_was_latched_in_its_cycle():
+    core = cpu(ier=0)
+    core.raise_line(0, 3)
+    core.wake(IFR_DELAY)
+    assert core.ifr == bit(3)
+    core.reset(IFR_DELAY)
+    core.and_ifr(IFR_DELAY, 0)
+    assert core.ifr == 0
+
+
+@pytest.mark.parametrize("number", [NMI, EMUINT])
+def test_a_host_can_plan_with_what_no_mask_holds(number):
+    core = cpu(ier=0, intm=True)
+    core.setc_intm(10)
+    core.raise_line(10, number)
+    assert core.earliest() == 12

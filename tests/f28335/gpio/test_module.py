@@ -1,0 +1,961 @@
+"""GPIO: latches and directions, the multiplexer, input qualification, and what the owner is told of it.
+
+Diagrams have one SYSCLKOUT cycle a column. Rows: `GPIOn` an edge at the pad exactly on the
+cycle, `GPIOn~` one a little before it; `REG.FIELD` a bus write or what a read shows; `padn`
+what the chip drives on the pad (f: nothing); a signal's name what its module sees.
+"""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from periph_sim.core.chip import NEVER
+from periph_sim.f28335.gpio.module import CONFIGURATION_DELAY, Gpio
+from periph_sim.f28335.gpio.pin_mux_table import INPUTS, OUTPUTS
+from periph_sim.f28335.gpio.register_map import BASE, GPIO, PORT_OF
+from periph_sim.f28335.gpio.settings import ALL
+from periph_sim.f28335.system.options import SystemOptions
+from tests.waves import play, tidy
+
+FLOATING = 0xF
+LONG = 10_000  # cycles in which everything settles
+
+
+class Rig:
+    """A bare `Gpio` and what its owner does: 32-bit accesses as two halves, wake-ups when due."""
+
+    def __init__(self, gpio_out_delay: int = 1) -> None:
+        self.gpio = Gpio(SystemOptions(gpio_out_delay=gpio_out_delay))
+        self.now = 0
+        self.seen = dict.fromkeys(INPUTS, 1)
+        self.coming: list[tuple[int, str, int]] = []  # levels on their way to a module
+
+    def write(self, name: str, value: int) -> None:
+        register = GPIO[name]
+        for half in range(register.width // 16):
+            self.gpio.write(self.now, register.offset + half, value >> 16 * half)
+
+    def read(self, name: str) -> int:
+        register = GPIO[name]
+        return sum(self.gpio.read(self.now, register.offset + h) << 16 * h for h in range(register.width // 16))
+
+    def set(self, name: str, **fields: int) -> None:
+        """A read-modify-write of the register's fields."""
+        value = self.read(name)
+        for field, number in fields.items():
+            value = GPIO[name][field].put(value, number)
+        self.write(name, value)
+
+    def mux(self, pin: int, value: int) -> None:
+        self.set(pair_register("MUX", pin), **{f"GPIO{pin}": value})
+
+    def select(self, pin: int, value: int) -> None:
+        self.set(pair_register("QSEL", pin), **{f"GPIO{pin}": value})
+
+    def pad(self, pin: int) -> int:
+        return self.gpio.out >> pin & 1 if self.gpio.driven >> pin & 1 else FLOATING
+
+    def pin(self, now: int, pin: int, level: int, exact: bool = True) -> None:
+        """A pad that is wired from now on has this level."""
+        self.gpio.wire(1 << pin)
+        self.gpio.pins(now, self.gpio.pads & ~(1 << pin) | level << pin, exact)
+
+    def edge(self, now: int, pin: int, level: int, exact: bool) -> None:
+        """What the router does with a pad's edge: tells the chip, and brings it to the module at its time."""
+        gpio = self.gpio
+        self.pin(now, pin, level, exact)
+        for signal in INPUTS:
+            if gpio.source(signal) == pin and gpio.seen_at(now, pin, exact) != NEVER:
+                self.coming.append((gpio.seen_at(now, pin, exact), signal, level))
+
+    def drive(self, now: int, signal: str, level: int) -> None:
+        self.now = now
+        name, _, field = signal.partition(".")
+        if field and GPIO[name][field].access == "W1":
+            self.write(name, GPIO[name][field].put(0, level))
+        elif field:
+            self.set(name, **{field: level})
+        elif name == "GPIOIN":
+            self.gpio.gpioin_enabled(now, bool(level))
+        else:
+            self.edge(now, int(name.strip("GPIO~")), level, exact=not name.endswith("~"))
+
+    def run_until(self, time: int) -> None:
+        gpio = self.gpio
+        while gpio.next_wake <= time:
+            self.now = gpio.next_wake
+            gpio.wake(self.now)
+        self.now = time
+        for when, signal, level in self.coming:
+            if when <= time:
+                self.seen[signal] = level
+        self.coming = [c for c in self.coming if c[0] > time]
+        self.seen.update(gpio.changed)
+        gpio.changed.clear()
+
+    def show(self, signal: str) -> int:
+        if signal.startswith("pad"):
+            return self.pad(int(signal[3:]))
+        if signal in INPUTS:
+            return self.seen[signal]
+        name, _, field = signal.partition(".")
+        return GPIO[name][field].of(self.read(name))
+
+
+def pair_register(name: str, pin: int) -> str:
+    return f"GP{'ABC'[pin // 32]}{name}{pin % 32 // 16 + 1}"
+
+
+def bit_register(name: str, pin: int) -> str:
+    return f"GP{'ABC'[pin // 32]}{name}"
+
+
+def settled(rig: Rig) -> Rig:
+    rig.run_until(rig.now + LONG)
+    return rig
+
+
+def given_to(*routes: tuple[int, int]) -> Rig:
+    """A rig whose pins have these MUX values in force."""
+    rig = Rig()
+    for pin, value in routes:
+        rig.mux(pin, value)
+    return settled(rig)
+
+
+def check(diagram: str, rig: Rig | None = None) -> None:
+    rig = rig or Rig()
+    start = rig.now + 1 if rig.now else 0
+    assert play(diagram, rig, 1, start) == tidy(diagram)
+
+
+# The map ---------------------------------------------------------------------
+
+ADDRESSES = {  # as Tables 39 to 41 print them, typed a second time
+    "GPACTRL": 0x6F80,
+    "GPAQSEL1": 0x6F82,
+    "GPAQSEL2": 0x6F84,
+    "GPAMUX1": 0x6F86,
+    "GPAMUX2": 0x6F88,
+    "GPADIR": 0x6F8A,
+    "GPAPUD": 0x6F8C,
+    "GPBCTRL": 0x6F90,
+    "GPBQSEL1": 0x6F92,
+    "GPBQSEL2": 0x6F94,
+    "GPBMUX1": 0x6F96,
+    "GPBMUX2": 0x6F98,
+    "GPBDIR": 0x6F9A,
+    "GPBPUD": 0x6F9C,
+    "GPCMUX1": 0x6FA6,
+    "GPCMUX2": 0x6FA8,
+    "GPCDIR": 0x6FAA,
+    "GPCPUD": 0x6FAC,
+    "GPADAT": 0x6FC0,
+    "GPASET": 0x6FC2,
+    "GPACLEAR": 0x6FC4,
+    "GPATOGGLE": 0x6FC6,
+    "GPBDAT": 0x6FC8,
+    "GPBSET": 0x6FCA,
+    "GPBCLEAR": 0x6FCC,
+    "GPBTOGGLE": 0x6FCE,
+    "GPCDAT": 0x6FD0,
+    "GPCSET": 0x6FD2,
+    "GPCCLEAR": 0x6FD4,
+    "GPCTOGGLE": 0x6FD6,
+    "GPIOXINT1SEL": 0x6FE0,
+    "GPIOXINT2SEL": 0x6FE1,
+    "GPIOXNMISEL": 0x6FE2,
+    "GPIOXINT3SEL": 0x6FE3,
+    "GPIOXINT4SEL": 0x6FE4,
+    "GPIOXINT5SEL": 0x6FE5,
+    "GPIOXINT6SEL": 0x6FE6,
+    "GPIOXINT7SEL": 0x6FE7,
+    "GPIOLPMSEL": 0x6FE8,
+}
+
+
+def test_addresses():
+    assert {r.name: BASE + r.offset for r in GPIO} == ADDRESSES
+
+
+def test_control_registers_are_protected_and_data_registers_open():
+    assert {r.name for r in GPIO if not r.protected} == {
+        f"GP{port}{name}" for port in "ABC" for name in ("DAT", "SET", "CLEAR", "TOGGLE")
+    }
+
+
+def test_words_no_register_has_read_0_and_ignore_writes():
+    rig = Rig()
+    for offset in (0x0E, 0x20, 0x58, 0x70):
+        rig.gpio.write(0, offset, 0xFFFF)
+        assert rig.gpio.read(0, offset) == 0
+
+
+# Reset -----------------------------------------------------------------------
+
+
+@pytest.mark.rule("SYS-047")
+def test_after_reset_all_pins_are_synchronised_inputs_with_latch_0():
+    rig = Rig()
+    for name in ("MUX1", "MUX2", "DIR", "QSEL1", "QSEL2", "CTRL"):
+        for port in "ABC":
+            assert f"GP{port}{name}" not in GPIO or rig.read(f"GP{port}{name}") == 0
+    assert rig.gpio.driven == 0
+    check("""
+        > GPIO12         1 0 . 1 . .
+        < GPADAT.GPIO12  1 . 0 . 1 .
+    """)
+    rig.write("GPADIR", 0xFFFF_FFFF)
+    settled(rig)
+    assert (rig.gpio.driven, rig.gpio.out) == (0xFFFF_FFFF, 0)
+
+
+@pytest.mark.rule("SYS-048", "I2C-031")
+def test_pull_ups_are_on_except_on_gpio0_to_11():
+    rig = Rig()
+    assert rig.gpio.pulled_up() == ALL & ~0xFFF
+    assert [rig.read(f"GP{port}PUD") for port in "ABC"] == [0xFFF, 0, 0]
+    assert [rig.read(f"GP{port}DAT") for port in "ABC"] == [0xFFFF_F000, 0xFFFF_FFFF, 0x00FF_FFFF]
+    rig.set("GPBPUD", GPIO32=1)
+    rig.set("GPAPUD", GPIO3=0)
+    settled(rig)
+    assert (rig.read("GPADAT"), rig.read("GPBDAT")) == (0xFFFF_F008, 0xFFFF_FFFE)
+
+
+def test_reset_lets_go_of_everything_at_once():
+    rig = given_to((32, 1), (33, 1))
+    rig.write("GPASET", 0x10)
+    rig.set("GPADIR", GPIO4=1)
+    settled(rig)
+    rig.edge(rig.now, 32, 0, exact=True)
+    settled(rig)
+    version, routes = rig.gpio.out_version, rig.gpio.routes_version
+    rig.gpio.reset(rig.now)
+    assert (rig.gpio.driven, rig.gpio.out, rig.gpio.source("SDAA")) == (0, 0, None)
+    assert (rig.gpio.out_version, rig.gpio.routes_version) == (version + 1, routes + 1)
+    assert rig.gpio.changed == [("SDAA", 1)]
+    settled(rig)
+    assert [rig.read(f"GP{port}DAT") for port in "ABC"] == [0xFFFF_F000, 0xFFFF_FFFE, 0x00FF_FFFF]
+
+
+# Latch, direction, pad -------------------------------------------------------
+
+
+@pytest.mark.rule("SYS-060", "SYS-061", "SYS-062", "SYS-066")
+def test_set_clear_and_toggle():
+    check("""
+        > GPADIR.GPIO4     1 . . . . . . . . . .
+        > GPASET.GPIO4     . . 1 0 . . . . . . .
+        > GPACLEAR.GPIO4   . . 0 . 1 . . 0 . . .
+        > GPATOGGLE.GPIO4  . . . . . . 1 0 1 . .
+        < pad4             f 0 . 1 . 0 . 1 . 0 .
+        < GPADAT.GPIO4     0 . . . 1 . 0 . 1 . 0
+        < GPASET.GPIO4     0 . . . . . . . . . .
+        < GPACLEAR.GPIO4   0 . . . . . . . . . .
+        < GPATOGGLE.GPIO4  0 . . . . . . . . . .
+    """)
+
+
+@pytest.mark.rule("SYS-060", "SYS-061", "SYS-062")
+def test_zeros_leave_the_other_latches_alone():
+    rig = Rig()
+    rig.write("GPADIR", 0xFF)
+    rig.write("GPASET", 0x0F)
+    rig.write("GPACLEAR", 0x01)
+    rig.write("GPATOGGLE", 0x12)
+    settled(rig)
+    assert rig.gpio.out == 0x1C
+
+
+@pytest.mark.rule("SYS-057")
+@pytest.mark.parametrize("port", "ABC")
+def test_a_dat_write_loads_the_latch_of_the_whole_port(port):
+    rig, pins = Rig(), PORT_OF[port]
+    every = (1 << len(pins)) - 1
+    rig.write(f"GP{port}DIR", every)
+    rig.write(f"GP{port}DAT", 0xA5A5_5A5A)
+    settled(rig)
+    assert rig.gpio.out == (0xA5A5_5A5A & every) << pins[0]
+    rig.write(f"GP{port}DAT", 0)
+    settled(rig)
+    assert rig.gpio.out == 0
+
+
+def test_a_16_bit_dat_write_loads_its_half_only():
+    rig = Rig()
+    rig.write("GPADIR", 0xFFFF_FFFF)
+    rig.write("GPASET", 0xFFFF_FFFF)
+    rig.gpio.write(rig.now, GPIO["GPADAT"].offset, 0x1234)
+    settled(rig)
+    assert rig.gpio.out == 0xFFFF_1234
+
+
+@pytest.mark.rule("SYS-058", "SYS-063", "SYS-065")
+@pytest.mark.parametrize("name", ["GPASET", "GPATOGGLE", "GPADAT"])
+def test_the_latch_of_an_input_is_kept_and_drives_when_the_pin_becomes_an_output(name):
+    check(f"""
+        > {name}.GPIO4  1 . . . . . . .
+        > GPADIR.GPIO4  . . . 1 . . 0 .
+        < pad4          f . . . 1 . . f
+    """)
+
+
+@pytest.mark.rule("SYS-058", "SYS-064")
+def test_a_pin_given_to_a_module_has_no_direction_and_drives_no_latch():
+    check("""
+        > GPASET.GPIO29   1 . . . . . . . . . .
+        > GPADIR.GPIO29   1 . . . . . 0 . . 1 .
+        > GPAMUX2.GPIO29  . . 1 . . . . . . . .
+        < pad29           f 1 . . . f . . . . .
+    """)
+
+
+@pytest.mark.rule("SYS-059")
+def test_a_read_modify_write_of_dat_copies_pad_levels_into_latches():
+    """GPIO5 drives 1 but its pad is held low from outside: setting GPIO4 by DAT clears GPIO5's latch."""
+    rig = Rig()
+    rig.set("GPADIR", GPIO4=1, GPIO5=1)
+    rig.write("GPASET", 1 << 5)
+    settled(rig)
+    rig.edge(rig.now, 5, 0, exact=False)
+    settled(rig)
+    assert rig.pad(5) == 1
+    rig.set("GPADAT", GPIO4=1)
+    settled(rig)
+    assert (rig.pad(4), rig.pad(5)) == (1, 0)
+
+
+@pytest.mark.rule("SYS-059", "SYS-066")
+def test_two_quick_dat_read_modify_writes_undo_the_first():
+    """The second read comes before the first pin reads back: a classic of firmware."""
+    rig = Rig()
+    rig.write("GPADIR", 0b11)
+    settled(rig)
+    rig.set("GPADAT", GPIO0=1)
+    rig.run_until(rig.now + 1)
+    rig.set("GPADAT", GPIO1=1)
+    settled(rig)
+    assert (rig.pad(0), rig.pad(1)) == (0, 1)
+
+
+@pytest.mark.rule("SYS-066")
+@pytest.mark.parametrize(
+    ("delay", "pad", "dat"),
+    [
+        (1, "0 . . 1 . . . .", "0 . . . 1 . . ."),
+        (0, "0 . 1 . . . . .", "0 . . 1 . . . ."),
+        (2, "0 . . . 1 . . .", "0 . . . . 1 . ."),
+    ],
+)
+def test_open_gpio_out_delay(delay, pad, dat):
+    rig = Rig(gpio_out_delay=delay)
+    assert not rig.gpio.touched
+    rig.set("GPADIR", GPIO4=1)
+    settled(rig)
+    check(
+        f"""
+        > GPASET.GPIO4  . . 1 . . . . .
+        < pad4          {pad}
+        < GPADAT.GPIO4  {dat}
+        """,
+        rig,
+    )
+    assert rig.gpio.out_delay == delay
+    assert rig.gpio.touched == {"gpio_out_delay"}
+
+
+def test_writes_in_successive_cycles_all_reach_the_pad():
+    rig = Rig(gpio_out_delay=2)
+    rig.set("GPADIR", GPIO4=1)
+    settled(rig)
+    check(
+        """
+        > GPASET.GPIO4    1 . . . . . .
+        > GPACLEAR.GPIO4  . 1 . . . . .
+        > GPATOGGLE.GPIO4 . . 1 . . . .
+        < pad4            0 . 1 0 1 . .
+        """,
+        rig,
+    )
+
+
+def test_a_32_bit_write_changes_all_pads_at_once():
+    rig = Rig()
+    rig.write("GPADIR", 0xFFFF_FFFF)
+    settled(rig)
+    version = rig.gpio.out_version
+    rig.write("GPASET", 0xFFFF_FFFF)
+    settled(rig)
+    assert (rig.gpio.out, rig.gpio.out_version) == (0xFFFF_FFFF, version + 1)
+
+
+# Multiplexer -----------------------------------------------------------------
+
+ROUTES = [  # Tables 47, 48: signal, pin, MUX value
+    pytest.param("SDAA", 32, 1, marks=pytest.mark.rule("SYS-051", "I2C-029")),
+    pytest.param("SCLA", 33, 1, marks=pytest.mark.rule("SYS-051", "I2C-029")),
+    *(pytest.param("SCITXDA", pin, 1, marks=pytest.mark.rule("SYS-052")) for pin in (29, 35)),
+    *(pytest.param("SCIRXDA", pin, 1, marks=pytest.mark.rule("SYS-052")) for pin in (28, 36)),
+    *(pytest.param("SCITXDB", pin, mux, marks=pytest.mark.rule("SYS-053")) for pin, mux in ((9, 2), (14, 2), (18, 2))),
+    *(pytest.param("SCIRXDB", pin, mux, marks=pytest.mark.rule("SYS-053")) for pin, mux in ((11, 2), (15, 2), (19, 2))),
+    pytest.param("SCITXDB", 22, 3, marks=pytest.mark.rule("SYS-053")),
+    pytest.param("SCIRXDB", 23, 3, marks=pytest.mark.rule("SYS-053")),
+    pytest.param("SCITXDC", 63, 1, marks=pytest.mark.rule("SYS-054")),
+    pytest.param("SCIRXDC", 62, 1, marks=pytest.mark.rule("SYS-054")),
+]
+
+
+@pytest.mark.parametrize(("signal", "pin", "mux"), ROUTES)
+def test_routes(signal, pin, mux):
+    rig = given_to((pin, mux))
+    gpio = rig.gpio
+    for other in INPUTS:
+        assert gpio.source(other) == (pin if other == signal else None)
+    for other in OUTPUTS:
+        assert gpio.sink(other) == ((pin,) if other == signal else ())
+    assert not gpio.notes
+
+
+@pytest.mark.rule("SYS-051", "SYS-052", "SYS-053", "SYS-054", "SYS-049")
+def test_no_other_multiplexer_value_reaches_a_modelled_module():
+    found = set()
+    for pin in range(88):
+        for mux in (1, 2, 3):
+            rig = given_to((pin, mux))
+            found |= {(signal, pin, mux) for signal in INPUTS if rig.gpio.source(signal) == pin}
+            found |= {(signal, pin, mux) for signal in OUTPUTS if pin in rig.gpio.sink(signal)}
+    assert found == {param.values for param in ROUTES}
+
+
+OTHER_MODULES = [  # samples of Tables 47 to 49, typed a second time
+    *((0, 1, "EPWM1A"), (6, 2, "EPWMSYNCI"), (13, 3, "MDRB"), (14, 1, "TZ3"), (15, 3, "MFSXB"), (19, 1, "SPISTEA")),
+    *((24, 3, "MDXB"), (27, 2, "EQEP2S"), (28, 2, "XZCS6"), (31, 1, "CANTXA"), (32, 3, "ADCSOCAO"), (34, 1, "ECAP1")),
+    *((37, 3, "XZCS7"), (47, 2, "XA7"), (48, 1, "ECAP5"), (57, 1, "SPISTEA"), (63, 2, "XD16"), (64, 3, "XD15")),
+    *((79, 2, "XD0"), (80, 2, "XA8"), (87, 3, "XA15")),
+]
+
+
+@pytest.mark.rule("SYS-049")
+@pytest.mark.parametrize(("pin", "mux", "name"), OTHER_MODULES)
+def test_a_pin_given_to_a_module_that_is_not_modelled_floats(pin, mux, name):
+    rig = Rig()
+    rig.set(bit_register("DIR", pin), **{f"GPIO{pin}": 1})
+    settled(rig)
+    assert rig.pad(pin) == 0
+    rig.mux(pin, mux)
+    settled(rig)
+    assert rig.pad(pin) == FLOATING
+    assert [note.code for note in rig.gpio.notes] == ["unknown"]
+    assert f"GPIO{pin} is given to {name}," in rig.gpio.notes[0].text
+
+
+@pytest.mark.rule("SYS-049")
+@pytest.mark.parametrize(("pin", "mux"), [(0, 2), (0, 3), (4, 2), (38, 1), (47, 1)])
+def test_a_reserved_multiplexer_value_is_told(pin, mux):
+    rig = given_to((pin, mux))
+    assert [note.code for note in rig.gpio.notes] == ["duty"]
+    assert f"GPIO{pin} is multiplexed to the reserved value {mux}" in rig.gpio.notes[0].text
+
+
+def test_on_port_c_values_0_and_1_are_both_the_port():
+    rig = given_to((64, 1))
+    rig.set("GPCDIR", GPIO64=1)
+    settled(rig)
+    assert rig.pad(64) == 0
+    assert not rig.gpio.notes
+
+
+@pytest.mark.rule("SYS-050")
+def test_a_multiplexer_write_acts_after_two_cycles():
+    rig = Rig()
+    rig.edge(0, 28, 0, exact=False)
+    check(
+        """
+        > GPAMUX2.GPIO28  . 1 . . . 0 . . .
+        < GPAMUX2.GPIO28  0 1 . . . 0 . . .
+        < SCIRXDA         1 . . 0 . . . 1 .
+        """,
+        rig,
+    )
+
+
+@pytest.mark.rule("SYS-050")
+def test_routes_version_counts_when_the_write_acts():
+    rig = Rig()
+    before = rig.gpio.routes_version
+    rig.mux(28, 1)
+    assert rig.gpio.next_wake == CONFIGURATION_DELAY
+    rig.run_until(1)
+    assert (rig.gpio.routes_version, rig.gpio.source("SCIRXDA")) == (before, None)
+    rig.run_until(2)
+    assert (rig.gpio.routes_version, rig.gpio.source("SCIRXDA")) == (before + 1, 28)
+
+
+@pytest.mark.rule("SYS-055", "I2C-030")
+@pytest.mark.parametrize("signal", INPUTS)
+def test_an_input_without_a_pin_is_1(signal):
+    rig = Rig()
+    for pin in range(88):
+        rig.pin(0, pin, 0)
+    settled(rig)
+    assert rig.gpio.source(signal) is None
+    assert rig.gpio.peripheral_level(rig.now, signal) == 1
+
+
+@pytest.mark.rule("SYS-055")
+@pytest.mark.parametrize(("signal", "first", "second"), [("SCIRXDA", (28, 1), (36, 1)), ("SCIRXDB", (11, 2), (23, 3))])
+def test_an_input_with_two_pins_is_1_and_the_mistake_is_told(signal, first, second):
+    rig = Rig()
+    for pin, _ in (first, second):
+        rig.pin(0, pin, 0)
+    rig.mux(*first)
+    settled(rig)
+    assert (rig.seen[signal], rig.gpio.source(signal)) == (0, first[0])
+    rig.mux(*second)
+    settled(rig)
+    assert (rig.seen[signal], rig.gpio.source(signal)) == (1, None)
+    assert [note.code for note in rig.gpio.notes] == ["duty"]
+    rig.mux(first[0], 0)
+    settled(rig)
+    assert (rig.seen[signal], rig.gpio.source(signal)) == (0, second[0])
+
+
+def test_an_output_may_have_several_pins():
+    assert given_to((29, 1), (35, 1)).gpio.sink("SCITXDA") == (29, 35)
+
+
+# Input -----------------------------------------------------------------------
+
+
+@pytest.mark.rule("SYS-067", "I2C-031")
+def test_synchronised_shows_an_edge_at_the_first_cycle_strictly_after_it():
+    check("""
+        > GPIO13~        1 . 0 . 1 . . .
+        > GPIO12         1 . 0 . 1 . . .
+        < GPADAT.GPIO12  1 . . 0 . 1 . .
+        < GPADAT.GPIO13  1 . 0 . 1 . . .
+    """)
+
+
+@pytest.mark.rule("SYS-067", "I2C-031")
+def test_synchronised_delays_a_module_s_input_by_at_most_one_cycle():
+    check(
+        """
+        > GPIO33~  1 . 0 . 1 . . .
+        > GPIO32   1 . 0 . 1 . . .
+        < SDAA     1 . . 0 . 1 . .
+        < SCLA     1 . 0 . 1 . . .
+        """,
+        given_to((32, 1), (33, 1)),
+    )
+
+
+@pytest.mark.rule("SYS-068", "I2C-031")
+def test_asynchronous_delays_a_module_s_input_not_at_all():
+    rig = given_to((32, 1), (33, 1))
+    rig.select(32, 3)
+    rig.select(33, 3)
+    settled(rig)
+    check(
+        """
+        > GPIO33~  1 . 0 . 1 . . .
+        > GPIO32   1 . 0 . 1 . . .
+        < SDAA     1 . 0 . 1 . . .
+        < SCLA     1 . 0 . 1 . . .
+        """,
+        rig,
+    )
+
+
+@pytest.mark.rule("SYS-069")
+def test_asynchronous_on_a_port_input_is_synchronised():
+    rig = Rig()
+    rig.select(12, 3)
+    settled(rig)
+    check(
+        """
+        > GPIO12         1 . 0 . 1 . . .
+        < GPADAT.GPIO12  1 . . 0 . 1 . .
+        """,
+        rig,
+    )
+
+
+@pytest.mark.rule("SYS-056")
+@pytest.mark.parametrize("mux", [0, 1, 2, 3])
+def test_dat_shows_the_pad_in_every_multiplexer_setting(mux):
+    check(
+        """
+        > GPIO29~        1 . 0 . 1 . 0 .
+        < GPADAT.GPIO29  1 . 0 . 1 . 0 .
+        """,
+        given_to((29, mux)),
+    )
+
+
+@pytest.mark.rule("SYS-056", "SYS-070")
+@pytest.mark.parametrize("mux", [0, 1])
+def test_dat_and_module_show_the_level_behind_the_sampler(mux):
+    rig = given_to((28, mux))
+    rig.select(28, 1)
+    settled(rig)
+    check(
+        f"""
+        > GPIO28~        1 . 0 . 1 . . 0 . . . 1 . . .
+        < GPADAT.GPIO28  1 . . . . . . . . 0 . . . 1 .
+        < SCIRXDA        {"1 . . . . . . . . 0 . . . 1 ." if mux else "1 . . . . . . . . . . . . . ."}
+        """,
+        rig,
+    )
+
+
+@pytest.mark.rule("SYS-070", "SYS-067")
+def test_the_sampler_stands_behind_the_synchroniser():
+    rig = Rig()
+    rig.select(28, 2)
+    settled(rig)
+    check(
+        """
+        > GPIO28         1 . 0 . . . . . . . .
+        < GPADAT.GPIO28  1 . . . . . . . 0 . .
+        """,
+        rig,
+    )
+
+
+@pytest.mark.rule("SYS-050")
+def test_a_qualifier_select_acts_after_two_cycles():
+    check("""
+        > GPAQSEL2.GPIO28  . . 1 . . . . . . .
+        > GPIO28~          1 0 . 1 . 0 1 0 . .
+        < GPADAT.GPIO28    1 0 . 1 . . . . . 0
+    """)
+
+
+def falls_after(rig: Rig, pin: int) -> set[int]:
+    """For every phase against the prescaler: cycles from a pad's fall to DAT's, with a long pause between."""
+    came = set()
+    rig.pin(rig.now, pin, 1)
+    settled(rig)
+    for _ in range(520):
+        begin = rig.now + 1
+        rig.pin(begin, pin, 0, exact=False)
+        came.add(rig.gpio.next_wake - begin)
+        rig.run_until(begin + 5000)
+        rig.pin(rig.now, pin, 1, exact=False)
+        rig.run_until(rig.now + 5000)
+    return came
+
+
+@pytest.mark.rule("SYS-071")
+@pytest.mark.parametrize(("prescale", "period"), [(0, 1), (1, 2), (3, 6), (7, 14), (255, 510)])
+def test_the_sampling_period(prescale, period):
+    """The fall shows with the third sample: 2 periods after the first, which comes within one."""
+    rig = Rig()
+    rig.set("GPACTRL", QUALPRD1=prescale)
+    rig.select(12, 1)
+    settled(rig)
+    came = falls_after(rig, 12)
+    assert came == set(range(2 * period, 3 * period))
+
+
+@pytest.mark.rule("SYS-071")
+@pytest.mark.parametrize("pin", range(64))
+def test_the_sampling_period_is_set_for_eight_pins(pin):
+    port = "AB"[pin // 32]
+    for group in range(4):
+        rig = Rig()
+        rig.set(f"GP{port}CTRL", **{f"QUALPRD{group}": 50})
+        rig.select(pin, 1)
+        settled(rig)
+        rig.pin(rig.now, pin, 1, exact=False)
+        settled(rig)
+        rig.pin(rig.now, pin, 0, exact=False)
+        slow = rig.gpio.next_wake - rig.now > 100
+        assert slow == (group == pin % 32 // 8)
+
+
+@pytest.mark.rule("SYS-072", "SYS-073", "SYS-074")
+def test_pulses_against_the_window_at_a_pin():
+    """QUALPRD = 2, three samples: 8 cycles never pass, 9 in one phase of four, 13 always."""
+    passed = {8: 0, 9: 0, 12: 0, 13: 0}
+    for width in passed:
+        rig = Rig()
+        rig.set("GPACTRL", QUALPRD1=2)
+        rig.select(12, 1)
+        settled(rig)
+        for _ in range(4):
+            rig.pin(rig.now, 12, 0, exact=False)
+            rig.run_until(rig.now + width - 1)
+            shown = [rig.read("GPADAT") >> 12 & 1]
+            rig.pin(rig.now + 1, 12, 1, exact=False)
+            passed[width] += shown == [0]
+            rig.run_until(rig.now + 1001 - width + 1)
+    assert passed == {8: 0, 9: 1, 12: 4, 13: 4}
+
+
+@pytest.mark.rule("SYS-075")
+def test_port_c_has_no_sampler():
+    assert not {"GPCCTRL", "GPCQSEL1", "GPCQSEL2"} & {r.name for r in GPIO}
+    rig = Rig()
+    for offset in (0x20, 0x21, 0x22, 0x23, 0x24, 0x25):  # where ports A and B have them
+        rig.gpio.write(0, offset, 0xFFFF)
+    settled(rig)
+    check(
+        """
+        > GPIO87         1 . 0 1 . .
+        < GPCDAT.GPIO87  1 . . 0 1 .
+        """,
+        rig,
+    )
+
+
+@pytest.mark.rule("SYS-076")
+@pytest.mark.parametrize("write", ["GPAMUX2.GPIO28", "GPADIR.GPIO28"])
+def test_multiplexer_and_direction_do_not_reset_the_sampler(write):
+    """Six samples; the pad is held from outside, the setting acts amid the run."""
+    rig = Rig()
+    rig.select(28, 2)
+    rig.edge(0, 28, 1, exact=True)
+    settled(rig)
+    check(
+        f"""
+        > GPIO28~        1 . 0 . . . . . . .
+        > {write}        . . 1 . . . . . . .
+        < GPADAT.GPIO28  1 . . . . . . 0 . .
+        """,
+        rig,
+    )
+
+
+@pytest.mark.rule("SYS-077")
+def test_gpioinenclk_switches_off_and_resets_the_input_of_outputs():
+    rig = Rig()
+    rig.set("GPADIR", GPIO4=1)
+    rig.set("GPASET", GPIO4=1)
+    settled(rig)
+    check(
+        """
+        > GPIOIN           1 0 . . . . . 1 . .
+        > GPATOGGLE.GPIO4  . . . 1 . 1 . . . .
+        < pad4             1 . . . 0 . 1 . . .
+        < GPADAT.GPIO4     1 0 . . . . . 1 . .
+        """,
+        rig,
+    )
+
+
+@pytest.mark.rule("SYS-077")
+def test_gpioinenclk_leaves_no_residue_in_the_sampler():
+    """With six samples the path begins again at 0 and needs six samples of 1."""
+    rig = Rig()
+    rig.set("GPADIR", GPIO4=1)
+    rig.set("GPASET", GPIO4=1)
+    rig.select(4, 2)
+    settled(rig)
+    check(
+        """
+        > GPIOIN        1 0 . 1 . . . . . . .
+        < GPADAT.GPIO4  1 0 . . . . . . . 1 .
+        """,
+        rig,
+    )
+
+
+@pytest.mark.rule("SYS-077")
+def test_gpioinenclk_does_not_touch_inputs():
+    check("""
+        > GPIOIN         0 . . . . .
+        > GPIO12~        1 . 0 . 1 .
+        < GPADAT.GPIO12  1 . 0 . 1 .
+    """)
+
+
+@pytest.mark.rule("SYS-077", "I2C-032")
+@pytest.mark.parametrize("mux", [0, 1])
+def test_gpioinenclk_does_not_touch_the_i2c_pins(mux):
+    rig = given_to((32, mux), (33, mux))
+    rig.set("GPBDIR", GPIO32=1, GPIO33=1)
+    settled(rig)
+    rig.gpio.gpioin_enabled(rig.now, False)
+    check(
+        f"""
+        > GPIO32~        1 . 0 . 1 .
+        > GPIO33~        1 . . 0 1 .
+        < GPBDAT.GPIO32  1 . 0 . 1 .
+        < GPBDAT.GPIO33  1 . . 0 1 .
+        < SDAA           {"1 . 0 . 1 ." if mux else "1 . . . . ."}
+        < SCLA           {"1 . . 0 1 ." if mux else "1 . . . . ."}
+        """,
+        rig,
+    )
+
+
+# External interrupt selects --------------------------------------------------
+
+
+@pytest.mark.rule("SYS-079")
+@pytest.mark.parametrize("line", range(1, 8))
+@pytest.mark.parametrize("select", [0, 1, 17, 31])
+def test_each_xint_line_selects_a_pin_of_its_port(line, select):
+    pin = select + (0 if line <= 2 else 32)
+    rig = Rig()
+    rig.set(f"GPIOXINT{line}SEL", GPIOSEL=select)
+    for other in range(88):
+        rig.pin(0, other, 0)
+    settled(rig)
+    rig.gpio.watch_xints(rig.now, 0x7F)
+    for other in range(88):
+        rig.pin(rig.now, other, int(other == pin), exact=False)
+    assert (f"XINT{line}", 1) in rig.gpio.changed
+    assert rig.gpio.xint_levels(rig.now) >> (line - 1) & 1
+    rig.gpio.changed.clear()
+    for other in set(range(88)) - {pin}:
+        rig.pin(rig.now, other, 1, exact=False)
+    assert f"XINT{line}" not in dict(rig.gpio.changed)
+
+
+def test_a_watched_line_tells_with_the_qualified_level():
+    rig = Rig()
+    rig.select(7, 1)
+    rig.set("GPIOXINT1SEL", GPIOSEL=7)
+    rig.set("GPIOXINT2SEL", GPIOSEL=8)
+    settled(rig)
+    rig.gpio.watch_xints(rig.now, 0b11)
+    begin = rig.now + 10
+    rig.pin(begin, 7, 1)
+    rig.pin(begin, 8, 1)
+    assert (rig.gpio.next_wake, rig.gpio.changed) == (begin + 1, [])
+    rig.gpio.wake(begin + 1)
+    assert (rig.gpio.next_wake, rig.gpio.changed) == (begin + 3, [("XINT2", 1)])
+    rig.gpio.wake(begin + 3)
+    assert (rig.gpio.next_wake, rig.gpio.changed) == (NEVER, [("XINT2", 1), ("XINT1", 1)])
+
+
+@pytest.mark.parametrize("exact", [True, False])
+def test_a_later_edge_of_another_pin_does_not_hide_a_watched_one(exact):
+    rig = Rig()
+    rig.gpio.watch_xints(0, 0b1)
+    rig.pin(10, 0, 1)
+    rig.pin(11, 20, 0, exact)  # the owner brings pads before wake-ups
+    rig.gpio.wake(11)
+    assert rig.gpio.changed == [("XINT1", 1)]
+
+
+def test_a_pulse_that_no_cycle_sees_is_not_told():
+    """Up exactly on cycle 10, down before cycle 11: the synchroniser at 11 finds it low."""
+    rig = Rig()
+    rig.gpio.watch_xints(0, 0b1)
+    rig.pin(10, 0, 1)
+    rig.pin(11, 0, 0, exact=False)
+    rig.gpio.wake(11)
+    assert rig.gpio.changed == []
+
+
+def test_selecting_a_pin_of_another_level_is_an_edge():
+    rig = Rig()
+    rig.gpio.watch_xints(0, 0b1)
+    rig.set("GPIOXINT1SEL", GPIOSEL=12)  # pulled up; GPIO0 is low
+    assert rig.gpio.changed == [("XINT1", 1)]
+
+
+# Cost, honesty, bad input ----------------------------------------------------
+
+
+@pytest.mark.parametrize("select", [0, 3])
+@pytest.mark.parametrize("exact", [True, False])
+def test_a_module_s_pin_that_is_not_sampled_costs_no_wake_up(select, exact):
+    rig = given_to((32, 1), (33, 1), (28, 1))
+    for pin in (28, 32, 33):
+        rig.select(pin, select)
+    settled(rig)
+    for cycle in range(rig.now, rig.now + 100):
+        for pin in (28, 32, 33):
+            rig.pin(cycle, pin, cycle & 1, exact)
+            assert rig.gpio.next_wake == NEVER
+    assert not rig.gpio.changed
+
+
+def test_a_pin_taken_from_its_module_amid_an_edge_announces_the_edge():
+    """The edge falls on the very cycle in which the multiplexer turns the pin back into a port input."""
+    rig = given_to((28, 1))
+    rig.mux(28, 0)
+    acts = rig.now + CONFIGURATION_DELAY
+    rig.pin(acts, 28, 0)
+    rig.gpio.wake(acts)
+    assert (rig.gpio.peek(acts, 0x41) >> 12 & 1, rig.gpio.next_wake) == (1, acts + 1)
+    rig.gpio.wake(acts + 1)
+    assert (rig.gpio.peek(acts + 1, 0x41) >> 12 & 1, rig.gpio.next_wake) == (0, NEVER)
+
+
+PINS_AT_PLAY = (4, 12, 28, 32, 70)
+WRITES = st.tuples(
+    st.sampled_from(["SET", "CLEAR", "TOGGLE", "DAT", "DIR", "MUX1", "MUX2", "QSEL1", "QSEL2", "CTRL", "PUD"]),
+    st.sampled_from("AB"),
+    st.integers(0, 0xFFFF_FFFF),
+)
+EDGES = st.tuples(st.sampled_from(PINS_AT_PLAY), st.integers(0, 1), st.booleans())
+GATE = st.booleans()
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(st.tuples(st.integers(1, 40), st.one_of(WRITES, EDGES, EDGES, GATE)), max_size=25))
+def test_nothing_readable_changes_without_an_input_or_a_due_wake_up(steps):
+    """Two rigs: one asked only at inputs and due wake-ups, one in every cycle."""
+    lazy, eager = Rig(), Rig()
+    for rig in (lazy, eager):
+        rig.gpio.watch_xints(0, 0x7F)  # so that pins of modules announce themselves, too
+    heard = 0
+    shown = visible(eager)
+    for gap, action in [*steps, (60, True)]:
+        end = lazy.now + gap
+        for cycle in range(lazy.now + 1, end + 1):
+            due = eager.gpio.next_wake <= cycle
+            if cycle == end:
+                act(lazy, cycle, action)
+                act(eager, cycle, action)
+            eager.gpio.wake(cycle)
+            eager.now = cycle
+            now_shown = visible(eager)
+            changed = (now_shown ^ shown) & ~heard
+            assert due or cycle == end or not changed, f"cycle {cycle}: {changed:#x}"
+            shown, heard = now_shown, unannounced(eager.gpio)
+        lazy.run_until(end)
+        assert visible(lazy) == shown
+        assert (lazy.gpio.out, lazy.gpio.driven) == (eager.gpio.out, eager.gpio.driven)
+
+
+def unannounced(gpio: Gpio) -> int:
+    """Pins whose edges the owner itself carries to their module: DAT may follow a cycle later unannounced."""
+    selected = {0, 32}  # what XINT1 to XINT7 select after reset
+    sources = [gpio.source(signal) for signal in INPUTS]
+    return sum(1 << pin for pin in sources if pin is not None and pin not in selected)
+
+
+def visible(rig: Rig) -> int:
+    return sum(rig.gpio.peek(rig.now, 0x40 + 8 * p + h) << 32 * p + 16 * h for p in range(3) for h in (0, 1))
+
+
+def act(rig: Rig, now: int, action: object) -> None:
+    if isinstance(action, bool):
+        rig.gpio.gpioin_enabled(now, action)
+    elif isinstance(action, tuple) and isinstance(action[0], int):
+        rig.pin(now, *action)
+    elif isinstance(action, tuple):
+        rig.gpio.wake(now)
+        rig.now = now
+        rig.write(f"GP{action[1]}{action[0]}", action[2])
+
+
+def test_a_pin_that_does_not_exist():
+    with pytest.raises(ValueError, match="there is no GPIO88; the pins are GPIO0 to GPIO87"):
+        Rig().gpio.wire(1 << 88)
+
+
+def test_edges_told_out_of_order():
+    rig = Rig()
+    rig.pin(5, 12, 0)
+    with pytest.raises(ValueError, match="tell edges in their order"):
+        rig.pin(5, 13, 0, exact=False)

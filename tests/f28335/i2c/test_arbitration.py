@@ -1,0 +1,265 @@
+"""I2C master: who wins when two start together, and what the loser does. SPRUG03B section 2.8, Table 10 (AL)."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from periph_sim.f28335.i2c.options import I2cOptions
+
+from ..i2c_bus import SCL, SDA, SLOT, STR, Bench, Foreign, Target
+
+rule = pytest.mark.rule
+
+
+def go(b: Bench, data: list[int], extra: str = "STP") -> None:
+    """The module under test starts; the partners made with at=None start with it."""
+    b.w("I2CCNT", len(data))
+    b.w("I2CDXR", data[0])
+    b.mode("MST TRX STT " + extra)
+
+
+def lost(b: Bench) -> Bench:
+    """A bench whose module has just lost the address to a foreign master."""
+    go(b, [1])
+    b.until(lambda: b.flag("AL"))
+    return b
+
+
+@rule("I2C-176", "I2C-177", "I2C-178", "I2C-180", "I2C-257", "I2C-259", "I2C-260")
+def test_the_module_loses_to_a_lower_address_in_the_bit_that_differs():
+    foreign = Foreign("S 48W 77 P", at=None)
+    target = Target(0x48)
+    b = Bench(target, foreign)
+    go(b, [1])
+    rise = b.edge(SCL, 1, 3)  # 101.... against 100....: the third bit
+    assert b.flags("AL MST STP") == "MST STP" or rise == b.now
+    b.until(lambda: b.flag("AL"), SLOT // 2)
+    assert b.flags("AL MST STP") == "AL"
+    assert b.m.out & 1 << SDA
+    b.run(40 * SLOT)
+    assert b.said() == "S 48W A 77 A P"
+    assert (target.got, foreign.lost, foreign.heard) == ([0x77], False, "AA")
+    assert b.m.out == 0b11
+
+
+@rule("I2C-177", "I2C-178")
+def test_the_module_wins_with_a_lower_address_and_is_undisturbed():
+    foreign = Foreign("S 58W 77 P", at=None)
+    target = Target(0x50)
+    b = Bench(target, foreign)
+    go(b, [0x12])
+    b.stopped()
+    assert b.said() == "S 50W A 12 A P"
+    assert foreign.lost and target.got == [0x12]
+    assert b.flags("AL") == ""
+
+
+@rule("I2C-176", "I2C-178", "I2C-179", "I2C-257")
+@settings(max_examples=25, deadline=None)
+@given(st.integers(0, 255), st.integers(0, 255))
+def test_with_equal_addresses_the_lower_data_byte_wins(mine: int, other: int):
+    foreign = Foreign(f"S 50W 33 {other:02x} P", at=None)
+    target = Target(0x50)
+    b = Bench(target, foreign)
+    b.w("I2CCNT", 2)
+    b.mode("MST TRX STT STP")
+    b.w("I2CDXR", 0x33)
+    b.until(lambda: b.flag("XRDY"))
+    b.w("I2CDXR", mine)
+    b.run(35 * SLOT)
+    assert target.got == [0x33, min(mine, other)]
+    assert b.said() == f"S 50W A 33 A {min(mine, other):02x} A P"
+    assert b.flag("AL") == (mine > other)
+    assert foreign.lost == (other > mine)
+
+
+@rule("I2C-176", "I2C-178", "I2C-179", "I2C-180", "I2C-257", "I2C-259")
+@pytest.mark.parametrize("first, second", [(0x21, 0x22), (0x50, 0x10), (0x7, 0x70)])
+def test_of_two_modules_the_lower_address_wins(first: int, second: int):
+    targets = [Target(first), Target(second)]
+    b = Bench(*targets, second=I2cOptions())
+    for chip, address in ((b.m, first), (b.s, second)):
+        b.w("I2CSAR", address, chip)
+        b.w("I2CCNT", 1, chip)
+        b.w("I2CDXR", address ^ 0x55, chip)
+    for chip in (b.m, b.s):
+        b.mode("MST TRX STT STP", chip=chip)
+    b.run(40 * SLOT)
+    low = min(first, second)
+    assert b.said() == f"S {low:02x}W A {low ^ 0x55:02x} A P"
+    assert (b.flag("AL", b.m), b.flag("AL", b.s)) == (int(first > second), int(second > first))
+
+
+@rule("I2C-178")
+def test_a_write_wins_over_a_read_of_the_same_address():
+    foreign = Foreign("S 50W 12 P", at=None)
+    b = Bench(Target(0x50, [0x99]), foreign)
+    b.w("I2CCNT", 1)
+    b.mode("MST STT STP")
+    b.run(40 * SLOT)
+    assert b.said() == "S 50W A 12 A P"
+    assert b.flags("AL MST") == "AL"
+
+
+@rule("I2C-261")
+@pytest.mark.parametrize("own", [0x48, 0x49])
+def test_the_loser_is_a_slave_receiver_and_answers_its_address(own: int):
+    foreign = Foreign("S 48W 77 P", at=None)
+    b = Bench(foreign)
+    b.w("I2COAR", own)
+    lost(b)
+    assert b.flags("SDIR MST") == ""
+    b.run(40 * SLOT)
+    if own == 0x48:
+        assert foreign.heard == "AA"
+        assert b.r("I2CDRR") == 0x77
+    else:
+        assert foreign.heard == "NN"
+        assert not b.flag("RRDY")
+
+
+@rule("I2C-261")
+def test_the_loser_of_a_data_byte_is_a_slave_receiver_that_nobody_has_addressed():
+    foreign = Foreign("S 50W 12 34 P", at=None)
+    b = Bench(Target(0x50), foreign)
+    b.w("I2COAR", 0x48)
+    go(b, [0x13])
+    b.run(50 * SLOT)
+    assert b.said() == "S 50W A 12 A 34 A P"
+    assert b.flags("AL MST AAS RRDY") == "AL"
+
+
+@rule("I2C-180")
+def test_the_loser_makes_no_clock_pulses_of_its_own_after_the_byte():
+    """A slower foreign master sets the pace alone: its low period is seen, not the module's."""
+    foreign = Foreign("S 48W 77 P", at=None, low=900, high=800)
+    b = lost(Bench(Target(0x48), foreign))
+    b.edge(SCL, 0, 8)
+    fall, rise, fall2 = b.edge(SCL, 0), b.edge(SCL, 1), b.edge(SCL, 0)
+    assert (rise - fall, fall2 - rise) == (900, 800)
+
+
+@rule("I2C-258", "I2C-259", "I2C-260")
+def test_a_start_tried_during_a_foreign_transfer_loses_at_once():
+    foreign = Foreign("S 48W 77 P")
+    b = Bench(Target(0x48), Target(0x50), foreign)
+    b.until(lambda: b.flag("BB"))
+    b.edge(SCL, 0, 2)
+    go(b, [1])
+    b.until(lambda: b.flag("AL"), SLOT)
+    assert b.flags("MST STP") == ""
+    b.run(40 * SLOT)
+    assert b.said() == "S 48W A 77 A P"
+
+
+@rule("I2C-262", "I2C-263", "I2C-264")
+@pytest.mark.parametrize("how", ["write 1", "write 0", "read I2CISRC", "IRS"])
+def test_how_al_is_cleared(how: str):
+    b = Bench(Target(0x48), Foreign("S 48W 77 P", at=None))
+    b.w("I2CIER", 1)
+    lost(b)
+    b.run(50)
+    if how == "write 1":
+        b.w("I2CSTR", STR["AL"])
+    elif how == "write 0":
+        b.w("I2CSTR", 0)
+    elif how == "read I2CISRC":
+        assert b.r("I2CISRC") == 1
+    else:
+        b.w("I2CMDR", 0)
+    assert b.flag("AL") == (how == "write 0")
+
+
+@rule("I2C-263")
+def test_another_code_in_i2cisrc_leaves_al():
+    b = Bench(Target(0x48), Foreign("S 48W 77 P", at=None))
+    lost(b)
+    b.w("I2CSTR", 0)
+    b.w("I2CIER", 1 << 5)
+    b.until(lambda: b.flag("SCD"))
+    b.run(50)
+    assert b.r("I2CISRC") == 6
+    assert b.flag("AL")
+
+
+@rule("I2C-257")
+def test_al_is_not_set_when_the_slave_answers():
+    b = Bench(Target(0x50, [0x00]))
+    b.read_all(1)
+    b.write_all([0xFF])
+    assert not b.flag("AL")
+
+
+@rule("I2C-181", "I2C-179")
+@pytest.mark.parametrize("mine, other, wins", [(0x58, 0x48, 0x48), (0x48, 0x58, 0x48)])
+def test_arbitration_goes_on_after_a_repeated_start_that_both_send_at_the_same_place(mine: int, other: int, wins: int):
+    foreign = Foreign(f"S 50W 33 S {other:02x}W 77 P", at=None)
+    b = Bench(Target(0x50), Target(wins), foreign)
+    go(b, [0x33], "")
+    b.until(lambda: b.flag("ARDY"))
+    assert not foreign.lost
+    b.w("I2CSAR", mine)
+    go(b, [0x66])
+    b.run(40 * SLOT)
+    assert b.said() == f"S 50W A 33 A S {wins:02x}W A {0x66 if mine == wins else 0x77:02x} A P"
+    assert (b.flag("AL"), foreign.lost) == (int(mine != wins), mine == wins)
+
+
+@rule("I2C-176", "I2C-258")
+@pytest.mark.parametrize("before, contest", [(1, True), (14, True), (15, False), (16, False), (200, False)])
+def test_a_start_of_another_that_is_not_yet_seen_behind_the_filter_is_joined(before: int, contest: bool):
+    """The module's START comes a module clock after STT; the other one came so many cycles before it."""
+    b = Bench(Target(0x50), Target(0x58))
+    b.w("I2CCNT", 1)
+    b.w("I2CDXR", 0x12)
+    foreign = Foreign("S 58W 77 P", at=b.now + 300 - before)
+    b.join(foreign)
+    b.run(300 - 15)
+    b.mode("MST TRX STT STP")
+    b.run(40 * SLOT)
+    assert b.said() == ("S 50W A 12 A P" if contest else "S 58W A 77 A P")
+    assert (foreign.lost, bool(b.flag("AL"))) == (contest, not contest)
+
+
+@rule("I2C-172", "I2C-173", "I2C-176", "I2C-179", "I2C-180", "I2C-258")
+@settings(max_examples=60, deadline=None)
+@given(
+    st.integers(0, 400),
+    st.tuples(st.integers(6, 30), st.integers(1, 30)),
+    st.tuples(st.sampled_from([0x21, 0x22, 0x50]), st.lists(st.integers(0, 255), min_size=1, max_size=3)),
+    st.tuples(st.sampled_from([0x21, 0x22, 0x50]), st.lists(st.integers(0, 255), min_size=1, max_size=3)),
+)
+def test_two_modules_of_any_clocks_that_start_about_together_lose_no_transfer_of_the_winner(
+    later: int, clock: tuple[int, int], first: tuple[int, list[int]], second: tuple[int, list[int]]
+):
+    """`later`: cycles between the two commands; the second module has its own clock."""
+    shorter = min(len(first[1]), len(second[1]))
+    assume(first == second or (first[0], first[1][:shorter]) != (second[0], second[1][:shorter]))  # I2C-181
+    targets = {a: Target(a) for a in (0x21, 0x22, 0x50)}
+    b = Bench(*targets.values(), second=I2cOptions())
+    b.w("I2CCLKL", clock[0], b.s)
+    b.w("I2CCLKH", clock[1], b.s)
+    jobs = [(b.m, *first, list(first[1])), (b.s, *second, list(second[1]))]
+    for n, (chip, address, data, _) in enumerate(jobs):
+        b.run(later * n)
+        b.w("I2CSAR", address, chip)
+        b.w("I2CCNT", len(data), chip)
+        b.mode("MST TRX STT STP", chip=chip)
+    quiet = 0
+    while quiet < 20 * SLOT:
+        before = len(b.edges)
+        for chip, _, _, left in jobs:
+            if b.flag("MST", chip) and b.flag("XRDY", chip) and left:
+                b.w("I2CDXR", left.pop(0), chip)
+        b.run(40)
+        quiet = quiet + 40 if len(b.edges) == before else 0
+    assert b.level == [1, 1]
+    winners = [(address, data) for chip, address, data, _ in jobs if not b.flag("AL", chip)]
+    assert winners
+    assert all(not b.flag("MST", chip) for chip, *_ in jobs)
+    for address, data in winners:
+        text = f"S {address:02x}W A " + "".join(f"{d:02x} A " for d in data) + "P"
+        assert text in b.said()
+        assert data in (targets[address].got, targets[address].got[: len(data)], targets[address].got[-len(data) :])

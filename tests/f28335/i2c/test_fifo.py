@@ -1,0 +1,353 @@
+"""The two 16-byte FIFOs of the I2C module, seen by a slave. SPRUG03B 3.2, Tables 21 and 22."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ..i2c_rig import BIT, FFEN, FFIENA, FFINT, FFINTCLR, FFRST, INT2, IRS, OWN, RSFULL, Rig
+
+SOON = 20
+
+
+def fifos(tx: int = 0, rx: int = 0, *, begin: bool = True, **options) -> Rig:
+    """FIFO mode; tx and rx are further bits of I2CFFTX and I2CFFRX, levels and enables."""
+    rig = Rig(**options)
+    rig.write("I2CFFTX", FFEN | FFRST | tx)
+    rig.write("I2CFFRX", FFRST | rx)
+    if begin:
+        rig.begin()
+    return rig
+
+
+def count(rig: Rig, which: str) -> int:
+    return rig.peek(f"I2CFF{which}") >> 8 & 31
+
+
+def raised(rig: Rig, which: str) -> int:
+    return rig.peek(f"I2CFF{which}") >> 7 & 1
+
+
+def read_out(rig: Rig, number: int) -> list[int]:
+    """The master reads that many bytes; the last gets a NACK, then STOP."""
+    assert rig.address(OWN, 1)
+    got = [rig.take(ack=n + 1 < number) for n in range(number)]
+    rig.stop()
+    return got
+
+
+@pytest.mark.rule("I2C-287", "I2C-292")
+def test_sixteen_bytes_fit_the_transmit_fifo():
+    rig = fifos()
+    for n in range(16):
+        assert count(rig, "TX") == n
+        rig.write("I2CDXR", 0x40 + n)
+    assert count(rig, "TX") == 16
+    assert read_out(rig, 16) == [0x40 + n for n in range(16)]
+    assert count(rig, "TX") == 0
+
+
+@pytest.mark.rule("I2C-287", "I2C-299")
+def test_sixteen_bytes_fit_the_receive_fifo():
+    rig = fifos()
+    rig.address()
+    for n in range(16):
+        assert count(rig, "RX") == n
+        assert rig.send(0x40 + n)
+        assert not rig.stretching
+    rig.stop()
+    assert count(rig, "RX") == 16
+    assert [rig.read("I2CDRR") for _ in range(16)] == [0x40 + n for n in range(16)]
+    assert count(rig, "RX") == 0
+
+
+@pytest.mark.rule("I2C-292", "I2C-299")
+@settings(max_examples=15, deadline=None)
+@given(data=st.lists(st.integers(0, 255), min_size=1, max_size=16))
+def test_what_goes_in_comes_out_in_order(data):
+    rig = fifos()
+    rig.address()
+    for byte in data:
+        rig.send(byte)
+    rig.restart()
+    while count(rig, "RX"):
+        rig.write("I2CDXR", rig.read("I2CDRR"))
+    rig.send(OWN << 1 | 1)
+    got = [rig.take(ack=n + 1 < len(data)) for n in range(len(data))]
+    rig.stop()
+    assert got == data
+
+
+@pytest.mark.rule("I2C-288", "I2C-289")
+def test_without_fifo_mode_the_registers_are_single():
+    """Reset bits and levels are set, I2CFFEN is not: nothing is counted, no flag comes, the third byte waits."""
+    rig = Rig()
+    rig.write("I2CFFTX", FFRST | FFIENA | 4)
+    rig.write("I2CFFRX", FFRST | FFIENA)
+    rig.begin()
+    rig.write("I2CDXR", 0x11)
+    rig.write("I2CDXR", 0x22)
+    assert (count(rig, "TX"), raised(rig, "TX"), raised(rig, "RX")) == (0, 0, 0)
+    rig.address()
+    rig.send(0x33)
+    rig.send(0x44)
+    assert rig.flag(RSFULL)
+    assert count(rig, "RX") == 0
+    assert rig.asked() & INT2 == 0
+
+
+@pytest.mark.rule("I2C-290", "I2C-291")
+def test_txffrst_0_empties_the_transmit_fifo_and_keeps_it_empty():
+    rig = fifos()
+    for byte in (1, 2, 3):
+        rig.write("I2CDXR", byte)
+    assert count(rig, "TX") == 3
+    rig.write("I2CFFTX", FFEN)
+    assert count(rig, "TX") == 0
+    rig.write("I2CDXR", 4)
+    assert count(rig, "TX") == 0
+    rig.write("I2CFFTX", FFEN | FFRST)
+    assert count(rig, "TX") == 0
+    rig.write("I2CDXR", 5)
+    assert count(rig, "TX") == 1
+
+
+@pytest.mark.rule("I2C-298")
+def test_rxffrst_0_empties_the_receive_fifo_and_keeps_it_empty():
+    rig = fifos()
+    rig.address()
+    rig.send(1)
+    rig.send(2)
+    assert count(rig, "RX") == 2
+    rig.write("I2CFFRX", 0)
+    assert count(rig, "RX") == 0
+    rig.send(3)
+    assert count(rig, "RX") == 0
+    rig.write("I2CFFRX", FFRST)
+    assert count(rig, "RX") == 0
+    rig.send(4)
+    assert count(rig, "RX") == 1
+    assert rig.read("I2CDRR") == 4
+
+
+# The flags
+
+
+@pytest.mark.rule("I2C-293")
+@pytest.mark.parametrize("level", [0, 1, 3])
+def test_txffint_comes_when_the_count_comes_down_to_the_level(level):
+    rig = fifos(level)
+    for n in range(4):
+        rig.write("I2CDXR", n)
+    rig.write("I2CFFTX", FFEN | FFRST | FFINTCLR | level)
+    assert raised(rig, "TX") == 0
+    rig.address(OWN, 1)
+    for last in (False, False, False, True):
+        assert raised(rig, "TX") == (count(rig, "TX") <= level)
+        rig.take(ack=not last)
+    assert raised(rig, "TX")
+
+
+@pytest.mark.rule("I2C-294")
+@pytest.mark.parametrize("level", [0, 1, 8])
+def test_txffint_comes_as_soon_as_the_fifo_is_enabled_and_irs_is_1(level):
+    rig = fifos(level, begin=False)
+    assert raised(rig, "TX") == 0
+    rig.begin()
+    rig.wait(SOON)
+    assert raised(rig, "TX")
+    rig = Rig()
+    rig.begin()
+    rig.write("I2CFFTX", FFEN | level)
+    assert raised(rig, "TX") == 0
+    rig.write("I2CFFTX", FFEN | FFRST | level)
+    rig.wait(SOON)
+    assert raised(rig, "TX")
+
+
+@pytest.mark.rule("I2C-295", "I2C-296")
+def test_txffintclr_clears_with_1_and_not_with_0_and_reads_0():
+    rig = fifos(0)
+    rig.write("I2CDXR", 0x11)
+    assert raised(rig, "TX")
+    rig.write("I2CFFTX", FFEN | FFRST)
+    assert raised(rig, "TX")
+    rig.write("I2CFFTX", FFEN | FFRST | FFINTCLR)
+    assert raised(rig, "TX") == 0
+    assert rig.read("I2CFFTX") & FFINTCLR == 0
+
+
+@pytest.mark.rule("I2C-293", "I2C-295")
+def test_txffint_stays_when_the_count_rises_above_the_level_again():
+    rig = fifos(2)
+    for n in range(5):
+        rig.write("I2CDXR", n)
+    assert raised(rig, "TX")
+
+
+@pytest.mark.rule("I2C-300")
+@pytest.mark.parametrize("level", [1, 3, 16])
+def test_rxffint_comes_when_the_count_comes_up_to_the_level(level):
+    rig = fifos(0, level)
+    rig.address()
+    for n in range(1, 17):
+        rig.send(n)
+        assert raised(rig, "RX") == (n >= level)
+
+
+@pytest.mark.rule("I2C-300", "I2C-303")
+def test_rxffint_stays_when_the_fifo_is_emptied():
+    rig = fifos(0, 1)
+    rig.address()
+    rig.send(0x11)
+    rig.read("I2CDRR")
+    assert raised(rig, "RX")
+
+
+@pytest.mark.rule("I2C-301")
+def test_rxffint_with_level_0_comes_with_enable_and_irs():
+    rig = fifos(begin=False)
+    assert raised(rig, "RX") == 0
+    rig.begin()
+    rig.wait(SOON)
+    assert raised(rig, "RX")
+    rig = Rig()
+    rig.begin()
+    rig.write("I2CFFTX", FFEN)
+    rig.write("I2CFFRX", FFRST)
+    rig.wait(SOON)
+    assert raised(rig, "RX")
+
+
+@pytest.mark.rule("I2C-302")
+@pytest.mark.parametrize("before", [False, True])
+@pytest.mark.parametrize("irs_first", [False, True])
+def test_a_level_written_before_or_with_the_enable_avoids_that(before, irs_first):
+    rig = Rig()
+    if irs_first:
+        rig.begin()
+    rig.write("I2CFFTX", FFEN)
+    if before:
+        rig.write("I2CFFRX", 4)
+    rig.write("I2CFFRX", FFRST | 4)
+    if not irs_first:
+        rig.begin()
+    rig.wait(SOON)
+    assert raised(rig, "RX") == 0
+
+
+@pytest.mark.rule("I2C-303")
+def test_rxffintclr_clears_with_1_and_not_with_0_and_reads_0():
+    rig = fifos(0, 2)
+    rig.address()
+    rig.send(1)
+    rig.send(2)
+    rig.read("I2CDRR")
+    assert raised(rig, "RX")
+    rig.write("I2CFFRX", FFRST | 2)
+    assert raised(rig, "RX")
+    rig.write("I2CFFRX", FFRST | FFINTCLR | 2)
+    assert raised(rig, "RX") == 0
+    assert rig.read("I2CFFRX") & FFINTCLR == 0
+
+
+# The requests
+
+
+@pytest.mark.rule("I2C-297", "I2C-277")
+@pytest.mark.parametrize("enabled", [0, FFIENA])
+def test_the_transmit_fifo_asks_on_the_second_line_if_enabled(enabled):
+    rig = fifos(enabled)
+    rig.wait(SOON)
+    assert raised(rig, "TX")
+    assert rig.asked() == (INT2 if enabled else 0)
+    assert rig.peek("I2CISRC") == 0
+
+
+@pytest.mark.rule("I2C-304", "I2C-277")
+@pytest.mark.parametrize("enabled", [0, FFIENA])
+def test_the_receive_fifo_asks_on_the_second_line_if_enabled(enabled):
+    rig = fifos(0, enabled | 1)
+    rig.address()
+    assert rig.asked() == 0
+    rig.send(0x11)
+    rig.wait(SOON)
+    assert raised(rig, "RX")
+    assert rig.asked() == (INT2 if enabled else 0)
+
+
+@pytest.mark.rule("I2C-305")
+def test_both_fifos_share_the_line_and_tell_by_their_flags():
+    rig = fifos(FFIENA, FFIENA | 1)
+    rig.wait(SOON)
+    assert rig.asked() == INT2
+    assert (raised(rig, "TX"), raised(rig, "RX")) == (1, 0)
+    rig.write("I2CDXR", 0x55)
+    rig.write("I2CFFTX", FFEN | FFRST | FFINTCLR | FFIENA)
+    rig.address()
+    rig.send(0x11)
+    rig.wait(SOON)
+    assert rig.asked() == INT2
+    assert (raised(rig, "TX"), raised(rig, "RX")) == (raised(rig, "TX"), 1)
+
+
+@pytest.mark.rule("I2C-297", "I2C-304")
+def test_an_enable_set_after_its_flag_raises_the_request():
+    rig = fifos()
+    rig.wait(SOON)
+    assert rig.asked() == 0
+    rig.write("I2CFFTX", FFEN | FFRST | FFIENA)
+    rig.wait(SOON)
+    assert rig.asked() == INT2
+
+
+def test_an_empty_receive_fifo_can_be_read():
+    rig = fifos()
+    rig.read("I2CDRR")
+    assert count(rig, "RX") == 0
+
+
+@pytest.mark.rule("I2C-292")
+def test_an_empty_transmit_fifo_holds_scl_until_it_gets_a_byte():
+    rig = fifos()
+    rig.address(OWN, 1)
+    rig.wait(10 * BIT)
+    assert rig.stretching
+    rig.write("I2CDXR", 0x3A)
+    assert rig.take(ack=False) == 0x3A
+
+
+@pytest.mark.rule("I2C-290")
+def test_irs_is_not_needed_to_reset_the_fifos():
+    rig = fifos()
+    rig.write("I2CDXR", 0x01)
+    rig.write("I2CMDR", 0)
+    rig.write("I2CFFTX", FFEN)
+    rig.write("I2CFFTX", FFEN | FFRST)
+    rig.write("I2CMDR", IRS)
+    assert count(rig, "TX") == 0
+    assert rig.peek("I2CFFTX") & FFINT
+
+
+@pytest.mark.rule("I2C-294", "I2C-335")
+@pytest.mark.parametrize("mode", ["level", "edge"])
+def test_after_xrs_the_transmit_flag_comes_anew(mode):
+    rig = fifos(fifo_int_mode=mode)
+    rig.wait(SOON)
+    assert raised(rig, "TX")
+    rig.chip.reset(rig.now)
+    rig.chip.gate(rig.now, True)
+    rig.begin()
+    rig.write("I2CFFTX", FFEN | FFRST)
+    assert raised(rig, "TX")
+
+
+@pytest.mark.rule("I2C-292")
+def test_a_17th_byte_for_the_transmit_fifo_is_lost_and_told():
+    rig = fifos()
+    for n in range(17):
+        rig.write("I2CDXR", n)
+    assert count(rig, "TX") == 16
+    assert [note.code for note in rig.chip.notes] == ["lost"]
+    assert read_out(rig, 16) == list(range(16))

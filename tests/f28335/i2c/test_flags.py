@@ -1,0 +1,577 @@
+"""I2CSTR as a slave sees it: what sets each flag, what clears it, and what does not. SPRUG03B Table 10.
+
+ARDY, AL and the master's NACK are in the tests of the master.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+from ..i2c_rig import (
+    AAS,
+    AD0,
+    AL,
+    ARDY,
+    BB,
+    DLB,
+    FDF,
+    IE_NACK,
+    IE_SCD,
+    IRS,
+    MST,
+    NACK,
+    NACKMOD,
+    NACKSNT,
+    OTHER,
+    OWN,
+    RRDY,
+    RSFULL,
+    SCD,
+    SDIR,
+    STR_RESET,
+    W1C,
+    XA,
+    XRDY,
+    XSMT,
+    Rig,
+    addressed,
+)
+
+TEN = 0x2C5
+
+
+def read_and_refused(**options) -> Rig:
+    """The master read one byte and answered NACK; SCL has just fallen. NACK and SDIR are 1."""
+    rig = addressed(read=1, **options)
+    rig.write("I2CDXR", 0x5A)
+    rig.take(ack=False)
+    return rig
+
+
+def overrun() -> Rig:
+    """RRDY, RSFULL and AAS are 1; the chip holds SCL."""
+    rig = addressed()
+    rig.send(0x11)
+    rig.send(0x22)
+    return rig
+
+
+def refused_and_stopped() -> Rig:
+    """As receiver the chip sent a NACK; then STOP: NACKSNT, RRDY and SCD are 1."""
+    rig = addressed(mode=NACKMOD)
+    rig.send(0x11)
+    rig.stop()
+    return rig
+
+
+def ten_bit() -> Rig:
+    """A 10-bit slave just addressed; SCL has just fallen."""
+    rig = Rig()
+    rig.begin(XA, TEN)
+    rig.start()
+    rig.send(0xF0 | TEN >> 8 << 1)
+    rig.send(TEN & 0xFF)
+    return rig
+
+
+def general_call() -> Rig:
+    rig = Rig()
+    rig.begin()
+    rig.address(0)
+    return rig
+
+
+# What every bit has in common
+
+
+@pytest.mark.rule("I2C-193")
+@pytest.mark.parametrize("make", [read_and_refused, overrun, refused_and_stopped, general_call])
+def test_writing_zeros_changes_nothing(make):
+    rig = make()
+    before = rig.status()
+    rig.write("I2CSTR", 0)
+    assert rig.status() == before
+
+
+@pytest.mark.rule("I2C-194", "I2C-013")
+@pytest.mark.parametrize("make", [read_and_refused, overrun, refused_and_stopped, general_call, Rig])
+def test_writing_ones_clears_the_w1c_flags_and_no_other(make):
+    rig = make()
+    before = rig.status()
+    rig.write("I2CSTR", 0xFFFF & ~XRDY)
+    assert rig.status() == before & ~W1C
+
+
+@pytest.mark.rule("I2C-194")
+def test_the_read_only_flags_were_1_and_0_in_the_test_above():
+    """So that it proved something for each of them, both ways."""
+    ones = overrun().status() | general_call().status()
+    assert ones & (BB | RSFULL | XSMT | AAS | AD0) == BB | RSFULL | XSMT | AAS | AD0
+    starved = addressed(read=1)
+    assert starved.flag(XSMT) == 0
+    starved.write("I2CSTR", XSMT | BB | RSFULL | AAS | AD0)
+    assert starved.status(XSMT | RSFULL | AD0) == 0
+
+
+@pytest.mark.rule("I2C-196", "I2C-202", "I2C-233", "I2C-241", "I2C-254")
+@pytest.mark.parametrize(
+    "make, flag",
+    [
+        (read_and_refused, SDIR),
+        (read_and_refused, NACK),
+        (refused_and_stopped, NACKSNT),
+        (refused_and_stopped, SCD),
+        (refused_and_stopped, RRDY),
+    ],
+)
+def test_a_one_clears_its_flag_and_leaves_the_others(make, flag):
+    rig = make()
+    before = rig.status()
+    assert before & flag
+    rig.write("I2CSTR", flag)
+    assert rig.status() == before & ~flag
+
+
+@pytest.mark.rule(
+    "I2C-200",
+    "I2C-203",
+    "I2C-212",
+    "I2C-215",
+    "I2C-225",
+    "I2C-229",
+    "I2C-234",
+    "I2C-236",
+    "I2C-242",
+    "I2C-256",
+    "I2C-329",
+)
+@pytest.mark.parametrize(
+    "make, ones",
+    [
+        (read_and_refused, SDIR | NACK),
+        (overrun, AAS | RRDY | RSFULL),
+        (refused_and_stopped, NACKSNT | SCD | RRDY),
+        (general_call, AAS | AD0),
+        (ten_bit, AAS),
+    ],
+)
+def test_irs_0_and_xrs_bring_the_default_values(make, ones):
+    rig = make()
+    assert rig.status() & ones == ones
+    rig.write("I2CMDR", 0)
+    assert rig.status() & ~BB == STR_RESET
+    rig = make()
+    rig.chip.reset(rig.now)
+    rig.chip.gate(rig.now, True)
+    assert rig.status() == STR_RESET
+
+
+@pytest.mark.rule("I2C-215", "I2C-236", "I2C-329")
+def test_reset_sets_xsmt_and_xrdy():
+    rig = addressed(read=1)
+    assert rig.flag(XSMT) == 0
+    rig.write("I2CMDR", 0)
+    assert rig.status(XSMT) == XSMT
+    rig = Rig()
+    rig.begin()
+    rig.write("I2CDXR", 1)
+    assert rig.flag(XRDY) == 0
+    rig.write("I2CMDR", 0)
+    assert rig.flag(XRDY)
+
+
+@pytest.mark.rule("I2C-246")
+def test_a_slave_never_sets_ardy():
+    for make in (read_and_refused, overrun, refused_and_stopped, general_call, ten_bit):
+        rig = make()
+        assert rig.flag(ARDY) == 0
+        rig.write("I2CMDR", 0)
+    rig = addressed()
+    rig.write("I2CCNT", 1)
+    rig.send(0x11)
+    rig.read("I2CDRR")
+    rig.restart()
+    rig.send(OWN << 1 | 1)
+    rig.write("I2CDXR", 0x22)
+    rig.take(ack=False)
+    rig.stop()
+    assert rig.status(ARDY | AL) == 0
+
+
+# SDIR
+
+
+@pytest.mark.rule("I2C-195")
+def test_sdir_tells_the_direction():
+    assert addressed(read=1).flag(SDIR)
+    assert not addressed(read=0).flag(SDIR)
+
+
+@pytest.mark.rule("I2C-198", "I2C-340")
+def test_sdir_falls_with_a_repeated_start():
+    rig = read_and_refused()
+    rig.rise(1)
+    rig.wait(rig.bit // 4)
+    assert rig.flag(SDIR)
+    rig.pull(sda=0)
+    assert rig.flag(SDIR) == 0
+    assert rig.flag(BB)
+
+
+@pytest.mark.rule("I2C-199", "I2C-220")
+def test_sdir_stays_after_the_final_nack_and_falls_with_the_stop():
+    rig = read_and_refused()
+    assert rig.status(SDIR | AAS) == SDIR
+    rig.rise(0)
+    assert rig.flag(SDIR)
+    rig.wait(rig.bit // 4)
+    rig.pull(sda=1)
+    assert rig.flag(SDIR) == 0
+
+
+@pytest.mark.rule("I2C-197")
+def test_sdir_falls_when_loopback_is_enabled():
+    rig = read_and_refused()
+    rig.write("I2CMDR", IRS)
+    assert rig.flag(SDIR)
+    rig.write("I2CMDR", IRS | MST | DLB)
+    assert rig.flag(SDIR) == 0
+
+
+# NACKSNT
+
+
+@pytest.mark.rule("I2C-201")
+def test_nacksnt_is_set_by_a_nack_that_was_sent_and_not_by_a_foreign_transfer():
+    rig = addressed(mode=NACKMOD)
+    assert rig.flag(NACKSNT) == 0
+    rig.send(0x11)
+    assert rig.flag(NACKSNT)
+    rig = Rig()
+    rig.begin()
+    rig.address(OTHER)
+    rig.send(0x11)
+    assert rig.flag(NACKSNT) == 0
+
+
+@pytest.mark.rule("I2C-204")
+def test_nacksnt_survives_start_stop_and_a_read_of_isrc():
+    rig = addressed(mode=NACKMOD)
+    rig.send(0x11)
+    rig.restart()
+    assert rig.flag(NACKSNT)
+    rig.send(OTHER << 1)
+    rig.stop()
+    assert rig.flag(NACKSNT)
+    rig.write("I2CIER", 0x7F)
+    rig.wait(20)
+    for _ in range(4):
+        rig.read("I2CISRC")
+        rig.wait(20)
+    assert rig.flag(NACKSNT)
+    rig.address()
+    assert rig.flag(NACKSNT)
+
+
+# BB
+
+
+@pytest.mark.rule("I2C-205", "I2C-207", "I2C-340")
+@pytest.mark.parametrize("address", [OWN, OTHER])
+def test_bb_lasts_from_start_to_stop_whoever_is_addressed(address):
+    rig = Rig()
+    rig.begin()
+    rig.wait(100)
+    rig.pull(sda=0)
+    assert rig.flag(BB)
+    rig.fall()
+    rig.send(address << 1)
+    rig.rise(1)
+    rig.wait(10)
+    rig.pull(sda=0)
+    assert rig.flag(BB)
+    rig.fall()
+    rig.send(address << 1)
+    rig.rise(0)
+    assert rig.flag(BB)
+    rig.wait(10)
+    rig.pull(sda=1)
+    assert rig.flag(BB) == 0
+
+
+@pytest.mark.rule("I2C-205")
+def test_a_clock_edge_without_a_start_leaves_bb_alone():
+    rig = Rig()
+    rig.begin()
+    rig.pull(scl=0)
+    rig.pull(sda=0)
+    rig.wait(100)
+    rig.pull(scl=1)
+    assert rig.flag(BB) == 0
+
+
+# RSFULL, RRDY
+
+
+@pytest.mark.rule("I2C-210", "I2C-211", "I2C-239", "I2C-240")
+def test_reading_drr_clears_rrdy_and_rsfull_and_brings_the_next_byte():
+    rig = overrun()
+    assert rig.status(RRDY | RSFULL) == RRDY | RSFULL
+    rig.read("I2CDRR")
+    assert rig.status(RRDY | RSFULL) == RRDY
+    rig.read("I2CDRR")
+    assert rig.status(RRDY | RSFULL) == 0
+
+
+@pytest.mark.rule("I2C-326", "I2C-327", "I2C-328")
+def test_a_debugger_changes_nothing():
+    rig = overrun()
+    for _ in range(2):
+        assert rig.peek("I2CDRR") == 0x11
+        assert rig.status(RRDY | RSFULL) == RRDY | RSFULL
+        assert rig.stretching
+    rig = read_and_refused()
+    rig.write("I2CIER", IE_NACK)
+    rig.wait(20)
+    for _ in range(2):
+        assert rig.peek("I2CISRC") == 2
+        assert rig.flag(NACK)
+
+
+@pytest.mark.rule("I2C-239")
+def test_rrdy_comes_with_a_data_byte_and_with_no_address():
+    rig = Rig()
+    rig.begin()
+    rig.address(OTHER)
+    rig.send(0x11)
+    rig.stop()
+    rig.address(OWN)
+    assert rig.flag(RRDY) == 0
+    rig.send(0x22)
+    assert rig.flag(RRDY)
+    assert rig.read("I2CDRR") == 0x22
+
+
+# XSMT, XRDY
+
+
+@pytest.mark.rule("I2C-213", "I2C-214", "I2C-235", "I2C-237")
+def test_xrdy_and_xsmt_follow_dxr():
+    rig = addressed(read=1)
+    assert rig.status(XRDY | XSMT) == XRDY
+    rig.write("I2CDXR", 0x11)
+    rig.wait(100)
+    assert rig.status(XRDY | XSMT) == XRDY | XSMT
+    rig.write("I2CDXR", 0x22)
+    assert rig.status(XRDY | XSMT) == XSMT
+    assert rig.take() == 0x11
+    assert rig.status(XRDY | XSMT) == XRDY | XSMT
+    assert rig.take() == 0x22
+    assert rig.status(XRDY | XSMT) == XRDY
+
+
+@pytest.mark.rule("I2C-238")
+def test_xrdy_is_not_cleared_by_writing_1():
+    rig = Rig()
+    rig.begin()
+    rig.write("I2CSTR", XRDY)
+    assert rig.flag(XRDY)
+
+
+# AAS
+
+
+@pytest.mark.rule("I2C-216", "I2C-093")
+def test_aas_is_for_the_own_address():
+    rig = Rig()
+    rig.begin()
+    rig.address(OTHER)
+    assert rig.flag(AAS) == 0
+    rig.restart()
+    rig.send(OWN << 1)
+    assert rig.flag(AAS)
+
+
+@pytest.mark.rule("I2C-217", "I2C-226")
+def test_aas_and_ad0_are_for_the_general_call():
+    rig = Rig()
+    rig.begin()
+    rig.start()
+    rig.send_bits(0, 7)
+    assert rig.status(AAS | AD0) == 0
+    rig.clock(0)
+    rig.acked()
+    assert rig.status(AAS | AD0) == AAS | AD0
+
+
+@pytest.mark.rule("I2C-218")
+def test_aas_in_free_data_format_comes_with_the_first_byte():
+    rig = Rig()
+    rig.begin(FDF)
+    rig.start()
+    rig.send_bits(0x33, 7)
+    assert rig.flag(AAS) == 0
+    rig.clock(1)
+    rig.acked()
+    assert rig.flag(AAS)
+
+
+@pytest.mark.rule("I2C-219", "I2C-251")
+def test_7_bit_aas_falls_with_the_masters_nack():
+    rig = addressed(read=1)
+    rig.write("I2CDXR", 0x5A)
+    rig.take_bits(8)
+    assert rig.status(AAS | NACK) == AAS
+    rig.clock(1)
+    assert rig.status(AAS | NACK) == NACK
+
+
+@pytest.mark.rule("I2C-220", "I2C-231")
+def test_7_bit_aas_falls_with_stop():
+    rig = addressed()
+    rig.rise(0)
+    rig.wait(10)
+    assert rig.status(AAS | SCD) == AAS
+    rig.pull(sda=1)
+    assert rig.status(AAS | SCD) == SCD
+
+
+@pytest.mark.rule("I2C-221")
+def test_7_bit_aas_falls_with_a_repeated_start():
+    rig = addressed()
+    rig.rise(1)
+    rig.wait(10)
+    assert rig.flag(AAS)
+    rig.pull(sda=0)
+    assert rig.flag(AAS) == 0
+
+
+@pytest.mark.rule("I2C-222")
+def test_10_bit_aas_falls_with_the_masters_nack():
+    rig = ten_bit()
+    rig.restart()
+    rig.send(0xF1 | TEN >> 8 << 1)
+    rig.write("I2CDXR", 0x5A)
+    rig.take_bits(8)
+    assert rig.flag(AAS)
+    rig.clock(1)
+    assert rig.flag(AAS) == 0
+
+
+@pytest.mark.rule("I2C-223")
+def test_10_bit_aas_falls_with_stop():
+    rig = ten_bit()
+    assert rig.flag(AAS)
+    rig.stop()
+    assert rig.flag(AAS) == 0
+
+
+@pytest.mark.rule("I2C-224")
+def test_10_bit_aas_survives_a_repeated_start_and_falls_with_another_address():
+    rig = ten_bit()
+    rig.restart()
+    assert rig.flag(AAS)
+    rig.send(0xF0 | TEN >> 8 << 1)
+    rig.send(TEN & 0xFF ^ 1)
+    assert rig.flag(AAS) == 0
+
+
+@pytest.mark.rule("I2C-224")
+def test_10_bit_aas_falls_with_a_foreign_first_byte():
+    rig = ten_bit()
+    rig.restart()
+    rig.send(0xF0 | (TEN >> 8 ^ 1) << 1)
+    assert rig.flag(AAS) == 0
+
+
+# AD0
+
+
+@pytest.mark.rule("I2C-227")
+def test_ad0_falls_with_a_start():
+    rig = general_call()
+    assert rig.flag(AD0)
+    rig.rise(1)
+    rig.wait(10)
+    assert rig.flag(AD0)
+    rig.pull(sda=0)
+    assert rig.flag(AD0) == 0
+
+
+@pytest.mark.rule("I2C-228")
+def test_ad0_falls_with_a_stop():
+    rig = general_call()
+    rig.rise(0)
+    rig.wait(10)
+    assert rig.flag(AD0)
+    rig.pull(sda=1)
+    assert rig.flag(AD0) == 0
+
+
+# SCD
+
+
+@pytest.mark.rule("I2C-231", "I2C-232")
+def test_scd_comes_with_stop_and_goes_with_code_6():
+    rig = addressed()
+    rig.write("I2CIER", IE_SCD)
+    rig.restart()
+    rig.send(OWN << 1)
+    assert rig.flag(SCD) == 0
+    rig.stop()
+    assert rig.flag(SCD)
+    rig.wait(20)
+    assert rig.read("I2CISRC") == 6
+    assert rig.flag(SCD) == 0
+
+
+@pytest.mark.rule("I2C-232", "I2C-255")
+def test_a_read_of_isrc_with_nothing_pending_clears_no_flag():
+    rig = read_and_refused()
+    rig.stop()
+    rig.wait(20)
+    assert rig.read("I2CISRC") == 0
+    assert rig.status(SCD | NACK) == SCD | NACK
+
+
+@pytest.mark.rule("I2C-204", "I2C-231")
+def test_a_new_start_leaves_scd_alone():
+    rig = addressed()
+    rig.stop()
+    rig.address()
+    assert rig.flag(SCD)
+
+
+# NACK
+
+
+@pytest.mark.rule("I2C-251", "I2C-255")
+def test_nack_comes_from_the_master_and_goes_with_code_2():
+    rig = addressed(read=1)
+    rig.write("I2CIER", IE_NACK)
+    rig.supply(0x5A, 0x5B)
+    rig.take(ack=True)
+    assert rig.flag(NACK) == 0
+    rig.take(ack=False)
+    assert rig.flag(NACK)
+    rig.wait(20)
+    assert rig.read("I2CISRC") == 2
+    assert rig.flag(NACK) == 0
+
+
+@pytest.mark.rule("I2C-253")
+def test_nack_falls_when_a_later_byte_is_acknowledged():
+    rig = read_and_refused()
+    rig.restart()
+    assert rig.flag(NACK)
+    rig.send(OWN << 1 | 1)
+    rig.write("I2CDXR", 0x11)
+    rig.take(ack=True)
+    assert rig.flag(NACK) == 0
+
+
+@pytest.mark.rule("I2C-251")
+def test_a_receivers_own_nack_is_not_nack():
+    rig = addressed(mode=NACKMOD)
+    rig.send(0x11)
+    assert rig.status(NACK | NACKSNT) == NACKSNT

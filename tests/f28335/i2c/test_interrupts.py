@@ -1,0 +1,318 @@
+"""I2CINT1A and I2CISRC: which flag asks, in which order, and what a read does. SPRUG03B section 3, Tables 3, 9 and 11.
+
+With the defaults the line pulses when I2CISRC takes a code. A request shows two cycles after its event.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+from ..i2c_rig import (
+    AAS,
+    AL,
+    ARDY,
+    BIT,
+    FFEN,
+    FFRST,
+    IE_AAS,
+    IE_AL,
+    IE_ARDY,
+    IE_NACK,
+    IE_RRDY,
+    IE_SCD,
+    IE_XRDY,
+    INT1,
+    IRS,
+    MST,
+    NACK,
+    NACKMOD,
+    OTHER,
+    OWN,
+    RRDY,
+    SCD,
+    SCL,
+    STT,
+    TRX,
+    XRDY,
+    Rig,
+    addressed,
+)
+
+SOON = 20  # cycles in which a request must have come
+
+
+def lose(ie: int = 0) -> Rig:
+    """AL = 1: the chip was told to start while another master held the bus."""
+    rig = Rig()
+    rig.begin()
+    rig.write("I2CIER", ie)
+    rig.address(OTHER)
+    rig.write("I2CSAR", OTHER)
+    rig.write("I2CCNT", 1)
+    rig.write("I2CMDR", IRS | MST | TRX | STT)
+    rig.wait(SOON)
+    return rig
+
+
+def refuse(ie: int = 0) -> Rig:
+    """NACK = 1: the master refused the byte it read."""
+    rig = addressed(read=1)
+    rig.write("I2CDXR", 0x5A)
+    rig.write("I2CIER", ie)
+    rig.take(ack=False)
+    return rig
+
+
+def master_done(ie: int = 0) -> Rig:
+    """ARDY = 1: the chip, as master, has sent its one byte and waits for the next command."""
+    rig = Rig()
+    rig.begin()
+    rig.write("I2CIER", ie)
+    rig.write("I2CSAR", OTHER)
+    rig.write("I2CCNT", 1)
+    rig.write("I2CDXR", 0x77)
+    rig.write("I2CMDR", IRS | MST | TRX | STT)
+    rig.wait_for(lambda: not rig.line & SCL)
+    for _ in range(2):
+        for pulse in range(9):
+            rig.pull(sda=int(pulse < 8))
+            rig.wait_for(lambda: rig.line & SCL)
+            rig.wait_for(lambda: not rig.line & SCL)
+        rig.pull(sda=1)
+    rig.wait(SOON)
+    return rig
+
+
+def receive(ie: int = 0) -> Rig:
+    """RRDY = 1."""
+    rig = addressed()
+    rig.write("I2CIER", ie)
+    rig.send(0x11)
+    return rig
+
+
+def want_data(ie: int = 0) -> Rig:
+    """XRDY = 1, a transfer wants data."""
+    rig = addressed(read=1)
+    rig.supply(0x11, 0x12)
+    rig.write("I2CIER", ie)
+    rig.take(ack=True)
+    return rig
+
+
+def stopped(ie: int = 0) -> Rig:
+    """SCD = 1."""
+    rig = addressed()
+    rig.write("I2CIER", ie)
+    rig.stop()
+    return rig
+
+
+def called(ie: int = 0) -> Rig:
+    """AAS = 1."""
+    rig = Rig()
+    rig.begin()
+    rig.write("I2CIER", ie)
+    rig.address()
+    return rig
+
+
+SOURCES = [
+    pytest.param(lose, AL, IE_AL, 1, id="AL"),
+    pytest.param(refuse, NACK, IE_NACK, 2, id="NACK"),
+    pytest.param(master_done, ARDY, IE_ARDY, 3, id="ARDY"),
+    pytest.param(receive, RRDY, IE_RRDY, 4, id="RRDY"),
+    pytest.param(want_data, XRDY, IE_XRDY, 5, id="XRDY"),
+    pytest.param(stopped, SCD, IE_SCD, 6, id="SCD"),
+    pytest.param(called, AAS, IE_AAS, 7, id="AAS"),
+]
+
+
+@pytest.mark.rule(
+    "I2C-265", "I2C-266", "I2C-267", "I2C-268", "I2C-269", "I2C-270", "I2C-271", "I2C-276", "I2C-279", "I2C-282"
+)
+@pytest.mark.parametrize("make, flag, enable, code", SOURCES)
+def test_flag_and_enable_make_a_request_with_its_code(make, flag, enable, code):
+    rig = make(enable)
+    rig.wait(SOON)
+    assert rig.flag(flag)
+    assert rig.asked() == INT1
+    if code == 5:  # its flag stays set: put it out first, so that the read below shows the code going
+        rig.write("I2CDXR", 0x13)
+    assert rig.read("I2CISRC") == code
+    rig.wait(SOON)
+    if code in (1, 2, 5, 6):
+        assert rig.read("I2CISRC") == 0
+        assert rig.asked() == 0
+
+
+@pytest.mark.rule("I2C-272", "I2C-273", "I2C-278")
+@pytest.mark.parametrize("make, flag, enable, code", SOURCES)
+def test_without_its_enable_the_flag_comes_and_no_request(make, flag, enable, code):
+    rig = make(0)
+    rig.wait(SOON)
+    assert rig.flag(flag)
+    assert rig.asked() == 0
+    assert rig.read("I2CISRC") == 0
+
+
+@pytest.mark.rule("I2C-273")
+@pytest.mark.parametrize("make, flag, enable, code", SOURCES)
+def test_one_enable_does_not_open_another(make, flag, enable, code):
+    """All enabled but the own one: whatever else may be reported, this code is not."""
+    rig = make(0x7F & ~enable)
+    codes = set()
+    for _ in range(8):
+        rig.wait(SOON)
+        codes.add(rig.read("I2CISRC"))
+    assert code not in codes
+
+
+@pytest.mark.rule("I2C-274")
+@pytest.mark.parametrize("make, flag, enable, code", SOURCES)
+def test_an_enable_set_after_its_flag_raises_the_request(make, flag, enable, code):
+    rig = make(0)
+    rig.wait(SOON)
+    rig.asked()
+    rig.write("I2CIER", enable)
+    rig.wait(SOON)
+    assert rig.asked() == INT1
+    assert rig.peek("I2CISRC") == code
+
+
+@pytest.mark.rule("I2C-275")
+def test_the_other_flags_ask_for_nothing():
+    """BB, RSFULL, XSMT = 0, AD0, SDIR and NACKSNT all come by while every enable is 1; the requests tell of others."""
+    codes = []
+
+    def drain(rig: Rig) -> None:
+        for _ in range(8):
+            rig.wait(SOON)
+            codes.append(rig.read("I2CISRC"))
+
+    rig = Rig()
+    rig.begin()
+    rig.write("I2CIER", 0x7F & ~IE_XRDY & ~IE_AAS & ~IE_RRDY & ~IE_SCD)
+    rig.address(0)  # BB, AD0
+    drain(rig)
+    rig.send(1)
+    rig.send(2)  # RSFULL
+    drain(rig)
+    rig.read("I2CDRR")
+    rig.read("I2CDRR")
+    rig.write("I2CMDR", IRS | NACKMOD)
+    rig.send(3)  # NACKSNT
+    drain(rig)
+    rig.restart()
+    rig.send(OWN << 1 | 1)  # SDIR, XSMT = 0
+    drain(rig)
+    assert set(codes) == {0}
+    assert rig.asked() == 0
+
+
+@pytest.mark.rule("I2C-276", "I2C-277")
+def test_the_seven_requests_never_use_the_fifo_line():
+    for make in (lose, refuse, receive, want_data, stopped, called):
+        rig = make(0x7F)
+        rig.wait(SOON)
+        assert rig.asked() == INT1
+
+
+@pytest.mark.rule("I2C-279", "I2C-280", "I2C-281", "I2C-282")
+def test_reading_a_code_brings_the_next_one_and_a_new_pulse():
+    """RRDY, SCD and AAS pend at once (AAS through a second address); AAS and RRDY go with their flags."""
+    rig = addressed()
+    rig.send(0x11)
+    rig.stop()
+    rig.wait(SOON)
+    assert rig.status(RRDY | SCD | AAS) == RRDY | SCD
+    rig.write("I2CIER", IE_RRDY | IE_SCD)
+    rig.wait(SOON)
+    assert rig.asked() == INT1
+    rig.read("I2CDRR")
+    assert rig.read("I2CISRC") == 4
+    rig.wait(SOON)
+    assert rig.asked() == INT1
+    assert rig.read("I2CISRC") == 6
+    rig.wait(SOON)
+    assert rig.asked() == 0
+    assert rig.read("I2CISRC") == 0
+
+
+@pytest.mark.rule("I2C-281")
+def test_a_code_that_is_not_read_brings_no_second_pulse():
+    rig = addressed()
+    rig.write("I2CIER", IE_RRDY | IE_SCD)
+    rig.send(0x11)
+    rig.stop()
+    rig.wait(BIT)
+    assert len(rig.interrupts) == 1
+
+
+@pytest.mark.rule("I2C-232", "I2C-255", "I2C-263", "I2C-283")
+@pytest.mark.parametrize("make, enable, flag", [(lose, IE_AL, AL), (refuse, IE_NACK, NACK), (stopped, IE_SCD, SCD)])
+def test_reading_codes_1_2_and_6_clears_the_flag(make, enable, flag):
+    rig = make(enable)
+    rig.wait(SOON)
+    others = rig.status() & ~flag
+    rig.read("I2CISRC")
+    assert rig.status() == others
+
+
+@pytest.mark.rule("I2C-284", "I2C-285")
+@pytest.mark.parametrize(
+    "make, enable, flag",
+    [(master_done, IE_ARDY, ARDY), (receive, IE_RRDY, RRDY), (want_data, IE_XRDY, XRDY), (called, IE_AAS, AAS)],
+)
+def test_reading_codes_3_4_5_and_7_leaves_the_flag(make, enable, flag):
+    rig = make(enable)
+    rig.wait(SOON)
+    before = rig.status()
+    rig.read("I2CISRC")
+    rig.wait(SOON)
+    assert rig.flag(flag)
+    assert rig.status() == before
+
+
+@pytest.mark.rule("I2C-283")
+def test_reading_one_code_clears_no_other_flag():
+    """Code 2 is read while SCD waits: SCD stays, and is next."""
+    rig = refuse()
+    rig.stop()
+    rig.write("I2CIER", IE_NACK | IE_SCD)
+    rig.wait(SOON)
+    assert rig.read("I2CISRC") == 2
+    rig.wait(SOON)
+    assert rig.status(NACK | SCD) == SCD
+    assert rig.read("I2CISRC") == 6
+
+
+@pytest.mark.rule("I2C-286")
+@pytest.mark.parametrize("enable, broken", [(IE_XRDY, 1), (IE_RRDY, 1), (0x7F & ~IE_XRDY & ~IE_RRDY, 0)])
+@pytest.mark.parametrize("enable_first", [False, True])
+def test_in_fifo_mode_the_byte_enables_must_be_0(enable, broken, enable_first):
+    rig = Rig()
+    if enable_first:
+        rig.write("I2CIER", enable)
+    rig.write("I2CFFTX", FFEN | FFRST)
+    if not enable_first:
+        rig.write("I2CIER", enable)
+    assert len(rig.duties()) == broken
+
+
+@pytest.mark.rule("I2C-286")
+def test_in_fifo_mode_the_other_requests_stay_usable():
+    rig = Rig()
+    rig.write("I2CFFTX", FFEN | FFRST)
+    rig.write("I2CFFRX", FFRST | 1)
+    rig.begin()
+    for enable, code in ((IE_AAS, 7), (IE_SCD, 6)):
+        rig.write("I2CIER", enable)
+        rig.address()
+        rig.stop()
+        rig.wait(SOON)
+        assert rig.asked() == INT1
+        assert rig.read("I2CISRC") == code
+        rig.write("I2CIER", 0)
+        rig.read("I2CISRC")
+        rig.asked()

@@ -1,0 +1,184 @@
+"""I2C digital loopback (DLB). SPRUG03B Table 5 (DLB), Figure 15."""
+
+from __future__ import annotations
+
+import pytest
+
+from ..i2c_bus import SCL, SDA, SLOT, Bench, Foreign, Target
+
+rule = pytest.mark.rule
+
+OWN = 0x2A
+
+
+def loop(b: Bench, data: list[int], extra: str = "STP") -> list[int]:
+    """Sends the bytes to itself; those that came back."""
+    b.w("I2COAR", OWN)
+    b.w("I2CCNT", len(data))
+    b.mode("FREE MST TRX STT DLB " + extra)
+    got, left = [], list(data)
+    while len(got) < len(data):
+        b.until(lambda: b.flag("RRDY") or (left and b.flag("XRDY")))
+        if left and b.flag("XRDY"):
+            b.w("I2CDXR", left.pop(0))
+        if b.flag("RRDY"):
+            got.append(b.r("I2CDRR"))
+    return got
+
+
+def bytes_said(b: Bench) -> list[str]:
+    """Without the answers: who acknowledges on the pin in loopback is not said."""
+    return [word for word in b.said().split() if word not in "AN"]
+
+
+@rule("I2C-307")
+@pytest.mark.parametrize("data", [[0x5C], [1, 2, 3], [0xFF, 0x00, 0xAA]])
+def test_what_leaves_i2cdxr_arrives_in_i2cdrr(data: list[int]):
+    b = Bench()
+    assert loop(b, data) == data
+
+
+@rule("I2C-307", "I2C-044", "I2C-040")
+def test_after_the_transfer_i2cmdr_reads_as_users_saw_it_on_a_sibling():
+    """0x6E60 written; 0x4260 when done: STT, STP, MST have cleared themselves."""
+    b = Bench()
+    loop(b, [0x5C])
+    b.until(lambda: not b.flag("STP"))
+    b.run(2 * SLOT)
+    assert b.r("I2CMDR") == 0x4260
+    assert b.flags("NACK AL BB") == ""
+
+
+@rule("I2C-311", "I2C-312")
+def test_the_pins_show_the_transfer_to_the_own_address():
+    b = Bench()
+    loop(b, [0x5C, 0xA3])
+    b.run(4 * SLOT)
+    assert bytes_said(b) == ["S", f"{OWN:02x}W", "5c", "a3", "P"]
+
+
+@rule("I2C-312")
+def test_without_dlb_the_address_is_i2csar():
+    b = Bench(Target(0x50))
+    b.w("I2COAR", OWN)
+    assert b.write_all([0x5C]) == "S 50W A 5c A P"
+
+
+@rule("I2C-310")
+def test_a_level_forced_on_the_sda_pin_is_not_seen():
+    b = Bench()
+    b.pull(SDA)
+    assert loop(b, [0x5C, 0xFF]) == [0x5C, 0xFF]
+    assert b.flags("AL NACK") == ""
+
+
+@rule("I2C-309")
+def test_a_level_forced_on_the_scl_pin_does_not_stop_the_clock():
+    b = Bench()
+    b.pull(SCL)
+    assert loop(b, [0x5C]) == [0x5C]
+
+
+@rule("I2C-306")
+def test_without_dlb_the_module_waits_for_the_scl_pin():
+    b = Bench(Target(0x50))
+    b.w("I2CCNT", 1)
+    b.w("I2CDXR", 0x5C)
+    b.mode("MST TRX STT STP")
+    b.edge(SCL, 0, 3)
+    b.pull(SCL)
+    assert b.held(30 * SLOT)
+    b.let_go(SCL)
+    b.stopped()
+    assert b.said() == "S 50W A 5c A P"
+
+
+@rule("I2C-306")
+def test_without_dlb_nothing_comes_back():
+    b = Bench(Target(0x50))
+    b.w("I2COAR", OWN)
+    b.write_all([0x5C])
+    assert b.flags("RRDY") == "" and b.peek("I2CDRR") == 0
+
+
+@rule("I2C-313")
+def test_loopback_needs_mst():
+    b = Bench()
+    b.duties()
+    b.mode("DLB")
+    (note,) = b.duties()
+    assert "DLB" in note.text and "MST" in note.text
+
+    b = Bench()
+    b.duties()
+    b.w("I2COAR", OWN)
+    b.mode("MST TRX DLB")
+    assert not [note for note in b.duties() if "DLB" in note.text]
+
+
+@rule("I2C-314")
+def test_loopback_in_the_free_data_format_is_not_supported():
+    b = Bench()
+    b.duties()
+    b.mode("MST TRX DLB FDF")
+    (note,) = b.duties()
+    assert "DLB" in note.text and "FDF" in note.text
+
+
+@rule("I2C-309", "I2C-310")
+def test_a_foreign_transfer_on_the_pins_is_not_heard():
+    foreign = Foreign("S 2AW 12 P")
+    b = Bench(foreign)
+    b.w("I2COAR", OWN)
+    b.mode("MST TRX DLB")
+    b.run(30 * SLOT)
+    assert foreign.done and foreign.heard == "NN"
+    assert b.flags("AAS RRDY") == ""
+
+
+# ---- leaving it: the pins are heard again, whether they move or not ------------------------------------
+
+FILTER = 16  # cycles in which an edge is behind the filter, and one more
+LEAVING = pytest.mark.parametrize("way", ["DLB written 0", "IRS written 0 and 1"])
+
+
+def leave(b: Bench, way: str) -> None:
+    if way != "DLB written 0":
+        b.w("I2CMDR", 0)
+    b.mode("")
+    b.run(FILTER)
+
+
+@rule("I2C-306")
+@LEAVING
+def test_out_of_loopback_a_clock_edge_of_others_is_no_start(way: str):
+    """Others' transfer stands in a low of SCL, SDA low: SCL rises, SDA rises. That is a STOP and nothing else."""
+    b = Bench()
+    b.mode("MST TRX DLB")
+    for line in (SDA, SCL):
+        b.pull(line)
+        b.run(FILTER)
+    assert b.flags("BB SCD") == ""
+    leave(b, way)
+    b.let_go(SCL)
+    b.run(FILTER)
+    assert b.flags("BB SCD") == ""
+    b.let_go(SDA)
+    b.run(FILTER)
+    assert b.flags("BB SCD") == "SCD"
+
+
+@rule("I2C-306", "I2C-037")
+@LEAVING
+def test_out_of_loopback_a_start_waits_for_a_clock_that_others_hold(way: str):
+    b = Bench(Target(0x50))
+    b.mode("MST TRX DLB")
+    b.pull(SCL)
+    b.run(FILTER)
+    leave(b, way)
+    b.send([0x12])
+    b.run(10 * SLOT)
+    assert b.times(SDA, 0) == [] and b.flags("BB STT") == "STT"
+    b.let_go(SCL)
+    b.stopped()
+    assert b.said() == "S 50W A 12 A P"

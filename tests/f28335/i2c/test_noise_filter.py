@@ -1,0 +1,156 @@
+"""The noise filter of SCL and SDA by itself. A column is a cycle; the filter is five wide."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from periph_sim.core.chip import NEVER
+from periph_sim.f28335.i2c.noise_filter import I2cNoiseFilter
+from tests.waves import play, tidy
+
+WIDTH = 5
+
+
+class Rig:
+    """Rows: SCL, SDA the pins; scl, sda behind the filter; new: how often a change came out, the last digit."""
+
+    def __init__(self, together: bool = False) -> None:
+        self.touched: set[str] = set()
+        self.filter = I2cNoiseFilter(together, self.touched)
+        self.pins = 0b11
+        self.changes = 0
+
+    def drive(self, now: int, signal: str, level: int) -> None:
+        bit = 1 << (signal == "SDA")
+        self.pins = self.pins & ~bit | level * bit
+        self.run_until(now - 1)
+        self.filter.sample(now, self.pins, WIDTH, WIDTH)
+
+    def run_until(self, time: int) -> None:
+        while self.filter.due <= time:
+            before, due = self.filter.levels, self.filter.due
+            assert self.filter.take(due) != before and self.filter.due > due
+            self.changes += 1
+
+    def show(self, signal: str) -> int:
+        if signal == "new":
+            return self.changes % 10
+        return self.filter.levels >> (signal == "sda") & 1
+
+
+def test_a_level_counts_once_it_has_lasted_for_the_width():
+    diagram = """
+        > SCL  1 0 . . . . . . . 1 . . . . . .
+        < scl  1 . . . . . 0 . . . . . . . 1 .
+        < new  0 . . . . . 1 . . . . . . . 2 .
+    """
+    assert play(diagram, Rig(), 1) == tidy(diagram)
+
+
+def test_a_shorter_pulse_was_never_there():
+    diagram = """
+        > SCL  1 0 . . . 1 . . 0 . . . . . . .
+        > SDA  1 . . 0 . . . 1 . . . . . . . .
+        < scl  1 . . . . . . . . . . . . 0 . .
+        < sda  1 . . . . . . . . . . . . . . .
+        < new  0 . . . . . . . . . . . . 1 . .
+    """
+    rig = Rig()
+    assert play(diagram, rig, 1) == tidy(diagram)
+
+
+def test_edges_of_one_cycle_leave_as_one_change():
+    diagram = """
+        > SCL  1 0 . . . . . . 1 . . . . . .
+        > SDA  1 0 . . . . . . 1 . . . . . .
+        < scl  1 . . . . . 0 . . . . . . 1 .
+        < sda  1 . . . . . 0 . . . . . . 1 .
+        < new  0 . . . . . 1 . . . . . . 2 .
+    """
+    rig = Rig()
+    assert play(diagram, rig, 1) == tidy(diagram) and rig.touched == set()
+
+
+UNEQUAL = {
+    "in_order": """
+        > SCL  1 . . 0 . . . . . . . . . . . . . .
+        > SDA  1 0 . . . . . . . . 1 . . . . . . .
+        < scl  1 . . . . . . . 0 . . . . . . . . .
+        < sda  1 . . . . . 0 . . . . . . . . 1 . .
+        < new  0 . . . . . 1 . 2 . . . . . . 3 . .
+    """,
+    "one_sample": """
+        > SCL  1 . . 0 . . . . . . . . . . . . . .
+        > SDA  1 0 . . . . . . . . 1 . . . . . . .
+        < scl  1 . . . . . . . 0 . . . . . . . . .
+        < sda  1 . . . . . . . 0 . . . . . . 1 . .
+        < new  0 . . . . . . . 1 . . . . . . 2 . .
+    """,
+}
+
+
+@pytest.mark.parametrize("answer", UNEQUAL)
+def test_edges_less_than_a_module_clock_apart(answer):
+    rig = Rig(answer == "one_sample")
+    assert play(UNEQUAL[answer], rig, 1) == tidy(UNEQUAL[answer]) and rig.touched == {"unequal_arrival"}
+
+
+@pytest.mark.parametrize("together", [False, True])
+def test_edges_a_module_clock_apart_are_two_changes(together):
+    diagram = """
+        > SDA  1 0 . . . . . . . . . . .
+        > SCL  1 . . . . . 0 . . . . . .
+        < sda  1 . . . . . 0 . . . . . .
+        < scl  1 . . . . . . . . . . 0 .
+        < new  0 . . . . . 1 . . . . 2 .
+    """
+    rig = Rig(together)
+    assert play(diagram, rig, 1) == tidy(diagram) and rig.touched == set()
+
+
+@given(st.lists(st.tuples(st.integers(1, 9), st.integers(0, 3)), max_size=30), st.booleans(), st.integers(0, 99))
+def test_the_last_levels_given_for_a_cycle_are_its_sample(steps, together, seed):
+    """Whatever was given for the same cycle before them."""
+    chance = random.Random(seed)
+    once, often = I2cNoiseFilter(together, set()), I2cNoiseFilter(together, set())
+    now = 0
+    for gap, pins in steps:
+        now += gap
+        while once.due <= now:
+            due = once.due
+            assert often.due == due and once.take(due) == often.take(due)
+        for wrong in chance.choices(range(4), k=3):
+            often.sample(now, wrong, WIDTH, WIDTH)
+        often.sample(now, pins, WIDTH, WIDTH)
+        once.sample(now, pins, WIDTH, WIDTH)
+        assert often.due == once.due
+
+
+@given(st.lists(st.tuples(st.integers(1, 9), st.integers(0, 3)), max_size=30))
+def test_it_does_what_looking_at_every_cycle_would(steps):
+    """A line changes behind the filter when its pin has had the other level in five samples in a row."""
+    lazy, pins, levels, run = I2cNoiseFilter(False, set()), 0b11, 0b11, [0, 0]
+    given = {sum(gap for gap, _ in steps[: n + 1]): level for n, (_, level) in enumerate(steps)}
+    for cycle in range(max(given, default=0) + 20):
+        for line in (0, 1):
+            if run[line] == WIDTH:
+                levels ^= 1 << line
+        pins = given.get(cycle, pins)
+        for line in (0, 1):
+            run[line] = run[line] % WIDTH + 1 if (pins ^ levels) >> line & 1 else 0
+        if lazy.due <= cycle:
+            lazy.take(cycle)
+        if cycle in given:
+            lazy.sample(cycle, pins, WIDTH, WIDTH)
+        assert lazy.levels == levels and lazy.due > cycle
+
+
+def test_settled_lines_have_nothing_to_come():
+    lines = I2cNoiseFilter(False, set())
+    lines.sample(0, 0b00, WIDTH, WIDTH)
+    lines.settle(0b10)
+    assert (lines.levels, lines.due) == (0b10, NEVER)

@@ -1,0 +1,37 @@
+"""Repeat mode: STP ends a transfer behind what has been written, and at once where nothing waits."""
+
+from __future__ import annotations
+
+import pytest
+
+from ..i2c_bus import SLOT, Bench, Target
+
+
+def begun() -> tuple[Bench, Target]:
+    """The first byte of a transfer in repeat mode is on the wire, and I2CDXR can take the next one."""
+    target = Target()
+    b = Bench(target)
+    b.mode("MST TRX RM STT")
+    b.w("I2CDXR", 0x11)
+    b.until(lambda: b.flag("XRDY"))
+    b.run(4 * SLOT)
+    return b, target
+
+
+@pytest.mark.rule("I2C-050", "I2C-059", "I2C-061")
+def test_a_byte_that_waits_is_sent_before_the_stop() -> None:
+    b, target = begun()
+    b.w("I2CDXR", 0x22)
+    b.set("STP")
+    b.run(40 * SLOT)
+    assert b.said() == "S 50W A 11 A 22 A P"
+    assert target.got == [0x11, 0x22]
+
+
+@pytest.mark.rule("I2C-050", "I2C-059", "I2C-061")
+def test_where_nothing_waits_the_stop_follows_the_byte_on_the_wire() -> None:
+    b, target = begun()
+    b.set("STP")
+    b.run(40 * SLOT)
+    assert b.said() == "S 50W A 11 A P"
+    assert (target.got, b.flag("MST"), b.flag("SCD")) == ([0x11], 0, 1)

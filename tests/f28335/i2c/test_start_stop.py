@@ -1,0 +1,453 @@
+"""I2C master: START, STOP, repeated START, and the commands that make them. SPRUG03B section 2.4, Tables 5, 6."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from periph_sim.f28335.i2c.options import I2cOptions
+from tests.waves import play, tidy
+
+from ..i2c_bus import HIGH, LOW, MDR, SCL, SDA, SLOT, Bench, Foreign, Target, decode, mdr, with_
+from ..i2c_rig import SDIR, Rig
+
+rule = pytest.mark.rule
+
+
+# ---- what starts a transfer ------------------------------------------------------------------------
+
+
+@rule("I2C-033", "I2C-034")
+@pytest.mark.parametrize("name", ["STT", "STP"])
+def test_a_write_with_irs_0_cannot_set_the_bit(name: str):
+    b = Bench(Target(), enable=False)
+    b.w("I2CMDR", MDR[name] | MDR["MST"] | MDR["TRX"])
+    assert b.flags("STT STP MST TRX") == "MST TRX"
+    b.set("IRS")
+    assert b.quiet()
+
+
+@rule("I2C-035", "I2C-036")
+@pytest.mark.parametrize("names", ["STT", "STP", "STT STP TRX"])
+def test_without_mst_stt_and_stp_do_nothing_on_the_bus(names: str):
+    b = Bench(Target())
+    b.w("I2CCNT", 1)
+    b.w("I2CDXR", 0x12)
+    b.mode(names)
+    assert b.quiet()
+    assert not b.flag("BB")
+
+
+@rule("I2C-036")
+def test_stp_of_an_addressed_slave_does_nothing_on_the_bus():
+    foreign = Foreign("S 50W 12 34 P")
+    b = Bench(foreign)
+    b.w("I2COAR", 0x50)
+    b.until(lambda: b.flag("AAS"))
+    b.set("STP")
+    assert b.drain(2) == [0x12, 0x34]
+    b.run(4 * SLOT)
+    assert (foreign.heard, b.said()) == ("AAA", "S 50W A 12 A 34 A P")
+
+
+@rule("I2C-037", "I2C-038", "I2C-043", "I2C-145", "I2C-148", "I2C-206")
+def test_mst_and_stt_make_a_start_and_stt_clears_itself():
+    b = Bench(Target())
+    b.w("I2CCNT", 1)
+    assert b.level == [1, 1]
+    assert b.flags("BB STT") == ""
+    b.mode("MST TRX STT")
+    assert b.flags("STT MST") == "STT MST"
+    fall = b.edge(SDA, 0)
+    assert b.level[SCL] == 1
+    assert b.edge(SCL, 0) > fall
+    assert b.flags("BB STT MST") == "BB MST"
+
+
+@rule("I2C-038", "I2C-147", "I2C-206", "I2C-075", "I2C-133")
+def test_one_byte_with_stop_as_it_looks_on_the_wires():
+    b = Bench(Target(0x50))
+    b.w("I2CCNT", 1)
+    b.w("I2CDXR", 0x3A)
+    b.mode("MST TRX STT STP")
+    start = b.edge(SCL, 0)
+    diagram = """
+    < SCL  0..1. 0..1. 0..1. 0..1. 0..1. 0..1. 0..1. 0..1. 0..1. 0..1. 0..1. 0..1. 0..1. 0..1. 0..1. 0..1. 0..1. 0..1.
+    < SDA  1.... 0.... 1.... 0.... ..... ..... ..... ..... ..... ..... ..... 1.... ..... ..... 0.... 1.... 0.... .....
+    < BB   1.... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... .....
+    < STT  0.... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... .....
+    < STP  1.... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... .....
+    < MST  1.... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... .....
+    """
+    assert play(diagram, b, SLOT // 5, start) == tidy(diagram)
+    b.stopped()
+    assert b.said() == "S 50W A 3a A P"
+
+
+@rule("I2C-147")
+@settings(max_examples=20, deadline=None)
+@given(st.lists(st.integers(0, 255), min_size=1, max_size=3))
+def test_sda_moves_only_while_scl_is_low_except_for_start_and_stop(data: list[int]):
+    b = Bench(Target())
+    b.write_all(data)
+    scl, moved = 1, 0
+    for edge in b.edges:
+        scl = edge.level if edge.line == SCL else scl
+        moved += edge.line == SDA and scl
+    assert moved == 2
+
+
+# ---- what ends it -----------------------------------------------------------------------------------
+
+
+@rule("I2C-039", "I2C-040", "I2C-044", "I2C-146", "I2C-149", "I2C-208", "I2C-230", "I2C-048")
+@pytest.mark.parametrize("count", [1, 2, 5])
+def test_with_stp_a_stop_follows_the_last_counted_byte(count: int):
+    b = Bench(Target())
+    data = list(range(1, count + 1))
+    b.send(data)
+    b.run(SLOT)
+    assert b.flags("STP MST BB SCD") == "STP MST BB"
+    rise = b.stopped()
+    assert b.said() == " ".join(["S 50W A", *(f"{d:02x} A" for d in data), "P"])
+    assert b.edges[-1][1:] == (SDA, 1)
+    assert rise - b.edges[-1].time < SLOT
+    assert b.flags("STP MST BB SCD TRX") == "SCD TRX"
+    assert b.quiet()
+
+
+@rule("I2C-047", "I2C-136", "I2C-149", "I2C-243")
+def test_without_stp_the_bus_is_kept_after_the_last_byte_and_ardy_asks_for_a_command():
+    b = Bench(Target())
+    b.send([1, 2], extra="")
+    assert not b.flag("ARDY")
+    b.until(lambda: b.flag("ARDY"))
+    assert b.held()
+    assert b.said() == "S 50W A 01 A 02 A"
+    assert b.flags("BB MST STP SCD NACK") == "BB MST"
+
+
+@rule("I2C-046", "I2C-040", "I2C-044", "I2C-247")
+def test_stp_alone_ends_a_kept_transfer_with_a_stop():
+    b = Bench(Target())
+    b.send([1], extra="")
+    b.until(lambda: b.flag("ARDY"))
+    b.run(SLOT)
+    b.mode("MST TRX STP")
+    b.stopped()
+    assert b.said() == "S 50W A 01 A P"
+    assert b.flags("STP MST BB ARDY") == ""
+
+
+@rule("I2C-050")
+def test_stp_alone_ends_a_kept_repeat_mode_transfer_with_a_stop():
+    b = Bench(Target())
+    b.send([1], extra="RM")
+    b.until(lambda: b.flag("ARDY"))
+    b.run(SLOT)
+    b.mode("MST TRX RM STP")
+    b.stopped()
+    assert b.said() == "S 50W A 01 A P"
+
+
+@rule("I2C-045", "I2C-049", "I2C-052")
+@pytest.mark.parametrize("names", ["MST TRX", "MST", "MST TRX RM", "MST RM", "MST TRX RM STT STP"])
+def test_combinations_without_bus_activity(names: str):
+    b = Bench(Target())
+    b.w("I2CCNT", 1)
+    b.w("I2CDXR", 0x12)
+    b.mode(names)
+    assert b.quiet()
+    assert not b.flag("BB")
+
+
+@rule("I2C-045", "I2C-049")
+@pytest.mark.parametrize("rm", ["", "RM"])
+def test_a_kept_bus_stays_kept_without_a_command(rm: str):
+    b = Bench(Target())
+    b.send([1], extra=rm)
+    b.until(lambda: b.flag("ARDY"))
+    b.run(SLOT)
+    b.mode("MST TRX " + rm)
+    assert b.held(20 * SLOT)
+
+
+@rule("I2C-041")
+@pytest.mark.parametrize("count", [1, 3])
+def test_stp_set_with_the_address_on_the_bus_waits_for_the_bytes(count: int):
+    """RM = 0: no STOP before a byte has been transferred; the counter says when."""
+    b = Bench(Target())
+    b.w("I2CCNT", count)
+    b.mode("MST TRX STT")
+    b.edge(SCL, 0, 4)
+    b.set("STP")
+    b.run(20 * SLOT)
+    assert b.said() == "S 50W A"
+    b.feed([7] * count)
+    b.stopped()
+    assert b.said() == "S 50W A " + "07 A " * count + "P"
+
+
+@rule("I2C-051", "I2C-058", "I2C-061", "I2C-076")
+def test_repeat_mode_sends_without_limit_until_stp():
+    target = Target()
+    b = Bench(target)
+    data = [n * 7 & 0xFF for n in range(300)]
+    b.send(data, extra="RM", count=1)
+    b.until(lambda: b.flag("ARDY") and len(target.got) == 300)
+    assert b.held()
+    assert target.got == data
+    b.set("STP")
+    b.stopped()
+    assert b.said().endswith(f"{data[-1]:02x} A P")
+    assert b.said().count("P") == b.said().count("S") == 1
+
+
+# ---- repeated START ----------------------------------------------------------------------------------
+
+
+@rule("I2C-150", "I2C-151", "I2C-152", "I2C-153", "I2C-247")
+def test_stt_on_a_kept_bus_makes_a_repeated_start_for_another_slave_and_direction():
+    b = Bench(Target(0x50), Target(0x21, [0xC5]))
+    b.send([0x10], extra="")
+    b.until(lambda: b.flag("ARDY"))
+    b.run(SLOT)
+    b.w("I2CSAR", 0x21)
+    b.w("I2CCNT", 1)
+    b.mode("MST STT STP")
+    b.edge(SDA, 0)
+    b.edge(SCL, 0)
+    assert b.flags("BB STT ARDY AL") == "BB"
+    assert b.drain(1) == [0xC5]
+    b.stopped()
+    assert b.said() == "S 50W A 10 A S 21R A c5 N P"
+
+
+@rule("I2C-061", "I2C-150", "I2C-152")
+def test_stt_ends_a_repeat_mode_transfer_with_a_repeated_start():
+    b = Bench(Target(0x50), Target(0x21))
+    b.send([1, 2], extra="RM")
+    b.until(lambda: b.flag("ARDY") and b.flag("XRDY") and not b.flag("XSMT"))
+    b.run(SLOT)
+    b.w("I2CSAR", 0x21)
+    b.w("I2CCNT", 1)
+    b.mode("MST TRX STT STP")
+    b.feed([3])
+    b.stopped()
+    assert b.said() == "S 50W A 01 A 02 A S 21W A 03 A P"
+
+
+@rule("I2C-152", "I2C-340")
+def test_bb_stays_1_through_a_repeated_start():
+    b = Bench(Target())
+    b.send([1], extra="")
+    b.until(lambda: b.flag("ARDY"))
+    b.send([2], extra="STP")
+    while not b.flag("SCD"):
+        assert b.flag("BB")
+        b.run(25)
+    assert b.said() == "S 50W A 01 A S 50W A 02 A P"
+
+
+@rule("I2C-153", "I2C-086", "I2C-152")
+@pytest.mark.parametrize("how", ["header_r_only", "full_address_first"])
+def test_repeated_start_with_ten_bit_addresses_changes_the_direction(how: str):
+    """Once the whole address was sent the header alone does, whatever `ten_bit_read` says about a read from idle."""
+    b = Bench(Target(0x234, [0x99]), options=with_(ten_bit_read=how))
+    b.w("I2CSAR", 0x234)
+    b.send([0x11], extra="XA")
+    b.until(lambda: b.flag("ARDY"))
+    b.w("I2CCNT", 1)
+    b.mode("MST STT STP XA")
+    assert b.drain(1) == [0x99]
+    b.stopped()
+    assert b.said() == "S 7aW A 34 A 11 A S 7aR A 99 N P"
+
+
+@rule("I2C-153")
+def test_repeated_start_in_the_free_data_format():
+    b = Bench(Target(free="r"))
+    b.send([0x11], extra="FDF")
+    b.until(lambda: b.flag("ARDY"))
+    b.send([0x22], extra="FDF STP")
+    b.stopped()
+    assert b.said(free=True) == "S 11 A S 22 A P"
+
+
+@rule("I2C-037", "I2C-040", "I2C-148", "I2C-208")
+def test_a_new_transfer_can_follow_when_stp_reads_0_and_the_bus_is_free_in_between():
+    b = Bench(Target())
+    b.write_all([1])
+    b.write_all([2, 3])
+    assert b.said() == "S 50W A 01 A P S 50W A 02 A 03 A P"
+    stop, start = (s.start for s in decode(b.edges)[5:7])
+    assert start - stop >= HIGH
+    assert not [e for e in b.edges if stop < e.time < start]
+
+
+# ---- the START byte -----------------------------------------------------------------------------------
+
+
+@rule("I2C-063")
+def test_stb_sends_a_start_byte_before_the_address():
+    b = Bench(Target())
+    b.send([0x12], extra="STP STB")
+    b.stopped()
+    assert b.said() == "S 00R N S 50W A 12 A P"
+    assert b.flags("NACK BB STT") == ""
+
+
+@rule("I2C-064")
+def test_without_stb_the_address_follows_the_start():
+    b = Bench(Target())
+    assert b.write_all([0x12]) == "S 50W A 12 A P"
+
+
+@rule("I2C-065")
+@pytest.mark.parametrize("stb", ["", "STB"])
+def test_stb_has_no_effect_on_a_slave(stb: str):
+    foreign = Foreign("S 50W 12 P")
+    b = Bench(foreign)
+    b.w("I2COAR", 0x50)
+    b.mode(stb)
+    assert b.drain(1) == [0x12]
+    b.run(4 * SLOT)
+    assert (b.said(), foreign.heard) == ("S 50W A 12 A P", "AA")
+
+
+@rule("I2C-063", "I2C-091")
+def test_a_second_module_ignores_the_start_byte_and_answers_the_address():
+    b = Bench(second=I2cOptions())
+    b.w("I2COAR", 0x50, b.s)
+    b.send([0x12], extra="STP STB")
+    assert b.drain(1, b.s) == [0x12]
+    b.stopped()
+    assert b.said() == "S 00R N S 50W A 12 A P"
+
+
+def test_mdr_values_are_those_of_the_manual():
+    assert mdr("FREE STT STP MST TRX") == 0x6E20
+    assert mdr("STT MST TRX") == 0x2620
+    assert mdr("STT STP MST") == 0x2C20
+
+
+# ---- commands at odd times -------------------------------------------------------------------------------
+
+
+@rule("I2C-052")
+@pytest.mark.parametrize("rm", ["", "RM"])
+def test_the_reserved_combination_does_nothing_on_a_kept_bus_either(rm: str):
+    b = Bench(Target())
+    b.send([1], extra=rm)
+    b.until(lambda: b.flag("ARDY"))
+    b.run(SLOT)
+    b.mode("MST TRX RM STT STP")
+    assert b.held(20 * SLOT)
+    b.mode("MST TRX STP " + rm)
+    b.stopped()
+    assert b.said() == "S 50W A 01 A P"
+
+
+@rule("I2C-039", "I2C-041")
+@pytest.mark.parametrize("sent", [0, 1])
+def test_stp_set_while_the_module_waits_for_data_lets_it_wait_on(sent: int):
+    """RM = 0: the counter has not reached 0."""
+    b = Bench(Target())
+    b.send([1] * sent, extra="", count=sent + 1)
+    b.until(lambda: not b.flag("XSMT"))
+    b.run(SLOT)
+    b.set("STP")
+    assert b.held(20 * SLOT)
+    b.w("I2CDXR", 2)
+    b.stopped()
+    assert b.said() == "S 50W A " + "01 A " * sent + "02 A P"
+
+
+@rule("I2C-061", "I2C-137")
+def test_stp_set_while_a_repeat_mode_transfer_waits_for_data_ends_it_at_once():
+    b = Bench(Target())
+    b.send([], extra="RM")
+    b.until(lambda: not b.flag("XSMT"))
+    b.run(SLOT)
+    b.set("STP")
+    b.stopped()
+    assert b.said() == "S 50W A P"
+
+
+@rule("I2C-330", "I2C-331", "I2C-333")
+@settings(max_examples=40, deadline=None)
+@given(
+    st.sampled_from(["transmit", "receive", "keep", "refused", "loopback", "start byte", "ten bits"]),
+    st.integers(0, 40 * SLOT),
+)
+@example("start byte", 3540)  # in the high phase of a repeated START
+def test_irs_0_at_any_moment_lets_go_and_the_next_transfer_is_a_clean_one(what: str, after: int):
+    target = Target(gives=[0x12, 0x34, 0x56, 0x78])
+    b = Bench(target)
+    b.w("I2COAR", 0x2A)
+    b.w("I2CCNT", 2)
+    b.w("I2CDXR", 0x77)
+    if what == "refused":
+        b.w("I2CSAR", 0x33)
+    names = {"receive": "MST STT", "keep": "MST TRX STT", "loopback": "MST TRX STT STP DLB"}.get(
+        what, "MST TRX STT STP"
+    )
+    names += {"start byte": " STB", "ten bits": " XA"}.get(what, "")
+    b.mode(names)
+    b.run(after)
+    b.w("I2CMDR", 0)
+    assert b.m.out == 0b11
+    assert b.peek("I2CSTR") & ~0x1000 == 0x0410  # BB is another matter
+    free = 0
+    while free < 2:  # the target may be in mid-byte: firmware clocks, and tries a STOP, until SDA is free
+        b.pull(SCL)
+        b.run(LOW // 2)
+        b.pull(SDA)
+        b.run(LOW // 2)
+        b.let_go(SCL)
+        b.run(HIGH)
+        b.let_go(SDA)
+        b.run(HIGH)
+        free += b.level[SDA]
+    assert b.quiet(4 * SLOT)
+    target.gives = [0x9A]
+    b.w("I2CSAR", 0x50)
+    b.mode("")
+    b.pulse(SDA, LOW)  # an empty transfer of somebody else tells BB that the bus is free
+    b.run(4 * SLOT)
+    since = b.now
+    b.write_all([0x5A, 0xC3])
+    assert b.read_all(1) == [0x9A]
+    assert b.said(since) == "S 50W A 5a A c3 A P S 50R A 9a N P"
+
+
+# ---- both lines in one cycle -------------------------------------------------------------------------
+
+
+@rule("I2C-145", "I2C-146")
+def test_both_lines_falling_or_rising_in_one_cycle_are_no_start_and_no_stop():
+    """Columns are half bits. The first change of SDA alone with SCL high is a START, the last a STOP."""
+    diagram = """
+        > LINES  3 0 3 0 3 1 0 3 1 0 3 2 0 1 3
+        < BB     0 . . . . 1 . . . . . . . . 0
+    """
+    rig = Rig(noise_filter_cycles=1)
+    rig.begin()
+    assert play(diagram, rig, rig.bit // 2) == tidy(diagram)
+
+
+@rule("I2C-145")
+@pytest.mark.parametrize("sda", [0, 1])
+def test_where_scl_rises_with_sda_the_bit_is_what_sda_becomes(sda: int):
+    """Bit 0 of the address decides: 0x91 asks for a byte, 0x90 brings one."""
+    rig = Rig(noise_filter_cycles=1)
+    rig.begin()
+    rig.start()
+    rig.send_bits(0x90 >> 1, 7)
+    rig.pull(sda=1 - sda)
+    rig.wait(rig.bit // 2)
+    rig.pull(scl=1, sda=sda)
+    rig.fall()
+    rig.wait(rig.bit // 4)
+    assert (rig.flag(SDIR), rig.pulling_sda) == (sda, True)

@@ -1,0 +1,279 @@
+"""The SCI's registers as the CPU sees them: reset values, reserved and read-only bits, strobes, the clock gate."""
+
+from __future__ import annotations
+
+import pytest
+
+from periph_sim.f28335.sci.module import Sci
+from periph_sim.f28335.sci.register_map import SCI_MAP
+from tests.f28335.sci_rig import FIFO, SciRig, frame
+from tests.waves import play, tidy
+
+# SPRUFZ5A figures 2-1 to 2-14, typed a second time on purpose: (offset, reset value).
+MANUAL = {
+    "SCICCR": (0x0, 0x00),
+    "SCICTL1": (0x1, 0x00),
+    "SCIHBAUD": (0x2, 0x00),
+    "SCILBAUD": (0x3, 0x00),
+    "SCICTL2": (0x4, 0xC0),
+    "SCIRXST": (0x5, 0x00),
+    "SCIRXEMU": (0x6, 0x00),
+    "SCIRXBUF": (0x7, 0x0000),
+    "SCITXBUF": (0x9, 0x00),
+    "SCIFFTX": (0xA, 0xA000),
+    "SCIFFRX": (0xB, 0x201F),
+    "SCIFFCT": (0xC, 0x0000),
+    "SCIPRI": (0xF, 0x00),
+}
+EIGHT_BITS = ["SCICCR", "SCICTL1", "SCIHBAUD", "SCILBAUD", "SCICTL2", "SCIRXST", "SCIRXEMU", "SCITXBUF", "SCIPRI"]
+
+
+def in_the_middle_of_everything() -> SciRig:
+    """A FIFO module with words in both FIFOs, an overflow, errors, and a frame under way in both directions."""
+    rig = SciRig(fifo=True, RXFFIL=2, TXFFIL=3, FFTXDLY=7, PARITY=1, PARITYENA=1, SOFT=1, TXINTENA=1, RXERRINTENA=1)
+    for word in range(5):
+        rig.write("SCITXBUF", word)
+    rig.send(frame(0x5A, parity="even", bad="parity") + frame(0x11, parity="even", bad="stop") + "11")
+    for word in range(17):
+        rig.send(frame(word, parity="even"))
+    rig.send("0101")
+    return rig
+
+
+@pytest.mark.rule("SCI-002", "SCI-003", "SCI-004")
+@pytest.mark.parametrize("register", MANUAL)
+def test_reset_values_are_the_manuals(register):
+    offset, value = MANUAL[register]
+    assert SCI_MAP[register].offset == offset
+    fresh = SciRig(raw=True)
+    assert fresh.read(register) == value
+    used = in_the_middle_of_everything()
+    used.reset()
+    assert used.read(register) == value
+
+
+def test_the_map_has_the_manuals_thirteen_registers():
+    assert {r.name for r in SCI_MAP} == set(MANUAL)
+
+
+@pytest.mark.rule("SCI-005")
+@pytest.mark.parametrize("register", EIGHT_BITS)
+def test_the_high_byte_of_an_eight_bit_register_is_not_there(register):
+    rig = SciRig(raw=True)
+    rig.write(register, 0xFF00)
+    assert rig.read(register) == {"SCICTL2": 0xC0}.get(register, 0)
+    rig.write(register, 0xFFFF)
+    assert rig.read(register) >> 8 == 0
+
+
+@pytest.mark.rule("SCI-006")
+@pytest.mark.parametrize(
+    ("register", "reserved"),
+    [
+        ("SCICTL1", 0b1001_0000),
+        ("SCICTL2", 0b0011_1100),
+        ("SCIRXST", 0b0000_0001),
+        ("SCIRXBUF", 0x3F00),
+        ("SCIFFCT", 0x1F00),
+        ("SCIPRI", 0b1110_0111),
+    ],
+)
+def test_reserved_bits_read_zero_and_ignore_writes(register, reserved):
+    rig = SciRig(raw=True)
+    rig.write(register, 0xFFFF)
+    assert rig.read(register) & reserved == 0
+    assert in_the_middle_of_everything().read(register) & reserved == 0
+
+
+@pytest.mark.rule("SCI-005", "SCI-006")
+@pytest.mark.parametrize(
+    ("register", "kept"),
+    [("SCICCR", 0xFF), ("SCIHBAUD", 0xFF), ("SCILBAUD", 0xFF), ("SCITXBUF", 0xFF), ("SCIPRI", 0x18)],
+)
+def test_what_software_owns_reads_back(register, kept):
+    rig = SciRig(raw=True)
+    rig.write(register, 0xFFFF)
+    assert rig.read(register) == kept
+
+
+@pytest.mark.rule("SCI-007")
+@pytest.mark.parametrize("register", ["SCIRXST", "SCIRXEMU", "SCIRXBUF"])
+def test_the_receivers_registers_ignore_writes(register):
+    rig = SciRig()
+    rig.send(frame(0x96) + frame(0x3C) + frame(0xA5, bad="stop") + "111")
+    before = rig.peek(register)
+    assert before != 0
+    for value in (0x0000, 0xFFFF):
+        rig.write(register, value)
+        assert rig.peek(register) == before
+
+
+@pytest.mark.rule("SCI-007")
+def test_transmit_flags_ignore_writes():
+    rig = SciRig()
+    rig.write("SCICTL2", 0x00)
+    assert rig.flags("TXRDY", "TXEMPTY") == {"TXRDY": 1, "TXEMPTY": 1}
+    rig.write("SCITXBUF", 0x55)
+    rig.write("SCITXBUF", 0x55)
+    rig.wait(2)
+    rig.write("SCITXBUF", 0x55)
+    rig.write("SCICTL2", 0xC0)
+    assert rig.flags("TXRDY", "TXEMPTY") == {"TXRDY": 0, "TXEMPTY": 0}
+
+
+@pytest.mark.rule("SCI-007")
+def test_fifo_counts_and_flags_ignore_writes():
+    rig = SciRig(fifo=True, TXENA=0, RXFFIL=1)
+    rig.write("SCITXBUF", 0x11)
+    rig.set(TXFFINTCLR=1)
+    rig.send(frame(0x22) + "11")
+    assert rig.flags("TXFFST", "TXFFINT", "RXFFST", "RXFFINT", "RXFFOVF", "ABD") == {
+        "TXFFST": 1,
+        "TXFFINT": 0,
+        "RXFFST": 1,
+        "RXFFINT": 1,
+        "RXFFOVF": 0,
+        "ABD": 0,
+    }
+    rig.set(TXFFST=9, TXFFINT=1, RXFFST=9, RXFFINT=0, RXFFOVF=1, ABD=1)
+    assert rig.flags("TXFFST", "TXFFINT", "RXFFST", "RXFFINT", "RXFFOVF", "ABD") == {
+        "TXFFST": 1,
+        "TXFFINT": 0,
+        "RXFFST": 1,
+        "RXFFINT": 1,
+        "RXFFOVF": 0,
+        "ABD": 0,
+    }
+
+
+@pytest.mark.rule("SCI-007")
+def test_set_flags_do_not_fall_by_a_written_zero():
+    rig = SciRig(fifo=True, RXFFIL=1)
+    for word in range(17):
+        rig.send(frame(word))
+    rig.wait(1)
+    rig.set(TXFFINT=0, RXFFOVF=0, RXFFINT=0)
+    assert rig.flags("TXFFINT", "RXFFOVF", "RXFFINT") == {"TXFFINT": 1, "RXFFOVF": 1, "RXFFINT": 1}
+
+
+@pytest.mark.rule("SCI-008")
+@pytest.mark.parametrize("strobe", ["TXFFINTCLR", "RXFFOVRCLR", "RXFFINTCLR", "ABDCLR"])
+def test_strobes_read_zero(strobe):
+    rig = SciRig(fifo=True)
+    rig.set(**{strobe: 1})
+    assert rig.get(strobe) == 0
+    register = {"T": "SCIFFTX", "R": "SCIFFRX", "A": "SCIFFCT"}[strobe[0]]
+    assert SCI_MAP[register][strobe].of(rig.read(register)) == 0
+
+
+@pytest.mark.rule("SCI-008")
+def test_a_strobe_written_zero_clears_nothing():
+    rig = SciRig(brr=1, fifo=True, RXFFIL=1, CDC=1)
+    rig.send(frame(ord("A")), bit=1312)
+    for word in range(17):
+        rig.send(frame(word), bit=1312)
+    rig.wait(2)
+    flags = {"ABD": 1, "TXFFINT": 1, "RXFFOVF": 1, "RXFFINT": 1}
+    assert rig.flags(*flags) == flags
+    rig.set(TXFFINTCLR=0, RXFFOVRCLR=0, RXFFINTCLR=0, ABDCLR=0)
+    assert rig.flags(*flags) == flags
+
+
+@pytest.mark.rule("SCI-009")
+def test_without_its_clock_the_transmitter_stands_still():
+    diagram = """
+        > GATE      .  .  .  .  0 . . . . . . . . .  1  .  .  .  .  .  .  .
+        > SCITXBUF  5  .  .  .  . . . . . . . . . .  .  .  .  .  .  .  .  .
+        < TXD       0  1  0  1  . . . . . . . . . .  0  .  .  .  .  1  .  .
+        < TXEMPTY   0  .  .  .  . . . . . . . . . .  .  .  .  .  .  .  1  .
+    """
+    rig = SciRig()
+    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+
+
+@pytest.mark.rule("SCI-009")
+def test_without_its_clock_the_receiver_hears_nothing():
+    rig = SciRig(fifo=True)
+    rig.chip.gate(rig.now, False)
+    rig.send(frame(0x5A) + "1" * 20)
+    assert rig.get("RXFFST") == 0
+    rig.chip.gate(rig.now, True)
+    rig.send("1" * 20)
+    assert rig.get("RXFFST") == 0
+
+
+@pytest.mark.rule("SCI-009")
+def test_after_reset_the_module_has_no_clock():
+    chip = Sci()
+    ccr, ctl1, lbaud, txbuf = (SCI_MAP[n].offset for n in ("SCICCR", "SCICTL1", "SCILBAUD", "SCITXBUF"))
+    for offset, value in ((ccr, 7), (lbaud, 24), (ctl1, 0x23), (txbuf, 0x00)):
+        chip.write(0, offset, value)
+    assert chip.next_wake > 10**9 and chip.out == 1
+    chip.peek(10**6, txbuf)
+    assert chip.out == 1
+
+
+@pytest.mark.rule("SCI-010")
+def test_scirxemu_shows_what_scirxbuf_shows():
+    rig = SciRig()
+    for data in (0x5A, 0xC3):
+        rig.send(frame(data) + "1")
+        assert (rig.read("SCIRXEMU"), rig.read("SCIRXBUF")) == (data, data)
+
+
+@pytest.mark.rule("SCI-011", "SCI-212")
+def test_reading_scirxemu_leaves_rxrdy_and_rxwake():
+    rig = SciRig(ADDRIDLE_MODE=1)
+    rig.send(frame(0x5A, address=1) + "1")
+    assert rig.read("SCIRXEMU") == 0x5A
+    assert rig.flags("RXRDY", "RXWAKE") == {"RXRDY": 1, "RXWAKE": 1}
+    assert rig.read("SCIRXBUF") == 0x5A
+    assert rig.flags("RXRDY", "RXWAKE") == {"RXRDY": 0, "RXWAKE": 0}
+
+
+@pytest.mark.rule("SCI-012")
+def test_system_reset_clears_the_receive_buffer():
+    rig = SciRig()
+    rig.send(frame(0x5A) + "1")
+    assert rig.peek("SCIRXBUF") == 0x5A
+    rig.reset()
+    assert (rig.read("SCIRXBUF"), rig.read("SCIRXEMU")) == (0, 0)
+
+
+@pytest.mark.rule("SCI-013")
+def test_the_module_stays_in_reset_until_software_writes_one():
+    rig = SciRig(raw=True)
+    assert rig.get("SWRESET") == 0
+    rig.set_brr(24)
+    rig.set(SCICHAR=7)
+    rig.set(RXENA=1, TXENA=1)
+    rig.write("SCITXBUF", 0x55)
+    rig.send(frame(0x5A) + "1111")
+    assert rig.edges == []
+    assert (rig.peek("SCIRXST"), rig.peek("SCICTL2")) == (0x00, 0xC0)
+    rig.set(SWRESET=1)
+    rig.send(frame(0x5A) + "1")
+    assert rig.flags("RXRDY", "RXDT") == {"RXRDY": 1, "RXDT": 0x5A}
+
+
+@pytest.mark.rule("SCI-014")
+def test_until_the_fifos_are_switched_on_they_do_nothing():
+    rig = SciRig(raw=True, fifo=False)
+    rig.wait(20)
+    assert rig.flags("TXFFINT", "TXFFST", "TXFFIL") == {"TXFFINT": 0, "TXFFST": 0, "TXFFIL": 0}
+    rig = SciRig(RXFFIL=0, TXFFIENA=1, RXFFIENA=1)
+    rig.write("SCITXBUF", 0x11)
+    rig.send(frame(0x22) + frame(0x33) + "1")
+    assert rig.flags("TXFFINT", "TXFFST", "RXFFINT", "RXFFST") == {"TXFFINT": 0, "TXFFST": 0, "RXFFINT": 0, "RXFFST": 0}
+    assert (rig.count("TXINT"), rig.count("RXINT")) == (0, 0)
+    rig.set(**FIFO)
+    assert rig.get("TXFFINT") == 1
+
+
+def test_a_hole_in_the_map_and_a_pin_that_is_not_there():
+    rig = SciRig()
+    before = {r.name: rig.peek(r.name) for r in SCI_MAP}
+    for hole in (0x8, 0xD, 0xE):
+        rig.chip.write(rig.now, hole, 0xFFFF)
+        assert rig.chip.read(rig.now, hole) == 0
+    assert {r.name: rig.peek(r.name) for r in SCI_MAP} == before

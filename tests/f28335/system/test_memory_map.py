@@ -1,0 +1,69 @@
+"""The address map: registers by address and by name, both halves of wide ones, and what stands nowhere."""
+
+from __future__ import annotations
+
+import pytest
+
+from periph_sim.f28335.system.memory_map import AddressMap, NoSuchAddress, Place
+from tests.scene.test_addresses import everything
+
+
+@pytest.fixture(scope="module")
+def memory() -> AddressMap:
+    return everything().memory
+
+
+@pytest.mark.parametrize(
+    ("name", "address"),
+    [("I2C-A.I2CSTR", 0x7902), ("SCI-B.SCIRXBUF", 0x7757), ("GPIO.GPADAT", 0x6FC0), ("PIE.PIEACK", 0x0CE1)],
+)
+def test_a_register_by_name_is_the_one_at_its_address(memory: AddressMap, name: str, address: int) -> None:
+    place, register = memory.named(name)
+    assert f"{place.name}.{register.name}" == name
+    assert place.base + register.offset == address
+    assert memory.find(address) == (place, register, 0)
+
+
+def test_the_upper_half_of_a_wide_register_is_one_word_on(memory: AddressMap) -> None:
+    place, register, half = memory.find(0x6FC1)
+    assert (place.name, register.name, half) == ("GPIO", "GPADAT", 1)
+    assert memory.find(0x6FC0)[2] == 0
+
+
+@pytest.mark.parametrize(
+    ("address", "sentence"),
+    [
+        (0x790D, "0x790d is not a register of I2C-A (0x7900 to 0x793f); the nearest are "),
+        (0x78FF, "0x78ff belongs to no module of this scene, which has SYS 0x7010, "),
+        (0x7940, "0x7940 belongs to no module of this scene"),
+    ],
+)
+def test_an_address_without_a_register(memory: AddressMap, address: int, sentence: str) -> None:
+    with pytest.raises(NoSuchAddress) as refused:
+        memory.find(address)
+    assert str(refused.value).startswith(sentence)
+
+
+@pytest.mark.parametrize(
+    ("name", "sentence"),
+    [
+        ("I2C-B.I2CSTR", "there is no module 'I2C-B' in this scene; did you mean I2C-A"),
+        ("I2C-A.I2CSRT", "I2C-A has no register 'I2CSRT'; did you mean I2CSTR"),
+    ],
+)
+def test_a_name_without_a_register(memory: AddressMap, name: str, sentence: str) -> None:
+    with pytest.raises(NoSuchAddress) as refused:
+        memory.named(name)
+    assert str(refused.value).startswith(sentence)
+
+
+@pytest.mark.parametrize(("base", "overlaps"), [(0x793F, True), (0x7940, False)])
+def test_two_modules_at_one_place_are_a_mistake(memory: AddressMap, base: int, overlaps: bool) -> None:
+    own, place = AddressMap(), memory.places["I2C-A"]
+    own.add(place)
+    other = Place("other", base, 4, place.frame, place.socket)
+    if overlaps:
+        with pytest.raises(ValueError, match="other at 0x793f overlaps I2C-A at 0x7900"):
+            own.add(other)
+    else:
+        own.add(other)

@@ -1,0 +1,94 @@
+"""A CPU on a kernel with one flag chip and a PIE, and the log of what its firmware saw: nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+
+from periph_sim.core.kernel import Kernel
+from periph_sim.core.records import Recorder
+from periph_sim.core.socket import Socket
+from periph_sim.core.time import Clock, Timebase
+from periph_sim.f28335.cpu.compiled_code_costs import BARE, CodeCosts
+from periph_sim.f28335.cpu.interrupts import CpuInterrupts
+from periph_sim.f28335.cpu.pie import Pie
+from periph_sim.f28335.system.memory_map import AddressMap, Frame, Place
+from periph_sim.f28335.system.options import SystemOptions
+from periph_sim.processor.cpu import Cpu
+from periph_sim.processor.register_view import ModulePort
+from tests.processor.flag_chip import FlagChip
+
+
+class Bench:
+    """hz: SYSCLKOUT. The chip's lines are PIE 1.1 and 1.2, their vectors SEQ1INT and SEQ2INT."""
+
+    def __init__(
+        self,
+        changes: list[tuple[int, int, int]],
+        *,
+        hz: Fraction = Fraction(150_000_000),
+        options: SystemOptions | None = None,
+        code: CodeCosts = BARE,
+        frame: Frame = Frame.PF2,
+        skip_polls: bool = True,
+        recorder: Recorder | None = None,
+        base: int = 0x7100,
+    ) -> None:
+        options = options or SystemOptions()
+        self.kernel = Kernel()
+        self.timebase = Timebase(150_000_000)
+        self.recorder = recorder or Recorder()
+        self.clock = Clock(self.timebase, hz)
+        self.chip = FlagChip(changes)
+        self.pie = Pie(options)
+        self.core = CpuInterrupts(options)
+        self.socket = Socket(self.kernel, self.clock, self.recorder, "dsp.FLAGS", self.chip, self._asked)
+        memory = AddressMap()
+        memory.add(Place("FLAGS", base, 2, frame, self.socket))
+        self.pie_socket = Socket(self.kernel, self.clock, self.recorder, "dsp.PIE", self.pie, lambda c, a: None)
+        self.pie_socket.after = self._pulse
+        memory.add(Place("PIE", 0x0CE0, 0x20, Frame.PF0, self.pie_socket))
+        self.cpu = Cpu(
+            self.kernel,
+            self.clock,
+            self.recorder,
+            "dsp",
+            memory,
+            self.core,
+            self.pie,
+            options,
+            code=code,
+            skip_polls=skip_polls,
+        )
+        self.flags = ModulePort(self.cpu, memory.places["FLAGS"])
+        self.pie_regs = ModulePort(self.cpu, memory.places["PIE"])
+        self.log: list[tuple[str, int]] = []
+        self.socket.publish(0)
+
+    def _asked(self, cycle: int, asked: int) -> None:
+        for line in (0, 1):
+            if asked >> line & 1:
+                self.pie.request(cycle, 1, line + 1)
+        self.pie_socket.publish(cycle)
+
+    def _pulse(self, cycle: int) -> None:
+        pulses, self.pie.pulses = self.pie.pulses, 0
+        for n in range(12):
+            if pulses >> n & 1:
+                self.cpu.request(cycle, n + 1)
+
+    def note(self, what: str) -> None:
+        """Firmware writes down where it is and when."""
+        self.log.append((what, self.cpu.cycle))
+
+    def enable(self) -> None:
+        """PIE on, both lines enabled, INT1 enabled: without cost, before anything runs."""
+        for offset, value in ((0x0, 1), (0x2, 3), (0x1, 0xFFF)):
+            self.pie.write(0, offset, value)
+        self.core.ier = 1
+        self.core.st1 &= ~1
+
+    def run(self, firmware: Callable[[], None], cycles: int) -> list[tuple[str, int]]:
+        self.cpu.start(firmware)
+        self.kernel.run_until(self.clock.tick(cycles))
+        return self.log

@@ -1,0 +1,122 @@
+"""Time of one CPU: errors in its firmware, a change of its clock, firmware that is ended and begun anew."""
+
+from __future__ import annotations
+
+import sys
+from fractions import Fraction
+
+import pytest
+from greenlet import GreenletExit
+
+from periph_sim.core.chip import NEVER
+from periph_sim.processor.error_origin import FirmwareError
+from tests.processor.bench import Bench
+
+TICKS = 20  # a cycle
+
+
+def line() -> int:
+    return sys._getframe(1).f_lineno
+
+
+def test_error_in_our_own_code_stays_what_it_is():
+    bench = Bench([])
+    with pytest.raises(TypeError):
+        bench.run(lambda: bench.cpu.compute("ten"), 100)
+
+
+@pytest.mark.parametrize(("message", "text"), [(("too hot",), "too hot"), ((), "no message")])
+def test_error_of_firmware_is_told_with_its_line(message: tuple[str, ...], text: str):
+    bench = Bench([])
+    raised: list[int] = []
+
+    def main() -> None:
+        raised.append(line() + 1)
+        raise OverflowError(*message)
+
+    with pytest.raises(FirmwareError) as error:
+        bench.run(main, 100)
+    assert str(error.value) == f"dsp: OverflowError at line {raised[0]} of test_timeline.py: {text}"
+
+
+def test_error_that_firmware_words_itself_stays_as_it_is():
+    bench = Bench([])
+
+    def main() -> None:
+        raise FirmwareError("the sensor does not answer")
+
+    with pytest.raises(FirmwareError) as error:
+        bench.run(main, 100)
+    assert str(error.value) == "the sensor does not answer"
+
+
+@pytest.mark.parametrize("how", ["instruction", "compute"])
+@pytest.mark.parametrize("hz", [75_000_000, 300_000_000])
+def test_firmware_goes_on_at_the_rate_of_a_retuned_clock(hz: int, how: str):
+    """Of 1000 cycles 400 are over when the clock changes."""
+    bench = Bench([])
+    ended: list[int] = []
+
+    def main() -> None:
+        getattr(bench.cpu, how)(1000)
+        ended.append(bench.kernel.now)
+
+    def retune() -> None:
+        bench.clock.retune(400, Fraction(hz))
+        bench.cpu.reclock()
+
+    bench.kernel.at(400 * TICKS, retune)
+    bench.cpu.start(main)
+    bench.kernel.run_until(100_000)
+    assert bench.cpu.cycle == 1000
+    assert ended == [400 * TICKS + 600 * TICKS * 150_000_000 // hz]
+    assert bench.kernel.events == 3  # start, change, end
+
+
+def test_firmware_that_is_ended_runs_its_finally_and_lands_no_write():
+    bench = Bench([(1, 4, -1)])
+
+    def main() -> None:
+        try:
+            bench.cpu.compute(10)
+            bench.flags.STATUS.all = 4  # would clear C two cycles later
+            bench.cpu.compute(1000)
+        finally:
+            bench.note("ended")
+
+    bench.cpu.start(main, delay=5)
+    bench.kernel.run_until(16 * TICKS)
+    bench.cpu.kill(GreenletExit)
+    bench.cpu.reclock()  # of a CPU that waits for nothing
+    assert bench.log == [("ended", 16)]
+    bench.kernel.run_until(2000 * TICKS)
+    assert (bench.chip.status, bench.cpu.finished, bench.kernel.next_time()) == (4, False, NEVER)
+    assert bench.cpu.stands_at() is None
+
+
+def test_firmware_can_be_started_again():
+    bench = Bench([])
+    bench.cpu.start(lambda: (bench.cpu.compute(49), bench.flags.STATUS.__setattr__("all", 4), bench.cpu.compute(100)))
+    bench.kernel.run_until(50 * TICKS)  # a write is on its way
+    bench.cpu.kill(GreenletExit)
+    bench.cpu.start(lambda: (bench.cpu.compute(30), bench.note("end")), delay=7)
+    bench.kernel.run_until(1000 * TICKS)
+    assert bench.log == [("end", 50 + 7 + 30)] and bench.cpu.finished
+
+
+def test_firmware_is_ended_by_the_exception_that_was_asked_for():
+    class Ended(BaseException):
+        pass
+
+    bench = Bench([])
+
+    def main() -> None:
+        try:
+            bench.cpu.compute(1000)
+        except Ended:
+            bench.note("ended")
+
+    bench.cpu.start(main)
+    bench.kernel.run_until(10 * TICKS)
+    bench.cpu.kill(Ended)
+    assert bench.log == [("ended", 0)]

@@ -1,0 +1,161 @@
+"""Skipped waiting equals brute-force polling: same cycles, whatever the period, the phase and the interrupts."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from periph_sim.core.kernel import Kernel
+from periph_sim.core.records import Recorder
+from periph_sim.core.time import Timebase
+from periph_sim.core.wire import Wire
+from periph_sim.f28335.cpu.compiled_code_costs import BARE
+from periph_sim.processor.dsp import Dsp, DspPlan
+from tests.processor.bench import Bench
+
+flag_changes = st.lists(
+    st.tuples(st.integers(1, 400), st.integers(0, 3), st.sampled_from([-1, -1, -1, 0, 1])), max_size=14
+)
+
+
+def firmware(bench: Bench, lead: int, kind: str):
+    flags, cpu = bench.flags, bench.cpu
+
+    def isr(name: str, cost: int) -> None:
+        bench.note(f"{name} in")
+        cpu.compute(cost)
+        if name == "IRQ1":
+            cpu.spin(lambda: flags.STATUS.A == 0)
+        bench.pie_regs.PIEACK.all = 1
+        bench.note(f"{name} out")
+
+    cpu.handlers["SEQ1INT"] = lambda: isr("IRQ0", 7)
+    cpu.handlers["SEQ2INT"] = lambda: isr("IRQ1", 23)
+
+    def main() -> None:
+        cpu.compute(lead)
+        while True:
+            if kind == "one field":
+                cpu.spin(lambda: flags.STATUS.A == 1)
+            elif kind == "either field":
+                cpu.spin(lambda: flags.STATUS.A == 1 or flags.STATUS.B == 1)
+            else:
+                cpu.spin(lambda: flags.STATUS.A == 1 and flags.STATUS.B == 1)
+            bench.note("seen")
+            cpu.spin(lambda: flags.STATUS.A == 0)
+            bench.note("gone")
+            flags.STATUS.C = 1
+
+    return main
+
+
+def log_of(changes, lead, kind, loop, skip, interrupts=True, hz=150_000_000):
+    bench = Bench(list(changes), code=replace(BARE, poll_pass=loop), skip_polls=skip, hz=Fraction(hz))
+    if interrupts:
+        bench.enable()
+    log = bench.run(firmware(bench, lead, kind), 900)
+    return log, bench
+
+
+@settings(max_examples=120, deadline=None)
+@given(
+    changes=flag_changes,
+    lead=st.integers(0, 40),
+    kind=st.sampled_from(["one field", "either field", "both fields"]),
+    loop=st.integers(3, 31),
+    interrupts=st.booleans(),
+)
+def test_skipping_equals_polling(changes, lead, kind, loop, interrupts):
+    skipped, _ = log_of(changes, lead, kind, loop, True, interrupts)
+    polled, brute = log_of(changes, lead, kind, loop, False, interrupts)
+    assert skipped == polled
+    assert brute.cpu.polls_skipped == 0
+
+
+@settings(max_examples=60, deadline=None)
+@given(changes=flag_changes, lead=st.integers(0, 40), ppm=st.integers(-300, 300))
+def test_skipping_equals_polling_on_a_clock_that_does_not_divide(changes, lead, ppm):
+    hz = Fraction(150_000_000) * (1_000_000 + ppm) / 1_000_000
+    skipped, _ = log_of(changes, lead, "either field", 10, True, hz=hz)
+    polled, _ = log_of(changes, lead, "either field", 10, False, hz=hz)
+    assert skipped == polled
+
+
+@pytest.mark.parametrize("wait", [1_000, 1_000_000, 1_000_000_000])
+def test_a_wait_costs_the_same_number_of_events_however_long_it_is(wait):
+    bench = Bench([(wait, 1, -1)])
+    flags = bench.flags
+
+    def main() -> None:
+        bench.cpu.spin(lambda: flags.STATUS.A == 1)
+        bench.note("seen")
+
+    log = bench.run(main, wait + 100)
+    assert bench.kernel.events == 3  # the start, the flag, the resumption
+    (_, cycle) = log[0]
+    assert wait <= cycle - 5 <= wait + 10  # at most one pass late, then the read's end and the branch not taken
+
+
+def test_polls_are_ten_cycles_apart_and_see_the_flag_at_the_read():
+    """One pass: read 1 + 2 wait states, branch back 7. A flag of cycle f is seen by the first read at or after f."""
+    for flag in range(5, 40):
+        bench = Bench([(flag, 1, -1)])
+        flags = bench.flags
+
+        def main(bench: Bench = bench, flags=flags) -> None:
+            bench.cpu.spin(lambda: flags.STATUS.A == 1)
+            bench.note("seen")
+
+        reads = [2 + 10 * k for k in range(10)]
+        seen = next(r for r in reads if r >= flag)
+        assert bench.run(main, 200) == [("seen", seen + 1 + 4)]
+
+
+def test_a_flag_that_is_gone_before_the_next_read_is_missed():
+    bench = Bench([(14, 1, -1), (20, 0, -1)])
+    flags = bench.flags
+
+    def main() -> None:
+        bench.cpu.spin(lambda: flags.STATUS.A == 1)
+        bench.note("seen")
+
+    assert bench.run(main, 500) == []
+
+
+def test_a_spin_on_a_register_that_a_read_changes_is_polled_for_real():
+    bench = Bench([(50, 1, -1), (60, 1, -1)])
+    flags = bench.flags
+
+    def main() -> None:
+        bench.cpu.spin(lambda: flags.COUNT.N == 2)
+        bench.note("seen")
+
+    bench.run(main, 300)
+    assert bench.log == []  # every pass took what had come so far: never two at once
+    assert bench.cpu.polls_skipped == 0
+
+
+@pytest.mark.parametrize("skip", [True, False])
+def test_a_wait_for_a_bit_in_the_upper_half_of_a_32_bit_register_ends(skip):
+    """GPIO28 is bit 28 of GPADAT: the wire behind it falls and rises while firmware waits for both."""
+    kernel, recorder = Kernel(), Recorder()
+    wire = Wire(kernel, "RX", recorder)
+    hand = wire.attach("hand")
+    dsp = Dsp(kernel, Timebase(150_000_000), recorder, DspPlan("dsp", ("GPIO",), {28: wire}, skip_polls=skip))
+    seen: list[int] = []
+
+    def main() -> None:
+        gpio = dsp.module("GPIO")
+        for level in (0, 1):
+            dsp.spin(lambda level=level: level == gpio.GPADAT.GPIO28)
+            seen.append(level)
+
+    dsp.start(main)
+    kernel.at(20_000, lambda: hand.drive(0))
+    kernel.at(60_000, lambda: hand.drive(1))
+    kernel.run_until(100_000)
+    assert seen == [0, 1]

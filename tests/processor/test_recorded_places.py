@@ -1,0 +1,80 @@
+"""What records say of places in the firmware: waits, spans and service routines, with file and line."""
+
+from __future__ import annotations
+
+import linecache
+from fractions import Fraction
+from pathlib import Path
+
+from periph_sim.core.records import Kind, Record
+from periph_sim.processor.source_location import SourceLocation
+from periph_sim.scene.case.load import load
+from periph_sim.scene.scene import Scene
+
+CASE = load(Path(__file__).parents[2] / "timing" / "imu_hil_published.toml")
+
+
+def records(*kinds: Kind, seconds: Fraction = Fraction(8, 1000)) -> list[Record]:
+    found: list[Record] = []
+    Scene(CASE, lambda recorder, _: recorder.subscribe(kinds, found.append)).run(seconds)
+    return found
+
+
+def source(record: Record) -> str:
+    where = record.text
+    assert isinstance(where, SourceLocation) and where == f"{str(where).partition(':')[0]}:{where.line}"
+    return linecache.getline(where.path, where.line).strip()
+
+
+def test_waits_begin_and_end_in_turn_and_name_what_is_polled():
+    waits = records(Kind.WAIT)
+    assert [w.value for w in waits] == [1, 0] * (len(waits) // 2) + [1] * (len(waits) % 2)
+    first, second = waits[0], waits[2]
+    assert (first.what, source(first)) == ("I2C-A.I2CSTR.AAS", "dsp.spin(lambda: i2c.I2CSTR.AAS == 1)")
+    assert (second.what, source(second)) == ("I2C-A.I2CSTR.RRDY", "dsp.spin(lambda: i2c.I2CSTR.RRDY == 1)")
+    assert any(w.what == "I2C-A.I2CSTR.XRDY and I2C-A.I2CSTR.SCD" for w in waits)
+
+
+def test_a_condition_that_holds_at_once_is_no_wait():
+    """The firmware of the emulator without its wait for SDIR finds XRDY set at its second look."""
+    waits = records(Kind.WAIT, seconds=Fraction(4, 1000))
+    assert [w.what for w in waits] == ["I2C-A.I2CSTR.AAS"]
+
+
+def test_spans_and_routines_say_where_they_are():
+    found = [r for r in records(Kind.SPAN, Kind.IRQ, Kind.ACCESS) if r.value and r.kind is not Kind.ACCESS]
+    said = {r.what: source(r) for r in found}
+    assert said == {
+        "model": 'dsp.compute(self.cost, "model")',
+        "SCIRXINTA": "def sci_received(self) -> None:",
+    }
+
+
+def test_a_span_of_a_with_statement_is_where_the_statement_is(tmp_path: Path):
+    firmware = tmp_path / "steps.py"
+    firmware.write_text(
+        'def main(dsp, settings):\n    with dsp.span("step"):\n        dsp.compute(9)\n', encoding="utf-8"
+    )
+    case = tmp_path / "steps.toml"
+    case.write_text(
+        f'name = "steps"\nduration = "1 us"\n[unit.dsp]\nfirmware = "{firmware}"\nmodules = []\n', encoding="utf-8"
+    )
+    found: list[Record] = []
+    Scene(load(case), lambda recorder, _: recorder.subscribe([Kind.SPAN], found.append)).run()
+    assert [record.value for record in found] == [1, 0]
+    assert (found[0].text, source(found[0])) == ("main:2", 'with dsp.span("step"):')
+
+
+def test_what_happens_while_a_routine_computes_is_not_its_doing():
+    case = load(
+        Path(__file__).parents[2] / "timing" / "imu_hil_published.toml",
+        ["unit.dsp.settings.frame_cost=200 us", "host.first=4.24 ms"],
+    )
+    found: list[Record] = []
+    Scene(case, lambda recorder, _: recorder.subscribe(Kind, found.append)).run(Fraction(8, 1000))
+    entered = next(r for r in found if r.kind is Kind.IRQ and r.value)
+    left = next(r for r in found if r.kind is Kind.IRQ and not r.value)
+    inside = [r for r in found if entered.tick < r.tick < left.tick]
+    of_it = {r.kind for r in inside if r.cause == entered.number}
+    assert of_it == {Kind.ACCESS, Kind.SPAN}
+    assert sum(r.kind is Kind.EDGE for r in inside) > 20

@@ -1,0 +1,334 @@
+"""What accesses cost, and in which cycle they act: wait states, write-to-read protection, EALLOW, bit-field writes."""
+
+from __future__ import annotations
+
+import sys
+
+import pytest
+
+from periph_sim.core.kernel import Kernel
+from periph_sim.core.records import Kind, Record, Recorder
+from periph_sim.core.time import Timebase
+from periph_sim.core.wire import Wire
+from periph_sim.f28335.cpu.compiled_code_costs import BARE
+from periph_sim.f28335.system.memory_map import Frame, NoSuchAddress
+from periph_sim.f28335.system.options import SystemOptions
+from periph_sim.processor.dsp import Dsp, DspPlan
+from periph_sim.processor.error_origin import FirmwareError
+from tests.processor.bench import Bench
+
+
+def cost_of(frame: Frame, access: str, options: SystemOptions | None = None, times: int = 1, base: int = 0x3000):
+    """Cycles of `times` accesses in a row to a module outside of the protected block."""
+    bench = Bench([], frame=frame, options=options, base=base)
+
+    def main() -> None:
+        for _ in range(times):
+            if access == "read":
+                _ = bench.flags.STATUS.all
+            else:
+                bench.flags.STATUS.all = 0
+        bench.note("end")
+
+    return bench.run(main, 1000)[0][1]
+
+
+@pytest.mark.rule("SYS-034", "SYS-035", "SYS-037", "I2C-006")
+@pytest.mark.parametrize(("frame", "read", "write"), [(Frame.PF0, 2, 1), (Frame.PF1, 3, 1), (Frame.PF2, 3, 1)])
+def test_an_access_costs_one_cycle_and_its_frames_wait_states(frame, read, write):
+    assert cost_of(frame, "read") == read
+    assert cost_of(frame, "write") == write
+
+
+@pytest.mark.rule("SYS-037")
+@pytest.mark.parametrize("wait_states", [0, 2, 5])
+def test_open_pf2_read_ws(wait_states):
+    assert cost_of(Frame.PF2, "read", SystemOptions(pf2_read_ws=wait_states)) == 1 + wait_states
+
+
+@pytest.mark.parametrize("wait_states", [0, 1])
+def test_open_pf2_write_ws(wait_states):
+    assert cost_of(Frame.PF2, "write", SystemOptions(pf2_write_ws=wait_states)) == 1 + wait_states
+
+
+@pytest.mark.rule("SYS-036")
+@pytest.mark.parametrize("extra", [1, 0])
+def test_open_pf1_back_to_back_write(extra):
+    options = SystemOptions(pf1_back_to_back_write=extra)
+    assert cost_of(Frame.PF1, "write", options, times=3) == 3 + 2 * extra
+    assert cost_of(Frame.PF2, "write", options, times=3) == 3
+
+
+@pytest.mark.rule("SYS-036")
+def test_an_instruction_between_two_pf1_writes_hides_the_extra_cycle():
+    bench = Bench([], frame=Frame.PF1)
+
+    def main() -> None:
+        bench.flags.STATUS.all = 0
+        bench.cpu.nop()
+        bench.flags.STATUS.all = 0
+        bench.note("end")
+
+    assert bench.run(main, 100) == [("end", 3)]
+
+
+@pytest.mark.rule("SYS-041")
+@pytest.mark.parametrize(("between", "wait"), [(0, 3), (1, 2), (2, 1), (3, 0), (4, 0)])
+def test_in_the_protected_block_a_read_waits_for_a_write(between, wait):
+    bench = Bench([], base=0x7100)
+
+    def main() -> None:
+        bench.flags.STATUS.all = 0
+        for _ in range(between):
+            bench.cpu.nop()
+        _ = bench.flags.STATUS.all
+        bench.note("end")
+
+    assert bench.run(main, 100) == [("end", 1 + between + wait + 3)]
+
+
+@pytest.mark.rule("SYS-042", "SYS-044")
+def test_outside_of_the_block_a_read_does_not_wait_for_a_write_inside():
+    bench = Bench([], base=0x7100)
+
+    def main() -> None:
+        bench.flags.STATUS.all = 0
+        _ = bench.pie_regs.PIECTRL.all  # PF0, outside: one wait state, no protection
+        bench.note("end")
+
+    assert bench.run(main, 100) == [("end", 1 + 2)]
+
+
+@pytest.mark.rule("SYS-043")
+def test_a_read_after_a_write_of_the_same_register_sees_the_write():
+    bench = Bench([(1, 4, -1)])
+
+    def main() -> None:
+        bench.cpu.compute(10)
+        bench.flags.STATUS.all = 4
+        bench.note(f"C={bench.flags.STATUS.C}")
+
+    assert bench.run(main, 100)[0][0] == "C=0"
+
+
+@pytest.mark.rule("SYS-046", "SYS-019", "I2C-004", "I2C-010", "SYS-123")
+def test_a_protected_write_counts_only_between_eallow_and_edis():
+    kernel = Kernel()
+    dsp = Dsp(kernel, Timebase(150_000_000), Recorder(), DspPlan("dsp", ("I2C-A",), {}))
+    seen: list[int] = []
+
+    def main() -> None:
+        clocks, i2c, pie = dsp.module("SYS"), dsp.module("I2C-A"), dsp.module("PIE")
+        clocks.PCLKCR0.all = 0x10
+        seen.append(clocks.PCLKCR0.all)
+        dsp.eallow()
+        clocks.PCLKCR0.all = 0x10
+        dsp.edis()
+        seen.append(clocks.PCLKCR0.all)
+        i2c.I2COAR.all = 0x68  # no EALLOW needed
+        pie.PIEIER8.all = 0x3
+        seen.extend((i2c.I2COAR.all, pie.PIEIER8.all))
+
+    dsp.start(main)
+    kernel.run_until(1_000_000)
+    assert seen == [0, 0x10, 0x68, 0x3]
+    assert [note.text for note in dsp.cpu.notes] == ["PCLKCR0 of SYS was written without EALLOW; the write is ignored"]
+
+
+@pytest.mark.parametrize(("set_at", "lost"), [(1, True), (2, True), (3, False), (4, False), (5, False)])
+def test_a_flag_that_comes_between_read_and_write_survives_the_write_back(set_at, lost):
+    """C is write-1-to-clear. A write of A's field reads C first: if C is set by then, the write-back clears it."""
+    bench = Bench([(set_at, 4, -1)])
+
+    def main() -> None:
+        bench.flags.STATUS.A = 0  # a read-modify-write aimed at another field
+        bench.cpu.compute(20)
+        bench.note(f"C={bench.flags.STATUS.C}")
+
+    assert bench.run(main, 100)[0][0] == f"C={0 if lost else 1}"
+
+
+def test_wrong_names_and_addresses_say_what_is_near():
+    bench = Bench([])
+    with pytest.raises(AttributeError, match=r"FLAGS has no register 'STATSU'; did you mean STATUS\?"):
+        _ = bench.flags.STATSU
+    with pytest.raises(AttributeError, match=r"FLAGS has no register 'STATSU'; did you mean STATUS\?"):
+        bench.flags.STATSU = 1
+    with pytest.raises(AttributeError, match=r"FLAGS\.STATUS is a register; write STATUS\.all = "):
+        bench.flags.STATUS = 1
+    with pytest.raises(AttributeError, match=r"FLAGS\.STATUS has no field 'D'; it has A, B, C"):
+        bench.flags.STATUS.D = 1
+    with pytest.raises(NoSuchAddress, match=r"0x7200 belongs to no module of this scene, which has FLAGS 0x7100, PIE"):
+        bench.cpu.memory.find(0x7200)
+    with pytest.raises(NoSuchAddress, match=r"no module 'FLAG' in this scene; did you mean FLAGS\?"):
+        bench.cpu.memory.named("FLAG.STATUS")
+    place, register, half = bench.cpu.memory.find(0x7101)
+    assert (place.name, register.name, half) == ("FLAGS", "COUNT", 0)
+
+
+@pytest.mark.rule("I2C-005", "SYS-040")
+def test_frame_2_takes_no_32_bit_access():
+    bench = Bench([(1, 4, -1)], base=0x7100)
+    bench.run(
+        lambda: (bench.cpu.store(0x7100, 0xFFFF_FFFF, width=32), bench.note(f"{bench.cpu.load(0x7100, 32)}")), 100
+    )
+    assert bench.log[0][0] == "0"  # nothing was read
+    assert bench.chip.status == 4  # nothing was written: C, which a 1 clears, still stands
+    (note,) = bench.cpu.notes
+    assert note.text == "STATUS of FLAGS was accessed with 32 bits; peripheral frame 2 takes 16 only"
+
+
+def test_an_address_reads_and_writes_its_register():
+    bench = Bench([(1, 4, -1)], base=0x7100)
+    bench.run(lambda: (bench.cpu.compute(9), bench.cpu.store(0x7100, 4), bench.note(f"{bench.cpu.load(0x7100)}")), 100)
+    assert bench.log[0][0] == "0"
+
+
+class Board:
+    """A unit with GPIO and a timer, its pins driven from outside, its registers as a debugger shows them."""
+
+    def __init__(self, **wires: int) -> None:
+        kernel, recorder = Kernel(), Recorder()
+        self.accesses: list[Record] = []
+        recorder.subscribe([Kind.ACCESS], self.accesses.append)
+        self.pads = {pin: Wire(kernel, name, recorder) for name, pin in wires.items()}
+        self.hands = {pin: wire.attach("hand") for pin, wire in self.pads.items()}
+        self.dsp = Dsp(kernel, Timebase(150_000_000), recorder, DspPlan("dsp", ("GPIO", "TIMER0"), self.pads))
+        self.kernel = kernel
+
+    def run(self, firmware) -> None:
+        self.dsp.start(firmware)
+        self.kernel.run_until(self.kernel.now + 1_000_000)
+
+    def shows(self, module: str, register: str) -> int:
+        chip = self.dsp.socket(module).chip
+        cycle = self.dsp.clock.cycle_at(self.kernel.now)
+        return chip.peek(cycle, chip.MAP[register].offset)
+
+
+def test_32_bit_write_of_a_pair_of_16_bit_registers_reaches_both():
+    """PRD.all = 30_000_000 of TI's header is one 32-bit store to PRD and PRDH."""
+    board = Board()
+    timer = board.dsp.module("TIMER0")
+    seen: list[int] = []
+
+    def main() -> None:
+        timer.PRD.all = 30_000_000
+        seen.append(timer.PRD.all)
+
+    board.run(main)
+    assert (board.shows("TIMER0", "PRD"), board.shows("TIMER0", "PRDH")) == (30_000_000 & 0xFFFF, 30_000_000 >> 16)
+    assert seen == [30_000_000]
+    assert [(a.what, a.value) for a in board.accesses] == [
+        ("W TIMER0.PRD", 30_000_000),
+        ("R TIMER0.PRD", 30_000_000),
+    ]
+
+
+def test_halves_of_a_pair_are_written_and_read_one_by_one():
+    board = Board()
+    timer = board.dsp.module("TIMER0")
+    seen: list[int] = []
+
+    def main() -> None:
+        timer.PRD.all = 0x1111_2222
+        timer.PRD.half.MSW = 0x3333
+        seen.extend((timer.PRD.half.LSW, timer.PRD.half.MSW, timer.PRDH.all))
+        timer.PRD.half.LSW = 0x4444
+        timer.PRD.PRD = 0x5555  # the field of the manual's 16-bit register
+
+    board.run(main)
+    assert seen == [0x2222, 0x3333, 0x3333]
+    assert (board.shows("TIMER0", "PRD"), board.shows("TIMER0", "PRDH")) == (0x5555, 0x3333)
+
+
+@pytest.mark.parametrize("address", [0x0C02, 0x0C03])
+def test_32_bit_access_by_address_begins_at_the_even_word(address):
+    board = Board()
+    seen: list[int] = []
+
+    def main() -> None:
+        board.dsp.cpu.store(address, 0x0123_4567, width=32)
+        seen.append(board.dsp.cpu.load(address, 32))
+
+    board.run(main)
+    assert seen == [0x0123_4567]
+    assert (board.shows("TIMER0", "PRD"), board.shows("TIMER0", "PRDH")) == (0x4567, 0x0123)
+
+
+def test_32_bit_load_of_two_pie_registers_reads_both():
+    bench = Bench([])
+    bench.pie.write(0, 0x2, 0x12)  # PIEIER1
+    bench.pie.request(0, 1, 3)  # PIEIFR1
+    bench.run(lambda: bench.note(f"{bench.cpu.load(0x0CE2, 32):#x}"), 100)
+    assert bench.log[0][0] == "0x40012"
+
+
+@pytest.mark.rule("SYS-057", "SYS-059")
+@pytest.mark.parametrize("how", ["store", "field"])
+def test_16_bit_write_of_half_a_port_leaves_the_other_half_alone(how):
+    """GPIO20's latch is 1 while its pad is held low from outside: bit-banging on GPIO5 must not copy the pad."""
+    board = Board(LOW=20)
+    gpio = board.dsp.module("GPIO")
+
+    def main() -> None:
+        gpio.GPASET.all = 1 << 20
+        board.dsp.cpu.compute(10)
+        if how == "store":
+            board.dsp.cpu.store(0x6FC0, 1 << 5)
+        else:
+            gpio.GPADAT.GPIO5 = 1
+        board.dsp.eallow()
+        gpio.GPADIR.all = 1 << 20 | 1 << 5
+        board.dsp.edis()
+
+    board.hands[20].drive(0)
+    board.run(main)
+    board.hands[20].drive(1)
+    board.kernel.run_until(board.kernel.now + 1000)
+    assert board.pads[20].level == 1  # nobody pulls it now: the latch still holds the 1 that SET gave it
+
+
+@pytest.mark.rule("SYS-059")
+def test_bit_field_write_copies_the_pads_of_its_own_half():
+    board = Board(LOW=4)
+    gpio = board.dsp.module("GPIO")
+
+    def main() -> None:
+        gpio.GPASET.all = 1 << 4
+        board.dsp.cpu.compute(10)
+        gpio.GPADAT.GPIO5 = 1
+        board.dsp.eallow()
+        gpio.GPADIR.all = 1 << 4
+        board.dsp.edis()
+
+    board.hands[4].drive(0)
+    board.run(main)
+    board.hands[4].drive(1)
+    board.kernel.run_until(board.kernel.now + 1000)
+    assert board.pads[4].level == 0  # the latch took the pad's 0
+
+
+@pytest.mark.parametrize("strict", [True, False])
+def test_duty_that_the_cpu_notes_ends_a_strict_run_with_its_line_and_time(strict):
+    kernel = Kernel()
+    plan = DspPlan("dsp", (), {}, strict=strict, code=BARE)
+    dsp = Dsp(kernel, Timebase(150_000_000), Recorder(), plan)
+    lines: list[int] = []
+
+    def main() -> None:
+        dsp.cpu.compute(1498)
+        lines.append(sys._getframe().f_lineno + 1)
+        dsp.module("SYS").PCLKCR0.all = 0x10
+        dsp.cpu.compute(10)
+
+    dsp.start(main)
+    told = "PCLKCR0 of SYS was written without EALLOW; the write is ignored"
+    if strict:
+        with pytest.raises(FirmwareError) as error:
+            kernel.run_until(20 * 5000)
+        place = f"line {lines[0]} of test_accesses.py"
+        assert str(error.value) == f"dsp, {place}, at 9.987 us: {told} [SPRUFB0D section 7.2]"
+    else:
+        kernel.run_until(20 * 5000)
+        assert [(note.text, count) for note, count in dsp.cpu.notes.items()] == [(told, 1)]

@@ -1,0 +1,335 @@
+"""What a record came of: the last change of what was looked at, read-modify-writes, service routines that held the
+firmware up, and who holds a line."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from periph_sim.core.records import Kind
+from periph_sim.records import Run, races, why
+from periph_sim.records.cause_trace.causes import Step, walk_back
+from periph_sim.records.cause_trace.text_report import as_json, text
+from periph_sim.records.record_text import happened
+from periph_sim.scene.case.load import load
+from tests.records.scenes import CYCLE, by_hand, recorded
+from tests.scene.runs import TIMING
+
+STR, CNT = "I2C-A.I2CSTR", "I2C-A.I2CCNT"
+SDIR, XRDY, RRDY, SCD, NACK = 0x4000, 0x0010, 0x0008, 0x0020, 0x0002
+
+
+def read(cycle: int, value: int, field: str = "", place: str = "f:1", routine: int = 0) -> tuple[Any, ...]:
+    return cycle, Kind.ACCESS, "dsp", f"R {STR}", value, place, routine, field
+
+
+def write(cycle: int, value: int, field: str = "", place: str = "f:1", routine: int = 0) -> tuple[Any, ...]:
+    return cycle, Kind.ACCESS, "dsp", f"W {STR}", value, place, routine, field
+
+
+def count(cycle: int, place: str = "f:9", routine: int = 0) -> tuple[Any, ...]:
+    """I2CCNT written."""
+    return cycle, Kind.ACCESS, "dsp", f"W {CNT}", 6, place, routine
+
+
+def flag(cycle: int, name: str, value: int, cause: int = 0) -> tuple[Any, ...]:
+    return cycle, Kind.FLAG, "dsp.I2C-A", f"I2CSTR.{name}", value, "", cause
+
+
+def counted(cycle: int, cause: int) -> tuple[Any, ...]:
+    """The change that a write of I2CCNT made."""
+    return cycle, Kind.FLAG, "dsp.I2C-A", "I2CCNT.ICDC", 6, "", cause
+
+
+def irq(cycle: int, value: int, cause: int = 0) -> tuple[Any, ...]:
+    return cycle, Kind.IRQ, "dsp", "SCIRXINTA", value, "sci:7" if value else "", cause
+
+
+def walk(*rows: tuple[Any, ...]) -> list[Step]:
+    """Back from the last row."""
+    run = by_hand(*rows)
+    return list(walk_back(run, len(rows) - 1, 8))
+
+
+def numbers(steps: list[Step]) -> list[str]:
+    """The records of a walk, those beside it in brackets."""
+    return [f"({step.record.number})" if step.aside else str(step.record.number) for step in steps]
+
+
+# By hand -------------------------------------------------------------------------
+
+
+def test_a_read_comes_of_the_last_change_of_the_field_that_it_looked_at():
+    """1 SCD rises long ago, 2 XRDY rises, 3 BB rises; a look at each field, and one at the whole register."""
+    changes = flag(10, "SCD", 1), flag(500, "XRDY", 1), flag(600, "BB", 1)
+    for field, cause in (("SCD", 1), ("XRDY", 2), ("BB", 3), ("", 3)):
+        steps = walk(*changes, read(610, 0x1030, field), count(620), counted(620, 5))
+        assert numbers(steps) == ["6", "5", "4", str(cause)], field
+
+
+def test_a_change_after_the_read_or_before_the_reset_value_is_no_cause():
+    steps = walk(read(100, 0, "SCD"), flag(101, "SCD", 1), count(110), counted(110, 3))
+    assert numbers(steps) == ["4", "3", "1"]
+
+
+def test_a_write_comes_of_the_look_that_saw_the_newest_change_and_a_later_look_is_told_beside_it():
+    """The wait ends by SCD; NACK, which rose before, is looked at on the way to the write."""
+    steps = walk(
+        flag(100, "NACK", 1),
+        flag(200, "SCD", 1),
+        read(210, SCD | NACK, "SCD", "wait:3"),
+        read(220, SCD | NACK, "NACK", "main:4"),
+        count(230),
+        counted(230, 5),
+    )
+    assert numbers(steps) == ["6", "5", "(4)", "(1)", "3", "2"]
+    assert steps[3].of == steps[2].row
+
+
+def test_a_look_in_another_routine_or_too_long_ago_is_no_cause():
+    before = flag(100, "SCD", 1), read(110, SCD, "SCD"), irq(120, 1), read(125, SCD, "SCD", "sci:8", 3), irq(130, 0, 3)
+    assert numbers(walk(*before, count(140), counted(140, 6)))[:4] == ["7", "6", "(5)", "2"]
+    assert numbers(walk(*before, count(2000), counted(2000, 6))) == ["7", "6"]
+
+
+def test_a_read_modify_writes_own_read_and_the_flag_that_it_handed_back_stand_beside():
+    """SDIR rises, SCD = 1 is a read-modify-write: SDIR was read as 1, so 1 is written, which clears it."""
+    rows = (
+        flag(100, "RRDY", 1),
+        read(110, RRDY, "RRDY", "wait:3"),
+        flag(115, "SDIR", 1),
+        read(120, SDIR | RRDY, "SCD"),
+        write(122, SDIR | RRDY | SCD, "SCD"),
+        flag(122, "SDIR", 0, 5),
+    )
+    steps = walk(*rows)
+    assert numbers(steps) == ["6", "5", "(4)", "(3)", "2", "1"]
+    assert [step.because for step in steps[2:4]] == [
+        "the read of this read-modify-write",
+        "SDIR as that read saw it, and the write gave it back",
+    ]
+    lost = races(by_hand(*rows))
+    assert (lost.lost, [flag.flag for flag in lost.modifies[0].flags if flag.unseen]) == (1, ["SDIR"])
+
+
+def test_the_read_of_a_read_modify_write_is_no_look():
+    """What IRS was when TRX was written 5 ms later says nothing about the write."""
+    mode = (90, Kind.FLAG, "dsp.I2C-A", "I2CMDR.IRS", 1, "", 0)
+    modify = [
+        (120 + n, Kind.ACCESS, "dsp", f"{way} I2C-A.I2CMDR", 0x20, "f:5", 0, "TRX") for n, way in ((0, "R"), (2, "W"))
+    ]
+    steps = walk(mode, *modify, count(130), counted(130, 4))
+    assert numbers(steps) == ["5", "4"]
+    assert numbers(walk(mode, *modify, (122, Kind.FLAG, "dsp.I2C-A", "I2CMDR.TRX", 1, "", 3))) == ["4", "3", "(2)"]
+
+
+def test_a_write_that_lands_behind_another_access_still_finds_its_read():
+    """The CPU goes on while a posted write is under way."""
+    other = 121, Kind.ACCESS, "dsp", "R SYS.PCLKCR0", 0, "f:2", 0
+    steps = walk(read(120, 0, "SCD"), other, write(122, SCD, "SCD"), flag(122, "SCD", 0, 3))
+    assert numbers(steps)[:3] == ["4", "3", "(1)"]
+
+
+def test_a_service_routine_that_ended_between_the_flag_and_the_look_held_it_up():
+    steps = walk(
+        flag(100, "RRDY", 1),
+        irq(90, 1),
+        irq(30_090, 0, 2),
+        read(30_100, RRDY, "RRDY"),
+        count(30_110),
+        counted(30_110, 5),
+    )
+    assert numbers(steps) == ["6", "5", "4", "(3)", "1"]
+    assert steps[3].because == "held the firmware up for 200 us (30000 cycles)" and steps[3].of == steps[2].row
+
+
+def test_the_time_of_a_service_routine_is_not_that_of_the_routine_that_it_interrupted():
+    """Between look and write lie 2000 cycles, of which a service routine took 1900."""
+    flags = flag(90, "SCD", 1), read(100, SCD, "SCD")
+    steps = walk(*flags, irq(150, 1), irq(2050, 0, 3), count(2100), counted(2100, 5))
+    assert numbers(steps) == ["6", "5", "(4)", "2", "1"]
+
+
+def test_a_nested_service_routine_holds_up_the_one_that_it_interrupted_and_nobody_else():
+    outer = 100, Kind.IRQ, "dsp", "TINT0", 1, "timer:1", 0
+    ended = 900, Kind.IRQ, "dsp", "TINT0", 0, "", 2
+    inner = flag(90, "SCD", 1), outer, irq(110, 1, 2), irq(600, 0, 3), read(700, SCD, "SCD", "timer:5", 2)
+    assert numbers(walk(*inner, count(710, "timer:6", 2), counted(710, 6))) == ["7", "6", "5", "(4)", "(2)", "1"]
+    steps = walk(*inner, ended, read(950, SCD, "SCD"), count(960), counted(960, 8))
+    assert numbers(steps) == ["9", "8", "7", "(6)", "1"]
+
+
+def test_of_many_service_routines_the_longest_are_told():
+    lengths = 30, 50, 10, 40, 20
+    rows, at = [flag(10, "SCD", 1)], 20
+    for length in lengths:
+        rows += [irq(at, 1), irq(at + length, 0, len(rows) + 1)]
+        at += 100
+    steps = walk(*rows, read(600, SCD, "SCD"), count(610), counted(610, 13))
+    assert numbers(steps) == ["14", "13", "12", "(9)", "(5)", "(3)", "1"]
+
+
+def test_a_flag_that_was_read_as_0_was_not_handed_back():
+    """RRDY falls with the write of SCD by what it does to the module, though it was read, and written, as 0."""
+    steps = walk(flag(50, "RRDY", 1), read(120, 0, "SCD"), write(122, SCD, "SCD"), flag(122, "RRDY", 0, 3))
+    assert numbers(steps) == ["4", "3", "(2)"]
+
+
+def test_looks_at_two_fields_at_one_place_are_two():
+    """`NACK or SCD`: the pass that ended the wait looked at NACK and then at SCD; NACK's change is the newer one."""
+    changes = flag(50, "SCD", 1), flag(60, "NACK", 1)
+    steps = walk(*changes, read(70, NACK, "NACK"), read(75, SCD, "SCD"), count(80), counted(80, 5))
+    assert numbers(steps) == ["6", "5", "(4)", "(1)", "3", "2"]
+
+
+def test_a_service_routine_that_ended_before_the_flag_held_nothing_up():
+    steps = walk(irq(10, 1), irq(90, 0, 1), flag(100, "RRDY", 1), read(110, RRDY, "RRDY"), count(120), counted(120, 5))
+    assert numbers(steps) == ["6", "5", "4", "3"]
+
+
+def test_a_service_routine_is_not_held_up_by_itself_and_its_entry_is_a_step():
+    """The flag rises, the interrupt is entered, the routine looks at the flag and writes."""
+    steps = walk(
+        flag(100, "RRDY", 1),
+        irq(110, 1),
+        read(120, RRDY, "RRDY", "sci:8", 2),
+        count(130, "sci:9", 2),
+        counted(130, 4),
+    )
+    assert numbers(steps) == ["5", "4", "3", "(2)", "1"]
+
+
+def test_a_nested_interrupt_comes_of_its_own_request():
+    asked = 105, Kind.FLAG, "dsp.PIE", "PIEIFR9.INTx1", 1, "", 0
+    outer = 100, Kind.IRQ, "dsp", "TINT0", 1, "timer:1", 0
+    steps = walk(outer, asked, irq(120, 1, 1))
+    assert numbers(steps) == ["3", "2"]
+
+
+def test_a_cause_at_the_first_row_is_found_and_the_walk_ends_there():
+    run = by_hand(flag(1, "SCD", 1), read(2, SCD, "SCD"), count(3), counted(3, 3))
+    for depth in (3, 8, 1000):
+        assert numbers(list(walk_back(run, 3, depth))) == ["4", "3", "2", "1"]
+    assert why(run, "I2CCNT.ICDC@1us").back[-1].row == 0
+
+
+def test_a_record_that_names_itself_or_a_later_one_has_no_cause():
+    assert numbers(walk(flag(1, "SCD", 1, 1))) == ["1"]
+    assert numbers(list(walk_back(by_hand(flag(1, "SCD", 1, 2), flag(2, "SCD", 0, 1)), 0, 8))) == ["1"]
+
+
+@pytest.mark.parametrize(
+    ("time", "cycle"),
+    [("233.333 ns", 35), ("233.334 ns", 35), ("233 ns", 35), ("0.233us", 35), ("234 ns", 35), ("232 ns", None)],
+)
+def test_a_typed_time_means_the_change_that_is_shown_so(time: str, cycle: int | None):
+    """A change at 233 1/3 ns is shown, and typed, rounded; before that the flag was 0."""
+    answer = why(by_hand(flag(35, "SCD", 1)), f"I2CSTR.SCD@{time}")
+    assert (answer.value, answer.back[0].record.tick if answer.back else None) == (
+        (1, cycle * CYCLE) if cycle else (0, None)
+    )
+
+
+def test_a_time_typed_coarsely_is_exact():
+    run = by_hand(flag(35, "SCD", 1))
+    assert [why(run, f"I2CSTR.SCD@{time}").value for time in ("0ms", "0.0000ms", "0.0002ms", "0.00023 ms")] == [
+        0,
+        0,
+        1,
+        1,
+    ]
+
+
+# Lines -----------------------------------------------------------------------------
+
+
+def edge(cycle: int, level: int, who: str, cause: int = 0) -> tuple[Any, ...]:
+    return cycle, Kind.EDGE, "SCL", "level", level, who, cause
+
+
+def hold(cycle: int, who: str, cause: int = 0) -> tuple[Any, ...]:
+    return cycle, Kind.HOLD, "SCL", "held", 0, who, cause
+
+
+LOW = (
+    (5, Kind.BUS, "controller", "address", 0x68 << 2 | 2, "gyroscope", 0),
+    edge(10, 0, "controller"),
+    hold(20, "dsp.SCLA, controller", 2),
+    hold(30, "dsp.SCLA"),
+    edge(90, 1, ""),
+)
+
+
+@pytest.mark.parametrize(
+    ("cycle", "held", "records"),
+    [
+        (15, "controller", ["2", "1"]),
+        (25, "dsp.SCLA and controller", ["3", "2", "1"]),
+        (50, "dsp.SCLA", ["4", "3", "2", "1"]),
+    ],
+)
+def test_who_holds_a_line_now_beside_who_pulled_it_first(cycle: int, held: str, records: list[str]):
+    answer = why(by_hand(*LOW), f"SCL@{cycle * CYCLE // 3} ns")
+    assert (answer.since, " and ".join(answer.held_by), answer.pulled_by) == (10 * CYCLE, held, ("controller",))
+    assert numbers(list(answer.back)) == records
+    told = "pulled low first by controller, held now by" in text(answer)
+    assert told == (held != "controller")
+    assert as_json(answer)["held_by"] == held.split(" and ")
+
+
+def test_a_line_is_released_by_who_held_it_last():
+    answer = why(by_hand(*LOW), "SCL@900ns")
+    assert "SCL rises, released by dsp.SCLA" in text(answer) and answer.held_by == ()
+
+
+# Whole cases -----------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def hang() -> Run:
+    """A frame of the host ends in a read and its routine takes 200 us: SCD = 1 clears SDIR, which nobody had seen."""
+    changes = ["unit.dsp.settings.frame_cost=200 us", "host.first=4 ms", "controller.first=5 ms"]
+    return recorded(load(TIMING / "imu_hil_published.toml", changes), "0.012")
+
+
+def test_the_chain_of_a_stop_goes_to_the_transfer_that_it_ended():
+    """SCD falls with IRS = 0, for which the firmware had waited till SCD rose: not the SCD of an earlier transfer."""
+    run = recorded(load(TIMING / "imu_hil_no_sdir.toml", []), "0.03")
+    falls = run.rows(Kind.FLAG, "dsp.I2C-A", "I2CSTR.SCD")
+    falls = falls[run.table.value[falls] == 0]
+    assert len(falls) == 6
+    near = 0
+    for fall in falls.tolist():
+        steps = list(walk_back(run, fall, 3))
+        rise = steps[-1].record
+        if steps[-1].aside:
+            continue  # after the models: 250 us behind the last look
+        assert happened(rise) == "I2C-A.I2CSTR.SCD set"
+        assert run.cycles.of(steps[0].record.tick - rise.tick) < 100
+        near += 1
+    assert near == 4
+
+
+def test_a_flag_wiped_unseen_is_explained_by_its_read_modify_write_and_the_routine_that_made_it_late(hang: Run):
+    answer = why(hang, "I2C-A.I2CSTR.SDIR@6ms")
+    words = [happened(step.record) for step in answer.back]
+    assert words[0] == "I2C-A.I2CSTR.SDIR cleared"
+    assert words[1].startswith("I2C-A.I2CSTR written") and words[1].endswith("(SCD = 1)")
+    assert words[2].startswith("I2C-A.I2CSTR read") and "read-modify-write" in answer.back[2].because
+    assert words[3] == "I2C-A.I2CSTR.SDIR set"
+    routine = answer.back[words.index("SCIRXINTA left")]
+    assert routine.because.startswith("held the firmware up for 200.")
+    assert "I2CMDR.IRS" not in " ".join(words)
+
+
+def test_races_tells_a_flag_wiped_unseen(hang: Run):
+    (modify,) = races(hang, "I2C-A.I2CSTR").modifies
+    assert (modify.meant, modify.lost) == (("SCD",), 1)
+    assert [(flag.flag, flag.along, flag.unseen) for flag in modify.flags] == [("SDIR", 1, 1), ("RRDY", 1, 0)]
+
+
+def test_who_hangs_the_bus(hang: Run):
+    answer = why(hang, "SCL@11ms")
+    assert (answer.pulled_by, answer.held_by) == (("controller",), ("dsp.GPIO33",))
+    assert answer.back[0].record.tick > answer.since

@@ -1,0 +1,116 @@
+"""Perfetto's JSON by the rules of the Trace Event Format, and what a short run looks like in it."""
+
+from __future__ import annotations
+
+import json
+from collections import defaultdict
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from periph_sim.core.records import Kind, Recorder
+from periph_sim.core.time import Timebase
+from periph_sim.records.recording import recording
+from periph_sim.traces import formats
+from tests.records.recording.test_psr import record
+
+Event = dict[str, Any]
+NS = 3  # ticks
+
+
+def events_of(path: Path) -> list[Event]:
+    return json.loads(path.read_text(encoding="utf-8"))["traceEvents"]
+
+
+def names(events: list[Event], what: str) -> dict[tuple[int, int], str]:
+    return {(e["pid"], e["tid"]): e["args"]["name"] for e in events if e["ph"] == "M" and e["name"] == what}
+
+
+def by_track(events: list[Event]) -> dict[tuple[str, str], list[Event]]:
+    """(process, thread) -> its slices and instants, in order of the file."""
+    processes = {pid: name for (pid, _), name in names(events, "process_name").items()}
+    threads = names(events, "thread_name")
+    found = defaultdict(list)
+    for event in events:
+        if event["ph"] in "BEi":
+            found[processes[event["pid"]], threads[event["pid"], event["tid"]]].append(event)
+    return found
+
+
+@pytest.mark.parametrize("case", ["imu_hil_published", "two_dsps", "responder"])
+def test_a_run_keeps_the_rules_of_the_format(tmp_path: Path, case: str):
+    events = events_of(record(case, tmp_path / "run.perfetto.json"))
+    assert {event["ph"] for event in events} <= set("MBEiC")
+    for event in events:
+        assert isinstance(event["pid"], int) and isinstance(event["tid"], int) and event["name"]
+        assert event["ph"] == "M" or (isinstance(event["ts"], float | int) and event["ts"] >= 0)
+    for track, on_it in by_track(events).items():
+        times = [event["ts"] for event in on_it]
+        assert times == sorted(times), track
+        open_slices = []
+        for event in on_it:
+            if event["ph"] == "B":
+                open_slices.append(event["name"])
+            elif event["ph"] == "E":
+                assert open_slices.pop() == event["name"], track
+        assert not open_slices, track
+    counted = defaultdict(list)
+    for event in events:
+        if event["ph"] == "C":
+            assert set(event["args"]) == {"value"}
+            counted[event["pid"], event["name"]].append(event["ts"])
+    assert counted and all(times == sorted(times) for times in counted.values())
+    named = {pid for pid, _ in names(events, "process_name")}
+    assert {event["pid"] for event in events} == named
+
+
+def test_transfers_have_the_bytes_of_the_bus(tmp_path: Path):
+    tracks = by_track(events_of(record("imu_hil_published", tmp_path / "run.perfetto.json")))
+    begun = [event["name"] for event in tracks["bus", "transfers"] if event["ph"] == "B"]
+    assert begun[:5] == ["0x68 W 0x68 R", "0x68 W ACK", "0x1D ACK", "0x68 R ACK", begun[4]]
+    said = [event["name"] for event in tracks["bus", "controller"]]
+    assert said[:2] == ["START gyroscope", "0x68 W ACK gyroscope"]
+    assert len(begun) - begun.count("0x68 W 0x68 R") > 20
+
+
+def test_what_a_short_run_looks_like(tmp_path: Path):
+    recorder = Recorder()
+    with recording(tmp_path / "run.perfetto.json", {"dsp": ("I2C-A",)}) as (subscribe, ended_at):
+        subscribe(recorder, Timebase(150_000_000))
+        recorder.emit(100 * NS, Kind.SPAN, "dsp", "round", 1)
+        recorder.emit(100 * NS + 1, Kind.FLAG, "dsp.I2C-A", "I2CSTR.BB", 1)
+        recorder.emit(110 * NS, Kind.SPAN, "dsp", "model", 1)
+        recorder.emit(120 * NS, Kind.IRQ, "dsp", "I2CINT1A", 1)
+        recorder.emit(130 * NS, Kind.IRQ, "dsp", "I2CINT1A", 0)
+        recorder.emit(140 * NS, Kind.SPAN, "dsp", "model", 0)
+        recorder.emit(150 * NS, Kind.NOTE, "dsp.I2C-A", "duty", 1, "a note")
+        recorder.emit(160 * NS, Kind.FRAME, "host", "byte", 0x55)
+        recorder.emit(170 * NS, Kind.EDGE, "MODEL", "level", 0)
+        ended_at(1_234_567 * NS)
+    events = events_of(tmp_path / "run.perfetto.json")
+    shown = [(e["ph"], e["name"], e["ts"], e["args"]) for e in events if e["ph"] != "M"]
+    assert shown == [
+        ("B", "round", 0.1, {"tick": 300}),
+        ("C", "I2CSTR.BB", 0.1, {"value": 1}),
+        ("B", "model", 0.11, {"tick": 330}),
+        ("B", "I2CINT1A", 0.12, {"tick": 360}),
+        ("E", "I2CINT1A", 0.13, {"tick": 390}),
+        ("E", "model", 0.14, {"tick": 420}),
+        ("i", "duty", 0.15, {"tick": 450, "value": 1, "text": "a note"}),
+        ("i", "0x55", 0.16, {"tick": 480}),
+        ("C", "MODEL", 0.17, {"value": 0}),
+        ("E", "round", 1234.567, {"tick": 3_703_701}),
+    ]
+    assert set(by_track(events)) == {
+        ("dsp", "firmware"),
+        ("dsp", "interrupts"),
+        ("dsp.I2C-A", "notes"),
+        ("bus", "host"),
+    }
+
+
+def test_a_capture_is_no_run(tmp_path: Path):
+    capture = formats.read(Path(__file__).resolve().parents[3] / "traces" / "nack.sr")
+    with pytest.raises(formats.BadCapture, match=r"its name: found '\.json', expected one of "):
+        formats.write(capture, tmp_path / "x.perfetto.json")

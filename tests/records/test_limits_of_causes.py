@@ -1,0 +1,227 @@
+"""How near, how many and how long: the limits within which something is taken for the cause of something else."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from periph_sim.core.records import Kind
+from periph_sim.records import why
+from periph_sim.records.cause_trace.holders import holders, mover, wire_rows
+from periph_sim.records.cause_trace.interrupt_sources import I2C_FLAGS, sources
+from periph_sim.records.read_modify_write import read_modify_writes
+from tests.records.cause_trace.test_causes import (
+    RRDY,
+    SCD,
+    count,
+    counted,
+    edge,
+    flag,
+    hold,
+    irq,
+    numbers,
+    read,
+    walk,
+    write,
+)
+from tests.records.scenes import by_hand
+
+
+@pytest.mark.parametrize(("written_at", "causes"), [(1010, ["4", "3", "2", "1"]), (1011, ["4", "3"])])
+def test_a_look_a_thousand_cycles_before_a_write_is_its_cause(written_at: int, causes: list[str]):
+    assert numbers(walk(flag(5, "SCD", 1), read(10, SCD, "SCD"), count(written_at), counted(written_at, 3))) == causes
+
+
+@pytest.mark.parametrize(("others", "found"), [(7, True), (8, False)])
+def test_the_last_eight_looks_are_looked_through(others: int, found: bool):
+    """The first one saw SCD rise; the others saw nothing."""
+    looks = [read(20 + n, 0, "BB", f"g:{n}") for n in range(others)]
+    rows = [flag(4, "ARDY", 1), flag(5, "SCD", 1), read(10, SCD, "SCD"), *looks, count(50)]
+    steps = walk(*rows, counted(50, len(rows)))
+    main = [step.record.number for step in steps if not step.aside]
+    assert main[2:] == ([3, 2] if found else [2 + 1 + others])
+
+
+def test_the_first_record_of_a_run_is_a_change_like_any_other():
+    """SCD rises in it, the first look saw that, the second one nothing."""
+    steps = walk(flag(5, "SCD", 1), read(10, SCD, "SCD"), read(12, 0, "BB", "g:2"), count(20), counted(20, 4))
+    assert numbers(steps) == ["5", "4", "(3)", "2", "1"]
+
+
+@pytest.mark.parametrize(("asked_at", "found"), [(104, True), (103, False)])
+def test_the_request_is_within_sixteen_cycles_of_the_flag_of_the_pie(asked_at: int, found: bool):
+    asks = asked_at, Kind.FLAG, "dsp.I2C-A", "I2CSTR.SCD", 1, "", 0
+    pie = 120, Kind.FLAG, "dsp.PIE", "PIEIFR8.INTx1", 1, "", 0
+    assert numbers(walk(asks, pie)) == (["2", "1"] if found else ["2"])
+    gone = 120, Kind.FLAG, "dsp.PIE", "PIEIFR8.INTx1", 0, "", 0
+    assert numbers(walk(asks, gone)) == ["2"]
+    other = 120, Kind.FLAG, "dsp.PIE", "PIEIFR8.INTx2", 1, "", 0
+    assert numbers(walk(asks, other)) == ["2"]
+    enabled = 120, Kind.FLAG, "dsp.PIE", "PIEIER8.INTx1", 1, "", 0
+    assert numbers(walk(asks, enabled)) == ["2"]
+
+
+def test_of_several_requests_the_last_one_counts_and_a_fall_is_none():
+    asks = [(at, Kind.FLAG, "dsp.I2C-A", f"I2CSTR.{name}", value, "", 0) for at, name, value in (
+        (110, "SCD", 1), (112, "AAS", 1), (114, "SCD", 0))]  # fmt: skip
+    assert numbers(walk(*asks, (120, Kind.FLAG, "dsp.PIE", "PIEIFR8.INTx1", 1, "", 0))) == ["4", "2"]
+
+
+@pytest.mark.parametrize(
+    ("line", "module", "fields"),
+    [
+        ("I2CINT1A", "I2C-A", 2 * len(I2C_FLAGS)),
+        ("I2CINT2A", "I2C-A", 4),
+        ("SCIRXINTB", "SCI-B", 8),
+        ("SCITXINTC", "SCI-C", 4),
+        ("TINT0", "TIMER0", 2),
+        ("TINT1", "", 0),
+        ("", "", 0),
+        ("XINT1", "", 0),
+    ],
+)
+def test_who_asks_for_an_interrupt(line: str, module: str, fields: int):
+    assert (sources(line)[0], len(sources(line)[1])) == (module, fields)
+
+
+# Read-modify-writes -----------------------------------------------------------------------------------------------
+
+
+def pairs(*rows: tuple[Any, ...]) -> list[tuple[int, int]]:
+    """Numbers of reads and writes."""
+    found = read_modify_writes(by_hand(*rows), "dsp")
+    return [(r + 1, w + 1) for r, w in zip(found.reads.tolist(), found.writes.tolist(), strict=True)]
+
+
+def other(cycle: int) -> tuple[Any, ...]:
+    return cycle, Kind.ACCESS, "dsp", "R I2C-A.I2CDRR", 0, "h:1", 0
+
+
+@pytest.mark.parametrize(
+    ("rows", "found"),
+    [
+        ([read(10, 0, "SCD"), write(14, SCD, "SCD")], [(1, 2)]),
+        ([read(10, 0, "SCD"), write(15, SCD, "SCD")], []),
+        ([read(10, 0, "SCD"), write(12, SCD, "NACK")], []),
+        ([read(10, 0, "SCD"), write(12, SCD, "SCD", "f:2")], []),
+        ([read(10, 0, "SCD"), write(12, SCD, "SCD", routine=7)], []),
+        ([write(10, 0, "SCD"), write(12, SCD, "SCD")], []),
+        ([read(10, 0, "SCD"), other(11), other(11), write(12, SCD, "SCD")], [(1, 4)]),
+        ([read(10, 0, "SCD"), other(11), other(11), other(11), write(12, SCD, "SCD")], []),
+        ([read(10, 0, "SCD"), read(11, 0, "SCD"), write(12, SCD, "SCD")], [(2, 3)]),
+        ([read(10, 0, "SCD"), write(12, SCD, "SCD"), write(13, SCD, "SCD")], [(1, 2)]),
+        (
+            [read(10, 0, "SCD"), read(11, 0, "SCD"), write(12, SCD, "SCD"), write(13, SCD, "SCD")],
+            [(2, 3), (1, 4)],
+        ),
+    ],
+)
+def test_a_read_belongs_to_the_write_of_its_place_within_four_cycles_and_three_accesses(rows, found):
+    assert pairs(*rows) == found
+
+
+def test_what_has_a_read_and_what_is_one():
+    of = by_hand(read(10, 0, "SCD"), other(11), write(12, SCD, "SCD"), read(20, 0, "BB"))
+    made = read_modify_writes(of, "dsp")
+    assert [made.read_of(row) for row in range(5)] == [None, None, 0, None, None]
+    assert [made.has_read(row) for row in range(5)] == [True, False, False, False, False]
+
+
+# Wires ------------------------------------------------------------------------------------------------------------
+
+MOVES = (
+    edge(10, 0, "a"),
+    hold(20, "a, b"),
+    hold(30, "b"),
+    hold(40, "b, c, d"),
+    edge(50, 1, ""),
+    edge(60, 0, "e"),
+)
+
+
+def test_who_holds_and_who_moved_a_wire():
+    run = by_hand(*MOVES)
+    rows = wire_rows(run, "SCL").tolist()
+    assert rows == [0, 1, 2, 3, 4, 5]
+    told = [(holders(run, row, run.record(row)), mover(run, row, run.record(row))) for row in rows]
+    assert told == [
+        (("a",), "a"),
+        (("a", "b"), "b"),
+        (("b",), "a"),
+        (("b", "c", "d"), "d"),
+        (("b", "c", "d"), "d"),
+        (("e",), "e"),
+    ]
+    first = by_hand(edge(10, 1, ""))
+    assert (holders(first, 0, first.record(0)), mover(first, 0, first.record(0))) == ((), "")
+
+
+def test_who_joined_in_is_followed_to_what_it_did_and_who_was_left_to_since_when_it_held():
+    acts = [(5 * n + 2, Kind.BUS, who, "byte", n, "", 0) for n, who in ((1, "b"), (2, "b"))]
+    run = by_hand(acts[0], edge(10, 0, "a"), acts[1], hold(20, "a, b"), hold(30, "b"))
+    assert numbers([*why(run, "SCL@167ns").back]) == ["4", "3"]  # b joined: what b did last
+    assert numbers([*why(run, "SCL@250ns").back]) == ["5", "4", "3"]  # b was left: since it joined
+
+
+# The run ----------------------------------------------------------------------------------------------------------
+
+ROWS = st.lists(st.integers(0, 9), max_size=12)
+
+
+@given(ROWS, st.integers(-1, 10), st.none() | st.integers(0, 12))
+def test_the_last_row_up_to_a_tick_is_that_of_a_walk(cycles: list[int], tick: int, before: int | None):
+    run = by_hand(*(edge(cycle, n % 2, "") for n, cycle in enumerate(sorted(cycles))))
+    rows = run.rows(Kind.EDGE, "SCL")
+    fits = [row for row in rows.tolist() if run.table.tick[row] <= 20 * tick and (before is None or row < before)]
+    assert run.last(rows, 20 * tick, before) == (fits[-1] if fits else None)
+    after = tick
+    later = [row for row in rows.tolist() if row > after]
+    assert run.next(rows, after) == (later[0] if later else None)
+
+
+def test_the_row_of_a_number():
+    run = by_hand(edge(1, 0, ""), edge(2, 1, ""))
+    assert [run.row_of(number) for number in (-1, 0, 1, 2, 3)] == [None, None, 0, 1, None]
+    assert by_hand().row_of(1) is None
+
+
+def test_a_cause_at_one_tick_made_it():
+    run = by_hand(write(5, SCD, "SCD"), flag(5, "SCD", 0, 1), flag(6, "RRDY", 0, 1), flag(7, "BB", 1, 0))
+    assert run.made_by(np.arange(4)).tolist() == [-1, 0, -1, -1]
+    assert by_hand().made_by(np.arange(0)).tolist() == []
+
+
+def test_rows_are_in_the_order_of_their_ticks():
+    run = by_hand(flag(9, "SCD", 1), flag(5, "SCD", 0), flag(9, "SCD", 1), flag(5, "SCD", 1))
+    assert run.rows(Kind.FLAG, "dsp.I2C-A", "I2CSTR.SCD").tolist() == [1, 3, 0, 2]
+
+
+def test_the_value_above_a_row():
+    from periph_sim.f28335.i2c.register_map import I2CSTR
+
+    run = by_hand(flag(5, "XRDY", 0), read(6, 0), flag(7, "XRDY", 1), read(8, 0x10))
+    assert run.values("dsp", "I2C-A", I2CSTR, I2CSTR["XRDY"], np.arange(5)).tolist() == [1, 0, 0, 1, 1]
+
+
+def test_accesses_routine_by_routine():
+    """The main program's, then each run of a service routine; beside each row the next one of its own."""
+    reads = [read(cycle, 0, routine=routine) for cycle, routine in ((1, 0), (3, 2), (4, 0), (6, 5), (7, 2))]
+    run = by_hand(reads[0], irq(2, 1), reads[1], reads[2], irq(5, 1, 3), reads[3], reads[4])
+    in_order, following = run.in_order("dsp")
+    assert (in_order.tolist(), following.tolist()) == ([0, 3, 2, 6, 5], [3, -1, 6, -1, -1])
+    assert [run.routine("dsp", entry).tolist() for entry in (0, 2, 5, 9)] == [[0, 3], [2, 6], [5], []]
+    nothing, _ = by_hand().in_order("dsp")
+    assert nothing.tolist() == []
+
+
+def test_who_looks_at_a_field():
+    from periph_sim.f28335.i2c.register_map import I2CSTR
+
+    run = by_hand(read(1, 0, "SCD"), read(2, RRDY, "RRDY"), read(3, 0))
+    reads = run.accesses_of("dsp", "R", "I2C-A", "I2CSTR")
+    assert run.looking_at(reads, I2CSTR["SCD"]).tolist() == [0, 2]
+    assert [(place, rows.tolist()) for place, rows in run.by_place(reads)] == [("f:1", [0, 1, 2])]

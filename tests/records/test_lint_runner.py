@@ -1,0 +1,269 @@
+"""Each lint finds the one fault that a small scene plants, at its place, and nothing in a sound one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from periph_sim.firmware import start_i2c, start_pie
+from periph_sim.processor.dsp import Dsp
+from periph_sim.records import lint, lints
+from periph_sim.records.lint_finding import Options
+from periph_sim.records.lint_runner import all_lints
+from periph_sim.scene.case.load import load
+from tests.records.scenes import ADDRESS, asks, by_hand, line_of, ran, recorded
+from tests.scene.runs import TIMING
+
+Fault = Callable[[Any, Dsp], None]
+
+
+def set_read_only(i2c: Any, dsp: Dsp) -> None:
+    i2c.I2CSTR.all = 0x1000  # BB
+
+
+def change_prescaler(i2c: Any, dsp: Dsp) -> None:
+    i2c.I2CPSC.all = 9
+
+
+def change_address(i2c: Any, dsp: Dsp) -> None:
+    dsp.spin(lambda: i2c.I2CSTR.BB == 1)
+    i2c.I2COAR.all = 0x22
+
+
+def load_on_xrdy(i2c: Any, dsp: Dsp) -> None:
+    dsp.spin(lambda: i2c.I2CSTR.XRDY == 1)
+    i2c.I2CDXR.all = 0x5A
+
+
+def leave_byte(i2c: Any, dsp: Dsp) -> None:
+    while not i2c.I2CSTR.RRDY:
+        pass
+    i2c.I2CSTR.SCD = 1
+
+
+def wait_for_ever(i2c: Any, dsp: Dsp) -> None:
+    while not i2c.I2CSTR.RRDY:
+        dsp.compute(100)
+
+
+def overwrite(i2c: Any, dsp: Dsp) -> None:
+    dsp.spin(lambda: i2c.I2CSTR.SDIR == 1)
+    for byte in (1, 2, 3):
+        i2c.I2CDXR.all = byte
+
+
+def read_early(i2c: Any, dsp: Dsp) -> None:
+    dsp.spin(lambda: i2c.I2CSTR.RRDY == 1)
+    assert i2c.I2CDRR.all == 1
+    assert i2c.I2CDRR.all == 1
+
+
+def reset(i2c: Any, dsp: Dsp) -> None:
+    dsp.spin(lambda: i2c.I2CSTR.AAS == 1)
+    dsp.compute(3000)
+    i2c.I2CMDR.IRS = 0
+
+
+def forget(i2c: Any, dsp: Dsp) -> None:
+    def addressed() -> None:
+        assert i2c.I2CISRC.INTCODE == 7
+
+    i2c.I2CIER.AAS = 1
+    start_pie(dsp, {"I2CINT1A": addressed})
+    dsp.compute(1_000_000)
+
+
+def wipe_all(i2c: Any, dsp: Dsp) -> None:
+    dsp.spin(lambda: i2c.I2CSTR.BB == 1)
+    dsp.compute(35_000)
+    i2c.I2CSTR.all = 0xFFFF
+
+
+def wipe_along(i2c: Any, dsp: Dsp) -> None:
+    dsp.spin(lambda: i2c.I2CSTR.BB == 1)
+    dsp.compute(35_000)
+    i2c.I2CSTR.SCD = 1
+
+
+def wait_for_stale(i2c: Any, dsp: Dsp) -> None:
+    dsp.spin(lambda: i2c.I2CSTR.SCD == 1)
+    dsp.spin(lambda: i2c.I2CSTR.BB == 1)
+    dsp.spin(lambda: i2c.I2CSTR.SCD == 1)
+
+
+def set_direction(i2c: Any, dsp: Dsp) -> None:
+    i2c.I2CMDR.TRX = 1
+
+
+def set_count(i2c: Any, dsp: Dsp) -> None:
+    i2c.I2CCNT.all = 6
+
+
+def start_in_reset(i2c: Any, dsp: Dsp) -> None:
+    i2c.I2CMDR.IRS = 0
+    i2c.I2CMDR.STT = 1
+
+
+TWICE = {"controller": {"first": "1 ms", "rounds": 2, "period": "1 ms", "request": [{"address": 0x23, "write": "01"}]}}
+PLANTED: list[tuple[str, Fault, int, dict[str, Any]]] = [
+    ("read-only", set_read_only, 1, {}),
+    ("prescaler-while-enabled", change_prescaler, 1, {}),
+    ("own-address-in-transfer", change_address, 2, asks(0x23, write="01", count=0)),
+    ("xrdy-alone", load_on_xrdy, 2, {}),
+    ("receive-register-unread", leave_byte, 1, asks(write="01", count=0)),
+    ("spin-without-bound", wait_for_ever, 1, {"duration": "25 ms"}),
+    ("transmit-register-overwritten", overwrite, 3, asks(count=1)),
+    ("receive-register-early", read_early, 3, asks(write="01", count=0)),
+    ("reset-in-transfer", reset, 3, asks(write="0102", count=0)),
+    ("group-not-acknowledged", forget, 1, asks(write="01", count=0)),
+    ("flag-wiped", wipe_all, 3, asks(write="0102", count=0)),
+    ("flag-wiped", wipe_along, 3, asks(write="0102", count=0)),
+    ("stale-flag", wait_for_stale, 3, TWICE),
+    ("without-effect", set_direction, 1, {}),
+    ("without-effect", set_count, 1, {}),
+    ("without-effect", start_in_reset, 2, {}),
+]
+
+
+def firmware(fault: Fault) -> Callable[[Dsp], None]:
+    def main(dsp: Dsp) -> None:
+        start_i2c(dsp)
+        i2c = dsp.module("I2C-A")
+        i2c.I2COAR.all = ADDRESS
+        i2c.I2CMDR.IRS = 1
+        fault(i2c, dsp)
+
+    return main
+
+
+def serve(i2c: Any, dsp: Dsp) -> None:
+    """Receives a byte and sends one, as it should be done; then sets the module up anew."""
+    dsp.spin(lambda: i2c.I2CSTR.RRDY == 1)
+    assert i2c.I2CDRR.all == 1
+    dsp.spin(lambda: i2c.I2CSTR.SDIR == 1)
+    i2c.I2CDXR.all = 0x5A
+    dsp.spin(lambda: i2c.I2CSTR.SCD == 1)
+    i2c.I2CMDR.IRS = 0
+    i2c.I2COAR.all = 0x22
+    i2c.I2CPSC.all = 9
+    i2c.I2CMDR.IRS = 1
+
+
+BESIDE = {  # what a planted fault cannot be without
+    "receive-register-early": ("spin-without-bound",),
+    "flag-wiped": ("receive-register-unread", "read-only"),
+    "reset-in-transfer": ("receive-register-unread",),
+    "group-not-acknowledged": ("receive-register-unread",),
+    "stale-flag": ("receive-register-unread",),
+}
+
+
+@pytest.mark.parametrize(("name", "fault", "below", "scene"), PLANTED, ids=[name for name, *_ in PLANTED])
+def test_a_planted_fault_is_found_once_at_its_place(
+    monkeypatch: pytest.MonkeyPatch, name: str, fault: Fault, below: int, scene: dict[str, Any]
+):
+    run = ran(monkeypatch, firmware(fault), **scene)
+    found = [f for f in lint(run) if f.lint == name or f.lint not in BESIDE.get(name, ())]
+    inner = name in ("group-not-acknowledged", "stale-flag")  # whose place is a function inside of the fault's
+    place = found[0].place if inner else line_of(fault, below)
+    times = 2 if name == "transmit-register-overwritten" else 1
+    assert [(f.lint, f.unit, f.place) for f in found] == [(name, "dsp", place)] and found[0].count <= times
+    assert found[0].source.startswith(("SPRUG03B", "SPRUFB0D")) and 0 < found[0].first < run.table.end
+
+
+def test_every_lint_has_a_fault_here_and_is_a_file_of_the_folder():
+    files = {path.stem.replace("_", "-") for path in Path(lints.__file__).parent.glob("[a-z]*.py")}
+    assert set(all_lints()) == files == {name for name, *_ in PLANTED}
+
+
+def test_sound_firmware_has_none(monkeypatch: pytest.MonkeyPatch):
+    assert lint(ran(monkeypatch, firmware(serve), **asks(pointer=1, count=1))) == []
+
+
+def take(i2c: Any, dsp: Dsp) -> None:
+    dsp.spin(lambda: i2c.I2CSTR.RRDY == 1)
+    assert i2c.I2CDRR.all == 1
+
+
+def test_the_bound_of_a_wait_is_the_users(monkeypatch: pytest.MonkeyPatch):
+    run = ran(monkeypatch, firmware(take), **asks(write="01", count=0))
+    assert lint(run) == []
+    (found,) = lint(run, Options(bound=Fraction(1, 1000)))
+    assert found.lint == "spin-without-bound" and "end of the run" not in found.text
+
+
+def test_a_wait_that_never_got_past_is_found_however_short_the_run(monkeypatch: pytest.MonkeyPatch):
+    (found,) = lint(ran(monkeypatch, firmware(take), "1 ms"))
+    assert found.lint == "spin-without-bound" and "until the end of the run, and never got past it" in found.text
+
+
+def test_a_master_may_load_its_byte_first(monkeypatch: pytest.MonkeyPatch):
+    def send(i2c: Any, dsp: Dsp) -> None:
+        dsp.spin(lambda: i2c.I2CSTR.XRDY == 1)
+        i2c.I2CDXR.all = 0x5A
+        i2c.I2CMDR.all = 0x2620 | 0x0800  # STT, STP, MST, TRX, IRS
+
+    assert lint(ran(monkeypatch, firmware(send))) == []
+
+
+def test_a_bit_field_write_gives_read_only_fields_back(monkeypatch: pytest.MonkeyPatch):
+    def clear(i2c: Any, dsp: Dsp) -> None:
+        dsp.spin(lambda: i2c.I2CSTR.BB == 1)
+        i2c.I2CSTR.NACK = 1
+
+    assert lint(ran(monkeypatch, firmware(clear), **asks(0x23, write="01", count=0))) == []
+
+
+def test_a_byte_loaded_in_advance_is_not_loaded_on_xrdy(monkeypatch: pytest.MonkeyPatch):
+    """The bus is idle, which is looked at by BB; XRDY happens to be 1 in that read."""
+
+    def preload(i2c: Any, dsp: Dsp) -> None:
+        if i2c.I2CSTR.BB == 0:
+            i2c.I2CDXR.all = 0x5A
+
+    assert lint(ran(monkeypatch, firmware(preload), **asks(count=1))) == []
+
+
+def test_a_master_that_reads_is_not_denied_where_the_firmware_wiped_sdir(monkeypatch: pytest.MonkeyPatch):
+    """SDIR is up, SCD = 1 writes it back and clears it, then I2CDXR is loaded."""
+
+    def wipe(i2c: Any, dsp: Dsp) -> None:
+        dsp.spin(lambda: i2c.I2CSTR.SDIR == 1)
+        i2c.I2CSTR.SCD = 1
+        dsp.spin(lambda: i2c.I2CSTR.XRDY == 1)
+        i2c.I2CDXR.all = 0x5A
+
+    found = [one for one in lint(ran(monkeypatch, firmware(wipe), **asks(count=1))) if one.lint == "xrdy-alone"]
+    assert [(one.place, one.count) for one in found] == [(line_of(wipe, 4), 1)]
+    assert "the firmware itself cleared SDIR in this transfer" in found[0].text
+    assert found[0].text.endswith(f"by writing I2CSTR at {line_of(wipe, 2)}")
+
+
+@pytest.mark.parametrize("style", ["polled", "interrupt"])
+@pytest.mark.parametrize("fifo", [False, True])
+def test_the_responder_has_none(style: str, fifo: bool):
+    changes = [f"unit.dsp.settings.style={style}", f"unit.dsp.settings.fifo={str(fifo).lower()}"]
+    assert lint(recorded(load(TIMING / "responder.toml", changes), "0.02")) == []
+
+
+PUBLISHED = {"receive-register-unread", "without-effect"}  # true of the published routine: TRX and I2CCNT as slave
+
+
+BESIDE_IT = {"imu_hil_no_sdir": {"xrdy-alone"}, "late_model": {"reset-in-transfer"}}  # which these are shipped to show
+
+
+@pytest.mark.parametrize("case", sorted(path.stem for path in TIMING.glob("*.toml")))
+def test_shipped_cases_have_only_what_is_true_of_them(case: str):
+    """late_model comes back from its model in the middle of a request to it."""
+    shipped = load(TIMING / f"{case}.toml", [])
+    published = any(unit.firmware == "imu_hil" for unit in shipped.unit.values())
+    expected = (PUBLISHED if published else set()) | BESIDE_IT.get(case, set())
+    assert {found.lint for found in lint(recorded(shipped, "0.06" if case == "late_model" else "0.03"))} == expected
+
+
+def test_nothing_is_found_in_nothing():
+    assert lint(by_hand()) == []

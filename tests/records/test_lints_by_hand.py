@@ -1,0 +1,514 @@
+"""Each lint over records made by hand: a fault, and each of the conditions without which it is none.
+
+A line is a record: cycle, then `R` or `W` register value place [field], `flag` name value, or `irq` vector value; `<n`
+names the n-th line as its cause.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+from typing import Any
+
+import pytest
+
+from periph_sim.core.records import Kind
+from periph_sim.records import Run
+from periph_sim.records.lint_finding import Options
+from periph_sim.records.lint_runner import all_lints, lint
+from tests.records.scenes import CYCLE, by_hand
+
+END = 1_000_000  # cycles
+
+
+def drawn(text: str) -> Run:
+    return by_hand(*_rows(text), end=END)
+
+
+def _rows(text: str) -> Iterator[tuple[Any, ...]]:
+    before = 0
+    for line in filter(None, (line.strip() for line in text.splitlines())):
+        cycle, kind, *rest = line.split()
+        assert int(cycle) >= before, f"{line}: it comes too late"
+        before = int(cycle)
+        cause = int(rest.pop()[1:]) if rest[-1].startswith("<") else 0
+        if kind in ("R", "W"):
+            register, value, place, *field = rest
+            register = register if "." in register else f"I2C-A.{register}"
+            yield int(cycle), Kind.ACCESS, "dsp", f"{kind} {register}", int(value, 0), place, cause, *field
+        elif kind == "flag":
+            yield int(cycle), Kind.FLAG, "dsp.I2C-A", rest[0], int(rest[1], 0), "", cause
+        else:
+            yield int(cycle), Kind.IRQ, "dsp", rest[0], int(rest[1], 0), "", cause
+
+
+def found(name: str, text: str, options: Options | None = None) -> list[tuple[int, str]]:
+    """(cycle, what is said) of each access at fault."""
+    run = drawn(text)
+    return [
+        (int(run.table.tick[row]) // CYCLE, fault.text)
+        for fault in all_lints()[name].faults(run, options or Options())
+        for row in fault.rows.tolist()
+    ]
+
+
+def cycles(name: str, text: str) -> list[int]:
+    return [cycle for cycle, _ in found(name, text)]
+
+
+def changed(text: str, old: str, new: str) -> str:
+    assert text.count(old) == 1, old
+    return text.replace(old, new)
+
+
+ON = "1 flag I2CMDR.IRS 1\n"
+
+# Writes ---------------------------------------------------------------------------------------------------------
+
+ADDRESS = f"{ON}2 flag I2COAR.OAR 0x50\n5 flag I2CSTR.BB 1\n10 W I2COAR 0x22 f:1\n10 flag I2COAR.OAR 0x22 <4"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "at"),
+    [
+        ("10 W", "10 W", [10]),
+        ("I2CSTR.BB 1", "I2CSTR.BB 0", []),
+        ("I2CMDR.IRS 1", "I2CMDR.IRS 0", []),
+        ("0x22 f:1", "0x50 f:1", []),
+        ("0x22 f:1", "0xFC50 f:1", []),  # beyond the field
+        ("10 W I2COAR", "10 R I2COAR", []),
+        ("10 W I2COAR", "10 W I2CSAR", []),
+    ],
+)
+def test_the_own_address_changed_in_mid_transfer(old: str, new: str, at: list[int]):
+    assert cycles("own-address-in-transfer", changed(ADDRESS, old, new)) == at
+
+
+PRESCALER = f"{ON}2 flag I2CPSC.IPSC 14\n10 W I2CPSC 9 f:1\n10 flag I2CPSC.IPSC 9 <3"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "at"),
+    [
+        ("10 W", "10 W", [10]),
+        ("I2CMDR.IRS 1", "I2CMDR.IRS 0", []),
+        ("I2CPSC 9", "I2CPSC 14", []),
+        ("I2CPSC 9", "I2CPSC 0xFF0E", []),
+        ("10 W I2CPSC", "10 R I2CPSC", []),
+        ("10 W I2CPSC", "10 W I2CCNT", []),
+    ],
+)
+def test_the_prescaler_changed_while_the_module_is_on(old: str, new: str, at: list[int]):
+    assert cycles("prescaler-while-enabled", changed(PRESCALER, old, new)) == at
+
+
+READ_ONLY = "5 flag I2CSTR.BB 1\n10 R I2CSTR 0x1410 f:1 SCD\n11 flag I2CSTR.BB 0\n12 W I2CSTR 0x1430 f:1 SCD"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (READ_ONLY, []),  # it gives back what it read, though BB has fallen since
+        ("10 W I2CSTR 0x1400 f:1", [(10, "writes I2C-A.I2CSTR.BB, which is read-only")]),  # XSMT is 1
+        ("5 flag I2CSTR.BB 1\n10 W I2CSTR 0x1400 f:1", []),
+        ("5 flag I2CSTR.BB 1\n10 W I2CSTR 0 f:1", []),
+        ("10 R I2CSTR 0x1400 f:1", []),
+        (
+            changed(READ_ONLY, "0x1430", "0x1630"),
+            [(12, "writes I2C-A.I2CSTR.AAS, which is read-only")],
+        ),
+        ("10 W SCI-A.SCIFFRX 0x0300 f:1", [(10, "writes SCI-A.SCIFFRX.RXFFST, which is read-only")]),
+        (
+            "10 W I2CSTR 0x1200 f:1\n20 W I2CSTR 0x1000 f:2",
+            [
+                *[(cycle, "writes I2C-A.I2CSTR.BB, which is read-only") for cycle in (10, 20)],
+                (10, "writes I2C-A.I2CSTR.AAS, which is read-only"),
+            ],
+        ),
+    ],
+)
+def test_a_read_only_field_set_to_what_it_does_not_hold(text: str, said: list[tuple[int, str]]):
+    assert found("read-only", text) == said
+
+
+TRX = "writes TRX as slave, whose direction the address tells: without effect"
+COUNT = "writes I2CCNT as slave: without effect on what it receives, and by default on what it sends"
+
+
+def lost(name: str) -> str:
+    return f"writes {name} with IRS = 0: lost, as the module is held in reset"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("10 W I2CCNT 6 f:1", [(10, COUNT)]),
+        ("10 R I2CCNT 6 f:1", []),
+        ("5 flag I2CMDR.MST 1\n10 W I2CCNT 6 f:1", []),
+        ("10 W I2CCNT 6 f:1\n20 flag I2CMDR.MST 1", []),
+        ("10 W I2CCNT 6 f:1\n20 W I2CCNT 5 f:2\n30 flag I2CMDR.MST 1", [(10, COUNT)]),  # the second one is for it
+        ("5 flag I2CMDR.MST 1\n7 flag I2CMDR.MST 0\n10 W I2CCNT 6 f:1\n20 flag I2CMDR.MST 0", [(10, COUNT)]),
+        (f"{ON}10 W I2CMDR 0x0220 f:1 TRX", [(10, TRX)]),
+        (f"{ON}10 W I2CMDR 0x0220 f:1 IRS", []),
+        (f"{ON}10 W I2CMDR 0x0220 f:1", []),
+        (f"{ON}10 W I2CMDR 0x0620 f:1 TRX", []),  # MST
+        (f"{ON}10 W I2CMDR 0x0228 f:1 TRX", []),  # FDF
+        (f"{ON}5 flag I2CMDR.MST 1\n10 W I2CMDR 0x0220 f:1 TRX", []),
+        (f"{ON}10 W I2CMDR 0x0220 f:1 TRX\n10 flag I2CMDR.TRX 1 <2\n20 flag I2CMDR.MST 1", []),
+        (
+            f"{ON}10 W I2CMDR 0x0220 f:1 TRX\n10 flag I2CMDR.TRX 1 <2\n15 flag I2CMDR.TRX 0\n20 flag I2CMDR.MST 1",
+            [(10, TRX)],
+        ),
+        ("10 W I2CMDR 0x2000 f:1", [(10, lost("STT"))]),
+        ("10 W I2CMDR 0x0800 f:1", [(10, lost("STP"))]),
+        ("10 W I2CMDR 0x2800 f:1", [(10, lost("STT")), (10, lost("STP"))]),
+        ("10 W I2CMDR 0x2020 f:1", []),  # with IRS
+        (f"{ON}10 W I2CMDR 0x2000 f:1", []),
+        ("10 R I2CMDR 0x2000 f:1", []),
+    ],
+)
+def test_a_write_without_effect(text: str, said: list[tuple[int, str]]):
+    assert found("without-effect", text) == said
+
+
+MODE_OFF = f"{ON}2 flag I2CSTR.AAS 1\n3 flag I2CSTR.BB 1\n10 W I2CMDR 0 f:1\n10 flag I2CMDR.IRS 0 <4"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "at"),
+    [
+        ("10 W", "10 W", [10]),
+        ("1 flag I2CMDR.IRS 1", "1 flag I2CMDR.IRS 0", []),
+        ("I2CSTR.AAS 1", "I2CSTR.AAS 0", []),
+        ("I2CSTR.AAS 1", "I2CMDR.MST 1", [10]),
+        ("I2CSTR.BB 1", "I2CSTR.BB 0", []),
+        ("I2CMDR 0 f:1", "I2CMDR 0x20 f:1", []),
+        ("10 W I2CMDR", "10 R I2CMDR", []),
+        ("10 W I2CMDR", "10 W I2CCNT", []),
+    ],
+)
+def test_the_module_reset_in_mid_transfer(old: str, new: str, at: list[int]):
+    assert cycles("reset-in-transfer", changed(MODE_OFF, old, new)) == at
+
+
+# The data registers ---------------------------------------------------------------------------------------------
+
+OVERWRITTEN = f"""{ON}2 flag I2CSTR.AAS 1
+    5 W I2CDXR 1 f:1
+    5 flag I2CSTR.XRDY 0 <3
+    10 W I2CDXR 2 f:2"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "at"),
+    [
+        ("10 W", "10 W", [10]),
+        ("1 flag I2CMDR.IRS 1", "1 flag I2CMDR.IRS 0", []),
+        ("5 flag I2CSTR.XRDY 0 <3", "6 flag I2CSTR.SCD 0", []),  # XRDY is 1 from the reset on
+        ("2 flag I2CSTR.AAS 1", "2 flag I2CFFTX.I2CFFEN 1", []),
+        ("10 W I2CDXR", "10 R I2CDXR", []),
+        ("5 W I2CDXR", "5 W I2CCNT", []),
+        ("10 W", "7 flag I2CSTR.XRDY 1\n8 flag I2CSTR.XRDY 0\n10 W", []),  # taken meanwhile
+        ("10 W", "7 flag I2CSTR.AAS 0\n10 W", []),  # another transfer
+        ("10 W", "7 flag I2CSTR.BB 1\n10 W", []),
+        ("10 W", "7 flag I2CSTR.RRDY 1\n10 W", [10]),
+        ("10 W I2CDXR 2 f:2", "10 W I2CDXR 2 f:2\n20 W I2CDXR 3 f:2", [10, 20]),
+    ],
+)
+def test_a_byte_overwritten_before_it_was_taken(old: str, new: str, at: list[int]):
+    assert cycles("transmit-register-overwritten", changed(OVERWRITTEN, old, new)) == at
+
+
+EARLY = f"{ON}5 flag I2CSTR.RRDY 1\n10 R I2CDRR 7 f:1\n10 flag I2CSTR.RRDY 0 <3\n20 R I2CDRR 7 f:2"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "at"),
+    [
+        ("20 R", "20 R", [20]),
+        ("20 R", "15 flag I2CSTR.RRDY 1\n20 R", []),
+        ("1 flag I2CMDR.IRS 1", "1 flag I2CMDR.IRS 0", []),
+        ("10 flag I2CSTR.RRDY 0 <3", "10 flag I2CSTR.RRDY 0", []),  # cleared by no read: the byte is there
+        ("10 flag I2CSTR.RRDY 0 <3", "11 flag I2CSTR.RRDY 0 <3", []),
+        ("20 R I2CDRR", "20 W I2CDRR", []),
+        ("20 R I2CDRR", "20 R I2CCNT", []),
+        ("20 R", "15 flag I2CFFRX.RXFFRST 1\n20 R", []),
+        ("5 flag I2CSTR.RRDY 1", "5 flag I2CSTR.SCD 1", [10, 20]),  # none ever came
+    ],
+)
+def test_the_receive_register_read_without_a_byte(old: str, new: str, at: list[int]):
+    text = changed(EARLY, old, new)
+    assert cycles("receive-register-early", text) == at
+
+
+def test_the_receive_register_read_before_any_byte_came():
+    assert cycles("receive-register-early", f"{ON}10 R I2CDRR 0 f:1") == [10]
+
+
+ONCE, TWICE = (f"I2C-A.I2CDRR is never read, though RRDY rose {times}" for times in ("1 time", "2 times"))
+UNREAD = "5 flag I2CSTR.RRDY 1\n7 R I2CSTR 0 f:0\n10 R I2CSTR 8 f:1\n20 R I2CSTR 8 f:2"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (UNREAD, [(10, ONCE)]),
+        (f"{UNREAD}\n30 flag I2CSTR.RRDY 0\n31 flag I2CSTR.RRDY 1", [(10, TWICE)]),
+        (f"{UNREAD}\n30 R I2CDRR 1 f:3", []),
+        (f"{UNREAD}\n30 W I2CDRR 1 f:3", [(10, ONCE)]),
+        (changed(UNREAD, "RRDY 1", "RRDY 0"), []),
+        (UNREAD.replace(" 8 ", " 0 "), [(7, ONCE)]),  # seen by nobody
+        ("5 flag I2CSTR.RRDY 1", []),  # no firmware, no place
+    ],
+)  # fmt: skip
+def test_a_byte_that_nobody_ever_reads(text: str, said: list[tuple[int, str]]):
+    assert found("receive-register-unread", text) == said
+
+
+ALONE = f"{ON}5 R I2CSTR 0x0410 f:1\n10 W I2CDXR 1 f:2"
+ON_XRDY = "loads I2CDXR as slave on XRDY alone: its last look at it showed SDIR = 0, so no master was reading yet"
+WIPED = (
+    "loads I2CDXR as slave with SDIR = 0 though a master reads: the firmware itself cleared SDIR in this transfer, "
+    "by writing I2CSTR at {}"
+)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "at"),
+    [
+        ("10 W", "10 W", [10]),
+        ("1 flag I2CMDR.IRS 1", "1 flag I2CMDR.IRS 0", []),
+        ("0x0410", "0x0400", []),  # XRDY was read as 0
+        ("0x0410", "0x4410", []),  # SDIR was read as 1
+        ("10 W", "7 flag I2CSTR.SDIR 1\n10 W", []),
+        ("10 W", "7 flag I2CMDR.MST 1\n10 W", []),
+        ("10 W", "7 flag I2CMDR.FDF 1\n10 W", []),
+        ("10 W", "7 flag I2CFFTX.I2CFFEN 1\n10 W", []),
+        ("10 W", "7 R I2CSTR 0x4410 f:1\n10 W", []),  # the last look counts
+        ("1 f:2", "1 f:2\n20 W I2CMDR 0x0620 f:3", []),  # it makes itself master
+        ("1 f:2", "1 f:2\n20 W I2CMDR 0x0020 f:3\n30 W I2CMDR 0x0620 f:3", [10]),
+        ("10 W", "7 R I2CSTR 0x4410 f:1 SCD\n10 W", [10]),  # that is none at XRDY
+        ("10 W", "7 R I2CSTR 0x4410 f:1 SCD\n9 W I2CSTR 0x4420 f:1 SCD\n10 W", [10]),
+        ("0x0410 f:1", "0x0410 f:1 XRDY", [10]),
+        ("0x0410 f:1", "0x0410 f:1 BB", []),
+        ("10 W", "7 W I2CDXR 1 f:1\n10 W", [7]),  # no look since
+        ("5 R I2CSTR", "5 R I2CIER", []),  # it never looked
+        ("5 R I2CSTR 0x0410 f:1\n10 W I2CDXR 1 f:2", "5 W I2CDXR 1 f:2\n10 R I2CSTR 0x0410 f:1", []),
+        ("10 W I2CDXR", "10 R I2CDXR", []),
+    ],
+)
+def test_a_byte_loaded_on_xrdy_alone(old: str, new: str, at: list[int]):
+    assert found("xrdy-alone", changed(ALONE, old, new)) == [(cycle, ON_XRDY) for cycle in at]
+
+
+CLEARED = f"""{ON}2 flag I2CSTR.AAS 1
+    3 flag I2CSTR.SDIR 1
+    4 W I2CSTR 0x4020 g:9
+    4 flag I2CSTR.SDIR 0 <4
+    5 R I2CSTR 0x0410 f:1
+    10 W I2CDXR 1 f:2"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("10 W", "10 W", WIPED.format("g:9")),
+        ("4 flag I2CSTR.SDIR 0 <4", "4 flag I2CSTR.SDIR 0", ON_XRDY),
+        ("2 flag I2CSTR.AAS 1", "2 flag I2CSTR.SCD 1", ON_XRDY),
+        ("5 R", "5 flag I2CSTR.AAS 0\n5 R", ON_XRDY),  # addressed no more
+        ("5 R", "5 flag I2CSTR.AAS 0\n5 flag I2CSTR.AAS 1\n5 R", ON_XRDY),  # addressed anew: it was before that
+        ("4 W I2CSTR", "4 W I2CMDR", ON_XRDY),
+    ],
+)
+def test_a_byte_loaded_behind_a_direction_that_the_firmware_wiped(old: str, new: str, said: str):
+    assert found("xrdy-alone", changed(CLEARED, old, new)) == [(10, said)]
+
+
+# Flags ----------------------------------------------------------------------------------------------------------
+
+WIPES = """
+    1 flag I2CSTR.BB 1
+    5 flag I2CSTR.SDIR 1
+    10 R I2CSTR 0x5410 f:1 SCD
+    12 W I2CSTR 0x5430 f:1 SCD
+    12 flag I2CSTR.SDIR 0 <4
+"""
+UNSEEN = "it rose in this transfer and the firmware has not looked at it"
+ALONG = f"clears I2CSTR.{{}} along, by a bit-field write of another flag: {UNSEEN}"
+PLAIN = f"clears I2CSTR.{{}} along, by a plain write: {UNSEEN}"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("10 R", "10 R", [(12, ALONG.format("SDIR"))]),
+        ("10 R", "7 R I2CSTR 0x5410 g:1 SDIR\n10 R", []),
+        ("10 R", "7 R I2CSTR 0x5410 g:1\n10 R", []),  # all of it
+        ("10 R", "7 R I2CSTR 0x5410 g:1 XRDY\n10 R", [(12, ALONG.format("SDIR"))]),
+        ("5 flag", "3 R I2CSTR 0x1410 g:1 SDIR\n5 flag", [(12, ALONG.format("SDIR"))]),  # before it rose
+        ("1 flag I2CSTR.BB 1", "", []),
+        ("10 R", "8 flag I2CSTR.BB 1\n10 R", []),  # of an earlier transfer
+        ("10 R", "9 flag I2CSTR.BB 0\n10 R", []),  # the transfer is over
+        ("10 R", "9 flag I2CSTR.SCD 1\n10 R", []),
+        ("10 R", "9 flag I2CSTR.SCD 0\n10 R", [(12, ALONG.format("SDIR"))]),
+        ("12 W I2CSTR 0x5430 f:1 SCD", "12 W I2CSTR 0x5430 f:1 SDIR", []),  # it is the one that was meant
+        ("12 flag I2CSTR.SDIR 0 <4", "12 flag I2CSTR.SDIR 0", []),  # nobody's write
+        ("12 W I2CSTR 0x5430 f:1 SCD", "12 W I2CMDR 0x0600 f:1", []),  # the module reset
+        ("5 flag I2CSTR.SDIR 1", "5 flag I2CSTR.ARDY 1", []),
+        ("10 R I2CSTR 0x5410 f:1 SCD\n", "", [(12, PLAIN.format("SDIR"))]),
+    ],
+)
+def test_a_flag_wiped_by_a_bit_field_write(old: str, new: str, said: list[tuple[int, str]]):
+    text = changed(WIPES, old, new)
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    # Causes are line numbers: that of the write, wherever it stands now.
+    write = next(n for n, line in enumerate(lines, 1) if line.startswith("12 W"))
+    text = "\n".join(line.replace("<4", f"<{write}") for line in lines)
+    assert found("flag-wiped", text) == said
+
+
+@pytest.mark.parametrize(
+    ("value", "flags"),
+    [("0xFFFF", ["SDIR", "RRDY"]), ("0x4028", []), ("0x4008", []), ("0x5008", ["SDIR", "RRDY"])],
+)
+def test_a_plain_write_of_flags_alone_is_meant(value: str, flags: list[str]):
+    of = f"""
+        1 flag I2CSTR.BB 1
+        5 flag I2CSTR.SDIR 1
+        6 flag I2CSTR.RRDY 1
+        12 W I2CSTR {value} f:1
+        12 flag I2CSTR.SDIR 0 <4
+        12 flag I2CSTR.RRDY 0 <4
+    """
+    assert found("flag-wiped", of) == [(12, PLAIN.format(flag)) for flag in flags]
+
+
+STALE = "5 flag I2CSTR.SCD 1\n10 flag I2CSTR.BB 1\n20 R I2CSTR 0x1430 f:1 SCD"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "at"),
+    [
+        ("20 R", "20 R", [20]),
+        ("5 flag", "3 flag I2CSTR.BB 1\n5 flag", [20]),  # the last START counts
+        ("10 flag I2CSTR.BB 1", "10 flag I2CSTR.AAS 1", []),
+        ("0x1430 f:1 SCD", "0x1410 f:1 SCD", []),
+        ("0x1430 f:1 SCD", "0x1430 f:1 XRDY", []),
+        ("0x1430 f:1 SCD", "0x1430 f:1", []),
+        ("20 R", "15 flag I2CSTR.BB 0\n20 R", []),
+        ("20 R", "15 flag I2CSTR.SCD 1\n20 R", []),
+        ("20 R", "15 flag I2CSTR.SCD 0\n20 R", [20]),  # judged by what was read
+        ("0x1430 f:1 SCD", "0x1430 f:1 SCD\n22 W I2CSTR 0x1430 f:1 SCD", []),  # its own read is no look
+        ("20 R I2CSTR", "20 W I2CSTR", []),
+    ],
+)
+def test_a_wait_that_ends_by_a_flag_of_before(old: str, new: str, at: list[int]):
+    said = "sees I2CSTR.SCD = 1, which rose before this transfer began and was never cleared"
+    text = changed(STALE, old, new)
+    text = (
+        text if new != "3 flag I2CSTR.BB 1" else "3 flag I2CSTR.BB 1\n5 flag I2CSTR.SCD 1\n20 R I2CSTR 0x1430 f:1 SCD"
+    )
+    assert found("stale-flag", text) == [(cycle, said) for cycle in at]
+
+
+@pytest.mark.parametrize(("name", "mask"), [("SCD", 0x20), ("RRDY", 8), ("ARDY", 4), ("NACK", 2), ("SDIR", 0x4000)])
+def test_which_flags_may_be_stale(name: str, mask: int):
+    of = f"5 flag I2CSTR.{name} 1\n10 flag I2CSTR.BB 1\n20 R I2CSTR {0x1000 | mask} f:1 {name}"
+    assert cycles("stale-flag", of) == ([20] if name != "SDIR" else [])
+
+
+# Interrupts and waits -------------------------------------------------------------------------------------------
+
+SERVED = "5 irq SCIRXINTA 1\n10 irq SCIRXINTA 0 <1"
+
+
+@pytest.mark.parametrize(
+    ("text", "at"),
+    [
+        (SERVED, [5]),
+        (f"{SERVED}\n20 W PIE.PIEACK 0x100 f:1", []),
+        (f"{SERVED}\n20 W PIE.PIEACK 0x080 f:1", [5]),
+        (f"{SERVED}\n20 W PIE.PIEACK 0x1FF f:1", []),
+        (f"{SERVED}\n20 R PIE.PIEACK 0x100 f:1", [5]),
+        (f"3 W PIE.PIEACK 0x100 f:1\n{SERVED}".replace("<1", "<2"), [5]),
+        ("5 irq SCIRXINTA 1\n7 W PIE.PIEACK 0x100 f:1 <1\n10 irq SCIRXINTA 0 <1", []),
+        ("5 irq SCIRXINTA 1", []),  # it is not over
+        (f"{SERVED}\n30 irq SCIRXINTA 1", [5]),
+        (f"{SERVED}\n30 irq SCIRXINTA 1\n40 irq SCIRXINTA 0 <3", [5, 30]),
+        (f"{SERVED}\n20 W PIE.PIEACK 0x100 f:1\n30 irq SCIRXINTA 1\n40 irq SCIRXINTA 0 <4", [30]),
+    ],
+)
+def test_a_group_that_is_never_acknowledged(text: str, at: list[int]):
+    said = "SCIRXINTA is served, and PIEACK bit 8 is not written afterwards: no interrupt of group 9 comes any more"
+    assert found("group-not-acknowledged", text) == [(cycle, said) for cycle in at]
+
+
+WAIT = "10 R I2CSTR 0 f:1\n20 R I2CSTR 0 f:1\n{} R I2CSTR 8 g:2\n{} R I2CDRR 1 g:3"
+LONG = 3_000_000  # cycles: 20 ms
+
+
+def waits(text: str, end: int = 9_000_000, bound: Fraction | None = None) -> list[tuple[int, str]]:
+    run = by_hand(*_rows(text), end=end)
+    options = Options() if bound is None else Options(bound=bound)
+    faults = [*all_lints()["spin-without-bound"].faults(run, options)]
+    return [(int(run.table.tick[row]) // CYCLE, fault.text) for fault in faults for row in fault.rows.tolist()]
+
+
+@pytest.mark.parametrize(
+    ("next_at", "said"),
+    [
+        (LONG + 10, []),
+        (LONG + 11, [(10, "polls I2C-A.I2CSTR for up to 20 ms (3000001 cycles)")]),
+    ],
+)
+def test_a_wait_is_from_its_first_read_to_the_next_access_elsewhere(next_at: int, said: list[tuple[int, str]]):
+    assert waits(WAIT.format(next_at, next_at + 5)) == said
+
+
+def test_the_bound_of_a_wait():
+    of = WAIT.format(160, 170)  # 1 us
+    assert waits(of, bound=Fraction(1, 10**6)) == []
+    (told,) = waits(of, bound=Fraction(999, 10**9))
+    assert told == (10, "polls I2C-A.I2CSTR for up to 1 us (150 cycles)")
+
+
+def test_one_read_is_no_wait_and_a_write_is_none():
+    assert waits(f"10 R I2CSTR 0 f:1\n{LONG + 99} R I2CDRR 0 g:2") == []
+    assert waits(f"10 W I2CSTR 0 f:1\n20 W I2CSTR 0 f:1\n{LONG + 99} R I2CDRR 0 g:2") == []
+
+
+def test_a_wait_at_the_end_of_the_run():
+    stuck = "10 R I2CSTR 0 f:1\n20 R I2CSTR 0 f:1"
+    said = "polls I2C-A.I2CSTR for up to {}, until the end of the run, and never got past it"
+    assert waits(stuck, 160) == [(10, said.format("1 us (150 cycles)"))]
+    once_past = f"{stuck}\n30 R I2CDRR 0 g:2\n40 R I2CSTR 0 f:1\n50 R I2CSTR 0 f:1"
+    assert waits(once_past, 160) == []
+    late = "polls I2C-A.I2CSTR for up to 20 ms (3000001 cycles), the last until the end of the run"
+    assert waits(once_past, LONG + 41) == [(40, late)]
+    assert waits(once_past, LONG + 40) == []
+
+
+def test_a_wait_in_a_service_routine_ends_with_it():
+    of = "5 irq SCIRXINTA 1\n10 R I2CSTR 0 f:1 <1\n20 R I2CSTR 0 f:1 <1\n30 irq SCIRXINTA 0 <1"
+    assert waits(of) == [] == waits("5 irq SCIRXINTA 1\n10 R I2CSTR 0 f:1 <1\n20 R I2CSTR 0 f:1 <1")
+
+
+def test_waits_of_one_place_are_one_fault_with_its_longest():
+    poll, resume_after_halt = "{} R I2CSTR 0 f:1\n", "{} R I2CDRR 0 g:2\n"
+    of = f"10 R I2CSTR 0 f:1\n20 R I2CSTR 0 f:1\n{resume_after_halt}{poll}{poll}{resume_after_halt}"
+    run = by_hand(*_rows(of.format(LONG + 99, LONG + 100, LONG + 110, 2 * LONG + 500)), end=9_000_000)
+    (fault,) = all_lints()["spin-without-bound"].faults(run, Options())
+    assert (run.table.tick[fault.rows] // CYCLE).tolist() == [10, LONG + 100]
+    assert fault.text == "polls I2C-A.I2CSTR for up to 20.003 ms (3000400 cycles)"
+    assert fault.source == "SPRUG03B table 10"
+
+
+def test_findings_are_one_a_place_in_the_order_of_their_first_times():
+    of = f"{ON}20 W I2CDXR 1 b:1\n30 W I2CPSC 9 c:1\n30 flag I2CPSC.IPSC 9 <3\n"
+    of += "40 W I2CCNT 6 a:1\n50 W I2CCNT 6 a:1\n60 W I2CCNT 6 d:1"
+    told = [(one.lint, one.place, one.count, one.first // CYCLE, one.unit) for one in lint(drawn(of))]
+    assert told == [
+        ("prescaler-while-enabled", "c:1", 1, 30, "dsp"),
+        ("without-effect", "a:1", 2, 40, "dsp"),
+        ("without-effect", "d:1", 1, 60, "dsp"),
+    ]

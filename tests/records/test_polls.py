@@ -1,0 +1,122 @@
+"""Skipped polls put back: what a pass may be, which gaps are believed, and what is said of those that are not."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from periph_sim.records.races import PlaceRaces, races
+from tests.records.scenes import by_hand
+from tests.records.test_races import RRDY, flag, read
+
+
+def place(*rows: tuple[Any, ...], name: str = "f:1") -> PlaceRaces:
+    return next(one for one in races(by_hand(*rows, end=1_000_000)).places if one.place == name)
+
+
+def sides(of: PlaceRaces) -> tuple[int | None, int | None, int, int]:
+    """Cycles before and after the nearest change, polls put back, waits that were not filled."""
+    return of.before and of.before.cycles, of.after and of.after.cycles, of.polls, of.unplaced
+
+
+def wait(first: int, passes: int, change: int, at: int = 1000) -> PlaceRaces:
+    """Two passes of so many cycles, a change, the pass that saw it."""
+    return place(
+        read(at), read(at + first), flag(at + change, "RRDY", 1), read(at + first * passes, RRDY), read(900_000)
+    )
+
+
+@pytest.mark.parametrize(("length", "believed"), [(3, False), (4, True), (5, True), (400, True), (401, False)])
+def test_a_pass_takes_four_to_four_hundred_cycles(length: int, believed: bool):
+    of = wait(length, 400, 20 * length + 1)
+    assert not believed or sides(of)[:2] == (1, length - 1)
+    assert (of.polls, of.unplaced) == ((2, 0) if believed else (0, 1))
+
+
+@pytest.mark.parametrize(
+    ("change", "before", "after", "polls"),
+    [
+        (21, 1, 9, 2),  # between the polls at 20 and 30
+        (30, 10, 0, 2),  # the poll of its own cycle saw it
+        (31, 1, 9, 2),
+        (11, 1, 9, 1),  # the poll before it is recorded
+        (99, 9, 1, 1),  # and here the one that saw it
+        (95, 5, 5, 1),
+    ],
+)
+def test_the_polls_beside_a_change_are_those_of_the_grid(change: int, before: int, after: int, polls: int):
+    assert sides(wait(10, 10, change)) == (before, after, polls, 0)
+
+
+def test_a_change_before_the_first_read_or_behind_the_last_is_in_no_wait():
+    of = place(flag(5, "RRDY", 1), read(10), read(20), flag(700, "RRDY", 0))
+    assert sides(of) == (680, 5, 0, 0)
+
+
+def test_several_changes_in_one_wait_are_each_between_their_own_polls():
+    of = place(read(0), read(10), flag(33, "RRDY", 1), flag(58, "RRDY", 0), read(100))
+    assert (sides(of), of.histogram) == ((3, 2, 4, 0), (0, 4, 3, 0, 0, 0))
+
+
+@pytest.mark.parametrize(("waits", "believed"), [(2, False), (3, True)])
+def test_of_waits_with_one_recorded_pass_each_three_tell_a_pass(waits: int, believed: bool):
+    """Only the first read and the last one of each is there: 600, 900 and 1500 cycles apart, passes of 300."""
+    rows: list[tuple[Any, ...]] = []
+    at = 0
+    for apart in (600, 900, 1500)[:waits]:
+        rows += [read(at), flag(at + 301, "RRDY", 1), read(at + apart, RRDY)]
+        at += apart + 5000
+        rows.append((at - 1000, rows[0][1], "dsp", "W I2C-A.I2CCNT", 1, "g:1", 0))
+    of = place(*rows)
+    assert (of.unplaced, of.polls > 0) == ((0, True) if believed else (waits, False))
+
+
+def test_two_reads_of_a_pass_are_at_their_own_places_in_it():
+    """Reads at 0 and 7 of each pass of 20."""
+    of = place(read(0), read(7), read(20), read(27), flag(65, "RRDY", 1), read(200), read(207))
+    assert sides(of) == (5, 2, 2, 0)  # polls at 60 and 67
+
+
+def test_passes_that_disagree_are_not_believed():
+    """Of 4 distances 3 are whole passes of 10, and three quarters are too few; of 5 it is 4."""
+    agree = [read(at) for at in (0, 10, 20, 27)]
+    assert sides(place(*agree, flag(60, "RRDY", 1), read(97)))[2:] == (0, 1)
+    more = [read(at) for at in (0, 10, 20, 30, 37)]
+    assert sides(place(*more, flag(70, "RRDY", 1), read(107))) == (3, 7, 2, 0)
+
+
+def test_an_unfilled_wait_counts_once_however_many_changes_lie_in_it():
+    of = place(*(read(at) for at in (0, 10, 20, 30)), flag(53, "RRDY", 1), flag(78, "RRDY", 0), read(121))
+    assert (of.unplaced, of.polls) == (1, 0)
+
+
+def test_the_registers_of_two_places_do_not_share_waits():
+    rows = [read(0), read(10), read(13, place="g:2"), flag(33, "RRDY", 1), read(100)]
+    assert sides(place(*rows)) == (23, 67, 0, 0)
+    assert sides(place(*rows, name="g:2")) == (20, None, 0, 0)
+
+
+def test_decades():
+    rows = [flag(100_000, "RRDY", 1), *(read(100_000 + away, place=f"p:{away}") for away in (
+        0, 1, 9, 10, 99, 100, 999, 1000, 9999, 10_000, 99_999))]  # fmt: skip
+    found = races(by_hand(*rows, end=1_000_000))
+    decades = {of.place: of.histogram.index(1) for of in found.places}
+    assert [*decades.values()] == [0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5]
+    assert [of.closest for of in found.places] == [0, 1, 9, 10, 99, 100, 999, 1000, 9999, 10_000, 99_999]
+
+
+def test_of_equal_distances_the_first_is_told_and_places_without_a_change_come_last():
+    rows = [
+        read(10, place="z:1"),
+        flag(15, "RRDY", 1),
+        read(90, place="a:1"),
+        flag(95, "NACK", 1),
+        read(99, place="z:1"),
+    ]
+    found = races(by_hand(read(1, 0, "q:0"), *rows))
+    assert [of.place for of in found.places] == ["z:1", "a:1", "q:0"]
+    (z, a, _) = found.places
+    assert z.before is not None and (z.before.cycles, z.before.field, z.before.tick) == (5, "RRDY", 200)
+    assert z.after is not None and (z.after.cycles, z.after.field) == (4, "NACK")
+    assert a.before is not None and (a.before.cycles, a.before.field) == (5, "NACK")

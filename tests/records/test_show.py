@@ -1,0 +1,274 @@
+"""Reports of races and lints, whole, of runs small enough to be worked out by hand."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from periph_sim.core.records import Kind
+from periph_sim.records import lint_text_report as show_lint
+from periph_sim.records import races, why
+from periph_sim.records import races_text_report as show_races
+from periph_sim.records.cause_trace import text_report as show_why
+from periph_sim.records.lint_finding import Finding
+from periph_sim.records.lint_runner import all_lints
+from tests.records.scenes import by_hand
+from tests.records.test_races import RRDY, SCD, flag, read, write
+
+HEAD = "the run: cycles between reads and changes; SYSCLKOUT 150 MHz, which all accesses fall on"
+NOTES = """\
+note: reads: recorded ones; polls: those beside a change in waits that were skipped, put back on the grid of their \
+passes. Columns 0 to more: reads and polls by cycles to their nearest change.
+note: A read that names a field is compared with the changes of that field; one of the whole register, as each of a \
+read-modify-write is, with those of all. Changes that the firmware's own access made in its cycle do not count."""
+
+# A look, a read-modify-write of SCD between whose accesses NACK rises, two later reads. RRDY falls by the write: what
+# firmware does itself is no race.
+ROWS = [
+    flag(50, "RRDY", 1),
+    read(80, RRDY, "look:9"),
+    read(100, RRDY, "f:1"),
+    flag(101, "NACK", 1),
+    write(102, RRDY | SCD, "f:1"),
+    flag(102, "RRDY", 0, cause=5),
+    read(1500, 0, "main:7"),
+    read(2500, 0, "main:7"),
+]
+
+
+def test_races_as_a_table():
+    assert show_races.text(races(by_hand(*ROWS))) == (
+        f"""\
+{HEAD}
+
+  register      place   reads  polls  closest before          closest after             0  <10  <100  <1k  <10k  more
+---------------------------------------------------------------------------------------------------------------------
+  I2C-A.I2CSTR  f:1     1      0      1 (NACK, 0.000667 ms)   50 (RRDY, 0.000667 ms)    0  1    0     0    0     0
+  I2C-A.I2CSTR  look:9  1      0      21 (NACK, 0.000533 ms)  30 (RRDY, 0.000533 ms)    0  0    1     0    0     0
+  I2C-A.I2CSTR  main:7  2      0      -                       1399 (NACK, 0.010000 ms)  0  0    0     0    2     0
+
+read-modify-writes of flags that writing 1 clears:
+  I2C-A.I2CSTR at f:1: 1 times, to clear SCD
+    RRDY was cleared along with it 1 times, 0 of them never read since it rose; first at 0.000680 ms
+    NACK rose between read and write 1 times; lost 0
+
+{NOTES}
+closest: 1 cycles; flags lost to read-modify-writes: 0 (cleared along: 1)"""
+    )
+
+
+def test_races_without_a_change_and_without_another_flag():
+    assert show_races.text(races(by_hand(read(100), write(102, 0)))) == (
+        f"""\
+{HEAD}
+
+  register      place  reads  polls  closest before  closest after  0  <10  <100  <1k  <10k  more
+-------------------------------------------------------------------------------------------------
+  I2C-A.I2CSTR  f:1    1      0      -               -              0  0    0     0    0     0
+
+read-modify-writes of flags that writing 1 clears:
+  I2C-A.I2CSTR at f:1: 1 times, to clear nothing; no other flag cleared, none rose in between
+
+{NOTES}
+closest: no change to be near to; flags lost to read-modify-writes: 0 (cleared along: 0)"""
+    )
+
+
+def test_races_with_waits_that_cannot_be_filled_and_without_read_modify_writes():
+    told = show_races.text(races(by_hand(read(100), read(110), flag(507, "RRDY", 1), read(513, RRDY))))
+    assert told.splitlines()[4].split(maxsplit=4)[2:] == [
+        *("3", "0"),
+        "397 (RRDY, 0.000733 ms)  6 (RRDY, 0.003420 ms)  0  1    0     2    0     0",
+    ]
+    assert told.splitlines()[5:] == [
+        "",
+        *NOTES.splitlines(),
+        "note: 1 skipped waits with a change in them do not show how long a pass is; there only the recorded reads "
+        "count",
+        "closest: 6 cycles; flags lost to read-modify-writes: 0 (cleared along: 0)",
+    ]
+
+
+def shave(cycles: int, at_cycle: int, field: str) -> dict[str, Any]:
+    return {"cycles": cycles, "read_at_s": pytest.approx(at_cycle / 150e6, rel=1e-12), "field": field}
+
+
+def place(name: str, reads: int, before: Any, after: Any, histogram: tuple[int, ...]) -> dict[str, Any]:
+    more = {"polls": 0, "unplaced": 0, "histogram": histogram, "alone": 0}
+    return {"unit": "dsp", "register": STR, "place": name, "reads": reads, "before": before, "after": after, **more}
+
+
+STR = "I2C-A.I2CSTR"
+
+
+def test_races_as_json():
+    found = show_races.as_json(races(by_hand(*ROWS)))
+    assert found.pop("places") == [
+        place("f:1", 1, shave(1, 100, "NACK"), shave(50, 100, "RRDY"), (0, 1, 0, 0, 0, 0)),
+        place("look:9", 1, shave(21, 80, "NACK"), shave(30, 80, "RRDY"), (0, 0, 1, 0, 0, 0)),
+        place("main:7", 2, None, shave(1399, 1500, "NACK"), (0, 0, 0, 0, 2, 0)),
+    ]
+    flags = [
+        {"flag": "RRDY", "rose": 0, "lost_between": 0, "along": 1, "unseen": 0, "lost": (), "cleared": (2040,)},
+        {"flag": "NACK", "rose": 1, "lost_between": 0, "along": 0, "unseen": 0, "lost": (), "cleared": ()},
+    ]
+    assert found.pop("modifies") == [
+        {
+            "unit": "dsp",
+            "register": STR,
+            "place": "f:1",
+            "count": 1,
+            "meant": ("SCD",),
+            "doubt": (),
+            "lost": 0,
+            "flags": [{**flags[0], "first_s": pytest.approx(102 / 150e6)}, {**flags[1], "first_s": None}],
+        }
+    ]
+    assert [f"note: {note}" for note in found.pop("notes")] == NOTES.splitlines()
+    assert found == {
+        "run": "the run",
+        "cycle_ticks": 20.0,
+        "cycle_from": "SYSCLKOUT 150 MHz, which all accesses fall on",
+        "closest": 1,
+        "lost": 0,
+        "cleared_along": 1,
+        "decades": ["0", "1..9", "10..99", "100..999", "1000..9999", "10000.."],
+    }
+
+
+def test_a_flag_meant_is_said_with_its_doubt():
+    """RRDY and SCD were 1 and are written as 1 each time: either may have been meant."""
+    both = flag(10, "RRDY", 1), flag(20, "SCD", 1), read(100, RRDY | SCD), write(102, RRDY | SCD)
+    told = show_races.text(races(by_hand(*both)))
+    assert "  I2C-A.I2CSTR at f:1: 1 times, to clear one of SCD, RRDY, all set each time; no other flag" in told
+
+
+def test_with_two_units_registers_are_told_with_theirs():
+    of = by_hand(*ROWS)
+    of.table.modules["other"] = ("I2C-A",)
+    told = show_races.text(races(of))
+    assert "  dsp.I2C-A.I2CSTR  f:1 " in told and "  dsp.I2C-A.I2CSTR at f:1: 1 times, to clear SCD" in told
+
+
+# Why ------------------------------------------------------------------------------------------------------------
+
+
+def test_why_before_the_first_change():
+    text = show_why.text(why(by_hand(*ROWS), "I2CSTR.RRDY@100ns")).splitlines()
+    assert text[:4] == [
+        "dsp.I2C-A.I2CSTR.RRDY at 0.000100 ms: 0, as reset left it",
+        "  RRDY, R/W1C: I2CDRR holds an unread byte. [SPRUG03B table 10]",
+        "",
+        "back:",
+    ]
+    assert "  changed  333.333 ns (50 cycles) after  dsp.I2C-A.I2CSTR.RRDY set [SPRUG03B table 10]" in text
+    assert "  no recorded reads that looked at it before that change" in text
+
+
+def test_why_counts_the_reads_up_to_the_next_change():
+    text = show_why.text(why(by_hand(*ROWS), "I2CSTR.RRDY@500ns")).splitlines()
+    assert text[0] == "dsp.I2C-A.I2CSTR.RRDY at 0.000500 ms: 1 since 0.000333 ms, 166.667 ns (25 cycles) before"
+    assert text[text.index("forward:") + 1 :][:3] == [
+        "  read     200 ns (30 cycles) after      dsp: I2C-A.I2CSTR read, 0x0008 at look:9",
+        "  changed  346.667 ns (52 cycles) after  dsp.I2C-A.I2CSTR.RRDY cleared [SPRUG03B table 10]",
+        "  2 recorded reads that looked at it before that change",
+    ]
+    once = show_why.text(why(by_hand(*ROWS[:2], *ROWS[3:4]), "I2CSTR.RRDY@500ns"))
+    assert "  1 recorded read that looked at it before the end of the run\n  it did not change again\n" in once
+
+
+def test_why_as_json_tells_each_step_with_its_distance():
+    found = show_why.as_json(why(by_hand(*ROWS), "I2CSTR.RRDY@50us"))
+    back = [(step["record"], step["cycles_from_value"], step["cause_of"], step["aside"]) for step in found["back"]]
+    first, cause, *_ = found["back"]
+    assert (first["known"], first["because"]) == (None, None)
+    assert (cause["known"], cause["because"]) == ("recorded", "in the same cycle")
+    assert back == [
+        (6, 0, None, False),
+        (5, 0, 6, False),
+        (3, -2, 5, True),  # the read of the read-modify-write, and RRDY as it saw it
+        (1, -52, 3, True),
+        (2, -22, 5, False),
+        (1, -52, 2, False),
+    ]
+    assert (found["value"], found["tick"], found["since_s"]) == (0, 150_000, pytest.approx(102 / 150e6))
+    assert (found["reads_before_change"], found["next_change"]) == (2, None)
+    assert (found["next_read"]["record"], found["next_read"]["cycles_from_value"]) == (7, 1398)
+    assert (found["cycle_ticks"], found["ticks_per_second"]) == (20.0, "3000000000")
+
+
+# Lints ----------------------------------------------------------------------------------------------------------
+
+
+def test_findings_as_text_and_as_json():
+    run = by_hand(*ROWS)
+    once = Finding("read-only", "dsp", "f:1", 1, 2040, "writes BB", "table 10")
+    twice = Finding("xrdy-alone", "dsp", "g:2", 2, 30_000, "loads it", "table 8")
+    count = len(all_lints())
+    assert show_lint.text(run, [once, twice]).splitlines() == [
+        "dsp f:1: writes BB [table 10]",
+        "  read-only, once at 0.000680 ms",
+        "dsp g:2: loads it [table 8]",
+        "  xrdy-alone, 2 times, first at 0.010000 ms",
+        f"the run: 2 findings by {count} lints",
+    ]
+    assert show_lint.text(run, [once]).endswith(f"\nthe run: 1 finding by {count} lints")
+    assert show_lint.text(run, []) == f"the run: nothing found by {count} lints"
+    found = show_lint.as_json(run, [twice])
+    assert found["findings"] == [
+        {
+            "lint": "xrdy-alone",
+            "unit": "dsp",
+            "place": "g:2",
+            "count": 2,
+            "first_s": 1e-5,
+            "text": "loads it",
+            "source": "table 8",
+        }
+    ]
+    assert found["run"] == "the run" and found["lints"] == {name: one.SAYS for name, one in all_lints().items()}
+
+
+# Lengths and cycles ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("cycles", "said"),
+    [
+        (0, "0 ns (0 cycles)"),
+        (1, "6.667 ns (1 cycle)"),
+        (149, "993.333 ns (149 cycles)"),
+        (150, "1 us (150 cycles)"),
+        (149_999, "999.993 us (149999 cycles)"),
+        (150_000, "1 ms (150000 cycles)"),
+        (149_999_999, "1000 ms (149999999 cycles)"),
+        (150_000_000, "1 s (150000000 cycles)"),
+        (-150, "-1 us (-150 cycles)"),
+        (-1, "-6.667 ns (-1 cycles)"),
+        (45_000, "300 us (45000 cycles)"),
+    ],
+)
+def test_a_distance_is_said_in_the_unit_that_suits_it(cycles: int, said: str):
+    assert by_hand().length(cycles * 20) == said
+
+
+@pytest.mark.parametrize(("ticks", "cycles"), [(9, 0), (10, 0), (11, 1), (29, 1), (30, 2), (31, 2), (-11, -1)])
+def test_cycles_are_rounded_to_nearest(ticks: int, cycles: int):
+    assert by_hand().cycles.of(ticks) == cycles
+
+
+def access(cycle: int) -> tuple[Any, ...]:
+    return cycle, Kind.ACCESS, "dsp", "R I2C-A.I2CSTR", 0, "f:1", 0
+
+
+def test_the_cycle_is_said_with_where_it_is_known_from():
+    assert by_hand(access(1), access(4)).cycles.how == "SYSCLKOUT 150 MHz, which all accesses fall on"
+    one = "SYSCLKOUT taken as 150 MHz; the accesses fall on no one grid (an error of the crystal, or several)"
+    assert by_hand(access(1)).cycles.how == by_hand().cycles.how == one
+    slower = by_hand(access(0), access(3), access(6), access(10))
+    slower.table.columns["tick"] = slower.table.tick * 3 // 2
+    assert slower.cycles.how == "SYSCLKOUT 100 MHz, the grid that all accesses fall on"
+    finer = by_hand(access(0), access(3), access(4))
+    finer.table.columns["tick"] = finer.table.tick - 1 * (finer.table.tick > 70)  # 0, 60, 79: no grid of cycles
+    assert finer.cycles.how == one and finer.cycles.ticks == 20

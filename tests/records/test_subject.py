@@ -1,0 +1,136 @@
+"""Names and times of questions: which one is meant, and what is said where none or several are."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from periph_sim.core.records import Kind
+from periph_sim.records import NotInRun, Run
+from periph_sim.records.subject import asked, named, subjects
+from tests.records.cause_trace.test_causes import edge, flag
+from tests.records.scenes import CYCLE, by_hand
+
+
+def span(cycle: int, name: str, value: int = 1) -> tuple[Any, ...]:
+    return cycle, Kind.SPAN, "dsp", name, value, "", 0
+
+
+def refused(run: Run, question: str) -> str:
+    with pytest.raises(NotInRun) as caught:
+        asked(run, question)
+    return str(caught.value)
+
+
+def test_the_nearest_way_to_write_a_name_goes_first():
+    """As it stands; its last part; then both without hyphens and case."""
+    run = by_hand(span(1, "model"), span(2, "MODEL"), span(3, "Deep.model"), edge(4, 0, "c"), span(5, "scl"))
+    for name, meant in (
+        ("dsp.model", "dsp.model"),
+        ("DSP.model", "DSP.model"),
+        ("dsp.Model", ""),
+        ("MODEL", "dsp.MODEL"),
+        ("Deep.model", "dsp.Deep.model"),
+        ("deep.MODEL", "dsp.Deep.model"),
+        ("SCL", "SCL"),
+        ("scl", "dsp.scl"),
+        ("i2ca.i2cstr.xrdy", "dsp.I2C-A.I2CSTR.XRDY"),
+    ):
+        if name == "DSP.model" or not meant:
+            assert f"{name!r} may mean dsp.model, dsp.MODEL; give one of them" in refused(run, f"{name}@1us")
+        else:
+            assert named(run, name).name == meant, name
+    assert "'model' may mean dsp.model, dsp.Deep.model; give one of them" in refused(run, "model@1us")
+
+
+@pytest.mark.parametrize(("count", "more"), [(2, ""), (8, ""), (9, ", ...")])
+def test_of_many_that_are_meant_eight_are_told(count: int, more: str):
+    run = by_hand(*(span(n + 1, f"s{n}.x") for n in range(count)))
+    names = ", ".join(f"dsp.s{n}.x" for n in range(min(count, 8)))
+    assert refused(run, "x@1us") == f"the run: 'x' may mean {names}{more}; give one of them"
+
+
+@pytest.mark.parametrize(
+    ("question", "said"),
+    [
+        ("SCLL@1us", "the run: nothing in the run is called 'SCLL'; did you mean SCL or RSFULL or LSPCLK?"),
+        ("scll@1us", "the run: nothing in the run is called 'scll'; did you mean SCL or RSFULL or LSPCLK?"),
+        (
+            "I2CSTR.XRDDY@1us",
+            "the run: nothing in the run is called 'I2CSTR.XRDDY'; did you mean I2CSTR.XRDY or I2CSTR.RRDY or "
+            "I2CSTR.ARDY?",
+        ),
+        (
+            "qqqqqqq@1us",
+            "the run: nothing in the run is called 'qqqqqqq'; it has fields of dsp.I2C-A, dsp.SYS, dsp.PIE; wires SCL",
+        ),
+        ("SCL", "'SCL': expected NAME@TIME, as in I2C-A.I2CSTR.XRDY@12.345ms or SDA@3us"),
+        (" @1us", "' @1us': expected NAME@TIME, as in I2C-A.I2CSTR.XRDY@12.345ms or SDA@3us"),
+        ("SCL@67us", "the run: 67us is outside the run, which goes from 0 to 0.066667 ms"),
+    ],
+)
+def test_what_is_not_there_is_told_with_the_nearest(question: str, said: str):
+    assert refused(by_hand(edge(10, 0, "c")), question) == said
+
+
+def test_without_wires_it_says_so():
+    assert refused(by_hand(flag(1, "SCD", 1)), "qqqqqqq@1us").endswith(
+        "fields of dsp.I2C-A, dsp.SYS, dsp.PIE; wires none"
+    )
+
+
+def test_the_first_and_the_last_tick_belong_to_the_run():
+    run = by_hand(edge(10, 0, "c"), end=15)  # 100 ns
+    assert [asked(run, f"SCL@{time}")[1] for time in ("0 ns", "100 ns")] == [0, 15 * CYCLE]
+    assert "outside the run" in refused(run, "SCL@100.334 ns") and "outside the run" in refused(run, "SCL@-0.1 ns")
+
+
+@pytest.mark.parametrize(
+    ("time", "tick"),
+    [
+        ("80 ns", 240),  # no change is near enough to be shown as this
+        ("66 ns", 198),
+        ("66.7 ns", 200),  # 66 2/3 ns
+        ("66.6 ns", 199),
+        ("67 ns", 200),
+        ("0.067us", 200),
+        ("0.0000667 ms", 200),
+        ("0.07us", 200),
+        ("0.1us", 200),  # both are shown so: the earlier one
+        ("133.3 ns", 400),
+        ("100 ns", 300),  # between two changes, near none
+        ("6_7 ns", 200),
+        (" 67 ns ", 200),
+    ],
+)
+def test_a_time_is_that_of_the_change_that_is_shown_so(time: str, tick: int):
+    """Changes at 66 2/3 and 133 1/3 ns."""
+    assert asked(by_hand(edge(10, 0, "c"), edge(20, 1, "")), f"SCL@{time}")[1] == tick
+
+
+def test_of_two_changes_around_a_time_the_nearer_one_is_meant():
+    run = by_hand(flag(1499, "SCD", 1), flag(1501, "SCD", 0))  # 9.99333 and 10.00667 us
+    assert asked(run, "I2CSTR.SCD@9.99 us")[1] == 1499 * CYCLE
+    assert asked(run, "I2CSTR.SCD@10.01 us")[1] == 1501 * CYCLE
+
+
+def test_a_microsecond_is_the_coarsest_digit_that_may_mean_a_change():
+    run = by_hand(flag(1499, "SCD", 1))
+    assert asked(run, "I2CSTR.SCD@10 us")[1] == 1499 * CYCLE
+    late = by_hand(flag(1520, "SCD", 1))
+    assert asked(late, "I2CSTR.SCD@0.01 ms")[1] == 30_000  # its last digit counts 10 us
+
+
+def test_every_thing_of_a_run_can_be_asked_for_once():
+    run = by_hand(edge(1, 0, "c"), span(2, "model"), edge(3, 1, ""), span(4, "model", 0), edge(5, 0, "c"))
+    found = [one for one in subjects(run) if one.kind is not Kind.FLAG]
+    assert [(one.kind, one.name, one.unit, one.where, one.what) for one in found] == [
+        (Kind.EDGE, "SCL", "", "SCL", "level"),
+        (Kind.SPAN, "dsp.model", "dsp", "dsp", "model"),
+    ]
+    fields = [one for one in subjects(run) if one.kind is Kind.FLAG]
+    assert len({one.name for one in fields}) == len(fields) > 100
+    (xrdy,) = [one for one in fields if one.what == "I2CSTR.XRDY"]
+    assert (xrdy.name, xrdy.unit, xrdy.where, xrdy.module) == ("dsp.I2C-A.I2CSTR.XRDY", "dsp", "dsp.I2C-A", "I2C-A")
+    assert xrdy.register is not None and xrdy.register.name == "I2CSTR" and xrdy.field is xrdy.register["XRDY"]

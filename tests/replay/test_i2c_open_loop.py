@@ -1,0 +1,202 @@
+"""Open loop: the capture waits for nobody. What the chip would have driven, and by how much it was late or early."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from periph_sim.replay.i2c_closed_loop import I2cReplay
+from periph_sim.replay.i2c_open_loop import I2cOpenReplay
+from periph_sim.replay.report import Report
+from periph_sim.scene.case.load import load
+from periph_sim.traces import formats
+from periph_sim.traces.formats import Capture
+from tests.replay.slow import one_read, slow_case
+from tests.traces.decode.drawing import of_bytes
+from tests.traces.formats.make_traces import FOLDER, ROUND
+from tests.traces.formats.writers import I2cWave
+
+CASES = Path(__file__).resolve().parents[2] / "timing"
+RESPONDER, IMU = CASES / "responder.toml", CASES / "imu_hil_published.toml"
+SERVED = [f"unit.dsp.settings.table.{address:#x}='{bytes(values).hex()}'" for address, _, values in ROUND]
+
+
+def replay(capture: Capture | str, *changes: str, case: Path = RESPONDER, **options) -> Report:
+    given = formats.read(FOLDER / capture) if isinstance(capture, str) else capture
+    return I2cOpenReplay(load(case, list(changes)), given, "SCL", "SDA", **options).run()
+
+
+def kinds(report: Report) -> list[str]:
+    return [divergence.kind for divergence in report.divergences]
+
+
+@pytest.mark.parametrize("style", ["polled", "interrupt"])
+@pytest.mark.parametrize("fifo", ["false", "true"])
+def test_a_firmware_that_is_in_time_would_have_driven_what_the_capture_shows(style, fifo):
+    settings = (f"unit.dsp.settings.style={style}", f"unit.dsp.settings.fifo={fifo}")
+    report = replay("imu_round.sr", *settings)
+    assert (report.verdict, report.loop, report.divergences) == ("pass", "open", [])
+    assert (report.events, report.agreed, report.late_worst_us) == (63, 63, 0)
+
+
+def test_a_firmware_of_several_addresses_and_refusals_at_the_start():
+    assert replay("imu_round.sr", *SERVED, case=IMU).verdict == "pass"
+    assert replay("nack.sr").verdict == "pass"
+
+
+def test_a_wrong_byte_has_both_values_and_the_access_that_put_it_there():
+    report = replay("nack.sr", "unit.dsp.settings.replies=['e4']")
+    (byte,) = report.divergences
+    assert (byte.kind, byte.expected, byte.found, byte.index) == ("byte", "data read E5", "data read E4", 16)
+    written = [change for change in byte.history if change.what == "W I2C-A.I2CDXR" and change.at_s < byte.capture_s]
+    assert written[0].value == 0xE4
+    raised = [change.what for change in byte.history if change.value == 1]
+    assert "I2C-A.I2CSTR.AAS" in raised and "I2C-A.I2CSTR.SDIR" in raised
+
+
+def test_an_address_that_the_firmware_does_not_have_is_a_wrong_ack():
+    other = replay("imu_round.sr", *SERVED, "unit.dsp.settings.order=[0x53, 0x68, 0x1E]", case=IMU)
+    assert other.verdict == "fail" and other.divergences[0].kind in ("byte", "ACK")
+    ack = next(divergence for divergence in other.divergences if divergence.kind == "ACK")
+    assert (ack.index, ack.expected, ack.found) == (2, "ACK", "NACK")
+
+
+def test_a_given_address_stays_in_reach_where_the_captured_target_refused_it():
+    """Without it the firmware is put out of reach for as long, and agrees by that."""
+    assert replay("nack.sr").verdict == "pass"
+    report = replay("nack.sr", "unit.dsp.settings.address=0x50", addresses=[0x53])
+    (ack,) = report.divergences
+    assert report.addresses == ["53"], "--address goes before the case"
+    assert (report.verdict, ack.kind, ack.index, ack.expected, ack.found) == ("fail", "ACK", 2, "NACK", "ACK")
+
+
+# Late and early ---------------------------------------------------------------------
+
+
+def test_an_answer_that_is_not_ready_when_scl_rises_is_late_by_as_much(tmp_path):
+    closed = I2cReplay(load(slow_case(tmp_path), ["unit.dsp.settings.wait=100"]), one_read(), "SCL", "SDA").run()
+    report = replay(one_read(), "unit.dsp.settings.wait=100", case=slow_case(tmp_path))
+    assert report.verdict == "fail" and kinds(report) == ["byte", "timing"]
+    assert report.late_worst_us == pytest.approx(closed.stretch_worst_us, abs=0.1), "what it would have stretched"
+    late = report.divergences[1]
+    assert late.expected == "SCL rises for byte 1 bit 0" and late.capture_s == pytest.approx(200e-6)
+    assert late.replay_s - late.capture_s == pytest.approx(report.late_worst_us * 1e-6)
+    (note,) = [note for note in report.notes if "would have made and the capture lacks" in note]
+    assert "capture lacks: 1; the longest 85." in note
+
+
+def test_a_lateness_within_the_tolerance_is_none(tmp_path):
+    """The firmware lets SCL go a fraction of a microsecond past the capture's rise, and its byte is right anyway."""
+    case = slow_case(tmp_path)
+    within = replay(one_read(), "unit.dsp.settings.wait=15", case=case, tolerance=Fraction(1, 10**6))
+    assert within.verdict == "pass" and 0 < within.late_worst_us < 1
+    assert kinds(replay(one_read(), "unit.dsp.settings.wait=15", case=case, tolerance=Fraction(0))) == ["timing"]
+
+
+def test_a_stretch_that_the_chip_does_not_need_is_told_and_is_no_failure(tmp_path):
+    report = replay(one_read(stretched=400), "unit.dsp.settings.wait=60", case=slow_case(tmp_path))
+    assert report.verdict == "pass" and report.late_worst_us == 0
+    assert 45 < report.stretch_worst_us < 55
+    (note,) = [note for note in report.notes if "would not have made" in note]
+    assert "would not have made: 1 of 1; at 0.000300 s it has 105.000 us, the chip held SCL for 50." in note
+
+
+@given(wait=st.integers(0, 300), byte=st.integers(0, 255))
+def test_what_a_closed_loop_made_is_what_an_open_loop_would_make(tmp_path_factory, wait: int, byte: int):
+    """Its wires hold the chip's own stretch, so that the chip is never late on them, and lets SCL go as it rises."""
+    case = slow_case(tmp_path_factory.mktemp("slow"))
+    changes = [f"unit.dsp.settings.wait={wait}", f"unit.dsp.settings.byte={byte}"]
+    closed = I2cReplay(load(case, changes), one_read(byte=byte), "SCL", "SDA")
+    stretched = closed.run()
+    assert stretched.verdict == "pass"
+    wires = closed.log.capture(closed.timebase, closed.kernel.now)
+    report = replay(wires, *changes, case=case, tolerance=Fraction(0))
+    assert (report.verdict, report.late_worst_us) == ("pass", 0)
+    low = 5  # us, the controller's own
+    needed = stretched.stretch_worst_us + low if stretched.stretch_worst_us else report.stretch_worst_us
+    assert report.stretch_worst_us == pytest.approx(needed, abs=1e-3) and report.stretch_worst_us >= 0
+
+
+# Edges as they are ------------------------------------------------------------------
+
+
+def test_a_capture_that_begins_with_sda_low_is_no_start_to_the_chip():
+    wave = I2cWave(20, 4)
+    wave.samples += bytes([0b01]) * 400  # SCL high, SDA low; then a STOP
+    wave.idle(400)
+    wave.start()
+    wave.byte(0xA1)
+    wave.byte(0x42, ack=False)
+    wave.stop()
+    wave.idle(400)
+    assert replay(of_bytes(bytes(wave.samples), ("SCL", "SDA"), 4_000_000)).verdict == "pass"
+
+
+def test_edges_of_both_lines_in_one_sample_are_no_condition():
+    wave = I2cWave(20, 0)  # SDA changes with SCL's fall
+    wave.idle(400)
+    wave.start()
+    wave.byte(0xA1)
+    wave.byte(0x42, ack=False)
+    wave.stop()
+    wave.idle(400)
+    report = replay(of_bytes(bytes(wave.samples), ("SCL", "SDA"), 4_000_000))
+    assert report.verdict == "pass" and any("edge of both lines" in note for note in report.notes)
+
+
+def simultaneous() -> Capture:
+    """A read at 100 kHz, seen at 4 MHz, whose SDA always changes in the sample in which SCL falls."""
+    wave = I2cWave(20, 0)
+    wave.idle(401)  # an edge beside the others, and
+    wave.samples[7] ^= 2  # one of a spike: all are 250 ns apart, and not 5 us
+    wave.start()
+    wave.byte(0xA1)
+    wave.byte(0x42, ack=False)
+    wave.stop()
+    wave.idle(400)
+    return of_bytes(bytes(wave.samples), ("SCL", "SDA"), 4_000_000)
+
+
+@pytest.mark.parametrize("suffix", [".sr", ".vcd", ".csv"])
+@pytest.mark.parametrize("stated", [None, Fraction(4_000_000)], ids=["inferred", "stated"])
+def test_one_verdict_whether_the_rate_is_stated_or_inferred_from_time_stamps(tmp_path: Path, suffix: str, stated):
+    """Half a sample is 125 ns in each of them, not half a tick of the file's time scale."""
+    formats.write(simultaneous(), tmp_path / f"read{suffix}")
+    capture = formats.read(tmp_path / f"read{suffix}", stated)
+    assert capture.sampled == (suffix == ".sr" or stated is not None)
+    report = replay(capture)
+    assert (report.verdict, report.agreed, report.divergences) == ("pass", 8, [])
+    assert report.tolerance_us == pytest.approx(0.25 + 1 / 150)
+    closed = I2cReplay(load(RESPONDER), capture, "SCL", "SDA").run()
+    assert (closed.verdict, closed.agreed, closed.lag_worst_us) == ("pass", 8, pytest.approx(0, abs=1e-6))
+    inferred = [note for note in report.notes if "all its edges lie 250 ns or multiples of it apart" in note]
+    assert len(inferred) == (not capture.sampled)
+
+
+def test_the_bus_s_own_raster_is_no_sampling_grid(tmp_path: Path):
+    """Ideal edges, all of them 5 us apart: they are told by the tick, so that a late answer is still late."""
+    wave = I2cWave(20, 0)
+    wave.idle(400)
+    wave.start()
+    wave.byte(0xA1)
+    wave.byte(0x42, ack=False)
+    wave.stop()
+    wave.idle(400)
+    formats.write(of_bytes(bytes(wave.samples), ("SCL", "SDA"), 4_000_000), tmp_path / "ideal.vcd")
+    report = replay(formats.read(tmp_path / "ideal.vcd"))
+    assert report.verdict == "pass" and report.tolerance_us < 0.3
+
+
+def test_only_the_first_transfers_are_played():
+    report = replay("imu_round.sr", first=1)
+    assert report.verdict == "pass" and report.events == 21 and report.simulated_s < 0.0021
+    assert (report.captured_events, report.transfers, report.captured_transfers) == (63, 1, 3)
+
+
+def test_the_same_twice_is_the_same():
+    first, second = (replay("nack.sr", "unit.dsp.settings.replies=['e4']") for _ in range(2))
+    assert first.divergences == second.divergences and first.kernel_events == second.kernel_events

@@ -1,0 +1,107 @@
+"""JUnit XML and annotations: parsed back, and with the right lines."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from xml.etree import ElementTree as xml
+
+import pytest
+
+from periph_sim.reports.baselines import check
+from periph_sim.reports.baselines.annotations import github
+from periph_sim.reports.baselines.junit import junit
+from tests.reports.baselines.desk import put
+
+
+def test_junit_has_a_suite_a_case_and_a_test_a_budget_with_its_figures(cases: Path):
+    put(cases, "z", sdir_wait=False, breaks='breaks = ["wrong bytes"]\n')
+    root = xml.fromstring(junit(check([cases], jobs=1)))
+    assert (root.get("tests"), root.get("failures"), root.get("errors")) == ("8", "1", "0")
+    small, z = root
+    assert [small.get(key) for key in ("name", "tests", "failures")] == ["small", "4", "0"]
+    assert [test.get("name") for test in small.iter("testcase")] == ["response", "wrong bytes", "model", "the case"]
+    response = small.find("testcase[@name='response']/properties")
+    assert response is not None
+    assert {p.get("name"): p.get("value") for p in response} == {
+        "measure": "response",
+        "count": "2",
+        "worst_cycles": "750",
+        "worst_at_cycles": "793500",
+        "least_cycles": "750",
+        "least_at_cycles": "793500",
+        "limit_us": "60.0",
+        "bound_us": "5.0",
+        "verdict": "every phase",
+        "must_break": "no",
+    }
+    # A budget that must break and does is no failure; that there is no baseline yet is one of the case as a whole.
+    assert [test.get("name") for test in z.iter("testcase") if test.find("failure") is not None] == ["the case"]
+    wrong = z.find("testcase[@name='wrong bytes']")
+    assert wrong is not None and wrong.get("line") == "25" and wrong.get("file") == "cases/z.toml"
+
+
+def test_junit_tells_everything_wrong_with_a_budget_in_one_failure(cases: Path):
+    put(cases, sdir_wait=False)
+    (suite,) = xml.fromstring(junit(check([cases], jobs=1)))
+    failure = suite.find("testcase[@name='wrong bytes']/failure")
+    assert failure is not None and failure.text is not None
+    assert failure.get("message") == failure.text.splitlines()[0]
+    assert failure.text.splitlines()[0].startswith("wrong bytes breaks: 12 bytes")
+    assert failure.text.splitlines()[1].startswith("wrong bytes worst 0 -> 12 bytes: gyroscope read")
+
+
+def test_text_that_xml_cannot_hold_does_not_break_it(cases: Path):
+    path = put(cases)
+    path.write_text(path.read_text().replace('name = "model"', 'name = "<mo\\u0001&\\"del>"'), encoding="utf-8")
+    (suite,) = xml.fromstring(junit(check([cases], jobs=1)))
+    assert '<mo\ufffd&"del>' in [test.get("name") for test in suite.iter("testcase")]
+
+
+def test_annotations_point_at_the_budget_in_the_case_file(cases: Path):
+    path = put(cases, sdir_wait=False, breaks='breaks = ["model"]\n')
+    lines = path.read_text(encoding="utf-8").splitlines()
+    first, second, cause = github(check([cases], jobs=1))
+    head = lines.index('name = "wrong bytes"')  # the line before it, counted from 1
+    assert lines[head - 1] == "[[budget]]"
+    title = "title=periph-sim check%3A small"
+    assert first.startswith(
+        f"::error file=cases/small.toml,line={head},{title}::"
+        "wrong bytes breaks: 12 bytes is over its limit of 0 bytes, at 0.005195 s%0Awrong bytes worst 0 -> 12 bytes: "
+    )
+    assert second.startswith(f"::error file=cases/small.toml,line=1,{title}::model holds, but breaks says")
+    writes = Path("cases/small_firmware.py").read_text(encoding="utf-8").splitlines()
+    line = writes.index("            i2c.I2CDXR.all = next(buffer)") + 1
+    assert cause.startswith(f"::warning file=cases/small_firmware.py,line={line},{title}::wrong bytes: ")
+    assert cause.partition("::wrong bytes: ")[2].startswith("I2CDXR written%0Awrong bytes 12 bytes, at most 0 ")
+    assert f"I2CDXR = 0x12 written, before the read's START [small_firmware.py:{line} (batch_read)]%0A" in cause
+
+
+def test_firmware_that_is_not_below_this_folder_gets_no_annotation(cases: Path, monkeypatch: pytest.MonkeyPatch):
+    put(cases.resolve(), sdir_wait=False)
+    checks = check([cases.resolve()], jobs=1)
+    assert [line.partition(" ")[0] for line in github(checks)][-1] == "::warning"
+    (cases / "below").mkdir()
+    monkeypatch.chdir(cases / "below")
+    assert {line.partition(" ")[0] for line in github(checks)} == {"::error"}
+
+
+def test_causes_are_of_budgets_that_break_and_must_not(cases: Path):
+    put(cases, sdir_wait=False)
+    (one,) = check([cases], jobs=1)
+    assert [*one.causes] == ["wrong bytes"]
+    assert one.causes["wrong bytes"].blamed is not None
+    put(cases, sdir_wait=False, breaks='breaks = ["wrong bytes"]\n')
+    (one,) = check([cases], jobs=1)
+    assert one.causes == {}
+
+
+def test_annotations_escape_what_would_end_them(cases: Path):
+    path = put(cases / "a,b:c")
+    path.write_text(path.read_text().replace('name = "model"', 'name = "100%\\n"'), encoding="utf-8")
+    put(cases / "a,b:c", "other")
+    check([path], jobs=1, update=True)
+    path.write_text(path.read_text().replace('max = "300 us"', 'max = "3 us"'), encoding="utf-8")
+    line, cause = github(check([path], jobs=1))
+    assert line.startswith("::error file=cases/a%2Cb%3Ac/small.toml,line=29,")
+    assert line.endswith("::100%25%0A breaks: 250.000 us is over its limit of 3.000 us, at 0.000001 s")
+    assert cause.startswith("::warning file=cases/a%2Cb%3Ac/small_firmware.py,line=") and "\n" not in cause

@@ -1,0 +1,58 @@
+"""A headless Chromium, started once; pages of it that fail a test at any error, dialog or request of theirs."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Error, Page, sync_playwright
+
+from periph_sim.reports.html import CaseReport, page
+from tests.reports.html.made import small_report
+
+NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
+
+Open = Callable[..., Page]
+
+
+@pytest.fixture(scope="session")
+def small(tmp_path_factory: pytest.TempPathFactory) -> CaseReport:
+    return small_report(tmp_path_factory.mktemp("small"))
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    path = next(filter(None, map(shutil.which, NAMES)), None)
+    with sync_playwright() as driver:
+        try:  # without a path: the browser that `playwright install chromium` left
+            started = driver.chromium.launch(executable_path=path, args=["--no-sandbox"])
+        except Error as error:
+            pytest.skip(f"no browser can be started: {error.message.partition(chr(10))[0]}")
+        yield started
+        started.close()
+
+
+@pytest.fixture
+def opened(browser: Browser, tmp_path: Path) -> Iterator[Open]:
+    """Opens the page of some reports; what went wrong in it fails the test at its end."""
+    wrong: list[str] = []
+    pages: list[Page] = []
+
+    def open_page(*reports: CaseReport, width: int = 1280, **more: object) -> Page:
+        file = tmp_path / "report.html"
+        file.write_text(page(reports, "a report"), encoding="utf-8")
+        shown = browser.new_page(viewport={"width": width, "height": 900}, **more)
+        shown.on("console", lambda message: wrong.append(f"console: {message.text}"))
+        shown.on("pageerror", lambda error: wrong.append(f"error: {error}"))
+        shown.on("dialog", lambda dialog: (wrong.append(f"dialog: {dialog.message}"), dialog.dismiss()))
+        shown.on("request", lambda asked: asked.url != file.as_uri() and wrong.append(f"request: {asked.url}"))
+        shown.goto(file.as_uri())
+        pages.append(shown)
+        return shown
+
+    yield open_page
+    for shown in pages:
+        shown.close()
+    assert not wrong

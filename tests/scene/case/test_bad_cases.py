@@ -1,0 +1,309 @@
+"""What a case file may get wrong, and the one sentence that is said about it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from periph_sim.scene.case.load import load
+from periph_sim.scene.case.model import BadCase
+
+GOOD = """\
+name = "small"
+duration = "1 s"
+
+[unit.dsp]
+firmware = "imu_hil"
+modules = ["I2C-A"]
+
+[unit.dsp.settings]
+model_cost = "250 us"
+
+[controller]
+order = ["gyroscope"]
+
+[host]
+baud = 115200
+
+[[budget]]
+name = "answer"
+measure = "response"
+max = "60 us"
+
+[[budget]]
+name = "nacks"
+measure = "nacked"
+max = 0
+"""
+
+
+@pytest.fixture
+def case_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    path = Path("small.toml")
+    path.write_text(GOOD, encoding="utf-8")
+    return path
+
+
+def refusal(path: Path, *changes: str) -> str:
+    with pytest.raises(BadCase) as caught:
+        load(path, list(changes))
+    text = str(caught.value)
+    assert "\n" not in text
+    return text
+
+
+def edited(path: Path, line: str, by: str) -> Path:
+    assert line in GOOD
+    path.write_text(GOOD.replace(line, by), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("line", "by", "sentence"),
+    [
+        (
+            'duration = "1 s"',
+            'duration = "1 s"\nbreaks = ["answer", "nack"]',
+            "small.toml, line 3: breaks.1: there is no budget 'nack'; did you mean nacks?",
+        ),
+        (
+            'duration = "1 s"',
+            'duration = "1 s"\nbreaks = "nacks"',
+            "small.toml, line 3: breaks: expected a list, but it is 'nacks'",
+        ),
+        (
+            'duration = "1 s"',
+            'durations = "1 s"',
+            "small.toml: duration is missing",
+        ),
+        (
+            'order = ["gyroscope"]',
+            'oder = ["gyroscope"]',
+            "small.toml, line 12: there is no key 'controller.oder'; did you mean order?",
+        ),
+        (
+            "[host]\nbaud = 115200",
+            "[hots]\nbaud = 115200",
+            "small.toml, line 14: there is no key 'hots'; did you mean host?",
+        ),
+        (
+            "baud = 115200",
+            "baud = 0",
+            "small.toml, line 15: host.baud: input should be greater than or equal to 1, but it is 0",
+        ),
+        (
+            "baud = 115200",
+            'baud = "fast"',
+            "small.toml, line 15: host.baud: input should be a valid integer, unable to parse string as an integer, "
+            "but it is 'fast'",
+        ),
+        (
+            'duration = "1 s"',
+            "duration = 1",
+            'small.toml, line 2: duration: 1 has no unit; write for instance "1 ms"',
+        ),
+        (
+            'duration = "1 s"',
+            'duration = "1"',
+            "small.toml, line 2: duration: '1' has no unit; write for instance 1 ms (ns, us, ms, s, min, h, d)",
+        ),
+        (
+            'duration = "1 s"',
+            'duration = "1 sec"',
+            "small.toml, line 2: duration: '1 sec': unit 'sec' is none of ns, us, ms, s, min, h, d",
+        ),
+        (
+            'duration = "1 s"',
+            'duration = "-1 s"',
+            "small.toml, line 2: duration: '-1 s' is negative; a duration is 0 or more",
+        ),
+        (
+            'duration = "1 s"',
+            'duration = "one s"',
+            "small.toml, line 2: duration: 'one s': 'one' is not a number",
+        ),
+        (
+            'firmware = "imu_hil"\n',
+            "",
+            "small.toml, line 4: unit.dsp.firmware is missing",
+        ),
+        (
+            'modules = ["I2C-A"]',
+            'modules = "I2C-A"',
+            "small.toml, line 6: unit.dsp.modules: expected a list, but it is 'I2C-A'",
+        ),
+        (
+            'modules = ["I2C-A"]',
+            "modules = []\npll = 11",
+            "small.toml, line 7: unit.dsp.pll: input should be less than or equal to 10, but it is 11",
+        ),
+        (
+            'modules = ["I2C-A"]',
+            "modules = []\noscclk = 30000000",
+            'small.toml, line 7: unit.dsp.oscclk: 30000000 has no unit; write for instance "30000000 kHz"',
+        ),
+        (
+            'modules = ["I2C-A"]',
+            'modules = []\noscclk = "30 mhz"',
+            "small.toml, line 7: unit.dsp.oscclk: '30 mhz': expected a number, a blank and one of Hz, kHz, MHz, GHz",
+        ),
+        (
+            'modules = ["I2C-A"]',
+            "modules = []\nppm = true",
+            "small.toml, line 7: unit.dsp.ppm: True is not a number",
+        ),
+        (
+            'order = ["gyroscope"]',
+            'order = []\nperiod = "10 ms"\njitter = "11 ms"',
+            "small.toml, line 11: controller: jitter is longer than period, so one would begin before the last; "
+            "shorten it",
+        ),
+        (
+            'order = ["gyroscope"]',
+            'pointer_by = "start"',
+            "small.toml, line 12: controller.pointer_by: input should be 'repeated START' or 'STOP', but it is 'start'",
+        ),
+        (
+            'order = ["gyroscope"]',
+            "[[controller.request]]\naddress = 0x68\n[[controller.request]]\naddress = 0x80",
+            "small.toml, line 15: controller.request.1.address: input should be less than or equal to 127, "
+            "but it is 128",
+        ),
+        (
+            'order = ["gyroscope"]',
+            "[[controller.request]]\ncount = 3",
+            "small.toml, line 12: controller.request.0: a request needs either chip or address",
+        ),
+        (
+            'order = ["gyroscope"]',
+            '[[controller.request]]\naddress = 1\nwrite = "xyz"',
+            "small.toml, line 14: controller.request.0.write: 'xyz' are no bytes; write for instance \"1d 00 ff\"",
+        ),
+        (
+            'order = ["gyroscope"]',
+            '[[controller.request]]\nchip = "gyroscope"\ncount = 6',
+            "small.toml, line 12: controller.request.0: chip says count already; "
+            "leave that out or give address instead of chip",
+        ),
+        (
+            'order = ["gyroscope"]',
+            '[[controller.request]]\naddress = 1\nexpect = "00"',
+            "small.toml, line 12: controller.request.0: expect has 1 bytes, but count is 6",
+        ),
+        (
+            'name = "answer"\nmeasure = "response"\nmax = "60 us"',
+            'name = "answer"\nmeasure = "response"',
+            "small.toml, line 17: budget.answer: a budget needs a limit: max, min, exactly, p50, p95, p99 or p99_9",
+        ),
+        (
+            "max = 0",
+            "max = 0.5",
+            'small.toml, line 25: budget.nacks.max: expected a duration with its unit ("250 us"), '
+            "or a whole number for counts, but it is 0.5",
+        ),
+        (
+            "max = 0",
+            "maximum = 0",
+            "small.toml, line 25: there is no key 'budget.nacks.maximum'; did you mean max?",
+        ),
+        (
+            "[unit.dsp.settings]",
+            "[unit.dsp.option.i2c]",
+            "small.toml, line 8: there is no key 'unit.dsp.option'; did you mean options or pins?",
+        ),
+    ],
+)
+def test_one_sentence_with_file_line_and_way_out(case_file: Path, line: str, by: str, sentence: str):
+    assert refusal(edited(case_file, line, by)) == sentence
+
+
+def test_missing_file(case_file: Path):
+    message = refusal(Path("smal.toml"))
+    assert message == "smal.toml: cannot be read (No such file or directory); give the path of a case file"
+
+
+def test_a_folder_is_no_case(case_file: Path):
+    assert refusal(Path(".")) == ".: is a folder; give a case file, or run all its cases: periph-sim check ."
+
+
+def test_not_toml(case_file: Path):
+    case_file.write_text('name = "x"\nduration = 1 s\n', encoding="utf-8")
+    assert refusal(case_file).startswith("small.toml: it is not TOML: ")
+    assert "line 2" in refusal(case_file)
+
+
+def test_not_utf8(case_file: Path):
+    case_file.write_bytes(b'name = "x"\nabout = "gr\xf6n"\n')
+    assert refusal(case_file) == (
+        "small.toml, line 2: byte 0xf6 is not UTF-8; a case file is TOML, which is UTF-8 text"
+    )
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ("duration", "--set 'duration': expected key=value, for instance controller.period=10 ms"),
+        ("=3", "--set '=3': expected key=value, for instance controller.period=10 ms"),
+        ("a..b=3", "--set 'a..b=3': expected key=value, for instance controller.period=10 ms"),
+        ("duration.x=3", "--set 'duration.x=3': duration is a value, not a table"),
+        ("budget.answr.max=1 us", "--set 'budget.answr.max=1 us': there is no entry 'answr'; did you mean answer?"),
+        ("budget.2.max=1 us", "--set 'budget.2.max=1 us': there is no entry '2'; it has answer, nacks"),
+        (
+            "controller.perod=10 ms",
+            "small.toml, --set 'controller.perod=10 ms': there is no key 'controller.perod'; did you mean period?",
+        ),
+        (
+            "controller.period=10",
+            "small.toml, --set 'controller.period=10': controller.period: 10 has no unit; write for instance \"10 ms\"",
+        ),
+        (
+            "budget.nacks.max=true",
+            "small.toml, --set 'budget.nacks.max=true': budget.nacks.max: expected a duration with its unit "
+            '("250 us"), or a whole number for counts, but it is True',
+        ),
+        (
+            "controller.jitter=1 s",
+            "small.toml, line 11 with --set 'controller.jitter=1 s': controller: jitter is longer than period, "
+            "so one would begin before the last; shorten it",
+        ),
+    ],
+)
+def test_a_wrong_change_is_told_as_it_was_typed(case_file: Path, change: str, sentence: str):
+    assert refusal(case_file, change) == sentence
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        "controller.period=0 ms",
+        "controller.rate=6 MHz",
+        "controller.rate=0 Hz",
+        "controller.low=0 ns",
+        "controller.stuck_after=0 ms",
+        "controller.rounds=0",
+        "host.period=0 ms",
+        "host.error=-100",
+        "host.error=1/0",
+        "host.gap=-1",
+        "host.lose=[[0, 12]]",
+        "host.jitter=21 ms",
+        "unit.dsp.oscclk=3 MHz",
+        "unit.dsp.ppm=-1000000",
+        "unit.dsp.pins.X=88",
+        "unit.dsp.options.i2c.answer=1.5",
+        "fidelity=byte",
+        "seed=x",
+        "unit=3",
+        "budget.0=3",
+        "controller.request=[{chip='gyroscope', address=1}]",
+    ],
+)
+def test_values_out_of_range_are_refused_before_anything_runs(case_file: Path, change: str):
+    message = refusal(case_file, change)
+    assert message.startswith("small.toml, ") and repr(change) in message
+
+
+def test_the_later_of_two_changes_counts(case_file: Path):
+    assert load(case_file, ["seed=1", "seed=2"]).seed == 2

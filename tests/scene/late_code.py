@@ -1,0 +1,62 @@
+"""Firmware that is late: cycles before one of its statements go in; a program, and what its run measured, come out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from pathlib import Path
+
+from periph_sim.scene.case.load import load
+from periph_sim.scene.firmware_loader import Firmware
+from periph_sim.scene.result import Result
+from periph_sim.scene.scene import Scene
+from tests.firmware_mutants.trials import compiled
+from tests.scene.runs import TIMING
+
+SOURCES = Path(__file__).parents[2] / "firmware" / "python"
+WRITE = "i2c.I2CDXR.all = next(buffer)"
+
+
+def always() -> bool:
+    return True
+
+
+def delayed(statement: str, cycles: int, when: Callable[[], bool] = always) -> Firmware:
+    """The published firmware with so many cycles before a statement, each time that `when` says so."""
+    source = (SOURCES / "imu_hil.py").read_text(encoding="utf-8")
+    (line,) = (line for line in source.splitlines() if line.strip() == statement)
+    indent = line[: len(line) - len(line.lstrip())]
+    text = source.replace(line, f"{indent}if is_late(): dsp.compute({cycles})\n{line}") if cycles else source
+    return changed(text, is_late=when)
+
+
+def changed(source: str, **names: object) -> Firmware:
+    """The program of a changed source. names: what it finds under names that are not its own."""
+    module = compiled(source, "changed")
+    vars(module).update(names)
+    return Firmware("changed", module.main, module.Settings)
+
+
+def late(
+    statement: str,
+    cycles: int,
+    case: str = "imu_hil",
+    seconds: str = "0.3",
+    when: Callable[[], bool] = always,
+    changes: tuple[str, ...] = (),
+) -> tuple[Result, Scene]:
+    """A run of a case with that firmware."""
+    programs = {"dsp": delayed(statement, cycles, when)}
+    scene = Scene(load(TIMING / f"{case}.toml", list(changes)), programs=programs, keep_values=True)
+    return scene.run(Fraction(seconds)), scene
+
+
+def kept(scene: Scene, budget: str) -> list[int]:
+    """All values of a budget's measure, in ticks."""
+    (measure,) = (limit.measure for limit in scene.limits if limit.budget.name == budget)
+    return [int(value) for value in measure.all_kept()[0]]
+
+
+def cycle(scene: Scene) -> Fraction:
+    """Ticks of one of SYSCLKOUT."""
+    return scene.timebase.per_second / scene.units["dsp"].clock.hz

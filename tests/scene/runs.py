@@ -1,0 +1,79 @@
+"""Running the case files of timing/ for a while, and what was asked and answered meanwhile."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from periph_sim.bus.i2c.controller import Transfer
+from periph_sim.core.records import Kind, Record, Recorder
+from periph_sim.core.time import Timebase
+from periph_sim.records.recording import Subscribe
+from periph_sim.scene.case.load import load
+from periph_sim.scene.case.model import Case
+from periph_sim.scene.result import Result
+from periph_sim.scene.scene import Scene
+from periph_sim.traces.capture.capture import Capture, Channel
+
+TIMING = Path(__file__).parents[2] / "timing"
+
+
+class Ran(NamedTuple):
+    result: Result
+    rounds: list[list[Transfer]]  # the controller's, requests in order
+    scene: Scene
+    transfers: list[Transfer]  # all of the controller's, those of its start-up too
+
+    def broken(self) -> list[str]:
+        """Names of the budgets that did not hold."""
+        return [verdict.name for verdict in self.result.budgets if not verdict.passed]
+
+    def answered(self) -> list[str]:
+        """Round by round who acknowledged: "G-M" when only the accelerometer, asked second, did not."""
+        return ["".join(t.name[0].upper() if t.acked else "-" for t in transfers) for transfers in self.rounds]
+
+    def read(self) -> list[list[str]]:
+        """Round by round the bytes read of each request, in hex."""
+        return [[t.phases[-1].got.hex(" ") for t in transfers] for transfers in self.rounds]
+
+
+def run_file(name: str, seconds: str, *changes: str) -> Ran:
+    """The case timing/NAME.toml with `key=value` changes."""
+    return run_case(load(TIMING / f"{name}.toml", list(changes)), seconds)
+
+
+def run_case(case: Case, seconds: str, subscribe: Subscribe | None = None) -> Ran:
+    scene = Scene(case, subscribe)
+    rounds: list[list[Transfer]] = []
+    transfers: list[Transfer] = []
+    if scene.head is not None:
+        scene.head.on_transfer.append(transfers.append)
+        scene.head.on_round.append(lambda over: rounds.append(transfers[-over.transfers :]))
+    result = scene.run(Fraction(seconds))
+    return Ran(result, rounds, scene, transfers)
+
+
+class Edges:
+    """Subscribes to a scene; `capture` is what a logic analyser on its wires would have written down."""
+
+    def __init__(self) -> None:
+        self._edges: dict[str, list[tuple[int, int]]] = {}
+        self._rate = 0
+
+    def subscribe(self, recorder: Recorder, timebase: Timebase) -> None:
+        self._rate = timebase.per_second
+        recorder.subscribe([Kind.EDGE], self._keep)
+
+    def _keep(self, record: Record) -> None:
+        self._edges.setdefault(record.where, []).append((record.tick, record.value))
+
+    def capture(self, length: int) -> Capture:
+        channels = []
+        for index, (name, edges) in enumerate(self._edges.items()):
+            ticks = np.array([tick for tick, _ in edges], np.int64)
+            levels = np.array([level for _, level in edges], np.uint8)
+            channels.append(Channel(name, index, 1, ticks, levels))
+        return Capture(Path("scene"), Fraction(self._rate), length, tuple(channels), sampled=False, exact=True)

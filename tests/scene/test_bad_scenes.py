@@ -1,0 +1,216 @@
+"""What a case may name that does not exist: one sentence with file, line and the nearest right name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from periph_sim.scene.case.load import load
+from periph_sim.scene.case.model import BadCase
+from periph_sim.scene.firmware_loader import BadFirmware, load_firmware
+from periph_sim.scene.scene import Scene
+from periph_sim.timing.language.language import FORMS
+from periph_sim.timing.measures.registry import MEASURES
+from tests.scene.small import case
+
+TEXT = """\
+name = "small"
+duration = "1 ms"
+
+[unit.dsp]
+firmware = "imu_hil"
+modules = ["I2C-A"]
+
+[unit.dsp.settings]
+model_cost = "250 us"
+
+[unit.dsp.options.i2c]
+bcm_reset = 1
+
+[controller]
+order = ["gyroscope"]
+
+[[budget]]
+name = "answer"
+measure = "response"
+max = "60 us"
+"""
+
+NEEDS_ADDRESS = """\
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from periph_sim.firmware import Duration
+
+
+@dataclass
+class Settings:
+    address: int
+    pause: Duration
+
+
+def main(dsp, settings):
+    pass
+"""
+
+
+def refusal(path: Path, *changes: str) -> str:
+    with pytest.raises(BadCase) as caught:
+        Scene(load(path, list(changes)))
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+@pytest.fixture
+def case_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    path = Path("small.toml")
+    path.write_text(TEXT, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("line", "by", "sentence"),
+    [
+        (
+            'modules = ["I2C-A"]',
+            'modules = ["I2C-B"]',
+            "small.toml, line 6: unit.dsp.modules: there is no module 'I2C-B'; did you mean I2C-A or SCI-B?",
+        ),
+        (
+            'firmware = "imu_hil"',
+            'firmware = "imu_hill"',
+            "small.toml, line 5: unit.dsp.firmware: there is no firmware 'imu_hill'; did you mean imu_hil or "
+            "imu_hil_robust?",
+        ),
+        (
+            'firmware = "imu_hil"',
+            'firmware = "missing.py"',
+            "small.toml, line 5: unit.dsp.firmware: there is no firmware file 'missing.py'; "
+            "its path counts from the folder of the case",
+        ),
+        (
+            'firmware = "imu_hil"',
+            'firmware = "empty.py"',
+            "small.toml, line 5: unit.dsp.firmware: firmware 'empty.py' has no function main(dsp, settings)",
+        ),
+        (
+            'firmware = "imu_hil"',
+            'firmware = "broken.py"',
+            "small.toml, line 5: unit.dsp.firmware: firmware 'broken.py' cannot be loaded: "
+            "ZeroDivisionError: division by zero",
+        ),
+        (
+            'model_cost = "250 us"',
+            'model_costs = "250 us"',
+            "small.toml, line 9: unit.dsp.settings.model_costs: "
+            "firmware imu_hil has no setting 'model_costs'; did you mean model_cost or frame_cost?",
+        ),
+        (
+            'model_cost = "250 us"',
+            "model_cost = 250",
+            'small.toml, line 9: unit.dsp.settings.model_cost: 250 has no unit; write for instance "250 ms"',
+        ),
+        (
+            'model_cost = "250 us"',
+            'order = ["x"]',
+            "small.toml, line 9: unit.dsp.settings.order: "
+            "input should be a valid integer, unable to parse string as an integer, but it is 'x'",
+        ),
+        (
+            "bcm_reset = 1",
+            "bcm_rest = 1",
+            "small.toml, line 12: unit.dsp.options.i2c.bcm_rest: there is no option 'bcm_rest'; "
+            "did you mean bcm_reset or emdr_present?",
+        ),
+        (
+            "bcm_reset = 1",
+            "bcm_reset = 2",
+            "small.toml, line 12: unit.dsp.options.i2c.bcm_reset: option bcm_reset is 2; expected 1 or 0",
+        ),
+        (
+            "bcm_reset = 1",
+            "bcm_reset = true",
+            "small.toml, line 12: unit.dsp.options.i2c.bcm_reset: option bcm_reset is True; expected 1 or 0",
+        ),
+        (
+            'order = ["gyroscope"]',
+            'order = ["gyroscop"]',
+            "small.toml, line 15: controller.order: there is no chip 'gyroscop'; did you mean gyroscope?",
+        ),
+        (
+            'order = ["gyroscope"]',
+            '[[controller.request]]\nchip = "magnet"',
+            "small.toml, line 16: controller.request.0.chip: there is no chip 'magnet'; did you mean magnetometer?",
+        ),
+        (
+            'order = ["gyroscope"]',
+            "order = []",
+            "small.toml, line 14: controller: it has no requests; give it order or [[controller.request]]",
+        ),
+        (
+            'measure = "response"',
+            'measure = "latency"',
+            "small.toml, line 19: budget.answer.measure: there is no measure 'latency'; it has "
+            f"{', '.join(MEASURES)}, span:NAME, and {', '.join(FORMS.values())}",
+        ),
+        (
+            'max = "60 us"',
+            "max = 60",
+            'small.toml, line 20: budget.answer.max: 60 has no unit; write for instance "60 ms"',
+        ),
+        (
+            'max = "60 us"',
+            'max = "60 us"\nmin = "61 us"',
+            "small.toml, line 21: budget.answer.min: min 61 us is above max 60 us, so no run can keep both; "
+            "raise max or lower min",
+        ),
+    ],
+)
+def test_one_sentence_with_file_line_and_way_out(case_file: Path, line: str, by: str, sentence: str):
+    assert line in TEXT
+    Path("empty.py").write_text("", encoding="utf-8")
+    Path("broken.py").write_text("1 / 0\n", encoding="utf-8")
+    case_file.write_text(TEXT.replace(line, by), encoding="utf-8")
+    assert refusal(case_file) == sentence
+
+
+def test_a_name_that_came_by_set_is_told_as_it_was_typed(case_file: Path):
+    assert refusal(case_file, "unit.dsp.firmware=imu_hill") == (
+        "small.toml, --set 'unit.dsp.firmware=imu_hill': unit.dsp.firmware: "
+        "there is no firmware 'imu_hill'; did you mean imu_hil or imu_hil_robust?"
+    )
+
+
+def test_a_case_without_a_file_is_told_by_its_name():
+    with pytest.raises(BadCase, match=r"^case small: controller.order: there is no chip 'x'; it has gyroscope, "):
+        Scene(case(controller={"order": ["x"]}))
+
+
+def test_a_setting_that_firmware_needs_is_missing(case_file: Path):
+    Path("needs.py").write_text(NEEDS_ADDRESS, encoding="utf-8")
+    message = refusal(case_file, "unit.dsp.firmware=needs.py", "unit.dsp.settings={}")
+    assert message == ("small.toml, --set 'unit.dsp.settings={}': unit.dsp.settings.address: it is missing")
+
+
+def test_firmware_without_settings_takes_none(case_file: Path):
+    Path("plain.py").write_text("def main(dsp, settings):\n    pass\n", encoding="utf-8")
+    message = refusal(case_file, "unit.dsp.firmware=plain.py")
+    assert message == ("small.toml, line 9: unit.dsp.settings.model_cost: firmware plain.py takes no settings")
+
+
+def test_firmware_is_a_name_of_the_folder_not_a_module_path():
+    with pytest.raises(BadFirmware, match="there is no firmware 'os'"):
+        load_firmware("os")
+
+
+def test_an_edit_of_firmware_counts_at_once_and_nothing_is_left_beside_it(tmp_path: Path):
+    file = tmp_path / "mine.py"
+    names = []
+    for name in ("one", "two"):  # same length, and mostly within the same second
+        file.write_text(f"NAME = '{name}'\n\n\ndef main(dsp, settings):\n    pass\n", encoding="utf-8")
+        names.append(load_firmware(str(file)).main.__globals__["NAME"])
+    assert names == ["one", "two"]
+    assert list(tmp_path.iterdir()) == [file]

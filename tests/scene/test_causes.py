@@ -1,0 +1,123 @@
+"""What a run records as cause: the edge behind the filter, the access behind the pin, the answer's clock edge.
+
+edge --> noise filter --> flag            CPU write --> pin, a cycle later            SCL falls --> next bit on SDA
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from fractions import Fraction
+
+import pytest
+
+from periph_sim.core.records import Kind, Record, Recorder
+from periph_sim.core.time import Timebase
+from periph_sim.firmware import start_i2c
+from periph_sim.processor.dsp import Dsp
+from periph_sim.scene.case.load import load
+from periph_sim.scene.case.model import Case
+from periph_sim.scene.firmware_loader import Firmware
+from periph_sim.scene.scene import Scene
+from tests.scene.runs import TIMING
+from tests.scene.small import case
+
+CYCLE = 20  # ticks
+FILTER = 15  # cycles: one module clock, IPSC = 14
+
+
+class Causes:
+    """Records of a run, each with what caused it."""
+
+    def __init__(self, records: list[Record]) -> None:
+        self.by_number = {record.number: record for record in records}
+        self.records = records
+
+    def of(self, kind: Kind, what: str, where: str = "") -> list[tuple[Record, Record | None]]:
+        found = [r for r in self.records if r.kind is kind and r.what == what and where in (r.where, "")]
+        return [(record, self.by_number.get(record.cause)) for record in found]
+
+
+def recorded(table: Case, seconds: str, programs: dict[str, Firmware] | None = None) -> Causes:
+    records: list[Record] = []
+
+    def subscribe(recorder: Recorder, timebase: Timebase) -> None:
+        recorder.subscribe(Kind, records.append)
+
+    Scene(table, subscribe, programs).run(Fraction(seconds))
+    return Causes(records)
+
+
+@pytest.fixture(scope="module")
+def causes() -> Causes:
+    return recorded(load(TIMING / "imu_hil_published.toml", []), "0.1")
+
+
+@pytest.mark.parametrize(
+    ("flag", "value", "wire", "level"),
+    [
+        ("AAS", 1, "SCL", 0),
+        ("SDIR", 1, "SCL", 0),
+        ("RRDY", 1, "SCL", 0),
+        ("NACK", 1, "SCL", 1),
+        ("SCD", 1, "SDA", 1),
+        ("BB", 1, "SDA", 0),
+        ("BB", 0, "SDA", 1),
+    ],
+)
+def test_a_flag_names_the_edge_that_came_through_the_filter_in_its_cycle(causes, flag, value, wire, level):
+    found = [pair for pair in causes.of(Kind.FLAG, f"I2CSTR.{flag}") if pair[0].value == value]
+    assert len(found) >= 15
+    for record, cause in found:
+        assert cause is not None and (cause.kind, cause.where, cause.value) == (Kind.EDGE, wire, level)
+        assert record.tick - cause.tick == pytest.approx(FILTER * CYCLE, abs=CYCLE)  # edges fall between cycles
+
+
+def test_a_flag_that_a_write_changes_names_the_write(causes):
+    for record, cause in causes.of(Kind.FLAG, "I2CCNT.ICDC"):
+        assert cause is not None and (cause.what, cause.tick) == ("W I2C-A.I2CCNT", record.tick)
+
+
+def test_a_pin_names_the_write_that_moved_it_a_cycle_before(causes):
+    whys = defaultdict(set)
+    for edge, cause in causes.of(Kind.EDGE, "level", "MODEL")[1:]:
+        assert cause is not None
+        whys[edge.value].add((cause.what, (edge.tick - cause.tick) // CYCLE))
+    assert whys == {1: {("W GPIO.GPBSET", 1)}, 0: {("W GPIO.GPBCLEAR", 1)}}
+
+
+def test_the_bits_that_the_module_sends_name_the_falling_clock(causes):
+    sent = [(e, c) for e, c in causes.of(Kind.EDGE, "level", "SDA") if c is not None]
+    assert len(sent) > 100
+    for edge, cause in sent:
+        assert (cause.where, cause.value) == ("SCL", 0)
+        assert edge.tick - cause.tick == pytest.approx((FILTER + 1) * CYCLE, abs=CYCLE)
+
+
+@pytest.mark.parametrize("data", [0x5A, 0xA5])
+def test_a_stretch_ends_with_the_write_of_i2cdxr(data: int):
+    def slow(dsp: Dsp) -> None:
+        start_i2c(dsp, own_address=0x68)
+        i2c = dsp.module("I2C-A")
+        i2c.I2CMDR.IRS = 1
+        dsp.spin(lambda: i2c.I2CSTR.AAS == 1)
+        dsp.compute(45_000)  # 300 us
+        i2c.I2CDXR.all = data
+        dsp.spin(lambda: i2c.I2CSTR.NACK == 1)
+
+    head = {"first": "1 ms", "rounds": 1, "request": [{"address": 0x68, "count": 1}]}
+    unit = {"dsp": {"firmware": "slow", "modules": ["I2C-A"]}}
+    program = {"dsp": Firmware("slow", lambda dsp, settings: slow(dsp), None)}
+    causes = recorded(case(unit=unit, controller=head), "0.01", program)
+    (let_go,) = [c for e, c in causes.of(Kind.EDGE, "level", "SCL") if e.value == 1 and c is not None]
+    if data >> 7 == 0:  # the first bit moves SDA, and is out before SCL is let go
+        assert (let_go.where, let_go.value, let_go.text) == ("SDA", 0, "dsp.SDAA")
+        let_go = causes.by_number[let_go.cause]
+    assert let_go.what == "W I2C-A.I2CDXR"
+
+
+def test_the_byte_in_the_fifo_names_the_last_edge_that_had_passed_the_synchroniser(causes):
+    edges = [r for r in causes.records if r.kind is Kind.EDGE and r.where == "RX"]
+    found = [(f, c) for f, c in causes.of(Kind.FLAG, "SCIFFRX.RXFFST") if c is not None and c.kind is Kind.EDGE]
+    assert len(found) >= 50
+    for flag, cause in found:
+        assert cause == [edge for edge in edges if edge.tick <= flag.tick - 2 * CYCLE][-1]

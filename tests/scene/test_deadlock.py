@@ -1,0 +1,255 @@
+"""Firmware that waits for what cannot come is told: for what, since when, and why it cannot; the run then fails."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from periph_sim.firmware import sci_fifo_receiver, start_i2c
+from periph_sim.processor.dsp import Dsp
+from periph_sim.scene import unit as unit_module
+from periph_sim.scene.case.load import load
+from periph_sim.scene.firmware_loader import Firmware
+from periph_sim.scene.result import Result
+from periph_sim.scene.scene import Scene
+from tests.commands.conftest import Run, desk, periph_sim
+from tests.scene.runs import TIMING
+from tests.scene.small import case, scene_with
+
+__all__ = ["desk", "periph_sim"]
+
+HEAD = {"order": ["gyroscope"], "first": "1 ms", "period": "10 ms"}
+
+
+def waits_for_aas(dsp: Dsp) -> None:
+    start_i2c(dsp, own_address=0x68)
+    i2c = dsp.module("I2C-A")
+    i2c.I2CMDR.IRS = 1
+    dsp.spin(lambda: i2c.I2CSTR.AAS == 1)
+
+
+def waits_for_a_word(dsp: Dsp) -> None:
+    sci_fifo_receiver(dsp, 40, 12)
+    sci = dsp.module("SCI-A")
+    dsp.spin_either(lambda: sci.SCIFFRX.RXFFST == 12, lambda: sci.SCIRXST.BRKDT == 1)
+
+
+def test_alone_on_the_bus(monkeypatch: pytest.MonkeyPatch):
+    result = scene_with(monkeypatch, waits_for_aas, ["I2C-A"]).run()
+    assert result.verdict == "fail"
+    assert result.stuck == [
+        "dsp waits for I2C-A.I2CSTR.AAS since 0.360 us and would for ever: "
+        "I2C-A has nothing due and nobody will move SDA or SCL"
+    ]
+
+
+def test_every_register_that_is_polled_is_named(monkeypatch: pytest.MonkeyPatch):
+    (sentence,) = scene_with(monkeypatch, waits_for_a_word, ["SCI-A"]).run().stuck
+    assert "waits for SCI-A.SCIFFRX.RXFFST and SCI-A.SCIRXST.BRKDT since" in sentence
+    assert sentence.endswith("SCI-A has nothing due and nobody will move RX")
+
+
+def test_traffic_elsewhere_does_not_hide_it(monkeypatch: pytest.MonkeyPatch):
+    """The bus is busy for ever; but what the firmware waits for comes by the UART, where nobody is."""
+    result = scene_with(monkeypatch, waits_for_a_word, ["I2C-A", "SCI-A"], controller=HEAD).run()
+    assert len(result.stuck) == 1 and result.verdict == "fail"
+
+
+def test_the_wait_for_a_frame_of_a_host_is_no_deadlock(monkeypatch: pytest.MonkeyPatch):
+    scene = scene_with(monkeypatch, waits_for_a_word, ["I2C-A", "SCI-A"], controller=HEAD, host={"first": "5 s"})
+    assert scene.run().stuck == []
+
+
+def test_who_waits_for_more_of_an_agent_that_has_done_all_is_idle(monkeypatch: pytest.MonkeyPatch):
+    short = HEAD | {"order": ["accelerometer"], "rounds": 1}
+    result = scene_with(monkeypatch, waits_for_aas, ["I2C-A"], controller=short).run()
+    assert result.counts["rounds"] == 1
+    assert (result.verdict, result.stuck) == ("not judged", [])  # it has no budgets
+
+
+def test_a_slave_is_idle_after_the_last_round_of_its_case():
+    result = Scene(load(TIMING / "responder.toml", ["controller.rounds=2"])).run()
+    assert (result.verdict, result.stuck, result.counts["rounds"]) == ("pass", [], 2)
+
+
+def test_two_units_that_wait_for_each_other():
+    unit = {"firmware": "responder", "modules": ["I2C-A"]}
+    changes = [f"unit.{name}.{key}={value!r}" for name in ("a", "b") for key, value in unit.items()]
+    loaded = load(TIMING / "responder.toml", changes)
+    alone = loaded.model_copy(
+        update={"controller": None, "budget": (), "unit": {name: loaded.unit[name] for name in "ab"}}
+    )
+    result = Scene(alone).run()
+    assert [line.split(" ")[0] for line in result.stuck] == ["a", "b"]
+    assert all(line.endswith("I2C-A has nothing due and nobody will move SDA or SCL") for line in result.stuck)
+
+
+def test_a_timer_that_is_stopped_never_comes_and_one_that_runs_does(monkeypatch: pytest.MonkeyPatch):
+    def waits_for_tif(dsp: Dsp, stop: int) -> None:
+        timer = dsp.module("TIMER0")
+        timer.PRD.all = 1000
+        timer.TCR.all = 0x20 | stop << 4
+        dsp.spin(lambda: timer.TCR.TIF == 1)
+
+    stopped = scene_with(monkeypatch, lambda dsp: waits_for_tif(dsp, 1), ["TIMER0"]).run()
+    (sentence,) = stopped.stuck
+    assert sentence.endswith("TIMER0 has nothing due and no wire leads there")
+    running = scene_with(monkeypatch, lambda dsp: waits_for_tif(dsp, 0), ["TIMER0"]).run()
+    assert running.stuck == []
+
+
+def test_a_running_timer_whose_interrupt_may_help_keeps_the_wait_alive(monkeypatch: pytest.MonkeyPatch):
+    def helped(dsp: Dsp, eint: bool) -> None:
+        timer = dsp.module("TIMER0")
+        timer.PRD.all = 0xFFFF
+        timer.PRDH.all = 0xFFFF
+        timer.TCR.all = 0x4020
+        dsp.handle("TINT0", lambda: None)
+        dsp.module("PIE").PIECTRL.ENPIE = 1
+        dsp.module("PIE").PIEIER1.INTx7 = 1
+        dsp.enable_interrupt(1)
+        if eint:
+            dsp.eint()
+        waits_for_aas(dsp)
+
+    modules = ["I2C-A", "TIMER0"]
+    assert scene_with(monkeypatch, lambda dsp: helped(dsp, True), modules).run().stuck == []
+    assert len(scene_with(monkeypatch, lambda dsp: helped(dsp, False), modules).run().stuck) == 1
+
+
+def test_firmware_that_sleeps_is_said_to_sleep(monkeypatch: pytest.MonkeyPatch):
+    scene = scene_with(monkeypatch, lambda dsp: dsp.cpu.idle(), [])
+    scene.run()
+    assert scene.doing(scene.units["dsp"]) == "waits in IDLE for an interrupt at line 123 of test_stuck.py"
+
+
+# The bus held ------------------------------------------------------------------
+
+
+def never_writes(dsp: Dsp) -> None:
+    """Answers its address and never gives a byte: the module holds SCL."""
+    waits_for_aas(dsp)
+    i2c = dsp.module("I2C-A")
+    dsp.spin(lambda: i2c.I2CSTR.RSFULL == 1)
+
+
+def held(monkeypatch: pytest.MonkeyPatch, **more: object) -> tuple[Scene, Result]:
+    request = {"address": 0x68, "count": 6}
+    head = {"first": "1 ms", "period": "10 ms", "stuck_after": "5 ms", "request": [request], **more}
+    scene = scene_with(monkeypatch, never_writes, ["I2C-A"], duration="50 ms", controller=head)
+    return scene, scene.run()
+
+
+def test_a_slave_that_stretches_for_ever_is_told_with_who_holds_scl(monkeypatch: pytest.MonkeyPatch):
+    scene, result = held(monkeypatch)
+    (sentence,) = result.stuck
+    assert sentence.startswith("SCL is held low by dsp.SCLA at ")
+    assert "dsp waits for I2C-A.I2CSTR.RSFULL since " in sentence
+    assert scene.wires["SCL"].held_by() == ["dsp.SCLA"]
+    assert (result.counts["stuck"], result.counts["missed"], result.counts["rounds"]) == (1, 4, 0)
+    assert result.verdict == "fail"
+
+
+def test_it_is_a_deadlock_when_the_controller_has_nothing_else_to_do(monkeypatch: pytest.MonkeyPatch):
+    _, result = held(monkeypatch, rounds=1)
+    assert len(result.stuck) == 2 and result.verdict == "fail"
+    assert result.stuck[1].endswith("I2C-A has nothing due and nobody will move SDA or SCL")
+
+
+def test_a_long_stretch_that_ends_is_told_but_fails_only_by_budget(monkeypatch: pytest.MonkeyPatch):
+    def slow(dsp: Dsp) -> None:
+        waits_for_aas(dsp)
+        dsp.compute(1_500_000)  # 10 ms
+        i2c = dsp.module("I2C-A")
+        i2c.I2CDXR.all = 0x5A
+        dsp.spin(lambda: i2c.I2CSTR.NACK == 1)
+
+    head = {"first": "1 ms", "stuck_after": "5 ms", "rounds": 1, "request": [{"address": 0x68, "count": 1}]}
+    result = scene_with(monkeypatch, slow, ["I2C-A"], duration="50 ms", controller=head).run()
+    assert (result.counts["stuck"], result.counts["rounds"]) == (1, 1)
+    assert result.verdict == "not judged"  # it has no budgets
+
+
+FOREVER = """\
+def main(dsp, settings):
+    i2c = dsp.module("I2C-A")
+    dsp.spin(lambda: i2c.I2CSTR.XRDY == 1)
+"""
+
+
+def test_the_command_ends_with_1_and_says_it(periph_sim: Run, desk: Path):
+    Path("forever.py").write_text(FOREVER, encoding="utf-8")
+    Path("alone.toml").write_text(
+        'name = "alone"\nduration = "1 ms"\n[unit.dsp]\nfirmware = "forever.py"\nmodules = ["I2C-A"]\n',
+        encoding="utf-8",
+    )
+    came = periph_sim("run", "alone.toml")
+    assert came.status == 1
+    assert (
+        "stuck: dsp waits for I2C-A.I2CSTR.XRDY since 0.000 us and would for ever: PCLKCR gives I2C-A no clock"
+    ) in came.out
+
+
+def test_a_module_without_clock_sees_no_traffic(monkeypatch: pytest.MonkeyPatch):
+    def forgot_pclkcr(dsp: Dsp) -> None:
+        i2c = dsp.module("I2C-A")
+        i2c.I2COAR.all = 0x68
+        i2c.I2CMDR.IRS = 1
+        dsp.spin(lambda: i2c.I2CSTR.AAS == 1)
+
+    result = scene_with(monkeypatch, forgot_pclkcr, ["I2C-A"], controller=HEAD).run()
+    (sentence,) = result.stuck
+    assert sentence.endswith("PCLKCR gives I2C-A no clock")
+    assert result.counts["nacked"] == result.counts["rounds"] == 1
+
+
+# Watchdog ----------------------------------------------------------------------
+
+
+def scene_from_boot(monkeypatch: pytest.MonkeyPatch, firmware: Callable[[Dsp], None], duration: str) -> Scene:
+    """Boot leaves the watchdog on and the PLL off: SYSCLKOUT 7.5 MHz, WDCNTR overflows after 512 * 256 OSCCLK."""
+    program = Firmware("under test", lambda dsp, settings: firmware(dsp), None)
+    monkeypatch.setattr(unit_module, "load_firmware", lambda name: program)
+    unit = {"firmware": "under test", "modules": [], "from_boot": True}
+    return Scene(case(duration, unit={"dsp": unit}))
+
+
+@pytest.mark.parametrize(("duration", "resets"), [("4.3 ms", 0), ("4.4 ms", 1), ("8.8 ms", 2), ("44 ms", 10)])
+def test_firmware_that_does_not_service_the_watchdog_begins_anew(monkeypatch, duration: str, resets: int):
+    began: list[int] = []
+
+    def forgets(dsp: Dsp) -> None:
+        began.append(dsp.cpu.cycle)
+        dsp.compute(10**9)
+
+    result = scene_from_boot(monkeypatch, forgets, duration).run()
+    assert result.counts["resets"] == resets
+    assert len(began) == resets + 1
+
+
+def test_a_reset_also_ends_a_spin_that_nothing_else_would(monkeypatch):
+    began: list[int] = []
+
+    def waits(dsp: Dsp) -> None:
+        began.append(dsp.cpu.cycle)
+        pie = dsp.module("PIE")
+        dsp.spin(lambda: pie.PIECTRL.ENPIE == 1)
+
+    result = scene_from_boot(monkeypatch, waits, "9 ms").run()
+    assert result.counts["resets"] == 2 and len(began) == 3
+    assert result.stuck == []  # the watchdog is due
+
+
+def test_a_serviced_watchdog_never_resets(monkeypatch):
+    def careful(dsp: Dsp) -> None:
+        system = dsp.module("SYS")
+        while True:
+            dsp.compute(30_000)
+            dsp.eallow()
+            system.WDKEY.all = 0x55
+            system.WDKEY.all = 0xAA
+            dsp.edis()
+
+    assert scene_from_boot(monkeypatch, careful, "50 ms").run().counts["resets"] == 0

@@ -1,0 +1,157 @@
+"""timing/imu_hil.toml and its fault cases prove what they say: both firmwares, dead hosts, late writes."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import NamedTuple
+
+import pytest
+
+from periph_sim.scene.case.load import load
+from periph_sim.scene.firmware_loader import load_firmware
+from periph_sim.scene.scene import Scene
+from tests.scene.late_code import SOURCES, WRITE, changed, late
+from tests.scene.runs import TIMING, run_file
+
+PUBLISHED, ROBUST = "unit.dsp.firmware=imu_hil", "unit.dsp.firmware=imu_hil_robust"
+FAULTS = {  # what breaks with the published firmware
+    "imu_hil_lost_byte": {"wrong bytes", "data age"},
+    "imu_hil_broken_line": {"wrong bytes", "data age"},
+    "imu_hil_silent_host": {"fresh again"},
+    "imu_hil_doubled_frame": {"data age"},
+    "imu_hil_spikes": {"data age"},
+    "imu_hil_stuck_sda": {"data age"},
+    "imu_hil_reset": {"wrong bytes", "data age"},
+    "imu_hil_module_reset": {"missed rounds", "nacked rounds", "bus stuck", "data age"},
+}
+
+
+@pytest.mark.parametrize("name", ["imu_hil", "imu_hil_400k"])
+@pytest.mark.parametrize("firmware", [PUBLISHED, ROBUST])
+def test_both_firmwares_keep_every_budget_of_the_bench(name: str, firmware: str):
+    assert run_file(name, "0.6", firmware).result.verdict == "pass"
+
+
+def test_the_hosts_frames_drift_through_all_phases_of_the_rounds():
+    """488 frames in 10 s end in each millisecond of a period, and in each tenth of the 2.62 ms that a round takes."""
+    case = load(TIMING / "imu_hil.toml", [])
+    scene = Scene(case.model_copy(update={"unit": {}, "controller": None, "budget": ()}))
+    ends: list[Fraction] = []
+    assert scene.host is not None
+    scene.host.sent.append(lambda number, values, tick: ends.append(scene.timebase.seconds(tick)))
+    scene.run()
+    phases = [(end * 1000 / (1 + Fraction(30, 10**6)) - 5) % 20 for end in ends]
+    assert len(ends) == 488
+    assert {int(phase) for phase in phases} == set(range(20))
+    assert {int(phase / Fraction(262, 1000)) for phase in phases} >= set(range(10))
+
+
+@pytest.mark.parametrize("frames", [0, 1, 2, 3, 4, 7, 20, 50])
+@pytest.mark.parametrize("firmware", [PUBLISHED, ROBUST])
+def test_a_host_that_dies_at_any_frame_fails(frames: int, firmware: str):
+    ran = run_file("imu_hil", "1.3" if frames == 50 else "0.7", firmware, f"host.frames={frames}")
+    assert ran.result.verdict != "pass"
+    (age,) = (verdict for verdict in ran.result.budgets if verdict.name == "data age")
+    assert not age.passed
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_a_fault_costs_the_robust_firmware_what_its_case_allows(name: str):
+    robust, published = (run_file(name, "1.2", firmware) for firmware in (ROBUST, PUBLISHED))
+    assert robust.broken() == []
+    assert FAULTS[name] >= set(published.broken()) != set()
+
+
+def test_glitches_hang_the_published_firmware_only():
+    robust, published = (run_file("imu_hil_glitches", "3", firmware) for firmware in (ROBUST, PUBLISHED))
+    assert robust.result.verdict == "pass"
+    assert {"missed rounds", "bus stuck"} <= set(published.broken())
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        {"between_accesses": 1, "poll_pass": 7, "isr_prologue": 6, "isr_epilogue": 3},
+        {"between_accesses": 15, "poll_pass": 21, "isr_prologue": 22, "isr_epilogue": 18},
+    ],
+    ids=["short code", "long code"],
+)
+@pytest.mark.parametrize("firmware", [PUBLISHED, ROBUST])
+def test_every_budget_holds_at_both_ends_of_what_compiled_code_costs(code: dict[str, int], firmware: str):
+    changes = [f"unit.dsp.code.{key}={value}" for key, value in code.items()]
+    assert run_file("imu_hil", "0.6", firmware, *changes).broken() == []
+
+
+def test_three_hundred_cycles_before_each_write_break_the_reaction_and_nothing_else():
+    result, _ = late(WRITE, 300)
+    assert {verdict.name for verdict in result.budgets if verdict.broken} == {"reaction"}
+
+
+def test_the_robust_firmware_refuses_a_guard_that_is_shorter_than_its_models():
+    with pytest.raises(ValueError, match="guard must be longer than the models take"):
+        load_firmware("imu_hil_robust").settings(guard=Fraction(1, 10_000))  # type: ignore[operator]
+
+
+# One line breaks each budget: the table of docs/flagship.md ------------------------------
+
+
+class Break(NamedTuple):
+    """A change of imu_hil.py, or of a setting, and how the page tells it. old, new: of the source."""
+
+    told: str
+    old: str = ""
+    new: str = ""
+    setting: str = ""
+
+
+def before(statement: str, inserted: str) -> Break:
+    return Break(f"`{inserted}` before `{statement}`", statement, f"{inserted}; {statement}")
+
+
+def setting(change: str) -> Break:
+    return Break(f"`--set {change}`", setting=change.replace("'", ""))
+
+
+def without(statement: str) -> Break:
+    return Break(f"without `{statement}`", statement, "pass")
+
+
+PAGE = (TIMING.parent / "docs" / "flagship.md").read_text(encoding="utf-8")
+BREAKS = {
+    "reaction": before(WRITE, "dsp.compute(300)"),
+    "reaction at the latest": before(WRITE, "dsp.compute(600)"),
+    "I2CDXR margin": before(WRITE, "dsp.compute(2000)"),
+    "stretch": before(WRITE, "dsp.compute(2300)"),
+    "service routine": before("self.frame_waits = True", "self.dsp.compute(400)"),
+    "service latency": setting("unit.dsp.settings.mask_during_i2c=true"),
+    "own address": before("i2c.I2CMDR.IRS = 0", "self.dsp.compute(9000)"),
+    "latest own address": setting("unit.dsp.settings.beyond_estimate='420 us'"),
+    "module off": before("i2c.I2COAR.all = address", "self.dsp.compute(300)"),
+    "CPU load": before("dsp.clear_pin(settings.pin)", "dsp.compute(60000)"),
+    "lost flags": before("i2c.I2CSTR.SCD = 1", "dsp.compute(16000)"),
+    "wrong bytes": Break("`0x7F` instead of `0xFF` in `sci_received`", "SCIRXBUF.all & 0xFF", "SCIRXBUF.all & 0x7F"),
+    "data age": setting("host.frames=4"),
+    "missed rounds": before(WRITE, "dsp.compute(600000)"),
+    "nacked rounds": without("i2c.I2COAR.all = address"),
+    "SCI FIFO high-water": without("sci.SCIFFRX.RXFFINTCLR = 1"),
+    "SCI overruns": without("sci.SCIFFRX.RXFFINTCLR = 1"),
+}
+
+
+@pytest.mark.parametrize("budget", BREAKS)
+def test_one_line_breaks_each_budget_as_the_page_says(budget: str):
+    change = BREAKS[budget]
+    (row,) = (line for line in PAGE.splitlines() if line.startswith(f"| {budget} |"))
+    assert row.endswith(f"| {change.told} |")
+    source = (SOURCES / "imu_hil.py").read_text(encoding="utf-8")
+    assert source.count(change.old) == 1 or not change.old
+    program = changed(source.replace(change.old, change.new) if change.old else source)
+    scene = Scene(load(TIMING / "imu_hil.toml", [change.setting][: bool(change.setting)]), programs={"dsp": program})
+    result = scene.run(Fraction("0.3"))
+    (verdict,) = (verdict for verdict in result.budgets if verdict.name == budget)
+    assert verdict.verdict == ("not judged" if budget == "own address" else "fail")
+
+
+def test_every_budget_of_the_bench_has_such_a_line_but_for_those_that_are_inputs():
+    inputs = {"model execution", "response", "round complete", "schedule slack"}
+    assert {budget.name for budget in load(TIMING / "imu_hil.toml", []).budget} == BREAKS.keys() | inputs

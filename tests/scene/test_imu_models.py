@@ -1,0 +1,134 @@
+"""The emulator with its sensor models: bytes on the bus are those of the models over the host's frames."""
+
+from __future__ import annotations
+
+from math import degrees
+from struct import pack, unpack
+
+import numpy as np
+import pytest
+
+from firmware.python.imu_models import Models
+from periph_sim.devices.host_pc import ramp
+from periph_sim.scene.case.model import BadCase
+from periph_sim.sensors.models.arrays import codes_of
+from periph_sim.sensors.models.parameters import Imu, Magnetometer
+from tests.scene.runs import run_file
+
+FLOAT = "unit.dsp.settings.arithmetic=float64"
+
+
+def expected(frames: int) -> list[list[str]]:
+    """What the sensor head reads after 0, 1, 2 ... frames, from whole arrays: the frame before the first is zeros."""
+    counts = np.array([(0,) * 6, *(ramp(n) for n in range(frames))], dtype=np.float64).T
+    codes = codes_of(Imu(), tuple(counts[:3] * 1e-4), tuple(counts[3:] * 1e-3), before=(0.0, 0.0, 0.0))
+    rows = np.array([axis for chip in codes for axis in chip]).T.tolist()
+    return [
+        [pack(">3h", *row[0:3]).hex(" "), pack("<3h", *row[3:6]).hex(" "), pack(">3h", row[6], row[8], row[7]).hex(" ")]
+        for row in rows
+    ]
+
+
+def test_the_sensor_head_reads_what_the_models_make_of_the_frames():
+    ran = run_file("imu_models", "0.2", FLOAT)
+    read = ran.read()
+    # The models run when a round is over: what is read at 5 and 25 ms are frames that had come by 0 and 5 ms.
+    assert read[0] == expected(0)[0]
+    assert len(read) == 10 and read[1:] == expected(9)[1:10]
+
+
+def test_a_run_without_new_frames_goes_on_with_rates_of_0():
+    ran = run_file("imu_models", "0.2", FLOAT, "host.frames=3")
+    late = [unpack(">3h", bytes.fromhex(gyroscope)) for gyroscope, _, _ in ran.read()[5:]]
+    assert set(late) == {(-43, 51, 2)}  # the biases, and a tenth of 1.026 g, through S
+    assert len({accelerometer for _, accelerometer, _ in ran.read()[5:]}) == 1
+
+
+def test_the_model_costs_what_its_operations_are_estimated_to():
+    ran = run_file("imu_models", "0.1")
+    execution = {verdict.name: verdict for verdict in ran.result.budgets}["model execution"]
+    assert execution.worst == pytest.approx(1798 / 150, abs=0.01)  # us: half way between 1789 and 1807 cycles
+    assert ran.broken() == []
+
+
+def test_q16_is_within_its_bound_of_float64_on_the_bus():
+    exact, coarse = (
+        run_file("imu_models", "0.2", f"unit.dsp.settings.arithmetic={name}") for name in ("float64", "q16")
+    )
+    pairs = zip(exact.read(), coarse.read(), strict=True)
+    codes = [[unpack(">3h", bytes.fromhex(text)) for text in (one[0], one[2])] for both in pairs for one in both]
+    off = np.abs(np.array(codes[0::2]) - np.array(codes[1::2])).max(axis=(0, 2))
+    assert off[0] <= 1 and off[1] <= 3
+
+
+def test_a_yaw_wrap_is_a_wrong_sign_in_q16_and_full_scale_in_float32():
+    frames = [pack("<6h", 0, 0, yaw, 0, 0, 1000) for yaw in (31241, -31241)]  # 179 and -179 degrees
+    assert degrees(31241e-4) == pytest.approx(179, abs=0.01)
+    z = {}
+    for name in ("float64", "float32", "q16", "q16 saturating"):
+        models = Models(name, Imu())
+        turns = [models.chips(frame)[0] for frame in (frames[0], frames[0], frames[1])]
+        z[name] = unpack(">3h", turns[-1])[2]
+    assert z["float64"] == z["float32"] == -32768 == z["q16 saturating"]
+    exact = 14.375 * (0.04 + 0.02 * 0.5 - degrees(62482e-4) / 0.02)
+    assert z["q16"] == pytest.approx((exact + 32768) % 65536 - 32768, abs=4)  # what 16 integer bits keep of it
+
+
+@pytest.mark.parametrize(
+    ("setting", "message"),
+    [
+        ("arithmetic=q20", "gyroscope: -32768 does not fit Q20"),
+        ("arithmetic=q17x", "there is no arithmetic 'q17x'"),
+        ("parameters=nowhere.toml", "nowhere.toml: cannot be read"),
+        ("model_cost=guess", "'guess': unit 'guess' is none of"),
+        ("model_cost=12", "12 has no unit"),
+    ],
+)
+def test_settings_that_cannot_be_are_refused_with_their_place(setting: str, message: str):
+    with pytest.raises(BadCase, match=r"unit\.dsp\.settings\.") as refused:
+        run_file("imu_models", "0.01", f"unit.dsp.settings.{setting}")
+    assert message in str(refused.value)
+
+
+def test_parameters_come_from_a_file(tmp_path):
+    file = tmp_path / "quiet.toml"
+    file.write_text('[gyroscope]\nbias = "0, 0, 0 deg/s"\n', encoding="utf-8")
+    ran = run_file("imu_models", "0.01", f"unit.dsp.settings.parameters={file}")
+    assert ran.read()[0][0] == "00 00 00 00 00 00"
+
+
+def test_an_estimate_of_nothing_is_refused():
+    with pytest.raises(BadCase, match=r", line \d+.*: unit\.dsp\.settings: model_cost = .* needs an arithmetic"):
+        run_file("imu_hil_published", "0.01", "unit.dsp.settings.model_cost=estimate")
+
+
+def test_a_field_along_z_makes_no_noise_on_standard_error(recwarn):
+    field = Imu(magnetometer=Magnetometer(earth_field=(0.0, 0.0, 0.3), hard_iron=(0.0, 0.0, 0.0)))
+    codes = {name: Models(name, field).chips(bytes(12))[2] for name in ("float64", "float32", "q16")}
+    assert unpack(">3h", codes["float64"]) == unpack(">3h", codes["q16"]) == (0, 198, 0)  # x, z, y: 0.3 gauss down
+    assert unpack(">3h", codes["float32"]) != (0, 198, 0)  # 0/0 in fastRTS's atan2
+    assert not recwarn.list
+
+
+CHECKED = (
+    'controller.check="host"',
+    "unit.dsp.settings.noise_seed=11",
+    'budget=[{name="wrong bytes", measure="wrong bytes", max=0}]',
+)
+
+
+@pytest.mark.parametrize("arithmetic", ["q16", "float64"])
+def test_noisy_bytes_are_held_against_the_models_frame_by_frame(arithmetic: str):
+    ran = run_file("imu_models", "0.3", f"unit.dsp.settings.arithmetic={arithmetic}", *CHECKED)
+    (verdict,) = ran.result.budgets
+    assert (verdict.verdict, verdict.worst, verdict.count) == ("pass", 0, 15 * 18)
+
+
+def test_a_byte_that_no_model_makes_is_wrong():
+    ran = run_file("imu_models", "0.3", *CHECKED, "unit.dsp.settings.fifo_level=11")  # frames slip by a byte
+    assert ran.broken() == ["wrong bytes"]
+
+
+def test_models_are_checked_only_where_the_pin_tells_when_they_run():
+    with pytest.raises(BadCase, match=r"controller\.check: .* give the unit pins = \{ MODEL = 34 \}"):
+        run_file("imu_models", "0.01", *CHECKED, "unit.dsp.pins={}")

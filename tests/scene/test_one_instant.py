@@ -1,0 +1,155 @@
+"""What happens in one instant is one sample: in which order parties act or listen shows nowhere.
+
+The master here is what RTL makes: SCL falls and SDA changes on one clock edge, a hold time of 0, which UM10204 allows.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Iterator
+from fractions import Fraction
+from functools import cache, partial
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from periph_sim.bus.i2c.byte_counter import I2cByteCounter
+from periph_sim.bus.i2c.controller import BusTiming, I2cController, Transfer
+from periph_sim.bus.i2c.monitor import I2cMonitor
+from periph_sim.bus.i2c.scripted_target import Answer, ScriptedTarget
+from periph_sim.core.records import Kind, Record
+from periph_sim.scene.scene import Scene
+from tests.scene.small import case
+
+CYCLE = 20  # ticks
+HALF = 15_000  # of a bit at 100 kHz
+BEGIN = 3_000_000
+Shuffle = Callable[[list[Any]], None]
+Move = tuple[int, str, int]  # tick, line, level
+
+UNIT = 0x50  # its firmware holds the data "5a c3"
+TARGET = 0x21  # an agent's
+SCRIPT = "S 50W 12 ff 00 P S 50R . ! P S 21W 55 S 21R . . ! P S 0aW P S 50R ! P"
+
+
+def moves(script: str) -> Iterator[Move]:
+    """The master's moves: S START, P STOP, 50W an address, hex a byte, . a byte read, ! the last one, refused."""
+    at, free = BEGIN, True
+
+    def bits(levels: list[int]) -> Iterator[Move]:
+        nonlocal at
+        for level in levels:
+            yield from ((at, "SCL", 0), (at, "SDA", level), (at + HALF, "SCL", 1))
+            at += 2 * HALF
+
+    for word in script.split():
+        if word == "S":
+            if not free:
+                yield from bits([1])
+            yield at - HALF // 2, "SDA", 0
+            free = False
+        elif word == "P":
+            yield from bits([0])
+            yield at - HALF // 2, "SDA", 1
+            at, free = at + 8 * HALF, True
+        elif word in ".!":
+            yield from bits([1] * 8 + [int(word == "!")])
+        else:
+            value = int(word[:2], 16)
+            value = value << 1 | (word[-1] == "R") if word[-1] in "RW" else value
+            yield from bits([value >> n & 1 for n in range(7, -1, -1)] + [1])
+
+
+class Bus:
+    """Two units, a target and listeners. `shuffled` is in which order they come, and the master's moves go.
+
+    late: ticks by which a move comes later. alone: without the target, which sees every tick by itself.
+    """
+
+    def __init__(
+        self, shuffled: Shuffle, late: Callable[[], int], modules: tuple[str, ...], alone: bool = False
+    ) -> None:
+        unit = {"firmware": "responder", "modules": modules, "settings": {"replies": ["5a c3", "81"]}}
+        self.records: list[Record] = []
+        both = {"one": unit, "two": unit | {"settings": {"replies": ["42"], "address": 0x51}}}
+        self.scene = Scene(case(unit=both), lambda recorder, timebase: recorder.subscribe(Kind, self.records.append))
+        kernel, recorder = self.scene.kernel, self.scene.recorder
+        scl, sda = self.scene.wire("SCL"), self.scene.wire("SDA")
+        self.transfers: list[Transfer] = []
+        answers = {TARGET: [Answer(True), Answer(True, b"\x99\x01\x80")]}
+        parties: list[Callable[[], object]] = [
+            lambda: alone or ScriptedTarget(kernel, scl, sda, answers, hold=0),
+            lambda: I2cMonitor(scl, sda, self.transfers.append, {}),
+            lambda: setattr(self, "counter", I2cByteCounter(scl, sda)),
+            lambda: setattr(self, "idle", I2cController(kernel, recorder, scl, sda, BusTiming(*[HALF] * 7), "idle")),
+            lambda: setattr(self, "hands", {"SCL": scl.attach("RTL"), "SDA": sda.attach("RTL")}),
+        ]
+        shuffled(parties)
+        for party in parties:
+            party()
+        calls = [(at + late(), line, level) for at, line, level in moves(SCRIPT)]
+        shuffled(calls)
+        for at, line, level in calls:
+            kernel.at(at, partial(self.hands[line].drive, level))
+        self.scene.run(Fraction(35, 10_000))
+
+    def said(self) -> list[str]:
+        """The transfers as `I2cMonitor` reports them."""
+        return [
+            " ".join(
+                f"{p.address:02x}{'WR'[p.read]}{'NA'[p.acked]} {(p.got or p.data).hex()}"
+                + "".join("NA"[ack] for ack in p.acks)
+                for p in transfer.phases
+            )
+            for transfer in self.transfers
+        ]
+
+    def recorded(self, *kinds: Kind) -> list[tuple[object, ...]]:
+        """Records without numbers, those of one tick in alphabetical order; holders of a line likewise."""
+        found = (r for r in self.records if not kinds or r.kind in kinds)
+        return sorted((r.tick, r.kind.value, r.where, r.what, r.value, sorted(r.text.split(", "))) for r in found)
+
+
+def in_order(calls: list[Any]) -> None:
+    """As they come."""
+
+
+def backwards(calls: list[Any]) -> None:
+    calls.reverse()
+
+
+@cache
+def plain(modules: tuple[str, ...], alone: bool = False) -> Bus:
+    return Bus(in_order, lambda: 0, modules, alone)
+
+
+SAID = ["50WA 12ff00AAA", "50RA 5ac3AN", "21WA 55A 21RA 990180AAN", "0aWN ", "50RA 81N"]
+
+
+@pytest.mark.parametrize("order", [in_order, backwards], ids=["SCL first", "SDA first"])
+def test_sda_may_change_in_the_instant_in_which_scl_falls(order):
+    assert Bus(order, lambda: 0, ("I2C-A",)).said() == SAID
+
+
+@pytest.mark.parametrize("modules", [("I2C-A",), ("I2C-A", "GPIO")])
+@settings(max_examples=5, deadline=None)
+@given(seed=st.integers(0, 2**32))
+def test_neither_the_order_of_calls_nor_that_of_listeners_shows(modules, seed):
+    mixed = Bus(random.Random(seed).shuffle, lambda: 0, modules)
+    assert plain(modules).said() == mixed.said() == SAID
+    assert mixed.recorded() == plain(modules).recorded()
+    assert mixed.counter.bytes == plain(modules).counter.bytes == 16
+
+
+@pytest.mark.parametrize("modules", [("I2C-A",), ("I2C-A", "GPIO")])
+@settings(max_examples=5, deadline=None)
+@given(seed=st.integers(0, 2**32))
+def test_for_a_chip_a_sysclkout_cycle_is_one_instant(modules, seed):
+    """Moves come anywhere in the cycle before the SYSCLKOUT edge: registers, accesses and interrupts are equal."""
+    chance = random.Random(seed)
+    mixed = Bus(chance.shuffle, lambda: -chance.randrange(CYCLE), modules, alone=True)
+    of_chips = (Kind.FLAG, Kind.ACCESS, Kind.IRQ, Kind.NOTE)
+    assert mixed.recorded(*of_chips) == plain(modules, alone=True).recorded(*of_chips)
+    assert mixed.recorded(Kind.FLAG)

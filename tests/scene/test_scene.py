@@ -1,0 +1,111 @@
+"""A scene builds only what its case names, and costs only what it builds."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from periph_sim.core.chip import NEVER
+from periph_sim.f28335.gpio.module import Gpio
+from periph_sim.f28335.i2c.module import I2c
+from periph_sim.f28335.sci.module import Sci
+from periph_sim.processor.dsp import Dsp
+from periph_sim.scene.scene import Scene
+from tests.scene.small import case, scene_with
+
+ALWAYS = {"SYS", "PIE"}
+
+
+def idle(dsp: Dsp) -> None:
+    """Firmware that has nothing to do."""
+
+
+@pytest.mark.parametrize(
+    ("modules", "wires"),
+    [
+        ([], set()),
+        (["I2C-A"], {"SDA", "SCL"}),
+        (["SCI-A"], {"RX", "TX"}),
+        (["GPIO"], set()),
+        (["I2C-A", "SCI-A", "GPIO"], {"SDA", "SCL", "RX", "TX"}),
+        (["TIMER0"], set()),
+    ],
+)
+def test_sockets_and_wires_are_those_of_the_modules_named(monkeypatch, modules: list[str], wires: set[str]):
+    scene = scene_with(monkeypatch, idle, modules)
+    assert set(scene.units["dsp"].sockets) == ALWAYS | set(modules)
+    assert set(scene.wires) == wires
+    assert scene.head is None and scene.host is None
+
+
+def test_no_module_is_made_that_is_not_named(monkeypatch):
+    made: list[str] = []
+    for kind in (Sci, I2c, Gpio):
+        before = kind.__init__
+
+        def counted(self: object, *args: Any, kind: type = kind, before: Any = before, **more: Any) -> None:
+            made.append(kind.__name__)
+            before(self, *args, **more)
+
+        monkeypatch.setattr(kind, "__init__", counted)
+    scene_with(monkeypatch, idle, [])
+    assert made == []
+    scene_with(monkeypatch, idle, ["I2C-A"])
+    assert made == ["I2c"]
+    scene_with(monkeypatch, idle, ["SCI-A", "SCI-C", "GPIO"])
+    assert made == ["I2c", "Sci", "Sci", "Gpio"]
+
+
+def test_a_scene_without_agents_costs_one_event_for_each_unit(monkeypatch):
+    result = scene_with(monkeypatch, idle, ["I2C-A", "SCI-A", "GPIO"]).run()
+    firmware_starts, routes_settle = 1, 1
+    assert result.events == firmware_starts + routes_settle
+
+
+def test_an_agent_on_wires_alone_costs_its_own_events():
+    alone = Scene(case(controller={"order": ["gyroscope"], "rounds": 1}))
+    result = alone.run()
+    assert set(alone.wires) == {"SDA", "SCL"} and alone.units == {}
+    assert result.wire_bytes == 1 and result.counts["nacked"] == 1
+    silent = Scene(case(host={"frames": 0})).run()
+    assert silent.events <= 1
+
+
+def test_a_host_in_a_scene_without_sci_talks_to_nobody(monkeypatch):
+    scene = scene_with(monkeypatch, idle, ["I2C-A"], host={"frames": 1})
+    assert set(scene.wires) == {"SDA", "SCL", "RX"}
+    assert scene.run().sci_bytes == 12
+
+
+def test_two_units_share_the_wires():
+    units = {
+        "a": {"firmware": "imu_hil", "modules": ["I2C-A"]},
+        "b": {"firmware": "imu_hil", "modules": ["I2C-A"], "ppm": 50},
+    }
+    scene = Scene(case(unit=units))
+    assert set(scene.wires) == {"SDA", "SCL"}
+    assert scene.units["b"].clock.hz == scene.units["a"].clock.hz * 1_000_050 / 1_000_000
+
+
+def test_firmware_that_returns_is_said_to_have_returned(monkeypatch):
+    scene = scene_with(monkeypatch, idle, [])
+    scene.run()
+    assert scene.doing(scene.units["dsp"]) == "has returned from main"
+    assert scene.deadlocks() == []
+    assert scene.kernel.next_time() == NEVER
+
+
+def test_progress_goes_from_nothing_to_one():
+    told: list[float] = []
+    Scene(case(host={"frames": 0})).run(progress=told.append)
+    assert told[-1] == 1 and told == sorted(told) and len(told) == 100
+
+
+def test_a_run_starts_where_the_case_says():
+    scene = Scene(case(start="30 d", controller={"order": ["gyroscope"], "rounds": 1, "first": "1 ms"}))
+    starts: list[int] = []
+    assert scene.head is not None
+    scene.head.on_round.append(lambda over: starts.append(over.start))
+    scene.run()
+    assert starts == [scene.timebase.ticks("30 d") + scene.timebase.ticks("1 ms")]

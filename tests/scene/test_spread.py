@@ -1,0 +1,50 @@
+"""Computations whose cost is a range: each takes a value of it, drawn, or the end that a bound asks for."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+
+from periph_sim.core.settings import spread
+from periph_sim.processor.dsp import Dsp, End
+from periph_sim.scene.firmware_loader import Firmware
+from periph_sim.scene.scene import Scene
+from tests.scene.small import case
+
+CYCLE = 20  # ticks at 150 MHz
+
+
+def costs(text: str, end: End = "drawn", seed: int = 1, unit: str = "dsp", times: int = 200) -> list[int]:
+    """Cycles that computations of this spread took, one after the other."""
+    spans: list[int] = []
+
+    def main(dsp: Dsp, settings: object) -> None:
+        for _ in range(times):
+            before = dsp.cpu.cycle
+            dsp.compute(spread(text), "work")
+            spans.append(dsp.cpu.cycle - before)
+
+    plain = case(seed=seed, unit={unit: {"firmware": "given", "modules": []}})
+    Scene(plain, programs={unit: Firmware("given", main, None)}, end=end).run(Fraction(1, 100))
+    return spans
+
+
+def test_each_computation_draws_a_cost_of_the_range_and_all_are_drawn():
+    drawn = costs("60 ns to 120 ns", times=400)
+    assert set(drawn) == set(range(9, 19))
+
+
+@pytest.mark.parametrize(("end", "cycles"), [("least", 9), ("most", 18)])
+def test_a_bound_takes_an_end(end: End, cycles: int):
+    assert set(costs("60 ns to 120 ns", end)) == {cycles}
+
+
+def test_a_range_of_one_value_is_that_value_and_rounds_up_to_a_cycle():
+    assert set(costs("61 ns")) == {10}
+
+
+def test_draws_belong_to_the_seed_and_the_unit():
+    assert costs("1 us to 2 us") == costs("1 us to 2 us")
+    assert costs("1 us to 2 us") != costs("1 us to 2 us", seed=2)
+    assert costs("1 us to 2 us") != costs("1 us to 2 us", unit="other")

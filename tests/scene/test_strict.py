@@ -1,0 +1,76 @@
+"""`strict = true`: a duty of a manual that firmware breaks ends the run, whichever module or chip it is of."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from periph_sim.core.chip import Note, joined
+from periph_sim.processor.error_origin import FirmwareError
+from periph_sim.scene.case.load import load
+from periph_sim.scene.scene import Scene
+
+CASE = """\
+name = "small"
+duration = "1 ms"
+strict = {strict}
+
+[unit.dsp]
+firmware = "{firmware}"
+modules = ["I2C-A", "SCI-A", "GPIO"]
+"""
+
+BREAKS = {
+    "I2C-A": ("i2c.I2CPSC.all = 5", "i2c.I2CMDR.IRS = 1"),  # 25 MHz
+    "GPIO": (
+        "dsp.eallow(); dsp.module('GPIO').GPAMUX2.GPIO28 = 1",
+        "dsp.module('GPIO').GPBMUX1.GPIO36 = 1",  # a second pin for SCIRXDA, two cycles later
+    ),
+    "SYS": ("dsp.eallow()", "dsp.module('SYS').PLLCR.all = 12"),
+}
+
+
+def ran(folder: Path, lines: tuple[str, ...], strict: bool) -> Scene:
+    firmware = folder / "breaks.py"
+    body = "".join(f"    {line}\n" for line in lines)
+    text = f"def main(dsp, settings):\n    i2c = dsp.module('I2C-A')\n{START}{body}    dsp.compute(1000)\n"
+    firmware.write_text(text, encoding="utf-8")
+    case = folder / "small.toml"
+    case.write_text(CASE.format(strict=str(strict).lower(), firmware=firmware), encoding="utf-8")
+    scene = Scene(load(case))
+    scene.run()
+    return scene
+
+
+START = "    dsp.eallow()\n    dsp.module('SYS').PCLKCR0.all = 0x410\n    dsp.edis()\n    dsp.compute(10)\n"
+
+
+@pytest.mark.parametrize("module", BREAKS)
+def test_broken_duty_of_any_module_ends_a_strict_run_with_its_line(tmp_path: Path, module: str):
+    with pytest.raises(FirmwareError) as caught:
+        ran(tmp_path, BREAKS[module], strict=True)
+    assert re.match(rf"dsp\.{module}, line [89] of breaks\.py, at 0\.\d+ us: .* \[SP", str(caught.value))
+    scene = ran(tmp_path, BREAKS[module], strict=False)
+    assert any(note.code == "duty" for _, note in scene.units["dsp"].socket(module).notes)
+
+
+def test_notes_that_forbid_nothing_end_no_run(tmp_path: Path):
+    lines = ("dsp.eallow()", "dsp.module('GPIO').GPBMUX1.GPIO34 = 3")  # XREADY: not modelled
+    scene = ran(tmp_path, lines, strict=True)
+    assert [note.code for _, note in scene.units["dsp"].socket("GPIO").notes] == ["unknown"]
+
+
+def test_pins_of_the_external_bus_are_one_note_that_lists_them(tmp_path: Path):
+    lines = ("dsp.eallow()", *(f"dsp.module('GPIO').GPBMUX1.GPIO{pin} = 3" for pin in range(36, 46)))
+    scene = ran(tmp_path, lines, strict=False)
+    (note,) = [line for line in scene._notes() if "not modelled" in line]
+    assert "GPIO36 (XZCS0)" in note and "GPIO45 (XA5)" in note and note.count("GPIO") >= 10
+
+
+def test_notes_are_joined_only_with_their_like():
+    one, two = (Note("unknown", f"pin {n} is odd", "S1", "pins are odd", f"pin {n}") for n in (1, 2))
+    other = Note("duty", "mind the gap", "S2")
+    found = joined([(5, one), (6, other), (7, two)])
+    assert [(cycle, note.text) for cycle, note in found] == [(5, "pins are odd: pin 1, pin 2"), (6, "mind the gap")]

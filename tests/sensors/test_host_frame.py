@@ -1,0 +1,72 @@
+"""From motion to the 16-bit counts of a host frame: scales, rounding, and what lies beyond."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from math import pi
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from periph_sim.sensors.host_frame import LEAST, MOST, Encoding, MotionFrames
+from periph_sim.sensors.motion import BadMotion, sines, static
+
+SIX = st.lists(st.floats(-12, 12), min_size=6, max_size=6)
+
+
+def frames(motion, encoding: Encoding) -> MotionFrames:
+    return MotionFrames(motion, encoding, Fraction(2, 1000), Fraction(20, 1000))
+
+
+def test_the_scales_of_the_default_are_a_tenth_of_a_milliradian_and_a_milli_g():
+    counts, beyond = Encoding().counts(np.array([[0.1, -0.2, pi, 1.0, -1.0, 0.0005]]))
+    assert counts.tolist() == [[1000, -2000, 31416, 1000, -1000, 0]]  # half a count goes to the even one
+    assert not beyond.any()
+
+
+@given(SIX)
+def test_a_count_is_the_nearest_and_saturating_or_wrapping_changes_only_what_is_beyond(values: list[float]):
+    given_values = np.array([values])
+    saturated, beyond = Encoding(beyond="saturate").counts(given_values)
+    wrapped, also = Encoding(beyond="wrap").counts(given_values)
+    exact = given_values / np.array(Encoding().scales)
+    assert np.array_equal(beyond, also)
+    assert (np.abs(saturated - exact)[~beyond] <= 0.5 + 1e-9).all()
+    assert np.array_equal(saturated[~beyond], wrapped[~beyond])
+    assert set(saturated[beyond]) <= {LEAST, MOST}
+    assert ((wrapped - np.rint(exact)) % 0x10000 == 0).all()
+    assert wrapped.min() >= LEAST and wrapped.max() <= MOST
+
+
+def test_a_value_beyond_is_refused_with_its_name_range_and_the_way_out():
+    with pytest.raises(BadMotion) as caught:
+        frames(static.motion(static.Settings(theta=-3.3)), Encoding())(3)
+    assert str(caught.value) == (
+        "frame 3, due at 0.062 s: theta is -3.3, which is -33000 counts of 0.0001; expected -3.2768 to 3.2767, "
+        'or another scale, or beyond = "saturate" or "wrap"'
+    )
+
+
+def test_values_beyond_are_counted_once_a_frame_by_name():
+    motion = static.motion(static.Settings(theta=4.0, psi=-4.0))
+    saturating, wrapping = (frames(motion, Encoding(beyond=beyond)) for beyond in ("saturate", "wrap"))
+    assert saturating(0)[:3] == (0, MOST, LEAST)
+    assert wrapping(0)[:3] == (0, 40000 - 65536, 65536 - 40000)
+    saturating(0)
+    saturating(1)
+    assert saturating.beyond == {"theta": 2, "psi": 2}
+
+
+def test_frame_n_is_the_motion_at_first_plus_n_periods():
+    wave = sines.AngleWave("phi", 1.0, 0.7)
+    sent = frames(sines.motion(sines.Settings((wave,))), Encoding())
+    month = 30 * 86400 * 50
+    for n in (0, 1, 50, month):
+        assert sent(n)[0] == round(1e4 * np.sin(2 * pi * 0.7 * (0.002 + n * 0.02)))
+
+
+def test_a_scale_of_zero_or_less_is_refused():
+    with pytest.raises(BadMotion, match=r"^ay: one count stands for 0; expected more than 0$"):
+        Encoding(ay=0.0)

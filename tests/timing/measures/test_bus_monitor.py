@@ -1,0 +1,386 @@
+"""What is heard on a bus, and margins, of lines drawn bit by bit: who acknowledged, when each byte was needed."""
+
+from __future__ import annotations
+
+import pytest
+
+from periph_sim.core.records import Kind, Record
+from periph_sim.core.time import NO_TIME
+from periph_sim.timing.measures.bus_monitor import BusMonitor
+from periph_sim.timing.measures.margin import HeldPerTransfer, Margin
+
+HEAD, DSP = "controller", "dsp.GPIO33"
+LOW, HIGH = 10, 10  # ticks of SCL
+RELEASE = 3  # ticks from a write of I2CDXR to the release
+
+
+class Drawn:
+    """Records of a bus whose every bit takes 20 ticks: SCL low for 10, high for 10."""
+
+    def __init__(self, began: int = 100) -> None:
+        self.records: list[Record] = []
+        self.now = began
+        self._levels = {"SCL": 1, "SDA": 1}
+        self._who = {"SCL": "", "SDA": ""}
+
+    def add(self, kind: Kind, where: str, what: str, value: int, text: str = "") -> None:
+        self.records.append(Record(len(self.records) + 1, self.now, kind, where, what, value, text, 0))
+
+    def line(self, wire: str, level: int, who: str = "") -> None:
+        if self._levels[wire] != level:
+            self._levels[wire] = level
+            self.add(Kind.EDGE, wire, "level", level, who if not level else "")
+        elif not level and who != self._who[wire]:
+            self.add(Kind.HOLD, wire, "held", 0, who)
+        self._who[wire] = who
+
+    def hold(self, who: str) -> None:
+        self.line("SCL", 0, who)
+
+    def start(self) -> None:
+        """SDA falls, ten ticks later SCL does. Of a repeated one both rise before."""
+        self.line("SDA", 1)
+        self.now += LOW
+        self.line("SCL", 1)
+        self.now += HIGH
+        self.line("SDA", 0, HEAD)
+        self.now += HIGH
+        self.line("SCL", 0, HEAD)
+
+    def bit(self, value: int, who: str = HEAD, held: int = 0) -> None:
+        """held: so many ticks longer SCL is low, by the unit alone."""
+        self.line("SDA", value, who)
+        self.now += LOW
+        if held:
+            self.hold(DSP)
+            self.now += held
+        self.line("SCL", 1)
+        self.now += HIGH
+        self.line("SCL", 0, HEAD)
+
+    def byte(self, value: int, acked_by: str = DSP, who: str = HEAD, held: int = 0) -> None:
+        for place in range(7, -1, -1):
+            self.bit(value >> place & 1, who, held if place == 7 else 0)
+        self.bit(0 if acked_by else 1, acked_by)
+
+    def stop(self) -> None:
+        self.line("SDA", 0, HEAD)
+        self.now += LOW
+        self.line("SCL", 1)
+        self.now += HIGH
+        self.line("SDA", 1)
+        self.now += 50
+
+
+class Heard(BusMonitor):
+    def __init__(self) -> None:
+        super().__init__("dsp")
+        self.told: list[tuple[object, ...]] = []
+
+    def started(self, now: int) -> None:
+        self.told.append(("started", now))
+
+    def stopped(self, now: int) -> None:
+        self.told.append(("stopped", now, self.index))
+
+    def held(self, let_go: int, rose: int) -> None:
+        if let_go != rose:
+            self.told.append(("held", let_go, rose))
+
+    def first_bit(self, let_go: int, rose: int) -> None:
+        self.told.append(("first bit", self.address, self.read, self.ours, self.index, let_go, rose))
+
+
+def heard(drawn: Drawn) -> list[tuple[object, ...]]:
+    monitor = Heard()
+    for record in drawn.records:
+        monitor.hear(record)
+    monitor.settle()
+    return monitor.told
+
+
+def test_addresses_bytes_and_conditions():
+    """Written, then read after a repeated START; the last byte is not acknowledged."""
+    bus = Drawn()
+    bus.start()  # at 120; the address' first rise is at 140, then every 20 ticks
+    bus.byte(0x50 << 1)
+    bus.byte(0x07)
+    again = bus.now
+    bus.start()
+    bus.byte(0x50 << 1 | 1)
+    first = bus.now
+    bus.byte(0xA5, HEAD, DSP)
+    bus.byte(0x5A, "", DSP)
+    last = bus.now
+    bus.stop()
+    assert heard(bus) == [
+        ("started", 120),
+        ("first bit", 0x50, False, True, 0, 320, 320),
+        ("first bit", 0x50, False, True, 1, again + 10, again + 10),  # for the repeated START
+        ("first bit", 0x50, True, True, 0, first + 10, first + 10),
+        ("first bit", 0x50, True, True, 1, first + 190, first + 190),
+        ("stopped", last + 20, 2),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("address", "acked_by", "read", "ours", "acked"),
+    [
+        (0x50, DSP, True, True, True),
+        (0x50, "chip", True, False, True),
+        (0x50, "", True, False, False),
+        (0x7F, DSP, False, True, True),
+        (0x00, f"chip, {DSP}", True, True, True),
+        (0x01, "dsp2.GPIO33", True, False, True),
+    ],
+)
+def test_who_is_addressed(address: int, acked_by: str, read: bool, ours: bool, acked: bool):
+    bus = Drawn()
+    bus.start()
+    bus.byte(address << 1 | read, acked_by)
+    bus.byte(0x55)
+    told = [one for one in heard(bus) if one[0] == "first bit"]
+    assert told == ([("first bit", address, read, ours, 0, 320, 320)] if acked else [])
+
+
+def test_scl_held_by_the_unit_alone_is_from_when_the_others_let_go():
+    bus = Drawn()
+    bus.start()
+    bus.byte(0x50 << 1 | 1)
+    begin = bus.now
+    bus.byte(0xFF, HEAD, DSP, held=33)
+    assert heard(bus)[1:] == [
+        ("held", begin + 10, begin + 43),
+        ("first bit", 0x50, True, True, 0, begin + 10, begin + 43),
+    ]
+
+
+def test_who_joins_in_again_ends_what_we_held_alone():
+    bus = Drawn()
+    bus.start()
+    bus.now += 5
+    bus.hold(DSP)
+    bus.now += 5
+    bus.hold(f"{DSP}, chip")
+    bus.now += 7
+    bus.hold(DSP)
+    bus.now += 4
+    bus.line("SCL", 1)
+    assert heard(bus) == [("started", 120), ("held", 147, 151)]
+
+
+def test_all_of_a_tick_is_one_sample():
+    """SDA changes with SCL: neither START nor STOP, whichever is recorded first."""
+    for first, second in (("SDA", "SCL"), ("SCL", "SDA")):
+        for level in (0, 1):
+            bus = Drawn()
+            bus.line("SDA", 1 - level, HEAD)
+            bus.now += 10
+            if level:
+                bus.line("SCL", 0, HEAD)
+                bus.now += 10
+            for wire in (first, second):
+                bus.line(wire, level, HEAD)
+            told = [one[0] for one in heard(bus)]
+            assert told == (["started"] if level else []), (first, level)
+
+
+def test_a_start_in_mid_byte_begins_anew_and_a_stop_ends():
+    bus = Drawn()
+    bus.start()
+    for bit in (1, 0, 1):
+        bus.bit(bit)
+    bus.start()
+    bus.byte(0x21 << 1)
+    bus.byte(0x00)
+    bus.stop()
+    bus.line("SCL", 0, HEAD)
+    bus.now += 9
+    bus.line("SCL", 1)
+    told = heard(bus)
+    assert [one[0] for one in told] == ["started", "first bit", "first bit", "stopped"]
+    assert told[1][1:4] == (0x21, False, True)
+
+
+def test_other_wires_are_not_heard():
+    monitor = Heard()
+    monitor.hear(Record(1, 5, Kind.EDGE, "RX", "level", 0, "", 0))
+    monitor.settle()
+    assert monitor.told == [] and not monitor.held_by_us_alone()
+
+
+def test_who_holds_a_low_line():
+    monitor = Heard()
+    for number, (level, who, alone) in enumerate(
+        [(0, DSP, True), (0, f"{DSP}, {HEAD}", False), (0, f"{DSP}, dsp.GPIO32", True), (1, "", False), (0, "", True)]
+    ):
+        monitor.hear(Record(number, number, Kind.EDGE, "SCL", "level", level, who, 0))
+        assert monitor.held_by_us_alone() == alone, who
+
+
+# Margins ------------------------------------------------------------------------------------------------------------
+
+
+class Scene:
+    def __init__(self, empty: int = 1) -> None:
+        self._empty = empty
+
+    def value_of(self, place: str, name: str) -> int:
+        assert (place, name) == ("dsp.I2C-A", "I2CSTR.XRDY")
+        return self._empty
+
+    def i2c_release_delay(self, unit: str) -> int:
+        return RELEASE
+
+
+def writes(bus: Drawn, at: int | None = None) -> None:
+    now, bus.now = bus.now, bus.now if at is None else at
+    bus.add(Kind.ACCESS, "dsp", "W I2C-A.I2CDXR", 7)
+    bus.now = now
+
+
+def xrdy(bus: Drawn, value: int) -> None:
+    bus.add(Kind.FLAG, "dsp.I2C-A", "I2CSTR.XRDY", value)
+
+
+def margins(bus: Drawn, end: int | None = None, empty: int = 1) -> tuple[Margin, list[tuple[int, int]]]:
+    measure = Margin("dsp")
+    measure.keep()
+    measure.listen(Scene(empty))
+    for record in bus.records:
+        measure.record(record)
+    measure.finish(bus.now if end is None else end)
+    values, at = measure.all_kept()
+    return measure, list(zip(values.tolist(), at.tolist(), strict=True))
+
+
+def addressed(read: bool = True, acked_by: str = DSP) -> Drawn:
+    bus = Drawn()
+    bus.start()
+    bus.byte(0x50 << 1 | read, acked_by)
+    return bus
+
+
+def test_the_margin_is_from_the_write_to_the_release_by_the_controller_less_what_the_module_takes():
+    bus = addressed()
+    bus.now += 4
+    writes(bus)
+    wrote, rises = bus.now, bus.now + 10
+    bus.byte(0xA5, HEAD, DSP)
+    measure, found = margins(bus)
+    assert found == [(rises - RELEASE - wrote, wrote)]
+    assert (measure.occasions, measure.count) == (1, 1)
+
+
+def test_where_it_came_too_late_scl_was_held_and_the_margin_is_negative():
+    bus = addressed()
+    bus.line("SDA", 1)
+    bus.now += LOW
+    bus.hold(DSP)
+    let_go = bus.now
+    bus.now += 30
+    writes(bus)
+    bus.now += RELEASE
+    bus.line("SCL", 1)
+    _, found = margins(bus)
+    assert found == [(let_go - RELEASE - (let_go + 30), let_go + 30)]
+
+
+def test_a_byte_that_waits_behind_another_belongs_to_the_next_need():
+    """Two writes ahead: the first is shifted, the second waits in I2CDXR till XRDY says that it was taken."""
+    bus = addressed()
+    bus.now += 2
+    writes(bus)
+    first = bus.now
+    xrdy(bus, 0)
+    bus.now += 1
+    xrdy(bus, 1)  # it went to the shift register
+    bus.now += 1
+    writes(bus)
+    second = bus.now
+    xrdy(bus, 0)
+    bus.now += 6
+    bus.line("SCL", 1)
+    needed = bus.now
+    bus.now += HIGH
+    bus.line("SCL", 0, HEAD)
+    for _ in range(7):
+        bus.bit(1, DSP)
+    xrdy(bus, 1)
+    bus.bit(0, HEAD)
+    bus.line("SDA", 1)
+    bus.now += LOW
+    bus.line("SCL", 1)
+    again = needed + 9 * (LOW + HIGH)
+    assert bus.now == again
+    _, found = margins(bus)
+    assert found == [(needed - RELEASE - first, first), (again - RELEASE - second, second)]
+
+
+@pytest.mark.parametrize(("read", "acked_by"), [(False, DSP), (True, "chip"), (True, "")])
+def test_what_others_send_or_we_receive_has_no_margin(read: bool, acked_by: str):
+    bus = addressed(read, acked_by)
+    writes(bus)
+    bus.byte(0xA5, HEAD, DSP)
+    measure, found = margins(bus)
+    assert found == [] and measure.occasions == 0
+    assert measure.missing() == "dsp sent no byte as a slave whose write of I2CDXR is known"
+
+
+def test_writes_of_others_and_other_flags_are_not_taken():
+    bus = addressed()
+    bus.add(Kind.ACCESS, "imu", "W I2C-A.I2CDXR", 7)
+    bus.add(Kind.ACCESS, "dsp", "R I2C-A.I2CDXR", 7)
+    bus.add(Kind.FLAG, "dsp.I2C-A", "I2CSTR.RRDY", 1)
+    bus.byte(0xA5, HEAD, DSP)
+    measure, found = margins(bus)
+    assert found == [] and measure.occasions == 1
+
+
+def test_scl_held_to_the_end_of_the_run_counts():
+    bus = addressed()
+    bus.line("SDA", 1)
+    bus.now += LOW
+    bus.hold(DSP)
+    measure, found = margins(bus, bus.now + 500)
+    assert found == [(-500, bus.now)] and measure.occasions == 1
+
+
+def held(bus: Drawn, end: int) -> HeldPerTransfer:
+    measure = HeldPerTransfer("dsp")
+    measure.keep()
+    for record in bus.records:
+        measure.record(record)
+    measure.finish(end)
+    return measure
+
+
+def test_what_is_held_is_summed_up_per_transfer():
+    bus = Drawn()
+    bus.start()
+    bus.byte(0x50 << 1, held=5)
+    bus.byte(0x07, held=8)
+    bus.start()
+    bus.byte(0x50 << 1 | 1, held=2)
+    bus.stop()
+    second = bus.now + 20
+    bus.start()
+    bus.byte(0x50 << 1)
+    bus.stop()
+    measure = held(bus, bus.now)
+    assert [column.tolist() for column in measure.all_kept()] == [[15, 0], [120, second]]
+    assert measure.close(bus.now) == ""
+
+
+def test_a_transfer_that_is_not_over_counts_with_what_was_held_so_far():
+    bus = Drawn()
+    bus.start()
+    bus.byte(0x50 << 1, held=5)
+    bus.now += LOW
+    bus.hold(DSP)
+    end = bus.now + 40
+    measure = held(bus, end)
+    assert measure.unfinished(end) == [(45, 120)]
+    assert measure.close(end) == "a transfer was not over when the run ended" and measure.worst == 45
+    assert held(Drawn(), 500).unfinished(500) == []
+    assert held(Drawn(), 500).worst_at == NO_TIME

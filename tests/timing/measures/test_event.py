@@ -1,0 +1,322 @@
+"""Measures of named events with records made by hand, and the same over a whole table at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from periph_sim import timing
+from periph_sim.core.records import Kind, Record
+from periph_sim.core.time import NO_TIME
+from periph_sim.devices.sensor_head import Round
+from periph_sim.timing.language.language import FORMS
+from periph_sim.timing.language.scope import BadEvent, Scope
+from periph_sim.timing.measures.factory import make_of_events
+from periph_sim.timing.measures.pair import Between
+from tests.timing.events_by_hand import BARE, NO_BUS, ONE, TWO, came, records, table, tell
+
+WRITES = "from flag I2C-A.I2CSTR.XRDY rise to access W I2C-A.I2CDXR"
+
+BUS = """
+     5 flag   dsp.I2C-A  I2CSTR.XRDY     1
+    10 bus    controller START           0
+    20 flag   dsp.I2C-A  I2CSTR.XRDY     1
+    50 access dsp        W_I2C-A.I2CDXR  1
+    60 flag   dsp.I2C-A  I2CSTR.XRDY     1
+    70 flag   dsp.I2C-A  I2CSTR.XRDY     0
+    80 bus    controller STOP            0
+   100 bus    controller START           0
+   110 access dsp        W_I2C-A.I2CDXR  1
+   120 flag   dsp.I2C-A  I2CSTR.XRDY     1
+   130 bus    controller repeated_START  0
+   140 access dsp        W_I2C-A.I2CDXR  1
+   200 bus    controller START           0
+   210 access dsp        W_I2C-A.I2CDXR  1
+"""
+
+
+def measure(text: str, scope=ONE):
+    return make_of_events(text, scope)
+
+
+class Rounds:
+    """A scene whose rounds have so many transfers."""
+
+    def __init__(self, transfers: int) -> None:
+        self._transfers = transfers
+        self._starts = 0
+
+    def rounds_at_start(self) -> Callable[[], bool]:
+        return self._begins
+
+    def _begins(self) -> bool:
+        self._starts += 1
+        return (self._starts - 1) % self._transfers == 0
+
+    def began(self) -> int:
+        return 0
+
+    def ticks_per_second(self) -> int:
+        return 10**9
+
+
+def between(text: str, transfers: int = 2) -> Between:
+    made = measure(text)
+    assert isinstance(made, Between)
+    made.listen(Rounds(transfers))
+    made.keep()
+    return made
+
+
+def pairs(told: Between) -> list[tuple[int, int]]:
+    """(duration, begin) of each, in the order of their begins."""
+    values, at = told.all_kept()
+    return sorted(zip(values.tolist(), at.tolist(), strict=True), key=lambda pair: pair[1])
+
+
+@pytest.mark.parametrize(
+    ("rule", "durations"),
+    [
+        ("next", [(45, 5), (30, 20), (50, 60), (20, 120)]),
+        ("last", [(30, 20), (50, 60), (20, 120)]),
+        ("in order", [(45, 5), (90, 20), (80, 60), (90, 120)]),
+        ("same transfer", [(30, 20), (20, 120)]),
+        ("same round", [(30, 20), (50, 60), (20, 120)]),
+        ("in order, same round", [(30, 20), (50, 60), (20, 120)]),
+    ],
+)
+def test_from_each_event_to_the_next_under_each_rule(rule: str, durations: list[tuple[int, int]]):
+    of = records(BUS)
+    told = between(f"{WRITES}, {rule}")
+    tell(told, of)
+    worst = max(durations, key=lambda pair: pair[0])
+    assert came(told) == (worst[0], worst[1], min(durations)[0], len(durations)) and pairs(told) == durations
+    found = timing.between(
+        table(of), "flag I2C-A.I2CSTR.XRDY rise", "access W I2C-A.I2CDXR", rule=rule, transfers_in_round=2
+    )
+    assert list(zip(found.duration.tolist(), found.start.tolist(), strict=True)) == durations
+
+
+ALPHABET = [
+    (Kind.EDGE, "SCL", "level", 1),
+    (Kind.EDGE, "SCL", "level", 0),
+    (Kind.ACCESS, "dsp", "W I2C-A.I2CDXR", 7),
+    (Kind.BUS, "controller", "START", 0),
+    (Kind.BUS, "controller", "repeated START", 0),
+    (Kind.BUS, "controller", "STOP", 0),
+]
+EVENTS = st.sampled_from(
+    ["edge SCL rise", "edge SCL change", "access W I2C-A.I2CDXR", "bus START", "bus STOP", "bus address 0x68 read"]
+)
+
+
+@given(
+    st.lists(st.tuples(st.integers(0, 3), st.sampled_from(ALPHABET)), max_size=40),
+    EVENTS,
+    EVENTS,
+    st.sampled_from(["", "next", "last", "in order"]),
+    st.sampled_from(["", "same transfer", "same round"]),
+    st.integers(1, 3),
+)
+def test_as_the_run_goes_on_and_over_the_table_it_is_the_same(
+    drawn, begin: str, end: str, pairing: str, same: str, transfers: int
+):
+    tick, of = 0, [Record(1, 0, Kind.BUS, "controller", "byte", 0, "", 0)]  # a controller is there
+    for step, (kind, where, what, value) in drawn:
+        tick += step
+        of.append(Record(len(of) + 1, tick, kind, where, what, value, "", 0))
+    rules = ", ".join(filter(None, (pairing, same)))
+    told = between(f"from {begin} to {end}, {rules}".removesuffix(", "), transfers)
+    tell(told, of)
+    if told.missing().endswith("in order, next or last"):
+        with pytest.raises(BadEvent, match="it is not known which belong together"):
+            timing.between(table(of), begin, end, rule=rules, transfers_in_round=transfers)
+    else:
+        found = timing.between(table(of), begin, end, rule=rules, transfers_in_round=transfers)
+        assert pairs(told) == list(zip(found.duration.tolist(), found.start.tolist(), strict=True))
+    period = measure(f"period of {begin}")
+    period.keep()
+    tell(period, of)
+    assert period._kept is not None
+    assert [c.tolist() for c in period._kept] == [c.tolist() for c in timing.periods(table(of), begin)]
+
+
+def test_over_a_table_a_rule_that_is_none_and_a_round_without_its_size_are_refused():
+    of = table(records(BUS))
+    with pytest.raises(BadEvent, match="there is no rule 'same rond' here; did you mean same round"):
+        timing.between(of, "bus START", "bus STOP", rule="same rond")
+    with pytest.raises(BadEvent, match="same round needs transfers_in_round, 1 or more"):
+        timing.between(of, "bus START", "bus STOP", rule="same round")
+    with pytest.raises(BadEvent, match="there is no wire 'SLC'; did you mean SCL"):
+        timing.periods(of, "edge SLC rise")
+
+
+def test_an_event_of_the_same_instant_counts_if_it_was_recorded_later():
+    of = "10 edge SCL level 1\n10 edge SCL level 0\n20 edge SCL level 0\n20 edge SCL level 1\n25 edge SCL level 0"
+    assert came(tell(measure("from edge SCL rise to edge SCL fall"), records(of))) == (5, 20, 0, 2)
+
+
+EDGES = "100 edge SCL level 1\n200 edge SCL level 1\n330 edge SCL level 1\n400 edge SCL level 1"
+
+
+def test_period_and_jitter():
+    assert came(tell(measure("period of edge SCL rise"), records(EDGES))) == (130, 200, 70, 3)
+    assert came(tell(measure("jitter of edge SCL rise"), records(EDGES))) == (60, 330, 30, 2)
+
+
+def test_counts():
+    assert came(tell(measure("count of edge SCL rise"), records(EDGES))) == (4, 100, 4, 4)
+    none = measure("count of edge SCL fall")
+    assert (came(none), none.silent) == ((0, NO_TIME, 0, 0), False)
+    assert measure("count of span modle begin").silent
+
+
+def test_levels():
+    of = "10 flag dsp.SCI-A SCIFFRX.RXFFST 3\n20 flag dsp.SCI-A SCIFFRX.RXFFST 9\n30 flag dsp.SCI-A SCIFFRX.RXFFIL 20"
+    assert came(tell(measure("level of SCI-A.SCIFFRX.RXFFST"), records(of))) == (9, 20, 3, 2)
+
+
+SPANS = "10 span dsp model 1\n30 span dsp model 0\n40 span dsp other 1\n60 span dsp model 1"
+
+
+def test_time_in_a_span_is_a_sum_with_what_is_not_over_yet():
+    told = tell(measure("time in model"), records(SPANS))
+    told.finish(100)
+    assert came(told) == (60, 10, 60, 2)
+
+
+def test_interrupt_latency_is_from_its_flag_in_the_pie_to_its_routine():
+    of = """
+        10 flag dsp.PIE PIEIFR9.INTx1 1
+        20 flag dsp.PIE PIEIFR9.INTx1 0
+        26 irq  dsp     SCIRXINTA     1
+        30 flag dsp.PIE PIEIFR9.INTx2 1
+        50 irq  dsp     SCIRXINTA     0
+        60 flag dsp.PIE PIEIFR9.INTx1 1
+        70 irq  dsp     SCIRXINTA     1
+    """
+    assert came(tell(measure("interrupt latency SCIRXINTA"), records(of))) == (16, 10, 10, 2)
+
+
+class Told:
+    """What a scene tells measures of loads and slack."""
+
+    def began(self) -> int:
+        return 1000
+
+    def round_period(self) -> int:
+        return 500
+
+    def on_round_due(self, told) -> None:
+        pass
+
+    def on_missed_round(self, told) -> None:
+        pass
+
+    def on_round(self, told) -> None:
+        self.round = told
+
+
+def test_bus_load_is_from_start_to_stop():
+    told, load = Told(), measure("bus load")
+    load.listen(told)
+    of = "1000 bus controller START 0\n1050 bus controller repeated_START 0\n1100 bus controller STOP 0"
+    tell(load, records(of + "\n1400 bus controller START 0"))
+    load.finish(1500)
+    assert came(load) == (400_000, 1500, 400_000, 1)
+
+
+def test_slack_is_to_the_next_round_due_and_negative_when_that_is_over():
+    told, slack = Told(), measure("slack")
+    slack.listen(told)
+    told.round(Round(1, 1000, 1010, 1300))
+    told.round(Round(2, 1500, 1500, 2100))
+    assert came(slack) == (200, 1300, -100, 2)
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("from frame to edge RX rise", "no event matched 'frame' and 'edge RX rise'"),
+        ("from edge SCL rise to edge RX rise", "no event matched 'edge RX rise'"),
+        ("from edge SCL change to bus START, same transfer", "no event matched 'bus START'"),
+        ("period of edge RX rise", "no event matched 'edge RX rise'"),
+        ("jitter of edge SCL fall", "there was one value, which has none before it"),
+        ("level of SCI-A.SCIFFRX.RXFFST", "no event matched 'flag SCI-A.SCIFFRX.RXFFST change'"),
+        ("interrupt latency SCIRXINTA", "no event matched 'flag PIE.PIEIFR9.INTx1 rise' and 'interrupt SCIRXINTA e"),
+        ("time in modle", "no event matched 'span modle begin'"),
+        ("count of span modle begin", "no event matched 'span modle begin'"),
+        ("slack", "no round was completed"),
+    ],
+)
+def test_what_never_matched_is_named(text: str, sentence: str):
+    told = tell(measure(text), records("10 edge SCL level 1\n20 edge SCL level 0\n30 edge SCL level 0"))
+    assert told.silent and told.missing().startswith(sentence)
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        (
+            "from span modle begin to span modle end",
+            "no event matched 'span modle begin' and 'span modle end'; did you mean model?",
+        ),
+        ("period of span xyz begin", "no event matched 'span xyz begin'; the run had spans model, other"),
+        ("count of span modle end", "no event matched 'span modle end'; did you mean model?"),
+        ("time in modle", "no event matched 'span modle begin'; did you mean model?"),
+    ],
+)
+def test_a_misspelt_span_gets_the_names_that_the_run_had(text: str, sentence: str):
+    assert tell(measure(text), records(SPANS)).missing() == sentence
+    assert tell(measure(text), []).missing() == f"{sentence.split(';')[0]}; the run had no span"
+
+
+def test_events_that_never_share_a_transfer_are_told():
+    of = "1 bus controller START 0\n2 edge SCL level 1\n3 bus controller START 0\n4 edge SCL level 0"
+    told = tell(measure("from edge SCL rise to edge SCL fall, same transfer"), records(of))
+    assert told.missing() == "no 'edge SCL rise' was followed by 'edge SCL fall' in the same transfer"
+
+
+@pytest.mark.parametrize(
+    ("text", "scope", "sentence"),
+    [
+        ("from edge SCL rise to edge SCL fall, same round", BARE, "'same round' needs [controller] or [rounds] in the"),
+        ("from edge RX rise to edge RX fall, same transfer", NO_BUS, "'same transfer' needs SCL and SDA in the scene"),
+        (
+            "interrupt latency INT13",
+            TWO,
+            "nothing in the scene asks for the interrupt 'INT13'; did you mean I2CINT1A or TINT0?",
+        ),
+        (
+            "interrupt latency INT13",
+            Scope({"dsp": ("XINT",)}),
+            "INT13 does not come through the PIE, so nothing records when it was asked for",
+        ),
+        ("cpu load", Scope(), "the scene has no unit"),
+        ("cpu load of imy", TWO, "there is no unit 'imy'; did you mean imu?"),
+        ("cpu load", TWO, "head and imu have it; say whose is meant"),
+    ],
+)
+def test_what_the_scene_cannot_show_is_refused(text: str, scope, sentence: str):
+    with pytest.raises(BadEvent) as caught:
+        measure(text, scope)
+    assert str(caught.value).startswith(sentence)
+
+
+EXAMPLES = ["from frame to frame", "period of frame", "jitter of frame", "count of frame"]
+EXAMPLES += ["level of I2C-A.I2CSTR.XRDY", "interrupt latency SCIRXINTA", "reaction", "gap between rounds"]
+EXAMPLES += ["margin of I2CDXR", "SCL held per transfer", "time in model"]
+EXAMPLES += ["each time in wire SCL low", "cpu load", "bus load", "slack"]
+EXAMPLES += ["race I2C-A.I2CSTR.XRDY", "lost flags", "cleared along I2C-A.I2CSTR.SDIR", "age of gyroscope"]
+EXAMPLES += ["model age of magnetometer", "value error of gyroscope"]
+
+
+@pytest.mark.parametrize(("form", "text"), list(zip(FORMS, EXAMPLES, strict=True)))
+def test_every_form_makes_a_measure_that_says_what_it_is_and_begins_empty(form: str, text: str):
+    made = measure(text)
+    assert (made.__doc__ or "").strip()
+    assert came(made) == (0, NO_TIME, 0, 0)
+    assert made.unit in ("time", "count", "value", "%", "cycles", "flags", "LSB")

@@ -1,0 +1,207 @@
+"""Which frame a read's bytes come from: against models run on frames chosen at random, and against bytes of no frame.
+
+frames  0   1   2   3        pin  _|~|___|~|__     a run may pass frames over, or take the last one once more
+runs      0   2   2 3
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from random import Random
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from periph_sim.bus.i2c.controller import Phase, Transfer
+from periph_sim.core.time import NO_TIME
+from periph_sim.devices.model_codes import Computed, ModelCodes
+from periph_sim.sensors.models.parameters import Accelerometer, Imu
+from periph_sim.timing.measures.origins import BEFORE_ANY, FrameOrigins, ModelOrigins, Origin, Origins
+
+GYROSCOPE, ACCELEROMETER, MAGNETOMETER = 0x68, 0x53, 0x1E
+CHIPS = (GYROSCOPE, ACCELEROMETER, MAGNETOMETER)
+COMPUTED = Computed(Imu(accelerometer=Accelerometer(lever_arm=(0.1, 0.0, 0.2))), "float64", noise_seed=7)
+
+
+class Bus:
+    """What a scene is to origins."""
+
+    def __init__(self) -> None:
+        self.transfers: list[Callable[[Transfer], None]] = []
+        self.frames: list[Callable[[int, tuple[int, ...], int], None]] = []
+
+    def on_transfer(self, told: Callable[[Transfer], None]) -> None:
+        self.transfers.append(told)
+
+    def on_frame(self, told: Callable[[int, tuple[int, ...], int], None]) -> None:
+        self.frames.append(told)
+
+    def frame(self, number: int, values: tuple[int, ...]) -> None:
+        for told in self.frames:
+            told(number, values, 100 * number)
+
+    def read(self, origins: Origins, address: int, data: bytes) -> Origin | None:
+        phase = Phase(address, read=True, count=len(data), acked=True, got=bytearray(data))
+        for told in self.transfers:
+            told(Transfer("chip", [phase]))
+        return origins.of(phase)
+
+
+class Models:
+    """Firmware that runs its models: on which frame, the test says."""
+
+    def __init__(self, origins: ModelOrigins, computed: Computed = COMPUTED) -> None:
+        self._codes, self._pin = ModelCodes(computed), origins.model_pin
+        self._state, self._runs = self._codes.at_rest, 0
+        self._pin(0, 0)  # pulled up until it becomes an output
+        self.data = dict.fromkeys(CHIPS, bytes(6))
+
+    def run(self, values: tuple[int, ...]) -> None:
+        self._pin(0, 1)
+        self.data, self._state = self._codes.run(self._runs, values, self._state)
+        self._runs += 1
+        self._pin(0, 0)
+
+
+def moved(number: int) -> tuple[int, ...]:
+    """Frames so far apart that no two of them, and no two steps between them, give a chip the same codes."""
+    n = number + 1
+    return tuple(n * step + 3 * n * n for step in (60, 40, -150, 20, -90, 15))
+
+
+def test_a_frame_is_known_by_its_numbers_in_each_chips_byte_order():
+    bus = Bus()
+    origins = FrameOrigins(bus)
+    assert bus.read(origins, GYROSCOPE, bytes(6)) == Origin(BEFORE_ANY, NO_TIME, bytes(6))
+    bus.frame(4, (1, 2, 3, 4, 5, 6))
+    assert bus.read(origins, GYROSCOPE, bytes.fromhex("0001 0002 0003")) == Origin(
+        4, 400, bytes.fromhex("000100020003")
+    )
+    assert bus.read(origins, ACCELEROMETER, bytes.fromhex("0400 0500 0600")) == Origin(
+        4, 400, bytes.fromhex("040005000600")
+    )
+    assert bus.read(origins, MAGNETOMETER, bytes.fromhex("0001 0003 0002")) == Origin(
+        4, 400, bytes.fromhex("000100030002")
+    )
+    assert bus.read(origins, GYROSCOPE, bytes.fromhex("0001 0102 0003")) == Origin(
+        None, NO_TIME, bytes.fromhex("000100020003")
+    )
+    assert bus.read(origins, 0x50, bytes(6)) is None
+
+
+def test_equal_numbers_are_those_of_the_youngest_frame():
+    bus = Bus()
+    origins = FrameOrigins(bus)
+    for number in (1, 2, 3):
+        bus.frame(number, (7,) * 6)
+    found = bus.read(origins, ACCELEROMETER, bytes.fromhex("0700 0700 0700"))
+    assert found is not None and (found.frame, found.ended) == (3, 300)
+
+
+@given(st.lists(st.tuples(st.integers(1, 3), st.integers(0, 3)), min_size=1, max_size=12), st.integers(0, 6))
+def test_every_read_of_computed_sensors_leads_to_the_frame_that_the_models_took(
+    turns: list[tuple[int, int]], choice: int
+):
+    """turns: how many frames come, and how many the run that follows passes over. After each some chips are read."""
+    bus = Bus()
+    origins = ModelOrigins(bus, COMPUTED)
+    models, random = Models(origins), Random(choice)
+    sent, taken = BEFORE_ANY, BEFORE_ANY
+    for come, passed_over in turns:
+        for _ in range(come):
+            sent += 1
+            bus.frame(sent, moved(sent))
+        taken = max(taken, sent - passed_over)
+        models.run(moved(taken) if taken != BEFORE_ANY else (0,) * 6)
+        for address in random.sample(CHIPS, random.randrange(1, 4)):
+            found = bus.read(origins, address, models.data[address])
+            assert found is not None and (found.frame, found.wanted) == (taken, models.data[address])
+
+
+@pytest.mark.parametrize("address", CHIPS)
+def test_models_that_took_what_no_host_sent_are_found_out_and_found_again(address: int):
+    bus = Bus()
+    origins = ModelOrigins(bus, COMPUTED)
+    models = Models(origins)
+    for number in range(20):
+        bus.frame(number, moved(number))
+        models.run((9000, number, -9000, 800, number, 600) if 5 <= number < 9 else moved(number))
+        found = bus.read(origins, address, models.data[address])
+        assert found is not None
+        if 5 <= number < 9:
+            assert found.frame is None and found.wanted != models.data[address]
+        elif number >= 9 + 2:  # rates are of two attitudes, accelerations of three
+            assert (found.frame, found.ended) == (number, 100 * number)
+
+
+def test_a_read_that_began_before_the_models_were_over_carries_what_they_made_before():
+    bus = Bus()
+    origins = ModelOrigins(bus, COMPUTED)
+    models = Models(origins)
+    for number in range(3):
+        bus.frame(number, moved(number))
+        models.run(moved(number))
+        before = models.data[GYROSCOPE]
+        assert bus.read(origins, GYROSCOPE, before) is not None
+    bus.frame(3, moved(3))
+    models.run(moved(3))
+    for data, frame in ((before, 2), (models.data[GYROSCOPE], 3)):
+        found = bus.read(origins, GYROSCOPE, data)
+        assert found is not None and found.frame == frame
+
+
+def test_after_a_reset_the_models_begin_at_rest_with_the_first_sample_of_noise():
+    bus = Bus()
+    origins = ModelOrigins(bus, COMPUTED)
+    for _ in range(2):
+        origins.reset()
+        models = Models(origins)
+        for number in range(5):
+            bus.frame(number, moved(number))
+            models.run(moved(number))
+            found = bus.read(origins, MAGNETOMETER, models.data[MAGNETOMETER])
+            assert found is not None and found.frame == number
+
+
+@pytest.mark.parametrize(("frames", "taken", "known"), [(4, 0, True), (5, 0, False), (5, 1, True), (9, 5, True)])
+def test_a_run_may_pass_over_three_frames_and_no_more(frames: int, taken: int, known: bool):
+    bus = Bus()
+    origins = ModelOrigins(bus, COMPUTED)
+    models = Models(origins)
+    for number in range(frames):
+        bus.frame(number, moved(number))
+    models.run(moved(taken))
+    found = bus.read(origins, GYROSCOPE, models.data[GYROSCOPE])
+    assert found is not None and (found.frame, found.known) == ((taken, True) if known else (None, False))
+
+
+def test_a_chain_never_goes_back_to_an_older_frame():
+    bus = Bus()
+    origins = ModelOrigins(bus, COMPUTED)
+    models = Models(origins)
+    for number in range(3):
+        bus.frame(number, moved(number))
+        models.run(moved(number))
+        assert bus.read(origins, GYROSCOPE, models.data[GYROSCOPE]) is not None
+    models.run(moved(1))
+    found = bus.read(origins, GYROSCOPE, models.data[GYROSCOPE])
+    assert found is not None and found.frame is None
+
+
+def test_of_bytes_that_are_no_frames_the_wanted_ones_agree_in_the_most():
+    bus = Bus()
+    origins = FrameOrigins(bus)
+    bus.frame(1, (1, 2, 3, 4, 5, 6))
+    bus.frame(2, (0x101, 0x202, 0x303, 4, 5, 6))
+    for got, wanted in (
+        ("0101 0202 0309", "0101 0202 0303"),
+        ("0001 0002 0309", "0001 0002 0003"),
+        ("0101 0002 0009", "0001 0002 0003"),
+        ("0101 0002 0909", "0101 0202 0303"),  # three of each: the younger frame, which comes first
+        ("0909 0909 0909", "0101 0202 0303"),
+    ):
+        found = bus.read(origins, GYROSCOPE, bytes.fromhex(got))
+        assert found == Origin(None, NO_TIME, bytes.fromhex(wanted)), got
+    part = bus.read(origins, GYROSCOPE, bytes.fromhex("0001 0002"))  # a read cut short
+    assert part is not None and (part.frame, part.wanted) == (1, bytes.fromhex("000100020003"))

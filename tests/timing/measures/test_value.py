@@ -1,0 +1,166 @@
+"""Values against the truth, and budgets on value and time together."""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from periph_sim.devices.host_pc import ramp
+from periph_sim.devices.sensor_head import CHIPS
+from periph_sim.scene.case.model import BadCase
+from periph_sim.timing.measures.combined import combine
+from periph_sim.timing.measures.measure import Measure
+from periph_sim.timing.measures.registry import make
+from periph_sim.timing.values import values_of
+from periph_sim.timing.verdicts import Verdict
+from tests.scene.runs import Ran, run_file
+
+PER_SECOND = 3_000_000_000
+
+
+def run(*budgets: dict[str, Any], seconds: str = "0.1", changes: tuple[str, ...] = ()) -> Ran:
+    def inline(value: Any) -> str:
+        if isinstance(value, dict):
+            return "{" + ", ".join(f"{key} = {inline(v)}" for key, v in value.items()) + "}"
+        return "[" + ", ".join(map(inline, value)) + "]" if isinstance(value, list) else json.dumps(value)
+
+    return run_file("imu_hil_published", seconds, f"budget = {inline(list(budgets))}", *changes)
+
+
+def judged(*budgets: dict[str, Any], changes: tuple[str, ...] = ()) -> list[Verdict]:
+    return run(*budgets, changes=changes).result.budgets
+
+
+def error(**more: Any) -> dict[str, Any]:
+    return {"name": "error", "measure": "value error", "max": 30, **more}
+
+
+@settings(max_examples=6)
+@given(st.integers(2_000, 18_000), st.sampled_from(["gyroscope", "accelerometer"]))
+def test_it_is_the_age_times_how_fast_the_truth_moves(first_us: int, chip: str):
+    """The ramp's fastest axis moves 5 or 13 LSB a period; a value is as old as its frame was due before the bit."""
+    axes, fastest = (slice(0, 3), 5) if chip == "gyroscope" else (slice(3, 6), 13)
+    ran = run(error(measure=f"value error of {chip}", after="50 ms"), changes=(f"host.first={first_us} us",))
+    ages = []
+    for transfer in [t for transfers in ran.rounds for t in transfers if t.name == chip]:
+        read = transfer.phases[1]
+        values = CHIPS[chip].values(bytes(read.got))
+        if read.start_at >= PER_SECOND * 50 // 1000:
+            number = next(n for n in range(10) if ramp(n)[axes] == values)
+            ages.append(Fraction(read.answer_at, PER_SECOND) - Fraction(first_us, 10**6) - Fraction(number, 50))
+    (verdict,) = ran.result.budgets
+    assert verdict.worst == pytest.approx(float(max(ages) * 50 * fastest), abs=2e-6)
+    assert verdict.count == len(ages) == 2
+
+
+def test_at_the_frame_only_what_the_firmware_made_of_it_is_left():
+    assert judged(error(measure="value error at frame", max=0, after="30 ms"))[0].verdict == "pass"
+    fixed = ('unit.dsp.settings.table={"0x68"="00 64 00 64 00 64"}',)
+    (wrong,) = judged(error(measure="value error of gyroscope at frame", max=0, after="30 ms"), changes=fixed)
+    assert (wrong.verdict, wrong.unit) == ("fail", "LSB") and wrong.worst is not None and wrong.worst > 900
+
+
+def test_what_was_read_before_anything_had_come_is_left_out_by_its_time():
+    early, late = judged(error(max=300), error(name="late", after="20 ms", max=300))
+    assert (early.verdict, late.verdict) == ("fail", "pass")  # zeros until the first frame was worked on
+    assert early.count == late.count + 3 and early.worst == pytest.approx(2000, abs=1)
+
+
+def joined(worst: int | str, age: str = "25 ms", chip: str = "gyroscope") -> dict[str, Any]:
+    also = [{"measure": f"value error of {chip}", "max": worst}]
+    budget = {"name": "fresh", "measure": "age of gyroscope", "max": age, "and": also, "why": "both"}
+    return budget | {"after": "20 ms"}  # zeros until then
+
+
+def test_value_and_time_hold_together():
+    kept, stale, wrong = judged(
+        joined("6 LSB"), {**joined("6 LSB", age="22 ms"), "name": "stale"}, {**joined(2), "name": "wrong"}
+    )
+    told = "age of gyroscope 22.153 ms at 0.025195 s (max {}); "
+    told += "value error of gyroscope 5.82375 LSB at 0.025195 s (max {})"
+    assert (kept.verdict, kept.measure, kept.margin) == ("pass", "age of gyroscope", 2846.6667)
+    assert kept.found == told.format("25 ms", "6 LSB")
+    assert (stale.verdict, stale.measure, stale.found) == ("fail", "age of gyroscope", told.format("22 ms", "6 LSB"))
+    assert (wrong.verdict, wrong.measure, wrong.unit) == ("fail", "value error of gyroscope", "LSB")
+    assert (wrong.worst, wrong.limit, wrong.found, wrong.why) == (5.82375, 2.0, told.format("25 ms", "2"), "both")
+    assert [v.name for v in (kept, stale, wrong)] == ["fresh", "stale", "wrong"]
+
+
+def test_only_the_occurrences_of_the_first_one_count():
+    """Values of all chips are compared, but only where the first measure has a value: at reads of the gyroscope."""
+    alone, together = judged(error(after="20 ms", max=99), joined(6))
+    assert (alone.count, together.count) == (12, 4)
+
+
+def test_an_occurrence_without_a_second_value_proves_nothing():
+    (verdict,) = judged(joined(99, chip="magnetometer"))
+    assert (verdict.verdict, verdict.worst) == ("not judged", None)
+    assert verdict.found.endswith("'value error of magnetometer' has no value for 4 of 4 values of 'age of gyroscope'")
+
+
+@pytest.mark.parametrize(
+    ("budget", "sentence"),
+    [
+        (
+            joined("2 ms"),
+            "budget.fresh.and.0.max: '2 ms', but 'value error of gyroscope' is in LSB; write for",
+        ),
+        (joined(-1), "budget.fresh.and.0.max: -1, but"),
+        (
+            joined(2, chip="gyro"),
+            "budget.fresh.and.0.measure: 'value error of gyro': 'gyro' where gyroscope, ",
+        ),
+        ({**joined(2), "measure": "round"}, "budget.fresh.measure: 'round' is not measured read by read"),
+        (
+            {**joined(2), "and": [{"measure": "slack", "min": "1 ms"}]},
+            "budget.fresh.and.0.measure: 'slack' is not measured",
+        ),
+        (
+            {**joined(2), "and": [{"measure": "stretch"}]},
+            "budget.fresh.and.0: a budget needs a limit: max, min or exactly",
+        ),
+        (
+            {**joined(2), "and": [{"measure": "stretch", "mux": 2}]},
+            "no key 'budget.fresh.and.0.mux'; did you mean max?",
+        ),
+        (error(measure="wrong bytes", after="1 ms"), "budget.error.after: 'wrong bytes' is one number a run, so none"),
+        (error(after="1"), "budget.error.after: '1' has no unit"),
+    ],
+)
+def test_what_cannot_be_joined_or_limited_is_refused(budget: dict[str, Any], sentence: str):
+    with pytest.raises(BadCase) as caught:
+        judged(budget)
+    assert sentence in str(caught.value)
+
+
+def test_without_a_host_there_is_no_truth():
+    with pytest.raises(BadCase, match="'value error' needs host in the scene, which has none"):
+        run_file("responder", "0.01", "budget = [{name = 'a', measure = 'value error', max = 1}]")
+
+
+def taken(*at: int) -> Measure:
+    measure = make("age")
+    measure.keep()
+    for tick in at:
+        measure.take(10 * tick, tick)
+    return measure
+
+
+def test_a_measure_that_lacks_one_of_the_occurrences_is_left_with_none():
+    first, whole, lacks = taken(1, 2, 3), taken(1, 2, 3, 4), taken(1, 3, 4)
+    assert combine([first, whole, lacks]) == [0, 0, 1]
+    assert (first.count, whole.count, whole.worst, whole.least, lacks.count) == (3, 3, 30, 10, 0)
+    assert lacks.silent
+
+
+def test_what_the_worst_is_compared_with_and_all_values_are_of_the_condition_that_is_shown():
+    ran = run(joined(2))
+    (verdict,), (usual,), (values,) = ran.result.budgets, ran.scene.typical(), values_of(ran.scene.limits, 0)
+    assert verdict.measure == usual.measure == "value error of gyroscope"
+    assert usual.worst is not None and verdict.worst is not None and 0 <= usual.worst <= verdict.worst == 5.82375
+    assert values is not None and (values.unit, values.limits) == ("LSB", {"max": 2_000_000})

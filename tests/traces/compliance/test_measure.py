@@ -1,0 +1,279 @@
+"""Times measured all at once: small buses drawn, and any bus against a plain walk from position to position."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from periph_sim.traces import formats
+from periph_sim.traces.capture.capture import Capture
+from periph_sim.traces.compliance import Mode
+from periph_sim.traces.compliance.measure import CONTROLLER, PARTY, TARGET, Measures, measure
+from periph_sim.traces.compliance.resolution import Resolution
+from periph_sim.traces.decode import i2c
+from tests.traces.compliance.bus import EASY, Odd
+from tests.traces.compliance.bus import drawn as bus_drawn
+from tests.traces.decode.drawing import drawn, of_bytes
+
+TRACES = Path(__file__).parents[3] / "traces"
+
+
+def measured(capture: Capture, mode: Mode = Mode.STANDARD) -> Measures:
+    return measure(capture, "SCL", "SDA", mode, Resolution(Fraction(10**6), 1))
+
+
+def times(found: Measures, *symbols: str) -> dict[str, list[tuple[int, int]]]:
+    """symbol -> (begin, length) of each, without the symbols that have none."""
+    return {
+        symbol: list(zip(of.begins.tolist(), of.lengths.tolist(), strict=True))
+        for symbol, of in found.of.items()
+        if len(of) and (not symbols or symbol in symbols)
+    }
+
+
+def test_start_one_bit_and_stop():
+    """The pulse with the STOP in it is no bit: nothing is valid late there."""
+    found = times(
+        measured(
+            drawn("""
+        SCL ---- ----____ __--- ______ ----------
+        SDA ---- _______- ----- --____ ___-------
+        """)
+        )
+    )
+    assert found == {
+        "tHD;STA": [(4, 4)],
+        "tLOW": [(8, 6), (17, 6)],
+        "tHIGH": [(14, 3)],
+        "fSCL": [(8, 9)],
+        "tHD;DAT": [(8, 3), (17, 2)],
+        "tSU;DAT": [(11, 3), (19, 4)],
+        "tVD;DAT": [(8, 3)],
+        "tSU;STO": [(23, 3)],
+    }
+
+
+def test_a_repeated_start_and_the_free_bus():
+    found = times(
+        measured(
+            drawn("""
+        SCL --- ---___--------____------------____
+        SDA --- _____-----_________----____-______
+        """)
+        ),
+        "tSU;STA",
+        "tHD;STA",
+        "tSU;STO",
+        "tBUF",
+    )
+    assert found == {
+        "tHD;STA": [(3, 3), (13, 4), (31, 2)],
+        "tSU;STA": [(9, 4)],
+        "tSU;STO": [(21, 1)],
+        "tBUF": [(22, 4), (30, 1)],
+    }
+
+
+def test_data_that_change_more_than_once_in_a_low_phase():
+    """The first change ends the hold, the last one begins the set-up and makes the data valid."""
+    found = times(
+        measured(
+            drawn("""
+        SCL --- ---__________---____
+        SDA --- _____-_-_--------___
+        """)
+        ),
+        "tHD;DAT",
+        "tSU;DAT",
+        "tVD;DAT",
+    )
+    assert found["tHD;DAT"][0] == (6, 2) and found["tVD;DAT"] == [(6, 6)] and found["tSU;DAT"] == [(12, 4)]
+
+
+def test_both_lines_at_once_are_no_condition_and_are_counted():
+    found = measured(
+        drawn("""
+    SCL --- ---____---_____---
+    SDA --- ______-----____---
+    """)
+    )
+    assert found.starts == 1 and found.shared.tolist() == [18]
+    assert times(found)["tSU;DAT"] == [(9, 1), (18, 0)]
+    found = measured(
+        drawn("""
+    SCL --- ---____---_____---
+    SDA --- ___-------_____-_-
+    """)
+    )
+    assert found.shared.tolist() == [6, 13, 18]
+    assert times(found)["tHD;DAT"] == [(6, 0), (13, 0)]
+
+
+def test_nothing_is_measured_across_an_unknown_stretch():
+    whole = """
+    SCL --- ---____----____----
+    SDA --- __________________-
+    """
+    holed = """
+    SCL --- ---__?_----____----
+    SDA --- __________________-
+    """
+    assert times(measured(drawn(whole)), "tLOW", "fSCL") == {"fSCL": [(6, 8)], "tLOW": [(6, 4), (14, 4)]}
+    assert times(measured(drawn(holed)), "tLOW", "fSCL") == {"tLOW": [(14, 4)]}
+
+
+def test_the_ninth_bit_is_the_acknowledge():
+    """SDA changes before three of the four acknowledges of each transfer: 1 then ACK, 1 then ACK, 0 then NACK."""
+    found = measured(bus_drawn(EASY[Mode.STANDARD]))
+    assert len(found.of["tVD;ACK"]) == 2 * 3 and found.starts == 2 * 2
+
+
+@pytest.mark.parametrize(
+    ("bit", "party"),
+    [
+        ((0, 0), CONTROLLER),  # a 1 behind START: it lets SDA go
+        ((1, 1), CONTROLLER),  # a 0 of written data
+        ((1, 8), TARGET),  # their ACK
+        ((1, 0), TARGET),  # a 1 behind the ACK of the address: the target lets go
+        ((2, 8), TARGET),  # ACK of the address to read from
+        ((3, 1), TARGET),  # a 1 of read data: it lets go of its 0
+        ((3, 8), TARGET),  # NACK behind a 0: the target lets go, the controller does nothing
+    ],
+)
+def test_who_made_a_change(bit, party):
+    late = EASY[Mode.STANDARD].but(odd={bit: Odd(data=(2_222,))})
+    found = measured(bus_drawn(late)).of["tSU;DAT"]
+    assert found.party[found.lengths == late.low - 2_222].tolist() == [party]
+
+
+def test_sda_that_falls_ahead_of_stop_is_the_controllers_also_behind_read_data():
+    found = measured(bus_drawn(EASY[Mode.STANDARD])).of
+    setup = found["tSU;DAT"]
+    ahead = np.isin(setup.begins + setup.lengths, found["tSU;STO"].begins)
+    assert setup.party[ahead].tolist() == [CONTROLLER] * 2
+
+
+def test_parties_are_those_of_the_decoder():
+    """Falling: the driver of the bit; rising: the driver of the bit before, who lets go."""
+    capture = formats.read(TRACES / "imu_round.sr")
+    found = measured(capture).of["tSU;DAT"]
+    who = dict(zip(found.begins.tolist(), found.party.tolist(), strict=True))
+    level = capture.channel("SDA")
+    seen = set()
+    for transfer in i2c.transfers(capture):
+        for phase in transfer.phases:
+            before = i2c.Party.CONTROLLER
+            for bit in (bit for byte in phase.bytes for bit in byte.bits):
+                if bit.sda is not None and bit.sda in who:
+                    falling = not level.levels[level.edges.searchsorted(bit.sda)]
+                    expected = bit.driver if falling else before
+                    assert PARTY[who[bit.sda]] is expected
+                    seen.add((falling, expected))
+                before = bit.driver
+    assert len(seen) == 4, "both parties, both ways"
+
+
+def test_a_bus_that_reads_has_targets_that_drive():
+    found = measured(bus_drawn(EASY[Mode.FAST])).of["tVD;DAT"]
+    assert {CONTROLLER, TARGET} == set(found.party.tolist())
+
+
+# Any two lines against a walk from position to position.
+
+SAMPLES = st.lists(st.tuples(st.integers(0, 3), st.integers(1, 4)), min_size=1, max_size=60).map(
+    lambda runs: bytes(level for level, count in runs for _ in range(count))
+)
+
+
+def walked(samples: bytes) -> dict[str, list[tuple[int, int]]]:
+    """The same measures, the plain way. Bit 0 of a sample is SCL, bit 1 SDA."""
+    found = defaultdict(list)
+    fall = rise = first = last = hold = held_bit = None
+    condition, condition_at, in_high = None, None, False  # the last one, and whether this high phase holds one
+    number = 0  # SCL rises since it
+
+    def low_is_before_a_bit(seen):
+        if seen is not None:
+            symbol, begin, length = seen
+            found[symbol].append((begin, length))
+
+    for at in range(1, len(samples)):
+        scl, sda = samples[at] & 1, samples[at] >> 1
+        was_scl, was_sda = samples[at - 1] & 1, samples[at - 1] >> 1
+        if scl and not was_scl:
+            if sda != was_sda:
+                first, last = at if first is None else first, at
+            if fall is not None:
+                found["tLOW"].append((fall, at - fall))
+            busy = condition == "start"
+            if last is not None and busy:
+                found["tSU;DAT"].append((last, at - last))
+                if fall is not None:
+                    found["tHD;DAT"].append((fall, first - fall))
+                    symbol = "tVD;ACK" if number % 9 == 8 else "tVD;DAT"
+                    held_bit = (symbol, fall, last - fall)
+            number += 1
+            rise, in_high = at, False
+        elif was_scl and not scl:
+            if not in_high:
+                low_is_before_a_bit(held_bit)
+            if rise is not None and not in_high:
+                found["tHIGH"].append((rise, at - rise))
+                if fall is not None:
+                    found["fSCL"].append((fall, at - fall))
+            if hold is not None:
+                found["tHD;STA"].append((hold, at - hold))
+            hold = held_bit = None
+            fall, first, last = at, None, None
+            if sda != was_sda:
+                first = last = at
+        elif sda != was_sda and not scl:
+            first, last = at if first is None else first, at
+        elif sda != was_sda:
+            after_rise = rise is not None and not in_high and (condition_at is None or rise > condition_at)
+            if sda:
+                if after_rise:
+                    found["tSU;STO"].append((rise, at - rise))
+                hold = None
+            else:
+                if condition == "start" and after_rise:
+                    found["tSU;STA"].append((rise, at - rise))
+                if condition == "stop":
+                    found["tBUF"].append((condition_at, at - condition_at))
+                hold = at
+            condition, condition_at, in_high, number = ("stop" if sda else "start"), at, True, 0
+    if not in_high and held_bit is not None:
+        low_is_before_a_bit(held_bit)
+    return dict(found)
+
+
+@given(SAMPLES)
+def test_any_two_lines_are_measured_as_by_a_plain_walk(samples):
+    found = times(measured(of_bytes(samples, ("SCL", "SDA"))))
+    assert found == walked(samples)
+
+
+@given(SAMPLES, st.data())
+def test_an_unknown_stretch_parts_the_trace_in_two(samples, data):
+    """What is measured is what the two parts give on their own."""
+    cut = data.draw(st.integers(0, len(samples)))
+    gap = data.draw(st.integers(1, 5))
+    drawing = "\n".join(
+        f"{name} "
+        + "".join("_-"[s >> bit & 1] for s in samples[:cut])
+        + "?" * gap
+        + "".join("_-"[s >> bit & 1] for s in samples[cut:])
+        for bit, name in enumerate(("SCL", "SDA"))
+    )
+    found = times(measured(drawn(drawing)))
+    expected = defaultdict(list)
+    for part, offset in ((samples[:cut], 0), (samples[cut:], cut + gap)):
+        for symbol, seen in walked(part).items():
+            expected[symbol] += [(begin + offset, length) for begin, length in seen]
+    assert found == dict(expected)

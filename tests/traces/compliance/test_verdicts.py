@@ -1,0 +1,110 @@
+"""Each limit of each mode: a bus that just keeps it, one that just breaks it, and both sampled too slowly to tell."""
+
+from __future__ import annotations
+
+import pytest
+
+from periph_sim.traces.compliance import Mode, Verdict, check
+from periph_sim.traces.compliance.limits import LIMIT
+from tests.traces.compliance.bus import EASY, Bus, Odd, Spike, drawn, sampled
+
+MHZ = 10**6
+DATA_BIT, ACK_BIT = (1, 1), (1, 8)  # SDA changes before both
+LONG = 30_000  # a stretched low phase
+
+
+def least(symbol: str, mode: Mode) -> int:
+    found = LIMIT[symbol].bounds[mode].least
+    assert found is not None
+    return found
+
+
+def most(symbol: str, mode: Mode) -> int:
+    found = LIMIT[symbol].bounds[mode].most
+    assert found is not None
+    return found
+
+
+def bus_with(symbol: str, mode: Mode, off: int) -> Bus:
+    """The easy bus, but for one time: `off` nanoseconds longer than its limit."""
+    easy = EASY[mode]
+    if symbol == "fSCL":
+        high = least(symbol, mode) * 45 // 100
+        return easy.but(high=high, low=least(symbol, mode) - high + off)
+    if symbol == "tSU;DAT":  # so late only where SCL is stretched
+        return easy.but(odd={DATA_BIT: Odd(data=(LONG - least(symbol, mode) - off,), low=LONG)})
+    if symbol == "tHD;DAT":
+        return easy.but(odd={DATA_BIT: Odd(data=(most(symbol, mode) + off,))})
+    if symbol in ("tVD;DAT", "tVD;ACK"):  # the first change comes early, so that tHD;DAT is kept
+        late = most(symbol, mode) + off
+        return easy.but(odd={DATA_BIT if symbol == "tVD;DAT" else ACK_BIT: Odd(data=(late // 3, 2 * late // 3, late))})
+    if symbol == "tSP":
+        return easy.but(spike=Spike("SCL", 3, easy.high // 2, most(symbol, mode) + off))
+    name = {"tHD;STA": "hd_sta", "tLOW": "low", "tHIGH": "high", "tSU;STA": "su_sta", "tSU;STO": "su_sto"}
+    time = {name.get(symbol, "buf"): least(symbol, mode) + off}
+    period = least("fSCL", mode)  # kept by the other half
+    if symbol == "tHIGH":
+        time["low"] = period
+    if symbol == "tLOW":
+        time["high"] = period
+    return easy.but(**time)
+
+
+MINIMA = ("fSCL", "tHD;STA", "tLOW", "tHIGH", "tSU;STA", "tSU;DAT", "tSU;STO", "tBUF")
+MAXIMA = ("tHD;DAT", "tVD;DAT", "tVD;ACK", "tSP")
+NONE_THERE = {("tSP", Mode.STANDARD), ("tHD;DAT", Mode.FAST_PLUS)}  # no such maximum
+CASES = [(symbol, mode) for symbol in MINIMA + MAXIMA for mode in Mode if (symbol, mode) not in NONE_THERE]
+ALSO = {"tHD;DAT": ["tHD;DAT", "tVD;DAT"]}  # data that begin to change too late are valid too late
+
+
+@pytest.mark.parametrize("mode", Mode)
+def test_the_easy_bus_keeps_everything(mode):
+    report = check(drawn(EASY[mode]), "SCL", "SDA", mode)
+    assert report.verdict is Verdict.PASS
+    assert report.of(Verdict.FAIL) == report.of(Verdict.UNDECIDABLE) == []
+    assert report.of(Verdict.NOT_IN_CAPTURE) == ["tr", "tf"]
+    assert report.of(Verdict.NO_LIMIT) == (["tSP"] if mode is Mode.STANDARD else [])
+    assert report.of(Verdict.NOT_SEEN) == ([] if mode is Mode.STANDARD else ["tSP"])
+
+
+@pytest.mark.parametrize(("symbol", "mode"), CASES)
+def test_exactly_at_the_limit_passes(symbol, mode):
+    report = check(drawn(bus_with(symbol, mode, 0)), "SCL", "SDA", mode)
+    assert (report.verdict, report.row(symbol).verdict) == (Verdict.PASS, Verdict.PASS)
+    extreme = report.row(symbol).most if symbol in MAXIMA else report.row(symbol).least
+    assert extreme == (most(symbol, mode) if symbol in MAXIMA else least(symbol, mode)), "and the limit is what is met"
+
+
+@pytest.mark.parametrize(("symbol", "mode"), CASES)
+def test_a_nanosecond_beyond_the_limit_fails_and_nothing_else_does(symbol, mode):
+    report = check(drawn(bus_with(symbol, mode, 1 if symbol in MAXIMA else -1)), "SCL", "SDA", mode)
+    assert report.of(Verdict.FAIL) == ALSO.get(symbol, [symbol])
+    assert report.verdict is Verdict.FAIL
+
+
+@pytest.mark.parametrize("off", [-1, 0, 1])
+@pytest.mark.parametrize(("symbol", "mode"), CASES)
+def test_sampled_too_slowly_the_same_cannot_be_decided(symbol, mode, off):
+    capture = sampled(drawn(bus_with(symbol, mode, off)), MHZ, phase=517)
+    report = check(capture, "SCL", "SDA", mode)
+    assert report.row(symbol).verdict is (Verdict.UNDECIDABLE)
+    assert report.verdict is Verdict.UNDECIDABLE
+
+
+@pytest.mark.parametrize("off", [-1, 1])
+@pytest.mark.parametrize(("symbol", "mode"), CASES)
+def test_sampled_at_500_mhz_what_is_ten_nanoseconds_off_is_decided(symbol, mode, off):
+    capture = sampled(drawn(bus_with(symbol, mode, 10 * off)), 500 * MHZ)
+    good = (off > 0) != (symbol in MAXIMA)
+    report = check(capture, "SCL", "SDA", mode)
+    assert report.row(symbol).verdict is (Verdict.PASS if good else Verdict.FAIL)
+    assert report.of(Verdict.FAIL) == ([] if good else ALSO.get(symbol, [symbol]))
+
+
+@pytest.mark.parametrize("mode", Mode)
+def test_data_may_change_with_the_fall_of_scl(mode):
+    """tHD;DAT is 0 at least: the same instant keeps it; sampled, the order is not known."""
+    bus = EASY[mode].but(data=0)
+    report = check(drawn(bus), "SCL", "SDA", mode)
+    assert report.verdict is Verdict.PASS and report.row("tHD;DAT").least == 0 and report.shared > 20
+    assert check(sampled(drawn(bus), 100 * MHZ), "SCL", "SDA", mode).row("tHD;DAT").verdict is Verdict.UNDECIDABLE

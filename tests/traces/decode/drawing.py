@@ -1,0 +1,32 @@
+"""Lines drawn as text, one character a sample (`-` high, `_` low), become a Capture."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+
+from periph_sim.traces.capture.capture import Capture, Channel, channel_of
+
+LEVELS = {"-": 1, "_": 0, "?": None}
+
+
+def drawn(drawing: str, rate: int | None = 1_000_000) -> Capture:
+    """Each line of the drawing is a name and its levels; `|` and blanks within are for the eye. `?` is unknown."""
+    channels: list[Channel] = []
+    length = 0
+    for row in drawing.strip().splitlines():
+        name, _, wave = row.strip().partition(" ")
+        states = [LEVELS[mark] for mark in wave.replace(" ", "").replace("|", "")]
+        length = length or len(states)
+        assert len(states) == length, f"{name} has {len(states)} samples, the line above {length}"
+        channels.append(channel_of(name, len(channels), range(length), states, length))
+    return Capture(Path("drawing"), None if rate is None else Fraction(rate), length, tuple(channels))
+
+
+def of_bytes(samples: bytes, names: tuple[str, ...], rate: int = 1_000_000) -> Capture:
+    """Sample by sample, channel k in bit k."""
+    channels = tuple(
+        channel_of(name, bit, range(len(samples)), [sample >> bit & 1 for sample in samples], len(samples))
+        for bit, name in enumerate(names)
+    )
+    return Capture(Path("samples"), Fraction(rate), len(samples), channels)

@@ -1,0 +1,300 @@
+"""I2C from edges: events where logic-analyser decoders put them, timing and drivers as the replay needs them."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from periph_sim.traces.decode import i2c
+from periph_sim.traces.decode.i2c import Ack, Address, Cut, Data, Nack, Party, RepeatedStart, Start, Stop
+from tests.traces.decode.drawing import drawn, of_bytes
+from tests.traces.formats.make_traces import read_registers
+from tests.traces.formats.writers import I2cWave
+
+C, T = Party.CONTROLLER, Party.TARGET
+
+
+def wave(half: int = 4, hold: int = 1) -> I2cWave:
+    bus = I2cWave(half, hold)
+    bus.idle(10)
+    return bus
+
+
+def events(bus: I2cWave) -> list[i2c.Event]:
+    return i2c.events(of_bytes(bytes(bus.samples), ("SCL", "SDA")))
+
+
+def transfers(bus: I2cWave) -> list[i2c.Transfer]:
+    return i2c.transfers(of_bytes(bytes(bus.samples), ("SCL", "SDA")))
+
+
+# Events -----------------------------------------------------------------------
+
+
+def test_an_address_that_is_acknowledged():
+    capture = drawn(
+        """
+        SCL ---- __-- __-- __-- __-- __-- __-- __-- __-- __-- __--
+        SDA ---_ _--- -___ _--- -___ ____ _--- ---- ---- -___ ___-
+        """
+        # S    1    0    1    0    0    1    1    R    A    P
+    )
+    assert i2c.events(capture) == [Start(3), Address(6, 0b1010011, True, 34), Ack(38), Stop(43)]
+
+
+def test_every_event_stands_where_analysers_put_it():
+    bus = wave()
+    bus.start()  # SDA falls at 10, SCL at 14, rises at 18, 26, ...
+    bus.byte(0x53 << 1)
+    bus.byte(0xA5, ack=False)
+    bus.stop()
+    assert events(bus) == [
+        Start(10),
+        Address(18, 0x53, False, 18 + 7 * 8),
+        Ack(18 + 8 * 8),
+        Data(18 + 9 * 8, 0xA5, False),
+        Nack(18 + 17 * 8),
+        Stop(18 + 18 * 8 + 4),
+    ]
+
+
+def test_a_repeated_start_turns_the_direction():
+    bus = wave()
+    read_registers(bus, 0x1E, 0x03, (0x12, 0x34))
+    kinds = [type(event) for event in events(bus)]
+    assert kinds == [Start, Address, Ack, Data, Ack, RepeatedStart, Address, Ack, Data, Ack, Data, Nack, Stop]
+    assert [event for event in events(bus) if isinstance(event, Data)] == [
+        Data(90, 0x03, False),
+        Data(246, 0x12, True),
+        Data(318, 0x34, True),
+    ]
+
+
+def test_the_address_is_seven_bits_and_ten_bit_addresses_are_not_joined():
+    bus = wave()
+    bus.start()
+    bus.byte(0b11110110)
+    bus.byte(0x42)
+    bus.stop()
+    found = events(bus)
+    assert isinstance(found[1], Address) and found[1].value == 0b1111011
+    assert isinstance(found[3], Data) and found[3].value == 0x42
+
+
+@given(st.lists(st.tuples(st.integers(0, 255), st.booleans()), min_size=1, max_size=4), st.integers(2, 9))
+@settings(max_examples=60, deadline=None)
+def test_any_bytes_at_any_speed(content: list[tuple[int, bool]], half: int):
+    bus = wave(half)
+    bus.start()
+    for value, ack in content:
+        bus.byte(value, ack)
+    bus.stop()
+    (phase,) = transfers(bus)[0].phases
+    assert [(byte.value, byte.acked) for byte in phase.bytes] == content
+    assert {bit.high for byte in phase.bytes for bit in byte.bits} == {half}
+
+
+def test_start_and_stop_are_seen_within_an_address_too():
+    bus = wave()
+    bus.start()
+    for bit in (1, 0, 1):
+        bus.bit(bit)
+    bus.stop()
+    assert events(bus) == [Start(10), Cut(18, (1, 0, 1)), Stop(46)]
+
+
+def test_a_start_within_a_byte_leaves_it_cut():
+    bus = wave()
+    bus.start()
+    bus.byte(0xA0)
+    bus.bit(1)
+    bus.again()
+    bus.byte(0xA1)
+    bus.stop()
+    kinds = [type(event) for event in events(bus)]
+    assert kinds == [Start, Address, Ack, Cut, RepeatedStart, Address, Ack, Stop]
+
+
+def test_an_acknowledge_counts_although_stop_comes_in_its_own_clock_pulse():
+    bus = wave()
+    bus.start()
+    for place in range(8):
+        bus.bit(0x51 >> (7 - place) & 1)
+    bus.stop()  # the only pulse after the byte
+    assert events(bus) == [Start(10), Address(18, 0x28, True, 74), Ack(82), Stop(86)]
+
+
+# Both lines in one sample --------------------------------------------------------
+
+
+def test_a_rising_scl_takes_the_new_level_and_a_falling_scl_the_old_one():
+    capture = drawn(
+        """
+        SCL ----__--__--__--
+        SDA ---___----__----
+        """
+    )
+    # SDA rises with SCL at 6, falls with it at 10, and rises as SCL falls at 12, which is no STOP
+    assert i2c.events(capture) == [Start(3), Cut(6, (1, 0, 1))]
+    assert i2c.shared_edges(capture) == 3
+
+
+def test_neither_start_nor_stop_is_made_of_edges_in_one_sample():
+    capture = drawn(
+        """
+        SCL ----____----____----
+        SDA ----____----____----
+        """
+    )
+    assert i2c.events(capture) == []
+    assert i2c.shared_edges(capture) == 4
+
+
+def test_glitches_of_sda_under_low_scl_are_nothing():
+    bus = wave(half=6)
+    bus.start()
+    bus.byte(0x31)
+    clean = list(events(bus))
+    samples = bytearray(bus.samples)
+    for place, sample in enumerate(samples):
+        low_around = all(not samples[n] & 1 for n in range(place - 1, min(place + 2, len(samples))))
+        if place and low_around and place % 2:
+            samples[place] = sample ^ 2
+    assert samples != bus.samples
+    assert i2c.events(of_bytes(bytes(samples), ("SCL", "SDA"))) == clean
+
+
+# The ends ---------------------------------------------------------------------
+
+
+def test_what_comes_before_the_first_start_is_a_lead_without_events():
+    bus = wave()
+    bus.start()
+    bus.byte(0xA6)
+    bus.stop()
+    bus.start()
+    bus.byte(0xA7)
+    bus.stop()
+    late = I2cWave()
+    late.samples = bus.samples[30:]  # two of nine bits are over
+    first, second = transfers(late)
+    assert [bit.value for bit in first.lead] == [1, 0, 0, 1, 1, 0, 0, 0]  # and the pulse of the STOP
+    assert first.stop is not None and not first.phases and not first.complete
+    assert list(i2c.events_of(first)) == []
+    assert second.complete and second.phases[0].address == 0x53
+    assert second.gap == 4
+
+
+def test_a_capture_that_ends_within_a_byte_gives_what_there_was():
+    bus = wave()
+    bus.start()
+    bus.byte(0xA6)
+    for bit in (1, 1, 0, 1):
+        bus.bit(bit)
+    (transfer,) = transfers(bus)
+    assert transfer.stop is None and not transfer.complete
+    last = transfer.phases[0].bytes[-1]
+    assert last.value is None and last.acked is None and last.bits[-1].high is None
+    assert events(bus)[-1] == Cut(90, (1, 1, 0, 1))
+
+
+def test_a_capture_that_ends_before_the_ninth_bit_keeps_the_byte():
+    bus = wave()
+    bus.start()
+    for place in range(8):
+        bus.bit(0xA6 >> (7 - place) & 1)
+    assert events(bus) == [Start(10), Address(18, 0x53, False, 74)]
+    assert transfers(bus)[0].phases[0].bytes[0].acked is None
+
+
+def test_nothing_happens_on_an_idle_or_dead_bus():
+    assert i2c.transfers(drawn("SCL --------\nSDA --------")) == []
+    assert i2c.transfers(drawn("SCL ________\nSDA ________")) == []
+
+
+def test_nothing_is_decoded_across_a_gap():
+    bus = wave()
+    bus.start()
+    bus.byte(0xA6)
+    bus.byte(0x00)
+    bus.stop()
+    marks = ["".join("_-"[sample >> bit & 1] for sample in bus.samples) for bit in (0, 1)]
+    holed = [wave[:100] + "?" * 20 + wave[120:] for wave in marks]
+    found = i2c.transfers(drawn(f"SCL {holed[0]}\nSDA {holed[1]}"))
+    assert [transfer.complete for transfer in found] == [False, False]
+    assert found[0].phases[0].address == 0x53 and found[0].stop is None
+    assert found[1].phases == () and found[1].stop is not None and found[1].gap is None
+
+
+# Timing and drivers ---------------------------------------------------------------
+
+
+def test_each_bit_knows_its_clock_and_where_its_data_came():
+    bus = wave(half=5, hold=2)
+    bus.start()
+    bus.byte(0b10000000)
+    bus.stop()
+    bits = transfers(bus)[0].phases[0].bytes[0].bits
+    fall = 15
+    assert bits[0] == i2c.Bit(1, fall + 5, 5, 5, fall + 2, C)
+    assert bits[1] == i2c.Bit(0, fall + 15, 5, 5, fall + 12, C)
+    assert bits[2] == i2c.Bit(0, fall + 25, 5, 5, None, C)
+
+
+def test_a_stretched_clock_is_a_long_low():
+    bus = wave(half=5, hold=2)
+    bus.start()
+    bus.bit(1)
+    bus.samples += bytes([0b10]) * 300  # SCL held low
+    bus.bit(0)
+    low = [bit.low for bit in transfers(bus)[0].phases[0].bytes[0].bits]
+    assert low == [5, 305]
+
+
+def test_drivers_by_direction():
+    bus = wave()
+    read_registers(bus, 0x68, 0x1D, (0x55, 0xAA))
+    write, read = transfers(bus)[0].phases
+    drivers = [[bit.driver for bit in byte.bits] for byte in write.bytes + read.bytes]
+    assert drivers == [[C] * 8 + [T]] * 3 + [[T] * 8 + [C]] * 2
+    assert (write.address, write.read, write.data) == (0x68, False, (0x1D,))
+    assert (read.address, read.read, read.data) == (0x68, True, (0x55, 0xAA))
+
+
+def test_conditions_and_gaps():
+    bus = wave(half=4)
+    for _ in range(2):
+        read_registers(bus, 0x68, 0x1D, (0x55,))
+        bus.idle(30)
+    first, second = transfers(bus)
+    assert first.phases[0].start == i2c.Condition(10, None, None, 4)
+    again = first.phases[1].start
+    assert (again.low, again.high, again.hold) == (4, 4, 4)
+    assert first.stop is not None
+    assert (first.stop.low, first.stop.high, first.stop.hold) == (4, 4, None)
+    assert first.gap is None
+    assert second.gap == second.phases[0].start.at - first.stop.at == 34
+
+
+def test_a_stop_right_behind_a_start():
+    found = i2c.transfers(drawn("SCL ------------\nSDA --____---_--"))
+    assert [(t.phases[0].start, t.stop, t.gap) for t in found] == [
+        (i2c.Condition(2, None, None, None), i2c.Condition(6, None, None, None), None),
+        (i2c.Condition(9, None, None, None), i2c.Condition(10, None, None, None), 3),
+    ]
+
+
+def test_a_second_stop_ends_nothing():
+    bus = wave()
+    bus.start()
+    bus.byte(0xA6)
+    bus.stop()
+    alone = events(bus)
+    bus.stop()
+    assert events(bus) == alone
+
+
+def test_a_missing_channel_is_named():
+    with pytest.raises(LookupError, match=r"there is no channel 'SCL'; it has a, b"):
+        i2c.events(drawn("a ----\nb ----"))

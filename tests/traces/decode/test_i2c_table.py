@@ -1,0 +1,193 @@
+"""The I2C table against the events one by one, and what it has beyond: 10-bit addresses, ends, a glitch filter."""
+
+from __future__ import annotations
+
+from random import Random
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from periph_sim.traces.capture.capture import Capture
+from periph_sim.traces.decode import i2c
+from periph_sim.traces.decode.i2c_objects import events_of_table
+from periph_sim.traces.decode.i2c_table import I2cTable, Kind, i2c_bits, i2c_table
+from tests.traces.decode.drawing import drawn, of_bytes
+from tests.traces.decode.random_lines import captures
+from tests.traces.formats.make_traces import read_registers
+from tests.traces.formats.writers import I2cWave
+
+
+def of_wave(bus: I2cWave) -> Capture:
+    return of_bytes(bytes(bus.samples), ("SCL", "SDA"))
+
+
+def wave(half: int = 4, hold: int = 1) -> I2cWave:
+    bus = I2cWave(half, hold)
+    bus.idle(10)
+    return bus
+
+
+def rows(table: I2cTable) -> list[tuple[str, int, int]]:
+    """(kind, at, value) of each row."""
+    return [
+        (Kind(k).name, at, v)
+        for k, at, v in zip(*(c.tolist() for c in (table.kind, table.at, table.value)), strict=True)
+    ]
+
+
+@given(captures(("SCL", "SDA")))
+@settings(max_examples=120, deadline=None)
+def test_any_lines_give_the_same_events_both_ways(capture: Capture):
+    assert events_of_table(i2c_table(capture)) == i2c.events(capture)
+
+
+@given(st.lists(st.binary(min_size=1, max_size=4), min_size=1, max_size=5), st.integers(2, 9), st.integers(0, 900))
+@settings(max_examples=100, deadline=None)
+def test_transfers_cut_anywhere_give_the_same_events_both_ways(contents: list[bytes], half: int, kept: int):
+    bus = wave(half)
+    for number, content in enumerate(contents):
+        bus.again() if number % 3 == 1 else bus.start()
+        for value in content:
+            bus.byte(value, ack=value % 5 > 0)
+        if number % 3 != 0:
+            bus.stop()
+    del bus.samples[kept + 1 :]
+    capture = of_wave(bus)
+    assert events_of_table(i2c_table(capture)) == i2c.events(capture)
+
+
+@given(captures(("SCL", "SDA")))
+@settings(max_examples=100, deadline=None)
+def test_every_bit_of_a_transfer_is_among_the_bits_with_its_timing(capture: Capture):
+    bits = i2c_bits(capture)
+    found = {
+        at: (value, low if low >= 0 else None, high if high >= 0 else None)
+        for at, value, low, high in zip(*(c.tolist() for c in (bits.at, bits.value, bits.low, bits.high)), strict=True)
+    }
+    for transfer in i2c.transfers(capture):
+        for bit in [*transfer.lead, *(bit for phase in transfer.phases for byte in phase.bytes for bit in byte.bits)]:
+            assert found[bit.at] == (bit.value, bit.low, bit.high)
+
+
+@given(
+    st.lists(st.tuples(st.integers(0, 255), st.booleans()), min_size=1, max_size=5), st.randoms(use_true_random=False)
+)
+@settings(max_examples=60, deadline=None)
+def test_any_transfer_with_every_phase_of_another_length_comes_back(content: list[tuple[int, bool]], random: Random):
+    samples = bytearray([3]) * random.randint(1, 30)
+    samples += bytes([1]) * random.randint(1, 20)  # START
+    sda = 0
+
+    def pulse(value: int) -> None:
+        nonlocal sda
+        low = random.randint(2, 40)
+        hold = random.randint(1, low - 1)
+        samples.extend(bytes([sda << 1]) * hold + bytes([value << 1]) * (low - hold))
+        samples.extend(bytes([1 | value << 1]) * random.randint(1, 30))
+        sda = value
+
+    for value, ack in content:
+        for place in range(7, -1, -1):
+            pulse(value >> place & 1)
+        pulse(0 if ack else 1)
+    pulse(0)
+    samples += bytes([3]) * random.randint(1, 30)  # STOP
+    capture = of_bytes(bytes(samples), ("SCL", "SDA"))
+    table = i2c_table(capture)
+    kinds = [Kind(kind) for kind in table.kind.tolist()]
+    assert kinds[0] is Kind.START and kinds[-1] is Kind.STOP
+    bytes_seen = [byte.value for phase in i2c.transfers(capture)[0].phases for byte in phase.bytes]
+    assert [value for value, _ in content] == bytes_seen
+    assert [kind is Kind.ACK for kind in kinds if kind in (Kind.ACK, Kind.NACK)] == [ack for _, ack in content]
+    values = table.value[(table.kind == Kind.ADDRESS) | (table.kind == Kind.DATA) | (table.kind == Kind.ADDRESS_LOW)]
+    assert (values[1:] & 0xFF).tolist() == [value for value, _ in content[1:]]
+    assert values[0] == content[0][0] >> 1 and bool(table.read[1]) == bool(content[0][0] & 1)
+
+
+def test_a_row_ends_where_scl_falls_behind_its_last_bit():
+    bus = wave()
+    bus.start()  # SDA falls at 10, SCL at 14, rises at 18, 26, ...
+    bus.byte(0xA6)
+    bus.stop()
+    table = i2c_table(of_wave(bus))
+    assert rows(table) == [("START", 10, -1), ("ADDRESS", 18, 0x53), ("ACK", 82, -1), ("STOP", 94, -1)]
+    assert table.last.tolist() == [10, 74, 82, 94]
+    assert table.end.tolist() == [10, 78, 86, 94]
+    assert table.bits.tolist() == [0, 8, 1, 0]
+
+
+def test_a_ten_bit_address_is_two_bytes_and_one_number():
+    bus = wave()
+    bus.start()
+    bus.byte(0b11110_10_0)
+    bus.byte(0x42)
+    bus.byte(0x99)
+    bus.again()
+    bus.byte(0b11110_10_1)
+    bus.byte(0x55, ack=False)
+    bus.stop()
+    found = [(kind, value) for kind, _, value in rows(i2c_table(of_wave(bus))) if value >= 0]
+    assert found == [("ADDRESS", 0x7A), ("ADDRESS_LOW", 0x242), ("DATA", 0x99), ("ADDRESS", 0x7A), ("DATA", 0x55)]
+    assert events_of_table(i2c_table(of_wave(bus))) == i2c.events(of_wave(bus))
+
+
+def test_a_ten_bit_address_that_nobody_acknowledges_is_not_joined():
+    bus = wave()
+    bus.start()
+    bus.byte(0b11110_10_0, ack=False)
+    bus.byte(0x42)
+    bus.stop()
+    assert [kind for kind, _, _ in rows(i2c_table(of_wave(bus)))] == ["START", "ADDRESS", "NACK", "DATA", "ACK", "STOP"]
+
+
+def test_bits_of_a_byte_cut_off_are_a_number():
+    bus = wave()
+    bus.start()
+    for bit in (1, 0, 1):
+        bus.bit(bit)
+    bus.stop()
+    table = i2c_table(of_wave(bus))
+    assert rows(table) == [("START", 10, -1), ("CUT", 18, 0b101), ("STOP", 46, -1)]
+    assert table.bits.tolist() == [0, 3, 0]
+
+
+def test_glitches_on_both_lines_are_left_out():
+    bus = wave(half=20, hold=6)
+    read_registers(bus, 0x68, 0x1D, (0x55, 0xA0))
+    clean = events_of_table(i2c_table(of_wave(bus)))
+    samples = bytearray(bus.samples)
+    for place in range(15, len(samples) - 15, 37):
+        near = {samples[n] for n in range(place - 4, place + 6)}
+        if len(near) == 1:  # well away from edges
+            samples[place] ^= 1
+            samples[place + 1] ^= 3
+    spiked = of_bytes(bytes(samples), ("SCL", "SDA"))
+    assert events_of_table(i2c_table(spiked)) != clean
+    assert events_of_table(i2c_table(spiked, glitch=3)) == clean
+
+
+def test_a_stretch_is_a_long_low_of_its_bit():
+    bus = wave(half=5, hold=2)
+    bus.start()
+    bus.bit(1)
+    bus.samples += bytes([0b10]) * 300  # SCL held low
+    bus.bit(0)
+    bits = i2c_bits(of_wave(bus))
+    assert bits.low.tolist() == [5, 305] and bits.high.tolist() == [5, -1]
+
+
+def test_nothing_on_an_idle_or_dead_bus():
+    for lines in (
+        "SCL --------\nSDA --------",
+        "SCL ________\nSDA ________",
+        "SCL --------\nSDA -_-_----",
+        "SCL ????\nSDA ----",
+    ):
+        assert events_of_table(i2c_table(drawn(lines))) == i2c.events(drawn(lines))
+        assert len(i2c_bits(drawn(lines)).at) == 0
+
+
+def test_a_missing_channel_is_named():
+    with pytest.raises(LookupError, match=r"there is no channel 'SCL'; it has a, b"):
+        i2c_table(drawn("a ----\nb ----"))

@@ -1,0 +1,105 @@
+"""A line's settings guessed from its edges: what is sure, what is said to be open, and what cannot be guessed."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from random import Random
+
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from periph_sim.traces.capture.capture import Capture
+from periph_sim.traces.decode.uart_format import line_of
+from periph_sim.traces.decode.uart_guess import SHAPES, Guess, guess
+from tests.traces.decode.drawing import drawn, of_bytes
+from tests.traces.formats.writers import frame_bits, uart_wave
+
+RATE = 4_000_000
+TEXT = b"The quick brown fox jumps over the lazy dog, 0123456789 times\r\n"
+
+
+def sent(baud: int, shape: str, values: bytes, pause: int = 3, invert: bool = False, rate: int = RATE) -> Capture:
+    """Frames of one shape, every fourth after a pause of some bits."""
+    line = line_of(str(baud), shape)
+    width = Fraction(rate, baud)
+    frames, begin = [], Fraction(20) + 12 * width
+    for number, value in enumerate(values):
+        frames.append((begin, frame_bits(value & (1 << line.bits) - 1, line.bits, line.parity, int(line.stop))))
+        begin += (line.frame + (pause if number % 4 == 3 else 0)) * width
+    samples = uart_wave(frames, width, int(begin + 12 * width))
+    return of_bytes(bytes(1 - sample for sample in samples) if invert else samples, ("RX",), rate)
+
+
+def settings_of(found: Guess) -> tuple[object, str, bool]:
+    return found.line.baud, found.line.shape, found.line.invert
+
+
+@pytest.mark.parametrize("baud", [300, 1200, 9600, 19200, 31250, 57600, 115200, 230400, 460800, 500000])
+def test_usual_rates(baud: int):
+    found = guess(sent(baud, "8n1", TEXT, rate=max(RATE // 20, 8 * baud)), "RX")
+    assert settings_of(found) == (baud, "8n1", False)
+    assert found.sure > 0.5 and found.errors == 0 and found.frames == len(TEXT)
+
+
+@pytest.mark.parametrize("shape", [*SHAPES[:-1], "8n2", "7e2"])
+@pytest.mark.parametrize("invert", [False, True])
+def test_usual_shapes_and_both_polarities(shape: str, invert: bool):
+    values = bytes(Random(8).sample(range(256), 80))
+    found = guess(sent(115200, shape, values, invert=invert), "RX")
+    assert settings_of(found) == (115200, f"{shape[:2]}1", invert)
+
+
+@given(st.integers(0, 10**6), st.integers(-250, 250), st.integers(16, 200))
+@example(17504, 250, 23)  # measured 0.5 % too fast on top of 2.5 %
+@settings(max_examples=60, deadline=None)
+def test_random_bytes_from_a_clock_that_is_off(seed: int, off: int, samples: int):
+    values = Random(seed).randbytes(40)
+    baud = 115200 * (10**4 + off) // 10**4  # up to 2.5 percent
+    found = guess(sent(baud, "8n1", values, rate=115200 * samples), "RX")
+    assert settings_of(found) == (115200, "8n1", False)
+    assert found.measured == pytest.approx(baud, rel=0.01)
+
+
+def test_a_rate_that_nobody_uses_is_taken_as_the_edges_have_it():
+    found = guess(sent(82_000, "8n1", TEXT), "RX")
+    assert found.line.baud == pytest.approx(82_000, rel=0.01) and found.line.shape == "8n1"
+
+
+def test_bytes_without_a_bit_alone_still_tell_the_bit_time():
+    found = guess(sent(115200, "8n1", bytes([0x3C, 0xC6, 0x18, 0xE6, 0x0E, 0x38, 0x8E, 0x66]) * 4), "RX")
+    assert found.line.baud == 115200
+
+
+def test_what_is_known_is_not_guessed():
+    found = guess(sent(9600, "7e1", TEXT), "RX", shape="8n1", invert=False)
+    assert settings_of(found) == (9600, "8n1", False)
+
+
+def test_a_few_different_bytes_leave_the_parity_open_and_that_is_said():
+    found = guess(sent(9600, "8n1", bytes([0x55, 0x33] * 20)), "RX")
+    assert found.line.shape == "8n1" and "7e1" in found.also and found.sure <= 0.5
+    assert "7e1" in str(found) and "would fit, too" in str(found)
+
+
+def test_breaks_are_no_errors():
+    width = Fraction(RATE, 19200)
+    frames, begin = [], Fraction(50)
+    for header in range(6):
+        frames.append((begin, [0] * 14))
+        begin += 15 * width
+        for value in (0x55, 0x10 + header, 0x77):
+            frames.append((begin, frame_bits(value)))
+            begin += 11 * width
+        begin += 40 * width
+    found = guess(of_bytes(uart_wave(frames, width, int(begin)), ("LIN",), RATE), "LIN")
+    assert settings_of(found) == (19200, "8n1", False) and found.errors == 0
+
+
+def test_a_line_without_pulses_or_a_rate_is_refused():
+    with pytest.raises(ValueError, match="RX has 0 edges and no pulse to guess a baud rate from; state it"):
+        guess(drawn("RX --------"), "RX")
+    with pytest.raises(ValueError, match="RX has 1 edges and no pulse"):
+        guess(drawn("RX ----____"), "RX")
+    with pytest.raises(ValueError, match="needs a time base; state the rate"):
+        guess(drawn("RX --__--__", rate=None), "RX")

@@ -1,0 +1,165 @@
+"""The UART table against the events one by one, and the glitch filter."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from itertools import pairwise
+from math import ceil
+from random import Random
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from periph_sim.traces.capture.capture import Capture, channel_of_edges
+from periph_sim.traces.capture.sampling import sample_step
+from periph_sim.traces.decode import uart
+from periph_sim.traces.decode.uart import PARITIES, Line
+from periph_sim.traces.decode.uart_objects import events_of_table
+from periph_sim.traces.decode.uart_table import Kind, uart_table
+from tests.traces.decode.drawing import drawn, of_bytes
+from tests.traces.decode.random_lines import captures
+from tests.traces.formats.writers import frame_bits, uart_wave
+
+LINES = st.builds(
+    Line,
+    st.integers(1, 5 * 10**5).map(Fraction),
+    st.integers(1, 16),
+    st.sampled_from(PARITIES),
+    st.sampled_from([Fraction(1), Fraction(3, 2), Fraction(2)]),
+    st.booleans(),
+)
+FAST = st.builds(
+    Line,
+    st.integers(20, 60).map(lambda tenths: Fraction(10**7, tenths)),
+    st.integers(1, 9),
+    st.sampled_from(PARITIES),
+    st.sampled_from([Fraction(1), Fraction(3, 2), Fraction(2)]),
+    st.booleans(),
+)
+
+
+@given(captures(("RX",)), LINES | FAST, st.booleans())
+@settings(max_examples=120, deadline=None)
+def test_any_line_gives_the_same_events_both_ways(capture: Capture, line: Line, vote: bool):
+    assert events_of_table(uart_table(capture, "RX", line, vote=vote)) == uart.events(capture, "RX", line, vote)
+
+
+@given(
+    st.lists(st.tuples(st.integers(0, 511), st.integers(0, 40)), min_size=1, max_size=8),
+    st.sampled_from(PARITIES),
+    st.integers(30, 200),
+    st.integers(0, 2000),
+    st.integers(5, 9),
+)
+@settings(max_examples=60, deadline=None)
+def test_frames_come_back_and_cut_anywhere_never_raise(
+    sent: list[tuple[int, int]], parity: str, tenths: int, kept: int, bits: int
+):
+    width = Fraction(tenths, 10)
+    line = Line(Fraction(10**7, tenths), bits, parity)
+    frames, begin = [], Fraction(20)
+    for value, pause in sent:
+        begin += pause
+        frames.append((begin, frame_bits(value & (1 << bits) - 1, bits, parity)))
+        begin += line.frame * width
+    samples = uart_wave(frames, width, int(begin) + 40)
+    table = uart_table(of_bytes(samples, ("RX",)), "RX", line)
+    assert table.value.tolist() == [value & (1 << bits) - 1 for value, _ in sent]
+    assert not table.parity_error.any() and not table.frame_error.any()
+    part = of_bytes(samples[: kept + 1], ("RX",))
+    assert events_of_table(uart_table(part, "RX", line)) == uart.events(part, "RX", line)
+
+
+@given(
+    st.binary(min_size=1, max_size=12),
+    st.integers(80, 400),
+    st.integers(0, 12),
+    st.randoms(use_true_random=False),
+)
+@settings(max_examples=100, deadline=None)
+def test_frames_with_every_edge_a_little_off_come_back(sent: bytes, tenths: int, jitter: int, random: Random):
+    """Two edges off by 12 percent each, and the samples they fall between, leave the middle of a bit alone."""
+    width = Fraction(tenths, 10)
+    levels, at = [(Fraction(0), 1)], Fraction(30)
+    for value in sent:
+        for number, bit in enumerate(frame_bits(value)):
+            levels.append((at + number * width + width * random.randint(-jitter, jitter) / 100, bit))
+        at += (10 + random.randint(0, 3)) * width
+    samples = bytearray([1]) * (int(at) + 30)
+    for (begin, level), (end, _) in pairwise([*levels, (Fraction(len(samples)), 1)]):
+        samples[ceil(begin) : ceil(end)] = bytes([level]) * (ceil(end) - ceil(begin))
+    table = uart_table(of_bytes(bytes(samples), ("RX",)), "RX", Line(Fraction(10**7, tenths)))
+    assert table.value.tolist() == list(sent) and not table.frame_error.any()
+
+
+@given(st.binary(min_size=1, max_size=4), st.integers(20, 200), st.integers(1, 40), st.integers(0, 7))
+@settings(max_examples=60, deadline=None)
+def test_time_stamps_are_read_as_the_samples_that_they_are_of(sent: bytes, tenths: int, tick: int, noise: int):
+    """The same line as samples, and as ticks of a file of times: the same bytes, also with glitches."""
+    width = Fraction(tenths, 10)
+    frames = [(Fraction(20) + 11 * width * n, frame_bits(value)) for n, value in enumerate(sent)]
+    line = bytearray(uart_wave(frames, width, int(40 + 11 * width * len(sent))))
+    for place in range(noise):
+        line[(20 + 7 * place) % len(line)] ^= 1
+    capture = of_bytes(bytes(line), ("RX",))
+    wire = capture.channels[0]
+    stretched = channel_of_edges("RX", 0, wire.initial, wire.edges * tick)
+    stamps = replace(
+        capture, rate=capture.rate * tick, length=capture.length * tick, channels=(stretched,), sampled=False
+    )
+    of_samples = uart_table(capture, "RX", Line(Fraction(10**7, tenths)))
+    of_stamps = uart_table(stamps, "RX", Line(Fraction(10**7, tenths)))
+    step = sample_step(stamps)  # by chance of every second sample or so
+    if step == tick:
+        assert of_stamps.value.tolist() == of_samples.value.tolist()
+        assert (of_stamps.at // tick).tolist() == of_samples.at.tolist()
+    if not noise:
+        assert of_stamps.value.tolist() == list(sent), "also where the edges lie on no finer raster than the bits"
+
+
+@pytest.mark.parametrize("places", [(54,), (55,), (56,), (54, 55), (54, 56), (55, 56)])
+def test_two_looks_of_three_outvote_the_third(places: tuple[int, ...]):
+    """The third data bit of 4B is 0; it is looked at at samples 54, 55 and 56."""
+    samples = bytearray(uart_wave([(Fraction(20), frame_bits(0x4B))], Fraction(10), 200))
+    for place in places:
+        samples[place] ^= 1
+    capture = of_bytes(bytes(samples), ("RX",))
+    table = uart_table(capture, "RX", Line(100_000), vote=True)
+    assert table.value.tolist() == [0x4F if len(places) == 2 else 0x4B]
+    assert events_of_table(table) == uart.events(capture, "RX", Line(100_000), vote=True)
+
+
+def test_a_break_stands_behind_the_frame_it_also_makes():
+    table = uart_table(of_bytes(uart_wave([(Fraction(20), [0] * 14)], Fraction(10), 300), ("RX",)), "RX", Line(100_000))
+    assert [Kind(kind).name for kind in table.kind.tolist()] == ["FRAME", "BREAK"]
+    assert table.at.tolist() == [20, 20] and table.end.tolist() == [120, 160]
+    assert table.frame_error.tolist() == [True, False] and table.value.tolist() == [0, -1]
+
+
+@pytest.mark.parametrize(("length", "glitched"), [(1, True), (4, True), (5, False), (6, False)])
+def test_what_is_shorter_than_half_a_bit_is_a_glitch(length: int, glitched: bool):
+    """In a low bit of ten samples."""
+    samples = bytearray(uart_wave([(Fraction(20), frame_bits(0x00))], Fraction(10), 200))
+    for place in range(length):
+        samples[62 + place] ^= 1
+    capture = of_bytes(bytes(samples), ("RX",))
+    assert uart_table(capture, "RX", Line(100_000)).glitched.tolist() == [glitched]
+    (frame,) = uart.events(capture, "RX", Line(100_000))
+    assert isinstance(frame, uart.Frame) and frame.glitched == glitched
+
+
+def test_a_glitch_in_a_frame_is_left_out():
+    samples = bytearray(uart_wave([(Fraction(20), frame_bits(0x4B))], Fraction(10), 200))
+    samples[55] ^= 1  # in the middle of a bit
+    samples[150] ^= 1
+    assert uart_table(of_bytes(bytes(samples), ("RX",)), "RX", Line(100_000)).value.tolist() != [0x4B]
+    assert uart_table(of_bytes(bytes(samples), ("RX",)), "RX", Line(100_000), glitch=2).value.tolist() == [0x4B]
+
+
+def test_a_capture_without_a_rate_or_with_too_low_a_rate_is_refused():
+    with pytest.raises(ValueError, match="frames need a time base and the file states no rate; state the rate"):
+        uart_table(drawn("RX ----", rate=None), "RX", Line(9600))
+    with pytest.raises(ValueError, match=r"0.00 samples a bit at 9600 baud; expected at least 2"):
+        uart_table(drawn("RX ----", rate=1), "RX", Line(9600))

@@ -1,0 +1,123 @@
+"""A timing diagram is read back from its SVG: waves, boxes and marks are where their times put them."""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ElementTree
+from itertools import pairwise
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from periph_sim.traces.drawing.svg_diagram import (
+    BLUE,
+    GUTTER,
+    MARGIN,
+    WIDTH,
+    WRONG,
+    Box,
+    Lane,
+    Mark,
+    Tick,
+    nice_step,
+    timing_diagram,
+)
+
+INSIDE = WIDTH - GUTTER - MARGIN
+US = 1e-6
+
+
+def elements(svg: str, kind: str) -> list[ElementTree.Element]:
+    root = ElementTree.fromstring(svg)
+    return [element for element in root.iter() if element.tag.rpartition("}")[2] == kind]
+
+
+def texts(svg: str) -> list[str]:
+    return ["".join(element.itertext()) for element in elements(svg, "text")]
+
+
+def wave(svg: str) -> str:
+    """The only wave as levels, `_` and `-`, one character a twentieth of the window."""
+    (path,) = [element for element in elements(svg, "path") if "stroke-linejoin" in element.attrib]
+    points = [(float(x), float(y)) for x, y in re.findall(r"([\d.]+),([\d.]+)", path.attrib["d"])]
+    high = min(y for _, y in points)
+    drawn = ""
+    for place in range(20):
+        x = GUTTER + (place + 0.5) / 20 * INSIDE
+        y = next(before[1] for before, after in pairwise(points) if before[0] <= x <= after[0])
+        drawn += "-" if y == high else "_"
+    return drawn
+
+
+@pytest.mark.parametrize(
+    ("initial", "edges", "drawn"),
+    [
+        (1, ((5, 0), (10, 1), (15, 0)), "-----_____-----_____"),
+        (0, ((10, 1),), "__________----------"),
+        (1, ((-7, 0), (-3, 1), (10, 0)), "----------__________"),
+        (0, ((-5, 1), (10, 0), (25, 1)), "----------__________"),
+    ],
+)
+def test_a_wave_has_its_edges_where_their_times_are(initial, edges, drawn):
+    """The window is 0 to 20 us; what lies outside only sets the level at its begin."""
+    lane = Lane("SCL", "capture", BLUE, initial, tuple((at * US, level) for at, level in edges))
+    assert wave(timing_diagram([lane], (0, 20 * US))) == drawn
+
+
+def test_lanes_and_groups_are_named_and_boxes_say_what_they_hold():
+    lanes = [
+        Lane("bytes", "capture", BLUE, boxes=(Box(0, 9 * US, "50 read"), Box(9 * US, 9.1 * US, "too narrow a box"))),
+        Lane("W I2CDXR", "firmware", ticks=(Tick(3 * US, "E4"), Tick(30 * US, "FF"))),
+    ]
+    shown = texts(timing_diagram(lanes, (0, 20 * US), title="a title", axis="0 is the START"))
+    for text in ("a title", "capture", "bytes", "50 read", "firmware", "W I2CDXR", "E4", "us, 0 is the START"):
+        assert text in shown
+    assert "too narrow a box" not in shown and "FF" not in shown, "no room, and outside the window"
+
+
+def test_what_is_wrong_is_drawn_so():
+    lane = Lane("bytes", "replay", BLUE, boxes=(Box(0, 5 * US, "E4", wrong=True), Box(6 * US, 9 * US, "A")))
+    svg = timing_diagram([lane], (0, 10 * US), [Mark(2 * US, "expected E5", wrong=True), Mark(7 * US, "agreed")])
+    strokes = [element.attrib.get("stroke") for element in elements(svg, "rect")]
+    assert strokes.count(WRONG) == 1 and strokes.count(BLUE) == 1
+    lines = [element.attrib for element in elements(svg, "path") if "stroke-dasharray" in element.attrib]
+    assert len(lines) == 1, "a mark that is not wrong is dashed"
+    assert {"expected E5", "agreed"} <= set(texts(svg))
+
+
+def test_marks_outside_the_window_are_not_drawn():
+    lane = Lane("SCL", "capture", BLUE, 1)
+    assert "gone" not in timing_diagram([lane], (0, 10 * US), [Mark(11 * US, "gone")])
+
+
+def test_letters_of_another_language_of_markup_are_words():
+    lane = Lane("a<b & c", "capture", BLUE, 1)
+    assert "a<b & c" in texts(timing_diagram([lane], (0, 1)))
+
+
+@pytest.mark.parametrize(("lanes", "window"), [([], (0, 1)), ([Lane("SCL", "", BLUE, 1)], (1, 1))])
+def test_nothing_to_draw_is_refused(lanes, window):
+    with pytest.raises(ValueError, match="expected a lane and a later end"):
+        timing_diagram(lanes, window)
+
+
+@pytest.mark.parametrize(
+    ("length", "unit", "numbers"),
+    [(20 * US, "us", ["0", "2", "20"]), (3e-9, "ns", ["0", "0.5", "3"]), (0.08, "ms", ["0", "10", "80"])],
+)
+def test_the_axis_has_a_unit_and_round_numbers(length, unit, numbers):
+    shown = texts(timing_diagram([Lane("SCL", "capture", BLUE, 1)], (0, length)))
+    assert unit in shown and set(numbers) <= set(shown)
+
+
+@given(st.floats(1e-9, 1e3))
+def test_steps_of_the_axis_are_round_and_not_too_many(length: float):
+    step = nice_step(length)
+    digits = f"{step:.6e}".partition("e")[0]
+    assert float(digits) in (1, 2, 5, 10) and 2 <= length / step <= 10.1
+
+
+def test_equal_input_gives_equal_text():
+    lanes = [Lane("SCL", "capture", BLUE, 1, ((1 * US, 0),))]
+    assert timing_diagram(lanes, (0, 5 * US)) == timing_diagram(lanes, (0, 5 * US))

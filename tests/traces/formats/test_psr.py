@@ -1,0 +1,253 @@
+"""Our own records: what numpy sees in them, what a run gives as a capture, and files that are not sound."""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from collections.abc import Callable
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from periph_sim.core.records import Kind, Record
+from periph_sim.traces import formats
+from periph_sim.traces.formats import psr
+from periph_sim.traces.formats.record_table import table_of
+from tests.traces.formats.looks import edges, facts
+
+NAMES = st.sampled_from(["SCL", "SDA", "dsp.I2C-A", "", "ein Rücken", "\ud800", "a\nb"])
+INT64 = st.integers(-(1 << 63), (1 << 63) - 1)
+
+
+@st.composite
+def runs(draw: st.DrawFn) -> list[Record]:
+    ticks = sorted(draw(st.lists(st.integers(0, 1 << 62), max_size=20)))
+    kinds = st.sampled_from(list(Kind))
+    return [
+        Record(
+            n,
+            tick,
+            draw(kinds),
+            draw(NAMES),
+            draw(NAMES),
+            draw(INT64),
+            draw(NAMES),
+            draw(st.integers(0, n)),
+            draw(NAMES),
+        )
+        for n, tick in enumerate(ticks, 1)
+    ]
+
+
+def saved(path: Path, records: list[Record], end: int = 0) -> Path:
+    with path.open("wb") as file:
+        psr.write_table(table_of(records, Fraction(3 * 10**9), end), file)
+    return path
+
+
+@given(runs())
+@settings(max_examples=100, deadline=None)
+def test_records_in_are_records_out(tmp_path_factory: pytest.TempPathFactory, records: list[Record]):
+    table = psr.read_table(saved(tmp_path_factory.mktemp("psr") / "run.psr", records, 1 << 62))
+    assert list(table.records()) == records
+    assert (table.per_second, table.end, len(table)) == (3 * 10**9, 1 << 62, len(records))
+
+
+RUN = [
+    Record(1, 0, Kind.EDGE, "MODEL", "level", 0, "dsp.GPIO34", 0),
+    Record(2, 30, Kind.FLAG, "dsp.I2C-A", "I2CSTR.BB", 1, "", 1),
+    Record(3, 60, Kind.EDGE, "SDA", "level", 0, "controller", 0),
+    Record(4, 60, Kind.EDGE, "SDA", "level", 1, "", 0),
+    Record(5, 90, Kind.EDGE, "SDA", "level", 0, "controller", 3),
+    Record(6, 95, Kind.EDGE, "MODEL", "level", 1, "", 0),
+    Record(7, 120, Kind.NOTE, "dsp", "duty", 1, "a note", 0),
+]
+
+
+def test_columns_and_lookups(tmp_path: Path):
+    table = psr.read_table(saved(tmp_path / "run.psr", RUN))
+    assert table.rows(Kind.EDGE).tolist() == [0, 2, 3, 4, 5]
+    assert table.rows(Kind.EDGE, "SDA").tolist() == [2, 3, 4]
+    assert table.rows(where="dsp.I2C-A", what="I2CSTR.BB").tolist() == [1]
+    assert table.rows(where="nowhere").tolist() == []
+    assert table.tick[table.rows(Kind.EDGE)].tolist() == [0, 60, 60, 90, 95]
+    assert table.texts("text", table.rows(Kind.NOTE)) == ["a note"]
+    assert list(table.records(table.rows(Kind.FLAG))) == [RUN[1]]
+    assert table.value.dtype == table.tick.dtype == table.cause.dtype == np.int64
+
+
+def test_numpy_opens_it_without_us(tmp_path: Path):
+    with np.load(saved(tmp_path / "run.psr", RUN)) as found:
+        head = json.loads(found["head"].tobytes())
+        assert found["tick"].tolist() == [record.tick for record in RUN]
+        assert [head["names"]["where"][place] for place in found["where"]] == [record.where for record in RUN]
+    assert (head["format"], head["version"], head["ticks_per_second"]) == ("periph-sim records", 2, 3 * 10**9)
+
+
+@pytest.mark.parametrize(("end", "length"), [(200, 200), (95, 96), (0, 96)])
+def test_a_run_is_a_capture_of_its_wires(tmp_path: Path, end: int, length: int):
+    capture = formats.read(saved(tmp_path / "run.psr", RUN, end))
+    assert edges(capture) == {"MODEL": [0, 95], "SDA": [1, 90]}  # low at 0; a level that lasts no tick is no edge
+    assert facts(capture) == (3 * 10**9, length, False)
+
+
+def test_a_run_on_the_grid_of_a_rate_or_refused(tmp_path: Path):
+    path = saved(tmp_path / "run.psr", RUN, 150)
+    assert edges(formats.read(path, Fraction(200_000_000 * 3))) == {"MODEL": [0, 19], "SDA": [1, 18]}
+    with pytest.raises(formats.BadCapture) as caught:
+        formats.read(path, Fraction(100_000_000))
+    assert str(caught.value) == (
+        f"{path}, its times: found an edge at position 95 of 3000000000 a second, expected times on the grid of "
+        "100000000 Hz; state the right rate or none"
+    )
+
+
+def test_a_run_without_edges_is_no_capture(tmp_path: Path):
+    path = saved(tmp_path / "run.psr", RUN[6:])
+    assert psr.holds_run(path) and len(psr.read_table(path)) == 1
+    with pytest.raises(formats.BadCapture, match=r"found no edge of a wire, expected edges; record a run in which"):
+        formats.read(path)
+
+
+def test_only_a_run_holds_a_run(tmp_path: Path):
+    formats.write(formats.read(saved(tmp_path / "run.psr", RUN)), tmp_path / "capture.psr")
+    (tmp_path / "x.vcd").write_text("$date $end")
+    (tmp_path / "broken.psr").write_bytes((tmp_path / "run.psr").read_bytes()[:100])
+    held = [psr.holds_run(tmp_path / name) for name in ("run.psr", "capture.psr", "x.vcd", "broken.psr", "none.psr")]
+    assert held == [True, False, False, False, False]
+
+
+def changed(path: Path, change: Callable[[dict[str, Any]], object]) -> Path:
+    """The file with another head."""
+    with np.load(path) as found:
+        arrays = dict(found)
+    head = json.loads(arrays["head"].tobytes())
+    change(head)
+    return packed(path, arrays | {"head": np.frombuffer(json.dumps(head).encode(), np.uint8)})
+
+
+def packed(path: Path, arrays: dict[str, Any]) -> Path:
+    buffer = io.BytesIO()
+    np.savez_compressed(buffer, **arrays)
+    path.write_bytes(buffer.getvalue())
+    return path
+
+
+def test_a_file_of_version_1_names_no_fields(tmp_path: Path):
+    path = saved(tmp_path / "run.psr", [Record(1, 5, Kind.ACCESS, "dsp", "R I2C-A.I2CSTR", 2, "f:1", 0, "NACK")])
+    changed(path, lambda head: (head.update(version=1), head["names"].pop("field")))
+    with np.load(path) as found:
+        packed(path, {name: values for name, values in found.items() if name != "field"})
+    (record,) = psr.read_table(path).records()
+    assert record == Record(1, 5, Kind.ACCESS, "dsp", "R I2C-A.I2CSTR", 2, "f:1", 0)
+
+
+def refusal(path: Path, read: Callable[[Path], object] = psr.read_table) -> str:
+    with pytest.raises(formats.BadCapture) as caught:
+        read(path)
+    return str(caught.value).removeprefix(f"{path}, ")
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "sentence"),
+    [
+        ("version", 3, "head.npy: found version 3, expected up to 2; read it with the newer periph-sim it is from"),
+        ("version", "1", "head.npy: found version '1', expected a number up to 2; copy or record it again"),
+        (
+            "format",
+            "other",
+            "head.npy: found another kind of file, expected the format 'periph-sim records'; "
+            "give a recording of periph-sim",
+        ),
+        (
+            "end",
+            -1,
+            "head.npy: found ValueError no count: -1, expected names, end and rate; copy or record it again",
+        ),
+        (
+            "ticks_per_second",
+            "1/0",
+            "head.npy: found ZeroDivisionError Fraction(1, 0), expected names, end and rate; copy or record it again",
+        ),
+        (
+            "names",
+            {"kind": ["edge"], "where": ["a"], "what": ["b"], "text": ["c"], "field": [""]},
+            "kind.npy: found place 7, expected places in a table of 1 names; copy or record it again",
+        ),
+        (
+            "names",
+            {
+                "kind": ["edge"] * 7 + ["dream"],
+                "where": ["a"] * 9,
+                "what": ["b"] * 9,
+                "text": ["c"] * 9,
+                "field": [""],
+            },
+            "head.npy: found records of kind 'dream', expected edge, access, flag, irq, span, bus, frame, note, wait, "
+            "hold; copy or record it again",
+        ),
+    ],
+)
+def test_a_head_that_does_not_fit_is_one_sentence(tmp_path: Path, key: str, value: object, sentence: str):
+    assert refusal(changed(saved(tmp_path / "run.psr", RUN), lambda head: head.update({key: value}))) == sentence
+
+
+def test_columns_that_do_not_fit_are_one_sentence(tmp_path: Path):
+    with np.load(saved(tmp_path / "run.psr", RUN)) as found:
+        arrays = dict(found)
+    path = tmp_path / "x.psr"
+    assert refusal(packed(path, arrays | {"tick": arrays["tick"][:3]})).startswith("its columns: found lengths {")
+    packed(path, arrays | {"tick": arrays["tick"][::-1].copy()})
+    assert refusal(path, formats.read) == (
+        "tick.npy: found an edge before the one above, expected times that rise from 0; copy or record it again"
+    )
+    assert refusal(packed(path, arrays | {"tick": arrays["tick"].astype(float)})) == (
+        "tick.npy: found an array of float64, shape (7,), in 184 bytes, expected one column of <i8; "
+        "copy or record it again"
+    )
+    del arrays["cause"]
+    assert refusal(packed(path, arrays)) == (
+        "the zip: found no member cause.npy, expected one; copy or record it again"
+    )
+
+
+def test_a_small_file_that_unpacks_to_much_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    path = saved(tmp_path / "run.psr", RUN)
+    monkeypatch.setattr(psr, "MOST_BYTES", 1000)
+    assert "bytes unpacked, expected at most 1000; record a shorter run" in refusal(path)
+
+
+def test_an_array_that_claims_more_than_its_member_holds_is_refused(tmp_path: Path):
+    path = saved(tmp_path / "run.psr", RUN)
+    with zipfile.ZipFile(path) as archive:
+        members = {name: archive.read(name) for name in archive.namelist()}
+    huge = members["value.npy"].replace(
+        b"'shape': (7,), }                    ", b"'shape': (999999999999999,), }      "
+    )
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, content in (members | {"value.npy": huge}).items():
+            archive.writestr(name, content)
+    assert "value.npy: found an array of int64, shape (999999999999999,), in 184 bytes" in refusal(path)
+
+
+@given(place=st.integers(0, 3000), byte=st.integers(0, 255), cut=st.booleans())
+@settings(max_examples=120, deadline=None)
+def test_damaged_bytes_are_one_sentence_or_a_sound_table(
+    tmp_path_factory: pytest.TempPathFactory, place: int, byte: int, cut: bool
+):
+    path = saved(tmp_path_factory.mktemp("psr") / "run.psr", RUN)
+    content = bytearray(path.read_bytes())
+    place %= len(content)
+    content[place] = byte
+    path.write_bytes(content[:place] if cut else content)
+    for read in (psr.read_table, psr.read):
+        try:
+            read(path)
+        except formats.BadCapture as error:
+            assert str(error).startswith(f"{path}, ") and "\n" not in str(error)

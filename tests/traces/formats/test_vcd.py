@@ -1,0 +1,271 @@
+"""Value change dumps: the ways simulators and sigrok write them, and broken ones."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from periph_sim.traces.formats import BadCapture, Capture, Span, vcd
+from tests.traces.formats.looks import edges, facts
+
+
+def read(tmp_path: Path, text: str, rate: int | None = None) -> Capture:
+    path = tmp_path / "x.vcd"
+    path.write_text(text, encoding="utf-8")
+    return vcd.read(path, None if rate is None else Fraction(rate))
+
+
+SIGROK = """$date Sat Nov 21 2026 $end
+$version libsigrok 0.5.2 $end
+$comment
+  Acquisition with 2/8 channels at 4 MHz, 25 °C
+$end
+$timescale 10 ns $end
+$scope module libsigrok $end
+$var wire 1 ! SCL $end
+$var wire 1 " My SDA $end
+$upscope $end
+$enddefinitions $end
+#0 1! 1"
+#2500 0"
+#2675 0!
+#250000
+"""
+
+
+def test_as_sigrok_writes_it_time_and_values_on_one_line(tmp_path: Path):
+    capture = read(tmp_path, SIGROK)
+    assert edges(capture) == {"libsigrok.SCL": [1, 2675], "libsigrok.My SDA": [1, 2500]}
+    assert facts(capture) == (10**8, 250_000, False)
+
+
+def test_with_the_rate_positions_are_samples(tmp_path: Path):
+    capture = read(tmp_path, SIGROK, 4_000_000)
+    assert edges(capture) == {"libsigrok.SCL": [1, 107], "libsigrok.My SDA": [1, 100]}
+    assert facts(capture) == (4_000_000, 10_000, True)
+
+
+def test_as_simulators_write_it(tmp_path: Path):
+    text = """
+        $timescale 1ps $end
+        $scope module tb $end $scope module bus $end
+        $var parameter 32 #p CLKHZ $end $var wire 1 aa scl $end $var tri 1 !1 sda[0] $end
+        $upscope $end $upscope $end
+        $comment levels follow $end
+        $enddefinitions $end
+        #0
+        $dumpvars
+        1aa
+        z!1
+        b1010 #p
+        $end
+        #645807000000
+        0!1
+        $comment in between $end
+        #2000000000000
+        """
+    capture = read(tmp_path, text)
+    assert edges(capture) == {"tb.bus.scl": [1], "tb.bus.sda[0]": [1, 645807000000]}
+    assert facts(capture) == (10**12, 2 * 10**12, False)
+    assert capture.channel("scl").name == "tb.bus.scl"
+
+
+@pytest.mark.parametrize(
+    ("timescale", "rate"),
+    [("1 s", 1), ("10 ms", 100), ("100us", 10_000), ("1 ns", 10**9), ("100 ps", 10**10), ("1fs", 10**15)],
+)
+def test_every_timescale(tmp_path: Path, timescale: str, rate: int):
+    text = f"$timescale {timescale} $end $var wire 1 ! a $end #0 0! #7 1! #9"
+    capture = read(tmp_path, text)
+    assert facts(capture) == (rate, 9, False) and edges(capture) == {"a": [0, 7]}
+
+
+def test_without_a_timescale_there_is_no_rate(tmp_path: Path):
+    text = "$var wire 1 ! a $end #0 0! #7 1! #9"
+    assert read(tmp_path, text).rate is None
+    stated = read(tmp_path, text, 4_000_000)
+    assert stated.rate == 4_000_000 and edges(stated) == {"a": [0, 7]}
+
+
+def test_a_change_at_the_last_time_makes_it_the_last_position(tmp_path: Path):
+    assert read(tmp_path, "$var wire 1 ! a $end #0 0! #7 1!").length == 8
+    assert read(tmp_path, "$var wire 1 ! a $end #0 0! #7 1! #7").length == 8
+    assert read(tmp_path, "$var wire 1 ! a $end #0 0! #7").length == 7
+
+
+def test_unknown_levels_are_spans(tmp_path: Path):
+    capture = read(tmp_path, "$var wire 1 ! a $end $var wire 1 & b $end #3 0! x& #5 x! #8 1& #9 U! #10 0! #12")
+    a, b = capture.channels
+    assert (a.initial, a.edges.tolist(), a.unknown) == (0, [], (Span(0, 3), Span(5, 10)))
+    assert (b.initial, b.edges.tolist(), b.unknown) == (1, [], (Span(0, 8),))
+
+
+def test_values_before_the_first_time_hold_from_the_start(tmp_path: Path):
+    capture = read(tmp_path, "$var wire 1 ! a $end $enddefinitions $end $dumpvars 1! $end #5 0! #9")
+    assert edges(capture) == {"a": [1, 5]} and not capture.channels[0].unknown
+
+
+def test_two_variables_of_one_identifier_are_one_line(tmp_path: Path):
+    capture = read(tmp_path, "$var wire 1 ! a $end $var wire 1 ! b $end #0 0! #5 1! #9")
+    assert edges(capture) == {"a": [0, 5], "b": [0, 5]}
+
+
+def test_a_vector_is_a_channel_a_bit_and_short_values_are_extended(tmp_path: Path):
+    text = "$var wire 3 ! bus [5:3] $end $var reg 2 & r $end #0 b101 ! b0 & #4 b1 ! #6 bx1 ! #8 b10 & bz !"
+    capture = read(tmp_path, text)
+    assert edges(capture) == {
+        "bus[5]": [1, 4, 8],  # unknown from 6 to 8, high again as z
+        "bus[4]": [0, 8],
+        "bus[3]": [1],
+        "r[1]": [0, 8],
+        "r[0]": [0],
+    }
+    assert capture.channel("bus[5]").unknown == (Span(6, 8),)
+
+
+def test_reals_and_strings_are_left_out(tmp_path: Path):
+    text = "$var real 64 r volts $end $var string 1 s state $end $var wire 1 ! a $end #0 r1.5 r sIDLE s 0! #5 1! #9"
+    assert edges(read(tmp_path, text)) == {"a": [0, 5]}
+
+
+def test_times_rounded_by_the_writer_snap_to_the_grid_of_the_rate(tmp_path: Path):
+    ticks = [round(n * 1000 / 24) for n in range(0, 2400, 7)]
+    changes = " ".join(f"#{tick} {n & 1}!" for n, tick in enumerate(ticks))
+    capture = read(tmp_path, f"$timescale 1 ns $end $var wire 1 ! a $end {changes}", 24_000_000)
+    assert capture.channels[0].edges.tolist() == list(range(7, 2400, 7))
+
+
+def test_as_other_tools_write_it(tmp_path: Path):
+    text = """
+        $timescale 1 ns $end
+        $var string 0 s EE $end $var wire 0 w none $end $var wire 1 ! bit [3] $end $var integer 4 i count $end
+        $enddefinitions $end
+        #0
+        1 !
+        sABC s
+        b0 w
+        b0101 i
+        #4
+        0 !
+        #9
+        """
+    capture = read(tmp_path, text)
+    assert edges(capture) == {
+        "bit[3]": [1, 4],
+        "count[3]": [0],
+        "count[2]": [1],
+        "count[1]": [0],
+        "count[0]": [1],
+    }
+
+
+@given(st.lists(st.tuples(st.integers(1, 10**6), st.sampled_from("01")), min_size=1, max_size=30))
+@settings(deadline=None)
+def test_written_changes_come_back(tmp_path_factory: pytest.TempPathFactory, steps: list[tuple[int, str]]):
+    now, text, expected, level = 0, ["$timescale 1 ns $end $var wire 1 ! a $end #0 1!"], [1], "1"
+    for wait, value in steps:
+        now += wait
+        text.append(f"#{now} {value}!")
+        if value != level:
+            expected.append(now)
+            level = value
+    assert edges(read(tmp_path_factory.mktemp("vcd"), "\n".join(text))) == {"a": expected}
+
+
+DECLARED = "$timescale 1 ns $end\n$var wire 1 ! a $end\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("quack", "line 1: found 'quack', expected a time, a change or a $ command; write the dump again"),
+        (DECLARED, "the file: found no time, expected changes after a #; dump a run"),
+        (
+            "$timescale 1 ns $end #0",
+            "the file: found no one-bit variable, expected at least one; dump the lines of the bus",
+        ),
+        (
+            "$timescale 3 ns $end",
+            "line 1: found timescale '3ns', expected 1, 10 or 100 of s, ms, us, ns, ps or fs; mend it",
+        ),
+        (
+            "$var wire 1 !",
+            "line 1: found the end of the file after '$var', expected the rest of it; copy the file again",
+        ),
+        (
+            "$var wire x ! a $end",
+            "line 1: found $var wire x ! a, expected type, width (to 1024), identifier and name; mend it",
+        ),
+        (
+            DECLARED + "$var wire 2 ! b $end",
+            "line 3: found 2 bits for identifier '!', expected 1 as before; mend it",
+        ),
+        (DECLARED + "#5 1!\n#4 0!", "line 4: found time 4 after 5, expected times that rise; write the dump again"),
+        (
+            DECLARED + "#x",
+            "line 3: found '#x', expected # and a number of ticks to 4611686018427387904; write the dump again",
+        ),
+        (
+            DECLARED + "#99999999999999999999",
+            "line 3: found '#99999999999999999999', expected # and a number of ticks to 4611686018427387904; "
+            "write the dump again",
+        ),
+        (
+            DECLARED + "#0 1?",
+            "line 3: found a change of '?', expected an identifier that a $var declares; write the dump again",
+        ),
+        (
+            DECLARED + "#0 b101 !",
+            "line 3: found value '101', expected 1 of the states 0, 1, x and z; write the dump again",
+        ),
+    ],
+)
+def test_what_is_wrong_is_named_with_its_line(tmp_path: Path, text: str, message: str):
+    with pytest.raises(BadCapture) as caught:
+        read(tmp_path, text)
+    assert str(caught.value) == f"{tmp_path}/x.vcd, {message}"
+
+
+def test_a_wrong_rate_is_refused(tmp_path: Path):
+    with pytest.raises(BadCapture) as caught:
+        read(tmp_path, SIGROK.replace("#2675", "#2680"), 4_000_000)
+    assert str(caught.value) == (
+        f"{tmp_path}/x.vcd, its times: found a change at #2680, expected times on the grid of 4000000 Hz; "
+        "state the right rate or none"
+    )
+
+
+CUT = SIGROK.replace("#250000", "#2")
+
+
+def test_salvaged_up_to_what_is_wrong(tmp_path: Path):
+    (tmp_path / "x.vcd").write_text(CUT, encoding="utf-8")
+    with pytest.raises(BadCapture):
+        vcd.read(tmp_path / "x.vcd")
+    capture = vcd.read(tmp_path / "x.vcd", salvage=True)
+    assert edges(capture) == {"libsigrok.SCL": [1, 2675], "libsigrok.My SDA": [1, 2500]}
+    assert (capture.length, capture.notes) == (
+        2676,
+        ("read up to tick 2675: line 15: found time 2 after 2675, expected times that rise; write the dump again",),
+    )
+
+
+@pytest.mark.parametrize("text", ["quack", "$timescale 1 ns $end $var wire 1 ! a $end 1! quack"])
+def test_without_a_time_there_is_nothing_to_salvage(tmp_path: Path, text: str):
+    (tmp_path / "x.vcd").write_text(text)
+    with pytest.raises(BadCapture, match="line 1: found 'quack'"):
+        vcd.read(tmp_path / "x.vcd", salvage=True)
+
+
+def test_a_line_without_end_and_too_many_changes_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    with pytest.raises(BadCapture, match=r"line 3: found a line of more than 1048576 bytes, expected shorter ones"):
+        read(tmp_path, DECLARED + "#0 1! " * 200_000)
+    with pytest.raises(BadCapture, match=r"line 258: found more than 262144 bits, expected fewer lines"):
+        read(tmp_path, "$timescale 1 ns $end\n" + "".join(f"$var wire 1024 a{n} a $end\n" for n in range(258)))
+    monkeypatch.setattr(vcd, "MOST_EDGES", 20)
+    with pytest.raises(BadCapture, match=r"line \d\d: found more than 20 changes, expected a shorter run"):
+        read(tmp_path, DECLARED + "\n".join(f"#{n}\n{n & 1}!" for n in range(20)))

@@ -274,6 +274,9 @@ OF_THE_ROBUST = (
             "wait_for_round: moved past frames = self.settings.models_run == 'frame': "
             "i2c, near, late, ran = (self.i2c, self.round_timer, self.wait_timer, False)",
             "wait_for_round: moved past def something_to_do() -> bool:: frames = self.settings.models_run == 'frame'",
+            "wait_for_round: moved past self.overdue = 0: near.TCR.all = RELOAD",
+            "wait_for_round: moved past ran = True: self.model()",
+            "look_at_round: moved past self.overdue = 0: self.round_timer.TCR.all = RELOAD",
         ),
     ),
     Argument(
@@ -299,6 +302,10 @@ OF_THE_ROBUST = (
             "serve: moved past if found & SDIR:: if not found:",
             "send: moved past if not found:: if found & SCD:",
         ),
+    ),
+    Argument(
+        "without a return it returns None, and who asks for it asks only whether it is true",
+        ("send: deleted: return False",),
     ),
 )
 

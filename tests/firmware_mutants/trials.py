@@ -14,6 +14,7 @@ import sys
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
+from importlib import import_module
 from itertools import count
 from pathlib import Path
 from types import ModuleType
@@ -32,6 +33,7 @@ from .changes import Mutant, mutants
 ROOT = Path(__file__).parents[2]
 SOURCES = ROOT / "firmware" / "python"
 STARTUP = "startup"
+PACKAGE = "periph_sim.firmware"  # where firmware imports the start-up from
 START = ("start_pin", "start_i2c", "sci_fifo_receiver", "start_pie")
 FUNCTIONS = {
     "imu_hil": ("sci_received", "slave_config", "batch_read", "run"),
@@ -43,7 +45,8 @@ FUNCTIONS = {
 }
 FIRMWARES = {
     "imu_hil": "The firmware as published, in `imu_hil`, `imu_hil_400k`, and `imu_hil` with every setting on.",
-    "imu_hil_robust": "The firmware that a careful engineer would ship, in these two and the fault cases.",
+    "imu_hil_robust": "The firmware that a careful engineer would ship, in these two and the fault cases; with noise "
+    "before a frame, with SCL held within a request, and with a head that leaves rounds out.",
     "startup": "What both do first, in `imu_hil` and `imu_hil_400k`; `imu_hil_reset` with the robust firmware.",
 }
 STEP = Fraction(1, 200)  # s: how often it is asked whether a budget is broken
@@ -71,6 +74,10 @@ SETTINGS = (  # what the shipped cases leave off
 ON_BUS = ("own_address", "wait_for", "serve", "send", "wait_for_round", "look_at_round", "serve_round", "start_timer")
 ON_LINE = ("sci_received", "look_at_line", "wait_for_round", "look_at_round", "start_timer")
 BREAK = (*COLLIDING, "host.jitter=0 s", "fault.0.at=24.034 ms", "fault.0.spread=0 s", "fault.0.times=1")
+NO_FAULT = ("fault=[]", "host.jitter=0 s")
+NOISE = (*COLLIDING, "host.jitter=0 s", "fault.0.at=21.7 ms", "fault.0.spread=0 s", "fault.0.times=1")
+SCL_HELD = '{kind="hold", wire="SCL", length="1 ms", at="%s ms"}'  # longer than a wait's patience
+FRAME_TO_MODELS = '{name="frame to models", measure="from last frame RX end of burst to edge MODEL rise", max="5 ms"}'
 RESET = Run("imu_hil_robust", "imu_hil_reset", "0.22", ("fault.0.at=45.4 ms", "fault.0.times=1"))
 RUNS = {
     "imu_hil": (
@@ -101,6 +108,27 @@ RUNS = {
         ),
         RESET._replace(functions=("run", *ON_BUS)),
         Run("imu_hil_robust", "imu_hil_glitches", "0.4", (), ON_BUS),
+        Run(  # noise that the receiver takes for a character, 1.3 ms before a frame
+            *("imu_hil_robust", "imu_hil_broken_line", "0.07"),
+            (*NOISE, "fault.0.width=60 us", "budget.data age.max=66 ms"),
+            ("look_at_line",),
+        ),
+        Run(  # another device holds SCL behind a register pointer and in the middle of a read
+            *("imu_hil_robust", "imu_hil_broken_line", "0.13"),
+            (
+                *(*COLLIDING, f"fault=[{SCL_HELD % 45.14}, {SCL_HELD % 85.4}]"),
+                *("budget.nacked rounds.max=2", "budget.wrong bytes.max=30", "budget.data age.max=64 ms"),
+            ),
+            ("serve", "send"),
+        ),
+        Run(  # a head that comes late and leaves out five rounds of six; frames that end where one would be near
+            *("imu_hil_robust", "imu_hil_broken_line", "0.2"),
+            (
+                *(*NO_FAULT, "host.first=19.4 ms", "controller.first=60 ms", "controller.period=120 ms"),
+                *("budget.data age.max=150 ms", f"budget.SCI overruns={FRAME_TO_MODELS}"),
+            ),
+            ("wait_for_round", "look_at_round", "run", "start_timer"),
+        ),
     ),
     "startup": (
         Run("imu_hil", "imu_hil", "0.09", COLLIDING),
@@ -194,13 +222,17 @@ def _broken(limit: Limit) -> bool:
 def _mutated(firmware: str, mutant: Mutant) -> Any:
     if mutant.file == firmware:
         return compiled(mutant.tree(), firmware)
+    package = ModuleType(PACKAGE)
+    package.__dict__.update(vars(import_module(PACKAGE)))
     start = compiled(mutant.tree(), STARTUP)
-    return compiled(_source(firmware), firmware, {f"firmware.python.{STARTUP}": start})
+    package.__dict__.update({name: getattr(start, name) for name in FUNCTIONS[STARTUP]})
+    return compiled(_source(firmware), firmware, {PACKAGE: package})
 
 
 @cache
 def _source(name: str) -> str:
-    return (SOURCES / f"{name}.py").read_text(encoding="utf-8")
+    folder = ROOT / PACKAGE.replace(".", "/") if name == STARTUP else SOURCES
+    return (folder / f"{name}.py").read_text(encoding="utf-8")
 
 
 _number = count()
@@ -209,6 +241,7 @@ _number = count()
 def compiled(source: str | ast.Module, name: str, stand_in: dict[str, ModuleType] | None = None) -> Any:
     """The module of a firmware's source. stand_in: modules that it imports instead of those of these names."""
     module = ModuleType(f"firmware_under_trial_{name}_{next(_number)}")
+    module.__package__ = PACKAGE  # of the start-up's relative imports; firmware has none
     kept = {other: sys.modules.get(other) for other in stand_in or {}}
     sys.modules[module.__name__] = module  # dataclasses look their module up by name
     sys.modules.update(stand_in or {})

@@ -12,7 +12,7 @@ FIRMWARE = """
 from dataclasses import dataclass
 from fractions import Fraction
 
-from firmware.python.startup import sci_fifo_receiver, start_i2c
+from periph_sim.firmware import sci_fifo_receiver, start_i2c
 
 
 @dataclass

@@ -56,7 +56,7 @@ def test_json_is_one_object_with_everything(call):
 TENS = """
 from dataclasses import dataclass
 
-from firmware.python.startup import sci_fifo_receiver
+from periph_sim.firmware import sci_fifo_receiver
 
 
 @dataclass

@@ -192,7 +192,7 @@ SLOW = """
 from dataclasses import dataclass
 from fractions import Fraction
 
-from firmware.python.startup import start_i2c
+from periph_sim.firmware import start_i2c
 
 
 @dataclass

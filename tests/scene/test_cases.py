@@ -169,7 +169,7 @@ def test_an_interrupt_that_is_never_served_overruns_the_fifo(monkeypatch: pytest
     overruns, high = result.budgets
     assert result.verdict == "fail" and overruns.verdict == "fail" and overruns.worst == 1
     assert result.counts["overruns"] == 1 and result.counts["frames"] == 3
-    assert (high.worst, high.verdict) == (16, "pass")
+    assert (high.worst, high.verdict) == (16, "not judged")  # most characters never came into the FIFO
     bit = Fraction(1, 115_200)
     seventeenth = Fraction(22, 1000) + 5 * 10 * bit  # frame 2 comes at 22 ms; 16 words fit, its fifth byte does not
     assert overruns.at_s is not None and abs(overruns.at_s - float(seventeenth)) < float(bit)

@@ -214,7 +214,7 @@ def test_no_age_is_bounded_where_the_host_may_fail_to_send(change: str):
 
 
 FIRMWARE = """
-from firmware.python.startup import start_i2c
+from periph_sim.firmware import start_i2c
 
 
 def main(dsp, settings):

@@ -1,9 +1,12 @@
-# Two commands do everything on a fresh clone: `make demo` and `make test`. Both set up first.
+# Two commands do everything on a fresh clone: `make demo` and `make test`. Both set up first: the demo what a user needs,
+# the tests what a developer needs.
 
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-STAMP := $(VENV)/installed
+USER := $(VENV)/installed
+DEV := $(VENV)/installed-dev
+PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 RULES := build/rules.json
 
 # Without compiled files every command that a test starts would compile the package anew.
@@ -11,7 +14,7 @@ unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: demo test explore check bench mutants firmware-mutants setup clean
 
-demo: $(STAMP)
+demo: $(USER)
 	$(BIN)/periph-sim run timing/imu_hil.toml
 
 test: check
@@ -22,37 +25,42 @@ test: check
 	$(BIN)/python -m tests.rules.coverage
 
 # Properties with examples of chance, many more of them: for a quiet evening.
-explore: $(STAMP)
+explore: $(DEV)
 	$(BIN)/pytest -n auto -m long --hypothesis-profile=explore
 
 # One-line mutants of the committed tree that no test kills: make mutants COUNT=40 SEEDS="1 drawn" ROOMS="chips insight"
 COUNT ?= 300
 SEEDS ?= 1 2 3 drawn
 ROOMS ?= chips processor measures decoders insight
-mutants: $(STAMP)
+mutants: $(DEV)
 	$(BIN)/python -m tests.mutants --count $(COUNT) $(SEEDS:%=--seed %) $(ROOMS:%=--room %)
 
 # Every statement of both emulators changed; docs/firmware_mutants.md names the budget that catches each.
-firmware-mutants: $(STAMP)
+firmware-mutants: $(DEV)
 	$(BIN)/python -m tests.firmware_mutants
 
-check: $(STAMP)
+check: $(DEV)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
 
-bench: $(STAMP)
+bench: $(DEV)
 	$(BIN)/python -m tests.bench.speed
 	$(BIN)/python -m tests.bench.decode
 	$(BIN)/python -m tests.bench.numeric
 
-setup: $(STAMP)
+setup: $(DEV)
 
-$(STAMP): pyproject.toml constraints.txt
+$(USER): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
+	$(PIP) -e .
 	touch $@
+
+$(DEV): pyproject.toml constraints.txt
+	$(PYTHON) -m venv $(VENV)
+	$(PIP) -e '.[dev]'
+	touch $(USER) $@
 
 clean:
 	rm -rf $(VENV) build .coverage* .hypothesis .pytest_cache .mypy_cache .ruff_cache

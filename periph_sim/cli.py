@@ -16,6 +16,8 @@ from pathlib import Path
 
 import click
 
+from . import __version__
+
 MISTAKE, FAULT = 2, 3
 LONGEST_MESSAGE = 2000  # characters: a path and a few shortened quotes
 
@@ -73,7 +75,7 @@ def _help(file: Path) -> str:
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(package_name="periph-sim")
+@click.version_option(__version__, prog_name="periph-sim")
 def cli() -> None:
     """Run F28335 firmware against SCI and I2C models and check its timing."""
 

@@ -6,11 +6,10 @@
 Step by step as the dissertation describes it (Figs. A.2 and A.4, sections 3.4 and 4.3.5),
 field by field: each assignment to a field is a read and a write of the whole register.
 
-A frame is six signed 16-bit values, low byte first: roll, pitch, yaw, then acceleration
-x, y, z. With arithmetic = "bytes" the chips show these values, so that a byte on the bus
-tells its frame: the gyroscope the angles, the accelerometer the accelerations, the
-magnetometer the angles again, each in its chip's byte order. With any other arithmetic
-("float64", "float32", "q16", ...) they show what the sensor models make of them.
+A frame is six signed 16-bit values, low byte first: roll, pitch, yaw, then acceleration x, y, z. With arithmetic =
+"bytes" the chips show these values, so that a byte on the bus tells its frame: the gyroscope the angles, the
+accelerometer the accelerations, the magnetometer the angles again, each in its chip's byte order. With any other
+arithmetic ("float64", "float32", "q16", ...) they show what the sensor models make of them.
 """
 
 from __future__ import annotations
@@ -19,10 +18,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from firmware.python.imu_models import ModelSettings, models_of, shown
 from periph_sim.core.settings import Duration, HexBytes
 from periph_sim.firmware import sci_fifo_receiver, start_i2c, start_pie, start_pin
 from periph_sim.processor.dsp import Dsp
+
+from .imu_models import ModelSettings, models_of, shown
 
 FRAME_BYTES = 12
 GYROSCOPE, ACCELEROMETER, MAGNETOMETER = 0x68, 0x53, 0x1E

@@ -15,8 +15,7 @@ What it does otherwise than imu_hil, and why:
 * The models run when a frame arrives, so that a read carries the last frame and not the last but one. Within `guard` of
   the next round, which TIMER0 tells from the last, they wait until it is over.
 
-Source: dissertation section 3.4 (work to be done); SPRUG03B (W1C flags, IRS), SPRUFZ5A (FIFO, RXERROR), SPRUFB0D
-section 5.5 (timers).
+Source: dissertation section 3.4 (work to be done); SPRUG03B (W1C flags, IRS), SPRUFZ5A (FIFO), SPRUFB0D 5.5 (timers).
 """
 
 from __future__ import annotations
@@ -25,12 +24,13 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal
 
-from firmware.python.imu_hil import ACCELEROMETER, FRAME_BYTES, GYROSCOPE, MAGNETOMETER, endless
-from firmware.python.imu_models import ModelSettings, models_of, shown
 from periph_sim.core.settings import Duration
 from periph_sim.firmware import sci_fifo_receiver, start_i2c, start_pie, start_pin
 from periph_sim.processor.dsp import Dsp
 from periph_sim.processor.register_view import ModulePort
+
+from .imu_hil import ACCELEROMETER, FRAME_BYTES, GYROSCOPE, MAGNETOMETER, endless
+from .imu_models import ModelSettings, models_of, shown
 
 RRDY, XRDY, SCD, AAS, SDIR = 1 << 3, 1 << 4, 1 << 5, 1 << 9, 1 << 14  # I2CSTR
 IRS, FREE = 1 << 5, 1 << 14  # I2CMDR

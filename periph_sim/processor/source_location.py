@@ -13,7 +13,10 @@ from pathlib import Path
 from types import CodeType, FrameType
 
 PACKAGE = f"{Path(__file__).parents[1]}{os.sep}"  # what a place in the firmware is never in,
-FIRMWARE_ROOM = f"{PACKAGE}firmware{os.sep}"  # but for the start-up code that firmware imports
+FIRMWARE_ROOMS = (  # but for
+    f"{PACKAGE}firmware{os.sep}",  # the start-up code that firmware imports,
+    f"{PACKAGE}examples{os.sep}",  # and the shipped programs, which a wheel has here
+)
 STDLIB = f"{sysconfig.get_path('stdlib')}{os.sep}"  # nor in this, which our own calls go through
 INSTALLED = f"{STDLIB}site-packages{os.sep}"  # which may hold firmware
 
@@ -64,7 +67,7 @@ class SourceLocator:
 
 def is_ours(file: str) -> bool:
     """True if this file belongs to the simulation, and not to firmware."""
-    return file.startswith(PACKAGE) and not file.startswith(FIRMWARE_ROOM)
+    return file.startswith(PACKAGE) and not file.startswith(FIRMWARE_ROOMS)
 
 
 def is_firmware(file: str) -> bool:

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import importlib.util
 import inspect
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass, is_dataclass
-from importlib.machinery import SourceFileLoader
 from pathlib import Path
-from types import CodeType, ModuleType
+from types import ModuleType
 from typing import TypeVar
 
 from pydantic import TypeAdapter, ValidationError
@@ -20,6 +17,7 @@ from ..processor.dsp import Dsp
 from ..processor.error_origin import Misuse, defined_at, flaw_of
 from ..sensors.models.parameters import Imu
 from .case.error_text import complaint, place_of
+from .firmware_files import module_of_file, shipped_module, shipped_names, why_not_imported
 
 T = TypeVar("T")
 
@@ -46,11 +44,14 @@ class BadSetting(ValueError):
 
 
 def load_firmware(name: str) -> Firmware:
-    """A program: a name under firmware/python, or the path of a .py file. BadFirmware if it cannot be had."""
+    """A program: the name of a shipped one, or the path of a .py file. BadFirmware if it cannot be had."""
     try:
-        module = _firmware_file(Path(name)) if name.endswith(".py") else _firmware_module(name)
+        module = _file_module(Path(name)) if name.endswith(".py") else _shipped_module(name)
     except BadFirmware:
         raise
+    except ModuleNotFoundError as error:
+        why = why_not_imported(error, Path(name).parent)
+        raise BadFirmware(f"firmware {name!r} cannot be loaded: {why}") from None
     except Exception as error:
         raise BadFirmware(f"firmware {name!r} cannot be loaded: {type(error).__name__}: {error}") from None
     if not callable(getattr(module, "main", None)):
@@ -69,32 +70,17 @@ def run_main(firmware: Firmware, dsp: Dsp, settings: object) -> None:
         raise Misuse(f"main, {defined_at(firmware.main)}, returned {came!r}; firmware returns nothing")
 
 
-class _Source(SourceFileLoader):
-    """Compiles the text at every load: bytecode kept by the second would miss an edit, and litter the user's folder."""
-
-    def get_code(self, fullname: str) -> CodeType:
-        return self.source_to_code(self.get_data(self.path), self.path)
-
-
-def _firmware_file(path: Path) -> ModuleType:
+def _file_module(path: Path) -> ModuleType:
     if not path.is_file():
         raise BadFirmware(f"there is no firmware file {str(path)!r}; its path counts from the folder of the case")
-    name = f"firmware_file_{path.stem}"
-    loader = _Source(name, str(path))
-    spec = importlib.util.spec_from_file_location(name, path, loader=loader)
-    assert spec is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # dataclasses look their module up by name
-    loader.exec_module(module)
-    return module
+    return module_of_file(path)
 
 
-def _firmware_module(name: str) -> ModuleType:
-    folder = importlib.import_module("firmware.python")
-    known = [p.stem for root in folder.__path__ for p in Path(root).glob("*.py") if p.stem != "__init__"]
+def _shipped_module(name: str) -> ModuleType:
+    known = shipped_names()
     if name not in known:
-        raise BadFirmware(f"there is no firmware {name!r}; {did_you_mean(name, sorted(known))}")
-    return importlib.import_module(f"firmware.python.{name}")
+        raise BadFirmware(f"there is no firmware {name!r}; {did_you_mean(name, known)}")
+    return shipped_module(name)
 
 
 def settings_for(firmware: Firmware, given: dict[str, object]) -> object:

@@ -241,7 +241,7 @@ _number = count()
 def compiled(source: str | ast.Module, name: str, stand_in: dict[str, ModuleType] | None = None) -> Any:
     """The module of a firmware's source. stand_in: modules that it imports instead of those of these names."""
     module = ModuleType(f"firmware_under_trial_{name}_{next(_number)}")
-    module.__package__ = PACKAGE  # of the start-up's relative imports; firmware has none
+    module.__package__ = PACKAGE if name == STARTUP else "firmware.python"  # of its relative imports
     kept = {other: sys.modules.get(other) for other in stand_in or {}}
     sys.modules[module.__name__] = module  # dataclasses look their module up by name
     sys.modules.update(stand_in or {})

@@ -18,7 +18,7 @@ from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
 
 from ...processor.dsp import Dsp
-from ...processor.source_location import is_ours
+from ...processor.source_location import PACKAGE, is_ours
 from ...timing.language.scope import MAPS
 from .data_dependence import Function, Kind, Module, called
 
@@ -156,4 +156,4 @@ LIBRARIES = tuple({sysconfig.get_paths()[key] for key in ("stdlib", "platstdlib"
 
 
 def _is_library(file: str) -> bool:
-    return is_ours(file) or file.startswith(LIBRARIES)
+    return is_ours(file) or (file.startswith(LIBRARIES) and not file.startswith(PACKAGE))

@@ -1,0 +1,97 @@
+"""Imports firmware files: a path, or the name of a shipped program, goes in; its module comes out.
+
+Each file is a module of a package of its own, under a name that nobody else has: a repository's own `firmware/` never
+meets ours, nor two folders' files of one name. `from .other import f` finds other.py beside the file, else the shipped
+program of that name, so that a copy of a shipped program runs from any folder.
+"""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from collections.abc import Sequence
+from importlib.abc import MetaPathFinder
+from importlib.machinery import ModuleSpec, SourceFileLoader
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from types import CodeType, ModuleType
+
+_ROOM = Path(__file__).parents[1] / "examples"  # a wheel has them inside the package; a checkout beside it
+EXAMPLES = _ROOM if _ROOM.is_dir() else Path(__file__).parents[2]
+SHIPPED = EXAMPLES / "firmware" / "python"
+
+PREFIX = "_firmware_"
+_packages: dict[Path, str] = {}
+
+
+def shipped_names() -> list[str]:
+    """Names of the shipped programs, and of the modules that they share, sorted."""
+    return sorted(file.stem for file in SHIPPED.glob("*.py") if file.stem != "__init__")
+
+
+def shipped_module(name: str) -> ModuleType:
+    """The module of a shipped program, imported once."""
+    package = f"{PREFIX}shipped"
+    if package not in sys.modules:
+        _make_package(package, [SHIPPED])
+    return importlib.import_module(f"{package}.{name}")
+
+
+def module_of_file(path: Path) -> ModuleType:
+    """The module of a firmware file, imported anew with all that it imports from its folder: an edit counts at once."""
+    path = path.resolve()
+    package = _packages.setdefault(path, f"{PREFIX}{len(_packages)}")
+    for loaded in [name for name in sys.modules if name.startswith(f"{package}.")]:
+        del sys.modules[loaded]
+    _make_package(package, [path.parent, SHIPPED])
+    spec = _spec(f"{package}.{path.stem.replace('.', '_')}", path)
+    module = module_from_spec(spec)
+    sys.modules[spec.name] = module  # dataclasses look their module up by name
+    assert spec.loader is not None
+    spec.loader.exec_module(module)
+    return module
+
+
+def why_not_imported(error: ModuleNotFoundError, folder: Path) -> str:
+    """What an import failed for and the way out, in words that firmware knows. folder: of the file."""
+    package, _, name = (error.name or "").rpartition(".")
+    if package.startswith(PREFIX):
+        return f"it imports .{name}, but there is no {name}.py beside it"
+    if (folder / f"{name}.py").is_file():
+        return f"{error}; the {name}.py beside it is imported with a dot: from .{name} import ..."
+    return str(error)
+
+
+def _make_package(name: str, folders: list[Path]) -> None:
+    spec = ModuleSpec(name, None, is_package=True)
+    spec.submodule_search_locations = [str(folder) for folder in folders]
+    sys.modules[name] = module_from_spec(spec)
+
+
+class _Source(SourceFileLoader):
+    """Compiles the text at every load: bytecode kept by the second would miss an edit, and litter the user's folder."""
+
+    def get_code(self, fullname: str) -> CodeType:
+        return self.source_to_code(self.get_data(self.path), self.path)
+
+
+def _spec(name: str, file: Path) -> ModuleSpec:
+    kind = SourceFileLoader if file.parent == SHIPPED else _Source
+    spec = spec_from_file_location(name, file, loader=kind(name, str(file)))
+    assert spec is not None
+    return spec
+
+
+class _FirmwareFinder(MetaPathFinder):
+    """Finds what firmware imports with a dot; Python's own finder would keep bytecode in the user's folder."""
+
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        if path is None or not fullname.startswith(PREFIX):
+            return None
+        files = (Path(folder) / f"{fullname.rpartition('.')[2]}.py" for folder in path)
+        return next((_spec(fullname, file) for file in files if file.is_file()), None)
+
+
+sys.meta_path.insert(0, _FirmwareFinder())

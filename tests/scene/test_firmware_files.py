@@ -1,0 +1,83 @@
+"""Firmware of several files: what a file imports with a dot, and what a refused import says."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from periph_sim.scene.firmware_loader import BadFirmware, load_firmware
+
+MAIN = "from .shared import NAME\n\n\ndef main(dsp, settings):\n    pass\n"
+
+
+def program(folder: Path, text: str = MAIN, **beside: str) -> str:
+    folder.mkdir(exist_ok=True)
+    for name, content in beside.items():
+        (folder / f"{name}.py").write_text(content, encoding="utf-8")
+    file = folder / "mine.py"
+    file.write_text(text, encoding="utf-8")
+    return str(file)
+
+
+def name_in(file: str) -> object:
+    return load_firmware(file).main.__globals__["NAME"]
+
+
+def test_folders_with_files_of_one_name_do_not_meet(tmp_path: Path) -> None:
+    one = program(tmp_path / "one", shared="NAME = 'one'\n")
+    two = program(tmp_path / "two", shared="NAME = 'two'\n")
+    assert [name_in(one), name_in(two), name_in(one)] == ["one", "two", "one"]
+
+
+def test_an_edit_of_a_file_beside_it_counts_at_once_and_nothing_is_left_there(tmp_path: Path) -> None:
+    names = [name_in(program(tmp_path, shared=f"NAME = '{name}'\n")) for name in ("one", "two")]
+    assert names == ["one", "two"]
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["mine.py", "shared.py"]
+
+
+def test_a_copy_of_a_shipped_program_finds_the_shipped_files(tmp_path: Path) -> None:
+    shipped = Path(__file__).parents[2] / "firmware" / "python" / "imu_hil.py"
+    main = load_firmware(program(tmp_path, shipped.read_text(encoding="utf-8"))).main
+    assert main.__code__.co_filename == str(tmp_path / "mine.py")
+    assert main.__globals__["models_of"].__code__.co_filename == str(shipped.with_name("imu_models.py"))
+
+
+def test_a_file_beside_it_goes_before_a_shipped_one(tmp_path: Path) -> None:
+    assert name_in(program(tmp_path, MAIN.replace(".shared", ".responder"), responder="NAME = 'own'\n")) == "own"
+
+
+def test_a_folder_beside_it_is_imported_from(tmp_path: Path) -> None:
+    program(tmp_path / "drivers", "NAME = 'driver'\n")
+    assert name_in(program(tmp_path, MAIN.replace(".shared", ".drivers.mine"))) == "driver"
+
+
+def test_a_dot_in_the_file_name(tmp_path: Path) -> None:
+    file = Path(program(tmp_path, shared="NAME = 'one'\n")).rename(tmp_path / "mine.v2.py")
+    assert name_in(str(file)) == "one"
+
+
+def test_shipped_programs_load_where_firmware_is_another_package(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in [name for name in sys.modules if name.startswith("_firmware_shipped")]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "firmware", None)  # an import of it fails
+    assert callable(load_firmware("imu_hil_robust").main)
+
+
+@pytest.mark.parametrize(
+    ("line", "says"),
+    [
+        ("from .nowhere import NAME", "it imports .nowhere, but there is no nowhere.py beside it"),
+        (
+            "from shared import NAME",
+            "No module named 'shared'; the shared.py beside it is imported with a dot: from .shared import ...",
+        ),
+        ("import nowhere_at_all", "No module named 'nowhere_at_all'"),
+    ],
+)
+def test_a_refused_import_says_the_way_out(tmp_path: Path, line: str, says: str) -> None:
+    file = program(tmp_path, MAIN.replace("from .shared import NAME", line), shared="NAME = 'one'\n")
+    with pytest.raises(BadFirmware) as refused:
+        load_firmware(file)
+    assert str(refused.value) == f"firmware {file!r} cannot be loaded: {says}"

@@ -1,0 +1,121 @@
+"""The wheel: what is in it, and that it works in a repository that has a package `firmware` of its own."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+import periph_sim
+
+ROOT = Path(__file__).parents[1]
+
+pytestmark = pytest.mark.long
+
+CASE = """
+name = "own"
+duration = "3 ms"
+[unit.dsp]
+firmware = "../firmware/answer.py"
+modules = ["I2C-A"]
+[controller]
+first = "1 ms"
+period = "2 ms"
+[[controller.request]]
+name = "r"
+address = 0x50
+pointer = 0
+count = 2
+expect = "01 02"
+[[budget]]
+name = "wrong bytes"
+measure = "wrong bytes"
+max = 0
+"""
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("wheel")
+    subprocess.run(
+        [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(folder)],
+        cwd=ROOT,
+        check=True,
+        capture_output=True,
+    )
+    (file,) = folder.glob("*.whl")
+    return file
+
+
+@pytest.fixture(scope="module")
+def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder for PYTHONPATH with the wheel alone in it; its dependencies are those of the tests."""
+    folder = tmp_path_factory.mktemp("site")
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(folder)
+    return folder
+
+
+@pytest.fixture
+def repository(tmp_path: Path) -> Path:
+    """A user's: its `firmware` is a package, which nobody is to import; two of its files are the case's firmware."""
+    for folder in ("firmware", "timing"):
+        (tmp_path / folder).mkdir()
+    (tmp_path / "firmware" / "__init__.py").write_text("raise RuntimeError('the repository own firmware package')\n")
+    (tmp_path / "firmware" / "answer.py").write_text("from .shared import Settings, main\n")
+    (tmp_path / "firmware" / "shared.py").write_text("from .responder import Settings, main\n")
+    (tmp_path / "timing" / "own.toml").write_text(CASE)
+    return tmp_path
+
+
+def command(installed: Path, repository: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, "PYTHONPATH": str(installed)}
+    return subprocess.run(
+        [sys.executable, "-m", "periph_sim", *arguments],
+        cwd=repository,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def test_all_files_are_below_the_package_and_none_is_forgotten(wheel: Path) -> None:
+    names = {name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name}
+    assert {name.partition("/")[0] for name in names} == {"periph_sim"}
+    sources = [
+        file.relative_to(ROOT).as_posix()
+        for folder in ("periph_sim", "firmware/python", "timing")
+        for file in (ROOT / folder).rglob("*")
+        if file.is_file() and "__pycache__" not in file.parts
+    ]
+    assert names == {re.sub("^(firmware|timing)/", r"periph_sim/examples/\1/", name) for name in sources}
+    assert "periph_sim/py.typed" in names
+
+
+def test_version_is_one(wheel: Path, installed: Path, repository: Path) -> None:
+    assert wheel.name == f"periph_sim-{periph_sim.__version__}-py3-none-any.whl"
+    came = command(installed, repository, "--version")
+    assert came.stdout == f"periph-sim, version {periph_sim.__version__}\n"
+
+
+def test_a_repository_with_its_own_firmware_package(installed: Path, repository: Path) -> None:
+    came = command(installed, repository, "run", "timing/own.toml")
+    assert (came.returncode, came.stderr) == (0, "")
+    assert "own: PASS" in came.stdout
+    assert not list(repository.rglob("__pycache__"))
+
+
+def test_a_shipped_case_runs_its_shipped_firmware_and_has_the_same_figures(installed: Path, repository: Path) -> None:
+    """imu_hil_robust imports two shipped files; its baseline names lines of them, and bounds read their source."""
+    timing = installed / "periph_sim" / "examples" / "timing"
+    came = command(installed, repository, "check", str(timing / "imu_hil_lost_byte.toml"))
+    assert (came.returncode, came.stderr) == (0, ""), came.stdout
+    here = command(ROOT, repository, "run", str(ROOT / "timing" / "imu_hil_lost_byte.toml"))
+    there = command(installed, repository, "run", str(timing / "imu_hil_lost_byte.toml"))
+    assert there.stdout == here.stdout

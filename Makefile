@@ -52,9 +52,10 @@ bench: $(DEV)
 
 setup: $(DEV)
 
+# Not compiled: Python does that as it imports, with the little of it that is imported.
 $(USER): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
-	$(PIP) -e .
+	$(PIP) --no-compile -e .
 	touch $@
 
 $(DEV): pyproject.toml constraints.txt

@@ -31,7 +31,10 @@ def test_folders_with_files_of_one_name_do_not_meet(tmp_path: Path) -> None:
     assert [name_in(one), name_in(two), name_in(one)] == ["one", "two", "one"]
 
 
-def test_an_edit_of_a_file_beside_it_counts_at_once_and_nothing_is_left_there(tmp_path: Path) -> None:
+def test_an_edit_of_a_file_beside_it_counts_at_once_and_nothing_is_left_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "dont_write_bytecode", False)
     names = [name_in(program(tmp_path, shared=f"NAME = '{name}'\n")) for name in ("one", "two")]
     assert names == ["one", "two"]
     assert sorted(file.name for file in tmp_path.iterdir()) == ["mine.py", "shared.py"]

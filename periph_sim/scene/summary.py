@@ -49,14 +49,15 @@ def result_of(scene: Scene, length: int, wall: float) -> Result:
         budgets=verdicts,
         counts=counts,
         unknowns=sorted({f"{name}.{t}" for name, part in parts.items() for t in part.touched}),
-        notes=_notes(scene),
+        notes=notes_of(scene),
         stuck=stuck,
         wrong=wrong,
         first_wrong=first_wrong,
     )
 
 
-def _notes(scene: Scene) -> list[str]:
+def notes_of(scene: Scene) -> list[str]:
+    """What was noted of each unit and chip, a line each: broken duties, what is not modelled, an ended main."""
     lines = []
     for name, dsp in scene.units.items():
         for module, socket in dsp.sockets.items():

@@ -36,7 +36,7 @@ def test_error_of_firmware_is_told_with_its_line(message: tuple[str, ...], text:
 
     with pytest.raises(FirmwareError) as error:
         bench.run(main, 100)
-    assert str(error.value) == f"dsp: OverflowError at line {raised[0]} of test_timeline.py: {text}"
+    assert str(error.value) == f"dsp: OverflowError at line {raised[0]} of test_cpu_time.py: {text}"
 
 
 def test_error_that_firmware_words_itself_stays_as_it_is():

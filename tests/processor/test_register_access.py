@@ -327,7 +327,7 @@ def test_duty_that_the_cpu_notes_ends_a_strict_run_with_its_line_and_time(strict
     if strict:
         with pytest.raises(FirmwareError) as error:
             kernel.run_until(20 * 5000)
-        place = f"line {lines[0]} of test_accesses.py"
+        place = f"line {lines[0]} of test_register_access.py"
         assert str(error.value) == f"dsp, {place}, at 9.987 us: {told} [SPRUFB0D section 7.2]"
     else:
         kernel.run_until(20 * 5000)

@@ -122,7 +122,7 @@ def test_a_running_timer_whose_interrupt_may_help_keeps_the_wait_alive(monkeypat
 def test_firmware_that_sleeps_is_said_to_sleep(monkeypatch: pytest.MonkeyPatch):
     scene = scene_with(monkeypatch, lambda dsp: dsp.cpu.idle(), [])
     scene.run()
-    assert scene.doing(scene.units["dsp"]) == "waits in IDLE for an interrupt at line 123 of test_stuck.py"
+    assert scene.doing(scene.units["dsp"]) == "waits in IDLE for an interrupt at line 123 of test_deadlock.py"
 
 
 # The bus held ------------------------------------------------------------------

@@ -11,6 +11,7 @@ from periph_sim.core.chip import Note, joined
 from periph_sim.processor.error_origin import FirmwareError
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
+from periph_sim.scene.summary import notes_of
 
 CASE = """\
 name = "small"
@@ -65,7 +66,7 @@ def test_notes_that_forbid_nothing_end_no_run(tmp_path: Path):
 def test_pins_of_the_external_bus_are_one_note_that_lists_them(tmp_path: Path):
     lines = ("dsp.eallow()", *(f"dsp.module('GPIO').GPBMUX1.GPIO{pin} = 3" for pin in range(36, 46)))
     scene = ran(tmp_path, lines, strict=False)
-    (note,) = [line for line in scene._notes() if "not modelled" in line]
+    (note,) = [line for line in notes_of(scene) if "not modelled" in line]
     assert "GPIO36 (XZCS0)" in note and "GPIO45 (XA5)" in note and note.count("GPIO") >= 10
 
 

@@ -1,6 +1,6 @@
 """Peripheral interrupt expansion. Rules SYS-096 to SYS-125 as far as the PIE decides them.
 
-What needs the CPU as well (SYS-112, 124, 126) is in test_cpu.py.
+What needs the CPU as well (SYS-112, 124, 126) is in test_interrupts.py.
 """
 
 from __future__ import annotations

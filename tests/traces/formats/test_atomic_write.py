@@ -7,12 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.traces.formats import BadCapture, whole
+from periph_sim.traces.formats import BadCapture
+from periph_sim.traces.formats.atomic_write import atomic_write
 
 
 def test_it_appears_when_the_block_ends(tmp_path: Path):
     path = tmp_path / "run.vcd"
-    with whole(path) as unfinished:
+    with atomic_write(path) as unfinished:
         assert (unfinished.parent, unfinished.suffix) == (tmp_path, ".vcd")
         unfinished.write_text("new")
         assert not path.exists()
@@ -25,7 +26,7 @@ def test_it_appears_when_the_block_ends(tmp_path: Path):
 def test_nothing_is_left_when_the_block_raises_and_what_was_there_stays(tmp_path: Path):
     path = tmp_path / "run.vcd"
     path.write_text("old")
-    with pytest.raises(KeyboardInterrupt), whole(path) as unfinished:
+    with pytest.raises(KeyboardInterrupt), atomic_write(path) as unfinished:
         unfinished.write_text("half")
         raise KeyboardInterrupt
     assert path.read_text() == "old"
@@ -34,7 +35,7 @@ def test_nothing_is_left_when_the_block_raises_and_what_was_there_stays(tmp_path
 
 def test_a_place_that_cannot_be_written_to(tmp_path: Path):
     path = tmp_path / "none" / "run.vcd"
-    with pytest.raises(BadCapture) as caught, whole(path):
+    with pytest.raises(BadCapture) as caught, atomic_write(path):
         pass
     assert str(caught.value) == (
         f"{path}, its place: found no such file or directory, expected a place that can be written to; "
@@ -44,6 +45,6 @@ def test_a_place_that_cannot_be_written_to(tmp_path: Path):
 
 def test_a_folder_in_the_way_leaves_nothing_behind(tmp_path: Path):
     (tmp_path / "run.vcd").mkdir()
-    with pytest.raises(BadCapture, match="its place: found is a directory"), whole(tmp_path / "run.vcd"):
+    with pytest.raises(BadCapture, match="its place: found is a directory"), atomic_write(tmp_path / "run.vcd"):
         pass
     assert os.listdir(tmp_path) == ["run.vcd"]

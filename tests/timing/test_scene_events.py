@@ -31,8 +31,8 @@ class Scene:
         self.heard: dict[str, Callable[..., None]] = {}
 
     def __getattr__(self, name: str):
-        if name.startswith("listen_"):
-            return lambda told: self.heard.setdefault(name.removeprefix("listen_"), told)
+        if name.startswith("on_"):
+            return lambda told: self.heard.setdefault(name, told)
         if name in self.there:
             return lambda *_: self.there[name]
         raise AttributeError(name)
@@ -56,7 +56,7 @@ def test_scl_that_is_held_at_the_end_counts_with_what_it_has_been(since: int, sa
     measure = Stretch()
     scene = Scene(held_since=since)
     measure.listen(scene)  # type: ignore[arg-type]
-    scene.heard["transfers"](Transfer("chip", [read(GYRO, at=10, stretch=7)]))
+    scene.heard["on_transfer"](Transfer("chip", [read(GYRO, at=10, stretch=7)]))
     measure.finish(80)
     assert measure.close(80) == said and (measure.worst, measure.worst_at) == worst
 
@@ -107,7 +107,7 @@ def test_a_round_is_measured_from_its_begin_and_slack_from_its_end():
     slack, scene = Slack(), Scene(round_period=2000)
     slack.listen(scene)  # type: ignore[arg-type]
     for one in (over(1000, 1500), over(3000, 5001)):
-        scene.heard["rounds"](one)
+        scene.heard["on_round"](one)
     assert (slack.worst, slack.worst_at, slack.least, slack.least_at) == (1500, 1500, -1, 5001)
 
 
@@ -210,7 +210,7 @@ def deviation(at_frame: bool, *, frames: int = 1, chip: str = "") -> tuple[Value
     measure.listen(scene)  # type: ignore[arg-type]
     measure.keep()
     for number in range(frames):
-        scene.heard["frames"](number + 1, (0,) * 6, 0)
+        scene.heard["on_frame"](number + 1, (0,) * 6, 0)
     return measure, scene
 
 
@@ -218,7 +218,7 @@ def test_a_value_is_off_by_its_worst_axis_at_its_first_data_bit():
     measure, scene = deviation(False)
     for answer_at, values in ((200, (2, -2, 0)), (350, (3, -3, 0)), (400, (4, -1, 0)), (500, (5, -5, -7))):
         phase = read(GYRO, sample(*values), at=answer_at - 20, answer_at=answer_at)
-        scene.heard["transfers"](Transfer("gyroscope", [phase]))
+        scene.heard["on_transfer"](Transfer("gyroscope", [phase]))
     assert measure.all_kept()[0].tolist() == [0, MILLIONTHS // 2, 3 * MILLIONTHS, 7 * MILLIONTHS]
     assert measure.all_kept()[1].tolist() == [180, 330, 380, 480] and measure.occasions == 4
 
@@ -227,7 +227,7 @@ def test_a_value_is_off_by_its_worst_axis_at_its_first_data_bit():
 def test_at_the_frame_the_best_of_the_last_eight_counts(frames: int, carried: int):
     measure, scene = deviation(True, frames=frames)
     phase = read(GYRO, sample(carried, -carried, 0), at=2000, answer_at=2020)
-    scene.heard["transfers"](Transfer("gyroscope", [phase]))
+    scene.heard["on_transfer"](Transfer("gyroscope", [phase]))
     recent = range(max(frames - RECENT, 0) + 1, frames + 1)
     assert measure.worst == min(abs(carried - number) for number in recent) * MILLIONTHS
 
@@ -243,10 +243,10 @@ def test_which_reads_have_a_value():
         [wrote(GYRO, at=580, acked=False), Phase(GYRO, read=True, count=6)],
     )
     for phases in transfers:
-        scene.heard["transfers"](Transfer("gyroscope", phases))
+        scene.heard["on_transfer"](Transfer("gyroscope", phases))
     assert (measure.count, measure.occasions) == (1, 3)
     early, before = deviation(False, frames=0)
-    before.heard["transfers"](Transfer("gyroscope", transfers[0]))
+    before.heard["on_transfer"](Transfer("gyroscope", transfers[0]))
     assert (early.count, early.occasions) == (0, 0)
     assert (
         early.missing()

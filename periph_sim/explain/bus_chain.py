@@ -1,6 +1,6 @@
 """Why a measure of the bus came out as it did: answers, stretches, rounds, addresses that nobody acknowledged.
 
-Look --> ChainBuilder: steps, parts, what is to blame
+Evidence --> ChainBuilder: steps, parts, what is to blame
 """
 
 from __future__ import annotations

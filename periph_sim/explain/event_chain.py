@@ -1,6 +1,6 @@
 """Why two events lay so far apart: both with their causes, and what the firmware did in between.
 
-Look, events --> ChainBuilder
+Evidence, events --> ChainBuilder
 """
 
 from __future__ import annotations

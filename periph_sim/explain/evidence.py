@@ -1,6 +1,6 @@
 """Looks into a Window that every explanation needs: what the bus, a unit's firmware and its flags did, and when.
 
-Window, case --> Look: phases on the bus, lows of SCL, accesses, flags with who saw them, Steps of these
+Window, case --> Evidence: phases on the bus, lows of SCL, accesses, flags with who saw them, Steps of these
 """
 
 from __future__ import annotations

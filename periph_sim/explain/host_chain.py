@@ -1,6 +1,6 @@
 """Why a measure of the host's frames came out as it did: age and values of data, words in the FIFO, characters lost.
 
-Look --> ChainBuilder
+Evidence --> ChainBuilder
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The F28335 as master against captured targets: what they answered is played, the firmware asks for itself.
 
-    capture --> controller's script --> firmware's settings --> unit --> SCL, SDA <-- I2cTarget <-- captured answers
+    capture --> the script --> firmware's settings --> unit --> SCL, SDA <-- ScriptedTarget <-- captured answers
        \\--> events expected  <-------------- compare -------------->  events decoded from the wires
 
 A firmware with settings called `script`, `pauses`, `low` and `high` is set to do as the captured controller did; one

@@ -28,72 +28,72 @@ class ControllerAgent:
     asked: Asked
 
 
-def build_head(site: SceneContext, table: Controller, on_stuck: Callable[[Wire], None]) -> ControllerAgent:
+def build_head(context: SceneContext, table: Controller, on_stuck: Callable[[Wire], None]) -> ControllerAgent:
     """BadCase, with its line, for requests that nobody can make."""
-    requests = _requests(site, table, "controller")
-    startup = _startup(site, table, requests)
+    requests = _requests(context, table, "controller")
+    startup = _startup(context, table, requests)
     by_stop = table.pointer_by == "STOP"
 
     def ticks(length: Fraction) -> int:
-        return site.ticks(length, table.ppm)
+        return context.ticks(length, table.ppm)
 
     half = Fraction(1, 2) / table.rate
     low = ticks(half if table.low is None else table.low)
     high = ticks(half if table.high is None else table.high)
     controller = I2cController(
-        site.kernel,
-        site.recorder,
-        site.wire("SCL"),
-        site.wire("SDA"),
+        context.kernel,
+        context.recorder,
+        context.wire("SCL"),
+        context.wire("SDA"),
         BusTiming(low, high, ticks(table.hold), high, low, high, low, ticks(table.filter)),
         who="controller",
-        stuck_after=site.ticks(table.stuck_after),
+        stuck_after=context.ticks(table.stuck_after),
         on_stuck=on_stuck,
         clear_after=ticks(table.clear_after or Fraction(0)),
         gives_up=table.on_nack == "give up",
     )
     schedule = Schedule(
         first=ticks(table.first),
-        period=site.exact_ticks(table.period, table.ppm),
+        period=context.exact_ticks(table.period, table.ppm),
         gap=ticks(table.gap),
         jitter=ticks(table.jitter),
         rounds=table.rounds,
         ahead=ticks(table.initialise or Fraction(0)),
     )
-    seed = site.case.seed
-    head = SensorHead(site.kernel, controller, requests, schedule, startup=startup, by_stop=by_stop, seed=seed)
+    seed = context.case.seed
+    head = SensorHead(context.kernel, controller, requests, schedule, startup=startup, by_stop=by_stop, seed=seed)
     asked = Asked(
         requests=_transfers(requests, by_stop),
         period=schedule.period,
         startup=_transfers(startup, by_stop),
-        first=site.kernel.now + schedule.first,
+        first=context.kernel.now + schedule.first,
         late=schedule.jitter,
         rounds=schedule.rounds,
     )
     return ControllerAgent(head, requests, asked)
 
 
-def rounds_of(site: SceneContext, table: RoundsTable) -> Asked:
+def rounds_of(context: SceneContext, table: RoundsTable) -> Asked:
     """What a master that is no agent asks: [rounds]. BadCase, with its line, for requests that nobody can make."""
-    requests = _requests(site, table, "rounds")
-    return Asked(_transfers(requests, table.pointer_by == "STOP"), site.exact_ticks(table.period, Fraction(0)))
+    requests = _requests(context, table, "rounds")
+    return Asked(_transfers(requests, table.pointer_by == "STOP"), context.exact_ticks(table.period, Fraction(0)))
 
 
-def _requests(site: SceneContext, table: Controller | RoundsTable, name: str) -> list[Request]:
-    requests = [_chip(site, chip, name, "order") for chip in table.order]
-    requests += [_request(site, request, name, "request", i) for i, request in enumerate(table.request)]
+def _requests(context: SceneContext, table: Controller | RoundsTable, name: str) -> list[Request]:
+    requests = [_chip(context, chip, name, "order") for chip in table.order]
+    requests += [_request(context, request, name, "request", i) for i, request in enumerate(table.request)]
     if not requests:
-        raise site.case.mistake(f"it has no requests; give it order or [[{name}.request]]", name)
+        raise context.case.mistake(f"it has no requests; give it order or [[{name}.request]]", name)
     return requests
 
 
-def _startup(site: SceneContext, table: Controller, requests: list[Request]) -> list[Request]:
+def _startup(context: SceneContext, table: Controller, requests: list[Request]) -> list[Request]:
     if table.initialise is None:
         return []
     asked = {request.address for request in requests}
     startup = [request for chip in CHIPS.values() if chip.address in asked for request in chip.startup]
     if not startup:
-        raise site.case.mistake("no known chip is asked, so there is none to set up", "controller", "initialise")
+        raise context.case.mistake("no known chip is asked, so there is none to set up", "controller", "initialise")
     return startup
 
 
@@ -101,16 +101,16 @@ def _transfers(requests: list[Request], by_stop: bool) -> tuple[Transfer, ...]:
     return tuple(transfer for request in requests for transfer in request.transfers(by_stop))
 
 
-def _chip(site: SceneContext, name: str, *place: str | int) -> Request:
+def _chip(context: SceneContext, name: str, *place: str | int) -> Request:
     if name not in CHIPS:
-        raise site.case.mistake(f"there is no chip {name!r}; {did_you_mean(name, CHIPS)}", *place)
+        raise context.case.mistake(f"there is no chip {name!r}; {did_you_mean(name, CHIPS)}", *place)
     chip = CHIPS[name]
     return Request(name, chip.address, chip.pointer, 6)
 
 
-def _request(site: SceneContext, table: RequestTable, *place: str | int) -> Request:
+def _request(context: SceneContext, table: RequestTable, *place: str | int) -> Request:
     if table.chip is not None:
-        known = _chip(site, table.chip, *place, "chip")
+        known = _chip(context, table.chip, *place, "chip")
         return replace(known, name=table.name or known.name, expect=table.expect)
     assert table.address is not None
     name = table.name or f"{table.address:#04x}"

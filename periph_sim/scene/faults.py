@@ -20,8 +20,8 @@ MODULE_RESET = ".IRS"  # a unit's I2CMDR.IRS, as one
 class Wires:
     """The wires that faults reach: those that the scene has, and each unit's XRS pin and IRS bit, once asked for."""
 
-    def __init__(self, site: SceneContext, known: Mapping[str, Wire], units: Mapping[str, Dsp]) -> None:
-        self._site = site
+    def __init__(self, context: SceneContext, known: Mapping[str, Wire], units: Mapping[str, Dsp]) -> None:
+        self._context = context
         self._known = dict(known)
         self._units = units
 
@@ -29,14 +29,14 @@ class Wires:
         """ValueError where there is none of this name."""
         if name not in self._known and name.endswith(RESET):
             unit = self._unit(name.removesuffix(RESET))
-            self._known[name] = self._site.wire(name)
+            self._known[name] = self._context.wire(name)
             unit.connect_reset(self._known[name])
         if name not in self._known and name.endswith(MODULE_RESET):
             unit = self._unit(name.removesuffix(MODULE_RESET))
             if not unit.has("I2C-A"):
                 raise ValueError(f"unit {unit.plan.name} has no I2C-A that could be reset; add it to its modules")
-            self._known[name] = self._site.wire(name)
-            ModuleReset(self._site.kernel, unit, self._known[name])
+            self._known[name] = self._context.wire(name)
+            ModuleReset(self._context.kernel, unit, self._known[name])
         if name not in self._known:
             raise ValueError(f"there is no wire {name!r}; {did_you_mean(name, self._known)}")
         return self._known[name]
@@ -47,26 +47,26 @@ class Wires:
         return self._units[name]
 
 
-def build_faults(site: SceneContext, known: Mapping[str, Wire], units: Mapping[str, Dsp]) -> None:
+def build_faults(context: SceneContext, known: Mapping[str, Wire], units: Mapping[str, Dsp]) -> None:
     """BadCase, with its line, for a fault that cannot be."""
-    wires = Wires(site, known, units)
-    for entry, table in enumerate(site.case.fault):
+    wires = Wires(context, known, units)
+    for entry, table in enumerate(context.case.fault):
         given = dict(table)
         name = str(given.pop("kind", ""))
-        kind = _kind(site, entry, name)
+        kind = _kind(context, entry, name)
         who = f"fault {entry} ({name})"
-        place = Place(site.kernel, who, wires, site.ticks, site.start, Random(f"{site.case.seed} {who}"))
+        place = Place(context.kernel, who, wires, context.ticks, context.start, Random(f"{context.case.seed} {who}"))
         try:
             kind.attach(filled(kind.Settings, given, f"fault {name}"), place)
         except BadSetting as error:
-            raise site.case.mistake(str(error), "fault", entry, *filter(None, [error.name])) from None
+            raise context.case.mistake(str(error), "fault", entry, *filter(None, [error.name])) from None
         except ValueError as error:
-            raise site.case.mistake(str(error), "fault", entry) from None
+            raise context.case.mistake(str(error), "fault", entry) from None
 
 
-def _kind(site: SceneContext, entry: int, name: str) -> Kind:
+def _kind(context: SceneContext, entry: int, name: str) -> Kind:
     if not name:
-        raise site.case.mistake(f"it has no kind; the kinds are {', '.join(kinds())}", "fault", entry)
+        raise context.case.mistake(f"it has no kind; the kinds are {', '.join(kinds())}", "fault", entry)
     if name not in kinds():
-        raise site.case.mistake(f"there is no fault {name!r}; {did_you_mean(name, kinds())}", "fault", entry, "kind")
+        raise context.case.mistake(f"there is no fault {name!r}; {did_you_mean(name, kinds())}", "fault", entry, "kind")
     return kinds()[name]

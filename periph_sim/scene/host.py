@@ -35,9 +35,9 @@ class HostAgent:
     sensors: those that firmware computes, None where chips show the values of frames.
     """
 
-    def __init__(self, site: SceneContext, table: HostTable, sensors: Imu | None) -> None:
+    def __init__(self, context: SceneContext, table: HostTable, sensors: Imu | None) -> None:
         """BadCase, with its line, for a motion or an encoding that cannot be."""
-        self._site = site
+        self._context = context
         self._period = table.period
         encoding = self._settings("encoding", lambda: encoding_of(table.encoding))
         self.frames: MotionFrames | None = None
@@ -45,22 +45,22 @@ class HostAgent:
             frames = partial(frames_of, table.motion, encoding, table.first, table.period)
             self.frames = self._settings("motion", frames)
         self.truth = self._truth(table, sensors)
-        bit = site.timebase.per_second / (Fraction(table.baud) * (1 + table.error / 100))
+        bit = context.timebase.per_second / (Fraction(table.baud) * (1 + table.error / 100))
         self.bit = bit
-        peer = UartSender(site.kernel, site.recorder, site.wire("RX"), bit)
-        seed = site.case.seed + 1
-        self.host = Host(site.kernel, peer, self._schedule(table), self.values, seed, encoding.byte_order)
+        peer = UartSender(context.kernel, context.recorder, context.wire("RX"), bit)
+        seed = context.case.seed + 1
+        self.host = Host(context.kernel, peer, self._schedule(table), self.values, seed, encoding.byte_order)
 
     def _schedule(self, table: HostTable) -> HostSchedule:
-        site = self._site
+        context = self._context
 
         def ticks(length: Fraction) -> int:
-            return site.ticks(length, table.ppm)
+            return context.ticks(length, table.ppm)
 
-        spans = [(site.start + site.ticks(begin), site.ticks(length)) for begin, length in table.silent]
+        spans = [(context.start + context.ticks(begin), context.ticks(length)) for begin, length in table.silent]
         return HostSchedule(
             first=ticks(table.first),
-            period=site.exact_ticks(table.period, table.ppm),
+            period=context.exact_ticks(table.period, table.ppm),
             jitter=ticks(table.jitter),
             gap=table.gap,
             lose=frozenset(table.lose),
@@ -89,4 +89,4 @@ class HostAgent:
         try:
             return build()
         except BadSetting as error:
-            raise self._site.case.mistake(str(error), "host", table, *filter(None, [error.name])) from None
+            raise self._context.case.mistake(str(error), "host", table, *filter(None, [error.name])) from None

@@ -116,16 +116,16 @@ class Scene:
         self._stuck_after_rounds = 0
         self._stuck_told: list[Callable[[int], None]] = []
         self._sci_watches: dict[str, SciMonitor] = {}
-        site = SceneContext(case, self.kernel, self.recorder, self.timebase, self.wire, self.start)
+        context = SceneContext(case, self.kernel, self.recorder, self.timebase, self.wire, self.start)
         for name, unit in case.unit.items():
-            built = build_unit(site, name, unit, (programs or {}).get(name), end)
+            built = build_unit(context, name, unit, (programs or {}).get(name), end)
             self.units[name], self.firmware[name] = built.dsp, built.firmware
             self.sensors = self.sensors or built.sensors
             self.computed = self.computed or built.computed
         for name, table in case.chip.items():
             self._build_chip(name, table, (sources or {}).get(name))
         if case.controller is not None:
-            side = build_head(site, case.controller, self._stuck)
+            side = build_head(context, case.controller, self._stuck)
             self.head, self.requests = side.head, side.requests
             self.bus.asked = side.asked
             self.head.on_transfer.append(self._count_transfer)
@@ -134,14 +134,14 @@ class Scene:
             if self.recorder.wants(Kind.BUS):
                 BusRecorder(self.kernel, self.recorder, self.wires["SCL"], self.wires["SDA"])
         if case.rounds is not None:
-            self.bus.asked = self._asked_by_master(site, case.rounds)
+            self.bus.asked = self._asked_by_master(context, case.rounds)
         if case.host is not None:
-            self._host_side = HostAgent(site, case.host, self.sensors)
+            self._host_side = HostAgent(context, case.host, self.sensors)
             self.host = self._host_side.host
             self.frames, self.truth = self._host_side.frames, self._host_side.truth
-        build_faults(site, self.wires, self.units)
+        build_faults(context, self.wires, self.units)
         host_bit = None if self._host_side is None else self._host_side.bit
-        self._uart_lines = UartLines(site, self.wires, self.units, host_bit)
+        self._uart_lines = UartLines(context, self.wires, self.units, host_bit)
         for entry, limit in enumerate(self.limits):
             for part in limit.parts:
                 self._check_needs(entry, part)
@@ -200,12 +200,12 @@ class Scene:
     def on_round(self, told: Callable[[Round], None]) -> None:
         self.bus.rounds.on_round.append(told)
 
-    def _asked_by_master(self, site: SceneContext, table: RoundsTable) -> Asked:
+    def _asked_by_master(self, context: SceneContext, table: RoundsTable) -> Asked:
         if self.head is not None:
             raise self.case.mistake("[controller] says its rounds already; leave one of them out", "rounds")
         if "SCL" not in self.wires:
             raise self.case.mistake("it needs a bus, and no unit has I2C-A", "rounds")
-        return rounds_of(site, table)
+        return rounds_of(context, table)
 
     def on_frame(self, told: Callable[[int, tuple[int, ...], int], None]) -> None:
         if self.host is not None:
@@ -218,10 +218,10 @@ class Scene:
         for watch in self._receivers():
             watch.told.append(told)
 
-    def listen_characters(self, told: Callable[[int], None]) -> None:
-        self._uart_lines.listen_characters(told)
+    def on_character(self, told: Callable[[int], None]) -> None:
+        self._uart_lines.on_character(told)
 
-    def listen_received(self, told: Callable[[int], None]) -> int:
+    def on_received_character(self, told: Callable[[int], None]) -> int:
         for watch in self._receivers():
             watch.received.append(told)
         return len(self._receivers())

@@ -26,18 +26,18 @@ class UartLines:
     """host_bit: ticks of a bit that the host sends; None without a host."""
 
     def __init__(
-        self, site: SceneContext, wires: Mapping[str, Wire], units: Mapping[str, Dsp], host_bit: Fraction | None
+        self, context: SceneContext, wires: Mapping[str, Wire], units: Mapping[str, Dsp], host_bit: Fraction | None
     ) -> None:
-        self._site, self._wires = site, wires
+        self._context, self._wires = context, wires
         self._sci = next((dsp for dsp in units.values() if dsp.has("SCI-A")), None)
         self._host_bit = host_bit
         self._counter: UartCounter | None = None
         for name in LINES:
             line = self._line(name)
-            if line is not None and site.recorder.wants(Kind.FRAME, name):
-                UartMonitor(site.kernel, site.recorder, wires[name], line)
+            if line is not None and context.recorder.wants(Kind.FRAME, name):
+                UartMonitor(context.kernel, context.recorder, wires[name], line)
 
-    def listen_characters(self, told: Callable[[int], None]) -> None:
+    def on_character(self, told: Callable[[int], None]) -> None:
         """`told(tick)` of each character on RX, as `UartCounter` does."""
         line = self._line("RX")
         if line is None:
@@ -62,8 +62,10 @@ class UartLines:
 
     def _sci_line(self) -> tuple[Fraction, UartFormat]:
         assert self._sci is not None
-        line = line_of(self._sci, self._site.kernel.now)
-        return self._site.timebase.per_second / Fraction(line.baud), UartFormat(line.bits, line.parity, int(line.stop))
+        line = line_of(self._sci, self._context.kernel.now)
+        return self._context.timebase.per_second / Fraction(line.baud), UartFormat(
+            line.bits, line.parity, int(line.stop)
+        )
 
 
 def line_of(dsp: Dsp, now: int) -> uart_line.Line:

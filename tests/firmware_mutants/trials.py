@@ -34,7 +34,6 @@ ROOT = Path(__file__).parents[2]
 SOURCES = ROOT / "firmware" / "python"
 STARTUP = "startup"
 PACKAGE = "periph_sim.firmware"  # where firmware imports the start-up from
-START = ("start_pin", "start_i2c", "sci_fifo_receiver", "start_pie")
 FUNCTIONS = {
     "imu_hil": ("sci_received", "slave_config", "batch_read", "run"),
     "imu_hil_robust": (

@@ -23,7 +23,7 @@ from .target_side import Stretches, TargetSide
 class Answer:
     """To one START with its address. data: sent in a read, ones follow. acks: of the bytes written; then all ACK.
 
-    stretches: (byte, bit, ticks) as in `i2c_target_side.Reply`.
+    stretches: (byte, bit, ticks) as in `target_side.Reply`.
     """
 
     ack: bool

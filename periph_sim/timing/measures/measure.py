@@ -37,10 +37,10 @@ class SceneEvents(Protocol):
     def on_sci(self, told: Callable[[int, int, bool], None]) -> None:
         """`told(tick, words in the receive FIFO, something was overrun)` on every change."""
 
-    def listen_characters(self, told: Callable[[int], None]) -> None:
+    def on_character(self, told: Callable[[int], None]) -> None:
         """`told(tick)` of each character on RX, and when its start bit began; at the latest as the run ends."""
 
-    def listen_received(self, told: Callable[[int], None]) -> int:
+    def on_received_character(self, told: Callable[[int], None]) -> int:
         """`told(tick)` of each character that an SCI has received, lost or not. How many SCIs listen to RX."""
 
     def origins(self) -> Origins:

@@ -25,8 +25,8 @@ class _OfCharacters(Measure):
 
     def listen(self, scene: SceneEvents) -> None:
         scene.on_sci(self.changed)
-        scene.listen_characters(self._on_wire)
-        self._receivers = scene.listen_received(self._character)
+        scene.on_character(self._on_wire)
+        self._receivers = scene.on_received_character(self._character)
 
     def _character(self, tick: int) -> None:
         self._received += tick >= self.not_before

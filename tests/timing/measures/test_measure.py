@@ -51,10 +51,10 @@ class Told:
     def on_sci(self, told: Callable[[int, int, bool], None]) -> None:
         self.sci.append(told)
 
-    def listen_characters(self, told: Callable[[int], None]) -> None:
+    def on_character(self, told: Callable[[int], None]) -> None:
         self.characters.append(told)
 
-    def listen_received(self, told: Callable[[int], None]) -> int:
+    def on_received_character(self, told: Callable[[int], None]) -> int:
         self.received.append(told)
         return 1
 

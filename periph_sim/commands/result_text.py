@@ -81,7 +81,7 @@ def _title(result: Result, guaranteed: bool) -> str:
         return result.verdict.upper()
     if result.proof == EVERY_PHASE:
         return "PASS, for every phase"
-    return "FAIL, since it passes in what was seen only" if guaranteed else "PASS, in what was seen"
+    return "FAIL, since not every budget is proven" if guaranteed else "PASS, as seen in this run"
 
 
 def budget_table(budgets: Sequence[Verdict]) -> Table:
@@ -120,9 +120,9 @@ def legend(budgets: Sequence[Verdict]) -> list[str]:
         return []
     bounded = any(each.bound is not None for each in budgets)
     words = {each.word for each in budgets}
-    lines.append("bound: worst for any timing of controller, host, DSP; " * bounded + "count: times measured")
+    lines.append("bound: worst case over all phases of controller, host, DSP; " * bounded + "count: occurrences")
     if EVERY_PHASE in words:
-        lines.append("every phase: proven, as the bound keeps the limit")
+        lines.append("every phase: bound within limit, so proven for the stated code costs")
     lines += _unproven(budgets, bounded)
     if NOT_JUDGED in words:
         lines.append("not judged: too little was measured; no pass")

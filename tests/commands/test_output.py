@@ -68,8 +68,8 @@ open_ended = verdict("open", PASS, SEEN, unbounded="no closed form")
 broken = verdict("broken", FAIL)
 scarce = verdict("scarce", NOT_JUDGED)
 
-BOUND = "bound: worst for any timing of controller, host, DSP; count: times measured"
-PROVEN = "every phase: proven, as the bound keeps the limit"
+BOUND = "bound: worst case over all phases of controller, host, DSP; count: occurrences"
+PROVEN = "every phase: bound within limit, so proven for the stated code costs"
 
 
 @pytest.mark.parametrize(
@@ -77,9 +77,9 @@ PROVEN = "every phase: proven, as the bound keeps the limit"
     [
         ([], []),
         ([proven], [BOUND, PROVEN]),
-        ([broken], ["broken: 2.000 us is over its limit of 1.000 us, at 0.250000 s", "count: times measured"]),
-        ([scarce], ["count: times measured", "not judged: too little was measured; no pass"]),
-        ([open_ended], ["count: times measured", "seen: held in this run, not proven: no closed form"]),
+        ([broken], ["broken: 2.000 us is over its limit of 1.000 us, at 0.250000 s", "count: occurrences"]),
+        ([scarce], ["count: occurrences", "not judged: too little was measured; no pass"]),
+        ([open_ended], ["count: occurrences", "seen: held in this run, not proven: no closed form"]),
         (
             [proven, open_ended, lucky],
             [

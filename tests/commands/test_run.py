@@ -208,8 +208,8 @@ def test_guaranteed_makes_what_holds_in_what_was_seen_a_failure(periph_sim: Run)
     case = str(TIMING / "imu_hil_published.toml")
     plain, strict = (periph_sim("run", case, "--seconds", "0.05", *more) for more in ((), ("--guaranteed",)))
     assert (plain.status, strict.status) == (0, 1)
-    assert plain.out.startswith("imu_hil_published: PASS, in what was seen\n")
-    assert strict.out.startswith("imu_hil_published: FAIL, since it passes in what was seen only\n")
+    assert plain.out.startswith("imu_hil_published: PASS, as seen in this run\n")
+    assert strict.out.startswith("imu_hil_published: FAIL, since not every budget is proven\n")
     assert "\n  data age: its bound is beyond the limit by 14.3" in plain.out
 
 
@@ -218,7 +218,10 @@ def test_what_holds_for_every_phase_is_guaranteed(periph_sim: Run, tmp_path: Pat
     (tmp_path / "it.toml").write_text(f'{text}[[budget]]\nname = "b"\nmeasure = "response"\nmax = "6 us"\n')
     came = periph_sim("run", str(tmp_path / "it.toml"), "--seconds", "0.05", "--guaranteed")
     assert came.status == 0 and came.out.startswith("imu_hil_published: PASS, for every phase\n")
-    assert "\nevery phase: proven, as the bound keeps the limit\n" in came.out and "\nseen:" not in came.out
+    assert (
+        "\nevery phase: bound within limit, so proven for the stated code costs\n" in came.out
+        and "\nseen:" not in came.out
+    )
     told = json.loads(periph_sim("run", str(tmp_path / "it.toml"), "--seconds", "0.05", "--json").out)
     (budget,) = told["budgets"]
     assert (told["proof"], budget["proof"], budget["bound"], budget["unbounded"]) == ("every phase",) * 2 + (5.0, "")

@@ -113,8 +113,8 @@ def test_texts_of_a_case_cannot_break_out_of_their_place(small: CaseReport) -> N
     assert evil.replace("&amp;", "&amp;") in "".join(heading.itertext())
 
 
-BOUND = "Bound: the worst for any timing of controller, host and DSP."
-PROVEN = "Every phase: proven, as the bound keeps the limit."
+BOUND = "Bound: worst case over all phases of controller, host and DSP."
+PROVEN = "Every phase: bound within limit, so proven for the stated code costs."
 SEEN = "Seen: held in this run, not proven; each such budget says below why not."
 UNJUDGED = "Not judged: too little was measured; no pass."
 

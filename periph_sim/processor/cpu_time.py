@@ -101,6 +101,7 @@ class CpuTime(ABC):
                 text = str(error.args[0]) if error.args else "no message"
                 raise FirmwareError(f"{self.name}: {type(error).__name__} at {blamed}: {text}") from error
             self.returned_at = self.cycle
+            self._after_main()
 
         self._greenlet = greenlet(body)
         self._wake_at(self.cycle)
@@ -192,6 +193,10 @@ class CpuTime(ABC):
                 self._wake_at(cycle)
                 self._sleep()
         self.cycle = cycle
+
+    @abstractmethod
+    def _after_main(self) -> None:
+        """What the CPU does once main has returned."""
 
     @abstractmethod
     def _land(self) -> None:

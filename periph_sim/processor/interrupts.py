@@ -138,6 +138,15 @@ class Interrupts(CpuTime):
             self._record_wait(self.cycle, "IDLE", 0)
         self._serve()
 
+    def _after_main(self) -> None:
+        """The endless loop that ends exit() of the run-time library, a branch to itself: service routines still run."""
+        while True:
+            began = self.cycle
+            self._rest_until(NEVER)
+            passes = max(1, -(-(self.cycle - began) // cpu_costs.SB_ALWAYS))
+            self._go_to(began + passes * cpu_costs.SB_ALWAYS)
+            self._serve()
+
     def _rest_until(self, cycle: int) -> None:
         """Sleep to `cycle`, or to the boundary at which an interrupt can be taken."""
         kernel = self._kernel

@@ -67,7 +67,7 @@ def notes_of(scene: Scene) -> list[str]:
         lines += [f"{name}: {note.text} [{note.source}] ({n} times)" for note, n in dsp.cpu.notes.items()]
         if dsp.cpu.returned_at is not None:
             at = scene.timebase.show(dsp.clock.tick(dsp.cpu.returned_at) - scene.start)
-            lines.append(f"{name}: main returned at {at}; from then on no service routine runs either")
+            lines.append(f"{name}: main returned at {at}; from then on only service routines run")
     for name, chip in scene.chips.items():
         for note, (tick, times) in chip.notes.items():
             at = scene.timebase.show(tick - scene.start)

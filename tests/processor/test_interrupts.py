@@ -200,3 +200,29 @@ def test_a_note_of_the_cpu_is_counted_and_recorded_each_time():
     ((note, count),) = bench.cpu.notes.items()
     assert (note.code, count) == ("duty", 2) and note.text.startswith("IRET was reached with INTM = 0")
     assert [(r.what, r.value, r.text) for r in records] == [("duty", n, note.text) for n in (1, 2)]
+
+
+@pytest.mark.parametrize("into", range(8))
+def test_after_main_returns_service_routines_still_run(into: int):
+    """Main ends in the run-time library's endless branch, 4 cycles a pass; IFR latches 4 cycles after the request."""
+
+    def main(bench: Bench) -> None:
+        bench.cpu.compute(50)
+        ended.append(bench.cpu.cycle)
+
+    ended: list[int] = []
+    request = 200 + into
+    latency = entry_after(request, main)
+    boundary = ended[0] + -(-(request + 4 - ended[0]) // 4) * 4
+    assert latency == boundary + 10 - request
+
+
+def test_after_main_returns_each_request_is_served_and_masked_ones_are_not():
+    bench = Bench([(cycle, 0, 0) for cycle in (200, 500, 800)])
+    served(bench)
+    log = bench.run(lambda: bench.cpu.compute(20), 1200)
+    assert [what for what, _ in log] == ["1 in", "1 out"] * 3
+    masked = Bench([(200, 0, 0)])
+    masked.cpu.handlers["SEQ1INT"] = lambda: masked.note("1 in")
+    assert masked.run(lambda: masked.cpu.compute(20), 1200) == []
+    assert masked.cpu.finished

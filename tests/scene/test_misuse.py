@@ -124,7 +124,7 @@ def test_case_without_budgets_is_not_judged(tmp_path: Path):
 def test_a_main_that_returns_while_the_run_goes_on_is_noted_with_its_time(tmp_path: Path, wait: str, noted: bool):
     scene = scene_of(tmp_path, f"def main(dsp, settings):\n    dsp.{wait}\n")
     notes = scene.run(seconds("2 ms")).notes
-    at = "dsp: main returned at 1200.000 us; from then on no service routine runs either"
+    at = "dsp: main returned at 1200.000 us; from then on only service routines run"
     assert notes == ([at] if noted else [])
 
 

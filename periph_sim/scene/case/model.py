@@ -10,59 +10,37 @@ from typing import Annotated, Literal, TypeVar
 
 from pydantic import (
     AfterValidator,
-    BeforeValidator,
     Field,
     PrivateAttr,
     ValidationInfo,
     model_validator,
 )
 
-from ...core.options import Value
-from ...core.settings import Duration, Frequency, HexBytes, Table
+from ...core.settings import Duration, HexBytes, Table
 from ...core.suggest import did_you_mean
 from ...f28335.cpu.compiled_code_costs import CodeCosts
 from ...timing.budget_schema import Budget
 from .origin import Source, key_of, line_of
+from .scalars import (
+    Address,
+    Answer,
+    Axes,
+    Bits,
+    BusRate,
+    Byte,
+    CodeCycles,
+    Crystal,
+    Exact,
+    Length,
+    PassCycles,
+    Ppm,
+    RateError,
+)
 
 
 class BadCase(ValueError):
     """A case file that cannot be run; the message is one sentence for the user."""
 
-
-def _exact(value: object) -> Fraction:
-    if isinstance(value, bool) or not isinstance(value, int | float | str | Fraction):
-        raise ValueError(f"{value!r} is not a number")
-    try:
-        return Fraction(str(value))
-    except (ValueError, ZeroDivisionError):
-        raise ValueError(f"{value!r} is not a number") from None
-
-
-def _above_zero(value: Fraction) -> Fraction:
-    if value <= 0:
-        raise ValueError("it must be longer than 0")
-    return value
-
-
-def _scalar(value: object) -> object:
-    if not isinstance(value, str | int):
-        raise ValueError("expected a text, a whole number, true or false")
-    return value
-
-
-Exact = Annotated[Fraction, BeforeValidator(_exact)]
-Answer = Annotated[Value, BeforeValidator(_scalar)]  # to an open question
-Length = Annotated[Duration, AfterValidator(_above_zero)]
-Address = Annotated[int, Field(ge=0, le=0x7F)]
-Byte = Annotated[int, Field(ge=0, le=0xFF)]
-BusRate = Annotated[Frequency, Field(le=5_000_000)]  # UM10204's fastest
-Crystal = Annotated[Frequency, Field(ge=4_000_000, le=150_000_000)]  # SPRS439: X1/X2 and XCLKIN
-Ppm = Annotated[Exact, Field(ge=-100_000, le=100_000)]
-RateError = Annotated[Exact, Field(ge=-50, le=50)]
-Bits = Annotated[Exact, Field(ge=0)]
-Axes = tuple[Exact, Exact, Exact]
-CodeCycles = Annotated[int, Field(ge=0, le=1000)]
-PassCycles = Annotated[int, Field(ge=1, le=1000)]
 
 COMPILED = CodeCosts()
 

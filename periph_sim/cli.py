@@ -3,7 +3,8 @@
 0 all budgets hold or the replay agrees, 1 not so, 2 bad usage or bad input, 3 a fault of our own.
 
 One file of `commands/` that defines a click command of its own name is one subcommand, found by being
-there. Only the one that is asked for is imported: `periph-sim decode` starts without chips and boards.
+there; its SECTION is where the help lists it, its EXAMPLE stands first in its own help.
+Only the one that is asked for is imported: `periph-sim decode` starts without chips and boards.
 """
 
 from __future__ import annotations
@@ -12,7 +13,9 @@ import gc
 import importlib
 import os
 import sys
+from inspect import cleandoc
 from pathlib import Path
+from types import ModuleType
 
 import click
 
@@ -22,6 +25,15 @@ MISTAKE, FAULT = 2, 3
 LONGEST_MESSAGE = 2000  # characters: a path and a few shortened quotes
 
 FOLDER = Path(__file__).parent / "commands"
+
+OTHER = "other"
+SECTIONS = {  # of the help; a command's file says SECTION = "run"
+    "run": "Run cases",
+    "understand": "Understand a run",
+    "traces": "Work with traces",
+    "sensors": "Model sensors",
+    OTHER: "Other commands",
+}
 
 
 class Commands(click.Group):
@@ -37,8 +49,7 @@ class Commands(click.Group):
         module = importlib.import_module(f".commands.{_file(cmd_name).stem}", __package__)
         gc.freeze()
         gc.enable()
-        command: click.Command = getattr(module, _file(cmd_name).stem)
-        return command
+        return _with_example(getattr(module, _file(cmd_name).stem), module)
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
@@ -52,8 +63,15 @@ class Commands(click.Group):
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        with formatter.section("Commands"):
-            formatter.write_dl([(name, _help(_file(name))) for name in self.list_commands(ctx)])
+        found: dict[str, list[tuple[str, str]]] = {}
+        for name in self.list_commands(ctx):
+            section, summary = _about(_file(name))
+            found.setdefault(section, []).append((name, summary))
+        widest = max((len(name) for rows in found.values() for name, _ in rows), default=0)
+        for section, title in SECTIONS.items():
+            if section in found:
+                with formatter.section(title):
+                    formatter.write_dl([(name.ljust(widest), summary) for name, summary in found[section]])
 
 
 def _file(command: str) -> Path:
@@ -64,14 +82,26 @@ def _is_command(file: Path) -> bool:
     return file.is_file() and "\n@click.command" in file.read_text(encoding="utf-8")
 
 
-def _help(file: Path) -> str:
-    """The first paragraph of what a command says of itself, read from its file: importing all of them takes long."""
+def _about(file: Path) -> tuple[str, str]:
+    """Section and first sentence of a command, read from its file: importing all of them takes long."""
     import ast
 
+    section, summary = OTHER, ""
     for node in ast.parse(file.read_text(encoding="utf-8")).body:
-        if isinstance(node, ast.FunctionDef) and node.name == file.stem:
-            return " ".join((ast.get_docstring(node) or "").partition("\n\n")[0].split())
-    return ""
+        match node:
+            case ast.Assign(targets=[ast.Name("SECTION")], value=ast.Constant(str(said))) if said in SECTIONS:
+                section = said
+            case ast.FunctionDef() if node.name == file.stem:
+                summary = " ".join((ast.get_docstring(node) or "").partition("\n\n")[0].split())
+    return section, summary
+
+
+def _with_example(command: click.Command, module: ModuleType) -> click.Command:
+    """The command, whose help begins with the example of its file."""
+    example = f"\b\n$ {getattr(module, 'EXAMPLE', '')}"
+    if hasattr(module, "EXAMPLE") and not (command.help or "").startswith(example):
+        command.help = f"{example}\n\n{cleandoc(command.help or '')}"
+    return command
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})

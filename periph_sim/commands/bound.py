@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import click
 
 from .input_options import time_given
+from .json_output import print_json
 from .progress import progress
 from .usage_error import usage_errors_in_one_sentence
+
+SECTION = "understand"
+EXAMPLE = "periph-sim bound timing/imu_hil.toml --seconds 1"
 
 
 @click.command()
@@ -35,5 +38,8 @@ def bound(case: Path, seconds: str | None, changes: tuple[str, ...], as_json: bo
         loaded = load(case, list(changes))
         with progress(loaded.name) as told:
             found = report(loaded, length, told)
-    click.echo(json.dumps(as_dict(found)) if as_json else text(found))
+    if as_json:
+        print_json("bound", as_dict(found))
+    else:
+        click.echo(text(found))
     return 0 if found.passed else 1

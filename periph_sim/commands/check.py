@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from contextlib import ExitStack
 from dataclasses import asdict
 from pathlib import Path
@@ -14,11 +13,15 @@ from ..reports.baselines import CaseCheck, RejectedCase
 from ..reports.baselines import check as checked
 from ..traces.formats.atomic_write import atomic_write
 from .input_options import apart
+from .json_output import print_json
 from .progress import progress
 from .usage_error import usage_errors_in_one_sentence
 
 if TYPE_CHECKING:
     from rich.table import Table
+
+SECTION = "run"
+EXAMPLE = "periph-sim check timing --junit results.xml"
 
 
 @click.command()
@@ -82,7 +85,7 @@ def check(
             unfinished_html.write_text(_html(checks, jobs), encoding="utf-8")
     passed = all(one.passed for one in checks) and not refused
     if as_json:
-        click.echo(json.dumps(_object(checks, refused, passed), indent=2, ensure_ascii=False))
+        print_json("check", _object(checks, refused, passed))
     else:
         _show(checks, refused)
     if annotations is not None:
@@ -149,7 +152,8 @@ def _html(checks: list[CaseCheck], jobs: int | None) -> str:
 
 def _show(checks: list[CaseCheck], refused: list[RejectedCase]) -> None:
     from ..explain.text_report import text
-    from .result_text import budget_table, legend, say, terminal
+    from .result_text import budget_table, legend
+    from .tables import say, terminal
 
     console = terminal()
     say(
@@ -189,13 +193,10 @@ LEGEND = "columns count budgets; must break: named in `breaks`; baseline: change
 
 def _table(checks: list[CaseCheck], refused: list[RejectedCase]) -> Table:
     """A row a case: how many budgets have each verdict, and what the baseline says."""
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
-
     from ..timing.verdicts import BROKEN, EVERY_PHASE, NOT_JUDGED, SEEN
-    from .result_text import PADDING
+    from .tables import plain_table
 
-    table = Table(box=SIMPLE_HEAD, padding=PADDING, pad_edge=False)
+    table = plain_table()
     table.add_column("case", no_wrap=True)
     for name in ("every phase", "seen", "broken", "not judged", "must break"):
         table.add_column(name.replace(" ", "\n"), justify="right", no_wrap=True)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import click
 
 from .input_options import RATE, SALVAGE, read_capture
+from .json_output import print_json
+
+SECTION = "traces"
+EXAMPLE = "periph-sim compliance capture.sr --mode fast"
 
 
 @click.command()
@@ -59,6 +62,9 @@ def compliance(
             f"{capture}: no I2C START on {lines['scl']!r} and {lines['sda']!r}; "
             "the lines may be mapped the wrong way round"
         )
-    click.echo(json.dumps(as_dict(report)) if as_json else str(report))
+    if as_json:
+        print_json("compliance", as_dict(report))
+    else:
+        click.echo(str(report))
     failed = report.verdict is Verdict.FAIL or (strict and report.verdict is Verdict.UNDECIDABLE)
     return int(failed)

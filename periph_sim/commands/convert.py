@@ -21,6 +21,9 @@ from ..traces.formats import BadCapture, psr
 from .input_options import RATE, SALVAGE, rate_given, read_capture
 from .usage_error import usage_errors_in_one_sentence
 
+SECTION = "traces"
+EXAMPLE = "periph-sim convert capture.sr capture.vcd --window '1 ms..5 ms'"
+
 
 @click.command()
 @click.argument("given", metavar="IN", type=click.Path(path_type=Path))

@@ -23,6 +23,9 @@ from .usage_error import usage_errors_in_one_sentence
 
 A_SECOND = {"s": 1, "ms": 10**3, "us": 10**6, "ns": 10**9, "ps": 10**12}
 
+SECTION = "traces"
+EXAMPLE = "periph-sim decode capture.sr --i2c scl=0,sda=1"
+
 
 @click.command()
 @click.argument("file", type=click.Path(path_type=Path))

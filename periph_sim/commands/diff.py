@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,11 +9,15 @@ from typing import TYPE_CHECKING
 import click
 
 from .input_options import SALVAGE, read_capture, time_given
+from .json_output import print_json
 
 if TYPE_CHECKING:
     from ..traces.decode.uart import Line
 
 PARITIES = {"n": "none", "o": "odd", "e": "even", "m": "mark", "s": "space"}
+
+SECTION = "traces"
+EXAMPLE = "periph-sim diff before.sr after.sr --tolerance 1us"
 
 
 @click.command()
@@ -79,7 +82,10 @@ def diff(
     if not result.entries:
         what = "I2C transfer" if line is None else "UART frame"
         raise click.ClickException(f"{a} and {b}: no {what} in either; the lines may be mapped wrongly")
-    click.echo(json.dumps(as_dict(result, everything)) if as_json else text(result, everything))
+    if as_json:
+        print_json("diff", as_dict(result, everything))
+    else:
+        click.echo(text(result, everything))
     return 0 if result.equal else 1
 
 

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from .json_output import print_json
 from .usage_error import usage_errors_in_one_sentence
 
 if TYPE_CHECKING:
     from ..sensors.numeric.costs import Tables
+
+SECTION = "sensors"
+EXAMPLE = "periph-sim extremes --arithmetic q16"
 
 
 @click.command()
@@ -55,6 +58,9 @@ def extremes(
         if plot is not None:
             with atomic_write(plot) as unfinished:
                 unfinished.write_text(picture(found), encoding="utf-8")
-    click.echo(json.dumps(as_dict(found), indent=2) if as_json else text(found))
+    if as_json:
+        print_json("extremes", as_dict(found))
+    else:
+        click.echo(text(found))
     if plot is not None and not as_json:
         click.echo(f"written: {plot}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from contextlib import ExitStack
 from math import isfinite
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from .input_options import rate_given
+from .json_output import print_json
 from .usage_error import usage_errors_in_one_sentence
 
 if TYPE_CHECKING:
@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 PICTURES = (".svg", ".png")
 UNEVEN = 0.01  # of a period, that two recordings may differ in
+
+SECTION = "sensors"
+EXAMPLE = "periph-sim identify rest.csv --rate '50 Hz' --plot allan.svg"
 
 
 @click.command()
@@ -82,7 +85,7 @@ def identify(
             found = parameters_of_axes(named, undisturbed is not None)
             paths[parameters].write_text(text_of(found), encoding="utf-8")
     if as_json:
-        click.echo(json.dumps({"file": str(file), "columns": show.as_json(axes)}, indent=2))
+        print_json("identify", {"file": str(file), "columns": show.as_json(axes)})
     else:
         click.echo(show.table(title, axes))
     return 0

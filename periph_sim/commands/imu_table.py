@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-import json
 from contextlib import ExitStack
 from dataclasses import asdict
 from pathlib import Path
 
 import click
 
+from .json_output import print_json
 from .usage_error import usage_errors_in_one_sentence
 
 MOST_SAMPLES = 10_000_000
 PUBLISHED = "table_5_1"
+
+SECTION = "sensors"
+EXAMPLE = "periph-sim imu-table --samples 10000"
 
 
 @click.command()
@@ -61,9 +64,8 @@ def imu_table(samples: int, seed: int, parameters: str | None, turn: bool, csv: 
         rows, told = static_table(imu, found), readings() if parameters in (None, PUBLISHED) else []
     if as_json:
         explained = [{"says": reading.says, "emulator_mean_off_se": reading.off} for reading in told]
-        click.echo(
-            json.dumps({"samples": samples, "seed": seed, "rows": list(map(asdict, rows)), "readings": explained})
-        )
+        rows_told = list(map(asdict, rows))
+        print_json("imu-table", {"samples": samples, "seed": seed, "rows": rows_told, "readings": explained})
     else:
         click.echo(text(imu, rows, told, samples, seed))
     return 0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -10,10 +9,14 @@ from pathlib import Path
 import click
 
 from .input_options import length_given
+from .json_output import print_json
 from .progress import progress
 from .usage_error import usage_errors_in_one_sentence
 
 DIFFERENT = 1  # the exit status where the wires carried other bytes than were computed
+
+SECTION = "sensors"
+EXAMPLE = "periph-sim moving timing/imu_moving.toml --direct"
 
 
 @click.command()
@@ -50,7 +53,7 @@ def moving(
             plot.attitudes(outcome, pictures[0])
             plot.rates(outcome, pictures[1])
     if as_json:
-        click.echo(json.dumps(to_json(outcome)))
+        print_json("moving", to_json(outcome))
     else:
         click.echo("\n".join(lines(outcome)))
     return DIFFERENT if outcome.bytes is not None and outcome.bytes.different else 0

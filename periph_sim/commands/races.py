@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import click
 
 from .input_options import RUN_FILE, SYSCLK, open_run
+from .json_output import print_json
 from .usage_error import usage_errors_in_one_sentence
+
+SECTION = "understand"
+EXAMPLE = "periph-sim races run.psr --register I2C-A.I2CSTR"
 
 
 @click.command()
@@ -29,6 +32,9 @@ def races(run: Path, register: str | None, least: int | None, no_lost: bool, sys
 
     with usage_errors_in_one_sentence():
         found = races_of(open_run(run, sysclk), register)
-    click.echo(json.dumps(as_dict(found)) if as_json else text(found))
+    if as_json:
+        print_json("races", as_dict(found))
+    else:
+        click.echo(text(found))
     too_near = least is not None and found.closest is not None and found.closest < least
     return int(too_near or (no_lost and found.lost > 0))

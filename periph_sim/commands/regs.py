@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
+from textwrap import wrap
 
 import click
 from rich.console import Console
-from rich.table import Table
 
 from ..core.options import allowed
 from ..core.registers import Register, RegisterMap
@@ -18,6 +18,7 @@ from ..f28335.sci import register_map as sci_map
 from ..f28335.system import clocks_map
 from ..f28335.system import cpu_timer_map as timer_map
 from .option_groups import OPTIONS
+from .tables import WIDTH, plain_table, say, terminal
 
 MAPS: dict[str, tuple[int, RegisterMap]] = {
     **{name: (base, sci_map.SCI_MAP) for name, base in sci_map.BASES.items()},
@@ -29,13 +30,16 @@ MAPS: dict[str, tuple[int, RegisterMap]] = {
     **{f"TIMER{n}": (timer_map.BASES[n], timer_map.MAP) for n in range(3)},
 }
 
+SECTION = "understand"
+EXAMPLE = "periph-sim regs I2C-A.I2CSTR"
+
 
 @click.command()
 @click.argument("name", required=False)
 @click.option("--options", "want_options", is_flag=True, help="List the open questions and their answers instead.")
 def regs(name: str | None, want_options: bool) -> None:
     """Show the registers of MODULE, one register as MODULE.REGISTER, or all modules."""
-    console = Console()
+    console = terminal()
     if want_options:
         show_options(console, name)
     elif name is None:
@@ -55,14 +59,15 @@ def regs(name: str | None, want_options: bool) -> None:
 
 
 def show_modules(console: Console) -> None:
-    table = Table("module", "base", "registers", "source")
+    table = plain_table("module", "base", "registers", "source")
     for module, (base, registers) in MAPS.items():
         table.add_row(module, f"{base:#06x}", str(len(registers.registers)), registers.source)
     console.print(table)
 
 
 def show_map(console: Console, module: str, base: int, registers: RegisterMap) -> None:
-    table = Table("address", "register", "reset", "source", title=module, title_justify="left")
+    say(console, module, "bold")
+    table = plain_table("address", "register", "reset", "source")
     for register in registers:
         table.add_row(f"{base + register.offset:#06x}", register.name, reset_of(register), register.source)
     console.print(table)
@@ -70,10 +75,10 @@ def show_map(console: Console, module: str, base: int, registers: RegisterMap) -
 
 def show_register(console: Console, module: str, base: int, register: Register) -> None:
     title = f"{module}.{register.name}  {base + register.offset:#06x}  reset {reset_of(register)}  [{register.source}]"
-    console.print(title, highlight=False, markup=False)
+    say(console, title)
     if register.protected:
         console.print("writes need EALLOW")
-    table = Table("bits", "field", "access", "reset", "what it is")
+    table = plain_table("bits", "field", "access", "reset", "what it is")
     for f in register.fields:
         table.add_row(f.bits, f.name, f.access, f"{f.reset:#x}" if f.reset > 9 else str(f.reset), f.doc)
     console.print(table)
@@ -84,14 +89,17 @@ def reset_of(register: Register) -> str:
 
 
 def show_options(console: Console, name: str | None) -> None:
+    """An option with its values, the default first, and its question below."""
     if name is not None and name not in OPTIONS:
         raise click.ClickException(f"there are no options for {name!r}; {did_you_mean(name, OPTIONS)}")
-    table = Table("option", "values, the default first", "question")
     for group, kind in OPTIONS.items():
         if name in (None, group):
             for f in dataclasses.fields(kind):
                 values = allowed(f)
                 if "values" not in f.metadata:
                     values = f"{f.default} ({values})"
-                table.add_row(f"{group}.{f.name}", values, str(f.metadata["question"]))
-    console.print(table)
+                title = f"{group}.{f.name}: {values}"
+                for line in wrap(title, WIDTH, subsequent_indent="    ", break_on_hyphens=False):
+                    say(console, line)
+                for line in wrap(str(f.metadata["question"]), WIDTH, initial_indent="  ", subsequent_indent="  "):
+                    say(console, line)

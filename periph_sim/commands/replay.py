@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 from collections.abc import Mapping
 from fractions import Fraction
 from pathlib import Path
 
 import click
-from rich.box import SIMPLE_HEAD
 from rich.console import Console
-from rich.table import Table
 
 from ..records.recording import recording
 from ..replay.channels import ALL, channel_map, serial_channel
@@ -29,8 +26,10 @@ from ..traces.capture.capture import Capture
 from ..traces.formats.atomic_write import atomic_write
 from .assumptions import assumptions
 from .input_options import RATE, SALVAGE, read_capture, time_given
+from .json_output import print_json
 from .progress import progress
-from .result_text import budget_table, legend, say, terminal
+from .result_text import budget_table, legend
+from .tables import plain_table, say, terminal
 from .usage_error import usage_errors_in_one_sentence
 
 FIRST = {
@@ -40,6 +39,9 @@ FIRST = {
     "timing": "first difference in time",
 }
 BEFORE, AFTER = 14, 4  # changes shown around a divergence
+
+SECTION = "traces"
+EXAMPLE = "periph-sim replay capture.sr --case timing/responder.toml"
 
 
 @click.command()
@@ -97,10 +99,10 @@ def replay(
     """Replay CAPTURE against the firmware of a case.
 
     \b
-    --loop closed  of an I2C capture the controller's decisions are played, and the
-                   firmware's slave answers and stretches for itself
-    --loop open    every edge of the capture goes to the chip; what it would have driven
-                   is compared with what the capture shows
+    --loop closed  of an I2C capture the controller's decisions are played, and
+                   the firmware's slave answers and stretches for itself
+    --loop open    every edge of the capture goes to the chip; what it would have
+                   driven is compared with what the capture shows
     --as master    the captured targets' answers are played, and the firmware asks
 
     Of a UART capture one line goes into SCI-A, edge by edge. An I2C and a UART capture of one time, from one file or
@@ -154,7 +156,7 @@ def replay(
         if svg is not None:
             _draw(svg, player.picture(report))
     if as_json:
-        click.echo(json.dumps(dataclasses.asdict(report)))
+        print_json("replay", dataclasses.asdict(report))
     else:
         show(terminal(), report, case, verbose)
     return 0 if report.verdict == PASS or (report.verdict == AMBIGUOUS and not strict) else 1
@@ -236,7 +238,8 @@ def _address(text: str) -> int:
 def show(console: Console, report: Report, case: Case, verbose: bool) -> None:
     """The report as a person reads it. verbose: list what the run assumed."""
     say(console, f"{report.case}, {report.capture}: {headline(report)}", style="bold")
-    table = Table(show_header=False)
+    table = plain_table()
+    table.show_header = False
     for name, value in rows(report):
         table.add_row(name, value)
     console.print(table)
@@ -300,7 +303,8 @@ def show_history(console: Console, divergence: Divergence) -> None:
     at = divergence.replay_s if divergence.replay_s is not None else divergence.history[-1].at_s
     before = _polls_as_one([change for change in divergence.history if change.at_s <= at])[-BEFORE:]
     after = _polls_as_one([change for change in divergence.history if change.at_s > at])[:AFTER]
-    table = Table(title=f"the chip around the {FIRST[divergence.kind]}", title_justify="left", box=SIMPLE_HEAD)
+    say(console, f"the chip around the {FIRST[divergence.kind]}", "italic")
+    table = plain_table()
     table.add_column("at", justify="right", no_wrap=True)
     table.add_column("", justify="right", no_wrap=True)
     table.add_column("register", no_wrap=True)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from textwrap import wrap
 
-from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
@@ -14,17 +13,9 @@ from ..scene.result import SKIPPED, Result
 from ..timing.format_value import broken, figure, limit, simulated
 from ..timing.verdicts import EVERY_PHASE, FAIL, NOT_JUDGED, PASS, SEEN, Verdict
 from .assumptions import assumptions
+from .tables import WIDTH, plain_table, say
 
 STYLES = {PASS: "", FAIL: "red", NOT_JUDGED: "yellow"}
-WIDTH = 80
-PADDING = (0, 1, 0, 0)  # of tables
-
-
-def terminal() -> Console:
-    """Standard output. Below 80 columns the terminal may break lines, but no table loses words."""
-    console = Console()
-    console.width = max(console.width, WIDTH)
-    return console
 
 
 def show(console: Console, result: Result, case: Case, guaranteed: bool = False, verbose: bool = False) -> None:
@@ -55,11 +46,6 @@ def show(console: Console, result: Result, case: Case, guaranteed: bool = False,
         say(console, line)
 
 
-def say(console: Console, line: str, style: str = "") -> None:
-    """One line as it is: whole, so that it can be searched for, and without colours or markup of its own."""
-    console.print(line, style=style, highlight=False, markup=False, soft_wrap=True)
-
-
 def _counts(counts: Mapping[str, int], verbose: bool) -> list[str]:
     told = [f"{count} {name.replace('_', ' ')}" for name, count in counts.items() if count and name != SKIPPED]
     lines = [", ".join(told)] if told else []
@@ -86,7 +72,7 @@ def _title(result: Result, guaranteed: bool) -> str:
 
 def budget_table(budgets: Sequence[Verdict]) -> Table:
     """A row a budget; red where it is broken, yellow where it is not judged. Only names may take two lines."""
-    table = Table(box=SIMPLE_HEAD, padding=PADDING, pad_edge=False)
+    table = plain_table()
     table.add_column("budget")
     names = ("seen", "bound", "limit", "count") if any(each.bound is not None for each in budgets) else NO_BOUND
     for name in names:

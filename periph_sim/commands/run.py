@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 from contextlib import ExitStack
 from fractions import Fraction
 from pathlib import Path
@@ -22,9 +21,14 @@ from ..scene.scene import Scene
 from ..timing.verdicts import EVERY_PHASE
 from ..traces.formats.atomic_write import atomic_write
 from .input_options import apart, length_given
+from .json_output import print_json
 from .progress import progress
-from .result_text import show, terminal
+from .result_text import show
+from .tables import terminal
 from .usage_error import usage_errors_in_one_sentence
+
+SECTION = "run"
+EXAMPLE = "periph-sim run timing/imu_hil.toml --seconds 1 --explain"
 
 
 @click.command()
@@ -75,7 +79,7 @@ def run(
             report = case_report(loaded, result, values, scene.typical(), per_second, length, changes)
             unfinished.write_text(page([report], loaded.name), encoding="utf-8")
     if as_json:
-        click.echo(json.dumps(_object(result, chains if explain else None)))
+        print_json("run", _object(result, chains if explain else None))
     else:
         show(terminal(), result, loaded, guaranteed, verbose)
         for chain in chains.values():

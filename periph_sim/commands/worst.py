@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import json
 import re
 from contextlib import ExitStack
 from pathlib import Path
+from shutil import get_terminal_size
 from typing import TYPE_CHECKING
 
 import click
 
 from .input_options import length_given
+from .json_output import print_json
 from .progress import progress
 from .usage_error import usage_errors_in_one_sentence
 
@@ -18,7 +19,10 @@ if TYPE_CHECKING:
     from ..explain.explain import Explained
     from ..timing.verdicts import Verdict
 
-WIDTH = 100
+MOST = 100  # columns of a picture
+
+SECTION = "understand"
+EXAMPLE = "periph-sim worst timing/imu_hil.toml response"
 
 
 @click.command()
@@ -59,7 +63,7 @@ def worst(
         chains = {
             verdict.name: chain_as_json(found[verdict.name].chain) for verdict in verdicts if verdict.name in found
         }
-        click.echo(json.dumps({"case": result.case, "budgets": chains}))
+        print_json("worst", {"case": result.case, "budgets": chains})
     elif not verdicts:
         click.echo(f"{result.case}: it has no budget, so there is no worst case")
     else:
@@ -82,7 +86,12 @@ def _told(verdict: Verdict, one: Explained | None) -> list[str]:
     if one is None:
         said = "nothing was measured" if verdict.worst is None else f"{verdict.worst}: it never happened"
         return [f"{verdict.name}: {said}"]
-    return [*text(one.chain), "", *text_picture(one.window, WIDTH)]
+    return [*text(one.chain), "", *text_picture(one.window, _width())]
+
+
+def _width() -> int:
+    """Columns of a picture: those of the terminal, 80 to 100."""
+    return min(MOST, max(80, get_terminal_size().columns))
 
 
 def _write(folder: Path, found: dict[str, Explained]) -> None:

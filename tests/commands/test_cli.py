@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import importlib
+import inspect
+import json
+import shlex
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-from periph_sim.cli import FOLDER, cli
+from periph_sim.cli import FOLDER, OTHER, SECTIONS, cli
+from periph_sim.commands.json_output import VERSION
 from periph_sim.commands.usage_error import MISTAKES
 from tests.commands.conftest import Run
 
@@ -45,6 +49,46 @@ def test_help_shows_the_first_sentence_of_each(periph_sim: Run):
     came = periph_sim("--help")
     assert came.status == 0
     assert " ".join(came.out.split()).find("run Run CASE and say whether its budgets hold") > 0
+
+
+COMMANDS = cli.list_commands(None)  # type: ignore[arg-type]
+
+
+def test_help_lists_every_command_in_a_section(periph_sim: Run):
+    came = periph_sim("--help")
+    titles = [line for line in came.out.splitlines() if line.endswith(":") and not line.startswith(" ")]
+    assert titles == ["Options:", *(f"{title}:" for section, title in SECTIONS.items() if section != OTHER)]
+    run, understand = (came.out.index(f"\n{SECTIONS[section]}:") for section in ("run", "understand"))
+    assert run < came.out.index("\n  check ") < understand < came.out.index("\n  worst ")
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_help_of_a_command_begins_with_an_example_that_it_takes_and_fits_80_columns(
+    periph_sim: Run, monkeypatch: pytest.MonkeyPatch, name: str
+):
+    came = periph_sim(name, "--help")
+    usage, _, rest = came.out.partition("\n\n")
+    assert usage.startswith("Usage: ") and rest.startswith(f"  $ periph-sim {name}")
+    assert max(map(len, came.out.splitlines())) <= 80
+    program, *arguments = shlex.split(rest.partition("\n")[0].strip().removeprefix("$ "))
+    command = cli.get_command(None, name)  # type: ignore[arg-type]
+    assert command is not None and program == "periph-sim"
+    command.make_context(name, arguments[1:])
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_json_of_every_command_says_its_schema(name: str):
+    """Those that cost no run are run elsewhere; here: whoever has the option prints by the one function."""
+    command = cli.get_command(None, name)  # type: ignore[arg-type]
+    assert command is not None and command.callback is not None
+    if any("--json" in option.opts for option in command.params):
+        assert f'print_json("{name}", ' in inspect.getsource(command.callback)
+
+
+def test_a_json_object_begins_with_schema_and_version(periph_sim: Run):
+    told = json.loads(periph_sim("diff", TRACE, TRACE, "--uart", "rx=RX,baud=115200,format=8n1", "--json").out)
+    assert list(told)[:2] == ["schema", "schema_version"]
+    assert (told["schema"], told["schema_version"]) == ("periph-sim diff", VERSION)
 
 
 def test_a_misspelt_command_is_told_the_nearest(periph_sim: Run):

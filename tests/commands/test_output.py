@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from periph_sim.commands.result_text import budget_table, legend, rounded, terminal
+from periph_sim.commands.result_text import budget_table, legend, rounded
+from periph_sim.commands.tables import terminal
 from periph_sim.explain.bound.phases import judge_phases
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene

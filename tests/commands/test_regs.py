@@ -33,12 +33,13 @@ def test_one_register_with_its_fields(periph_sim: Run):
 
 
 @pytest.mark.parametrize("group", OPTIONS)
-def test_every_option_with_its_question(periph_sim: Run, group: str, monkeypatch):
+def test_every_option_with_its_question(periph_sim: Run, group: str):
     came = periph_sim("regs", "--options", group)
     assert came.status == 0
-    text = "".join(came.out.split())
+    text = " ".join(came.out.split())
     for option in dataclasses.fields(OPTIONS[group]):
-        assert f"{group}.{option.name[:8]}" in text
+        assert f"{group}.{option.name}: " in came.out and option.metadata["question"] in text
+    assert max(map(len, came.out.splitlines())) <= 80
 
 
 def test_all_options(periph_sim: Run):

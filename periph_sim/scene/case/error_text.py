@@ -17,7 +17,8 @@ EXPECTED = {"model_type": "expected a table", "dict_type": "expected a table", "
 
 def explain(source: Source, error: ValidationError, tree: object = None) -> str:
     """One sentence about the first thing wrong. tree: what was to be a case, for the names of its entries."""
-    first = error.errors()[0]
+    wrong = error.errors()
+    first = next((one for one in wrong if one["type"] == "extra_forbidden"), wrong[0])  # a misspelt key is missing, too
     place = place_of(first)
     key = key_of(place, tree)
     where = source.where(place)

@@ -7,6 +7,7 @@ BIN := $(VENV)/bin
 USER := $(VENV)/installed
 DEV := $(VENV)/installed-dev
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
+# Passed as --rules=FILE: pytest takes an existing file behind a space for the tests to collect.
 RULES := build/rules.json
 
 # Without compiled files every command that a test starts would compile the package anew.
@@ -20,8 +21,8 @@ demo: $(USER)
 test: check
 	$(BIN)/coverage erase
 	rm -f $(RULES)
-	$(BIN)/pytest -n auto -m "not long" --rules $(RULES) --cov --cov-report=term:skip-covered
-	$(BIN)/pytest -n auto -m long --rules $(RULES)
+	$(BIN)/pytest -n auto -m "not long" --rules=$(RULES) --cov --cov-report=term:skip-covered
+	$(BIN)/pytest -n auto -m long --rules=$(RULES)
 	$(BIN)/python -m tests.rules.coverage
 
 # Properties with examples of chance, many more of them: for a quiet evening.

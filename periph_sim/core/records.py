@@ -28,6 +28,8 @@ class Kind(Enum):
     WAIT = "wait"  # firmware begins (1) or ends (0) to wait: what = the fields it polls, or IDLE
     HOLD = "hold"  # a wire stays low, but others pull it now: who in `text`
 
+    __hash__ = object.__hash__  # each is one object; Enum's own hash is a call in Python, made for every record
+
 
 class Record(NamedTuple):
     """field: of an access, the register field that the firmware named; "" for the whole register."""

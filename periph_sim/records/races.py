@@ -88,9 +88,18 @@ def races(run: Run, register: str | None = None) -> Races:
     """
     chosen = _chosen(run, register)
     places = [place for group, f in chosen if group.way == "R" for place in _places(run, group, f)]
-    found = [modify for group, _ in chosen for modify in modifies(run, group)]
     places.sort(key=lambda place: (NEVER if place.closest is None else place.closest, place.register, place.place))
-    return Races(run, tuple(places), tuple(sorted(found, key=lambda modify: -modify.lost)))
+    return Races(run, tuple(places), _modifies(run, chosen))
+
+
+def modifies_of(run: Run, register: str | None = None) -> tuple[ReadModifyWrite, ...]:
+    """The read-modify-writes alone, those that lost most first. NotInRun as for `races`."""
+    return _modifies(run, _chosen(run, register))
+
+
+def _modifies(run: Run, chosen: list[tuple[Group, Field | None]]) -> tuple[ReadModifyWrite, ...]:
+    found = [modify for group, _ in chosen for modify in modifies(run, group)]
+    return tuple(sorted(found, key=lambda modify: -modify.lost))
 
 
 def _named(run: Run, name: str) -> list[tuple[Group, Field | None]]:

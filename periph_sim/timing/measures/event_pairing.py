@@ -44,7 +44,11 @@ class EventMeasure(Measure):
         self._queue: deque[_Seen] = deque()
         self._newest: dict[int, _Seen] = {}  # the last of its group so far, by place
         starts = [one for groups in self._groups if groups is not None for one in groups.matchers]
-        self.kinds = frozenset(one.kind for m in (*matchers, *starts) for one in m.each)
+        each = [one for m in (*matchers, *starts) for one in m.each]
+        self.kinds = frozenset(one.kind for one in each)
+        self.names = frozenset(
+            one.what for one in each
+        )  # what no other record's `what` is: most records are passed over
         self._needed = subjects_of([*matchers, *starts])
 
     @property
@@ -58,6 +62,8 @@ class EventMeasure(Measure):
 
     def record(self, record: Record) -> None:
         self.hear(record)
+        if record.what not in self.names:
+            return
         for place in self._order:
             groups = self._groups[place]
             if groups is not None and groups.begins(record):

@@ -19,26 +19,27 @@ from ...core.records import Kind, Record, Subjects
 from ...core.suggest import did_you_mean
 from ...core.time import NO_TIME
 from ...records.lost_flags import LostFlag, ReadModifyWrite
-from ...records.races import distances
-from ...records.races import races as races_of
+from ...records.races import distances, modifies_of
 from ...records.register_maps import is_status, one_clears
 from ...records.run import NotInRun, Run
 from ...traces.formats.record_table import Columns, RecordTable
 from ..language.scope import MAPS, BadEvent, Scope, scope_of_table
 from .measure import Measure, SceneEvents
 
-CLEARING = {f"W {module}.{r.name}" for module, registers in MAPS.items() for r in registers if one_clears(r)}
+CLEARABLE = [f"{module}.{r.name}" for module, registers in MAPS.items() for r in registers if one_clears(r)]
+CLEARING = {f"W {register}" for register in CLEARABLE}
 
 
 @dataclass(frozen=True)
 class Watched:
-    """A status register, or one field of it. unit, module, register: empty for all of the scene's."""
+    """A status register, or one field of it. unit, module, register: empty for all of the scene's, with its units."""
 
     text: str
     unit: str = ""
     module: str = ""
     register: str = ""
     field: str = ""
+    units: tuple[str, ...] = ()
 
     @property
     def name(self) -> str | None:
@@ -82,7 +83,7 @@ def losing(unit: str, text: str, scope: Scope) -> Watched:
     if not text:
         if not scope.units:
             raise BadEvent("the scene has no unit")
-        return Watched("")
+        return Watched("", units=tuple(scope.units))
     owner, module, register = scope.register(unit, text)
     if not one_clears(register):
         flags = [r.name for r in MAPS[module] if one_clears(r)]
@@ -177,6 +178,12 @@ class LostFlags(RegisterMeasure):
     unit = "flags"
     series = False
 
+    @property
+    def subjects(self) -> Subjects:
+        if self.watched.register:
+            return super().subjects
+        return {Kind.FLAG: {f"{unit}.{register}" for unit in self.watched.units for register in CLEARABLE}}
+
     def record(self, record: Record) -> None:
         super().record(record)
         if record.kind is Kind.ACCESS and record.what in CLEARING and self.watched.shows(record):
@@ -208,7 +215,7 @@ class ClearedAlong(LostFlags):
 
 def _modifies(run: Run, watched: Watched) -> tuple[ReadModifyWrite, ...]:
     try:
-        return races_of(run, watched.name).modifies
+        return modifies_of(run, watched.name)
     except NotInRun:
         return ()
 

@@ -51,6 +51,8 @@ class _InState(EventMeasure, ABC):
 
     def record(self, record: Record) -> None:
         self.hear(record)
+        if record.what not in self.names:
+            return
         if any(event.fits(record) for event in self._state.enters):
             if self._since == NO_TIME:
                 self.begins(record.tick, seen=True)

@@ -32,7 +32,11 @@ ROOMS = {
     "processor": Room(("periph_sim/processor",), ("tests/processor",), ("tests/scene",)),
     "measures": Room(("periph_sim/timing",), ("tests/timing",)),
     "decoders": Room(("periph_sim/traces/decode",), ("tests/traces/decode",)),
-    "insight": Room(("periph_sim/records",), ("tests/records",), ("tests/commands/test_insight.py",)),
+    "insight": Room(
+        ("periph_sim/records", "periph_sim/explain"),
+        ("tests/records", "tests/explain"),
+        ("tests/commands/test_insight.py",),
+    ),
     "numeric": Room(("periph_sim/sensors/numeric",), ("tests/sensors/numeric",)),
     "models": Room(("periph_sim/sensors/models",), ("tests/sensors/models",)),
     "extremes": Room(("periph_sim/sensors/extremes",), ("tests/sensors/extremes",)),

@@ -7,6 +7,7 @@ from itertools import groupby
 
 from .argued import ARGUMENTS, argument_of
 from .changes import DELAYS, DELETED, EXCHANGED, MOVED
+from .survivors import KNOWN
 from .tally import WAYS, Tally
 from .trials import BROKEN, ENDED, FIRMWARES, MOVED_IN_TIME, Trial, all_mutants
 
@@ -34,7 +35,7 @@ def page(trials: Mapping[str, Sequence[Trial]]) -> str:
     text = HEAD + _summary(trials)
     for file, of_file in trials.items():
         text += f"\n## {file}\n\n{FIRMWARES[file]}{_left_out(file, of_file)}\n\n" + _statements(of_file)
-    return text + _arguments()
+    return text + _survivors(trials) + _arguments()
 
 
 def _left_out(file: str, trials: Sequence[Trial]) -> str:
@@ -78,6 +79,15 @@ def _caught(trial: Trial) -> str:
     if not trial.how:
         return f"[{ARGUMENTS.index(argument) + 1}]" if argument else "SURVIVED"
     return f"{trial.by}, *when*" if trial.how == MOVED_IN_TIME else trial.by
+
+
+def _survivors(trials: Mapping[str, Sequence[Trial]]) -> str:
+    """What would catch those that survived; nothing where none did."""
+    left = [(file, trial.mutant) for file, of_file in trials.items() for trial in Tally(of_file).survivors]
+    rows = [
+        f"* `{file}.py`, line {one.line}, {one.kind}: {KNOWN.get(one.text, 'not looked at')}." for file, one in left
+    ]
+    return "\n".join(["\n## What would catch the survivors\n", *rows, ""]) if left else ""
 
 
 def _arguments() -> str:

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 
 from .argued import argument_of
+from .survivors import KNOWN
 from .trials import BROKEN, ENDED, MOVED, MOVED_IN_TIME, Trial
 
 ENOUGH = 95  # percent
@@ -14,13 +15,19 @@ WAYS = (BROKEN, ENDED, MOVED, MOVED_IN_TIME, ARGUED, SURVIVED)
 
 
 class Tally:
-    """refuted: argued to have no effect, and caught all the same."""
+    """refuted: argued to have no effect, and caught all the same. unknown: survived, and not known to do so."""
 
     def __init__(self, trials: Sequence[Trial]) -> None:
         self.ways = Counter(way(trial) for trial in trials)
         self.survivors = [trial for trial in trials if way(trial) == SURVIVED]
+        self.unknown = [trial for trial in self.survivors if trial.mutant.text not in KNOWN]
         self.refuted = [trial for trial in trials if trial.how and argument_of(trial.mutant)]
         self.total = len(trials)
+
+    @property
+    def holds(self) -> bool:
+        """Enough are caught, no argument is refuted, and who survives is known to."""
+        return self.share >= ENOUGH and not self.refuted and not self.unknown
 
     @property
     def share(self) -> float:

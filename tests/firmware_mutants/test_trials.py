@@ -6,8 +6,10 @@ import pytest
 
 from periph_sim.records import lint
 from periph_sim.scene.case.load import load
+from tests.firmware_mutants.__main__ import main
 from tests.firmware_mutants.argued import ARGUMENTS, WITHOUT_EFFECT, argument_of, means
 from tests.firmware_mutants.changes import Mutant
+from tests.firmware_mutants.survivors import KNOWN
 from tests.firmware_mutants.tally import Tally
 from tests.firmware_mutants.trials import (
     BROKEN,
@@ -94,3 +96,36 @@ def test_an_argued_mutant_that_is_caught_is_told():
     assert [trial.mutant for trial in tally.survivors] == [other]
     assert tally.share == 50
     assert Tally([Trial(argued), Trial(other, "case", "data age", BROKEN)]).share == 100
+
+
+# Exit status -----------------------------------------------------------------------------
+
+
+def test_survivors_that_are_known_exist_and_none_of_them_is_argued():
+    found = {one.text: one for file in RUNS for one in all_mutants(file)}
+    assert not [text for text in KNOWN if text not in found or argument_of(found[text])]
+
+
+@pytest.mark.parametrize(
+    ("survives", "argued_is_caught", "status", "told"),
+    [
+        ("", False, 0, ""),
+        ("run: moved past self.start_timer(self.round_timer", False, 0, "\nsurvived: imu_hil_robust.py"),
+        ("serve: deleted: ", False, 1, "\nsurvived, and is not known to: imu_hil_robust.py"),
+        ("", True, 1, "\nargued, but caught by data age: imu_hil_robust.py"),
+    ],
+    ids=["all caught", "one survives that is known to", "another one survives", "an argued one is caught"],
+)
+def test_the_status_tells_of_a_survivor_that_nobody_knows(
+    survives: str, argued_is_caught: bool, status: int, told: str, monkeypatch, capsys
+):
+    spared = next((one for one in all_mutants("imu_hil_robust") if survives and one.text.startswith(survives)), None)
+
+    def trial(mutant: Mutant) -> Trial:
+        passes = mutant == spared or (argument_of(mutant) and not argued_is_caught)
+        return Trial(mutant) if passes else Trial(mutant, "case", "data age", BROKEN)
+
+    monkeypatch.setattr("tests.firmware_mutants.__main__.tried", trial)
+    assert main(["imu_hil_robust"]) == status
+    said = capsys.readouterr().out
+    assert (told in said) if told else ("survived:" not in said and "caught by" not in said)

@@ -24,10 +24,10 @@ def text(answer: Answer) -> str:
     lines = [f"{subject.name} at {run.at(answer.tick)}: {_value(answer)}", *_meaning(answer), "", "back:"]
     if not answer.back:
         lines.append(f"  nothing changed it before; {'it is ' + AS_RESET if subject.field else 'no record of it'}")
-    at = answer.back[0].record.tick if answer.back else 0
     rows = []
     for step in answer.back:
-        distance = run.length(at - step.record.tick) + " before" if step.known else run.at(step.record.tick)
+        before = run.length(answer.back[0].record.tick - step.record.tick) + " before"
+        distance = before if step.known else run.at(step.record.tick)
         known = f"[{step.known}: {step.because}]" if step.known else ""
         rows.append((f"#{step.record.number}", distance, f"{'    ' * step.aside}{said(run, step)}", known))
     lines += aligned(rows)

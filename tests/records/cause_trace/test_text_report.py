@@ -1,0 +1,112 @@
+"""An answer whole: as lines for a person, each record with its distance and how it is known, and as JSON."""
+
+from __future__ import annotations
+
+import pytest
+
+from periph_sim.core.records import Kind
+from periph_sim.records import Run, why
+from periph_sim.records.cause_trace.text_report import SKIPPED, aligned, as_json, text
+from tests.records.cause_trace.test_causes import count, counted, edge, flag, read
+from tests.records.scenes import CYCLE, by_hand
+
+SET, READ, WRITTEN, CHANGED, READ_NEXT, CHANGED_NEXT = range(1, 7)  # records by their numbers
+TABLE_10, TABLE_18 = "[SPRUG03B table 10]", "[SPRUG03B table 18]"
+
+
+@pytest.fixture
+def run() -> Run:
+    """SCD rises, is read, I2CCNT is written; the firmware reads it back, and a byte later it counts down."""
+    return by_hand(
+        flag(1000, "SCD", 1),
+        read(1015, 0x20, "SCD"),
+        count(1030),
+        counted(1033, WRITTEN),
+        (1045, Kind.ACCESS, "dsp", "R I2C-A.I2CCNT", 6, "f:3", 0, "ICDC"),
+        (1183, Kind.FLAG, "dsp.I2C-A", "I2CCNT.ICDC", 5, "", CHANGED),
+        end=3000,
+    )
+
+
+def test_an_answer_as_lines(run: Run):
+    assert text(why(run, "ICDC@7.22us")).splitlines() == [
+        "dsp.I2C-A.I2CCNT.ICDC at 0.007220 ms: 6 since 0.006887 ms, 333.333 ns (50 cycles) before",
+        f"  ICDC, R/W: Bytes to move; 0 is 65536. {TABLE_18}",
+        "",
+        "back:",
+        f"  #4  0.006887 ms                dsp.I2C-A.I2CCNT.ICDC = 6 {TABLE_18}",
+        "  #3  20 ns (3 cycles) before    dsp: I2C-A.I2CCNT written, 0x0006 at f:9         "
+        "[recorded: the last input that had come through]",
+        "  #2  120 ns (18 cycles) before  dsp: I2C-A.I2CSTR read, 0x0020 (SCD = 1) at f:1  "
+        "[inferred: the look before it that saw the newest change]",
+        f"  #1  220 ns (33 cycles) before  dsp.I2C-A.I2CSTR.SCD set {TABLE_10}     "
+        "[inferred: the last change of what it looked at]",
+        "",
+        "forward:",
+        f"  set off  1 us (150 cycles) after  dsp.I2C-A.I2CCNT.ICDC = 5 {TABLE_18}",
+        "  read     80 ns (12 cycles) after  dsp: I2C-A.I2CCNT read, 0x0006 (ICDC = 6) at f:3",
+        f"  changed  1 us (150 cycles) after  dsp.I2C-A.I2CCNT.ICDC = 5 {TABLE_18}",
+        "  1 recorded read that looked at it before that change",
+        SKIPPED,
+    ]
+
+
+@pytest.mark.parametrize(
+    ("question", "reads"),
+    [
+        ("I2CSTR.BB@7us", "1 recorded read"),
+        ("I2CSTR.SCD@7us", "2 recorded reads"),
+        ("I2CMDR.IRS@7us", "no recorded reads"),
+    ],
+)
+def test_the_end_of_an_answer_counts_the_reads(question: str, reads: str):
+    run = by_hand(flag(1000, "BB", 1), flag(1000, "SCD", 1), read(1010, 0x1020, "SCD"), read(1020, 0x1020, ""))
+    said = text(why(run, question)).splitlines()
+    last = f"  {reads} that looked at it before the end of the run"
+    assert said[-3:] == [last, "  it did not change again", SKIPPED]
+
+
+def test_an_answer_about_a_wire_knows_no_reads_and_tells_who_let_go():
+    run = by_hand(edge(10, 0, "controller"), edge(20, 1, ""))
+    low, high = (text(why(run, f"SCL@{time}")).splitlines() for time in ("0.1us", "0.2us"))
+    assert low[3:] == [
+        "  #1  0.000067 ms  SCL falls, pulled low by controller",
+        "",
+        "forward:",
+        "  changed  66.667 ns (10 cycles) after  SCL rises, released by controller",
+    ]
+    assert high[3:5] == ["  #2  0.000133 ms  SCL rises, released by controller", ""]
+    assert high[-1] == "  it did not change again"
+
+
+def test_columns_are_as_wide_as_their_widest_cell():
+    assert aligned([("a", "bbb", "c"), ("aaa", "b", "")]) == ["  a    bbb  c", "  aaa  b"]
+    assert aligned([]) == []
+
+
+def test_the_steps_of_an_answer_as_json(run: Run):
+    found = as_json(why(run, "ICDC@7.22us"))
+    first = 1033 * CYCLE
+    assert (found["tick"], found["since_s"], found["value"]) == (1083 * CYCLE, first / 3e9, 6)
+    assert (found["source"], found["doc"]) == (TABLE_18[1:-1], "Bytes to move; 0 is 65536.")
+    back = found["back"]
+    assert isinstance(back, list)
+    told = ("record", "tick", "cycles_from_value", "known", "because", "cause_of", "aside")
+    assert [tuple(step[key] for key in told) for step in back] == [
+        (CHANGED, first, 0, None, None, None, False),
+        (WRITTEN, first - 3 * CYCLE, -3, "recorded", "the last input that had come through", CHANGED, False),
+        (READ, first - 18 * CYCLE, -18, "inferred", "the look before it that saw the newest change", WRITTEN, False),
+        (SET, first - 33 * CYCLE, -33, "inferred", "the last change of what it looked at", READ, False),
+    ]
+    after = {key: found[key] for key in ("next_read", "next_change")}
+    assert [(step["record"], step["cycles_from_value"]) for step in after.values() if isinstance(step, dict)] == [
+        (READ_NEXT, 12),
+        (CHANGED_NEXT, 150),
+    ]
+    assert (found["reads_before_change"], found["set_off"]) == (1, [found["next_change"]])
+
+
+def test_nothing_of_a_wire_comes_from_a_register():
+    found = as_json(why(by_hand(edge(10, 0, "controller")), "SCL@0.1us"))
+    assert (found["doc"], found["source"], found["next_read"], found["next_change"]) == (None, None, None, None)
+    assert (found["pulled_by"], found["held_by"]) == (["controller"], ["controller"])

@@ -14,7 +14,7 @@ from itertools import pairwise
 from ..core.records import Kind, Record
 from ..records.record_text import BusByte, bus_byte, happened
 from ..scene.case.model import Case
-from .chain import Part, Place, Step, place_of
+from .chain import Chain, Part, Place, Step, place_of
 from .cpu_activity import DOING, Episode, Stretch, episodes, open_at, phrase, timeline, units
 from .window import Window
 
@@ -187,6 +187,11 @@ class Evidence:
         ]
 
     # Steps ------------------------------------------------------------------------
+
+    def chain(self, steps: tuple[Step, ...], parts: tuple[Part, ...] = (), blame: Part | None = None) -> Chain:
+        """The explanation of this occurrence. parts: none where nothing has a length."""
+        window = self.window
+        return Chain(window.verdict, window.timebase, window.end - window.begin, steps, parts, blame=blame)
 
     def step(self, record: Record, what: str = "", length: int | None = None) -> Step:
         """A record as a Step."""

@@ -1,6 +1,6 @@
 """The explanation of each budget's worst occurrence: windows go in, a Chain each comes out.
 
-case, verdicts, typical ones --> windows --> Evidence --> ChainBuilder of its measure --> Chain, beside the typical one
+case, verdicts, typical ones --> windows --> Evidence --> Chain by its measure, beside the typical one
 """
 
 from __future__ import annotations
@@ -24,14 +24,13 @@ from ..traces.drawing.capture_lanes import bit_of
 from . import bus_chain as of_bus
 from . import event_chain as of_events
 from . import host_chain as of_host
-from .bus_chain import ChainBuilder
 from .chain import Chain, difference
 from .evidence import Evidence
 from .window import BIT, LATE, Window, windows
 
 REACH = 70  # bits: a picture is not made longer than that for the evidence, so that bytes can be told apart
 
-STORIES: dict[str, Callable[[Evidence], ChainBuilder]] = {
+STORIES: dict[str, Callable[[Evidence], Chain]] = {
     "response": of_bus.response,
     "stretch": of_bus.stretch,
     "round": of_bus.round_time,
@@ -102,42 +101,39 @@ def _reaching(window: Window, chain: Chain) -> Window:
 
 def chain_of(case: Case, window: Window) -> Chain:
     """The Chain of one window."""
-    steps, parts, blame = _story(case, window)
-    return Chain(window.verdict, window.timebase, window.end - window.begin, steps, parts, blame=blame)
-
-
-def _story(case: Case, window: Window) -> ChainBuilder:
     measure = window.verdict.measure
-    look = Evidence(window, case)
+    evidence = Evidence(window, case)
     if measure in STORIES:
-        return STORIES[measure](look)
+        return STORIES[measure](evidence)
     scope = scope_of_case(case)
     if measure.startswith(SPAN):
         name = measure.removeprefix(SPAN)
         begin, end = (Matcher(f"span {name}", Kind.SPAN, None, name, EVERYTHING, value) for value in (1, 0))
-        return of_events.between(look, begin, end)
+        return of_events.between(evidence, begin, end)
     if not is_form(measure):
         raise ValueError(f"there is no explanation of {measure!r}; expected a measure of timing.measures")
     said = measure_of(measure)
     made = make_of_events(measure, scope)
     events: list[Matcher] = list(getattr(made, "matchers", ()))
     if said.form == "interrupt":
-        return of_events.latency(look, events[0], None if said.access else events[1])
+        return of_events.latency(evidence, events[0], None if said.access else events[1])
     if said.form in ("from", "reaction", "gap"):
-        return of_events.between(look, events[0], events[1])
+        return of_events.between(evidence, events[0], events[1])
     if said.form == "period":
-        return of_events.between(look, events[0], events[0])
+        return of_events.between(evidence, events[0], events[0])
     if said.form == "jitter":
-        return of_events.two_periods(look, matcher(said.events[0], scope)) if said.events else of_events.once(look)
+        return (
+            of_events.two_periods(evidence, matcher(said.events[0], scope)) if said.events else of_events.once(evidence)
+        )
     if said.form == "each":
-        first, last = (of_events.one_of(look, events, at) for at in (look.window.begin, look.window.end))
-        return of_events.between(look, first, last)
+        first, last = (of_events.one_of(evidence, events, at) for at in (evidence.window.begin, evidence.window.end))
+        return of_events.between(evidence, first, last)
     if said.form in ("level", "time", "count"):
-        return of_events.once(look, events[0])
+        return of_events.once(evidence, events[0])
     if isinstance(made, RegisterMeasure):
-        return of_events.around(look, made.watched)
+        return of_events.around(evidence, made.watched)
     if said.form in ("age", "model"):
-        return of_host.age(look)
+        return of_host.age(evidence)
     if said.form == "value":
-        return of_host.value(look)
-    return of_events.whole(look)
+        return of_host.value(evidence)
+    return of_events.whole(evidence)

@@ -27,137 +27,141 @@ NEEDED = (  # fields that must be 1 for the module to answer, and what follows w
 WAITED = ("SCD", "RRDY", "NACK")  # flags that firmware waits for and that stay until they are cleared
 
 
-def bytes_sent(look: Evidence, phase: Phase) -> Iterator[tuple[Record, Record | None, str]]:
+def bytes_sent(evidence: Evidence, phase: Phase) -> Iterator[tuple[Record, Record | None, str]]:
     """Each byte of a read with the write that it came of, as far as anybody knows, and that in words."""
-    writes = look.accesses(0, phase.end, "W", I2C, "I2CDXR")
+    writes = evidence.accesses(0, phase.end, "W", I2C, "I2CDXR")
     before = phase.begin if phase.answered is None else phase.answered
     for number, byte in enumerate(phase.data, 1):
         carried = bus_byte(byte)
         value = 0 if carried is None else carried.value
-        begins, before = _first_rise(look, before, byte.tick), byte.tick
+        begins, before = _first_rise(evidence, before, byte.tick), byte.tick
         write = next((w for w in reversed(writes) if w.tick < begins and w.value & 0xFF == value), None)
         said = f"byte {number}: {carried}"
         if write is None:
             yield byte, None, f"{said}, which was not written to I2CDXR within the records kept"
             continue
-        early = f", written {look.span(byte.tick - write.tick)} before its end"
-        other = next((p for p in look.phases if p.begin <= write.tick <= p.end and p.begin < phase.begin), None)
+        early = f", written {evidence.span(byte.tick - write.tick)} before its end"
+        other = next((p for p in evidence.phases if p.begin <= write.tick <= p.end and p.begin < phase.begin), None)
         where = "" if write.tick >= phase.begin else f", for {other}" if other else ", before the read's START"
         yield byte, write, f"{said}{early}{where}"
 
 
-def _first_rise(look: Evidence, after: int, before: int) -> int:
+def _first_rise(evidence: Evidence, after: int, before: int) -> int:
     """When SCL rises for the first bit of a byte: by then it has to be driven."""
-    scl = next((channel for channel in look.window.edges.channels if channel.name == "SCL"), None)
+    scl = next((channel for channel in evidence.window.edges.channels if channel.name == "SCL"), None)
     if scl is None:
         return before
     rises = scl.edges[(scl.levels == 1) & (scl.edges > after) & (scl.edges < before)]
     return int(rises[0]) if len(rises) else before
 
 
-def released(look: Evidence, tick: int) -> list[Step]:
+def released(evidence: Evidence, tick: int) -> list[Step]:
     """Of a module that is held in reset at a tick: when IRS was cleared, and by which write."""
-    last = last_change(look, "I2CMDR.IRS", tick)
-    return [] if last is None or last.value else [_taken(look, last, LETS_GO, tick)]
+    last = last_change(evidence, "I2CMDR.IRS", tick)
+    return [] if last is None or last.value else [_taken(evidence, last, LETS_GO, tick)]
 
 
-def deaf(look: Evidence, tick: int) -> list[Step]:
+def deaf(evidence: Evidence, tick: int) -> list[Step]:
     """The first thing without which the module hears nothing, if it lacks at a tick: taken away by a write, or never
     given."""
-    unit = look.case.unit.get(look.unit)
+    unit = evidence.case.unit.get(evidence.unit)
     there = ("SYS", *(unit.modules if unit is not None else ()))
     for module, field, so in NEEDED:
         if module not in there:
             continue
-        last = last_change(look, field, tick, module)
+        last = last_change(evidence, field, tick, module)
         if last is None:
-            return [look.say(tick, f"{field} = 0, so {so}: the firmware has never set it")]
+            return [evidence.say(tick, f"{field} = 0, so {so}: the firmware has never set it")]
         if not last.value:
-            return [_taken(look, last, so, tick)]
+            return [_taken(evidence, last, so, tick)]
     return []
 
 
-def _taken(look: Evidence, cleared: Record, so: str, tick: int) -> Step:
-    by = maker(look, cleared)
-    told = f"{cleared.what} cleared, so {so}, {look.span(tick - cleared.tick)} before"
-    return look.step(cleared if by is None else by, told)
+def _taken(evidence: Evidence, cleared: Record, so: str, tick: int) -> Step:
+    by = maker(evidence, cleared)
+    told = f"{cleared.what} cleared, so {so}, {evidence.span(tick - cleared.tick)} before"
+    return evidence.step(cleared if by is None else by, told)
 
 
-def own_address(look: Evidence, tick: int, address: int) -> tuple[list[Step], Step | None]:
+def own_address(evidence: Evidence, tick: int, address: int) -> tuple[list[Step], Step | None]:
     """Writes of the own address about a tick at which another one was asked for; and the one to blame, if any."""
-    writes = look.accesses(0, look.window.kept[-1].end, "W", I2C, "I2COAR")
+    writes = evidence.accesses(0, evidence.window.kept[-1].end, "W", I2C, "I2COAR")
     last = max((r for r in writes if r.tick <= tick), key=lambda r: r.tick, default=None)
     right = min((r for r in writes if r.tick > tick and r.value == address), key=lambda r: r.tick, default=None)
     steps = []
     if last is None:
-        steps.append(look.say(tick, "I2COAR = 0x00: the firmware has never written it"))
+        steps.append(evidence.say(tick, "I2COAR = 0x00: the firmware has never written it"))
     else:
-        before = look.span(tick - last.tick)
-        steps.append(look.step(last, f"I2COAR = 0x{last.value:02X} written, {before} before the NACK"))
+        before = evidence.span(tick - last.tick)
+        steps.append(evidence.step(last, f"I2COAR = 0x{last.value:02X} written, {before} before the NACK"))
     if last is not None and last.value == address:
         return steps, None
     if right is not None:
-        steps.append(look.step(right, f"I2COAR = 0x{address:02X} written, {look.span(right.tick - tick)} too late"))
+        steps.append(
+            evidence.step(right, f"I2COAR = 0x{address:02X} written, {evidence.span(right.tick - tick)} too late")
+        )
     return steps, steps[-1]
 
 
-def refusing(look: Evidence, tick: int) -> list[Step]:
+def refusing(evidence: Evidence, tick: int) -> list[Step]:
     """Of a receiver that does not acknowledge a byte at a tick: the write that told it so."""
-    last = last_change(look, "I2CMDR.NACKMOD", tick)
+    last = last_change(evidence, "I2CMDR.NACKMOD", tick)
     if last is None or not last.value:
-        return deaf(look, tick)
-    by = maker(look, last)
-    told = f"I2CMDR.NACKMOD set, so the module refuses the next byte, {look.span(tick - last.tick)} before"
-    return [look.step(last if by is None else by, told)]
+        return deaf(evidence, tick)
+    by = maker(evidence, last)
+    told = f"I2CMDR.NACKMOD set, so the module refuses the next byte, {evidence.span(tick - last.tick)} before"
+    return [evidence.step(last if by is None else by, told)]
 
 
-def is_master(look: Evidence, tick: int) -> bool:
+def is_master(evidence: Evidence, tick: int) -> bool:
     """Whether the unit's module is the master at a tick, so that a NACK is another's."""
-    last = last_change(look, "I2CMDR.MST", tick)
+    last = last_change(evidence, "I2CMDR.MST", tick)
     return last is not None and last.value == 1
 
 
-def stale(look: Evidence, phase: Phase) -> list[Step]:
+def stale(evidence: Evidence, phase: Phase) -> list[Step]:
     """Looks in a transfer at a flag that rose before it: they ended a wait at once."""
     steps = []
-    for look_at in look.accesses(phase.begin, phase.end, "R", I2C, "I2CSTR"):
+    for look_at in evidence.accesses(phase.begin, phase.end, "R", I2C, "I2CSTR"):
         if look_at.field not in WAITED:
             continue
-        rose = last_change(look, f"I2CSTR.{look_at.field}", look_at.tick)
-        first = next((p.begin for p in reversed(look.phases) if p.begin <= phase.begin and not p.repeated), phase.begin)
+        rose = last_change(evidence, f"I2CSTR.{look_at.field}", look_at.tick)
+        first = next(
+            (p.begin for p in reversed(evidence.phases) if p.begin <= phase.begin and not p.repeated), phase.begin
+        )
         if rose is not None and rose.value and rose.tick < first:
-            early = look.span(first - rose.tick)
+            early = evidence.span(first - rose.tick)
             told = f"the firmware sees I2CSTR.{look_at.field}, which rose {early} before this transfer began"
-            steps.append(look.step(look_at, told))
+            steps.append(evidence.step(look_at, told))
     return steps[:1]
 
 
-def unread(look: Evidence, tick: int) -> list[Step]:
+def unread(evidence: Evidence, tick: int) -> list[Step]:
     """Of a receiver that holds a byte which nobody took (RSFULL): since when, and when I2CDRR was read last."""
-    full = last_change(look, "I2CSTR.RSFULL", tick)
+    full = last_change(evidence, "I2CSTR.RSFULL", tick)
     if full is None or not full.value:
         return []
-    steps = [look.step(full, "I2CSTR.RSFULL set: a second byte is in, and I2CDRR is unread")]
-    reads = look.accesses(0, tick, "R", I2C, "I2CDRR")
+    steps = [evidence.step(full, "I2CSTR.RSFULL set: a second byte is in, and I2CDRR is unread")]
+    reads = evidence.accesses(0, tick, "R", I2C, "I2CDRR")
     if reads:
         last = max(reads, key=lambda r: r.tick)
-        return [look.step(last, f"I2CDRR read for the last time, {look.span(tick - last.tick)} before"), *steps]
-    waits = last_change(look, "I2CSTR.RRDY", tick)
+        return [evidence.step(last, f"I2CDRR read for the last time, {evidence.span(tick - last.tick)} before"), *steps]
+    waits = last_change(evidence, "I2CSTR.RRDY", tick)
     never = "I2CDRR was not read since" if waits is not None and waits.value else "I2CDRR was not read"
-    return [*([look.step(waits, f"I2CSTR.RRDY set; {never}")] if waits is not None and waits.value else []), *steps]
+    return [*([evidence.step(waits, f"I2CSTR.RRDY set; {never}")] if waits is not None and waits.value else []), *steps]
 
 
-def last_change(look: Evidence, field: str, tick: int, module: str = I2C) -> Record | None:
+def last_change(evidence: Evidence, field: str, tick: int, module: str = I2C) -> Record | None:
     """The last change of a field of one of the unit's modules up to a tick."""
-    where = f"{look.unit}.{module}"
-    there = (*look.window.before, *look.window.records)
+    where = f"{evidence.unit}.{module}"
+    there = (*evidence.window.before, *evidence.window.records)
     found = [r for r in there if r.kind is Kind.FLAG and (r.where, r.what) == (where, field) and r.tick <= tick]
     return max(found, key=lambda r: (r.tick, r.number), default=None)
 
 
-def maker(look: Evidence, change: Record) -> Record | None:
+def maker(evidence: Evidence, change: Record) -> Record | None:
     """The access that made a change in its cycle."""
-    there = (*look.window.before, *look.window.records)
+    there = (*evidence.window.before, *evidence.window.records)
     return next(
         (r for r in there if r.number == change.cause and r.kind is Kind.ACCESS and r.tick == change.tick), None
     )

@@ -11,8 +11,9 @@ import click
 
 from ..reports.baselines import CaseCheck, RejectedCase
 from ..reports.baselines import check as checked
+from ..scene.project import project_of
 from ..traces.formats.atomic_write import atomic_write
-from .input_options import apart
+from .input_options import GUARANTEED, apart
 from .json_output import print_json
 from .progress import progress
 from .usage_error import usage_errors_in_one_sentence
@@ -26,10 +27,10 @@ EXAMPLE = "periph-sim check timing --junit results.xml"
 
 @click.command()
 @click.argument("paths", nargs=-1, type=click.Path(path_type=Path), metavar="[PATH]...")
-@click.option("--tolerance", type=click.IntRange(min=0), default=0, metavar="CYCLES", help="Times may differ by this.")
+@click.option("--tolerance", type=click.IntRange(min=0), metavar="CYCLES", help="Times may differ by this.  [0]")
 @click.option("--update-baseline", "update", is_flag=True, help="Make the figures of this run the new baselines.")
 @click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of every case.")
-@click.option("--guaranteed", is_flag=True, help="A budget that held in this run but is not proven fails, too.")
+@GUARANTEED
 @click.option("--jobs", type=click.IntRange(min=1), help="Processes at a time; as many as cores. 1: none but this one.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
 @click.option("--junit", "junit_file", type=click.Path(path_type=Path), help="Write JUnit XML to this file.")
@@ -39,10 +40,10 @@ EXAMPLE = "periph-sim check timing --junit results.xml"
 )
 def check(
     paths: tuple[Path, ...],
-    tolerance: int,
+    tolerance: int | None,
     update: bool,
     changes: tuple[str, ...],
-    guaranteed: bool,
+    guaranteed: bool | None,
     jobs: int | None,
     as_json: bool,
     junit_file: Path | None,
@@ -51,29 +52,32 @@ def check(
 ) -> int:
     """Run cases and hold their figures against their baselines, exactly.
 
-    PATH is a case file, or a folder with cases in it or below it; timing if none is given.
-    Baselines are baselines/NAME.json beside the case. Exit status 0: every budget holds, or
-    breaks where the case says that it must, and every figure is that of the baseline; 2: a
-    case could not be run (the others were).
+    PATH is a case file, or a folder with cases in it or below it. Without it: what `cases` of
+    [tool.periph-sim] in pyproject.toml names, else timing, else the present folder. Baselines
+    are baselines/NAME.json beside the case, or in `baselines` of that table.
+
+    Exit status 0: every budget holds, or breaks where the case says that it must, and every
+    figure is that of the baseline; 1: not so; 2: a case could not be run (the others were).
     """
     if update and changes:
         raise click.UsageError("--update-baseline with --set: a baseline is of the case as it stands; leave one out")
     apart(junit=junit_file, html=html_file)
     refused: list[RejectedCase] = []
     with usage_errors_in_one_sentence(), ExitStack() as outputs:
+        project = project_of(Path())
         # Asked for their places before the runs, so that none is in vain.
         unfinished, unfinished_html = (
             None if file is None else outputs.enter_context(atomic_write(file)) for file in (junit_file, html_file)
         )
         with progress("check") as told:
             checks = checked(
-                paths or [Path("timing")],
-                jobs=jobs,
-                tolerance=tolerance,
+                paths or project.cases(),
+                jobs=jobs or project.settings.jobs,
+                tolerance=project.settings.tolerance if tolerance is None else tolerance,
                 update=update,
                 changes=changes,
                 keep_values=html_file is not None,
-                guaranteed=guaranteed,
+                guaranteed=project.settings.guaranteed if guaranteed is None else guaranteed,
                 told=told,
                 on_refused=refused.append,
             )

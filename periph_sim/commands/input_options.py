@@ -18,6 +18,9 @@ RATE = click.option("--rate", metavar="RATE", help="Samples a second, where the 
 SALVAGE = click.option(
     "--salvage", is_flag=True, help="Read a damaged file up to the damage, and say what was dropped."
 )
+GUARANTEED = click.option(
+    "--guaranteed/--no-guaranteed", default=None, help="A budget that held in this run but is not proven fails, too."
+)
 RUN_FILE = click.argument("run", type=click.Path(path_type=Path))
 SYSCLK = click.option("--sysclk", metavar="RATE", help="SYSCLKOUT, where RUN does not show it: '150 MHz'.")
 

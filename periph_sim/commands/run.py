@@ -16,11 +16,12 @@ from ..explain.text_report import as_json as chain_as_json
 from ..explain.text_report import text
 from ..records.recording import recording
 from ..scene.case.load import load
+from ..scene.project import project_of
 from ..scene.result import Result
 from ..scene.scene import Scene
 from ..timing.verdicts import EVERY_PHASE
 from ..traces.formats.atomic_write import atomic_write
-from .input_options import apart, length_given
+from .input_options import GUARANTEED, apart, length_given
 from .json_output import print_json
 from .progress import progress
 from .result_text import show
@@ -37,7 +38,7 @@ EXAMPLE = "periph-sim run timing/imu_hil.toml --seconds 1 --explain"
 @click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
 @click.option("--record", type=click.Path(path_type=Path), help="Write the run to a file; its suffix says the format.")
 @click.option("--html", type=click.Path(path_type=Path), help="Write a report with plots and timelines to this file.")
-@click.option("--guaranteed", is_flag=True, help="A budget that held in this run but is not proven fails, too.")
+@GUARANTEED
 @click.option("--explain", is_flag=True, help="Say of each budget why its worst occurrence was as it was.")
 @click.option(
     "-v", "--verbose", is_flag=True, help="List the undocumented behaviours that the run assumed; count skipped polls."
@@ -49,7 +50,7 @@ def run(
     changes: tuple[str, ...],
     record: Path | None,
     html: Path | None,
-    guaranteed: bool,
+    guaranteed: bool | None,
     explain: bool,
     verbose: bool,
     as_json: bool,
@@ -60,6 +61,7 @@ def run(
     """
     apart(record=record, html=html)
     with usage_errors_in_one_sentence(), ExitStack() as outputs:
+        needed = project_of(Path()).settings.guaranteed if guaranteed is None else guaranteed
         loaded = load(case, list(changes))
         length = None if seconds is None else length_given(seconds)
         unfinished = None if html is None else outputs.enter_context(atomic_write(html))
@@ -81,10 +83,10 @@ def run(
     if as_json:
         print_json("run", _object(result, chains if explain else None))
     else:
-        show(terminal(), result, loaded, guaranteed, verbose)
+        show(terminal(), result, loaded, needed, verbose)
         for chain in chains.values():
             click.echo("\n".join(["", *text(chain)]))
-    return status(result, guaranteed)
+    return status(result, needed)
 
 
 def _chains(scene: Scene, result: Result, length: Fraction | None) -> dict[str, Chain]:

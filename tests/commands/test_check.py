@@ -138,6 +138,34 @@ def test_bad_input_is_told_with_status_2(periph_sim: Run, cases: Path, arguments
     assert not (cases / "baselines").exists()
 
 
+def test_a_pyproject_says_where_cases_and_baselines_are_and_what_is_the_default(
+    periph_sim: Run, cases: Path, monkeypatch: pytest.MonkeyPatch
+):
+    put(Path("bench"), "other")
+    table = '[tool.periph-sim]\ncases = ["bench"]\nbaselines = "ci/figures"\nguaranteed = true\njobs = 1\n'
+    Path("pyproject.toml").write_text(table, encoding="utf-8")
+    came = periph_sim("check", "--update-baseline", "--no-guaranteed")
+    assert (came.status, came.err) == (0, "") and "\nwritten: ci/figures/other.json\n" in came.out
+    monkeypatch.chdir("timing")
+    came = periph_sim("check")
+    assert came.status == 1 and "other.toml, line 24: wrong bytes held in this run, but is not proven" in came.out
+    assert "small" not in came.out
+    assert periph_sim("check", "--no-guaranteed").status == 0
+    assert periph_sim("run", "../bench/other.toml").status == 1
+    assert periph_sim("run", "../bench/other.toml", "--no-guaranteed").status == 0
+    Path("../pyproject.toml").write_text("[tool.periph-sim]\ntolerence = 1\n", encoding="utf-8")
+    for command in (("check",), ("run", "small.toml")):
+        came = periph_sim(*command)
+        assert (came.status, came.out) == (2, "")
+        assert "pyproject.toml, line 2: there is no key 'tool.periph-sim.tolerence'; did you mean tolerance" in came.err
+
+
+def test_without_a_folder_timing_the_present_one_is_searched(periph_sim: Run, tmp_path: Path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    put(Path("bench"))
+    assert "\nbench/small.toml, line 1: it has no baseline bench/baselines/small.json" in periph_sim("check").out
+
+
 def test_every_case_that_cannot_run_is_told_in_a_line(periph_sim: Run, cases: Path):
     for name in ("a", "b"):
         put(cases, name, does="raise ValueError('boom')")

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
+from ...scene.project import project_of
 from ...traces.capture.capture import BadCapture
 from ...traces.formats.atomic_write import atomic_write
 from .errors import BadCheck
@@ -21,8 +22,8 @@ FOLDER = "baselines"
 
 
 def path_for(case: Path) -> Path:
-    """Where the baseline of a case file stands: baselines/NAME.json beside it."""
-    return case.parent / FOLDER / f"{case.stem}.json"
+    """Where the baseline of a case file stands: where its project says, else baselines/NAME.json beside it."""
+    return project_of(case.parent).baseline(case) or case.parent / FOLDER / f"{case.stem}.json"
 
 
 def text_of(baseline: Baseline) -> str:
@@ -64,7 +65,7 @@ def write_all(texts: Mapping[Path, str]) -> None:
     """Write each text at its path, all of them or none. BadCheck where that is not possible."""
     try:
         for folder in {path.parent for path in texts}:
-            folder.mkdir(exist_ok=True)
+            folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise BadCheck(f"{error.filename}: no folder can be made there ({error.strerror})") from None
     try:

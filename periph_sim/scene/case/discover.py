@@ -24,13 +24,14 @@ def is_case(path: Path) -> bool:
         return False
 
 
+def is_searched(folder: Path) -> bool:
+    """True unless it is hidden, a virtual environment, or a folder of installed or compiled things."""
+    return not folder.name.startswith(".") and folder.name not in NOT_SEARCHED and not (folder / "pyvenv.cfg").exists()
+
+
 def cases_below(folder: Path) -> Iterator[Path]:
     """The case files of a folder and its sub-folders, by name. Hidden folders and virtual environments are left out."""
     for above, folders, files in os.walk(folder):
         here = Path(above)
-        folders[:] = sorted(
-            name
-            for name in folders
-            if not name.startswith(".") and name not in NOT_SEARCHED and not (here / name / "pyvenv.cfg").exists()
-        )
+        folders[:] = sorted(name for name in folders if is_searched(here / name))
         yield from (here / name for name in sorted(files) if is_case(here / name))

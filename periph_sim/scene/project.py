@@ -1,0 +1,134 @@
+"""What a repository says of its cases: a folder goes in; `[tool.periph-sim]` of the nearest pyproject.toml comes out.
+
+    [tool.periph-sim]
+    cases = ["timing", "bench/line.toml"]   what `check` runs by itself; else timing, else the present folder
+    baselines = "ci/figures"                of those cases; else baselines/ beside each
+    guaranteed = true                       as the options of `run` and `check`
+    jobs = 2
+    tolerance = 1
+
+Paths count from the folder of the file. A pyproject.toml without this table is somebody else's business, valid or not.
+"""
+
+from __future__ import annotations
+
+import os
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import ConfigDict, Field, ValidationError
+
+from ..core.settings import Table
+from ..core.suggest import did_you_mean
+from .case.discover import is_searched
+from .case.error_text import complaint
+from .case.model import BadCase
+from .case.origin import Source, line_of
+
+FILE = "pyproject.toml"
+KEYS = ("tool", "periph-sim")
+
+
+class Settings(Table):
+    """The table `[tool.periph-sim]`."""
+
+    model_config = ConfigDict(strict=True)
+
+    cases: list[str] = []
+    baselines: str | None = None
+    guaranteed: bool = False
+    jobs: Annotated[int, Field(ge=1)] | None = None
+    tolerance: Annotated[int, Field(ge=0)] = 0
+
+
+NOTHING = Settings()
+
+
+@dataclass(frozen=True)
+class Project:
+    """folder: of the pyproject.toml; the present one where there is none."""
+
+    folder: Path
+    settings: Settings = NOTHING
+
+    def cases(self) -> list[Path]:
+        """Folders and files whose cases are to be checked. BadCase if one of them is not there."""
+        if not self.settings.cases:
+            usual = self.folder / "timing"
+            return [_near(usual if usual.is_dir() else self.folder)]
+        places = [self.folder / text for text in self.settings.cases]
+        for place in places:
+            if not place.exists():
+                file = self.folder / FILE
+                line = line_of(file.read_text(encoding="utf-8"), (*KEYS, "cases"))
+                there = did_you_mean(place.name, sorted(entry.name for entry in self.folder.iterdir()))
+                raise BadCase(f"{_near(file)}, line {line}: cases: there is no folder or file {str(place)!r}; {there}")
+        return [_near(place) for place in places]
+
+    def baseline(self, case: Path) -> Path | None:
+        """Where the baseline of a case is kept; None for baselines/NAME.json beside it.
+
+        Cases below one folder of cases keep their sub-folders, so that two of one name stay apart.
+        """
+        if self.settings.baselines is None:
+            return None
+        case = case.resolve()
+        for place in map(Path.resolve, self.cases()):
+            if case.is_relative_to(place):
+                inside = Path(case.name) if place.is_file() else case.relative_to(place)
+                return _near(self.folder / self.settings.baselines / inside.with_suffix(".json"))
+        return None
+
+
+def project_of(folder: Path) -> Project:
+    """The project that a folder belongs to. BadCase, with file and key, where its table is wrong."""
+    for above in (folder.resolve(), *folder.resolve().parents):
+        settings = _settings(above / FILE)
+        if settings is not None:
+            return Project(above, settings)
+        if not is_searched(above):
+            break  # what is installed in a virtual environment belongs to nobody's project
+    return Project(folder.resolve())
+
+
+def _settings(file: Path) -> Settings | None:
+    """None if there is no such file, or if it says nothing of periph-sim."""
+    try:
+        data = file.read_bytes()
+    except OSError:
+        return None
+    if b"periph-sim" not in data:
+        return None
+    try:
+        text = data.decode("utf-8")
+        tree = tomllib.loads(text)
+    except ValueError as error:
+        if b"[tool.periph-sim]" not in data:
+            return None
+        raise BadCase(f"{_near(file)}: it is not TOML: {error}") from None
+    table: object = tree
+    for key in KEYS:
+        table = table.get(key) if isinstance(table, dict) else None
+    if table is None:
+        return None
+    try:
+        return Settings.model_validate(table)
+    except ValidationError as error:
+        raise BadCase(_sentence(Source(_near(file), text), error)) from None
+
+
+def _sentence(source: Source, error: ValidationError) -> str:
+    first = error.errors()[0]
+    place = (*KEYS, *first["loc"])
+    if first["type"] == "extra_forbidden":
+        known = did_you_mean(str(place[-1]), Settings.model_fields)
+        return f"{source.where(place)}: there is no key {'.'.join(map(str, place))!r}; {known}"
+    return f"{source.where(place)}: {'.'.join(map(str, place))}: {complaint(first)}"
+
+
+def _near(path: Path) -> Path:
+    """The path as a user in the present folder would write it."""
+    here = Path.cwd()
+    return Path(os.path.relpath(path, here)) if path.is_relative_to(here) else path

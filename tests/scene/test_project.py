@@ -1,0 +1,113 @@
+"""`[tool.periph-sim]` of a pyproject.toml: whose it is, what it says, and what is wrong with it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from periph_sim.reports.baselines import path_for
+from periph_sim.scene.case.model import BadCase
+from periph_sim.scene.project import Project, project_of
+
+TABLE = "[tool.periph-sim]\n"
+
+
+@pytest.fixture
+def repository(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "timing" / "deep").mkdir(parents=True)
+    return tmp_path
+
+
+def say(folder: Path, text: str) -> None:
+    (folder / "pyproject.toml").write_text(text, encoding="utf-8")
+
+
+def test_without_a_table_timing_or_the_folder_itself_has_the_cases(repository: Path):
+    assert project_of(Path()).cases() == [Path("timing")]
+    assert project_of(Path("timing")).cases() == [Path("timing")]
+    assert path_for(Path("timing/a.toml")) == Path("timing/baselines/a.json")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "[project]\nname = 'periph-sim-user'\n",
+        "[tool.other]\nunit = 1\n",
+        "tool = 3  # periph-sim\n",
+        "no TOML [ periph-sim",
+        "",
+    ],
+)
+def test_a_pyproject_of_somebody_else_is_passed_over(repository: Path, text: str):
+    say(repository, TABLE + "jobs = 3\n")
+    say(repository / "timing", text)
+    assert project_of(Path("timing/deep")).settings.jobs == 3
+
+
+def test_one_that_is_no_utf_8_is_passed_over_too(repository: Path):
+    (repository / "pyproject.toml").write_bytes(b"# periph-sim \xff\n")
+    assert project_of(Path()) == Project(repository)
+
+
+def test_the_nearest_table_holds_and_its_paths_count_from_its_folder(repository: Path, monkeypatch: pytest.MonkeyPatch):
+    say(repository, TABLE + 'cases = ["timing"]\nguaranteed = true\ntolerance = 2\njobs = 1\n')
+    say(repository / "timing", TABLE + 'cases = ["deep"]\n')
+    assert project_of(Path("timing/deep")).cases() == [Path("timing/deep")]
+    assert not project_of(Path("timing")).settings.guaranteed
+    assert project_of(Path()).settings.model_dump() == {
+        "cases": ["timing"],
+        "baselines": None,
+        "guaranteed": True,
+        "jobs": 1,
+        "tolerance": 2,
+    }
+    monkeypatch.chdir("timing/deep")
+    assert project_of(Path()).cases() == [Path()]
+
+
+def test_what_is_installed_in_an_environment_belongs_to_no_project_around_it(repository: Path):
+    site = repository / "env" / "lib" / "examples"
+    site.mkdir(parents=True)
+    say(repository, TABLE + "guaranteed = true\n")
+    assert project_of(site).settings.guaranteed
+    (repository / "env" / "pyvenv.cfg").touch()
+    assert not project_of(site).settings.guaranteed
+
+
+def test_baselines_of_its_cases_stand_in_its_folder_and_those_of_others_beside_them(repository: Path):
+    (repository / "line.toml").touch()
+    say(repository, TABLE + 'cases = ["timing", "line.toml"]\nbaselines = "ci/figures"\n')
+    assert path_for(Path("timing/a.toml")) == Path("ci/figures/a.json")
+    assert path_for(Path("timing/deep/a.toml")) == Path("ci/figures/deep/a.json")
+    assert path_for(Path("line.toml")) == Path("ci/figures/line.json")
+    assert path_for(Path("other.toml")) == Path("baselines/other.json")
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("jbos = 2\n", "line 2: there is no key 'tool.periph-sim.jbos'; did you mean jobs?"),
+        ("\njobs = 0\n", "line 3: tool.periph-sim.jobs: input should be greater than or equal to 1, but it is 0"),
+        (
+            'guaranteed = "yes"\n',
+            "line 2: tool.periph-sim.guaranteed: input should be a valid boolean, but it is 'yes'",
+        ),
+        ('cases = "timing"\n', "line 2: tool.periph-sim.cases: input should be a valid list, but it is 'timing'"),
+        ("jobs = \n", "it is not TOML: Invalid value (at line 2, column 8)"),
+    ],
+)
+def test_a_mistake_is_told_with_file_line_and_key(repository: Path, text: str, sentence: str):
+    say(repository, TABLE + text)
+    with pytest.raises(BadCase) as error:
+        project_of(Path())
+    assert str(error.value) in (f"pyproject.toml, {sentence}", f"pyproject.toml: {sentence}")
+
+
+def test_a_folder_of_cases_that_is_not_there(repository: Path):
+    say(repository, "# ours\n" + TABLE + 'cases = ["timng"]\n')
+    with pytest.raises(
+        BadCase, match=r"^pyproject.toml, line 3: cases: there is no folder or file .*did you mean timing"
+    ):
+        project_of(Path()).cases()

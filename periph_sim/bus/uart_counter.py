@@ -13,11 +13,11 @@ from fractions import Fraction
 
 from ..core.time import NO_TIME
 from ..core.wire import Wire
-from .uart.monitor import Line
+from .uart.reader import Line
 
 
 class UartCounter:
-    """line: as of a `UartMonitor`. told: each character's start bit, when the next one begins or as the run ends."""
+    """line: as of a `UartReader`. told: each character's start bit, when the next one begins or as the run ends."""
 
     def __init__(self, wire: Wire, line: Line) -> None:
         self.told: list[Callable[[int], None]] = []
@@ -32,9 +32,8 @@ class UartCounter:
             return
         self._tell()
         bit, form = self._line()
-        length = 1 + form.bits + (form.parity != "none") + form.stop
         self._begun_at = now
-        self._over_at, self._free_at = now + int(length * bit), now + int((length - Fraction(1, 2)) * bit)
+        self._over_at, self._free_at = now + int(form.length * bit), now + int((form.length - Fraction(1, 2)) * bit)
 
     def finish(self, now: int) -> None:
         """The run is over; a character that it cuts off is none."""

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from ..core.settings import Duration, DurationRange, Frequency, HexBytes, Share, Spread
 from ..processor.dsp import Dsp
+from .sci import start_sci
 from .startup import sci_fifo_receiver, start_i2c, start_pie, start_pin
 
 __all__ = [
@@ -21,4 +22,5 @@ __all__ = [
     "start_i2c",
     "start_pie",
     "start_pin",
+    "start_sci",
 ]

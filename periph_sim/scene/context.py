@@ -11,17 +11,22 @@ from ..core.records import Recorder
 from ..core.time import Timebase, round_ratio
 from ..core.wire import Wire
 from .case.model import Case
+from .case.wiring import Wiring
 
 
 @dataclass(frozen=True)
 class SceneContext:
-    """wire: the wire of a name, made when it is asked for first. start: the tick at which the run begins."""
+    """wire: the wire of a name, made when it is asked for first. wiring: the names of the wires on each unit's pins.
+
+    start: the tick at which the run begins.
+    """
 
     case: Case
     kernel: Kernel
     recorder: Recorder
     timebase: Timebase
     wire: Callable[[str], Wire]
+    wiring: Wiring
     start: int
 
     def ticks(self, length: Fraction, ppm: Fraction = Fraction(0)) -> int:

@@ -14,6 +14,7 @@ from fractions import Fraction
 from functools import partial
 from typing import TypeVar
 
+from ..bus.uart.frame_format import UartFormat
 from ..bus.uart.sender import UartSender
 from ..devices.host_pc import Host, HostSchedule, ramp
 from ..devices.truth import Axes, LineBetweenFrames, MotionTruth, Truth
@@ -28,9 +29,7 @@ T = TypeVar("T")
 
 
 class HostAgent:
-    """host: the agent. bit: ticks of a bit on its line.
-
-    frames: what it sends of a motion, None of a ramp. truth: what chips should show, where known.
+    """host: the agent. frames: what it sends of a motion, None of a ramp. truth: what chips should show, where known.
 
     sensors: those that firmware computes, None where chips show the values of frames.
     """
@@ -46,7 +45,7 @@ class HostAgent:
             self.frames = self._settings("motion", frames)
         self.truth = self._truth(table, sensors)
         bit = context.timebase.per_second / (Fraction(table.baud) * (1 + table.error / 100))
-        self.bit = bit
+        self._bit = bit
         peer = UartSender(context.kernel, context.recorder, context.wire("RX"), bit)
         seed = context.case.seed + 1
         self.host = Host(context.kernel, peer, self._schedule(table), self.values, seed, encoding.byte_order)
@@ -75,6 +74,10 @@ class HostAgent:
         if sensors is None:
             return LineBetweenFrames(self.values, table.period)
         return None if self.frames is None else MotionTruth(sensors, self.frames.motion, table.first)
+
+    def line(self) -> tuple[Fraction, UartFormat]:
+        """Ticks of a bit on its line, and how its characters are made."""
+        return self._bit, UartFormat()
 
     def values(self, number: int) -> tuple[int, ...]:
         """Six numbers of a frame."""

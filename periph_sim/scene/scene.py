@@ -16,6 +16,7 @@ from time import perf_counter
 from ..bus.i2c.byte_counter import I2cByteCounter
 from ..bus.i2c.controller import Transfer
 from ..bus.i2c.event_recorder import BusRecorder
+from ..bus.uart.reader import Line
 from ..core.chip import NEVER, Note
 from ..core.kernel import Kernel
 from ..core.records import Kind, Recorder
@@ -42,6 +43,7 @@ from ..timing.rounds import Asked
 from ..timing.verdicts import Verdict
 from .bus_side import SPIKE, BusSide
 from .case.model import Case, ChipTable, RoundsTable
+from .case.wiring import sci_lines, wiring_of
 from .context import SceneContext
 from .controller import build_head, rounds_of
 from .deadlock import deadlock_reason
@@ -56,6 +58,8 @@ from .sensor_chips import ChipOnBus, build_chip
 from .summary import result_of
 from .uart_lines import UartLines
 from .unit import build_unit, options_of
+
+NEEDS = {"rounds": "[controller], or [rounds] for a unit that is the master,"}
 
 
 class Scene:
@@ -115,8 +119,10 @@ class Scene:
         self._stuck_wire: Wire | None = None  # the line last reported stuck, and how many rounds were over then
         self._stuck_after_rounds = 0
         self._stuck_told: list[Callable[[int], None]] = []
-        self._sci_watches: dict[str, SciMonitor] = {}
-        context = SceneContext(case, self.kernel, self.recorder, self.timebase, self.wire, self.start)
+        self._sci_watches: list[SciMonitor] = []
+        wiring = wiring_of(case)
+        self._scis = sci_lines(case, wiring)
+        context = SceneContext(case, self.kernel, self.recorder, self.timebase, self.wire, wiring, self.start)
         for name, unit in case.unit.items():
             built = build_unit(context, name, unit, (programs or {}).get(name), end)
             self.units[name], self.firmware[name] = built.dsp, built.firmware
@@ -140,8 +146,10 @@ class Scene:
             self.host = self._host_side.host
             self.frames, self.truth = self._host_side.frames, self._host_side.truth
         build_faults(context, self.wires, self.units)
-        host_bit = None if self._host_side is None else self._host_side.bit
-        self._uart_lines = UartLines(context, self.wires, self.units, host_bit)
+        senders: dict[str, Line] = {}
+        if self._host_side is not None:
+            senders["RX"] = self._host_side.line
+        self._uart_lines = UartLines(context, self.wires, self.units, senders)
         for entry, limit in enumerate(self.limits):
             for part in limit.parts:
                 self._check_needs(entry, part)
@@ -166,13 +174,12 @@ class Scene:
             "rounds": self.bus.asked is not None,
             "I2C-A": "SCL" in self.wires,
             "host": self.host is not None,
-            "SCI-A": any(dsp.has("SCI-A") for dsp in self.units.values()),
+            "SCI": bool(self._scis),
         }
         needs = limit.measure.needs
         if not there[needs]:
             measure = limit.budget.measure
-            names = "[controller], or [rounds] for a unit that is the master," if needs == "rounds" else needs
-            what = f"{measure!r} needs {names} in the scene, which has none"
+            what = f"{measure!r} needs {NEEDS.get(needs, needs)} in the scene, which has none"
             raise self.case.mistake(what, "budget", entry, "measure")
         if isinstance(limit.measure, ValueDeviation) and self.truth is None:
             what = f"{limit.budget.measure!r} of sensor models needs a motion to compare with; give [host.motion]"
@@ -221,16 +228,14 @@ class Scene:
     def on_character(self, told: Callable[[int], None]) -> None:
         self._uart_lines.on_character(told)
 
-    def on_received_character(self, told: Callable[[int], None]) -> int:
+    def on_received_character(self, told: Callable[[int], None]) -> None:
         for watch in self._receivers():
             watch.received.append(told)
-        return len(self._receivers())
 
     def _receivers(self) -> list[SciMonitor]:
-        for name, dsp in self.units.items():
-            if dsp.has("SCI-A") and name not in self._sci_watches:
-                self._sci_watches[name] = SciMonitor(dsp)
-        return list(self._sci_watches.values())
+        if not self._sci_watches:
+            self._sci_watches = [SciMonitor(self.units[sci.unit], sci.module) for sci in self._scis]
+        return self._sci_watches
 
     def origins(self) -> Origins:
         """Which host frame the bytes of a read come from. BadCase where the scene does not tell."""

@@ -13,9 +13,9 @@ class SciMonitor:
     A character raises RXFFST, without FIFO RXRDY, or an overrun flag.
     """
 
-    def __init__(self, dsp: Dsp) -> None:
+    def __init__(self, dsp: Dsp, module: str) -> None:
         self._dsp = dsp
-        self._socket = dsp.socket("SCI-A")
+        self._socket = dsp.socket(module)
         self.told: list[Callable[[int, int, bool], None]] = []
         self.received: list[Callable[[int], None]] = []
         chip_map = self._socket.chip.MAP

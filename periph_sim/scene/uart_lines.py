@@ -1,76 +1,76 @@
-"""Who listens to RX and TX: a scene's wires go in; frames are recorded where wanted, characters on RX counted.
+"""Who listens to UART lines: a scene's wires go in; frames are recorded where wanted, characters to an SCI counted.
 
-A frame is read as its sender sends it: on RX with the host's bit rate, where there is a host; else as SCI-A is set.
+A frame is read as its sender sends it: the host's with its bit rate, a unit's as the SCI is set whose TX is on the
+wire; where nobody is known to send, as the SCI is set whose RX is.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from fractions import Fraction
+from functools import partial
 
-from ..bus.uart.monitor import Line, UartMonitor
-from ..bus.uart.sender import UartFormat
+from ..bus.uart.frame_format import UartFormat
+from ..bus.uart.monitor import UartMonitor
+from ..bus.uart.reader import Line
 from ..bus.uart_counter import UartCounter
 from ..core.records import Kind
 from ..core.wire import Wire
 from ..f28335.sci.register_map import SCI_MAP
 from ..processor.dsp import Dsp
 from ..traces.decode import uart_format as uart_line
+from .case.wiring import sci_lines
 from .context import SceneContext
 
 SCICCR = SCI_MAP["SCICCR"]
-LINES = ("RX", "TX")
 
 
 class UartLines:
-    """host_bit: ticks of a bit that the host sends; None without a host."""
+    """senders: by wire, how a party sends that is no unit: the host on RX."""
 
     def __init__(
-        self, context: SceneContext, wires: Mapping[str, Wire], units: Mapping[str, Dsp], host_bit: Fraction | None
+        self,
+        context: SceneContext,
+        wires: Mapping[str, Wire],
+        units: Mapping[str, Dsp],
+        senders: Mapping[str, Line],
     ) -> None:
         self._context, self._wires = context, wires
-        self._sci = next((dsp for dsp in units.values() if dsp.has("SCI-A")), None)
-        self._host_bit = host_bit
-        self._counter: UartCounter | None = None
-        for name in LINES:
-            line = self._line(name)
-            if line is not None and context.recorder.wants(Kind.FRAME, name):
+        self._lines: dict[str, Line] = {}
+        self._counters: dict[str, UartCounter] = {}
+        self._heard = [sci.rx for sci in sci_lines(context.case, context.wiring)]
+        for sci in sci_lines(context.case, context.wiring):
+            self._lines[sci.tx] = partial(self._sci_line, units[sci.unit], sci.module)
+        for sci in sci_lines(context.case, context.wiring):
+            self._lines.setdefault(sci.rx, partial(self._sci_line, units[sci.unit], sci.module))
+        self._lines |= senders
+        for name, line in sorted(self._lines.items()):
+            if context.recorder.wants(Kind.FRAME, name):
                 UartMonitor(context.kernel, context.recorder, wires[name], line)
 
     def on_character(self, told: Callable[[int], None]) -> None:
-        """`told(tick)` of each character on RX, as `UartCounter` does."""
-        line = self._line("RX")
-        if line is None:
-            return
-        if self._counter is None:
-            self._counter = UartCounter(self._wires["RX"], line)
-        self._counter.told.append(told)
+        """`told(tick)` of each character to an SCI, once for each SCI that it goes to, as `UartCounter` does."""
+        for name in self._heard:
+            if name not in self._counters:
+                self._counters[name] = UartCounter(self._wires[name], self._lines[name])
+            self._counters[name].told.append(told)
 
     def finish(self, now: int) -> None:
         """The run is over."""
-        if self._counter is not None:
-            self._counter.finish(now)
+        for counter in self._counters.values():
+            counter.finish(now)
 
-    def _line(self, name: str) -> Line | None:
-        """How a wire's sender sends; None where the scene has no such wire, or nobody knows."""
-        if name not in self._wires:
-            return None
-        if name == "RX" and self._host_bit is not None:
-            bit = self._host_bit
-            return lambda: (bit, UartFormat())
-        return None if self._sci is None else self._sci_line
-
-    def _sci_line(self) -> tuple[Fraction, UartFormat]:
-        assert self._sci is not None
-        line = line_of(self._sci, self._context.kernel.now)
-        return self._context.timebase.per_second / Fraction(line.baud), UartFormat(
-            line.bits, line.parity, int(line.stop)
-        )
+    def _sci_line(self, dsp: Dsp, module: str) -> tuple[Fraction, UartFormat]:
+        now = self._context.kernel.now
+        line = line_of(dsp, now, module)
+        address = SCICCR["ADDRIDLE_MODE"].of(dsp.socket(module).peek(dsp.clock.cycle_at(now), SCICCR.offset))
+        form = UartFormat(line.bits, line.parity, int(line.stop), bool(address))
+        return self._context.timebase.per_second / Fraction(line.baud), form
 
 
-def line_of(dsp: Dsp, now: int) -> uart_line.Line:
-    """The rate and format that a unit's SCI-A is set to."""
-    socket, cycle = dsp.socket("SCI-A"), dsp.clock.cycle_at(now)
+def line_of(dsp: Dsp, now: int, module: str = "SCI-A") -> uart_line.Line:
+    """The rate and format that an SCI of a unit is set to."""
+    socket, cycle = dsp.socket(module), dsp.clock.cycle_at(now)
     ccr = socket.peek(cycle, SCICCR.offset)
     brr = socket.peek(cycle, SCI_MAP["SCIHBAUD"].offset) << 8 | socket.peek(cycle, SCI_MAP["SCILBAUD"].offset)
     lspclk = dsp.control.sysclk_hz / dsp.control.lspclk_divider

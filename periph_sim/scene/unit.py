@@ -8,13 +8,12 @@ from typing import TypeVar
 
 from ..core.options import Value, options_from
 from ..core.suggest import did_you_mean
-from ..core.wire import Wire
 from ..devices.model_codes import Computed
 from ..f28335.cpu.compiled_code_costs import CodeCosts
 from ..f28335.i2c.options import I2cOptions
 from ..f28335.sci.options import SciOptions
 from ..f28335.system.options import SystemOptions
-from ..processor.dsp import MODULES, PIN_OF, Dsp, DspPlan
+from ..processor.dsp import MODULES, Dsp, DspPlan
 from ..processor.firmware_view import End
 from ..sensors.models.parameters import Imu
 from .case.model import Case, Unit
@@ -32,9 +31,6 @@ from .firmware_loader import (
 from .sensor_period import check_sensor_period
 
 T = TypeVar("T")
-
-I2C_PINS = {"SDA": PIN_OF["SDAA"], "SCL": PIN_OF["SCLA"]}
-SCI_PINS = {"RX": PIN_OF["SCIRXDA"], "TX": PIN_OF["SCITXDA"]}
 
 
 @dataclass(frozen=True)
@@ -57,7 +53,7 @@ def build_unit(context: SceneContext, name: str, unit: Unit, program: Firmware |
     plan = DspPlan(
         name,
         unit.modules,
-        _wires(context, unit),
+        {pin: context.wire(wire) for pin, wire in context.wiring.pins[name].items()},
         oscclk_hz=int(unit.oscclk),
         pll=unit.pll,
         ppm=unit.ppm,
@@ -97,13 +93,3 @@ def options_of(case: Case, kind: type[T], given: dict[str, Value], unit: str, gr
         except ValueError as error:
             raise case.mistake(str(error), "unit", unit, "options", group, name) from None
     return options_from(kind, given)
-
-
-def _wires(context: SceneContext, unit: Unit) -> dict[int, Wire]:
-    """GPIO number -> wire, of the unit's modules and of its named pins."""
-    wires: dict[int, Wire] = {}
-    if "I2C-A" in unit.modules:
-        wires |= {pin: context.wire(wire) for wire, pin in I2C_PINS.items()}
-    if "SCI-A" in unit.modules:
-        wires |= {pin: context.wire(wire) for wire, pin in SCI_PINS.items()}
-    return wires | {pin: context.wire(label) for label, pin in unit.pins.items()}

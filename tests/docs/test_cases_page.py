@@ -27,6 +27,7 @@ from periph_sim.scene.case.model import (
     Unit,
     ValueTable,
 )
+from periph_sim.scene.case.wiring import Cable
 from periph_sim.timing.budget_schema import Budget
 from periph_sim.timing.measures.registry import MEASURES, SPAN, make
 from tests.docs.pages import ROOT
@@ -36,6 +37,7 @@ TABLES: dict[str, type[Table]] = {
     "The case": Case,
     "`[unit.NAME]`": Unit,
     "`[unit.NAME.code]`": Code,
+    "`[[cable]]`": Cable,
     "`[chip.NAME]`": ChipTable,
     "`[chip.NAME.values]`": ValueTable,
     "`[controller]`": Controller,
@@ -71,7 +73,8 @@ def test_every_key_with_its_default(heading: str):
 
 
 def test_every_table_of_the_model_has_a_section():
-    kinds = {kind for kind in Table.__subclasses__() if kind.__module__ in (Case.__module__, Budget.__module__)}
+    modules = (Case.__module__, Cable.__module__, Budget.__module__)
+    kinds = {kind for kind in Table.__subclasses__() if kind.__module__ in modules}
     assert kinds == {*TABLES.values(), Options}
 
 

@@ -7,30 +7,13 @@ a tick, so a long burst does not drift.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 
 from ...core.kernel import Kernel
 from ...core.records import Kind, Recorder
 from ...core.wire import Wire
-
-
-@dataclass(frozen=True)
-class UartFormat:
-    """bits: 5 to 8. parity: "none", "even" or "odd". stop: stop bits, 1 or 2."""
-
-    bits: int = 8
-    parity: str = "none"
-    stop: int = 1
-
-    def levels(self, byte: int) -> list[int]:
-        """The levels of one frame, bit by bit, start bit first."""
-        data = [byte >> i & 1 for i in range(self.bits)]
-        frame = [0, *data]
-        if self.parity != "none":
-            frame.append(sum(data) + (self.parity == "odd") & 1)
-        return frame + [1] * self.stop
+from .frame_format import UartFormat
 
 
 class UartSender:

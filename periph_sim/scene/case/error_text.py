@@ -10,6 +10,7 @@ from ...core.suggest import did_you_mean
 from ...timing.budget_schema import Budget, Condition
 from .model import BadCase, Case, ChipTable, Code, Controller, HostTable, Options, RequestTable, Unit, ValueTable
 from .origin import Source, key_of
+from .wiring import Cable
 
 SHOWN = 60  # characters of a wrong value that a message repeats
 EXPECTED = {"model_type": "expected a table", "dict_type": "expected a table", "tuple_type": "expected a list"}
@@ -52,6 +53,7 @@ def known_keys(place: tuple[str | int, ...]) -> list[str]:
     """The keys of the table at a place in a case."""
     tables: dict[str, type[BaseModel]] = {
         "unit": Unit,
+        "cable": Cable,
         "controller": Controller,
         "host": HostTable,
         "chip": ChipTable,

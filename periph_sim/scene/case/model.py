@@ -36,6 +36,7 @@ from .scalars import (
     Ppm,
     RateError,
 )
+from .wiring import Cable, wiring_of
 
 
 class BadCase(ValueError):
@@ -228,6 +229,7 @@ class Case(Table):
     strict: bool = False
     stall_limit: Duration = Fraction(10)
     unit: dict[str, Unit] = {}
+    cable: tuple[Cable, ...] = ()
     chip: dict[str, ChipTable] = {}
     controller: Controller | None = None
     rounds: RoundsTable | None = None
@@ -244,8 +246,16 @@ class Case(Table):
 
     @property
     def recorded_modules(self) -> dict[str, tuple[str, ...]]:
-        """What a recording lists for each unit: its modules and its named pins."""
-        return {name: (*unit.modules, *(f"pin:{pin}" for pin in unit.pins)) for name, unit in self.unit.items()}
+        """What a recording lists for each unit: its modules, and the wires of other pins than the usual ones."""
+        usual = ("SDA", "SCL", "RX", "TX")
+        wires = {name: dict.fromkeys(pins.values()) for name, pins in wiring_of(self).pins.items()}
+        told: set[str] = set()
+        found: dict[str, tuple[str, ...]] = {}
+        for name, unit in self.unit.items():
+            new = [wire for wire in wires[name] if wire not in told and wire not in usual]
+            found[name] = (*unit.modules, *(f"pin:{wire}" for wire in new))
+            told.update(new)
+        return found
 
     def mistake(self, what: str, *place: str | int) -> BadCase:
         """An error about a place in this case: file and line if it came from a file."""

@@ -9,7 +9,7 @@
             | "span" span ( "begin" | "end" )
             | "bus" ( "START" | "repeated" "START" | "STOP" | "arbitration" "lost" | "stuck" | "clear"
                     | "NACK" [ "address" | "byte" ] | "address" [ number ] [ "read" | "write" ] | "byte" [ number ] )
-            | "frame" [ "RX" | "TX" ] [ number ] [ "begin" | "end" | "error" ]
+            | "frame" [ line ] [ number ] [ "begin" | "end" | "error" ]
             | "note" ( "duty" | "lost" | "unknown" )
 
     Event + Scope --> Matcher(kind, where, what, mask, want)
@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 from ...core.records import Kind, Record
 from ...core.suggest import did_you_mean
 from ...traces.formats.record_table import RecordTable
-from .scope import BadEvent, Scope, scope_of_table
+from .scope import LINES, BadEvent, Scope, scope_of_table
 from .tokens import Words
 
 EVERYTHING = -1  # all bits of a value
@@ -41,8 +41,8 @@ CHANGES = ("rise", "fall", "change")
 NOTES = ("duty", "lost", "unknown")
 BUS = ("START", "repeated START", "STOP", "address", "byte", "arbitration lost", "stuck", "clear", "NACK")
 OF_AGENT = ("arbitration lost", "stuck", "clear")  # told by the controller of a case only
-LINES = ("RX", "TX")
 FRAME_PARTS = ("begin", "end", "error")
+BEHIND_EVENTS = ("", "to", "from", "or", "of", "at", ",", "in", "next", "last", "same")  # what may follow an event
 NTH = re.compile(r"(\d+)(st|nd|rd|th)")
 GROUPS = ("transfer", "round", "burst")
 
@@ -284,7 +284,8 @@ def _read_bus(words: Words) -> Parts:
 
 
 def _read_frame(words: Words) -> Parts:
-    wire = words.one_of(list(LINES)) if words.next in LINES else LINES[0]
+    named = words.next not in (*FRAME_PARTS, *BEHIND_EVENTS) and not words.next[:1].isdigit()
+    wire = words.take("a line") if named else LINES[0]
     number = words.number(0xFF)
     if words.next in FRAME_PARTS:
         return "", wire, words.one_of(list(FRAME_PARTS)), number
@@ -355,8 +356,11 @@ def _match_bus(event: Event, scope: Scope) -> Matcher:
 
 
 def _match_frame(event: Event, scope: Scope) -> Matcher:
-    if event.name not in scope.wires:
-        raise BadEvent(f"{event.text!r} needs {event.name} in the scene, which has no such wire; give a unit SCI-A")
+    if event.name not in scope.lines:
+        if event.name in LINES:
+            raise BadEvent(f"{event.text!r} needs {event.name} in the scene, which has no such wire; give a unit SCI-A")
+        hint = did_you_mean(event.name, [*scope.lines, *FRAME_PARTS])
+        raise BadEvent(f"{event.text!r}: there is no serial line {event.name!r}; {hint}")
     wire = frozenset((event.name,))
     if event.number is None:
         return Matcher(event.text, Kind.FRAME, wire, event.how)

@@ -30,7 +30,8 @@ MAPS: dict[str, RegisterMap] = {
     "SYS": clocks_map.MAP,
 }
 EVERY_UNIT = ("PIE", "SYS")  # modules of each F28335, whatever a case names
-WIRES = {"I2C-A": ("SDA", "SCL"), "SCI-A": ("RX", "TX")}
+LINES = ("RX", "TX")  # of the only SCI-A
+WIRES = {"I2C-A": ("SDA", "SCL"), "SCI-A": LINES}
 VECTORS: dict[str, tuple[str, ...]] = {
     **{f"SCI-{letter}": (f"SCIRXINT{letter}", f"SCITXINT{letter}") for letter in "ABC"},
     "I2C-A": ("I2CINT1A", "I2CINT2A"),
@@ -50,6 +51,8 @@ class BadEvent(ValueError):
 class Scope:
     """units: each with its modules. controller, host: whether the scene has that agent on its wires.
 
+    lines: wires that carry frames; of a scene that names none, RX and TX where they are wires.
+
     rounds: it is known what the controller asks in rounds, whoever it is.
     """
 
@@ -58,6 +61,11 @@ class Scope:
     controller: bool = False
     host: bool = False
     rounds: bool = False
+    lines: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.lines:
+            object.__setattr__(self, "lines", tuple(line for line in LINES if line in self.wires))
 
     @property
     def bus(self) -> bool:
@@ -153,8 +161,11 @@ def scope_of_table(table: RecordTable) -> Scope:
     listed = [name for modules in table.modules.values() for name in modules]
     wires = [wire for module in listed for wire in WIRES.get(module, ())]
     wires += [name.removeprefix("pin:") for name in listed if name.startswith("pin:")]
+    framed = table.texts("where", table.rows(Kind.FRAME))
     edges = table.columns["where"][table.rows(Kind.EDGE)]
     wires += [name for place, name in enumerate(table.names["where"]) if (edges == place).any()]
     units = {unit: tuple(m for m in modules if m in MAPS) for unit, modules in table.modules.items()}
     on_bus = Kind.BUS.value in kinds
-    return Scope(units, tuple(dict.fromkeys(wires)), on_bus, Kind.FRAME.value in kinds, on_bus)
+    wires = list(dict.fromkeys(wires))
+    lines = tuple(wire for wire in wires if wire in LINES or wire in framed)
+    return Scope(units, tuple(wires), on_bus, Kind.FRAME.value in kinds, on_bus, lines)

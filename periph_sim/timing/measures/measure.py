@@ -38,10 +38,13 @@ class SceneEvents(Protocol):
         """`told(tick, words in the receive FIFO, something was overrun)` on every change."""
 
     def on_character(self, told: Callable[[int], None]) -> None:
-        """`told(tick)` of each character on RX, and when its start bit began; at the latest as the run ends."""
+        """`told(tick)` of each character to an SCI, and when its start bit began; at the latest as the run ends.
 
-    def on_received_character(self, told: Callable[[int], None]) -> int:
-        """`told(tick)` of each character that an SCI has received, lost or not. How many SCIs listen to RX."""
+        Of one that goes to several it is told for each.
+        """
+
+    def on_received_character(self, told: Callable[[int], None]) -> None:
+        """`told(tick)` of each character that an SCI has received, lost or not."""
 
     def origins(self) -> Origins:
         """Which host frame the bytes of a read come from."""
@@ -107,7 +110,7 @@ class Measure:
 
     unit = "time"
     series = True
-    needs = ""  # what a scene must have for this to mean anything: "controller", "rounds", "host" or "SCI-A"
+    needs = ""  # what a scene must have for this to mean anything: "controller", "rounds", "host" or "SCI"
     occurrence = ""
     asked = ""
     kinds: frozenset[Kind] = frozenset()

@@ -11,13 +11,12 @@ from .measure import Counter, Measure, SceneEvents
 class _OfCharacters(Measure):
     """A measure of an SCI that receives."""
 
-    needs = "SCI-A"
+    needs = "SCI"
     asked = "characters on RX"
 
     def __init__(self) -> None:
         super().__init__()
         self._received = 0
-        self._receivers = 1
 
     @property
     def measured(self) -> int:
@@ -26,13 +25,13 @@ class _OfCharacters(Measure):
     def listen(self, scene: SceneEvents) -> None:
         scene.on_sci(self.changed)
         scene.on_character(self._on_wire)
-        self._receivers = scene.on_received_character(self._character)
+        scene.on_received_character(self._character)
 
     def _character(self, tick: int) -> None:
         self._received += tick >= self.not_before
 
     def _on_wire(self, begun: int) -> None:
-        self.occasion(begun, self._receivers)
+        self.occasion(begun)
 
     def changed(self, tick: int, words: int, overrun: bool) -> None:
         """So many words wait now. overrun: something has just been lost."""

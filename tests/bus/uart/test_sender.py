@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from periph_sim.bus.uart.sender import UartFormat, UartSender
+from periph_sim.bus.uart.frame_format import UartFormat
+from periph_sim.bus.uart.sender import UartSender
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.wire import Wire

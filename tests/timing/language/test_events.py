@@ -118,6 +118,7 @@ def test_it_fits_the_same_records_one_by_one_and_all_at_once(event: str, ticks: 
         ("bus STOP", NO_BUS, "'bus STOP' needs SCL and SDA in the scene, which has none; give it [controller]"),
         ("bus stuck", BARE, "'bus stuck' needs [controller] in the scene, which has none; give it [controller]"),
         ("frame", BARE, "'frame' needs RX in the scene, which has no such wire; give a unit SCI-A"),
+        ("frame bgin", ONE, "'frame bgin': there is no serial line 'bgin'; did you mean begin?"),
         ("frame TX 7 begin", ONE, "'frame TX 7 begin': what a frame carries is known at its end; write frame TX 7 end"),
         ("last edge RX rise of transfer", NO_BUS, "'last edge RX rise of transfer': a transfer needs SCL and SDA in"),
         (

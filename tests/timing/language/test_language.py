@@ -237,8 +237,8 @@ def test_every_form_that_messages_name_can_be_said(form: str):
         ("time in flag", "'time in flag' ends where a field is expected"),
         ("time in flag A.B.C =", "'time in flag A.B.C =': a number is expected after ="),
         (
-            "period of frame frame",
-            "'period of frame frame': 'frame' is more than a measure or event says; leave it out",
+            "period of frame RX frame",
+            "'period of frame RX frame': 'frame' is more than a measure or event says; leave it out",
         ),
         ("from frame to frame,", "'from frame to frame,' ends where in, next, last or same is expected"),
         (

@@ -93,7 +93,7 @@ UNIT = {"firmware": "responder", "modules": ["I2C-A"]}
     [
         ({"unit": {"dsp": UNIT}}, ("SDA", "SCL"), False, False),
         ({"unit": {"dsp": {**UNIT, "modules": ["SCI-A", "GPIO"]}}}, ("RX", "TX"), False, False),
-        ({"unit": {"dsp": {**UNIT, "modules": ["SCI-A", "I2C-A"]}}}, ("RX", "TX", "SDA", "SCL"), False, False),
+        ({"unit": {"dsp": {**UNIT, "modules": ["SCI-A", "I2C-A"]}}}, ("SDA", "SCL", "RX", "TX"), False, False),
     ],
 )
 def test_what_a_case_consists_of(more, wires: tuple[str, ...], controller: bool, host: bool):

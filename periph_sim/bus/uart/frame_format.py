@@ -1,0 +1,34 @@
+"""How a UART frame is made: a byte and a format go in, the levels of its bits come out.
+
+start  data, LSB first  [address]  [parity]  stop [stop]
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class UartFormat:
+    """bits: 1 to 8. parity: "none", "even" or "odd". stop: stop bits, 1 or 2. address: an address bit behind the data.
+
+    The parity is that of the data and the address bit.
+    """
+
+    bits: int = 8
+    parity: str = "none"
+    stop: int = 1
+    address: bool = False
+
+    @property
+    def length(self) -> int:
+        """Bits of a frame, start and stop bits included."""
+        return 1 + self.bits + self.address + (self.parity != "none") + self.stop
+
+    def levels(self, byte: int, address: int = 0) -> list[int]:
+        """The levels of one frame, bit by bit, start bit first. address: the address bit, where there is one."""
+        data = [byte >> i & 1 for i in range(self.bits)] + [address] * self.address
+        frame = [0, *data]
+        if self.parity != "none":
+            frame.append(sum(data) + (self.parity == "odd") & 1)
+        return frame + [1] * self.stop

@@ -1,0 +1,40 @@
+"""Start-up code of an SCI that sends and receives, any of the three, on its usual pins.
+
+Source: SPRUFB0D sections 5.1 (PCLKCR) and 6 (GPIO); SPRUFZ5A chapter 2.
+"""
+
+from __future__ import annotations
+
+from ..processor.dsp import PIN_OF, Dsp
+from ..processor.register_view import ModulePort
+
+MUX = {"SCI-A": 1, "SCI-B": 2, "SCI-C": 1}  # of GPIO28 and 29, 19 and 18, 62 and 63
+
+
+def start_sci(dsp: Dsp, module: str = "SCI-A", brr: int = 40, sciccr: int = 0x07, fifo: bool = True) -> ModulePort:
+    """Clock, pins, format and rate of an SCI; receiver and transmitter on, no interrupts. Returns its registers.
+
+    brr: LSPCLK / (8 * rate) - 1; 40 is 114 329 baud at an LSPCLK of 37.5 MHz. sciccr: 0x07 is 8 data bits, no parity.
+    """
+    letter = module[-1]
+    clocks = dsp.module("SYS")
+    dsp.eallow()
+    setattr(clocks.PCLKCR0, f"SCI{letter}ENCLK", 1)
+    if dsp.has("GPIO"):
+        gpio = dsp.module("GPIO")
+        for pin, receives in ((PIN_OF[f"SCIRXD{letter}"], True), (PIN_OF[f"SCITXD{letter}"], False)):
+            port, half = "AB"[pin // 32], pin % 32 // 16 + 1
+            if receives:
+                setattr(gpio[f"GP{port}QSEL{half}"], f"GPIO{pin}", 3)
+            setattr(gpio[f"GP{port}MUX{half}"], f"GPIO{pin}", MUX[module])
+    dsp.edis()
+    sci = dsp.module(module)
+    sci.SCICCR.all = sciccr
+    sci.SCICTL1.all = 0x03
+    sci.SCICTL2.all = 0x00
+    sci.SCIHBAUD.all = brr >> 8
+    sci.SCILBAUD.all = brr & 0xFF
+    sci.SCIFFTX.all = 0xE000 if fifo else 0xA000  # SCIRST, SCIFFENA, transmit FIFO out of reset
+    sci.SCIFFRX.all = 0x6040 if fifo else 0x0000  # overflow and interrupt flags cleared, FIFO out of reset
+    sci.SCICTL1.all = 0x23  # out of SW RESET
+    return sci

@@ -1,0 +1,233 @@
+"""Which pin is on which wire: a case's units, named pins and cables go in; the wire of each pin comes out.
+
+    [unit.NAME] modules --> usual pins --.
+    [unit.NAME] pins ------> names ------+--joined--> Wiring: GPIO number -> wire, a unit each
+    [[cable]] -------------> joints -----'
+
+All I2C-A are on one bus, SDA and SCL. An SCI has lines of its own until a cable joins them with others: RX and TX of
+the only SCI-A, SCI-B.RX and SCI-B.TX of the only SCI-B, left.SCI-B.RX where several units have one. A wire that a cable
+makes is called as the cable says, else by the pin that the cable comes from.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from pydantic import Field
+
+from ...core.settings import Table
+from ...core.suggest import did_you_mean
+from ...processor.dsp import PIN_OF
+
+if TYPE_CHECKING:
+    from .model import BadCase, Case
+
+SIGNALS: dict[str, dict[str, int]] = {
+    "I2C-A": {"SDA": PIN_OF["SDAA"], "SCL": PIN_OF["SCLA"]},
+    **{f"SCI-{x}": {"RX": PIN_OF[f"SCIRXD{x}"], "TX": PIN_OF[f"SCITXD{x}"]} for x in "ABC"},
+}
+SCIS = tuple(module for module in SIGNALS if "TX" in SIGNALS[module])
+LAST_PIN = 87
+GPIO = re.compile(r"GPIO(\d+)")
+
+Pin = tuple[str, int]  # unit, GPIO number
+Node = Pin | str  # or a wire's name
+
+
+class Cable(Table):
+    """A wire from one pin to another. from, to: UNIT.SCI-A.TX, UNIT.GPIO34, or the name of a wire."""
+
+    name: str | None = None
+    from_: str = Field(alias="from")
+    to: str
+
+
+@dataclass(frozen=True)
+class Wiring:
+    """pins: by unit, the wire of each GPIO number that has one."""
+
+    pins: Mapping[str, Mapping[int, str]]
+
+    def line(self, unit: str, module: str, signal: str) -> str:
+        """The wire of a module's signal: of "dsp", "SCI-A", "TX"."""
+        return self.pins[unit][SIGNALS[module][signal]]
+
+    def wires(self) -> tuple[str, ...]:
+        """Every wire with a pin of a unit on it."""
+        return tuple(dict.fromkeys(wire for pins in self.pins.values() for wire in pins.values()))
+
+
+def wiring_of(case: Case) -> Wiring:
+    """BadCase, with its line, for a cable that cannot be."""
+    joints = _Joints()
+    for unit, pin, name in _named(case):
+        joints.join((unit, pin), name)
+    for entry, cable in enumerate(case.cable):
+        begin, end = (
+            node_of(case, text, "cable", entry, key) for key, text in (("from", cable.from_), ("to", cable.to))
+        )
+        if begin == end:
+            raise case.mistake(f"it joins {cable.to} with itself; a cable has two ends", "cable", entry)
+        joints.join(begin, end)
+        if cable.name is not None:
+            joints.join(begin, cable.name)
+        _check(case, entry, joints.group(begin))
+    names = _Names(case, joints)
+    pins = {unit: {pin: names.of((unit, pin)) for pin in _pins(case, unit, joints)} for unit in case.unit}
+    return Wiring(pins)
+
+
+@dataclass(frozen=True)
+class SciLines:
+    """An SCI and the wires of its pins."""
+
+    unit: str
+    module: str
+    rx: str
+    tx: str
+
+
+def sci_lines(case: Case, wiring: Wiring) -> list[SciLines]:
+    """Every SCI of a case, unit by unit."""
+    return [
+        SciLines(name, module, wiring.line(name, module, "RX"), wiring.line(name, module, "TX"))
+        for name, unit in case.unit.items()
+        for module in SCIS
+        if module in unit.modules
+    ]
+
+
+def module_pins(case: Case, unit: str) -> dict[int, tuple[str, str]]:
+    """(module, signal) of the usual pins of a unit's modules, by GPIO number."""
+    modules = [module for module in SIGNALS if module in case.unit[unit].modules]
+    return {pin: (module, signal) for module in modules for signal, pin in SIGNALS[module].items()}
+
+
+def node_of(case: Case, text: str, *place: str | int) -> Node:
+    """What the end of a cable names. BadCase, with its line, if there is no such pin or wire."""
+    unit, _, rest = text.partition(".")
+    if unit not in case.unit:
+        if text in _wire_names(case):
+            return text
+        owners = [name for name, one in case.unit.items() if unit in one.modules]
+        if unit in SIGNALS and len(owners) == 1:
+            return node_of(case, f"{owners[0]}.{text}", *place)
+        if unit in SIGNALS and owners:
+            what = f"{' and '.join(owners)} have {unit}; say whose is meant: {owners[0]}.{text}"
+            raise case.mistake(what, *place)
+        if not rest or (unit in SIGNALS and not owners):
+            raise _no_pin(case, text, *place)
+        raise case.mistake(f"there is no unit {unit!r}; {did_you_mean(unit, case.unit)}", *place)
+    gpio = GPIO.fullmatch(rest)
+    if gpio:
+        if int(gpio[1]) > LAST_PIN:
+            raise case.mistake(f"{text}: the pins are GPIO0 to GPIO{LAST_PIN}", *place)
+        return unit, int(gpio[1])
+    module, _, signal = rest.partition(".")
+    if module in SIGNALS and module not in case.unit[unit].modules:
+        raise case.mistake(f"unit {unit} has no {module}; add it to its modules", *place)
+    if module not in SIGNALS or signal not in SIGNALS[module]:
+        raise _no_pin(case, text, *place)
+    return unit, SIGNALS[module][signal]
+
+
+def _no_pin(case: Case, text: str, *place: str | int) -> BadCase:
+    known = [f"{unit}.{module}.{signal}" for unit in case.unit for module, signal in module_pins(case, unit).values()]
+    known += [f"{unit}.GPIO0" for unit in list(case.unit)[:1]]
+    return case.mistake(f"there is no pin {text!r}; {did_you_mean(text, [*known, *_wire_names(case)])}", *place)
+
+
+def _wire_names(case: Case) -> list[str]:
+    """Names that a cable's end may have: named pins, the bus, what the host sends on."""
+    found = [label for unit in case.unit.values() for label in unit.pins]
+    if case.controller is not None or case.chip or any("I2C-A" in unit.modules for unit in case.unit.values()):
+        found += SIGNALS["I2C-A"]
+    return [*dict.fromkeys(found), *(["RX"] if case.host is not None else [])]
+
+
+def _named(case: Case) -> Iterator[tuple[str, int, str]]:
+    """(unit, pin, name) of the pins whose wire has a name that does not come from a cable."""
+    for unit, table in case.unit.items():
+        if "I2C-A" in table.modules:
+            yield from (
+                (unit, pin, signal) for signal, pin in SIGNALS["I2C-A"].items() if pin not in table.pins.values()
+            )
+        yield from ((unit, pin, label) for label, pin in table.pins.items())
+
+
+class _Joints:
+    """Pins and names that are one wire."""
+
+    def __init__(self) -> None:
+        self._groups: dict[Node, list[Node]] = {}
+
+    def group(self, node: Node) -> list[Node]:
+        return self._groups.setdefault(node, [node])
+
+    def join(self, one: Node, other: Node) -> None:
+        first, second = self.group(one), self.group(other)
+        if first is not second:
+            first += second
+            self._groups.update((node, first) for node in second)
+
+    def nodes(self) -> list[Node]:
+        return list(self._groups)
+
+
+def _check(case: Case, entry: int, group: list[Node]) -> None:
+    """Refuse a wire of two names, and one that two transmitters drive."""
+    names = [node for node in group if isinstance(node, str)]
+    if len(names) > 1:
+        what = f"it joins {' and '.join(names)}, two names of one wire; give it one"
+        raise case.mistake(what, "cable", entry)
+    pins = [node for node in group if isinstance(node, tuple)]
+    drivers = sorted(
+        f"{unit}.{module}.TX"
+        for unit, pin in pins
+        for module, signal in [module_pins(case, unit).get(pin, ("", ""))]
+        if signal == "TX"
+    )
+    if case.host is not None and "RX" in names:
+        drivers.append("the host")
+    if len(drivers) > 1:
+        what = f"{' and '.join(drivers)} would drive one wire; give each of them a wire, or a transceiver to share one"
+        raise case.mistake(what, "cable", entry)
+
+
+def _pins(case: Case, unit: str, joints: _Joints) -> list[int]:
+    """The pins of a unit that have a wire: those of its modules, the named ones, those of cables."""
+    cabled = [node[1] for node in joints.nodes() if isinstance(node, tuple) and node[0] == unit]
+    return list(dict.fromkeys([*module_pins(case, unit), *case.unit[unit].pins.values(), *cabled]))
+
+
+class _Names:
+    """What each wire is called."""
+
+    def __init__(self, case: Case, joints: _Joints) -> None:
+        self._case = case
+        self._joints = joints
+        self._owners = {module: [n for n, unit in case.unit.items() if module in unit.modules] for module in SIGNALS}
+
+    def of(self, node: Pin) -> str:
+        group = self._joints.group(node)
+        named = [other for other in group if isinstance(other, str)]
+        if named:
+            return named[0]
+        for entry, cable in enumerate(self._case.cable):
+            begin = node_of(self._case, cable.from_, "cable", entry, "from")
+            if begin in group and isinstance(begin, tuple):
+                return self._pin(*begin)
+        unit, pin = node
+        module, signal = module_pins(self._case, unit)[pin]
+        alone = len(self._owners[module]) == 1
+        if module == "SCI-A" and (alone or (signal == "RX" and self._case.host is not None)):
+            return signal
+        return f"{module}.{signal}" if alone else f"{unit}.{module}.{signal}"
+
+    def _pin(self, unit: str, pin: int) -> str:
+        """A pin in full."""
+        module, signal = module_pins(self._case, unit).get(pin, ("", ""))
+        return f"{unit}.{module}.{signal}" if module else f"{unit}.GPIO{pin}"

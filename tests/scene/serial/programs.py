@@ -1,0 +1,72 @@
+"""Firmware for tests of serial lines, and scenes of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from periph_sim.core.records import Kind, Record
+from periph_sim.firmware import start_sci
+from periph_sim.processor.dsp import Dsp
+from periph_sim.scene.firmware_loader import Firmware
+from periph_sim.scene.scene import Scene
+from tests.scene.small import case
+
+Program = Callable[[Dsp], None]
+
+
+def unit(*modules: str, **more: Any) -> dict[str, Any]:
+    return {"firmware": "given", "modules": list(modules), **more}
+
+
+def scene(programs: dict[str, Program], seen: list[Record] | None = None, kinds: Iterable[Kind] = Kind, **tables: Any):
+    """A scene of the given programs by unit; `seen` gets the records of `kinds`."""
+    firmware = {name: Firmware(name, lambda dsp, settings, run=run: run(dsp), None) for name, run in programs.items()}
+    subscribe = None if seen is None else lambda recorder, timebase: recorder.subscribe(list(kinds), seen.append)
+    return Scene(case(**tables), subscribe, firmware)
+
+
+def send(dsp: Dsp, module: str, data: bytes) -> None:
+    """Hand bytes to an SCI with its FIFO on, as fast as it takes them."""
+    sci = dsp.module(module)
+    for byte in data:
+        dsp.spin(lambda: sci.SCIFFTX.TXFFST < 16)
+        sci.SCITXBUF.all = byte
+
+
+def says(module: str, data: bytes, **started: int) -> Program:
+    """Sends some bytes."""
+
+    def main(dsp: Dsp) -> None:
+        start_sci(dsp, module, **started)
+        send(dsp, module, data)
+
+    return main
+
+
+def hears(module: str, words: list[int], **started: int) -> Program:
+    """Keeps every word of SCIRXBUF."""
+
+    def main(dsp: Dsp) -> None:
+        sci = start_sci(dsp, module, **started)
+        while True:
+            dsp.spin(lambda: sci.SCIFFRX.RXFFST > 0)
+            words.append(sci.SCIRXBUF.all)
+
+    return main
+
+
+def answers(module: str, replies: dict[bytes, bytes], **started: int) -> Program:
+    """Sends the reply that belongs to what it has received."""
+
+    def main(dsp: Dsp) -> None:
+        sci = start_sci(dsp, module, **started)
+        got = b""
+        while True:
+            dsp.spin(lambda: sci.SCIFFRX.RXFFST > 0)
+            got += bytes([sci.SCIRXBUF.all & 0xFF])
+            if got in replies:
+                send(dsp, module, replies[got])
+                got = b""
+
+    return main

@@ -76,7 +76,7 @@ def edited(path: Path, line: str, by: str) -> Path:
         (
             'duration = "1 s"',
             'durations = "1 s"',
-            "small.toml: duration is missing",
+            "small.toml, line 2: there is no key 'durations'; did you mean duration?",
         ),
         (
             'order = ["gyroscope"]',

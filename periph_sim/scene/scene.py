@@ -42,11 +42,12 @@ from ..timing.measures.value import ValueDeviation
 from ..timing.rounds import Asked
 from ..timing.verdicts import Verdict
 from .bus_side import SPIKE, BusSide
-from .case.model import Case, ChipTable, RoundsTable
+from .case.model import Case, RoundsTable
 from .case.wiring import sci_lines, wiring_of
 from .context import SceneContext
 from .controller import build_head, rounds_of
 from .deadlock import deadlock_reason
+from .devices import DeviceOnBus, NoteLog, build_devices, put_on_bus
 from .faults import build_faults
 from .firmware_loader import Firmware
 from .host import HostAgent
@@ -81,7 +82,7 @@ class Scene:
         sources: Mapping[str, Source] | None = None,
         end: End = "drawn",
     ) -> None:
-        if not (case.unit or case.chip or case.controller or case.host):
+        if not (case.unit or case.chip or case.device or case.controller or case.host):
             raise case.mistake("there is nothing to run; give it a [unit.NAME] with its firmware", "unit")
         self.case = case
         self.timebase = Timebase(*(int(unit.oscclk * unit.pll / 2) for unit in case.unit.values()))
@@ -101,6 +102,7 @@ class Scene:
         self.units: dict[str, Dsp] = {}
         self.firmware: dict[str, Firmware] = {}  # by unit
         self.chips: dict[str, ChipOnBus] = {}
+        self.devices: dict[str, DeviceOnBus] = {}
         self.head: SensorHead | None = None
         self.requests: list[Request] = []  # of each of its rounds
         self.host: Host | None = None
@@ -128,8 +130,7 @@ class Scene:
             self.units[name], self.firmware[name] = built.dsp, built.firmware
             self.sensors = self.sensors or built.sensors
             self.computed = self.computed or built.computed
-        for name, table in case.chip.items():
-            self._build_chip(name, table, (sources or {}).get(name))
+        self._build_targets(context, sources or {})
         if case.controller is not None:
             side = build_head(context, case.controller, self._stuck)
             self.head, self.requests = side.head, side.requests
@@ -190,11 +191,21 @@ class Scene:
             self.wires[name] = Wire(self.kernel, name, self.recorder)
         return self.wires[name]
 
-    def _build_chip(self, name: str, table: ChipTable, source: Source | None) -> None:
-        chip = self.chips[name] = build_chip(self.case, name, self.kernel, self.recorder, self.timebase, source)
+    def _build_targets(self, context: SceneContext, sources: Mapping[str, Source]) -> None:
+        """Sensor chips and other devices on SCL and SDA."""
+        for name, table in self.case.chip.items():
+            chip = self.chips[name] = build_chip(context, name, sources.get(name))
+            put_on_bus(context, name, table, chip)
+        taken = {address: name for name, chip in self.chips.items() for address in chip.addresses}
+        self.devices = build_devices(context, self.wires, taken)
         if self.case.strict:
-            chip.on_note = partial(self._chip_noted, name)
-        chip.attach(self.wire("SCL"), self.wire("SDA"), self._ticks(table.output_delay))
+            for name, log in self.note_logs().items():
+                log.on_note = partial(self._noted, name)
+
+    def note_logs(self) -> dict[str, NoteLog]:
+        """What each chip and device noted."""
+        chips = {name: chip.log for name, chip in self.chips.items()}
+        return chips | {name: device.log for name, device in self.devices.items()}
 
     def _ticks(self, length: Fraction) -> int:
         return self.timebase.ticks(length, "nearest")
@@ -393,8 +404,10 @@ class Scene:
         """Whether one of these parties has something left to do, or an agent among them has done all it was to do."""
         if self.kernel.next_time() < NEVER:
             return True
-        asking = self.head is not None and not self.head.at_rest
-        return any(who.partition(".")[0] not in self.units and not (asking and who == "controller") for who in parties)
+        passive = {*self.units, *self.chips, *self.devices}  # they only answer
+        if self.head is not None and not self.head.at_rest:
+            passive.add("controller")
+        return any(who.partition(".")[0] not in passive for who in parties)
 
     def hangs(self) -> bool:
         """A line that was reported stuck is still held by somebody else than the controller, in the same round."""
@@ -403,7 +416,7 @@ class Scene:
             return False
         return any(who != head.who for who in wire.held_by())
 
-    def _chip_noted(self, name: str, note: Note) -> None:
-        """With `strict`: it is firmware that speaks to a chip and breaks its duties."""
+    def _noted(self, name: str, note: Note) -> None:
+        """With `strict`: it is firmware that speaks to a chip or device and breaks its duties."""
         for dsp in self.units.values():
             dsp.cpu.insist(note, name)

@@ -7,84 +7,75 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
-from functools import partial
 from typing import Any
 
-from ..bus.i2c.target_side import TargetSide
-from ..core.chip import Note
-from ..core.kernel import Kernel
 from ..core.options import options_from
-from ..core.records import Kind, Recorder
 from ..core.suggest import did_you_mean
-from ..core.time import Timebase
-from ..core.wire import Wire
-from ..devices.chips.adxl345 import Adxl345, Adxl345Options
-from ..devices.chips.hmc5883l import Hmc5883l, Hmc5883lOptions
-from ..devices.chips.itg3200 import Itg3200, Itg3200Options
-from ..devices.chips.register_chip import Source
-from ..devices.chips.register_pointer import RegisterPointer
+from ..devices.chips import chip_models
+from ..devices.chips.register_chip import RegisterChip, Source
 from ..devices.chips.sensed_values import held, numbered, scaled
 from ..devices.host_pc import ramp
+from ..devices.register_pointer import RegisterPointer
 from .case.model import Case, ChipTable, ValueTable
+from .context import SceneContext
+from .devices import NoteLog
 
-Chip = Adxl345 | Itg3200 | Hmc5883l
-MODELS: dict[str, tuple[type[Chip], type[Any]]] = {
-    "adxl345": (Adxl345, Adxl345Options),
-    "itg3200": (Itg3200, Itg3200Options),
-    "hmc5883l": (Hmc5883l, Hmc5883lOptions),
-}
 PARTS = {"angles": slice(0, 3), "accelerations": slice(3, 6)}  # of a host frame
 
 
 class ChipOnBus:
-    """notes: each that the chip made, with the tick at which it came first and how often it came."""
+    """chip: behind its pointer. log: what it noted."""
 
-    def __init__(self, kernel: Kernel, recorder: Recorder, name: str, chip: Chip) -> None:
+    def __init__(self, context: SceneContext, name: str, make: Callable[[int], RegisterChip], powered: int) -> None:
+        """make: the chip, from the tick at which its supply comes."""
         self.name = name
-        self.chip = chip
-        self.notes: dict[Note, list[int]] = {}
-        self.on_note: Callable[[Note], None] | None = None
-        self.pointer = RegisterPointer(chip, lambda: kernel.now, self._take_notes)
-        self._kernel = kernel
-        self._recorder = recorder
-        self._take_notes()
+        self.log = NoteLog(context, name)
+        self._kernel = context.kernel
+        self._make = make
+        self.pointer = RegisterPointer(make(powered), lambda: context.kernel.now, self.take_notes)
 
-    def attach(self, scl: Wire, sda: Wire, output_delay: int) -> TargetSide:
-        """Put it on its wires."""
-        return TargetSide(self._kernel, scl, sda, self.pointer.answer, output_delay, self.name)
+    @property
+    def chip(self) -> RegisterChip:
+        chip = self.pointer.chip
+        assert isinstance(chip, RegisterChip)
+        return chip
 
-    def _take_notes(self) -> None:
+    @property
+    def addresses(self) -> tuple[int, ...]:
+        return (self.chip.address,)
+
+    def answer(self, address_byte: int) -> RegisterPointer | None:
+        return self.pointer.answer(address_byte)
+
+    def on_end(self, stop: bool, whole: bool) -> None:
+        """A chip of registers needs no end."""
+
+    def power_on(self) -> None:
+        """Its supply comes back: registers are as after power-on, whatever the case or a driver wrote."""
+        self.pointer.chip = self._make(self._kernel.now)
+
+    def take_notes(self) -> None:
+        """Those that the chip made since."""
         notes = tuple(self.chip.notes)
         self.chip.notes.clear()
         for note in notes:
-            first_and_count = self.notes.setdefault(note, [self._kernel.now, 0])
-            first_and_count[1] += 1
-            if self._recorder.wants(Kind.NOTE):
-                text = f"{note.text} [{note.source}]"
-                self._recorder.emit(self._kernel.now, Kind.NOTE, self.name, note.code, first_and_count[1], text)
-            if self.on_note is not None:
-                self.on_note(note)
+            self.log.take(note)
 
 
-def build_chip(
-    case: Case,
-    name: str,
-    kernel: Kernel,
-    recorder: Recorder,
-    timebase: Timebase,
-    source: Source | None,
-) -> ChipOnBus:
+def build_chip(context: SceneContext, name: str, source: Source | None) -> ChipOnBus:
     """The chip of `[chip.NAME]`, not yet on its wires. source: instead of the case's values. BadCase with its line."""
+    case, timebase = context.case, context.timebase
     table = case.chip[name]
-    kind, options = MODELS[table.model]
     place = ("chip", name)
+    kind = _kind(case, name)
+    options = kind.OPTIONS
     if name in case.unit or name == "controller":
         raise case.mistake(f"{name!r} is another party on the wires already; give the chip another name", *place)
     address = kind.ADDRESSES[0] if table.address is None else table.address
     if address not in kind.ADDRESSES:
         can = " or ".join(f"{a:#04x}" for a in kind.ADDRESSES)
         raise case.mistake(f"{table.model} has no address {address:#04x}; it can have {can}", *place, "address")
-    others = [other for other, chip in case.chip.items() if other != name and _address(chip) == address]
+    others = [other for other, chip in case.chip.items() if other != name and _address(case, other, chip) == address]
     if others:
         raise case.mistake(f"{others[0]} has the address {address:#04x} too", *place, "address")
     for key, value in table.options.items():
@@ -92,8 +83,18 @@ def build_chip(
             options_from(options, {key: value})
         except ValueError as error:
             raise case.mistake(str(error), *place, "options", key) from None
-    powered = kernel.now - timebase.ticks(table.powered, "nearest")
-    chip = kind(timebase, lambda tick: (0, 0, 0), address, options_from(options, table.options), powered)
+
+    feels: Source = _at_rest
+
+    def make(powered: int) -> RegisterChip:
+        chip: RegisterChip = kind(
+            timebase, lambda tick: feels(tick), address, options_from(options, table.options), powered
+        )
+        return chip
+
+    powered = context.kernel.now - context.ticks(table.powered)
+    on_bus = ChipOnBus(context, name, make, powered)
+    chip = on_bus.chip
     for register, value in table.registers.items():
         if register not in chip.MAP:
             known = [r.name for r in chip.MAP]
@@ -105,18 +106,27 @@ def build_chip(
             )
         chip.write(powered, chip.MAP[register].offset, value)
     try:
-        chip.source = source or _source(table.values, chip.lsb_per_unit, kernel.now, partial(_ticks, timebase))
+        feels = source or _source(table.values, chip.lsb_per_unit, context.kernel.now, context.ticks)
     except ValueError as error:
         raise case.mistake(str(error), *place, "values") from None
-    return ChipOnBus(kernel, recorder, name, chip)
+    on_bus.take_notes()
+    return on_bus
 
 
-def _ticks(timebase: Timebase, length: Fraction) -> int:
-    return timebase.ticks(length, "nearest")
+def _at_rest(tick: int) -> tuple[int, int, int]:
+    return 0, 0, 0
 
 
-def _address(table: ChipTable) -> int:
-    return MODELS[table.model][0].ADDRESSES[0] if table.address is None else table.address
+def _kind(case: Case, name: str) -> type[Any]:
+    model = case.chip[name].model
+    if model not in chip_models():
+        what = f"there is no chip {model!r}; {did_you_mean(model, chip_models())}"
+        raise case.mistake(what, "chip", name, "model")
+    return chip_models()[model]
+
+
+def _address(case: Case, name: str, table: ChipTable) -> int:
+    return _kind(case, name).ADDRESSES[0] if table.address is None else table.address
 
 
 def _source(table: ValueTable, lsb_per_unit: Fraction, start: int, ticks: Callable[[Fraction], int]) -> Source:

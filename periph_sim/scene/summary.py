@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..core.chip import joined
+from ..devices.chips.register_chip import RegisterChip
 from ..processor.dsp import Dsp
 from ..timing.measures.bus import WrongBytes
 from ..timing.verdicts import FAIL, NOT_JUDGED, PASS
 from .result import SKIPPED, Result
-from .sensor_chips import Chip
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -31,7 +31,10 @@ def result_of(scene: Scene, length: int, wall: float) -> Result:
     counts["overruns"] = sum(x.measure.count for x in scene.limits if x.budget.measure == "overruns")
     counts[SKIPPED] = sum(dsp.cpu.polls_skipped for dsp in scene.units.values())
     counts["resets"] = sum(dsp.resets for dsp in scene.units.values())
-    parts: dict[str, Dsp | Chip] = {**scene.units, **{name: on_bus.chip for name, on_bus in scene.chips.items()}}
+    parts: dict[str, Dsp | RegisterChip] = {
+        **scene.units,
+        **{name: on_bus.chip for name, on_bus in scene.chips.items()},
+    }
     wrong: dict[str, int] = {}
     first_wrong = ""
     for limit in scene.limits:
@@ -68,8 +71,8 @@ def notes_of(scene: Scene) -> list[str]:
         if dsp.cpu.returned_at is not None:
             at = scene.timebase.show(dsp.clock.tick(dsp.cpu.returned_at) - scene.start)
             lines.append(f"{name}: main returned at {at}; from then on only service routines run")
-    for name, chip in scene.chips.items():
-        for note, (tick, times) in chip.notes.items():
+    for name, party in scene.note_logs().items():
+        for note, (tick, times) in party.notes.items():
             at = scene.timebase.show(tick - scene.start)
             lines.append(f"{name}, first at {at}: {note.text} [{note.source}] ({times} times)")
     return lines

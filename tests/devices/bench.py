@@ -15,7 +15,7 @@ from periph_sim.core.records import Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.core.wire import Wire
 from periph_sim.devices.chips.register_chip import RegisterChip
-from periph_sim.devices.chips.register_pointer import RegisterPointer
+from periph_sim.devices.register_pointer import RegisterPointer
 from periph_sim.traces.capture.capture import Capture, Channel
 from periph_sim.traces.decode import i2c
 

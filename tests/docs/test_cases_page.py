@@ -14,7 +14,10 @@ from periph_sim.bus.faults import kinds
 from periph_sim.bus.faults.when import When
 from periph_sim.core.settings import Table
 from periph_sim.devices.sensor_head import CHIPS
+from periph_sim.devices.targets import eeprom, families, registers
+from periph_sim.devices.targets.register_settings import Interrupt, RegisterTable, Sets
 from periph_sim.processor.dsp import MODULES
+from periph_sim.scene.case.device_tables import BusParty, DeviceFault, DeviceTable, StretchTable
 from periph_sim.scene.case.model import (
     Case,
     ChipTable,
@@ -40,6 +43,13 @@ TABLES: dict[str, type[Table]] = {
     "`[[cable]]`": Cable,
     "`[chip.NAME]`": ChipTable,
     "`[chip.NAME.values]`": ValueTable,
+    "`[device.NAME]`": DeviceTable,
+    "`24c02` to `24lc512`": eeprom.Settings,
+    "`registers`": registers.Settings,
+    "`[[device.NAME.register]]`": RegisterTable,
+    "`[device.NAME.interrupt]`": Interrupt,
+    "`[device.NAME.stretch]`": StretchTable,
+    "`[[device.NAME.fault]]`": DeviceFault,
     "`[controller]`": Controller,
     "`[[controller.request]]`": RequestTable,
     "`[rounds]`": RoundsTable,
@@ -51,14 +61,16 @@ EMPTY: tuple[object, ...] = (None, "", (), {}, b"", Code(), Options())
 
 def rows(heading: str) -> list[list[str]]:
     """The cells of the table under a heading, without its head."""
-    section = PAGE.split(f"\n## {heading}\n")[1].split("\n## ")[0]
+    section = re.split("\n##+ ", re.split(f"\n##+ {re.escape(heading)}\n", PAGE)[1])[0]
     lines = [line for line in section.splitlines() if line.startswith("|")][2:]
     return [[cell.strip() for cell in line.strip("|").split(" | ")] for line in lines]
 
 
 @pytest.mark.parametrize("heading", TABLES)
 def test_every_key_with_its_default(heading: str):
-    fields = {about.alias or name: about for name, about in TABLES[heading].model_fields.items()}
+    kind = TABLES[heading]
+    names = sorted(kind.model_fields, key=lambda name: issubclass(kind, BusParty) and name in BusParty.model_fields)
+    fields = {kind.model_fields[name].alias or name: kind.model_fields[name] for name in names}  # its own ones first
     shown = {key.strip("`"): default for key, _, default in rows(heading)}
     assert list(shown) == list(fields)
     for name, default in shown.items():
@@ -67,15 +79,19 @@ def test_every_key_with_its_default(heading: str):
             assert about.is_required() == (default == "required"), name
             assert default == "required" or about.default in EMPTY, name
         else:
-            kind: Any = Annotated[about.annotation, *about.metadata] if about.metadata else about.annotation
+            typed: Any = Annotated[about.annotation, *about.metadata] if about.metadata else about.annotation
             value = tomllib.loads(f"value = {default.strip('`')}")["value"]
-            assert TypeAdapter(kind).validate_python(value) == about.default, name
+            assert TypeAdapter(typed).validate_python(value) == about.default, name
 
 
 def test_every_table_of_the_model_has_a_section():
-    modules = (Case.__module__, Cable.__module__, Budget.__module__)
-    kinds = {kind for kind in Table.__subclasses__() if kind.__module__ in modules}
-    assert kinds == {*TABLES.values(), Options}
+    modules = {kind.__module__ for kind in (Case, Cable, Budget, DeviceTable, RegisterTable)}
+    kinds = {kind for kind in [*Table.__subclasses__(), *BusParty.__subclasses__()] if kind.__module__ in modules}
+    assert kinds - {BusParty, Sets} == {*TABLES.values(), Options} - {eeprom.Settings}
+
+
+def test_every_family_of_devices_has_a_section():
+    assert {family.Settings for family in families().values()} <= set(TABLES.values())
 
 
 def test_every_measure_with_its_unit_and_meaning():

@@ -163,7 +163,7 @@ def test_notes_come_once_with_their_count_and_each_as_a_record():
         ),
         (["chip.gyroscope.values.rows=[['1 s', 0, 0, 0]]"], "values need one of fixed, rows and ramp"),
         (["chip.gyroscope.values.first='1 s'"], "first and period belong to ramp"),
-        (["chip.gyroscope.model=mpu6050"], "input should be 'adxl345', 'itg3200' or 'hmc5883l', but it is 'mpu6050'"),
+        (["chip.gyroscope.model=mpu6050"], "there is no chip 'mpu6050'; it has adxl345, hmc5883l, itg3200"),
         (["chip.gyroscope.modell=itg3200"], "there is no key 'chip.gyroscope.modell'; did you mean model?"),
         (["chip.gyroscope.values.fixd=[1,2,3]"], "there is no key 'chip.gyroscope.values.fixd'; did you mean fixed?"),
         (["chip.gyroscope.values.fixed=[1,nan,3]"], "is not a number"),

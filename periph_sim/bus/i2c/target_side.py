@@ -1,9 +1,10 @@
 """The wire side of any I2C target: SCL and SDA go in, ACKs and bytes come out; what to say somebody else knows.
 
     SCL, SDA --> START, bits, STOP --> whom? --> Reply: sends(byte), hears(byte, value) --> SDA
+                                                 on_end(stop, whole)
 
 Each START with an address asks `answer` for a reply. A bit changes `hold` after SCL fell. It stretches only where
-the reply says so.
+the reply says so, or who answers calls `hold_clock` meanwhile.
 
 Source: UM10204 sections 3.1.4 to 3.1.10.
 """
@@ -48,11 +49,26 @@ class _Does(Enum):
     SENDS = "sends data"
 
 
+def _ignore(stop: bool, whole: bool) -> None:
+    """Nobody asked for ends."""
+
+
 class TargetSide:
-    """answer: given the address byte, R/W included. hold: ticks from SCL's fall to its change of SDA."""
+    """answer: given the address byte, R/W included. hold: ticks from SCL's fall to its change of SDA.
+
+    on_end: told when a phase that `answer` acknowledged ends, by a STOP or else by another START; whole: not in the
+    middle of a byte.
+    """
 
     def __init__(
-        self, kernel: Kernel, scl: Wire, sda: Wire, answer: Callable[[int], Reply | None], hold: int, who: str
+        self,
+        kernel: Kernel,
+        scl: Wire,
+        sda: Wire,
+        answer: Callable[[int], Reply | None],
+        hold: int,
+        who: str,
+        on_end: Callable[[bool, bool], None] = _ignore,
     ) -> None:
         self.who = who
         self._kernel = kernel
@@ -70,6 +86,10 @@ class TargetSide:
         self._byte = 0  # number of the data byte
         self._refused = False  # the controller's NACK in a read
         self._level = 1  # what SDA gets
+        self._on_end = on_end
+        self._taken = False  # the phase under way is acknowledged
+        self._held_until = 0
+        self._powered = True
         watch([scl, sda], self._on_lines)
 
     def _on_lines(self, now: int, levels: int) -> None:
@@ -82,7 +102,10 @@ class TargetSide:
             if self._does is not _Does.NOTHING:
                 self._rise(int(levels >= SDA))
         elif event:
-            self._does = _Does.ADDRESS if event == START else _Does.NOTHING
+            if self._taken:
+                self._taken = False
+                self._on_end(event != START, self._bit <= 1)  # SCL has risen once for the START or STOP itself
+            self._does = _Does.ADDRESS if event == START and self._powered else _Does.NOTHING
             self._bit = self._in = 0
             self._stretches = {}
             self._put(1)
@@ -102,11 +125,27 @@ class TargetSide:
         byte = -1 if self._does is _Does.ADDRESS else self._byte
         ticks = self._stretches.pop((byte, self._bit), 0)
         if ticks:
-            self._scl.drive(0)
-            self._kernel.at(self._kernel.now + ticks, self._let_go)
+            self.hold_clock(ticks)
+
+    def hold_clock(self, ticks: int) -> None:
+        """Hold SCL low from now on for so long. Call it from `answer`, `sends` or `hears`: SCL has just fallen then."""
+        self._scl.drive(0)
+        self._held_until = max(self._held_until, self._kernel.now + ticks)
+        self._kernel.at(self._kernel.now + ticks, self._let_go)
+
+    def power(self, on: bool) -> None:
+        """Off: both lines are let go at once, and no START is seen until power comes back."""
+        self._powered = on
+        if not on:
+            self._does, self._taken = _Does.NOTHING, False
+            self._level = 1
+            self._held_until = 0
+            self._sda.drive(1)
+            self._scl.drive(1)
 
     def _let_go(self) -> None:
-        self._scl.drive(1)
+        if self._kernel.now >= self._held_until:
+            self._scl.drive(1)
 
     def _rise(self, level: int) -> None:
         self._bit += 1
@@ -132,7 +171,7 @@ class TargetSide:
         self._bit = 0
         if self._does is _Does.ADDRESS:
             self._byte = 0
-            meant = self._reply is not None and self._reply.ack
+            meant = self._taken = self._reply is not None and self._reply.ack
             self._does = _Does.NOTHING if not meant else _Does.SENDS if self._in & 1 else _Does.HEARS
         else:
             self._byte += 1

@@ -1,1 +1,18 @@
-"""Sensor chips as I2C targets, and what chips with registers behind a pointer have in common."""
+"""Sensor chips, pure: they know no kernel, wire or file.
+
+One file of this folder that has CHIP, the class of its chip, is one `model` of [chip.NAME], found by being there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cache
+from typing import Any
+
+from ...core.discover import modules_with
+
+
+@cache
+def chip_models() -> Mapping[str, type[Any]]:
+    """The class of every chip, a `RegisterChip`, by the name of its file."""
+    return {name: module.CHIP for name, module in modules_with("CHIP", __name__, __path__).items()}

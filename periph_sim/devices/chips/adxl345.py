@@ -50,6 +50,7 @@ class Adxl345(RegisterChip):
     MAP = MAP
     SECTION = f"{SHEET}, register map: reserved, do not access"
     ADDRESSES = ADDRESSES
+    OPTIONS = Adxl345Options
 
     def __init__(
         self,
@@ -177,3 +178,6 @@ class Adxl345(RegisterChip):
         else:
             first = self._clock.tick(self._taken)
         self._clock, self._taken = self.beats(first, self.rate), 0
+
+
+CHIP = Adxl345

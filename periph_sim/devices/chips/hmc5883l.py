@@ -47,6 +47,7 @@ class Hmc5883l(RegisterChip):
     MAP = MAP
     SECTION = f"{SHEET}, register access"
     ADDRESSES = ADDRESSES
+    OPTIONS = Hmc5883lOptions
 
     def __init__(
         self,
@@ -186,3 +187,6 @@ class Hmc5883l(RegisterChip):
             self.note("duty", "MS = 3 is reserved; no bias is taken here", f"{SHEET} CRA")
         if self.get("CRA", "DO") != self.MAP["CRA"]["DO"].of(old) and self.get("Mode", "MD") == CONTINUOUS:
             self._start(now)
+
+
+CHIP = Hmc5883l

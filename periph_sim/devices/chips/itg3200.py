@@ -59,6 +59,7 @@ class Itg3200(RegisterChip):
     MAP = MAP
     SECTION = f"{SHEET} register map"
     ADDRESSES = ADDRESSES
+    OPTIONS = Itg3200Options
 
     def __init__(
         self,
@@ -228,3 +229,6 @@ class Itg3200(RegisterChip):
         """WHO_AM_I and the address are those of pin AD0 again."""
         self.address = ADDRESSES[self._ad0]
         self.put("WHO_AM_I", "BIT0", self._ad0 if self.options.who_am_i_bit_0 == "ad0" else 0)
+
+
+CHIP = Itg3200

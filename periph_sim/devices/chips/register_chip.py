@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from math import isfinite
+from typing import Any
 
 from ...core.chip import Note
 from ...core.registers import OnWrite, Register, RegisterMap, field
@@ -37,6 +38,8 @@ class RegisterChip:
 
     MAP: RegisterMap
     SECTION: str  # of the data sheet on register access
+    ADDRESSES: tuple[int, ...]  # 7 bits each, the usual one first
+    OPTIONS: type[Any]  # what its data sheet leaves open
 
     def __init__(self, timebase: Timebase, source: Source, address: int, powered: int, ready: Fraction) -> None:
         self.address = address
@@ -81,6 +84,11 @@ class RegisterChip:
         return number + 1 & 0xFF
 
     # What a chip fills in ---------------------------------------------------------
+
+    @property
+    def lsb_per_unit(self) -> Fraction:
+        """LSB of one physical unit at the scale that is set up."""
+        raise NotImplementedError
 
     def catch_up(self, now: int) -> None:
         """Take the samples that fell due up to now."""

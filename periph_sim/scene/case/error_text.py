@@ -8,6 +8,7 @@ from pydantic import BaseModel, ValidationError
 
 from ...core.suggest import did_you_mean
 from ...timing.budget_schema import Budget, Condition
+from .device_tables import DeviceFault, StretchTable
 from .model import BadCase, Case, ChipTable, Code, Controller, HostTable, Options, RequestTable, Unit, ValueTable
 from .origin import Source, key_of
 from .wiring import Cable
@@ -58,6 +59,8 @@ def known_keys(place: tuple[str | int, ...]) -> list[str]:
         "host": HostTable,
         "chip": ChipTable,
         "values": ValueTable,
+        "stretch": StretchTable,
+        "fault": DeviceFault,
         "budget": Budget,
         "request": RequestTable,
         "options": Options,

@@ -6,6 +6,7 @@ The tables of a case file are the classes below; a key that none of them has is 
 from __future__ import annotations
 
 from fractions import Fraction
+from pathlib import Path
 from typing import Annotated, Literal, TypeVar
 
 from pydantic import (
@@ -20,6 +21,7 @@ from ...core.settings import Duration, HexBytes, Table
 from ...core.suggest import did_you_mean
 from ...f28335.cpu.compiled_code_costs import CodeCosts
 from ...timing.budget_schema import Budget
+from .device_tables import BusParty, DeviceTable
 from .origin import Source, key_of, line_of
 from .scalars import (
     Address,
@@ -160,15 +162,14 @@ class ValueTable(Table):
         return self
 
 
-class ChipTable(Table):
+class ChipTable(BusParty):
     """A sensor chip on SDA and SCL. registers: written before the run, by name. powered: for how long it was then."""
 
-    model: Literal["adxl345", "itg3200", "hmc5883l"]
+    model: str  # of `devices.chips`
     address: Address | None = None  # else the chip's first
     values: ValueTable
     registers: dict[str, Byte] = {}
     powered: Duration = Fraction(1)
-    output_delay: Length = Fraction(300, 10**9)  # UM10204 section 3.1.1: hold time of a device's own SDA
     options: dict[str, Answer] = {}
 
 
@@ -231,6 +232,7 @@ class Case(Table):
     unit: dict[str, Unit] = {}
     cable: tuple[Cable, ...] = ()
     chip: dict[str, ChipTable] = {}
+    device: dict[str, DeviceTable] = {}
     controller: Controller | None = None
     rounds: RoundsTable | None = None
     host: HostTable | None = None
@@ -243,6 +245,11 @@ class Case(Table):
         """This case, which now knows the file it came from."""
         self._source = source
         return self
+
+    @property
+    def folder(self) -> Path:
+        """The folder of its file, from which paths in it count; the present one if it came from no file."""
+        return Path() if self._source is None else self._source.path.parent
 
     @property
     def recorded_modules(self) -> dict[str, tuple[str, ...]]:

@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Protocol
 
-from ...bus.i2c.target_side import Stretches
+from ..bus.i2c.target_side import Stretches
 
 
 class Registers(Protocol):

@@ -1,0 +1,222 @@
+"""A target that stretches, or is faulty: rules go in around its answers; held lines, NACKs, wrong bytes come out.
+
+    answer, sends, hears --> each rule: this phase, this byte, this time, by chance? --> the target's answer, changed
+
+Bytes count from 0, the address; phases, each a START with the target's address, from 1. A target that is off answers
+nobody until its power comes back.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from random import Random
+from typing import Protocol
+
+from ...core.kernel import Kernel
+from ...core.wire import Wire
+from .target_side import Reply, Stretches, TargetSide
+
+READ = 1
+
+
+class Answers(Protocol):
+    """addresses: 7 bits each."""
+
+    @property
+    def addresses(self) -> tuple[int, ...]: ...
+
+    def answer(self, address_byte: int) -> Reply | None: ...
+
+    def on_end(self, stop: bool, whole: bool) -> None: ...
+
+    def power_on(self) -> None: ...
+
+
+@dataclass(frozen=True)
+class When:
+    """Which bytes a rule strikes. bytes, phases: empty for each. access: R/W bit, None for both. until: None: always.
+
+    share: of the bytes that are left, drawn by `random`. after, until: ticks.
+    """
+
+    random: Random
+    bytes: tuple[int, ...] = ()
+    phases: tuple[int, ...] = ()
+    access: int | None = None
+    share: Fraction = Fraction(1)
+    after: int = 0
+    until: int | None = None
+
+    def strikes(self, byte: int, phase: int, access: int, now: int) -> bool:
+        if (self.bytes and byte not in self.bytes) or (self.access is not None and access != self.access):
+            return False
+        if (self.phases and phase not in self.phases) or now < self.after:
+            return False
+        if self.until is not None and now >= self.until:
+            return False
+        return self.share == 1 or self.random.random() < self.share
+
+
+class Rule:
+    """A way in which a target is disturbed. What a subclass does not change stays as it is."""
+
+    def __init__(self, when: When) -> None:
+        self.when = when
+        self.phase = 0  # those that `when.access` lets count, so far
+
+    def refuses(self) -> bool:
+        """True where the byte that strikes is not acknowledged."""
+        return False
+
+    def sends(self, value: int) -> int:
+        """What is sent instead of the byte."""
+        return value
+
+    def strike(self) -> None:
+        """What else happens; SCL has just fallen, before the ACK or the first bit."""
+
+
+class Stretch(Rule):
+    """least, most: ticks; each time one value between."""
+
+    def __init__(self, when: When, least: int, most: int, hold_clock: Callable[[int], None]) -> None:
+        super().__init__(when)
+        self._least, self._most = least, most
+        self._hold_clock = hold_clock
+
+    def strike(self) -> None:
+        ticks = self.when.random.randint(self._least, self._most)
+        if ticks:
+            self._hold_clock(ticks)
+
+
+class Refuse(Rule):
+    def refuses(self) -> bool:
+        return True
+
+
+class Wrong(Rule):
+    """value: sent instead."""
+
+    def __init__(self, when: When, value: int) -> None:
+        super().__init__(when)
+        self._value = value
+
+    def sends(self, value: int) -> int:
+        return self._value
+
+
+class Flip(Rule):
+    """bit: 7 is sent first; None for one by chance."""
+
+    def __init__(self, when: When, bit: int | None) -> None:
+        super().__init__(when)
+        self._bit = bit
+
+    def sends(self, value: int) -> int:
+        bit = self.when.random.randrange(8) if self._bit is None else self._bit
+        return value ^ 1 << bit
+
+
+class HoldData(Rule):
+    """SDA low for so many ticks, or until SCL has fallen so often."""
+
+    def __init__(self, when: When, kernel: Kernel, scl: Wire, sda: Wire, who: str, ticks: int, clocks: int) -> None:
+        super().__init__(when)
+        self._kernel = kernel
+        self._pin = sda.attach(who)
+        self._ticks, self._clocks = ticks, clocks
+        self._left = 0
+        if clocks:
+            scl.watch(self._scl_changed)
+
+    def strike(self) -> None:
+        self._pin.drive(0)
+        self._left = self._clocks
+        if not self._clocks:
+            self._kernel.at(self._kernel.now + self._ticks, self._let_go)
+
+    def _scl_changed(self, now: int, level: int) -> None:
+        if self._left and not level:
+            self._left -= 1
+            if not self._left:
+                self._let_go()
+
+    def _let_go(self) -> None:
+        self._pin.drive(1)
+
+
+class DisturbedTarget:
+    """It is its own reply, to the phase under way."""
+
+    ack = True
+
+    def __init__(self, kernel: Kernel, target: Answers, rules: Sequence[Rule]) -> None:
+        self._kernel = kernel
+        self._target = target
+        self._rules = rules
+        self._reply: Reply | None = None
+        self._access = 0
+
+    @property
+    def addresses(self) -> tuple[int, ...]:
+        return self._target.addresses
+
+    @property
+    def stretches(self) -> Stretches:
+        return () if self._reply is None else self._reply.stretches
+
+    def power_on(self) -> None:
+        self._target.power_on()
+
+    def on_end(self, stop: bool, whole: bool) -> None:
+        self._target.on_end(stop, whole)
+
+    def answer(self, address_byte: int) -> DisturbedTarget | None:
+        if address_byte >> 1 not in self._target.addresses:
+            return None
+        self._access = address_byte & READ
+        for rule in self._rules:
+            rule.phase += rule.when.access in (None, self._access)
+        striking = self._striking(0)
+        if any(rule.refuses() for rule in striking):
+            return None
+        self._reply = self._target.answer(address_byte)
+        if self._reply is None or not self._reply.ack:
+            return None
+        for rule in striking:
+            rule.strike()
+        return self
+
+    def hears(self, byte: int, value: int) -> bool:
+        assert self._reply is not None
+        striking = self._striking(byte + 1)
+        for rule in striking:
+            rule.strike()
+        return not any(rule.refuses() for rule in striking) and self._reply.hears(byte, value)
+
+    def sends(self, byte: int) -> int:
+        assert self._reply is not None
+        value = self._reply.sends(byte)
+        for rule in self._striking(byte + 1):
+            rule.strike()
+            value = rule.sends(value)
+        return value
+
+    def _striking(self, byte: int) -> list[Rule]:
+        now = self._kernel.now
+        return [rule for rule in self._rules if rule.when.strikes(byte, rule.phase, self._access, now)]
+
+
+def cut_power(kernel: Kernel, side: TargetSide, target: Answers, at: int, until: int | None) -> None:
+    """The target is off from one tick to the other, or for good."""
+    kernel.at(at, lambda: side.power(False))
+
+    def come_back() -> None:
+        target.power_on()
+        side.power(True)
+
+    if until is not None:
+        kernel.at(until, come_back)

@@ -1,0 +1,97 @@
+"""What a user's own device sees of the world: time, the clock line, pins, notes and chance.
+
+    class Device:                        a file beside the case, named by `model = "my_device.py"`
+        def __init__(self, bus): ...     bus: a `DeviceBus`; (self, bus, settings) with a dataclass Settings in the file
+        def on_address(self, read): ...  addressed: return False to leave it unacknowledged
+        def on_write(self, byte): ...    a byte came: return False to leave it unacknowledged
+        def on_read(self): ...           return the byte to send
+        def on_stop(self): ...           STOP, or the START that ends the transfer
+
+Only on_write or on_read must be there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from random import Random
+
+from ..core.chip import Note
+from ..core.settings import duration
+from ..core.wire import Wire
+from ..processor.error_origin import FirmwareError, Misuse, raised_at
+from .targets import Place
+
+
+class DevicePin:
+    """A wire of the case, with this device as one party. level: now. An open drain: drive(1) lets go."""
+
+    def __init__(self, wire: Wire, who: str) -> None:
+        self._wire = wire
+        self._pin = wire.attach(who)
+
+    @property
+    def level(self) -> int:
+        return self._wire.level
+
+    def drive(self, level: int) -> None:
+        """0 pulls the wire low, 1 lets go of it."""
+        if level not in (0, 1):
+            raise Misuse(f"drive was given {level!r}; expected 0 or 1")
+        self._pin.drive(level)
+
+
+class DeviceBus:
+    """random: its own, equal in every run of one case."""
+
+    def __init__(self, place: Place, per_second: int) -> None:
+        self.random: Random = place.random
+        self._place = place
+        self._per_second = per_second
+
+    @property
+    def now(self) -> Fraction:
+        """Seconds since the run began, exact."""
+        return Fraction(self._place.kernel.now - self._place.start, self._per_second)
+
+    def stretch(self, length: str) -> None:
+        """Hold SCL low from now on for "20 us". In a hook, SCL has just fallen: before the ACK, or the first bit."""
+        self._place.hold_clock(self._ticks(length))
+
+    def after(self, length: str, callback: Callable[[], None]) -> None:
+        """Call back so much later."""
+        place = self._place
+
+        def call() -> None:
+            guarded(place.who, callback)
+
+        place.kernel.at(place.kernel.now + self._ticks(length), call)
+
+    def pin(self, name: str) -> DevicePin:
+        """A pin of this device on a wire that a unit's `pins` name."""
+        try:
+            return DevicePin(self._place.wire(name), self._place.who)
+        except ValueError as error:
+            raise Misuse(str(error)) from None
+
+    def note(self, text: str) -> None:
+        """Show a sentence among the notes of the run."""
+        self._place.note(Note("device", str(text), self._place.who))
+
+    def _ticks(self, length: str) -> int:
+        try:
+            return self._place.ticks(duration(length))
+        except ValueError as error:
+            raise Misuse(str(error)) from None
+
+
+def guarded(who: str, hook: Callable[..., object], *arguments: object) -> object:
+    """What the hook of a user's device returns. FirmwareError with file and line for what it raises."""
+    try:
+        return hook(*arguments)
+    except Exception as error:
+        at = raised_at(error)
+        if not at:
+            raise
+        what = str(error) if isinstance(error, Misuse) else f"{type(error).__name__}: {error}"
+        raise FirmwareError(f"device {who}, {at}: {what}") from None

@@ -1,0 +1,179 @@
+"""Serial EEPROMs 24C02 to 24LC512: bytes of transfers go in; stored bytes, and NACKs while it writes, come out.
+
+    START, address+W, word address (1 or 2 bytes), data ... STOP --> the page's buffer is stored: busy for write_time
+                                                                      |  page 0x20 to 0x3f  |
+                                                  data at 0x3e, 0x3f, 0x20, 0x21: never beyond the page
+    START, address+R, data ...                 --> from the last address on, over the end of the memory to 0
+
+While it is busy it does not acknowledge its address (acknowledge polling). 24C04, 24C08 and 24C16 take the upper bits
+of the word address from the device address. A write that no STOP ends, or one in the middle of a byte, is not stored.
+
+Source: Microchip DS20001709 (24LC02B), DS21708 (24LC04B), DS21710 (24LC08B), DS20002213 (24LC16B), DS21072 (24LC32A),
+DS20001189 (24LC64), DS20001191 (24LC128), DS20001203 (24LC256), DS20001754 (24LC512); Atmel doc0180 (AT24C02 to 16).
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, NamedTuple
+
+from pydantic import AfterValidator, BeforeValidator, Field
+
+from ...bus.i2c.target_side import Stretches
+from ...core.chip import Note
+from ...core.settings import DurationRange, Spread, Table, duration, hex_bytes
+from . import BadDevice, Place, address_among
+from .memory_image import IMAGES, image
+
+FIRST = 0x50  # 1010 and three bits
+ERASED = 0xFF
+
+
+class Part(NamedTuple):
+    """size, page: in bytes. word: bytes of the word address. blocks: device addresses that it takes."""
+
+    size: int
+    page: int
+    word: int
+    blocks: int
+
+
+PARTS = {
+    "02": Part(256, 8, 1, 1),
+    "04": Part(512, 16, 1, 2),
+    "08": Part(1024, 16, 1, 4),
+    "16": Part(2048, 16, 1, 8),
+    "32": Part(4096, 32, 2, 1),
+    "64": Part(8192, 32, 2, 1),
+    "128": Part(16384, 64, 2, 1),
+    "256": Part(32768, 64, 2, 1),
+    "512": Part(65536, 128, 2, 1),
+}
+MAKES = ("24c", "24lc", "24aa")
+WITHOUT_PINS = ("24lc", "24aa")  # up to 16 Kbit: A0 to A2 lead nowhere, so it answers to all eight addresses
+MODELS = tuple(f"{make}{size}" for size in PARTS for make in MAKES)
+
+
+def _power_of_two(value: int) -> int:
+    if value & value - 1:
+        raise ValueError("a page is a power of two")
+    return value
+
+
+def _contents(value: object) -> object:
+    if isinstance(value, str) and Path(value).suffix in IMAGES:
+        return Path(value)
+    try:
+        return hex_bytes(value)
+    except ValueError as error:
+        raise ValueError(f"{error}, or name a file: {', '.join(IMAGES)}") from None
+
+
+class Settings(Table):
+    """contents: from address 0 on, the rest is 0xFF. write_protect: or the wire that is high while it is so."""
+
+    contents: Annotated[bytes | Path, BeforeValidator(_contents)] = b""
+    page: Annotated[int, Field(ge=1, le=256), AfterValidator(_power_of_two)] | None = None
+    write_time: DurationRange = Spread(duration("5 ms"), duration("5 ms"))
+    write_protect: bool | str = False
+
+
+class Eeprom:
+    """memory: what is stored. It is its own reply."""
+
+    ack = True
+    stretches: Stretches = ()
+
+    def __init__(self, part: Part, addresses: tuple[int, ...], settings: Settings, place: Place) -> None:
+        self.addresses = addresses
+        self.memory = bytearray([ERASED]) * part.size
+        self._part = part
+        self._page = settings.page or part.page
+        self._write_time = settings.write_time
+        self._place = place
+        self._locked = settings.write_protect is True
+        name = settings.write_protect
+        self._lock = place.wire(name) if isinstance(name, str) else None
+        self.power_on()
+
+    def power_on(self) -> None:
+        """What is stored stays; a write that was under way is taken for done."""
+        self._pointer = 0
+        self._begin = 0  # of the write under way
+        self._buffer: dict[int, int] = {}
+        self._written = 0  # data bytes of this write; more than the buffer has if they went round
+        self._busy_until = 0
+
+    def answer(self, address_byte: int) -> Eeprom | None:
+        if address_byte >> 1 not in self.addresses or self._place.kernel.now < self._busy_until:
+            return None
+        if self._part.blocks > 1:
+            self._pointer = (address_byte >> 1 & self._part.blocks - 1) << 8 | self._pointer & 0xFF
+        return self
+
+    def sends(self, byte: int) -> int:
+        value = self.memory[self._pointer]
+        self._pointer = (self._pointer + 1) % self._part.size
+        return value
+
+    def hears(self, byte: int, value: int) -> bool:
+        if byte < self._part.word:
+            above = self._pointer & ~0xFF if self._part.word == 1 else self._pointer << 8
+            self._pointer = (above | value) % self._part.size
+            self._begin, self._written = self._pointer, 0
+        else:
+            self._written += 1
+            self._buffer[self._pointer] = value
+            page = self._pointer & -self._page
+            self._pointer = page | self._pointer + 1 & self._page - 1
+        return True
+
+    def on_end(self, stop: bool, whole: bool) -> None:
+        buffer, self._buffer = self._buffer, {}
+        if not buffer:
+            return
+        if not stop or not whole:
+            how = "a STOP in the middle of a byte" if stop else "a START instead of a STOP"
+            self._note(f"the write at {self._begin:#06x} is not stored: {how} ended it")
+        elif self._locked or (self._lock is not None and self._lock.level):
+            self._note(f"the write at {self._begin:#06x} is not stored: the memory is write-protected")
+        else:
+            page = self._begin & -self._page
+            if self._begin - page + self._written > self._page:
+                end = page + self._page - 1
+                self._note(f"the write at {self._begin:#06x} went beyond its page's end, {end:#06x}, on to {page:#06x}")
+            for address, value in buffer.items():
+                self.memory[address] = value
+            place = self._place
+            least, most = place.ticks(self._write_time.least), place.ticks(self._write_time.most)
+            self._busy_until = place.kernel.now + place.random.randint(least, most)
+
+    def _note(self, text: str) -> None:
+        self._place.note(Note("duty", text, "24Cxx data sheets, write operations"))
+
+
+def build(model: str, settings: Settings, place: Place) -> Eeprom:
+    make = next(make for make in MAKES if model.startswith(make) and model.removeprefix(make) in PARTS)
+    part = PARTS[model.removeprefix(make)]
+    if part.word == 1 and make in WITHOUT_PINS:
+        address_among(place, model, (FIRST,))
+        addresses = tuple(range(FIRST, FIRST + 8))
+    else:
+        first = address_among(place, model, tuple(range(FIRST, FIRST + 8, part.blocks)))
+        addresses = tuple(range(first, first + part.blocks))
+    try:
+        eeprom = Eeprom(part, addresses, settings, place)
+    except ValueError as error:
+        raise BadDevice(str(error), "write_protect") from None
+    if settings.page is not None and settings.page > part.size:
+        raise BadDevice(f"a page of {settings.page} bytes is longer than a {model}, which has {part.size}", "page")
+    contents = settings.contents
+    if isinstance(contents, Path):
+        try:
+            contents = image(place.folder / contents)
+        except ValueError as error:
+            raise BadDevice(str(error), "contents") from None
+    if len(contents) > part.size:
+        raise BadDevice(f"it has {len(contents)} bytes, but a {model} holds {part.size}", "contents")
+    eeprom.memory[: len(contents)] = contents
+    return eeprom

@@ -1,0 +1,54 @@
+"""The contents of a memory from a file: .bin as it is, .hex in Intel's format; bytes from address 0 on come out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+IMAGES = (".bin", ".hex")
+ERASED = 0xFF
+MOST = 1 << 24  # addresses beyond belong to no serial memory
+DATA, END, SEGMENT, LINEAR = 0, 1, 2, 4  # kinds of records; those of start addresses say nothing of the memory
+
+
+def image(path: Path) -> bytes:
+    """Gaps are 0xFF. ValueError, one sentence with the file and its line."""
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise ValueError(
+            f"{path} cannot be read ({error.strerror}); its path counts from the folder of the case"
+        ) from None
+    return data if path.suffix == ".bin" else _intel_hex(path, data.decode("ascii", "replace"))
+
+
+def _intel_hex(path: Path, text: str) -> bytes:
+    memory = bytearray()
+    base = 0
+    for number, line in enumerate(text.splitlines(), 1):
+        if not line.strip():
+            continue
+        kind, address, data = _record(f"{path}, line {number}", line.strip())
+        if kind == END:
+            return bytes(memory)
+        if kind == DATA:
+            begin = base + address
+            if begin + len(data) > MOST:
+                raise ValueError(f"{path}, line {number}: address {begin:#x} is beyond any serial memory")
+            memory.extend([ERASED] * (begin + len(data) - len(memory)))
+            memory[begin : begin + len(data)] = data
+        elif kind in (SEGMENT, LINEAR) and len(data) == 2:
+            base = int.from_bytes(data, "big") << (4 if kind == SEGMENT else 16)
+    raise ValueError(f"{path}: it has no end record, :00000001FF; it is cut off, or not Intel HEX")
+
+
+def _record(where: str, line: str) -> tuple[int, int, bytes]:
+    """(kind, address, data) of a line ":LLAAAATT data CC"."""
+    try:
+        raw = bytes.fromhex(line.removeprefix(":"))
+    except ValueError:
+        raw = b""
+    if not line.startswith(":") or len(raw) < 5 or len(raw) != raw[0] + 5:
+        raise ValueError(f"{where}: {line[:40]!r} is no record of Intel HEX, as :02000000ABCD86 is one")
+    if sum(raw) & 0xFF:
+        raise ValueError(f"{where}: its checksum is {raw[-1]:#04x}, but {-sum(raw[:-1]) & 0xFF:#04x} belongs there")
+    return raw[3], int.from_bytes(raw[1:3], "big"), raw[4:-1]

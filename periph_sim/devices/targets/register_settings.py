@@ -1,0 +1,99 @@
+"""What a case may say of a device of registers: the keys of [device.NAME] with model = "registers", checked."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from ...core.settings import Duration, Table
+
+Bits = Annotated[int, Field(ge=0, le=0xFFFF)]
+Pointer = Annotated[int, Field(ge=0, le=0xFFFF)]
+Mask = bool | Bits  # true: all bits
+
+
+class Sets(Table):
+    """bits: set in another register with every update, such as a data-ready flag."""
+
+    register_name: Annotated[str, Field(alias="register")]
+    bits: Bits
+
+
+class Interrupt(Table):
+    """A pin that is active while any of these bits of a register is set. wire: as a unit's `pins` call it."""
+
+    wire: str
+    register_name: Annotated[str, Field(alias="register")]
+    bits: Bits = 0xFFFF
+    active: Literal["low", "high"] = "low"
+
+
+class RegisterTable(Table):
+    """at: the pointer of its first byte. read_only, write_1_clears, read_clears: bits, or true for all.
+
+    What changes it from inside: updates (times and values, or the path of a .csv file), or every `every` from `first`
+    on (`every` later, if not given) the next of `values`, the last one then for good, or `step` more.
+    """
+
+    name: str
+    at: Pointer
+    width: Literal[8, 16] = 8
+    reset: Bits = 0
+    read_only: Mask = False
+    write_1_clears: Mask = False
+    read_clears: Mask = False
+    updates: tuple[tuple[Duration, Bits], ...] | str = ()
+    every: Duration | None = None
+    first: Duration | None = None
+    values: tuple[Bits, ...] = ()
+    step: int = 0
+    sets: Sets | None = None
+
+    @property
+    def full(self) -> int:
+        """All of its bits."""
+        return (1 << self.width) - 1
+
+    def mask(self, bits: Mask) -> int:
+        """Bits as a number, true as all of the register's."""
+        return self.full if bits is True else int(bits)
+
+    @model_validator(mode="after")
+    def _fits(self) -> RegisterTable:
+        given = {name: getattr(self, name) for name in ("reset", "read_only", "write_1_clears", "read_clears")}
+        for name, value in given.items():
+            if value > self.full:
+                raise ValueError(
+                    f"{name} of {self.name} is {value:#x}, but a register of {self.width} bits ends at {self.full:#x}"
+                )
+        fed = [*self.values, *(() if isinstance(self.updates, str) else (value for _, value in self.updates))]
+        for value in fed:
+            if value > self.full:
+                raise ValueError(f"{self.name} is to take {value:#x}, but {self.width} bits end at {self.full:#x}")
+        if self.mask(self.read_only) & self.mask(self.write_1_clears):
+            raise ValueError(
+                f"bits of {self.name} are both read_only and write_1_clears; a written 1 clears or does not"
+            )
+        if (self.every is not None) != (bool(self.values) or bool(self.step)):
+            raise ValueError(f"{self.name}: every goes with values or step, which say what it takes then")
+        if bool(self.values) + bool(self.step) + bool(self.updates) > 1:
+            raise ValueError(f"{self.name} has more than one of updates, values and step; keep one")
+        if self.first is not None and self.every is None:
+            raise ValueError(f"{self.name}: first belongs to every; give every, or leave it out")
+        if self.every == 0:
+            raise ValueError(f"{self.name}: every must be longer than 0")
+        return self
+
+
+class Settings(Table):
+    """registers: the map. pointer_counts: what one step of the pointer is. wrap: where the pointer goes back."""
+
+    registers: Annotated[tuple[RegisterTable, ...], Field(alias="register", min_length=1)]
+    pointer_bytes: Literal[1, 2] = 1
+    pointer_counts: Literal["bytes", "registers"] = "bytes"
+    byte_order: Literal["big", "little"] = "big"
+    auto_increment: bool = True
+    wrap: Literal["pointer", "map"] = "pointer"
+    unmapped: Annotated[int, Field(ge=0, le=0xFF)] = 0
+    interrupt: Interrupt | None = None

@@ -1,0 +1,237 @@
+"""A device of registers behind a pointer, by its map: bytes of transfers go in; register values and a pin come out.
+
+    START, address+W, pointer, data ... --> write, pointer moves on      at = 0x02, width = 16, big
+    START, address+R, data ...          --> read, pointer moves on        pointer 2: bits 15:8, 3: bits 7:0
+
+The value of a register is taken when its first byte is read, and given when its last byte is written, so no other
+value gets between the two. The pointer outlives STOP and repeated START. `updates` and `every` change registers from
+inside; they are counted when somebody looks, and by events only where a pin shows them.
+"""
+
+from __future__ import annotations
+
+from ...bus.i2c.target_side import Stretches
+from ...core.chip import Note
+from ...core.wire import Pin
+from . import BadDevice, Place, Target
+from .register_feed import Feed, feed_of
+from .register_settings import RegisterTable, Settings
+
+__all__ = ["MODELS", "Settings", "build"]
+
+MODELS = ("registers",)
+SOURCE = "the case's register map"
+
+
+class RegisterDevice:
+    """values: by the registers' names. It is its own reply."""
+
+    ack = True
+    stretches: Stretches = ()
+
+    def __init__(self, settings: Settings, place: Place, address: int, feeds: dict[str, Feed]) -> None:
+        self.addresses = (address,)
+        self.values: dict[str, int] = {}
+        self._settings = settings
+        self._place = place
+        self._feeds = feeds
+        self._named = {table.name: table for table in settings.registers}
+        self._starts = [table.at for table in settings.registers]
+        self._cells = {
+            table.at + index: (table, index) for table in settings.registers for index in range(_span(settings, table))
+        }
+        self._pin: Pin | None = None
+        if settings.interrupt is not None:
+            self._pin = _pin(settings.interrupt.wire, place)
+        self._reset()
+        if self._pin is not None:
+            self._plan()
+
+    def power_on(self) -> None:
+        """Every register takes its reset value; what updates brought before is gone."""
+        for feed in self._feeds.values():
+            feed.take(self._place.kernel.now)
+        self._reset()
+
+    def _reset(self) -> None:
+        self.values = {table.name: table.reset for table in self._settings.registers}
+        self._pointer = 0
+        self._byte = 0  # of the register, where the pointer counts registers
+        self._taken: tuple[str, int, int] | None = None  # a value under way: register, value, the byte that comes
+        self._show()
+
+    # Transfers ---------------------------------------------------------------------
+
+    def answer(self, address_byte: int) -> RegisterDevice | None:
+        if address_byte >> 1 not in self.addresses:
+            return None
+        self._byte, self._taken = 0, None
+        return self
+
+    def sends(self, byte: int) -> int:
+        self._catch_up()
+        table, index = self._cell()
+        if table is None:
+            self._note(f"register {self._pointer:#04x} was read, which the map does not have")
+            self._move_on(None)
+            return self._settings.unmapped
+        if self._taken is None or self._taken[0] != table.name or self._taken[2] != index:
+            self._taken = (table.name, self.values[table.name], index)
+            self.values[table.name] &= ~table.mask(table.read_clears)
+            self._show()
+        value = self._taken[1]
+        self._taken = (table.name, value, index + 1)
+        self._move_on(table)
+        return value >> self._shift(table, index) & 0xFF
+
+    def hears(self, byte: int, value: int) -> bool:
+        if byte < self._settings.pointer_bytes:
+            self._pointer = (0 if byte == 0 else self._pointer << 8) | value
+            self._byte, self._taken = 0, None
+            return True
+        self._catch_up()
+        table, index = self._cell()
+        if table is None:
+            self._note(f"{value:#04x} was written to register {self._pointer:#04x}, which the map does not have")
+            self._move_on(None)
+            return True
+        if self._taken is None or self._taken[0] != table.name or self._taken[2] != index:
+            self._taken = (table.name, self.values[table.name] & ~table.mask(table.write_1_clears), index)
+        shift = self._shift(table, index)
+        whole = self._taken[1] & ~(0xFF << shift) | value << shift
+        self._taken = (table.name, whole, index + 1)
+        if index + 1 == table.width // 8:
+            self._write(table, whole)
+        self._move_on(table)
+        return True
+
+    def on_end(self, stop: bool, whole: bool) -> None:
+        """Half of a register that was written is dropped."""
+        self._taken = None
+
+    def _write(self, table: RegisterTable, value: int) -> None:
+        fixed, clears = table.mask(table.read_only), table.mask(table.write_1_clears)
+        if fixed == table.full:
+            self._note(f"{value:#04x} was written to {table.name}, which is read-only")
+        old = self.values[table.name]
+        stays = old & (fixed | clears)
+        self.values[table.name] = (stays | value & ~(fixed | clears)) & ~(value & clears) & table.full
+        self._show()
+
+    # The pointer -------------------------------------------------------------------
+
+    def _cell(self) -> tuple[RegisterTable | None, int]:
+        """The register that the pointer names, and which of its bytes is next."""
+        table, index = self._cells.get(self._pointer, (None, 0))
+        return table, index + self._byte
+
+    def _shift(self, table: RegisterTable, index: int) -> int:
+        last = table.width // 8 - 1
+        return 8 * (last - index if self._settings.byte_order == "big" else index)
+
+    def _move_on(self, table: RegisterTable | None) -> None:
+        """After a byte of this register, or of none."""
+        settings = self._settings
+        if settings.pointer_counts == "registers" and table is not None:
+            self._byte += 1
+            if self._byte < table.width // 8:
+                return
+            self._byte = 0
+            if not settings.auto_increment:
+                self._taken = None  # its bytes come again, with the value that it has then
+        if settings.auto_increment:
+            self._pointer += 1
+            end = max(self._cells) + 1 if settings.wrap == "map" else 1 << 8 * settings.pointer_bytes
+            if self._pointer >= end:
+                self._pointer = min(self._starts) if settings.wrap == "map" else 0
+        elif settings.pointer_counts == "bytes":
+            self._taken = None
+
+    # Updates and the pin -----------------------------------------------------------
+
+    def _catch_up(self) -> None:
+        now = self._place.kernel.now
+        for name, feed in self._feeds.items():
+            times, value = feed.take(now)
+            if times:
+                table = self._named[name]
+                self.values[name] = (self.values[name] + times * table.step if table.step else value) & table.full
+                if table.sets is not None:
+                    self.values[table.sets.register_name] |= table.sets.bits
+
+    def _plan(self) -> None:
+        """Look again when the next update is due."""
+        due = [tick for tick in (feed.next_due() for feed in self._feeds.values()) if tick is not None]
+        if due:
+            self._place.kernel.at(max(min(due), self._place.kernel.now), self._updated)
+
+    def _updated(self) -> None:
+        self._catch_up()
+        self._show()
+        self._plan()
+
+    def _show(self) -> None:
+        """The interrupt pin follows the bits that it stands for."""
+        interrupt = self._settings.interrupt
+        if interrupt is not None and self._pin is not None:
+            pending = bool(self.values[interrupt.register_name] & interrupt.bits)
+            self._pin.drive(int(pending == (interrupt.active == "high")))
+
+    def _note(self, text: str) -> None:
+        self._place.note(Note("duty", text, SOURCE))
+
+
+def _span(settings: Settings, table: RegisterTable) -> int:
+    """How many values of the pointer name this register."""
+    return table.width // 8 if settings.pointer_counts == "bytes" else 1
+
+
+def _pin(wire: str, place: Place) -> Pin:
+    try:
+        return place.wire(wire).attach(place.who)
+    except ValueError as error:
+        raise BadDevice(str(error), "interrupt", "wire") from None
+
+
+def build(model: str, settings: Settings, place: Place) -> Target:
+    if place.address is None:
+        raise BadDevice("a device of registers has no address of its own; give it address = 0x48, for instance")
+    _check_places(settings)
+    feeds = {}
+    for entry, table in enumerate(settings.registers):
+        if table.sets is not None:
+            _known(settings, table.sets.register_name, "register", entry, "sets", "register")
+        feed = feed_of(table, entry, place)
+        if feed is not None:
+            feeds[table.name] = feed
+    if settings.interrupt is not None:
+        _known(settings, settings.interrupt.register_name, "interrupt", "register")
+    return RegisterDevice(settings, place, place.address, feeds)
+
+
+def _known(settings: Settings, name: str, *place: str | int) -> None:
+    names = [table.name for table in settings.registers]
+    if name not in names:
+        raise BadDevice(f"there is no register {name!r}; the map has {', '.join(names)}", *place)
+
+
+def _check_places(settings: Settings) -> None:
+    """No two registers in one place, none beyond what the pointer reaches, no name twice."""
+    taken: dict[int, str] = {}
+    names: set[str] = set()
+    reach = 1 << 8 * settings.pointer_bytes
+    for entry, table in enumerate(settings.registers):
+        if table.name in names:
+            raise BadDevice(f"there are two registers {table.name!r}; give one another name", "register", entry, "name")
+        names.add(table.name)
+        for pointer in range(table.at, table.at + _span(settings, table)):
+            if pointer in taken:
+                what = f"{table.name} and {taken[pointer]} overlap at {pointer:#04x}; move one of them"
+                raise BadDevice(what, "register", entry, "at")
+            if pointer >= reach:
+                size = f"{settings.pointer_bytes} byte{'s' if settings.pointer_bytes > 1 else ''}"
+                what = (
+                    f"{table.name} reaches {pointer:#x}, beyond {reach - 1:#x}, the last that a pointer of {size} names"
+                )
+                raise BadDevice(what, "register", entry, "at")
+            taken[pointer] = table.name

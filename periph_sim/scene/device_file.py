@@ -1,0 +1,79 @@
+"""A user's own device: the path of a Python file goes in, a target of its class `Device` comes out.
+
+The file is imported as firmware files are: in a package of its own, with what it imports beside it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from ..devices.device_bus import DeviceBus
+from ..devices.python_target import HOOKS, NEEDED, PythonTarget
+from ..devices.targets import Place
+from ..processor.error_origin import defined_at, flaw_of, raised_at
+from .case.device_tables import DeviceTable
+from .context import SceneContext
+from .firmware_files import module_of_file, why_not_imported
+from .firmware_loader import BadSetting, filled
+
+CLASS = "Device"
+
+
+def device_of_file(context: SceneContext, name: str, table: DeviceTable, place: Place) -> PythonTarget:
+    """The device on its address. BadCase, with its line, if the file or its class cannot be had."""
+
+    def mistake(what: str, *key: str | int) -> Exception:
+        return context.case.mistake(what, "device", name, *(key or ("model",)))
+
+    path = context.case.folder / table.model
+    if table.address is None:
+        raise mistake("a device of a file has no address of its own; give it address = 0x42, for instance", "address")
+    module = _module(path, mistake)
+    made: Any = getattr(module, CLASS, None)
+    if not isinstance(made, type):
+        raise mistake(f"{path.name} has no class {CLASS}")
+    _check_hooks(path, made, mistake)
+    bus = DeviceBus(place, context.timebase.per_second)
+    settings = getattr(module, "Settings", None)
+    arguments: tuple[object, ...] = (bus,)
+    if settings is not None:
+        try:
+            arguments = (bus, filled(settings, table.own, f"device {table.model}"))
+        except BadSetting as error:
+            raise mistake(str(error), *filter(None, [error.name])) from None
+    elif table.own:
+        key = next(iter(table.own))
+        raise mistake(f"{path.name} takes no settings; give it a dataclass Settings, or leave {key} out", key)
+    wrong = flaw_of(made, len(arguments))
+    if wrong:
+        expected = "__init__(self, bus, settings)" if settings is not None else "__init__(self, bus)"
+        raise mistake(f"{path.name}, {defined_at(vars(made).get('__init__'))}: {CLASS} {wrong}; expected {expected}")
+    return PythonTarget(name, table.address, lambda: made(*arguments))
+
+
+def _module(path: Path, mistake: Callable[..., Exception]) -> ModuleType:
+    if not path.is_file():
+        raise mistake(f"there is no file {str(path)!r}; its path counts from the folder of the case")
+    try:
+        return module_of_file(path)
+    except ModuleNotFoundError as error:
+        raise mistake(f"{path.name} cannot be loaded: {why_not_imported(error, path.parent)}") from None
+    except SyntaxError as error:
+        raise mistake(f"{path.name} cannot be loaded: line {error.lineno}: {error.msg}") from None
+    except Exception as error:
+        at = raised_at(error)
+        raise mistake(f"{path.name} cannot be loaded: {at}{at and ': '}{type(error).__name__}: {error}") from None
+
+
+def _check_hooks(path: Path, made: type[object], mistake: Callable[..., Exception]) -> None:
+    hooks = {hook: getattr(made, hook) for hook in HOOKS if hasattr(made, hook)}
+    if not set(NEEDED) & set(hooks):
+        raise mistake(f"{path.name}: class {CLASS} has neither {' nor '.join(NEEDED)}; give it one of them at least")
+    for hook, function in hooks.items():
+        wrong = flaw_of(function, HOOKS[hook] + 1)
+        if wrong:
+            takes = ", ".join(["self", *["read" if hook == "on_address" else "byte"] * HOOKS[hook]])
+            raise mistake(f"{path.name}, {defined_at(function)}: {hook} {wrong}; expected {hook}({takes})")

@@ -1,0 +1,213 @@
+"""Puts the devices of a case on a scene's bus: a `[device.NAME]` table goes in, a target behind its wires comes out.
+
+DeviceTable --> family of `devices.targets`, or a Python file --> Target
+SCL, SDA <--> TargetSide <--> DisturbedTarget (stretch, fault), if it has any <--> Target
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from random import Random
+
+from pydantic import ValidationError
+
+from ..bus.i2c.disturbed_target import (
+    Answers,
+    DisturbedTarget,
+    Flip,
+    HoldData,
+    Refuse,
+    Rule,
+    Stretch,
+    When,
+    Wrong,
+    cut_power,
+)
+from ..bus.i2c.target_side import TargetSide
+from ..core.chip import Note
+from ..core.records import Kind
+from ..core.settings import Table
+from ..core.suggest import did_you_mean
+from ..core.wire import Wire
+from ..devices.chips import chip_models
+from ..devices.targets import BadDevice, Place, Target, families
+from .case.device_tables import BusParty, DeviceFault, DeviceTable, StretchTable
+from .case.error_text import complaint, place_of
+from .case.origin import Place as Key
+from .context import SceneContext
+from .device_file import device_of_file
+
+ACCESS = {"read": 1, "write": 0, "any": None}
+
+
+class NoteLog:
+    """notes: each that was made, with the tick at which it came first and how often it came."""
+
+    def __init__(self, context: SceneContext, name: str) -> None:
+        self.notes: dict[Note, list[int]] = {}
+        self.on_note: Callable[[Note], None] | None = None
+        self._context = context
+        self._name = name
+
+    def take(self, note: Note) -> None:
+        kernel, recorder = self._context.kernel, self._context.recorder
+        first_and_count = self.notes.setdefault(note, [kernel.now, 0])
+        first_and_count[1] += 1
+        if recorder.wants(Kind.NOTE):
+            text = f"{note.text} [{note.source}]"
+            recorder.emit(kernel.now, Kind.NOTE, self._name, note.code, first_and_count[1], text)
+        if self.on_note is not None:
+            self.on_note(note)
+
+
+class DeviceOnBus:
+    """target: as its model made it, without what disturbs it."""
+
+    def __init__(self, context: SceneContext, name: str, known: Mapping[str, Wire]) -> None:
+        """known: the wires that the scene has."""
+        table = context.case.device[name]
+        self.name = name
+        self.log = NoteLog(context, name)
+        self.side: TargetSide | None = None
+        place = Place(
+            kernel=context.kernel,
+            who=name,
+            address=table.address,
+            ticks=context.ticks,
+            start=context.start,
+            folder=context.case.folder,
+            random=Random(f"{context.case.seed} {name}"),
+            wire=lambda wire: _wire(known, wire),
+            hold_clock=self._hold_clock,
+            note=self.log.take,
+        )
+        self.target = _target(context, name, table, place)
+        self.side = put_on_bus(context, name, table, self.target)
+
+    def _hold_clock(self, ticks: int) -> None:
+        if self.side is not None:
+            self.side.hold_clock(ticks)
+
+
+def put_on_bus(context: SceneContext, name: str, table: BusParty, target: Answers) -> TargetSide:
+    """A target on SCL and SDA, disturbed as its table says."""
+    scl, sda = context.wire("SCL"), context.wire("SDA")
+    sides: list[TargetSide] = []
+
+    def hold_clock(ticks: int) -> None:
+        sides[0].hold_clock(ticks)
+
+    def when(number: int, of: StretchTable | DeviceFault) -> When:
+        until = None if of.until is None else context.start + context.ticks(of.until)
+        return When(
+            Random(f"{context.case.seed} {name} {number}"),
+            of.bytes,
+            of.phases,
+            ACCESS[of.access],
+            of.share,
+            context.start + context.ticks(of.after),
+            until,
+        )
+
+    rules: list[Rule] = []
+    if table.stretch is not None:
+        length = table.stretch.length
+        least, most = context.ticks(length.least), context.ticks(length.most)
+        rules.append(Stretch(when(0, table.stretch), least, most, hold_clock))
+    for number, fault in enumerate(table.fault, 1):
+        strikes = when(number, fault)
+        if fault.kind == "nack":
+            rules.append(Refuse(strikes))
+        elif fault.kind == "wrong":
+            assert fault.value is not None
+            rules.append(Wrong(strikes, fault.value))
+        elif fault.kind == "flip":
+            rules.append(Flip(strikes, fault.bit))
+        elif fault.kind == "hold":
+            length_ticks = 0 if fault.length is None else context.ticks(fault.length)
+            rules.append(HoldData(strikes, context.kernel, scl, sda, name, length_ticks, fault.clocks or 0))
+    disturbed = DisturbedTarget(context.kernel, target, rules) if rules else target
+    side = TargetSide(
+        context.kernel, scl, sda, disturbed.answer, context.ticks(table.output_delay), name, disturbed.on_end
+    )
+    sides.append(side)
+    for fault in table.fault:
+        if fault.kind == "off":
+            until = None if fault.until is None else context.start + context.ticks(fault.until)
+            cut_power(context.kernel, side, disturbed, context.start + context.ticks(fault.after), until)
+    return side
+
+
+def build_devices(context: SceneContext, known: Mapping[str, Wire], taken: Mapping[int, str]) -> dict[str, DeviceOnBus]:
+    """By name. known: the wires that the scene has. taken: addresses of other targets, and who has them.
+
+    BadCase, with its line, for a device that cannot be.
+    """
+    case = context.case
+    devices: dict[str, DeviceOnBus] = {}
+    who = dict(taken)
+    for name in case.device:
+        if name in case.unit or name in case.chip or name == "controller":
+            what = f"{name!r} is another party on the wires already; give the device another name"
+            raise case.mistake(what, "device", name)
+        devices[name] = DeviceOnBus(context, name, known)
+        for address in devices[name].target.addresses:
+            if address in who:
+                raise case.mistake(f"{who[address]} has the address {address:#04x} too", "device", name, "address")
+            who[address] = name
+    return devices
+
+
+def _target(context: SceneContext, name: str, table: DeviceTable, place: Place) -> Target:
+    case, model = context.case, table.model
+    if model.endswith(".py"):
+        return device_of_file(context, name, table, place)
+    if model not in families():
+        if model in chip_models():
+            raise case.mistake(f"{model} is a sensor chip; give it a [chip.{name}] table", "device", name, "model")
+        known = [*families(), "a path that ends in .py"]
+        raise case.mistake(f"there is no device {model!r}; {did_you_mean(model, known)}", "device", name, "model")
+    family = families()[model]
+    settings = _settings(context, name, family.Settings, table)
+    try:
+        return family.build(model, settings, place)
+    except BadDevice as error:
+        raise case.mistake(str(error), "device", name, *error.place) from None
+
+
+def _settings(context: SceneContext, name: str, kind: type[Table], table: DeviceTable) -> Table:
+    """The keys that are the model's own, checked."""
+    try:
+        return kind.model_validate(table.own)
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = place_of(first)
+        if first["type"] == "extra_forbidden":
+            known = keys_at(kind, place[:-1]) + ([] if len(place) > 1 else keys_at(DeviceTable, ()))
+            what = f"a {table.model} has no such key; {did_you_mean(str(place[-1]), known)}"
+        else:
+            what = complaint(first)
+        raise context.case.mistake(what, "device", name, *place) from None
+
+
+def keys_at(kind: type[Table], place: Key) -> list[str]:
+    """The keys that a table, or a table inside it at this place, may have."""
+    for part in place:
+        if isinstance(part, str):
+            field = next((one for key, one in kind.model_fields.items() if part in (key, one.alias)), None)
+            kind = _table_in(None if field is None else field.annotation) or kind
+    return [field.alias or key for key, field in kind.model_fields.items()]
+
+
+def _table_in(annotation: object) -> type[Table] | None:
+    """The table that a field's type names: itself, or a part of it."""
+    if isinstance(annotation, type) and issubclass(annotation, Table):
+        return annotation
+    parts = (_table_in(part) for part in getattr(annotation, "__args__", ()))
+    return next((part for part in parts if part is not None), None)
+
+
+def _wire(known: Mapping[str, Wire], name: str) -> Wire:
+    if name not in known:
+        raise ValueError(f"there is no wire {name!r}; name it in a unit's pins, as in pins = {{ {name} = 12 }}")
+    return known[name]

@@ -1,0 +1,132 @@
+"""24C02 to 24LC512 on the wires: pages, busy times, addresses, contents. Figures are those of the data sheets."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.devices.targets.bus_of import Bus
+
+MS = 10**6  # ticks
+
+# (model, bytes, page, bytes of the word address, addresses): Microchip and Atmel data sheets, table of each first page
+SHEETS = [
+    ("24c02", 256, 8, 1, "50"),
+    ("24c04", 512, 16, 1, "50 51"),
+    ("24c08", 1024, 16, 1, "50 51 52 53"),
+    ("24c16", 2048, 16, 1, "50 51 52 53 54 55 56 57"),
+    ("24lc02", 256, 8, 1, "50 51 52 53 54 55 56 57"),  # A0 to A2 are not connected
+    ("24lc32", 4096, 32, 2, "50"),
+    ("24lc64", 8192, 32, 2, "50"),
+    ("24lc128", 16384, 64, 2, "50"),
+    ("24lc256", 32768, 64, 2, "50"),
+    ("24lc512", 65536, 128, 2, "50"),
+]
+
+
+def eeprom(model: str = "24lc64", **more: object) -> Bus:
+    return Bus(eeprom={"model": model, **more})
+
+
+@pytest.mark.parametrize(("model", "size", "page", "word", "addresses"), SHEETS)
+def test_sizes_pages_and_addresses_are_those_of_the_data_sheets(
+    model: str, size: int, page: int, word: int, addresses: str
+):
+    bus = eeprom(model, contents=list(range(16)))
+    start = "00 " * word
+    assert " ".join(f"{a:02x}" for a in range(0x48, 0x60) if bus.do(f"{a:02x} W") == f"{a:02x}") == addresses
+    last = addresses.split()[-1] if model.startswith("24c") else "50"
+    word_address = (size - 1).to_bytes(3, "big")[-word:].hex(" ")
+    assert bus.do(f"{last} W {word_address} Sr {last} R 3").split()[-3:] == ["ff", "00", "01"]  # rolls over to 0
+    bus.do(f"50 W {start}" + "ee " * page + "dd")  # one byte more than a page
+    bus.wait(5 * MS)
+    read = bus.do(f"50 W {start}Sr 50 R {page + 1}").split()[-page - 1 :]
+    assert read == ["dd", *["ee"] * (page - 1), read[-1]] and read[-1] in ("ff", f"{page:02x}")
+
+
+def test_a_page_write_goes_round_in_its_page():
+    bus = eeprom()
+    bus.do("50 W 00 3e 11 22 33 44")
+    assert bus.notes("eeprom") == ["the write at 0x003e went beyond its page's end, 0x003f, on to 0x0020"]
+    bus.wait(5 * MS)
+    assert bus.do("50 W 00 3e Sr 50 R 4") == "50 00 3e Sr 50 11 22 ff ff"
+    assert bus.do("50 W 00 20 Sr 50 R 3") == "50 00 20 Sr 50 33 44 ff"
+
+
+def test_a_page_written_whole_stays_in_it():
+    bus = eeprom("24c02")
+    bus.do("50 W 08 01 02 03 04 05 06 07 08")
+    assert bus.notes("eeprom") == []
+
+
+@pytest.mark.parametrize(("given", "longest"), [({}, 5.0), ({"write_time": "3.3 ms"}, 3.3)])
+def test_it_is_busy_from_the_stop_for_its_write_time(given: dict[str, str], longest: float):
+    bus = eeprom(**given)
+    bus.do("50 W 00 00 55")
+    stop = bus.kernel.now
+    while bus.do("50 W") == "50!":
+        pass
+    asked = bus.last.phases[0].start_at
+    assert longest * MS - 60_000 < asked - stop < longest * MS + 60_000  # a poll takes 30 us
+    assert bus.do("50 W 00 00 Sr 50 R 1").endswith("55")
+
+
+def test_a_range_of_write_times_is_drawn_by_the_seed():
+    def polls() -> list[int]:
+        bus = eeprom(write_time="1 ms to 3 ms")
+        counts = []
+        for _ in range(4):
+            bus.do("50 W 00 00 55")
+            counts.append(1)
+            while bus.do("50 W") == "50!":
+                counts[-1] += 1
+        return counts
+
+    assert polls() == polls() and len(set(polls())) > 1
+
+
+def test_a_pointer_alone_writes_nothing_and_keeps_nobody_waiting():
+    bus = eeprom(contents="0a 0b")
+    assert bus.do("50 W 00 01") == "50 00 01"
+    assert bus.do("50 R 1") == "50 0b"
+    assert bus.do("50 R 1") == "50 ff"  # goes on where the last read ended
+
+
+def test_a_write_that_a_start_ends_is_not_stored():
+    bus = eeprom()
+    assert bus.do("50 W 00 00 55 Sr 50 R 1") == "50 00 00 55 Sr 50 ff"
+    bus.do("50 W 00 00 Sr 50 R 1")
+    assert bus.notes("eeprom") == ["the write at 0x0000 is not stored: a START instead of a STOP ended it"]
+    assert bus.scene.devices["eeprom"].target.memory[0] == 0xFF
+
+
+def test_block_bits_of_the_device_address_are_the_upper_word_address():
+    bus = eeprom("24c16")
+    bus.do("53 W 10 77")
+    bus.wait(5 * MS)
+    assert bus.scene.devices["eeprom"].target.memory[0x310] == 0x77
+    assert bus.do("50 W 10 Sr 53 R 1") == "50 10 Sr 53 77"  # those of the read count
+
+
+def test_write_protection_acknowledges_and_stores_nothing():
+    bus = eeprom(write_protect=True)
+    assert bus.do("50 W 00 00 55") == "50 00 00 55"
+    assert bus.do("50 W 00 00 Sr 50 R 1") == "50 00 00 Sr 50 ff"  # at once: there is no write cycle
+    assert bus.notes("eeprom") == ["the write at 0x0000 is not stored: the memory is write-protected"]
+
+
+INTEL_HEX = ":0400100001020304E2\n:020000040000FA\n:01FFFE0009F9\n:00000001FF\n"
+
+
+def test_contents_come_from_files_beside_the_case(tmp_path: Path):
+    (tmp_path / "a.bin").write_bytes(b"\x01\x02")
+    (tmp_path / "b.hex").write_text(INTEL_HEX)
+    bus = Bus(
+        tmp_path,
+        a={"model": "24lc64", "contents": "a.bin"},
+        b={"model": "24lc512", "address": 0x51, "contents": "b.hex"},
+    )
+    assert bus.do("50 W 00 00 Sr 50 R 3").endswith("01 02 ff")
+    assert bus.do("51 W 00 10 Sr 51 R 5").endswith("01 02 03 04 ff")
+    assert bus.do("51 W ff fe Sr 51 R 2").endswith("09 ff")

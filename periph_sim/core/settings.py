@@ -9,10 +9,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, PlainSerializer
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer
 
+from .time import UNITS as TIMES
 from .time import TimeError, seconds
 
 HERTZ = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000, "GHz": 1_000_000_000}
@@ -112,11 +113,29 @@ def hex_bytes(value: object) -> bytes:
     raise ValueError(f'{value!r} are no bytes; write for instance "1d 00 ff"')
 
 
-Duration = Annotated[Fraction, BeforeValidator(duration), PlainSerializer(str)]
-DurationRange = Annotated[Spread, BeforeValidator(spread), PlainSerializer(str)]
-Frequency = Annotated[Fraction, BeforeValidator(frequency), PlainSerializer(str)]
-HexBytes = Annotated[bytes, BeforeValidator(hex_bytes), PlainSerializer(lambda b: b.hex(" "))]
-Share = Annotated[Fraction, BeforeValidator(share), PlainSerializer(lambda part: f"{float(100 * part):g} %")]
+def _said(pattern: str, *examples: str) -> Any:
+    """What a text in a file looks like, for the schema that editors read; checking is the validator's."""
+    return Annotated[str, Field(pattern=pattern, examples=[*examples])]
+
+
+_TIME = rf"\s*[-+0-9._eE/]+\s*({'|'.join(TIMES)}|[\u00b5\u03bc]s)\s*"
+DURATION_TEXT = _said(f"^{_TIME}$", "250 us", "1.5 ms")
+_RANGE = _said(f"^{_TIME}( to {_TIME})?$", "240 us to 260 us")
+_FREQUENCY = _said(rf"^\s*[-+0-9._eE/]+ ({'|'.join(HERTZ)})\s*$", "100 kHz")
+_BYTES = _said(r"^[0-9a-fA-F\s]*$", "1d 00 ff") | list[Annotated[int, Field(ge=0, le=255)]]
+_SHARE = _said(r"^\s*[-+0-9._eE/]+\s*%\s*$", "90 %")
+
+Duration = Annotated[Fraction, BeforeValidator(duration, json_schema_input_type=DURATION_TEXT), PlainSerializer(str)]
+DurationRange = Annotated[Spread, BeforeValidator(spread, json_schema_input_type=_RANGE), PlainSerializer(str)]
+Frequency = Annotated[Fraction, BeforeValidator(frequency, json_schema_input_type=_FREQUENCY), PlainSerializer(str)]
+HexBytes = Annotated[
+    bytes, BeforeValidator(hex_bytes, json_schema_input_type=_BYTES), PlainSerializer(lambda b: b.hex(" "))
+]
+Share = Annotated[
+    Fraction,
+    BeforeValidator(share, json_schema_input_type=_SHARE),
+    PlainSerializer(lambda part: f"{float(100 * part):g} %"),
+]
 
 
 STRICT = ConfigDict(extra="forbid", arbitrary_types_allowed=True, frozen=True)

@@ -12,6 +12,7 @@ from typing import Annotated
 
 from pydantic import BeforeValidator, Field
 
+from ...core.settings import DURATION_TEXT
 from ...core.time import TimeError, seconds
 
 
@@ -38,8 +39,8 @@ def _above_zero(value: object) -> object:
     return length
 
 
-Time = Annotated[Fraction, BeforeValidator(_not_negative)]
-Length = Annotated[Fraction, BeforeValidator(_above_zero)]
+Time = Annotated[Fraction, BeforeValidator(_not_negative, json_schema_input_type=DURATION_TEXT)]
+Length = Annotated[Fraction, BeforeValidator(_above_zero, json_schema_input_type=DURATION_TEXT)]
 Count = Annotated[int, Field(ge=1)]
 
 

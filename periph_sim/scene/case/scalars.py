@@ -32,7 +32,7 @@ def _scalar(value: object) -> object:
     return value
 
 
-Exact = Annotated[Fraction, BeforeValidator(_exact)]
+Exact = Annotated[Fraction, BeforeValidator(_exact, json_schema_input_type=int | float | str)]
 Answer = Annotated[Value, BeforeValidator(_scalar)]  # to an open question
 Length = Annotated[Duration, AfterValidator(_above_zero)]
 Address = Annotated[int, Field(ge=0, le=0x7F)]

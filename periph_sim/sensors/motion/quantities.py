@@ -62,10 +62,12 @@ def shown(most: float, unit: str, least: float | None = None) -> str:
     return f"{low:.6g} to {most:.6g} {unit}"
 
 
-Angle = Annotated[float, BeforeValidator(partial(quantity, ANGLE_UNITS, -ANGLE_RANGE, ANGLE_RANGE))]
-Rate = Annotated[float, BeforeValidator(partial(quantity, RATE_UNITS, 1e-6, RATE_RANGE))]
-Acceleration = Annotated[
-    float, BeforeValidator(partial(quantity, ACCELERATION_UNITS, -ACCELERATION_RANGE, ACCELERATION_RANGE))
-]
-Seconds = Annotated[float, BeforeValidator(partial(quantity, TIME_UNITS, 0.0, inf))]
-Hertz = Annotated[float, BeforeValidator(partial(quantity, FREQUENCY_UNITS, 0.0, 1e6))]
+def _validator(units: Mapping[str, float], least: float, most: float) -> BeforeValidator:
+    return BeforeValidator(partial(quantity, units, least, most), json_schema_input_type=str)
+
+
+Angle = Annotated[float, _validator(ANGLE_UNITS, -ANGLE_RANGE, ANGLE_RANGE)]
+Rate = Annotated[float, _validator(RATE_UNITS, 1e-6, RATE_RANGE)]
+Acceleration = Annotated[float, _validator(ACCELERATION_UNITS, -ACCELERATION_RANGE, ACCELERATION_RANGE)]
+Seconds = Annotated[float, _validator(TIME_UNITS, 0.0, inf)]
+Hertz = Annotated[float, _validator(FREQUENCY_UNITS, 0.0, 1e6)]

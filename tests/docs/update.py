@@ -1,4 +1,5 @@
-"""Run the commands of README and docs and write their outputs into the pages: `python -m tests.docs.update [PAGE ...]`.
+"""Run the commands of README and docs, write their outputs into the pages and draw their pictures:
+`python -m tests.docs.update [PAGE ...]`.
 
 A page is named by its stem: `python -m tests.docs.update README why`. Without a name: all of them.
 """
@@ -10,6 +11,7 @@ import tempfile
 from pathlib import Path
 
 from tests.docs.pages import PAGES, ROOT, refreshed
+from tests.docs.pictures import draw, pictures
 
 
 def main(names: list[str]) -> None:
@@ -25,6 +27,14 @@ def main(names: list[str]) -> None:
         if fresh != text:
             page.write_text(fresh, encoding="utf-8")
             print(f"{page.relative_to(ROOT)}: rewritten")
+    for picture in pictures():
+        if names and picture.page.stem not in names:
+            continue
+        with tempfile.TemporaryDirectory() as folder:
+            drawn = draw(picture, Path(folder))
+        if not picture.file.is_file() or picture.file.read_text(encoding="utf-8") != drawn:
+            picture.file.write_text(drawn, encoding="utf-8")
+            print(f"{picture.file.relative_to(ROOT)}: drawn")
 
 
 if __name__ == "__main__":

@@ -50,7 +50,7 @@ def device_of_file(context: SceneContext, name: str, table: DeviceTable, place: 
     wrong = flaw_of(made, len(arguments))
     if wrong:
         expected = "__init__(self, bus, settings)" if settings is not None else "__init__(self, bus)"
-        raise mistake(f"{path.name}, {defined_at(vars(made).get('__init__'))}: {CLASS} {wrong}; expected {expected}")
+        raise mistake(f"{defined_at(vars(made).get('__init__')) or path.name}: {CLASS} {wrong}; expected {expected}")
     return PythonTarget(name, table.address, lambda: made(*arguments))
 
 
@@ -76,4 +76,4 @@ def _check_hooks(path: Path, made: type[object], mistake: Callable[..., Exceptio
         wrong = flaw_of(function, HOOKS[hook] + 1)
         if wrong:
             takes = ", ".join(["self", *["read" if hook == "on_address" else "byte"] * HOOKS[hook]])
-            raise mistake(f"{path.name}, {defined_at(function)}: {hook} {wrong}; expected {hook}({takes})")
+            raise mistake(f"{defined_at(function) or path.name}: {hook} {wrong}; expected {hook}({takes})")

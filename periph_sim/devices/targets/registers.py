@@ -195,7 +195,9 @@ def _pin(wire: str, place: Place) -> Pin:
 
 def build(model: str, settings: Settings, place: Place) -> Target:
     if place.address is None:
-        raise BadDevice("a device of registers has no address of its own; give it address = 0x48, for instance")
+        raise BadDevice(
+            "a device of registers has no address of its own; give it address = 0x48, for instance", "address"
+        )
     _check_places(settings)
     feeds = {}
     for entry, table in enumerate(settings.registers):

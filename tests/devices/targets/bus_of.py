@@ -20,8 +20,8 @@ FAST = BusTiming(low=1300, high=1200, hold=300, start_hold=600, start_setup=600,
 class Bus:
     """folder: of the case. device: the [device.NAME] tables."""
 
-    def __init__(self, folder: Path | None = None, **device: dict[str, Any]) -> None:
-        case = Case.model_validate({"name": "devices", "duration": "1 s", "device": device})
+    def __init__(self, folder: Path | None = None, seed: int = 0, **device: dict[str, Any]) -> None:
+        case = Case.model_validate({"name": "devices", "duration": "1 s", "seed": seed, "device": device})
         if folder is not None:
             case = case.from_source(Source(folder / "case.toml", ""))
         self.scene = Scene(case)

@@ -74,7 +74,7 @@ def test_it_is_busy_from_the_stop_for_its_write_time(given: dict[str, str], long
 
 def test_a_range_of_write_times_is_drawn_by_the_seed():
     def polls() -> list[int]:
-        bus = eeprom(write_time="1 ms to 3 ms")
+        bus = eeprom(write_time="200 us to 900 us")
         counts = []
         for _ in range(4):
             bus.do("50 W 00 00 55")

@@ -1,0 +1,163 @@
+"""A class of the user's own as a device: its hooks, what it may ask for, and how its mistakes are told."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from periph_sim.processor.error_origin import FirmwareError
+from periph_sim.scene.case.model import BadCase
+from tests.devices.targets.bus_of import Bus
+
+US = 1_000  # ticks
+
+ECHO = """\
+class Device:
+    def __init__(self, bus):
+        self.bus = bus
+        self.value = 0
+
+    def on_write(self, byte):
+        self.value = byte
+        return byte != 0xEE
+
+    def on_read(self):
+        return self.value ^ 0xFF
+"""
+
+
+def device(folder: Path, text: str, **more: object) -> Bus:
+    (folder / "mine.py").write_text(text, encoding="utf-8")
+    return Bus(folder, mine={"model": "mine.py", "address": 0x42, **more})
+
+
+def test_bytes_go_to_its_hooks(tmp_path: Path):
+    bus = device(tmp_path, ECHO)
+    assert bus.do("42 W 0f Sr 42 R 2") == "42 0f Sr 42 f0 f0"
+    assert bus.do("42 W 01 ee") == "42 01 ee!"
+    assert bus.do("43 R 1") == "43!"
+
+
+def test_what_it_cannot_do_is_not_acknowledged(tmp_path: Path):
+    bus = device(
+        tmp_path, "class Device:\n    def __init__(self, bus): ...\n    def on_read(self):\n        return 1\n"
+    )
+    assert bus.do("42 W 01") == "42!"
+    assert bus.do("42 R 1") == "42 01"
+
+
+ALL = """\
+from dataclasses import dataclass
+
+@dataclass
+class Settings:
+    first: int = 7
+
+class Device:
+    def __init__(self, bus, settings):
+        self.bus, self.log, self.settings = bus, [], settings
+
+    def on_address(self, read):
+        self.log.append(f"{'read' if read else 'write'} at {int(self.bus.now * 1_000_000)} us")
+        return len(self.log) != 4
+
+    def on_write(self, byte):
+        self.bus.stretch("40 us")
+        self.bus.after("1 ms", lambda: self.log.append("later"))
+
+    def on_read(self):
+        return self.settings.first
+
+    def on_stop(self):
+        self.bus.note(f"log: {', '.join(self.log)}")
+"""
+
+
+def test_it_knows_the_time_stretches_calls_later_and_notes(tmp_path: Path):
+    bus = device(tmp_path, ALL, first=9)
+    assert bus.do("42 W 01 Sr 42 R 1") == "42 01 Sr 42 09"
+    phase = bus.last.phases[0]
+    assert phase.stretch == 40 * US - 1300  # from the fall of SCL, of which the controller holds 1.3 us itself
+    bus.wait(1_200 * US)
+    assert bus.do("42 W 01") == "42!"
+    assert bus.do("42 R 1") == "42 09"
+    assert bus.notes("mine")[0].startswith("log: write at 20 us, read at ")
+    assert bus.notes("mine")[-1].split(", ")[2] == "later"
+
+
+@pytest.mark.parametrize(
+    ("text", "more", "sentence"),
+    [
+        ("", {}, "mine.py has no class Device"),
+        (
+            "class Device:\n    pass\n",
+            {},
+            "mine.py: class Device has neither on_write nor on_read; give it one of them at",
+        ),
+        (
+            "class Device:\n    def on_read(self): return 1\n",
+            {},
+            "mine.py: Device takes (); expected __init__(self, bus)",
+        ),
+        (
+            "class Device:\n    def __init__(self): ...\n    def on_read(self): return 1\n",
+            {},
+            "line 2 of mine.py: Device takes (); expected __init__(self, bus)",
+        ),
+        (
+            "class Device:\n    def __init__(self, bus): ...\n    def on_write(self): ...\n",
+            {},
+            "line 3 of mine.py: on_write takes (self); expected on_write(self, byte)",
+        ),
+        ("class Device\n", {}, "mine.py cannot be loaded: line 1: expected ':'"),
+        ("x = 1\ny = x.z\n", {}, "mine.py cannot be loaded: line 2 of mine.py: AttributeError: 'int' object has no"),
+        (
+            "from .other import x\n",
+            {},
+            "mine.py cannot be loaded: it imports .other, but there is no other.py beside it",
+        ),
+        (ECHO, {"speed": 3}, "mine.py takes no settings; give it a dataclass Settings, or leave speed out"),
+        (ALL, {"frist": 3}, "device mine.py has no setting 'frist'; did you mean first?"),
+    ],
+)
+def test_a_file_that_is_no_device_is_told_in_a_sentence(tmp_path: Path, text: str, more: dict[str, int], sentence: str):
+    with pytest.raises(BadCase) as caught:
+        device(tmp_path, text, **more)
+    assert sentence in str(caught.value) and "case.toml" in str(caught.value) and "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("line", "sentence"),
+    [
+        ("return 256", "device mine: on_read, line 7 of mine.py, returned 256; expected a byte, 0 to 0xFF"),
+        ("return", "device mine: on_read, line 7 of mine.py, returned None; expected a byte, 0 to 0xFF"),
+        ("return self.nothing", "device mine, line 8 of mine.py: AttributeError: 'Device' object has no attribute"),
+        ("self.bus.stretch(20)", 'device mine, line 8 of mine.py: 20 has no unit; write for instance "20 ms"'),
+        ("self.bus.pin('DRDY')", "device mine, line 8 of mine.py: there is no wire 'DRDY'; name it in a unit's pins"),
+        ("self.bus.after('1 us', self.fail)", "device mine, line 5 of mine.py: ZeroDivisionError: integer division"),
+    ],
+)
+def test_what_a_hook_gets_wrong_is_told_with_its_line(tmp_path: Path, line: str, sentence: str):
+    text = f"""\
+class Device:
+    def __init__(self, bus):
+        self.bus = bus
+    def fail(self):
+        return 1 // 0
+
+    def on_read(self):
+        {line}
+        {"return 0" if "after" in line else ""}
+"""
+    bus = device(tmp_path, text)
+    with pytest.raises(FirmwareError) as caught:
+        bus.do("42 R 1")
+    assert str(caught.value).startswith(sentence) and "\n" not in str(caught.value)
+
+
+def test_two_copies_of_a_file_are_two_devices(tmp_path: Path):
+    (tmp_path / "mine.py").write_text(ECHO, encoding="utf-8")
+    bus = Bus(tmp_path, a={"model": "mine.py", "address": 0x42}, b={"model": "mine.py", "address": 0x43})
+    bus.do("42 W 01")
+    assert bus.do("43 R 1") == "43 ff"

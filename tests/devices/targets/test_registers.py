@@ -1,0 +1,147 @@
+"""A device of registers by its map: pointer, widths, kinds of bits, updates, the interrupt pin."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from periph_sim.core.wire import Wire
+from periph_sim.scene.case.model import Case
+from periph_sim.scene.scene import Scene
+from tests.devices.targets.bus_of import Bus
+
+MS = 10**6  # ticks
+
+
+def device(*register: dict[str, Any], folder: Path | None = None, **more: object) -> Bus:
+    return Bus(folder, it={"model": "registers", "address": 0x48, "register": list(register), **more})
+
+
+BYTES = [{"name": f"R{at}", "at": at, "reset": 0x10 + at} for at in range(3)]
+WORDS = [{"name": "A", "at": 0, "width": 16, "reset": 0x1122}, {"name": "B", "at": 2, "width": 16, "reset": 0x3344}]
+COUNTED = [{**WORDS[0], "at": 0}, {**WORDS[1], "at": 1}]
+
+
+@pytest.mark.parametrize(
+    ("registers", "more", "read"),
+    [
+        (BYTES, {}, "10 11 12 00 00"),  # behind the map: unmapped
+        (BYTES, {"unmapped": 0xFF}, "10 11 12 ff ff"),
+        (BYTES, {"wrap": "map"}, "10 11 12 10 11"),
+        (BYTES, {"auto_increment": False}, "10 10 10 10 10"),
+        (WORDS, {}, "11 22 33 44 00"),
+        (WORDS, {"byte_order": "little"}, "22 11 44 33 00"),
+        (COUNTED, {"pointer_counts": "registers"}, "11 22 33 44 00"),
+        (COUNTED, {"pointer_counts": "registers", "auto_increment": False}, "11 22 11 22 11"),
+        (COUNTED, {"pointer_counts": "registers", "wrap": "map"}, "11 22 33 44 11"),
+    ],
+)
+def test_a_read_from_the_first_register_on(registers: list[dict[str, Any]], more: dict[str, Any], read: str):
+    assert device(*registers, **more).do("48 W 00 Sr 48 R 5") == f"48 00 Sr 48 {read}"
+
+
+def test_the_pointer_outlives_a_stop_and_may_have_two_bytes():
+    bus = device(
+        {"name": "FAR", "at": 0x1234, "reset": 0x77}, {"name": "NEXT", "at": 0x1235, "reset": 0x78}, pointer_bytes=2
+    )
+    assert bus.do("48 W 12 34") == "48 12 34"
+    assert bus.do("48 R 1") == "48 77"
+    assert bus.do("48 R 1") == "48 78"
+
+
+def test_the_pointer_goes_from_its_last_value_to_0():
+    bus = device({"name": "LAST", "at": 0xFF, "reset": 1}, {"name": "FIRST", "at": 0, "reset": 2})
+    assert bus.do("48 W ff Sr 48 R 2") == "48 ff Sr 48 01 02"
+
+
+def test_read_only_bits_stay_and_written_ones_clear():
+    bus = device({"name": "MIXED", "at": 0, "reset": 0xF3, "read_only": 0xC0, "write_1_clears": 0x03})
+    bus.do("48 W 00 01")  # bits 7:6 stay, 5:4 take 0, of 1:0 the written one is cleared
+    assert bus.do("48 W 00 Sr 48 R 1").endswith("c2")
+    bus.do("48 W 00 30")
+    assert bus.do("48 W 00 Sr 48 R 1").endswith("f2")
+
+
+def test_a_write_to_what_is_read_only_is_noted():
+    bus = device({"name": "ID", "at": 0, "reset": 0x42, "read_only": True})
+    assert bus.do("48 W 00 55 66") == "48 00 55 66"
+    assert bus.do("48 W 00 Sr 48 R 1").endswith("42")
+    assert bus.notes("it") == [
+        "0x55 was written to ID, which is read-only",
+        "0x66 was written to register 0x01, which the map does not have",
+    ]
+
+
+def test_bits_that_a_read_clears_are_read_once():
+    bus = device({"name": "STATUS", "at": 0, "reset": 0x81, "read_clears": 0x01})
+    assert bus.do("48 W 00 Sr 48 R 1").endswith("81")
+    assert bus.do("48 W 00 Sr 48 R 1").endswith("80")
+
+
+def test_a_register_of_16_bits_changes_with_its_last_byte():
+    bus = device(*WORDS)
+    bus.do("48 W 00 aa")  # its first byte alone
+    assert bus.do("48 W 00 Sr 48 R 2").endswith("11 22")
+    bus.do("48 W 00 aa bb")
+    assert bus.do("48 W 00 Sr 48 R 2").endswith("aa bb")
+    bus.do("48 W 01 cc")
+    assert bus.do("48 W 00 Sr 48 R 2").endswith("aa cc")
+
+
+def test_a_value_that_changes_between_its_bytes_is_read_whole():
+    bus = device({"name": "COUNT", "at": 0, "width": 16, "every": "1 us", "values": [0x0100, 0x01FF] * 500})
+    reads = [bus.do("48 W 00 Sr 48 R 2")[-5:] for _ in range(4)]
+    assert set(reads) <= {"01 00", "01 ff"}
+
+
+@pytest.mark.parametrize(
+    ("changes", "values"),
+    [
+        ({"updates": [["1 ms", 5], ["3 ms", 7]]}, "00 05 05 07 07"),
+        ({"updates": "steps.csv"}, "00 05 05 07 07"),
+        ({"updates": [["0 s", 9]]}, "09 09 09 09 09"),
+        ({"every": "2 ms", "values": [1, 2]}, "00 00 01 01 02"),
+        ({"every": "2 ms", "first": "0 s", "values": [1, 2]}, "01 01 02 02 02"),
+        ({"every": "1 ms", "step": 1}, "00 01 02 03 04"),
+        ({"every": "1 ms", "step": -1, "reset": 2}, "02 01 00 ff fe"),
+    ],
+)
+def test_updates_at_each_millisecond(changes: dict[str, Any], values: str, tmp_path: Path):
+    (tmp_path / "steps.csv").write_text("time,value\n1 ms,0x05\n3 ms,7\n")
+    bus = device({"name": "R", "at": 0, **changes}, folder=tmp_path)
+    read = []
+    for millisecond in range(5):
+        bus.wait(millisecond * MS + MS // 2 - bus.kernel.now)
+        read.append(bus.do("48 W 00 Sr 48 R 1")[-2:])
+    assert " ".join(read) == values
+
+
+DATA = {"name": "DATA", "at": 1, "every": "1 ms", "step": 1, "sets": {"register": "STATUS", "bits": 0x01}}
+STATUS = {"name": "STATUS", "at": 0, "read_clears": 0x01}
+
+
+@pytest.mark.parametrize("active", ["low", "high"])
+def test_the_interrupt_pin_follows_its_bits(active: str):
+
+    unit = {"firmware": "responder", "modules": ["I2C-A", "GPIO"], "pins": {"DRDY": 12}}
+    it = {"model": "registers", "address": 0x48, "register": [STATUS, DATA]}
+    it["interrupt"] = {"wire": "DRDY", "register": "STATUS", "bits": 1, "active": active}
+    scene = Scene(Case.model_validate({"name": "x", "duration": "3 ms", "unit": {"dsp": unit}, "device": {"it": it}}))
+    wire: Wire = scene.wires["DRDY"]
+    per_ms = scene.timebase.per_second // 1000
+    before = wire.level
+    scene.kernel.run_until(per_ms - 1)
+    idle = wire.level
+    scene.kernel.run_until(per_ms)
+    assert (idle, wire.level) == ((1, 0) if active == "low" else (0, 1)) and before == 1
+
+
+def test_data_ready_is_set_with_each_update_and_cleared_by_its_read():
+    bus = device(STATUS, DATA)
+    read = []
+    for wait in (500_000, 1_000_000, 10_000):
+        bus.wait(wait)
+        read.append(bus.do("48 W 00 Sr 48 R 1")[-2:])
+    assert read == ["00", "01", "00"]

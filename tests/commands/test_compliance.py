@@ -38,12 +38,12 @@ def test_json_is_one_object(periph_sim: Run):
 def test_our_own_run_is_exact_and_passes(periph_sim: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """A controller at exactly 100 kHz is at the limit, and keeps it; a hertz more does not."""
     monkeypatch.chdir(ROOT)
-    case, vcd = "timing/responder.toml", str(tmp_path / "run.vcd")
-    assert periph_sim("run", case, "--seconds", "10 ms", "--record", vcd).status == 0
-    came = periph_sim("compliance", vcd, "--mode", "standard", "--strict")
+    case, path = "timing/responder.toml", str(tmp_path / "run.psr")
+    assert periph_sim("run", case, "--seconds", "10 ms", "--record", path).status == 0
+    came = periph_sim("compliance", path, "--mode", "standard", "--strict")
     assert came.status == 0 and came.out.splitlines()[-1] == "PASS"
-    periph_sim("run", case, "--seconds", "10 ms", "--record", vcd, "--set", "controller.rate=105 kHz")
-    came = periph_sim("compliance", vcd, "--mode", "standard")
+    periph_sim("run", case, "--seconds", "10 ms", "--record", path, "--set", "controller.rate=105 kHz")
+    came = periph_sim("compliance", path, "--mode", "standard")
     assert came.status == 1 and came.out.splitlines()[-1] == "FAIL: fSCL"
 
 

@@ -124,7 +124,7 @@ def test_what_is_not_kept_is_told(periph_sim: Run, desk: Path):
     ("arguments", "sentence"),
     [
         ([NACK, "x.vdc"], "x.vdc: nothing is written as '.vdc'; did you mean .vcd"),
-        ([NACK, "x"], "x: nothing is written as ''; it has .csv, .jsonl, .perfetto.json, .psr, "),
+        ([NACK, "x"], "x: nothing is written as ''; it has .csv, .fst, .jsonl, .perfetto.json, .psr, "),
         (
             [NACK, "x.perfetto.json"],
             "x.perfetto.json: this format holds the records of a run, not a capture; record one with "

@@ -12,6 +12,7 @@ and one or both of
 
     write(capture, path)                     makes the file (`path` is a temporary name); None, or notes on what is lost
     SAMPLES_ONLY = True                      if positions must be samples, since the format has no times
+    WRITTEN                                  which of SUFFIXES are written, if not all
 
 and is found by being there. `rate` states the sampling rate where the file does not, or says it
 wrong; times given in seconds are put on its grid. With `salvage` a damaged file is read up to the
@@ -80,7 +81,7 @@ def readers() -> dict[str, Reader]:
 def writers() -> dict[str, Writer]:
     """The formats that are written, by suffix."""
     able = [cast(Writer, found) for found in formats().values() if hasattr(found, "write")]
-    return {suffix: writer for writer in able for suffix in writer.SUFFIXES}
+    return {suffix: writer for writer in able for suffix in getattr(writer, "WRITTEN", writer.SUFFIXES)}
 
 
 def read(path: str | Path, rate: Fraction | None = None, *, salvage: bool = False) -> Capture:

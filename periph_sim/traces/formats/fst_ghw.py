@@ -1,5 +1,7 @@
 """FST (GTKWave, Verilator, Icarus) and GHW (GHDL): binary waveforms of simulators in, edges at integer ticks out.
 
+`fst_writer` writes FST.
+
     file --> a process of its own, with the library `pywellen` --> positions and states --> Capture
 
 Chosen as for VCD: tick 0 is position 0; `z` is high; states that say neither 0 nor 1 are unknown; a vector is a channel
@@ -27,9 +29,13 @@ from ..capture.capture import BadCapture, Capture, Channel, Positions
 from ..capture.changes import UNKNOWN
 from ..capture.grid import OffGrid
 from ..capture.line_states import channel_of_states, quantized
+from .fst_writer import write
+
+__all__ = ["NAME", "SUFFIXES", "WRITTEN", "read", "recognises", "write"]
 
 NAME = "FST or GHW waveform"
 SUFFIXES = (".fst", ".ghw")
+WRITTEN = (".fst",)
 
 FST_HEAD = struct.Struct(">BQQQ")  # block type 0, its length, first and last time
 FST_LENGTH = 329

@@ -18,12 +18,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
+from typing import IO
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..capture import size_limits as limits
 from ..capture.capture import MOST_DIGITS, BadCapture, Capture, Channel, rate_of
+from ..capture.channel_names import channels_named
 from ..capture.resample import rate_text
 from .packed_samples import BLOCK, Scan
 from .zip_member import Archive, Damage
@@ -178,20 +180,16 @@ def _number(path: Path, keys: dict[str, str], key: str, least: int, most: int) -
 
 def write(capture: Capture, path: Path) -> tuple[str, ...] | None:
     """Writes version 2, the channels in order as bits from 0. BadCapture where sigrok could not read it."""
+    _check_writable(capture, path)
+    with path.open("wb") as file:
+        return write_to(file, capture)
+
+
+def write_to(file: IO[bytes], capture: Capture) -> tuple[str, ...] | None:
+    """The same into an open file, of a capture with up to 64 channels and a whole number of samples a second."""
     channels = capture.channels
-    if not 1 <= len(channels) <= MOST_WIDE:
-        raise BadCapture(
-            path, "its channels", f"{len(channels)}", f"1 to {MOST_WIDE}", "pick some with --channels, or write .vcd"
-        )
-    if capture.length > limits.MOST_SAMPLES_WRITTEN:
-        at = "" if capture.rate is None else f" of {rate_text(capture.rate)}"
-        found, most = f"{capture.length} samples{at}", f"at most {limits.MOST_SAMPLES_WRITTEN}"
-        raise BadCapture(path, "its length", found, most, "choose a lower rate with --sample '4 MHz', or write .vcd")
-    if capture.rate is not None and capture.rate.denominator != 1:
-        found = f"{capture.rate} samples a second"
-        raise BadCapture(path, "its rate", found, "a whole number", "choose one with --sample '4 MHz'")
     unitsize = next(size for size in (1, 2, 4, 8) if len(channels) <= 8 * size)
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
         _put(archive, "version", b"2")
         _put(archive, "metadata", _described(capture, unitsize).encode())
         for number, words in enumerate(_chunks(capture, unitsize), 1):
@@ -200,6 +198,41 @@ def write(capture: Capture, path: Path) -> tuple[str, ...] | None:
     if gaps:
         return (f"a session has no unknown levels: those of {', '.join(gaps)} are written as the level before them",)
     return None
+
+
+def _check_writable(capture: Capture, path: Path) -> None:
+    """BadCapture with all that stands in the way at once, and the options that clear it."""
+    found, expected, options = [], [], []
+    if not 1 <= (count := len(capture.channels)) <= MOST_WIDE:
+        found.append(f"{count} channels")
+        expected.append(f"1 to {MOST_WIDE}")
+        options.append("--channels " + ",".join(_few_names(capture)))
+    if capture.length > limits.MOST_SAMPLES_WRITTEN:
+        at = "" if capture.rate is None else f" of {rate_text(capture.rate)}"
+        found.append(f"{capture.length} samples{at}")
+        expected.append(f"at most {limits.MOST_SAMPLES_WRITTEN}")
+    elif capture.rate is not None and capture.rate.denominator != 1:
+        found.append(f"{capture.rate} samples a second")
+        expected.append("a whole number")
+    if len(expected) > len(options):
+        options.append(f"--sample '{_possible_rate(capture)}'")
+    if found:
+        way_out = f"convert with {' '.join(options)}, or write .vcd"
+        raise BadCapture(path, "what it would hold", " and ".join(found), " and ".join(expected), way_out)
+
+
+def _few_names(capture: Capture) -> list[str]:
+    """The first lines that a bus or serial line has names for, else the first two."""
+    usual = [found[0].name for line in ("scl", "sda", "rx", "tx") if (found := channels_named(capture, line))]
+    return usual or [channel.name for channel in capture.channels[:2]]
+
+
+def _possible_rate(capture: Capture) -> str:
+    """A rate at which the capture can be written, 4 MHz if that will do."""
+    rate = Fraction(4_000_000)
+    while capture.rate and capture.length / capture.rate * rate > limits.MOST_SAMPLES_WRITTEN:
+        rate /= 2
+    return rate_text(max(Fraction(1), Fraction(int(rate))))
 
 
 def _put(archive: zipfile.ZipFile, name: str, content: bytes | memoryview) -> None:

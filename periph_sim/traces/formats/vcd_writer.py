@@ -10,6 +10,7 @@ import re
 from fractions import Fraction
 from itertools import count
 from pathlib import Path
+from typing import IO
 
 from ..capture.capture import BadCapture, Capture
 from ..capture.changes import changes
@@ -25,25 +26,29 @@ OURS, SCOPE = "periph-sim", "capture"  # variables need a scope; reading drops t
 
 def write(capture: Capture, path: Path) -> tuple[str, ...]:
     """Notes on what VCD cannot say. BadCapture where positions have no time, or one that is too fine or too long."""
+    with path.open("w", encoding="utf-8", newline="\n") as file:
+        return write_to(file, capture)
+
+
+def write_to(file: IO[str], capture: Capture, scope: tuple[str, ...] = (SCOPE,)) -> tuple[str, ...]:
+    """The same into an open file. scope: what all names get in front."""
     from vcd import VCDWriter
 
-    scale, per_second, notes = _timescale(capture)
+    scale, per_second, notes = timescale_of(capture)
     at, which, states = changes(capture)
-    names = _names(capture)
+    names = channel_names(capture)
     renamed = [f"{c.name!r} {name}" for c, name in zip(capture.channels, names, strict=True) if c.name != name]
     if renamed:
         notes.append(f"names that VCD cannot hold were changed: {', '.join(renamed)}")
     first = len(names)
     times = to_ticks([*at.tolist(), capture.length], per_second / (capture.rate or per_second))
     if times[-1] > MOST_TICKS:
-        raise BadCapture(path, "its length", f"{times[-1]} ticks of {scale}", f"at most {MOST_TICKS}", "cut a window")
-    with (
-        path.open("w", encoding="utf-8", newline="\n") as file,
-        VCDWriter(file, timescale=scale, date="", version=OURS) as writer,
-    ):
+        found, most = f"{times[-1]} ticks of {scale}", f"at most {MOST_TICKS}"
+        raise BadCapture(Path(file.name), "its length", found, most, "cut a window")
+    with VCDWriter(file, timescale=scale, date="", version=OURS) as writer:
         lines = [
-            writer.register_var((SCOPE, *scope), name, "wire", size=1, init=LETTERS[state])
-            for (*scope, name), state in zip((name.split(".") for name in names), states.tolist(), strict=False)
+            writer.register_var((*scope, *scopes), name, "wire", size=1, init=LETTERS[state])
+            for (*scopes, name), state in zip((name.split(".") for name in names), states.tolist(), strict=False)
         ]
         rows = zip(times[first:-1], which[first:].tolist(), states[first:].tolist(), strict=True)
         for time, line, state in rows:
@@ -52,7 +57,7 @@ def write(capture: Capture, path: Path) -> tuple[str, ...]:
     return tuple(notes)
 
 
-def _timescale(capture: Capture) -> tuple[str, Fraction, list[str]]:
+def timescale_of(capture: Capture) -> tuple[str, Fraction, list[str]]:
     """(`10 ns`, its ticks a second, a note if samples are not whole ticks)."""
     rate = capture.rate
     if rate is None:
@@ -83,7 +88,7 @@ def to_ticks(positions: list[int], ratio: Fraction) -> list[int]:
     return [(2 * position * top + bottom) // (2 * bottom) for position in positions]
 
 
-def _names(capture: Capture) -> list[str]:
+def channel_names(capture: Capture) -> list[str]:
     """Names without blanks, no part of them empty, none twice."""
     names: list[str] = []
     for channel in capture.channels:

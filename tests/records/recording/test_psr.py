@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator
+from fractions import Fraction
 from pathlib import Path
 
 import pytest
@@ -13,8 +14,8 @@ from periph_sim.records.recording import BadRecording, recording, rewrite
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 from periph_sim.traces import formats
+from periph_sim.traces.capture.resample import resampled
 from periph_sim.traces.formats import psr
-from tests.traces.formats.looks import edges
 
 WORDS = {"address": r"0x[0-9A-F]{2} [RW] N?ACK", "byte": r"0x[0-9A-F]{2}( N?ACK)?", "end": r"0x[0-9A-F]{2}"}
 TIMING = Path(__file__).resolve().parents[3] / "timing"
@@ -48,7 +49,7 @@ def test_the_records_are_those_of_the_jsonl_one_by_one(recorded: tuple[str, Path
     assert table.per_second == json.loads(lines[0])["ticks_per_second"]
 
 
-@pytest.mark.parametrize("suffix", [".jsonl", ".vcd", ".perfetto.json", ".psr"])
+@pytest.mark.parametrize("suffix", [".jsonl", ".vcd", ".sr", ".perfetto.json", ".psr"])
 def test_rewritten_it_is_the_recording_in_that_format_byte_for_byte(
     recorded: tuple[str, Path], tmp_path: Path, suffix: str
 ):
@@ -58,15 +59,17 @@ def test_rewritten_it_is_the_recording_in_that_format_byte_for_byte(
     assert (tmp_path / f"again{suffix}").read_bytes() == live.read_bytes()
 
 
-def test_its_wires_are_those_of_the_vcd(recorded: tuple[str, Path], tmp_path: Path):
+@pytest.mark.parametrize("suffix, rate", [(".vcd", 10**9), (".sr", 10**8)])
+def test_its_wires_are_those_of_other_recordings_at_their_rate(
+    recorded: tuple[str, Path], tmp_path: Path, suffix: str, rate: int
+):
     case, path = recorded
-    vcd = formats.read(record(case, tmp_path / "run.vcd"))
-    capture = formats.read(path)
-    for name, found in edges(capture).items():
-        initial, *at = found
-        expected = vcd.channel(f"wires.{name}")
-        assert (initial, [tick * 10**12 // capture.rate for tick in at]) == (expected.initial, expected.edges.tolist())
-    assert len(capture.channels) > 1
+    other = formats.read(record(case, tmp_path / f"run{suffix}"))
+    wires = formats.read(path)
+    assert len(wires.channels) > 1 and other.rate == rate
+    for wire in resampled(wires, Fraction(rate)).channels:
+        found = other.channel(wire.name)
+        assert (found.initial, found.edges.tolist()) == (wire.initial, wire.edges.tolist())
 
 
 def test_a_capture_is_not_rewritten_as_a_run(tmp_path: Path):

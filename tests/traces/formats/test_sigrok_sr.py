@@ -444,14 +444,19 @@ def test_unknown_stretches_are_told(tmp_path: Path):
     [
         (
             lines(1 << 40, [1]),
-            "its length: found 1099511627776 samples of 4 MHz, expected at most 4294967296; "
-            "choose a lower rate with --sample '4 MHz', or write .vcd",
+            "what it would hold: found 1099511627776 samples of 4 MHz, expected at most 4294967296; "
+            "convert with --sample '15625 Hz', or write .vcd",
         ),
         (
             lines(9, [1], rate=Fraction(10**6, 3)),
-            "its rate: found 1000000/3 samples a second, expected a whole number; choose one with --sample '4 MHz'",
+            "what it would hold: found 1000000/3 samples a second, expected a whole number; "
+            "convert with --sample '4 MHz', or write .vcd",
         ),
-        (lines(9, *[[1]] * 65), "its channels: found 65, expected 1 to 64; pick some with --channels, or write .vcd"),
+        (
+            lines(1 << 33, *[[1]] * 65),
+            "what it would hold: found 65 channels and 8589934592 samples of 4 MHz, expected 1 to 64 and at most "
+            "4294967296; convert with --channels a,b --sample '2 MHz', or write .vcd",
+        ),
     ],
 )
 def test_what_a_session_cannot_hold_is_refused(tmp_path: Path, capture: Capture, message: str):

@@ -1,0 +1,175 @@
+"""What the waveform files of a run show, whatever their format: records go in as they happen, named signals come out.
+
+    EDGE   wires.SCL                     a wire; the four of the bus and the line, pins, and any other that moves
+    FLAG   dsp.I2C_A.I2CSTR              a whole register of an I2C or SCI module
+           dsp.I2C_A.I2CSTR.BB           each field of it
+    IRQ    dsp.interrupt.I2CINT1A        1 from entering the service routine to leaving it
+    SPAN   dsp.span.model                1 while the span lasts
+           bus.I2C.busy, address, ...    what SCL and SDA say, read by the independent decoder when the run is over
+
+A change costs 16 bytes until the run is over: a file names its signals before their changes, and which interrupts and
+spans there are shows only in the run.
+"""
+
+from __future__ import annotations
+
+from array import array
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.records import Kind, Record
+from ...core.registers import RegisterMap
+from ...core.time import Timebase
+from ...f28335.i2c.register_map import I2C_MAP
+from ...f28335.sci.register_map import SCI_MAP
+from ...traces.capture.capture import Capture, Channel, channel_of_edges
+from ...traces.decode.i2c_table import I2cTable, i2c_table
+from ...traces.decode.i2c_table import Kind as Row
+
+KINDS = (Kind.EDGE, Kind.FLAG, Kind.IRQ, Kind.SPAN)
+WIRES = ("SCL", "SDA", "RX", "TX")
+MAPS = {"I2C": I2C_MAP, "SCI": SCI_MAP}
+
+Numbers = NDArray[np.int64]
+
+
+class Signal:
+    """A signal of `width` bits, `initial` at tick 0. Several changes in one tick: the last one counts."""
+
+    def __init__(self, name: str, width: int = 1, initial: int = 0) -> None:
+        self.name = name
+        self.width = width
+        self.initial = initial
+        self.now = initial
+        self._at = array("q")
+        self._values = array("q")
+
+    def put(self, tick: int, value: int) -> None:
+        if value != self.now:
+            self.now = value
+            self._at.append(tick)
+            self._values.append(value)
+
+    def put_all(self, at: Numbers, values: Numbers) -> None:
+        """Changes in order of time, all behind those before."""
+        self._at.extend(at.tolist())
+        self._values.extend(values.tolist())
+
+    def changes(self) -> tuple[Numbers, Numbers]:
+        """(ticks, which rise strictly from 0; the value from each on). The first is `initial` at 0, or what replaced it
+        there; none repeats the one before."""
+        at = np.concatenate([np.zeros(1, np.int64), np.frombuffer(self._at, np.int64)])
+        values = np.concatenate([np.full(1, self.initial, np.int64), np.frombuffer(self._values, np.int64)])
+        last = np.append(at[1:] != at[:-1], True)
+        at, values = at[last], values[last]
+        new = np.append(True, values[1:] != values[:-1])
+        return at[new], values[new]
+
+
+class RunSignals:
+    """The signals of a run. `write` takes its records; `signals`, `capture` give what they come to."""
+
+    def __init__(self, timebase: Timebase, modules: dict[str, tuple[str, ...]]) -> None:
+        """modules: unit -> its modules, `I2C-A`, `SCI-A`, `pin:MODEL`."""
+        self.per_second = timebase.per_second
+        self._signals: dict[str, Signal] = {}
+        self._wires = {name: self._signal(f"wires.{name}", initial=1) for name in WIRES}
+        self._fields: dict[tuple[str, str], tuple[Signal, Signal, int]] = {}  # field, its register, its lowest bit
+        self._depth: dict[tuple[str, str], int] = {}  # interrupts and spans may be entered again before they are left
+        for names in modules.values():
+            for pin in (name.removeprefix("pin:") for name in names if name.startswith("pin:")):
+                self._wires.setdefault(pin, self._signal(f"wires.{pin}", initial=1))
+        for unit, names in modules.items():
+            for name in names:
+                if registers := MAPS.get(name[:3]):
+                    self._registers(f"{unit}.{name}", registers)
+
+    def write(self, record: Record) -> None:
+        kind = record.kind
+        if kind is Kind.EDGE:
+            wire = self._wires.get(record.where)
+            if wire is None:
+                wire = self._wires[record.where] = self._signal(f"wires.{record.where}", initial=1 - record.value)
+            wire.put(record.tick, record.value)
+        elif kind is Kind.FLAG:
+            found = self._fields.get((record.where, record.what))
+            if found is not None:
+                field, register, lsb = found
+                register.put(record.tick, register.now & ~((1 << field.width) - 1 << lsb) | record.value << lsb)
+                field.put(record.tick, record.value)
+        elif kind in (Kind.IRQ, Kind.SPAN):
+            key = record.where, f"{'interrupt' if kind is Kind.IRQ else 'span'}.{record.what}"
+            depth = self._depth[key] = max(0, self._depth.get(key, 0) + (1 if record.value else -1))
+            self._signal(".".join(key)).put(record.tick, int(depth > 0))
+
+    def signals(self, end: int) -> list[Signal]:
+        """All of them, wires first. end: the last tick of the run."""
+        bus = _bus_state(self._capture([self._wires["SCL"], self._wires["SDA"]], end))
+        wires = list(self._wires.values())
+        return [*wires, *bus, *(signal for signal in self._signals.values() if signal not in wires)]
+
+    def lines(self, end: int) -> Capture:
+        """The run as an analyser with a clip on every signal of one bit would show it, registers aside."""
+        fields = {signal.name for signal, _, _ in self._fields.values()}
+        return self._capture([s for s in self.signals(end) if s.width == 1 and s.name not in fields], end)
+
+    def bits(self, end: int) -> Capture:
+        """Every signal, those of several bits a bit a channel: `dsp.I2C_A.I2CSTR[12]`."""
+        return self._capture(self.signals(end), end)
+
+    def _signal(self, name: str, width: int = 1, initial: int = 0) -> Signal:
+        found = self._signals.get(name)
+        if found is None:
+            found = self._signals[name] = Signal(name, width, initial)
+        return found
+
+    def _registers(self, where: str, registers: RegisterMap) -> None:
+        for register in registers:
+            name = f"{where}.{register.name}".replace("-", "_")
+            reset = sum(f.reset << f.lsb for f in register.fields)
+            whole = self._signal(name, register.width, reset)
+            for f in register.fields:
+                field = self._signal(f"{name}.{f.name}", f.msb - f.lsb + 1, f.reset)
+                self._fields[where, f"{register.name}.{f.name}"] = field, whole, f.lsb
+
+    def _capture(self, signals: list[Signal], end: int) -> Capture:
+        channels: list[Channel] = []
+        last = 0
+        for signal in signals:
+            at, values = signal.changes()
+            last = max(last, int(at[-1]))
+            for bit in range(signal.width - 1, -1, -1):
+                levels = values >> bit & 1
+                moved = np.flatnonzero(levels[1:] != levels[:-1]) + 1
+                name = signal.name if signal.width == 1 else f"{signal.name}[{bit}]"
+                channels.append(channel_of_edges(name, len(channels), int(levels[0]), at[moved]))
+        return Capture(Path(), Fraction(self.per_second), max(end, last + 1), tuple(channels), False, (), True)
+
+
+def _bus_state(lines: Capture) -> list[Signal]:
+    """SCL and SDA as a bus: busy from START to STOP; address, data, ACK and NACK while they last; the byte."""
+    table = i2c_table(lines, 0, 1)
+    begins = table.kind == Row.START
+    ends = table.kind == Row.STOP
+    data = np.isin(table.kind, (Row.DATA, Row.ADDRESS_LOW))
+    address = table.kind == Row.ADDRESS
+    busy = Signal("bus.I2C.busy")
+    busy.put_all(table.at[begins | ends], begins[begins | ends].astype(np.int64))
+    read = Signal("bus.I2C.read")
+    read.put_all(table.end[address], table.read[address].astype(np.int64))
+    byte = Signal("bus.I2C.byte", 8)
+    value = np.where(address, table.value.astype(np.int64) << 1 | table.read, table.value & 0xFF)
+    byte.put_all(table.at[address | data], value[address | data])
+    parts = {"address": address, "data": data, "ack": table.kind == Row.ACK, "nack": table.kind == Row.NACK}
+    return [busy, *(_while(f"bus.I2C.{name}", table, rows) for name, rows in parts.items()), read, byte]
+
+
+def _while(name: str, table: I2cTable, rows: NDArray[np.bool_]) -> Signal:
+    """1 from where each of the rows begins to its end."""
+    signal = Signal(name)
+    at = np.column_stack((table.at[rows], table.end[rows])).ravel()
+    signal.put_all(at, np.tile(np.array([1, 0], np.int64), len(at) // 2))
+    return signal

@@ -1,0 +1,211 @@
+"""The signals of a run, drawn a character 100 ns, and the files made of them as their readers see them."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+from itertools import groupby
+from pathlib import Path
+
+import numpy as np
+import pytest
+import pywellen
+from vcdvcd import VCDVCD
+
+from periph_sim.core.records import Kind, Recorder
+from periph_sim.core.time import Timebase
+from periph_sim.records.recording import BadRecording, recording
+from periph_sim.records.recording.run_signals import KINDS, RunSignals
+from periph_sim.scene.case.load import load
+from periph_sim.scene.scene import Scene
+from periph_sim.traces import formats
+from periph_sim.traces.decode import i2c, uart
+from tests.traces.decode.drawing import drawn
+from tests.traces.formats.sigrok import sigrok_says
+
+TIMING = Path(__file__).resolve().parents[3] / "timing"
+CHARACTER = 300  # ticks
+MODULES = {"dsp": ("I2C-A", "SCI-A", "pin:MODEL")}
+Others = list[tuple[int, Kind, str, str, int]]  # character, kind, where, what, value
+
+
+def check(lines: str, others: Others, shown: str) -> None:
+    """What the signals show, where wires move as drawn and others happen at a character."""
+    recorder = Recorder()
+    run = RunSignals(Timebase(150_000_000), MODULES)
+    recorder.subscribe(KINDS, run.write)
+    wires = drawn(lines)
+    edges = [
+        (at, Kind.EDGE, channel.name, "level", level)
+        for channel in wires.channels
+        for at, level in zip(channel.edges.tolist(), channel.levels.tolist(), strict=True)
+    ]
+    for at, kind, where, what, value in sorted([*edges, *others], key=lambda event: event[0]):
+        recorder.emit(at * CHARACTER, kind, where, what, value)
+    expected = drawn(shown)
+    found = {channel.name: channel for channel in run.bits(expected.length * CHARACTER).channels}
+    for channel in expected.channels:
+        levels = found[channel.name].at(np.arange(expected.length) * CHARACTER)
+        wave = "".join("_-"[level] for level in levels.tolist())
+        assert f"{channel.name} {wave}" == f"{channel.name} {drawing(channel.at(np.arange(expected.length)))}"
+
+
+def drawing(levels: np.ndarray) -> str:
+    return "".join("_-"[level] for level in levels.tolist())
+
+
+def test_bus_state_is_what_scl_and_sda_say():
+    check(
+        """
+        SCL --- _-_-_-_-_-_-_-_- _- _--
+        SDA --_ --__--____----__ __ __-
+        """,
+        [],
+        """
+        wires.SCL          --- _-_-_-_-_-_-_-_- _- _--
+        bus.I2C.busy       __- ---------------- -- --_
+        bus.I2C.address    ___ _--------------- __ ___
+        bus.I2C.ack        ___ ________________ _- ___
+        bus.I2C.nack       ___ ________________ __ ___
+        bus.I2C.data       ___ ________________ __ ___
+        bus.I2C.byte[7]    ___ _--------------- -- ---
+        bus.I2C.byte[6]    ___ ________________ __ ___
+        bus.I2C.byte[1]    ___ _--------------- -- ---
+        bus.I2C.byte[0]    ___ ________________ __ ___
+        """,
+    )
+
+
+def test_a_register_is_shown_whole_and_by_field():
+    at = "dsp.I2C-A"
+    check(
+        "SCL ----------",
+        [
+            (2, Kind.FLAG, at, "I2CSTR.BB", 1),
+            (4, Kind.FLAG, at, "I2CSTR.RRDY", 1),
+            (4, Kind.FLAG, "dsp.SCI-A", "SCIFFRX.RXFFST", 5),
+            (6, Kind.FLAG, at, "I2CSTR.BB", 0),
+            (7, Kind.FLAG, "dsp.XINT", "XINT1CR.ENABLE", 1),
+        ],
+        """
+        dsp.I2C_A.I2CSTR.BB            __----____
+        dsp.I2C_A.I2CSTR[12]           __----____
+        dsp.I2C_A.I2CSTR.RRDY          ____------
+        dsp.I2C_A.I2CSTR[3]            ____------
+        dsp.I2C_A.I2CSTR[10]           ----------
+        dsp.I2C_A.I2CSTR.XSMT          ----------
+        dsp.SCI_A.SCIFFRX.RXFFST[2]    ____------
+        dsp.SCI_A.SCIFFRX.RXFFST[1]    __________
+        dsp.SCI_A.SCIFFRX.RXFFST[0]    ____------
+        dsp.SCI_A.SCIFFRX[10]          ____------
+        dsp.SCI_A.SCIFFRX[8]           ____------
+        """,
+    )
+
+
+def test_interrupts_and_spans_are_bits_also_where_they_nest():
+    check(
+        """
+        RX     -----____-
+        SPI    --__------
+        """,
+        [
+            (1, Kind.IRQ, "dsp", "I2CINT1A", 1),
+            (2, Kind.IRQ, "dsp", "SCIRXINTA", 1),
+            (3, Kind.SPAN, "dsp", "model", 1),
+            (4, Kind.SPAN, "dsp", "model", 1),
+            (5, Kind.SPAN, "dsp", "model", 0),
+            (6, Kind.IRQ, "dsp", "SCIRXINTA", 0),
+            (7, Kind.SPAN, "dsp", "model", 0),
+            (8, Kind.IRQ, "dsp", "I2CINT1A", 0),
+        ],
+        """
+        wires.RX                 -----____-
+        wires.TX                 ----------
+        wires.MODEL              ----------
+        wires.SPI                --__------
+        dsp.interrupt.I2CINT1A   _-------__
+        dsp.interrupt.SCIRXINTA  __----____
+        dsp.span.model           ___----___
+        """,
+    )
+
+
+def test_the_last_of_several_changes_in_one_tick_counts():
+    run = RunSignals(Timebase(150_000_000), MODULES)
+    recorder = Recorder()
+    recorder.subscribe(KINDS, run.write)
+    for tick, level in ((0, 0), (30, 1), (30, 0), (60, 1)):
+        recorder.emit(tick, Kind.EDGE, "SDA", "level", level)
+    sda = run.lines(90).channel("SDA")
+    assert (sda.initial, sda.edges.tolist()) == (0, [60])
+
+
+# Files, as their readers see them -------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with run.vcd, run.sr and run.fst: 15 ms of a sensor round and a frame of its host."""
+    folder = tmp_path_factory.mktemp("runs")
+    for suffix in ("psr", "vcd", "sr", "fst"):
+        case = load(TIMING / "imu_hil_published.toml", ["duration=15 ms"])
+        with recording(folder / f"run.{suffix}", case.recorded_modules) as (subscribe, ended_at):
+            scene = Scene(case, subscribe)
+            scene.run()
+            ended_at(scene.kernel.now)
+    return folder
+
+
+@pytest.mark.skipif(shutil.which("sigrok-cli") is None, reason="sigrok-cli is not installed")
+@pytest.mark.parametrize("suffix", [".vcd", ".sr"])
+def test_sigrok_decodes_bus_and_line_of_a_recorded_run(runs: Path, suffix: str):
+    path, wires = runs / f"run{suffix}", formats.read(runs / "run.psr")
+    said = [line.split(": ", 1)[1] for line in sigrok_says(path, "i2c:scl=SCL:sda=SDA").splitlines()]
+    bytes_ = [event for event in i2c.events(wires) if isinstance(event, i2c.Data)]
+    assert [line for line in said if line.startswith("Data")] == [
+        f"Data {'read' if event.read else 'write'}: {event.value:02X}" for event in bytes_
+    ]
+    assert len(bytes_) > 20 and said.count("Start") == said.count("Stop") == 3
+    said = [line.split(": ", 1)[1] for line in sigrok_says(path, "uart:rx=RX:baudrate=115200").splitlines()]
+    frames = uart.events(wires, "RX", uart.Line(115200))
+    assert [line for line in said if len(line) == 2] == [f"{frame.value:02X}" for frame in frames]
+
+
+def test_vcdvcd_finds_the_transitions_of_wires_registers_spans_and_bus_state(runs: Path):
+    dump = VCDVCD(str(runs / "run.vcd"))
+    wires = formats.read(runs / "run.psr")
+    for name in ("SCL", "SDA", "RX"):
+        assert [at for at, _ in dump[f"wires.{name}"].tv[1:]] == [
+            -(-at * 10**9 // wires.rate) for at in wires.channel(name).edges.tolist()
+        ]
+    busy = [level for _, level in dump["bus.I2C.busy"].tv]
+    assert busy == ["0", "1"] * 3 + ["0"]
+    assert dump["dsp.I2C_A.I2CSTR[12]"].tv == dump["dsp.I2C_A.I2CSTR.BB"].tv and len(dump["dsp.I2C_A.I2CSTR.BB"].tv) > 2
+    assert [level for _, level in dump["dsp.span.model"].tv][:3] == ["0", "1", "0"]
+    assert len(dump["dsp.interrupt.SCIRXINTA"].tv) > 1
+    assert all(set(value) <= set("01x") for signal in dump.signals for _, value in dump[signal].tv)
+
+
+def test_fst_has_registers_as_vectors_and_what_is_said_as_text(runs: Path):
+    found = {one.full_name: one.signal for one in pywellen.Waveform(str(runs / "run.fst")).all_vars()}
+    said = [text for _, text in found["bus.I2C.text"]]
+    assert said[:7] == ["-", "START", "0x68 W ACK", "0x1D ACK", "repeated START", "0x68 R ACK", "0x00 ACK"]
+    assert [text for _, text in found["bus.UART.text"]][:3] == ["-", "0x01", "0x00"]
+    assert [value for _, value in found["bus.I2C.byte"]][:5] == [0, 0xD0, 0x1D, 0xD1, 0]
+    register, flag = found["dsp.I2C_A.I2CSTR"], found["dsp.I2C_A.I2CSTR.BB"]
+    levels = [level for level, _ in groupby(value >> 12 & 1 for _, value in register)]
+    assert levels == [value for _, value in flag]
+    wires = formats.read(runs / "run.psr")
+    assert formats.read(runs / "run.fst").channel("wires.SCL").edges.tolist() == [
+        at * 10**12 // wires.rate for at in wires.channel("SCL").edges.tolist()
+    ]
+
+
+def test_fst_without_its_library_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setitem(sys.modules, "pylibfst", None)
+    with pytest.raises(BadRecording) as caught, recording(tmp_path / "run.fst", MODULES) as (subscribe, _):
+        subscribe(Recorder(), Timebase(150_000_000))
+        raise AssertionError("nothing may run")
+    assert str(caught.value) == ("FST is written by pylibfst, which is not installed: pip install 'periph-sim[fst]'")
+    assert list(tmp_path.iterdir()) == []

@@ -5,8 +5,8 @@
 `Bus` owns the time. Within a cycle the partners move first, then the wires settle, then
 the chips wake, then the firmware (the test) has its turn. Every edge is recorded. `decode`
 reads transfers out of the edges alone and shares no code with the model. `Bench` adds
-firmware: registers and fields under the manual's names (typed in here a second time on
-purpose), and the signals of timing diagrams (`tests/waves.py`).
+firmware: registers and fields under the manual's names, and the signals of timing diagrams
+(`tests/waves.py`).
 
 In the notation of transfers S is a START (also a repeated one), P a STOP, A and N the
 receiver's answer, 50W an address byte, other bytes are hexadecimal, ~101 a byte that was
@@ -23,9 +23,11 @@ from periph_sim.core.options import Value, options_from
 from periph_sim.f28335.i2c.module import I2c
 from periph_sim.f28335.i2c.options import I2cOptions
 
+from .i2c_registers import FLAGS, MDR, OFFSET
+
 SCL, SDA = 0, 1
 LINES = ("SCL", "SDA")
-FREE = 0b11  # both lines released
+RELEASED = 0b11  # both lines released
 
 # TI's setting for 400 kHz at 150 MHz: Tmod 15 cycles, low 15 * (10 + 5), high 15 * (5 + 5).
 LOW, HIGH = 225, 150
@@ -134,7 +136,7 @@ class Target:
         self.later: dict[int, int] = {}  # from this byte on (0 is the address byte) data have so many bits
         self.got: list[int] = []
         self.answers: list[int] = []  # of the master, to bytes given: 0 acknowledges
-        self.out = FREE
+        self.out = RELEASED
         self.next_wake = NEVER
         self._due: list[tuple[int, int, int]] = []  # (time, line, level)
         self._level = [1, 1]
@@ -252,7 +254,7 @@ class Foreign:
         self.got: list[int] = []
         self.heard = ""
         self.done = False
-        self.out = FREE
+        self.out = RELEASED
         self._level = [1, 1]
         self._wait = Wait(0)
         self._script = script
@@ -319,7 +321,7 @@ class Foreign:
                 for bit in range(7, -1, -1):
                     level = yield from self._clock(value >> bit & 1)
                     if level != value >> bit & 1:
-                        self.lost, self.out = True, FREE
+                        self.lost, self.out = True, RELEASED
                         return
                 self.heard += "NA"[not (yield from self._clock(1))]
 
@@ -358,15 +360,28 @@ class Foreign:
 
 
 class Hand:
-    """A wire on each line that the test pulls down and lets go."""
+    """A wire on each line that the test pulls down and lets go, now or later."""
 
     def __init__(self) -> None:
-        self.out = FREE
+        self.out = RELEASED
         self.next_wake = NEVER
+        self._due: list[tuple[int, int, int]] = []  # (time, line, level), in the order of their times
+
+    def put(self, line: int, level: int) -> None:
+        self.out = self.out & ~(1 << line) | level << line
+
+    def put_later(self, time: int, line: int, level: int) -> None:
+        """Times must not fall from call to call."""
+        self._due.append((time, line, level))
+        self.next_wake = self._due[0][0]
 
     def pins(self, now: int, levels: int) -> object: ...
 
-    def wake(self, now: int) -> None: ...
+    def wake(self, now: int) -> None:
+        while self._due and self._due[0][0] <= now:
+            _, line, level = self._due.pop(0)
+            self.put(line, level)
+        self.next_wake = self._due[0][0] if self._due else NEVER
 
 
 # ---- the bus --------------------------------------------------------------------------------------
@@ -380,7 +395,7 @@ class Bus:
         self.hand = Hand()
         self.chips = list(chips)
         self.partners: list[Party] = [self.hand, *partners]
-        self.rise = rise
+        self.rise_time = rise
         self.level = [1, 1]
         self.edges: list[Edge] = []
         self._rising = [NEVER, NEVER]
@@ -394,7 +409,7 @@ class Bus:
         moved = True
         while moved:
             moved = False
-            both = FREE
+            both = RELEASED
             for party in (*self.partners, *self.chips):
                 both &= party.out
             for line in (SCL, SDA):
@@ -404,9 +419,9 @@ class Bus:
                     party.pins(self.now, self.level[SCL] | self.level[SDA] << 1)
 
     def _move(self, line: int, driven: int) -> bool:
-        if driven and not self.level[line] and self.rise:
+        if driven and not self.level[line] and self.rise_time:
             if self._rising[line] == NEVER:
-                self._rising[line] = self.now + self.rise
+                self._rising[line] = self.now + self.rise_time
             driven = int(self._rising[line] <= self.now)
         elif not driven:
             self._rising[line] = NEVER
@@ -469,11 +484,11 @@ class Bus:
         return self.times(line, level)[-1]
 
     def pull(self, line: int) -> None:
-        self.hand.out &= ~(1 << line)
+        self.hand.put(line, 0)
         self.settle()
 
     def let_go(self, line: int) -> None:
-        self.hand.out |= 1 << line
+        self.hand.put(line, 1)
         self.settle()
 
     def pulse(self, line: int, cycles: int) -> None:
@@ -484,57 +499,6 @@ class Bus:
 
 
 # ---- firmware -------------------------------------------------------------------------------------
-
-OFFSETS = {
-    "I2COAR": 0x00,
-    "I2CIER": 0x01,
-    "I2CSTR": 0x02,
-    "I2CCLKL": 0x03,
-    "I2CCLKH": 0x04,
-    "I2CCNT": 0x05,
-    "I2CDRR": 0x06,
-    "I2CSAR": 0x07,
-    "I2CDXR": 0x08,
-    "I2CMDR": 0x09,
-    "I2CISRC": 0x0A,
-    "I2CEMDR": 0x0B,
-    "I2CPSC": 0x0C,
-    "I2CFFTX": 0x20,
-    "I2CFFRX": 0x21,
-}
-
-MDR = {
-    "NACKMOD": 1 << 15,
-    "FREE": 1 << 14,
-    "STT": 1 << 13,
-    "STP": 1 << 11,
-    "MST": 1 << 10,
-    "TRX": 1 << 9,
-    "XA": 1 << 8,
-    "RM": 1 << 7,
-    "DLB": 1 << 6,
-    "IRS": 1 << 5,
-    "STB": 1 << 4,
-    "FDF": 1 << 3,
-}
-
-STR = {
-    "SDIR": 1 << 14,
-    "NACKSNT": 1 << 13,
-    "BB": 1 << 12,
-    "RSFULL": 1 << 11,
-    "XSMT": 1 << 10,
-    "AAS": 1 << 9,
-    "AD0": 1 << 8,
-    "SCD": 1 << 5,
-    "XRDY": 1 << 4,
-    "RRDY": 1 << 3,
-    "ARDY": 1 << 2,
-    "NACK": 1 << 1,
-    "AL": 1 << 0,
-}
-
-CODES = {"": 0, "AL": 1, "NACK": 2, "ARDY": 3, "RRDY": 4, "XRDY": 5, "SCD": 6, "AAS": 7}
 
 
 def mdr(names: str, bc: int = 0) -> int:
@@ -581,16 +545,16 @@ class Bench(Bus):
     # registers
 
     def w(self, register: str, value: int, chip: I2c | None = None) -> None:
-        (chip or self.m).write(self.now, OFFSETS[register], value)
+        (chip or self.m).write(self.now, OFFSET[register], value)
         self.settle()
 
     def r(self, register: str, chip: I2c | None = None) -> int:
-        value = (chip or self.m).read(self.now, OFFSETS[register])
+        value = (chip or self.m).read(self.now, OFFSET[register])
         self.settle()
         return value
 
     def peek(self, register: str, chip: I2c | None = None) -> int:
-        return (chip or self.m).peek(self.now, OFFSETS[register])
+        return (chip or self.m).peek(self.now, OFFSET[register])
 
     def mode(self, names: str, bc: int = 0, chip: I2c | None = None) -> None:
         """Writes I2CMDR with these bits set, IRS always among them."""
@@ -605,8 +569,8 @@ class Bench(Bus):
 
     def flag(self, name: str, chip: I2c | None = None) -> int:
         """A bit of I2CSTR or I2CMDR as a debugger sees it."""
-        if name in STR:
-            return int(bool(self.peek("I2CSTR", chip) & STR[name]))
+        if name in FLAGS:
+            return int(bool(self.peek("I2CSTR", chip) & FLAGS[name]))
         return int(bool(self.peek("I2CMDR", chip) & MDR[name]))
 
     def flags(self, names: str, chip: I2c | None = None) -> str:
@@ -614,7 +578,7 @@ class Bench(Bus):
         return " ".join(n for n in names.split() if self.flag(n, chip))
 
     def clear(self, names: str, chip: I2c | None = None) -> None:
-        self.w("I2CSTR", sum(STR[n] for n in names.split()), chip)
+        self.w("I2CSTR", sum(FLAGS[n] for n in names.split()), chip)
 
     # what firmware does
 
@@ -683,7 +647,7 @@ class Bench(Bus):
         self.run_until(now)
         if signal in LINES:
             (self.let_go if level else self.pull)(LINES.index(signal))
-        elif signal in OFFSETS:
+        elif signal in OFFSET:
             self.w(signal, level)
         elif level:
             self.set(signal)
@@ -691,7 +655,7 @@ class Bench(Bus):
     def show(self, signal: str) -> int:
         if signal in LINES:
             return self.level[LINES.index(signal)]
-        return self.peek(signal) if signal in OFFSETS else self.flag(signal)
+        return self.peek(signal) if signal in OFFSET else self.flag(signal)
 
 
 def with_(**options: Value) -> I2cOptions:

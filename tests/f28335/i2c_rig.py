@@ -1,81 +1,22 @@
-"""A bare I2C module on a two-wire bus, opposite a partner that a test moves edge by edge.
+"""A bare I2C module on the bus of i2c_bus.py, opposite a master that the test moves edge by edge.
 
-    partner (the test)  --pulls-->  SCL, SDA (wired-AND)  <--pulls--  chip.out
-                                        |
-                                        +--> chip.pins
-
-The partner is the bus's master. Its pulses are cut at the places of which the rules
-speak: `rise` and `fall` end exactly at the cycle of that edge, so that after the eighth
-`clock` of a byte the test stands at fall 8. A data bit changes a quarter of a bit after
-SCL fell. SCL is released half a bit after it fell, and if the chip still pulls it, the
-partner waits. For timing diagrams the rig has drive, run_until and show (tests/waves.py).
-
-The numbers below were typed from SPRUG03B's tables, not from the model's map: a slip in
-the map must show up in the tests.
+The master's pulses are cut at the places of which the rules speak: `rise` and `fall` end exactly
+at the cycle of that edge, so that after the eighth `clock` of a byte the test stands at fall 8. A
+data bit changes a quarter of a bit after SCL fell. SCL is released half a bit after it fell, and
+if the chip still pulls it, the master waits. What was said can be read as transfers (`said`);
+for timing diagrams the rig has drive, run_until and show (tests/waves.py).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-from periph_sim.core.chip import NEVER
 from periph_sim.core.options import Value, options_from
 from periph_sim.f28335.i2c.module import I2c
 from periph_sim.f28335.i2c.options import I2cOptions
 
-# Table 4: register offsets.
-OFFSET = {
-    "I2COAR": 0x00,
-    "I2CIER": 0x01,
-    "I2CSTR": 0x02,
-    "I2CCLKL": 0x03,
-    "I2CCLKH": 0x04,
-    "I2CCNT": 0x05,
-    "I2CDRR": 0x06,
-    "I2CSAR": 0x07,
-    "I2CDXR": 0x08,
-    "I2CMDR": 0x09,
-    "I2CISRC": 0x0A,
-    "I2CEMDR": 0x0B,
-    "I2CPSC": 0x0C,
-    "I2CFFTX": 0x20,
-    "I2CFFRX": 0x21,
-}
-
-# I2CSTR, Table 10.
-AL, NACK, ARDY, RRDY, XRDY, SCD = (1 << n for n in range(6))
-AD0, AAS, XSMT, RSFULL, BB, NACKSNT, SDIR = (1 << n for n in range(8, 15))
-STR_RESET = XSMT | XRDY
-FLAGS = {
-    "AL": AL,
-    "NACK": NACK,
-    "ARDY": ARDY,
-    "RRDY": RRDY,
-    "XRDY": XRDY,
-    "SCD": SCD,
-    "AD0": AD0,
-    "AAS": AAS,
-    "XSMT": XSMT,
-    "RSFULL": RSFULL,
-    "BB": BB,
-    "NACKSNT": NACKSNT,
-    "SDIR": SDIR,
-}
-W1C = AL | NACK | ARDY | RRDY | SCD | NACKSNT | SDIR
-
-# I2CMDR, Table 5.
-FDF, STB, IRS, DLB, RM, XA, TRX, MST, STP = (1 << n for n in range(3, 12))
-STT, FREE, NACKMOD = 1 << 13, 1 << 14, 1 << 15
-
-# I2CIER, Table 9.
-IE_AL, IE_NACK, IE_ARDY, IE_RRDY, IE_XRDY, IE_SCD, IE_AAS = (1 << n for n in range(7))
-
-# I2CFFTX and I2CFFRX, Tables 21 and 22: the enable is in I2CFFTX, the rest has the same places in both.
-FFEN, FFRST, FFINT, FFINTCLR, FFIENA = 1 << 14, 1 << 13, 1 << 7, 1 << 6, 1 << 5
-
-# Pins and interrupt lines, as bit masks.
-SCL, SDA = 1, 2
-INT1, INT2 = 1, 2
+from .i2c_bus import RELEASED, SCL, SDA, Bus
+from .i2c_registers import FLAGS, IRS, OFFSET
 
 OWN = 0x48  # the own address of most tests
 OTHER = 0x2A
@@ -83,7 +24,7 @@ BIT = 1500  # 100 kHz at 150 MHz
 NO_FILTER: dict[str, Value] = {"noise_filter_cycles": 0}
 
 
-class Rig:
+class Rig(Bus):
     """chip: the module under test, clocked, with IPSC 14 and its module in reset until `begin`.
 
     Options are those of I2cOptions. Here the noise filter is off unless a test asks for it,
@@ -92,14 +33,11 @@ class Rig:
 
     def __init__(self, *, bit: int = BIT, **options: Value) -> None:
         self.chip = I2c(options_from(I2cOptions, NO_FILTER | options))
-        self.now = 0
         self.bit = bit
-        self.hold = bit // 8  # diagrams: how long after its column's begin the partner moves SDA
-        self.partner = SCL | SDA  # what the partner releases
+        self.hold = bit // 8  # diagrams: how long after its column's begin the master moves SDA
         self.sampled = 1  # SDA just before the last fall of SCL
         self.interrupts: list[tuple[int, int]] = []  # (cycle, lines)
-        self._seen = SCL | SDA  # levels last given to the chip
-        self._later: list[tuple[int, str, int]] = []
+        super().__init__([self.chip])
         self.chip.gate(0, True)
         self.write("I2CPSC", 14)
         self.write("I2CCLKL", 10)
@@ -110,12 +48,12 @@ class Rig:
 
     def read(self, name: str) -> int:
         value = self.chip.read(self.now, OFFSET[name])
-        self._settle()
+        self.settle()
         return value
 
     def write(self, name: str, value: int) -> None:
         self.chip.write(self.now, OFFSET[name], value)
-        self._settle()
+        self.settle()
 
     def peek(self, name: str) -> int:
         return self.chip.peek(self.now, OFFSET[name])
@@ -129,8 +67,8 @@ class Rig:
         """I2CSTR, cut to `bits`, as a debugger sees it."""
         return self.peek("I2CSTR") & bits
 
-    def flag(self, bit: int) -> int:
-        return int(self.status(bit) != 0)
+    def flag(self, name: str) -> int:
+        return int(self.status(FLAGS[name]) != 0)
 
     @property
     def touched(self) -> str:
@@ -154,60 +92,42 @@ class Rig:
     def supply(self, *data: int) -> None:
         """As a slave-transmitter's firmware does: each byte to I2CDXR as soon as XRDY is 1."""
         for byte in data:
-            assert self.flag(XRDY), f"I2CDXR does not take {byte:#x}"
+            assert self.flag("XRDY"), f"I2CDXR does not take {byte:#x}"
             self.write("I2CDXR", byte)
             self.wait(40)
 
-    # The wire
+    # The wires
 
     @property
     def line(self) -> int:
         """The levels on the bus: SCL in bit 0, SDA in bit 1."""
-        return self.partner & self.chip.out
+        return self.level[SCL] | self.level[SDA] << 1
 
     @property
     def stretching(self) -> bool:
-        return not self.chip.out & SCL
+        return not self.chip.out >> SCL & 1
 
     @property
     def pulling_sda(self) -> bool:
-        return not self.chip.out & SDA
+        return not self.chip.out >> SDA & 1
 
-    def _settle(self) -> None:
-        """Give the chip what the bus shows, until its answer changes nothing any more."""
-        for _ in range(8):
-            if self.chip.requests:
-                self.interrupts.append((self.now, self.chip.requests))
-                self.chip.requests = 0
-            if self.line == self._seen:
-                return
-            self._seen = self.line
-            self.chip.pins(self.now, self._seen)
-        raise AssertionError(f"the bus does not settle at {self.now}")
+    @property
+    def released(self) -> bool:
+        """The chip pulls neither line."""
+        return self.chip.out == RELEASED
 
-    def pull(self, scl: int | None = None, sda: int | None = None) -> None:
-        """The partner releases (1) or pulls (0) a line, now."""
-        if scl is not None:
-            self.partner = self.partner & ~SCL | scl
-        if sda is not None:
-            self.partner = self.partner & ~SDA | sda << 1
-        self._settle()
+    def settle(self) -> None:
+        super().settle()
+        if self.chip.requests:
+            self.interrupts.append((self.now, self.chip.requests))
+            self.chip.requests = 0
 
-    def run_until(self, time: int) -> None:
-        while True:
-            due = min(self.chip.next_wake, self._later[0][0] if self._later else NEVER)
-            if due > time:
-                break
-            assert due >= self.now, f"next_wake {due} lies before now, {self.now}"
-            self.now = due
-            if self._later and self._later[0][0] == due:
-                _, signal, level = self._later.pop(0)
-                self.pull(**{signal: level})
-            if self.chip.next_wake <= due:
-                self.chip.wake(due)
-                assert self.chip.next_wake > due, f"still wants to be woken at {due}"
-            self._settle()
-        self.now = max(self.now, time)
+    def put(self, scl: int | None = None, sda: int | None = None) -> None:
+        """The master releases (1) or pulls (0) a line, or both at once, now."""
+        for line, level in ((SCL, scl), (SDA, sda)):
+            if level is not None:
+                self.hand.put(line, level)
+        self.settle()
 
     def wait(self, cycles: int) -> None:
         self.run_until(self.now + cycles)
@@ -220,24 +140,24 @@ class Rig:
             self.run_until(self.now + 1)
         return self.now - begun
 
-    # The partner as master: edges
+    # The master as master: edges
 
     def rise(self, sda: int = 1) -> None:
         """SCL has just fallen: put a bit on SDA, release SCL; ends at the cycle at which SCL is high."""
         self.wait(self.bit // 4)
-        self.pull(sda=sda)
+        self.put(sda=sda)
         self.wait(self.bit // 4)
-        self.pull(scl=1)
+        self.put(scl=1)
         given_up = self.now + 100 * self.bit
-        while not self.line & SCL:
+        while not self.level[SCL]:
             assert self.now < given_up, f"SCL held low since {given_up - 100 * self.bit}"
             self.run_until(min(max(self.chip.next_wake, self.now + 1), given_up))
 
     def fall(self) -> None:
         """SCL has just risen: pull it half a bit later; ends at that cycle."""
         self.wait(self.bit // 2)
-        self.sampled = self.line >> 1 & 1
-        self.pull(scl=0)
+        self.sampled = self.level[SDA]
+        self.put(scl=0)
 
     def clock(self, sda: int = 1) -> int:
         """One pulse; the level of SDA at its end. Ends at the fall."""
@@ -248,23 +168,23 @@ class Rig:
     def start(self) -> None:
         """START on a free bus; ends at the fall of SCL that follows."""
         self.wait(self.bit)
-        self.pull(sda=0)
+        self.put(sda=0)
         self.fall()
 
     def restart(self) -> None:
         """Repeated START; SCL has just fallen. Ends at the fall of SCL that follows."""
         self.rise(1)
         self.wait(self.bit // 4)
-        self.pull(sda=0)
+        self.put(sda=0)
         self.fall()
 
     def stop(self) -> None:
         """STOP; SCL has just fallen. Ends at the rise of SDA."""
         self.rise(0)
         self.wait(self.bit // 4)
-        self.pull(sda=1)
+        self.put(sda=1)
 
-    # The partner as master: bytes
+    # The master as master: bytes
 
     def send_bits(self, value: int, bits: int = 8) -> None:
         """Data bits, most significant first; ends at the fall of the last."""
@@ -300,17 +220,17 @@ class Rig:
     # Timing diagrams
 
     def drive(self, now: int, signal: str, level: int) -> None:
-        """SCL, SDA: the partner, SDA a little after SCL; LINES: both at once, as a mask. DXR: the CPU writes it.
+        """SCL, SDA: the master, SDA a little after SCL; LINES: both at once, as a mask. DXR: the CPU writes it.
 
         DRR, ISRC: the CPU reads it.
         """
         self.run_until(now)
         if signal == "SCL":
-            self.pull(scl=level)
+            self.put(scl=level)
         elif signal == "SDA":
-            self._later.append((now + self.hold, "sda", level))
+            self.hand.put_later(now + self.hold, SDA, level)
         elif signal == "LINES":
-            self.pull(level & 1, level >> 1)
+            self.put(level & 1, level >> 1)
         elif signal == "DXR":
             self.write("I2CDXR", level)
         elif signal in ("DRR", "ISRC"):
@@ -321,7 +241,7 @@ class Rig:
     def show(self, signal: str) -> int:
         """The bus (SCL, SDA), what the chip leaves released (scl, sda), a flag of I2CSTR, a FIFO count or a code."""
         if signal in FLAGS:
-            return self.flag(FLAGS[signal])
+            return self.flag(signal)
         if signal == "INTCODE":
             return self.peek("I2CISRC") & 7
         if signal in ("TXFFST", "RXFFST"):

@@ -14,7 +14,8 @@ from periph_sim.f28335.i2c.register_map import I2C_MAP
 from periph_sim.f28335.sci.module import Sci
 from periph_sim.f28335.sci.register_map import SCI_MAP
 
-from .i2c_rig import BIT, DLB, FFEN, FFIENA, FFRST, IRS, MST, NACKMOD, OTHER, OWN, SCL, SDA, STT, TRX, XA, Rig
+from .i2c_registers import DLB, FFEN, FFIENA, FFRST, IRS, MST, NACKMOD, STT, TRX, XA
+from .i2c_rig import BIT, OTHER, OWN, Rig
 from .sci_rig import SciRig, frame
 
 # I2C --------------------------------------------------------------------------------------------------
@@ -151,14 +152,14 @@ def seen(rig: Rig, tell: Callable[[Rig], None]) -> list[tuple[object, ...]]:
     begin, found = rig.now, []
     rig.interrupts.clear()
     rig.chip.notes.clear()
-    settle = rig._settle
+    settle = rig.settle
 
     def watching() -> None:
         settle()
         registers = [rig.chip.peek(rig.now, register.offset) for register in I2C_MAP]
         found.append((rig.now - begin, rig.chip.out, rig.chip.held, *registers))
 
-    rig._settle = watching  # type: ignore[method-assign]
+    rig.settle = watching  # type: ignore[method-assign]
     tell(rig)
     found += [(cycle - begin, lines) for cycle, lines in rig.interrupts]
     return [*found, *rig.chip.notes]
@@ -170,9 +171,9 @@ def test_i2c(use: Callable[[Rig], None]):
     used, fresh = Rig(**options), Rig(**options)
     use(used)
     used.chip.reset(used.now)
-    used._settle()
-    assert used.chip.out == SCL | SDA and used.chip.held == 0 and used.chip.filter_width == 1
-    used.pull(scl=1, sda=1)
+    used.settle()
+    assert used.released and used.chip.held == 0 and used.chip.filter_width == 1
+    used.put(scl=1, sda=1)
     used.interrupts.clear()
     used.wait(BIT)
     fresh.chip.reset(fresh.now)

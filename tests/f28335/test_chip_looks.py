@@ -9,7 +9,8 @@ import pytest
 
 from periph_sim.core.chip import ALL, NOTHING, OUTPUTS
 
-from .i2c_rig import IRS, MST, OTHER, OWN, STT, TRX, Rig
+from .i2c_registers import IRS, MST, STT, TRX
+from .i2c_rig import OTHER, OWN, Rig
 from .sci_rig import SciRig, frame
 
 LOOKS = {NOTHING: "nothing", OUTPUTS: "outputs", ALL: "all"}

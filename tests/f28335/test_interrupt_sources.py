@@ -11,7 +11,8 @@ from periph_sim.f28335.system.cpu_timer import CpuTimer
 from periph_sim.f28335.system.cpu_timer_map import PRD, TCR, TPR
 from periph_sim.f28335.system.options import SystemOptions
 
-from .i2c_rig import AAS, BIT, FFEN, FFIENA, FFRST, INT1, INT2, IRS, MST, OTHER, OWN, STT, TRX, Rig
+from .i2c_registers import AAS, FFEN, FFIENA, FFRST, INT1, INT2, IRS, MST, STT, TRX
+from .i2c_rig import BIT, OTHER, OWN, Rig
 from .sci_rig import SciRig, frame
 
 # I2C: I2CINT1A ----------------------------------------------------------------------------------------
@@ -24,8 +25,8 @@ class Watching(Rig):
 
     seen = 0
 
-    def _settle(self) -> None:
-        super()._settle()
+    def settle(self) -> None:
+        super().settle()
         status = self.status()
         self.seen |= status & 0x3F | (0x40 if status & AAS else 0)
 

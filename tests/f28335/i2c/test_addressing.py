@@ -6,29 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ..i2c_rig import (
-    AAS,
-    AD0,
-    ARDY,
-    BB,
-    FDF,
-    IRS,
-    NACKSNT,
-    OTHER,
-    OWN,
-    RRDY,
-    SCD,
-    SCL,
-    SDIR,
-    STB,
-    STP,
-    STR_RESET,
-    STT,
-    TRX,
-    XA,
-    Rig,
-    addressed,
-)
+from ..i2c_registers import AAS, AD0, ARDY, BB, FDF, IRS, NACKSNT, RRDY, SDIR, STB, STP, STR_RESET, STT, TRX, XA
+from ..i2c_rig import OTHER, OWN, Rig, addressed
 
 TEN = 0x2C5  # 10-bit address 10 1100 0101
 HEAD = 0xF0 | TEN >> 8 << 1  # 11110 10 0
@@ -50,8 +29,8 @@ def test_a_7_bit_slave_acknowledges_its_own_address_and_no_other(own, sent, read
     rig = Rig(bit=120)
     rig.begin(oar=own)
     assert rig.address(sent, read) == (own == sent)
-    assert rig.flag(AAS) == (own == sent)
-    assert rig.flag(SDIR) == (own == sent and read)
+    assert rig.flag("AAS") == (own == sent)
+    assert rig.flag("SDIR") == (own == sent and read)
     assert rig.pulling_sda is False
 
 
@@ -141,7 +120,7 @@ def test_a_slave_lets_the_bus_alone_and_takes_its_clock():
     rig.address()
     rig.write("I2CDXR", 1)
     rig.wait(100_000)
-    assert rig.chip.out & SCL
+    assert not rig.stretching
 
 
 @pytest.mark.rule("I2C-035", "I2C-036")
@@ -214,7 +193,7 @@ def test_the_general_call_is_answered(mode, oar):
 @pytest.mark.rule("I2C-226")
 def test_the_own_address_leaves_ad0_alone():
     rig = addressed()
-    assert rig.flag(AD0) == 0
+    assert rig.flag("AD0") == 0
 
 
 # 10-bit
@@ -225,7 +204,7 @@ def test_a_10_bit_slave_acknowledges_both_address_bytes():
     rig = ten_bit()
     rig.start()
     assert rig.send(HEAD)
-    assert rig.flag(AAS) == 0
+    assert rig.flag("AAS") == 0
     assert rig.send(TEN & 0xFF)
     assert rig.status(AAS | SDIR | RRDY) == AAS
     assert rig.send(0x42)
@@ -244,7 +223,7 @@ def test_a_10_bit_slave_compares_all_ten_bits(own, flips):
     assert first == (own >> 8 == sent >> 8)
     second = rig.send(sent & 0xFF)
     assert second == (flips == 0)
-    assert rig.flag(AAS) == (flips == 0)
+    assert rig.flag("AAS") == (flips == 0)
 
 
 @pytest.mark.rule("I2C-086", "I2C-224")
@@ -254,9 +233,9 @@ def test_10_bit_direction_changes_with_a_repeated_start_and_the_first_byte_alone
     rig.send(HEAD)
     rig.send(TEN & 0xFF)
     rig.restart()
-    assert rig.flag(AAS)
+    assert rig.flag("AAS")
     assert rig.send(HEAD | 1)
-    assert rig.flag(SDIR)
+    assert rig.flag("SDIR")
     rig.write("I2CDXR", 0xC3)
     assert rig.take(ack=False) == 0xC3
 
@@ -288,7 +267,7 @@ def test_10_bit_read_after_another_slave_was_addressed_is_not_answered(foreign):
         rig.send(byte)
     rig.restart()
     assert not rig.send(HEAD | 1)
-    assert rig.flag(SDIR) == 0
+    assert rig.flag("SDIR") == 0
 
 
 @pytest.mark.rule("I2C-087")
@@ -306,7 +285,7 @@ def test_a_7_bit_slave_does_not_answer_by_ten_bits():
     rig.start()
     assert not rig.send(HEAD)
     assert not rig.send(TEN & 0xFF)
-    assert rig.flag(AAS) == 0
+    assert rig.flag("AAS") == 0
 
 
 # Free data format
@@ -323,7 +302,7 @@ def test_free_data_format_the_first_byte_is_data_whatever_it_is(oar):
     assert rig.read("I2CDRR") == 0xB1
     assert rig.send(0x00)
     assert rig.read("I2CDRR") == 0x00
-    assert rig.flag(AD0) == 0
+    assert rig.flag("AD0") == 0
 
 
 @pytest.mark.rule("I2C-054", "I2C-317", "I2C-315")
@@ -365,4 +344,4 @@ def test_a_high_speed_master_code_is_just_a_foreign_address():
     assert not rig.address(0x08 >> 1)
     assert rig.status(AAS | ARDY) == 0
     rig.stop()
-    assert rig.flag(SCD)
+    assert rig.flag("SCD")

@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 
 from periph_sim.f28335.i2c.options import I2cOptions
 
-from ..i2c_bus import SCL, SDA, SLOT, STR, Bench, Foreign, Target
+from ..i2c_bus import SCL, SDA, SLOT, Bench, Foreign, Target
+from ..i2c_registers import FLAGS
 
 rule = pytest.mark.rule
 
@@ -162,7 +163,7 @@ def test_how_al_is_cleared(how: str):
     lost(b)
     b.run(50)
     if how == "write 1":
-        b.w("I2CSTR", STR["AL"])
+        b.w("I2CSTR", FLAGS["AL"])
     elif how == "write 0":
         b.w("I2CSTR", 0)
     elif how == "read I2CISRC":

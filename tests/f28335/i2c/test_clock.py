@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ..i2c_bus import FREE, HIGH, LOW, SCL, SDA, SLOT, Bench, Foreign, Target, mdr
+from ..i2c_bus import HIGH, LOW, RELEASED, SCL, SDA, SLOT, Bench, Foreign, Target, mdr
 
 rule = pytest.mark.rule
 
@@ -292,13 +292,13 @@ def test_spikes_on_scl_and_sda_do_not_disturb_a_transfer(cycles: int):
     b.mode("MST STT STP")
     rise = b.edge(SCL, 1, 11)
     b.run(50)
-    b.m.pins(b.now, FREE & ~(1 << SCL))  # only at the module's own pins: the target has no filter
+    b.m.pins(b.now, RELEASED & ~(1 << SCL))  # only at the module's own pins: the target has no filter
     b.run(cycles)
-    b.m.pins(b.now, FREE)
+    b.m.pins(b.now, RELEASED)
     b.run(30)
-    b.m.pins(b.now, FREE & ~(1 << SDA))
+    b.m.pins(b.now, RELEASED & ~(1 << SDA))
     b.run(cycles)
-    b.m.pins(b.now, FREE)
+    b.m.pins(b.now, RELEASED)
     assert b.edge(SCL, 0) == rise + HIGH
     assert b.drain(1) == [0xFF]
     b.stopped()

@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ..i2c_rig import BIT, FFEN, FFIENA, FFINT, FFINTCLR, FFRST, INT2, IRS, OWN, RSFULL, Rig
+from ..i2c_registers import FFEN, FFIENA, FFINT, FFINTCLR, FFRST, INT2, IRS
+from ..i2c_rig import BIT, OWN, Rig
 
 SOON = 20
 
@@ -92,7 +93,7 @@ def test_without_fifo_mode_the_registers_are_single():
     rig.address()
     rig.send(0x33)
     rig.send(0x44)
-    assert rig.flag(RSFULL)
+    assert rig.flag("RSFULL")
     assert count(rig, "RX") == 0
     assert rig.asked() & INT2 == 0
 

@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import pytest
 
-from ..i2c_rig import (
+from ..i2c_bus import SCL
+from ..i2c_registers import (
     AAS,
     AL,
     ARDY,
-    BIT,
     FFEN,
     FFRST,
     IE_AAS,
@@ -26,17 +26,13 @@ from ..i2c_rig import (
     MST,
     NACK,
     NACKMOD,
-    OTHER,
-    OWN,
     RRDY,
     SCD,
-    SCL,
     STT,
     TRX,
     XRDY,
-    Rig,
-    addressed,
 )
+from ..i2c_rig import BIT, OTHER, OWN, Rig, addressed
 
 SOON = 20  # cycles in which a request must have come
 
@@ -72,13 +68,13 @@ def master_done(ie: int = 0) -> Rig:
     rig.write("I2CCNT", 1)
     rig.write("I2CDXR", 0x77)
     rig.write("I2CMDR", IRS | MST | TRX | STT)
-    rig.wait_for(lambda: not rig.line & SCL)
+    rig.wait_for(lambda: not rig.level[SCL])
     for _ in range(2):
         for pulse in range(9):
-            rig.pull(sda=int(pulse < 8))
-            rig.wait_for(lambda: rig.line & SCL)
-            rig.wait_for(lambda: not rig.line & SCL)
-        rig.pull(sda=1)
+            rig.put(sda=int(pulse < 8))
+            rig.wait_for(lambda: rig.level[SCL])
+            rig.wait_for(lambda: not rig.level[SCL])
+        rig.put(sda=1)
     rig.wait(SOON)
     return rig
 
@@ -135,7 +131,7 @@ SOURCES = [
 def test_flag_and_enable_make_a_request_with_its_code(make, flag, enable, code):
     rig = make(enable)
     rig.wait(SOON)
-    assert rig.flag(flag)
+    assert rig.status(flag)
     assert rig.asked() == INT1
     if code == 5:  # its flag stays set: put it out first, so that the read below shows the code going
         rig.write("I2CDXR", 0x13)
@@ -151,7 +147,7 @@ def test_flag_and_enable_make_a_request_with_its_code(make, flag, enable, code):
 def test_without_its_enable_the_flag_comes_and_no_request(make, flag, enable, code):
     rig = make(0)
     rig.wait(SOON)
-    assert rig.flag(flag)
+    assert rig.status(flag)
     assert rig.asked() == 0
     assert rig.read("I2CISRC") == 0
 
@@ -270,7 +266,7 @@ def test_reading_codes_3_4_5_and_7_leaves_the_flag(make, enable, flag):
     before = rig.status()
     rig.read("I2CISRC")
     rig.wait(SOON)
-    assert rig.flag(flag)
+    assert rig.status(flag)
     assert rig.status() == before
 
 

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from periph_sim.f28335.i2c.options import I2cOptions
 from tests.waves import play, tidy
 
-from ..i2c_bus import MDR, OFFSETS, SCL, SLOT, STR, Bench, Foreign, Target, mdr
+from ..i2c_bus import SCL, SLOT, Bench, Foreign, Target, mdr
+from ..i2c_registers import FLAGS, MDR, OFFSET
 
 rule = pytest.mark.rule
 
@@ -252,10 +253,10 @@ def test_i2ccnt_0_means_65536_bytes():
     now = b.now
     chip.pins(now, 0b00)
     scl, falls, written = 0, 0, 0
-    while chip.peek(now, OFFSETS["I2CMDR"]) & MDR["STP"] and falls < 2 * 65536 + 2:
+    while chip.peek(now, OFFSET["I2CMDR"]) & MDR["STP"] and falls < 2 * 65536 + 2:
         if chip.next_wake > now + 100 * SLOT:
             for _ in range(16):
-                chip.write(now, OFFSETS["I2CDXR"], 0)
+                chip.write(now, OFFSET["I2CDXR"], 0)
             written += 16
         else:
             now = chip.next_wake
@@ -364,7 +365,7 @@ def test_ardy_is_cleared_by_writing_1_and_by_reset(how: str):
     if how == "IRS":
         b.w("I2CMDR", 0)
     else:
-        b.w("I2CSTR", STR["ARDY"] if how == "write 1" else 0)
+        b.w("I2CSTR", FLAGS["ARDY"] if how == "write 1" else 0)
     assert b.flag("ARDY") == (how == "write 0")
 
 

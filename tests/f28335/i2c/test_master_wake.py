@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ..i2c_bus import OFFSETS, SLOT, Bench, Edge, Foreign, Target, with_
+from ..i2c_bus import SLOT, Bench, Edge, Foreign, Target, with_
+from ..i2c_registers import OFFSET
 
 pytestmark = pytest.mark.long
 
@@ -46,7 +47,7 @@ def serve(b: Bench, left: list[int]) -> None:
 
 
 def look(b: Bench) -> list[int]:
-    return [b.m.out, b.m.requests, b.m.held, *(b.m.peek(b.now, offset) for offset in OFFSETS.values())]
+    return [b.m.out, b.m.requests, b.m.held, *(b.m.peek(b.now, offset) for offset in OFFSET.values())]
 
 
 @pytest.mark.parametrize("name", SCENES)

@@ -8,11 +8,10 @@ from __future__ import annotations
 
 import pytest
 
-from ..i2c_rig import (
+from ..i2c_registers import (
     AAS,
     AD0,
     BB,
-    BIT,
     FDF,
     FFEN,
     FFINTCLR,
@@ -24,22 +23,16 @@ from ..i2c_rig import (
     IE_XRDY,
     INT1,
     IRS,
-    NACK,
     NACKMOD,
-    NACKSNT,
-    OTHER,
-    OWN,
     RRDY,
-    RSFULL,
     SCD,
     SDIR,
     STP,
     TRX,
     XRDY,
     XSMT,
-    Rig,
-    addressed,
 )
+from ..i2c_rig import BIT, OTHER, OWN, Rig, addressed
 
 SOON = 20
 COPY_POINTS = ["any_ack_fall9", "ack_fall9", "ack_rise9", "eager", "eager_if_trx", "eager_reloaded_at_address"]
@@ -149,9 +142,9 @@ def test_open_dxr_to_xsr_copy_point_idle(point, trx):
     rig = idle(trx, dxr_to_xsr_copy_point=point)
     rig.write("I2CDXR", 0x11)
     eager = point in ("eager", "eager_reloaded_at_address") or (point == "eager_if_trx" and trx != 0)
-    assert rig.flag(XRDY) == eager
+    assert rig.flag("XRDY") == eager
     rig.write("I2CDXR", 0x22)
-    assert rig.flag(XRDY) == 0
+    assert rig.flag("XRDY") == 0
     rig.address(OWN, 1)
     assert rig.take() == (0x11 if eager and point != "eager_reloaded_at_address" else 0x22)
     assert rig.chip.touched == {
@@ -189,10 +182,10 @@ def test_open_dxr_to_xsr_copy_point_while_receiving(point):
     """0x11 waits in I2CDXR while a pointer byte is received: only one reading moves it on then."""
     rig = addressed(dxr_to_xsr_copy_point=point)
     rig.write("I2CDXR", 0x11)
-    before = rig.flag(XRDY)
+    before = rig.flag("XRDY")
     rig.send(0x00)
     assert before == (point in ("eager", "eager_reloaded_at_address"))
-    assert rig.flag(XRDY) == (before or point == "any_ack_fall9")
+    assert rig.flag("XRDY") == (before or point == "any_ack_fall9")
 
 
 @pytest.mark.rule("I2C-118")
@@ -200,17 +193,17 @@ def test_open_dxr_to_xsr_copy_point_while_receiving(point):
 def test_open_dxr_to_xsr_copy_point_between_data_bytes(point):
     """0x22 waits in I2CDXR while 0x11 is on the bus: at which edge XRDY says that it moved on."""
     rig = addressed(read=1, first=0x11, dxr_to_xsr_copy_point=point, xrdy_rise_point="at_copy", mode=TRX)
-    if not rig.flag(XRDY):
+    if not rig.flag("XRDY"):
         rig.wait(100)
     rig.write("I2CDXR", 0x22)
     rig.take_bits(7)
-    assert rig.flag(XRDY) == 0
+    assert rig.flag("XRDY") == 0
     rig.clock(1)
-    edges = {"fall8": rig.flag(XRDY)}
+    edges = {"fall8": rig.flag("XRDY")}
     rig.rise(0)
-    edges["rise9"] = rig.flag(XRDY)
+    edges["rise9"] = rig.flag("XRDY")
     rig.fall()
-    edges["fall9"] = rig.flag(XRDY)
+    edges["fall9"] = rig.flag("XRDY")
     moved = "fall8" if point.startswith("eager") else "rise9" if point == "ack_rise9" else "fall9"
     assert next(edge for edge, xrdy in edges.items() if xrdy) == moved
     assert rig.take(ack=False) == 0x22
@@ -224,15 +217,15 @@ def test_open_xrdy_rise_point(point):
     rig.send_bits(OWN << 1 | 1)
     rig.write("I2CDXR", 0x11)
     rig.rise()
-    assert rig.flag(XRDY) == (point == "at_copy")
+    assert rig.flag("XRDY") == (point == "at_copy")
     rig.fall()
-    assert rig.flag(XRDY)
+    assert rig.flag("XRDY")
     rig.write("I2CDXR", 0x22)
     assert rig.take_bits(8) == 0x11
     rig.rise(0)
-    assert rig.flag(XRDY) == (point == "at_copy")
+    assert rig.flag("XRDY") == (point == "at_copy")
     rig.fall()
-    assert rig.flag(XRDY)
+    assert rig.flag("XRDY")
     assert rig.touched == "aas_sdir_point bcm_reset dxr_to_xsr_copy_point noise_filter_cycles xrdy_rise_point"
 
 
@@ -258,7 +251,7 @@ def test_open_tx_underflow_policy(policy):
     assert rig.take() == 0x5A
     rig.wait(BIT)
     assert rig.stretching == (policy == "stretch")
-    assert rig.flag(XSMT) == 0
+    assert rig.flag("XSMT") == 0
     if policy != "stretch":
         assert rig.take(ack=False) == (0x5A if policy == "resend_previous" else 0xFF)
     assert rig.chip.touched == {
@@ -303,7 +296,7 @@ def test_open_xsmt_rule(rule):
     assert rig.stretching
     assert rig.status(XRDY | XSMT) == (XRDY if rule == "text" else XRDY | XSMT)
     rig.write("I2CDXR", 0x5A)
-    assert rig.flag(XSMT) == (rule == "text")
+    assert rig.flag("XSMT") == (rule == "text")
     rig.wait(BIT)
     assert not rig.stretching
     assert rig.status(XRDY | XSMT) == XRDY | XSMT
@@ -324,7 +317,7 @@ def test_open_stale_byte_next_read(fate):
     rig.address(OWN, 1)
     rig.wait(BIT)
     assert rig.stretching == (fate == "discarded")
-    assert rig.flag(XRDY)
+    assert rig.flag("XRDY")
     rig.write("I2CDXR", 0x33)
     assert rig.take(ack=False) == (0x22 if fate == "sent_first" else 0x33)
     assert rig.chip.touched == {
@@ -348,7 +341,7 @@ def test_open_dxr_write_while_full(policy, sent):
     rig = idle(dxr_write_while_full=policy)
     rig.write("I2CDXR", 0x11)
     rig.write("I2CDXR", 0x22)
-    assert rig.flag(XRDY) == 0
+    assert rig.flag("XRDY") == 0
     rig.address(OWN, 1)
     assert [rig.take() for _ in sent] == sent
     assert rig.stretching
@@ -365,7 +358,7 @@ def test_open_dxr_survives_irs(fate):
     rig.write("I2CDXR", 0x5A)
     rig.write("I2CMDR", 0)
     rig.write("I2CMDR", IRS)
-    assert rig.flag(XRDY)
+    assert rig.flag("XRDY")
     assert rig.read("I2CDXR") == 0x5A
     rig.address(OWN, 1)
     rig.wait(BIT)
@@ -393,7 +386,7 @@ def test_open_nack_clears_dxr(clears):
     rig = addressed(read=1, nack_clears_dxr=clears)
     rig.supply(0x11, 0x22)
     rig.take(ack=False)
-    assert rig.flag(XRDY) == clears
+    assert rig.flag("XRDY") == clears
     rig.stop()
     rig.address(OWN, 1)
     rig.wait(BIT)
@@ -414,7 +407,7 @@ def test_open_nack_clears_dxr(clears):
 @pytest.mark.parametrize("what", ["stays_1", "0_without_stretch"])
 def test_open_xsmt_on_final_nack(what):
     rig = served(1, xsmt_on_final_nack=what)
-    assert rig.flag(XSMT) == (what == "stays_1")
+    assert rig.flag("XSMT") == (what == "stays_1")
     assert not rig.stretching
     assert rig.touched == "aas_sdir_point bcm_reset dxr_to_xsr_copy_point noise_filter_cycles xsmt_on_final_nack"
 
@@ -427,7 +420,7 @@ def test_open_nackint_in_slave_tx(asks):
     rig.write("I2CDXR", 0x5A)
     rig.take(ack=False)
     rig.wait(SOON)
-    assert rig.flag(NACK)
+    assert rig.flag("NACK")
     assert rig.peek("I2CISRC") == (2 if asks else 0)
     assert rig.asked() == (INT1 if asks else 0)
     assert rig.chip.touched == {
@@ -463,11 +456,11 @@ def test_open_sda_setup_before_scl_release(clocks):
 def test_open_sdir_clear(clear, address):
     rig = served(1, sdir_clear=clear)
     rig.stop()
-    assert rig.flag(SDIR) == (clear == "until_next_address")
+    assert rig.flag("SDIR") == (clear == "until_next_address")
     rig.start()
-    assert rig.flag(SDIR) == (clear == "until_next_address")
+    assert rig.flag("SDIR") == (clear == "until_next_address")
     rig.send(address << 1)
-    assert rig.flag(SDIR) == 0
+    assert rig.flag("SDIR") == 0
     assert rig.touched == (
         "aas_sdir_point bcm_reset dxr_to_xsr_copy_point noise_filter_cycles sdir_clear xsmt_on_final_nack"
     )
@@ -485,7 +478,7 @@ def test_open_cnt_in_slave_tx(effect):
         rig.send_bits(OWN << 1 | 1)
         got = []
         for byte in (0x11, 0x22, 0x33):
-            if rig.flag(XRDY):
+            if rig.flag("XRDY"):
                 rig.write("I2CDXR", byte)
             if byte == 0x11:
                 rig.acked()
@@ -534,13 +527,13 @@ def test_open_rrdy_point(point):
     places = ["rise8", "fall8", "rise9", "fall9"]
     shown = []
     rig.rise(0)
-    shown.append(rig.flag(RRDY))
+    shown.append(rig.flag("RRDY"))
     rig.fall()
-    shown.append(rig.flag(RRDY))
+    shown.append(rig.flag("RRDY"))
     rig.rise(1)
-    shown.append(rig.flag(RRDY))
+    shown.append(rig.flag("RRDY"))
     rig.fall()
-    shown.append(rig.flag(RRDY))
+    shown.append(rig.flag("RRDY"))
     assert shown == [int(places.index(p) >= places.index(point)) for p in places]
     assert rig.read("I2CDRR") == 0x5A
     assert rig.touched == "aas_sdir_point noise_filter_cycles rrdy_point"
@@ -552,7 +545,7 @@ def test_open_rx_overrun_policy(policy):
     rig = addressed(rx_overrun_policy=policy)
     rig.send(0x11)
     assert rig.send(0x22) == (policy != "nack")
-    assert rig.flag(RSFULL)
+    assert rig.flag("RSFULL")
     assert rig.stretching == (policy == "stretch_after_second_byte")
     if policy == "overwrite":
         assert rig.send(0x33)
@@ -599,8 +592,8 @@ def test_open_nackmod_on_address(scope):
     rig = idle(NACKMOD, nackmod_on_address=scope)
     assert rig.address() == (scope == "data_only")
     assert not rig.send(0x11)
-    assert rig.flag(RRDY) == (scope == "data_only")
-    assert rig.flag(NACKSNT)
+    assert rig.flag("RRDY") == (scope == "data_only")
+    assert rig.flag("NACKSNT")
     assert rig.chip.touched == {"aas_sdir_point", "nackmod_on_address", "noise_filter_cycles"} | (
         {"rrdy_point"} if scope == "data_only" else set()
     )
@@ -614,13 +607,13 @@ def test_open_nackmod_on_address(scope):
 def test_open_bb_on_irs_reset(what):
     rig = addressed(bb_on_irs_reset=what)
     rig.write("I2CMDR", 0)
-    assert rig.flag(BB) == (what == "keep")
+    assert rig.flag("BB") == (what == "keep")
     rig.write("I2CMDR", IRS)
-    assert rig.flag(BB) == (what == "keep")
+    assert rig.flag("BB") == (what == "keep")
     rig.restart()
-    assert rig.flag(BB)
+    assert rig.flag("BB")
     rig.stop()
-    assert rig.flag(BB) == 0
+    assert rig.flag("BB") == 0
     assert rig.touched == "aas_sdir_point bb_on_irs_reset noise_filter_cycles scd_foreign"
 
 
@@ -649,7 +642,7 @@ def test_open_oar_latch(latch):
 def test_open_general_call(answer):
     rig = idle(general_call=answer)
     assert rig.address(0) == (answer == "acknowledged")
-    assert rig.flag(AAS) == (answer == "acknowledged")
+    assert rig.flag("AAS") == (answer == "acknowledged")
     assert rig.chip.touched == {"general_call", "noise_filter_cycles"} | (
         {"aas_sdir_point"} if answer == "acknowledged" else set()
     )
@@ -661,12 +654,12 @@ def test_open_scd_foreign(which):
     rig = idle(scd_foreign=which)
     rig.address(OTHER)
     rig.stop()
-    assert rig.flag(SCD) == (which == "every_stop")
+    assert rig.flag("SCD") == (which == "every_stop")
     assert rig.touched == "noise_filter_cycles scd_foreign"
     rig.write("I2CSTR", SCD)
     rig.address(OWN)
     rig.stop()
-    assert rig.flag(SCD)
+    assert rig.flag("SCD")
 
 
 @pytest.mark.rule("I2C-091")
@@ -718,9 +711,9 @@ def test_open_aas_fdf_point(point):
     rig = idle(FDF, aas_fdf_point=point)
     rig.start()
     rig.send_bits(0x33)
-    assert rig.flag(AAS) == (point == "end_of_byte")
+    assert rig.flag("AAS") == (point == "end_of_byte")
     rig.acked()
-    assert rig.flag(AAS)
+    assert rig.flag("AAS")
     assert rig.touched == "aas_fdf_point noise_filter_cycles rrdy_point"
 
 
@@ -732,13 +725,13 @@ def test_open_noise_filter_cycles(clocks):
     rig = idle(noise_filter_cycles=clocks)
     rig.wait(BIT)
     if width:
-        rig.pull(sda=0)
+        rig.put(sda=0)
         rig.wait(width - 1)
-        rig.pull(sda=1)
+        rig.put(sda=1)
         rig.wait(BIT)
         assert rig.status(BB | SCD) == 0
-    rig.pull(sda=0)
-    assert rig.wait_for(lambda: rig.flag(BB)) == width
+    rig.put(sda=0)
+    assert rig.wait_for(lambda: rig.flag("BB")) == width
     rig.fall()
     assert rig.send(OWN << 1)
     assert rig.touched == "aas_sdir_point noise_filter_cycles"
@@ -755,7 +748,7 @@ def test_open_isrc_read_clears_aas(clears):
     rig.address()
     rig.wait(SOON)
     assert rig.read("I2CISRC") == 7
-    assert rig.flag(AAS) != clears
+    assert rig.flag("AAS") != clears
     assert rig.send(0x11), "the transfer goes on"
     assert rig.touched == (
         "aas_sdir_point event_to_isrc_delay int_line isrc_read_clears_aas noise_filter_cycles rrdy_point"
@@ -767,9 +760,9 @@ def test_open_isrc_read_clears_aas(clears):
 def test_open_xrdy_w1c(value):
     rig = idle(xrdy_w1c=value)
     rig.write("I2CSTR", 0)
-    assert rig.flag(XRDY)
+    assert rig.flag("XRDY")
     rig.write("I2CSTR", XRDY)
-    assert rig.flag(XRDY) == (value == "no")
+    assert rig.flag("XRDY") == (value == "no")
     assert rig.touched == "noise_filter_cycles xrdy_w1c"
 
 
@@ -795,7 +788,7 @@ def test_open_event_to_isrc_delay(delay):
     rig = addressed(event_to_isrc_delay=delay)
     rig.write("I2CIER", IE_SCD)
     rig.stop()
-    assert rig.flag(SCD), "the flag itself does not wait"
+    assert rig.flag("SCD"), "the flag itself does not wait"
     assert rig.wait_for(lambda: rig.peek("I2CISRC")) == delay
     assert rig.interrupts == [(rig.now, INT1)]
     assert rig.touched == "aas_sdir_point event_to_isrc_delay noise_filter_cycles"
@@ -899,10 +892,10 @@ def test_open_psc_write_irs1(what):
 
     def filter_width() -> int:
         rig.wait(BIT)
-        rig.pull(sda=0)
-        width = rig.wait_for(lambda: rig.flag(BB))
+        rig.put(sda=0)
+        width = rig.wait_for(lambda: rig.flag("BB"))
         rig.wait(BIT)
-        rig.pull(sda=1)
+        rig.put(sda=1)
         rig.wait(BIT)
         return width
 
@@ -923,11 +916,11 @@ def test_open_unequal_arrival(answer, start):
     """SDA falls 7 cycles before SCL, the module clock has 15: a START, or two lines that fell together."""
     rig = idle(unequal_arrival=answer, noise_filter_cycles=1)
     rig.wait(BIT)
-    rig.pull(sda=0)
+    rig.put(sda=0)
     rig.wait(7)
-    rig.pull(scl=0)
+    rig.put(scl=0)
     rig.wait(SOON)
-    assert rig.flag(BB) == start
+    assert rig.flag("BB") == start
     assert rig.touched == "noise_filter_cycles unequal_arrival"
 
 
@@ -960,7 +953,7 @@ def test_open_free_slave_unit(unit):
         rig.chip.suspend(rig.now, False)
     assert rig.send(0x22)
     rig.stop()
-    assert rig.flag(BB) == 0
+    assert rig.flag("BB") == 0
     rig.start()
     assert rig.stretching == (unit == "whole_transfer")
     rig.chip.suspend(rig.now, False)
@@ -1014,7 +1007,7 @@ def test_open_fifo_17th_byte(policy):
         assert rig.send(n)
     assert rig.send(16) == (policy != "nack")
     assert rig.stretching == (policy == "stretch")
-    assert rig.flag(RSFULL)
+    assert rig.flag("RSFULL")
     assert rig.peek("I2CFFRX") >> 8 & 31 == 16
     if policy == "overwrite":
         rig.send(17)
@@ -1143,9 +1136,9 @@ def test_open_rrdy_clear_reads_drr(read):
     rig = addressed(rrdy_clear_reads_drr=read)
     rig.send(0x11)
     rig.write("I2CSTR", RRDY)
-    assert rig.flag(RRDY) == 0
+    assert rig.flag("RRDY") == 0
     rig.send_bits(0x22)
-    assert (rig.flag(RSFULL), rig.flag(RRDY)) == ((0, 1) if read else (1, 0))
+    assert (rig.flag("RSFULL"), rig.flag("RRDY")) == ((0, 1) if read else (1, 0))
     assert rig.peek("I2CDRR") == (0x22 if read else 0x11)
     assert rig.chip.touched == {"aas_sdir_point", "noise_filter_cycles", "rrdy_clear_reads_drr", "rrdy_point"} | (
         {"rx_overrun_policy"} if not read else set()
@@ -1172,9 +1165,9 @@ def test_after_irs_0_in_mid_byte_an_eager_module_copies_at_once_again(point):
     assert rig.chip.out == 0b11
     rig.write("I2CMDR", IRS | TRX)
     rig.write("I2CDXR", 0x22)
-    assert rig.flag(XRDY), "0x22 is in I2CXSR already"
+    assert rig.flag("XRDY"), "0x22 is in I2CXSR already"
     rig.write("I2CDXR", 0x33)
-    assert not rig.flag(XRDY), "I2CXSR is taken"
+    assert not rig.flag("XRDY"), "I2CXSR is taken"
     rig.stop()
     rig.start()
     assert rig.send(OWN << 1 | 1)

@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 from periph_sim.f28335.i2c.options import I2cOptions
 from tests.waves import play, tidy
 
-from ..i2c_bus import HIGH, LOW, MDR, SCL, SDA, SLOT, Bench, Foreign, Target, decode, mdr, with_
-from ..i2c_rig import SDIR, Rig
+from ..i2c_bus import HIGH, LOW, SCL, SDA, SLOT, Bench, Foreign, Target, decode, mdr, with_
+from ..i2c_registers import MDR
+from ..i2c_rig import Rig
 
 rule = pytest.mark.rule
 
@@ -445,9 +446,9 @@ def test_where_scl_rises_with_sda_the_bit_is_what_sda_becomes(sda: int):
     rig.begin()
     rig.start()
     rig.send_bits(0x90 >> 1, 7)
-    rig.pull(sda=1 - sda)
+    rig.put(sda=1 - sda)
     rig.wait(rig.bit // 2)
-    rig.pull(scl=1, sda=sda)
+    rig.put(scl=1, sda=sda)
     rig.fall()
     rig.wait(rig.bit // 4)
-    assert (rig.flag(SDIR), rig.pulling_sda) == (sda, True)
+    assert (rig.flag("SDIR"), rig.pulling_sda) == (sda, True)

@@ -70,7 +70,8 @@ def test_the_help_of_a_command_begins_with_an_example_that_it_takes_and_fits_80_
     usage, _, rest = came.out.partition("\n\n")
     assert usage.startswith("Usage: ") and rest.startswith(f"  $ periph-sim {name}")
     assert max(map(len, came.out.splitlines())) <= 80
-    program, *arguments = shlex.split(rest.partition("\n")[0].strip().removeprefix("$ "))
+    shown = rest.partition("\n")[0].partition(" > ")[0]
+    program, *arguments = shlex.split(shown.strip().removeprefix("$ "))
     command = cli.get_command(None, name)  # type: ignore[arg-type]
     assert command is not None and program == "periph-sim"
     command.make_context(name, arguments[1:])

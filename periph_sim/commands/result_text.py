@@ -20,7 +20,7 @@ STYLES = {PASS: "", FAIL: "red", NOT_JUDGED: "yellow"}
 
 def show(console: Console, result: Result, case: Case, guaranteed: bool = False, verbose: bool = False) -> None:
     """guaranteed: what is not proven has failed. verbose: list what the run assumed, and tell what it skipped."""
-    say(console, f"{result.case}: {_title(result, guaranteed)}", style="bold")
+    say(console, f"{result.case}: {title(result, guaranteed)}", style="bold")
     console.print(budget_table(result.budgets))
     for line in legend(result.budgets):
         say(console, line)
@@ -62,7 +62,7 @@ def rounded(count: int) -> str:
     return str(count)
 
 
-def _title(result: Result, guaranteed: bool) -> str:
+def title(result: Result, guaranteed: bool) -> str:
     if result.verdict != PASS:
         return result.verdict.upper()
     if result.proof == EVERY_PHASE:
@@ -99,9 +99,14 @@ def row(verdict: Verdict) -> dict[str, str]:
     }
 
 
+def broken_lines(budgets: Sequence[Verdict]) -> list[str]:
+    """A line a broken budget, with its instant."""
+    return [f"{each.name}: {broken(each)}" for each in budgets if each.broken and each.worst is not None]
+
+
 def legend(budgets: Sequence[Verdict]) -> list[str]:
     """What broke, with its instant; then what the words of this table mean, and why what was seen is not proven."""
-    lines = [f"{each.name}: {broken(each)}" for each in budgets if each.broken and each.worst is not None]
+    lines = broken_lines(budgets)
     if not budgets:
         return []
     bounded = any(each.bound is not None for each in budgets)

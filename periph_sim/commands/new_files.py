@@ -1,0 +1,107 @@
+"""What `new` writes: a kind of template or a shipped case goes in; texts by their paths come out, and are written."""
+
+from __future__ import annotations
+
+import ast
+import re
+import tomllib
+from pathlib import Path
+
+import click
+
+from ..core.suggest import did_you_mean
+from ..scene.firmware_files import EXAMPLES, SHIPPED
+from ..traces.capture.capture import Capture
+from .watched_files import texts_in
+
+TEMPLATES = Path(__file__).parents[1] / "templates"
+NAME = re.compile(r"[A-Za-z0-9_][\w.-]*")
+
+Files = dict[Path, str]
+
+
+def template(kind: str, place: Path) -> Files:
+    """The files of a template under another name. place: folder and name, without a suffix."""
+    if not NAME.fullmatch(place.name):
+        raise click.ClickException(f"{place.name!r} is no name for files; expected letters, digits, '_' and '-'")
+    stem = kind.replace("-", "_")
+    found = {}
+    for file in sorted(TEMPLATES.glob(f"{stem}.*")):
+        text = file.read_text(encoding="utf-8")
+        if file.suffix == ".toml":
+            text = text.replace(f'"{stem}"', f'"{place.name}"').replace(f'"{stem}.py"', f'"{place.name}.py"')
+        found[place.with_name(f"{place.name}{file.suffix}")] = text
+    return found
+
+
+def as_captured(files: Files, capture: Capture, mapping: str | None) -> Files:
+    """The files of a replay, for the target that a capture shows; its own capture is left out."""
+    from ..replay.channels import channel_map
+    from ..replay.i2c_script import most_frequent, turns
+    from ..traces.decode import i2c
+
+    lines = channel_map(capture, mapping)
+    if "rx" in lines:
+        raise click.ClickException(
+            f"{capture.path}: is a UART capture; periph-sim new --example uart_logger makes a case to replay it against"
+        )
+    found = list(turns(i2c.transfers(capture, lines["scl"], lines["sda"])))
+    address = most_frequent(found)
+    if address is None:
+        raise click.ClickException(
+            f"{capture.path}: no I2C transfer with an address in it; is --map the right way round?"
+        )
+    lengths = [len(turn.answer.data) for turn in found if turn.address == address and turn.read and turn.answer.ack]
+    made = {}
+    for path, text in files.items():
+        if path.suffix == ".toml":
+            text = text.replace("address = 0x48", f"address = {address:#04x}")
+            text = text.replace("count = 2", f"count = {max(lengths, default=1)}")
+        if path.suffix != ".vcd":
+            made[path] = text
+    return made
+
+
+def example(name: str, folder: Path) -> Files:
+    """A shipped case, the firmware that it names with all that imports, and the files beside it that it names."""
+    cases = {file.stem: file for file in sorted((EXAMPLES / "timing").glob("*.toml"))}
+    if name not in cases:
+        raise click.ClickException(f"there is no example {name!r}; {did_you_mean(name, cases)}")
+    text = cases[name].read_text(encoding="utf-8")
+    tree = tomllib.loads(text)
+    found: Files = {}
+    for unit in tree.get("unit", {}).values():
+        program = unit["firmware"]
+        text = text.replace(f'firmware = "{program}"\n', f'firmware = "{program}.py"\n')
+        for module in _imported(program):
+            found[folder / f"{module}.py"] = (SHIPPED / f"{module}.py").read_text(encoding="utf-8")
+    for said in texts_in(tree):
+        file = cases[name].parent / said
+        if len(said) < 200 and Path(said).name == said and file.is_file():
+            found[folder / said] = file.read_text(encoding="utf-8")
+    return {folder / f"{name}.toml": text, **found}
+
+
+def _imported(program: str) -> list[str]:
+    """A shipped program, and those that it imports from its own folder."""
+    found = [program]
+    for name in found:
+        for node in ast.walk(ast.parse((SHIPPED / f"{name}.py").read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and node.level == 1:
+                names = [node.module] if node.module else [alias.name for alias in node.names]
+                found += [module for module in names if module not in found]
+    return found
+
+
+def write(files: Files) -> None:
+    """Write all of them, or none where one is there already."""
+    there = [str(path) for path in files if path.exists() or path.is_symlink()]
+    if there:
+        raise click.ClickException(f"{', '.join(there)}: is there already, and nothing was written; give another name")
+    try:
+        for path, text in files.items():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with path.open("x", encoding="utf-8", newline="\n") as file:
+                file.write(text)
+    except OSError as error:
+        raise click.ClickException(f"{error.filename}: cannot be written ({error.strerror})") from None

@@ -1,0 +1,92 @@
+"""`periph-sim watch CASE`: run a case again as soon as one of its files changes, and say what that changed."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from .input_options import GUARANTEED
+from .usage_error import usage_errors_in_one_sentence
+
+if TYPE_CHECKING:
+    from ..reports.baselines.outcome import Outcome, RejectedCase
+
+SECTION = "run"
+EXAMPLE = "periph-sim watch timing/imu_hil.toml"
+
+PAUSE = 0.3  # seconds between two looks at a dozen files: no library needed, and it works on any file system
+
+
+@click.command()
+@click.argument("case", type=click.Path(path_type=Path))
+@click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
+@GUARANTEED
+def watch(case: Path, changes: tuple[str, ...], guaranteed: bool | None) -> int:
+    """Run CASE again whenever one of its files changes, until Ctrl-C.
+
+    Its files are the case, the Python files beside its firmware, every file that the case
+    names, and its baseline. After the first run only the verdict is printed, and the figures
+    that changed since the run before.
+    """
+    try:
+        with usage_errors_in_one_sentence():
+            _watch(case, changes, guaranteed)
+    except KeyboardInterrupt:
+        click.echo()
+    return 0
+
+
+def _watch(case: Path, changes: tuple[str, ...], guaranteed: bool | None) -> None:
+    """Run and wait, for ever."""
+    from ..reports.baselines.outcome import run_case
+    from ..scene.project import project_of
+    from .watched_files import stamps
+
+    needed = project_of(Path()).settings.guaranteed if guaranteed is None else guaranteed
+    before: Outcome | None = None
+    while True:
+        seen = stamps(case)
+        came = run_case(case, changes)
+        before = _told(came, before, needed)
+        while stamps(case) == seen:
+            time.sleep(PAUSE)
+
+
+def _told(came: Outcome | RejectedCase, before: Outcome | None, guaranteed: bool) -> Outcome | None:
+    """Print a run; what the next one is compared with comes back."""
+    from ..reports.baselines.compare import compare
+    from ..reports.baselines.errors import BadCheck
+    from ..reports.baselines.files import path_for, read
+    from ..reports.baselines.outcome import RejectedCase
+    from .result_text import broken_lines, budget_table, title
+    from .tables import say, terminal
+
+    console = terminal()
+    if isinstance(came, RejectedCase):
+        say(console, f"Error: {came.why}")
+        return before
+    say(console, f"{came.figures.case}: {title(came.result, guaranteed)}", "bold")
+    if before is None:
+        console.print(budget_table(came.verdicts))
+    for line in broken_lines(came.verdicts):
+        say(console, f"  {line}")
+    for line in came.trouble:
+        say(console, f"  {line}")
+    if before is not None:
+        changed = [change for change in compare(before.figures, came.figures) if not change.note]
+        for change in changed:
+            say(console, f"  {change}")
+        if not changed:
+            say(console, "  no figure changed")
+    try:
+        baseline = read(path_for(came.path))
+    except BadCheck as error:
+        say(console, f"  {error}")
+        return came
+    if baseline is not None:
+        count = sum(not change.note for change in compare(baseline, came.figures))
+        say(console, f"  baseline: {f'{count} figures differ' if count else 'equal'}")
+    return came

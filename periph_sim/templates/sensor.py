@@ -1,0 +1,36 @@
+"""Stands in for a temperature sensor on the bus, at address 0x48: a new sample every 5 ms, two bytes in each answer."""
+
+from fractions import Fraction
+
+from periph_sim.firmware import start_i2c, start_pie
+
+PERIOD = Fraction(5, 1000)
+COST = Fraction(40, 10**6)  # of the model, measured on the chip or estimated
+
+
+def main(dsp, settings):
+    sample = [0x19, 0x00]
+
+    def tick():
+        with dsp.span("model"):
+            dsp.compute(COST)
+            sample[1] = (sample[1] + 1) & 0xFF  # a sixteenth of a degree or so: put your model here
+        dsp.module("PIE").PIEACK.all = 1
+
+    start_i2c(dsp, own_address=0x48)
+    i2c = dsp.module("I2C-A")
+    i2c.I2CMDR.IRS = 1
+    timer = dsp.module("TIMER0")
+    timer.PRD.all = int(PERIOD * dsp.control.sysclk_hz) - 1
+    timer.TCR.all = 0x4020  # TIE, TRB
+    start_pie(dsp, {"TINT0": tick})
+    while True:
+        dsp.spin(lambda: i2c.I2CSTR.SDIR == 1)
+        with dsp.span("answer"):
+            # dsp.compute(15_000)  # without the "#" in front, each answer comes 100 us later and "response" breaks
+            whole = tuple(sample)  # both bytes of one sample, even if the next one comes meanwhile
+            for byte in whole:
+                i2c.I2CDXR.all = byte
+                dsp.spin(lambda: i2c.I2CSTR.XRDY == 1 or i2c.I2CSTR.SCD == 1)
+            dsp.spin(lambda: i2c.I2CSTR.SCD == 1)
+            i2c.I2CSTR.SCD = 1

@@ -1,0 +1,116 @@
+"""`periph-sim new`: every kind is green as it is, one line of its firmware breaks the budget that it names."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from periph_sim.commands.new import TEMPLATES
+from periph_sim.reports.baselines.outcome import Outcome, run_case
+from tests.commands.conftest import Run
+
+KINDS = sorted(file.stem for file in TEMPLATES.glob("*.toml"))
+TRACES = Path(__file__).parents[2] / "traces"
+LINE = re.compile(r'^( *)# (dsp\.compute\(.*?)  # without the "#" in front, .* and "(.*)" breaks$', re.MULTILINE)
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def words(case: Path) -> dict[str, str]:
+    came = run_case(case)
+    assert isinstance(came, Outcome), came
+    return {verdict.name: verdict.verdict for verdict in came.verdicts}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_kind_runs_as_it_is_and_the_line_that_it_names_breaks_the_budget_that_it_names(
+    periph_sim: Run, here: Path, kind: str
+):
+    came = periph_sim("new", kind.replace("_", "-"), "bench/mine")
+    assert (came.status, came.err) == (0, "")
+    assert "\nrun it:           periph-sim run bench/mine.toml\n" in came.out
+    case, firmware = Path("bench/mine.toml"), Path("bench/mine.py")
+    assert {path.name for path in Path("bench").iterdir()} == {
+        f"mine{file.suffix}" for file in TEMPLATES.glob(f"{kind}.*")
+    }
+    good = words(case)
+    assert good and set(good.values()) == {"pass"}
+    text = firmware.read_text(encoding="utf-8")
+    (line,) = LINE.finditer(text)
+    firmware.write_text(text.replace(line[0], f"{line[1]}{line[2]}"), encoding="utf-8")
+    broken = [name for name, verdict in words(case).items() if verdict == "fail"]
+    assert broken == [line[3]]
+
+
+def test_every_kind_that_the_help_lists_is_there(periph_sim: Run):
+    listed = re.findall(r"^  ([a-z0-9-]+) {2,}\S", periph_sim("new", "--help").out, re.MULTILINE)
+    assert sorted(kind.replace("-", "_") for kind in listed) == KINDS
+
+
+def test_a_replay_without_a_capture_has_a_small_one(periph_sim: Run, here: Path):
+    command = next(line for line in periph_sim("new", "replay").out.splitlines() if line.startswith("replay: "))
+    arguments = ("replay", "replay.vcd", "--case", "replay.toml", "--tolerance", "2 us")
+    assert command.split(None, 1)[1] == "periph-sim replay replay.vcd --case replay.toml --tolerance '2 us'"
+    assert periph_sim(*arguments).status == 0
+    text = Path("replay.py").read_text(encoding="utf-8")
+    Path("replay.py").write_text(text.replace("# dsp.compute", "dsp.compute"), encoding="utf-8")
+    assert periph_sim(*arguments).status == 1
+
+
+def test_a_replay_of_a_given_capture_stands_in_for_its_busiest_target(periph_sim: Run, here: Path):
+    capture = str(TRACES / "imu_round.sr")
+    assert periph_sim("new", "replay", "--from", capture).status == 0
+    assert sorted(path.name for path in here.iterdir()) == ["replay.py", "replay.toml"]
+    text = Path("replay.toml").read_text(encoding="utf-8")
+    assert text.count("address = 0x68") == 2 and "count = 6" in text
+    assert periph_sim("replay", capture, "--case", "replay.toml", "--tolerance", "2 us").status == 0
+    assert set(words(Path("replay.toml")).values()) == {"pass"}
+
+
+def test_an_example_runs_where_it_lands_with_all_firmware_that_it_needs(periph_sim: Run, here: Path):
+    assert periph_sim("new", "--example", "two_dsps", "copy").status == 0
+    names = {"two_dsps.toml", "sensor_head.py", "imu_hil.py", "imu_models.py"}
+    assert {path.name for path in Path("copy").iterdir()} == names
+    assert periph_sim("run", "copy/two_dsps.toml", "--seconds", "0.03").out.startswith("two_dsps: PASS")
+    text = Path("copy/imu_hil.py").read_text(encoding="utf-8")
+    Path("copy/imu_hil.py").write_text(f"{text}\nraise ValueError('the copy is what runs')\n", encoding="utf-8")
+    came = periph_sim("run", "copy/two_dsps.toml", "--seconds", "0.03")
+    assert came.status == 2 and "the copy is what runs" in came.err
+
+
+@pytest.mark.parametrize("name", ["imu_hil.toml", "imu_hil.py"])
+def test_nothing_is_written_over_and_nothing_half_done(periph_sim: Run, here: Path, name: str):
+    Path(name).write_text("mine", encoding="utf-8")
+    came = periph_sim("new", "--example", "imu_hil")
+    assert (came.status, came.out) == (2, "")
+    assert came.err == f"Error: {name}: is there already, and nothing was written; give another name\n"
+    assert [path.name for path in here.iterdir()] == [name] and Path(name).read_text() == "mine"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["sensr"], "there is no kind 'sensr'; did you mean sensor?"),
+        ([], "say what to begin with: i2c-master, i2c-slave,"),
+        (["sensor", "a b"], "'a b' is no name for files; expected letters, digits, '_' and '-'"),
+        (["--example", "imu_hl"], "there is no example 'imu_hl'; did you mean imu_hil or"),
+        (["--example", "imu_hil", "a", "b"], "--example takes at most the folder that the copy goes to"),
+        (["sensor", "--from", "x.sr"], "--from goes with replay, not with sensor"),
+        (["replay", "--from", "x.sr"], "x.sr, the file: found no such file or directory"),
+        (
+            ["replay", "--from", str(TRACES / "host_frames.sr")],
+            "is a UART capture; periph-sim new --example uart_logger",
+        ),
+        (["replay", "--from", str(TRACES / "imu_round.sr"), "--map", "scl=5,sda=1"], "has no single channel '5'"),
+    ],
+)
+def test_a_mistake_is_one_sentence(periph_sim: Run, here: Path, arguments: list[str], sentence: str):
+    came = periph_sim("new", *arguments)
+    assert came.status == 2 and sentence in came.err and "Traceback" not in came.err
+    assert not list(here.iterdir())

@@ -76,7 +76,8 @@ def build_head(context: SceneContext, table: Controller, on_stuck: Callable[[Wir
 def rounds_of(context: SceneContext, table: RoundsTable) -> Asked:
     """What a master that is no agent asks: [rounds]. BadCase, with its line, for requests that nobody can make."""
     requests = _requests(context, table, "rounds")
-    return Asked(_transfers(requests, table.pointer_by == "STOP"), context.exact_ticks(table.period, Fraction(0)))
+    transfers = _transfers(requests, table.pointer_by == "STOP")
+    return Asked(transfers, context.exact_ticks(table.period, Fraction(0)), ack_polling=table.ack_polling)
 
 
 def _requests(context: SceneContext, table: Controller | RoundsTable, name: str) -> list[Request]:

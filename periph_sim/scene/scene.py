@@ -16,6 +16,7 @@ from time import perf_counter
 from ..bus.i2c.byte_counter import I2cByteCounter
 from ..bus.i2c.controller import Transfer
 from ..bus.i2c.event_recorder import BusRecorder
+from ..bus.i2c.stuck_watch import STUCK_AFTER, StuckWatch
 from ..bus.uart.reader import Line
 from ..core.chip import NEVER, Note
 from ..core.kernel import Kernel
@@ -230,6 +231,11 @@ class Scene:
             self.host.sent.append(told)
 
     def on_stuck(self, told: Callable[[int], None]) -> None:
+        """By the controller agent, or as the wires are watched where there is none."""
+        if self.head is None and not self._stuck_told:
+            length = STUCK_AFTER if self.case.rounds is None else self.case.rounds.stuck_after
+            for name in ("SCL", "SDA"):
+                StuckWatch(self.kernel, self.recorder, self.wires[name], self._ticks(length), self._stuck)
         self._stuck_told.append(told)
 
     def on_sci(self, told: Callable[[int, int, bool], None]) -> None:

@@ -31,7 +31,7 @@ class Asked:
 
     startup: transfers before the first round. requests: those of each round. first: when the first round is due, None
     where nobody knows. late: how much later than due a round may begin. rounds: how many are due, None for all of the
-    run.
+    run. ack_polling: a write of the address alone asks whether a device is ready, and is no request.
     """
 
     requests: tuple[Transfer, ...]
@@ -40,6 +40,7 @@ class Asked:
     first: int | None = None
     late: int = 0
     rounds: int | None = None
+    ack_polling: bool = False
 
 
 class Schedule(ABC):
@@ -125,6 +126,7 @@ class BusRounds:
         if asked is not None:
             self._schedule = ByRoundBefore(asked) if asked.first is None else ByPlan(asked)
         self._late = 0 if asked is None else asked.late
+        self._ack_polling = asked is not None and asked.ack_polling
         self._made = 0  # requests of the round under way
         self._round: Round | None = None
         self._number = 0
@@ -133,6 +135,10 @@ class BusRounds:
 
     def transfer(self, transfer: Transfer) -> None:
         """A transfer is over."""
+        first = transfer.phases[0]
+        if self._ack_polling and not first.read and not first.data:
+            self._tell(transfer)
+            return
         if self._startup and _place(transfer, self._startup[:1]) is not None:
             self._tell(asked_for(transfer, self._startup.pop(0)))
             return

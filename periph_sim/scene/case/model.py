@@ -141,6 +141,8 @@ class RoundsTable(Table):
     request: tuple[RequestTable, ...] = ()
     period: Length
     pointer_by: Literal["repeated START", "STOP"] = "repeated START"
+    ack_polling: bool = False  # a write of the address alone is no request
+    stuck_after: Length = Fraction(25, 1000)
 
 
 class ValueTable(Table):

@@ -112,9 +112,9 @@ class WrongBytes(Measure):
 
 
 class Stuck(Counter):
-    """Times a line was held low longer than the controller's `stuck_after`."""
+    """Times a line of the bus was held low longer than `stuck_after`."""
 
-    needs = "controller"
+    needs = "I2C-A"
 
     def listen(self, scene: SceneEvents) -> None:
         scene.on_stuck(self.one_more)

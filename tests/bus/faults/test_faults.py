@@ -95,6 +95,45 @@ def test_a_reset_pulls_the_units_pin():
     assert play(diagram, Desk("reset", unit="dsp", at="20 ns", length="40 ns"), COLUMN) == tidy(diagram)
 
 
+def test_a_start_that_nobody_gave_is_a_fall_of_sda_within_the_next_1():
+    diagram = """
+    > scl  1.0.1...0.1...0..
+    > sda  1..0.....1.......
+    < SCL  1.0.1...0.1...0..
+    < SDA  1..0.....1..0.1..
+    """
+    assert play(diagram, Desk("condition", at="30 ns", late="20 ns"), COLUMN) == tidy(diagram)
+
+
+def test_a_stop_that_nobody_gave_is_a_rise_of_sda_within_the_next_1():
+    diagram = """
+    > scl  1.0.1...0.1...0..
+    > sda  1..0.....1.......
+    < SCL  1.0.1...0.1...0..
+    < SDA  1..0........1....
+    """
+    assert play(diagram, Desk("condition", condition="STOP", at="30 ns", late="20 ns"), COLUMN) == tidy(diagram)
+
+
+def test_a_flipped_bit_is_the_next_1_for_one_clock():
+    diagram = """
+    > scl  1.0.1.0.1.0.1.0.
+    > sda  1..0...1........
+    < SCL  1.0.1.0.1.0.1.0.
+    < SDA  1..0......1.....
+    """
+    assert play(diagram, Desk("flip", at="30 ns"), COLUMN) == tidy(diagram)
+
+
+def test_a_flip_lets_a_stop_pass():
+    diagram = """
+    > scl  1.0.1...0.1.0.
+    > sda  1..0..1.......
+    < SDA  1.0...1.0...1.
+    """
+    assert play(diagram, Desk("flip", at="10 ns"), COLUMN) == tidy(diagram)
+
+
 def test_faults_come_again_and_again_a_little_late_by_chance():
     settings = {"wire": "SDA", "at": "1 us", "every": "500 ns", "spread": "200 ns", "times": 20, "width": "10 ns"}
     falls = Desk("spike", seed=4, **settings).falls("SDA", 10**6)

@@ -1,0 +1,80 @@
+"""A START or STOP that no controller gave: SDA moves while SCL is high, in the middle of a byte.
+
+    SCL  __|‾‾‾‾‾|__|‾‾‾‾‾|__        condition = "START": the next bit that is 1 is cut by a fall of SDA
+    SDA  ‾‾‾‾‾|________________      condition = "STOP": SDA is pulled low before a 1, and let go within it
+
+On a line with a pull-up a bit that is 0 cannot be disturbed so; the next one that is 1 is. Both lines high and idle
+between two transfers is no bit.
+
+Source: UM10204 section 3.1.4 (START and STOP conditions).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Literal
+
+from . import Place, repeat
+from .when import Length, When
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings(When):
+    """condition: which. late: how long after the rise of SCL."""
+
+    condition: Literal["START", "STOP"] = "START"
+    late: Length = Fraction(1, 1_000_000)
+
+
+class Condition:
+    def __init__(self, settings: Settings, place: Place) -> None:
+        self._kernel = place.kernel
+        self._scl, self._sda = place.wire("SCL"), place.wire("SDA")
+        self._pin = self._sda.attach(place.who)
+        self._stop = settings.condition == "STOP"
+        self._late = place.ticks(settings.late)
+        self._armed = False
+        self._pulls = False
+        self._rise = 0  # number of the last rise of SCL
+        self._scl.watch(self._scl_changed)
+        repeat(settings, place, self._arm)
+
+    def _arm(self) -> None:
+        self._armed = True
+
+    def _scl_changed(self, now: int, level: int) -> None:
+        if not level:
+            if self._armed and self._stop:
+                self._pull()
+            elif self._pulls:
+                self._let_go()
+        elif self._armed:
+            self._rise += 1
+            rise = self._rise
+            self._kernel.at(now + self._late, lambda: self._strike(rise))
+
+    def _strike(self, rise: int) -> None:
+        """`late` has passed since that rise."""
+        if not self._armed or rise != self._rise or not self._scl.level:
+            return
+        others = len(self._sda.held_by()) > self._pulls
+        if others:  # a 0, or a START under way
+            return
+        self._armed = False
+        if self._stop:
+            self._let_go()
+        else:
+            self._pull()
+
+    def _pull(self) -> None:
+        self._pulls = True
+        self._pin.drive(0)
+
+    def _let_go(self) -> None:
+        self._pulls = False
+        self._pin.drive(1)
+
+
+def attach(settings: Settings, place: Place) -> None:
+    Condition(settings, place)

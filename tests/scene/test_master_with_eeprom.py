@@ -1,0 +1,70 @@
+"""A unit that is the master of an EEPROM: rounds with polling, pages, a stuck line, and what sigrok's decoder reads."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+from periph_sim.records.recording import recording
+from periph_sim.scene.case.load import load
+from periph_sim.scene.scene import Scene
+from tests.scene.runs import TIMING, run_file
+
+LOG = "eeprom_log"
+QUICK = ("unit.dsp.settings.period=8 ms", "rounds.period=8 ms", "device.eeprom.write_time=300 us")
+OFF = 'device.eeprom.fault=[{kind="off", after="9 ms"}]'
+HELD = 'device.eeprom.fault=[{kind="hold", access="read", bytes=[3], length="5 ms"}]'
+
+
+def test_a_record_that_goes_over_the_end_of_a_page_is_stored_in_two_writes():
+    ran = run_file(LOG, "0.016", *QUICK)
+    assert ran.broken() == [] and ran.result.verdict == "pass"
+    memory = ran.scene.devices["eeprom"].target.memory  # type: ignore[attr-defined]
+    assert memory[0x38:0x48] == bytes(range(0xA0, 0xB0)) and memory[0x20:0x38] == b"\xff" * 0x18
+
+
+def test_in_one_write_it_overruns_the_page():
+    ran = run_file("eeprom_overrun", "0.016", *QUICK)
+    assert ran.broken() == ["record read back"]
+    assert ran.result.first_wrong.startswith("read back read a0 a1 a2 a3 a4 a5 a6 a7 ff ff ff ff ff ff ff ff where")
+    assert [note for note in ran.result.notes if "went beyond its page's end, 0x003f, on to 0x0020" in note]
+
+
+def test_polls_count_as_requests_where_the_case_does_not_say_that_they_are_none():
+    ran = run_file(LOG, "0.016", *QUICK, "rounds.ack_polling=false")
+    assert "both pages written" in ran.broken()
+
+
+def test_a_device_without_power_is_missed_and_a_held_line_is_stuck():
+    assert "stored" in run_file(LOG, "0.017", *QUICK, OFF).broken()
+    ran = run_file(LOG, "0.017", *QUICK, HELD, "rounds.stuck_after=2 ms")
+    assert "bus stuck" in ran.broken()
+    assert ran.result.stuck[0].startswith("SDA is held low by eeprom at ")
+
+
+SIGROK = shutil.which("sigrok-cli")
+
+
+@pytest.mark.skipif(SIGROK is None, reason="sigrok-cli is not installed")
+def test_sigroks_decoder_of_eeproms_reads_the_same(tmp_path: Path):
+    """eeprom24xx of libsigrokdecode shares no code with us, and knows the 24LC64's pages by itself."""
+    assert SIGROK is not None
+    case = load(TIMING / f"{LOG}.toml", list(QUICK))
+    file = tmp_path / "run.sr"
+    with recording(file, case.recorded_modules) as (subscribe, ended_at):
+        scene = Scene(case, subscribe)
+        scene.run(Fraction(16, 1000))
+        ended_at(scene.kernel.now)
+    decoder = "i2c:scl=SCL:sda=SDA,eeprom24xx:chip=microchip_24lc64"
+    told = subprocess.run(
+        [SIGROK, "-i", str(file), "-P", decoder, "-A", "eeprom24xx=ops"], capture_output=True, text=True, check=True
+    ).stdout
+    operations = re.findall(r"(Page write|Sequential random read)[^\n]*", told)
+    assert operations == ["Page write", "Page write", "Sequential random read"], told
+    assert re.search(r"Page write \(addr=0038, 8 bytes\): A0 A1 A2 A3 A4 A5 A6 A7", told), told
+    assert re.search(r"read \(addr=0038, 16 bytes\): A0 A1 .* AF", told), told

@@ -101,7 +101,7 @@ def row(verdict: Verdict) -> dict[str, str]:
 
 def broken_lines(budgets: Sequence[Verdict]) -> list[str]:
     """A line a broken budget, with its instant."""
-    return [f"{each.name}: {broken(each)}" for each in budgets if each.broken and each.worst is not None]
+    return [f"{each.name}: {broken(each)}" for each in budgets if each.broken]
 
 
 def legend(budgets: Sequence[Verdict]) -> list[str]:

@@ -84,7 +84,8 @@ def _told(verdict: Verdict, one: Explained | None) -> list[str]:
     from ..explain.text_report import text
 
     if one is None:
-        said = "nothing was measured" if verdict.worst is None else f"{verdict.worst}: it never happened"
+        nothing = verdict.found or "nothing was measured"
+        said = nothing if verdict.worst is None else f"{verdict.worst}: it never happened"
         return [f"{verdict.name}: {said}"]
     return [*text(one.chain), "", *text_picture(one.window, _width())]
 

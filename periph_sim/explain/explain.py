@@ -17,7 +17,7 @@ from ..timing.language.events import EVERYTHING, Matcher, matcher
 from ..timing.language.language import is_form, measure_of
 from ..timing.measures.factory import make_of_events
 from ..timing.measures.race import RegisterMeasure
-from ..timing.measures.registry import SPAN
+from ..timing.measures.registry import REPLY, SPAN
 from ..timing.verdicts import Verdict
 from ..traces.capture.capture import Span
 from ..traces.drawing.capture_lanes import bit_of
@@ -105,6 +105,8 @@ def chain_of(case: Case, window: Window) -> Chain:
     evidence = Evidence(window, case)
     if measure in STORIES:
         return STORIES[measure](evidence)
+    if measure.startswith(REPLY):
+        return of_events.between(evidence, None, None)
     scope = scope_of_case(case)
     if measure.startswith(SPAN):
         name = measure.removeprefix(SPAN)

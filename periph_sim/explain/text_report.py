@@ -40,8 +40,9 @@ def text(chain: Chain) -> list[str]:
 
 
 def _head(verdict: Verdict) -> str:
-    if verdict.worst is None:
-        return f"{verdict.name}: nothing was measured"
+    kept = verdict.margin is not None and verdict.margin >= 0
+    if verdict.worst is None or (verdict.broken and kept):
+        return f"{verdict.name}: {verdict.found or 'nothing was measured'}"
     return f"{verdict.name} {in_words(verdict.worst, verdict.unit)}, {_limit(verdict)}, at {instant(verdict.at_s)}"
 
 

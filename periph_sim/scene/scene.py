@@ -21,6 +21,7 @@ from ..bus.uart.reader import Line
 from ..core.chip import NEVER, Note
 from ..core.kernel import Kernel
 from ..core.records import Kind, Recorder
+from ..core.suggest import did_you_mean
 from ..core.time import Timebase, TimeError
 from ..core.wire import Wire
 from ..devices.chips.register_chip import Source
@@ -39,6 +40,7 @@ from ..timing.budget_schema import Budget
 from ..timing.budgets import BadBudget, Limit
 from ..timing.language.scope import Scope
 from ..timing.measures.origins import Origins
+from ..timing.measures.reply import Expected, Reply
 from ..timing.measures.value import ValueDeviation
 from ..timing.rounds import Asked
 from ..timing.verdicts import Verdict
@@ -57,6 +59,7 @@ from .result import Result
 from .sci_monitor import SciMonitor
 from .scope import scope_of_case
 from .sensor_chips import ChipOnBus, build_chip
+from .serial.side import SerialSide
 from .summary import result_of
 from .uart_lines import UartLines
 from .unit import build_unit, options_of
@@ -96,6 +99,7 @@ class Scene:
                 limit.measure.keep()
             for part in limit.parts:
                 self.recorder.subscribe(part.measure.kinds, part.measure.record, part.measure.subjects)
+        self._serial = None if case.serial is None else SerialSide(case, case.serial, scope, self.recorder)
         if subscribe is not None:
             subscribe(self.recorder, self.timebase)
         self.kernel = Kernel(self.start)
@@ -151,6 +155,10 @@ class Scene:
         senders: dict[str, Line] = {}
         if self._host_side is not None:
             senders["RX"] = self._host_side.line
+        if self._serial is not None:
+            self._serial.attach(context)
+            self._serial.listen(self)
+            senders |= self._serial.lines()
         self._uart_lines = UartLines(context, self.wires, self.units, senders)
         for entry, limit in enumerate(self.limits):
             for part in limit.parts:
@@ -177,11 +185,16 @@ class Scene:
             "I2C-A": "SCL" in self.wires,
             "host": self.host is not None,
             "SCI": bool(self._scis),
+            "serial": self._serial is not None,
         }
         needs = limit.measure.needs
         if not there[needs]:
             measure = limit.budget.measure
             what = f"{measure!r} needs {NEEDS.get(needs, needs)} in the scene, which has none"
+            raise self.case.mistake(what, "budget", entry, "measure")
+        expected = [] if self.case.serial is None else [one.name for one in self.case.serial.expect]
+        if isinstance(limit.measure, Reply) and limit.measure.name not in expected:
+            what = f"no reply {limit.measure.name!r} is expected; {did_you_mean(limit.measure.name, expected)}"
             raise self.case.mistake(what, "budget", entry, "measure")
         if isinstance(limit.measure, ValueDeviation) and self.truth is None:
             what = f"{limit.budget.measure!r} of sensor models needs a motion to compare with; give [host.motion]"
@@ -263,6 +276,10 @@ class Scene:
     def checks_host(self) -> bool:
         return self.case.controller is not None and self.case.controller.check == "host"
 
+    def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
+        assert self._serial is not None
+        return self._serial.on_reply(reply)
+
     def on_round_due(self, told: Callable[[int], None]) -> None:
         self.bus.rounds.on_due.append(told)
 
@@ -326,6 +343,15 @@ class Scene:
 
     def truth_at(self, tick: int) -> Mapping[str, Axes]:
         return self._hosts().truth_at(tick)
+
+    def sci_bytes(self) -> int:
+        """Characters that were sent to SCIs from outside."""
+        sent = 0 if self.host is None else self.host.bytes
+        return sent + (0 if self._serial is None else self._serial.characters)
+
+    def serial_notes(self) -> list[str]:
+        """What was to be sent to SCIs and never went out."""
+        return [] if self._serial is None else self._serial.notes()
 
     def bytes_on_bus(self) -> int:
         """By the controller agent, or as they were counted on the wires where there is none."""

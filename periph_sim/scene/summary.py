@@ -48,7 +48,7 @@ def result_of(scene: Scene, length: int, wall: float) -> Result:
         wall_s=round(wall, 6),
         events=scene.kernel.events,
         wire_bytes=scene.bytes_on_bus(),
-        sci_bytes=0 if scene.host is None else scene.host.bytes,
+        sci_bytes=scene.sci_bytes(),
         budgets=verdicts,
         counts=counts,
         unknowns=sorted({f"{name}.{t}" for name, part in parts.items() for t in part.touched}),
@@ -75,4 +75,4 @@ def notes_of(scene: Scene) -> list[str]:
         for note, (tick, times) in party.notes.items():
             at = scene.timebase.show(tick - scene.start)
             lines.append(f"{name}, first at {at}: {note.text} [{note.source}] ({times} times)")
-    return lines
+    return lines + scene.serial_notes()

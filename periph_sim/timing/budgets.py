@@ -193,13 +193,16 @@ class Limit:
         limits = {key: limit for key, limit in self._limits.items() if self._can_judge(key, limit)}
         silent = measure.silent or not limits
         enough = self._measured_enough()
-        found = self._found or (measure.missing() if silent else "")
+        found = self._found or measure.refuted or (measure.missing() if silent else "")
         if not enough and not found:
             found = f"measured {measure.measured} of {measure.occasions} {measure.asked}, less than {self._coverage()}"
         if silent:
             nearest = next(_Seen(key, limit, 0, NO_TIME, 0) for key, limit in self._limits.items())
         else:
             nearest = min((self._beside(key, limit) for key, limit in limits.items()), key=lambda s: s.slack)
+        at = NO_TIME if silent else nearest.at
+        if measure.refuted and nearest.slack >= 0:
+            at = measure.refuted_at
         return Verdict(
             name=self.budget.name,
             measure=self.budget.measure,
@@ -208,8 +211,8 @@ class Limit:
             limit=self.show(nearest.limit),
             margin=None if silent else self.show(nearest.slack),
             count=measure.counted,
-            verdict=FAIL if nearest.slack < 0 else NOT_JUDGED if silent or not enough else PASS,
-            at_s=None if silent or nearest.at < 0 else float(self._timebase.seconds(nearest.at - start)),
+            verdict=FAIL if nearest.slack < 0 or measure.refuted else NOT_JUDGED if silent or not enough else PASS,
+            at_s=None if at < 0 else float(self._timebase.seconds(at - start)),
             why=self.budget.why,
             which=nearest.which,
             found=found,

@@ -60,7 +60,8 @@ def instant(at_s: float | None) -> str:
 
 def broken(verdict: Verdict) -> str:
     """What broke a budget, as a phrase: `37.153 ms is over its limit of 25.000 ms, at 0.025195 s`."""
-    assert verdict.worst is not None
+    if verdict.worst is None or (verdict.margin is not None and verdict.margin >= 0):
+        return verdict.found
     over = "over" if verdict.worst > verdict.limit else "under"
     at = "" if verdict.at_s is None else f", at {instant(verdict.at_s)}"
     told = f" ({verdict.found})" if verdict.found else ""

@@ -30,9 +30,10 @@ from periph_sim.scene.case.model import (
     Unit,
     ValueTable,
 )
+from periph_sim.scene.case.serial import ExpectTable, SendTable, SerialTable
 from periph_sim.scene.case.wiring import Cable
 from periph_sim.timing.budget_schema import Budget
-from periph_sim.timing.measures.registry import MEASURES, SPAN, make
+from periph_sim.timing.measures.registry import MEASURES, REPLY, SPAN, make
 from tests.docs.pages import ROOT
 
 PAGE = (ROOT / "docs" / "cases.md").read_text(encoding="utf-8")
@@ -54,6 +55,9 @@ TABLES: dict[str, type[Table]] = {
     "`[[controller.request]]`": RequestTable,
     "`[rounds]`": RoundsTable,
     "`[host]`": HostTable,
+    "`[serial]`": SerialTable,
+    "`[[serial.send]]`": SendTable,
+    "`[[serial.expect]]`": ExpectTable,
     "`[[budget]]`": Budget,
 }
 EMPTY: tuple[object, ...] = (None, "", (), {}, b"", Code(), Options())
@@ -85,7 +89,7 @@ def test_every_key_with_its_default(heading: str):
 
 
 def test_every_table_of_the_model_has_a_section():
-    modules = {kind.__module__ for kind in (Case, Cable, Budget, DeviceTable, RegisterTable)}
+    modules = {kind.__module__ for kind in (Case, Cable, SerialTable, Budget, DeviceTable, RegisterTable)}
     kinds = {kind for kind in [*Table.__subclasses__(), *BusParty.__subclasses__()] if kind.__module__ in modules}
     assert kinds - {BusParty, Sets} == {*TABLES.values(), Options} - {eeprom.Settings}
 
@@ -95,7 +99,7 @@ def test_every_family_of_devices_has_a_section():
 
 
 def test_every_measure_with_its_unit_and_meaning():
-    measures = {name: make(name) for name in [*MEASURES, f"{SPAN}NAME"]}
+    measures = {name: make(name) for name in [*MEASURES, f"{SPAN}NAME", f"{REPLY}NAME"]}
     shown = [(name.strip("`"), unit, what.split(".")[0]) for name, unit, what in rows("Measures")]
     assert shown == [
         (name, measure.unit, (measure.__doc__ or "").strip().split(".")[0]) for name, measure in measures.items()

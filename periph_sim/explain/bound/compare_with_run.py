@@ -100,8 +100,10 @@ def closed_form(case: Case, firmware: Mapping[str, Firmware] | None = None) -> C
     unit = serving_unit(case)
     if case.fault:
         raise BadBound(f"case {case.name}: the case has faults, which no bound counts; judge them by what a run shows")
-    if case.cable:
-        raise BadBound(f"case {case.name}: the case has cables, which no bound counts; judge it by what a run shows")
+    for table, given in (("[[cable]]", case.cable), ("[serial]", case.serial)):
+        if given:
+            what = f"the case has {table}, which no bound counts; judge it by what a run shows"
+            raise BadBound(f"case {case.name}: {what}")
     if case.host is not None and case.host.twice:
         raise BadBound(
             f"case {case.name}: some frames are sent twice (host.twice), which no bound counts; leave host.twice out"

@@ -11,6 +11,7 @@ from ...timing.budget_schema import Budget, Condition
 from .device_tables import DeviceFault, StretchTable
 from .model import BadCase, Case, ChipTable, Code, Controller, HostTable, Options, RequestTable, Unit, ValueTable
 from .origin import Source, key_of
+from .serial import ExpectTable, SendTable, SerialTable
 from .wiring import Cable
 
 SHOWN = 60  # characters of a wrong value that a message repeats
@@ -57,6 +58,9 @@ def known_keys(place: tuple[str | int, ...]) -> list[str]:
         "cable": Cable,
         "controller": Controller,
         "host": HostTable,
+        "serial": SerialTable,
+        "send": SendTable,
+        "expect": ExpectTable,
         "chip": ChipTable,
         "values": ValueTable,
         "stretch": StretchTable,

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 from pathlib import Path
-from typing import Annotated, Literal, TypeVar
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import (
     AfterValidator,
@@ -38,6 +38,7 @@ from .scalars import (
     Ppm,
     RateError,
 )
+from .serial import SerialTable, reply_budget, with_replies
 from .wiring import Cable, wiring_of
 
 
@@ -238,8 +239,9 @@ class Case(Table):
     controller: Controller | None = None
     rounds: RoundsTable | None = None
     host: HostTable | None = None
+    serial: SerialTable | None = None
     fault: tuple[dict[str, object], ...] = ()
-    budget: tuple[Budget, ...] = ()
+    budget: Annotated[tuple[Budget, ...], AfterValidator(with_replies), Field(validate_default=True)] = ()
     breaks: tuple[Annotated[str, AfterValidator(_named_budget)], ...] = ()
     _source: Source | None = PrivateAttr(default=None)
 
@@ -268,10 +270,30 @@ class Case(Table):
 
     def mistake(self, what: str, *place: str | int) -> BadCase:
         """An error about a place in this case: file and line if it came from a file."""
-        key = key_of(place, {"budget": [{"name": budget.name} for budget in self.budget]})
+        place = self._written(place)
+        key = key_of(place, self._named())
         where = f"case {self.name}" if self._source is None else self._source.where(place)
         return BadCase(f"{where}: {key}: {what}")
 
     def line(self, *place: str | int) -> int:
         """The line of the case's file on which a key or its table stands; 0 if there is no file or no such key."""
-        return 0 if self._source is None else line_of(self._source.text, place)
+        return 0 if self._source is None else line_of(self._source.text, self._written(place))
+
+    def _named(self) -> dict[str, Any]:
+        """The names of this case's entries, as a tree of it."""
+        serial = self.serial or SerialTable()
+        return {
+            "budget": [{"name": budget.name} for budget in self.budget],
+            "serial": {
+                "send": [{"name": send.name} for send in serial.send],
+                "expect": [{"name": expect.name} for expect in serial.expect],
+            },
+        }
+
+    def _written(self, place: tuple[str | int, ...]) -> tuple[str | int, ...]:
+        """A place as the file has it: a budget that stands for an expected reply is written there."""
+        if self.serial is None or len(place) < 2 or place[0] != "budget":
+            return place
+        budget = self.budget[int(place[1])]
+        entries = [n for n, one in enumerate(self.serial.expect) if reply_budget(one) == budget]
+        return ("serial", "expect", entries[0], *place[2:]) if entries else place

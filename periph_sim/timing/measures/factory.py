@@ -20,7 +20,7 @@ from .margin import HeldPerTransfer, Margin
 from .measure import Measure
 from .pair import Between, CountBetween
 from .race import ClearedAlong, LostFlags, Race, clearing, losing, raced
-from .registry import MEASURES, SPAN, make
+from .registry import MEASURES, REPLY, SPAN, make
 from .round import Slack
 from .states import EachTimeIn, State, TimeIn
 from .value import ValueDeviation
@@ -32,13 +32,13 @@ def measure_named(text: str, scope: Scope) -> Measure:
 
 
 def _called(name: str) -> Measure:
-    """The measure of a fixed name, or of a span."""
-    if name.startswith(SPAN) or name in MEASURES:
+    """The measure of a fixed name, of a span, or of a reply."""
+    if name.startswith((SPAN, REPLY)) or name in MEASURES:
         return make(name)
     form = near_form(name)
     if form:
         raise BadEvent(f"there is no measure {name!r}; did you mean {form}?")
-    names = [*MEASURES, f"{SPAN}NAME"]
+    names = [*MEASURES, f"{SPAN}NAME", f"{REPLY}NAME"]
     hint = did_you_mean(name, names)
     if not hint.startswith("did you mean"):
         hint = f"it has {', '.join(names)}, and {', '.join(FORMS.values())}"

@@ -10,7 +10,7 @@ from __future__ import annotations
 from array import array
 from collections.abc import Callable, Mapping
 from fractions import Fraction
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,9 @@ from ...core.time import NO_TIME
 from ...devices.sensor_head import Round
 from ...devices.truth import Axes
 from .origins import Origins
+
+if TYPE_CHECKING:
+    from .reply import Expected, Reply
 
 
 class SceneEvents(Protocol):
@@ -51,6 +54,9 @@ class SceneEvents(Protocol):
 
     def checks_host(self) -> bool:
         """Whether known chips are to show values of host frames."""
+
+    def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
+        """Tell a measure of a reply what it listens to. What is expected; why it was never asked for, as a phrase."""
 
     def on_round_due(self, told: Callable[[int], None]) -> None:
         """`told(tick)` of each round that was due, and when, whether it began or not; at the latest as the run ends."""
@@ -110,10 +116,12 @@ class Measure:
 
     unit = "time"
     series = True
-    needs = ""  # what a scene must have for this to mean anything: "controller", "rounds", "host" or "SCI"
+    needs = ""  # what a scene must have for this to mean anything: "controller", "rounds", "host", "serial", "SCI"
     occurrence = ""
     asked = ""
     kinds: frozenset[Kind] = frozenset()
+    refuted = ""  # why no value can keep the limit, such as a reply that is not the expected one
+    refuted_at = NO_TIME
 
     @property
     def subjects(self) -> Subjects:

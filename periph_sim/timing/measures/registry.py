@@ -5,11 +5,13 @@ from __future__ import annotations
 from .age import Age, ModelAge
 from .bus import Nacked, Response, Stretch, Stuck, WrongBytes
 from .measure import Measure
+from .reply import Reply
 from .round import MissedRounds, NackedRounds, RoundTime
 from .sci import FifoHighWater, Overruns
 from .span import SpanTime
 
 SPAN = "span:"
+REPLY = "reply:"
 
 MEASURES: dict[str, type[Measure]] = {
     "response": Response,
@@ -28,7 +30,9 @@ MEASURES: dict[str, type[Measure]] = {
 
 
 def make(name: str) -> Measure:
-    """The measure that a budget names: one of MEASURES, or "span:NAME". KeyError otherwise."""
+    """The measure that a budget names: one of MEASURES, "span:NAME" or "reply:NAME". KeyError otherwise."""
+    if name.startswith(REPLY):
+        return Reply(name.removeprefix(REPLY))
     if name.startswith(SPAN):
         return SpanTime(name.removeprefix(SPAN))
     return MEASURES[name]()

@@ -1,0 +1,147 @@
+"""Sends bursts of characters, right and wrong ones, and breaks: bursts go in, edges come out, one event an edge.
+
+    burst  --queue--> | character | gap | character |      one burst after the other, never two at once
+                      begin                         end
+
+A bit begins at an exact rational of the rate, rounded down to a tick, so a long burst does not drift.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import NamedTuple, Protocol
+
+from ...core.kernel import Kernel
+from .frame_format import UartFormat
+
+
+class Drives(Protocol):
+    """What a sender holds: a pin, or a driver that is enabled for each burst."""
+
+    def drive(self, level: int) -> None: ...
+
+
+class Enables(Protocol):
+    """A driver that lets go of its line between bursts."""
+
+    def enable(self, on: bool) -> None: ...
+
+
+class Character(NamedTuple):
+    """address: the address bit, in formats that have one. One without its stop bits is followed by an idle bit."""
+
+    value: int
+    address: int = 0
+    wrong_parity: bool = False
+    missing_stop: bool = False
+
+    def levels(self, form: UartFormat) -> list[int]:
+        levels = form.levels(self.value, self.address)
+        if self.wrong_parity:
+            levels[-form.stop - 1] ^= 1
+        if self.missing_stop:
+            levels[-form.stop :] = [0] * form.stop + [1]
+        return levels
+
+
+@dataclass(frozen=True)
+class Burst:
+    """bit: ticks of one, exact. gap: ticks between characters. low: ticks of a break, instead of characters.
+
+    idle: bits that the line must have been idle before it.
+    """
+
+    bit: Fraction
+    form: UartFormat
+    characters: tuple[Character, ...] = ()
+    gap: int = 0
+    low: int = 0
+    idle: int = 0
+
+    def edges(self, start: int) -> tuple[list[tuple[int, int]], int]:
+        """(tick, level) of each edge, and the end of the last stop bit, of a burst that begins at a tick."""
+        if self.low:
+            return [(start, 0), (start + self.low, 1)], start + self.low
+        edges: list[tuple[int, int]] = []
+        level, at = 1, Fraction(start)
+        for number, character in enumerate(self.characters):
+            if number:
+                at += self.gap
+            for bit in character.levels(self.form):
+                if bit != level:
+                    level = bit
+                    edges.append((int(at), level))
+                at += self.bit
+        return edges, int(at)
+
+
+class BurstSender:
+    """out: what it drives. enabled: a driver to switch on for each burst. hold: ticks that it stays on behind one."""
+
+    def __init__(self, kernel: Kernel, out: Drives, who: str, enabled: Enables | None = None, hold: int = 0) -> None:
+        self.who = who
+        self.characters = 0
+        self._kernel = kernel
+        self._out = out
+        self._enabled = enabled
+        self._hold = hold
+        self._waiting: deque[tuple[Burst, Callable[[int], None], Callable[[int], None]]] = deque()
+        self._edges: Iterator[tuple[int, int]] = iter(())
+        self._busy = False
+        self._free_at = 0
+        self._line: tuple[Fraction, UartFormat] | None = None
+
+    @property
+    def line(self) -> tuple[Fraction, UartFormat] | None:
+        """Ticks of a bit and the format of the burst under way, or of the last one; None before the first."""
+        return self._line
+
+    def send(self, burst: Burst, begins: Callable[[int], None], ends: Callable[[int], None]) -> None:
+        """Send a burst as soon as the line is free. begins, ends: told at which tick."""
+        self._waiting.append((burst, begins, ends))
+        if not self._busy:
+            self._next()
+
+    def _next(self) -> None:
+        burst = self._waiting[0][0]
+        start = max(self._kernel.now, self._free_at + int(burst.idle * burst.bit))
+        self._busy = True
+        self._kernel.at(start, self._begin)
+
+    def _begin(self) -> None:
+        burst, begins, ends = self._waiting.popleft()
+        now = self._kernel.now
+        self._line = burst.bit, burst.form
+        self.characters += len(burst.characters)
+        edges, end = burst.edges(now)
+        self._edges = iter(edges)
+        if self._enabled is not None:
+            self._enabled.enable(True)
+        begins(now)
+        self._plan()
+        self._kernel.at(end, lambda: self._end(ends))
+
+    def _plan(self) -> None:
+        edge = next(self._edges, None)
+        if edge is not None:
+            self._kernel.at(edge[0], lambda: self._edge(edge[1]))
+
+    def _edge(self, level: int) -> None:
+        self._out.drive(level)
+        self._plan()
+
+    def _end(self, ends: Callable[[int], None]) -> None:
+        self._free_at = self._kernel.now
+        if self._enabled is not None:
+            self._kernel.at(self._free_at + self._hold, self._let_go)
+        self._busy = False
+        ends(self._free_at)
+        if self._waiting and not self._busy:
+            self._next()
+
+    def _let_go(self) -> None:
+        if not self._busy and self._enabled is not None and self._kernel.now >= self._free_at + self._hold:
+            self._enabled.enable(False)

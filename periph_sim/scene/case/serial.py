@@ -1,0 +1,167 @@
+"""The serial tables of a case: what is sent to SCIs from outside, and which replies must come when.
+
+[serial] ------------ how characters are made, unless an entry says otherwise
+[[serial.send]] ----- what is sent, to which SCI, when
+[[serial.expect]] --- what must come from which SCI, by when; judged as a budget of the measure reply:NAME
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Annotated, Literal
+
+from pydantic import Field, ValidationInfo, model_validator
+
+from ...bus.uart.frame_format import UartFormat
+from ...core.settings import Duration, HexBytes, Table
+from ...timing.budget_schema import Budget
+from ...timing.measures.registry import REPLY
+from .scalars import Byte, Length, Ppm
+
+Baud = Annotated[int, Field(ge=1, le=10_000_000)]
+DataBits = Annotated[int, Field(ge=1, le=8)]
+StopBits = Literal[1, 2]
+Parity = Literal["none", "even", "odd"]
+Multiprocessor = Literal["none", "idle-line", "address-bit"]
+Encoding = Literal["ascii", "latin-1", "utf-8"]
+Times = Annotated[int, Field(ge=1)]
+Places = tuple[Annotated[int, Field(ge=0)], ...]
+
+FORMAT = ("bits", "parity", "stop")
+UNITS = (("s", 1), ("ms", 10**3), ("us", 10**6), ("ns", 10**9))
+
+
+def _only_one(table: Table, what: str, keys: tuple[str, ...], names: tuple[str, ...] = ()) -> None:
+    """ValueError unless exactly one of these keys is given. names: of them in a file, where they differ."""
+    said = names or keys
+    given = [name for key, name in zip(keys, said, strict=True) if getattr(table, key) is not None]
+    if not given:
+        raise ValueError(f"{what} needs one of {', '.join(said[:-1])} and {said[-1]}")
+    if len(given) > 1:
+        raise ValueError(f"{' and '.join(given)} cannot both be; leave one of them out")
+
+
+class SendTable(Table):
+    """One thing to send. wrong_parity, missing_stop: numbers of the characters that are sent so, from 0."""
+
+    name: str | None = None
+    to: str
+    text: str | None = None
+    data: HexBytes | None = Field(default=None, alias="bytes")
+    file: str | None = None
+    low: Length | None = Field(default=None, alias="break")
+    encoding: Encoding = "ascii"
+    address: Byte | None = None
+    at: Duration | None = None
+    after: str | None = None
+    after_text: str | None = None
+    after_bytes: HexBytes | None = None
+    delay: Duration = Fraction(0)
+    period: Length | None = None
+    times: Times | Literal["all"] | None = None
+    gap: Duration = Fraction(0)
+    wrong_parity: Places = ()
+    missing_stop: Places = ()
+    baud: Baud | None = None
+    bits: DataBits | None = None
+    parity: Parity | None = None
+    stop: StopBits | None = None
+    multiprocessor: Multiprocessor | None = None
+    ppm: Ppm | None = None
+
+    @model_validator(mode="after")
+    def _one_of_each(self) -> SendTable:
+        _only_one(self, "a send", ("text", "data", "file", "low"), ("text", "bytes", "file", "break"))
+        _only_one(self, "a send", ("at", "after", "after_text", "after_bytes"))
+        for key, name in (("text", "text"), ("data", "bytes"), ("after_text", "after_text"), ("after_bytes",) * 2):
+            if getattr(self, key) is not None and not getattr(self, key):
+                raise ValueError(f"{name} is empty; write at least one character")
+        if self.times is not None and self.at is not None and self.period is None:
+            raise ValueError("times needs period, since a time comes once; give period, or leave times out")
+        if self.low is not None and (self.address is not None or self.wrong_parity or self.missing_stop):
+            raise ValueError("a break has no characters; send them apart")
+        return self
+
+
+class ExpectTable(Table):
+    """One reply that must come. anywhere: other characters may come before it."""
+
+    name: str
+    from_: str = Field(alias="from")
+    text: str | None = None
+    data: HexBytes | None = Field(default=None, alias="bytes")
+    file: str | None = None
+    encoding: Encoding = "ascii"
+    after_send: str | None = None
+    after: str | None = None
+    at: Duration | None = None
+    within: Length
+    anywhere: bool = False
+    baud: Baud | None = None
+    bits: DataBits | None = None
+    parity: Parity | None = None
+    stop: StopBits | None = None
+    multiprocessor: Multiprocessor | None = None
+    why: str = ""
+
+    @model_validator(mode="after")
+    def _one_of_each(self) -> ExpectTable:
+        _only_one(self, "an expect", ("text", "data", "file"), ("text", "bytes", "file"))
+        _only_one(self, "an expect", ("after_send", "after", "at"))
+        for key, name in (("text", "text"), ("data", "bytes")):
+            if getattr(self, key) is not None and not getattr(self, key):
+                raise ValueError(f"{name} is empty; write at least one character")
+        return self
+
+
+class SerialTable(Table):
+    """Who talks to SCIs from outside. ppm: error of the clock of all its times and rates."""
+
+    baud: Baud = 115_200
+    bits: DataBits = 8
+    parity: Parity = "none"
+    stop: StopBits = 1
+    multiprocessor: Multiprocessor = "none"
+    ppm: Ppm = Fraction(0)
+    send: tuple[SendTable, ...] = ()
+    expect: tuple[ExpectTable, ...] = ()
+
+    def mode(self, entry: SendTable | ExpectTable | None = None) -> Multiprocessor:
+        """How an entry addresses one of several receivers, as it says or as this table does."""
+        return self.multiprocessor if entry is None or entry.multiprocessor is None else entry.multiprocessor
+
+    def form(self, entry: SendTable | ExpectTable | None = None) -> UartFormat:
+        """The format of an entry's characters."""
+        own = {} if entry is None else {key: getattr(entry, key) for key in FORMAT}
+        bits, parity, stop = (getattr(self, key) if own.get(key) is None else own[key] for key in FORMAT)
+        return UartFormat(bits, parity, stop, self.mode(entry) == "address-bit")
+
+    def bit(self, entry: SendTable | ExpectTable | None = None) -> Fraction:
+        """Seconds of a bit of an entry, by its own clock."""
+        baud = self.baud if entry is None or entry.baud is None else entry.baud
+        return Fraction(1, baud)
+
+    def clock(self, entry: SendTable | ExpectTable | None = None) -> Fraction:
+        """Parts per million by which an entry's clock is off."""
+        own = entry.ppm if isinstance(entry, SendTable) else None
+        return self.ppm if own is None else own
+
+
+def with_replies(budgets: tuple[Budget, ...], info: ValidationInfo) -> tuple[Budget, ...]:
+    """The budgets of a case, and one more for each reply that it expects."""
+    serial = info.data.get("serial")
+    expected = () if serial is None else serial.expect
+    known = {(budget.name, budget.measure) for budget in budgets}
+    return budgets + tuple(reply_budget(one) for one in expected if (one.name, REPLY + one.name) not in known)
+
+
+def reply_budget(expected: ExpectTable) -> Budget:
+    return Budget(name=expected.name, measure=REPLY + expected.name, max=_duration(expected.within), why=expected.why)
+
+
+def _duration(length: Fraction) -> str:
+    """A length as a case writes it, in the largest unit in which it is whole."""
+    symbol, number = next(
+        ((symbol, length * size) for symbol, size in UNITS if (length * size).denominator == 1), ("s", length)
+    )
+    return f"{number} {symbol}"

@@ -1,0 +1,56 @@
+"""The characters of an entry of a serial table: text, bytes or a file go in; values that fit the line come out."""
+
+from __future__ import annotations
+
+from ..case.model import Case
+from ..case.serial import ExpectTable, SendTable
+
+Place = tuple[str | int, ...]
+
+
+def content_of(case: Case, entry: SendTable | ExpectTable, bits: int, *place: str | int) -> bytes:
+    """The characters of an entry. BadCase, with its line, where they cannot be had or do not fit so many bits."""
+    if entry.text is not None:
+        return _fitting(case, encoded(case, entry.text, entry, *place, "text"), bits, *place, "text")
+    if entry.data is not None:
+        return _fitting(case, entry.data, bits, *place, "bytes")
+    if entry.file is not None:
+        return _fitting(case, _read(case, entry.file, *place, "file"), bits, *place, "file")
+    return b""
+
+
+def encoded(case: Case, text: str, entry: SendTable | ExpectTable, *place: str | int) -> bytes:
+    """A text in the encoding of its entry. BadCase for a character that is not in it."""
+    try:
+        return text.encode(entry.encoding)
+    except UnicodeEncodeError as error:
+        wrong = text[error.start : error.end]
+        what = f"{wrong!r} cannot be encoded in {entry.encoding}; give another encoding, or bytes instead of text"
+        raise case.mistake(what, *place) from None
+
+
+def _read(case: Case, name: str, *place: str | int) -> bytes:
+    try:
+        data = (case.folder / name).read_bytes()
+    except OSError as error:
+        what = f"{name} cannot be read ({error.strerror}); a path counts from the folder of the case"
+        raise case.mistake(what, *place) from None
+    if not data:
+        raise case.mistake(f"{name} is empty; it needs at least one character", *place)
+    return data
+
+
+def _fitting(case: Case, data: bytes, bits: int, *place: str | int) -> bytes:
+    wide = next((byte for byte in data if byte >> bits), None)
+    if wide is not None:
+        what = f"{wide:#04x} does not fit a character of {bits} bits; give other content, or more bits"
+        raise case.mistake(what, *place)
+    return data
+
+
+def show_characters(characters: tuple[int, ...], as_text: bool) -> str:
+    """Characters as messages have them: 'OK\\r\\n', or 06 15. 0x100 is added to a wrong one, which is marked."""
+    bad = any(value > 0xFF for value in characters)
+    if as_text and not bad and all(value < 0x80 for value in characters):
+        return repr(bytes(characters))[1:]
+    return " ".join(f"{value & 0xFF:02x}{'!' if value > 0xFF else ''}" for value in characters)

@@ -1,0 +1,65 @@
+"""One entry of [[serial.send]] at work: its trigger goes in; bursts on a line, once or again and again, come out.
+
+at, event, text --> happened --delay--> fire --> BurstSender
+                                '--period--> fire ...
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from functools import partial
+
+from ...bus.uart.burst_sender import Burst, BurstSender
+from ..case.serial import SendTable
+from ..context import SceneContext
+
+
+class Send:
+    """ppm: error of the clock of its times. on_begin, on_end: told the tick of each burst's begin and end."""
+
+    def __init__(
+        self, name: str, table: SendTable, context: SceneContext, sender: BurstSender, burst: Burst, ppm: Fraction
+    ) -> None:
+        self.name = name
+        self.sent = 0
+        self.on_begin: list[Callable[[int], None]] = []
+        self.on_end: list[Callable[[int], None]] = []
+        self.why_never: Callable[[], str] = lambda: "its time is behind the end of the run"
+        self._table = table
+        self._context = context
+        self._sender = sender
+        self._burst = burst
+        self._ppm = ppm
+        self._most = table.times if table.times is not None else None if table.period is not None else 1
+        self._asked = 0
+        if table.at is not None:
+            self.happened(context.start + context.ticks(table.at, ppm))
+
+    def happened(self, tick: int) -> None:
+        """What it waits for happened. With a period, the first time counts."""
+        if (self._asked and self._table.period is not None) or self._asked == self._most:
+            return
+        self._asked += 1
+        self._fire_at(tick, 0)
+
+    def _fire_at(self, begun: int, number: int) -> None:
+        """Promise the n-th burst of those that began with what happened at a tick."""
+        period = (self._table.period or 0) * number
+        due = begun + self._context.ticks(self._table.delay + period, self._ppm)
+        kernel = self._context.kernel
+        kernel.at(max(due, kernel.now), partial(self._fire, begun, number))
+
+    def _fire(self, begun: int, number: int) -> None:
+        self._sender.send(self._burst, self._begins, self._ends)
+        if self._table.period is not None and number + 1 != self._most:
+            self._fire_at(begun, number + 1)
+
+    def _begins(self, tick: int) -> None:
+        self.sent += 1
+        for told in self.on_begin:
+            told(tick)
+
+    def _ends(self, tick: int) -> None:
+        for told in self.on_end:
+            told(tick)

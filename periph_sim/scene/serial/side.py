@@ -1,0 +1,258 @@
+"""Who talks to SCIs from outside: [[serial.send]] and [[serial.expect]] go in; bursts and replies come out.
+
+events, times, replies --> Send --> BurstSender --> RX of an SCI
+TX of an SCI --> UartReader --> Reply (a measure), TextTrigger
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from functools import partial
+
+from ...bus.uart.burst_sender import Burst, BurstSender, Character
+from ...bus.uart.frame_format import UartFormat
+from ...bus.uart.reader import Heard, Line, UartReader
+from ...core.records import Recorder
+from ...core.suggest import did_you_mean
+from ...timing.language.events import Matcher, matcher
+from ...timing.language.scope import BadEvent, Scope
+from ...timing.measures.measure import SceneEvents
+from ...timing.measures.reply import Expected, Reply
+from ..case.model import Case
+from ..case.serial import ExpectTable, SendTable, SerialTable
+from ..case.wiring import SciLines, sci_lines
+from ..context import SceneContext
+from .content import content_of, encoded, show_characters
+from .send import Send
+from .triggers import EventTrigger, TextTrigger
+
+WHO = "serial"  # as a party on a line
+IDLE_BITS = 11  # before a block in idle-line mode: ten, and one for clocks that differ
+
+Entry = SendTable | ExpectTable
+
+
+class SerialSide:
+    """Made before wires are, so that the events that it waits for are recorded; `attach` puts it on them."""
+
+    def __init__(self, case: Case, table: SerialTable, scope: Scope, recorder: Recorder) -> None:
+        """BadCase, with its line, for an event that cannot be."""
+        self._case = case
+        self._table = table
+        self.sends: dict[str, Send] = {}
+        self._replies: list[list[Reply]] = [[] for _ in table.expect]
+        self._senders: dict[str, BurstSender] = {}
+        self._readers: dict[tuple[str, Fraction, UartFormat], UartReader] = {}
+        self._triggers: dict[tuple[str, int], EventTrigger] = {}
+        events = [("send", number, send.after) for number, send in enumerate(table.send)]
+        events += [("expect", number, expect.after) for number, expect in enumerate(table.expect)]
+        for kind, number, text in events:
+            if text is not None:
+                happened = partial(self._happened, kind, number)
+                trigger = EventTrigger(self._event(scope, text, kind, number), happened)
+                recorder.subscribe(trigger.kinds, trigger.record, trigger.subjects)
+                self._triggers[kind, number] = trigger
+
+    def attach(self, context: SceneContext) -> None:
+        """BadCase, with its line, for what cannot be sent or expected."""
+        self._context = context
+        self._lines = {(sci.unit, sci.module): sci for sci in sci_lines(self._case, context.wiring)}
+        for number, send in enumerate(self._table.send):
+            self._attach_send(number, send)
+        for number, expect in enumerate(self._table.expect):
+            self._attach_expect(number, expect)
+
+    def listen(self, scene: SceneEvents) -> None:
+        for trigger in self._triggers.values():
+            trigger.listen(scene)
+
+    @property
+    def characters(self) -> int:
+        """How many were sent."""
+        return sum(sender.characters for sender in self._senders.values())
+
+    def lines(self) -> Mapping[str, Line]:
+        """By wire, how its sender sends."""
+        return {wire: partial(_line_of, sender, self._line()) for wire, sender in self._senders.items()}
+
+    def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
+        """BadCase if no such reply is expected."""
+        names = [expect.name for expect in self._table.expect]
+        number = names.index(reply.name)
+        self._replies[number].append(reply)
+        return self._expected(number), partial(self._why_never, number)
+
+    def notes(self) -> list[str]:
+        """What never went out, a line each."""
+        silent = [send for send in self.sends.values() if not send.sent]
+        return [f"serial: send {send.name!r} never went out: {send.why_never()}" for send in silent]
+
+    # Sending --------------------------------------------------------------------
+
+    def _attach_send(self, number: int, table: SendTable) -> None:
+        place = ("serial", "send", number)
+        sci = self._sci(table.to, *place, "to")
+        name = table.name or f"send {number}"
+        if name in self.sends:
+            raise self._case.mistake(f"there are two sends {name!r}; give one another name", *place, "name")
+        burst = self._burst(table, *place)
+        sender = self._sender(sci, *place)
+        send = self.sends[name] = Send(name, table, self._context, sender, burst, self._table.clock(table))
+        trigger = self._triggers.get(("send", number))
+        if trigger is not None:
+            send.why_never = trigger.never
+        wanted = table.after_bytes
+        if table.after_text is not None:
+            wanted = encoded(self._case, table.after_text, table, *place, "after_text")
+        if wanted is not None:
+            reader = self._reader(sci, table)
+            reader.on_end.append(TextTrigger(wanted, send.happened).character)
+            shown = show_characters(tuple(wanted), table.after_text is not None)
+            send.why_never = lambda: f"{shown} never came from {table.to}"
+
+    def _burst(self, table: SendTable, *place: str | int) -> Burst:
+        (bit, form), ppm = self._line(table), self._table.clock(table)
+        if table.low is not None:
+            return Burst(bit, form, low=self._context.ticks(table.low, ppm))
+        mode = self._table.mode(table)
+        data = content_of(self._case, table, form.bits, *place)
+        if table.address is not None:
+            if mode == "none":
+                what = 'an address needs a mode that has them; give multiprocessor = "address-bit" or "idle-line"'
+                raise self._case.mistake(what, *place, "address")
+            if table.address >> form.bits:
+                what = f"{table.address:#04x} does not fit a character of {form.bits} bits"
+                raise self._case.mistake(what, *place, "address")
+            data = bytes([table.address]) + data
+        self._check_faults(table, form, len(data), *place)
+        characters = tuple(
+            Character(
+                value, int(n == 0 and table.address is not None), n in table.wrong_parity, n in table.missing_stop
+            )
+            for n, value in enumerate(data)
+        )
+        gap = self._context.ticks(table.gap, ppm)
+        idle = IDLE_BITS if mode == "idle-line" and table.address is not None else 0
+        return Burst(bit, form, characters, gap, idle=idle)
+
+    def _check_faults(self, table: SendTable, form: UartFormat, count: int, *place: str | int) -> None:
+        if table.wrong_parity and form.parity == "none":
+            what = 'there is no parity that could be wrong; give parity = "even" or "odd"'
+            raise self._case.mistake(what, *place, "wrong_parity")
+        for key, places in (("wrong_parity", table.wrong_parity), ("missing_stop", table.missing_stop)):
+            if places and max(places) >= count:
+                what = f"there is no character {max(places)}; it sends {count}, counted from 0"
+                raise self._case.mistake(what, *place, key)
+
+    def _sender(self, sci: SciLines, *place: str | int) -> BurstSender:
+        if sci.rx not in self._senders:
+            self._check_free(sci, *place)
+            pin = self._context.wire(sci.rx).attach(WHO)
+            self._senders[sci.rx] = BurstSender(self._context.kernel, pin, WHO)
+        return self._senders[sci.rx]
+
+    def _check_free(self, sci: SciLines, *place: str | int) -> None:
+        """Refuse a line that somebody else drives."""
+        others = [f"{one.unit}.{one.module}.TX" for one in self._lines.values() if one.tx == sci.rx]
+        if self._case.host is not None and sci.rx == "RX":
+            others.append("the host")
+        if others:
+            what = f"{others[0]} drives the RX of {sci.unit}.{sci.module} already, and one line has one sender"
+            raise self._case.mistake(f"{what}; send to another SCI, or leave the other one out", *place, "to")
+
+    # Expecting ------------------------------------------------------------------
+
+    def _attach_expect(self, number: int, table: ExpectTable) -> None:
+        place = ("serial", "expect", number)
+        self._expected(number)
+        reader = self._reader(self._sci(table.from_, *place, "from"), table)
+        reader.on_end.append(partial(self._character, number))
+        if table.after_send is not None:
+            if table.after_send not in self.sends:
+                hint = did_you_mean(table.after_send, self.sends)
+                raise self._case.mistake(f"there is no send {table.after_send!r}; {hint}", *place, "after_send")
+            send = self.sends[table.after_send]
+            send.on_begin.append(partial(self._asked, number))
+            send.on_end.append(partial(self._due, number))
+        elif table.at is not None:
+            tick = self._context.start + self._context.ticks(table.at, self._table.ppm)
+            self._context.kernel.at(tick, lambda: self._happened("expect", number, tick))
+
+    def _expected(self, number: int) -> Expected:
+        table, place = self._table.expect[number], ("serial", "expect", number)
+        data = content_of(self._case, table, self._table.form(table).bits, *place)
+        show = partial(show_characters, as_text=table.text is not None)
+        within = self._context.ticks(table.within)
+        return Expected(tuple(data), show, table.from_, within, table.anywhere)
+
+    def _happened(self, kind: str, number: int, tick: int) -> None:
+        if kind == "send":
+            self.sends[self._table.send[number].name or f"send {number}"].happened(tick)
+        else:
+            self._asked(number, tick)
+            self._due(number, tick)
+
+    def _asked(self, number: int, tick: int) -> None:
+        for reply in self._replies[number]:
+            reply.window(tick)
+
+    def _due(self, number: int, tick: int) -> None:
+        for reply in self._replies[number]:
+            reply.due(tick)
+
+    def _character(self, number: int, heard: Heard) -> None:
+        for reply in self._replies[number]:
+            reply.character(heard.begin, heard.end, heard.value, heard.good)
+
+    def _why_never(self, number: int) -> str:
+        table = self._table.expect[number]
+        if table.after_send is not None:
+            return f"send {table.after_send!r} never went out: {self.sends[table.after_send].why_never()}"
+        if ("expect", number) in self._triggers:
+            return self._triggers["expect", number].never()
+        return "its time is behind the end of the run"
+
+    # Lines ------------------------------------------------------------------------
+
+    def _sci(self, text: str, *place: str | int) -> SciLines:
+        """The SCI that an entry names: "dsp.SCI-A", or "SCI-A" where only one unit has it."""
+        unit, _, module = text.rpartition(".")
+        owners = [u for u, m in self._lines if m == module]
+        if not unit and len(owners) == 1:
+            unit = owners[0]
+        if (unit, module) in self._lines:
+            return self._lines[unit, module]
+        if not unit and owners:
+            what = f"{' and '.join(owners)} have {module}; say whose is meant: {owners[0]}.{module}"
+        elif unit and unit not in self._case.unit:
+            what = f"there is no unit {unit!r}; {did_you_mean(unit, self._case.unit)}"
+        elif unit and module in ("SCI-A", "SCI-B", "SCI-C"):
+            what = f"unit {unit} has no {module}; add it to its modules"
+        else:
+            known = [".".join(pair) for pair in self._lines]
+            hint = did_you_mean(text, known) if known else "no unit has one"
+            what = f"there is no SCI {text!r}; {hint}"
+        raise self._case.mistake(what, *place)
+
+    def _reader(self, sci: SciLines, entry: Entry) -> UartReader:
+        """What reads the TX of an SCI as an entry says that it is sent."""
+        line = self._line(entry)
+        if (sci.tx, *line) not in self._readers:
+            reader = UartReader(self._context.kernel, self._context.wire(sci.tx), lambda: line)
+            self._readers[sci.tx, *line] = reader
+        return self._readers[sci.tx, *line]
+
+    def _line(self, entry: Entry | None = None) -> tuple[Fraction, UartFormat]:
+        """Ticks of a bit, and the format, of an entry; of what no entry sends as the table has it."""
+        return self._context.exact_ticks(self._table.bit(entry), self._table.clock(entry)), self._table.form(entry)
+
+    def _event(self, scope: Scope, text: str, kind: str, number: int) -> Matcher:
+        try:
+            return matcher(text, scope)
+        except BadEvent as error:
+            raise self._case.mistake(str(error), "serial", kind, number, "after") from None
+
+
+def _line_of(sender: BurstSender, idle: tuple[Fraction, UartFormat]) -> tuple[Fraction, UartFormat]:
+    return sender.line or idle

@@ -1,0 +1,175 @@
+"""Times of expected replies: when one is due and which characters come go in; how long it took, or what is wrong.
+
+send begins          ends
+|====================|------------- time ------------|
+window: characters from here on ...      the last one ends
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from ...core.time import NO_TIME
+from .measure import Measure, SceneEvents
+
+BAD = 0x100  # added to a character with a wrong parity or without a stop bit
+
+
+@dataclass(frozen=True)
+class Expected:
+    """What must come. show: characters as messages have them. within: ticks. anywhere: others may come before."""
+
+    characters: tuple[int, ...]
+    show: Callable[[tuple[int, ...]], str]
+    source: str
+    within: int
+    anywhere: bool
+
+
+@dataclass
+class _Occasion:
+    """One time that the reply was asked for. since: from when its time counts; NO_TIME as long as that is to come."""
+
+    window: int
+    since: int = NO_TIME
+    came: list[int] = field(default_factory=list)
+    ended: int = NO_TIME  # with its last character
+    wrong_at: int = NO_TIME
+
+
+class Reply(Measure):
+    """From the end of what asks for an expected reply to the end of its last character. Another reply breaks it."""
+
+    needs = "serial"
+    asked = "times that the reply was asked for"
+
+    def __init__(self, name: str) -> None:
+        super().__init__()
+        self.name = name
+        self.refuted = ""
+        self._expected: Expected | None = None
+        self._open: deque[_Occasion] = deque()
+        self._judged = 0
+        self._wrong = 0
+        self._cut = False
+        self._why_never: Callable[[], str] = str
+        self._began, self._per_second = 0, 1
+
+    @property
+    def measured(self) -> int:
+        return self._judged
+
+    def listen(self, scene: SceneEvents) -> None:
+        self._began, self._per_second = scene.began(), scene.ticks_per_second()
+        self._expected, self._why_never = scene.on_reply(self)
+
+    # What the scene tells -----------------------------------------------------
+
+    def window(self, tick: int) -> None:
+        """The reply is asked for: characters that begin from now on are part of it."""
+        self._give_up(tick)
+        self._open.append(_Occasion(tick))
+
+    def due(self, tick: int) -> None:
+        """What asks for it is over: its time counts from here."""
+        waiting = next((one for one in self._open if one.since == NO_TIME), None)
+        if waiting is not None:
+            waiting.since = tick
+            self._settle()
+
+    def character(self, begin: int, end: int, value: int, good: bool) -> None:
+        """A character came."""
+        expected = self._what
+        occasion = next((one for one in self._open if not self._over(one)), None)
+        if occasion is None or begin < occasion.window:
+            return
+        came = occasion.came
+        came.append(value if good else BAD + value)
+        right = tuple(came) == expected.characters[: len(came)]
+        if expected.anywhere:
+            right = True
+            del came[: -max(len(expected.characters), 1)]
+        if not right and occasion.wrong_at == NO_TIME:
+            occasion.wrong_at = end
+        occasion.ended = end
+        self._settle()
+
+    # Judging --------------------------------------------------------------------
+
+    @property
+    def _what(self) -> Expected:
+        assert self._expected is not None
+        return self._expected
+
+    def _complete(self, occasion: _Occasion) -> bool:
+        return tuple(occasion.came) == self._what.characters
+
+    def _over(self, occasion: _Occasion) -> bool:
+        """As many characters came as were expected; what comes then is another's, or nobody's."""
+        enough = len(occasion.came) >= len(self._what.characters)
+        return self._complete(occasion) or (enough and not self._what.anywhere)
+
+    def _settle(self) -> None:
+        """Take those that are complete, in their order."""
+        while self._open and self._open[0].since != NO_TIME and self._over(self._open[0]):
+            self._close(self._open.popleft())
+
+    def _close(self, occasion: _Occasion) -> None:
+        if self._complete(occasion):
+            self._judge(occasion)
+            self.take(max(0, occasion.ended - occasion.since), occasion.since)
+        else:
+            self._refute(occasion, NO_TIME)
+
+    def _judge(self, occasion: _Occasion) -> None:
+        self.occasion(occasion.since)
+        self._judged += occasion.since >= self.not_before
+
+    def _refute(self, occasion: _Occasion, now: int) -> None:
+        """It did not come. now: when that is known of one that nothing wrong came for."""
+        if occasion.since < self.not_before:
+            return
+        self._judge(occasion)
+        self._wrong += 1
+        if now != NO_TIME and occasion.wrong_at == NO_TIME:
+            self.take(now - occasion.since, occasion.since)
+        if not self.refuted:
+            self.refuted, self.refuted_at = self._said(occasion), occasion.since
+
+    def _said(self, occasion: _Occasion) -> str:
+        expected = self._what
+        came = expected.show(tuple(occasion.came))
+        wanted = f"{expected.show(expected.characters)} was expected from {expected.source}"
+        if occasion.wrong_at != NO_TIME:
+            at = (occasion.wrong_at - self._began) / self._per_second
+            return f"{wanted}, but {came} came, whose first wrong character ended at {at:.6f} s"
+        if occasion.came and not expected.anywhere:
+            return f"{wanted}, but only {came} came"
+        return f"{wanted}, but {came + ' came last' if occasion.came else 'nothing came'}"
+
+    def _give_up(self, now: int) -> None:
+        """Another one is asked for: those that wait longer than they may will not come."""
+        while self._open:
+            first = self._open[0]
+            late = first.since != NO_TIME and now - first.since > self._what.within
+            if not late and first.wrong_at == NO_TIME:
+                return
+            self._refute(self._open.popleft(), now)
+
+    def finish(self, now: int) -> None:
+        self._settle()
+        for occasion in self._open:
+            if occasion.since == NO_TIME or (
+                now - occasion.since <= self._what.within and occasion.wrong_at == NO_TIME
+            ):
+                self._cut = True
+            else:
+                self._refute(occasion, now)
+        self._open.clear()
+
+    def missing(self) -> str:
+        if self._cut:
+            return f"the run ended before the reply from {self._what.source} had to be there; let it last longer"
+        return self._why_never()

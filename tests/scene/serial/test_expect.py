@@ -1,0 +1,190 @@
+"""Replies that must come: in time, late, wrong, cut short, never asked for; each verdict with what it says."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from periph_sim.commands.result_text import legend
+from periph_sim.core.records import Kind, Record
+from periph_sim.firmware import start_sci
+from periph_sim.timing.verdicts import Verdict
+from tests.scene.serial.programs import answers, scene, send, unit
+
+CHARACTER = 10 / 0.1152  # us at 115200 baud
+
+
+def judged(
+    replies: dict[bytes, bytes],
+    sends: list[dict[str, Any]],
+    *expects: dict[str, Any],
+    duration: str = "4 ms",
+    delay: int = 0,
+    seen: list[Record] | None = None,
+    **more: Any,
+) -> list[Verdict]:
+    """The verdicts of what a firmware with these replies answers. delay: cycles before each reply."""
+    program = answers("SCI-A", replies) if not delay else answers_late(replies, delay)
+    table = {
+        "send": [{"to": "SCI-A", "name": "ask", "at": "100 us", **one} for one in sends],
+        "expect": [{"name": "told", "from": "SCI-A", "after_send": "ask", "within": "1 ms", **one} for one in expects],
+    }
+    run = scene({"dsp": program}, seen, unit={"dsp": unit("SCI-A")}, serial=table, duration=duration, **more)
+    return run.run().budgets
+
+
+def answers_late(replies: dict[bytes, bytes], cycles: int):
+    def main(dsp):
+        sci = start_sci(dsp, "SCI-A")
+        got = b""
+        while True:
+            dsp.spin(lambda: sci.SCIFFRX.RXFFST > 0)
+            got += bytes([sci.SCIRXBUF.all & 0xFF])
+            if got in replies:
+                dsp.compute(cycles)
+                send(dsp, "SCI-A", replies[got])
+                got = b""
+
+    return main
+
+
+ASK = [{"text": "ask\n"}]
+
+
+def test_a_reply_in_time_is_as_long_as_the_wires_say():
+    seen: list[Record] = []
+    (verdict,) = judged({b"ask\n": b"OK"}, ASK, {"text": "OK"}, seen=seen)
+    frames = [r for r in seen if r.kind is Kind.FRAME and r.what == "end"]
+    asked = max(r.tick for r in frames if r.where == "RX")
+    told = max(r.tick for r in frames if r.where == "TX")
+    assert (verdict.verdict, verdict.measure, verdict.count, verdict.limit) == ("pass", "reply:told", 1, 1000)
+    assert verdict.worst == pytest.approx((told - asked) / 3000, abs=1)  # its reader has the nominal rate, the SCI BRR
+
+
+def test_a_late_reply_breaks_its_limit_by_what_it_took():
+    (verdict,) = judged({b"ask\n": b"OK"}, ASK, {"text": "OK", "within": "1 ms"}, delay=150_000)
+    assert verdict.verdict == "fail" and 1000 < verdict.worst == pytest.approx(1000 + 2 * CHARACTER, abs=10)
+
+
+@pytest.mark.parametrize(
+    ("replies", "said"),
+    [
+        (
+            {b"ask\n": b"ER"},
+            r"'OK' was expected from SCI-A, but 'ER' came, whose first wrong character ended at 0.0005",
+        ),
+        ({b"ask\n": b"O"}, "'OK' was expected from SCI-A, but only 'O' came"),
+        ({}, "'OK' was expected from SCI-A, but nothing came"),
+        ({b"ask\n": b"NO WAY"}, "'OK' was expected from SCI-A, but 'NO' came, whose first wrong character ended at"),
+    ],
+)
+def test_another_reply_or_none_is_told_with_what_came(replies: dict[bytes, bytes], said: str):
+    (verdict,) = judged(replies, ASK, {"text": "OK"})
+    assert verdict.verdict == "fail" and said in verdict.found
+    assert verdict.found in legend([verdict])[0]
+
+
+def test_bytes_are_shown_as_bytes_and_bad_ones_marked():
+    (verdict,) = judged({b"ask\n": b"\x15"}, ASK, {"bytes": "06"})
+    assert "06 was expected from SCI-A, but 15 came" in verdict.found
+    (verdict,) = judged({b"ask\n": b"\x07"}, ASK, {"bytes": "07", "parity": "even", "bits": 7})
+    assert "07 was expected from SCI-A, but 07! came" in verdict.found
+
+
+def test_what_comes_before_is_wrong_unless_it_may():
+    echo = {b"ask\n": b"ask\nOK"}
+    assert judged(echo, ASK, {"text": "OK"})[0].verdict == "fail"
+    assert judged(echo, ASK, {"text": "OK", "anywhere": True})[0].verdict == "pass"
+    (verdict,) = judged(echo, ASK, {"text": "NO", "anywhere": True})
+    assert verdict.found == "'NO' was expected from SCI-A, but 'OK' came last"
+
+
+def test_characters_count_from_the_begin_of_the_send_and_time_from_its_end():
+    """An echo, character by character, begins while the send still goes."""
+    (verdict,) = judged({b"a": b"a", b"b": b"b"}, [{"text": "ab"}], {"text": "ab"})
+    assert verdict.verdict == "pass" and verdict.worst == pytest.approx(CHARACTER, abs=8)
+
+
+def test_each_time_that_it_is_asked_for_counts():
+    asks = [{"text": "ask\n", "period": "1 ms", "times": 3}]
+    (verdict,) = judged({b"ask\n": b"OK"}, asks, {"text": "OK"})
+    assert (verdict.verdict, verdict.count, verdict.occasions) == ("pass", 3, 3)
+    slow = [{"text": "ask\n", "period": "2 ms", "times": 3}]
+    (verdict,) = judged({b"ask\n": b"OK"}, slow, {"text": "OK", "within": "500 us"}, delay=90_000, duration="7 ms")
+    assert (verdict.verdict, verdict.count) == ("fail", 3) and verdict.worst > 600
+    gone = {b"ask\n": b"OK"}, asks, {"text": "OK", "within": "500 us"}
+    (verdict,) = judged(*gone, delay=120_000)
+    assert verdict.verdict == "fail" and "nothing came" in verdict.found  # before it was asked for again
+
+
+def test_one_wrong_reply_of_three_breaks_it():
+    asks = [{"text": "1", "period": "500 us", "times": 3}]
+    (verdict,) = judged({b"1": b"A"}, asks, {"text": "A"})
+    assert (verdict.verdict, verdict.count) == ("pass", 3)
+
+    def main(dsp):
+        sci = start_sci(dsp, "SCI-A")
+        for reply in (b"A", b"B", b"A"):
+            dsp.spin(lambda: sci.SCIFFRX.RXFFST > 0)
+            assert sci.SCIRXBUF.all == ord("1")
+            send(dsp, "SCI-A", reply)
+
+    table = {
+        "send": [{"to": "SCI-A", "name": "ask", "at": "100 us", **asks[0]}],
+        "expect": [{"name": "told", "from": "SCI-A", "after_send": "ask", "within": "1 ms", "text": "A"}],
+    }
+    (verdict,) = scene({"dsp": main}, unit={"dsp": unit("SCI-A")}, serial=table, duration="4 ms").run().budgets
+    assert (verdict.verdict, verdict.count, verdict.occasions) == ("fail", 2, 3)
+    assert verdict.found.startswith("'A' was expected from SCI-A, but 'B' came") and verdict.margin > 0
+    assert legend([verdict])[0] == f"told: {verdict.found}"
+
+
+def test_a_reply_may_follow_an_event_or_a_time():
+    at_once = answers("SCI-A", {b"x": b"y"})
+    booted = {"name": "booted", "from": "SCI-A", "text": "up", "at": "0 s", "within": "1 ms"}
+
+    def main(dsp):
+        start_sci(dsp, "SCI-A")
+        send(dsp, "SCI-A", b"up")
+        at_once(dsp)
+
+    event = {"name": "after", "from": "SCI-A", "text": "y", "after": "frame RX 0x78 end", "within": "1 ms"}
+    table = {"send": [{"to": "SCI-A", "text": "x", "at": "1 ms"}], "expect": [booted, event]}
+    run = scene({"dsp": main}, unit={"dsp": unit("SCI-A")}, serial=table, duration="4 ms")
+    assert [(v.name, v.verdict, v.count) for v in run.run().budgets] == [("booted", "pass", 1), ("after", "pass", 1)]
+
+
+def test_what_was_never_asked_for_is_not_judged_and_says_why():
+    never = [{"text": "x", "after": "frame TX 0x21 end", "at": None}]
+    (verdict,) = judged({}, never, {"text": "OK"})
+    assert verdict.verdict == "not judged"
+    assert verdict.found == "send 'ask' never went out: no event matched 'frame TX 0x21 end'"
+    (verdict,) = judged({}, ASK, {"text": "OK", "after_send": None, "after": "frame TX 0x21 end"})
+    assert (verdict.verdict, verdict.found) == ("not judged", "no event matched 'frame TX 0x21 end'")
+    (verdict,) = judged({}, [{"text": "x", "at": "9 ms"}], {"text": "OK"})
+    assert verdict.found == "send 'ask' never went out: its time is behind the end of the run"
+
+
+def test_a_run_that_ends_before_the_limit_judges_nothing():
+    (verdict,) = judged({}, ASK, {"text": "OK", "within": "5 ms"})
+    assert verdict.verdict == "not judged"
+    assert verdict.found == "the run ended before the reply from SCI-A had to be there; let it last longer"
+    (verdict,) = judged({b"ask\n": b"OK"}, [{"text": "ask\n", "period": "1900 us"}], {"text": "OK"}, duration="2.4 ms")
+    assert (verdict.verdict, verdict.count) == ("pass", 1)  # the second one is cut off
+
+
+def test_a_budget_may_say_more_of_a_reply():
+    median = {"name": "median", "measure": "reply:told", "p50": "200 us", "max": "900 us"}
+    verdicts = judged({b"ask\n": b"OK"}, ASK, {"text": "OK"}, budget=[median])
+    assert [(v.name, v.verdict) for v in verdicts] == [("median", "pass"), ("told", "pass")]
+
+
+def test_a_wrong_baud_rate_of_the_firmware_is_found():
+    """What is outside has its own rate: firmware that is set to another one cannot pass."""
+    table = {
+        "send": [{"to": "SCI-A", "name": "ask", "at": "100 us", "text": "U"}],
+        "expect": [{"name": "told", "from": "SCI-A", "after_send": "ask", "within": "1 ms", "text": "U"}],
+    }
+    run = scene({"dsp": answers("SCI-A", {b"U": b"U"}, brr=81)}, unit={"dsp": unit("SCI-A")}, serial=table)
+    assert [v.verdict for v in run.run().budgets] == ["fail"]

@@ -1,0 +1,212 @@
+"""What no serial table can say: one sentence with file, line and the way out, status 2."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from periph_sim.cli import main
+from periph_sim.scene.case.load import load
+from periph_sim.scene.case.model import BadCase
+from periph_sim.scene.scene import Scene
+
+TEXT = """\
+name = "small"
+duration = "1 ms"
+
+[unit.dsp]
+firmware = "idle.py"
+modules = ["SCI-A", "GPIO"]
+
+[[serial.send]]
+name = "ask"
+to = "dsp.SCI-A"
+text = "ask"
+at = "100 us"
+
+[[serial.expect]]
+name = "told"
+from = "dsp.SCI-A"
+text = "OK"
+after_send = "ask"
+within = "1 ms"
+"""
+HOST = '\n[host]\nbaud = 9600\n'  # fmt: skip
+CABLE = '\n[[cable]]\nfrom = "dsp.SCI-A.TX"\nto = "dsp.SCI-A.RX"\n'
+
+
+@pytest.fixture
+def small(tmp_path: Path) -> Path:
+    (tmp_path / "idle.py").write_text("def main(dsp, settings):\n    pass\n")
+    (tmp_path / "empty.bin").write_bytes(b"")
+    return tmp_path / "small.toml"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        (
+            'to = "dsp.SCI-A"',
+            'to = "dps.SCI-A"',
+            "line 10: serial.send.ask.to: there is no unit 'dps'; did you mean dsp?",
+        ),
+        (
+            'to = "dsp.SCI-A"',
+            'to = "dsp.SCI-B"',
+            "line 10: serial.send.ask.to: unit dsp has no SCI-B; add it to its modules",
+        ),
+        (
+            'to = "dsp.SCI-A"',
+            'to = "dsp.SCIA"',
+            "line 10: serial.send.ask.to: there is no SCI 'dsp.SCIA'; did you mean dsp.SCI-A?",
+        ),
+        (
+            'from = "dsp.SCI-A"',
+            'from = "dsp.SCI-C"',
+            "line 16: serial.expect.told.from: unit dsp has no SCI-C; add it to its modules",
+        ),
+        (
+            'text = "ask"',
+            'text = "né"',
+            "line 11: serial.send.ask.text: 'é' cannot be encoded in ascii; "
+            "give another encoding, or bytes instead of text",
+        ),
+        (
+            'text = "OK"',
+            'text = "€"\nencoding = "latin-1"',
+            "line 17: serial.expect.told.text: '€' cannot be encoded in latin-1; "
+            "give another encoding, or bytes instead of text",
+        ),
+        (
+            'at = "100 us"',
+            'at = "100 us"\ngap = "-1 us"',
+            "line 13: serial.send.ask.gap: '-1 us' is negative; a duration is 0 or more",
+        ),
+        (
+            'text = "ask"',
+            'text = "ask"\nbytes = "00"',
+            "line 8: serial.send.ask: text and bytes cannot both be; leave one of them out",
+        ),
+        ('text = "ask"', "", "line 8: serial.send.ask: a send needs one of text, bytes, file and break"),
+        ('text = "ask"', 'text = ""', "line 8: serial.send.ask: text is empty; write at least one character"),
+        (
+            'text = "ask"',
+            'file = "ask.bin"',
+            "line 11: serial.send.ask.file: ask.bin cannot be read (No such file or directory); "
+            "a path counts from the folder of the case",
+        ),
+        (
+            'text = "ask"',
+            'file = "empty.bin"',
+            "line 11: serial.send.ask.file: empty.bin is empty; it needs at least one character",
+        ),
+        (
+            'text = "ask"',
+            'bytes = "80"\nbits = 7',
+            "line 11: serial.send.ask.bytes: 0x80 does not fit a character of 7 bits; give other content, or more bits",
+        ),
+        (
+            'at = "100 us"',
+            "",
+            "line 8: serial.send.ask: a send needs one of at, after, after_text and after_bytes",
+        ),
+        (
+            'at = "100 us"',
+            'after = "frame TY"',
+            "line 12: serial.send.ask.after: 'frame TY': there is no serial line 'TY'; "
+            "it has RX, TX, begin, end, error",
+        ),
+        (
+            'at = "100 us"',
+            'at = "100 us"\ntimes = 2',
+            "line 8: serial.send.ask: times needs period, since a time comes once; give period, or leave times out",
+        ),
+        (
+            'at = "100 us"',
+            'at = "100 us"\nwrong_parity = [0]',
+            "line 13: serial.send.ask.wrong_parity: there is no parity that could be wrong; "
+            'give parity = "even" or "odd"',
+        ),
+        (
+            'at = "100 us"',
+            'at = "100 us"\nmissing_stop = [3]',
+            "line 13: serial.send.ask.missing_stop: there is no character 3; it sends 3, counted from 0",
+        ),
+        (
+            'at = "100 us"',
+            'at = "100 us"\naddress = 1',
+            "line 13: serial.send.ask.address: an address needs a mode that has them; "
+            'give multiprocessor = "address-bit" or "idle-line"',
+        ),
+        (
+            'after_send = "ask"',
+            'after_send = "aks"',
+            "line 18: serial.expect.told.after_send: there is no send 'aks'; did you mean ask?",
+        ),
+        (
+            'after_send = "ask"',
+            "",
+            "line 14: serial.expect.told: an expect needs one of after_send, after and at",
+        ),
+        (
+            'within = "1 ms"',
+            'within = "1 ms"\nwithn = "2 ms"',
+            "line 20: there is no key 'serial.expect.told.withn'; did you mean within?",
+        ),
+        (
+            "",
+            HOST,
+            "line 10: serial.send.ask.to: the host drives the RX of dsp.SCI-A already, and one line has one sender; "
+            "send to another SCI, or leave the other one out",
+        ),
+        (
+            "",
+            CABLE,
+            "line 10: serial.send.ask.to: dsp.SCI-A.TX drives the RX of dsp.SCI-A already, and one line has "
+            "one sender; send to another SCI, or leave the other one out",
+        ),
+        (
+            "",
+            '\n[[budget]]\nname = "told"\nmeasure = "overruns"\nmax = 0\n',
+            "line 15: serial.expect.told.name: there are two budgets 'told'; "
+            "verdicts are known by name, so give one another name",
+        ),
+        (
+            "",
+            '\n[[budget]]\nname = "b"\nmeasure = "reply:tld"\nmax = "1 ms"\n',
+            "line 23: budget.b.measure: no reply 'tld' is expected; did you mean told?",
+        ),
+    ],
+)
+def test_one_sentence_with_file_and_line(small: Path, old: str, new: str, said: str):
+    assert not old or old in TEXT
+    small.write_text(TEXT.replace(old, new, 1) if old else TEXT + new, encoding="utf-8")
+    with pytest.raises(BadCase) as caught:
+        Scene(load(small))
+    assert str(caught.value).removeprefix(f"{small}, ") == said
+
+
+def test_status_2_without_a_traceback(small: Path, capsys, monkeypatch):
+    small.write_text(TEXT.replace("dsp.SCI-A", "dsp.SCI-B"), encoding="utf-8")
+    monkeypatch.setattr(sys, "argv", ["periph-sim", "run", str(small)])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 2
+    said = capsys.readouterr().err
+    assert said.endswith("line 10: serial.send.ask.to: unit dsp has no SCI-B; add it to its modules\n")
+    assert "Traceback" not in said
+
+
+def test_a_reply_needs_a_serial_table(small: Path):
+    text = TEXT.split("[[serial.send]]")[0] + '[[budget]]\nname = "b"\nmeasure = "reply:told"\nmax = "1 ms"\n'
+    small.write_text(text, encoding="utf-8")
+    with pytest.raises(BadCase, match="'reply:told' needs serial in the scene, which has none"):
+        Scene(load(small))
+
+
+def test_a_file_counts_from_the_folder_of_the_case(small: Path):
+    (small.parent / "ask.bin").write_bytes(b"ask")
+    small.write_text(TEXT.replace('text = "ask"', 'file = "ask.bin"'), encoding="utf-8")
+    assert Scene(load(small)).run().sci_bytes == 3

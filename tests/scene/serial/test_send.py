@@ -1,0 +1,195 @@
+"""What is sent to an SCI from outside, when, and what the SCI makes of it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from periph_sim.core.records import Kind, Record
+from periph_sim.firmware import start_sci
+from tests.scene.serial.programs import answers, hears, scene, send, unit
+
+BIT = 26_240  # ticks of a bit of the SCI with BRR = 40, 3 GHz
+FE, PE = 1 << 15, 1 << 14
+
+
+def heard(sends: list[dict[str, Any]], duration: str = "3 ms", serial: dict[str, Any] | None = None, **started: int):
+    """The words of SCIRXBUF of SCI-B, error bits included."""
+    words: list[int] = []
+    table = {"send": [{"to": "SCI-B", "at": "100 us", **one} for one in sends], **(serial or {})}
+    run = scene({"dsp": hears("SCI-B", words, **started)}, unit={"dsp": unit("SCI-B")}, serial=table, duration=duration)
+    run.run()
+    return words
+
+
+def begins(sends: list[dict[str, Any]], duration: str = "3 ms", **serial: Any) -> list[tuple[float, int]]:
+    """(us of the start bit, byte) of each character that is sent to SCI-A."""
+    seen: list[Record] = []
+    table = {"send": [{"to": "SCI-A", **one} for one in sends], **serial}
+    programs = {"dsp": answers("SCI-A", {b"go": b"OK", b"!go": b"OK"})}
+    run = scene(programs, seen, [Kind.FRAME], unit={"dsp": unit("SCI-A")}, serial=table, duration=duration)
+    run.run()
+    on_rx = [r for r in seen if r.where == "RX"]
+    starts = [r.tick / 3000 for r in on_rx if r.what == "begin"]
+    return list(zip(starts, [r.value for r in on_rx if r.what in ("end", "error")], strict=True))
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ({"text": "hi\n"}, [*b"hi\n"]),
+        ({"bytes": "00 ff 55"}, [0x00, 0xFF, 0x55]),
+        ({"text": "é", "encoding": "latin-1"}, [0xE9]),
+        ({"text": "é", "encoding": "utf-8"}, [0xC3, 0xA9]),
+    ],
+)
+def test_what_is_sent_is_received(content: dict[str, Any], words: list[int]):
+    assert heard([content]) == words
+
+
+def test_a_file_is_sent_as_it_is(tmp_path, monkeypatch):
+    (tmp_path / "boot.bin").write_bytes(b"\x01\x02\x80")
+    monkeypatch.chdir(tmp_path)
+    assert heard([{"file": "boot.bin"}]) == [1, 2, 0x80]
+
+
+def test_each_character_begins_a_gap_behind_the_last_ones_stop_bit():
+    """
+    100 us |0123456789|  50 us  |0123456789|     86.8 us a character at 115200 baud
+    """
+    found = begins([{"text": "ab", "at": "100 us", "gap": "50 us"}])
+    assert found == [(pytest.approx(100), ord("a")), (pytest.approx(100 + 10 / 0.1152 + 50, abs=0.001), ord("b"))]
+
+
+def test_a_second_send_waits_for_the_line():
+    first, second = begins([{"text": "a", "at": "100 us"}, {"text": "b", "at": "110 us"}])
+    assert second[0] == pytest.approx(100 + 10 / 0.1152, abs=0.001) and first[1] == ord("a")
+
+
+def test_a_period_repeats_it():
+    found = begins([{"text": "a", "at": "100 us", "period": "500 us", "times": 3}])
+    assert [round(at, 3) for at, _ in found] == [100, 600, 1100]
+    assert len(begins([{"text": "a", "at": "100 us", "period": "500 us"}], duration="1.9 ms")) == 4
+
+
+def test_ppm_moves_times_and_rate():
+    slow, late = begins([{"text": "ab", "at": "1 ms"}], ppm=-10_000)
+    assert slow[0] == pytest.approx(1000 / 0.99, abs=0.001)
+    assert late[0] - slow[0] == pytest.approx(10 / 0.1152 / 0.99, abs=0.002)
+
+
+def test_after_received_text():
+    found = begins([{"text": "go", "at": "100 us"}, {"text": "more", "after_text": "OK", "delay": "20 us"}])
+    assert bytes(value for _, value in found) == b"gomore"
+    assert [value for _, value in begins([{"text": "x", "after_bytes": "4f 4b"}])] == []
+
+
+def test_after_an_event_once_some_times_or_each_time():
+    def with_times(**times: Any) -> bytes:
+        pings = {"text": "go", "at": "100 us", "period": "600 us", "times": 3}
+        event = {"text": "!", "after": "frame TX 0x4b end", **times}  # the K of OK
+        return bytes(value for _, value in begins([pings, event]))
+
+    assert with_times() == b"go!gogo"
+    assert with_times(times=2) == b"go!go!go"
+    assert with_times(times="all") == b"go!go!go!"
+
+
+def test_an_access_is_an_event_at_its_own_tick():
+    seen: list[Record] = []
+    table = {"send": [{"to": "dsp.SCI-A", "text": "x", "after": "access W SCI-A.SCICTL1"}]}
+    run = scene({"dsp": hears("SCI-A", [])}, seen, unit={"dsp": unit("SCI-A")}, serial=table, duration="1 ms")
+    run.run()
+    written = next(r.tick for r in seen if r.kind is Kind.ACCESS and r.what == "W SCI-A.SCICTL1")
+    assert next(r.tick for r in seen if r.kind is Kind.EDGE and r.where == "RX") == written
+
+
+def test_a_send_whose_event_never_happened_is_told():
+    table = {"send": [{"to": "dsp.SCI-A", "text": "x", "name": "late", "after": "frame TX 0x21 end"}]}
+    result = scene({"dsp": hears("SCI-A", [])}, unit={"dsp": unit("SCI-A")}, serial=table, duration="1 ms").run()
+    assert result.notes[-1] == "serial: send 'late' never went out: no event matched 'frame TX 0x21 end'"
+    assert result.sci_bytes == 0
+
+
+# What goes wrong on a wire ------------------------------------------------------
+
+
+def test_wrong_parity_and_a_missing_stop_bit():
+    even = {"parity": "even", "bits": 8}
+    assert heard([{"text": "abc", "wrong_parity": [1]}], serial=even, sciccr=0x67) == [97, PE | 98, 99]
+    assert heard([{"text": "abc", "missing_stop": [1]}]) == [97, FE | 98, 99]
+
+
+def test_a_break_sets_brkdt():
+    status: list[int] = []
+
+    def main(dsp):
+        sci = start_sci(dsp, "SCI-A")
+        dsp.spin(lambda: sci.SCIRXST.BRKDT == 1)
+        status.append(sci.SCIRXST.all)
+
+    table = {"send": [{"to": "SCI-A", "break": "300 us", "at": "100 us"}]}
+    scene({"dsp": main}, unit={"dsp": unit("SCI-A")}, serial=table, duration="1 ms").run()
+    assert len(status) == 1 and status[0] & 0x20
+
+
+def test_another_rate_or_format_is_told_apart_as_on_a_wire():
+    assert heard([{"text": "UU", "baud": 57_600}]) != [*b"UU"]
+    assert heard([{"bytes": "00", "baud": 57_600}])[0] & FE
+    assert heard([{"text": "a", "parity": "odd"}], sciccr=0x67)[0] == PE | 97  # the SCI has even parity
+    assert heard([{"text": "a", "bits": 7}], sciccr=0x06) == [97]
+
+
+def test_an_a_sets_the_rate_by_autobaud():
+    found: list[int] = []
+
+    def main(dsp):
+        sci = start_sci(dsp, "SCI-A", brr=1)
+        sci.SCIFFCT.all = 0x2000  # CDC
+        dsp.spin(lambda: sci.SCIFFCT.ABD == 1)
+        found.append(sci.SCIHBAUD.all << 8 | sci.SCILBAUD.all)
+
+    table = {"baud": 9600, "send": [{"to": "SCI-A", "text": "A", "at": "100 us"}]}
+    scene({"dsp": main}, unit={"dsp": unit("SCI-A")}, serial=table, duration="3 ms").run()
+    assert found == [pytest.approx(37_500_000 / 8 / 9600 - 1, abs=1)]
+
+
+@pytest.mark.parametrize(("mode", "sciccr"), [("address-bit", 0x0F), ("idle-line", 0x07)])
+def test_a_sleeping_receiver_wakes_at_an_address(mode: str, sciccr: int):
+    """Only the block to 0x21 is received whole: the firmware wakes at its own address, and sleeps at others."""
+    words: list[int] = []
+
+    def main(dsp):
+        sci = start_sci(dsp, "SCI-A", sciccr=sciccr)
+        sci.SCICTL1.SLEEP = 1
+        while True:
+            dsp.spin(lambda: sci.SCIFFRX.RXFFST > 0)
+            word = sci.SCIRXBUF.all
+            words.append(word)
+            if sci.SCICTL1.SLEEP == 1:
+                if word == 0x21:
+                    sci.SCICTL1.SLEEP = 0
+            elif word == 3:
+                sci.SCICTL1.SLEEP = 1
+
+    blocks = [{"to": "SCI-A", "at": "100 us", "address": n, "bytes": "01 02 03"} for n in (0x20, 0x21, 0x22)]
+    table = {"multiprocessor": mode, "send": blocks}
+    scene({"dsp": main}, unit={"dsp": unit("SCI-A")}, serial=table, duration="3 ms").run()
+    assert words == [0x20, 0x21, 1, 2, 3, 0x22]
+
+
+def test_what_a_unit_sends_and_what_is_sent_to_it_do_not_meet():
+    """Both ways at once, on lines of their own."""
+    words: list[int] = []
+
+    def main(dsp):
+        sci = start_sci(dsp, "SCI-C")
+        send(dsp, "SCI-C", bytes(16))
+        while True:
+            dsp.spin(lambda: sci.SCIFFRX.RXFFST > 0)
+            words.append(sci.SCIRXBUF.all)
+
+    table = {"send": [{"to": "SCI-C", "at": "100 us", "bytes": "10 20 30"}]}
+    scene({"dsp": main}, unit={"dsp": unit("SCI-C")}, serial=table, duration="2 ms").run()
+    assert words == [0x10, 0x20, 0x30]

@@ -1,4 +1,4 @@
-"""docs/tutorial.md: both programs access the same registers in the same order; the table's cycles are those measured."""
+"""docs/tutorial.md: both programs access the same registers in one order; the table has the cycles that were measured."""
 
 from __future__ import annotations
 
@@ -22,7 +22,9 @@ def test_both_programs_access_the_same_registers_in_the_same_order():
 
 
 def test_the_cycles_of_the_table_are_those_measured():
-    measured = re.findall(r"^ (\S.*?) {2,}(\d\.\d{3}) us +1 us .* seen$", PAGE.split("sed -n 3,19p")[1].split("```")[0], re.M)
+    measured = re.findall(
+        r"^ (\S.*?) {2,}(\d\.\d{3}) us +1 us .* seen$", PAGE.split("sed -n 3,19p")[1].split("```")[0], re.M
+    )
     table = re.findall(r"^\| ([^|]+) \| (\d+) \| ", PAGE, re.M)
     assert [(name, round(float(us) * 1000) // CYCLE_NS) for name, us in measured] == [(n, int(c)) for n, c in table]
     assert len(table) == 15

@@ -1,4 +1,4 @@
-"""docs/tutorial.md: both programs access the same registers in one order; the table has the cycles that were measured."""
+"""docs/tutorial.md: both programs access the same registers in one order; the table has the cycles measured."""
 
 from __future__ import annotations
 

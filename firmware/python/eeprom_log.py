@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
-from periph_sim.firmware import Dsp, Duration, HexBytes, start_i2c
+from periph_sim.firmware import Dsp, Duration, HexBytes, start_i2c, start_pie
 
 STT, STP, MST, TRX, RM, IRS = 0x2000, 0x0800, 0x0400, 0x0200, 0x0080, 0x0020  # I2CMDR
 FREE = 0x4000
@@ -41,6 +41,12 @@ class Log:
         self.dsp = dsp
         self.settings = settings
         self.i2c = dsp.module("I2C-A")
+        self.due = 0  # records beyond the first
+
+    def tick(self) -> None:
+        """TINT0: the next record is due."""
+        self.due += 1
+        self.dsp.module("PIE").PIEACK.all = 1
 
     def parts(self) -> Iterator[tuple[int, bytes]]:
         """Word addresses and bytes of the writes: none of them goes over the end of a page."""
@@ -115,10 +121,10 @@ class Log:
         self.i2c.I2CMDR.all = IRS
         timer = dsp.module("TIMER0")
         timer.PRD.all = int(settings.period * dsp.control.sysclk_hz) - 1
-        timer.TCR.all = 0x0020  # TRB
+        timer.TCR.all = 0x4020  # TIE, TRB
+        start_pie(dsp, {"TINT0": self.tick})
+        stored = 0
         while True:
-            dsp.spin(lambda: timer.TCR.TIF == 1)
-            timer.TCR.TIF = 1  # clears it
             for at, data in self.parts():
                 with dsp.span("store"):
                     self.write(at, data)
@@ -126,6 +132,9 @@ class Log:
                         pass
             with dsp.span("read back"):
                 self.read(settings.record_at, len(settings.record))
+            stored += 1
+            while self.due < stored:
+                dsp.cpu.idle()
 
 
 def main(dsp: Dsp, settings: Settings) -> None:

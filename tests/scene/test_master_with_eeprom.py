@@ -17,7 +17,7 @@ from tests.scene.runs import TIMING, run_file
 
 LOG = "eeprom_log"
 QUICK = ("unit.dsp.settings.period=8 ms", "rounds.period=8 ms", "device.eeprom.write_time=300 us")
-OFF = 'device.eeprom.fault=[{kind="off", after="9 ms"}]'
+OFF = 'device.eeprom.fault=[{kind="off", after="1 ms"}]'
 HELD = 'device.eeprom.fault=[{kind="hold", access="read", bytes=[3], length="5 ms"}]'
 
 
@@ -58,7 +58,7 @@ def test_sigroks_decoder_of_eeproms_reads_the_same(tmp_path: Path):
     file = tmp_path / "run.sr"
     with recording(file, case.recorded_modules) as (subscribe, ended_at):
         scene = Scene(case, subscribe)
-        scene.run(Fraction(16, 1000))
+        scene.run(Fraction(8, 1000))
         ended_at(scene.kernel.now)
     decoder = "i2c:scl=SCL:sda=SDA,eeprom24xx:chip=microchip_24lc64"
     told = subprocess.run(

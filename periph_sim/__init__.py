@@ -1,3 +1,100 @@
-"""Models of the TMS320F28335's SCI and I2C that run firmware against bus traces and check its timing."""
+"""Models of the TMS320F28335's SCI and I2C that run firmware against bus traces and check its timing.
+
+`__all__` is the public interface (docs/python_api.md), with `periph_sim.firmware` for what firmware imports. Each name
+is imported when it is first used: `import periph_sim` alone loads nothing.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
 
 __version__ = "0.1.0"  # the one place: the wheel's metadata and `periph-sim --version` are read from here
+
+if TYPE_CHECKING:
+    from .api import make_case, run
+    from .core.kernel import SimulationStuck
+    from .processor.dsp import Dsp
+    from .processor.error_origin import FirmwareError
+    from .records.cause_trace.why import why
+    from .records.lint_runner import lint
+    from .records.recording import BadRecording
+    from .records.run import NotInRun, Run
+    from .reports.baselines.check import check
+    from .reports.baselines.errors import BadCheck
+    from .reports.baselines.judge import CaseCheck
+    from .scene.case.json_schema import case_schema
+    from .scene.case.load import load
+    from .scene.case.model import BadCase, Case
+    from .scene.firmware_loader import Firmware
+    from .scene.result import Result
+    from .scene.scene import Scene
+    from .timing.verdicts import Verdict
+    from .traces.capture.capture import BadCapture, Capture
+    from .traces.formats import read as read_capture
+    from .traces.formats import write as write_capture
+
+__all__ = [
+    "BadCapture",
+    "BadCase",
+    "BadCheck",
+    "BadRecording",
+    "Capture",
+    "Case",
+    "CaseCheck",
+    "Dsp",
+    "Firmware",
+    "FirmwareError",
+    "NotInRun",
+    "Result",
+    "Run",
+    "Scene",
+    "SimulationStuck",
+    "Verdict",
+    "case_schema",
+    "check",
+    "lint",
+    "load",
+    "make_case",
+    "read_capture",
+    "run",
+    "why",
+    "write_capture",
+]
+
+_HOMES = {
+    "api": ("make_case", "run"),
+    "core.kernel": ("SimulationStuck",),
+    "processor.dsp": ("Dsp",),
+    "processor.error_origin": ("FirmwareError",),
+    "records.cause_trace.why": ("why",),
+    "records.lint_runner": ("lint",),
+    "records.recording": ("BadRecording",),
+    "records.run": ("NotInRun", "Run"),
+    "reports.baselines.check": ("check",),
+    "reports.baselines.errors": ("BadCheck",),
+    "reports.baselines.judge": ("CaseCheck",),
+    "scene.case.json_schema": ("case_schema",),
+    "scene.case.load": ("load",),
+    "scene.case.model": ("BadCase", "Case"),
+    "scene.firmware_loader": ("Firmware",),
+    "scene.result": ("Result",),
+    "scene.scene": ("Scene",),
+    "timing.verdicts": ("Verdict",),
+    "traces.capture.capture": ("BadCapture", "Capture"),
+}
+_OTHER_NAMES = {"read_capture": ("traces.formats", "read"), "write_capture": ("traces.formats", "write")}
+_PLACES = {name: (home, name) for home, names in _HOMES.items() for name in names} | _OTHER_NAMES
+
+
+def __getattr__(name: str) -> object:
+    if name not in _PLACES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    home, inside = _PLACES[name]
+    found = getattr(import_module(f".{home}", __name__), inside)
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

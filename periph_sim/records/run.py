@@ -74,7 +74,8 @@ class Run:
         self._rows: dict[tuple[Kind, str | None, str | None], Rows] = {}
 
     @classmethod
-    def read(cls, path: Path, sysclk: Fraction | None = None) -> Run:
+    def read(cls, path: Path | str, sysclk: Fraction | None = None) -> Run:
+        path = Path(path)
         if not path.is_file():
             raise NotInRun(f"{path}: there is no such file; {WAY_OUT}")
         with path.open("rb") as file:

@@ -33,10 +33,10 @@ T = TypeVar("T")
 Ts = TypeVarTuple("Ts")
 
 
-def case_files(paths: Iterable[Path]) -> list[Path]:
+def case_files(paths: Iterable[Path | str]) -> list[Path]:
     """The case files: a file as it is, of a folder all below it; each once. BadCheck if there are none."""
     found: dict[Path, None] = {}
-    for path in paths:
+    for path in map(Path, paths):
         if path.is_dir():
             inside = list(cases_below(path))
             if not inside:
@@ -51,7 +51,7 @@ def case_files(paths: Iterable[Path]) -> list[Path]:
 
 
 def check(
-    paths: Iterable[Path],
+    paths: Iterable[Path | str],
     *,
     jobs: int | None = None,
     tolerance: int = 0,

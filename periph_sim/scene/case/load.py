@@ -14,11 +14,12 @@ from .model import BadCase, Case
 from .origin import Place, Source
 
 
-def load(path: Path, changes: list[str] | None = None) -> Case:
+def load(path: Path | str, changes: list[str] | None = None) -> Case:
     """The case in a file, with `key=value` changes applied. BadCase with one sentence otherwise.
 
     Paths of firmware files count from the folder of the case, wherever the command was started.
     """
+    path = Path(path)
     text, tree = read(path, "case")
     source = Source(path, text, tuple((change, apply(tree, change)) for change in changes or []))
     try:

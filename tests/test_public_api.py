@@ -1,0 +1,85 @@
+"""The public names: each is there, each is lazy, and `run` judges as the command does."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+import periph_sim
+from periph_sim import BadCase, Run, make_case, run
+from tests.commands.conftest import Run as Command
+from tests.commands.conftest import periph_sim as command  # noqa: F401
+
+TIMING = Path(__file__).parents[1] / "timing"
+
+
+@pytest.mark.parametrize("name", periph_sim.__all__)
+def test_every_public_name_is_there(name: str):
+    assert getattr(periph_sim, name).__name__ in (name, name.removesuffix("_capture"))
+    assert name in dir(periph_sim)
+
+
+def test_import_loads_nothing_and_an_unknown_name_is_none():
+    code = (
+        "import sys, periph_sim; print([m for m in sys.modules if m.startswith(('periph_sim.', 'numpy', 'pydantic'))])"
+    )
+    came = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert came.stdout == "[]\n"
+    with pytest.raises(AttributeError, match="no attribute 'lod'"):
+        _ = periph_sim.lod  # type: ignore[attr-defined]
+
+
+def test_run_of_a_file_is_judged_as_by_the_command(command: Command):  # noqa: F811
+    case = str(TIMING / "imu_hil_published.toml")
+    told = json.loads(command("run", case, "--seconds", "0.03", "--set", "seed=2", "--json").out)
+    result = run(case, ["seed=2"], seconds=Fraction(3, 100))
+    assert (result.case, result.verdict, result.proof) == (told["case"], told["verdict"], told["proof"])
+    assert [(one.name, one.worst, one.bound) for one in result.budgets] == [
+        (one["name"], one["worst"], one["bound"]) for one in told["budgets"]
+    ]
+
+
+def idle(dsp, settings):
+    dsp.compute(300)
+    with dsp.span("work"):
+        dsp.compute(1500)
+
+
+TABLES = {
+    "name": "mine",
+    "duration": "1 ms",
+    "unit": {"dsp": {"firmware": "idle", "modules": []}},
+    "budget": [{"name": "work", "measure": "span:work", "max": "20 us"}],
+}
+
+
+def test_a_case_and_firmware_in_python_and_its_records(tmp_path: Path):
+    result = run(make_case(**TABLES), programs={"dsp": idle}, record=tmp_path / "run.psr")
+    (work,) = result.budgets
+    assert (result.verdict, work.worst) == ("pass", 10.0)
+    assert len(Run.read(tmp_path / "run.psr").table) > 0
+    assert run(make_case(["budget.work.max=9 us"], **TABLES), programs={"dsp": idle}).verdict == "fail"
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (
+            lambda: make_case(name="mine", dura="1 ms"),
+            "make_case(mine): there is no key 'dura'; did you mean duration?",
+        ),
+        (lambda: run(make_case(**TABLES), ["seed=2"]), "changes go with a file; give them to load or make_case"),
+        (lambda: run(make_case(**TABLES), seconds="3"), "seconds='3': '3' has no unit"),
+        (lambda: run(make_case(**TABLES), programs={"dps": idle}), "case mine has no unit 'dps'; it has dsp"),
+        (lambda: run("nowhere.toml"), "nowhere.toml: cannot be read"),
+    ],
+)
+def test_a_mistake_is_a_sentence(call, sentence: str):
+    with pytest.raises(BadCase) as error:
+        call()
+    assert sentence in str(error.value) and "\n" not in str(error.value)

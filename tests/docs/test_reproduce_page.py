@@ -1,0 +1,45 @@
+"""docs/reproduce.md: published figures are as printed, and those found here are in what their commands print."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from periph_sim.dissertation.at_rest.published import EMULATOR
+from tests.docs.pages import CONSOLE, PAGES, ROOT, commands
+
+PAGE = (ROOT / "docs" / "reproduce.md").read_text(encoding="utf-8")
+SHOWN = {
+    command: out
+    for page in PAGES
+    for block in CONSOLE.findall(page.read_text("utf-8"))
+    for command, out in commands(block)
+}
+ROWS = re.findall(r"^\| ([^|]+) \| [^|]+ \| ([^|]+) \| `(periph-sim .+)` \|$", PAGE, re.MULTILINE)
+AT_REST = re.findall(r"^\| (accelerometer|gyroscope|magnetometer) (\w), \S+ \| (.+) \|$", PAGE, re.MULTILINE)
+NUMBER = re.compile(r"(?<![\w.])-?\d+\.\d+(?:e-\d+)?")
+
+
+@pytest.mark.parametrize(("what", "here", "command"), ROWS)
+def test_a_result_is_printed_by_its_command(what: str, here: str, command: str):
+    found = NUMBER.findall(here)
+    assert found, f"{what}: no figure"
+    assert set(found) <= set(NUMBER.findall(SHOWN[command.replace(r"\|", "|")]))
+
+
+def test_the_table_at_rest_is_what_was_published_and_what_is_printed():
+    lines = SHOWN["periph-sim imu-table --write rest.csv"].splitlines()
+    assert len(AT_REST) == 9
+    for chip, axis, cells in AT_REST:
+        shown = cells.split(" | ")
+        row = EMULATOR[chip]
+        published = [values["xyz".index(axis)] for values in (row.mean, row.three_sigma, row.variance)]
+        assert [float(cell) for cell in shown[::2]] == published
+        printed = [line.split() for line in lines if line.startswith(f"{chip} {axis}, ")]
+        assert [cells[5] for cells in printed] == shown[1::2]
+
+
+def test_every_table_and_figure_of_the_chapter_has_a_row():
+    items = re.findall(r"^\| (?:appendix B, )?((?:Figure|Table) [\dB]\.\d) \|", PAGE, re.MULTILINE)
+    assert sorted(items) == [*(f"Figure 5.{n}" for n in range(1, 8)), "Figure B.1", "Table 5.1", "Table 5.2"]

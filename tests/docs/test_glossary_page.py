@@ -1,0 +1,47 @@
+"""docs/glossary.md: each word is in use, and none of the words that it replaces is."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from tests.docs.pages import PAGES, ROOT
+
+GLOSSARY = ROOT / "docs" / "glossary.md"
+TEXT = GLOSSARY.read_text(encoding="utf-8")
+ROWS = [
+    [cell.strip() for cell in line.strip("|").split("|")]
+    for line in TEXT.splitlines()
+    if re.match(r"\| (?!word)\w", line)
+]
+WORDS = [(name, replaced) for name, _, replaced in ROWS if "`" not in replaced]
+OF_THE_SOURCE = [(name, place.strip("`")) for name, _, place in ROWS if "`" in place]
+FENCED = re.compile(r"^```.*?^```$", re.MULTILINE | re.DOTALL)
+OTHERS = [page for page in [*PAGES, ROOT / "CONTRIBUTING.md"] if page != GLOSSARY]
+PROSE = {page.stem: FENCED.sub("", page.read_text(encoding="utf-8")).lower() for page in OTHERS}
+
+
+def word(text: str) -> re.Pattern[str]:
+    return re.compile(rf"\b{re.escape(text)}(?:s|es)?\b")
+
+
+@pytest.mark.parametrize("name", [name for name, _ in WORDS])
+def test_a_word_is_in_use(name: str):
+    for one in re.sub(r", of .*| \(.*", "", name).split(", "):
+        assert any(word(one).search(text) for text in PROSE.values()), one
+
+
+@pytest.mark.parametrize(("name", "replaced"), [(name, replaced) for name, replaced in WORDS if replaced])
+def test_no_page_uses_a_word_that_it_replaces(name: str, replaced: str):
+    used = {(one, page) for one in replaced.split(", ") for page, text in PROSE.items() if word(one).search(text)}
+    assert used == set(), f"the word is {name}"
+
+
+@pytest.mark.parametrize(("name", "place"), OF_THE_SOURCE)
+def test_a_word_of_the_source_is_a_class_in_its_file(name: str, place: str):
+    assert f"class {name.capitalize()}" in (ROOT / place).read_text(encoding="utf-8")
+
+
+def test_the_table_is_read_whole():
+    assert len(WORDS) > 35 and len(OF_THE_SOURCE) == 2

@@ -23,9 +23,14 @@ REPLAY = "replay"
 
 
 @click.command()
-@click.argument("kind", required=False)
+@click.argument("kind", required=False, shell_complete=lambda ctx, param, begun: _beginning(_kinds(), begun))
 @click.argument("name", required=False)
-@click.option("--example", metavar="CASE", help="Copy a shipped case with its firmware instead: imu_hil.")
+@click.option(
+    "--example",
+    metavar="CASE",
+    shell_complete=lambda ctx, param, begun: _beginning(_examples(), begun),
+    help="Copy a shipped case with its firmware instead: imu_hil.",
+)
 @click.option("--from", "capture", type=click.Path(path_type=Path), metavar="CAPTURE", help="What replay begins with.")
 @click.option("--map", "mapping", metavar="LINE=CHANNEL,...", help="Of --from: scl=0,sda=1, where names do not say it.")
 @RATE
@@ -42,6 +47,7 @@ def new(
     \b
     i2c-slave     answers a controller from a few registers
     i2c-master    stores bytes in an EEPROM and reads them back
+    sci-protocol  answers commands that come over SCI
     sensor        stands in for a sensor whose model runs by a timer
     replay        answers as a captured target did: --from capture.sr,
                   or a small capture that is written beside it
@@ -78,8 +84,22 @@ def new(
         click.echo(line)
 
 
+def _kinds() -> list[str]:
+    return sorted(file.stem.replace("_", "-") for file in TEMPLATES.glob("*.toml"))
+
+
+def _examples() -> list[str]:
+    from ..scene.firmware_files import EXAMPLES
+
+    return sorted(file.stem for file in (EXAMPLES / "timing").glob("*.toml"))
+
+
+def _beginning(names: list[str], begun: str) -> list[str]:
+    return [name for name in names if name.startswith(begun)]
+
+
 def _known(kind: str | None) -> str:
-    kinds = sorted(file.stem.replace("_", "-") for file in TEMPLATES.glob("*.toml"))
+    kinds = _kinds()
     if kind is None:
         raise click.UsageError(f"say what to begin with: {', '.join(kinds)}; or --example CASE")
     if kind not in kinds:

@@ -13,7 +13,7 @@ from tests.commands.conftest import Run
 
 KINDS = sorted(file.stem for file in TEMPLATES.glob("*.toml"))
 TRACES = Path(__file__).parents[2] / "traces"
-LINE = re.compile(r'^( *)# (dsp\.compute\(.*?)  # without the "#" in front, .* and "(.*)" breaks$', re.MULTILINE)
+LINE = re.compile(r'^( *)# (.*?)  # without the "#" in front, .* and "(.*)" breaks$', re.MULTILINE)
 
 
 @pytest.fixture

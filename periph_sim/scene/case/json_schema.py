@@ -22,7 +22,7 @@ from ...sensors.host_frame import Encoding
 from ...sensors.motion import kinds as kinds_of_motion
 from .model import Case
 
-DIALECT = "https://json-schema.org/draft/2020-12/schema"
+DIALECT = "http://json-schema.org/draft-07/schema#"  # editors of TOML know nothing newer
 NOT_OF_JSON_SCHEMA = ("title", "ge", "gt", "le", "lt")  # titles repeat the key
 OPTIONS = {"i2c": I2cOptions, "sci": SciOptions, "system": SystemOptions}
 
@@ -58,7 +58,7 @@ def _one_of(kinds: Mapping[str, object], schemas: Schema, definitions: Schema) -
     choices = []
     for name in kinds:
         schema = _closed(_resolved(schemas[name], definitions))
-        kind = {"kind": {"const": name.partition(" ")[2]}}
+        kind = {"kind": {"enum": [name.partition(" ")[2]]}}
         required = ["kind", *schema.get("required", [])]
         choices.append({**schema, "properties": kind | schema["properties"], "required": required})
     return {"type": "object", "anyOf": choices}
@@ -97,6 +97,8 @@ def _plain(schema: Any) -> Any:
         for key, value in schema.items()
         if key not in NOT_OF_JSON_SCHEMA
     }
+    if "prefixItems" in plain:
+        plain["items"] = plain.pop("prefixItems")  # as draft 7 says it
     if "anyOf" in plain:
         there = [one for one in plain.pop("anyOf") if one != {"type": "null"}]
         plain = {**plain, "anyOf": there} if len(there) > 1 else {**there[0], **plain}

@@ -20,10 +20,10 @@ CASES = sorted(TIMING.glob("*.toml"))
 
 
 @pytest.fixture(scope="module")
-def judge() -> jsonschema.Draft202012Validator:
+def judge() -> jsonschema.Draft7Validator:
     made = case_schema()
-    jsonschema.Draft202012Validator.check_schema(made)
-    return jsonschema.Draft202012Validator(made)
+    jsonschema.Draft7Validator.check_schema(made)
+    return jsonschema.Draft7Validator(made)
 
 
 def test_the_command_prints_it():
@@ -31,7 +31,7 @@ def test_the_command_prints_it():
     assert came.exit_code == 0 and json.loads(came.output) == json.loads(json.dumps(case_schema()))
 
 
-def test_every_shipped_case_is_valid(judge: jsonschema.Draft202012Validator):
+def test_every_shipped_case_is_valid(judge: jsonschema.Draft7Validator):
     for case in CASES:
         judge.validate(tomllib.loads(case.read_text(encoding="utf-8")))
 
@@ -56,9 +56,10 @@ def test_every_shipped_case_is_valid(judge: jsonschema.Draft202012Validator):
         "fault.0.at=3",
         "host.encoding.byte_order=middle",
         "host.motion.kind=loop",
+        "host.lose=[[1, 12]]",
     ],
 )
-def test_a_misspelt_key_or_value_is_not(judge: jsonschema.Draft202012Validator, change: str):
+def test_a_misspelt_key_or_value_is_not(judge: jsonschema.Draft7Validator, change: str):
     tree = whole()
     judge.validate(tree)
     apply(tree, change)
@@ -78,6 +79,6 @@ def whole() -> dict[str, Any]:
 def test_every_kind_of_fault_and_every_default_is_in_words_of_a_file():
     made = case_schema()
     choices = made["properties"]["fault"]["items"]["anyOf"]
-    assert [one["properties"]["kind"]["const"] for one in choices] == [*kinds()]
+    assert [one["properties"]["kind"]["enum"][0] for one in choices] == [*kinds()]
     text = json.dumps(made)
     assert '"null"' not in text and '"default": null' not in text and '"default": "1/50"' not in text

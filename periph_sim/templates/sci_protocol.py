@@ -1,0 +1,39 @@
+"""Answers commands that come over SCI-A as lines of text: "V?" with the version, "S n" with "OK" once n is stored."""
+
+from periph_sim.firmware import start_sci
+
+END = ord("\n")
+PARSE = 600  # cycles that a command takes to be understood, counted or estimated
+
+
+def main(dsp, settings):
+    sci = start_sci(dsp, "SCI-A", brr=40)  # 114 329 baud
+    stored = 0
+    line = bytearray()
+    while True:
+        dsp.spin(lambda: sci.SCIFFRX.RXFFST > 0)
+        byte = sci.SCIRXBUF.RXDT
+        if byte != END:
+            line.append(byte)
+            continue
+        with dsp.span("command"):
+            dsp.compute(PARSE)
+            command, _, argument = line.decode("ascii", "replace").partition(" ")
+            line.clear()
+            if command == "V?":
+                answer = "V 1.0"
+            elif command == "S" and argument.isdecimal():
+                stored = int(argument)
+                # stored &= 0x1F  # without the "#" in front, numbers above 31 are cut off and "stored" breaks
+                answer = "OK"
+            elif command == "S?":
+                answer = f"S {stored}"
+            else:
+                answer = "ERROR"
+        send(dsp, sci, answer)
+
+
+def send(dsp, sci, text):
+    for byte in (*text.encode(), END):
+        dsp.spin(lambda: sci.SCIFFTX.TXFFST < 16)
+        sci.SCITXBUF.all = byte

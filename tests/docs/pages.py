@@ -33,6 +33,7 @@ def scratch(page: str, folder: Path) -> None:
     for name in SHARED:
         (folder / name).symlink_to(ROOT / name)
     for name, text in FILE.findall(page):
+        (folder / name).parent.mkdir(exist_ok=True)
         (folder / name).write_text(text, encoding="utf-8")
 
 

@@ -45,7 +45,7 @@ from ..f28335.system.memory_map import AddressMap, Frame, Place
 from ..f28335.system.options import SystemOptions
 from .cpu import Cpu
 from .firmware_view import End, FirmwareView
-from .pin_router import Port, Router
+from .pin_router import Pads, Port, Router
 
 MODULES = (*sci_map.BASES, "I2C-A", "GPIO", "XINT", "TIMER0", "TIMER1", "TIMER2")
 
@@ -66,7 +66,7 @@ PIN_OF = {
 
 @dataclass
 class DspPlan:
-    """What a unit consists of. wires: GPIO number -> wire. ppm: error of its crystal.
+    """What a unit consists of. wires: GPIO number -> wire. ppm: error of its crystal. pulled_down: GPIO numbers.
 
     seed: of the values drawn from spreads. end: the value that is taken instead, in runs for bounds.
     """
@@ -83,6 +83,7 @@ class DspPlan:
     seed: int = 0
     end: End = "drawn"
     stall_limit: float = 0.0  # seconds of CPU time that firmware may take at one instant; 0: any
+    pulled_down: frozenset[int] = frozenset()
     code: CodeCosts = field(default_factory=CodeCosts)
     system: SystemOptions = field(default_factory=SystemOptions)
     i2c: I2cOptions = field(default_factory=I2cOptions)
@@ -287,7 +288,8 @@ class Dsp(FirmwareView):
             assert isinstance(gpio, Gpio)
             xint = self._sockets.get("XINT")
             kernel, clock, recorder = self._kernel, self.clock, self.recorder
-            return Router(kernel, clock, recorder, gpio, socket, plan.name, plan.wires, inputs, outputs, xint)
+            pads = Pads(plan.wires, plan.pulled_down)
+            return Router(kernel, clock, recorder, gpio, socket, plan.name, pads, inputs, outputs, xint)
         for signal, (socket, index) in inputs.items():
             wire = plan.wires.get(PIN_OF[signal])
             if wire is not None:

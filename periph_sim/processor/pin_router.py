@@ -9,6 +9,8 @@ machine is told of it only when somebody reads it.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from ..core.kernel import Kernel
 from ..core.records import Recorder
 from ..core.socket import Socket
@@ -21,8 +23,15 @@ from ..f28335.gpio.pin_mux_table import OUTPUTS
 Port = tuple[Socket, int]  # a peripheral and the index of one of its pins
 
 
+class Pads(NamedTuple):
+    """wires: GPIO number -> wire. pulled_down: those that a resistor outside holds low while nobody drives them."""
+
+    wires: dict[int, Wire]
+    pulled_down: frozenset[int] = frozenset()
+
+
 class Router:
-    """pads: GPIO number -> wire. inputs, outputs: signal of the pin table -> the peripheral's pin."""
+    """inputs, outputs: signal of the pin table -> the peripheral's pin."""
 
     def __init__(
         self,
@@ -32,7 +41,7 @@ class Router:
         gpio: Gpio,
         gpio_socket: Socket,
         who: str,
-        pads: dict[int, Wire],
+        pads: Pads,
         inputs: dict[str, Port],
         outputs: dict[str, Port],
         xint: Socket | None,
@@ -41,10 +50,11 @@ class Router:
         self._clock = clock
         self._gpio = gpio
         self._gpio_socket = gpio_socket
-        self._wires = pads
+        self._wires = pads.wires
+        self._undriven = {n: int(n not in pads.pulled_down) for n in pads.wires}
         self._inputs = inputs
         self._outputs = outputs
-        self._pins: dict[int, Pin] = {n: wire.attach(f"{who}.GPIO{n}") for n, wire in pads.items()}
+        self._pins: dict[int, Pin] = {n: wire.attach(f"{who}.GPIO{n}") for n, wire in pads.wires.items()}
         self._straight: set[str] = set()  # signals whose wire is an input of their peripheral
         self._feeds: dict[int, Port] = {}  # synchronised pad -> the input that it feeds
         self._pads = Sampler(kernel, recorder, self._on_pads)  # those of which the GPIO machine is told
@@ -63,7 +73,7 @@ class Router:
             self._xint_chip = xint.chip
             xint.before = self._before_xint
             xint.after = self._watch_lines
-        gpio.wire(sum(1 << n for n in pads))
+        gpio.wire(sum(1 << n for n in pads.wires))
         gpio_socket.after = self.look
         gpio_socket.before = self._tell_all_pads
         gpio_socket.on_watch = self._listen
@@ -191,4 +201,4 @@ class Router:
         theirs = {n for signal in self._outputs for n in gpio.sink(signal)}
         for n, pin in self._pins.items():
             if n not in theirs:
-                pin.drive(gpio.out >> n & 1 if gpio.driven >> n & 1 else 1)
+                pin.drive(gpio.out >> n & 1 if gpio.driven >> n & 1 else self._undriven[n])

@@ -42,7 +42,9 @@ def bus_byte(record: Record) -> BusByte | None:
 def on_the_bus(record: Record) -> str:
     """A BUS or FRAME record without who and what for: "START", "0x68 R ACK", "0x55"; "frame" as one begins."""
     if record.kind is Kind.FRAME:
-        return "frame" if record.what == "begin" else f"0x{record.value:02X}"
+        return (
+            "frame" if record.what == "begin" else record.what if record.what in PAIR_PARTS else f"0x{record.value:02X}"
+        )
     carried = bus_byte(record)
     return record.what if carried is None else str(carried)
 
@@ -102,7 +104,14 @@ def _hold(record: Record) -> str:
     return f"{record.where} stays low, held by {record.text}"
 
 
+def _frame(record: Record) -> str:
+    if record.what in PAIR_PARTS:
+        return f"{record.where}: {PAIR_PARTS[record.what]}, {record.text}"
+    return f"{record.where}: {on_the_bus(record)}{FRAME_PARTS[record.what]}"
+
+
 FRAME_PARTS = {"byte": "", "begin": " begins", "end": " is over", "error": " is over, with an error"}
+PAIR_PARTS = {"cut": "a frame is cut by its driver", "collision": "a collision"}
 
 _SAID: dict[Kind, Callable[[Record], str]] = {
     Kind.EDGE: _edge,
@@ -113,6 +122,6 @@ _SAID: dict[Kind, Callable[[Record], str]] = {
     Kind.SPAN: lambda r: f"span {r.what} {'begins' if r.value else 'ends'}",
     Kind.WAIT: lambda r: f"wait for {r.what} {'begins' if r.value else 'is over'}",
     Kind.BUS: _bus,
-    Kind.FRAME: lambda r: f"{r.where}: {on_the_bus(r)}{FRAME_PARTS[r.what]}",
+    Kind.FRAME: _frame,
     Kind.NOTE: lambda r: f"note: {r.text}" if r.text else f"note {r.what}",
 }

@@ -17,7 +17,6 @@ from ..bus.i2c.byte_counter import I2cByteCounter
 from ..bus.i2c.controller import Transfer
 from ..bus.i2c.event_recorder import BusRecorder
 from ..bus.i2c.stuck_watch import STUCK_AFTER, StuckWatch
-from ..bus.uart.reader import Line
 from ..core.chip import NEVER, Note
 from ..core.kernel import Kernel
 from ..core.records import Kind, Recorder
@@ -46,7 +45,7 @@ from ..timing.rounds import Asked
 from ..timing.verdicts import Verdict
 from .bus_side import SPIKE, BusSide
 from .case.model import Case, RoundsTable
-from .case.wiring import sci_lines, wiring_of
+from .case.wiring import wiring_of
 from .context import SceneContext
 from .controller import build_head, rounds_of
 from .deadlock import deadlock_reason
@@ -56,12 +55,11 @@ from .firmware_loader import Firmware
 from .host import HostAgent
 from .read_origins import origins_of
 from .result import Result
-from .sci_monitor import SciMonitor
 from .scope import scope_of_case
 from .sensor_chips import ChipOnBus, build_chip
 from .serial.side import SerialSide
 from .summary import result_of
-from .uart_lines import UartLines
+from .uart_side import UartSide
 from .unit import build_unit, options_of
 
 NEEDS = {"rounds": "[controller], or [rounds] for a unit that is the master,"}
@@ -99,7 +97,7 @@ class Scene:
                 limit.measure.keep()
             for part in limit.parts:
                 self.recorder.subscribe(part.measure.kinds, part.measure.record, part.measure.subjects)
-        self._serial = None if case.serial is None else SerialSide(case, case.serial, scope, self.recorder)
+        serial = None if case.serial is None else SerialSide(case, case.serial, scope, self.recorder)
         if subscribe is not None:
             subscribe(self.recorder, self.timebase)
         self.kernel = Kernel(self.start)
@@ -126,10 +124,7 @@ class Scene:
         self._stuck_wire: Wire | None = None  # the line last reported stuck, and how many rounds were over then
         self._stuck_after_rounds = 0
         self._stuck_told: list[Callable[[int], None]] = []
-        self._sci_watches: list[SciMonitor] = []
-        wiring = wiring_of(case)
-        self._scis = sci_lines(case, wiring)
-        context = SceneContext(case, self.kernel, self.recorder, self.timebase, self.wire, wiring, self.start)
+        context = SceneContext(case, self.kernel, self.recorder, self.timebase, self.wire, wiring_of(case), self.start)
         for name, unit in case.unit.items():
             built = build_unit(context, name, unit, (programs or {}).get(name), end)
             self.units[name], self.firmware[name] = built.dsp, built.firmware
@@ -151,15 +146,11 @@ class Scene:
             self._host_side = HostAgent(context, case.host, self.sensors)
             self.host = self._host_side.host
             self.frames, self.truth = self._host_side.frames, self._host_side.truth
+        for transceiver in case.transceiver:
+            self.wire(transceiver.pair)
         build_faults(context, self.wires, self.units)
-        senders: dict[str, Line] = {}
-        if self._host_side is not None:
-            senders["RX"] = self._host_side.line
-        if self._serial is not None:
-            self._serial.attach(context)
-            self._serial.listen(self)
-            senders |= self._serial.lines()
-        self._uart_lines = UartLines(context, self.wires, self.units, senders)
+        host_line = None if self._host_side is None else self._host_side.line
+        self._uart = UartSide(context, self.wires, self.units, host_line, serial, self)
         for entry, limit in enumerate(self.limits):
             for part in limit.parts:
                 self._check_needs(entry, part)
@@ -184,8 +175,8 @@ class Scene:
             "rounds": self.bus.asked is not None,
             "I2C-A": "SCL" in self.wires,
             "host": self.host is not None,
-            "SCI": bool(self._scis),
-            "serial": self._serial is not None,
+            "SCI": self._uart.has_sci,
+            "serial": self.case.serial is not None,
         }
         needs = limit.measure.needs
         if not there[needs]:
@@ -252,20 +243,13 @@ class Scene:
         self._stuck_told.append(told)
 
     def on_sci(self, told: Callable[[int, int, bool], None]) -> None:
-        for watch in self._receivers():
-            watch.told.append(told)
+        self._uart.on_sci(told)
 
     def on_character(self, told: Callable[[int], None]) -> None:
-        self._uart_lines.on_character(told)
+        self._uart.on_character(told)
 
     def on_received_character(self, told: Callable[[int], None]) -> None:
-        for watch in self._receivers():
-            watch.received.append(told)
-
-    def _receivers(self) -> list[SciMonitor]:
-        if not self._sci_watches:
-            self._sci_watches = [SciMonitor(self.units[sci.unit], sci.module) for sci in self._scis]
-        return self._sci_watches
+        self._uart.on_received_character(told)
 
     def origins(self) -> Origins:
         """Which host frame the bytes of a read come from. BadCase where the scene does not tell."""
@@ -277,8 +261,7 @@ class Scene:
         return self.case.controller is not None and self.case.controller.check == "host"
 
     def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
-        assert self._serial is not None
-        return self._serial.on_reply(reply)
+        return self._uart.on_reply(reply)
 
     def on_round_due(self, told: Callable[[int], None]) -> None:
         self.bus.rounds.on_due.append(told)
@@ -347,11 +330,11 @@ class Scene:
     def sci_bytes(self) -> int:
         """Characters that were sent to SCIs from outside."""
         sent = 0 if self.host is None else self.host.bytes
-        return sent + (0 if self._serial is None else self._serial.characters)
+        return sent + self._uart.characters
 
     def serial_notes(self) -> list[str]:
-        """What was to be sent to SCIs and never went out."""
-        return [] if self._serial is None else self._serial.notes()
+        """What went wrong on serial lines, or was to be sent and never went out."""
+        return self._uart.notes()
 
     def bytes_on_bus(self) -> int:
         """By the controller agent, or as they were counted on the wires where there is none."""
@@ -408,7 +391,7 @@ class Scene:
             length = self.kernel.now - began
         wall = perf_counter() - wall
         self.bus.finish(self.kernel.now)
-        self._uart_lines.finish(self.kernel.now)
+        self._uart.finish(self.kernel.now)
         for limit in self.limits:
             limit.finish(self.kernel.now)
         return result_of(self, length, wall)

@@ -16,6 +16,9 @@ def scope_of_case(case: Case) -> Scope:
     units = {name: tuple(m for m in unit.modules if m in MAPS) for name, unit in case.unit.items()}
     rounds = case.controller is not None or case.rounds is not None
     lines = [wire for sci in sci_lines(case, wiring) for wire in (sci.rx, sci.tx)]
+    pairs = tuple(dict.fromkeys(table.pair for table in case.transceiver))
+    lines += pairs
+    wires += pairs
     lines += ["RX"] if case.host is not None else []
     return Scope(
         units,
@@ -24,4 +27,5 @@ def scope_of_case(case: Case) -> Scope:
         case.host is not None,
         rounds,
         tuple(dict.fromkeys(lines)),
+        pairs,
     )

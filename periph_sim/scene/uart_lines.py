@@ -35,14 +35,14 @@ class UartLines:
         units: Mapping[str, Dsp],
         senders: Mapping[str, Line],
     ) -> None:
-        self._context, self._wires = context, wires
+        self._wires = wires
         self._lines: dict[str, Line] = {}
         self._counters: dict[str, UartCounter] = {}
         self._heard = [sci.rx for sci in sci_lines(context.case, context.wiring)]
         for sci in sci_lines(context.case, context.wiring):
-            self._lines[sci.tx] = partial(self._sci_line, units[sci.unit], sci.module)
+            self._lines[sci.tx] = partial(sci_line, context, units[sci.unit], sci.module)
         for sci in sci_lines(context.case, context.wiring):
-            self._lines.setdefault(sci.rx, partial(self._sci_line, units[sci.unit], sci.module))
+            self._lines.setdefault(sci.rx, partial(sci_line, context, units[sci.unit], sci.module))
         self._lines |= senders
         for name, line in sorted(self._lines.items()):
             if context.recorder.wants(Kind.FRAME, name):
@@ -60,12 +60,14 @@ class UartLines:
         for counter in self._counters.values():
             counter.finish(now)
 
-    def _sci_line(self, dsp: Dsp, module: str) -> tuple[Fraction, UartFormat]:
-        now = self._context.kernel.now
-        line = line_of(dsp, now, module)
-        address = SCICCR["ADDRIDLE_MODE"].of(dsp.socket(module).peek(dsp.clock.cycle_at(now), SCICCR.offset))
-        form = UartFormat(line.bits, line.parity, int(line.stop), bool(address))
-        return self._context.timebase.per_second / Fraction(line.baud), form
+
+def sci_line(context: SceneContext, dsp: Dsp, module: str) -> tuple[Fraction, UartFormat]:
+    """Ticks of a bit, and the format, that an SCI is set to now."""
+    now = context.kernel.now
+    line = line_of(dsp, now, module)
+    address = SCICCR["ADDRIDLE_MODE"].of(dsp.socket(module).peek(dsp.clock.cycle_at(now), SCICCR.offset))
+    form = UartFormat(line.bits, line.parity, int(line.stop), bool(address))
+    return context.timebase.per_second / Fraction(line.baud), form
 
 
 def line_of(dsp: Dsp, now: int, module: str = "SCI-A") -> uart_line.Line:

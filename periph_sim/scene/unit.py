@@ -17,6 +17,7 @@ from ..processor.dsp import MODULES, Dsp, DspPlan
 from ..processor.firmware_view import End
 from ..sensors.models.parameters import Imu
 from .case.model import Case, Unit
+from .case.transceiver import pulled_down
 from .context import SceneContext
 from .firmware_loader import (
     BadFirmware,
@@ -63,6 +64,7 @@ def build_unit(context: SceneContext, name: str, unit: Unit, program: Firmware |
         seed=case.seed,
         end=end,
         stall_limit=float(case.stall_limit),
+        pulled_down=pulled_down(case, name),
         code=CodeCosts(**unit.code.model_dump()),
         system=options_of(case, SystemOptions, unit.options.system, name, "system"),
         i2c=options_of(case, I2cOptions, unit.options.i2c, name, "i2c"),

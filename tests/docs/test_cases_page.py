@@ -31,6 +31,7 @@ from periph_sim.scene.case.model import (
     ValueTable,
 )
 from periph_sim.scene.case.serial import ExpectTable, SendTable, SerialTable
+from periph_sim.scene.case.transceiver import TransceiverTable
 from periph_sim.scene.case.wiring import Cable
 from periph_sim.timing.budget_schema import Budget
 from periph_sim.timing.measures.registry import MEASURES, REPLY, SPAN, make
@@ -42,6 +43,7 @@ TABLES: dict[str, type[Table]] = {
     "`[unit.NAME]`": Unit,
     "`[unit.NAME.code]`": Code,
     "`[[cable]]`": Cable,
+    "`[[transceiver]]`": TransceiverTable,
     "`[chip.NAME]`": ChipTable,
     "`[chip.NAME.values]`": ValueTable,
     "`[device.NAME]`": DeviceTable,
@@ -89,7 +91,9 @@ def test_every_key_with_its_default(heading: str):
 
 
 def test_every_table_of_the_model_has_a_section():
-    modules = {kind.__module__ for kind in (Case, Cable, SerialTable, Budget, DeviceTable, RegisterTable)}
+    modules = {
+        kind.__module__ for kind in (Case, Cable, TransceiverTable, SerialTable, Budget, DeviceTable, RegisterTable)
+    }
     kinds = {kind for kind in [*Table.__subclasses__(), *BusParty.__subclasses__()] if kind.__module__ in modules}
     assert kinds - {BusParty, Sets} == {*TABLES.values(), Options} - {eeprom.Settings}
 

@@ -100,7 +100,8 @@ def closed_form(case: Case, firmware: Mapping[str, Firmware] | None = None) -> C
     unit = serving_unit(case)
     if case.fault:
         raise BadBound(f"case {case.name}: the case has faults, which no bound counts; judge them by what a run shows")
-    for table, given in (("[[cable]]", case.cable), ("[serial]", case.serial)):
+    tables = (("[[cable]]", case.cable), ("[[transceiver]]", case.transceiver), ("[serial]", case.serial))
+    for table, given in tables:
         if given:
             what = f"the case has {table}, which no bound counts; judge it by what a run shows"
             raise BadBound(f"case {case.name}: {what}")

@@ -12,6 +12,7 @@ from .device_tables import DeviceFault, StretchTable
 from .model import BadCase, Case, ChipTable, Code, Controller, HostTable, Options, RequestTable, Unit, ValueTable
 from .origin import Source, key_of
 from .serial import ExpectTable, SendTable, SerialTable
+from .transceiver import TransceiverTable
 from .wiring import Cable
 
 SHOWN = 60  # characters of a wrong value that a message repeats
@@ -56,6 +57,7 @@ def known_keys(place: tuple[str | int, ...]) -> list[str]:
     tables: dict[str, type[BaseModel]] = {
         "unit": Unit,
         "cable": Cable,
+        "transceiver": TransceiverTable,
         "controller": Controller,
         "host": HostTable,
         "serial": SerialTable,

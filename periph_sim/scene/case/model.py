@@ -39,6 +39,7 @@ from .scalars import (
     RateError,
 )
 from .serial import SerialTable, reply_budget, with_replies
+from .transceiver import TransceiverTable
 from .wiring import Cable, wiring_of
 
 
@@ -234,6 +235,7 @@ class Case(Table):
     stall_limit: Duration = Fraction(10)
     unit: dict[str, Unit] = {}
     cable: tuple[Cable, ...] = ()
+    transceiver: tuple[TransceiverTable, ...] = ()
     chip: dict[str, ChipTable] = {}
     device: dict[str, DeviceTable] = {}
     controller: Controller | None = None
@@ -263,7 +265,9 @@ class Case(Table):
         told: set[str] = set()
         found: dict[str, tuple[str, ...]] = {}
         for name, unit in self.unit.items():
-            new = [wire for wire in wires[name] if wire not in told and wire not in usual]
+            pairs = [one.pair for one in self.transceiver if one.on.startswith(f"{name}.") or len(self.unit) == 1]
+            all_wires = dict.fromkeys([*wires[name], *pairs])
+            new = [wire for wire in all_wires if wire not in told and wire not in usual]
             found[name] = (*unit.modules, *(f"pin:{wire}" for wire in new))
             told.update(new)
         return found

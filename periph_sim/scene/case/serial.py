@@ -115,7 +115,10 @@ class ExpectTable(Table):
 
 
 class SerialTable(Table):
-    """Who talks to SCIs from outside. ppm: error of the clock of all its times and rates."""
+    """Who talks to SCIs from outside. ppm: error of the clock of all its times and rates.
+
+    turnaround: how long it keeps an RS-485 pair driven behind its last stop bit.
+    """
 
     baud: Baud = 115_200
     bits: DataBits = 8
@@ -123,6 +126,7 @@ class SerialTable(Table):
     stop: StopBits = 1
     multiprocessor: Multiprocessor = "none"
     ppm: Ppm = Fraction(0)
+    turnaround: Duration = Fraction(0)
     send: tuple[SendTable, ...] = ()
     expect: tuple[ExpectTable, ...] = ()
 

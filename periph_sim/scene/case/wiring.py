@@ -75,6 +75,8 @@ def wiring_of(case: Case) -> Wiring:
         if cable.name is not None:
             joints.join(begin, cable.name)
         _check(case, entry, joints.group(begin))
+    for entry, one in enumerate(case.transceiver):
+        joints.group(node_of(case, one.de, "transceiver", entry, "de"))
     names = _Names(case, joints)
     pins = {unit: {pin: names.of((unit, pin)) for pin in _pins(case, unit, joints)} for unit in case.unit}
     return Wiring(pins)
@@ -98,6 +100,27 @@ def sci_lines(case: Case, wiring: Wiring) -> list[SciLines]:
         for module in SCIS
         if module in unit.modules
     ]
+
+
+def sci_named(case: Case, text: str, *place: str | int) -> SciLines:
+    """The SCI that a text names: "dsp.SCI-A", or "SCI-A" where only one unit has it. BadCase if there is none."""
+    lines = {(sci.unit, sci.module): sci for sci in sci_lines(case, wiring_of(case))}
+    unit, _, module = text.rpartition(".")
+    owners = [owner for owner, its in lines if its == module]
+    if not unit and len(owners) == 1:
+        unit = owners[0]
+    if (unit, module) in lines:
+        return lines[unit, module]
+    if not unit and owners:
+        what = f"{' and '.join(owners)} have {module}; say whose is meant: {owners[0]}.{module}"
+    elif unit and unit not in case.unit:
+        what = f"there is no unit {unit!r}; {did_you_mean(unit, case.unit)}"
+    elif unit and module in SCIS:
+        what = f"unit {unit} has no {module}; add it to its modules"
+    else:
+        known = [".".join(pair) for pair in lines]
+        what = f"there is no SCI {text!r}; {did_you_mean(text, known) if known else 'no unit has one'}"
+    raise case.mistake(what, *place)
 
 
 def module_pins(case: Case, unit: str) -> dict[int, tuple[str, str]]:
@@ -221,6 +244,8 @@ class _Names:
             if begin in group and isinstance(begin, tuple):
                 return self._pin(*begin)
         unit, pin = node
+        if pin not in module_pins(self._case, unit):
+            return self._pin(unit, pin)
         module, signal = module_pins(self._case, unit)[pin]
         alone = len(self._owners[module]) == 1
         if module == "SCI-A" and (alone or (signal == "RX" and self._case.host is not None)):

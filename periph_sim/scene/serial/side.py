@@ -13,6 +13,7 @@ from functools import partial
 from ...bus.uart.burst_sender import Burst, BurstSender, Character
 from ...bus.uart.frame_format import UartFormat
 from ...bus.uart.reader import Heard, Line, UartReader
+from ...bus.uart.rs485 import Driver
 from ...core.records import Recorder
 from ...core.suggest import did_you_mean
 from ...timing.language.events import Matcher, matcher
@@ -21,8 +22,9 @@ from ...timing.measures.measure import SceneEvents
 from ...timing.measures.reply import Expected, Reply
 from ..case.model import Case
 from ..case.serial import ExpectTable, SendTable, SerialTable
-from ..case.wiring import SciLines, sci_lines
+from ..case.wiring import SciLines, sci_lines, sci_named
 from ..context import SceneContext
+from ..pairs import Pairs
 from .content import content_of, encoded, show_characters
 from .send import Send
 from .triggers import EventTrigger, TextTrigger
@@ -54,9 +56,10 @@ class SerialSide:
                 recorder.subscribe(trigger.kinds, trigger.record, trigger.subjects)
                 self._triggers[kind, number] = trigger
 
-    def attach(self, context: SceneContext) -> None:
+    def attach(self, context: SceneContext, pairs: Pairs) -> None:
         """BadCase, with its line, for what cannot be sent or expected."""
         self._context = context
+        self._pairs = pairs
         self._lines = {(sci.unit, sci.module): sci for sci in sci_lines(self._case, context.wiring)}
         for number, send in enumerate(self._table.send):
             self._attach_send(number, send)
@@ -74,7 +77,7 @@ class SerialSide:
 
     def lines(self) -> Mapping[str, Line]:
         """By wire, how its sender sends."""
-        return {wire: partial(_line_of, sender, self._line()) for wire, sender in self._senders.items()}
+        return {wire: self._line_of(sender) for wire, sender in self._senders.items()}
 
     def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
         """BadCase if no such reply is expected."""
@@ -92,7 +95,7 @@ class SerialSide:
 
     def _attach_send(self, number: int, table: SendTable) -> None:
         place = ("serial", "send", number)
-        sci = self._sci(table.to, *place, "to")
+        sci = sci_named(self._case, table.to, *place, "to")
         name = table.name or f"send {number}"
         if name in self.sends:
             raise self._case.mistake(f"there are two sends {name!r}; give one another name", *place, "name")
@@ -106,8 +109,7 @@ class SerialSide:
         if table.after_text is not None:
             wanted = encoded(self._case, table.after_text, table, *place, "after_text")
         if wanted is not None:
-            reader = self._reader(sci, table)
-            reader.on_end.append(TextTrigger(wanted, send.happened).character)
+            self._listen(sci, table, TextTrigger(wanted, send.happened).character)
             shown = show_characters(tuple(wanted), table.after_text is not None)
             send.why_never = lambda: f"{shown} never came from {table.to}"
 
@@ -146,11 +148,20 @@ class SerialSide:
                 raise self._case.mistake(what, *place, key)
 
     def _sender(self, sci: SciLines, *place: str | int) -> BurstSender:
-        if sci.rx not in self._senders:
-            self._check_free(sci, *place)
-            pin = self._context.wire(sci.rx).attach(WHO)
-            self._senders[sci.rx] = BurstSender(self._context.kernel, pin, WHO)
-        return self._senders[sci.rx]
+        """What sends to the RX of an SCI, or on the pair that it is on."""
+        transceiver = self._pairs.of(sci.unit, sci.module)
+        wire = sci.rx if transceiver is None else transceiver.pair.wire.name
+        if wire not in self._senders:
+            kernel = self._context.kernel
+            if transceiver is None:
+                self._check_free(sci, *place)
+                self._senders[wire] = BurstSender(kernel, self._context.wire(wire).attach(WHO), WHO)
+            else:
+                driver = transceiver.pair.driver(WHO)
+                hold = self._context.ticks(self._table.turnaround, self._table.ppm)
+                self._senders[wire] = BurstSender(kernel, driver, WHO, driver, hold)
+                self._pairs.outside[WHO] = self._line_of(self._senders[wire])
+        return self._senders[wire]
 
     def _check_free(self, sci: SciLines, *place: str | int) -> None:
         """Refuse a line that somebody else drives."""
@@ -166,8 +177,7 @@ class SerialSide:
     def _attach_expect(self, number: int, table: ExpectTable) -> None:
         place = ("serial", "expect", number)
         self._expected(number)
-        reader = self._reader(self._sci(table.from_, *place, "from"), table)
-        reader.on_end.append(partial(self._character, number))
+        self._listen(sci_named(self._case, table.from_, *place, "from"), table, partial(self._character, number))
         if table.after_send is not None:
             if table.after_send not in self.sends:
                 hint = did_you_mean(table.after_send, self.sends)
@@ -215,33 +225,20 @@ class SerialSide:
 
     # Lines ------------------------------------------------------------------------
 
-    def _sci(self, text: str, *place: str | int) -> SciLines:
-        """The SCI that an entry names: "dsp.SCI-A", or "SCI-A" where only one unit has it."""
-        unit, _, module = text.rpartition(".")
-        owners = [u for u, m in self._lines if m == module]
-        if not unit and len(owners) == 1:
-            unit = owners[0]
-        if (unit, module) in self._lines:
-            return self._lines[unit, module]
-        if not unit and owners:
-            what = f"{' and '.join(owners)} have {module}; say whose is meant: {owners[0]}.{module}"
-        elif unit and unit not in self._case.unit:
-            what = f"there is no unit {unit!r}; {did_you_mean(unit, self._case.unit)}"
-        elif unit and module in ("SCI-A", "SCI-B", "SCI-C"):
-            what = f"unit {unit} has no {module}; add it to its modules"
-        else:
-            known = [".".join(pair) for pair in self._lines]
-            hint = did_you_mean(text, known) if known else "no unit has one"
-            what = f"there is no SCI {text!r}; {hint}"
-        raise self._case.mistake(what, *place)
+    def _listen(self, sci: SciLines, entry: Entry, told: Callable[[Heard], None]) -> None:
+        """Tell of what an SCI sends, read as an entry says that it is sent; on a pair while its driver is on."""
+        transceiver = self._pairs.of(sci.unit, sci.module)
+        wire = sci.tx if transceiver is None else transceiver.pair.wire.name
+        key = (wire, *self._line(entry))
+        if key not in self._readers:
+            self._readers[key] = UartReader(self._context.kernel, self._context.wire(wire), lambda: key[1:])
+        if transceiver is not None:
+            told = partial(_if_driven, transceiver.driver, told)
+        self._readers[key].on_end.append(told)
 
-    def _reader(self, sci: SciLines, entry: Entry) -> UartReader:
-        """What reads the TX of an SCI as an entry says that it is sent."""
-        line = self._line(entry)
-        if (sci.tx, *line) not in self._readers:
-            reader = UartReader(self._context.kernel, self._context.wire(sci.tx), lambda: line)
-            self._readers[sci.tx, *line] = reader
-        return self._readers[sci.tx, *line]
+    def _line_of(self, sender: BurstSender) -> Line:
+        idle = self._line()
+        return lambda: sender.line or idle
 
     def _line(self, entry: Entry | None = None) -> tuple[Fraction, UartFormat]:
         """Ticks of a bit, and the format, of an entry; of what no entry sends as the table has it."""
@@ -254,5 +251,7 @@ class SerialSide:
             raise self._case.mistake(str(error), "serial", kind, number, "after") from None
 
 
-def _line_of(sender: BurstSender, idle: tuple[Fraction, UartFormat]) -> tuple[Fraction, UartFormat]:
-    return sender.line or idle
+def _if_driven(driver: Driver, told: Callable[[Heard], None], heard: Heard) -> None:
+    """Tell of a frame that began while a driver was on: it is that driver's."""
+    if driver.was_on(heard.begin):
+        told(heard)

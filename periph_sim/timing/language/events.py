@@ -9,7 +9,7 @@
             | "span" span ( "begin" | "end" )
             | "bus" ( "START" | "repeated" "START" | "STOP" | "arbitration" "lost" | "stuck" | "clear"
                     | "NACK" [ "address" | "byte" ] | "address" [ number ] [ "read" | "write" ] | "byte" [ number ] )
-            | "frame" [ line ] [ number ] [ "begin" | "end" | "error" ]
+            | "frame" [ line ] [ number ] [ "begin" | "end" | "error" | "cut" | "collision" ]
             | "note" ( "duty" | "lost" | "unknown" )
 
     Event + Scope --> Matcher(kind, where, what, mask, want)
@@ -41,7 +41,8 @@ CHANGES = ("rise", "fall", "change")
 NOTES = ("duty", "lost", "unknown")
 BUS = ("START", "repeated START", "STOP", "address", "byte", "arbitration lost", "stuck", "clear", "NACK")
 OF_AGENT = ("arbitration lost", "stuck", "clear")  # told by the controller of a case only
-FRAME_PARTS = ("begin", "end", "error")
+OF_PAIRS = ("cut", "collision")
+FRAME_PARTS = ("begin", "end", "error", *OF_PAIRS)
 BEHIND_EVENTS = ("", "to", "from", "or", "of", "at", ",", "in", "next", "last", "same")  # what may follow an event
 NTH = re.compile(r"(\d+)(st|nd|rd|th)")
 GROUPS = ("transfer", "round", "burst")
@@ -359,8 +360,11 @@ def _match_frame(event: Event, scope: Scope) -> Matcher:
     if event.name not in scope.lines:
         if event.name in LINES:
             raise BadEvent(f"{event.text!r} needs {event.name} in the scene, which has no such wire; give a unit SCI-A")
-        hint = did_you_mean(event.name, [*scope.lines, *FRAME_PARTS])
+        hint = did_you_mean(event.name, [*scope.lines, *FRAME_PARTS[:3]])
         raise BadEvent(f"{event.text!r}: there is no serial line {event.name!r}; {hint}")
+    if event.how in OF_PAIRS and event.name not in scope.pairs:
+        hint = f"write frame {scope.pairs[0]} {event.how}" if scope.pairs else "give a [[transceiver]]"
+        raise BadEvent(f"{event.text!r}: only on an RS-485 pair is a frame {event.how}; {hint}")
     wire = frozenset((event.name,))
     if event.number is None:
         return Matcher(event.text, Kind.FRAME, wire, event.how)

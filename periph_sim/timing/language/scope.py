@@ -51,7 +51,7 @@ class BadEvent(ValueError):
 class Scope:
     """units: each with its modules. controller, host: whether the scene has that agent on its wires.
 
-    lines: wires that carry frames; of a scene that names none, RX and TX where they are wires.
+    lines: wires that carry frames; of a scene that names none, RX and TX where they are wires. pairs: RS-485 ones.
 
     rounds: it is known what the controller asks in rounds, whoever it is.
     """
@@ -62,6 +62,7 @@ class Scope:
     host: bool = False
     rounds: bool = False
     lines: tuple[str, ...] = ()
+    pairs: tuple[str, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
         if not self.lines:
@@ -168,4 +169,4 @@ def scope_of_table(table: RecordTable) -> Scope:
     on_bus = Kind.BUS.value in kinds
     wires = list(dict.fromkeys(wires))
     lines = tuple(wire for wire in wires if wire in LINES or wire in framed)
-    return Scope(units, tuple(wires), on_bus, Kind.FRAME.value in kinds, on_bus, lines)
+    return Scope(units, tuple(wires), on_bus, Kind.FRAME.value in kinds, on_bus, lines, lines)

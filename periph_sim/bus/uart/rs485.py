@@ -1,0 +1,140 @@
+"""An RS-485 pair and the transceivers on it: drivers that are switched on and off share one line.
+
+    TX --> driver --on by DE--> pair --> receiver --> RX     (deaf while its own driver is on, unless it hears itself)
+
+A pair that nobody drives is idle: its bias makes it a 1. Of several drivers that are on at once, a 0 wins; that they
+are is a collision, whatever they drive.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+
+from ...core.kernel import Kernel
+from ...core.records import Kind, Recorder
+from ...core.time import NO_TIME
+from ...core.wire import Wire
+from .reader import Heard, Line, UartReader
+
+COLLISION, CUT = "collision", "cut"  # what is recorded of a pair besides its frames
+
+
+class Rs485Pair:
+    """on_collision: told (tick, who drives) as a second driver goes on while one is."""
+
+    def __init__(self, kernel: Kernel, recorder: Recorder, wire: Wire) -> None:
+        self.kernel = kernel
+        self.wire = wire
+        self.on_collision: list[Callable[[int, tuple[str, ...]], None]] = []
+        self._recorder = recorder
+        self._on: list[Driver] = []
+
+    def driver(self, who: str) -> Driver:
+        """A new driver on the pair, off."""
+        return Driver(self, who)
+
+    @property
+    def driving(self) -> Driver | None:
+        """The driver that has been on longest, of those that are on."""
+        return self._on[0] if self._on else None
+
+    def record(self, what: str, text: str) -> None:
+        if self._recorder.wants(Kind.FRAME, self.wire.name):
+            self._recorder.emit(self.kernel.now, Kind.FRAME, self.wire.name, what, 0, text)
+
+    def switched(self, driver: Driver) -> None:
+        """A driver went on or off."""
+        if not driver.on:
+            self._on.remove(driver)
+            return
+        self._on.append(driver)
+        if len(self._on) > 1:
+            who = tuple(one.who for one in self._on)
+            self.record(COLLISION, " and ".join(who))
+            for told in self.on_collision:
+                told(self.kernel.now, who)
+
+
+class Driver:
+    """One party's driver on a pair."""
+
+    def __init__(self, pair: Rs485Pair, who: str) -> None:
+        self.who = who
+        self.on = False
+        self._pair = pair
+        self._pin = pair.wire.attach(who)
+        self._level = 1
+        self._last_on = self._last_off = NO_TIME
+
+    def drive(self, level: int) -> None:
+        self._level = level
+        if self.on:
+            self._pin.drive(level)
+
+    def enable(self, on: bool) -> None:
+        if on == self.on:
+            return
+        self.on = on
+        if on:
+            self._last_on = self._pair.kernel.now
+        else:
+            self._last_off = self._pair.kernel.now
+        self._pin.drive(self._level if on else 1)
+        self._pair.switched(self)
+
+    def was_on(self, tick: int) -> bool:
+        """True if it was on at a tick not long ago."""
+        return self._last_on != NO_TIME and self._last_on <= tick and (self.on or tick < self._last_off)
+
+
+class Transceiver:
+    """line: how the frames on `tx` are made. at_first: the level at DE as long as nobody drives it.
+
+    on_cut: told (tick, ticks) as the driver goes off so long before a frame is over; as one begins while it is off,
+    with 0.
+    """
+
+    def __init__(
+        self, pair: Rs485Pair, who: str, tx: Wire, rx: Wire, de: Wire, line: Line, hears_itself: bool, at_first: int
+    ) -> None:
+        self.pair = pair
+        self.driver = pair.driver(who)
+        self.on_cut: list[Callable[[int, int], None]] = []
+        self.line = line
+        self._hears_itself = hears_itself
+        self._out = rx.attach(who)
+        self._ends_at = NO_TIME  # of the frame under way
+        self.driver.drive(tx.level)
+        if at_first:
+            self.driver.enable(True)
+        reader = UartReader(pair.kernel, tx, line)
+        reader.on_begin.append(self._begins)
+        reader.on_end.append(self._over)
+        tx.watch(lambda tick, level: self.driver.drive(level))
+        de.watch(self._turned)
+        pair.wire.watch(lambda tick, level: self._hear())
+
+    def _turned(self, tick: int, level: int) -> None:
+        self.driver.enable(bool(level))
+        self._hear()
+        if not level and self._ends_at > tick:
+            self._cut(self._ends_at - tick)
+
+    def _begins(self, tick: int) -> None:
+        bit, form = self.line()
+        self._ends_at = tick + int(Fraction(form.length) * bit)
+        if not self.driver.on:
+            self._cut(0)
+
+    def _over(self, heard: Heard) -> None:
+        self._ends_at = NO_TIME
+
+    def _cut(self, ticks: int) -> None:
+        self.pair.record(CUT, self.driver.who)
+        for told in self.on_cut:
+            told(self.pair.kernel.now, ticks)
+
+    def _hear(self) -> None:
+        deaf = self.driver.on and not self._hears_itself
+        self._out.drive(1 if deaf else self.pair.wire.level)

@@ -1,0 +1,78 @@
+"""The RS-485 pairs of a scene: [[transceiver]] tables go in; pairs, transceivers and notes come out.
+
+Notes of a pair are told once for each transceiver or group of drivers, with the first time and how often.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from functools import partial
+
+from ..bus.uart.frame_format import UartFormat
+from ..bus.uart.reader import Line
+from ..bus.uart.rs485 import Rs485Pair, Transceiver
+from .case.transceiver import OnPair, on_pairs
+from .context import SceneContext
+
+FirstAndTimes = tuple[int, int]
+
+
+class Pairs:
+    """sci_line: how an SCI of a unit sends. outside: drivers that are no unit's, by their party, and how they send."""
+
+    def __init__(self, context: SceneContext, sci_line: Callable[[str, str], Line]) -> None:
+        self.outside: dict[str, Line] = {}
+        self._context = context
+        self._pairs: dict[str, Rs485Pair] = {}
+        self._transceivers: dict[tuple[str, str], Transceiver] = {}
+        self._notes: dict[str, FirstAndTimes] = {}
+        for one in on_pairs(context.case):
+            self._add(one, sci_line(one.sci.unit, one.sci.module))
+
+    def of(self, unit: str, module: str) -> Transceiver | None:
+        """The transceiver of an SCI, where it has one."""
+        return self._transceivers.get((unit, module))
+
+    def lines(self) -> Mapping[str, Line]:
+        """By wire, how frames on a pair are made: as whoever drives it makes them."""
+        return {name: partial(self._line, pair) for name, pair in self._pairs.items()}
+
+    def notes(self) -> list[str]:
+        told = []
+        for text, (first, times) in self._notes.items():
+            at = self._context.timebase.show(first - self._context.start)
+            told.append(f"{text}, first at {at} ({times} times)")
+        return told
+
+    def _add(self, one: OnPair, line: Line) -> None:
+        context, table, sci = self._context, one.table, one.sci
+        if table.pair not in self._pairs:
+            pair = Rs485Pair(context.kernel, context.recorder, context.wire(table.pair))
+            pair.on_collision.append(partial(self._collided, table.pair))
+            self._pairs[table.pair] = pair
+        who = f"transceiver of {sci.unit}.{sci.module}"
+        tx, rx, de = (context.wire(name) for name in (sci.tx, sci.rx, one.de_wire))
+        at_first = int(table.pull == "up")
+        transceiver = Transceiver(self._pairs[table.pair], who, tx, rx, de, line, table.hears_itself, at_first)
+        transceiver.on_cut.append(partial(self._cut, one))
+        self._transceivers[sci.unit, sci.module] = transceiver
+
+    def _line(self, pair: Rs485Pair) -> tuple[Fraction, UartFormat]:
+        driver = pair.driving
+        lines = {one.driver.who: one.line for one in self._transceivers.values() if one.pair is pair} | self.outside
+        return lines[driver.who if driver is not None else next(iter(lines))]()
+
+    def _note(self, tick: int, text: str) -> None:
+        first, times = self._notes.get(text, (tick, 0))
+        self._notes[text] = (first, times + 1)
+
+    def _collided(self, pair: str, tick: int, who: tuple[str, ...]) -> None:
+        self._note(tick, f"{pair}: {' and '.join(who)} drive at once")
+
+    def _cut(self, one: OnPair, tick: int, ticks: int) -> None:
+        sci = f"{one.sci.unit}.{one.sci.module}"
+        if not ticks:
+            self._note(tick, f"{one.table.pair}: {sci} sends a frame while {one.de_wire} holds its driver off")
+            return
+        self._note(tick, f"{one.table.pair}: {one.de_wire} switches the driver of {sci} off before its frame is over")

@@ -419,7 +419,9 @@ class Scene:
         """Whether one of these parties has something left to do, or an agent among them has done all it was to do."""
         if self.kernel.next_time() < NEVER:
             return True
-        passive = {*self.units, *self.chips, *self.devices}  # they only answer
+        passive = set(self.units)
+        if wire.name in ("SCL", "SDA"):
+            passive |= {*self.chips, *self.devices}  # they only answer there
         if self.head is not None and not self.head.at_rest:
             passive.add("controller")
         return any(who.partition(".")[0] not in passive for who in parties)

@@ -253,3 +253,28 @@ def test_a_serviced_watchdog_never_resets(monkeypatch):
             dsp.edis()
 
     assert scene_from_boot(monkeypatch, careful, "50 ms").run().counts["resets"] == 0
+
+
+MEMORY = {"memory": {"model": "24lc64"}}
+ADC = {
+    "adc": {
+        "model": "registers",
+        "address": 0x48,
+        "register": [{"name": "STATUS", "at": 0}],
+        "interrupt": {"wire": "DRDY", "register": "STATUS"},
+    }
+}
+
+
+def test_a_device_that_only_answers_moves_no_line(monkeypatch: pytest.MonkeyPatch):
+    (sentence,) = scene_with(monkeypatch, waits_for_aas, ["I2C-A"], device=MEMORY).run().stuck
+    assert sentence.endswith("I2C-A has nothing due and nobody will move SDA or SCL")
+
+
+def test_the_wait_for_a_devices_interrupt_pin_is_no_deadlock(tmp_path: Path):
+    """Its updates may be over, as a host's frames may be: it could have gone on."""
+    text = "def main(dsp, settings):\n    gpio = dsp.module('GPIO')\n    dsp.spin(lambda: gpio.GPADAT.GPIO12 == 0)\n"
+    (tmp_path / "waits.py").write_text(text, encoding="utf-8")
+    unit = {"firmware": str(tmp_path / "waits.py"), "modules": ["I2C-A", "GPIO"], "pins": {"DRDY": 12}}
+    result = Scene(case("1 ms", unit={"dsp": unit}, device=ADC)).run()
+    assert result.stuck == [] and result.verdict != "fail"

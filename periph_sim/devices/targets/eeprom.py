@@ -72,7 +72,7 @@ def _contents(value: object) -> object:
 class Settings(Table):
     """contents: from address 0 on, the rest is 0xFF. write_protect: or the wire that is high while it is so."""
 
-    contents: Annotated[bytes | Path, BeforeValidator(_contents)] = b""
+    contents: Annotated[bytes | Path, BeforeValidator(_contents, json_schema_input_type=str | list[int])] = b""
     page: Annotated[int, Field(ge=1, le=256), AfterValidator(_power_of_two)] | None = None
     write_time: DurationRange = Spread(duration("5 ms"), duration("5 ms"))
     write_protect: bool | str = False

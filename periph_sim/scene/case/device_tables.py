@@ -31,7 +31,7 @@ def _length_alone(value: object) -> object:
     return {"length": value} if isinstance(value, str) else value
 
 
-STRETCH = Annotated[StretchTable, BeforeValidator(_length_alone, json_schema_input_type=StretchTable | str)]
+STRETCH = Annotated[StretchTable, BeforeValidator(_length_alone, json_schema_input_type=DurationRange | StretchTable)]
 OWN = {"nack": (), "wrong": ("value",), "flip": ("bit",), "hold": ("length", "clocks"), "off": ()}
 STRIKES = ("bytes", "access", "phases", "share")  # what says which bytes; an outage strikes them all
 

@@ -8,13 +8,15 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from pydantic import TypeAdapter
 
 from ...bus.faults import kinds as kinds_of_fault
 from ...core.options import allowed
+from ...devices.chips import chip_models
+from ...devices.targets import Family, families
 from ...f28335.i2c.options import I2cOptions
 from ...f28335.sci.options import SciOptions
 from ...f28335.system.options import SystemOptions
@@ -33,7 +35,9 @@ def case_schema() -> Schema:
     """The schema as a tree, for `json.dumps`."""
     faults = {f"fault {name}": kind.Settings for name, kind in kinds_of_fault().items()}
     motions = {f"motion {name}": kind.Settings for name, kind in kinds_of_motion().items()}
-    types: dict[str, Any] = {"case": Case, **faults, **motions, "encoding": Encoding}
+    devices = {f"device {family.MODELS[0]}": family for family in families().values()}
+    settings = {name: family.Settings for name, family in devices.items()}
+    types: dict[str, Any] = {"case": Case, **faults, **motions, **settings, "encoding": Encoding}
     adapters = [(name, "validation", TypeAdapter(kind)) for name, kind in types.items()]
     made, rest = TypeAdapter.json_schemas(adapters)  # type: ignore[arg-type]
     schemas = {name: schema for (name, _), schema in made.items()}
@@ -43,6 +47,8 @@ def case_schema() -> Schema:
     host = definitions["HostTable"]["properties"]
     host["motion"] = _one_of(motions, schemas, definitions)
     host["encoding"] = _closed(_resolved(schemas["encoding"], definitions))
+    definitions["ChipTable"]["properties"]["model"] = {"enum": [*chip_models()]}
+    definitions["DeviceTable"] = {"anyOf": [*_devices(definitions["DeviceTable"], devices, schemas, definitions)]}
     definitions["Options"]["properties"] = {name: _options(kind) for name, kind in OPTIONS.items()}
     whole = {"$schema": DIALECT, "title": "periph-sim case", **case, "$defs": definitions}
     return {**_plain(whole), "title": "periph-sim case"}
@@ -62,6 +68,17 @@ def _one_of(kinds: Mapping[str, object], schemas: Schema, definitions: Schema) -
         required = ["kind", *schema.get("required", [])]
         choices.append({**schema, "properties": kind | schema["properties"], "required": required})
     return {"type": "object", "anyOf": choices}
+
+
+def _devices(common: Schema, families: Mapping[str, Family], schemas: Schema, definitions: Schema) -> Iterator[Schema]:
+    """A device's table by its model; the keys of a Python file only the file knows."""
+    for name, family in families.items():
+        own = _resolved(schemas[name], definitions)
+        properties = {**common["properties"], **own["properties"], "model": {"enum": [*family.MODELS]}}
+        required = [*common["required"], *own.get("required", [])]
+        yield _closed({**common, "properties": properties, "required": required})
+    properties = {**common["properties"], "model": {"type": "string", "pattern": r"\.py$"}}
+    yield {**common, "properties": properties}
 
 
 def _closed(schema: Schema) -> Schema:

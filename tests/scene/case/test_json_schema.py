@@ -57,6 +57,13 @@ def test_every_shipped_case_is_valid(judge: jsonschema.Draft7Validator):
         "host.encoding.byte_order=middle",
         "host.motion.kind=loop",
         "host.lose=[[1, 12]]",
+        "device.memory.model=24lc65",
+        "device.memory.pages=8",
+        "device.memory.fault.0.kind=dead",
+        "device.adc.register.0.width=12",
+        "device.adc.register.0.reed_only=true",
+        "device.adc.stretch.byte=3",
+        "chip.gyroscope.model=mpu6050",
     ],
 )
 def test_a_misspelt_key_or_value_is_not(judge: jsonschema.Draft7Validator, change: str):
@@ -73,6 +80,12 @@ def whole() -> dict[str, Any]:
     tree["unit"]["dsp"]["options"] = {"i2c": {"aas_sdir_point": "fall9"}}
     tree["host"]["motion"] = {"kind": "static", "phi": "3 deg"}
     tree["host"]["encoding"] = {"byte_order": "big"}
+    tree["chip"] = {"gyroscope": {"model": "itg3200", "values": {"fixed": [0, 0, 0]}}}
+    tree["device"] = {
+        "memory": {"model": "24lc64", "contents": "image.hex", "fault": [{"kind": "nack"}], "stretch": "1 us"},
+        "adc": {"model": "registers", "register": [{"name": "A", "at": 0}], "stretch": {"length": "1 us to 2 us"}},
+        "mine": {"model": "my_device.py", "address": 0x42, "speed": 3},
+    }
     return tree
 
 

@@ -15,12 +15,17 @@ import click
 from ..core.shorten import shorten
 from ..traces.capture.capture import Capture
 from ..traces.capture.sampling import sample_step
-from ..traces.decode.event_rows import grouped, merged
+from ..traces.decode.event_rows import Rows, grouped, merged
+from ..traces.decode.long_lows import long_lows
+from . import decode_exports
 from . import decoded_text as event_text
 from .decode_buses import Bus, asked_for
 from .input_options import RATE, SALVAGE, read_capture
+from .transfer_objects import transfer_lines
 from .usage_error import usage_errors_in_one_sentence
 
+EXPORTS = ("pcapng", "hexdump", "sigrok")
+STYLES = ("table", "json", "csv", *EXPORTS)
 A_SECOND = {"s": 1, "ms": 10**3, "us": 10**6, "ns": 10**9, "ps": 10**12}
 
 SECTION = "traces"
@@ -39,10 +44,11 @@ EXAMPLE = "periph-sim decode capture.sr --i2c scl=0,sda=1"
 )
 @click.option("--glitch", metavar="TIME", help="Leave out pulses shorter than '50ns'; a bare number counts samples.")
 @RATE
-@click.option("--format", "style", type=click.Choice(["table", "json", "csv"]), default="table", show_default=True)
+@click.option("--format", "style", type=click.Choice(STYLES), default="table", show_default=True)
 @SALVAGE
 @click.option("--times", "full", is_flag=True, help="In the table, too: where each row ends, and sample numbers.")
 @click.option("--transfers", "whole", is_flag=True, help="A line a transfer, or burst of frames, not a line an event.")
+@click.option("--json", "as_json", is_flag=True, help="Short for --transfers --format json: an object a transfer.")
 def decode(
     file: Path,
     i2cs: tuple[str, ...],
@@ -53,12 +59,15 @@ def decode(
     style: str,
     full: bool,
     whole: bool,
+    as_json: bool,
 ) -> None:
     """Decode the buses in FILE, a capture in any format.
 
     Without --i2c and --uart, channels called scl and sda, rx and tx are taken. The times of several buses stand in
-    one list.
+    one list. pcapng is for Wireshark, hexdump for text2pcap, sigrok has the lines of sigrok-cli.
     """
+    if as_json:
+        style, whole = "json", True
     with usage_errors_in_one_sentence():
         capture = read_capture(file, rate, salvage)
         shortest = 0 if glitch is None else _shortest(glitch, capture)
@@ -68,17 +77,38 @@ def decode(
     found = [bus for bus in found if len(bus.rows.at)] or found[:1]
     for number, bus in enumerate(found):
         bus.rows.bus[:] = number
-    _print(_text(found, capture, style, full, whole))
+    with usage_errors_in_one_sentence():
+        pieces = _text(found, capture, style, full, whole, shortest)
+    _print(pieces)
 
 
-def _text(found: list[Bus], capture: Capture, style: str, full: bool, whole: bool) -> Iterator[bytes]:
+def _text(found: list[Bus], capture: Capture, style: str, full: bool, whole: bool, shortest: int) -> Iterator[bytes]:
     names = [bus.name for bus in found]
     clock = None if capture.rate is None else event_text.Clock.of(capture.rate, 2 * capture.length)
     rows = merged([bus.rows for bus in found])
+    if style in EXPORTS:
+        return _exported(found, rows, capture, clock, style)
     if whole:
         rows, first = grouped(rows, [bus.silence for bus in found])
+        if style == "json":
+            lows = [long_lows(capture, bus.lines[0], bus.lines[1], shortest) if bus.is_i2c else None for bus in found]
+            return transfer_lines(rows, first, names, lows, clock)
         return event_text.transfers(rows, first, names, clock, style, full)
     return event_text.events(rows, names, clock, style, full)
+
+
+def _exported(
+    found: list[Bus], rows: Rows, capture: Capture, clock: event_text.Clock | None, style: str
+) -> Iterator[bytes]:
+    serial = [not bus.is_i2c for bus in found]
+    if style == "sigrok":
+        return decode_exports.in_sigrok(rows, serial)
+    if clock is None:
+        raise click.ClickException(f"--format {style}: {capture.path} states no rate; packets have times, state --rate")
+    rows, first = grouped(rows, [bus.silence for bus in found])
+    if style == "pcapng":
+        return decode_exports.in_pcapng(rows, first, [bus.name for bus in found], serial, clock)
+    return decode_exports.in_hexdump(rows, first, serial, clock)
 
 
 def _print(pieces: Iterable[bytes]) -> None:

@@ -2,7 +2,7 @@
 
 --i2c scl=0,sda=1          --> channels --> i2c_table  --> Bus: rows, and notes on what they do not show
 --uart rx=2,baud=auto,...  --> channels --> uart_table -->
-nothing                    --> channels called scl and sda, rx and tx
+nothing                    --> channels called scl and sda, rx and tx; guesses in doubt are told, not taken
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from typing import NamedTuple
 import click
 
 from ..core.suggest import did_you_mean
+from ..traces.capture.bus_names import buses_named
 from ..traces.capture.capture import Capture, Channel, listed
-from ..traces.capture.channel_names import channels_named
 from ..traces.capture.gaps import gap_notes
 from ..traces.decode.event_rows import Rows, i2c_rows, no_rows, uart_rows
 from ..traces.decode.i2c_table import i2c_table
@@ -24,15 +24,24 @@ from ..traces.decode.uart_table import uart_table
 
 UART_LINES = ("rx", "tx")
 FLAGS = ("invert", "vote")  # without a value
+SURE = 0.5  # of 34 real lines with a stated rate, guesses surer than this are right, less sure ones mostly wrong
 
 
 class Bus(NamedTuple):
-    """One bus. silence: positions without a frame that end a burst of frames; None for I2C. notes: a sentence each."""
+    """One bus. silence: positions without a frame that end a burst of frames; None for I2C. notes: a sentence each.
+
+    lines: SCL and SDA, or the serial line.
+    """
 
     name: str
     rows: Rows
     silence: int | None
     notes: list[str]
+    lines: tuple[Channel, ...]
+
+    @property
+    def is_i2c(self) -> bool:
+        return len(self.lines) == 2
 
 
 def asked_for(capture: Capture, i2cs: tuple[str, ...], uarts: tuple[str, ...], shortest: int) -> list[Bus]:
@@ -44,21 +53,27 @@ def asked_for(capture: Capture, i2cs: tuple[str, ...], uarts: tuple[str, ...], s
         return [_i2c(capture, text, shortest) for text in i2cs] + [
             bus for text in uarts for bus in _uart(capture, text, shortest)
         ]
-    sure = {line: found[0] for line in ("scl", "sda", *UART_LINES) if len(found := channels_named(capture, line)) == 1}
-    buses = [_i2c_of(capture, sure["scl"], sure["sda"], shortest)] if {"scl", "sda"} <= sure.keys() else []
-    lines = [sure[name] for name in UART_LINES if name in sure]
-    if not buses and not lines:
+    named = buses_named(capture)
+    buses = [_i2c_of(capture, scl, sda, shortest) for scl, sda in named.i2c]
+    if not buses and not named.uart:
         raise click.ClickException(
             f"{capture.path}: no channels are called scl and sda, rx or tx, it has {listed(capture.channels)}; "
             "say which they are, as in --i2c scl=0,sda=1 or --uart rx=0,baud=auto"
         )
-    for wire in lines:
+    failed: list[str] = []
+    for wire in named.uart:
         try:
-            buses.append(_frames(capture, wire, {}, shortest))
+            buses.append(_frames(capture, wire, {}, shortest, doubtful=False))
         except ValueError as error:
-            if not buses and len(lines) == 1:
-                raise click.ClickException(str(error)) from None
-            buses.append(_nothing(wire, f"{wire.name} is not decoded: {error}; say what it is with --uart"))
+            failed.append(f"{wire.name} is not decoded: {error}; say what it is with --uart")
+            buses.append(_nothing(wire, failed[-1]))
+    if failed and not any(len(bus.rows.at) for bus in buses):
+        raise click.ClickException("; ".join(failed))
+    for wire in named.left_over:
+        line = "SCL" if "scl" in wire.name.casefold() else "SDA"
+        other = "SDA" if line == "SCL" else "SCL"
+        note = f"{wire.name} is not decoded: which {other} goes with it? say it with --i2c scl=CHANNEL,sda=CHANNEL"
+        buses.append(_nothing(wire, note))
     return buses
 
 
@@ -83,7 +98,7 @@ def _i2c_of(capture: Capture, scl: Channel, sda: Channel, shortest: int) -> Bus:
     rows = i2c_rows(i2c_table(capture, scl.index, sda.index, shortest))
     wrong = impossible_rate(capture, scl.index)
     doubts = [f"{wrong}; all times are wrong then, state the rate with --rate"] if wrong else []
-    return Bus(f"i2c {scl.name}/{sda.name}", rows, None, [*gap_notes(capture, scl, sda), *doubts])
+    return Bus(f"i2c {scl.name}/{sda.name}", rows, None, [*gap_notes(capture, scl, sda), *doubts], (scl, sda))
 
 
 # UART ----------------------------------------------------------------------------
@@ -104,8 +119,11 @@ def _uart(capture: Capture, text: str, shortest: int) -> Iterator[Bus]:
                 raise click.ClickException(f"--uart {text}: {error.args[0]}") from None
 
 
-def _frames(capture: Capture, wire: Channel, given: dict[str, str], shortest: int) -> Bus:
-    """One serial line. given: what is known of it. ValueError where it cannot be guessed, or read at its rate."""
+def _frames(capture: Capture, wire: Channel, given: dict[str, str], shortest: int, doubtful: bool = True) -> Bus:
+    """One serial line. given: what is known of it. doubtful: whether a guess is taken that is not sure.
+
+    ValueError where it cannot be guessed, or read at its rate.
+    """
     notes = gap_notes(capture, wire)
     if not len(wire.edges):
         return _nothing(wire, f"{wire.name} is {'high' if wire.initial else 'low'} throughout: nothing to decode")
@@ -114,17 +132,19 @@ def _frames(capture: Capture, wire: Channel, given: dict[str, str], shortest: in
         from ..traces.decode.uart_guess import guess
 
         guessed = guess(capture, wire.index, shape, "invert" in given or None, shortest)
-        notes.append(f"{wire.name}: {guessed}")
+        if guessed.sure < SURE and not doubtful:
+            raise ValueError(f"in doubt, {guessed}, which baud=auto would take")
+        notes.append(f"{wire.name}: {guessed}" + ("; in doubt, so better state them" if guessed.sure < SURE else ""))
         line = guessed.line
     else:
         line = line_of(baud, shape or "8n1", "invert" in given)
     rows = uart_rows(uart_table(capture, wire.index, line, shortest, "vote" in given))
     silence = round(line.frame * width_of(capture, line.baud))
-    return Bus(f"uart {wire.name}", rows, silence, notes)
+    return Bus(f"uart {wire.name}", rows, silence, notes, (wire,))
 
 
 def _nothing(wire: Channel, note: str) -> Bus:
-    return Bus(f"uart {wire.name}", no_rows(), 0, [note])
+    return Bus(f"uart {wire.name}", no_rows(), 0, [note], (wire,))
 
 
 # Options -------------------------------------------------------------------------

@@ -75,7 +75,10 @@ def in_transfer(event: str, value: int | None, bits: int, detail: str) -> str:
         return f"[{value:0{bits}b}]" if bits else "[]"
     if event == "frame":
         return f"{value:0{-(-bits // 4)}X}" + (f"({detail})" if detail else "")
-    return f"{value:02X}" + (f" {detail[0].upper()}" if event == "address" else "")
+    if event != "address":
+        return f"{value:02X}"
+    way, _, purpose = detail.partition(", ")
+    return f"{value:02X} {way[0].upper()}" + (f"({purpose})" if purpose else "")
 
 
 def _value(event: str, value: int | None, bits: int) -> str:
@@ -100,7 +103,7 @@ def events(rows: Rows, buses: Sequence[str], clock: Clock | None, style: str, fu
     """
     titles, head = _head(rows, buses, clock, style, full)
     yield (titles + TITLES[style]).encode()
-    yield from text([*head, _events(rows, SHOWN[style]), Literal("\n")], len(rows.at))
+    yield from text([*head, events_column(rows, SHOWN[style]), Literal("\n")], len(rows.at))
 
 
 def transfers(
@@ -122,7 +125,7 @@ def transfers(
     columns = (
         Sparse(head, first),
         Words(spaces, lambda count: " " * count),
-        _events(rows, in_transfer),
+        events_column(rows, in_transfer),
         Words(closes, lambda count: CLOSED[style] * count),
     )
     yield from text(columns, len(rows.at))
@@ -174,7 +177,7 @@ def _buses(rows: Rows, buses: Sequence[str], pad: bytes) -> Words:
     return Words(rows.bus.astype(np.int64), lambda bus: buses[bus], pad)
 
 
-def _events(rows: Rows, shown: Shown) -> Words:
+def events_column(rows: Rows, shown: Shown) -> Words:
     """What happened: few different texts, however many rows."""
     held = rows.value >= 0
     bits = np.where(held, rows.bits, 0).astype(np.int64)

@@ -54,12 +54,49 @@ def test_an_idle_serial_line_beside_an_i2c_bus_is_a_note(periph_sim: Run, tmp_pa
 
 
 def test_a_serial_line_that_cannot_be_guessed_does_not_stop_the_others(periph_sim: Run, tmp_path: Path):
-    line = uart_wave([(Fraction(10), frame_bits(0x41))], Fraction(10), 400)
+    frames = [(Fraction(10 + 100 * n), frame_bits(0x41 + n)) for n in range(8)]
+    line = uart_wave(frames, Fraction(10), 900)
     path = tmp_path / "two.sr"
     path.write_bytes(sr_bytes(["RX", "TX"], "1 MHz", bytes(bit | (n < 300) << 1 for n, bit in enumerate(line))))
     came = periph_sim("decode", str(path))
     assert came.status == 0 and "0x41 'A'" in came.out
     assert "note: TX is not decoded: " in came.err and "say what it is with --uart" in came.err
+
+
+def test_a_guess_in_doubt_is_taken_on_request_only(periph_sim: Run, tmp_path: Path):
+    """One byte, which most rates and frames would fit."""
+    path = tmp_path / "one.sr"
+    path.write_bytes(sr_bytes(["RX"], "1 MHz", uart_wave([(Fraction(10), frame_bits(0x41))], Fraction(10), 400)))
+    came = periph_sim("decode", str(path))
+    assert came.status == 2 and came.out == ""
+    assert came.err.startswith("Error: RX is not decoded: in doubt, guessed 100000 baud, 8n1 (")
+    assert "12% sure), which baud=auto would take; say what it is with --uart" in came.err
+    came = periph_sim("decode", str(path), "--uart", "rx=RX,baud=auto")
+    assert came.status == 0 and "0x41 'A'" in came.out
+    assert came.err.endswith("12% sure); in doubt, so better state them\n")
+
+
+def test_buses_of_one_capture_are_told_apart_by_their_names(periph_sim: Run, tmp_path: Path):
+    bus, other = I2cWave(20, 5), I2cWave(20, 5)
+    bus.idle(100)
+    read_registers(bus, 0x53, 0x00, (0xE5,))
+    other.idle(160)
+    read_registers(other, 0x50, 0x10, (0x77,))
+    for wave in (bus, other):
+        wave.idle(2400 - len(wave.samples))
+    samples = bytes(a | b << 2 for a, b in zip(bus.samples, other.samples, strict=True))
+    path = tmp_path / "two.sr"
+    names = ["Sensor SCL", "Sensor SDA", "24LC515 SCL", "24LC515 SDA", "SDA_X"]
+    path.write_bytes(sr_bytes(names, "4 MHz", samples))
+    came = periph_sim("decode", str(path), "--transfers")
+    assert [line.split(maxsplit=1)[1] for line in came.out.splitlines()] == [
+        "bus                          transfer",
+        "i2c Sensor SCL/Sensor SDA    S 53 W A 00 A Sr 53 R A E5 N P",
+        "i2c 24LC515 SCL/24LC515 SDA  S 50 W A 10 A Sr 50 R A 77 N P",
+    ]
+    assert came.err == (
+        "note: SDA_X is not decoded: which SCL goes with it? say it with --i2c scl=CHANNEL,sda=CHANNEL\n"
+    )
 
 
 def test_what_nobody_recorded_and_a_rate_that_cannot_be_true_are_notes(periph_sim: Run, tmp_path: Path):

@@ -15,18 +15,22 @@ from numpy.typing import NDArray
 from ..capture.capture import Positions
 from . import i2c_table
 from .i2c_table import I2cTable
+from .reserved_addresses import PURPOSES, purpose_of
 from .uart_table import UartTable
 
 # The words of a row, by number; those of I2C as in i2c_table.Kind.
 OF_I2C = ("start", "repeated start", "address", "address low", "data", "ack", "nack", "stop", "cut")
 EVENTS = (*OF_I2C, "frame", "break", "rejected start")
 FAULTS = [", ".join(compress(("parity error", "frame error", "glitch"), (n & 1, n & 2, n & 4))) for n in range(1, 8)]
-DETAILS = ("", "write", "read", *FAULTS)
-START, CUT = EVENTS.index("start"), EVENTS.index("cut")
+RESERVED = [f"{way}, {purpose}" for way in ("write", "read") for purpose in PURPOSES]
+DETAILS = ("", "write", "read", *FAULTS, *RESERVED)
+START, ADDRESS, ADDRESS_LOW, CUT = (EVENTS.index(name) for name in ("start", "address", "address low", "cut"))
 FRAME, BREAK, REJECTED = range(len(OF_I2C), len(EVENTS))
 
 OF_UART = np.array([FRAME, BREAK, CUT, REJECTED], np.uint8)  # by uart_table.Kind
 OF_FAULTS = np.array([0, *range(3, 10)], np.uint8)  # by parity error + 2 * frame error + 4 * glitch
+WAYS = [("read" if byte & 1 else "write") + (purpose_of(byte) and ", " + purpose_of(byte)) for byte in range(256)]
+OF_ADDRESS = np.array([DETAILS.index(way) for way in WAYS], np.uint8)  # by address byte
 
 
 class Rows(NamedTuple):
@@ -36,7 +40,7 @@ class Rows(NamedTuple):
     bus      uint8   which of the buses that were asked for
     event    uint8   index into EVENTS
     value    int32   address, byte or bits; -1 for none
-    bits     uint8   how many bits of `value` were on the wire
+    bits     uint8   how many bits of `value` were on the wire; 10 of a 10-bit address that is asked again
     detail   uint8   index into DETAILS
     """
 
@@ -65,10 +69,26 @@ def no_rows() -> Rows:
 
 
 def i2c_rows(table: I2cTable, bus: int = 0) -> Rows:
-    """The rows of an I2C table: bytes, whole or cut, say who was asked to send."""
+    """The rows of an I2C table: bytes, whole or cut, say who was asked to send, addresses what they are reserved for.
+
+    A 10-bit address that is asked again, to send, has all its ten bits in `value`.
+    """
     is_byte = (table.bits >= 8) | (table.kind == i2c_table.Kind.CUT)
     detail = (table.read + np.uint8(1)) * is_byte
-    return Rows(table.at, table.end, _all(bus, table), table.kind, table.value.astype(np.int32), table.bits, detail)
+    value, bits = table.value.astype(np.int32), table.bits.copy()
+    addresses = np.flatnonzero(table.kind == ADDRESS)
+    byte = value[addresses] << 1 | table.read[addresses]
+    detail[addresses] = OF_ADDRESS[byte]
+    again = addresses[byte & 0xF9 == 0xF1]  # 11110xx and R/W = 1
+    if len(again):
+        lows, starts = np.flatnonzero(table.kind == ADDRESS_LOW), np.flatnonzero(table.kind == START)
+        known = np.searchsorted(lows, again)  # 10-bit addresses before
+        again, known = again[known > 0], known[known > 0] - 1
+        same = np.searchsorted(starts, lows[known]) == np.searchsorted(starts, again)  # within one transfer
+        same &= value[lows[known]] >> 8 == value[again] & 3
+        value[again[same]] = value[lows[known[same]]]
+        bits[again[same]] = 10
+    return Rows(table.at, table.end, _all(bus, table), table.kind, value, bits, detail)
 
 
 def uart_rows(table: UartTable, bus: int = 0) -> Rows:

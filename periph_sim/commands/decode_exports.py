@@ -1,0 +1,135 @@
+"""Decoded buses for other tools: `Rows` go in, bytes of a file come out.
+
+pcapng      Wireshark, tshark          a packet a message (I2C) or burst (serial line), an interface a bus
+hexdump     text2pcap, any script      the same bytes as text, each packet below its time
+sigrok      whoever reads sigrok-cli   a line an event, `START-END i2c-1: Address write: 53`
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import click
+import numpy as np
+
+from ..traces.decode.event_rows import ADDRESS, ADDRESS_LOW, DETAILS, EVENTS, FRAME, START, Rows
+from ..traces.formats import pcapng_writer as pcapng
+from .bulk_text import NONE, Column, Digits, Literal, Numbers, Words, text
+from .decoded_text import Clock, events_column, in_transfer
+
+AGAIN, DATA = (EVENTS.index(name) for name in ("repeated start", "data"))
+DECIMALS = 9  # of a second: Wireshark shows no more
+PER_LINE = 16  # bytes of a dump
+
+SIGROK = {
+    "start": "Start",
+    "repeated start": "Start repeat",
+    "stop": "Stop",
+    "ack": "ACK",
+    "nack": "NACK",
+    "break": "Break condition",
+    "rejected start": "Rejected start",
+}
+
+
+class Packet(NamedTuple):
+    """time: units of 10**-DECIMALS s. wire: address byte and data of a message, or bytes of a burst. said: in the
+    notation of the I2C-bus specification, with ACKs and how it ended."""
+
+    bus: int
+    time: int
+    wire: bytes
+    flags: int
+    said: str
+
+
+def in_pcapng(
+    rows: Rows, first: Numbers, buses: Sequence[str], serial: Sequence[bool], clock: Clock
+) -> Iterator[bytes]:
+    """serial: which buses are serial lines, and have no link type of their own."""
+    yield pcapng.section()
+    for name, is_serial in zip(buses, serial, strict=True):
+        yield pcapng.interface(pcapng.USER0 if is_serial else pcapng.I2C_LINUX, name, DECIMALS)
+    for one in packets(rows, first, clock):
+        content = one.wire if serial[one.bus] else pcapng.i2c_content(one.bus, one.flags, one.wire)
+        yield pcapng.packet(one.bus, one.time, content, one.said)
+
+
+def in_hexdump(rows: Rows, first: Numbers, serial: Sequence[bool], clock: Clock) -> Iterator[bytes]:
+    """For `text2pcap -t %s.%f -l 209` (147 of a serial line), which puts the link type's header in front itself."""
+    if len(set(serial)) > 1:
+        raise click.ClickException("a hex dump holds one kind of bus; choose with --i2c or --uart, or write pcapng")
+    return _dumped(packets(rows, first, clock))
+
+
+def _dumped(found: Iterator[Packet]) -> Iterator[bytes]:
+    for one in found:
+        lines = [f"# {one.said}", f"{one.time // 10**DECIMALS}.{one.time % 10**DECIMALS:0{DECIMALS}}"]
+        for begin in range(0, len(one.wire), PER_LINE):
+            lines.append(f"{begin:06x}  {one.wire[begin : begin + PER_LINE].hex(' ')}")
+        yield ("\n".join(lines) + "\n\n").encode()
+
+
+def in_sigrok(rows: Rows, serial: Sequence[bool]) -> Iterator[bytes]:
+    """As `sigrok-cli --protocol-decoder-samplenum` prints annotations; ends are those of the bits, not estimated."""
+    decoders: list[str] = []
+    for is_serial in serial:
+        kind = "uart" if is_serial else "i2c"
+        decoders.append(f"{kind}-{sum(name.startswith(kind) for name in decoders) + 1}")
+    columns: list[Column] = [
+        Digits(rows.at, 0, NONE),
+        Literal("-"),
+        Digits(rows.end, 0, NONE),
+        Literal(" "),
+        Words(rows.bus.astype(np.int64), lambda bus: decoders[bus]),
+        Literal(": "),
+        events_column(rows, _as_sigrok_says),
+        Literal("\n"),
+    ]
+    return text(columns, len(rows.at))
+
+
+def _as_sigrok_says(event: str, value: int | None, bits: int, detail: str) -> str:
+    if value is None:
+        return SIGROK[event]
+    if event == "cut":
+        return f"Cut: {value:0{bits}b}"
+    if event == "frame":
+        return f"{value:02X}"
+    way = detail.partition(", ")[0]
+    return (
+        f"{'Address' if event == 'address' else 'Data'} {way}: {value & 0xFF if event == 'address low' else value:02X}"
+    )
+
+
+def packets(rows: Rows, first: Numbers, clock: Clock) -> Iterator[Packet]:
+    """Those of the groups that begin at the rows `first`, in order of time: bursts, and the messages of I2C transfers.
+
+    A message without a whole address byte is none.
+    """
+    conditions = np.flatnonzero((rows.event == START) | (rows.event == AGAIN))
+    begins = np.union1d(first, conditions)
+    times = Clock(clock.up * 10**DECIMALS, clock.down * 10**clock.decimals, DECIMALS).units(rows.at[begins]).tolist()
+    bounds = [*begins.tolist(), len(rows.at)]
+    columns = [column.tolist() for column in (rows.bus, rows.event, rows.value, rows.bits, rows.detail)]
+    for number in np.argsort(rows.at[begins], kind="stable").tolist():  # transfers of several buses overlap
+        begin, end, time = bounds[number], bounds[number + 1], times[number]
+        own = [tuple(column[row] for column in columns) for row in range(begin, end)]
+        wire, flags = bytearray(), 0
+        for _, event, value, bits, detail in own:
+            if event == ADDRESS:
+                way, _, purpose = DETAILS[detail].partition(", ")
+                high = 0x78 | value >> 8 if bits == 10 else value
+                wire.append(high << 1 | (way == "read"))
+                flags = pcapng.READ * (way == "read") | pcapng.TEN_BITS * (purpose == "10-bit")
+            elif event in (ADDRESS_LOW, DATA, FRAME):
+                wire.append(value & 0xFF)
+        if wire:
+            bus = own[0][0]
+            said = " ".join(_said(*row[1:]) for row in own)
+            yield Packet(bus, time, bytes(wire), flags, said)
+
+
+def _said(event: int, value: int, bits: int, detail: int) -> str:
+    return in_transfer(EVENTS[event], None if value < 0 else value, bits, DETAILS[detail])

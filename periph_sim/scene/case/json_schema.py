@@ -50,8 +50,7 @@ def case_schema() -> Schema:
     definitions["ChipTable"]["properties"]["model"] = {"enum": [*chip_models()]}
     definitions["DeviceTable"] = {"anyOf": [*_devices(definitions["DeviceTable"], devices, schemas, definitions)]}
     definitions["Options"]["properties"] = {name: _options(kind) for name, kind in OPTIONS.items()}
-    whole = {"$schema": DIALECT, "title": "periph-sim case", **case, "$defs": definitions}
-    return {**_plain(whole), "title": "periph-sim case"}
+    return {"$schema": DIALECT, "title": "periph-sim case", **_plain({**case, "$defs": definitions})}
 
 
 def _resolved(schema: Schema, definitions: Schema) -> Schema:

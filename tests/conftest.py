@@ -41,6 +41,7 @@ WHOLE = (
     "tests/dissertation/moving/test_on_wires.py",
     "tests/replay/test_command.py",
     "tests/reports/html/test_browser.py",
+    "tests/reports/html/test_browser_page.py",
     "tests/rules/",
     "tests/test_event_counts.py",
     "tests/timing/test_model_age.py",

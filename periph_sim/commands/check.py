@@ -13,6 +13,7 @@ from ..reports.baselines import CaseCheck, RejectedCase
 from ..reports.baselines import check as checked
 from ..scene.project import project_of
 from ..traces.formats.atomic_write import atomic_write
+from .command_line import command_line
 from .input_options import GUARANTEED, apart
 from .json_output import print_json
 from .progress import progress
@@ -151,7 +152,7 @@ def _html(checks: list[CaseCheck], jobs: int | None) -> str:
             for one in checks
         ]
         reports = [came() for came in waiting]
-    return page(reports, "periph-sim check" if len(reports) > 1 else reports[0].name)
+    return page(reports, "periph-sim check" if len(reports) > 1 else reports[0].name, command_line())
 
 
 def _show(checks: list[CaseCheck], refused: list[RejectedCase]) -> None:

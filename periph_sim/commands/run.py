@@ -21,6 +21,7 @@ from ..scene.result import Result
 from ..scene.scene import Scene
 from ..timing.verdicts import EVERY_PHASE
 from ..traces.formats.atomic_write import atomic_write
+from .command_line import command_line
 from .input_options import GUARANTEED, apart, length_given
 from .json_output import print_json
 from .progress import progress
@@ -79,7 +80,7 @@ def run(
             values = values_of(scene.limits, scene.start)
             per_second = scene.timebase.per_second
             report = case_report(loaded, result, values, scene.typical(), per_second, length, changes)
-            unfinished.write_text(page([report], loaded.name), encoding="utf-8")
+            unfinished.write_text(page([report], loaded.name, command_line()), encoding="utf-8")
     if as_json:
         print_json("run", _object(result, chains if explain else None))
     else:

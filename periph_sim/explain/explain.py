@@ -67,12 +67,23 @@ def explain(
     typical: for budgets of these names, the occurrence that is least remarkable, to be compared with. Everything
     comes from one more run of the case; the other arguments are those of `windows`.
     """
+    return {one.window.verdict.name: one for one in explain_each(case, verdicts, typical, length, programs)}
+
+
+def explain_each(
+    case: Case,
+    verdicts: Iterable[Verdict],
+    typical: Iterable[Verdict] = (),
+    length: Fraction | None = None,
+    programs: Mapping[str, Firmware] | None = None,
+) -> list[Explained]:
+    """The same in the order of the verdicts, of which several may be about one budget."""
     worst = [verdict for verdict in verdicts if verdict.at_s is not None]
     names = {verdict.name for verdict in worst}
     usual = [verdict for verdict in typical if verdict.at_s is not None and verdict.name in names]
     found = windows(case, [*worst, *usual], length, programs)
     usual_windows = {w.verdict.name: w for w in found[len(worst) :]}
-    return {w.verdict.name: _explained(case, w, usual_windows.get(w.verdict.name)) for w in found[: len(worst)]}
+    return [_explained(case, w, usual_windows.get(w.verdict.name)) for w in found[: len(worst)]]
 
 
 def _explained(case: Case, window: Window, usual: Window | None) -> Explained:

@@ -84,10 +84,10 @@ def _box(window: Window, one: Episode) -> Box:
 
 def _flag_lanes(window: Window) -> list[Lane]:
     """The flags as waves, those of several bits as boxes with their values."""
-    return [lane for where, what in _flags(window) for lane in _flag_lane(window, where, what)]
+    return [lane for where, what in flags_told(window) for lane in _flag_lane(window, where, what)]
 
 
-def _flags(window: Window) -> list[tuple[str, str]]:
+def flags_told(window: Window) -> list[tuple[str, str]]:
     """Place and field of those that changed within the picture and that the measure is about; and of all that the
     chain names, changed or not."""
     changed = {(r.where, r.what) for r in window.between(*window.drawn, Kind.FLAG)}

@@ -51,7 +51,7 @@ def distribution(values: Values, per_ns: int) -> Distribution:
     """per_ns: ticks a nanosecond, where the values are times."""
     data = np.sort(values.values)
     least, worst = int(data[0]), int(data[-1])
-    unit, size, grain = _scale(values.unit, max(abs(least), abs(worst)), per_ns)
+    unit, size, grain = scale_of(values.unit, max(abs(least), abs(worst)), per_ns)
     width = _width(worst - least, grain)
     first = least // width
     places, counts = np.unique(data // width - first, return_counts=True)
@@ -74,7 +74,7 @@ def _width(spread: int, grain: int) -> int:
     return grain * max(1, round(nice_step(spread / grain, MOST - 1))) if spread > grain else grain
 
 
-def _scale(unit: str, largest: int, per_ns: int) -> tuple[str, int, int]:
+def scale_of(unit: str, largest: int, per_ns: int) -> tuple[str, int, int]:
     """The unit to show, how many of the values' own units it has, and the least width of a bin in these."""
     if unit == "time":
         return *_unit(largest, per_ns), per_ns

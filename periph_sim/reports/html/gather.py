@@ -7,10 +7,11 @@ Result, Values --------------------> distributions, limits, facts --^
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
 
-from ...explain.explain import Explained, explain
+from ...explain.explain import Explained, explain_each
 from ...scene.case.load import load
 from ...scene.case.model import Case, Unit
 from ...scene.result import SKIPPED, Result
@@ -20,8 +21,15 @@ from ...timing.values import Values
 from ...timing.verdicts import Verdict
 from .distribution import distribution
 from .explanation import explanation
-from .lanes import timeline
+from .failure import failure
+from .lanes import MOST, timeline
 from .model import BudgetReport, CaseReport, Standing
+from .over_time import OverTime, over_time, shown_violations
+from .provenance import commit_of
+from .timeline import Timeline, only_chosen
+
+MOST_OF_PASSED = 3_000  # events of the timeline of a budget that is as it should be
+MOST_OF_OTHERS = 1_500  # of each further occurrence beyond a limit
 
 
 def case_report(
@@ -41,10 +49,15 @@ def case_report(
     be, where that was judged: the case passes if there are none. None takes the run's own verdict. Raises what a Scene
     and its run may raise.
     """
-    explained = explain(case, result.budgets, typical, length)
+    run = _Run(case, per_second, _ticks(result.simulated_s, per_second))
+    overs = [
+        None if kept is None else over_time(kept, verdict, run.end, per_second // 1_000_000)
+        for verdict, kept in zip(result.budgets, values, strict=True)
+    ]
+    found = explain_each(case, [*result.budgets, *run.others(result.budgets, overs)], typical, length)
     budgets = [
-        _budget(case, budget, verdict, kept, explained.get(budget.name), per_second)
-        for budget, verdict, kept in zip(case.budget, result.budgets, values, strict=True)
+        run.budget(budget, verdict, kept, over, [one for one in found if one.window.verdict.name == verdict.name])
+        for budget, verdict, kept, over in zip(case.budget, result.budgets, values, overs, strict=True)
     ]
     return CaseReport(
         name=case.name,
@@ -59,9 +72,10 @@ def case_report(
         changes=tuple(changes),
         counts={name.replace("_", " "): count for name, count in result.counts.items() if count and name != SKIPPED}
         | {"I2C bytes": result.wire_bytes, "SCI bytes": result.sci_bytes},
-        findings=tuple(_found(result) if findings is None else findings),
+        findings=tuple(_beside_failures(_found(result) if findings is None else findings, budgets)),
         notes=tuple(result.notes),
         budgets=tuple(budgets),
+        commit=commit_of(case.folder),
     )
 
 
@@ -93,22 +107,62 @@ def _standing(case: Case, result: Result, findings: Sequence[str] | None) -> Sta
     return "known" if known else "bad"
 
 
-def _budget(
-    case: Case, budget: Budget, verdict: Verdict, values: Values | None, worst: Explained | None, per_second: int
-) -> BudgetReport:
-    cycles = {name: float(per_second / _sysclk(unit)) for name, unit in case.unit.items()}
-    bit = 0
-    if case.host is not None:
-        bit = round(per_second / (Fraction(case.host.baud) * (1 + case.host.error / 100)))
-    return BudgetReport(
-        verdict=verdict,
-        limits=tuple(_limits(budget, verdict)),
-        source=budget.source,
-        must_break=verdict.name in case.breaks,
-        distribution=None if values is None else distribution(values, per_second // 10**9),
-        timeline=None if worst is None else timeline(worst.window, cycles, bit),
-        explanation=None if worst is None else explanation(worst.chain),
-    )
+@dataclass(frozen=True)
+class _Run:
+    """One run of a case. end: its length in ticks."""
+
+    case: Case
+    per_second: int
+    end: int
+
+    def others(self, verdicts: Sequence[Verdict], overs: Sequence[OverTime | None]) -> list[Verdict]:
+        """More occurrences beyond a limit, as verdicts, of budgets that are not as they should be."""
+        found = []
+        for verdict, over in zip(verdicts, overs, strict=True):
+            if over is None or not verdict.broken or verdict.name in self.case.breaks or verdict.at_s is None:
+                continue
+            shown = shown_violations(over, _ticks(verdict.at_s, self.per_second))
+            found += [replace(verdict, worst=self._value(verdict, v), at_s=at / self.per_second) for at, v in shown]
+        return found
+
+    def _value(self, verdict: Verdict, value: int) -> float:
+        """In the verdict's unit."""
+        return value * {"us": 1_000_000 / self.per_second, "LSB": 1e-6}.get(verdict.unit, 1)
+
+    def budget(
+        self, budget: Budget, verdict: Verdict, values: Values | None, over: OverTime | None, found: list[Explained]
+    ) -> BudgetReport:
+        """found: the worst occurrence, then others."""
+        must_break = verdict.name in self.case.breaks
+        worst, others = (found[0] if found else None), found[1:]
+        wrong = failure(verdict, must_break, None if worst is None else worst.chain, over, self.per_second)
+        most = MOST_OF_PASSED if wrong is None else MOST
+        return BudgetReport(
+            verdict=verdict,
+            limits=tuple(_limits(budget, verdict)),
+            source=budget.source,
+            must_break=must_break,
+            distribution=None if values is None else distribution(values, self.per_second // 10**9),
+            timeline=None if worst is None else self._timeline(worst, most),
+            explanation=None if worst is None else explanation(worst.chain),
+            failure=wrong,
+            over_time=over,
+            per_second=self.per_second,
+            others=tuple(
+                (_ticks(one.window.verdict.at_s, self.per_second), only_chosen(self._timeline(one, MOST_OF_OTHERS)))
+                for one in others
+            ),
+        )
+
+    def _timeline(self, one: Explained, most: int) -> Timeline:
+        cycles = {name: float(self.per_second / _sysclk(unit)) for name, unit in self.case.unit.items()}
+        host = self.case.host
+        bit = 0 if host is None else round(self.per_second / (Fraction(host.baud) * (1 + host.error / 100)))
+        return timeline(one.window, cycles, bit, most)
+
+
+def _ticks(seconds: float | None, per_second: int) -> int:
+    return round((seconds or 0) * per_second)
 
 
 def _limits(budget: Budget, verdict: Verdict) -> list[tuple[str, str]]:
@@ -130,6 +184,13 @@ def _found(result: Result) -> list[str]:
     if result.wrong:
         found.append("wrong: " + ", ".join(f"{place} ({times} times)" for place, times in result.wrong.items()))
     return found + [f"stuck: {line}" for line in result.stuck]
+
+
+def _beside_failures(findings: Sequence[str], budgets: Sequence[BudgetReport]) -> list[str]:
+    """The findings that no budget's `failure` tells."""
+    names = [one.verdict.name for one in budgets if one.failure is not None]
+    told = tuple(f"{name}{rest}" for name in names for rest in (" breaks: ", " is not judged: ", " holds, but ", ": "))
+    return [text for text in findings if not text.startswith(told)]
 
 
 def _sysclk(unit: Unit) -> Fraction:

@@ -1,6 +1,6 @@
 """What there was around a worst occurrence, as lanes: a Window goes in, a Timeline comes out.
 
-edges     --decoder--> SCL, SDA, bytes; RX, TX; named pins
+edges     --decoder--> SCL, SDA, bytes; RX, TX; named pins; rows of the protocol table
 BUS, FRAME -----------> transfers of the controller, frames of the host
 FLAG      -----------> a lane a register field that changed
 SPAN, WAIT, IRQ ------> stretches of firmware, its waits with what they poll, service routines
@@ -19,6 +19,8 @@ from ...records.register_maps import register_of
 from ...traces.capture.capture import Span
 from ...traces.decode import i2c
 from .bus_bytes import bytes_of
+from .lane_choice import LaneChoice
+from .protocol import rows
 from .timeline import Boxes, Lane, Marks, SpanLabel, Timeline, Wave
 
 BUS = ("SCL", "SDA")
@@ -32,9 +34,10 @@ STRETCHES = (
 )
 
 
-def timeline(window: Window, cycles: dict[str, float], frame_bit: int = 0) -> Timeline:
-    """cycles: ticks of a SYSCLKOUT cycle, by unit. frame_bit: ticks of a bit of the host, 0 without a host."""
-    return _Lanes(window, cycles, frame_bit).timeline()
+def timeline(window: Window, cycles: dict[str, float], frame_bit: int = 0, most: int = MOST) -> Timeline:
+    """cycles: ticks of a SYSCLKOUT cycle, by unit. frame_bit: ticks of a bit of the host, 0 without a host. most:
+    events that it may have."""
+    return _Lanes(window, cycles, frame_bit, most).timeline()
 
 
 @dataclass
@@ -42,10 +45,12 @@ class _Lanes:
     window: Window
     cycles: dict[str, float]
     frame_bit: int
+    most: int
     says: SpanLabel = field(default_factory=SpanLabel)
 
     def __post_init__(self) -> None:
-        self.kept = _within_reach(self.window)
+        self.kept = _within_reach(self.window, self.most)
+        self.choice = LaneChoice(self.window)
         self.records = [r for r in self.window.records if any(k.begin <= r.tick < k.end for k in self.kept)]
         early = [r for r in self.window.records if r.tick < self.kept[0].begin]
         self.before = {r[2:5]: r for r in (*self.window.before, *early)}
@@ -71,6 +76,7 @@ class _Lanes:
             kept=tuple((span.begin - self.zero, span.end - 1 - self.zero) for span in self.kept),
             groups=tuple((name, tuple(lanes)) for name, lanes in groups if lanes),
             says=tuple(self.says.texts),
+            rows=tuple(rows(window, self._seen, self.zero)),
         )
 
     # Lines --------------------------------------------------------------------------
@@ -83,7 +89,9 @@ class _Lanes:
         if not edges and first is None and not len(channel.edges):
             return None
         initial = first.value if first is not None else edges[0].value ^ 1 if edges else channel.initial
+        choice = self.choice
         wave = Wave(wire, "", initial)
+        wave.chosen = choice.names(wire) or (wire in BUS and choice.bus) or (wire in SERIAL and choice.serial)
         level = initial
         for record in edges:
             if record.value != level:
@@ -96,7 +104,7 @@ class _Lanes:
         wires = [wave for wire in BUS if wire in self._wires() and (wave := self._wave(wire))]
         if len(wires) < len(BUS):
             return [*wires]
-        bytes_ = Boxes("bytes", "")
+        bytes_ = Boxes("bytes", "", chosen=self.choice.bus)
         for begin, end, label, says in bytes_of(i2c.transfers(self.window.edges), self.kept[-1].end):
             if self._seen(begin, end):
                 bytes_.add(begin - self.zero, end - self.zero, self.says.place(label), self.says.place(says))
@@ -104,7 +112,7 @@ class _Lanes:
 
     def _transfers(self) -> list[Lane]:
         """What the controller of the scene is at, by the name of its request."""
-        lane = Boxes("transfer", "")
+        lane = Boxes("transfer", "", chosen=self.choice.bus)
         open_: Record | None = None
         for record in [*sorted(self.before.values(), key=lambda r: r.tick), *self.records]:
             if record.kind is not Kind.BUS:
@@ -125,7 +133,7 @@ class _Lanes:
 
     def _serial(self) -> list[Lane]:
         lanes: list[Lane] = [wave for wire in SERIAL if wire in self._wires() and (wave := self._wave(wire))]
-        frames = Boxes("frames", "")
+        frames = Boxes("frames", "", chosen=self.choice.serial)
         for record in self.records:
             if record.kind is Kind.FRAME and record.what == "byte":
                 byte = f"{record.value:02X}"
@@ -153,8 +161,9 @@ class _Lanes:
         before = self.before.get(changes[0][2:5])
         initial = before.value if before is not None else known.reset if known is not None else 0
         about = f"\n{known.doc} [{of.source}]" if of is not None and known is not None and known.doc else ""
+        chosen = self.choice.flag(*changes[0][3:5])
         if known is not None and known.msb == known.lsb:
-            wave = Wave(f"{register}.{field_name}", unit, initial)
+            wave = Wave(f"{register}.{field_name}", unit, initial, chosen=chosen)
             for record in changes:
                 if record.value != initial:
                     initial = record.value
@@ -162,7 +171,7 @@ class _Lanes:
                     verb = "rose" if record.value else "fell"
                     wave.says.append(self.says.place(f"{name} {verb}{self._because(record)}{about}"))
             return wave
-        boxes = Boxes(f"{register}.{field_name}", unit)
+        boxes = Boxes(f"{register}.{field_name}", unit, chosen=chosen)
         ends = [record.tick for record in changes[1:]] + [self.kept[-1].end]
         boxes.add(
             self.kept[0].begin - self.zero,
@@ -189,19 +198,20 @@ class _Lanes:
     def _firmware(self, unit: str) -> list[Lane]:
         lanes: list[Lane] = []
         for kind, name, said in STRETCHES:
-            rows: list[Boxes] = []
+            found: list[Boxes] = []
             for begin, end, record in sorted(self._stretches(kind, unit), key=lambda one: (one[0], -one[1])):
-                row = next((row for row in rows if row.end[-1] <= begin - self.zero), None)
+                row = next((row for row in found if row.end[-1] <= begin - self.zero), None)
                 if row is None:
                     row = Boxes(name, unit)
-                    rows.append(row)
+                    found.append(row)
                 what = label = record.what
                 if kind is Kind.WAIT:
                     what = polled(what)
                     label = " ".join(word.rpartition(".")[2] for word in what.split(" "))
                 says = self.says.place(f"{said} {what}" + (f"\nat {record.text}" if record.text else ""))
                 row.add(begin - self.zero, end - self.zero, self.says.place(label), says)
-            lanes += rows
+                row.chosen |= self.choice.within(begin, end)
+            lanes += found
         return lanes
 
     def _stretches(self, kind: Kind, unit: str) -> Iterator[tuple[int, int, Record]]:
@@ -227,7 +237,7 @@ class _Lanes:
                 continue
             way, _, name = record.what.partition(" ")
             module, _, register = name.partition(".")
-            lane = lanes.setdefault(name, Marks(register, unit))
+            lane = lanes.setdefault(name, Marks(register, unit, chosen=self.choice.names(register)))
             of = register_of(module, register)
             value = of.decode(record.value) if of is not None else f"{record.value:#06x}"
             verb = "read" if way == "R" else "write of"
@@ -245,6 +255,7 @@ class _Lanes:
                 lane.at.append(record.tick - self.zero)
                 lane.labels.append(self.says.place(record.what))
                 lane.says.append(self.says.place(f"{record.where}: {record.what}\n{record.text}"))
+                lane.chosen |= self.choice.within(record.tick, record.tick)
                 lane.strong.append(1)
         return [lane] if lane.at else []
 
@@ -257,15 +268,15 @@ class _Lanes:
         return any(begin < span.end and end >= span.begin for span in self.kept)
 
 
-def _within_reach(window: Window) -> tuple[Span, ...]:
-    """What was kept, cut so that at most MOST events are within: around the occurrence, or behind its begin."""
-    if len(window.records) <= MOST:
+def _within_reach(window: Window, most: int) -> tuple[Span, ...]:
+    """What was kept, cut so that at most `most` events are within: around the occurrence, or behind its begin."""
+    if len(window.records) <= most:
         return window.kept
     inside = [r.tick for r in window.records if window.begin <= r.tick <= window.end]
-    if len(inside) >= MOST:
-        return (Span(min(window.drawn.begin, window.begin), inside[MOST - 1] + 1),)
+    if len(inside) >= most:
+        return (Span(min(window.drawn.begin, window.begin), inside[most - 1] + 1),)
     apart: Callable[[Record], int] = lambda r: max(window.begin - r.tick, r.tick - window.end, 0)  # noqa: E731
-    reach = sorted(map(apart, window.records))[MOST - 1]
+    reach = sorted(map(apart, window.records))[most - 1]
     first, last = window.begin - reach, window.end + reach
     cut = [Span(max(span.begin, first), min(span.end, last + 1)) for span in window.kept]
     return tuple(span for span in cut if span.begin < span.end)

@@ -8,6 +8,8 @@ from typing import Literal
 from ...timing.verdicts import Verdict
 from .distribution import Distribution
 from .explanation import Explanation
+from .failure import Failure
+from .over_time import OverTime
 from .timeline import Timeline
 
 Standing = Literal["good", "known", "bad"]
@@ -17,7 +19,9 @@ Standing = Literal["good", "known", "bad"]
 class BudgetReport:
     """One budget. distribution: None of what is one number a run. timeline: None where it has no instant.
 
-    limits: key and text of each. must_break: the case says so. explanation: how the worst came about.
+    limits: key and text of each. must_break: the case says so. explanation: how the worst came about. failure: what is
+    not as it should be, and why. over_time: the values over the run, None of what is one number a run. others: around
+    more occurrences beyond a limit, in order of time, their instants (ticks from the run's begin) and timelines.
     """
 
     verdict: Verdict
@@ -27,6 +31,10 @@ class BudgetReport:
     distribution: Distribution | None
     timeline: Timeline | None
     explanation: Explanation | None
+    failure: Failure | None = None
+    over_time: OverTime | None = None
+    per_second: int = 10**9
+    others: tuple[tuple[int, Timeline], ...] = ()
 
     @property
     def as_it_should_be(self) -> bool:
@@ -37,6 +45,7 @@ class BudgetReport:
 class CaseReport:
     """One case. standing: "known" is a failure that the case says must be.
 
+    commit: of its repository, "" if there is none.
     clocks: unit and its SYSCLKOUT as text. findings: what is not as it should be, beyond the verdicts. options: answers
     to open questions that the run came to, UNIT.GROUP.NAME. counts: everything else that was counted.
     """
@@ -55,3 +64,9 @@ class CaseReport:
     findings: tuple[str, ...]
     notes: tuple[str, ...]
     budgets: tuple[BudgetReport, ...]
+    commit: str = ""
+
+    @property
+    def failed_first(self) -> list[tuple[int, BudgetReport]]:
+        """The budgets with their places, from 1; those that are not as they should be first."""
+        return sorted(enumerate(self.budgets, 1), key=lambda one: (one[1].as_it_should_be, one[1].verdict.passed))

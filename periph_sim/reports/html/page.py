@@ -16,17 +16,51 @@ from importlib.resources import files
 from jinja2 import Environment, FunctionLoader, StrictUndefined, Template
 from markupsafe import Markup
 
-from ...timing.format_value import figure, instant, limit
+from ...timing.format_value import figure, in_words, instant, limit, percentile
+from ...timing.verdicts import Verdict
+from .distribution import scale_of
+from .failure import ALLOWED
 from .model import BudgetReport, CaseReport
-from .plot import plot
+from .over_time import OverTime
+from .plot import number, plot
+from .provenance import versions
+from .time_plot import time_plot
 
-STYLES = ("report.css", "timeline.css")
-SCRIPTS = ("times.js", "lanes.js", "timeline.js", "table.js")  # in the order in which they need each other
+STYLES = ("report.css", "budget.css", "timeline.css")
+SCRIPTS = (  # in the order in which they need each other
+    "times.js",
+    "lanes.js",
+    "tooltip.js",
+    "minimap.js",
+    "protocol.js",
+    "timeline.js",
+    "overtime.js",
+    "table.js",
+    "folds.js",
+)
+STANDINGS = ("bad", "known", "good")  # in the order in which cases stand on the page
+MOST_FAILURES = 5  # told at the head of the page
+
+Row = tuple[int, CaseReport, int, BudgetReport]
 
 
-def page(cases: Sequence[CaseReport], title: str) -> str:
-    """HTML without any reference to another file. title: of the page, and of its overview where there are several."""
-    return _template().render(cases=cases, title=title, version=version("periph-sim"))
+def page(cases: Sequence[CaseReport], title: str, command: str = "") -> str:
+    """HTML without any reference to another file. title: of the page, and of its overview where there are several.
+
+    command: that made it, as it was typed."""
+    rows = _worst_first(cases)
+    return _template().render(
+        cases=cases,
+        ordered=sorted(enumerate(cases, 1), key=lambda one: STANDINGS.index(one[1].standing)),
+        rows=rows,
+        failures=[row for row in rows if row[3].failure is not None],
+        most_failures=MOST_FAILURES,
+        title=title,
+        command=command,
+        commits=list(dict.fromkeys(case.commit for case in cases if case.commit)),
+        versions=versions(),
+        version=version("periph-sim"),
+    )
 
 
 @cache
@@ -40,8 +74,9 @@ def _template() -> Template:
         keep_trailing_newline=True,
     )
     pages.filters |= {"data": _data, "figure": figure, "instant": instant, "limit": limit, "share": _share}
-    pages.filters |= {"standing": _standing, "plot": _plot}
-    pages.globals |= {"style": _joined(STYLES), "script": _joined(SCRIPTS), "worst_first": _worst_first}
+    pages.filters |= {"standing": _standing, "plot": _plot, "time_plot": _time_plot, "instants": _instants}
+    pages.filters |= {"gist": _gist, "allowed": _allowed}
+    pages.globals |= {"style": _joined(STYLES), "script": _joined(SCRIPTS)}
     return pages.get_template("report.html")
 
 
@@ -79,7 +114,50 @@ def _plot(one: BudgetReport) -> object:
     return plot(one.distribution, least_is_worst=one.verdict.which == "min")
 
 
-def _worst_first(cases: Sequence[CaseReport]) -> list[tuple[int, CaseReport, int, BudgetReport]]:
+def _time_plot(one: BudgetReport) -> object:
+    assert one.over_time is not None
+    return time_plot(one.over_time, *_unit(one.over_time, one.per_second), one.per_second)
+
+
+def _unit(over: OverTime, per_second: int) -> tuple[str, int]:
+    """What the values are shown in, and how many of their own units that is."""
+    largest = max(max(abs(c.low), abs(c.high)) for c in over.columns)
+    unit, size, _ = scale_of(over.unit, largest, per_second // 10**9)
+    return "" if unit == "value" else unit, size
+
+
+def _instants(one: BudgetReport) -> dict[str, object]:
+    """For the script: instants in seconds of the worst value, of those beyond a limit, of those that have waves."""
+    over, rate = one.over_time, one.per_second
+    assert over is not None
+    unit, size = _unit(over, rate)
+    worst = None if one.verdict.at_s is None else round(one.verdict.at_s * rate) / rate
+    return {
+        "end": over.end / rate,
+        "worst": worst,
+        "at": [at / rate for at, _ in over.violations],
+        "texts": [f"{number(value / size)} {unit}".rstrip() for _, value in over.violations],
+        "count": over.violation_count,
+        "waves": ([worst] if one.timeline is not None else []) + [at / rate for at, _ in one.others],
+    }
+
+
+def _gist(case: CaseReport) -> str:
+    """ "9 of 11 budgets hold; 1 must break and does"."""
+    hold = sum(one.verdict.passed and not one.must_break for one in case.budgets)
+    known = sum(one.must_break and one.as_it_should_be for one in case.budgets)
+    said = f"{hold} of {len(case.budgets)} budgets hold"
+    return f"{said}; {known} must break, and {'do' if known > 1 else 'does'}" if known else said
+
+
+def _allowed(verdict: Verdict) -> str:
+    """ "at most 60 us", "p99 at most 3.4 us"."""
+    text = limit(verdict.limit, verdict.unit, "")
+    word = ALLOWED.get(verdict.which) or f"{percentile(verdict.which)} at most"
+    return f"{word} {text if text != f'{verdict.limit}' else in_words(verdict.limit, verdict.unit)}"
+
+
+def _worst_first(cases: Sequence[CaseReport]) -> list[Row]:
     """All budgets with the places of case and budget: first what is not as it should be, then what else is broken."""
     rows = [
         (place, case, number, one) for place, case in enumerate(cases, 1) for number, one in enumerate(case.budgets, 1)

@@ -1,14 +1,17 @@
 """A timeline as the page's script draws it: lanes with their events in ticks; compact JSON comes out.
 
 Times are ticks from `origin` on, each event's as the distance to the one before, so that most are short numbers.
+A lane is `chosen` if the explanation is about it: it is drawn at first.
 What an event says in its tooltip is a place in `says`, since most events say the same as many others.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
+
+from .protocol import Row
 
 Ticks = list[int]
 
@@ -32,6 +35,7 @@ class Wave:
     initial: int
     at: Ticks = field(default_factory=list)
     says: list[int] = field(default_factory=list)
+    chosen: bool = False
 
     def json(self) -> dict[str, Any]:
         return {"kind": "wave", "initial": self.initial, "at": _steps(self.at), "says": self.says}
@@ -47,6 +51,7 @@ class Boxes:
     end: Ticks = field(default_factory=list)
     labels: list[int] = field(default_factory=list)
     says: list[int] = field(default_factory=list)
+    chosen: bool = False
 
     def add(self, begin: int, end: int, label: int, says: int) -> None:
         self.at.append(begin)
@@ -73,6 +78,7 @@ class Marks:
     says: list[int] = field(default_factory=list)
     strong: list[int] = field(default_factory=list)
     places: list[int] = field(default_factory=list)
+    chosen: bool = False
 
     def json(self) -> dict[str, Any]:
         found = {"kind": "marks", "at": _steps(self.at), "labels": self.labels, "says": self.says}
@@ -89,6 +95,7 @@ class Timeline:
     origin: tick of 0, from the run's begin on; begin, end: of the occurrence, as all other ticks from `origin` on.
     per_second: ticks. cycles: ticks of a SYSCLKOUT cycle by unit, the first unit's for lines that are nobody's own.
     shown: at first; kept: what there is, one range or two. groups: a name and its lanes.
+    rows: of the protocol table, in order of time.
     """
 
     origin: int
@@ -100,6 +107,7 @@ class Timeline:
     kept: tuple[tuple[int, int], ...]
     groups: tuple[tuple[str, tuple[Lane, ...]], ...]
     says: tuple[str, ...]
+    rows: tuple[Row, ...] = ()
 
     def json(self) -> dict[str, Any]:
         return {
@@ -111,11 +119,33 @@ class Timeline:
             "shown": self.shown,
             "kept": self.kept,
             "groups": [
-                {"name": name, "lanes": [{"name": lane.name, "unit": lane.unit, **lane.json()} for lane in lanes]}
-                for name, lanes in self.groups
+                {"name": name, "lanes": [_head(lane) | lane.json() for lane in lanes]} for name, lanes in self.groups
             ],
             "says": self.says,
+            "rows": [row.json() for row in self.rows],
         }
+
+
+def only_chosen(timeline: Timeline) -> Timeline:
+    """The same without lanes that are not chosen, and without what only they say."""
+    says = SpanLabel()
+
+    def moved(places: list[int]) -> list[int]:
+        return [says.place(timeline.says[n]) for n in places]
+
+    def again(lane: Lane) -> Lane:
+        if isinstance(lane, Wave):
+            return replace(lane, says=moved(lane.says))
+        if isinstance(lane, Boxes):
+            return replace(lane, labels=moved(lane.labels), says=moved(lane.says))
+        return replace(lane, labels=moved(lane.labels), says=moved(lane.says), places=moved(lane.places))
+
+    groups = tuple((name, tuple(again(lane) for lane in lanes if lane.chosen)) for name, lanes in timeline.groups)
+    return replace(timeline, groups=tuple(one for one in groups if one[1]), says=tuple(says.texts))
+
+
+def _head(lane: Lane) -> dict[str, Any]:
+    return {"name": lane.name, "unit": lane.unit} | ({"chosen": 1} if lane.chosen else {})
 
 
 def _steps(at: Iterable[int]) -> list[int]:

@@ -36,11 +36,11 @@ def browser() -> Iterator[Browser]:
 
 @pytest.fixture
 def opened(browser: Browser, tmp_path: Path) -> Iterator[Open]:
-    """Opens the page of some reports; what went wrong in it fails the test at its end."""
+    """Opens the page of some reports, unfolded if not told otherwise; errors in it fail the test at its end."""
     wrong: list[str] = []
     pages: list[Page] = []
 
-    def open_page(*reports: CaseReport, width: int = 1280, **more: object) -> Page:
+    def open_page(*reports: CaseReport, width: int = 1280, folded: bool = False, **more: object) -> Page:
         file = tmp_path / "report.html"
         file.write_text(page(reports, "a report"), encoding="utf-8")
         shown = browser.new_page(viewport={"width": width, "height": 900}, **more)
@@ -49,6 +49,8 @@ def opened(browser: Browser, tmp_path: Path) -> Iterator[Open]:
         shown.on("dialog", lambda dialog: (wrong.append(f"dialog: {dialog.message}"), dialog.dismiss()))
         shown.on("request", lambda asked: asked.url != file.as_uri() and wrong.append(f"request: {asked.url}"))
         shown.goto(file.as_uri())
+        if not folded:
+            shown.evaluate("document.querySelectorAll('details').forEach((one) => (one.open = true)); unfold()")
         pages.append(shown)
         return shown
 

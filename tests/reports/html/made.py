@@ -5,11 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from periph_sim.reports.html import BudgetReport, CaseReport, case_report
+from periph_sim.reports.html.over_time import OverTime, over_time
 from periph_sim.reports.html.timeline import Boxes, Marks, SpanLabel, Timeline, Wave
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
-from periph_sim.timing.values import values_of
+from periph_sim.timing.values import Values, values_of
 from periph_sim.timing.verdicts import Verdict
 
 US = 3000  # ticks
@@ -121,6 +124,15 @@ def budget(name: str, worst: float, limit: float = 10.0, timeline: Timeline | No
     verdict = "pass" if worst <= limit else "fail"
     said = Verdict(name, "response", "us", worst, limit, limit - worst, 3, verdict, 0.012345, why=f"why {name}")
     return BudgetReport(said, (("max", f"{limit} us"),), "", False, None, timeline, None)
+
+
+def run_of(numbers: list[int], bound: float | None = None, which: str = "max", **limits: int) -> OverTime:
+    """Numbers as microseconds, one each millisecond from 1 ms on, of a run of 100 ms."""
+    data = np.array(numbers, np.int64) * US
+    at = np.arange(1, len(data) + 1) * 1000 * US
+    values = Values("time", data, at, {key: limit * US for key, limit in limits.items()})
+    verdict = replace(budget("made", float(max(numbers))).verdict, bound=bound, which=which)
+    return over_time(values, verdict, 100_000 * US, US)
 
 
 def report(*budgets: BudgetReport, name: str = "by hand") -> CaseReport:

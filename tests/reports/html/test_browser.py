@@ -15,9 +15,9 @@ from tests.reports.html.made import US, budget, drawn, report
 class Shown:
     """A timeline of a page. Places are given as a lane's name and microseconds."""
 
-    def __init__(self, page: Page, number: int = 0) -> None:
+    def __init__(self, page: Page, number: int = 0, within: str = "body") -> None:
         self.page = page
-        self.figure = page.locator(".timeline").nth(number)
+        self.figure = page.locator(f"{within} .timeline").nth(number)
         self.svg = self.figure.locator(".stage > svg")
         self.tip = self.figure.locator(".tip")
         self.svg.scroll_into_view_if_needed()
@@ -69,7 +69,7 @@ def test_a_run_shows_its_verdicts_plots_and_timelines_and_asks_for_nothing(small
     assert page.locator(".timeline").count() == 4
     for number in range(4):
         assert page.locator(".timeline").nth(number).locator("path.wave").count() >= 2
-    assert page.locator("#c1b5 .quiet").inner_text() == "No occurrence, so there is no timeline."
+    assert page.locator("#c1b5 .none").inner_text() == "No occurrence, so there is no timeline."
     assert "no event matched 'span modle begin'; did you mean model?" in page.locator("#c1b6").inner_text()
 
 
@@ -216,7 +216,7 @@ def test_labels_are_text_whatever_is_in_them(shown: Shown) -> None:
 
 def test_the_measured_response_is_as_long_as_its_verdict_says(small: CaseReport, opened: Open) -> None:
     """End to end: the edges of SCL beside the shaded occurrence are as far apart as the budget measured."""
-    shown = Shown(opened(small))
+    shown = Shown(opened(small), within="#c1b1")
     shown.click("SCL", 0)
     shown.click("SCL", 5)
     response = next(one for one in small.budgets if one.verdict.name == "response")
@@ -225,7 +225,7 @@ def test_the_measured_response_is_as_long_as_its_verdict_says(small: CaseReport,
 
 
 def test_a_step_of_the_explanation_sets_a_cursor_in_the_timeline(small: CaseReport, opened: Open) -> None:
-    shown = Shown(opened(small))
+    shown = Shown(opened(small), within="#c1b1")
     step = small.budgets[0].explanation.steps[0]
     shown.page.locator("#c1b1 [data-go]").first.click()
     assert f"({step.at})" in shown.below()

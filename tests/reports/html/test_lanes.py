@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from periph_sim.core.records import Kind, Record
-from periph_sim.reports.html import CaseReport, lanes
-from periph_sim.reports.html.timeline import Boxes, Lane, Marks, Timeline, Wave
+from periph_sim.reports.html import CaseReport, gather
+from periph_sim.reports.html.timeline import Boxes, Lane, Marks, Timeline, Wave, only_chosen
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 from tests.reports.html.made import CASE
@@ -144,9 +144,32 @@ def test_a_window_with_too_much_in_it_is_cut_around_the_occurrence(
 ) -> None:
     from tests.reports.html.made import small_report
 
-    monkeypatch.setattr(lanes, "MOST", 120)
+    monkeypatch.setattr(gather, "MOST_OF_PASSED", 120)
     found = small_report(tmp_path).budgets[0].timeline
     assert found is not None
     assert found.kept[0][0] < found.begin and found.end < found.kept[0][1]
     events = sum(len(one.at) for _, lanes_ in found.groups for one in lanes_ if not isinstance(one, Boxes))
     assert 60 < events <= 120
+
+
+def test_lanes_of_an_answer_are_those_that_its_explanation_is_about(response: Timeline) -> None:
+    chosen = {one.name for _, lanes_ in response.groups for one in lanes_ if one.chosen}
+    assert {"SCL", "SDA", "bytes", "I2CSTR.XRDY", "I2CSTR.SDIR", "wait", "I2CDXR"} <= chosen
+    assert not chosen & {"RX", "frames", "MODEL", "SCIFFRX.RXFFST", "I2CSTR.NACK"}
+    assert len(chosen) < sum(len(lanes_) for _, lanes_ in response.groups) / 2
+
+
+def test_lanes_of_a_full_fifo_are_those_of_the_host(small: CaseReport) -> None:
+    timeline = small.budgets[3].timeline
+    assert timeline is not None
+    chosen = {one.name for _, lanes_ in timeline.groups for one in lanes_ if one.chosen}
+    assert {"RX", "frames", "SCIFFRX.RXFFINT"} <= chosen and not chosen & {"SCL", "SDA"}
+
+
+def test_without_the_other_lanes_each_event_still_says_the_same(response: Timeline) -> None:
+    cut = only_chosen(response)
+    kept = [one for _, lanes_ in response.groups for one in lanes_ if one.chosen]
+    left = [one for _, lanes_ in cut.groups for one in lanes_]
+    assert [one.name for one in left] == [one.name for one in kept] and len(cut.says) < len(response.says)
+    for here, there in zip(left, kept, strict=True):
+        assert [cut.says[n] for n in here.says] == [response.says[n] for n in there.says]

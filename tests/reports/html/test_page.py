@@ -13,10 +13,11 @@ import html5lib
 import pytest
 
 from periph_sim.reports.html import CaseReport, case_report, page
+from periph_sim.reports.html.failure import Failure
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.values import values_of
-from tests.reports.html.made import budget, drawn, report, small_report
+from tests.reports.html.made import budget, drawn, report, run_of, small_report
 
 ROOT = Path(__file__).parents[3]
 MOST = 5_000_000  # bytes, for 10 s
@@ -99,18 +100,32 @@ def test_broken_budgets_come_first_and_known_bugs_behind_them(small: CaseReport)
 def test_texts_of_a_case_cannot_break_out_of_their_place(small: CaseReport) -> None:
     evil = "</script><script>alert(3)</script>\"'><img src=x onerror=alert(4)>&amp;"
     timeline = replace(drawn(), says=(evil, *drawn().says[1:]))
-    one = replace(budget(evil, 1.0, timeline=timeline), source=evil, limits=((evil, evil),))
-    case = replace(
-        report(one, name=evil), about=evil, findings=(evil,), notes=(evil,), changes=(evil,), options=(evil,)
+    one = replace(
+        budget(evil, 1.0, timeline=timeline),
+        source=evil,
+        limits=((evil, evil),),
+        failure=Failure(evil, evil, evil, evil),
+        over_time=run_of([1, 2, 30], max=10),
     )
-    tree = parsed(page([case, small], evil))
+    case = replace(
+        report(one, name=evil),
+        about=evil,
+        findings=(evil,),
+        notes=(evil,),
+        changes=(evil,),
+        options=(evil,),
+        commit=evil,
+    )
+    tree = parsed(page([case, small], evil, evil))
     scripts = tree.findall(".//script")
-    assert len(scripts) == 1 + 1 + sum(one.timeline is not None for one in small.budgets)
+    plots = [one for of in (case, small) for one in of.budgets if one.over_time is not None]
+    timelines = [one for of in (case, small) for one in of.budgets if one.timeline is not None]
+    assert len(scripts) == 1 + len(plots) + sum(1 + len(one.others) for one in timelines)
     assert tree.findall(".//img") == []
     data = [json.loads(script.text) for script in scripts if script.get("type") == "application/json"]
-    assert data[0]["says"][0] == evil
-    heading = tree.find(".//section/h3")
-    assert evil.replace("&amp;", "&amp;") in "".join(heading.itertext())
+    assert sum(one["says"][0] == evil for one in data if "says" in one) == 1
+    for place in (".//section//h3", ".//h1", ".//ul[@class='failures']", ".//dl[@class='provenance']"):
+        assert any(evil in "".join(found.itertext()) for found in tree.findall(place)), place
 
 
 BOUND = "Bound: worst case over all phases of controller, host and DSP."

@@ -4,31 +4,44 @@ const ROW = 24;
 const HEAD = 20; // of a group
 const TOP = 26; // axis
 const EDGE = 12; // at the right
-const ALWAYS = new Set(["SCL", "SDA"]); // lanes that are drawn though nothing moves
 const LEAST = 20e-9; // seconds in view
 
 class Timeline {
   constructor(figure) {
     this.figure = figure;
-    this.svg = figure.querySelector("svg");
+    this.svg = figure.querySelector(".stage > svg");
     this.tip = figure.querySelector(".tip");
     this.range = figure.querySelector(".range");
-    this.data = JSON.parse(figure.querySelector("script").textContent);
+    this.texts = [...figure.querySelectorAll("script")].map((script) => script.textContent);
+    this.caption = figure.querySelector("figcaption").textContent;
+    this.off = new Set(); // names of groups that are put away
+    this.all = false; // whether lanes that the explanation is not about are drawn, too
+    this.viewers = [new Minimap(this), ...(figure.querySelector(".protocol") ? [new Protocol(this)] : [])];
+    this.listen();
+    this.load(0);
+    new ResizeObserver(() => this.draw()).observe(this.svg.parentElement);
+  }
+
+  /** Show another occurrence: 0 is the worst. */
+  load(number, caption = this.caption) {
+    this.number = number;
+    this.data = JSON.parse(this.texts[number]);
     this.origin = BigInt(this.data.origin);
     this.units = Object.keys(this.data.cycles);
-    this.groups = this.data.groups.map((group) => {
-      const lanes = group.lanes.map(prepared);
-      for (const lane of lanes) lane.quiet = !ALWAYS.has(lane.name) && !moves(lane, ...this.data.shown);
-      return { name: group.name, tone: group.name.split(" ").pop(), lanes, on: true };
-    });
-    this.quiet = false; // whether quiet lanes are drawn, too
+    this.groups = this.data.groups.map(({ name, lanes }) => ({ name, tone: name.split(" ").pop(), lanes: lanes.map(prepared) }));
+    const lanes = this.groups.flatMap((group) => group.lanes);
+    if (!lanes.some((lane) => lane.chosen)) for (const lane of lanes) lane.chosen = moves(lane, ...this.data.shown);
     this.cursors = { a: null, b: null };
     this.chosen = null; // { lane, event, tick } that the keyboard stands on; around: where it looks in other lanes
     [this.from, this.to] = this.data.shown;
-    this.listen();
+    this.figure.querySelector("figcaption").textContent = caption;
+    this.hide();
     this.chips();
-    new ResizeObserver(() => this.draw()).observe(this.svg.parentElement);
+    for (const viewer of this.viewers) viewer.load();
+    this.draw();
   }
+
+  lanesOf(group) { return group.lanes.filter((lane) => this.all || lane.chosen); }
 
   get first() { return this.data.kept[0][0]; }
   get last() { return this.data.kept.at(-1)[1]; }
@@ -73,7 +86,7 @@ class Timeline {
     const parts = [];
     let y = TOP;
     for (const group of this.groups) {
-      const lanes = group.on ? group.lanes.filter((lane) => this.quiet || !lane.quiet) : [];
+      const lanes = this.off.has(group.name) ? [] : this.lanesOf(group);
       if (!lanes.length) continue;
       parts.push(svg("text", { class: "group", x: 4, y: y + 14 }, group.name));
       y += HEAD;
@@ -94,6 +107,7 @@ class Timeline {
     this.svg.replaceChildren(clipPath, field, ...axis, ...parts, ...this.lines(scale, height));
     this.svg.style.height = `${height}px`;
     this.tell();
+    for (const viewer of this.viewers) viewer.view();
   }
 
   lane(lane, group, scale, y) {
@@ -170,21 +184,23 @@ class Timeline {
     this.range.replaceChildren(...parts.map((part) => Object.assign(document.createElement("span"), { textContent: part })));
   }
 
-  /** Switches for groups, and for lanes in which nothing moves at first. */
+  /** Switches for the groups that have lanes to be drawn, and one for all lanes. */
   chips() {
-    const place = this.figure.querySelector(".groups");
     const button = (text, pressed, act) => {
       const one = Object.assign(document.createElement("button"), { type: "button", textContent: text });
       one.setAttribute("aria-pressed", pressed);
       one.addEventListener("click", () => {
-        one.setAttribute("aria-pressed", act());
+        act();
+        this.chips();
         this.draw();
       });
-      place.append(one);
+      return one;
     };
-    for (const group of this.groups) button(group.name, true, () => (group.on = !group.on));
-    const quiet = this.groups.flatMap((group) => group.lanes).filter((lane) => lane.quiet).length;
-    if (quiet) button(`${quiet} quiet lanes`, false, () => (this.quiet = !this.quiet));
+    const more = this.groups.flatMap((group) => group.lanes).filter((lane) => !lane.chosen).length;
+    const groups = this.groups.filter((group) => this.lanesOf(group).length);
+    const chips = groups.map(({ name }) => button(name, !this.off.has(name), () => this.off.delete(name) || this.off.add(name)));
+    if (more) chips.push(button(`all lanes (${more} more)`, this.all, () => (this.all = !this.all)));
+    this.figure.querySelector(".groups").replaceChildren(...chips);
   }
 
   // Looking at events ----------------------------------------------------------------
@@ -206,83 +222,6 @@ class Timeline {
     const y = event.clientY - box.top;
     return { x, y, row: this.rows.find((row) => y >= row.top - 4 && y < row.top + ROW - 4) };
   }
-
-  hover(event) {
-    const { x, y, row } = this.place(event);
-    if (!row || x < this.scale().left) return this.hide();
-    const tick = this.tickAt(x);
-    const found = eventAt(row.lane, tick, this.near());
-    if (found >= 0) return this.explain(row.lane, found, x, y);
-    if (row.lane.kind === "wave") return this.explainLevel(row.lane, tick, x, y);
-    return this.hide();
-  }
-
-  explain(lane, event, x, y) {
-    const { perSecond, says } = this.data;
-    const at = lane.at[event];
-    const [title, ...more] = says[lane.says[event]].split("\n");
-    const facts = [
-      ["at", `${instantText(this.origin, at, perSecond)}`],
-      ["from 0", `${lengthText(at, perSecond)}, ${cyclesText(at, this.perCycle(lane))}${at < 0 ? " before" : ""}`],
-    ];
-    const until = lane.kind === "boxes" ? lane.end[event] : lane.kind === "wave" ? lane.at[event + 1] : undefined;
-    if (until !== undefined) facts.push([lane.kind === "boxes" ? "lasts" : "until next", this.long(until - at, lane)]);
-    const before = event > 0 ? at - lane.at[event - 1] : undefined;
-    if (before !== undefined && lane.kind !== "boxes") facts.push(["since last", this.long(before, lane)]);
-    const where = this.firmwareAt(at, lane);
-    if (where) facts.push(["firmware", where]);
-    this.say(title, more, facts, x, y);
-  }
-
-  explainLevel(lane, tick, x, y) {
-    const after = upTo(lane.at, tick);
-    const level = lane.initial ^ (after & 1) ? "high" : "low";
-    const since = lane.at[after - 1];
-    const until = lane.at[after];
-    const facts = [["at", instantText(this.origin, tick, this.data.perSecond)]];
-    if (since !== undefined && until !== undefined) facts.push(["for", this.long(until - since, lane)]);
-    const where = this.firmwareAt(tick, lane);
-    if (where) facts.push(["firmware", where]);
-    this.say(`${lane.name} ${level}`, [], facts, x, y);
-  }
-
-  long(ticks, lane) { return `${lengthText(ticks, this.data.perSecond)} (${cyclesText(ticks, this.perCycle(lane))})`; }
-
-  /** What the firmware was at: in a service routine, a wait or a span; else where it made its last access. */
-  firmwareAt(tick, lane) {
-    const unit = lane.unit || (this.units.length === 1 ? this.units[0] : "");
-    const lanes = this.groups.flatMap((group) => group.lanes).filter((other) => other.unit === unit && other !== lane);
-    for (const name of ["interrupt", "wait", "span"]) {
-      for (const other of lanes.filter((one) => one.name === name && one.kind === "boxes")) {
-        const place = upTo(other.at, tick) - 1;
-        if (place >= 0 && other.end[place] >= tick) return this.data.says[other.says[place]].replace("\n", " ");
-      }
-    }
-    if (lane.places) return ""; // an access says itself where it is
-    let found = null;
-    for (const other of lanes.filter((one) => one.places)) {
-      const last = upTo(other.at, tick) - 1;
-      if (last >= 0 && (found === null || other.at[last] > found.at)) {
-        found = { at: other.at[last], place: this.data.says[other.places[last]] };
-      }
-    }
-    return found && `last access at ${found.place}, ${lengthText(tick - found.at, this.data.perSecond)} before`;
-  }
-
-  say(title, lines, facts, x, y) {
-    const put = (name, text) => Object.assign(document.createElement(name), { textContent: text });
-    const list = document.createElement("dl");
-    for (const [name, text] of facts) list.append(put("dt", name), put("dd", text));
-    this.tip.replaceChildren(put("strong", title), ...lines.map((line) => put("p", line)), list);
-    this.tip.hidden = false;
-    const stage = this.svg.parentElement.getBoundingClientRect();
-    const left = x + 14 + this.tip.offsetWidth > stage.width ? x - 14 - this.tip.offsetWidth : x + 14;
-    this.tip.style.left = `${Math.max(0, Math.min(left, stage.width - this.tip.offsetWidth))}px`;
-    const above = y - 12 - this.tip.offsetHeight;
-    this.tip.style.top = `${y + 18 + this.tip.offsetHeight > stage.height && above > 0 ? above : y + 18}px`;
-  }
-
-  hide() { this.tip.hidden = true; }
 
   /** Cursor A at a tick, which comes into view. */
   go(tick) {
@@ -394,7 +333,10 @@ class Timeline {
       keys[event.key](event);
     });
     for (const button of this.figure.closest(".budget").querySelectorAll("[data-go]")) {
-      button.addEventListener("click", () => this.go(Number(button.dataset.go)));
+      button.addEventListener("click", () => {
+        if (this.number) this.load(0); // steps are those of the worst
+        this.go(Number(button.dataset.go));
+      });
     }
     this.svg.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
     this.svg.addEventListener("pointerdown", (event) => this.press(event));
@@ -433,4 +375,4 @@ class Timeline {
   }
 }
 
-for (const figure of document.querySelectorAll(".timeline")) figure.timeline = new Timeline(figure);
+Object.assign(Timeline.prototype, eventTexts);

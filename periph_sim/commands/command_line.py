@@ -1,0 +1,11 @@
+"""The command as it was typed, for outputs that say how they were made."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+
+
+def command_line() -> str:
+    """ "periph-sim run timing/imu_hil.toml --seconds 1"; without the folder that the program lies in."""
+    return shlex.join(["periph-sim", *sys.argv[1:]])

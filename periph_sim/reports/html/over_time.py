@@ -1,0 +1,102 @@
+"""The values of a budget over the whole run: Values and limits go in, an OverTime comes out, thinned to what a screen
+shows; every value beyond a limit is kept with its instant, up to MOST.
+
+    columns   | .   .      |          a column has the least and the greatest value of its part of the run,
+              |   .   : .  | .        so that the one value in ten thousand is seen
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...timing.values import Values
+from ...timing.verdicts import Verdict
+
+COLUMNS = 240
+MOST = 400  # violations with their instants
+SHOWN = 6  # violations beside the worst that get their waves
+PARTS = SHOWN - SHOWN // 2
+
+
+@dataclass(frozen=True)
+class Column:
+    """at: ticks from the run's begin. low, high: of the values in this part of the run."""
+
+    at: int
+    low: int
+    high: int
+
+
+@dataclass(frozen=True)
+class OverTime:
+    """Values in `unit`, that of Values. end: of the run, ticks. bound: of the worst, None where none is known.
+
+    violations: instant and value, in order of time, the first MOST of `violation_count`. which: the verdict's limit.
+    """
+
+    unit: str
+    end: int
+    columns: tuple[Column, ...]
+    limits: tuple[tuple[str, int], ...]
+    bound: int | None
+    which: str
+    violations: tuple[tuple[int, int], ...]
+    violation_count: int
+    count: int
+
+
+def over_time(values: Values, verdict: Verdict, end: int, per_us: int) -> OverTime:
+    """end: of the run, ticks from its begin. per_us: ticks a microsecond."""
+    order = np.argsort(values.at, kind="stable")
+    at, data = values.at[order], values.values[order]
+    wrong = np.flatnonzero(_beyond(data, verdict, values.limits))
+    factor = {"time": per_us, "LSB": 10**6}.get(values.unit, 1)
+    bound = None if verdict.bound is None else round(verdict.bound * factor)
+    return OverTime(
+        unit=values.unit,
+        end=end,
+        columns=tuple(_columns(at, data, end)),
+        limits=tuple(values.limits.items()),
+        bound=bound,
+        which=verdict.which,
+        violations=tuple((int(at[n]), int(data[n])) for n in wrong[:MOST]),
+        violation_count=len(wrong),
+        count=len(data),
+    )
+
+
+def _beyond(data: NDArray[np.int64], verdict: Verdict, limits: Mapping[str, int]) -> NDArray[np.bool_]:
+    """Which values are beyond a limit; beyond that of a percentile, of which some may be, only if it is broken."""
+    found = np.zeros(len(data), bool)
+    for key, limit in limits.items():
+        if key == "min":
+            found |= data < limit
+        elif key == "exactly":
+            found |= data != limit
+        elif key == "max" or (verdict.broken and key == verdict.which):
+            found |= data > limit
+    return found
+
+
+def _columns(at: NDArray[np.int64], data: NDArray[np.int64], end: int) -> list[Column]:
+    if len(at) <= COLUMNS:
+        return [Column(t, v, v) for t, v in zip(at.tolist(), data.tolist(), strict=True)]
+    of = np.minimum(at * COLUMNS // max(end, 1), COLUMNS - 1)
+    firsts = np.flatnonzero(np.diff(of, prepend=-1))
+    low, high = np.minimum.reduceat(data, firsts), np.maximum.reduceat(data, firsts)
+    middles = (2 * of[firsts] + 1) * end // (2 * COLUMNS)
+    return [Column(*one) for one in zip(middles.tolist(), low.tolist(), high.tolist(), strict=True)]
+
+
+def shown_violations(over: OverTime, worst_at: int) -> tuple[tuple[int, int], ...]:
+    """Of which violations beside the worst the waves are kept: the first ones, then the worst of each part of the rest,
+    SHOWN in all, in order of time."""
+    others = [one for one in over.violations if one[0] != worst_at]
+    first, rest = others[: SHOWN // 2], others[SHOWN // 2 :]
+    parts = [rest[n * len(rest) // PARTS : (n + 1) * len(rest) // PARTS] for n in range(PARTS)]
+    pick = min if over.which == "min" else max
+    return (*first, *(pick(part, key=lambda one: one[1]) for part in parts if part))

@@ -1,0 +1,97 @@
+"""An OverTime on paper: places in percent of the plot's field come out, so that the page may be of any width.
+
+5.1 us |- - - - - - - - - - - -  max      a dot or a stroke a column, limits and bound across,
+       |  .  .  | .  .   . |              values beyond a limit drawn again on top
+   0 us |__________________________
+       0 s         5 s         10 s
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import ceil, floor
+
+from ...traces.drawing.svg_diagram import nice_step
+from .over_time import OverTime
+from .plot import number
+
+WIDTH, HEIGHT = 1000, 100  # of the field, in which the paths are
+NEAR = 1.5  # a limit is drawn if it is within so many spreads of the values
+ROOM = 0.08  # of the field above and below what is drawn
+
+
+Place = Callable[[float], float]
+
+
+@dataclass(frozen=True)
+class Line:
+    """Across the field: a limit or a bound. y: percent from above; None where it lies far above or below."""
+
+    kind: str  # "limit" or "bound"
+    text: str
+    y: float | None
+    above: bool = True
+
+
+@dataclass(frozen=True)
+class TimePlot:
+    """up, across: places in percent with their texts. values, broken: SVG paths. summary: for who cannot see it."""
+
+    up: tuple[tuple[float, str], ...]
+    across: tuple[tuple[float, str], ...]
+    lines: tuple[Line, ...]
+    values: str
+    broken: str
+    summary: str
+
+
+def time_plot(over: OverTime, unit: str, size: int, per_second: int) -> TimePlot:
+    """unit, size: what values are shown in, and how many of their own units that is."""
+    seen = [*(c.low for c in over.columns), *(c.high for c in over.columns)]
+    lines = [("limit", key.replace("_", "."), value) for key, value in over.limits]
+    lines += [("bound", "bound", over.bound)] if over.bound is not None else []
+    least, most = min(seen), max(seen)
+    reach = NEAR * (most - least or abs(most) or 1)
+    near = [value for _, _, value in lines if least - reach <= value <= most + reach]
+    low, high = min([least, *near]), max([most, *near])
+    low = 0 if 0 < low < 0.4 * high else low
+    room = ROOM * (high - low or abs(high) or 1)
+    begin, end = (0.0 if low == 0 else low - room), high + room
+
+    def y(value: float) -> float:
+        return round(100 * (end - value) / (end - begin), 1)
+
+    def x(at: int) -> float:
+        return round(WIDTH * at / max(over.end, 1), 1)
+
+    def line(kind: str, name: str, value: int) -> Line:
+        inside = begin <= value <= end
+        text = f"{name} {number(value / size)} {unit}".rstrip()
+        return Line(kind, text, y(value) if inside else None, value > end)
+
+    strokes = (f"M{x(c.at):g} {y(c.high):g}v{round(y(c.low) - y(c.high), 1):g}" for c in over.columns)
+    marks = dict.fromkeys(f"M{x(at):g} {y(value):g}v0" for at, value in over.violations)
+    return TimePlot(
+        up=_ticks(begin / size, end / size, 3, lambda value: y(value * size), unit),
+        across=_ticks(0, over.end / per_second, 8, lambda s: round(100 * s * per_second / max(over.end, 1), 2), "s"),
+        lines=tuple(line(*one) for one in lines),
+        values="".join(dict.fromkeys(strokes)),
+        broken="".join(marks),
+        summary=_summary(over),
+    )
+
+
+def _ticks(
+    begin: float, end: float, most: int, place: Callable[[float], float], unit: str
+) -> tuple[tuple[float, str], ...]:
+    step = nice_step(end - begin, most) if end > begin else 1.0
+    first, last = ceil(begin / step - 1e-9), floor(end / step + 1e-9)
+    return tuple((place(n * step), f"{number(n * step, step)} {unit}".rstrip()) for n in range(first, last + 1))
+
+
+def _summary(over: OverTime) -> str:
+    count = f"{over.count} value{'s' * (over.count != 1)} over the run"
+    if not over.violation_count:
+        return f"{count}, none beyond a limit"
+    return f"{count}, {over.violation_count} beyond a limit"

@@ -1,8 +1,10 @@
 """What all tests share: timing diagrams that differ are shown one above the other; no test has a deadline.
 
-Properties, whole recordings and whole cases are `long`, and of a test with many parameters all but the first, besides
-what is marked so by hand: they go again and again through lines that short tests have reached, and counting lines takes
-five times as long.
+`make test` runs each test once and counts no lines, which takes twenty times as long where CPUs wait and wake: firmware
+is greenlets, and to follow those coverage calls Python at every call. `make coverage` counts lines in what is neither
+`long` nor `uncounted`. Properties, whole recordings and whole cases are `long`, and of a test with many parameters all
+but the first, besides what is marked so by hand: they go again and again through lines that short tests have reached.
+`uncounted` are tests that take seconds each as lines are counted, and reach what others reach, too.
 """
 
 from __future__ import annotations
@@ -49,6 +51,33 @@ WHOLE = (
 )
 
 
+# Ordinary tests, but scenes of tenths of a second, one after the other.
+UNCOUNTED = (
+    "tests/commands/test_bound.py",
+    "tests/devices/test_host_pc.py",
+    "tests/dissertation/moving/test_experiment.py",
+    "tests/explain/bound/test_bounds.py",
+    "tests/explain/bound/test_phases.py",
+    "tests/explain/bound/test_sweep.py",
+    "tests/reports/baselines/test_check.py",
+    "tests/reports/baselines/test_outputs.py",
+    "tests/scene/test_event_budgets.py",
+    "tests/scene/test_faults.py",
+    "tests/scene/test_flagship.py",
+    "tests/scene/test_flagship_margins.py",
+    "tests/scene/test_imu_models.py",
+    "tests/scene/test_long_runs.py",
+    "tests/scene/test_model_order.py",
+    "tests/scene/test_real_chips.py",
+    "tests/timing/measures/test_value.py",
+    "tests/timing/test_age.py",
+    "tests/timing/test_margins.py",
+    "tests/timing/test_measuring_costs.py",
+    "tests/timing/test_pairs.py",
+    "tests/timing/test_rounds.py",
+)
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     seen: set[str] = set()
@@ -57,6 +86,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         again = function in seen
         if again or is_hypothesis_test(getattr(item, "obj", None)) or item.nodeid.startswith(WHOLE):
             item.add_marker("long")
+        if item.nodeid.startswith(UNCOUNTED):
+            item.add_marker("uncounted")
         seen.add(function)
 
 

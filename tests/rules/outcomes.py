@@ -4,7 +4,7 @@
 
 Only marks that pytest has on an item count. A test has passed if its call passed and neither its setup nor its teardown
 failed; a skipped, failed, errored or expectedly failing test proves nothing. With xdist the workers' reports come to
-the process that started them, which alone writes. Several runs add to one file, as the two of `make test` do.
+the process that started them, which alone writes. Several runs add to one file.
 """
 
 from __future__ import annotations

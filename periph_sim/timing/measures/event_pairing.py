@@ -46,9 +46,7 @@ class EventMeasure(Measure):
         starts = [one for groups in self._groups if groups is not None for one in groups.matchers]
         each = [one for m in (*matchers, *starts) for one in m.each]
         self.kinds = frozenset(one.kind for one in each)
-        self.names = frozenset(
-            one.what for one in each
-        )  # what no other record's `what` is: most records are passed over
+        self.names = frozenset(one.what for one in each)  # a record of another name is passed over
         self._needed = subjects_of([*matchers, *starts])
 
     @property

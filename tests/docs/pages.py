@@ -8,6 +8,11 @@
 A console block is run line by line in a scratch folder that looks like the repository; a
 block under a file mark is first written there. In shown output `...` stands for anything
 within a line, a line that is only `...` for any lines.
+
+Commands that share no file of that folder do not know of each other: each `Run` of them is a test of its own, so that
+the cores share a page, and what several pages show is run once.
+
+    page --> commands --shared files--> runs;  equal runs of all pages --> one Run, each page's text beside it
 """
 
 from __future__ import annotations
@@ -16,8 +21,9 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -26,15 +32,69 @@ WIDTH = "110"
 
 CONSOLE = re.compile(r"^```console\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 FILE = re.compile(r"^<!-- file: (\S+) -->\n```\w+\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+NAME = re.compile(r"[\w/]*\w\.(?:csv|fst|html|json|psr|py|sr|svg|toml|txt|vcd)\b")  # of a file
+
+
+class Run(NamedTuple):
+    """Commands that are run one after the other in one folder. files: (name, text) of those that are there.
+
+    shown: of each page that has them (its stem), the output under each command.
+    """
+
+    commands: tuple[str, ...]
+    files: tuple[tuple[str, str], ...]
+    shown: dict[str, tuple[str, ...]]
 
 
 def scratch(page: str, folder: Path) -> None:
     """Make `folder` look like the repository, and write the page's own files into it."""
+    desk(folder, FILE.findall(page))
+
+
+def desk(folder: Path, files: Iterable[tuple[str, str]]) -> None:
+    """Make `folder` look like the repository, with these files (name, text) in it."""
     for name in SHARED:
         (folder / name).symlink_to(ROOT / name)
-    for name, text in FILE.findall(page):
+    for name, text in files:
         (folder / name).parent.mkdir(exist_ok=True)
         (folder / name).write_text(text, encoding="utf-8")
+
+
+def runs_of(pages: Iterable[Path]) -> list[Run]:
+    """All commands of the pages that are run."""
+    found: dict[tuple[tuple[str, ...], tuple[tuple[str, str], ...]], Run] = {}
+    for page in pages:
+        text = page.read_text(encoding="utf-8")
+        files = dict(FILE.findall(text))
+        shown = [one for block in CONSOLE.findall(text) for one in commands(block) if runs(one[0])]
+        for group in _sharing([_named(command, files) for command, _ in shown]):
+            ran = tuple(shown[place][0] for place in group)
+            names = {name for command in ran for name in _named(command, files)}
+            there = tuple((name, text) for name, text in files.items() if name in names)
+            one = found.setdefault((ran, there), Run(ran, there, {}))
+            one.shown[page.stem] = tuple(shown[place][1] for place in group)
+    return list(found.values())
+
+
+def _named(command: str, files: dict[str, str]) -> set[str]:
+    """The files of the scratch folder that a command names, and those that these name in turn."""
+    names: set[str] = set()
+    more = [command]
+    while more:
+        new = {Path(name).name for name in NAME.findall(more.pop()) if not name.startswith(SHARED)} - names
+        names |= new
+        more += [files[name] for name in new if name in files]
+    return names
+
+
+def _sharing(names: list[set[str]]) -> list[list[int]]:
+    """Places of those that share a name, or a third that shares one with both."""
+    groups: list[tuple[set[str], list[int]]] = []
+    for place, own in enumerate(names):
+        meeting = [group for group in groups if group[0] & own]
+        groups = [group for group in groups if group not in meeting]
+        groups.append((own.union(*(group[0] for group in meeting)), [*(p for g in meeting for p in g[1]), place]))
+    return [sorted(places) for _, places in groups]
 
 
 def commands(block: str) -> Iterator[tuple[str, str]]:

@@ -6,14 +6,64 @@ from pathlib import Path
 
 import pytest
 
-from tests.docs.pages import CONSOLE, PAGES, commands, fitted, matches, refreshed, runs, scratch
+from tests.docs.pages import (
+    CONSOLE,
+    PAGES,
+    Run,
+    commands,
+    desk,
+    fitted,
+    matches,
+    output,
+    refreshed,
+    runs,
+    runs_of,
+    scratch,
+)
+
+RUNS = runs_of(PAGES)
 
 
 @pytest.mark.long  # commands are processes of their own, in which nothing counts lines
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_a_page_shows_what_its_commands_print(page: Path, tmp_path: Path):
-    text = page.read_text(encoding="utf-8")
-    assert refreshed(text, tmp_path) == text, "run `python -m tests.docs.update` and look at the difference"
+@pytest.mark.parametrize("run", RUNS, ids=lambda run: f"{'+'.join(run.shown)}: {run.commands[0][:50]}")
+def test_pages_show_what_their_commands_print(run: Run, tmp_path: Path):
+    desk(tmp_path, run.files)
+    came = [output(command, tmp_path) for command in run.commands]
+    for page, shown in run.shown.items():
+        fresh = [fitted(text, text_now) for text, text_now in zip(shown, came, strict=True)]
+        assert fresh == list(shown), f"run `python -m tests.docs.update {page}` and look at the difference"
+
+
+def test_every_command_of_every_page_is_in_a_run():
+    there = [
+        (page.stem, command, shown)
+        for page in PAGES
+        for block in CONSOLE.findall(page.read_text(encoding="utf-8"))
+        for command, shown in commands(block)
+        if runs(command)
+    ]
+    run = [
+        (page, command, text)
+        for one in RUNS
+        for page, shown in one.shown.items()
+        for command, text in zip(one.commands, shown, strict=True)
+    ]
+    assert sorted(run) == sorted(there) and len(there) > 100
+
+
+def test_commands_that_share_a_file_are_run_in_one_folder_and_equal_ones_of_two_pages_once(tmp_path: Path):
+    (tmp_path / "a.md").write_text(
+        "<!-- file: case.toml -->\n```toml\nfirmware = 'mine.py'\n```\n"
+        "```console\n$ periph-sim run timing/x.toml --record a.psr\n1\n$ periph-sim run timing/x.toml\n2\n```\n"
+        "```console\n$ periph-sim why a.psr\n3\n$ sed p > mine.py\n4\n$ periph-sim run case.toml\n5\n```\n"
+    )
+    (tmp_path / "b.md").write_text("```console\n$ periph-sim run timing/x.toml\n6\n```\n")
+    case = ("case.toml", "firmware = 'mine.py'\n")
+    assert sorted(runs_of(sorted(tmp_path.glob("*.md")))) == [
+        Run(("periph-sim run timing/x.toml",), (), {"a": ("2\n",), "b": ("6\n",)}),
+        Run(("periph-sim run timing/x.toml --record a.psr", "periph-sim why a.psr"), (), {"a": ("1\n", "3\n")}),
+        Run(("sed p > mine.py", "periph-sim run case.toml"), (case,), {"a": ("4\n", "5\n")}),
+    ]
 
 
 def test_commands_of_a_block_and_their_outputs():

@@ -27,7 +27,7 @@ from .event_chain import EventLine, Wanted
 from .figures import Baseline, Figures
 from .files import path_for, read, text_of, write_all
 from .judge import CaseCheck, State, judge
-from .outcome import Outcome, RejectedCase, occurrence, run_case, run_chains, run_explained
+from .outcome import Chains, Outcome, RejectedCase, occurrence, run_case, run_chains, run_explained
 
 T = TypeVar("T")
 Ts = TypeVarTuple("Ts")
@@ -135,13 +135,19 @@ class Start(Protocol):
 
 
 def _explain(checks: list[CaseCheck], before: dict[Path, Baseline | None], start: Start, tolerance: int) -> None:
-    """Second runs of all cases, for the chains that say why a figure changed, and which access moved though none did.
+    """Second runs, for the chains that say why a figure changed, and which access moved though none did.
 
-    They end behind the last occurrence that a budget's baseline tells of.
+    They end behind the last occurrence that a budget's baseline tells of. Where figures and digest are the baseline's,
+    nothing can have moved, and none is made.
     """
-    runs = []
+    runs: list[Callable[[], Chains] | None] = []
     for one in checks:
         baseline = before[one.outcome.path]
+        kept = None if baseline is None else one.outcome.figures.chains_of(baseline)
+        if kept is not None:
+            one.outcome.figures = one.outcome.figures.with_chains(kept)
+            runs.append(None)
+            continue
         known = set(baseline.budgets) & set(one.outcome.figures.budgets) if baseline is not None else set()
         wanted = _wanted(one.outcome, known)
         runs.append(start(run_chains, one.outcome.path, one.outcome.changes, wanted) if wanted else None)
@@ -152,7 +158,7 @@ def _explain(checks: list[CaseCheck], before: dict[Path, Baseline | None], start
             worse = {c.budget for c in one.changes if c.budget is not None and _is_worst(c, now.get(c.budget))}
             if run is not None:
                 chains = run().of
-                one.outcome.figures = _with_chains(one.outcome.figures, chains)
+                one.outcome.figures = one.outcome.figures.with_chains(_lines(chains))
                 others = {name: chain for name, chain in chains.items() if name not in worse}
                 moved = [] if worse else moved_accesses(baseline, one.outcome.figures, others, tolerance)
                 one.changes[:0] = moved
@@ -177,11 +183,19 @@ def _is_worst(change: Change, figures: Figures | None) -> bool:
 
 def _updated(outcomes: list[Outcome], start: Start) -> list[CaseCheck]:
     """New baselines, written once all are complete."""
-    runs = [start(run_chains, one.path, one.changes, _wanted(one, set(one.figures.budgets))) for one in outcomes]
+    runs = []
+    for outcome in outcomes:
+        baseline = _old(path_for(outcome.path))
+        kept = None if baseline is None else outcome.figures.chains_of(baseline)
+        if kept is not None:
+            outcome.figures = outcome.figures.with_chains(kept)
+        wanted = _wanted(outcome, set(outcome.figures.budgets)) if kept is None else {}
+        runs.append(start(run_chains, outcome.path, outcome.changes, wanted) if wanted else None)
     checks = []
     texts: dict[Path, str] = {}
     for outcome, run in zip(outcomes, runs, strict=True):
-        outcome.figures = _with_chains(outcome.figures, run().of)
+        if run is not None:
+            outcome.figures = outcome.figures.with_chains(_lines(run().of))
         path = path_for(outcome.path)
         text = text_of(outcome.figures)
         old = path.read_bytes().decode("utf-8", "replace") if path.is_file() else ""
@@ -197,11 +211,16 @@ def _updated(outcomes: list[Outcome], start: Start) -> list[CaseCheck]:
     return checks
 
 
-def _changes_since(path: Path, outcome: Outcome) -> list[Change]:
+def _old(path: Path) -> Baseline | None:
+    """The baseline that is being replaced; None if there is none, or one of another version, or a damaged one."""
     try:
-        baseline = read(path)
-    except BadCheck:  # of another version, or damaged: it is being replaced
-        return []
+        return read(path)
+    except BadCheck:
+        return None
+
+
+def _changes_since(path: Path, outcome: Outcome) -> list[Change]:
+    baseline = _old(path)
     if baseline is None:
         return []
     changes = compare(baseline, outcome.figures)
@@ -220,10 +239,8 @@ def _wanted(outcome: Outcome, names: set[str]) -> dict[str, Wanted]:
     return {name: one for name, one in found.items() if one is not None}
 
 
-def _with_chains(figures: Baseline, chains: dict[str, EventLine]) -> Baseline:
-    lines = {name: chain.lines for name, chain in chains.items()}
-    budgets = {n: f.model_copy(update={"chain": lines.get(n, f.chain)}) for n, f in figures.budgets.items()}
-    return figures.model_copy(update={"budgets": budgets})
+def _lines(chains: dict[str, EventLine]) -> dict[str, list[str]]:
+    return {name: chain.lines for name, chain in chains.items()}
 
 
 @contextmanager

@@ -8,6 +8,7 @@ unit). Instants are counted from the begin of the run.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from fractions import Fraction
 from typing import Literal
 
@@ -38,7 +39,10 @@ class Figures(Strict):
 
 
 class Baseline(Strict):
-    """Of one case. counts: everything else of a run that is counted."""
+    """Of one case. counts: everything else of a run that is counted.
+
+    digest: of the times of all events that chains are made of (see `event_digest`); "" in files of an earlier version.
+    """
 
     schema_version: Literal[1] = SCHEMA
     case: str
@@ -48,6 +52,21 @@ class Baseline(Strict):
     events: int
     counts: dict[str, int]
     budgets: dict[str, Figures]
+    digest: str = ""
+
+    def with_chains(self, lines: Mapping[str, list[str]]) -> Baseline:
+        """The same figures, with these chains by budget."""
+        budgets = {n: f.model_copy(update={"chain": lines.get(n, f.chain)}) for n, f in self.budgets.items()}
+        return self.model_copy(update={"budgets": budgets})
+
+    def chains_of(self, other: Baseline) -> dict[str, list[str]] | None:
+        """The other's chains, where they must be those of this run, too: equal figures, and equal times of all events.
+
+        None where a run has to tell.
+        """
+        chains = {name: one.chain for name, one in other.budgets.items()}
+        same = self.digest and self.digest == other.digest and self.with_chains(chains).budgets == other.budgets
+        return chains if same else None
 
     def cycles(self, ticks: int) -> str:
         """Ticks as cycles for people: exact where they are whole, else rounded to hundredths."""

@@ -9,6 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ...core.kernel import SimulationStuck
+from ...core.records import Recorder
+from ...core.time import Timebase
 from ...explain.bound.phases import judge_phases
 from ...explain.chain import Chain
 from ...explain.explain import explain
@@ -23,6 +25,7 @@ from ...timing.values import Values, values_of
 from ...timing.verdicts import Verdict
 from .errors import BadCheck
 from .event_chain import EventLine, Wanted, chains
+from .event_digest import EventDigest
 from .figures import Baseline, Figures
 
 REFUSED = (BadCase, SimulationStuck, NoSuchAddress, FirmwareError)
@@ -106,13 +109,18 @@ def run_explained(
 
 
 def _outcome(path: Path, case: Case, changes: tuple[str, ...], keep_values: bool) -> Outcome:
-    scene = Scene(case, keep_values=keep_values)
+    digests: list[EventDigest] = []
+
+    def subscribe(recorder: Recorder, timebase: Timebase) -> None:
+        digests.append(EventDigest(recorder, timebase.ticks(case.start, "nearest")))
+
+    scene = Scene(case, subscribe, keep_values=keep_values)
     result = scene.run()
     judge_phases(scene, result.budgets)
     trouble = scene.deadlocks()
     if scene.hangs() and not trouble:
         trouble = scene.stuck_lines[-1:]
-    figures = baseline_of(scene, result)
+    figures = baseline_of(scene, result).model_copy(update={"digest": digests[0].text})
     return Outcome(
         path=path,
         figures=figures,
@@ -133,7 +141,7 @@ def _outcome(path: Path, case: Case, changes: tuple[str, ...], keep_values: bool
 
 
 def baseline_of(scene: Scene, result: Result) -> Baseline:
-    """The figures of a scene that has run, without chains."""
+    """The figures of a scene that has run, without chains and digest."""
     case = scene.case
     clocks = [int(unit.oscclk * unit.pll / 2) for unit in case.unit.values()]
     return Baseline(

@@ -44,6 +44,8 @@ from .wire_log import WireLog
 
 STEPS = 100  # of progress
 
+Position = int | Fraction  # in a capture; between two samples where nobody knows in which one it was
+
 
 class OpenScene(Scene):
     """A scene whose SCL and SDA do not hear the units on them."""
@@ -92,8 +94,8 @@ class I2cOpenReplay:
         self.log = WireLog(*back)
         self._end = self._last_position()
         lines = capture.channel(scl), capture.channel(sda)
-        for name, line, edges in zip(("SCL", "SDA"), lines, _edges(*lines, part.half_sample), strict=True):
-            ticks = [(self.origin + int(at * self._per_position), level) for at, level in edges if at <= self._end]
+        for name, line, edges in zip(("SCL", "SDA"), lines, _edges(*lines, part.half_sample, self._end), strict=True):
+            ticks = [(self._tick(at), level) for at, level in edges]
             if not line.initial:  # before the firmware has switched the module on: no START
                 ticks.insert(0, (scene.start, 0))
             EdgePlayer(scene.kernel, scene.wire(name), ticks)
@@ -155,7 +157,7 @@ class I2cOpenReplay:
                 value = value << 1 | bit.value
         return decode.Byte(byte.at, value, None if byte.acked is None else not bits[8].value, tuple(bits))
 
-    def _tick(self, position: int) -> int:
+    def _tick(self, position: Position) -> int:
         return self.origin + int(position * self._per_position)
 
     def _holds(self, scl: Channel) -> list[_Held]:
@@ -296,13 +298,21 @@ def _us(seconds: Fraction) -> str:
 
 
 def _edges(
-    scl: Channel, sda: Channel, half_sample: Fraction
-) -> tuple[list[tuple[Fraction, int]], list[tuple[Fraction, int]]]:
-    """(position, level) of both lines; SDA's edges that share a sample with SCL's half a sample off."""
-    clock = [(Fraction(at), level) for at, level in zip(scl.edges.tolist(), scl.levels.tolist(), strict=True)]
-    data = []
-    rising = dict(zip(scl.edges.tolist(), scl.levels.tolist(), strict=True))
-    for at, level in zip(sda.edges.tolist(), sda.levels.tolist(), strict=True):
-        off = half_sample if rising.get(at) == 0 else -half_sample if at in rising else Fraction(0)
-        data.append((at + off, level))
-    return clock, data
+    scl: Channel, sda: Channel, half_sample: Fraction, end: int
+) -> tuple[list[tuple[Position, int]], list[tuple[Position, int]]]:
+    """(position, level) of both lines up to `end`; SDA's edges that share a sample with SCL's half a sample off."""
+    rising = dict(_up_to(end + half_sample, scl))
+    data: list[tuple[Position, int]] = []
+    for at, level in _up_to(end + half_sample, sda):
+        if at in rising:
+            moved = at + (-half_sample if rising[at] else half_sample)
+            if moved <= end:
+                data.append((moved, level))
+        elif at <= end:
+            data.append((at, level))
+    return [*_up_to(end, scl)], data
+
+
+def _up_to(end: Position, line: Channel) -> list[tuple[int, int]]:
+    count = int(np.searchsorted(line.edges, int(end), "right"))
+    return list(zip(line.edges[:count].tolist(), line.levels[:count].tolist(), strict=True))

@@ -34,7 +34,8 @@ HOLD = Fraction(300, 10**9)  # of the other targets: UM10204 Table 11, data hold
 
 @dataclass
 class Played:
-    """The part of a capture that a replay plays. whole: all its transfers. notes: what of it is not played."""
+    """The part of a capture that a replay plays; it does not change. whole: all its transfers. notes: what of it is not
+    played."""
 
     capture: Capture
     rate: Fraction
@@ -53,7 +54,7 @@ class Played:
         """Positions. Where two lines change at one position their order is unknown, and one goes so far aside."""
         return Fraction(sample_step(self.capture), 2)
 
-    @property
+    @cached_property
     def step(self) -> int:
         """Positions from one sample to the next, within which nobody knows when an edge was.
 
@@ -67,28 +68,28 @@ class Played:
         """Samples a second; `rate` is positions a second."""
         return self.rate / self.step
 
-    @property
+    @cached_property
     def expected(self) -> list[decode.Event]:
         return events_of(self.transfers)
 
-    @property
+    @cached_property
     def low(self) -> Fraction:
         """How long SCL is low before a bit, as a rule; positions. 0 where no bit shows."""
         lows = [bit.low for bit in self.bits() if bit.low is not None]
         return Fraction(median(lows)) if lows else Fraction(0)
 
-    @property
+    @cached_property
     def long_low(self) -> Fraction:
         """A low phase before a bit that is longer is a stretch, or a pause of the controller; positions."""
         return max(self.low * LONG, self.low + 2 * self.step)
 
-    @property
+    @cached_property
     def high(self) -> Fraction:
         """How long SCL is high, as a rule; positions."""
         highs = [bit.high for bit in self.bits() if bit.high is not None]
         return Fraction(median(highs)) if highs else Fraction(0)
 
-    @property
+    @cached_property
     def bit(self) -> float:
         """Length of a bit, as a rule; seconds."""
         return float((self.low + self.high) / self.rate)

@@ -41,7 +41,6 @@ WHOLE = (
     "tests/devices/test_attitude.py",
     "tests/sensors/extremes/",
     "tests/dissertation/moving/test_on_wires.py",
-    "tests/replay/test_command.py",
     "tests/reports/html/test_browser.py",
     "tests/reports/html/test_browser_page.py",
     "tests/rules/",
@@ -53,16 +52,12 @@ WHOLE = (
 
 # Ordinary tests, but scenes of tenths of a second, one after the other.
 UNCOUNTED = (
-    "tests/commands/test_bound.py",
     "tests/devices/test_host_pc.py",
-    "tests/dissertation/moving/test_experiment.py",
     "tests/explain/bound/test_bounds.py",
     "tests/explain/bound/test_phases.py",
     "tests/explain/bound/test_sweep.py",
     "tests/reports/baselines/test_check.py",
-    "tests/reports/baselines/test_outputs.py",
     "tests/scene/test_event_budgets.py",
-    "tests/scene/test_faults.py",
     "tests/scene/test_flagship.py",
     "tests/scene/test_flagship_margins.py",
     "tests/scene/test_imu_models.py",

@@ -67,9 +67,11 @@ def runs_of(pages: Iterable[Path]) -> list[Run]:
         text = page.read_text(encoding="utf-8")
         files = dict(FILE.findall(text))
         shown = [one for block in CONSOLE.findall(text) for one in commands(block) if runs(one[0])]
-        for group in _sharing([_named(command, files) for command, _ in shown]):
+        named = [_named(command, files) for command, _ in shown]
+        for_all = files.keys() - set().union(*named)  # pytest.ini
+        for group in _sharing(named):
             ran = tuple(shown[place][0] for place in group)
-            names = {name for command in ran for name in _named(command, files)}
+            names = for_all.union(*(named[place] for place in group))
             there = tuple((name, text) for name, text in files.items() if name in names)
             one = found.setdefault((ran, there), Run(ran, there, {}))
             one.shown[page.stem] = tuple(shown[place][1] for place in group)

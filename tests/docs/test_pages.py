@@ -58,10 +58,14 @@ def test_commands_that_share_a_file_are_run_in_one_folder_and_equal_ones_of_two_
         "```console\n$ periph-sim why a.psr\n3\n$ sed p > mine.py\n4\n$ periph-sim run case.toml\n5\n```\n"
     )
     (tmp_path / "b.md").write_text("```console\n$ periph-sim run timing/x.toml\n6\n```\n")
+    (tmp_path / "c.md").write_text(
+        "<!-- file: pytest.ini -->\n```ini\n[pytest]\n```\n```console\n$ pytest timing/x.toml\n7\n```\n"
+    )
     case = ("case.toml", "firmware = 'mine.py'\n")
     assert sorted(runs_of(sorted(tmp_path.glob("*.md")))) == [
         Run(("periph-sim run timing/x.toml",), (), {"a": ("2\n",), "b": ("6\n",)}),
         Run(("periph-sim run timing/x.toml --record a.psr", "periph-sim why a.psr"), (), {"a": ("1\n", "3\n")}),
+        Run(("pytest timing/x.toml",), (("pytest.ini", "[pytest]\n"),), {"c": ("7\n",)}),
         Run(("sed p > mine.py", "periph-sim run case.toml"), (case,), {"a": ("4\n", "5\n")}),
     ]
 

@@ -10,7 +10,7 @@ block under a file mark is first written there. In shown output `...` stands for
 within a line, a line that is only `...` for any lines.
 
 Commands that share no file of that folder do not know of each other: each `Run` of them is a test of its own, so that
-the cores share a page, and what several pages show is run once.
+the cores share a page, and what several pages show is run once. A page that makes a project is one run.
 
     page --> commands --shared files--> runs;  equal runs of all pages --> one Run, each page's text beside it
 """
@@ -68,24 +68,26 @@ def runs_of(pages: Iterable[Path]) -> list[Run]:
         files = dict(FILE.findall(text))
         shown = [one for block in CONSOLE.findall(text) for one in commands(block) if runs(one[0])]
         named = [_named(command, files) for command, _ in shown]
-        for_all = files.keys() - set().union(*named)  # pytest.ini
-        for group in _sharing(named):
+        for_all = {Path(name).name for name in files} - set().union(*named)  # pytest.ini
+        makes_project = any(command.startswith("periph-sim new ") for command, _ in shown)
+        for group in [list(range(len(shown)))] if makes_project else _sharing(named):
             ran = tuple(shown[place][0] for place in group)
             names = for_all.union(*(named[place] for place in group))
-            there = tuple((name, text) for name, text in files.items() if name in names)
+            there = tuple((name, text) for name, text in files.items() if Path(name).name in names)
             one = found.setdefault((ran, there), Run(ran, there, {}))
             one.shown[page.stem] = tuple(shown[place][1] for place in group)
     return list(found.values())
 
 
 def _named(command: str, files: dict[str, str]) -> set[str]:
-    """The files of the scratch folder that a command names, and those that these name in turn."""
+    """The files of the scratch folder that a command names, and those that these name in turn; without folders."""
+    texts = {Path(name).name: text for name, text in files.items()}
     names: set[str] = set()
     more = [command]
     while more:
         new = {Path(name).name for name in NAME.findall(more.pop()) if not name.startswith(SHARED)} - names
         names |= new
-        more += [files[name] for name in new if name in files]
+        more += [texts[name] for name in new if name in texts]
     return names
 
 

@@ -61,8 +61,12 @@ def test_commands_that_share_a_file_are_run_in_one_folder_and_equal_ones_of_two_
     (tmp_path / "c.md").write_text(
         "<!-- file: pytest.ini -->\n```ini\n[pytest]\n```\n```console\n$ pytest timing/x.toml\n7\n```\n"
     )
+    (tmp_path / "d.md").write_text(
+        "```console\n$ periph-sim new x\n8\n$ periph-sim regs\n9\n$ periph-sim check\n10\n```\n"
+    )
     case = ("case.toml", "firmware = 'mine.py'\n")
     assert sorted(runs_of(sorted(tmp_path.glob("*.md")))) == [
+        Run(("periph-sim new x", "periph-sim regs", "periph-sim check"), (), {"d": ("8\n", "9\n", "10\n")}),
         Run(("periph-sim run timing/x.toml",), (), {"a": ("2\n",), "b": ("6\n",)}),
         Run(("periph-sim run timing/x.toml --record a.psr", "periph-sim why a.psr"), (), {"a": ("1\n", "3\n")}),
         Run(("pytest timing/x.toml",), (("pytest.ini", "[pytest]\n"),), {"c": ("7\n",)}),

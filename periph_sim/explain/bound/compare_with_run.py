@@ -100,7 +100,14 @@ def closed_form(case: Case, firmware: Mapping[str, Firmware] | None = None) -> C
     unit = serving_unit(case)
     if case.fault:
         raise BadBound(f"case {case.name}: the case has faults, which no bound counts; judge them by what a run shows")
-    tables = (("[[cable]]", case.cable), ("[[transceiver]]", case.transceiver), ("[serial]", case.serial))
+    disturbed = [name for name, chip in case.chip.items() if chip.stretch is not None or chip.fault]
+    tables = (
+        ("[[cable]]", case.cable),
+        ("[[transceiver]]", case.transceiver),
+        ("[serial]", case.serial),
+        ("[device.NAME]", case.device),
+        ("stretch or fault in [chip.NAME]", disturbed),
+    )
     for table, given in tables:
         if given:
             what = f"the case has {table}, which no bound counts; judge it by what a run shows"

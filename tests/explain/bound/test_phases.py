@@ -85,6 +85,11 @@ def test_what_nobody_measured_is_not_judged_however_good_its_bound():
             "too late for what a bound needs in time (gyroscope asked)",
         ),
         (("host.twice=[1]",), "some frames are sent twice (host.twice), which no bound counts"),
+        (('device.memory={model="24lc64", stretch="1 ms"}',), "the case has [device.NAME], which no bound counts"),
+        (
+            ('chip.c={model="itg3200", address=0x69, values={fixed=[0, 0, 0]}, stretch="1 ms"}',),
+            "the case has stretch or fault in [chip.NAME], which no bound counts",
+        ),
     ],
 )
 def test_where_there_is_no_closed_form_the_reason_says_why(changes: tuple[str, ...], reason: str):

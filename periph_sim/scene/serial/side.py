@@ -87,8 +87,9 @@ class SerialSide:
         return self._expected(number), partial(self._why_never, number)
 
     def notes(self) -> list[str]:
-        """What never went out, a line each."""
-        silent = [send for send in self.sends.values() if not send.sent]
+        """What never went out, a line each; of what a reply waits for, its verdict tells."""
+        told = {expect.after_send for expect in self._table.expect}
+        silent = [send for name, send in self.sends.items() if not send.sent and name not in told]
         return [f"serial: send {send.name!r} never went out: {send.why_never()}" for send in silent]
 
     # Sending --------------------------------------------------------------------

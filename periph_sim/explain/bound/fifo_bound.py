@@ -31,7 +31,8 @@ class Receiver:
     """level: words at which the FIFO asks for service. reads: of a routine, in ticks from its entry on.
 
     character: ticks between two that are received, at least: its stop bit may be cut short. delay: from the last word
-    to the request, at most. counts_unread: any word that finds another unread counts as an overrun.
+    to the request, at most. counts_unread: any word that finds another unread counts as an overrun. left: words that
+    stay in the FIFO when all frames are over.
     """
 
     level: int
@@ -39,6 +40,7 @@ class Receiver:
     character: int
     delay: int
     counts_unread: bool
+    left: int = 0
 
     def more(self, latency: int, routine: int) -> int:
         """Words beyond the level, at most, until the routine has read them."""
@@ -46,8 +48,8 @@ class Receiver:
         return max(0, *coming)
 
     def keeps_up(self, latency: int, routine: int) -> bool:
-        """A routine takes all words that asked for it, and is over before as many have come again."""
-        return len(self.reads) >= self.level > self._coming(latency + routine)
+        """A routine takes all words that asked for it, is over before as many have come again, and is entered again."""
+        return len(self.reads) >= self.level > max(self.left, self._coming(latency + routine))
 
     def _coming(self, ticks: int) -> int:
         return (self.delay + ticks) // self.character
@@ -67,7 +69,8 @@ def receiver_of(dsp: Dsp, now: int, reads: Sequence[Sequence[int]], ticks_per_se
     latest = tuple(max(times[k] for times in reads) for k in range(count))
     character = floor(bit * (1 + line.bits + (line.parity != "none")))
     delay = ceil(bit + options.rx_int_extra * Fraction(ticks_per_second) / dsp.clock.hz)
-    return Receiver(level, latest, character, delay, options.oe_in_fifo_mode != "overflow_only")
+    left = SCI_MAP["SCIFFRX"]["RXFFST"].of(settings)
+    return Receiver(level, latest, character, delay, options.oe_in_fifo_mode != "overflow_only", left)
 
 
 def fifo_bounds(receiver: Receiver, latency: Sequence[Term], routine: int) -> list[Bound]:
@@ -75,8 +78,10 @@ def fifo_bounds(receiver: Receiver, latency: Sequence[Term], routine: int) -> li
     late = total(latency)
     why = reasons(latency)
     if not receiver.keeps_up(late, routine):
-        read = f"{len(receiver.reads)} words are read"
-        why = why or f"the service routine does not keep up: the FIFO asks at {receiver.level} words, {read} each time"
+        read = f"{len(receiver.reads)} words are read each time"
+        if receiver.left >= receiver.level:
+            read = f"{receiver.left} are left unread behind the frames: clear RXFFINT and PIEACK in the routine"
+        why = why or f"the service routine does not keep up: the FIFO asks at {receiver.level} words, {read}"
     more = receiver.more(late, routine)
     most = receiver.level + more
     source = "a character lasts longer than latency and routine" * (not more) or "latency, routine; SCICCR, SCIHBAUD"

@@ -88,6 +88,18 @@ def test_why_overruns_are_not_bounded(changes: tuple[str, ...], reason: str):
     assert reason in fifo(*changes)["overruns"].unproven
 
 
+@pytest.mark.parametrize("line", ["pie.PIEACK.all = 0x100", "sci.SCIFFRX.RXFFINTCLR = 1"])
+def test_a_routine_that_is_not_entered_again_leaves_no_bound(tmp_path: Path, line: str):
+    """
+    words    12 | routine | 0 ... 12, and nobody asks
+    """
+    text = SOURCE.read_text(encoding="utf-8")
+    assert text.count(f"        {line}") == 1
+    name = tmp_path / "once.py"
+    name.write_text(text.replace(f"        {line}", "        pass"), encoding="utf-8")
+    assert "12 are left unread behind the frames" in fifo(f"unit.dsp.firmware={name}")["overruns"].unproven
+
+
 def test_words_that_fill_the_fifo_are_none_too_many():
     receiver = Receiver(14, (*range(200, 320, 10), 330, 340), 100, 0, False)
     latency = (Term("latency", 0, ""),)

@@ -278,7 +278,12 @@ def rows(report: Report) -> list[tuple[str, str]]:
 
 
 def _times(report: Report) -> list[tuple[str, str]]:
-    """What an I2C replay says of times."""
+    """What an I2C replay says of times; of stretches in the capture where it has any."""
+    captured = [("longest stretch or pause captured", f"{report.captured_stretch_us:.3f} us")]
+    return _replayed_times(report) + (captured if report.captured_stretch_us else [])
+
+
+def _replayed_times(report: Report) -> list[tuple[str, str]]:
     if report.loop == "open":
         return [
             ("longest stretch it would make", f"{report.stretch_worst_us:.3f} us"),

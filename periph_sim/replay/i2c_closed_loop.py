@@ -178,6 +178,7 @@ class I2cReplay:
             bytes=sum(isinstance(event, decode.Address | decode.Data) for event in events),
             addresses=[f"{address:02X}" for address in own.own],
             nacks=sum(isinstance(event, decode.Nack) for event in events),
+            captured_stretch_us=float(part.stretch / part.rate * 1_000_000),
             stretch_worst_us=float(self._player.longest * us),
             stretch_total_us=float(self._player.delay * us),
             lag_worst_us=float(outcome.lag * 1_000_000),

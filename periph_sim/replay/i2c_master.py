@@ -148,6 +148,7 @@ class I2cMasterReplay:
             bytes=sum(isinstance(event, decode.Address | decode.Data) for event in events),
             addresses=[f"{address:02X}" for address in sorted(self._half.answers)],
             nacks=sum(isinstance(event, decode.Nack) for event in events),
+            captured_stretch_us=float(part.stretch / part.rate * 1_000_000),
             lag_worst_us=float(outcome.lag * 1_000_000),
             lag_samples=float(outcome.lag * part.sample_rate),
             simulated_s=float(scene.timebase.seconds(kernel.now - scene.start)),

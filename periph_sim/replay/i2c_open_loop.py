@@ -236,6 +236,7 @@ class I2cOpenReplay:
             bytes=sum(isinstance(event, decode.Address | decode.Data) for event in events),
             addresses=[f"{address:02X}" for address in own.own],
             nacks=sum(isinstance(event, decode.Nack) for event in events),
+            captured_stretch_us=float(part.stretch / part.rate * 1_000_000),
             stretch_worst_us=float(max((one.needed for one in held), default=Fraction(0)) * us),
             stretch_total_us=float(sum((one.needed for one in held), Fraction(0)) * us),
             late_worst_us=float(max((one.late for one in held), default=Fraction(0)) * us),

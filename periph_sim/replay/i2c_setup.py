@@ -83,6 +83,12 @@ class Played:
         """A low phase before a bit that is longer is a stretch, or a pause of the controller; positions."""
         return max(self.low * LONG, self.low + 2 * self.step)
 
+    @property
+    def stretch(self) -> Fraction:
+        """How much longer than usual SCL was low before a bit at most, whoever held it; positions."""
+        longest = max((bit.low for bit in self.bits() if bit.low is not None), default=0)
+        return longest - self.low if longest > self.long_low else Fraction(0)
+
     @cached_property
     def high(self) -> Fraction:
         """How long SCL is high, as a rule; positions."""

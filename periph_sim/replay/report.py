@@ -50,6 +50,7 @@ class Report:
     errors: dict[str, int] = field(default_factory=dict)  # receiver flags that rose, how often
     stretch_worst_us: float = 0.0
     stretch_total_us: float = 0.0
+    captured_stretch_us: float = 0.0  # by the captured target, or a pause of its controller
     late_worst_us: float = 0.0
     lag_worst_us: float = 0.0
     lag_samples: float = 0.0

@@ -68,20 +68,20 @@ def test_json_has_a_burst_of_frames_as_an_object(periph_sim: Run, tmp_path: Path
     ]
 
 
-def wave(tmp_path: Path, *steps: str | tuple[str, int]) -> Path:
-    """A bus in steps: S, Sr, P, a byte with its ACK (`A5 A`, `A5 N`), `bit` alone, ("hold", samples of low SCL)."""
+def wave(tmp_path: Path, *steps: str) -> Path:
+    """A bus in steps: S, Sr, P, a byte with its answer (`A5 A`, `A5 N`), `1` a bit, `~` 400 samples more of low SCL."""
     bus = I2cWave(20, 5)
     bus.idle(100)
-    for step in steps:
-        if isinstance(step, tuple):
-            bus.samples += bytes([bus.samples[-1] & 2]) * step[1]  # SDA as it is, SCL low
+    for step in " ".join(steps).split():
+        if step == "~":
+            bus.samples += bytes([bus.samples[-1] & 2]) * 400  # SDA as it is
         elif step in ("S", "Sr", "P"):
             {"S": bus.start, "Sr": bus.again, "P": bus.stop}[step]()
-        elif step == "bit":
-            bus.bit(1)
+        elif step in ("A", "N", "1"):
+            bus.bit(step != "A")
         else:
-            value, answer = step.split()
-            bus.byte(int(value, 16), answer == "A")
+            for place in range(7, -1, -1):
+                bus.bit(int(step, 16) >> place & 1)
     bus.idle(60)
     path = tmp_path / "wave.sr"
     path.write_bytes(sr_bytes(["SCL", "SDA"], "4 MHz", bytes(bus.samples)))
@@ -141,15 +141,17 @@ def test_ten_bits_are_not_known_again_behind_a_stop(periph_sim: Run, tmp_path: P
 
 
 def test_json_says_how_long_scl_was_held_low_and_where(periph_sim: Run, tmp_path: Path):
-    """Before the second data byte, and in the ACK slot of the first."""
-    path = wave(tmp_path, "S", "A6 A", "11 A", ("hold", 400), "22 A", "33 A", "P")
+    """In the ACK slot of the address, and before the second data byte. Before a STOP there is no bit of a byte."""
+    path = wave(tmp_path, "S A6 ~ A 11 A ~ 22 A ~ P")
     (message,) = json.loads(periph_sim("decode", str(path), "--json").out)["messages"]
-    (held,) = message["stretches"]
-    assert (held["byte"], held["bit"], held["low"], held["low_s"]) == (2, 1, 420, 0.000105)
-    assert held["position"] + held["low"] == message["bytes"][1]["position"]
+    first, second = message["stretches"]
+    assert (first["byte"], first["bit"], second["byte"], second["bit"]) == (0, 9, 2, 1)
+    for held in (first, second):
+        assert (held["low"], held["low_s"]) == (420, 0.000105)
+    assert second["position"] + second["low"] == message["bytes"][1]["position"]
 
 
 def test_json_says_what_was_cut_off(periph_sim: Run, tmp_path: Path):
-    found = json.loads(periph_sim("decode", str(wave(tmp_path, "S", "A6 A", "bit", "bit")), "--json").out)
+    found = json.loads(periph_sim("decode", str(wave(tmp_path, "S", "A6 A 1 1")), "--json").out)
     assert found["ended"] == "cut off" and found["messages"][0]["cut"] == "11"
     assert found["messages"][0]["acked"] is True and found["messages"][0]["bytes"] == []

@@ -57,6 +57,7 @@ def test_stretches_of_the_captured_target_are_played_with_their_length():
     quick, slow = replay("S A0+ 00+ 11+ P"), replay("S A0+ 00+ ~ 11+ P")
     assert quick.verdict == slow.verdict == "pass"
     assert slow.lag_worst_us == pytest.approx(quick.lag_worst_us, abs=6), "but for what the wait costs the module"
+    assert (quick.captured_stretch_us, slow.captured_stretch_us) == (0, 100)
 
 
 def test_an_acknowledge_of_the_last_byte_needs_the_other_answer_to_an_open_question():

@@ -238,6 +238,7 @@ def test_a_slow_firmware_stretches_and_the_rest_comes_later_by_as_much(slow):
 
 def test_a_capture_with_a_stretch_gives_the_firmware_that_time(slow):
     report = replay(one_read(stretched=400), "unit.dsp.settings.wait=100", case=slow)
+    assert report.captured_stretch_us == 100
     assert report.verdict == "pass" and report.stretch_total_us == 0
 
 

@@ -32,6 +32,7 @@ from .trial import Trial, tried
 
 ROOT = Path(__file__).parents[2]
 OUT = ROOT / "build" / "mutants"
+ENDS = ("killed", "timeout", "equivalent", "survived")
 
 
 def main(arguments: list[str]) -> int:
@@ -118,8 +119,10 @@ def _reported(name: str, commit: str, trials: list[Trial], least: float) -> bool
         f"\n{name}: {len(trials)} mutants, {len(argued)} equivalent, {killed} of {real} others killed "
         f"({share:.1f} %), {timeouts} of them by timeout; {sum(trial.cpu for trial in trials):.0f} s of processor time"
     )
-    for room, (all_, left) in _by_room(trials, survived).items():
-        print(f"  {room}: {all_ - left} of {all_} killed or equivalent")
+    for room in sorted({trial.mutant.room for trial in trials}):
+        of_room = [trial for trial in trials if trial.mutant.room == room]
+        ends = Counter("equivalent" if trial in argued else trial.outcome for trial in of_room)
+        print(f"  {room}: {len(of_room)} mutants, {', '.join(f'{ends[end]} {end}' for end in ENDS)}")
     for trial in sorted(survived, key=lambda one: (one.mutant.path, one.mutant.change.line)):
         reached = f"{trial.reached} short tests run it" if trial.reached else "no short test runs it, or only an import"
         print(f"  {reached}: {trial.mutant}")
@@ -133,11 +136,6 @@ def _reported(name: str, commit: str, trials: list[Trial], least: float) -> bool
     told = {"sample": name, "commit": commit, "killed_percent": share, "mutants": rows}
     (OUT / f"{name.replace('/', '.').replace(' ', '-')}.json").write_text(json.dumps(told, indent=1), encoding="utf-8")
     return share >= least
-
-
-def _by_room(trials: list[Trial], survived: list[Trial]) -> dict[str, tuple[int, int]]:
-    tried_in, left_in = (Counter(trial.mutant.room for trial in some) for some in (trials, survived))
-    return {room: (count, left_in[room]) for room, count in sorted(tried_in.items())}
 
 
 if __name__ == "__main__":

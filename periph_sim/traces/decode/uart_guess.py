@@ -206,8 +206,11 @@ def _try(rate: Fraction, step: int, parts: list[Channel], line: Line) -> _Tried:
 
 def _idle(parts: list[Channel], spans: list[Span], invert: bool) -> float:
     """Part of the time that the line is at the level it would rest at: most lines rest more than they work."""
-    low = 0
-    for part, span in zip(parts, spans, strict=True):
-        bounds = np.concatenate(([span.begin], part.edges, [span.end]))
-        low += int(np.diff(bounds)[part.initial ^ int(invert) :: 2].sum())
+    low = sum(_low(part, span, invert) for part, span in zip(parts, spans, strict=True))
     return 1 - low / sum(span.end - span.begin for span in spans)
+
+
+def _low(part: Channel, span: Span, invert: bool) -> int:
+    """How long a line is at the level of a start bit."""
+    bounds = np.concatenate(([span.begin], part.edges, [span.end]))
+    return int(np.diff(bounds)[part.initial ^ int(invert) :: 2].sum())

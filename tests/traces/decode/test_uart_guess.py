@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from periph_sim.traces.capture.capture import Capture
 from periph_sim.traces.decode.uart_format import line_of
-from periph_sim.traces.decode.uart_guess import SHAPES, Guess, guess
+from periph_sim.traces.decode.uart_guess import SHAPES, USUAL, Guess, guess
 from tests.traces.decode.drawing import drawn, of_bytes
 from tests.traces.formats.writers import frame_bits, uart_wave
 
@@ -40,6 +40,17 @@ def test_usual_rates(baud: int):
     found = guess(sent(baud, "8n1", TEXT, rate=max(RATE // 20, 8 * baud)), "RX")
     assert settings_of(found) == (baud, "8n1", False)
     assert found.sure > 0.5 and found.errors == 0 and found.frames == len(TEXT)
+
+
+def test_each_rate_that_people_use_is_taken_for_itself():
+    doubled = [300 << n for n in range(10)] + [14_400 << n for n in range(8)]
+    slow = [50, 75, 110, 134, 150, 200, 1800, 7200]
+    whole = [1_000_000 * n // 16 for n in (2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 40, 48, 56, 64, 96, 128, 192)]
+    others = [31_250, 56_000, 74_880, 100_000, 345_600, 576_000]
+    rates = sorted([*doubled, *slow, *whole, *others])
+    assert rates == sorted(USUAL)
+    for baud in rates:
+        assert guess(sent(baud, "8n1", b"\x55\x0f", rate=8 * baud), "RX", "8n1", False).line.baud == baud
 
 
 @pytest.mark.parametrize("shape", [*SHAPES[:-1], "8n2", "7e2"])

@@ -4,13 +4,15 @@ the few nearest tests that run the line --pass--> the others --pass--> whole fil
          | one fails                                | one fails          | one fails                        survived
          +----> killed <----------------------------+--------------------+    a limit of time: timeout, counted apart
 
-Files are those of its room; where no short test runs the line, or it runs on import, all of them. What killed has to
-pass without the mutant, in the same process: a test that fails as it is judges none, and is told.
+First of the files comes the one named after the mutated one, then those of its room; where no short test runs the line,
+or it runs on import, all of them. What killed has to pass without the mutant, in the same process: a test that fails as
+it is judges none, and is told.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from time import perf_counter
 
 from .reach import Reach
@@ -39,7 +41,8 @@ def tried(mutant: Mutant, runner: Runner, reach: Reach) -> Trial:
     begin = perf_counter()
     near = reach.tests_of(mutant.path, mutant.change.line)
     ran, cpu = Ran("survived"), 0.0
-    for tests in (near[:NEAREST], near[NEAREST:], _files(mutant, near)):
+    namesakes = _namesakes(mutant, runner.tree.folder)
+    for tests in (near[:NEAREST], near[NEAREST:], namesakes, _files(mutant, near)):
         if tests and ran.outcome == "survived":
             ran = _ran(mutant, runner, reach, tests)
             cpu += ran.cpu
@@ -50,6 +53,13 @@ def _files(mutant: Mutant, near: list[str]) -> list[str]:
     own = ROOMS[mutant.room].tests
     files = sorted({test.partition("::")[0] for test in near if test.startswith(own)})
     return files if files and mutant.in_function else list(own)
+
+
+def _namesakes(mutant: Mutant, root: Path) -> list[str]:
+    """The test files that have the mutated file's name."""
+    named = f"test_{Path(mutant.path).stem}.py"
+    found = [path for folder in ROOMS[mutant.room].tests for path in sorted((root / folder).rglob(named))]
+    return [str(path.relative_to(root)) for path in found]
 
 
 def _ran(mutant: Mutant, runner: Runner, reach: Reach, tests: list[str]) -> Ran:

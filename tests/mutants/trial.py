@@ -1,12 +1,13 @@
 """One mutant tried: it, a runner and the tests that reach it go in; killed, killed by timeout or survived comes out.
 
-the few nearest tests that run the line --pass--> the others --pass--> whole files of them, the long ones too --pass-->
-         | one fails                                | one fails          | one fails                        survived
-         +----> killed <----------------------------+--------------------+    a limit of time: timeout, counted apart
+nearest tests that run the line --pass--> namesake --pass--> other tests that run it --pass--> whole files of them --pass-->
+         | one fails                         | one fails       | one fails                          | one fails    survived
+         +----> killed <---------------------+-----------------+------------------------------------+
+                                                                             a limit of time: timeout, counted apart
 
-First of the files comes the one named after the mutated one, then those of its room; where no short test runs the line,
-or it runs on import, all of them. What killed has to pass without the mutant, in the same process: a test that fails as
-it is judges none, and is told.
+The namesake is the test file named after the mutated one; it runs whole, the long tests too, and so do the other files.
+They are those of the room; where no short test runs the line, or it runs on import, all of them. What killed has to pass
+without the mutant, in the same process: a test that fails as it is judges none, and is told.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ def tried(mutant: Mutant, runner: Runner, reach: Reach) -> Trial:
     near = reach.tests_of(mutant.path, mutant.change.line)
     ran, cpu = Ran("survived"), 0.0
     namesakes = _namesakes(mutant, runner.tree.folder)
-    for tests in (near[:NEAREST], near[NEAREST:], namesakes, _files(mutant, near)):
+    for tests in (near[:NEAREST], namesakes, near[NEAREST:], _files(mutant, near)):
         if tests and ran.outcome == "survived":
             ran = _ran(mutant, runner, reach, tests)
             cpu += ran.cpu

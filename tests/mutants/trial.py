@@ -1,17 +1,18 @@
 """One mutant tried: it, a runner and the tests that reach it go in; killed, killed by timeout or survived comes out.
 
-nearest tests that run the line --pass--> namesake --pass--> other tests that run it --pass--> whole files of them --pass-->
-         | one fails                         | one fails       | one fails                          | one fails    survived
-         +----> killed <---------------------+-----------------+------------------------------------+
-                                                                             a limit of time: timeout, counted apart
+a few tests that run the line --> its namesake --> the others that run it --> files that import it --> all files
+         | one fails                 | one fails       | one fails              | one fails           |       | pass
+         +----> killed <-------------+-----------------+----------------------+---------------------+    survived
+                                                                          a limit of time: timeout, counted apart
 
-The namesake is the test file named after the mutated one; it runs whole, the long tests too, and so do the other files.
-They are those of the room; where no short test runs the line, or it runs on import, all of them. What killed has to pass
+The namesake is the test file named after the mutated one. Files run whole, the long tests too. All files are those of
+the room that run the line; where no short test does, or it runs on import, every file of it. What killed has to pass
 without the mutant, in the same process: a test that fails as it is judges none, and is told.
 """
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
@@ -42,8 +43,8 @@ def tried(mutant: Mutant, runner: Runner, reach: Reach) -> Trial:
     begin = perf_counter()
     near = reach.tests_of(mutant.path, mutant.change.line)
     ran, cpu = Ran("survived"), 0.0
-    namesakes = _namesakes(mutant, runner.tree.folder)
-    for tests in (near[:NEAREST], namesakes, near[NEAREST:], _files(mutant, near)):
+    named, importing = _own_files(mutant, runner.tree.folder)
+    for tests in (near[:NEAREST], named, near[NEAREST:], importing, _files(mutant, near)):
         if tests and ran.outcome == "survived":
             ran = _ran(mutant, runner, reach, tests)
             cpu += ran.cpu
@@ -56,11 +57,15 @@ def _files(mutant: Mutant, near: list[str]) -> list[str]:
     return files if files and mutant.in_function else list(own)
 
 
-def _namesakes(mutant: Mutant, root: Path) -> list[str]:
-    """The test files that have the mutated file's name."""
-    named = f"test_{Path(mutant.path).stem}.py"
-    found = [path for folder in ROOMS[mutant.room].tests for path in sorted((root / folder).rglob(named))]
-    return [str(path.relative_to(root)) for path in found]
+def _own_files(mutant: Mutant, root: Path) -> tuple[list[str], list[str]]:
+    """The test files named after the mutated one; others that import it."""
+    module = Path(mutant.path).with_suffix("")
+    package, name = ".".join(module.parent.parts), re.escape(module.name)
+    imports = re.compile(rf"^from {re.escape(package)}(\.{name} import| import .*\b{name}\b)", re.MULTILINE)
+    files = [path for folder in ROOMS[mutant.room].tests for path in sorted((root / folder).rglob("test_*.py"))]
+    named = [path for path in files if path.stem == f"test_{module.name}"]
+    importing = [path for path in files if path not in named and imports.search(path.read_text(encoding="utf-8"))]
+    return [str(path.relative_to(root)) for path in named], [str(path.relative_to(root)) for path in importing]
 
 
 def _ran(mutant: Mutant, runner: Runner, reach: Reach, tests: list[str]) -> Ran:

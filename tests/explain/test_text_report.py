@@ -47,6 +47,16 @@ def test_a_chain_as_lines():
     ]
 
 
+@pytest.mark.parametrize(
+    ("ticks", "typical", "said"),
+    [(15 * US, 15 * US, "0.000 us"), (2, 1, "+0.000 us"), (1, 2, "-0.000 us"), (15 * US, None, "+15.000 us")],
+)
+def test_only_what_is_longer_has_a_plus(ticks: int, typical: int | None, said: str):
+    told = text(replace(CHAIN, length=ticks, typical=typical, steps=(), parts=()))[1]
+    usual = f"{float(CHAIN.us(typical or 0)):.3f} us"
+    assert told == f"  {said} against {usual}, where it was least remarkable"
+
+
 @pytest.mark.parametrize(("us", "said"), [(9999, "9999.000 us"), (10_000, "10.000 ms"), (-10_000, "-10.000 ms")])
 def test_from_ten_milliseconds_on_a_length_is_told_in_them(us: int, said: str):
     assert text(replace(CHAIN, steps=(Step(us * US, "SCL rises"),)))[1] == f"    {said}  SCL rises"

@@ -47,7 +47,7 @@ REPORT = Report(
     (
         LimitCheck("reaction", "response", "max", US, RESPONSE),
         LimitCheck("margin", "I2CDXR margin", "min", 9 * US, LEAST),
-        LimitCheck("words", "SCI FIFO high-water", "p99_9", 15, COUNTED),
+        LimitCheck("words", "SCI FIFO high-water", "p99_9", 12, COUNTED),
         LimitCheck("wrong", "wrong bytes", "max", 0, None, "bytes are data"),
         LimitCheck("other", "wrong bytes", "max", 0, None, "bytes are data"),
         LimitCheck("other", "wrong bytes", "min", 0, None, "bytes are data"),
@@ -68,7 +68,7 @@ made: margin may break its limit, by 0.667 us; 0.1 s simulated beside the bounds
   budget           limit     bound      spare
   reaction  max 1.000 us  1.000 us   0.000 us      holds
   margin    min 9.000 us  8.333 us  -0.667 us  may break
-  words         p99.9 15        12          3      holds
+  words         p99.9 12        12          0      holds
   no bound: wrong, other (bytes are data)
   no bound: old (no closed form is known)
 
@@ -128,6 +128,10 @@ def test_what_there_is_none_of_is_left_out():
         ({"limits": REPORT.limits[3:]}, "no budget limits what is bounded"),
         ({"limits": (LimitCheck("it", "response", "max", US - 60, RESPONSE),)}, "it may break its limit, by 0.020 us"),
         (
+            {"limits": (LimitCheck("it", "response", "max", -899_999 * US, RESPONSE),)},
+            "it may break its limit, by 900.000 ms",
+        ),
+        (
             {"beside": (BoundWithRun(RESPONSE, US + 1, 1), BoundWithRun(LEAST, 1, 1)), "limits": ()},
             "response and margin beyond its bound",
         ),
@@ -156,6 +160,23 @@ def test_the_first_line_says_what_is_wrong(changes: dict[str, object], said: str
     told = text(replace(REPORT, **changes)).splitlines()[0]  # type: ignore[arg-type]
     end = "" if said.startswith("no bound") else "; 0.1 s simulated beside the bounds"
     assert told == f"made: {said}{end}"
+
+
+def limits_of(*limits: LimitCheck) -> list[str]:
+    """The lines about these limits."""
+    return text(replace(REPORT, beside=(), limits=limits)).split("\n\n")[1].splitlines()
+
+
+def test_limits_have_a_head_where_one_of_them_is_bounded():
+    assert [line.split()[0] for line in limits_of(REPORT.limits[0])] == ["budget", "reaction"]
+    assert limits_of(REPORT.limits[3]) == ["  no bound: wrong (bytes are data)"]
+
+
+def test_a_reason_is_wrapped_at_80_characters():
+    reason = "x" * 60
+    fits, wrapped = (limits_of(LimitCheck(name, "age", "max", 0, None, reason)) for name in ("b" * 5, "b" * 6))
+    assert fits == [f"  no bound: bbbbb ({reason})"] and len(fits[0]) == 80
+    assert wrapped == ["  no bound: bbbbbb", f"    ({reason})"]
 
 
 def test_a_margin_that_is_used_up_says_so():
@@ -196,7 +217,7 @@ def test_a_report_as_json():
         "spare": {"us": -2 / 3, "cycles": -100.0},
         "reason": "",
     }
-    assert (limits[2]["spare"], limits[3]["spare"]) == ({"count": 3}, None)
+    assert (limits[2]["spare"], limits[3]["spare"]) == ({"count": 0}, None)
     assert (limits[3]["bounded"], limits[3]["reason"]) == (False, "bytes are data")
     assert (deadlines[2]["what"], deadlines[2]["spare"]) == ("SDIR", {"us": 0.02, "cycles": 3.0})
     assert [term["what"] for term in deadlines[0]["terms"]] == ["first request", "poll pass"]

@@ -793,6 +793,35 @@ def test_gpioinenclk_does_not_touch_the_i2c_pins(mux):
     )
 
 
+# What is due ------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda gpio, now: gpio.peripheral_level(now, "SDAA"),
+        lambda gpio, now: gpio.gpioin_enabled(now, False),
+        lambda gpio, now: gpio.xint_levels(now),
+        lambda gpio, now: gpio.watch_xints(now, 0),
+        lambda gpio, now: gpio.wake(now),
+        lambda gpio, now: gpio.peek(now, GPIO["GPBDAT"].offset),
+        lambda gpio, now: gpio.write(now, GPIO["GPBSET"].offset, 0),
+    ],
+    ids=["peripheral_level", "gpioin_enabled", "xint_levels", "watch_xints", "wake", "peek", "write"],
+)
+def test_a_level_that_is_due_is_told_whoever_asks_next(ask):
+    """The owner did not wake the module when the third sample was taken."""
+    rig = given_to((32, 1))
+    rig.select(32, 1)
+    settled(rig)
+    rig.gpio.changed.clear()
+    rig.pin(rig.now, 32, 0, exact=False)
+    assert rig.gpio.changed == [] and rig.gpio.next_wake < rig.now + 10
+    ask(rig.gpio, rig.now + 10)
+    assert rig.gpio.changed == [("SDAA", 0)]
+    assert rig.gpio.peripheral_level(rig.now + 10, "SDAA") == 0
+
+
 # External interrupt selects --------------------------------------------------
 
 

@@ -13,7 +13,7 @@ RULES := build/rules.json
 # Without compiled files every command that a test starts would compile the package anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test coverage explore check bench mutants firmware-mutants setup clean
+.PHONY: demo test touched coverage explore check bench mutants firmware-mutants setup clean
 
 demo: $(USER)
 	$(BIN)/periph-sim run timing/imu_hil.toml
@@ -22,6 +22,11 @@ test: check
 	rm -f $(RULES)
 	$(BIN)/pytest -n auto --dist worksteal --rules=$(RULES)
 	$(BIN)/python -m tests.rules.coverage
+
+# The tests that import what differs from a commit, the nearest first: make touched SINCE=HEAD
+SINCE ?= main
+touched: $(DEV)
+	$(BIN)/python -m tests.touched $(SINCE) -n auto
 
 # Which lines no short test reaches; fails below 90 %. Counting costs too much for all of them: see tests/conftest.py.
 coverage: $(DEV)

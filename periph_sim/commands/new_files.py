@@ -17,6 +17,13 @@ from .watched_files import texts_in
 TEMPLATES = Path(__file__).parents[1] / "templates"
 NAME = re.compile(r"[A-Za-z0-9_][\w.-]*")
 
+REFUSES = '''"""A slave that answers and refuses as the captured target did, by a shipped program; put your own here."""
+
+from .responder import Settings, main
+
+__all__ = ["Settings", "main"]
+'''
+
 Files = dict[Path, str]
 
 
@@ -52,8 +59,11 @@ def as_captured(files: Files, capture: Capture, mapping: str | None) -> Files:
             f"{capture.path}: no I2C transfer with an address in it; is --map the right way round?"
         )
     lengths = [len(turn.answer.data) for turn in found if turn.address == address and turn.read and turn.answer.ack]
+    refused = any(turn.address == address and not (turn.answer.ack and all(turn.answer.acks)) for turn in found)
     made = {}
     for path, text in files.items():
+        if path.suffix == ".py" and refused:
+            text = REFUSES
         if path.suffix == ".toml":
             text = text.replace("address = 0x48", f"address = {address:#04x}")
             text = text.replace("count = 2", f"count = {max(lengths, default=1)}")

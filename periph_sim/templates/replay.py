@@ -9,6 +9,8 @@ from itertools import chain, cycle, repeat
 
 from periph_sim.firmware import HexBytes, start_i2c
 
+SCD = 0x0020  # of I2CSTR; written alone, since a write of the field would clear the other flags along with it
+
 
 @dataclass
 class Settings:
@@ -29,9 +31,9 @@ def main(dsp, settings):
 
 
 def answer(dsp, i2c, data):
+    i2c.I2CSTR.all = SCD  # any earlier STOP has set it
     for byte in chain(data, repeat(0xFF)):
         # dsp.compute(30_000)  # without the "#" in front, each byte comes 200 us later and "stretch" breaks
         i2c.I2CDXR.all = byte
         if dsp.spin_either(lambda: i2c.I2CSTR.XRDY == 1, lambda: i2c.I2CSTR.SCD == 1):
-            i2c.I2CSTR.SCD = 1
             return

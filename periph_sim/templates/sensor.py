@@ -6,6 +6,7 @@ from periph_sim.firmware import start_i2c, start_pie
 
 PERIOD = Fraction(5, 1000)
 COST = Fraction(40, 10**6)  # of the model, measured on the chip or estimated
+SCD = 0x0020  # of I2CSTR; written alone, since a write of the field would clear the other flags along with it
 
 
 def main(dsp, settings):
@@ -27,10 +28,10 @@ def main(dsp, settings):
     while True:
         dsp.spin(lambda: i2c.I2CSTR.SDIR == 1)
         with dsp.span("answer"):
+            i2c.I2CSTR.all = SCD  # any earlier STOP has set it
             # dsp.compute(15_000)  # without the "#" in front, each answer comes 100 us later and "response" breaks
             whole = tuple(sample)  # both bytes of one sample, even if the next one comes meanwhile
             for byte in whole:
                 i2c.I2CDXR.all = byte
                 dsp.spin(lambda: i2c.I2CSTR.XRDY == 1 or i2c.I2CSTR.SCD == 1)
             dsp.spin(lambda: i2c.I2CSTR.SCD == 1)
-            i2c.I2CSTR.SCD = 1

@@ -73,6 +73,22 @@ def test_a_replay_of_a_given_capture_stands_in_for_its_busiest_target(periph_sim
     assert set(words(Path("replay.toml")).values()) == {"pass"}
 
 
+@pytest.mark.parametrize("capture", ["i2c_slow_slave.csv", "i2c_eeprom_busy.sr", "nack.sr", "imu_session.sr"])
+def test_a_replay_is_green_whatever_the_captured_target_refuses_and_whoever_else_is_asked(
+    periph_sim: Run, here: Path, capture: str
+):
+    assert periph_sim("new", "replay", "mine", "--from", str(TRACES / capture)).status == 0
+    came = periph_sim("replay", str(TRACES / capture), "--case", "mine.toml", "--tolerance", "2 us")
+    assert came.status == 0, came.out
+    assert set(words(Path("mine.toml")).values()) == {"pass"}
+
+
+def test_a_stop_between_pointer_and_read_does_no_harm(periph_sim: Run, here: Path):
+    """It sets SCD, which the read that follows must not take for its own end."""
+    assert periph_sim("new", "i2c-slave").status == 0
+    assert periph_sim("run", "i2c_slave.toml", "--set", "controller.pointer_by=STOP").status == 0
+
+
 def test_an_example_runs_where_it_lands_with_all_firmware_that_it_needs(periph_sim: Run, here: Path):
     assert periph_sim("new", "--example", "two_dsps", "copy").status == 0
     names = {"two_dsps.toml", "sensor_head.py", "imu_hil.py", "imu_models.py"}

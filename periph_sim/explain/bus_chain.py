@@ -54,7 +54,7 @@ def _answer(evidence: Evidence, free: int) -> tuple[Step, ...]:
     steps += [evidence.told(one, end) for one in (*told, *waits)]
     if end > free:
         steps.append(evidence.say(free, f"the controller lets go of SCL; {evidence.unit} holds it low", end - free))
-        steps.append(evidence.say(end, "SCL rises"))
+        steps.append(evidence.say(end, "SCL rises" if evidence.scl_moves(end) else "SCL is still low: the run ends"))
     else:
         steps.append(evidence.say(end, "SCL rises as soon as the controller lets go of it"))
     return in_order(steps)

@@ -186,6 +186,10 @@ class Evidence:
             (fall + self.low, rise) for fall, rise in lows if begin <= fall and rise <= end and rise - fall > self.low
         ]
 
+    def scl_moves(self, tick: int) -> bool:
+        """True if SCL has an edge at this tick. A run that ends with SCL low has none at its end."""
+        return any(channel.name == "SCL" and tick in channel.edges for channel in self.window.edges.channels)
+
     # Steps ------------------------------------------------------------------------
 
     def chain(self, steps: tuple[Step, ...], parts: tuple[Part, ...] = (), blame: Part | None = None) -> Chain:

@@ -81,6 +81,12 @@ def test_a_stretch_is_told_from_the_flag_to_the_write_that_ends_it():
     assert chain.typical == 0 and sum(part.length for part in chain.more) == chain.length
 
 
+def test_a_stretch_that_the_run_cuts_off_does_not_end_with_a_rise():
+    hang = (f"{SETTING}frame_cost=200 us", "host.first=4 ms")
+    chain = of("imu_hil_published", *hang, length=Fraction(12, 1000))["stretch"]
+    assert chain.steps[-1].what == "SCL is still low: the run ends"
+
+
 def test_a_response_that_nobody_delayed_is_the_controllers_own_low_time():
     chain = of("imu_hil_published")["response"]
     assert [(str(part), part.length) for part in chain.parts] == [("SCL low by the controller", 15000)]

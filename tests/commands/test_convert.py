@@ -25,8 +25,13 @@ def test_one_line_says_what_was_written(periph_sim: Run, desk: Path):
     )
 
 
-@pytest.mark.parametrize("suffix", [".vcd", ".psr", ".csv"])
-@pytest.mark.parametrize("name", ["imu_round.sr", "nack.sr", "host_frames.sr"])
+NAMES = ("imu_round.sr", "nack.sr", "host_frames.sr")
+
+
+@pytest.mark.parametrize(
+    ("name", "suffix"),
+    [*((name, suffix) for name in NAMES for suffix in (".vcd", ".psr", ".csv")), ("imu_round.sr", ".fst")],
+)
 def test_there_and_back_and_decoded(periph_sim: Run, desk: Path, name: str, suffix: str):
     given = formats.read(TRACES / name)
     for source, out in ((str(TRACES / name), f"a{suffix}"), (f"a{suffix}", "b.psr"), ("b.psr", f"c{suffix}")):
@@ -80,6 +85,8 @@ def test_a_run_becomes_any_recording_and_any_capture(periph_sim: Run, desk: Path
     for out, said in (
         ("run.perfetto.json", "run.perfetto.json: "),
         ("run.vcd", "run.vcd: "),
+        ("run.sr", "run.sr: "),
+        ("run.fst", "run.fst: "),
         ("run.jsonl", "run.jsonl: "),
     ):
         came = periph_sim("convert", "run.psr", out)

@@ -12,6 +12,7 @@ import pytest
 
 from periph_sim.traces import formats
 from periph_sim.traces.formats import Span
+from tests.traces.decode.drawing import drawn
 from tests.traces.formats.looks import edges, facts
 
 pylibfst = pytest.importorskip("pylibfst", reason="writes the FST files of these tests: pip install pylibfst")
@@ -54,6 +55,20 @@ def test_scopes_names_aliases_and_long_times(tmp_path: Path):
     }
     assert facts(capture) == (10**9, LATE + 50, False) and capture.notes == ()
     assert capture.channel("My SDA").unknown == (Span(0, 5),)
+
+
+def test_what_is_written_is_read_again_with_unknown_stretches_and_scopes(tmp_path: Path):
+    capture = drawn(
+        """
+        tb.bus.SCL   --__--____--
+        tb.bus.SDA   ??_---??--__
+        RX           -__________-
+        """
+    )
+    assert formats.write(capture, tmp_path / "x.fst") == ()
+    again = formats.read(tmp_path / "x.fst", capture.rate)
+    assert edges(again) == edges(capture) and again.length == capture.length
+    assert again.channel("SDA").unknown == (Span(0, 2), Span(6, 8))
 
 
 @pytest.mark.parametrize(("end", "length"), [(0, 8), (7, 8), (8, 8), (20, 20)])

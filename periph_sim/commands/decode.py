@@ -67,6 +67,8 @@ def decode(
     one list. pcapng is for Wireshark, hexdump for text2pcap, sigrok has the lines of sigrok-cli.
     """
     if as_json:
+        if style not in ("table", "json"):
+            raise click.ClickException(f"--json and --format {style} ask for two forms; give one of them")
         style, whole = "json", True
     with usage_errors_in_one_sentence():
         capture = read_capture(file, rate, salvage)

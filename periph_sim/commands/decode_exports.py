@@ -94,7 +94,7 @@ def _as_sigrok_says(event: str, value: int | None, bits: int, detail: str) -> st
     if value is None:
         return SIGROK[event]
     if event == "cut":
-        return f"Cut: {value:0{bits}b}"
+        return f"Cut: {value:0{bits}b}" if bits else "Cut"
     if event == "frame":
         return f"{value:02X}"
     way = detail.partition(", ")[0]

@@ -315,6 +315,7 @@ def test_nothing_on_the_bus_is_no_mistake(periph_sim: Run, tmp_path: Path):
         (("--glitch", "1.5"), "--glitch: '1.5' is no time"),
         (("--rate", "quick"), "--rate: 'quick' is no sample rate"),
         (("--format", "xml"), "'xml' is not one of"),
+        (("--format", "csv", "--json"), "--json and --format csv ask for two forms; give one of them"),
     ],
 )
 def test_a_mistake_gets_one_sentence(periph_sim: Run, options: tuple[str, ...], sentence: str):

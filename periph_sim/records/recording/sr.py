@@ -33,10 +33,13 @@ class SrFile:
 
     def close(self, now: int) -> None:
         lines = self._run.lines(now)
-        seconds = Fraction(lines.length, self._run.per_second)
-        rate = next((rate for rate in RATES if seconds * rate <= MOST_SAMPLES), RATES[-1])
         shown = replace(lines, channels=tuple(_named_as_wire(c) for c in lines.channels[: sigrok_sr.MOST_WIDE]))
-        sigrok_sr.write_to(self._file, resampled(shown, rate))
+        sigrok_sr.write_to(self._file, resampled(shown, rate_for(Fraction(lines.length, self._run.per_second))))
+
+
+def rate_for(seconds: Fraction) -> Fraction:
+    """Samples a second of a run that takes so long."""
+    return next((rate for rate in RATES if seconds * rate <= MOST_SAMPLES), RATES[-1])
 
 
 def _named_as_wire(channel: Channel) -> Channel:

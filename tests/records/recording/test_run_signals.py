@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import sys
+from fractions import Fraction
 from itertools import groupby
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from periph_sim.core.records import Kind, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.records.recording import BadRecording, recording
 from periph_sim.records.recording.run_signals import KINDS, RunSignals
+from periph_sim.records.recording.sr import rate_for
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 from periph_sim.traces import formats
@@ -155,6 +157,13 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
             scene.run()
             ended_at(scene.kernel.now)
     return folder
+
+
+@pytest.mark.parametrize(
+    ("seconds", "mhz"), [("0.02", 100), ("2.68", 100), ("2.69", 50), ("26.8", 10), ("130", 2), ("135", 1), ("9000", 1)]
+)
+def test_a_session_of_a_long_run_has_fewer_samples_a_second(seconds: str, mhz: int):
+    assert rate_for(Fraction(seconds)) == mhz * 10**6
 
 
 @pytest.mark.skipif(shutil.which("sigrok-cli") is None, reason="sigrok-cli is not installed")

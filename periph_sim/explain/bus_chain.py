@@ -6,6 +6,7 @@ Evidence --> Chain: steps, parts, what is to blame
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import groupby
 
 from ..records.record_text import on_the_bus
 from .chain import Chain, Part, Step, parts_of
@@ -22,7 +23,7 @@ def response(evidence: Evidence) -> Chain:
     begin, end = evidence.window.begin, evidence.window.end
     free = min(begin + evidence.low, end)
     own = [Stretch(begin, free, "bus", "SCL low by the controller", "", begin)]
-    return evidence.chain(_answer(evidence, free), parts_of([*own, *evidence.timeline(free, end)]))
+    return evidence.chain(_answer(evidence, free), parts_of([*own, *_held(evidence, free, end)]))
 
 
 def stretch(evidence: Evidence) -> Chain:
@@ -31,7 +32,15 @@ def stretch(evidence: Evidence) -> Chain:
     if begin == end:
         prompt = evidence.say(begin, "SCL rises as soon as the controller lets go of it, everywhere in this phase")
         return evidence.chain(in_order(_asked(evidence, begin), [prompt]))
-    return evidence.chain(_answer(evidence, begin), parts_of(evidence.timeline(begin, end)))
+    return evidence.chain(_answer(evidence, begin), parts_of(_held(evidence, begin, end)))
+
+
+def _held(evidence: Evidence, begin: int, end: int) -> list[Stretch]:
+    """What SCL was held for: what the unit did meanwhile, or just who held it where that is a device."""
+    holder = evidence.holder_at(begin)
+    if holder == evidence.unit:
+        return evidence.timeline(begin, end)
+    return [Stretch(begin, end, "bus", f"SCL held low by {holder}", "", begin)] if begin < end else []
 
 
 def _answer(evidence: Evidence, free: int) -> tuple[Step, ...]:
@@ -53,11 +62,18 @@ def _answer(evidence: Evidence, free: int) -> tuple[Step, ...]:
     waits = [one for one in evidence.episodes(first, end) if one.doing == "wait" and one.meets(over - 1, over)]
     steps += [evidence.told(one, end) for one in (*told, *waits)]
     if end > free:
-        steps.append(evidence.say(free, f"the controller lets go of SCL; {evidence.unit} holds it low", end - free))
+        holder = evidence.holder_at(free)
+        steps.append(evidence.say(free, f"the controller lets go of SCL; {holder} holds it low", end - free))
         steps.append(evidence.say(end, "SCL rises" if evidence.scl_moves(end) else "SCL is still low: the run ends"))
     else:
         steps.append(evidence.say(end, "SCL rises as soon as the controller lets go of it"))
     return in_order(steps)
+
+
+def _holder(evidence: Evidence, tick: int) -> str:
+    """Who holds SCL low, and what it does where that is the unit."""
+    holder = evidence.holder_at(tick)
+    return f"{holder}: {evidence.doing_at(tick)}" if holder == evidence.unit else holder
 
 
 def _asked(evidence: Evidence, tick: int) -> list[Step]:
@@ -109,19 +125,22 @@ def a_round(evidence: Evidence, due: int, end: int) -> Chain:
             parts.append(Stretch(at, phase.begin, "bus", gap, "", at))
         parts += _phase_parts(evidence, phase, min(phase.end, end))
         at = min(phase.end, end)
-        steps.append(evidence.say(phase.begin, _phase_told(phase), at - phase.begin))
         steps += [
-            evidence.say(let_go, f"SCL held low by {evidence.unit}: {evidence.doing_at(let_go)}", rise - let_go)
+            evidence.say(let_go, f"SCL held low by {_holder(evidence, let_go)}", rise - let_go)
             for let_go, rise in evidence.stretches(phase.begin, at)
         ]
+    for (acked, name), alike in groupby(inside, key=lambda phase: (phase.acked, str(phase))):
+        phases = list(alike)
+        if acked:
+            steps += [evidence.say(phase.begin, str(phase), min(phase.end, end) - phase.begin) for phase in phases]
+        else:
+            times = f", {len(phases)} times" if len(phases) > 1 else ""
+            told = f"{name}, not acknowledged{times}"
+            steps.append(evidence.say(phases[0].begin, told, min(phases[-1].end, end) - phases[0].begin))
     if at < end:
         parts.append(Stretch(at, end, "bus", "no transfer of this round", "", at))
     steps += [evidence.told(one, end) for one in evidence.episodes(due, end) if one.doing in ("interrupt", "span")]
     return evidence.chain(in_order(steps, [evidence.say(end, "last STOP")]), parts_of(parts))
-
-
-def _phase_told(phase: Phase) -> str:
-    return str(phase) if phase.acked else f"{phase}, not acknowledged"
 
 
 def _phase_parts(evidence: Evidence, phase: Phase, end: int) -> list[Stretch]:
@@ -129,10 +148,10 @@ def _phase_parts(evidence: Evidence, phase: Phase, end: int) -> list[Stretch]:
     parts: list[Stretch] = []
     at = phase.begin
     for let_go, rise in evidence.stretches(phase.begin, end):
-        parts.append(Stretch(at, let_go, "bus", f"bits of {phase.name}", "", phase.begin))
-        parts += evidence.timeline(let_go, rise)
+        parts.append(Stretch(at, let_go, "bus", f"bits of {phase.name or phase}", "", phase.begin))
+        parts += _held(evidence, let_go, rise)
         at = rise
-    parts.append(Stretch(at, end, "bus", f"bits of {phase.name}", "", phase.begin))
+    parts.append(Stretch(at, end, "bus", f"bits of {phase.name or phase}", "", phase.begin))
     return parts
 
 

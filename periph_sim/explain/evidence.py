@@ -12,6 +12,7 @@ from functools import cached_property
 from itertools import pairwise
 
 from ..core.records import Kind, Record
+from ..devices.targets import eeprom
 from ..records.record_text import BusByte, bus_byte, happened
 from ..scene.case.model import Case
 from .chain import Chain, Part, Place, Step, place_of
@@ -40,8 +41,9 @@ class Phase:
     data: tuple[Record, ...]
 
     def __str__(self) -> str:
-        """ "gyroscope (0x68 R)"."""
-        return f"{self.name} (0x{self.address:02X} {'R' if self.read else 'W'})"
+        """ "gyroscope (0x68 R)", or "0x68 R" where no name is known."""
+        asked = f"0x{self.address:02X} {'R' if self.read else 'W'}"
+        return f"{self.name} ({asked})" if self.name else asked
 
 
 class Evidence:
@@ -144,7 +146,7 @@ class Evidence:
             end = records[over].tick if over < len(records) else self.window.kept[-1].end - 1
             found.append(
                 Phase(
-                    name=records[i].text,
+                    name=self._devices.get(sent.value, records[i].text),
                     begin=records[i].tick,
                     end=end,
                     address=sent.value,
@@ -161,30 +163,53 @@ class Evidence:
         """The phase on the bus at a tick."""
         return next((p for p in reversed(self.phases) if p.begin <= tick <= p.end), None)
 
-    @property
+    @cached_property
+    def _devices(self) -> dict[int, str]:
+        """The names of the case's devices, by address; a memory may answer to more than the one it is given."""
+        tables = self.case.device.items()
+        names = {table.address: name for name, table in tables if table.address is not None}
+        for name, table in tables:
+            if table.model in eeprom.MODELS:
+                names |= {address: name for address in range(eeprom.FIRST, eeprom.FIRST + 8) if address not in names}
+        return names
+
+    def holder_at(self, tick: int) -> str:
+        """Who holds SCL low behind the master's release: the device that is asked, else the unit."""
+        phase = self.phase_at(tick)
+        return self.unit if phase is None else self._devices.get(phase.address, self.unit)
+
+    @cached_property
     def low(self) -> int:
-        """How long the case's controller holds SCL low for a bit, in ticks; 0 if there is none."""
+        """How long the controller holds SCL low for a bit, in ticks; the shortest low in the window if that is a unit.
+
+        0 if there is no SCL.
+        """
         table = self.case.controller
         if table is None:
-            return 0
+            return min((rise - fall for fall, rise in self._lows()), default=0)
         return self.window.timebase.ticks(table.low or Fraction(1, 2) / table.rate, "nearest")
 
     @property
     def period(self) -> int:
         """From one round's due time to the next one's; 0 if there are no rounds."""
-        table = self.case.controller
+        table = self.case.controller or self.case.rounds
         return 0 if table is None else self.window.timebase.ticks(table.period, "nearest")
 
     def stretches(self, begin: int, end: int) -> list[tuple[int, int]]:
         """When SCL was held low beyond the controller's own low time: from its letting go to the rise."""
-        if not self.low or not any(channel.name == "SCL" for channel in self.window.edges.channels):
+        return [
+            (fall + self.low, rise)
+            for fall, rise in self._lows()
+            if begin <= fall and rise <= end and rise - fall > self.low > 0
+        ]
+
+    def _lows(self) -> list[tuple[int, int]]:
+        """The falls of SCL in the window, each with the rise that follows."""
+        if not any(channel.name == "SCL" for channel in self.window.edges.channels):
             return []
         scl = self.window.edges.channel("SCL")
         moves = list(zip(scl.edges.tolist(), scl.levels.tolist(), strict=True))
-        lows = [(fall, rise) for (fall, down), (rise, _) in pairwise(moves) if not down]
-        return [
-            (fall + self.low, rise) for fall, rise in lows if begin <= fall and rise <= end and rise - fall > self.low
-        ]
+        return [(fall, rise) for (fall, down), (rise, _) in pairwise(moves) if not down]
 
     def scl_moves(self, tick: int) -> bool:
         """True if SCL has an edge at this tick. A run that ends with SCL low has none at its end."""

@@ -261,7 +261,14 @@ def trust_old_stop(i2c: Any, dsp: Dsp) -> None:
 
 def test_a_wait_that_an_old_flag_ended_is_told():
     one = explained(trust_old_stop, "missed rounds", {**READ, "count": 3, "expect": "01 02 03"}, period="2 ms")
-    assert any(what.startswith("the firmware sees I2CSTR.SCD, which rose") for what in said(one))
+    assert [what.partition(",")[0] for what in said(one)] == [
+        "0x50 (0x50 R)",
+        "I2C-A.I2CSTR.BB set",
+        "the firmware sees I2CSTR.SCD",
+        "wait for I2C-A.I2CSTR.BB begins",
+        "a round is due",
+    ]
+    assert said(one)[2] == "the firmware sees I2CSTR.SCD, which rose 1624.900 us before this transfer began"
 
 
 def test_the_picture_reaches_the_evidence_and_has_the_lane_that_the_chain_names():

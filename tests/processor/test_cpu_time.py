@@ -9,6 +9,7 @@ import pytest
 from greenlet import GreenletExit
 
 from periph_sim.core.chip import NEVER
+from periph_sim.f28335.cpu.interrupts import NMI
 from periph_sim.processor.error_origin import FirmwareError
 from tests.processor.bench import Bench
 
@@ -92,6 +93,15 @@ def test_firmware_that_is_ended_runs_its_finally_and_lands_no_write():
     bench.kernel.run_until(2000 * TICKS)
     assert (bench.chip.status, bench.cpu.finished, bench.kernel.next_time()) == (4, False, NEVER)
     assert bench.cpu.stands_at() is None
+
+
+def test_firmware_that_is_ended_in_its_sleep_is_not_woken_by_an_interrupt():
+    bench = Bench([])
+    bench.cpu.start(lambda: bench.cpu.compute(1000))
+    bench.kernel.run_until(10 * TICKS)
+    bench.cpu.kill(GreenletExit)
+    bench.cpu.request(20, NMI)
+    assert bench.kernel.next_time() == NEVER
 
 
 def test_firmware_can_be_started_again():

@@ -39,13 +39,10 @@ from .instruction_costs import IFR_DELAY, VECTOR_AND_SAVE
 # ST1 (SPRU430F section 2.4)
 INTM = 1 << 0
 DBGM = 1 << 1
-PAGE0 = 1 << 2
 VMAP = 1 << 3
-SPA = 1 << 4
 LOOP = 1 << 5
 EALLOW = 1 << 6
 IDLESTAT = 1 << 7
-AMODE = 1 << 8
 OBJMODE = 1 << 9
 M0M1MAP = 1 << 11
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.cli import FOLDER, OTHER, SECTIONS, cli
+from periph_sim.cli import FOLDER, OTHER, SECTIONS, cli, main
 from periph_sim.commands.json_output import VERSION
 from periph_sim.commands.usage_error import MISTAKES
 from tests.commands.conftest import Run
@@ -90,6 +90,28 @@ def test_a_json_object_begins_with_schema_and_version(periph_sim: Run):
     told = json.loads(periph_sim("diff", TRACE, TRACE, "--uart", "rx=RX,baud=115200,format=8n1", "--json").out)
     assert list(told)[:2] == ["schema", "schema_version"]
     assert (told["schema"], told["schema_version"]) == ("periph-sim diff", VERSION)
+
+
+@pytest.mark.parametrize(
+    ("words", "completed"),
+    [
+        (["ch"], ["check"]),
+        (["check", "--up"], ["--update-baseline"]),
+        (["new", "s"], ["sci-protocol", "sensor"]),
+        (["new", "--example", "two"], ["two_dsps"]),
+    ],
+)
+def test_the_shell_completes_commands_options_and_kinds(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], words: list[str], completed: list[str]
+):
+    """As the function does that `_PERIPH_SIM_COMPLETE=bash_source periph-sim` prints."""
+    monkeypatch.setattr(sys, "argv", ["periph-sim"])
+    monkeypatch.setenv("_PERIPH_SIM_COMPLETE", "bash_complete")
+    monkeypatch.setenv("COMP_WORDS", "\n".join(["periph-sim", *words]))
+    monkeypatch.setenv("COMP_CWORD", str(len(words)))
+    with pytest.raises(SystemExit):
+        main()
+    assert capsys.readouterr().out.splitlines() == [f"plain,{word}" for word in completed]
 
 
 def test_a_misspelt_command_is_told_the_nearest(periph_sim: Run):

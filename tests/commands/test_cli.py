@@ -79,7 +79,7 @@ def test_the_help_of_a_command_begins_with_an_example_that_it_takes_and_fits_80_
 
 @pytest.mark.parametrize("name", sorted({*COMMANDS} - {"decode"}))
 def test_json_of_every_command_says_its_schema(name: str):
-    """Whoever has the option prints by the one function; decode prints an object a line, of which there may be millions."""
+    """Whoever has the option prints by the one function; decode prints an object a line, perhaps millions."""
     command = cli.get_command(None, name)  # type: ignore[arg-type]
     assert command is not None and command.callback is not None
     if any("--json" in option.opts for option in command.params):

@@ -108,27 +108,29 @@ def _fitting(value: object, most: int, where: str) -> int:
 
 
 class ModulePort:
-    """One module's registers by name."""
+    """One module's registers by name. A port is made as it is first named: firmware uses a few of a hundred."""
 
     def __init__(self, cpu: Cpu, place: Place) -> None:
-        self._name = place.name
-        self._ports = {r.name: register_port(cpu, place, r) for r in place.socket.chip.MAP}
-        self.__dict__.update(self._ports)  # plain attributes: no look-up of ours for each access
+        self._cpu = cpu
+        self._place = place
+        self._registers = {r.name: r for r in place.socket.chip.MAP}
+        self._made: dict[str, RegisterPort] = {}
 
     def __getattr__(self, name: str) -> RegisterPort:
-        """Only for names that are not there."""
-        ports: dict[str, RegisterPort] = self.__dict__["_ports"]
-        if name not in ports:
-            raise AttributeError(f"{self._name} has no register {name!r}; {did_you_mean(name, ports)}")
-        return ports[name]
+        """Only for names that are not there yet: from then on it is a plain attribute."""
+        registers: dict[str, Register] = self.__dict__["_registers"]
+        if name not in registers:
+            raise AttributeError(f"{self._place.name} has no register {name!r}; {did_you_mean(name, registers)}")
+        port = self._made[name] = self.__dict__[name] = register_port(self._cpu, self._place, registers[name])
+        return port
 
     def __setattr__(self, name: str, value: object) -> None:
         """Registers are written through their fields or `all`; a module has nothing else to assign to."""
         if name.startswith("_"):
             object.__setattr__(self, name, value)
             return
-        self.__getattr__(name)  # a name that is not there is told so
-        raise AttributeError(f"{self._name}.{name} is a register; write {name}.all = ... or a field of it")
+        self[name]  # a name that is not there is told so
+        raise AttributeError(f"{self._place.name}.{name} is a register; write {name}.all = ... or a field of it")
 
     def __getitem__(self, name: str) -> RegisterPort:
-        return self.__getattr__(name)
+        return self._made[name] if name in self._made else self.__getattr__(name)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, is_dataclass
+from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
-from typing import TypeVar
+from typing import Any, TypeVar, cast
 
 from pydantic import TypeAdapter, ValidationError
 
@@ -114,9 +115,16 @@ def filled(kind: type[T], given: dict[str, object], who: str) -> T:
         if name not in known:
             raise BadSetting(f"{who} has no setting {name!r}; {did_you_mean(name, known)}", name)
     try:
-        return TypeAdapter(kind).validate_python(given)
+        made: T = _adapter(cast(Hashable, kind)).validate_python(given)
+        return made
     except ValidationError as error:
         first = error.errors()[0]
         name, *inside = map(str, place_of(first)) if first["loc"] else [""]
         place = ".".join(inside) + ": " if any(not part.isdecimal() for part in inside) else ""
         raise BadSetting(f"{place}{complaint(first)}", name) from None
+
+
+@lru_cache(maxsize=64)  # of a file that is loaded again the class is a new one
+def _adapter(kind: Any) -> TypeAdapter[Any]:
+    """Making one costs as much as the rest of a small scene."""
+    return TypeAdapter(kind)

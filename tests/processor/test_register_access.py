@@ -8,11 +8,14 @@ import pytest
 
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Kind, Record, Recorder
+from periph_sim.core.registers import Register
 from periph_sim.core.time import Timebase
 from periph_sim.core.wire import Wire
 from periph_sim.f28335.cpu.compiled_code_costs import BARE
-from periph_sim.f28335.system.memory_map import Frame, NoSuchAddress
+from periph_sim.f28335.system.memory_map import Frame, NoSuchAddress, Place
 from periph_sim.f28335.system.options import SystemOptions
+from periph_sim.processor import register_view
+from periph_sim.processor.cpu import Cpu
 from periph_sim.processor.dsp import Dsp, DspPlan
 from periph_sim.processor.error_origin import FirmwareError
 from tests.processor.bench import Bench
@@ -167,6 +170,22 @@ def test_wrong_names_and_addresses_say_what_is_near():
 
 
 @pytest.mark.rule("I2C-005", "SYS-040")
+def test_a_register_is_made_once_and_only_if_firmware_names_it(monkeypatch: pytest.MonkeyPatch):
+    """A unit has a hundred of them, each a class of its own: making all took most of the set-up of a small scene."""
+    made: list[str] = []
+    make = register_view.register_port
+
+    def counted(cpu: Cpu, place: Place, register: Register) -> register_view.RegisterPort:
+        made.append(register.name)
+        return make(cpu, place, register)
+
+    monkeypatch.setattr(register_view, "register_port", counted)
+    flags = Bench([]).flags
+    assert made == []
+    assert flags.STATUS is flags.STATUS is flags["STATUS"] and flags["COUNT"] is flags.COUNT
+    assert made == ["STATUS", "COUNT"]
+
+
 def test_frame_2_takes_no_32_bit_access():
     bench = Bench([(1, 4, -1)], base=0x7100)
     bench.run(

@@ -11,6 +11,7 @@ import tempfile
 from pathlib import Path
 
 from tests.docs.pages import PAGES, ROOT, refreshed
+from tests.docs.photographs import digest, digest_in, photographs, taken, written
 from tests.docs.pictures import draw, pictures
 
 
@@ -35,6 +36,15 @@ def main(names: list[str]) -> None:
         if not picture.file.is_file() or picture.file.read_text(encoding="utf-8") != drawn:
             picture.file.write_text(drawn, encoding="utf-8")
             print(f"{picture.file.relative_to(ROOT)}: drawn")
+    for one in photographs():
+        if names and one.page.stem not in names:
+            continue
+        with tempfile.TemporaryDirectory() as folder:
+            report = written(one, Path(folder))
+            now = digest(report.read_text(encoding="utf-8"), one.budget)
+            if not one.file.is_file() or digest_in(one.file.read_bytes()) != now:
+                one.file.write_bytes(taken(report, one.budget))
+                print(f"{one.file.relative_to(ROOT)}: photographed")
 
 
 if __name__ == "__main__":

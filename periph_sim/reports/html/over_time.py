@@ -17,18 +17,19 @@ from ...timing.values import Values
 from ...timing.verdicts import Verdict
 
 COLUMNS = 240
-MOST = 400  # violations with their instants
+MOST = 2_000  # violations with their instants
 SHOWN = 6  # violations beside the worst that get their waves
 PARTS = SHOWN - SHOWN // 2
 
 
 @dataclass(frozen=True)
 class Column:
-    """at: ticks from the run's begin. low, high: of the values in this part of the run."""
+    """at: ticks from the run's begin. low, high: of the values in this part of it. beyond: some are beyond a limit."""
 
     at: int
     low: int
     high: int
+    beyond: bool = False
 
 
 @dataclass(frozen=True)
@@ -53,13 +54,14 @@ def over_time(values: Values, verdict: Verdict, end: int, per_us: int) -> OverTi
     """end: of the run, ticks from its begin. per_us: ticks a microsecond."""
     order = np.argsort(values.at, kind="stable")
     at, data = values.at[order], values.values[order]
-    wrong = np.flatnonzero(_beyond(data, verdict, values.limits))
+    beyond = _beyond(data, verdict, values.limits)
+    wrong = np.flatnonzero(beyond)
     factor = {"time": per_us, "LSB": 10**6}.get(values.unit, 1)
     bound = None if verdict.bound is None else round(verdict.bound * factor)
     return OverTime(
         unit=values.unit,
         end=end,
-        columns=tuple(_columns(at, data, end)),
+        columns=tuple(_columns(at, data, beyond, end)),
         limits=tuple(values.limits.items()),
         bound=bound,
         which=verdict.which,
@@ -82,14 +84,16 @@ def _beyond(data: NDArray[np.int64], verdict: Verdict, limits: Mapping[str, int]
     return found
 
 
-def _columns(at: NDArray[np.int64], data: NDArray[np.int64], end: int) -> list[Column]:
+def _columns(at: NDArray[np.int64], data: NDArray[np.int64], beyond: NDArray[np.bool_], end: int) -> list[Column]:
     if len(at) <= COLUMNS:
-        return [Column(t, v, v) for t, v in zip(at.tolist(), data.tolist(), strict=True)]
+        return [Column(t, v, v, b) for t, v, b in zip(at.tolist(), data.tolist(), beyond.tolist(), strict=True)]
     of = np.minimum(at * COLUMNS // max(end, 1), COLUMNS - 1)
     firsts = np.flatnonzero(np.diff(of, prepend=-1))
     low, high = np.minimum.reduceat(data, firsts), np.maximum.reduceat(data, firsts)
+    some = np.logical_or.reduceat(beyond, firsts)
     middles = (2 * of[firsts] + 1) * end // (2 * COLUMNS)
-    return [Column(*one) for one in zip(middles.tolist(), low.tolist(), high.tolist(), strict=True)]
+    found = zip(middles.tolist(), low.tolist(), high.tolist(), some.tolist(), strict=True)
+    return [Column(*one) for one in found]
 
 
 def shown_violations(over: OverTime, worst_at: int) -> tuple[tuple[int, int], ...]:

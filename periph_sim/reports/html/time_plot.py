@@ -71,7 +71,7 @@ def time_plot(over: OverTime, unit: str, size: int, per_second: int) -> TimePlot
         return Line(kind, text, y(value) if inside else None, value > end)
 
     strokes = (f"M{x(c.at):g} {y(c.high):g}v{round(y(c.low) - y(c.high), 1):g}" for c in over.columns)
-    marks = dict.fromkeys(f"M{x(at):g} {y(value):g}v0" for at, value in over.violations)
+    marks = (f"M{x(c.at):g} {y(c.low if over.which == 'min' else c.high):g}v0" for c in over.columns if c.beyond)
     return TimePlot(
         up=_ticks(begin / size, end / size, 3, lambda value: y(value * size), unit),
         across=_ticks(0, over.end / per_second, 8, lambda s: round(100 * s * per_second / max(over.end, 1), 2), "s"),

@@ -66,6 +66,13 @@ def test_values_limits_and_bound_stand_at_the_height_of_their_axis() -> None:
     assert [x for x, _ in plot.across] == [0, 20, 40, 60, 80, 100]
 
 
+def test_what_is_beyond_the_limit_is_red_over_the_whole_run_however_many_there_are() -> None:
+    over = run_of([5] * 500 + [11] * 2500, max=10)
+    red = [float(part.split(" ")[0]) for part in time_plot(over, "us", US, 1000 * MS).broken.split("M")[1:]]
+    assert over.violation_count == 2500 and len(over.violations) == MOST
+    assert len(red) > 0.8 * COLUMNS and red == sorted(red)
+
+
 def test_a_limit_far_off_is_told_and_not_drawn() -> None:
     (limit,) = time_plot(run_of([5, 6], max=600), "us", US, 1000 * MS).lines
     assert (limit.y, limit.above) == (None, True)

@@ -1,0 +1,92 @@
+"""Pictures of HTML reports on the pages: a page goes in, a Photograph each comes out.
+
+<!-- photographed: COMMAND -> REPORT.html #BUDGET -->
+![what it shows](pictures/NAME.png)
+
+What pixels a browser makes of a page depends on its version and fonts. So a picture carries the digest of the HTML,
+style and script that it shows: it is out of date when these are others, whatever its pixels are.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import struct
+import zlib
+from collections.abc import Iterator
+from hashlib import sha256
+from pathlib import Path
+from typing import NamedTuple
+
+from tests.docs.pages import PAGES, ROOT, output, scratch
+
+MARK = re.compile(r"^<!-- photographed: (.+) -> (\S+) #(\w+) -->\n!\[[^\]]*\]\((\S+)\)$", re.MULTILINE)
+PARTS = (r'<ul class="failures">.*?</ul>', r"<style>.*?</style>", r"<script>.*?</script>")
+APART = "header dl, header details, header > p { display: none !important }"  # commit, wall time: other ones each time
+KEY = b"Source digest"
+SIGNATURE_AND_HEAD = 8 + 25  # bytes of a PNG that come before all others
+WIDTH = 1400
+
+
+class Photograph(NamedTuple):
+    """page: that shows it. command: that writes `report`. budget: the id of its section. file: of the repository."""
+
+    page: Path
+    command: str
+    report: str
+    budget: str
+    file: Path
+
+
+def photographs() -> Iterator[Photograph]:
+    for page in PAGES:
+        for command, report, budget, shown in MARK.findall(page.read_text(encoding="utf-8")):
+            yield Photograph(page, command, report, budget, (page.parent / shown).resolve())
+
+
+def written(photograph: Photograph, folder: Path) -> Path:
+    """The report as the command writes it now. ValueError with its output if it writes none."""
+    scratch(photograph.page.read_text(encoding="utf-8"), folder)
+    told = output(photograph.command, folder)
+    report = folder / photograph.report
+    if not report.is_file():
+        raise ValueError(f"{photograph.page.relative_to(ROOT)}: `{photograph.command}` wrote no report:\n{told}")
+    return report
+
+
+def digest(report: str, budget: str) -> str:
+    """Of all that a photograph of this budget shows."""
+    parts = (*PARTS, rf'<section class="budget" id="{budget}">.*?</section>')
+    found = [re.search(part, report, re.DOTALL) for part in parts]
+    assert all(found), f"the report lacks one of {parts}"
+    return sha256("".join(one[0] for one in found if one).encode()).hexdigest()
+
+
+def digest_in(png: bytes) -> str:
+    """What `with_digest` wrote; "" if it did not."""
+    found = re.search(re.escape(KEY) + rb"\0([0-9a-f]{64})", png)
+    return found[1].decode() if found else ""
+
+
+def with_digest(png: bytes, value: str) -> bytes:
+    """The same picture with a tEXt chunk [PNG specification, 11.3.3.3]."""
+    chunk = b"tEXt" + KEY + b"\0" + value.encode()
+    framed = struct.pack(">I", len(chunk) - 4) + chunk + struct.pack(">I", zlib.crc32(chunk))
+    return png[:SIGNATURE_AND_HEAD] + framed + png[SIGNATURE_AND_HEAD:]
+
+
+def taken(report: Path, budget: str) -> bytes:
+    """The head of a report and one budget as PNG."""
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
+        page = browser.new_page(viewport={"width": WIDTH, "height": 900}, color_scheme="light")
+        page.goto(report.as_uri())
+        page.add_style_tag(content=APART)
+        box = page.locator(f"#{budget}").bounding_box()
+        assert box is not None
+        height = round(box["y"] + box["height"]) + 8
+        png = page.screenshot(clip={"x": 0, "y": 0, "width": WIDTH, "height": height}, full_page=True)
+        browser.close()
+    return with_digest(png, digest(report.read_text(encoding="utf-8"), budget))

@@ -1,0 +1,51 @@
+"""Every picture of a report on a page shows what the report has now."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from pathlib import Path
+
+import pytest
+
+from tests.docs.photographs import Photograph, digest, digest_in, photographs, with_digest, written
+
+
+@pytest.mark.long  # commands are processes of their own, in which nothing counts lines
+@pytest.mark.parametrize("photograph", [*photographs()], ids=lambda photograph: photograph.file.stem)
+def test_a_photograph_is_of_the_report_as_it_is(photograph: Photograph, tmp_path: Path) -> None:
+    report = written(photograph, tmp_path).read_text(encoding="utf-8")
+    assert digest_in(photograph.file.read_bytes()) == digest(report, photograph.budget), (
+        "run `python -m tests.docs.update` and look at it"
+    )
+
+
+def test_there_is_one() -> None:
+    assert [photograph.file.name for photograph in photographs()] == ["report.png"]
+
+
+def test_a_digest_is_read_back_and_leaves_the_picture_whole() -> None:
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    head = b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 1, 1, 8, 0, 0, 0, 0))
+    rest = chunk(b"IDAT", zlib.compress(b"\0\0")) + chunk(b"IEND", b"")
+    value = "0123456789abcdef" * 4
+    marked = with_digest(head + rest, value)
+    assert marked.startswith(head) and marked.endswith(rest)
+    assert marked[len(head) : -len(rest)] == chunk(b"tEXt", b"Source digest\0" + value.encode())
+    assert digest_in(marked) == value and digest_in(head + rest) == ""
+
+
+PAGE = (
+    '<style>{style}</style><dl class="provenance">{commit}</dl><ul class="failures"><li>{why}</li></ul>'
+    '<section class="budget" id="c1b1">{one}</section><section class="budget" id="c1b2">{two}</section>'
+    "<script>x</script>"
+)
+SAID = {"style": "a", "commit": "1", "why": "late", "one": "7", "two": "8"}
+
+
+@pytest.mark.parametrize(("part", "counts"), [("style", 1), ("why", 1), ("one", 1), ("commit", 0), ("two", 0)])
+def test_a_photograph_is_out_of_date_by_what_it_shows_and_nothing_else(part: str, counts: int) -> None:
+    before, after = (digest(PAGE.format(**said), "c1b1") for said in (SAID, SAID | {part: "other"}))
+    assert (before != after) == bool(counts)

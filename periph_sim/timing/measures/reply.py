@@ -35,7 +35,8 @@ class _Occasion:
     window: int
     since: int = NO_TIME
     came: list[int] = field(default_factory=list)
-    ended: int = NO_TIME  # with its last character
+    first: int = NO_TIME  # begin of the first character
+    ended: int = NO_TIME  # with its last one
     wrong_at: int = NO_TIME
 
 
@@ -86,6 +87,8 @@ class Reply(Measure):
         if occasion is None or begin < occasion.window:
             return
         came = occasion.came
+        if not came:
+            occasion.first = begin
         came.append(value if good else BAD + value)
         right = tuple(came) == expected.characters[: len(came)]
         if expected.anywhere:
@@ -142,6 +145,8 @@ class Reply(Measure):
         expected = self._what
         came = expected.show(tuple(occasion.came))
         wanted = f"{expected.show(expected.characters)} was expected from {expected.source}"
+        if not expected.anywhere and occasion.since != NO_TIME and occasion.first > occasion.since + expected.within:
+            return f"{wanted}, but nothing came in time"
         if occasion.wrong_at != NO_TIME:
             at = (occasion.wrong_at - self._began) / self._per_second
             return f"{wanted}, but {came} came, whose first wrong character ended at {at:.6f} s"

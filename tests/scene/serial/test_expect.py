@@ -85,6 +85,14 @@ def test_another_reply_or_none_is_told_with_what_came(replies: dict[bytes, bytes
     assert verdict.found in legend([verdict])[0]
 
 
+def test_what_comes_long_after_is_not_taken_for_the_reply():
+    other = {"text": "x", "at": "2500 us", "name": "other"}
+    (verdict,) = judged({b"ask\nx": b"NO"}, [*ASK, other], {"text": "OK", "within": "1 ms"})
+    assert verdict.found == "'OK' was expected from SCI-A, but nothing came in time"
+    (verdict,) = judged({b"ask\nx": b"OK"}, [*ASK, other], {"text": "OK", "within": "1 ms"})
+    assert verdict.verdict == "fail" and verdict.worst > 2000 and not verdict.found  # the right one, but late
+
+
 def test_bytes_are_shown_as_bytes_and_bad_ones_marked():
     (verdict,) = judged({b"ask\n": b"\x15"}, ASK, {"bytes": "06"})
     assert "06 was expected from SCI-A, but 15 came" in verdict.found

@@ -6,11 +6,13 @@ from typing import Any
 
 import pytest
 
+from periph_sim.bus.uart.reader import Heard
 from periph_sim.commands.result_text import legend
 from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_sci
+from periph_sim.scene.serial.triggers import TextTrigger
 from periph_sim.timing.verdicts import Verdict
-from tests.scene.serial.programs import answers, scene, send, unit
+from tests.scene.serial.programs import answers, says, scene, send, unit
 
 CHARACTER = 10 / 0.1152  # us at 115200 baud
 
@@ -196,3 +198,25 @@ def test_a_wrong_baud_rate_of_the_firmware_is_found():
     }
     run = scene({"dsp": answers("SCI-A", {b"U": b"U"}, brr=81)}, unit={"dsp": unit("SCI-A")}, serial=table)
     assert [v.verdict for v in run.run().budgets] == ["fail"]
+
+
+def test_a_character_under_way_when_it_is_asked_for_is_no_part_of_it():
+    table = {"expect": [{"name": "told", "from": "SCI-A", "at": "60 us", "text": "b", "within": "1 ms"}]}
+    run = scene({"dsp": says("SCI-A", b"ab")}, unit={"dsp": unit("SCI-A")}, serial=table, duration="2 ms")
+    assert [(v.verdict, v.count) for v in run.run().budgets] == [("pass", 1)]
+
+
+def test_frames_of_address_bit_mode_are_read_with_their_address_bit():
+    budget = [{"name": "two", "measure": "count of frame TX end", "exactly": 2}]
+    budget += [{"name": "second", "measure": "count of frame TX 0x32", "exactly": 1}]
+    program = says("SCI-A", b"12", sciccr=0x0F)
+    result = scene({"dsp": program}, unit={"dsp": unit("SCI-A")}, budget=budget, duration="1 ms").run()
+    assert [v.verdict for v in result.budgets] == ["pass", "pass"]
+
+
+def test_a_bad_character_is_no_part_of_a_text():
+    happened: list[int] = []
+    trigger = TextTrigger(b"OK", happened.append)
+    for number, (value, good) in enumerate([(0x4F, True), (0x4B, False), (0x4B, True), (0x4F, True), (0x4B, True)]):
+        trigger.character(Heard(number, number, value, good, 0))
+    assert happened == [4]

@@ -106,8 +106,7 @@ class RegisterDevice:
         return True
 
     def on_end(self, stop: bool, whole: bool) -> None:
-        """Half of a register that was written is dropped."""
-        self._taken = None
+        """Half of a register that was written is dropped when it is addressed again."""
 
     def _write(self, table: RegisterTable, value: int) -> None:
         fixed, clears = table.mask(table.read_only), table.mask(table.write_1_clears)

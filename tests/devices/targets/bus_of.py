@@ -18,10 +18,17 @@ FAST = BusTiming(low=1300, high=1200, hold=300, start_hold=600, start_setup=600,
 
 
 class Bus:
-    """folder: of the case. device: the [device.NAME] tables."""
+    """folder: of the case. faults: its [[fault]] tables. device: its [device.NAME] tables."""
 
-    def __init__(self, folder: Path | None = None, seed: int = 0, **device: dict[str, Any]) -> None:
-        case = Case.model_validate({"name": "devices", "duration": "1 s", "seed": seed, "device": device})
+    def __init__(
+        self,
+        folder: Path | None = None,
+        seed: int = 0,
+        faults: tuple[dict[str, Any], ...] = (),
+        **device: dict[str, Any],
+    ) -> None:
+        tables = {"name": "devices", "duration": "1 s", "seed": seed, "fault": faults, "device": device}
+        case = Case.model_validate(tables)
         if folder is not None:
             case = case.from_source(Source(folder / "case.toml", ""))
         self.scene = Scene(case)

@@ -101,6 +101,14 @@ def test_a_write_that_a_start_ends_is_not_stored():
     assert bus.scene.devices["eeprom"].target.memory[0] == 0xFF
 
 
+def test_a_write_that_a_stop_cuts_in_the_middle_of_a_byte_is_not_stored():
+    cut = {"kind": "condition", "condition": "STOP", "at": "100 us", "late": "500 ns"}  # in the second byte of data
+    bus = Bus(faults=(cut,), eeprom={"model": "24lc64"})
+    bus.do("50 W 00 00 ff ff")
+    assert bus.notes("eeprom") == ["the write at 0x0000 is not stored: a STOP in the middle of a byte ended it"]
+    assert bus.do("50 W") == "50"  # nothing is written, so nobody has to wait
+
+
 def test_block_bits_of_the_device_address_are_the_upper_word_address():
     bus = eeprom("24c16")
     bus.do("53 W 10 77")

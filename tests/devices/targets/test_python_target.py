@@ -75,7 +75,7 @@ class Device:
 
 
 def test_it_knows_the_time_stretches_calls_later_and_notes(tmp_path: Path):
-    bus = device(tmp_path, ALL, first=9)
+    bus = device(tmp_path, ALL, first=9, stretch={"length": "10 us", "access": "write"})  # the longer one counts
     assert bus.do("42 W 01 Sr 42 R 1") == "42 01 Sr 42 09"
     phase = bus.last.phases[0]
     assert phase.stretch == 40 * US - 1300  # from the fall of SCL, of which the controller holds 1.3 us itself

@@ -136,6 +136,11 @@ def test_the_interrupt_pin_follows_its_bits(active: str):
     idle = wire.level
     scene.kernel.run_until(per_ms)
     assert (idle, wire.level) == ((1, 0) if active == "low" else (0, 1)) and before == 1
+    target = scene.devices["it"].target
+    reply = target.answer(0x48 << 1 | 1)
+    assert reply is not None and reply.sends(0) == 1
+    scene.kernel.run_until(per_ms + 1)
+    assert wire.level == idle  # STATUS was read
 
 
 def test_data_ready_is_set_with_each_update_and_cleared_by_its_read():

@@ -13,6 +13,19 @@ INPUTS = ("SDAA", "SCLA", "SCIRXDA", "SCIRXDB", "SCIRXDC")
 OUTPUTS = ("SDAA", "SCLA", "SCITXDA", "SCITXDB", "SCITXDC")
 OPEN_DRAIN = ("SDAA", "SCLA")
 
+# Modules that are not modelled, by the begin of their signals' names.
+MODULES = {
+    "EPWM": "ePWM",
+    "TZ": "ePWM",
+    "ECAP": "eCAP",
+    "EQEP": "eQEP",
+    "CAN": "eCAN",
+    "SPI": "SPI",
+    "M": "McBSP",
+    "ADC": "ADC",
+    "X": "XINTF",
+}
+
 # What an input shows with no pin, or more than one, given to it (Table 46); all others show 1.
 IDLE_LOW = ("SPISTEA", "EPWMSYNCI")
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...core.chip import Note
-from .pin_mux_table import FUNCTIONS, IDLE_LOW, INPUTS, OUTPUTS
+from .pin_mux_table import FUNCTIONS, IDLE_LOW, INPUTS, MODULES, OUTPUTS
 
 
 def function(pin: int, mux: int) -> str:
@@ -61,5 +61,10 @@ def note_for(pin: int, mux: int) -> Note | None:
         text = f"GPIO{pin} is multiplexed to the reserved value {mux}; choose a value the table names"
         return Note("duty", text, "SPRUFB0D section 6.5, note")
     text = f"GPIO{pin} is given to {name}, which is not modelled: the pin stays high-impedance"
-    joint = "pins are given to functions that are not modelled, and stay high-impedance"
+    joint = f"pins are given to {module_of(name)}, which is not modelled, and stay high-impedance"
     return Note("unknown", text, "SPRUFB0D Tables 47 to 49", joint, f"GPIO{pin} ({name})")
+
+
+def module_of(signal: str) -> str:
+    """The module of a signal of the pin table, as the manual calls it."""
+    return next(module for prefix, module in MODULES.items() if signal.startswith(prefix))

@@ -1,0 +1,28 @@
+"""Notes of pins that are given to what is not modelled: one for a module, whatever the number of its pins."""
+
+from __future__ import annotations
+
+from periph_sim.core.chip import joined
+from periph_sim.f28335.gpio.pin_mux_table import FUNCTIONS, INPUTS, OUTPUTS
+from periph_sim.f28335.gpio.routes import module_of, note_for
+
+
+def test_every_signal_that_is_not_modelled_has_a_module():
+    names = {name for row in FUNCTIONS for name in row} - {"", "GPIO", *INPUTS, *OUTPUTS}
+    assert {module_of(name) for name in names} == {"ePWM", "eCAP", "eQEP", "eCAN", "SPI", "McBSP", "ADC", "XINTF"}
+    assert [module_of(name) for name in ("TZ1", "MFSXB", "EPWMSYNCO", "XREADY")] == ["ePWM", "McBSP", "ePWM", "XINTF"]
+
+
+def test_pins_of_one_module_are_one_note():
+    """XINTF as TI's InitXintf gives it its pins, and two of SPI."""
+    notes = [note_for(pin, 3) for pin in range(28, 88) if FUNCTIONS[pin][2].startswith("X")]
+    told = joined((0, note) for note in [*notes, note_for(16, 1), note_for(17, 1)] if note is not None)
+    texts = [note.text for _, note in told]
+    assert len(notes) > 42 and len(texts) == 2
+    assert texts[0].startswith(
+        "pins are given to XINTF, which is not modelled, and stay high-impedance: GPIO28 (XZCS6), "
+    )
+    assert (
+        texts[-1]
+        == "pins are given to SPI, which is not modelled, and stay high-impedance: GPIO16 (SPISIMOA), GPIO17 (SPISOMIA)"
+    )

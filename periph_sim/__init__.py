@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from .scene.firmware_loader import Firmware
     from .scene.result import Result
     from .scene.scene import Scene
-    from .timing.verdicts import Verdict
+    from .timing.verdict import Verdict
     from .traces.capture.capture import BadCapture, Capture
     from .traces.formats import read as read_capture
     from .traces.formats import write as write_capture
@@ -80,7 +80,7 @@ _HOMES = {
     "scene.firmware_loader": ("Firmware",),
     "scene.result": ("Result",),
     "scene.scene": ("Scene",),
-    "timing.verdicts": ("Verdict",),
+    "timing.verdict": ("Verdict",),
     "traces.capture.capture": ("BadCapture", "Capture"),
 }
 _OTHER_NAMES = {"read_capture": ("traces.formats", "read"), "write_capture": ("traces.formats", "write")}

@@ -13,7 +13,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from .core.settings import duration
-from .explain.bound.phases import judge_phases
+from .explain.bound.verdict_proof import prove_verdicts
 from .records.recording import recording
 from .scene.case.error_text import explain
 from .scene.case.load import apply, load
@@ -72,7 +72,7 @@ def run(
         scene = Scene(case, subscribe, firmware)
         result = scene.run(length)
         ended_at(scene.kernel.now)
-    judge_phases(scene, result.budgets)
+    prove_verdicts(scene, result.budgets)
     return result
 
 

@@ -198,7 +198,7 @@ LEGEND = "columns count budgets; must break: named in `breaks`; baseline: change
 
 def _table(checks: list[CaseCheck], refused: list[RejectedCase]) -> Table:
     """A row a case: how many budgets have each verdict, and what the baseline says."""
-    from ..timing.verdicts import BROKEN, EVERY_PHASE, NOT_JUDGED, SEEN
+    from ..timing.verdict import BROKEN, EVERY_PHASE, NOT_JUDGED, SEEN
     from .tables import plain_table
 
     table = plain_table()

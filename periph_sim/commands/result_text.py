@@ -11,7 +11,7 @@ from rich.table import Table
 from ..scene.case.model import Case
 from ..scene.result import SKIPPED, Result
 from ..timing.format_value import broken, figure, limit, simulated
-from ..timing.verdicts import EVERY_PHASE, FAIL, NOT_JUDGED, PASS, SEEN, Verdict
+from ..timing.verdict import EVERY_PHASE, FAIL, NOT_JUDGED, PASS, SEEN, Verdict
 from .assumptions import assumptions
 from .tables import WIDTH, plain_table, say
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from ..explain.bound.phases import judge_phases
+from ..explain.bound.verdict_proof import prove_verdicts
 from ..explain.chain import Chain
 from ..explain.explain import explain as explained
 from ..explain.text_report import as_json as chain_as_json
@@ -19,7 +19,7 @@ from ..scene.case.load import load
 from ..scene.project import project_of
 from ..scene.result import Result
 from ..scene.scene import Scene
-from ..timing.verdicts import EVERY_PHASE
+from ..timing.verdict import EVERY_PHASE
 from ..traces.formats.atomic_write import atomic_write
 from .command_line import command_line
 from .input_options import GUARANTEED, apart, length_given
@@ -71,7 +71,7 @@ def run(
         with progress(loaded.name) as told:
             result = scene.run(length, told)
         ended_at(scene.kernel.now)
-        judge_phases(scene, result.budgets)
+        prove_verdicts(scene, result.budgets)
         chains = _chains(scene, result, length) if explain else {}
         if unfinished is not None:
             from ..reports.html import case_report, page

@@ -17,7 +17,7 @@ from .usage_error import usage_errors_in_one_sentence
 
 if TYPE_CHECKING:
     from ..explain.explain import Explained
-    from ..timing.verdicts import Verdict
+    from ..timing.verdict import Verdict
 
 MOST = 100  # columns of a picture
 

@@ -20,7 +20,7 @@ from ..core.chip import Note
 from ..core.settings import duration
 from ..core.wire import Wire
 from ..processor.error_origin import FirmwareError, Misuse, raised_at
-from .targets import Place
+from .targets import TargetContext
 
 
 class DevicePin:
@@ -44,7 +44,7 @@ class DevicePin:
 class DeviceBus:
     """random: its own, equal in every run of one case."""
 
-    def __init__(self, place: Place, per_second: int) -> None:
+    def __init__(self, place: TargetContext, per_second: int) -> None:
         self.random: Random = place.random
         self._place = place
         self._per_second = per_second

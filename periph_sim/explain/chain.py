@@ -12,12 +12,12 @@ from pathlib import Path
 
 from ..core.time import Timebase
 from ..processor.source_location import SourceLocation
-from ..timing.verdicts import Verdict
+from ..timing.verdict import Verdict
 from .cpu_activity import Doing, Stretch, phrase
 
 
 @dataclass(frozen=True)
-class Place:
+class FirmwarePlace:
     """A place in the firmware. file: None where only a recording says it. line: from 1."""
 
     function: str
@@ -34,12 +34,12 @@ class Place:
         return f"{self.file.name if self.file else self.function}:{self.line}"
 
 
-def place_of(where: str) -> Place | None:
+def place_of(where: str) -> FirmwarePlace | None:
     """The place that a record's text names; None if it names none."""
     function, _, line = where.rpartition(":")
     if not function or not line.isdecimal():
         return None
-    return Place(function, int(line), Path(where.path) if isinstance(where, SourceLocation) else None)
+    return FirmwarePlace(function, int(line), Path(where.path) if isinstance(where, SourceLocation) else None)
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Step:
     at: int
     what: str
     length: int | None = None
-    place: Place | None = None
+    place: FirmwarePlace | None = None
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Part:
     what: str
     length: int
     count: int = 1
-    place: Place | None = None
+    place: FirmwarePlace | None = None
 
     def __str__(self) -> str:
         return phrase(self.doing, self.what)

@@ -15,7 +15,7 @@ from ..core.records import Kind, Record
 from ..devices.targets import eeprom
 from ..records.record_text import BusByte, bus_byte, happened
 from ..scene.case.model import Case
-from .chain import Chain, Part, Place, Step, place_of
+from .chain import Chain, FirmwarePlace, Part, Step, place_of
 from .cpu_activity import DOING, Episode, Stretch, episodes, open_at, phrase, timeline, units
 from .window import Window
 
@@ -72,7 +72,7 @@ class Evidence:
         top = stack[-1]
         return f"{phrase(DOING[top.kind], top.what)}, begun {self.span(tick - top.tick)} before"
 
-    def place_at(self, tick: int) -> Place | None:
+    def place_at(self, tick: int) -> FirmwarePlace | None:
         part = self.blame_at(tick)
         return None if part is None else part.place
 
@@ -227,7 +227,7 @@ class Evidence:
         place = place_of(record.text) if record.kind in IN_FIRMWARE else None
         return self.say(record.tick, what or happened(record), length, place)
 
-    def say(self, tick: int, what: str, length: int | None = None, place: Place | None = None) -> Step:
+    def say(self, tick: int, what: str, length: int | None = None, place: FirmwarePlace | None = None) -> Step:
         return Step(tick - self.window.begin, what, length, place)
 
     def told(self, one: Episode, end: int) -> Step:

@@ -18,7 +18,7 @@ from ..timing.language.language import is_form, measure_of
 from ..timing.measures.factory import make_of_events
 from ..timing.measures.race import RegisterMeasure
 from ..timing.measures.registry import REPLY, SPAN
-from ..timing.verdicts import Verdict
+from ..timing.verdict import Verdict
 from ..traces.capture.capture import Span
 from ..traces.drawing.capture_lanes import bit_of
 from . import bus_chain as of_bus

@@ -14,8 +14,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..timing.format_value import in_words, instant, percentile
-from ..timing.verdicts import Verdict
-from .chain import Chain, Part, Place
+from ..timing.verdict import Verdict
+from .chain import Chain, FirmwarePlace, Part
 
 MOST_PARTS = 6
 
@@ -99,7 +99,7 @@ def _json_part(chain: Chain, part: Part) -> dict[str, object]:
     return told | _place(part.place)
 
 
-def _place(place: Place | None) -> dict[str, object]:
+def _place(place: FirmwarePlace | None) -> dict[str, object]:
     if place is None:
         return {}
     file = {} if place.file is None else {"file": relative(place.file).as_posix()}

@@ -21,7 +21,7 @@ from ..core.time import Timebase
 from ..scene.case.model import Case
 from ..scene.firmware_loader import Firmware
 from ..scene.scene import Scene
-from ..timing.verdicts import Verdict
+from ..timing.verdict import Verdict
 from ..traces.capture.capture import Capture, Channel, Span, channel_of
 from ..traces.drawing.capture_lanes import bit_of
 from ..traces.formats.record_table import RecordTable

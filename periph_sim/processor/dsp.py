@@ -41,7 +41,7 @@ from ..f28335.system import clocks_map
 from ..f28335.system import cpu_timer_map as timer_map
 from ..f28335.system.clocks import WDRST_CYCLES, SystemControl
 from ..f28335.system.cpu_timer import TINT0_PIE, TINT1_CPU, TINT2_CPU, CpuTimer
-from ..f28335.system.memory_map import AddressMap, Frame, Place
+from ..f28335.system.memory_map import AddressMap, Frame, ModuleRange
 from ..f28335.system.options import SystemOptions
 from .cpu import Cpu
 from .firmware_view import End, FirmwareView
@@ -192,7 +192,7 @@ class Dsp(FirmwareView):
         if self.plan.strict:
             socket.on_note = partial(self._noted, socket.name)
         self._sockets[name] = socket
-        self.memory.add(Place(name, base, size, frame, socket))
+        self.memory.add(ModuleRange(name, base, size, frame, socket))
 
     def _noted(self, who: str, cycle: int, note: Note) -> None:
         self.cpu.insist(note, who)

@@ -28,7 +28,7 @@ NAME_OF = {address: name for name, address in VECTORS.items()}
 Handler = Callable[[], None]
 
 
-class Interrupts(CpuTime):
+class InterruptibleCpu(CpuTime):
     """handlers: service routines by vector. spin_now: the wait in progress.
 
     busy_cycles: spent in computations and service routines, not in waits.

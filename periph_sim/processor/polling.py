@@ -12,7 +12,7 @@ from typing import NamedTuple, Protocol
 from ..core.chip import NEVER
 from ..core.registers import Field, Register
 from ..core.socket import Socket
-from ..f28335.system.memory_map import WORDS_MASK, Place
+from ..f28335.system.memory_map import WORDS_MASK, ModuleRange
 
 Peek = Callable[[int, int], int]  # cycle and offset to what a debugger reads
 
@@ -20,7 +20,7 @@ Peek = Callable[[int, int], int]  # cycle and offset to what a debugger reads
 class Poll(NamedTuple):
     """One read made in a pass of a spin: where, what, and when its value was taken."""
 
-    place: Place
+    place: ModuleRange
     register: Register
     words: int
     field: Field | None  # what firmware looked at; None: all of these words

@@ -28,9 +28,9 @@ from ..f28335.cpu.compiled_code_costs import CodeCosts
 from ..f28335.cpu.interrupts import CpuInterrupts
 from ..f28335.cpu.pie import Pie
 from ..f28335.cpu.pie_map import PIEACK
-from ..f28335.system.memory_map import BOTH, HIGH, LOW, WRITE_TO_READ, AddressMap, Frame, Place, WaitStates
+from ..f28335.system.memory_map import BOTH, HIGH, LOW, WRITE_TO_READ, AddressMap, Frame, ModuleRange, WaitStates
 from ..f28335.system.options import SystemOptions
-from .interrupts import Interrupts
+from .interrupts import InterruptibleCpu
 from .polling import Poll, Spin
 from .source_location import SourceLocation
 
@@ -39,7 +39,7 @@ class Posted(NamedTuple):
     """A write on its way. named, where, cause: of the instruction that issued it."""
 
     lands: int
-    place: Place
+    place: ModuleRange
     register: Register
     value: int
     words: int
@@ -48,7 +48,7 @@ class Posted(NamedTuple):
     cause: int
 
 
-class RegisterAccess(Interrupts):
+class RegisterAccess(InterruptibleCpu):
     """memory: the modules by address."""
 
     __slots__ = (
@@ -96,7 +96,7 @@ class RegisterAccess(Interrupts):
 
     # Reads -------------------------------------------------------------------
 
-    def read(self, place: Place, register: Register, words: int = LOW, looked_at: Field | None = None) -> int:
+    def read(self, place: ModuleRange, register: Register, words: int = LOW, looked_at: Field | None = None) -> int:
         """The value of these words of the register, each in its place; costs one cycle and the frame's wait states."""
         spin = self.spin_now
         if spin is None:
@@ -136,7 +136,7 @@ class RegisterAccess(Interrupts):
         value = self.read(place, register, words)
         return value >> 16 if words == HIGH else value
 
-    def _wait_for_writes(self, place: Place, register: Register, spin: Spin | None) -> None:
+    def _wait_for_writes(self, place: ModuleRange, register: Register, spin: Spin | None) -> None:
         """Write-to-read protection: a read waits until earlier writes to the block, or to its register, are done."""
         free = self._free_from if place.protected_block else self._free_of.get(place.base + register.offset, 0)
         if self.cycle < free:
@@ -144,7 +144,7 @@ class RegisterAccess(Interrupts):
                 spin.hold_up(free - self.cycle)
             self._go_to(free)
 
-    def _fetch_recorded(self, place: Place, register: Register, words: int, named: Field | None) -> int:
+    def _fetch_recorded(self, place: ModuleRange, register: Register, words: int, named: Field | None) -> int:
         outer = self._recorder.cause
         seen = self._peek(place.socket, register, words)  # recorded before the read, which causes what it sets off
         self._recorder.cause = self._record("R", place, register, seen, named, self._places.now(2))
@@ -166,7 +166,7 @@ class RegisterAccess(Interrupts):
 
     # Writes ------------------------------------------------------------------
 
-    def write(self, place: Place, register: Register, value: int, words: int = LOW) -> None:
+    def write(self, place: ModuleRange, register: Register, value: int, words: int = LOW) -> None:
         """Write these words of a register, each in its place in `value`; costs one cycle and the frame's wait states.
 
         Ignored where EALLOW protects the register.
@@ -181,7 +181,7 @@ class RegisterAccess(Interrupts):
             self.core.wrote_pieack(at)
         self.instruction(1)
 
-    def modify(self, place: Place, register: Register, f: Field, number: int, words: int = LOW) -> None:
+    def modify(self, place: ModuleRange, register: Register, f: Field, number: int, words: int = LOW) -> None:
         """A bit-field write as the compiler makes it: one instruction that reads the word with the field and writes it.
 
         It costs what a read costs; the write lands while the CPU goes on.
@@ -210,7 +210,7 @@ class RegisterAccess(Interrupts):
         else:
             self.spin_now.pure = False
 
-    def _post(self, place: Place, register: Register, value: int, words: int, named: Field | None) -> None:
+    def _post(self, place: ModuleRange, register: Register, value: int, words: int, named: Field | None) -> None:
         """Send a write on its way, issued in this cycle."""
         at = self.cycle
         lands = at + self._write_lands
@@ -252,7 +252,7 @@ class RegisterAccess(Interrupts):
 
     # Both --------------------------------------------------------------------
 
-    def _at(self, address: int, width: int) -> tuple[Place, Register, int]:
+    def _at(self, address: int, width: int) -> tuple[ModuleRange, Register, int]:
         """The register at an address, and which words of it an access there moves: 32 bits begin at an even one."""
         if width == 32:
             place, register, _ = self.memory.find(address & ~1)
@@ -260,7 +260,7 @@ class RegisterAccess(Interrupts):
         place, register, half = self.memory.find(address)
         return place, register, HIGH if half else LOW
 
-    def _too_wide(self, place: Place, register: Register) -> bool:
+    def _too_wide(self, place: ModuleRange, register: Register) -> bool:
         """Frame 2 has 16-bit accesses only: a wider one is not performed, and noted."""
         if place.frame is not Frame.PF2:
             return False
@@ -273,6 +273,8 @@ class RegisterAccess(Interrupts):
         """True if any subscriber records accesses to this register."""
         return self._recorded is None or register.name in self._recorded or register.upper in self._recorded
 
-    def _record(self, way: str, place: Place, register: Register, value: int, named: Field | None, where: str) -> int:
+    def _record(
+        self, way: str, place: ModuleRange, register: Register, value: int, named: Field | None, where: str
+    ) -> int:
         what, field = f"{way} {place.name}.{register.name}", "" if named is None else named.name
         return self._recorder.emit(self._clock.tick(self.cycle), Kind.ACCESS, self.name, what, value, where, field)

@@ -15,7 +15,7 @@ from operator import index
 
 from ..core.registers import Field, Register
 from ..core.suggest import did_you_mean
-from ..f28335.system.memory_map import BOTH, HIGH, LOW, Place
+from ..f28335.system.memory_map import BOTH, HIGH, LOW, ModuleRange
 from .cpu import Cpu
 from .error_origin import Misuse
 
@@ -43,7 +43,7 @@ class RegisterPort:
             raise
 
 
-def register_port(cpu: Cpu, place: Place, register: Register) -> RegisterPort:
+def register_port(cpu: Cpu, place: ModuleRange, register: Register) -> RegisterPort:
     """The port of one register."""
     where = f"{place.name}.{register.name}"
     names = tuple(f.name for f in register.fields)
@@ -64,7 +64,7 @@ def _port(where: str, names: tuple[str, ...], ports: Mapping[str, object]) -> Re
     return port
 
 
-def _words_port(cpu: Cpu, place: Place, register: Register, words: int) -> property:
+def _words_port(cpu: Cpu, place: ModuleRange, register: Register, words: int) -> property:
     read, write, shift = cpu.read, cpu.write, 16 if words == HIGH else 0
 
     def value(port: RegisterPort) -> int:
@@ -80,7 +80,7 @@ def _words_port(cpu: Cpu, place: Place, register: Register, words: int) -> prope
     return property(value, assign)
 
 
-def _field_port(cpu: Cpu, place: Place, register: Register, f: Field) -> property:
+def _field_port(cpu: Cpu, place: ModuleRange, register: Register, f: Field) -> property:
     read, modify, mask, lsb = cpu.read, cpu.modify, f.mask, f.lsb
     most = mask >> lsb
     words = (LOW if mask & 0xFFFF else 0) | (HIGH if mask >> 16 else 0)
@@ -110,7 +110,7 @@ def _fitting(value: object, most: int, where: str) -> int:
 class ModulePort:
     """One module's registers by name. A port is made as it is first named: firmware uses a few of a hundred."""
 
-    def __init__(self, cpu: Cpu, place: Place) -> None:
+    def __init__(self, cpu: Cpu, place: ModuleRange) -> None:
         self._cpu = cpu
         self._place = place
         self._registers = {r.name: r for r in place.socket.chip.MAP}

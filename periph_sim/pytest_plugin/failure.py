@@ -13,7 +13,7 @@ from ..explain.picture import text_picture
 from ..explain.text_report import text
 from ..explain.window import Window
 from ..timing.format_value import figure, instant, limit
-from ..timing.verdicts import Verdict
+from ..timing.verdict import Verdict
 from .figures import aligned
 from .runs import Run
 

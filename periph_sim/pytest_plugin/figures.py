@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ..timing.verdicts import Verdict
+    from ..timing.verdict import Verdict
 
 HEAD = "periph-sim/"
 FIRST = "verdict"  # the figure that each budget's begin with

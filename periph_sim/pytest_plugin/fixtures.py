@@ -21,7 +21,7 @@ from ..scene.case.load import apply, load
 from ..scene.case.model import BadCase, Case
 from ..scene.case.origin import Source
 from ..scene.firmware_loader import Firmware
-from ..timing.verdicts import Verdict
+from ..timing.verdict import Verdict
 from . import current
 from .figures import told
 from .runs import Plan, Run, run_plan

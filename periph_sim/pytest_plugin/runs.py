@@ -15,7 +15,7 @@ from ..bus.i2c.controller import Transfer
 from ..core.records import Kind, Recorder
 from ..core.suggest import did_you_mean
 from ..core.time import Timebase
-from ..explain.bound.phases import judge_phases
+from ..explain.bound.verdict_proof import prove_verdicts
 from ..explain.chain import Chain
 from ..explain.explain import chain_of, explain
 from ..explain.window import Window, windows_of_edges, windows_of_table
@@ -24,7 +24,7 @@ from ..scene.case.model import Case
 from ..scene.firmware_loader import Firmware
 from ..scene.result import Result
 from ..scene.scene import Scene
-from ..timing.verdicts import EVERY_PHASE, Verdict
+from ..timing.verdict import EVERY_PHASE, Verdict
 from ..traces.capture.capture import Capture
 from ..traces.formats.record_table import Columns, RecordTable
 
@@ -196,7 +196,7 @@ def run_plan(plan: Plan, told: Told, *, keep_edges: bool = False, record: bool =
     transfers: list[Transfer] = []
     scene.on_transfer(transfers.append)
     result = scene.run(plan.length)
-    judge_phases(scene, result.budgets)
+    prove_verdicts(scene, result.budgets)
     now, per_second = scene.kernel.now, Fraction(scene.timebase.per_second)
     return Run(
         plan=plan,

@@ -22,7 +22,7 @@ COARSEST = Fraction(1, 10**6)  # seconds: no instant is shown to fewer digits; w
 
 
 @dataclass(frozen=True)
-class Subject:
+class RecordedSignal:
     """A field, a wire, a span or an interrupt. where, what: as its records have them. unit: "" for a wire."""
 
     kind: Kind
@@ -35,7 +35,7 @@ class Subject:
     field: Field | None = None
 
 
-def asked(run: Run, question: str) -> tuple[Subject, int]:
+def asked(run: Run, question: str) -> tuple[RecordedSignal, int]:
     """Subject and tick. NotInRun says what is wrong with the question."""
     name, at, time = question.rpartition("@")
     if not at or not name.strip():
@@ -44,7 +44,7 @@ def asked(run: Run, question: str) -> tuple[Subject, int]:
     return subject, _tick(run, time, subject)
 
 
-def named(run: Run, name: str) -> Subject:
+def named(run: Run, name: str) -> RecordedSignal:
     """The one subject that a name means. NotInRun where there is none, or more than one."""
     known = subjects(run)
     wanted = _folded(name)
@@ -62,7 +62,7 @@ def named(run: Run, name: str) -> Subject:
     raise NotInRun(f"{run.name}: nothing in the run is called {name!r}; {_hint(known, name)}")
 
 
-def subjects(run: Run) -> list[Subject]:
+def subjects(run: Run) -> list[RecordedSignal]:
     """All that can be asked for."""
     found = []
     for unit, modules in run.units.items():
@@ -71,7 +71,7 @@ def subjects(run: Run) -> list[Subject]:
                 for f in register.fields:
                     what = f"{register.name}.{f.name}"
                     where = f"{unit}.{module}"
-                    found.append(Subject(Kind.FLAG, f"{where}.{what}", unit, where, what, module, register, f))
+                    found.append(RecordedSignal(Kind.FLAG, f"{where}.{what}", unit, where, what, module, register, f))
     table = run.table
     for kind in (Kind.EDGE, Kind.SPAN, Kind.IRQ):
         rows = run.rows(kind)
@@ -79,11 +79,11 @@ def subjects(run: Run) -> list[Subject]:
         rows = rows[np.sort(np.unique(codes, return_index=True)[1])]
         for place, thing in zip(table.texts("where", rows), table.texts("what", rows), strict=True):
             unit, name = ("", place) if kind is Kind.EDGE else (place, f"{place}.{thing}")
-            found.append(Subject(kind, name, unit, place, thing))
+            found.append(RecordedSignal(kind, name, unit, place, thing))
     return found
 
 
-def _tick(run: Run, text: str, subject: Subject) -> int:
+def _tick(run: Run, text: str, subject: RecordedSignal) -> int:
     """The tick that a time means: that of the change of the subject which is shown as this time, if there is one.
 
     Shown times are rounded, so the exact instant of a change may be a little later than what is typed for it.
@@ -112,7 +112,7 @@ def _last_digit(text: str) -> Fraction:
     return seconds(f"{zeros[:-1]}1{text.strip()[len(number) :]}") if zeros[-1:] == "0" else Fraction(1)
 
 
-def _hint(known: list[Subject], name: str) -> str:
+def _hint(known: list[RecordedSignal], name: str) -> str:
     """The nearest names, written with as many parts as the one given."""
     parts = name.count(".") + 1
     short = dict.fromkeys(".".join(s.name.split(".")[-parts:]) for s in known if s.name.count(".") + 1 >= parts)

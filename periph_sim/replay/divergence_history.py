@@ -15,7 +15,7 @@ from .history import FlagHistory
 
 
 @dataclass(frozen=True)
-class Place:
+class CaptureOrigin:
     """Where in a run the capture's time 0 is, and how long after an event its history is shown. Ticks."""
 
     scene: Scene
@@ -39,7 +39,7 @@ Run = Callable[[FlagHistory, int], None]  # the same run again, with this listen
 
 
 def with_history(
-    divergences: tuple[Divergence, ...], place: Place, unit: str, module: str, again: Run
+    divergences: tuple[Divergence, ...], place: CaptureOrigin, unit: str, module: str, again: Run
 ) -> list[Divergence]:
     """The same divergences, each with what the chip did around it."""
     if not divergences:

@@ -24,7 +24,7 @@ from ..scene.scene import Scene
 from ..traces.capture.capture import Capture
 from ..traces.decode import i2c as decode
 from .compare import Comparison, compare
-from .divergence_history import Place, with_history
+from .divergence_history import CaptureOrigin, with_history
 from .event_names import i2c_words
 from .history import FlagHistory
 from .i2c_script import controllers_half, hurried, moves, usual_hold
@@ -158,7 +158,7 @@ class I2cReplay:
         self._compared = expected, found
         outcome = compare(expected, found, tolerance)
         byte = int(9 * (part.low + part.high) * self._per_position)
-        place = Place(scene, self.origin, byte)
+        place = CaptureOrigin(scene, self.origin, byte)
         us = Fraction(1_000_000, scene.timebase.per_second)
         return Report(
             case=scene.case.name,

@@ -25,7 +25,7 @@ from ..traces.decode import i2c as decode
 from . import BadReplay
 from .as_master import as_master
 from .compare import compare
-from .divergence_history import Place, with_history
+from .divergence_history import CaptureOrigin, with_history
 from .event_names import i2c_words
 from .history import FlagHistory
 from .i2c_setup import HOLD, LEAD, PATIENCE, TAIL, events_of, played
@@ -129,7 +129,7 @@ class I2cMasterReplay:
         self._compared = was, came
         outcome = compare(was, came, self._tolerance)
         byte = int(9 * (part.low + part.high) * self._per_position)
-        place = Place(scene, self.origin, byte)
+        place = CaptureOrigin(scene, self.origin, byte)
         return Report(
             case=scene.case.name,
             capture=str(part.capture.path),

@@ -31,7 +31,7 @@ from ..scene.scene import Scene
 from ..traces.capture.capture import Capture, Channel
 from ..traces.decode import i2c as decode
 from .compare import TIMING, Divergence, compare
-from .divergence_history import Place, with_history
+from .divergence_history import CaptureOrigin, with_history
 from .event_names import i2c_words
 from .history import FlagHistory
 from .i2c_setup import LEAD, TAIL, Played, answering, played
@@ -230,7 +230,7 @@ class I2cOpenReplay:
             unjudged=own.unjudged,
             first_divergence=outcome.divergence,
             divergences=with_history(
-                ranked, Place(scene, self.origin, byte), self._answering.unit, "I2C-A", self._again
+                ranked, CaptureOrigin(scene, self.origin, byte), self._answering.unit, "I2C-A", self._again
             ),
             tolerance_us=float(tolerance * us),
             bytes=sum(isinstance(event, decode.Address | decode.Data) for event in events),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from ..timing.verdicts import Verdict
+from ..timing.verdict import Verdict
 from .compare import Divergence
 
 

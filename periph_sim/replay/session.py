@@ -25,8 +25,8 @@ from ..records.recording import Subscribe
 from ..scene.case.model import Case, Controller, RoundsTable
 from ..scene.scene import Scene
 from ..scene.uart_lines import line_of
-from ..timing.budgets import Limit
-from ..timing.verdicts import Verdict
+from ..timing.budgets import BudgetJudge
+from ..timing.verdict import Verdict
 from ..traces.capture.capture import Capture
 from ..traces.capture.gaps import gap_notes
 from ..traces.decode import uart
@@ -54,7 +54,7 @@ class SessionScene(Scene):
         super().__init__(case, subscribe)
         self.on_transfer(self._count_transfer)
 
-    def _check_needs(self, entry: int, limit: Limit) -> None:
+    def _check_needs(self, entry: int, limit: BudgetJudge) -> None:
         """The capture has both, controller and host; and the unit has SCI-A."""
 
     def on_frame(self, told: FrameTold) -> None:

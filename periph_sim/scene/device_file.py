@@ -12,7 +12,7 @@ from typing import Any
 
 from ..devices.device_bus import DeviceBus
 from ..devices.python_target import HOOKS, NEEDED, PythonTarget
-from ..devices.targets import Place
+from ..devices.targets import TargetContext
 from ..processor.error_origin import defined_at, flaw_of, raised_at
 from .case.device_tables import DeviceTable
 from .context import SceneContext
@@ -22,7 +22,7 @@ from .firmware_loader import BadSetting, filled
 CLASS = "Device"
 
 
-def device_of_file(context: SceneContext, name: str, table: DeviceTable, place: Place) -> PythonTarget:
+def device_of_file(context: SceneContext, name: str, table: DeviceTable, place: TargetContext) -> PythonTarget:
     """The device on its address. BadCase, with its line, if the file or its class cannot be had."""
 
     def mistake(what: str, *key: str | int) -> Exception:

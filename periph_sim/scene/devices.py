@@ -30,7 +30,7 @@ from ..core.settings import Table
 from ..core.suggest import did_you_mean
 from ..core.wire import Wire
 from ..devices.chips import chip_models
-from ..devices.targets import BadDevice, Place, Target, families
+from ..devices.targets import BadDevice, Target, TargetContext, families
 from .case.device_tables import BusParty, DeviceFault, DeviceTable, StretchTable
 from .case.error_text import complaint, place_of
 from .case.origin import Place as Key
@@ -69,7 +69,7 @@ class DeviceOnBus:
         self.name = name
         self.log = NoteLog(context, name)
         self.side: TargetSide | None = None
-        place = Place(
+        place = TargetContext(
             kernel=context.kernel,
             who=name,
             address=table.address,
@@ -158,7 +158,7 @@ def build_devices(context: SceneContext, known: Mapping[str, Wire], taken: Mappi
     return devices
 
 
-def _target(context: SceneContext, name: str, table: DeviceTable, place: Place) -> Target:
+def _target(context: SceneContext, name: str, table: DeviceTable, place: TargetContext) -> Target:
     case, model = context.case, table.model
     if model.endswith(".py"):
         return device_of_file(context, name, table, place)

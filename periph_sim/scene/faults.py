@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from random import Random
 
-from ..bus.faults import Kind, Place, kinds
+from ..bus.faults import FaultContext, FaultKind, kinds
 from ..core.suggest import did_you_mean
 from ..core.wire import Wire
 from ..processor.dsp import Dsp
@@ -55,7 +55,9 @@ def build_faults(context: SceneContext, known: Mapping[str, Wire], units: Mappin
         name = str(given.pop("kind", ""))
         kind = _kind(context, entry, name)
         who = f"fault {entry} ({name})"
-        place = Place(context.kernel, who, wires, context.ticks, context.start, Random(f"{context.case.seed} {who}"))
+        place = FaultContext(
+            context.kernel, who, wires, context.ticks, context.start, Random(f"{context.case.seed} {who}")
+        )
         try:
             kind.attach(filled(kind.Settings, given, f"fault {name}"), place)
         except BadSetting as error:
@@ -64,7 +66,7 @@ def build_faults(context: SceneContext, known: Mapping[str, Wire], units: Mappin
             raise context.case.mistake(str(error), "fault", entry) from None
 
 
-def _kind(context: SceneContext, entry: int, name: str) -> Kind:
+def _kind(context: SceneContext, entry: int, name: str) -> FaultKind:
     if not name:
         raise context.case.mistake(f"it has no kind; the kinds are {', '.join(kinds())}", "fault", entry)
     if name not in kinds():

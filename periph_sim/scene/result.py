@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from ..timing.verdicts import EVERY_PHASE, SEEN, Proof, Verdict
+from ..timing.verdict import EVERY_PHASE, SEEN, Proof, Verdict
 
 SKIPPED = "polls_skipped"  # the count that tells of the simulator, not of the case
 

@@ -36,13 +36,13 @@ from ..processor.firmware_view import End
 from ..sensors.host_frame import MotionFrames
 from ..sensors.models.parameters import Imu
 from ..timing.budget_schema import Budget
-from ..timing.budgets import BadBudget, Limit
+from ..timing.budgets import BadBudget, BudgetJudge
 from ..timing.language.scope import Scope
 from ..timing.measures.origins import Origins
 from ..timing.measures.reply import Expected, Reply
 from ..timing.measures.value import ValueDeviation
 from ..timing.rounds import Asked
-from ..timing.verdicts import Verdict
+from ..timing.verdict import Verdict
 from .bus_side import SPIKE, BusSide
 from .case.model import Case, RoundsTable
 from .case.wiring import wiring_of
@@ -158,16 +158,16 @@ class Scene:
 
     # Building ------------------------------------------------------------------
 
-    def _limit(self, entry: int, budget: Budget, scope: Scope) -> Limit:
+    def _limit(self, entry: int, budget: Budget, scope: Scope) -> BudgetJudge:
         if any(other.name == budget.name for other in self.case.budget[:entry]):
             what = f"there are two budgets {budget.name!r}; verdicts are known by name, so give one another name"
             raise self.case.mistake(what, "budget", entry, "name")
         try:
-            return Limit(budget, self.timebase, scope, self.start)
+            return BudgetJudge(budget, self.timebase, scope, self.start)
         except BadBudget as error:
             raise self.case.mistake(str(error), "budget", entry, *error.place) from None
 
-    def _check_needs(self, entry: int, limit: Limit) -> None:
+    def _check_needs(self, entry: int, limit: BudgetJudge) -> None:
         """A budget on what this scene cannot have would always hold: it is a mistake, not a pass."""
         there = {
             "": True,

@@ -8,7 +8,7 @@ from ..core.chip import joined
 from ..devices.chips.register_chip import RegisterChip
 from ..processor.dsp import Dsp
 from ..timing.measures.bus import WrongBytes
-from ..timing.verdicts import FAIL, NOT_JUDGED, PASS
+from ..timing.verdict import FAIL, NOT_JUDGED, PASS
 from .result import SKIPPED, Result
 
 if TYPE_CHECKING:

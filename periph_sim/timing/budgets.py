@@ -13,7 +13,7 @@ from .measures.combined import combine
 from .measures.event import EventCount
 from .measures.factory import measure_named
 from .measures.measure import MILLIONTHS, Measure
-from .verdicts import FAIL, NOT_JUDGED, PASS, Verdict
+from .verdict import FAIL, NOT_JUDGED, PASS, Verdict
 
 PER_MILLE = {"p50": 500, "p95": 950, "p99": 990, "p99_9": 999}
 
@@ -45,7 +45,7 @@ class _Seen:
     slack: int
 
 
-class Limit:
+class BudgetJudge:
     """One budget with its measure; `verdict` after the run. scope: what a measure of events may name.
 
     start: the tick at which the run begins. parts: this one, and one for each condition that is joined to it.
@@ -70,13 +70,13 @@ class Limit:
             for part in self.parts:
                 part.measure.keep()
 
-    def _joined(self, entry: int, timebase: Timebase, scope: Scope | None, start: int) -> Limit:
+    def _joined(self, entry: int, timebase: Timebase, scope: Scope | None, start: int) -> BudgetJudge:
         """A condition as a budget of its own."""
         given = self.budget.also[entry]
         try:
             name = f"{self.budget.name} and {given.measure}"
             table = {"name": name, "measure": given.measure, **given.limits()}
-            part = Limit(Budget.model_validate(table), timebase, scope, start)
+            part = BudgetJudge(Budget.model_validate(table), timebase, scope, start)
         except BadBudget as error:
             raise BadBudget(str(error), "and", entry, *error.place) from None
         for each in (self, part):
@@ -175,7 +175,7 @@ class Limit:
 
         Of joined conditions that which is broken, else that which is not judged, else the first; all of them in words.
         """
-        verdicts = [part._alone(start) for part in self.parts]
+        verdicts = [part._judge(start) for part in self.parts]
         shown = verdicts[self.parts.index(self.shown)]
         if len(verdicts) == 1:
             return shown
@@ -183,12 +183,12 @@ class Limit:
         return replace(shown, name=self.budget.name, why=self.budget.why, found="; ".join(told))
 
     @property
-    def shown(self) -> Limit:
+    def shown(self) -> BudgetJudge:
         """The condition that the verdict shows: the first one that is broken, else not judged; this one if all pass."""
-        words = [part._alone(0).verdict for part in self.parts]
+        words = [part._judge(0).verdict for part in self.parts]
         return next((self.parts[words.index(word)] for word in (FAIL, NOT_JUDGED) if word in words), self)
 
-    def _alone(self, start: int) -> Verdict:
+    def _judge(self, start: int) -> Verdict:
         measure = self.measure
         limits = {key: limit for key, limit in self._limits.items() if self._can_judge(key, limit)}
         silent = measure.silent or not limits

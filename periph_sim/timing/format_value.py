@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .verdicts import Verdict
+    from .verdict import Verdict
 
 PLAIN = ("count", "value")  # units that say nothing beside a number
 

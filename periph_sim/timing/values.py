@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .budgets import Limit
+from .budgets import BudgetJudge
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +31,7 @@ class Values:
     limits: dict[str, int]
 
 
-def values_of(limits: Iterable[Limit], start: int) -> list[Values | None]:
+def values_of(limits: Iterable[BudgetJudge], start: int) -> list[Values | None]:
     """Of each limit what its measure kept, None where that is nothing. start: the tick at which the run began.
 
     Of joined conditions that which the verdict shows.
@@ -39,7 +39,7 @@ def values_of(limits: Iterable[Limit], start: int) -> list[Values | None]:
     return [_values(limit, start) for limit in limits]
 
 
-def _values(limit: Limit, start: int) -> Values | None:
+def _values(limit: BudgetJudge, start: int) -> Values | None:
     shown = limit.shown
     kept = shown.measure.kept
     if kept is None or not len(kept[0]):

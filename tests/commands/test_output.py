@@ -11,10 +11,10 @@ from rich.console import Console
 
 from periph_sim.commands.result_text import budget_table, legend, rounded
 from periph_sim.commands.tables import terminal
-from periph_sim.explain.bound.phases import judge_phases
+from periph_sim.explain.bound.verdict_proof import prove_verdicts
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
-from periph_sim.timing.verdicts import EVERY_PHASE, FAIL, NOT_JUDGED, PASS, SEEN, Proof, Verdict, Word
+from periph_sim.timing.verdict import EVERY_PHASE, FAIL, NOT_JUDGED, PASS, SEEN, Proof, Verdict, Word
 from tests.commands.conftest import Run
 from tests.scene.runs import TIMING
 
@@ -40,7 +40,7 @@ def test_the_table_and_legend_of_every_shipped_case_fit_80_columns(name: str):
     """A run of two rounds, with the numbers of measurements that the baseline of the whole run has."""
     scene = Scene(load(TIMING / f"{name}.toml"))
     result = scene.run(Fraction(1, 20))
-    judge_phases(scene, result.budgets)
+    prove_verdicts(scene, result.budgets)
     whole = json.loads((TIMING / "baselines" / f"{name}.json").read_text(encoding="utf-8"))["budgets"]
     for budget in result.budgets:
         budget.count = whole[budget.name]["count"]

@@ -11,7 +11,7 @@ from pathlib import Path
 from periph_sim.core.records import Kind, Record
 from periph_sim.core.time import Timebase
 from periph_sim.explain.window import Window
-from periph_sim.timing.verdicts import Verdict
+from periph_sim.timing.verdict import Verdict
 from periph_sim.traces.capture.capture import Capture, Span
 
 KINDS = {"span": Kind.SPAN, "irq": Kind.IRQ, "wait": Kind.WAIT}

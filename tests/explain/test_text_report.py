@@ -7,14 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.explain.chain import Chain, Part, Place, Step
+from periph_sim.explain.chain import Chain, FirmwarePlace, Part, Step
 from periph_sim.explain.text_report import as_json, relative, text
-from periph_sim.timing.verdicts import Verdict
+from periph_sim.timing.verdict import Verdict
 from tests.explain.made import TIMEBASE
 
 US = TIMEBASE.per_second // 1_000_000
-LOOP = Place("batch_read", 106, Path.cwd() / "firmware" / "imu_hil.py")
-RECORDED = Place("sci_received", 60, None)
+LOOP = FirmwarePlace("batch_read", 106, Path.cwd() / "firmware" / "imu_hil.py")
+RECORDED = FirmwarePlace("sci_received", 60, None)
 VERDICT = Verdict("stretch", "stretch", "us", 97.953, 50, -47.953, 9, "fail", 0.105195)
 CHAIN = Chain(
     VERDICT,

@@ -14,7 +14,7 @@ from periph_sim.explain.window import LONGEST
 from periph_sim.replay.wire_log import WireLog
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
-from periph_sim.timing.verdicts import Verdict
+from periph_sim.timing.verdict import Verdict
 from periph_sim.traces.formats.record_table import Columns
 
 CASES = Path(__file__).parents[2] / "timing"

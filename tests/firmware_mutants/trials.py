@@ -26,7 +26,7 @@ from periph_sim.reports.baselines.outcome import baseline_of
 from periph_sim.scene.case.load import load
 from periph_sim.scene.firmware_loader import Firmware
 from periph_sim.scene.scene import Scene
-from periph_sim.timing.budgets import Limit
+from periph_sim.timing.budgets import BudgetJudge
 
 from .changes import Mutant, mutants
 
@@ -209,7 +209,7 @@ def _ran(run: Run, module: Any) -> tuple[str, Baseline | None]:
     return failed, baseline_of(scene, result)
 
 
-def _broken(limit: Limit) -> bool:
+def _broken(limit: BudgetJudge) -> bool:
     """True if what was measured so far is beyond a limit that no later value can make good."""
     measure = limit.measure
     most, least = limit.limits.get("max"), limit.limits.get("min")

@@ -12,7 +12,7 @@ from periph_sim.core.time import Clock, Timebase
 from periph_sim.f28335.cpu.compiled_code_costs import BARE, CodeCosts
 from periph_sim.f28335.cpu.interrupts import CpuInterrupts
 from periph_sim.f28335.cpu.pie import Pie
-from periph_sim.f28335.system.memory_map import AddressMap, Frame, Place
+from periph_sim.f28335.system.memory_map import AddressMap, Frame, ModuleRange
 from periph_sim.f28335.system.options import SystemOptions
 from periph_sim.processor.cpu import Cpu
 from periph_sim.processor.register_view import ModulePort
@@ -44,10 +44,10 @@ class Bench:
         self.core = CpuInterrupts(options)
         self.socket = Socket(self.kernel, self.clock, self.recorder, "dsp.FLAGS", self.chip, self._asked)
         memory = AddressMap()
-        memory.add(Place("FLAGS", base, 2, frame, self.socket))
+        memory.add(ModuleRange("FLAGS", base, 2, frame, self.socket))
         self.pie_socket = Socket(self.kernel, self.clock, self.recorder, "dsp.PIE", self.pie, lambda c, a: None)
         self.pie_socket.after = self._pulse
-        memory.add(Place("PIE", 0x0CE0, 0x20, Frame.PF0, self.pie_socket))
+        memory.add(ModuleRange("PIE", 0x0CE0, 0x20, Frame.PF0, self.pie_socket))
         self.cpu = Cpu(
             self.kernel,
             self.clock,

@@ -12,7 +12,7 @@ from periph_sim.core.registers import Register
 from periph_sim.core.time import Timebase
 from periph_sim.core.wire import Wire
 from periph_sim.f28335.cpu.compiled_code_costs import BARE
-from periph_sim.f28335.system.memory_map import Frame, NoSuchAddress, Place
+from periph_sim.f28335.system.memory_map import Frame, ModuleRange, NoSuchAddress
 from periph_sim.f28335.system.options import SystemOptions
 from periph_sim.processor import register_view
 from periph_sim.processor.cpu import Cpu
@@ -175,7 +175,7 @@ def test_a_register_is_made_once_and_only_if_firmware_names_it(monkeypatch: pyte
     made: list[str] = []
     make = register_view.register_port
 
-    def counted(cpu: Cpu, place: Place, register: Register) -> register_view.RegisterPort:
+    def counted(cpu: Cpu, place: ModuleRange, register: Register) -> register_view.RegisterPort:
         made.append(register.name)
         return make(cpu, place, register)
 

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from periph_sim.explain.bound import phases
+from periph_sim.explain.bound import verdict_proof
 from periph_sim.processor import cpu_time as timeline
 from periph_sim.processor.stall_watch import _debugged
 from periph_sim.reports.baselines.check import check
@@ -76,7 +76,7 @@ def test_command_ends_with_status_1(periph_sim: Run, tmp_path: Path):
 def test_it_is_told_once_and_no_run_for_bounds_stalls_again(
     periph_sim: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    monkeypatch.setattr(phases, "closed_form", lambda *_: pytest.fail("the terms of a bound are measured"))
+    monkeypatch.setattr(verdict_proof, "closed_form", lambda *_: pytest.fail("the terms of a bound are measured"))
     path = case_file(tmp_path, "dsp.compute(1000)\n    while True:\n        pass")
     lines = periph_sim("run", str(path)).out.splitlines()
     place = next(i for i, line in enumerate(lines) if "simulated at edge fidelity" in line)

@@ -6,7 +6,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 from periph_sim.pytest_plugin.figures import properties, table
-from periph_sim.timing.verdicts import Verdict
+from periph_sim.timing.verdict import Verdict
 
 
 def verdict(name: str = "response", worst: float | None = 5.0, unit: str = "us") -> Verdict:

@@ -15,7 +15,7 @@ from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.result import Result
 from periph_sim.scene.scene import Scene
-from periph_sim.timing.verdicts import Verdict
+from periph_sim.timing.verdict import Verdict
 from periph_sim.traces import formats
 from periph_sim.traces.capture.capture import Capture
 from tests.replay.make_session import ran, sampled

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from periph_sim.devices.sensor_head import CHIPS
 from periph_sim.timing.measures.age import Age
 from periph_sim.timing.measures.factory import make_of_events
-from periph_sim.timing.verdicts import Verdict
+from periph_sim.timing.verdict import Verdict
 from tests.scene.runs import Ran, run_file
 from tests.timing.events_by_hand import ONE
 from tests.timing.measures.test_measure import (

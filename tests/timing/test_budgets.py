@@ -6,18 +6,18 @@ import pytest
 
 from periph_sim.core.time import Timebase
 from periph_sim.timing.budget_schema import Budget
-from periph_sim.timing.budgets import BadBudget, Limit
+from periph_sim.timing.budgets import BadBudget, BudgetJudge
 from periph_sim.timing.measures.measure import Counter
-from periph_sim.timing.verdicts import Verdict
+from periph_sim.timing.verdict import Verdict
 
 US = 3000  # ticks, with SYSCLKOUT at 150 MHz
 
 
-def limit(measure: str, **limits: str | int) -> Limit:
-    return Limit(Budget(name="b", measure=measure, **limits), Timebase(150_000_000))
+def limit(measure: str, **limits: str | int) -> BudgetJudge:
+    return BudgetJudge(Budget(name="b", measure=measure, **limits), Timebase(150_000_000))
 
 
-def judged(of: Limit, *values_us: float) -> Verdict:
+def judged(of: BudgetJudge, *values_us: float) -> Verdict:
     for n, value in enumerate(values_us):
         of.measure.take(round(value * US), n * 1_000_000 * US)  # one a second
     return of.verdict()

@@ -8,20 +8,20 @@ from hypothesis import strategies as st
 
 from periph_sim.core.time import Timebase
 from periph_sim.timing.budget_schema import Budget
-from periph_sim.timing.budgets import PER_MILLE, BadBudget, Limit
+from periph_sim.timing.budgets import PER_MILLE, BadBudget, BudgetJudge
 from periph_sim.timing.measures.load import Load
 from periph_sim.timing.measures.registry import MEASURES
-from periph_sim.timing.verdicts import Verdict
+from periph_sim.timing.verdict import Verdict
 from tests.timing.events_by_hand import ONE, records, tell
 
 US = 3000  # ticks, with SYSCLKOUT at 150 MHz
 
 
-def limit(measure: str, **limits: str | int) -> Limit:
-    return Limit(Budget(name="b", measure=measure, **limits), Timebase(150_000_000), ONE)
+def limit(measure: str, **limits: str | int) -> BudgetJudge:
+    return BudgetJudge(Budget(name="b", measure=measure, **limits), Timebase(150_000_000), ONE)
 
 
-def judged(of: Limit, *values_us: float) -> Verdict:
+def judged(of: BudgetJudge, *values_us: float) -> Verdict:
     for n, value in enumerate(values_us):
         of.measure.take(round(value * US), n * 1_000_000 * US)  # one a second
     return of.verdict()

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from periph_sim.core.time import NO_TIME
 from periph_sim.timing.measures.measure import Counter, Measure
-from periph_sim.timing.verdicts import Verdict
+from periph_sim.timing.verdict import Verdict
 
 
 class Waits(Measure):

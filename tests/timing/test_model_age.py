@@ -9,7 +9,7 @@ from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.measures.registry import MEASURES
-from periph_sim.timing.verdicts import Verdict
+from periph_sim.timing.verdict import Verdict
 from tests.dissertation.moving.subjects import TWO_ANGLES
 from tests.scene.runs import TIMING, run_file
 

@@ -7,7 +7,7 @@ import pytest
 from periph_sim.bus.i2c.controller import Phase
 from periph_sim.core.time import NO_TIME, Timebase
 from periph_sim.timing.budget_schema import Budget
-from periph_sim.timing.budgets import Limit
+from periph_sim.timing.budgets import BudgetJudge
 from tests.scene.runs import run_file
 from tests.timing.measures.test_measure import GYRO, Told, read, wrote
 
@@ -17,9 +17,9 @@ def never(address: int) -> Phase:
     return Phase(address, read=True, count=6)
 
 
-def limit(told: Told, name: str, **more: str | int) -> Limit:
+def limit(told: Told, name: str, **more: str | int) -> BudgetJudge:
     """A budget on the measure that heard what was told."""
-    made = Limit(Budget.model_validate({"name": "b", "measure": name, **more}), Timebase(150_000_000))
+    made = BudgetJudge(Budget.model_validate({"name": "b", "measure": name, **more}), Timebase(150_000_000))
     made.measure = told.measure
     return made
 

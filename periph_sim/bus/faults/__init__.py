@@ -24,7 +24,7 @@ from .when import When
 
 
 @dataclass(frozen=True)
-class Place:
+class FaultContext:
     """What a fault is built with. who: its name on wires. wire: by name; ValueError if the scene has none.
 
     ticks: of seconds. start: the tick at which the run begins. random: its own.
@@ -38,21 +38,21 @@ class Place:
     random: Random
 
 
-class Kind(Protocol):
+class FaultKind(Protocol):
     """What every kind of fault of this folder has."""
 
     Settings: type[When]
 
-    def attach(self, settings: When, place: Place) -> None: ...
+    def attach(self, settings: When, place: FaultContext) -> None: ...
 
 
 @cache
-def kinds() -> dict[str, Kind]:
+def kinds() -> dict[str, FaultKind]:
     """Every kind of fault, by the name of its file."""
-    return {name: cast(Kind, module) for name, module in modules_with("attach", __name__, __path__).items()}
+    return {name: cast(FaultKind, module) for name, module in modules_with("attach", __name__, __path__).items()}
 
 
-def pulse(when: When, place: Place, wire: str, length: Fraction) -> None:
+def pulse(when: When, place: FaultContext, wire: str, length: Fraction) -> None:
     """Pull a wire low for `length` at each time of `when`."""
     pin, ticks = place.wire(wire).attach(place.who), place.ticks(length)
 
@@ -63,7 +63,7 @@ def pulse(when: When, place: Place, wire: str, length: Fraction) -> None:
     repeat(when, place, strike)
 
 
-def repeat(when: When, place: Place, strike: Callable[[], None]) -> None:
+def repeat(when: When, place: FaultContext, strike: Callable[[], None]) -> None:
     """Call `strike` at each time of `when`, one event at a time."""
 
     def plan(number: int) -> None:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal
 
-from . import Place, repeat
+from . import FaultContext, repeat
 from .when import Length, When
 
 
@@ -28,7 +28,7 @@ class Settings(When):
 
 
 class Condition:
-    def __init__(self, settings: Settings, place: Place) -> None:
+    def __init__(self, settings: Settings, place: FaultContext) -> None:
         self._kernel = place.kernel
         self._scl, self._sda = place.wire("SCL"), place.wire("SDA")
         self._pin = self._sda.attach(place.who)
@@ -76,5 +76,5 @@ class Condition:
         self._pin.drive(1)
 
 
-def attach(settings: Settings, place: Place) -> None:
+def attach(settings: Settings, place: FaultContext) -> None:
     Condition(settings, place)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from . import Place, repeat
+from . import FaultContext, repeat
 from .when import When
 
 
@@ -20,7 +20,7 @@ class Settings(When):
 
 
 class Flip:
-    def __init__(self, settings: Settings, place: Place) -> None:
+    def __init__(self, settings: Settings, place: FaultContext) -> None:
         self._scl, self._sda = place.wire("SCL"), place.wire("SDA")
         self._pin = self._sda.attach(place.who)
         self._armed = False
@@ -56,5 +56,5 @@ class Flip:
         self._pin.drive(1)
 
 
-def attach(settings: Settings, place: Place) -> None:
+def attach(settings: Settings, place: FaultContext) -> None:
     Flip(settings, place)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from . import Place, repeat
+from . import FaultContext, repeat
 from .when import Count, Length, When
 
 
@@ -29,7 +29,7 @@ class Settings(When):
 
 
 class Hold:
-    def __init__(self, settings: Settings, place: Place) -> None:
+    def __init__(self, settings: Settings, place: FaultContext) -> None:
         self._kernel = place.kernel
         self._pin = place.wire(settings.wire).attach(place.who)
         self._length = None if settings.length is None else place.ticks(settings.length)
@@ -55,5 +55,5 @@ class Hold:
         self._pin.drive(1)
 
 
-def attach(settings: Settings, place: Place) -> None:
+def attach(settings: Settings, place: FaultContext) -> None:
     Hold(settings, place)

@@ -36,7 +36,7 @@ class BadDevice(ValueError):
 
 
 @dataclass(frozen=True)
-class Place:
+class TargetContext:
     """What a target is built with. who: its name on wires. address: 7 bits; None if the case gives none.
 
     ticks: of seconds. start: the tick at which the run begins. folder: paths count from it. random: its own.
@@ -77,7 +77,7 @@ class Family(Protocol):
     MODELS: tuple[str, ...]
     Settings: type[Table]
 
-    def build(self, model: str, settings: Any, place: Place) -> Target: ...
+    def build(self, model: str, settings: Any, place: TargetContext) -> Target: ...
 
 
 @cache
@@ -87,7 +87,7 @@ def families() -> Mapping[str, Family]:
     return {model: cast(Family, module) for module in modules for model in module.MODELS}
 
 
-def address_among(place: Place, model: str, possible: tuple[int, ...]) -> int:
+def address_among(place: TargetContext, model: str, possible: tuple[int, ...]) -> int:
     """The device's address, its first one if the case gives none. BadDevice for one that it cannot have."""
     address = possible[0] if place.address is None else place.address
     if address not in possible:

@@ -22,7 +22,7 @@ from pydantic import AfterValidator, BeforeValidator, Field
 from ...bus.i2c.target_side import Stretches
 from ...core.chip import Note
 from ...core.settings import DurationRange, Spread, Table, duration, hex_bytes
-from . import BadDevice, Place, address_among
+from . import BadDevice, TargetContext, address_among
 from .memory_image import IMAGES, image
 
 FIRST = 0x50  # 1010 and three bits
@@ -84,7 +84,7 @@ class Eeprom:
     ack = True
     stretches: Stretches = ()
 
-    def __init__(self, part: Part, addresses: tuple[int, ...], settings: Settings, place: Place) -> None:
+    def __init__(self, part: Part, addresses: tuple[int, ...], settings: Settings, place: TargetContext) -> None:
         self.addresses = addresses
         self.memory = bytearray([ERASED]) * part.size
         self._part = part
@@ -152,7 +152,7 @@ class Eeprom:
         self._place.note(Note("duty", text, "24Cxx data sheets, write operations"))
 
 
-def build(model: str, settings: Settings, place: Place) -> Eeprom:
+def build(model: str, settings: Settings, place: TargetContext) -> Eeprom:
     make = next(make for make in MAKES if model.startswith(make) and model.removeprefix(make) in PARTS)
     part = PARTS[model.removeprefix(make)]
     if part.word == 1 and make in WITHOUT_PINS:

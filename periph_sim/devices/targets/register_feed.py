@@ -13,7 +13,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from ...core.settings import duration
-from . import BadDevice, Place
+from . import BadDevice, TargetContext
 from .register_settings import RegisterTable
 
 
@@ -41,7 +41,7 @@ class Feed:
         return self._ticks[0] + self._taken * self._period if self._period else self._ticks[self._taken]
 
 
-def feed_of(table: RegisterTable, entry: int, place: Place) -> Feed | None:
+def feed_of(table: RegisterTable, entry: int, place: TargetContext) -> Feed | None:
     """None for a register that only the bus changes. BadDevice for a file that is not as it should be."""
     if table.every is not None:
         first = table.every if table.first is None else table.first

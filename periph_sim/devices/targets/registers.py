@@ -13,7 +13,7 @@ from __future__ import annotations
 from ...bus.i2c.target_side import Stretches
 from ...core.chip import Note
 from ...core.wire import Pin
-from . import BadDevice, Place, Target
+from . import BadDevice, Target, TargetContext
 from .register_feed import Feed, feed_of
 from .register_settings import RegisterTable, Settings
 
@@ -29,7 +29,7 @@ class RegisterDevice:
     ack = True
     stretches: Stretches = ()
 
-    def __init__(self, settings: Settings, place: Place, address: int, feeds: dict[str, Feed]) -> None:
+    def __init__(self, settings: Settings, place: TargetContext, address: int, feeds: dict[str, Feed]) -> None:
         self.addresses = (address,)
         self.values: dict[str, int] = {}
         self._settings = settings
@@ -185,14 +185,14 @@ def _span(settings: Settings, table: RegisterTable) -> int:
     return table.width // 8 if settings.pointer_counts == "bytes" else 1
 
 
-def _pin(wire: str, place: Place) -> Pin:
+def _pin(wire: str, place: TargetContext) -> Pin:
     try:
         return place.wire(wire).attach(place.who)
     except ValueError as error:
         raise BadDevice(str(error), "interrupt", "wire") from None
 
 
-def build(model: str, settings: Settings, place: Place) -> Target:
+def build(model: str, settings: Settings, place: TargetContext) -> Target:
     if place.address is None:
         raise BadDevice(
             "a device of registers has no address of its own; give it address = 0x48, for instance", "address"

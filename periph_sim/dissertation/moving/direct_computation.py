@@ -24,13 +24,13 @@ from ...sensors.numeric import arithmetic_names as named
 from ...sensors.numeric.arithmetic import Arithmetic
 from ...sensors.rotations import Floats
 from .readings import Ints, Readings
-from .subject import Subject
+from .subject import EmulatorUnderTest
 
 BITS_OF_REQUEST = 3 + 9 * 9  # START, repeated START, STOP; two addresses, a pointer, six bytes
 BITS_OF_BYTE = 10  # start, eight, stop
 
 
-def emulator(subject: Subject, frames: Ints | None = None) -> Readings:
+def emulator(subject: EmulatorUnderTest, frames: Ints | None = None) -> Readings:
     """Of each round; of each run of the models instead where frames says which frame each works on (-1: none yet)."""
     carried = frames_by_schedule(subject) if frames is None else frames
     counts = _counts(subject, carried)
@@ -47,7 +47,7 @@ def emulator(subject: Subject, frames: Ints | None = None) -> Readings:
     return Readings(_due(subject, runs), _stacked(codes), _scales(subject))
 
 
-def sensors(subject: Subject) -> Readings:
+def sensors(subject: EmulatorUnderTest) -> Readings:
     """Of real sensors that sample at the instant at which a round is due, with another noise than the emulator's."""
     seconds = _due(subject, subject.rounds)
     imu = subject.sensors
@@ -56,7 +56,7 @@ def sensors(subject: Subject) -> Readings:
     return Readings(seconds, {name: np.rint(lsb).astype(np.int64) for name, lsb in felt.items()}, _scales(subject))
 
 
-def frames_by_schedule(subject: Subject) -> Ints:
+def frames_by_schedule(subject: EmulatorUnderTest) -> Ints:
     """int64[rounds]: which frame the run before each round works on, if nothing is late; -1 for none."""
     host, controller = subject.host, subject.controller
     request = BITS_OF_REQUEST / controller.rate + controller.gap
@@ -70,7 +70,7 @@ def frames_by_schedule(subject: Subject) -> Ints:
     return np.array(found[: subject.rounds], np.int64)
 
 
-def _counts(subject: Subject, carried: Ints) -> Ints:
+def _counts(subject: EmulatorUnderTest, carried: Ints) -> Ints:
     """int64[n, 6]: the counts that the firmware takes from the bytes of each frame, low byte first; zeros for -1."""
     rows = {-1: np.zeros(6, np.int64)}
     for number in sorted(set(carried.tolist()) - {-1}):
@@ -89,10 +89,10 @@ def _stacked(codes: Codes[np.ndarray[tuple[int], np.dtype[np.int16]]]) -> dict[s
     return {name: np.stack(getattr(codes, name), axis=1).astype(np.int64) for name in codes._fields}
 
 
-def _due(subject: Subject, rounds: int) -> Floats:
+def _due(subject: EmulatorUnderTest, rounds: int) -> Floats:
     controller = subject.controller
     return np.array([float(controller.first + n * controller.period) for n in range(rounds)])
 
 
-def _scales(subject: Subject) -> dict[str, float]:
+def _scales(subject: EmulatorUnderTest) -> dict[str, float]:
     return {name: getattr(subject.sensors, name).scale for name in Codes._fields}

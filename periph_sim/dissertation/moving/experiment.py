@@ -18,7 +18,7 @@ from . import direct_computation as direct
 from . import on_wires
 from .lag import Lag, lag_between
 from .readings import Readings, attitudes, truth
-from .subject import Subject
+from .subject import EmulatorUnderTest
 
 RATES: tuple[Rates, ...] = ("as built", "corrected")
 
@@ -46,7 +46,7 @@ class Outcome:
     bytes: None where there were no wires.
     """
 
-    subject: Subject
+    subject: EmulatorUnderTest
     seconds: Floats
     truth: Floats
     real: Estimate
@@ -66,7 +66,7 @@ class Outcome:
         return lag_between(self.seconds, self.emulated[rates].attitudes, self.real.attitudes)
 
 
-def run(subject: Subject, wires: bool, progress: Callable[[float], None] | None = None) -> Outcome:
+def run(subject: EmulatorUnderTest, wires: bool, progress: Callable[[float], None] | None = None) -> Outcome:
     """wires: over SCI and I2C, or all computed directly. progress: told the part done, 0 to 1.
 
     NoAttitude where no round was over, or the library of the filter is missing.
@@ -110,7 +110,7 @@ def _different(came: on_wires.Emulated, computed: Readings) -> int:
     return found
 
 
-def _estimate(subject: Subject, readings: Readings, seconds: Floats) -> Estimate:
+def _estimate(subject: EmulatorUnderTest, readings: Readings, seconds: Floats) -> Estimate:
     """Every round goes into the filter; of its attitudes those of the common rounds are kept."""
     return Estimate(readings, attitudes(subject, readings)[np.isin(readings.seconds, seconds)])
 

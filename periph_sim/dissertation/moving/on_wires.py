@@ -25,7 +25,7 @@ from ...sensors.models.sensed_motion import SensedMotion
 from ...sensors.rotations import Floats
 from ...timing.measures.measure import MODEL
 from .readings import Ints, Readings
-from .subject import Subject
+from .subject import EmulatorUnderTest
 
 Progress = Callable[[float], None]
 
@@ -95,7 +95,7 @@ class ModelRuns:
             self.runs.append(self._ended - 1)
 
 
-def emulator(subject: Subject, progress: Progress | None = None) -> Emulated:
+def emulator(subject: EmulatorUnderTest, progress: Progress | None = None) -> Emulated:
     """The host's frames through SCI, firmware and I2C."""
     heard = ModelRuns()
     scene = Scene(subject.case, heard.subscribe)
@@ -105,7 +105,7 @@ def emulator(subject: Subject, progress: Progress | None = None) -> Emulated:
     return Emulated(readings, np.array(heard.frames, np.int64), np.array(heard.runs, np.int64))
 
 
-def chips(subject: Subject, progress: Progress | None = None) -> Readings:
+def chips(subject: EmulatorUnderTest, progress: Progress | None = None) -> Readings:
     """The true motion through the three real chips, each sampling by its own clock."""
     values = {"values": {"fixed": [0, 0, 0]}}
     tables = {name: ChipTable.model_validate({**table, **values}) for name, table in REAL.items()}
@@ -117,7 +117,7 @@ def chips(subject: Subject, progress: Progress | None = None) -> Readings:
     return replace(readings, overflow=CHIPS["magnetometer"].overflow)
 
 
-def sources(subject: Subject, ticks: int, start: int) -> dict[str, Source]:
+def sources(subject: EmulatorUnderTest, ticks: int, start: int) -> dict[str, Source]:
     """What each chip feels, in its unit, cross-axis sensitivity, bias and noise included. ticks: a second.
 
     Noise of number n stays from n to n + 1 periods of the models, since its density is that of samples so far apart.
@@ -145,7 +145,7 @@ def _arrays(noise: Noise[float]) -> Noise[Floats]:
     return Noise(*((np.array([x]), np.array([y]), np.array([z])) for x, y, z in noise))
 
 
-def _read(scene: Scene, subject: Subject, scales: dict[str, Fraction], progress: Progress | None) -> Readings:
+def _read(scene: Scene, subject: EmulatorUnderTest, scales: dict[str, Fraction], progress: Progress | None) -> Readings:
     assert scene.head is not None
     known = {name: replace(CHIPS[name], lsb_per_unit=scale) for name, scale in scales.items()}
     log = SampleLog(scene.head, scene.start, scene.timebase.per_second, known)

@@ -11,7 +11,7 @@ from ...devices.attitude import estimate
 from ...devices.samples import Samples
 from ...sensors.models.parameters import Imu
 from ...sensors.rotations import Floats, quaternions
-from .subject import Subject
+from .subject import EmulatorUnderTest
 
 Ints = NDArray[np.int64]
 NAMES = ("gyroscope", "accelerometer", "magnetometer")  # in the order of Samples
@@ -46,13 +46,13 @@ class Readings:
         return Samples(self.seconds, body, found["accelerometer"], found["magnetometer"])
 
 
-def attitudes(subject: Subject, readings: Readings) -> Floats:
+def attitudes(subject: EmulatorUnderTest, readings: Readings) -> Floats:
     """float64[n, 4]: what the filter makes of it. It begins at the true attitude, as the experiment began at 0."""
     s = readings.samples(subject.sensors)
     start = truth(subject, readings.seconds[:1])[0] if len(readings.seconds) else None
     return estimate(s.seconds, s.gyro, s.accel, s.mag, subject.sensors.magnetometer.earth_field, start=start)
 
 
-def truth(subject: Subject, seconds: Floats) -> Floats:
+def truth(subject: EmulatorUnderTest, seconds: Floats) -> Floats:
     """float64[n, 4]: the true attitude."""
     return quaternions(subject.motion.attitude(seconds))

@@ -17,7 +17,7 @@ from ...sensors.motion import Motion
 
 
 @dataclass(frozen=True)
-class Subject:
+class EmulatorUnderTest:
     """unit: whose firmware is the emulator. seed: of the emulator's noise; None where it has none."""
 
     case: Case
@@ -35,7 +35,7 @@ class Subject:
         """How the body moves in truth."""
         return self.frames.motion.truth
 
-    def with_rates(self, rates: Rates) -> Subject:
+    def with_rates(self, rates: Rates) -> EmulatorUnderTest:
         """The same with a gyroscope as built, or corrected."""
         sensors = replace(self.sensors, gyroscope=replace(self.sensors.gyroscope, rates=rates))
         unit = self.case.unit[self.unit]
@@ -51,7 +51,7 @@ class Subject:
         return most if self.controller.rounds is None else min(most, self.controller.rounds)
 
 
-def subject_of(case: Case, duration: Fraction | None = None) -> Subject:
+def subject_of(case: Case, duration: Fraction | None = None) -> EmulatorUnderTest:
     """BadCase with file and line for a case that cannot be run so. duration: seconds, else the case's."""
     case = case.model_copy(update={"budget": (), "breaks": ()})  # a copy keeps its source
     scene = Scene(case)
@@ -73,7 +73,7 @@ def subject_of(case: Case, duration: Fraction | None = None) -> Subject:
     (unit,) = case.unit
     settings = case.unit[unit].settings
     seed = settings.get("noise_seed")
-    return Subject(
+    return EmulatorUnderTest(
         case,
         unit,
         sensors,

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from ...timing.budget_schema import Budget, Condition
-from ...timing.budgets import PER_MILLE, Limit
+from ...timing.budgets import PER_MILLE, BudgetJudge
 from .terms import Bound
 
 ONE_SIDED = "'exactly' needs a bound from either side"
@@ -43,7 +43,7 @@ class LimitCheck:
         return self.spare is not None and self.spare < 0
 
 
-def compare_with_limits(limits: Iterable[Limit], bounds: Sequence[Bound]) -> tuple[LimitCheck, ...]:
+def compare_with_limits(limits: Iterable[BudgetJudge], bounds: Sequence[Bound]) -> tuple[LimitCheck, ...]:
     """Every limit of these budgets and of the conditions joined to them, in their order."""
     return tuple(
         _check(part, key, ticks, bounds)
@@ -64,7 +64,7 @@ def fitting_bound(budget: Budget | Condition, key: str, bounds: Iterable[Bound])
     return min(known, key=lambda bound: bound.part, default=None) if key != "exactly" else None
 
 
-def _check(part: Limit, key: str, ticks: int, bounds: Sequence[Bound]) -> LimitCheck:
+def _check(part: BudgetJudge, key: str, ticks: int, bounds: Sequence[Bound]) -> LimitCheck:
     measure = part.budget.measure
     known = [bound for bound in bounds if bound.measure == measure]
     fitting = fitting_bound(part.budget, key, bounds)

@@ -33,7 +33,7 @@ WORDS_MASK = (0, 0xFFFF, 0xFFFF_0000, 0xFFFF_FFFF)  # their bits in the register
 
 
 @dataclass(frozen=True)
-class Place:
+class ModuleRange:
     """Where a module lives: `base` is the address of its offset 0."""
 
     name: str
@@ -64,15 +64,15 @@ class AddressMap:
     """Every module of one F28335. Modules that the scene does not name are not here."""
 
     def __init__(self) -> None:
-        self.places: dict[str, Place] = {}
+        self.places: dict[str, ModuleRange] = {}
 
-    def add(self, place: Place) -> None:
+    def add(self, place: ModuleRange) -> None:
         for other in self.places.values():
             if place.base < other.base + other.size and other.base < place.base + place.size:
                 raise ValueError(f"{place.name} at {place.base:#06x} overlaps {other.name} at {other.base:#06x}")
         self.places[place.name] = place
 
-    def find(self, address: int) -> tuple[Place, Register, int]:
+    def find(self, address: int) -> tuple[ModuleRange, Register, int]:
         """(module, register, which 16-bit half of it) at an address. NoSuchAddress otherwise."""
         for place in self.places.values():
             offset = address - place.base
@@ -89,7 +89,7 @@ class AddressMap:
         here = ", ".join(f"{p.name} {p.base:#06x}" for p in self.places.values())
         raise NoSuchAddress(f"{address:#06x} belongs to no module of this scene, which has {here}")
 
-    def named(self, text: str) -> tuple[Place, Register]:
+    def named(self, text: str) -> tuple[ModuleRange, Register]:
         """The register that "I2C-A.I2CSTR" names. NoSuchAddress otherwise, with the nearest right name."""
         module, _, name = text.partition(".")
         if module not in self.places:
@@ -102,7 +102,7 @@ class AddressMap:
         return place, place.socket.chip.MAP[name]
 
 
-def nearest(place: Place, offset: int) -> str:
+def nearest(place: ModuleRange, offset: int) -> str:
     """The registers around a hole, with their addresses."""
     by_distance = sorted(place.socket.chip.MAP, key=lambda r: (abs(r.offset - offset), r.offset))[:2]
     return " and ".join(f"{r.name} {place.base + r.offset:#06x}" for r in sorted(by_distance, key=lambda r: r.offset))

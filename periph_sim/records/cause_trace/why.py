@@ -12,7 +12,7 @@ import numpy as np
 
 from ...core.records import Kind
 from ..run import Rows, Run
-from ..subject import Subject, asked
+from ..subject import RecordedSignal, asked
 from .causes import Step, walk_back
 from .firmware_causes import RECORDED
 from .holders import holders, wire_rows
@@ -30,7 +30,7 @@ class Answer:
     who holds it now. reads: how many recorded reads looked at the field before the next change."""
 
     run: Run
-    subject: Subject
+    subject: RecordedSignal
     tick: int
     value: int | None
     since: int
@@ -72,7 +72,7 @@ def why(run: Run, question: str, depth: int = DEPTH) -> Answer:
     )
 
 
-def _value(run: Run, subject: Subject, rows: Rows, row: int | None) -> int | None:
+def _value(run: Run, subject: RecordedSignal, rows: Rows, row: int | None) -> int | None:
     """The subject's value from `row` on; before its first change what reset left, or a wire was before it moved."""
     if row is not None:
         return int(run.table.value[row])
@@ -83,7 +83,7 @@ def _value(run: Run, subject: Subject, rows: Rows, row: int | None) -> int | Non
     return 0
 
 
-def _reads(run: Run, subject: Subject, after: int, until: int | None) -> Rows:
+def _reads(run: Run, subject: RecordedSignal, after: int, until: int | None) -> Rows:
     """The recorded reads that looked at the field between two of its changes."""
     if subject.register is None or subject.field is None:
         return np.empty(0, np.int64)

@@ -26,8 +26,8 @@ from ...core.time import Timebase
 from ...f28335.i2c.register_map import I2C_MAP
 from ...f28335.sci.register_map import SCI_MAP
 from ...traces.capture.capture import Capture, Channel, channel_of_edges
+from ...traces.decode.i2c_table import I2cRowKind as Row
 from ...traces.decode.i2c_table import I2cTable, i2c_table
-from ...traces.decode.i2c_table import Kind as Row
 
 KINDS = (Kind.EDGE, Kind.FLAG, Kind.IRQ, Kind.SPAN)
 WIRES = ("SCL", "SDA", "RX", "TX")

@@ -8,7 +8,7 @@ from typing import Literal
 
 from ...explain.chain import Chain
 from ...timing.format_value import broken
-from ...timing.verdicts import EVERY_PHASE, Verdict
+from ...timing.verdict import EVERY_PHASE, Verdict
 from .compare import Change
 from .outcome import Outcome
 

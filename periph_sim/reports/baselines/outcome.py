@@ -11,7 +11,7 @@ from pathlib import Path
 from ...core.kernel import SimulationStuck
 from ...core.records import Recorder
 from ...core.time import Timebase
-from ...explain.bound.phases import judge_phases
+from ...explain.bound.verdict_proof import prove_verdicts
 from ...explain.chain import Chain
 from ...explain.explain import explain
 from ...f28335.system.memory_map import NoSuchAddress
@@ -20,9 +20,9 @@ from ...scene.case.load import load
 from ...scene.case.model import BadCase, Case
 from ...scene.result import Result
 from ...scene.scene import Scene
-from ...timing.budgets import Limit
+from ...timing.budgets import BudgetJudge
 from ...timing.values import Values, values_of
-from ...timing.verdicts import Verdict
+from ...timing.verdict import Verdict
 from .errors import BadCheck
 from .event_chain import EventLine, Wanted, chains
 from .event_digest import EventDigest
@@ -116,7 +116,7 @@ def _outcome(path: Path, case: Case, changes: tuple[str, ...], keep_values: bool
 
     scene = Scene(case, subscribe, keep_values=keep_values)
     result = scene.run()
-    judge_phases(scene, result.budgets)
+    prove_verdicts(scene, result.budgets)
     trouble = scene.deadlocks()
     if scene.hangs() and not trouble:
         trouble = scene.stuck_lines[-1:]
@@ -155,7 +155,7 @@ def baseline_of(scene: Scene, result: Result) -> Baseline:
     )
 
 
-def _figures(limit: Limit, start: int) -> Figures:
+def _figures(limit: BudgetJudge, start: int) -> Figures:
     measure = limit.measure
     silent = measure.silent
 

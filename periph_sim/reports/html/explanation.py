@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...explain.chain import Chain, Part, Place
+from ...explain.chain import Chain, FirmwarePlace, Part
 from ...timing.format_value import figure
 
 MOST = 6  # parts
@@ -66,5 +66,5 @@ def explanation(chain: Chain) -> Explanation:
     )
 
 
-def _place(place: Place | None) -> str:
+def _place(place: FirmwarePlace | None) -> str:
     return "" if place is None else str(place)

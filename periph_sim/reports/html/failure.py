@@ -12,7 +12,7 @@ from fractions import Fraction
 
 from ...explain.chain import Chain, Part
 from ...timing.format_value import figure, in_words, instant, percentile
-from ...timing.verdicts import Verdict
+from ...timing.verdict import Verdict
 from .over_time import OverTime
 
 ALLOWED = {"max": "at most", "min": "at least", "exactly": "exactly"}

@@ -18,7 +18,7 @@ from ...scene.result import SKIPPED, Result
 from ...timing.budget_schema import Budget, Condition
 from ...timing.format_value import figure, percentile
 from ...timing.values import Values
-from ...timing.verdicts import Verdict
+from ...timing.verdict import Verdict
 from .distribution import distribution
 from .explanation import explanation
 from .failure import failure

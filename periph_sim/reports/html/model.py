@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from ...timing.verdicts import Verdict
+from ...timing.verdict import Verdict
 from .distribution import Distribution
 from .explanation import Explanation
 from .failure import Failure

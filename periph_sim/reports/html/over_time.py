@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...timing.values import Values
-from ...timing.verdicts import Verdict
+from ...timing.verdict import Verdict
 
 COLUMNS = 240
 MOST = 2_000  # violations with their instants

@@ -17,7 +17,7 @@ from jinja2 import Environment, FunctionLoader, StrictUndefined, Template
 from markupsafe import Markup
 
 from ...timing.format_value import figure, in_words, instant, limit, percentile
-from ...timing.verdicts import Verdict
+from ...timing.verdict import Verdict
 from .distribution import scale_of
 from .failure import ALLOWED
 from .model import BudgetReport, CaseReport

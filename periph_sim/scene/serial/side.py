@@ -26,7 +26,7 @@ from ..case.wiring import SciLines, sci_lines, sci_named
 from ..context import SceneContext
 from ..pairs import Pairs
 from .content import content_of, encoded, show_characters
-from .send import Send
+from .send_schedule import Send
 from .triggers import EventTrigger, TextTrigger
 
 WHO = "serial"  # as a party on a line

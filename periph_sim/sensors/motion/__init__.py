@@ -54,7 +54,7 @@ class Motion(Protocol):
         ...
 
 
-class Kind(Protocol):
+class MotionKind(Protocol):
     """What every kind of motion of this folder has."""
 
     Settings: type[object]
@@ -63,9 +63,9 @@ class Kind(Protocol):
 
 
 @cache
-def kinds() -> dict[str, Kind]:
+def kinds() -> dict[str, MotionKind]:
     """Every kind of motion, by the name of its file."""
-    return {name: cast(Kind, module) for name, module in modules_with("motion", __name__, __path__).items()}
+    return {name: cast(MotionKind, module) for name, module in modules_with("motion", __name__, __path__).items()}
 
 
 def sampled(motion: Motion, times: Floats) -> Floats:

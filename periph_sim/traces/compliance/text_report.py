@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from .limits import STRETCHED, Bounds
-from .verdict import Place, Report, Row, Verdict
+from .verdict import Occurrence, Report, Row, Verdict
 
 HEAD = ("symbol", "from -> to", "limit", "min", "max", "count", "worst begins at", "by", "verdict")
 RIGHT = {3, 4, 5, 6}  # columns of numbers
@@ -128,7 +128,7 @@ def _conclusion(report: Report) -> str:
     return "PASS"
 
 
-def _place(report: Report, place: Place) -> str:
+def _place(report: Report, place: Occurrence) -> str:
     by = f", driven by the {place.party.value}" if place.party else ""
     length = _short(report.resolution.ns(place.length))
     return f"{length} at {float(report.seconds(place.at)):.9f} s (position {place.at}){by}"

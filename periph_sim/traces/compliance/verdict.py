@@ -32,7 +32,7 @@ class Verdict(Enum):
 
 
 @dataclass(frozen=True)
-class Place:
+class Occurrence:
     """A time that does not surely keep its limit. at: the position where it begins. length: positions."""
 
     at: int
@@ -58,7 +58,7 @@ class Row:
     undecided: int = 0
     excused: int = 0
     unsure: int = 0
-    worst: tuple[Place, ...] = ()
+    worst: tuple[Occurrence, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -154,7 +154,7 @@ def _judged(limit: Limit, bounds: Bounds, found: Measured, resolution: Resolutio
     return Row(limit, bounds, len(lengths), least, most, verdict, failed, undecided, excused, unsure, worst)
 
 
-def _worst(found: Measured, culprits: Flags, bounds: Bounds, resolution: Resolution) -> tuple[Place, ...]:
+def _worst(found: Measured, culprits: Flags, bounds: Bounds, resolution: Resolution) -> tuple[Occurrence, ...]:
     """The culprits that go furthest beyond their limit, or come nearest to it."""
     which = np.flatnonzero(culprits)
     lengths = found.lengths[which]
@@ -164,4 +164,6 @@ def _worst(found: Measured, culprits: Flags, bounds: Bounds, resolution: Resolut
     if bounds.most is not None:
         beyond = np.maximum(beyond, lengths - resolution.surely_at_most(bounds.most))
     order = which[np.argsort(-beyond, kind="stable")[:PLACES]]
-    return tuple(Place(int(found.begins[k]), int(found.lengths[k]), PARTY[int(found.party[k])]) for k in order.tolist())
+    return tuple(
+        Occurrence(int(found.begins[k]), int(found.lengths[k]), PARTY[int(found.party[k])]) for k in order.tolist()
+    )

@@ -73,7 +73,7 @@ def i2c_rows(table: I2cTable, bus: int = 0) -> Rows:
 
     A 10-bit address that is asked again, to send, has all its ten bits in `value`.
     """
-    is_byte = (table.bits >= 8) | (table.kind == i2c_table.Kind.CUT)
+    is_byte = (table.bits >= 8) | (table.kind == i2c_table.I2cRowKind.CUT)
     detail = (table.read + np.uint8(1)) * is_byte
     value, bits = table.value.astype(np.int32), table.bits.copy()
     addresses = np.flatnonzero(table.kind == ADDRESS)

@@ -25,7 +25,7 @@ Flags = NDArray[np.bool_]
 Counts = NDArray[np.int64]
 
 
-class Kind(IntEnum):
+class I2cRowKind(IntEnum):
     """What a row is. CUT: bits of a byte that START, STOP or the end of the capture left incomplete."""
 
     START = 0
@@ -42,7 +42,7 @@ class Kind(IntEnum):
 class I2cTable(NamedTuple):
     """Arrays of equal length, in order of time; the tuple is of columns.
 
-    kind    uint8   a `Kind`
+    kind    uint8   a `I2cRowKind`
     at      int64   START, STOP: the SDA edge; else the rising SCL of the first bit, of ACK and NACK the ninth
     last    int64   the rising SCL of the last bit (of an address: of its R/W bit); START, STOP: as `at`
     end     int64   the falling SCL behind the last bit, or `last` where the capture ends before; START, STOP: as `at`
@@ -182,12 +182,12 @@ def _bytes(seen: Counts, count: Counts, values: NDArray[np.uint8]) -> _Bytes:
     reads = np.zeros(len(per), bool)
     reads[phase[head]] = value[head] & 1
 
-    kind = np.where(whole, np.uint8(Kind.DATA), np.uint8(Kind.CUT))
-    kind[head] = Kind.ADDRESS
+    kind = np.where(whole, np.uint8(I2cRowKind.DATA), np.uint8(I2cRowKind.CUT))
+    kind[head] = I2cRowKind.ADDRESS
     tens = np.flatnonzero(head & (value & 0xF9 == 0xF0) & acked)  # 11110xx and R/W = 0
-    tens = tens[np.append(kind, Kind.CUT)[tens + 1] == Kind.DATA]
+    tens = tens[np.append(kind, I2cRowKind.CUT)[tens + 1] == I2cRowKind.DATA]
     tens = tens[values[begin[tens] + 8] == 0]
-    kind[tens + 1] = Kind.ADDRESS_LOW
+    kind[tens + 1] = I2cRowKind.ADDRESS_LOW
     value[tens + 1] |= (value[tens] & 6) << 7
     value[head] >>= 1
     return _Bytes(phase, begin, kind, value, bits, acked, reads[phase])
@@ -210,7 +210,9 @@ def _rows(
     last = found.begin + found.bits - 1
     ninth = found.begin[found.acked] + 8
     table = _empty(int(of_bytes[-1] + of_conditions[-1]))
-    table.kind[at_condition] = np.where(starts, np.where(again, Kind.REPEATED_START, Kind.START), Kind.STOP)[shown]
+    table.kind[at_condition] = np.where(
+        starts, np.where(again, I2cRowKind.REPEATED_START, I2cRowKind.START), I2cRowKind.STOP
+    )[shown]
     table.at[at_condition] = table.last[at_condition] = table.end[at_condition] = conditions[shown]
     table.kind[at_byte] = found.kind
     table.at[at_byte] = rises[found.begin]
@@ -219,7 +221,7 @@ def _rows(
     table.value[at_byte] = found.value
     table.bits[at_byte] = found.bits
     table.read[at_byte] = found.read
-    table.kind[at_ack] = values[ninth] + np.uint8(Kind.ACK)  # NACK stands behind ACK
+    table.kind[at_ack] = values[ninth] + np.uint8(I2cRowKind.ACK)  # NACK stands behind ACK
     table.at[at_ack] = table.last[at_ack] = rises[ninth]
     table.end[at_ack] = _behind(falls, rises, ninth)
     table.bits[at_ack] = 1

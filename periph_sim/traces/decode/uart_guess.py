@@ -21,7 +21,7 @@ from ..capture.capture import Capture, Channel, Span
 from ..capture.sampling import sample_step
 from .glitch_filter import without_glitches
 from .uart_format import Line, line_of, sample_point_step
-from .uart_table import Kind, breaks_of, frames_of
+from .uart_table import UartRowKind, breaks_of, frames_of
 
 Pulses = NDArray[np.int64]
 
@@ -195,7 +195,7 @@ def _try(rate: Fraction, step: int, parts: list[Channel], line: Line) -> _Tried:
         some = replace(part, edges=edges, levels=part.levels[: len(edges)])
         end = int(edges[-1]) + ceil(line.frame * width)
         table = frames_of(some, line, width, end, sample)
-        table = table.take(table.kind == Kind.FRAME)
+        table = table.take(table.kind == UartRowKind.FRAME)
         breaks = breaks_of(some, line, width).at
         table = table.take(~np.isin(table.at, breaks, assume_unique=True))
         frames += len(table.at)

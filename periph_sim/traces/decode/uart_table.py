@@ -23,7 +23,7 @@ from .glitch_filter import without_glitches
 from .uart_format import Line, longest_glitch, sample_point_step, sample_points_of, width_of, windows_of
 
 
-class Kind(IntEnum):
+class UartRowKind(IntEnum):
     """What a row is. CUT: a frame that the end of the capture, or of its known part, left incomplete."""
 
     FRAME = 0
@@ -37,7 +37,7 @@ class UartTable(NamedTuple):
 
     The tuple is of columns.
 
-    kind          uint8   a `Kind`
+    kind          uint8   a `UartRowKind`
     at            int64   the start edge
     end           int64   FRAME: where its last stop bit is over; BREAK, REJECTED: the rising edge; CUT: where it was
                           cut off
@@ -124,13 +124,13 @@ def _frames(wire: Channel, line: Line, width: Fraction, end: int, step: int, vot
     if cut:
         bits = int(np.searchsorted(last[1:], end - int(at[-1])))
         bits = min(bits, line.bits)
-        table.kind[-1] = Kind.CUT
+        table.kind[-1] = UartRowKind.CUT
         table.end[-1] = end
         table.value[-1] &= (1 << bits) - 1
         table.bits[-1] = bits
         table.parity_error[-1] = table.frame_error[-1] = table.glitched[-1] = False
         table.unsure[-1] = 0
-    return table, _without_value(Kind.REJECTED, starts[rejected], edges[2 * rejected + first + 1])
+    return table, _without_value(UartRowKind.REJECTED, starts[rejected], edges[2 * rejected + first + 1])
 
 
 def _seen(edges: Positions, first: int, taken: NDArray[np.int64], looks: Positions) -> NDArray[np.int32]:
@@ -203,10 +203,10 @@ def breaks_of(wire: Channel, line: Line, width: Fraction) -> UartTable:
     falls, rises = wire.edges[first::2], wire.edges[first + 1 :: 2]
     falls = falls[: len(rises)]
     long = rises - falls >= ceil(line.frame * width)
-    return _without_value(Kind.BREAK, falls[long], rises[long])
+    return _without_value(UartRowKind.BREAK, falls[long], rises[long])
 
 
-def _without_value(kind: Kind, at: Positions, ends: Positions) -> UartTable:
+def _without_value(kind: UartRowKind, at: Positions, ends: Positions) -> UartTable:
     count = len(at)
     no, nothing = np.zeros(count, bool), np.zeros(count, np.uint8)
     values, unsure = np.full(count, -1, np.int32), np.zeros(count, np.int32)

@@ -10,7 +10,7 @@ from random import Random
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from periph_sim.bus.faults import Place, kinds
+from periph_sim.bus.faults import FaultContext, kinds
 from periph_sim.bus.faults.when import When
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
@@ -27,7 +27,7 @@ class Desk:
         self.kernel = Kernel()
         self.wires = {name: Wire(self.kernel, name, Recorder()) for name in ("SCL", "SDA", "dsp.XRS")}
         self.partner = {name.lower(): wire.attach("partner") for name, wire in self.wires.items()}
-        place = Place(self.kernel, "fault 0", self.wires.__getitem__, self._ticks, 0, Random(seed))
+        place = FaultContext(self.kernel, "fault 0", self.wires.__getitem__, self._ticks, 0, Random(seed))
         kinds()[kind].attach(TypeAdapter(kinds()[kind].Settings).validate_python(settings), place)
 
     def _ticks(self, seconds: Fraction) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 
-from periph_sim.dissertation.moving.subject import Subject, subject_of
+from periph_sim.dissertation.moving.subject import EmulatorUnderTest, subject_of
 from periph_sim.scene.case.load import load
 from tests.scene.runs import TIMING
 
@@ -17,7 +17,7 @@ TWO_ANGLES = (
 STILL = 'host.motion={kind = "static", theta = "20 deg", phi = "-35 deg", psi = "60 deg"}'
 
 
-def subject(seconds: str, *changes: str) -> Subject:
+def subject(seconds: str, *changes: str) -> EmulatorUnderTest:
     return subject_of(load(TIMING / "imu_moving.toml", list(changes)), Fraction(seconds))
 
 
@@ -25,7 +25,7 @@ def flight(path: str) -> str:
     return f'host.motion={{kind = "flight", file = "{path}"}}'
 
 
-def without_noise(one: Subject) -> Subject:
+def without_noise(one: EmulatorUnderTest) -> EmulatorUnderTest:
     """The same, whose firmware has no noise either."""
     unit = one.case.unit[one.unit]
     settings = {name: value for name, value in unit.settings.items() if name != "noise_seed"}

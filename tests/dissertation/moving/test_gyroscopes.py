@@ -10,7 +10,7 @@ import pytest
 from periph_sim.devices.attitude import errors
 from periph_sim.dissertation.moving import direct_computation as direct
 from periph_sim.dissertation.moving.readings import Readings, attitudes, truth
-from periph_sim.dissertation.moving.subject import Subject
+from periph_sim.dissertation.moving.subject import EmulatorUnderTest
 from periph_sim.sensors.models.parameters import Rates
 from tests.dissertation.moving.subjects import TWO_ANGLES, flight, subject, without_noise
 
@@ -34,7 +34,7 @@ def turned(attitude: np.ndarray, rates: np.ndarray, period: float) -> np.ndarray
     )
 
 
-def drift(one: Subject, rates: Rates) -> float:
+def drift(one: EmulatorUnderTest, rates: Rates) -> float:
     """Degrees between truth and what the gyroscope alone tells, at the end; each round shows the frame before."""
     one = without_noise(one).with_rates(rates)
     found = direct.emulator(one).samples(one.sensors).gyro
@@ -68,7 +68,7 @@ def test_the_servo_sequence_moves_one_angle_at_a_time_and_shows_no_difference():
     assert np.array_equal(built["gyroscope"], corrected["gyroscope"])
 
 
-def through_half_a_turn(tmp_path: Path, wrap: str, *changes: str) -> tuple[Subject, Readings]:
+def through_half_a_turn(tmp_path: Path, wrap: str, *changes: str) -> tuple[EmulatorUnderTest, Readings]:
     """Yaw from 150 on to 210 degrees in 3 s, which the host sends as -150."""
     path = tmp_path / "turn.csv"
     path.write_text("time [s],phi [deg],theta [deg],psi [deg],ax [g],ay [g],az [g]\n0,0,0,150,0,0,0\n3,0,0,210,0,0,0\n")

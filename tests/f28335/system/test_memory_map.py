@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.f28335.system.memory_map import AddressMap, NoSuchAddress, Place
+from periph_sim.f28335.system.memory_map import AddressMap, ModuleRange, NoSuchAddress
 from tests.scene.test_addresses import everything
 
 
@@ -61,7 +61,7 @@ def test_a_name_without_a_register(memory: AddressMap, name: str, sentence: str)
 def test_two_modules_at_one_place_are_a_mistake(memory: AddressMap, base: int, overlaps: bool) -> None:
     own, place = AddressMap(), memory.places["I2C-A"]
     own.add(place)
-    other = Place("other", base, 4, place.frame, place.socket)
+    other = ModuleRange("other", base, 4, place.frame, place.socket)
     if overlaps:
         with pytest.raises(ValueError, match="other at 0x793f overlaps I2C-A at 0x7900"):
             own.add(other)

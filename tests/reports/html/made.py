@@ -13,7 +13,7 @@ from periph_sim.reports.html.timeline import Boxes, Marks, SpanLabel, Timeline, 
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.values import Values, values_of
-from periph_sim.timing.verdicts import Verdict
+from periph_sim.timing.verdict import Verdict
 
 US = 3000  # ticks
 CYCLE = 20

@@ -10,7 +10,7 @@ from periph_sim.reports.html.explanation import Share, Step, explanation
 from tests.reports.html.made import US, budget
 
 VERDICT = budget("response", 8.0).verdict
-PLACE = chain.Place("batch_read", 98, Path("/home/somebody/imu_hil.py"))
+PLACE = chain.FirmwarePlace("batch_read", 98, Path("/home/somebody/imu_hil.py"))
 
 
 def test_steps_and_shares_are_told_with_their_places_but_not_with_folders() -> None:

@@ -8,13 +8,13 @@ from pathlib import Path
 import pytest
 
 from periph_sim.core.time import Timebase
-from periph_sim.explain.chain import Chain, Part, Place
+from periph_sim.explain.chain import Chain, FirmwarePlace, Part
 from periph_sim.reports.html.failure import Failure, failure
-from periph_sim.timing.verdicts import Verdict
+from periph_sim.timing.verdict import Verdict
 from tests.reports.html.made import US, budget, run_of
 
 LATE = budget("response", 12.0).verdict  # at most 10 us
-PLACE = Place("batch_read", 98, Path("/home/somebody/imu_hil.py"))
+PLACE = FirmwarePlace("batch_read", 98, Path("/home/somebody/imu_hil.py"))
 RATE = 1_000_000 * US
 
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from periph_sim.core.time import Timebase
 from periph_sim.timing.budget_schema import Budget
-from periph_sim.timing.budgets import BadBudget, Limit
+from periph_sim.timing.budgets import BadBudget, BudgetJudge
 from periph_sim.timing.measures.combined import combine
 from periph_sim.timing.measures.measure import Measure
 from tests.timing.events_by_hand import ONE, records, tell
@@ -42,15 +42,15 @@ def test_joined_measures_keep_the_values_of_what_the_first_one_has(drawn: list[l
         assert measure.count == len(there)
 
 
-def both(**limits: object) -> Limit:
+def both(**limits: object) -> BudgetJudge:
     """age up to 2 us; stretch as said."""
     of = Budget.model_validate(
         {"name": "fresh", "measure": "age", "max": "2 us", "why": "so", "and": [{"measure": "stretch", **limits}]}
     )
-    return Limit(of, Timebase(150_000_000), ONE, START)
+    return BudgetJudge(of, Timebase(150_000_000), ONE, START)
 
 
-def fed(of: Limit, ages: list[int], stretches: list[int]) -> Limit:
+def fed(of: BudgetJudge, ages: list[int], stretches: list[int]) -> BudgetJudge:
     """A value of each a microsecond."""
     for part, values in zip(of.parts, (ages, stretches), strict=True):
         for place, value in enumerate(values):
@@ -94,7 +94,7 @@ def test_a_condition_without_a_value_of_one_occurrence_proves_nothing():
 def test_what_is_not_measured_read_by_read_cannot_be_joined(measure: str, other: str, place: tuple[object, ...], which):
     table = {"name": "b", "measure": measure, "max": "1 us", "and": [{"measure": other, "max": "1 us"}]}
     with pytest.raises(BadBudget) as caught:
-        Limit(Budget.model_validate(table), Timebase(150_000_000), ONE)
+        BudgetJudge(Budget.model_validate(table), Timebase(150_000_000), ONE)
     assert caught.value.place == place
     assert str(caught.value) == (
         f"{which!r} is not measured read by read, so nothing can be joined to it; "
@@ -105,15 +105,15 @@ def test_what_is_not_measured_read_by_read_cannot_be_joined(measure: str, other:
 def test_a_mistake_in_a_joined_condition_has_its_place():
     table = {"name": "b", "measure": "age", "max": "1 us", "and": [{"measure": "stretch", "max": "1 parsec"}]}
     with pytest.raises(BadBudget) as caught:
-        Limit(Budget.model_validate(table), Timebase(150_000_000), ONE)
+        BudgetJudge(Budget.model_validate(table), Timebase(150_000_000), ONE)
     assert caught.value.place == ("and", 0, "max")
 
 
 # The other end -------------------------------------------------------------------------------------------------------
 
 
-def limit(measure: str, **limits: str | int) -> Limit:
-    return Limit(Budget(name="b", measure=measure, **limits), Timebase(150_000_000), ONE, START)
+def limit(measure: str, **limits: str | int) -> BudgetJudge:
+    return BudgetJudge(Budget(name="b", measure=measure, **limits), Timebase(150_000_000), ONE, START)
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from periph_sim.scene.firmware_loader import Firmware
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.budget_schema import Budget
 from periph_sim.timing.measures.factory import make_of_events
-from periph_sim.timing.verdicts import Verdict
+from periph_sim.timing.verdict import Verdict
 from tests.explain.bound.cases import imu_hil
 from tests.records.scenes import ADDRESS, asks, ran
 from tests.scene.runs import run_case

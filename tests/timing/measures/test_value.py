@@ -17,7 +17,7 @@ from periph_sim.timing.measures.combined import combine
 from periph_sim.timing.measures.measure import Measure
 from periph_sim.timing.measures.registry import make
 from periph_sim.timing.values import values_of
-from periph_sim.timing.verdicts import Verdict
+from periph_sim.timing.verdict import Verdict
 from tests.scene.runs import Ran, run_file
 
 PER_SECOND = 3_000_000_000

@@ -34,7 +34,7 @@ def told(rows: Rows) -> list[tuple[int, int, int, str, int, int, str]]:
 
 
 def test_of_i2c_whole_and_cut_bytes_say_who_was_asked_to_send_and_nothing_else_does():
-    kind = i2c_table.Kind
+    kind = i2c_table.I2cRowKind
     of = [  # kind, at, last, end, value, bits, read
         (kind.START, 10, 10, 10, -1, 0, False),
         (kind.ADDRESS, 20, 27, 28, 0x53, 8, False),
@@ -90,10 +90,12 @@ def test_of_uart_every_set_of_faults_has_its_words():
 
 
 def test_of_uart_every_kind_has_its_word():
-    kinds = np.array([*uart_table.Kind], np.uint8)
+    kinds = np.array([*uart_table.UartRowKind], np.uint8)
     zeros = np.zeros(len(kinds), np.int64)
     of = UartTable(kinds, zeros, zeros, zeros.astype(np.int32), zeros.astype(np.uint8), *[zeros > 0] * 3, zeros)
-    assert dict(zip([kind.name for kind in uart_table.Kind], [row[3] for row in told(uart_rows(of))], strict=True)) == {
+    assert dict(
+        zip([kind.name for kind in uart_table.UartRowKind], [row[3] for row in told(uart_rows(of))], strict=True)
+    ) == {
         "FRAME": "frame",
         "BREAK": "break",
         "CUT": "cut",

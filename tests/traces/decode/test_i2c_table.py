@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from periph_sim.traces.capture.capture import Capture
 from periph_sim.traces.decode import i2c
 from periph_sim.traces.decode.i2c_objects import events_of_table
-from periph_sim.traces.decode.i2c_table import I2cTable, Kind, i2c_bits, i2c_table
+from periph_sim.traces.decode.i2c_table import I2cRowKind, I2cTable, i2c_bits, i2c_table
 from tests.traces.decode.drawing import drawn, of_bytes
 from tests.traces.decode.random_lines import captures
 from tests.traces.formats.make_traces import read_registers
@@ -31,7 +31,7 @@ def wave(half: int = 4, hold: int = 1) -> I2cWave:
 def rows(table: I2cTable) -> list[tuple[str, int, int]]:
     """(kind, at, value) of each row."""
     return [
-        (Kind(k).name, at, v)
+        (I2cRowKind(k).name, at, v)
         for k, at, v in zip(*(c.tolist() for c in (table.kind, table.at, table.value)), strict=True)
     ]
 
@@ -95,12 +95,16 @@ def test_any_transfer_with_every_phase_of_another_length_comes_back(content: lis
     samples += bytes([3]) * random.randint(1, 30)  # STOP
     capture = of_bytes(bytes(samples), ("SCL", "SDA"))
     table = i2c_table(capture)
-    kinds = [Kind(kind) for kind in table.kind.tolist()]
-    assert kinds[0] is Kind.START and kinds[-1] is Kind.STOP
+    kinds = [I2cRowKind(kind) for kind in table.kind.tolist()]
+    assert kinds[0] is I2cRowKind.START and kinds[-1] is I2cRowKind.STOP
     bytes_seen = [byte.value for phase in i2c.transfers(capture)[0].phases for byte in phase.bytes]
     assert [value for value, _ in content] == bytes_seen
-    assert [kind is Kind.ACK for kind in kinds if kind in (Kind.ACK, Kind.NACK)] == [ack for _, ack in content]
-    values = table.value[(table.kind == Kind.ADDRESS) | (table.kind == Kind.DATA) | (table.kind == Kind.ADDRESS_LOW)]
+    assert [kind is I2cRowKind.ACK for kind in kinds if kind in (I2cRowKind.ACK, I2cRowKind.NACK)] == [
+        ack for _, ack in content
+    ]
+    values = table.value[
+        (table.kind == I2cRowKind.ADDRESS) | (table.kind == I2cRowKind.DATA) | (table.kind == I2cRowKind.ADDRESS_LOW)
+    ]
     assert (values[1:] & 0xFF).tolist() == [value for value, _ in content[1:]]
     assert values[0] == content[0][0] >> 1 and bool(table.read[1]) == bool(content[0][0] & 1)
 

@@ -17,7 +17,7 @@ from periph_sim.traces.capture.sampling import sample_step
 from periph_sim.traces.decode import uart
 from periph_sim.traces.decode.uart import PARITIES, Line
 from periph_sim.traces.decode.uart_objects import events_of_table
-from periph_sim.traces.decode.uart_table import Kind, uart_table
+from periph_sim.traces.decode.uart_table import UartRowKind, uart_table
 from tests.traces.decode.drawing import drawn, of_bytes
 from tests.traces.decode.random_lines import captures
 from tests.traces.formats.writers import frame_bits, uart_wave
@@ -133,7 +133,7 @@ def test_two_looks_of_three_outvote_the_third(places: tuple[int, ...]):
 
 def test_a_break_stands_behind_the_frame_it_also_makes():
     table = uart_table(of_bytes(uart_wave([(Fraction(20), [0] * 14)], Fraction(10), 300), ("RX",)), "RX", Line(100_000))
-    assert [Kind(kind).name for kind in table.kind.tolist()] == ["FRAME", "BREAK"]
+    assert [UartRowKind(kind).name for kind in table.kind.tolist()] == ["FRAME", "BREAK"]
     assert table.at.tolist() == [20, 20] and table.end.tolist() == [120, 160]
     assert table.frame_error.tolist() == [True, False] and table.value.tolist() == [0, -1]
 

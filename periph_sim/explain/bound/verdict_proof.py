@@ -14,9 +14,9 @@ from ...processor.error_origin import FirmwareError
 from ...scene.case.model import BadCase, Case
 from ...scene.firmware_loader import Firmware
 from ...scene.scene import Scene
-from ...timing.budgets import PER_MILLE, Limit
+from ...timing.budgets import PER_MILLE, BudgetJudge
 from ...timing.format_value import in_words
-from ...timing.verdicts import EVERY_PHASE, SEEN, Verdict
+from ...timing.verdict import EVERY_PHASE, SEEN, Verdict
 from .compare_with_run import closed_form
 from .deadlines import deadlines
 from .limits import LimitCheck, compare_with_limits, fitting_bound
@@ -24,7 +24,7 @@ from .program import Program
 from .terms import BadBound, Bound
 
 
-def judge_phases(scene: Scene, verdicts: Iterable[Verdict]) -> None:
+def prove_verdicts(scene: Scene, verdicts: Iterable[Verdict]) -> None:
     """Say of each verdict of a scene's budgets, in their order, what is bounded and what a pass proves.
 
     Firmware that let no time pass would do so again in the runs for its terms, so none is made.
@@ -40,7 +40,7 @@ def judge_phases(scene: Scene, verdicts: Iterable[Verdict]) -> None:
         verdict.proof = SEEN if verdict.unbounded else EVERY_PHASE
 
 
-def _say_bound(limit: Limit, verdict: Verdict, bounds: Iterable[Bound]) -> None:
+def _say_bound(limit: BudgetJudge, verdict: Verdict, bounds: Iterable[Bound]) -> None:
     """The bound of what the verdict shows, from the side of its limit.
 
     Where a percentile has none of its own the maximum's counts if it keeps the limit, and else says nothing.
@@ -53,7 +53,7 @@ def _say_bound(limit: Limit, verdict: Verdict, bounds: Iterable[Bound]) -> None:
         verdict.bound = shown.show(bound.ticks)
 
 
-def _doubt(part: Limit, check: LimitCheck) -> str:
+def _doubt(part: BudgetJudge, check: LimitCheck) -> str:
     """Why a limit may be broken in another phase; empty if it cannot."""
     bound = check.bound
     if bound is None:
@@ -68,7 +68,7 @@ def _doubt(part: Limit, check: LimitCheck) -> str:
     return f"its bound is beyond the limit by {in_words(part.show(-(check.spare or 0)), unit)}"
 
 
-def _beyond(part: Limit, key: str, bound: Bound) -> bool:
+def _beyond(part: BudgetJudge, key: str, bound: Bound) -> bool:
     """True if a run has gone beyond a bound."""
     if bound.least:
         return part.measure.least < bound.ticks

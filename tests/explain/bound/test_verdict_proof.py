@@ -9,14 +9,14 @@ from typing import Any
 
 import pytest
 
-from periph_sim.explain.bound import phases
-from periph_sim.explain.bound.phases import judge_phases
+from periph_sim.explain.bound import verdict_proof
+from periph_sim.explain.bound.verdict_proof import prove_verdicts
 from periph_sim.processor.dsp import Dsp
 from periph_sim.scene.case.model import Case
 from periph_sim.scene.firmware_loader import Firmware
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.budget_schema import Budget
-from periph_sim.timing.verdicts import Verdict
+from periph_sim.timing.verdict import Verdict
 from tests.explain.bound.cases import imu_hil
 from tests.scene.small import case
 
@@ -25,7 +25,7 @@ def judged(of: Case, programs: dict[str, Firmware] | None = None, seconds: str =
     """The verdicts of a run of so many seconds, by budget."""
     scene = Scene(of, programs=programs)
     result = scene.run(Fraction(seconds))
-    judge_phases(scene, result.budgets)
+    prove_verdicts(scene, result.budgets)
     return {verdict.name: verdict for verdict in result.budgets}
 
 
@@ -114,7 +114,7 @@ def given(main: Callable[[Dsp], None]) -> dict[str, Firmware]:
 def test_firmware_that_fails_where_its_terms_are_measured_is_told():
     controller = {"request": [{"address": 0x50, "count": 1}]}
     plain = case("3 ms", unit={"dsp": {"firmware": "given", "modules": ["I2C-A"]}}, controller=controller)
-    bounds, reason = phases.bounds_of(plain, given(lambda dsp: dsp.no_such_thing))  # type: ignore[attr-defined]
+    bounds, reason = verdict_proof.bounds_of(plain, given(lambda dsp: dsp.no_such_thing))  # type: ignore[attr-defined]
     assert bounds == () and reason.startswith(
         "a run that measures the bounds' terms ends with an error: dsp: AttributeError"
     )
@@ -122,7 +122,7 @@ def test_firmware_that_fails_where_its_terms_are_measured_is_told():
 
 def test_a_run_beyond_a_bound_is_never_a_proof(monkeypatch: pytest.MonkeyPatch):
     """The bound of the response is made one tick less than what every read takes."""
-    real = phases.bounds_of
+    real = verdict_proof.bounds_of
 
     def too_low(*args: Any) -> Any:
         bounds, reason = real(*args)
@@ -132,16 +132,16 @@ def test_a_run_beyond_a_bound_is_never_a_proof(monkeypatch: pytest.MonkeyPatch):
         return tuple(low), reason
 
     assert limited("response", max="5 us").word == "every phase"
-    monkeypatch.setattr(phases, "bounds_of", too_low)
+    monkeypatch.setattr(verdict_proof, "bounds_of", too_low)
     verdict = limited("response", max="5 us")
     assert verdict.word == "seen" and "the run went beyond the bound of response" in verdict.unbounded
 
 
 def test_bounds_are_kept_for_the_next_run_of_the_same_case_only(monkeypatch: pytest.MonkeyPatch):
     made: list[Case] = []
-    real = phases.closed_form
-    monkeypatch.setattr(phases, "closed_form", lambda case, firmware: made.append(case) or real(case, firmware))
-    monkeypatch.setattr(phases, "_known", {})
+    real = verdict_proof.closed_form
+    monkeypatch.setattr(verdict_proof, "closed_form", lambda case, firmware: made.append(case) or real(case, firmware))
+    monkeypatch.setattr(verdict_proof, "_known", {})
     one = limited("response", max="5 us")
     assert limited("stretch", "seed=7", max="1 us").word == one.word == "every phase"
     assert len(made) == 1  # budgets and seed are not what bounds depend on

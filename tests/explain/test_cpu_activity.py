@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from periph_sim.core.records import Kind, Record
 from periph_sim.explain.chain import difference, parts_of
-from periph_sim.explain.cpu_activity import episodes, open_at, timeline
+from periph_sim.explain.cpu_activity import episodes, open_at, timeline, units
 from periph_sim.traces.capture.capture import Span
 from tests.explain.made import drawn
 
@@ -39,6 +42,27 @@ def test_of_what_was_not_kept_nothing_is_said():
     assert window.hole == Span(30, 60)
     again = drawn("wait AAS 10 90", "wait AAS 95 -", kept=(Span(-50, 30), Span(60, 150)))
     assert told(again) == "0:code 10:AAS 30:unknown 90:unknown 95:AAS"
+
+
+@pytest.mark.parametrize(
+    ("kind", "counts"),
+    [
+        (Kind.ACCESS, True),
+        (Kind.SPAN, True),
+        (Kind.IRQ, True),
+        (Kind.WAIT, True),
+        (Kind.FLAG, False),
+        (Kind.EDGE, False),
+        (Kind.HOLD, False),
+    ],
+)
+def test_units_are_those_whose_firmware_did_something(kind: Kind, counts: bool):
+    done = Record(9, 20, kind, "a unit", "what", 1, "f:1", 0)
+    window = drawn("wait AAS 10 30")
+    others = ["a unit"] if counts else []
+    assert units(window) == ["dsp"]
+    assert units(replace(window, records=(*window.records, done))) == [*others, "dsp"]
+    assert units(replace(window, before=(done,))) == [*others, "dsp"]
 
 
 def test_what_is_open_at_a_tick_is_told_from_outside_in():

@@ -636,6 +636,8 @@ def test_open_txbuf_write_in_swreset(value, sent):
     rig.set(SWRESET=1)
     rig.wait(20)
     assert rig.characters() == sent
+    said = ["SCI-A: SCITXBUF was written 0x4b while SW RESET = 0: the character is lost"]
+    assert rig.notes("lost") == ([] if sent else said)
 
 
 @pytest.mark.rule("SCI-162")

@@ -10,6 +10,7 @@ from __future__ import annotations
 from bisect import bisect_right, insort
 from collections.abc import Callable
 from functools import partial
+from typing import Protocol
 
 from .chip import ALL, NEVER, OUTPUTS, Chip, Note
 from .kernel import CHIP, Kernel
@@ -19,6 +20,13 @@ from .wire import Pin, Sampler
 
 LAST = 1 << 62  # no record has so high a number
 MOST_INPUTS = 64  # that may wait for their effect; a chip that never wakes has no use for more
+
+
+class Marks(Protocol):
+    """mark: of a write to come. out_mark: of the write that the outputs show now; 0 where that is none."""
+
+    mark: int
+    out_mark: int
 
 
 class Socket:
@@ -44,6 +52,7 @@ class Socket:
         self.pins: list[list[Pin]] = [[] for _ in chip.OUTPUTS]  # what each output drives, set by the router
         self._set_output = [[partial(self._set_pins, i, level) for level in (0, 1)] for i in range(len(self.pins))]
         self.inputs = Sampler(kernel, recorder, self.on_lines, (1 << len(chip.INPUTS)) - 1)
+        self.marks: Marks | None = None  # of a chip whose outputs show later what was written to it
         self.out_delay = 0  # cycles from an output of the chip to its pin
         self.before: Callable[[int], None] | None = None  # called before each access: what the chip must be told first
         self.after: Callable[[int], None] | None = None  # the owner's look at the chip after each input
@@ -105,6 +114,8 @@ class Socket:
             self.before(cycle)
         if self.traces:
             self.given(cycle)
+            if self.marks is not None:
+                self.marks.mark = self._recorder.cause
         self.chip.write(cycle, offset, value)
         self.publish(cycle)
 
@@ -178,6 +189,10 @@ class Socket:
             self._wake = self._kernel.at(tick if tick > now else now, self._woken, self._phase)
 
     def _drive(self, cycle: int) -> None:
+        recorder = self._recorder
+        outer = recorder.cause
+        if self.marks is not None:
+            recorder.cause = self.marks.out_mark or outer
         changed, self._out = self._out ^ self.chip.out, self.chip.out
         tick = self._clock.tick(cycle + self.out_delay)
         later = tick > self._kernel.now  # also where an edge fell between two cycles: the answer comes with the cycle
@@ -188,6 +203,7 @@ class Socket:
                     self.later(tick, action)
                 else:
                     action()
+        recorder.cause = outer
 
     def _set_pins(self, index: int, level: int) -> None:
         for pin in self.pins[index]:

@@ -170,6 +170,7 @@ class Dsp(FirmwareView):
             if name in sci_map.BASES:
                 sci = Sci(name, plan.sci)
                 self._add(name, sci, sci_map.BASES[name], 16, Frame.PF2, requests)
+                self._sockets[name].marks = sci.marks
                 sci.set_lspclk(self.clock.cycle_at(self._kernel.now), *self._lspclk)
             elif name == "I2C-A":
                 i2c = I2c(plan.i2c)

@@ -91,6 +91,11 @@ class SciLines:
 
     # The seams for coarser line sides ---------------------------------------
 
+    @property
+    def marks(self) -> SciTx:
+        """Who keeps the mark of each word from its write to its last bit on TXD."""
+        return self._tx
+
     def deliver(self, now: int, word: int, address_bit: int = 0) -> None:
         """A frame is complete at `now`.
 

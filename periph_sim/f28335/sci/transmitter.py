@@ -60,7 +60,11 @@ class SentWord(NamedTuple):
 
 
 class SciTx:
-    """`request`: TXINT was asked for since the owner last set this to False."""
+    """`request`: TXINT was asked for since the owner last set this to False.
+
+    mark: the owner's number for a write of SCITXBUF to come. out_mark: that of the word whose bits TXD shows; 0 once
+    it was cut off. The FIFO keeps marks above the eight bits of its words.
+    """
 
     def __init__(self, options: SciOptions, clock: SciClock, layout: SciFormat, touched: set[str]) -> None:
         self.options = options
@@ -70,6 +74,8 @@ class SciTx:
         self.word_line = False  # words are handed over in `sent`, no levels are made
         self.sent: list[SentWord] = []
         self.lost: list[str] = []  # what happened to words that will never be sent
+        self.mark = 0
+        self.out_mark = 0
         # Enables and modes, copied here from the registers of the whole module.
         self.enabled = False  # TXENA
         self.running = False  # neither SWRESET nor SCIRST holds it
@@ -92,6 +98,8 @@ class SciTx:
         self._drain = 0  # words that TXENA = 0 does not hold back
         self._loaded = False  # TXSHF holds a word whose start bit has not begun
         self._txshf = 0
+        self._txbuf_mark = 0
+        self._txshf_mark = 0
         self._data_frame = False  # what is being sent is a frame, no idle time
         self._began = 0  # ... since this tick
         self._end = FAR  # ... until this tick
@@ -212,10 +220,10 @@ class SciTx:
         self.txwake = False
         self._drain = max(0, self._drain - 1)
         if self.fifo_mode:
-            self._txshf = self.fifo.pop()
+            self._txshf_mark, self._txshf = divmod(self.fifo.pop(), 0x100)
             self.watch_level()
             return
-        self._txshf = self.txbuf
+        self._txshf_mark, self._txshf = self._txbuf_mark, self.txbuf
         self._waiting = False
         if self.int_enabled:
             self.request = True
@@ -240,6 +248,7 @@ class SciTx:
     def _send(self, tick: int) -> None:
         layout = self._layout
         word = self._txshf
+        self.out_mark = self._txshf_mark
         address = int(self.wut) if layout.address else int(tick - self._last_end >= IDLE_TICKS)
         if self.word_line:
             clock = self._clock
@@ -273,7 +282,8 @@ class SciTx:
     def write_buffer(self, now: int, value: int) -> None:
         """SCITXBUF."""
         was_empty = self._is_empty()
-        before, self.txbuf = self.txbuf, value & 0xFF
+        before = self._txbuf_mark, self.txbuf
+        self._txbuf_mark, self.txbuf = self.mark, value & 0xFF
         if self.fifo_mode:
             self._to_fifo()
         elif self.in_swreset and self.options.txbuf_write_in_swreset == "lost":
@@ -284,7 +294,7 @@ class SciTx:
             self.touched.add("txbuf_write_when_full")
             self.lost.append(f"SCITXBUF was written {value & 0xFF:#04x} while TXRDY = 0: one character is lost")
             if self.options.txbuf_write_when_full == "ignored":
-                self.txbuf = before
+                self._txbuf_mark, self.txbuf = before
         else:
             self._waiting = True
         if self.in_swreset:
@@ -297,16 +307,17 @@ class SciTx:
                 self._set_next(now)
 
     def _to_fifo(self) -> None:
+        word = self.mark << 8 | self.txbuf
         if not self.scifftx & TXFIFOXRESET:
             self.lost.append("SCITXBUF was written while TXFIFOXRESET = 0 holds the transmit FIFO: the word is lost")
         elif not self.scifftx & SCIRST and self.options.scirst_scope == "shifters_and_fifos":
             self.touched.add("scirst_scope")
             self.lost.append("SCITXBUF was written while SCIRST = 0 holds the transmit channel: the word is lost")
-        elif not self.fifo.push(self.txbuf):
+        elif not self.fifo.push(word):
             self.touched.add("txfifo_write_when_full")
             self.lost.append("SCITXBUF was written while TXFFST = 16: one word is lost")
             if self.options.txfifo_write_when_full == "overwrites_last":
-                self.fifo.words[-1] = self.txbuf
+                self.fifo.words[-1] = word
         else:
             self.watch_level()
 
@@ -400,6 +411,7 @@ class SciTx:
         self._last_end = -FAR
         self._empty_until = 0
         self.bits.stop()
+        self.out_mark = 0
         self.next_tick = FAR
         self.next_cycle = NEVER
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import pytest
 from hypothesis import is_hypothesis_test, settings
+from hypothesis.internal.conjecture import providers
 
 from tests.waves import Diagram
 
@@ -18,6 +19,10 @@ pytest_plugins = [
     "pytester",  # runs the pytest plugin as a user's project would
     "tests.rules.outcomes",  # which rules of the manuals are proved
 ]
+
+# Hypothesis also draws constants that it reads from the source of all modules imported so far, so that examples would
+# depend on the tests that ran before in the same process.
+providers.is_local_module_file = lambda path: False
 
 # Seconds are no property: machines are shared. The same examples each time, so that a change is judged by what it
 # changed; `make explore` looks for new ones, and what it finds is kept as an @example.

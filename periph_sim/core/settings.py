@@ -86,7 +86,8 @@ def frequency(value: object) -> Fraction:
     if isinstance(value, Fraction):
         return value
     if not isinstance(value, str):
-        raise ValueError(f'{value!r} has no unit; write for instance "{value} kHz"')
+        unit = "Hz" if isinstance(value, int) and value >= 10_000 else "kHz"
+        raise ValueError(f'{value!r} has no unit; write for instance "{value} {unit}"')
     number, _, unit = value.strip().partition(" ")
     if unit not in HERTZ:
         raise ValueError(f"{value!r}: expected a number, a blank and one of {', '.join(HERTZ)}")

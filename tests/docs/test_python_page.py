@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import periph_sim
+from periph_sim.processor.firmware_view import FirmwareView
 from tests.docs.pages import ROOT, scratch
 
 PAGE = ROOT / "docs" / "python_api.md"
@@ -26,3 +27,10 @@ def test_every_example_gives_what_the_page_shows(tmp_path: Path, monkeypatch: py
 def test_every_public_name_is_on_the_page():
     text = PAGE.read_text(encoding="utf-8")
     assert [name for name in periph_sim.__all__ if f"`{name}`" not in text] == []
+
+
+def test_every_call_that_firmware_has_is_on_the_page():
+    text = PAGE.read_text(encoding="utf-8")
+    calls = [name for name, what in vars(FirmwareView).items() if callable(what) and not name.startswith("_")]
+    assert len(calls) > 10
+    assert [name for name in calls if f"`dsp.{name}(" not in text] == []

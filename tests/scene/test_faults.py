@@ -113,7 +113,7 @@ def test_a_unit_without_i2c_has_no_module_to_reset():
 @pytest.mark.parametrize(
     ("fault", "place", "sentence"),
     [
-        ('{at="1 ms"}', "fault.0", "it has no kind; the kinds are hold, module_reset, reset, spike"),
+        ('{at="1 ms"}', "fault.0", "it has no kind; the kinds are condition, flip, hold, module_reset, reset, spike"),
         ('{kind="spik", at="1 ms"}', "fault.0.kind", "there is no fault 'spik'; did you mean spike?"),
         ('{kind="spike", at="1 ms", wire="SLC", width="1 us"}', "fault.0", "there is no wire 'SLC'; did you mean SCL?"),
         ('{kind="spike", at="1 ms", wire="SCL"}', "fault.0.width", "it is missing"),

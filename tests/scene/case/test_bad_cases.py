@@ -142,7 +142,7 @@ def edited(path: Path, line: str, by: str) -> Path:
         (
             'modules = ["I2C-A"]',
             "modules = []\noscclk = 30000000",
-            'small.toml, line 7: unit.dsp.oscclk: 30000000 has no unit; write for instance "30000000 kHz"',
+            'small.toml, line 7: unit.dsp.oscclk: 30000000 has no unit; write for instance "30000000 Hz"',
         ),
         (
             'modules = ["I2C-A"]',

@@ -162,7 +162,7 @@ def test_a_bus_that_nobody_of_the_case_controls_is_never_busy_by_lost_arbitratio
         (raced, "I2C-A.I2CSTR", Watched("I2C-A.I2CSTR", "dsp", "I2C-A", "I2CSTR")),
         (raced, "I2C-A.I2CSTR.BB", Watched("I2C-A.I2CSTR.BB", "dsp", "I2C-A", "I2CSTR", "BB")),
         (losing, "I2C-A.I2CSTR", Watched("I2C-A.I2CSTR", "dsp", "I2C-A", "I2CSTR")),
-        (losing, "", Watched("")),
+        (losing, "", Watched("", units=("dsp",))),
         (clearing, "I2C-A.I2CSTR.SDIR", Watched("I2C-A.I2CSTR.SDIR", "dsp", "I2C-A", "I2CSTR", "SDIR")),
     ],
 )

@@ -51,7 +51,7 @@ class Character(NamedTuple):
 class Burst:
     """bit: ticks of one, exact. gap: ticks between characters. low: ticks of a break, instead of characters.
 
-    idle: bits that the line must have been idle before it.
+    idle: bits that the line must have been idle before it. name: of who sends it, for messages.
     """
 
     bit: Fraction
@@ -60,6 +60,7 @@ class Burst:
     gap: int = 0
     low: int = 0
     idle: int = 0
+    name: str = ""
 
     def edges(self, start: int) -> tuple[list[tuple[int, int]], int]:
         """(tick, level) of each edge, and the end of the last stop bit, of a burst that begins at a tick."""
@@ -77,13 +78,25 @@ class Burst:
                 at += self.bit
         return edges, int(at)
 
+    def over_by(self, ticks: int) -> int:
+        """How many of its characters are over so long after its begin."""
+        at = Fraction(0)
+        for number, character in enumerate(self.characters):
+            at += self.bit * len(character.levels(self.form))
+            if at > ticks:
+                return number
+            at += self.gap
+        return len(self.characters)
+
 
 class BurstSender:
     """out: what it drives. enabled: a driver to switch on for each burst. hold: ticks that it stays on behind one."""
 
     def __init__(self, kernel: Kernel, out: Drives, who: str, enabled: Enables | None = None, hold: int = 0) -> None:
         self.who = who
-        self.characters = 0
+        self._characters = 0  # of bursts that are over
+        self._burst: Burst | None = None  # the one under way
+        self._began = self._ends_at = 0  # of the last one
         self._kernel = kernel
         self._out = out
         self._enabled = enabled
@@ -98,6 +111,17 @@ class BurstSender:
     def line(self) -> tuple[Fraction, UartFormat] | None:
         """Ticks of a bit and the format of the burst under way, or of the last one; None before the first."""
         return self._line
+
+    @property
+    def characters(self) -> int:
+        """How many are over: their last stop bits have been on the line."""
+        under_way = 0 if self._burst is None else self._burst.over_by(self._kernel.now - self._began)
+        return self._characters + under_way
+
+    @property
+    def busy_with(self) -> tuple[str, int] | None:
+        """The name of the burst under way, and the tick at which it ends."""
+        return None if self._burst is None else (self._burst.name, self._ends_at)
 
     def send(self, burst: Burst, begins: Callable[[int], None], ends: Callable[[int], None]) -> None:
         """Send a burst as soon as the line is free. begins, ends: told at which tick."""
@@ -115,8 +139,8 @@ class BurstSender:
         burst, begins, ends = self._waiting.popleft()
         now = self._kernel.now
         self._line = burst.bit, burst.form
-        self.characters += len(burst.characters)
         edges, end = burst.edges(now)
+        self._burst, self._began, self._ends_at = burst, now, end
         self._edges = iter(edges)
         if self._enabled is not None:
             self._enabled.enable(True)
@@ -135,6 +159,9 @@ class BurstSender:
 
     def _end(self, ends: Callable[[int], None]) -> None:
         self._free_at = self._kernel.now
+        if self._burst is not None:
+            self._characters += len(self._burst.characters)
+            self._burst = None
         if self._enabled is not None:
             self._kernel.at(self._free_at + self._hold, self._let_go)
         self._busy = False

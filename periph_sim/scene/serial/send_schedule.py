@@ -11,8 +11,11 @@ from fractions import Fraction
 from functools import partial
 
 from ...bus.uart.burst_sender import Burst, BurstSender
+from ...core.time import NO_TIME
 from ..case.serial import SendTable
 from ..context import SceneContext
+
+BEHIND = "its time is behind the end of the run"
 
 
 class Send:
@@ -25,7 +28,7 @@ class Send:
         self.sent = 0
         self.on_begin: list[Callable[[int], None]] = []
         self.on_end: list[Callable[[int], None]] = []
-        self.why_never: Callable[[], str] = lambda: "its time is behind the end of the run"
+        self.why_unasked: Callable[[], str] = lambda: BEHIND
         self._table = table
         self._context = context
         self._sender = sender
@@ -33,8 +36,25 @@ class Send:
         self._ppm = ppm
         self._most = table.times if table.times is not None else None if table.period is not None else 1
         self._asked = 0
+        self._due = NO_TIME  # when it was to begin for the first time
         if table.at is not None:
             self.happened(context.start + context.ticks(table.at, ppm))
+
+    @property
+    def ticks(self) -> int:
+        """How long a burst takes."""
+        return self._burst.edges(0)[1]
+
+    def why_never(self) -> str:
+        """Why it has not begun, as a phrase."""
+        busy = self._sender.busy_with
+        if not self._asked:
+            return self.why_unasked()
+        if self._due == NO_TIME or busy is None:
+            return BEHIND
+        context, (name, until) = self._context, busy
+        due, end = ((tick - context.start) / context.timebase.per_second for tick in (self._due, until))
+        return f"it was due at {due:.6f} s, but its line is busy until {end:.6f} s with send {name!r}"
 
     def happened(self, tick: int) -> None:
         """What it waits for happened. With a period, the first time counts."""
@@ -51,6 +71,8 @@ class Send:
         kernel.at(max(due, kernel.now), partial(self._fire, begun, number))
 
     def _fire(self, begun: int, number: int) -> None:
+        if self._due == NO_TIME:
+            self._due = self._context.kernel.now
         self._sender.send(self._burst, self._begins, self._ends)
         if self._table.period is not None and number + 1 != self._most:
             self._fire_at(begun, number + 1)

@@ -31,6 +31,7 @@ from .triggers import EventTrigger, TextTrigger
 
 WHO = "serial"  # as a party on a line
 IDLE_BITS = 11  # before a block in idle-line mode: ten, and one for clocks that differ
+OFF = Fraction(5, 100)  # by which an SCI may be faster than the rate that it is read at
 
 Entry = SendTable | ExpectTable
 
@@ -100,24 +101,24 @@ class SerialSide:
         name = table.name or f"send {number}"
         if name in self.sends:
             raise self._case.mistake(f"there are two sends {name!r}; give one another name", *place, "name")
-        burst = self._burst(table, *place)
+        burst = self._burst(name, table, *place)
         sender = self._sender(sci, *place)
         send = self.sends[name] = Send(name, table, self._context, sender, burst, self._table.clock(table))
         trigger = self._triggers.get(("send", number))
         if trigger is not None:
-            send.why_never = trigger.never
+            send.why_unasked = trigger.never
         wanted = table.after_bytes
         if table.after_text is not None:
             wanted = encoded(self._case, table.after_text, table, *place, "after_text")
         if wanted is not None:
             self._listen(sci, table, TextTrigger(wanted, send.happened).character)
             shown = show_characters(tuple(wanted), table.after_text is not None)
-            send.why_never = lambda: f"{shown} never came from {table.to}"
+            send.why_unasked = lambda: f"{shown} never came from {table.to}"
 
-    def _burst(self, table: SendTable, *place: str | int) -> Burst:
+    def _burst(self, name: str, table: SendTable, *place: str | int) -> Burst:
         (bit, form), ppm = self._line(table), self._table.clock(table)
         if table.low is not None:
-            return Burst(bit, form, low=self._context.ticks(table.low, ppm))
+            return Burst(bit, form, low=self._context.ticks(table.low, ppm), name=name)
         mode = self._table.mode(table)
         data = content_of(self._case, table, form.bits, *place)
         if table.address is not None:
@@ -137,7 +138,7 @@ class SerialSide:
         )
         gap = self._context.ticks(table.gap, ppm)
         idle = IDLE_BITS if mode == "idle-line" and table.address is not None else 0
-        return Burst(bit, form, characters, gap, idle=idle)
+        return Burst(bit, form, characters, gap, idle=idle, name=name)
 
     def _check_faults(self, table: SendTable, form: UartFormat, count: int, *place: str | int) -> None:
         if table.wrong_parity and form.parity == "none":
@@ -189,6 +190,7 @@ class SerialSide:
         elif table.at is not None:
             tick = self._context.start + self._context.ticks(table.at, self._table.ppm)
             self._context.kernel.at(tick, lambda: self._happened("expect", number, tick))
+        self._check_within(number, table, *place)
 
     def _expected(self, number: int) -> Expected:
         table, place = self._table.expect[number], ("serial", "expect", number)
@@ -196,6 +198,19 @@ class SerialSide:
         show = partial(show_characters, as_text=table.text is not None)
         within = self._context.ticks(table.within)
         return Expected(tuple(data), show, table.from_, within, table.anywhere)
+
+    def _check_within(self, number: int, table: ExpectTable, *place: str | int) -> None:
+        """Refuse a reply that takes longer than it may: even if it begins with what asks for it."""
+        count = len(self._expected(number).characters)
+        takes = count * self._table.form(table).length * self._table.bit(table)
+        may = table.within
+        if table.after_send is not None:
+            asks = self.sends[table.after_send].ticks
+            may += Fraction(asks, self._context.timebase.per_second)
+        if takes * (1 - OFF) > may:
+            baud = 1 / self._table.bit(table)
+            what = f"{count} characters take {float(takes) * 1000:g} ms at {baud} baud, so no reply can keep this"
+            raise self._case.mistake(f"{what}; give it more time", *place, "within")
 
     def _happened(self, kind: str, number: int, tick: int) -> None:
         if kind == "send":
@@ -205,6 +220,11 @@ class SerialSide:
             self._due(number, tick)
 
     def _asked(self, number: int, tick: int) -> None:
+        source = self._table.expect[number].from_
+        for other, replies in zip(self._table.expect, self._replies, strict=True):
+            if other.from_ == source and other is not self._table.expect[number]:
+                for reply in replies:
+                    reply.others_turn(tick)
         for reply in self._replies[number]:
             reply.window(tick)
 

@@ -38,6 +38,8 @@ class _Occasion:
     first: int = NO_TIME  # begin of the first character
     ended: int = NO_TIME  # with its last one
     wrong_at: int = NO_TIME
+    ends: int = NO_TIME  # what begins later and is not the reply, is another's
+    shut: bool = False  # such a character came
 
 
 class Reply(Measure):
@@ -78,7 +80,15 @@ class Reply(Measure):
         waiting = next((one for one in self._open if one.since == NO_TIME), None)
         if waiting is not None:
             waiting.since = tick
+            if waiting.ends == NO_TIME:
+                waiting.ends = tick + self._what.within
             self._settle()
+
+    def others_turn(self, tick: int) -> None:
+        """Something else is asked for: what comes behind a wrong reply belongs to that."""
+        for one in self._open:
+            if one.wrong_at != NO_TIME and (one.ends == NO_TIME or one.ends > tick):
+                one.ends = tick
 
     def character(self, begin: int, end: int, value: int, good: bool) -> None:
         """A character came."""
@@ -87,10 +97,14 @@ class Reply(Measure):
         if occasion is None or begin < occasion.window:
             return
         came = occasion.came
-        if not came:
+        if not came and occasion.first == NO_TIME:
             occasion.first = begin
         came.append(value if good else BAD + value)
         right = tuple(came) == expected.characters[: len(came)]
+        if not expected.anywhere and (occasion.shut or (not right and NO_TIME < occasion.ends < begin)):
+            occasion.shut = True
+            came.pop()
+            return
         if expected.anywhere:
             right = True
             del came[: -max(len(expected.characters), 1)]

@@ -10,6 +10,7 @@ from periph_sim.bus.uart.reader import Heard
 from periph_sim.commands.result_text import legend
 from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_sci
+from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.serial.triggers import TextTrigger
 from periph_sim.timing.verdict import Verdict
 from tests.scene.serial.programs import answers, says, scene, send, unit
@@ -93,6 +94,31 @@ def test_what_comes_long_after_is_not_taken_for_the_reply():
     assert verdict.found == "'OK' was expected from SCI-A, but nothing came in time"
     (verdict,) = judged({b"ask\nx": b"OK"}, [*ASK, other], {"text": "OK", "within": "1 ms"})
     assert verdict.verdict == "fail" and verdict.worst > 2000 and not verdict.found  # the right one, but late
+
+
+def test_what_comes_behind_within_or_for_another_send_is_no_part_of_a_wrong_reply():
+    """ask |ER|   within |   other |ER|"""
+    for at, within in (("2 ms", "1 ms"), ("600 us", "3 ms")):
+        other = {"text": "x", "at": at, "name": "other"}
+        both = {"text": "OKAY", "within": within}, {"name": "more", "after_send": "other", "text": "ER"}
+        told, more = judged({b"ask\n": b"ER", b"x": b"ER"}, [*ASK, other], *both)
+        assert told.found.startswith("'OKAY' was expected from SCI-A, but 'ER' came, whose first wrong")
+        assert more.verdict == "pass"
+
+
+def test_a_wrong_character_behind_within_does_not_follow_what_came_in_time():
+    other = {"text": "x", "at": "2500 us", "name": "other"}
+    (verdict,) = judged({b"ask\n": b"O", b"x": b"NK"}, [*ASK, other], {"text": "OK", "within": "1 ms"})
+    assert verdict.found == "'OK' was expected from SCI-A, but only 'O' came"
+
+
+def test_a_text_that_takes_longer_than_within_is_refused():
+    with pytest.raises(BadCase, match=r"10 characters take 10\.4167 ms at 9600 baud, so no reply can") as told:
+        judged({}, ASK, {"text": "0123456789", "within": "9 ms", "baud": 9600})
+    assert "within" in str(told.value)
+    long = {"text": "0123456789", "period": "5 ms"}  # an echo begins while it is sent
+    (verdict,) = judged({}, [long], {"text": "0123456789", "within": "400 us"})
+    assert verdict.verdict == "fail"
 
 
 def test_bytes_are_shown_as_bytes_and_bad_ones_marked():

@@ -112,6 +112,18 @@ def test_a_send_whose_event_never_happened_is_told():
     assert result.sci_bytes == 0
 
 
+def test_a_send_that_waits_for_a_busy_line_says_for_whom_and_only_what_was_sent_counts():
+    """long |0|1|2|3|4|...     next: due with 1"""
+    sends = [{"name": "long", "text": "0123456789"}, {"name": "next", "text": "x"}]
+    table = {"send": [{"to": "dsp.SCI-A", "at": f"{at} us", **one} for at, one in zip((0, 100), sends, strict=True)]}
+    result = scene({"dsp": hears("SCI-A", [])}, unit={"dsp": unit("SCI-A")}, serial=table, duration="400 us").run()
+    assert result.notes[-1] == (
+        "serial: send 'next' never went out: "
+        "it was due at 0.000100 s, but its line is busy until 0.000868 s with send 'long'"
+    )
+    assert result.sci_bytes == 4  # of 86.8 us each; the fifth is under way
+
+
 # What goes wrong on a wire ------------------------------------------------------
 
 

@@ -11,6 +11,7 @@ from itertools import groupby
 from ..records.record_text import on_the_bus
 from .chain import Chain, Part, Step, parts_of
 from .cpu_activity import Stretch
+from .device_evidence import answering, bytes_of_device, note_of_device, sender
 from .evidence import Evidence, Phase, in_order
 from .fault_evidence import ONES, bytes_sent, deaf, is_master, own_address, refusing, released, stale, unread
 
@@ -236,11 +237,19 @@ def _blamed(steps: list[Step]) -> Part | None:
 
 
 def wrong_bytes(evidence: Evidence) -> Chain:
-    """The first wrong read: of each byte which write of I2CDXR it came of, when and where, maybe for another read."""
+    """The first wrong read: of each byte which write of I2CDXR it came of, when and where, maybe for another read.
+
+    Of a read of a device: what it sent, and the duty that it noted as broken.
+    """
     begin = evidence.window.begin
     phase = next((p for p in evidence.phases if p.begin >= begin), None)
     if phase is None:
         return evidence.chain((evidence.say(begin, "no such read within the records kept"),))
+    if sender(evidence, phase):
+        noted, cause = note_of_device(evidence, phase)
+        address = _asked(evidence, begin if phase.answered is None else phase.answered)
+        return evidence.chain(in_order(noted, address, bytes_of_device(evidence, phase)), (), cause)
+    evidence = answering(evidence, phase)
     steps = [*_asked(evidence, begin), *stale(evidence, phase)]
     blamed: Step | None = None
     for byte, write, said in bytes_sent(evidence, phase):

@@ -173,6 +173,10 @@ class Evidence:
                 names |= {address: name for address in range(eeprom.FIRST, eeprom.FIRST + 8) if address not in names}
         return names
 
+    def device_at(self, address: int) -> str:
+        """The name of the case's device that has an address; "" if none has."""
+        return self._devices.get(address, "")
+
     def holder_at(self, tick: int) -> str:
         """Who holds SCL low behind the master's release: the device that is asked, else the unit."""
         phase = self.phase_at(tick)

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from periph_sim.explain.chain import Chain
 from periph_sim.explain.explain import explain
 from periph_sim.explain.text_report import text
 from periph_sim.scene.case.model import Case
@@ -14,11 +15,16 @@ from periph_sim.scene.scene import Scene
 
 SCRIPT = ["50 W 00 10 11 22", "50 W", "50 W", "50 W", "50 W 00 10 Sr 50 R 2"]
 REQUEST = {"address": 0x50, "pointer": 0, "count": 0}
+REQUESTS = [{**REQUEST, "write": "10 11 22"}, {**REQUEST, "write": "10", "count": 2}]
 
 
 def told(measure: str, **device: Any) -> str:
-    """The explanation of one budget of a script of transfers."""
-    settings = {"script": SCRIPT, "pauses": ["0 s"] * 4 + ["100 us"]}
+    """The explanation of one budget of a script of transfers, as text."""
+    return "\n".join(text(chain(measure, SCRIPT, REQUESTS, **device)))
+
+
+def chain(measure: str, script: list[str], requests: list[dict[str, Any]], **device: Any) -> Chain:
+    settings = {"script": script, "pauses": ["0 s"] * (len(script) - 1) + ["100 us"]}
     unit = {"firmware": "captured_master", "modules": ["I2C-A"], "settings": settings}
     tables = {
         "name": "script",
@@ -28,16 +34,16 @@ def told(measure: str, **device: Any) -> str:
         "rounds": {
             "period": "2 ms",
             "ack_polling": True,
-            "request": [{**REQUEST, "write": "10 11 22"}, {**REQUEST, "write": "10", "count": 2}],
+            "request": requests,
         },
-        "budget": [{"name": "it", "measure": measure, "max": "1 s"}],
+        "budget": [{"name": "it", "measure": measure, "max": 0 if measure == "wrong bytes" else "1 s"}],
     }
     case = Case.model_validate(tables)
     scene = Scene(case)
     result = scene.run()
     explained = explain(case, result.budgets, (), Fraction(2, 1000))["it"]
     assert explained.chain is not None
-    return "\n".join(text(explained.chain))
+    return explained.chain
 
 
 @pytest.mark.parametrize("measure", ["stretch", "response"])
@@ -53,3 +59,40 @@ def test_polls_that_are_refused_are_one_line():
     shown = told("round")
     assert shown.count("not acknowledged") == 1
     assert "memory (0x50 W), not acknowledged, 3 times" in shown
+
+
+# Bytes that the device sends ---------------------------------------------------------
+
+
+def read_back(written: str, word: str, expect: str) -> Chain:
+    """Two bytes are written, and two read from a word address of one byte, which are not those expected."""
+    script = [f"50 W 00 {written}", "50 W", "50 W", "50 W", f"50 W 00 {word} Sr 50 R 2"]
+    asked = [{**REQUEST, "write": written}, {**REQUEST, "write": word, "count": 2, "expect": expect}]
+    return chain("wrong bytes", script, asked)
+
+
+def test_a_byte_that_a_memory_sends_is_told_with_the_write_that_it_came_of():
+    steps = [step.what for step in read_back("10 11 22", "10", "11 23").steps]
+    assert steps[:2] == ["repeated START, memory (0x50 R)", "address acknowledged"]
+    assert steps[2].startswith("byte 1: 0x11 ACK, sent by memory from 0x0010, last written 0x11, ")
+    assert steps[3].startswith("byte 2: 0x22 NACK, sent by memory from 0x0011, last written 0x22, ")
+    assert len(steps) == 4
+
+
+def test_a_page_overrun_that_the_memory_noted_is_the_cause():
+    found = read_back("1f 11 22", "1f", "11 22")
+    noted = "memory: the write at 0x001f went beyond its page's end, 0x001f, on to 0x0000"
+    assert found.steps[0].what == noted and found.steps[0].at < 0
+    assert str(found.blamed) == noted
+    assert found.steps[-1].what == "byte 2: 0xFF NACK, sent by memory from 0x0020"
+
+
+def test_the_word_that_an_overrun_went_round_to_is_told_as_written():
+    found = read_back("1f 11 22", "00", "ff ff")
+    assert "byte 1: 0x22 ACK, sent by memory from 0x0000, last written 0x22" in "\n".join(s.what for s in found.steps)
+    assert str(found.blamed).startswith("memory: the write at 0x001f")
+
+
+def test_a_note_about_words_that_are_not_read_is_told_and_not_blamed():
+    found = read_back("1f 11 22", "40", "11 22")
+    assert found.steps[0].what.startswith("memory: the write at 0x001f") and found.blamed is None

@@ -54,6 +54,17 @@ WITHOUT_PINS = ("24lc", "24aa")  # up to 16 Kbit: A0 to A2 lead nowhere, so it a
 MODELS = tuple(f"{make}{size}" for size in PARTS for make in MAKES)
 
 
+def part_of(model: str) -> Part:
+    """What a model of MODELS is made of."""
+    return PARTS[_split(model)[1]]
+
+
+def _split(model: str) -> tuple[str, str]:
+    """The make and the size that a model's name is made of."""
+    make = next(make for make in MAKES if model.startswith(make) and model.removeprefix(make) in PARTS)
+    return make, model.removeprefix(make)
+
+
 def _power_of_two(value: int) -> int:
     if value & value - 1:
         raise ValueError("a page is a power of two")
@@ -153,8 +164,8 @@ class Eeprom:
 
 
 def build(model: str, settings: Settings, place: TargetContext) -> Eeprom:
-    make = next(make for make in MAKES if model.startswith(make) and model.removeprefix(make) in PARTS)
-    part = PARTS[model.removeprefix(make)]
+    make, size = _split(model)
+    part = PARTS[size]
     if part.word == 1 and make in WITHOUT_PINS:
         address_among(place, model, (FIRST,))
         addresses = tuple(range(FIRST, FIRST + 8))

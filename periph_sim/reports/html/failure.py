@@ -79,6 +79,8 @@ def _why(verdict: Verdict, chain: Chain) -> tuple[str, str]:
     part = chain.blamed
     if part is not None and part.place is not None:
         return f"{_blame(part, chain)} at", str(part.place)
+    if part is not None and part is chain.blame:
+        return _blame(part, chain), ""
     if chain.parts:
         return _blame(chain.parts[0], chain), ""
     return "", ""

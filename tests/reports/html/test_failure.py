@@ -72,6 +72,12 @@ def test_the_cause_is_the_place_that_the_chain_blames() -> None:
     assert told(LATE, chain(blame=blame, length=0)).why == "Cause: I2CDXR written at"
 
 
+def test_a_cause_outside_of_the_firmware_is_told_without_a_place() -> None:
+    blame = Part("code", "memory: the write at 0x001f went beyond its page's end", 0)
+    found = told(LATE, chain(blame=blame, length=0))
+    assert (found.why, found.place) == ("Cause: memory: the write at 0x001f went beyond its page's end", "")
+
+
 def test_without_a_place_in_the_firmware_the_longest_part_is_told() -> None:
     found = told(LATE, chain(Part("bus", "SCL low by the controller", 12 * US)))
     assert (found.why, found.place) == ("Most of that time, 12.000 us, went into SCL low by the controller", "")

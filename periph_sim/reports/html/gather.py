@@ -73,7 +73,7 @@ def case_report(
         counts={name.replace("_", " "): count for name, count in result.counts.items() if count and name != SKIPPED}
         | {"I2C bytes": result.wire_bytes, "SCI bytes": result.sci_bytes},
         findings=tuple(_beside_failures(_found(result) if findings is None else findings, budgets)),
-        notes=tuple(result.notes),
+        notes=tuple(_devices_first(case, result.notes)),
         budgets=tuple(budgets),
         commit=commit_of(case.folder),
     )
@@ -191,6 +191,12 @@ def _beside_failures(findings: Sequence[str], budgets: Sequence[BudgetReport]) -
     names = [one.verdict.name for one in budgets if one.failure is not None]
     told = tuple(f"{name}{rest}" for name in names for rest in (" breaks: ", " is not judged: ", " holds, but ", ": "))
     return [text for text in findings if not text.startswith(told)]
+
+
+def _devices_first(case: Case, notes: Sequence[str]) -> list[str]:
+    """The notes, those of chips and devices before those of units: the page folds away all but the first few."""
+    devices = tuple(f"{name}, " for name in (*case.chip, *case.device))
+    return sorted(notes, key=lambda note: not note.startswith(devices))
 
 
 def _sysclk(unit: Unit) -> Fraction:

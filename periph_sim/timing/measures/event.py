@@ -46,7 +46,7 @@ class EventCount(EventMeasure, Counter):
         return self.event.free and not self.count
 
     def missing(self) -> str:
-        return f"no event matched {self.event.text!r}; {span_hint(self.event, self.spans or set())}"
+        return f"no event matched {self.event.text!r}; {span_hint(self.event.what, self.spans or set())}"
 
 
 class Level(EventMeasure):

@@ -119,7 +119,7 @@ class EventMeasure(Measure):
 
     def unmatched(self, never: list[Matcher]) -> str:
         if never:
-            hints = [span_hint(m, self.spans) for m in never if m.free and self.spans is not None]
+            hints = [span_hint(m.what, self.spans) for m in never if m.free and self.spans is not None]
             return "; ".join([f"no event matched {' and '.join(repr(m.text) for m in never)}", *hints[:1]])
         return f"{self.matchers[0].text!r} was seen {self.seen[0]} times, which makes no measurement"
 
@@ -134,8 +134,9 @@ def subjects_of(matchers: Sequence[Matcher]) -> dict[Kind, frozenset[str]]:
     return {kind: subjects for kind, subjects in needed.items() if kind not in everything}
 
 
-def span_hint(event: Matcher, spans: set[str]) -> str:
+def span_hint(name: str, spans: set[str]) -> str:
+    """A phrase that names the spans that a run had, or those of them whose names are near."""
     if not spans:
         return "the run had no span"
-    hint = did_you_mean(event.what, sorted(spans))
+    hint = did_you_mean(name, sorted(spans))
     return f"the run had spans {hint.removeprefix('it has ')}" if hint.startswith("it has ") else hint

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ...core.records import Kind, Record
+from .event_pairing import span_hint
 from .measure import Measure
 
 
@@ -15,8 +16,10 @@ class SpanTime(Measure):
         super().__init__()
         self._name = name
         self._began: dict[str, int] = {}
+        self._spans: set[str] = set()  # their names, of all that there were
 
     def record(self, record: Record) -> None:
+        self._spans.add(record.what)
         if record.what != self._name:
             return
         if record.value:
@@ -24,6 +27,11 @@ class SpanTime(Measure):
         elif record.where in self._began:
             began = self._began.pop(record.where)
             self.take(record.tick - began, began)
+
+    def missing(self) -> str:
+        if self._name in self._spans:
+            return ""
+        return f"there was no span {self._name!r}; {span_hint(self._name, self._spans)}"
 
     def unfinished(self, now: int) -> list[tuple[int, int]]:
         return [(now - began, began) for began in self._began.values()]

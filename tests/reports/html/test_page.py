@@ -154,8 +154,17 @@ def test_the_verdicts_have_a_legend_of_what_stands_there(changes: dict[str, obje
 def test_assumptions_have_their_number_in_the_head() -> None:
     one = replace(report(budget("a", 2.0)), options=("dsp.i2c.bcm_reset",))
     assert "<summary>Assumes 1 undocumented behaviour</summary>" in page([one], "a report")
-    both = replace(one, options=(*one.options, "dsp.i2c.rrdy_point"), notes=("a note",))
-    assert "<summary>Assumes 2 undocumented behaviours, notes (1)</summary>" in page([both], "a report")
+    both = replace(one, options=(*one.options, "dsp.i2c.rrdy_point"))
+    assert "<summary>Assumes 2 undocumented behaviours</summary>" in page([both], "a report")
+
+
+def test_notes_stand_open_on_the_page_and_only_those_from_the_fourth_on_are_folded() -> None:
+    notes = ("eeprom: a page overrun", "b", "c", "d")
+    tree = parsed(page([replace(report(budget("a", 2.0)), options=("x",), notes=notes)], "a report"))
+    (shown,) = (e for e in tree.iter("ul") if e.get("class") == "notes")
+    assert [one.text for one in shown.findall("li")[:3]] == ["note: eeprom: a page overrun", "note: b", "note: c"]
+    (folded,) = shown.iter("details")
+    assert [one.text for one in folded.iter("li")] == ["note: d"]
 
 
 @pytest.mark.long

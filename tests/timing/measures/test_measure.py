@@ -295,6 +295,22 @@ def test_span_is_from_its_begin_to_its_end_unit_by_unit():
     assert (measure.worst, measure.worst_at, measure.least, measure.count) == (400, 110, 200, 2)
 
 
+@pytest.mark.parametrize(
+    ("spans", "why"),
+    [
+        ((), "there was no span 'prase'; the run had no span"),
+        (("parse", "reply"), "there was no span 'prase'; did you mean parse?"),
+        (("reply", "store"), "there was no span 'prase'; the run had spans reply, store"),
+        (("prase",), ""),
+    ],
+)
+def test_a_span_that_never_was_is_told_with_those_that_were(spans: tuple[str, ...], why: str):
+    measure = make("span:prase")
+    for number, name in enumerate(spans):
+        measure.record(Record(number, number, Kind.SPAN, "dsp", name, 1, "", 0))
+    assert measure.missing() == why
+
+
 @pytest.mark.parametrize("name", [*MEASURES, "span:model"])
 def test_every_measure_says_what_it_measures_and_begins_empty(name: str):
     told = Told(name)

@@ -3,8 +3,8 @@
     firmware --> accesses, compute, spin --> cycles on this CPU's clock --> kernel, chips
                                         ^--- interrupts at instruction boundaries
 
-Each layer is a file: `cpu_time` lets time pass, `interrupts` cuts in, `register_access` reads and writes. Here the
-CPU waits.
+Each layer is a file: `cpu_time` lets time pass, `interruptible_cpu` takes interrupts, `register_access` reads and
+writes. Here the CPU waits.
 
 Waiting is skipped: a pass of a spin whose reads have no side effect is made once; it cannot come out otherwise before a
 register that it read changes or an interrupt is due. At that moment the pass in progress is replayed from its start,

@@ -30,7 +30,7 @@ from ..f28335.cpu.pie import Pie
 from ..f28335.cpu.pie_map import PIEACK
 from ..f28335.system.memory_map import BOTH, HIGH, LOW, WRITE_TO_READ, AddressMap, Frame, ModuleRange, WaitStates
 from ..f28335.system.options import SystemOptions
-from .interrupts import InterruptibleCpu
+from .interruptible_cpu import InterruptibleCpu
 from .polling import Poll, Spin
 from .source_location import SourceLocation
 

@@ -11,7 +11,7 @@ Chosen:
 from __future__ import annotations
 
 from ...core.fifo import Fifo
-from .flags import I2cFlags
+from .interrupts import I2cInterrupts
 from .register_map import I2C_MAP, MDR_IRS, STR_XRDY
 
 I2CFFTX, I2CFFRX = I2C_MAP["I2CFFTX"], I2C_MAP["I2CFFRX"]
@@ -26,7 +26,7 @@ DEPTH = 16
 INT2 = 2
 
 
-class I2cFifos(I2cFlags):
+class I2cFifos(I2cInterrupts):
     """fftx, ffrx: what is stored of I2CFFTX and I2CFFRX."""
 
     __slots__ = ("_rx_was_high", "_tx_was_low", "ffrx", "fftx", "mdr", "rx_fifo", "tx_fifo", "xsr_full")

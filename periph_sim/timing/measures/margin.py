@@ -12,11 +12,11 @@ from __future__ import annotations
 
 from ...core.records import Kind, Record, Subjects
 from ...core.time import NO_TIME
-from .bus_monitor import KINDS, SUBJECTS, BusMonitor
+from .bus_from_records import KINDS, SUBJECTS, BusFromRecords
 from .measure import Measure, SceneEvents
 
 
-class _Reads(BusMonitor):
+class _Reads(BusFromRecords):
     """Bytes that the unit sends as a slave, with the instant at which each is needed."""
 
     def __init__(self, unit: str, measure: Margin) -> None:
@@ -94,7 +94,7 @@ class Margin(Measure):
         return f"{self._unit} sent no byte as a slave whose write of I2CDXR is known"
 
 
-class _Lows(BusMonitor):
+class _Lows(BusFromRecords):
     def __init__(self, unit: str, measure: HeldPerTransfer) -> None:
         super().__init__(unit)
         self._measure = measure

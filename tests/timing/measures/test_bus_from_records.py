@@ -6,7 +6,7 @@ import pytest
 
 from periph_sim.core.records import Kind, Record
 from periph_sim.core.time import NO_TIME
-from periph_sim.timing.measures.bus_monitor import BusMonitor
+from periph_sim.timing.measures.bus_from_records import BusFromRecords
 from periph_sim.timing.measures.margin import HeldPerTransfer, Margin
 
 HEAD, DSP = "controller", "dsp.GPIO33"
@@ -72,7 +72,7 @@ class Drawn:
         self.now += 50
 
 
-class Heard(BusMonitor):
+class Heard(BusFromRecords):
     def __init__(self) -> None:
         super().__init__("dsp")
         self.told: list[tuple[object, ...]] = []

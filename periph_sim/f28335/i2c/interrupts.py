@@ -1,4 +1,4 @@
-"""Flags and interrupts of the I2C module: I2CSTR and I2CIER go in; INTCODE, and a request on I2CINT1A, come out.
+"""Interrupts of the I2C module: I2CSTR and I2CIER go in; INTCODE, and a request on I2CINT1A, come out.
 
     I2CSTR & I2CIER --> pending --event_to_isrc_delay, rank--> INTCODE, I2CINT1A --read of I2CISRC--> the next
 
@@ -19,7 +19,7 @@ CODE_CLEARS = {1: SRC_AL, 2: SRC_NACK, 6: SRC_SCD}  # I2CISRC code -> flag that 
 INT1 = 1
 
 
-class I2cFlags:
+class I2cInterrupts:
     """str: I2CSTR. requests: lines asked for since the owner last set this to 0. code_at: when a code is loaded."""
 
     __slots__ = (

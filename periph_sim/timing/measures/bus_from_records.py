@@ -19,7 +19,7 @@ SUBJECTS = {Kind.EDGE: {SCL, SDA}, Kind.HOLD: {SCL, SDA}}
 BITS = 9  # of a byte, its ACK included
 
 
-class BusMonitor:
+class BusFromRecords:
     """unit: whose pins are ours, "" for none. Subclasses say what they do with what they hear."""
 
     def __init__(self, unit: str) -> None:

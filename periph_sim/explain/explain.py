@@ -24,6 +24,7 @@ from ..traces.drawing.capture_lanes import bit_of
 from . import bus_chain as of_bus
 from . import event_chain as of_events
 from . import host_chain as of_host
+from . import reply_chain as of_replies
 from .chain import Chain, difference
 from .evidence import Evidence
 from .window import BIT, LATE, Window, windows
@@ -99,6 +100,9 @@ def _explained(case: Case, window: Window, usual: Window | None) -> Explained:
 def _reaching(window: Window, chain: Chain) -> Window:
     """The window with a picture that reaches the chain's evidence, where that is an instant's and not far away."""
     told = tuple(step.what for step in chain.steps)
+    if window.verdict.measure.startswith(REPLY) and chain.steps:
+        begin = max(min(window.drawn.begin, window.begin + chain.steps[0].at), window.kept[0].begin)
+        return replace(window, told=told, drawn=Span(begin, window.drawn.end))
     if window.begin != window.end or window.verdict.measure in LATE or not chain.steps:
         return replace(window, told=told)
     bit = bit_of(window.edges, window.timebase.ticks(BIT, "nearest"))
@@ -117,7 +121,7 @@ def chain_of(case: Case, window: Window) -> Chain:
     if measure in STORIES:
         return STORIES[measure](evidence)
     if measure.startswith(REPLY):
-        return of_events.between(evidence, None, None)
+        return of_replies.reply(evidence)
     scope = scope_of_case(case)
     if measure.startswith(SPAN):
         name = measure.removeprefix(SPAN)

@@ -149,7 +149,9 @@ def _marks(window: Window) -> list[Mark]:
     name = window.verdict.name
     if window.begin == window.end:
         return [Mark(0.0, name)]
-    end = Mark(_seconds(window, window.end), f"ends, {_figure(window)} later")
+    length = (window.end - window.begin) * 1_000_000 / window.timebase.per_second
+    later = _figure(window) if window.verdict.until_s is None else in_words(length, "us")
+    end = Mark(_seconds(window, window.end), f"ends, {later} later")
     return [Mark(0.0, f"{name}: worst begins"), end]
 
 

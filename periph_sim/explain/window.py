@@ -171,6 +171,8 @@ class _Keeper:
         per_second = self._timebase.per_second
         at = self._start + round(verdict.at_s * per_second)
         length = round((verdict.worst or 0) * per_second / 1_000_000) if _is_length(verdict) else 0
+        if verdict.until_s is not None:
+            length = round(verdict.until_s * per_second) - (at - self._start)
         begin, end = sorted((at - length, at) if verdict.measure.startswith(ENDS) else (at, at + length))
         around = self._timebase.ticks(WIDE if verdict.measure.startswith(WIDE_FOR) else AROUND, "nearest")
         first, last = max(begin - around, self._start), min(end + around, self._end)

@@ -28,6 +28,8 @@ def failure_text(run: Run, broken: Sequence[Verdict], judged: int) -> str:
         one = broken[0]
         found = "was never measured" if one.worst is None else figure(one.worst, one.unit)
         head = f"{one.name} {found}, limit {_limit(one)}"
+        if one.until_s is not None:
+            head = f"{one.name}: {one.found}"
         head += "" if one.broken or one.worst is None else f"; not judged, as {one.found}"
     lines = [f"{run.result.case}: {head}", "", *_table(broken)]
     if run.result.first_wrong and any(verdict.measure == "wrong bytes" for verdict in broken):

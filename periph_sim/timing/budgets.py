@@ -201,8 +201,9 @@ class BudgetJudge:
         else:
             nearest = min((self._beside(key, limit) for key, limit in limits.items()), key=lambda s: s.slack)
         at = NO_TIME if silent else nearest.at
+        until = NO_TIME
         if measure.refuted and nearest.slack >= 0:
-            at = measure.refuted_at
+            at, until = measure.refuted_at, measure.refuted_until
         return Verdict(
             name=self.budget.name,
             measure=self.budget.measure,
@@ -218,6 +219,7 @@ class BudgetJudge:
             found=found,
             measured=measure.measured,
             occasions=measure.occasions,
+            until_s=None if until < 0 else float(self._timebase.seconds(until - start)),
         )
 
     def _can_judge(self, which: str, limit: int) -> bool:

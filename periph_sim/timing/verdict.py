@@ -30,7 +30,8 @@ class Verdict:
     percentile `worst` is the value at it. found: what there is to say beyond figures, such as that nothing matched.
     measured, occasions: how many of all occasions were measured; occasions is None where the measure has none. bound:
     of `worst` in any phase, None where none is known; of a percentile the maximum's, if that keeps the limit. proof:
-    of a budget that passes. unbounded: why it is not for every phase.
+    of a budget that passes. unbounded: why it is not for every phase. until_s: of what `found` says is wrong, such as
+    a reply, when that was over; it began at `at_s`.
     """
 
     name: str
@@ -50,6 +51,7 @@ class Verdict:
     bound: float | int | None = None
     proof: Proof = ""
     unbounded: str = ""
+    until_s: float | None = None
 
     @property
     def word(self) -> str:

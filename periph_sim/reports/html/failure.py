@@ -36,7 +36,7 @@ def failure(
         return Failure(f"holds ({in_words(verdict.worst or 0, verdict.unit)}), but the case says that it must break")
     if must_break and verdict.broken:
         return None
-    if verdict.broken and verdict.worst is not None:
+    if verdict.broken:
         why, place = ("", "") if chain is None else _why(verdict, chain)
         return Failure(_what(verdict), "" if over is None else _count(verdict, over, per_second), why, place)
     if verdict.passed:
@@ -45,7 +45,9 @@ def failure(
 
 
 def _what(verdict: Verdict) -> str:
-    assert verdict.worst is not None
+    if verdict.worst is None or verdict.until_s is not None:
+        at = "" if verdict.at_s is None else f", at {instant(verdict.at_s)}"
+        return f"is broken: {verdict.found}{at}"
     allowed = ALLOWED.get(verdict.which) or f"for {percentile(verdict.which)} at most"
     limit = "none" if (verdict.which, verdict.limit) == ("max", 0) else f"{allowed} {_plain(verdict.limit, verdict)}"
     off = abs(verdict.worst - verdict.limit)

@@ -122,6 +122,7 @@ class Measure:
     kinds: frozenset[Kind] = frozenset()
     refuted = ""  # why no value can keep the limit, such as a reply that is not the expected one
     refuted_at = NO_TIME
+    refuted_until = NO_TIME
 
     @property
     def subjects(self) -> Subjects:

@@ -154,6 +154,8 @@ class Reply(Measure):
             self.take(now - occasion.since, occasion.since)
         if not self.refuted:
             self.refuted, self.refuted_at = self._said(occasion), occasion.since
+            over = occasion.since + self._what.within
+            self.refuted_until = over if occasion.wrong_at == NO_TIME else occasion.ended
 
     def _said(self, occasion: _Occasion) -> str:
         expected = self._what

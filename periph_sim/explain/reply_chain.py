@@ -1,0 +1,93 @@
+"""Why a reply was late or another one: Evidence goes in; what asked for it, and which writes were wrong, come out.
+
+RX  |--ask--|
+CPU         w(E) w(R)            the writes of the characters that are not the expected ones
+TX          |---E---|---R---|
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ..core.records import Kind, Record
+from ..scene.case.serial import ExpectTable, SerialTable
+from ..scene.serial.content import content_of
+from ..timing.measures.registry import REPLY
+from .chain import Chain, Part, Step
+from .event_chain import between
+from .evidence import Evidence, in_order
+
+MOST = 8  # wrong characters told
+
+
+def reply(evidence: Evidence) -> Chain:
+    """What a reply's time went into; of a wrong one the writes of what is wrong in it, the first of them to blame."""
+    window = evidence.window
+    chain = between(evidence, None, None)
+    asked = _asked(evidence)
+    steps = [evidence.say(r.tick, f"{r.where}: the last character of what asks for it") for r in asked[-1:]]
+    wrong = _wrong(evidence, asked) if window.verdict.until_s is not None else []
+    if wrong:
+        chain = replace(chain, blame=Part("code", wrong[0].what, 0, 1, wrong[0].place))
+    told = {(step.at, step.place) for step in wrong}
+    others = [step for step in chain.steps if (step.at, step.place) not in told]
+    return replace(chain, steps=in_order(others, [*steps, *wrong]))
+
+
+def _asked(evidence: Evidence) -> list[Record]:
+    """The begins of frames on the line of that which ended when the reply's time began, up to it."""
+    window = evidence.window
+    slip = window.timebase.per_second // 10**7
+    frames = [r for r in window.records if r.kind is Kind.FRAME]
+    last = next((r for r in frames if r.what == "end" and abs(r.tick - window.begin) <= slip), None)
+    if last is None:
+        return []
+    return [r for r in frames if r.what == "begin" and r.where == last.where and r.tick < last.tick]
+
+
+def _wrong(evidence: Evidence, asked: list[Record]) -> list[Step]:
+    """The writes of the characters that are not those expected at their places; none where that cannot be told."""
+    serial = evidence.case.serial
+    assert serial is not None
+    name = evidence.window.verdict.measure.removeprefix(REPLY)
+    number, table = next((n, one) for n, one in enumerate(serial.expect) if one.name == name)
+    since = _since(evidence, serial, table, asked)
+    if since is None or table.anywhere:
+        return []
+    expected = content_of(evidence.case, table, serial.form(table).bits, "serial", "expect", number)
+    told = []
+    for at, write in enumerate(_written(evidence, table.from_, since)):
+        wanted = expected[at] if at < len(expected) else None
+        if write.value & 0xFF != wanted:
+            right = "" if wanted is None else f", not {wanted:#04x}"
+            what = f"SCITXBUF written, {write.value & 0xFF:#04x}: character {at} of the reply{right}"
+            told.append(evidence.step(write, f"{write.where}: {what}"))
+    return told[:MOST]
+
+
+def _since(evidence: Evidence, serial: SerialTable, table: ExpectTable, asked: list[Record]) -> int | None:
+    """From when on characters belong to the reply; None where the window does not tell."""
+    if table.after_send is None:
+        return evidence.window.begin
+    number, send = next((n, s) for n, s in enumerate(serial.send) if table.after_send in (s.name, f"send {n}"))
+    count = len(content_of(evidence.case, send, serial.form(send).bits, "serial", "send", number))
+    count += send.address is not None
+    if 0 < count <= len(asked):
+        return asked[-count].tick
+    kept, begin = evidence.window.kept[0].begin, evidence.window.begin
+    early = len(_written(evidence, table.from_, kept)) > len(_written(evidence, table.from_, begin))
+    return None if early else begin
+
+
+def _written(evidence: Evidence, source: str, since: int) -> list[Record]:
+    """The writes of SCITXBUF that the frames up to the end of the occurrence come from, in their order."""
+    window = evidence.window
+    by_number = {r.number: r for r in (*window.before, *window.records)}
+    unit, _, module = source.rpartition(".")
+    found = []
+    for frame in window.between(since, window.end - 1, Kind.FRAME):
+        edge = by_number.get(frame.cause)
+        write = None if edge is None else by_number.get(edge.cause)
+        if frame.what == "begin" and write is not None and write.what == f"W {module}.SCITXBUF":
+            found += [write] if unit in ("", write.where) else []
+    return found

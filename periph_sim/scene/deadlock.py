@@ -13,7 +13,9 @@ from collections.abc import Callable
 
 from ..core.chip import NEVER
 from ..core.wire import Wire
+from ..f28335.gpio.module import Gpio
 from ..f28335.i2c.module import I2c
+from ..f28335.i2c.register_map import STR_NACK
 from ..f28335.sci.module import Sci
 from ..f28335.system.cpu_timer import CpuTimer
 from ..processor.dsp import PIN_OF, Dsp
@@ -31,10 +33,10 @@ INPUTS = {
 }
 
 
-def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool]) -> str:
+def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], instant: Callable[[int], str]) -> str:
     """Why the wait that `dsp` is in cannot end, as a clause; empty if it can, or if it is in none.
 
-    may_move: whether the named parties, who are not of this unit, may ever move the wire.
+    may_move: whether the named parties, who are not of this unit, may ever move the wire. instant: a tick for people.
     """
     spin = dsp.cpu.spin_now
     if spin is None or not dsp.cpu.sleeps_in_spin:
@@ -50,8 +52,27 @@ def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool]) -> st
     if any(dsp.socket(module).chip.next_wake < NEVER for module in modules) or dsp.core.next_wake < NEVER:
         return ""
     due = f"{' and '.join(modules)} {'has' if len(modules) == 1 else 'have'} nothing due"
-    moved = f"nobody will move {' or '.join(wires)}" if wires else "no wire leads there"
-    return f"{due} and {moved}"
+    inputs = [name for name in wires if name not in outputs(dsp)]
+    moved = f"nobody will move {' or '.join(inputs)}" if inputs else "no wire leads there"
+    ignored = refused(dsp, instant) if "I2C-A" in modules else ""
+    return f"{due} and {moved}{f'; {ignored}' if ignored else ''}"
+
+
+def refused(dsp: Dsp, instant: Callable[[int], str]) -> str:
+    """That I2CSTR.NACK is set, as a clause with since when and why; empty if it is not. It ended the transfer."""
+    chip = dsp.socket("I2C-A").chip
+    if not isinstance(chip, I2c) or not chip.state.str & STR_NACK:
+        return ""
+    state = chip.state
+    since = f"I2CSTR.NACK is set since {instant(dsp.clock.tick(state.nack_since))}"
+    return f"{since}: {state.nack_of} was not acknowledged" if state.nack_of else since
+
+
+def outputs(dsp: Dsp) -> list[str]:
+    """Wires at pins that the unit itself drives as general-purpose outputs."""
+    socket = dsp.sockets.get("GPIO")
+    driven = socket.chip.driven if socket is not None and isinstance(socket.chip, Gpio) else 0
+    return [wire.name for pin, wire in dsp.plan.wires.items() if driven >> pin & 1]
 
 
 def signals_behind(dsp: Dsp, spin: Spin) -> list[str]:

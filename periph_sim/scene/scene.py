@@ -410,7 +410,7 @@ class Scene:
             return [self.stalled]
         told = []
         for name, dsp in self.units.items():
-            why = deadlock_reason(dsp, self._may_move)
+            why = deadlock_reason(dsp, self._may_move, lambda tick: self.timebase.show(tick - self.start))
             if why:
                 told.append(f"{name} {self.doing(dsp)} and would for ever: {why}")
         return told

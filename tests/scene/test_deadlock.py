@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from periph_sim.firmware import sci_fifo_receiver, start_i2c
+from periph_sim.firmware import sci_fifo_receiver, start_i2c, start_pin
 from periph_sim.processor.dsp import Dsp
 from periph_sim.scene import unit as unit_module
 from periph_sim.scene.case.load import load
@@ -122,7 +123,7 @@ def test_a_running_timer_whose_interrupt_may_help_keeps_the_wait_alive(monkeypat
 def test_firmware_that_sleeps_is_said_to_sleep(monkeypatch: pytest.MonkeyPatch):
     scene = scene_with(monkeypatch, lambda dsp: dsp.cpu.idle(), [])
     scene.run()
-    assert scene.doing(scene.units["dsp"]) == "waits in IDLE for an interrupt at line 123 of test_deadlock.py"
+    assert scene.doing(scene.units["dsp"]) == "waits in IDLE for an interrupt at line 124 of test_deadlock.py"
 
 
 # The bus held ------------------------------------------------------------------
@@ -278,3 +279,26 @@ def test_the_wait_for_a_devices_interrupt_pin_is_no_deadlock(tmp_path: Path):
     unit = {"firmware": str(tmp_path / "waits.py"), "modules": ["I2C-A", "GPIO"], "pins": {"DRDY": 12}}
     result = Scene(case("1 ms", unit={"dsp": unit}, device=ADC)).run()
     assert result.stuck == [] and result.verdict != "fail"
+
+
+def test_an_address_that_nobody_acknowledged_is_told_and_an_output_of_the_unit_is_not(monkeypatch: pytest.MonkeyPatch):
+    """The module holds the bus behind the NACK, and no STOP comes that nobody asks for."""
+
+    def ignores_nack(dsp: Dsp) -> None:
+        start_i2c(dsp)
+        start_pin(dsp, 34)
+        i2c = dsp.module("I2C-A")
+        i2c.I2CMDR.IRS = 1
+        i2c.I2CSAR.all = 0x51
+        i2c.I2CCNT.all = 2
+        i2c.I2CDXR.all = 0x10
+        i2c.I2CMDR.all = 0x6620  # STT, MST, TRX, IRS
+        dsp.spin(lambda: i2c.I2CSTR.ARDY == 1)
+        dsp.spin(lambda: i2c.I2CSTR.SCD == 1)
+
+    unit = {"firmware": "under test", "modules": ["I2C-A", "GPIO"], "pins": {"GOOD": 34}}
+    program = Firmware("under test", lambda dsp, settings: ignores_nack(dsp), None)
+    (sentence,) = Scene(case("1 ms", unit={"dsp": unit}), programs={"dsp": program}).run().stuck
+    head, _, told = sentence.partition("nobody will move ")
+    assert "waits for I2C-A.I2CSTR.SCD since" in head
+    assert re.fullmatch(r"SDA or SCL; I2CSTR.NACK is set since (\d+\.\d+) us: address 0x51 was not acknowledged", told)

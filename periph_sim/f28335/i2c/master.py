@@ -294,7 +294,7 @@ class I2cMaster(I2cMasterReceiver):
         if ack and not general_call:
             state.clear(now, STR_NACK)
         elif ack:
-            state.nack_received(now, as_slave=False)
+            state.nack_received(now, as_slave=False, of="")
         if not ack:
             self._refused(now)
         elif self._addresses:
@@ -373,7 +373,9 @@ class I2cMaster(I2cMasterReceiver):
         state.touched |= {"ardy_on_nack", "hold_scl_after_nack"}
         if state.options.ardy_on_nack:
             state.str |= STR_ARDY
-        state.nack_received(now, as_slave=False)
+        state.nack_received(
+            now, as_slave=False, of=f"address 0x{state.sar:02X}" if self._kind == "address" else "a byte"
+        )
         self._addresses = []
         self._restart_next = []
         if state.options.hold_scl_after_nack:

@@ -45,6 +45,8 @@ class I2cRegisters(I2cFifos):
         "dxr_behind",
         "dxr_full",
         "emdr_written",
+        "nack_of",
+        "nack_since",
         "oar",
         "psc",
         "rsr",
@@ -68,6 +70,8 @@ class I2cRegisters(I2cFifos):
         self.tm = 1  # module clock in cycles, as taken over when IRS last rose
         self.dxr = self.xsr = self.drr = self.rsr = 0
         self.dxr_full = self.drr_unread = False
+        self.nack_since = 0  # while I2CSTR.NACK = 1: the cycle at which it rose
+        self.nack_of: str = ""  # and what was refused then
         self.dxr_behind: list[int] = []  # bytes written behind a full I2CDXR (dxr_write_while_full)
 
     def irs_reset(self, now: int) -> None:
@@ -234,8 +238,11 @@ class I2cRegisters(I2cFifos):
         """Cycles from a bit on SDA to the release of SCL; never 0, both at once could be a START or a STOP."""
         return max(1, self.options.sda_setup_before_scl_release * self.tm)
 
-    def nack_received(self, now: int, as_slave: bool) -> None:
+    def nack_received(self, now: int, as_slave: bool, of: str) -> None:
+        """of: what was refused, for people; "" where nothing was, and NACK is set all the same."""
         self.nack_as_slave = as_slave
+        if not self.str & STR_NACK:
+            self.nack_since, self.nack_of = now, of
         self.set(now, STR_NACK)
 
     def overrun(self, now: int) -> None:

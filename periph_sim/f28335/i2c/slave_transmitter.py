@@ -179,7 +179,7 @@ class I2cSlaveTransmitter:
             state.touched.add("xsmt_on_final_nack")
             if options.xsmt_on_final_nack == "0_without_stretch":
                 state.str &= ~STR_XSMT
-        state.nack_received(now, as_slave=True)
+        state.nack_received(now, as_slave=True, of="a byte")
 
     def _copy_at_rise9(self, now: int) -> None:
         """The copy, where it comes in the middle of the ACK slot; XRDY may rise with it or at the slot's end."""

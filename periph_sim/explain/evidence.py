@@ -6,7 +6,7 @@ Window, case --> Evidence: phases on the bus, lows of SCL, accesses, flags with 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
@@ -16,10 +16,11 @@ from ..devices.targets import eeprom
 from ..records.record_text import BusByte, bus_byte, happened
 from ..scene.case.model import Case
 from .chain import Chain, FirmwarePlace, Part, Step, place_of
-from .cpu_activity import DOING, Episode, Stretch, episodes, open_at, phrase, timeline, units
+from .cpu_activity import CODE, DOING, Episode, Stretch, episodes, open_at, phrase, timeline, units
 from .window import Window
 
 SMALL = Fraction(1, 100)  # of an occurrence: waits shorter than that are not told
+LONG = Fraction(1, 10**6)  # seconds: code without a name and without an access that takes longer is told by itself
 MOST = 12  # service routines, spans and waits told of an occurrence: the longest
 
 
@@ -62,7 +63,40 @@ class Evidence:
     # Firmware ---------------------------------------------------------------------
 
     def timeline(self, begin: int, end: int) -> list[Stretch]:
-        return timeline(self.window, self.unit, begin, end)
+        return [part for one in timeline(self.window, self.unit, begin, end) for part in self._between_accesses(one)]
+
+    def _between_accesses(self, one: Stretch) -> list[Stretch]:
+        """Code without a name: where nothing was recorded for long, it is told by what the firmware did next."""
+        if one.doing != CODE or one.where:
+            return [one]
+        least = self.window.timebase.ticks(LONG, "nearest")
+        found, at = [], one.begin
+        done = self._done
+        for last, then in pairwise((None, *done, None)):
+            begin = one.begin if last is None else max(last.tick, at)
+            end = one.end if then is None else min(then.tick, one.end)
+            near = then or last
+            if near is None or end - begin <= least:
+                continue
+            access = near.kind is Kind.ACCESS
+            told = happened(near).partition(",")[0] if access else phrase(DOING[near.kind], near.what)
+            what = f"code {'after' if then is None else 'before'} {told}"
+            found += [replace(one, end=begin, begin=at)] if begin > at else []
+            found.append(Stretch(begin, end, CODE, what, near.text, begin))
+            at = end
+        return [*found, replace(one, begin=at)] if at < one.end else found
+
+    @cached_property
+    def _done(self) -> list[Record]:
+        """Accesses, spans and waits of the firmware with their places, but for those of service routines."""
+        records = [r for r in (*self.window.before, *self.window.records) if self._ours(r) and r.kind in IN_FIRMWARE]
+        found, routines = [], 0
+        for record in sorted(records, key=lambda r: (r.tick, r.number)):
+            if record.kind is Kind.IRQ:
+                routines = max(0, routines + (1 if record.value else -1))
+            elif not routines and record.text and (record.value or record.kind is Kind.ACCESS):
+                found.append(record)
+        return found
 
     def doing_at(self, tick: int) -> str:
         """What the firmware did then, as a phrase, with since when."""

@@ -54,11 +54,12 @@ def _wrong(evidence: Evidence, asked: list[Record]) -> list[Step]:
     since = _since(evidence, serial, table, asked)
     if since is None or table.anywhere:
         return []
-    expected = content_of(evidence.case, table, serial.form(table).bits, "serial", "expect", number)
+    bits = serial.form(table).bits
+    expected = content_of(evidence.case, table, bits, "serial", "expect", number)
     told = []
     for at, write in enumerate(_written(evidence, table.from_, since)):
         wanted = expected[at] if at < len(expected) else None
-        if write.value & 0xFF != wanted:
+        if write.value & (1 << bits) - 1 != wanted:
             right = "" if wanted is None else f", not {wanted:#04x}"
             what = f"SCITXBUF written, {write.value & 0xFF:#04x}: character {at} of the reply{right}"
             told.append(evidence.step(write, f"{write.where}: {what}"))

@@ -21,11 +21,12 @@ from tests.scene.small import case
 
 
 def explained(
-    replies: dict[bytes, bytes], ask: str = "a", text: str = "OK", duration: str = "2 ms"
+    replies: dict[bytes, bytes], ask: str = "a", text: str = "OK", duration: str = "2 ms", bits: int = 8
 ) -> tuple[Verdict, Explained]:
-    program = answers("SCI-A", replies)
+    program = answers("SCI-A", replies, sciccr=bits - 1)
     programs = {"dsp": Firmware("dsp", lambda dsp, settings: program(dsp), None)}
     table = {
+        "bits": bits,
         "send": [{"to": "SCI-A", "name": "ask", "at": "100 us", "text": ask}],
         "expect": [{"name": "told", "from": "SCI-A", "after_send": "ask", "within": "1 ms", "text": text}],
     }
@@ -64,6 +65,13 @@ def test_a_wrong_reply_to_a_send_that_began_long_before_is_told_too():
     """The window keeps 5 ms before; 60 characters take 5.2 ms."""
     _, told = explained({b"x" * 60: b"ER"}, "x" * 60, duration="8 ms")
     assert len([step for step in told.chain.steps if "of the reply, not" in step.what]) == 2
+
+
+def test_bits_that_do_not_go_out_are_not_wrong():
+    _, told = explained({b"a": b"\xcfR"}, bits=7)
+    assert [step.what for step in told.chain.steps if "of the reply" in step.what] == [
+        "dsp: SCITXBUF written, 0x52: character 1 of the reply, not 0x4b"
+    ]
 
 
 def test_a_reply_cut_short_is_shown_up_to_its_limit():

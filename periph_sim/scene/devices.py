@@ -11,6 +11,7 @@ from random import Random
 
 from pydantic import ValidationError
 
+from ..bus.held_line import HeldLine
 from ..bus.i2c.disturbed_target import (
     Answers,
     DisturbedTarget,
@@ -125,7 +126,8 @@ def put_on_bus(context: SceneContext, name: str, table: BusParty, target: Answer
             rules.append(Flip(strikes, fault.bit))
         elif fault.kind == "hold":
             length_ticks = 0 if fault.length is None else context.ticks(fault.length)
-            rules.append(HoldData(strikes, context.kernel, scl, sda, name, length_ticks, fault.clocks or 0))
+            held = HeldLine(context.kernel, sda, scl, name, length_ticks, fault.clocks or 0)
+            rules.append(HoldData(strikes, held))
     disturbed = DisturbedTarget(context.kernel, target, rules) if rules else target
     side = TargetSide(
         context.kernel, scl, sda, disturbed.answer, context.ticks(table.output_delay), name, disturbed.on_end

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ..held_line import HeldLine
 from . import FaultContext, repeat
 from .when import Count, Length, When
 
@@ -28,32 +29,9 @@ class Settings(When):
             raise ValueError("a line is held either for a length or for so many clocks; give one of them")
 
 
-class Hold:
-    def __init__(self, settings: Settings, place: FaultContext) -> None:
-        self._kernel = place.kernel
-        self._pin = place.wire(settings.wire).attach(place.who)
-        self._length = None if settings.length is None else place.ticks(settings.length)
-        self._clocks = settings.clocks or 0
-        self._left = 0  # clocks until the line is let go
-        if settings.clocks is not None:
-            place.wire("SCL").watch(self._scl_changed)
-        repeat(settings, place, self._strike)
-
-    def _strike(self) -> None:
-        self._pin.drive(0)
-        self._left = self._clocks
-        if self._length is not None:
-            self._kernel.at(self._kernel.now + self._length, self._let_go)
-
-    def _scl_changed(self, now: int, level: int) -> None:
-        if self._left and not level:
-            self._left -= 1
-            if not self._left:
-                self._let_go()
-
-    def _let_go(self) -> None:
-        self._pin.drive(1)
-
-
 def attach(settings: Settings, place: FaultContext) -> None:
-    Hold(settings, place)
+    clocks = settings.clocks or 0
+    ticks = 0 if settings.length is None else place.ticks(settings.length)
+    scl = place.wire("SCL") if clocks else None
+    line = HeldLine(place.kernel, place.wire(settings.wire), scl, place.who, ticks, clocks)
+    repeat(settings, place, line.pull)

@@ -15,7 +15,7 @@ from random import Random
 from typing import Protocol
 
 from ...core.kernel import Kernel
-from ...core.wire import Wire
+from ..held_line import HeldLine
 from .target_side import Reply, Stretches, TargetSide
 
 READ = 1
@@ -121,31 +121,14 @@ class Flip(Rule):
 
 
 class HoldData(Rule):
-    """SDA low for so many ticks, or until SCL has fallen so often."""
+    """Pulls a held line, SDA, at each strike."""
 
-    def __init__(self, when: When, kernel: Kernel, scl: Wire, sda: Wire, who: str, ticks: int, clocks: int) -> None:
+    def __init__(self, when: When, sda: HeldLine) -> None:
         super().__init__(when)
-        self._kernel = kernel
-        self._pin = sda.attach(who)
-        self._ticks, self._clocks = ticks, clocks
-        self._left = 0
-        if clocks:
-            scl.watch(self._scl_changed)
+        self._sda = sda
 
     def strike(self) -> None:
-        self._pin.drive(0)
-        self._left = self._clocks
-        if not self._clocks:
-            self._kernel.at(self._kernel.now + self._ticks, self._let_go)
-
-    def _scl_changed(self, now: int, level: int) -> None:
-        if self._left and not level:
-            self._left -= 1
-            if not self._left:
-                self._let_go()
-
-    def _let_go(self) -> None:
-        self._pin.drive(1)
+        self._sda.pull()
 
 
 class DisturbedTarget:

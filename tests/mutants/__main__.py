@@ -13,12 +13,14 @@ from __future__ import annotations
 
 import argparse
 import json
+import subprocess
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from queue import SimpleQueue
 from random import SystemRandom
@@ -49,7 +51,10 @@ def main(arguments: list[str]) -> int:
         with ExitStack() as running:
             runners = [running.enter_context(Runner(tree)) for tree in trees]
             for name, chosen in _chosen(options, rooms, trees[0].folder):
-                trials = _all_tried(chosen, runners, reach)
+                kept = _killed_before(name, commit) if options.again else {}
+                left = [mutant for mutant in chosen if str(mutant) not in kept]
+                trials = [*(kept[str(mutant)](mutant) for mutant in chosen if str(mutant) in kept)]
+                trials += _all_tried(left, runners, reach, options.patience)
                 enough = _reported(name, commit, trials, options.least) and enough
     return 0 if enough else 1
 
@@ -62,6 +67,10 @@ def _options(arguments: list[str]) -> argparse.Namespace:
     parser.add_argument("--room", action="append", choices=sorted(ROOMS), help="several times for several")
     parser.add_argument("--commit", default="HEAD", help="which tree to try")
     parser.add_argument("--workers", type=int, default=2, help="processes at a time")
+    parser.add_argument("--patience", type=float, default=60.0, help="seconds of processor time to kill one")
+    parser.add_argument(
+        "--again", action="store_true", help="only those that survived in the report kept of the sample"
+    )
     parser.add_argument("--least", type=float, default=95.0, help="percent to be killed of those not equivalent")
     return parser.parse_args(arguments)
 
@@ -89,7 +98,7 @@ def _reach(tree: Tree, commit: str, rooms: tuple[str, ...], workers: int) -> Rea
     return Reach.read(kept)
 
 
-def _all_tried(chosen: list[Mutant], runners: list[Runner], reach: Reach) -> list[Trial]:
+def _all_tried(chosen: list[Mutant], runners: list[Runner], reach: Reach, patience: float) -> list[Trial]:
     free: SimpleQueue[Runner] = SimpleQueue()
     for runner in runners:
         free.put(runner)
@@ -97,7 +106,7 @@ def _all_tried(chosen: list[Mutant], runners: list[Runner], reach: Reach) -> lis
     def one(mutant: Mutant) -> Trial:
         runner = free.get()
         try:
-            trial = tried(mutant, runner, reach)
+            trial = tried(mutant, runner, reach, patience)
         finally:
             free.put(runner)
         print(f"{trial.outcome:<9}{trial.cpu:6.1f} s  {mutant}", flush=True)
@@ -105,6 +114,29 @@ def _all_tried(chosen: list[Mutant], runners: list[Runner], reach: Reach) -> lis
 
     with ThreadPoolExecutor(len(runners)) as pool:
         return list(pool.map(one, chosen))
+
+
+def _killed_before(name: str, commit: str) -> dict[str, Callable[[Mutant], Trial]]:
+    """What need not be tried again of the sample whose report is kept. SystemExit if that was of another tree."""
+    kept = _report_file(name)
+    if not kept.exists():
+        raise SystemExit(f"{name}: no report is kept of it; try it once without --again")
+    told = json.loads(kept.read_text(encoding="utf-8"))
+    if subprocess.run(
+        ["git", "diff", "--quiet", told["commit"], commit, "--", "periph_sim"], cwd=ROOT, check=False
+    ).returncode:
+        raise SystemExit(f"{name}: periph_sim is not what it was at {told['commit'][:10]}; try it without --again")
+    return {
+        row["mutant"]: partial(
+            Trial, outcome=row["outcome"], by=row["by"], reached=0, cpu=row["cpu_s"], seconds=row["seconds"]
+        )
+        for row in told["mutants"]
+        if row["outcome"] != "survived"
+    }
+
+
+def _report_file(name: str) -> Path:
+    return OUT / f"{name.replace('/', '.').replace(' ', '-')}.json"
 
 
 def _reported(name: str, commit: str, trials: list[Trial], least: float) -> bool:
@@ -134,7 +166,7 @@ def _reported(name: str, commit: str, trials: list[Trial], least: float) -> bool
         for t in trials
     ]
     told = {"sample": name, "commit": commit, "killed_percent": share, "mutants": rows}
-    (OUT / f"{name.replace('/', '.').replace(' ', '-')}.json").write_text(json.dumps(told, indent=1), encoding="utf-8")
+    _report_file(name).write_text(json.dumps(told, indent=1), encoding="utf-8")
     return share >= least
 
 

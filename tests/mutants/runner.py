@@ -6,6 +6,7 @@ One warm process a tree and room (`warm.py`), started when its first mutant is t
 from __future__ import annotations
 
 import json
+import signal
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -52,13 +53,17 @@ class Runner:
             process.wait()
             process.stdout.close()
 
-    def run(self, room: str, tests: list[str], without: list[str]) -> Ran:
-        """Up to the first failure, without these. SystemExit where it is not the mutant that fails but this process."""
+    def run(self, room: str, tests: list[str], without: list[str], patience: float = 3600) -> Ran:
+        """Up to the first failure, without these; what none has failed in `patience` s of processor time survives.
+
+        SystemExit where it is not the mutant that fails but this process.
+        """
         arguments = [*OPTIONS, "-o", f"timeout={self._a_test}", *tests, *(f"--deselect={test}" for test in without)]
         process = self._of(room)
         assert process.stdin is not None and process.stdout is not None
         try:
-            print(json.dumps({"arguments": arguments, "seconds": self._a_run}), file=process.stdin, flush=True)
+            request = {"arguments": arguments, "seconds": self._a_run, "cpu": max(1, round(patience))}
+            print(json.dumps(request), file=process.stdin, flush=True)
             answer = json.loads(process.stdout.readline())
         except (OSError, ValueError):
             raise SystemExit(f"the warm process of room {room!r} broke down; what it said stands above") from None
@@ -81,7 +86,7 @@ class Runner:
 def _read(status: int | None, told: str, seconds: int) -> tuple[Outcome, str]:
     if status is None:
         return "timeout", f"{seconds} s of tests"
-    if status in (0, NOTHING_COLLECTED):
+    if status in (0, NOTHING_COLLECTED, -signal.SIGXCPU):
         return "survived", ""
     by = next((line for line in told.splitlines() if line.startswith(("FAILED ", "ERROR "))), "")
     by = by.partition(" - ")[0].partition(" ")[2] or f"pytest ended with status {status}"

@@ -210,3 +210,13 @@ def test_every_equivalent_is_argued_and_its_line_is_there() -> None:
         source = (LIST.parents[2] / file).read_text(encoding="utf-8")
         assert before in (line.strip() for line in source.splitlines()), f"{file}: {before}: it is no longer there"
         assert before != after and len(why) > 20
+
+
+@pytest.mark.long
+def test_what_is_not_killed_in_time_has_survived(tree: Tree, runner: Runner) -> None:
+    reach = Reach({"room/code.py": {11: ["tests/room/test_code.py::test_counts"]}})
+    endless = mutant(tree, "n = n + 1")
+    with Runner(tree, a_test=30) as patient:
+        impatient = tried(endless, patient, reach, patience=1)
+    assert (impatient.outcome, impatient.by) == ("survived", "")
+    assert tried(endless, runner, reach, patience=20).outcome == "timeout"

@@ -39,14 +39,15 @@ class Trial:
     seconds: float
 
 
-def tried(mutant: Mutant, runner: Runner, reach: Reach) -> Trial:
+def tried(mutant: Mutant, runner: Runner, reach: Reach, patience: float = 3600) -> Trial:
+    """patience: seconds of processor time; what is not killed by then has survived, whatever other tests would say."""
     begin = perf_counter()
     near = reach.tests_of(mutant.path, mutant.change.line)
     ran, cpu = Ran("survived"), 0.0
     named, importing = _own_files(mutant, runner.tree.folder)
     for tests in (near[:NEAREST], named, near[NEAREST:], importing, _files(mutant, near)):
-        if tests and ran.outcome == "survived":
-            ran = _ran(mutant, runner, reach, tests)
+        if tests and ran.outcome == "survived" and cpu < patience:
+            ran = _ran(mutant, runner, reach, tests, patience - cpu)
             cpu += ran.cpu
     return Trial(mutant, ran.outcome, ran.by, len(near), cpu, perf_counter() - begin)
 
@@ -68,11 +69,11 @@ def _own_files(mutant: Mutant, root: Path) -> tuple[list[str], list[str]]:
     return [str(path.relative_to(root)) for path in named], [str(path.relative_to(root)) for path in importing]
 
 
-def _ran(mutant: Mutant, runner: Runner, reach: Reach, tests: list[str]) -> Ran:
+def _ran(mutant: Mutant, runner: Runner, reach: Reach, tests: list[str], patience: float) -> Ran:
     """By tests that pass without the mutant; those that do not are left out from now on."""
     while True:
         with runner.tree.mutated(mutant):
-            ran = runner.run(mutant.room, tests, reach.failing)
+            ran = runner.run(mutant.room, tests, reach.failing, patience)
         if ran.outcome == "survived" or ran.by in reach.passing:
             return ran
         one = "::" in ran.by

@@ -1,7 +1,7 @@
 """Pytest in a process that has imported all that no mutant of a room can touch: arguments in, what it said out.
 
     start --> pytest, libraries, every module of ours that can be imported without the room's --> waits on stdin
-    {"arguments": [...], "seconds": s} --fork--> pytest in the child --> {"status": n, "told": "...", "cpu": s}
+    {"arguments": [...], "seconds": s, "cpu": c} --fork--> pytest in the child --> {"status": n, "told": ..., "cpu": c}
 
 Started as `python warm.py PACKAGE...` in the folder of a tree; the packages are the room's. Importing costs more than
 most tests that kill a mutant, and a fork starts with all of it done. What imports the room, be it at second hand, is
@@ -14,6 +14,7 @@ import gc
 import importlib
 import json
 import os
+import resource
 import signal
 import sys
 import tempfile
@@ -72,12 +73,15 @@ def open_to_all(names: list[str]) -> list[str]:
     return list(found)
 
 
-def ran(arguments: list[str], seconds: float) -> dict[str, object]:
-    """pytest in a child, with a process group of its own. Status: None if it was ended after so many seconds."""
+def ran(arguments: list[str], seconds: float, cpu: int) -> dict[str, object]:
+    """pytest in a child, with a process group of its own. Status: None if it was ended after so many seconds.
+
+    cpu: seconds of processor time, after which the system ends it with SIGXCPU.
+    """
     with tempfile.TemporaryFile() as out:
         child = os.fork()
         if not child:
-            _be_pytest(arguments, out)
+            _be_pytest(arguments, out, cpu)
         end = time.monotonic() + seconds
         status: int | None = None
         while status is None and time.monotonic() < end:
@@ -94,10 +98,11 @@ def ran(arguments: list[str], seconds: float) -> dict[str, object]:
         return {"status": status, "told": told, "cpu": used.ru_utime + used.ru_stime}
 
 
-def _be_pytest(arguments: list[str], out: IO[bytes]) -> None:
+def _be_pytest(arguments: list[str], out: IO[bytes], cpu: int) -> None:
     import pytest
 
     os.setsid()
+    resource.setrlimit(resource.RLIMIT_CPU, (cpu, resource.RLIM_INFINITY))
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     os.dup2(out.fileno(), 1)
     os.dup2(out.fileno(), 2)
@@ -122,7 +127,7 @@ def main(packages: list[str]) -> None:
     gc.freeze()
     for line in iter(sys.stdin.readline, ""):
         request = json.loads(line)
-        print(json.dumps(ran(request["arguments"], request["seconds"])), file=answers, flush=True)
+        print(json.dumps(ran(request["arguments"], request["seconds"], request["cpu"])), file=answers, flush=True)
 
 
 if __name__ == "__main__":

@@ -25,6 +25,8 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
+from tests.docs.warm import folder_of_commands
+
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 SHARED = ("timing", "traces", "firmware", "docs")
@@ -115,6 +117,7 @@ def runs(command: str) -> bool:
 def output(command: str, folder: Path) -> str:
     """What a shell in `folder` prints for the command; lines without trailing blanks."""
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"
+    path = f"{folder_of_commands(path, ROOT)}{os.pathsep}{path}"
     done = subprocess.run(
         ["bash", "-c", command],
         cwd=folder,

@@ -1,0 +1,110 @@
+"""`periph-sim` for shells that run commands of pages, without importing it anew for each: a folder for their PATH.
+
+    shell --> CLIENT, called periph-sim --arguments, folder, environment, files 0 to 2--> server --fork--> periph-sim
+          <-- exit status --                                                            <--          <--
+
+Importing takes longer than what most of these commands do. The server has imported all commands and run none, so a fork
+of it is as a process of the command's own that has just started.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+import select
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+from ast import literal_eval
+from functools import cache
+from pathlib import Path
+from socket import AF_UNIX, SOCK_SEQPACKET, recv_fds, socket
+
+MOST = 100_000  # bytes of arguments and environment
+
+# Without site packages: finding them takes longer than all that it does.
+CLIENT = """\
+#!{python} -IS
+import os, sys
+from socket import AF_UNIX, SOCK_SEQPACKET, send_fds, socket
+with socket(AF_UNIX, SOCK_SEQPACKET) as line:
+    line.connect({address!r})
+    send_fds(line, [repr((sys.argv, os.getcwd(), dict(os.environ))).encode()], [0, 1, 2])
+    status = line.recv(16)
+sys.exit(int(status) if status else "periph-sim: the server that tests run commands by has ended")
+"""
+
+_running: list[subprocess.Popen[str]] = []  # dropped, a Popen closes its pipes
+
+
+@cache
+def folder_of_commands(path: str, root: Path) -> str:
+    """A folder whose `periph-sim` runs the package in `root`. It is there as long as this process is.
+
+    path: PATH for the server; a command has the environment that it is called in.
+    """
+    server = subprocess.Popen(
+        [sys.executable, "-P", __file__],
+        env={"PATH": path, "PYTHONPATH": str(root), "LC_ALL": "C.UTF-8"},
+        stdin=subprocess.PIPE,  # ends with this process, and the server by that
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    _running.append(server)
+    assert server.stdout is not None
+    return server.stdout.readline().strip()
+
+
+def main() -> None:
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"  # as periph-sim does before it imports
+    from periph_sim import cli
+
+    for file in sorted(cli.FOLDER.glob("[!_]*.py")):
+        importlib.import_module(f"periph_sim.commands.{file.stem}")
+    folder = Path(tempfile.mkdtemp())
+    with socket(AF_UNIX, SOCK_SEQPACKET) as server:
+        _listen(server, folder)
+        print(folder, flush=True)
+        signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # nobody waits for those who wait for commands
+        while sys.stdin not in select.select([server, sys.stdin], [], [])[0]:
+            line, _ = server.accept()
+            with line:
+                if not os.fork() and _is_command(line):
+                    server.close()
+                    cli.main()
+    shutil.rmtree(folder)
+
+
+def _listen(server: socket, folder: Path) -> None:
+    address = str(folder / "server")
+    server.bind(address)
+    server.listen()
+    command = folder / "periph-sim"
+    command.write_text(CLIENT.format(python=sys.executable, address=address), encoding="utf-8")
+    command.chmod(0o755)
+
+
+def _is_command(line: socket) -> bool:
+    """Forks again. True in the child, which is as its client wants it; the other waits for it, tells, and ends."""
+    signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+    child = os.fork()
+    if child:
+        status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+        line.send(str(status if status >= 0 else 128 - status).encode())
+        os._exit(0)
+    asked, files, _, _ = recv_fds(line, MOST, 3)
+    sys.argv, folder, environment = literal_eval(asked.decode())
+    for number, file in enumerate(files):
+        os.dup2(file, number)
+        os.close(file)
+    sys.path.insert(0, str(Path(sys.executable).parent))  # where the installed command is
+    os.chdir(folder)
+    os.environ.clear()
+    os.environ.update(environment)
+    return True
+
+
+if __name__ == "__main__":
+    main()

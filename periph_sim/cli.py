@@ -45,10 +45,13 @@ class Commands(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if not _is_command(_file(cmd_name)):
             return None
-        gc.disable()  # what is imported stays: looking through it for garbage, now or at exit, only takes time
-        module = importlib.import_module(f".commands.{_file(cmd_name).stem}", __package__)
-        gc.freeze()
-        gc.enable()
+        name = f"{__package__}.commands.{_file(cmd_name).stem}"
+        if name not in sys.modules:
+            gc.disable()  # what is imported stays: looking through it for garbage, now or at exit, only takes time
+            importlib.import_module(name)
+            gc.freeze()  # and never again in a process that runs several commands: what they left would stay, too
+            gc.enable()
+        module = sys.modules[name]
         return _with_example(getattr(module, _file(cmd_name).stem), module)
 
     def resolve_command(

@@ -45,6 +45,8 @@ class Record(NamedTuple):
     field: str = ""
 
 
+_made = tuple.__new__  # a Record without the call in Python that its own constructor is
+
 Sink = Callable[[Record], None]
 Subjects = Mapping[Kind, Collection[str]]
 
@@ -100,8 +102,8 @@ class Recorder:
         self, tick: int, kind: Kind, where: str, what: str, value: int = 0, text: str = "", field: str = ""
     ) -> int:
         """The number of the new record; its cause is the record being worked under."""
-        self._number += 1
-        record = Record(self._number, tick, kind, where, what, value, text, self.cause, field)
+        self._number = number = self._number + 1
+        record = _made(Record, (number, tick, kind, where, what, value, text, self.cause, field))
         for sink in self._sinks[kind]:
             sink(record)
-        return self._number
+        return number

@@ -76,6 +76,8 @@ class Socket:
         self._inputs: list[tuple[int, int]] = []  # (cycle from which it has effect, record) of what the chip was given
         self._watched = [r for r in chip.MAP if recorder.wants(Kind.FLAG, f"{name}.{r.name}")]
         self._upper_words = [(place, r.offset + 1) for place, r in enumerate(self._watched) if r.width == 32]
+        self._offsets = [r.offset for r in self._watched]
+        self._touched: frozenset[str] = frozenset()  # what the chip had touched before the last look at it
         self._flags = self._snapshot(clock.cycle_at(kernel.now)) if self._watched else None
 
     # Inputs ------------------------------------------------------------------
@@ -121,9 +123,15 @@ class Socket:
 
     def given(self, cycle: int) -> None:
         """What is being worked under has effect from `cycle` on: the cause of what the chip then does by itself."""
-        if self._recorder.cause:
-            insort(self._inputs, (cycle, self._recorder.cause))
-            del self._inputs[:-MOST_INPUTS]
+        cause, inputs = self._recorder.cause, self._inputs
+        if cause:
+            given = (cycle, cause)
+            if not inputs or inputs[-1] <= given:
+                inputs.append(given)
+            else:
+                insort(inputs, given)
+            if len(inputs) > MOST_INPUTS:
+                del inputs[:-MOST_INPUTS]
 
     def _woken(self) -> None:
         cycle = self._wake_cycle
@@ -139,10 +147,11 @@ class Socket:
 
     def _cause_at(self, cycle: int) -> int:
         """The record of the last input that had effect by then."""
-        passed = bisect_right(self._inputs, (cycle, LAST))
-        if passed:
-            self._last_cause = self._inputs[passed - 1][1]
-            del self._inputs[:passed]
+        inputs = self._inputs
+        if inputs and inputs[0][0] <= cycle:
+            passed = bisect_right(inputs, (cycle, LAST))
+            self._last_cause = inputs[passed - 1][1]
+            del inputs[:passed]
         return self._last_cause
 
     def later(self, tick: int, action: Callable[[], None]) -> None:
@@ -239,19 +248,25 @@ class Socket:
     def _snapshot(self, cycle: int) -> list[int]:
         """The registers that somebody wants, as a debugger reads them; looking is not depending on them."""
         chip = self.chip
-        touched = frozenset(chip.touched)
-        values = [chip.peek(cycle, r.offset) for r in self._watched]
+        touched = chip.touched
+        if touched != self._touched:
+            self._touched = frozenset(touched)
+        peek = chip.peek
+        values = [peek(cycle, offset) for offset in self._offsets]
         for place, offset in self._upper_words:
-            values[place] |= chip.peek(cycle, offset) << 16
-        chip.touched.intersection_update(touched)
+            values[place] |= peek(cycle, offset) << 16
+        if len(touched) != len(self._touched):
+            touched.intersection_update(self._touched)
         return values
 
     def _record_flags(self, cycle: int) -> None:
         assert self._flags is not None
-        tick = self._clock.tick(cycle)
         if self._recorder.cause:
             self._last_cause = self._recorder.cause
         before, self._flags = self._flags, self._snapshot(cycle)
+        if before == self._flags:
+            return
+        tick = self._clock.tick(cycle)
         for was, value, register in zip(before, self._flags, self._watched, strict=True):
             changed = value ^ was
             if changed:

@@ -36,6 +36,7 @@ class Wire:
         self._pulling = 0  # the same, in an instant that is not settled yet
         self._pulling_recorded = 0  # the same when it was recorded last
         self._parties: list[str] = []
+        self._names_of: dict[int, str] = {}  # of those who pull, as records tell them
         self._watches: list[tuple[Sampler, int]] = []  # who is told, and the wire's bit there
         self._hold_watches: list[Callable[[], None]] = []
         self._queued = False
@@ -44,6 +45,7 @@ class Wire:
     def attach(self, who: str) -> Pin:
         """A new party's hold on the line, released."""
         self._parties.append(who)
+        self._names_of.clear()
         return Pin(self, 1 << (len(self._parties) - 1))
 
     def watch(self, watcher: Watcher) -> Sampler:
@@ -103,9 +105,12 @@ class Wire:
 
     def _record(self, kind: Kind, what: str, level: int, cause: int) -> int:
         recorder = self.recorder
-        self._pulling_recorded = self._pulling
+        self._pulling_recorded = pulling = self._pulling
+        names = self._names_of.get(pulling)
+        if names is None:
+            names = self._names_of[pulling] = ", ".join(self.held_by())
         outer, recorder.cause = recorder.cause, cause
-        number = recorder.emit(self.kernel.now, kind, self.name, what, level, ", ".join(self.held_by()))
+        number = recorder.emit(self.kernel.now, kind, self.name, what, level, names)
         recorder.cause = outer
         return number
 
@@ -191,13 +196,10 @@ class Sampler:
         recorder = self._recorder
         outer = recorder.cause
         if moved:
-            recorder.cause = self._cause(moved)
+            wire = self._wires.get((moved & -moved).bit_length() - 1)
+            recorder.cause = self._put_under if wire is None else wire.cause
         self._watcher(now, levels)
         recorder.cause = outer
-
-    def _cause(self, moved: int) -> int:
-        wire = self._wires.get((moved & -moved).bit_length() - 1)
-        return self._put_under if wire is None else wire.cause
 
     def _set(self, line: int, level: int) -> None:
         if self.levels >> line & 1 != level:

@@ -250,16 +250,19 @@ class I2cController:
             self._kernel.at(max(self._kernel.now, self._last_stop + self.timing.free), self._start)
 
     def _on_lines(self, now: int, levels: int) -> None:
-        event = EVENT[self._lines << 2 | levels]
-        if (self._lines ^ levels) & SDA:
-            self._settle(now)
+        before = self._lines
+        event = EVENT[before << 2 | levels]
+        if (before ^ levels) & SDA:
+            if before >> 1 != self._sda_seen:
+                self._settle(now)
             self._sda_moved, self._sda_event = now, self._unspoilt(now, event)
         if event in (RISE, FALL):
             if now - self._scl_moved >= self.timing.filter:
-                self._scl_seen = self._lines & SCL
+                self._scl_seen = before & SCL
             self._scl_moved = now
         self._lines = levels
-        self._settle(now)
+        if levels >> 1 != self._sda_seen:
+            self._settle(now)
         if self._rising:
             if levels & SCL:
                 self._rising = False

@@ -30,10 +30,10 @@ class BusFromRecords:
         self.phase_at = NO_TIME  # START or repeated START of the phase under way; NO_TIME behind a STOP
         self.others_held_until = NO_TIME  # when the others let go of SCL in the low time under way, or the last one
         self._unit = f"{unit}."
-        self._levels = {SCL: 1, SDA: 1}
-        self._holders: dict[str, list[str]] = {SCL: [], SDA: []}
+        self._scl = self._sda = 1
+        self._scl_holders = self._sda_holders = ""  # as records tell them
         self._tick = NO_TIME
-        self._before = dict(self._levels)  # levels as the tick under way began
+        self._scl_before = self._sda_before = 1  # levels as the tick under way began
         self._settled = True
         self._acked = False  # the byte before
         self._bits = 0
@@ -41,15 +41,21 @@ class BusFromRecords:
 
     def hear(self, record: Record) -> None:
         """A record of one of the wires, in the order in which they are made."""
-        if record.where not in self._levels:
+        where = record.where
+        if where != SCL and where != SDA:
             return
         if record.tick != self._tick:
             self.settle()
             self._tick = record.tick
-        if record.kind is Kind.EDGE:
-            self._levels[record.where] = record.value
         self._settled = False
-        self._holders[record.where] = record.text.split(", ") if record.text and not self._levels[record.where] else []
+        if where == SCL:
+            if record.kind is Kind.EDGE:
+                self._scl = record.value
+            self._scl_holders = "" if self._scl else record.text
+        else:
+            if record.kind is Kind.EDGE:
+                self._sda = record.value
+            self._sda_holders = "" if self._sda else record.text
 
     def settle_before(self, tick: int) -> None:
         """All of the ticks before this one has been heard."""
@@ -61,15 +67,16 @@ class BusFromRecords:
         if self._settled:
             return
         self._settled = True
-        (scl, sda), now, before = (self._levels[SCL], self._levels[SDA]), self._tick, self._before
-        self._before = dict(self._levels)
-        if scl and before[SCL]:
-            if sda != before[SDA]:
+        scl, sda, now = self._scl, self._sda, self._tick
+        scl_before, sda_before = self._scl_before, self._sda_before
+        self._scl_before, self._sda_before = scl, sda
+        if scl and scl_before:
+            if sda != sda_before:
                 self._condition(now, sda)
         elif scl:
             self._rises(now)
         else:
-            if before[SCL]:
+            if scl_before:
                 self._falls(now)
             if self._held_by_others():
                 self.others_held_until = NO_TIME
@@ -78,10 +85,11 @@ class BusFromRecords:
 
     def held_by_us_alone(self) -> bool:
         """SCL is low and nobody but the unit holds it."""
-        return not self._levels[SCL] and not self._held_by_others()
+        return not self._scl and not self._held_by_others()
 
     def _held_by_others(self) -> bool:
-        return any(not who.startswith(self._unit) for who in self._holders[SCL])
+        holders = self._scl_holders
+        return holders != "" and any(not who.startswith(self._unit) for who in holders.split(", "))
 
     def _condition(self, now: int, sda: int) -> None:
         if sda:
@@ -100,12 +108,12 @@ class BusFromRecords:
         if self._bits == 0 and self.index >= 0 and self._acked:
             self.first_bit(let_go, now)
         self._bits += 1
-        self._in = self._in << 1 | self._levels[SDA]
+        self._in = self._in << 1 | self._sda
         if self._bits == BITS:
-            self._acked = not self._levels[SDA]
+            self._acked = not self._sda
         if self._bits == BITS and self.index < 0:
             self.address, self.read = self._in >> 2 & 0x7F, bool(self._in >> 1 & 1)
-            self.ours = not self._levels[SDA] and any(who.startswith(self._unit) for who in self._holders[SDA])
+            self.ours = any(who.startswith(self._unit) for who in self._sda_holders.split(", "))
 
     def _falls(self, now: int) -> None:
         self.others_held_until = NO_TIME

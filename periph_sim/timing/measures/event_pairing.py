@@ -59,7 +59,8 @@ class EventMeasure(Measure):
                 groups.listen(scene)
 
     def record(self, record: Record) -> None:
-        self.hear(record)
+        if self.spans is not None:
+            self.hear(record)
         if record.what not in self.names:
             return
         for place in self._order:

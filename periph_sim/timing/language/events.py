@@ -40,7 +40,7 @@ EVERYTHING = -1  # all bits of a value
 CHANGES = ("rise", "fall", "change")
 NOTES = ("duty", "lost", "unknown")
 BUS = ("START", "repeated START", "STOP", "address", "byte", "arbitration lost", "stuck", "clear", "NACK")
-OF_AGENT = ("arbitration lost", "stuck", "clear")  # told by the controller of a case only
+OF_AGENT = ("arbitration lost", "clear")  # told by the controller of a case only
 OF_PAIRS = ("cut", "collision")
 FRAME_PARTS = ("begin", "end", "error", *OF_PAIRS)
 BEHIND_EVENTS = ("", "to", "from", "or", "of", "at", ",", "in", "next", "last", "same")  # what may follow an event
@@ -101,6 +101,11 @@ class Matcher:
     def each(self) -> tuple[Matcher, ...]:
         """This one and the others."""
         return (self, *self.others)
+
+    @property
+    def is_stuck(self) -> bool:
+        """True if a line that stays low is one of these events: somebody has to watch the wires for it."""
+        return any(one.kind is Kind.BUS and one.what == "stuck" for one in self.each)
 
     def fits(self, record: Record) -> bool:
         """True if this is the event, whichever of its group it is."""

@@ -57,6 +57,8 @@ class EventMeasure(Measure):
         for groups in self._groups:
             if groups is not None:
                 groups.listen(scene)
+        if any(matcher.is_stuck for matcher in self.matchers):
+            scene.on_stuck(lambda at: None)  # so that the wires are watched; the record says it
 
     def record(self, record: Record) -> None:
         if self.spans is not None:

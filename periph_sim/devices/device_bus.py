@@ -19,7 +19,8 @@ from random import Random
 from ..core.chip import Note
 from ..core.settings import duration
 from ..core.wire import Wire
-from ..processor.error_origin import FirmwareError, Misuse, raised_at
+from ..processor.error_origin import Misuse
+from .hook_guard import HookGuard
 from .targets import TargetContext
 
 
@@ -44,8 +45,9 @@ class DevicePin:
 class DeviceBus:
     """random: its own, equal in every run of one case."""
 
-    def __init__(self, place: TargetContext, per_second: int) -> None:
+    def __init__(self, place: TargetContext, per_second: int, guard: HookGuard) -> None:
         self.random: Random = place.random
+        self._guard = guard
         self._place = place
         self._per_second = per_second
 
@@ -60,12 +62,12 @@ class DeviceBus:
 
     def after(self, length: str, callback: Callable[[], None]) -> None:
         """Call back so much later."""
-        place = self._place
+        kernel = self._place.kernel
 
         def call() -> None:
-            guarded(place.who, callback)
+            self._guard(callback)
 
-        place.kernel.at(place.kernel.now + self._ticks(length), call)
+        kernel.at(kernel.now + self._ticks(length), call)
 
     def pin(self, name: str) -> DevicePin:
         """A pin of this device on a wire that a unit's `pins` name."""
@@ -83,15 +85,3 @@ class DeviceBus:
             return self._place.ticks(duration(length))
         except ValueError as error:
             raise Misuse(str(error)) from None
-
-
-def guarded(who: str, hook: Callable[..., object], *arguments: object) -> object:
-    """What the hook of a user's device returns. FirmwareError with file and line for what it raises."""
-    try:
-        return hook(*arguments)
-    except Exception as error:
-        at = raised_at(error)
-        if not at:
-            raise
-        what = str(error) if isinstance(error, Misuse) else f"{type(error).__name__}: {error}"
-        raise FirmwareError(f"device {who}, {at}: {what}") from None

@@ -9,26 +9,26 @@ from collections.abc import Callable
 
 from ..bus.i2c.target_side import Stretches
 from ..processor.error_origin import FirmwareError, defined_at
-from .device_bus import guarded
+from .hook_guard import HookGuard
 
 HOOKS = {"on_address": 1, "on_write": 1, "on_read": 0, "on_stop": 0}  # and their arguments
 NEEDED = ("on_write", "on_read")  # at least one of them
 
 
 class PythonTarget:
-    """make: builds the user's object; called again when power comes back. It is its own reply."""
+    """guard: calls the hooks. make: builds the user's object, anew when power comes back. It is its own reply."""
 
     ack = True
     stretches: Stretches = ()
 
-    def __init__(self, who: str, address: int, make: Callable[[], object]) -> None:
+    def __init__(self, guard: HookGuard, address: int, make: Callable[[], object]) -> None:
         self.addresses = (address,)
-        self._who = who
+        self._guard = guard
         self._make = make
         self.power_on()
 
     def power_on(self) -> None:
-        device = guarded(self._who, self._make)
+        device = self._guard(self._make)
         self._hooks: dict[str, Callable[..., object]] = {
             name: getattr(device, name) for name in HOOKS if hasattr(device, name)
         }
@@ -63,8 +63,8 @@ class PythonTarget:
 
     def _call(self, name: str, *arguments: object) -> object:
         hook = self._hooks.get(name)
-        return None if hook is None else guarded(self._who, hook, *arguments)
+        return None if hook is None else self._guard(hook, *arguments)
 
     def _wrong(self, name: str, value: object, expected: str) -> FirmwareError:
         at = defined_at(getattr(self._hooks[name], "__func__", self._hooks[name]))
-        return FirmwareError(f"device {self._who}: {name}, {at}, returned {value!r}; expected {expected}")
+        return FirmwareError(f"device {self._guard.who}: {name}, {at}, returned {value!r}; expected {expected}")

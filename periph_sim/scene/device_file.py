@@ -11,6 +11,7 @@ from types import ModuleType
 from typing import Any
 
 from ..devices.device_bus import DeviceBus
+from ..devices.hook_guard import HookGuard
 from ..devices.python_target import HOOKS, NEEDED, PythonTarget
 from ..devices.targets import TargetContext
 from ..processor.error_origin import defined_at, flaw_of, raised_at
@@ -36,7 +37,8 @@ def device_of_file(context: SceneContext, name: str, table: DeviceTable, place: 
     if not isinstance(made, type):
         raise mistake(f"{path.name} has no class {CLASS}")
     _check_hooks(path, made, mistake)
-    bus = DeviceBus(place, context.timebase.per_second)
+    guard = HookGuard(name, float(context.case.stall_limit))
+    bus = DeviceBus(place, context.timebase.per_second, guard)
     settings = getattr(module, "Settings", None)
     arguments: tuple[object, ...] = (bus,)
     if settings is not None:
@@ -51,7 +53,7 @@ def device_of_file(context: SceneContext, name: str, table: DeviceTable, place: 
     if wrong:
         expected = "__init__(self, bus, settings)" if settings is not None else "__init__(self, bus)"
         raise mistake(f"{defined_at(vars(made).get('__init__')) or path.name}: {CLASS} {wrong}; expected {expected}")
-    return PythonTarget(name, table.address, lambda: made(*arguments))
+    return PythonTarget(guard, table.address, lambda: made(*arguments))
 
 
 def _module(path: Path, mistake: Callable[..., Exception]) -> ModuleType:

@@ -1,0 +1,122 @@
+"""A hook of a user's device that never returns ends the run with its line and status 1; a long one does not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from periph_sim.devices.hook_guard import HookGuard
+from periph_sim.processor.error_origin import FirmwareStalled
+from periph_sim.processor.stall_watch import NoProgress
+from periph_sim.scene.case.load import load
+from periph_sim.scene.scene import Scene
+from tests.commands.conftest import Run, periph_sim
+
+__all__ = ["periph_sim"]  # a fixture
+
+CASE = """\
+name = "busy"
+duration = "10 ms"
+stall_limit = "300 ms"
+
+[unit.dsp]
+firmware = "still.py"
+modules = ["I2C-A"]
+
+[device.mine]
+model = "mine.py"
+address = 0x42
+
+[controller]
+order = []
+first = "1 ms"
+period = "5 ms"
+
+[[controller.request]]
+name = "both"
+address = 0x42
+write = "01"
+count = 1
+
+[[budget]]
+name = "rounds"
+measure = "missed rounds"
+max = 0
+"""
+
+DEVICE = """\
+class Device:
+    def __init__(self, bus):
+        self.bus = bus
+
+    def again(self):
+        {again}
+
+    def on_write(self, byte):
+        {on_write}
+
+    def on_read(self):
+        {on_read}
+"""
+LOOP = "while True: pass"
+CAUGHT = "while True:\n            try: sum(range(50))\n            except Exception: pass"
+
+
+def case_of(folder: Path, **hooks: str) -> Path:
+    text = DEVICE.format(**{"again": "pass", "on_write": "pass", "on_read": "return 1"} | hooks)
+    (folder / "mine.py").write_text(text, encoding="utf-8")
+    (folder / "still.py").write_text("def main(dsp, settings):\n    pass\n", encoding="utf-8")
+    path = folder / "busy.toml"
+    path.write_text(CASE, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("hooks", "lines"),
+    [
+        ({"on_write": LOOP}, (9,)),
+        ({"on_read": LOOP}, (12,)),
+        ({"on_read": CAUGHT}, (12, 13, 14)),
+        ({"on_write": "self.bus.after('1 us', self.again)", "again": LOOP}, (6,)),
+    ],
+    ids=["on_write", "on_read", "that catches", "after"],
+)
+def test_a_hook_that_never_returns_is_stopped_with_its_line(tmp_path: Path, hooks: dict[str, str], lines: tuple[int]):
+    result = Scene(load(case_of(tmp_path, **hooks))).run()
+    assert result.verdict == "fail" and 0.001 < result.simulated_s < 0.002
+    (told,) = result.stuck
+    assert told in [f"device mine did not return within 0.3 s of CPU time at line {line} of mine.py" for line in lines]
+
+
+def test_the_command_ends_with_status_1(periph_sim: Run, tmp_path: Path):
+    came = periph_sim("run", str(case_of(tmp_path, on_read=LOOP)))
+    assert (came.status, came.err) == (1, "") and "stuck: device mine did not return" in came.out
+
+
+def test_a_hook_that_returns_in_time_is_left_alone(tmp_path: Path):
+    result = Scene(load(case_of(tmp_path, on_read="return sum(range(100_000)) & 0xFF"))).run()
+    assert result.stuck == [] and result.counts["rounds"] == 2
+
+
+def test_a_limit_of_0_lets_a_hook_take_any_time():
+    guard = HookGuard("mine", 0.0)
+    seen: list[int] = []
+    assert guard(lambda: seen.append(guard.thread)) is None
+    assert seen == [0], "nobody watches it"
+
+
+def test_each_call_is_another_instant_and_a_hook_in_a_hook_is_the_same_one():
+    guard = HookGuard("mine", 10.0)
+    seen: list[tuple[int, int]] = []
+    guard(lambda: guard(lambda: seen.append(guard.instant())))
+    guard(lambda: seen.append(guard.instant()))
+    assert seen == [(1, 0), (2, 0)] and guard.thread == 0
+
+
+def test_the_one_who_raises_it_is_told():
+    def stopped() -> None:
+        raise NoProgress
+
+    with pytest.raises(FirmwareStalled, match="device mine did not return within 10 s of CPU time"):
+        HookGuard("mine", 10.0)(stopped)

@@ -9,6 +9,8 @@ but the first, besides what is marked so by hand: they go again and again throug
 
 from __future__ import annotations
 
+import gc
+
 import pytest
 from hypothesis import is_hypothesis_test, settings
 from hypothesis.internal.conjecture import providers
@@ -76,6 +78,15 @@ UNCOUNTED = (
     "tests/timing/test_pairs.py",
     "tests/timing/test_rounds.py",
 )
+
+
+gc.disable()  # what is collected stays: to look through it for garbage only takes time, now and in each test
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_finish() -> None:
+    gc.freeze()
+    gc.enable()
 
 
 @pytest.hookimpl(tryfirst=True)

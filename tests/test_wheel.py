@@ -116,7 +116,7 @@ def test_a_shipped_case_tells_the_same_figures_and_places(installed: Path, repos
     case = ("timing", "imu_hil_no_sdir.toml")
     told = []
     for site, examples in ((ROOT, ROOT), (installed, installed / "periph_sim" / "examples")):
-        ran = command(site, repository, "run", str(examples.joinpath(*case)), "--record", "run.psr")
+        ran = command(site, repository, "run", str(examples.joinpath(*case)), "--seconds", "0.3", "--record", "run.psr")
         lints = command(site, repository, "lint", "run.psr")
         told.append((ran.stdout, ran.stderr, lints.stdout, lints.stderr))
     assert told[0] == told[1]
@@ -124,5 +124,6 @@ def test_a_shipped_case_tells_the_same_figures_and_places(installed: Path, repos
 
 
 def test_a_shipped_case_keeps_its_baseline(installed: Path, repository: Path) -> None:
-    came = command(installed, repository, "check", str(installed / "periph_sim/examples/timing/imu_hil_lost_byte.toml"))
+    case = installed / "periph_sim/examples/timing/imu_hil_broken_line.toml"
+    came = command(installed, repository, "check", str(case))
     assert (came.returncode, came.stderr) == (0, ""), came.stdout

@@ -17,7 +17,7 @@ from tests.captures.test_captures_decode import load
 from tests.captures.test_captures_replay_i2c import CANNOT, CASE, FIRST, NAMES, NOBODY, STYLES, lines
 from tests.captures.where import needs_captures
 
-FEW = 20  # of the million edges; all 200 take twelve seconds
+FEW = 20  # of the million edges
 
 
 @cache

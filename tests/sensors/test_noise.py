@@ -7,9 +7,9 @@ from math import inf, log, nan, pi
 import allantools
 import numpy as np
 import pytest
+import scipy
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy import stats
 
 from periph_sim.sensors.noise import BLOCK, AxisNoise, BadNoise, Gaussian, NoiseTerms, SensorNoise
 
@@ -76,8 +76,8 @@ def test_seeds_axes_sensors_and_terms_are_uncorrelated():
     names = ["a/x/white", "a/y/white", "a/z/white", "b/x/white", "a/x/random walk", "a/x/bias instability/0"]
     series = np.array([Gaussian(seed, name).values(0, count) for seed in (0, 1, 2) for name in names])
     pairs = np.corrcoef(series)[np.triu_indices(len(series), 1)] * np.sqrt(count)
-    assert np.abs(pairs).max() < stats.norm.isf(0.5e-3 / len(pairs))  # 1 in 1000 over all pairs
-    assert stats.kstest(pairs, "norm").pvalue > 1e-3
+    assert np.abs(pairs).max() < scipy.stats.norm.isf(0.5e-3 / len(pairs))  # 1 in 1000 over all pairs
+    assert scipy.stats.kstest(pairs, "norm").pvalue > 1e-3
 
 
 def test_blocks_follow_each_other_uncorrelated():
@@ -89,11 +89,11 @@ def test_blocks_follow_each_other_uncorrelated():
 @pytest.mark.parametrize("seed", [0, 1, 2, 3])
 def test_values_are_gaussian(seed: int):
     values = Gaussian(seed, "accelerometer/z/white").values(0, 100_000)
-    edges = stats.norm.ppf(np.linspace(0, 1, 101))
+    edges = scipy.stats.norm.ppf(np.linspace(0, 1, 101))
     found, _ = np.histogram(values, edges)
-    assert stats.chisquare(found).pvalue > 1e-3
-    assert stats.kstest(values, "norm").pvalue > 1e-3
-    assert stats.jarque_bera(values).pvalue > 1e-3
+    assert scipy.stats.chisquare(found).pvalue > 1e-3
+    assert scipy.stats.kstest(values, "norm").pvalue > 1e-3
+    assert scipy.stats.jarque_bera(values).pvalue > 1e-3
 
 
 def test_white_noise_has_the_variance_density_over_period():

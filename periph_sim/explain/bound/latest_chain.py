@@ -50,16 +50,25 @@ def chains(calm: UndisturbedRun, waits: list[Wait], point: int, name: str) -> li
         ]
         at, place = wait.end, wait.place
         for later in waits[k + 1 :]:
-            terms.append(_code(calm, (at, later.first), f"{place} to {later.place}", later.into))
+            terms.append(_code(calm, at, later.first, f"{place} to {later.place}", later.into))
             at, place = later.end, later.place
-        terms.append(_code(calm, (at, point), f"{place} to {name}"))
+        terms.append(_code(calm, at, point, f"{place} to {name}"))
         found.append(LatestChain(wait.edge, tuple(terms)))
     return found
 
 
-def _code(calm: UndisturbedRun, part: tuple[int, int], what: str, into: int = 0) -> Term:
-    """The code between two instants, and what of a pass comes before the read that ends the wait behind it."""
-    begin, end = part
+def _code(calm: UndisturbedRun, begin: int, end: int, what: str, into: int = 0) -> Term:
+    """The code between two instants, and what of a pass comes before the read that ends the wait behind it.
+
+    One piece of code is part of as many chains as there are waits before it.
+    """
+    key = begin, end, what, into
+    if key not in calm.code_terms:
+        calm.code_terms[key] = _code_term(calm, *key)
+    return calm.code_terms[key]
+
+
+def _code_term(calm: UndisturbedRun, begin: int, end: int, what: str, into: int) -> Term:
     spans = [n for n, times in calm.spans.items() if any(begin <= b and e <= end for b, e in times)]
     within = f" with {' and '.join(spans)}" * bool(spans)
     source = "straight-line code, measured in a run without host"

@@ -30,7 +30,7 @@ from ...scene.scene import Scene
 from .branches import Decisions
 from .code_trace import CodeTrace
 from .program import Program
-from .terms import BadBound
+from .terms import BadBound, Term
 
 KINDS = (Kind.ACCESS, Kind.FLAG, Kind.EDGE, Kind.BUS, Kind.SPAN, Kind.IRQ)
 DXR, STR, OAR = "W I2C-A.I2CDXR", "W I2C-A.I2CSTR", "W I2C-A.I2COAR"
@@ -91,6 +91,7 @@ class UndisturbedRun:
     rounds: list[Round] = field(default_factory=list)
     masked: str = ""  # where the firmware runs with INTM = 1 after its first wait
     changes: dict[str, list[tuple[int, int]]] = field(default_factory=dict)
+    code_terms: dict[tuple[int, int, str, int], Term] = field(default_factory=dict)  # of chains, made once each
     _unproven: dict[tuple[int, int], str] = field(default_factory=dict)  # what `unproven` found out already
 
     def unproven(self, begin: int, end: int) -> str:
@@ -119,7 +120,7 @@ class UndisturbedRun:
 
     def ticks(self, cycles: int) -> int:
         """Rounded up."""
-        return -int(-cycles * self.cycle // 1)
+        return -(-cycles * self.cycle.numerator // self.cycle.denominator)
 
     def bus(self, tick: int) -> int:
         """The tick without the stretches before it: what the controller alone makes of the time."""

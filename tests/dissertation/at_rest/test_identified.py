@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy import stats
+import scipy
 
 from periph_sim.dissertation.at_rest.identified import parameters_of_axes
 from periph_sim.dissertation.at_rest.rest import SENSORS, UNITS, at_rest, expected_at_rest
@@ -41,9 +41,9 @@ def test_what_was_put_into_the_models_comes_back_within_its_error_bars_over_200_
                 hits[row, place] += low - rounding <= density <= high - rounding
                 hits[2 + row, place] += off <= z * axis.found.bias.error
     for row, part in zip(hits, (0.6827, 0.95, 0.6827, 0.95), strict=True):
-        least, most = stats.binom.interval(1 - 1e-3 / 9, seeds, part)
+        least, most = scipy.stats.binom.interval(1 - 1e-3 / 9, seeds, part)
         assert least <= row.min() and row.max() <= most, part
-        least, most = stats.binom.interval(0.999, 9 * seeds, part)
+        least, most = scipy.stats.binom.interval(0.999, 9 * seeds, part)
         assert least <= row.sum() <= most, part
 
 

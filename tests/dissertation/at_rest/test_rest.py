@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy import stats
 
 from periph_sim.dissertation.at_rest.rest import SENSORS, at_rest, expected_at_rest, sensed_at_rest
 from periph_sim.dissertation.at_rest.static_table import static_table
@@ -20,7 +20,7 @@ SAMPLES = 10_000
 @pytest.mark.parametrize("seed", [1, 2, 3, 4, 5])
 def test_ten_thousand_samples_agree_with_the_model_on_every_axis(seed: int):
     rows = static_table(Imu(), at_rest(Imu(), SAMPLES, seed))
-    limit = stats.norm.isf(0.5e-3 / 18)  # one in a thousand over the eighteen figures
+    limit = scipy.stats.norm.isf(0.5e-3 / 18)  # one in a thousand over the eighteen figures
     for row in rows:
         assert abs(row.mean.ours_off) < limit, (row.sensor, row.axis)
         assert abs(row.variance.ours_off) < limit, (row.sensor, row.axis)
@@ -32,9 +32,9 @@ def test_all_seeds_axes_means_and_variances_together_are_as_far_off_as_chance_ha
     assert len(rows) == 180
     for figure in ("mean", "variance"):
         squares = sum(getattr(row, figure).ours_off ** 2 for row in rows)
-        assert stats.chi2.ppf(0.5e-3, len(rows)) < squares < stats.chi2.isf(0.5e-3, len(rows))
+        assert scipy.stats.chi2.ppf(0.5e-3, len(rows)) < squares < scipy.stats.chi2.isf(0.5e-3, len(rows))
         offs = [getattr(row, figure).ours_off for row in rows]
-        assert stats.kstest(offs, "norm").pvalue > 1e-3
+        assert scipy.stats.kstest(offs, "norm").pvalue > 1e-3
 
 
 def test_the_table_has_the_axes_of_the_published_one_in_their_order():

@@ -5,9 +5,9 @@ from __future__ import annotations
 import allantools
 import numpy as np
 import pytest
+import scipy
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy import stats
 
 from periph_sim.sensors.identification.allan import Allan, allan
 from periph_sim.sensors.identification.confidence import LEVELS, edf, interval, slopes, white_covariance
@@ -43,8 +43,8 @@ def test_the_nearest_slope_is_taken_and_a_constant_counts_as_white():
 def test_intervals_are_those_of_chi_square(freedom: float, level: float):
     low, high = interval(np.array([freedom]), level)
     tail = (1 - level) / 2
-    assert low[0] == pytest.approx(freedom / stats.chi2.isf(tail, freedom), rel=1e-6)
-    assert high[0] == pytest.approx(freedom / stats.chi2.isf(1 - tail, freedom), rel=1e-6)
+    assert low[0] == pytest.approx(freedom / scipy.stats.chi2.isf(tail, freedom), rel=1e-6)
+    assert high[0] == pytest.approx(freedom / scipy.stats.chi2.isf(1 - tail, freedom), rel=1e-6)
     assert low[0] < 1 < high[0] or freedom < 3
 
 

@@ -6,7 +6,7 @@ from math import nan
 
 import numpy as np
 import pytest
-from scipy import stats
+import scipy
 
 from periph_sim.sensors.identification import BadSeries, identify
 from periph_sim.sensors.identification.confidence import LEVELS
@@ -26,7 +26,7 @@ def recording(
 
 def likely(hits: int, of: int, part: float) -> bool:
     """Whether so many hits are what chance gives: within all but one in a thousand."""
-    low, high = stats.binom.interval(0.999, of, part)
+    low, high = scipy.stats.binom.interval(0.999, of, part)
     return bool(low <= hits <= high)
 
 
@@ -34,7 +34,7 @@ def likely(hits: int, of: int, part: float) -> bool:
 def test_intervals_hold_the_injected_values_as_often_as_they_say(lsb: float | None):
     found = [identify("y", recording(seed, lsb=lsb), PERIOD) for seed in range(SEEDS)]
     for part in LEVELS.values():
-        z = stats.norm.isf((1 - part) / 2)
+        z = scipy.stats.norm.isf((1 - part) / 2)
         bounds = [(one.density.bounds(part), one.quantisation_density) for one in found]
         assert likely(sum(low - q <= DENSITY <= high - q for (low, high), q in bounds), SEEDS, part)
         assert likely(sum(abs(one.bias.value - BIAS) <= z * one.bias.error for one in found), SEEDS, part)

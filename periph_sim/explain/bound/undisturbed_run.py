@@ -241,6 +241,7 @@ class _Listener:
         self._spans: dict[str, list[tuple[int, int]]] = defaultdict(list)
         self._begun: dict[str, int] = {}
         self._own: set[int] = set()  # records of the firmware's accesses
+        self._enabled = False  # interrupts, for the first time
         self._masked = ""
         self.trace = CodeTrace()
 
@@ -272,11 +273,17 @@ class _Listener:
         elif record.where == self._unit:
             self._span(record)
 
+    def _starts_up(self, record: Record, masked: bool) -> None:
+        """When the receiver is up: set-up may wait for something itself, and is over when the bus is at work."""
+        self._enabled = self._enabled or not masked
+        if not self._enabled or (record.what.startswith(RECEIVING) and not (self._readings and self._scl)):
+            self._receives = record.tick
+
     def _access(self, record: Record) -> None:
         assert self.dsp is not None
         self._own.add(record.number)
-        if not self._readings and (self.dsp.cpu.core.intm or record.what.startswith(RECEIVING)):
-            self._receives = record.tick
+        masked = bool(self.dsp.cpu.core.intm)
+        self._starts_up(record, masked)
         if record.what.startswith("W "):  # it may land when the next wait has begun
             if record.what == DXR:
                 self._writes.append(record.tick)
@@ -285,7 +292,7 @@ class _Listener:
             elif record.what == STR:
                 self._clears.append((record.tick, record.text))
             return
-        if self._readings and self.dsp.cpu.core.intm:
+        if self._readings and masked and self._enabled:
             self._masked = self._masked or record.text
         spin = self.dsp.cpu.spin_now
         if spin is None:

@@ -119,6 +119,22 @@ def test_a_frame_that_comes_before_the_receiver_is_up_leaves_no_bound_of_age():
     assert not late.unproven and late.ticks <= early.ticks
 
 
+def test_a_wait_of_the_start_up_does_not_end_it(tmp_path: Path):
+    """
+    main   waits for BB = 0 | computes 100 us | sets up pins, SCI, interrupts
+    host           | first frame, of which the receiver misses part
+    """
+    text = SOURCE.read_text(encoding="utf-8")
+    before = "        start_pin(dsp, settings.pin)\n"
+    assert text.count(before) == 1
+    name = tmp_path / "slow.py"
+    wait = "        dsp.spin(lambda: self.i2c.I2CSTR.BB == 0)\n        dsp.compute(15_000)\n"
+    name.write_text(text.replace(before, wait + before), encoding="utf-8")
+    form = closed_form(imu_hil(f"unit.dsp.firmware={name}", "host.first=60 us"))
+    assert form.ages[0].unproven.startswith("part of the first host frame, at 60.000 us, may come before the firmware")
+    assert not any("runs with interrupts masked" in bound.unproven for bound in form.fifo)
+
+
 @pytest.mark.parametrize(
     ("change", "reason"),
     [

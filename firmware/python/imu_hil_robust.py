@@ -27,7 +27,7 @@ from typing import Literal
 from periph_sim.core.settings import Duration
 from periph_sim.firmware import sci_fifo_receiver, start_i2c, start_pie, start_pin
 from periph_sim.processor.dsp import Dsp
-from periph_sim.processor.register_view import ModulePort
+from periph_sim.processor.python.register_view import ModulePort
 
 from .imu_hil import ACCELEROMETER, FRAME_BYTES, GYROSCOPE, MAGNETOMETER, endless
 from .imu_models import ModelSettings, models_of, shown

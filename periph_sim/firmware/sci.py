@@ -6,7 +6,7 @@ Source: SPRUFB0D sections 5.1 (PCLKCR) and 6 (GPIO); SPRUFZ5A chapter 2.
 from __future__ import annotations
 
 from ..processor.dsp import PIN_OF, Dsp
-from ..processor.register_view import ModulePort
+from ..processor.python.register_view import ModulePort
 
 MUX = {"SCI-A": 1, "SCI-B": 2, "SCI-C": 1}  # of GPIO28 and 29, 19 and 18, 62 and 63
 

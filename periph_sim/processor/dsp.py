@@ -1,6 +1,6 @@
 """One F28335 as a scene names it: its clock, the modules asked for, interrupts, and the CPU that runs the firmware.
 
-    modules --> sockets --> address map --> Cpu <-- firmware
+    modules --> sockets --> address map --> Processor <-- program: Cpu <-- firmware
                    |  requests --> PIE --> CPU interrupts
                    pins --> Router --> wires
 
@@ -43,9 +43,11 @@ from ..f28335.system.clocks import WDRST_CYCLES, SystemControl
 from ..f28335.system.cpu_timer import TINT0_PIE, TINT1_CPU, TINT2_CPU, CpuTimer
 from ..f28335.system.memory_map import AddressMap, Frame, ModuleRange
 from ..f28335.system.options import SystemOptions
-from .cpu import Cpu
-from .firmware_view import End, FirmwareView
 from .pin_router import Pads, Port, Router
+from .processor import Processor
+from .program import Program
+from .python.cpu import Cpu
+from .python.firmware_view import End, FirmwareView
 
 MODULES = (*sci_map.BASES, "I2C-A", "GPIO", "XINT", "TIMER0", "TIMER1", "TIMER2")
 
@@ -114,20 +116,13 @@ class Dsp(FirmwareView):
             if name not in MODULES:
                 raise ValueError(f"{plan.name}: there is no module {name!r}; {did_you_mean(name, MODULES)}")
         self._build(plan)
-        self.cpu = Cpu(
-            kernel,
-            self.clock,
-            recorder,
-            plan.name,
-            self.memory,
-            self.core,
-            self.pie,
-            plan.system,
-            code=plan.code,
-            skip_polls=plan.skip_polls,
-            strict=plan.strict,
+        self.processor = Processor(
+            kernel, self.clock, recorder, plan.name, self.memory, self.core, self.pie, plan.system, strict=plan.strict
         )
-        self.cpu.stall_limit = plan.stall_limit
+        options, skip = plan.system, plan.skip_polls
+        self.cpu = Cpu(self.processor, self.clock, recorder, options, code=plan.code, skip_polls=skip)
+        self.cpu.program.stall_limit = plan.stall_limit
+        self.program: Program = self.cpu.program
         self.router = self._route(plan)
         cycle = self.clock.cycle_at(kernel.now)
         for socket in self._sockets.values():
@@ -196,14 +191,14 @@ class Dsp(FirmwareView):
         self.memory.add(ModuleRange(name, base, size, frame, socket))
 
     def _noted(self, who: str, cycle: int, note: Note) -> None:
-        self.cpu.insist(note, who)
+        self.processor.notes.insist(note, who)
 
     def _lines_of(self, module: str) -> Callable[[int, int], None]:
         """What a module's requests do: go to their PIE lines, or straight to INT13 and INT14."""
         if module == "TIMER1":
             return self._timer1_requested
         if module == "TIMER2":
-            return lambda cycle, asked: self.cpu.request(cycle, TINT2_CPU)
+            return lambda cycle, asked: self.processor.interrupts.request(cycle, TINT2_CPU)
         return partial(self._requested, pie_lines(module))
 
     def _timer1_requested(self, cycle: int, asked: int) -> None:
@@ -211,7 +206,7 @@ class Dsp(FirmwareView):
         xint = self._sockets.get("XINT")
         xnmicr = 0 if xint is None else xint.chip.peek(cycle, xint.chip.MAP["XNMICR"].offset)
         if int13_source(xnmicr) == "TINT1":
-            self.cpu.request(cycle, TINT1_CPU)
+            self.processor.interrupts.request(cycle, TINT1_CPU)
 
     def _requested(self, places: tuple[tuple[int, int], ...], cycle: int, asked: int) -> None:
         for i, (group, line) in enumerate(places):
@@ -229,7 +224,7 @@ class Dsp(FirmwareView):
         number = 1
         while pulses:
             if pulses & 1:
-                self.cpu.request(cycle, number)
+                self.processor.interrupts.request(cycle, number)
             pulses >>= 1
             number += 1
 
@@ -241,7 +236,7 @@ class Dsp(FirmwareView):
             self.clock.retune(cycle, hz)
             for socket in self._sockets.values():
                 socket.reclock()
-            self.cpu.reclock()
+            self.processor.time.reclock()
             if "I2C-A" in self._sockets:
                 i2c = self._sockets["I2C-A"].chip
                 assert isinstance(i2c, I2c)
@@ -324,7 +319,7 @@ class Dsp(FirmwareView):
         for told in self.on_reset:
             told()
         cycle = self.clock.cycle_at(self._kernel.now)
-        self.cpu.kill(GreenletExit)
+        self.processor.kill(GreenletExit)
         self.core.reset(cycle)
         for socket in self._sockets.values():
             socket.chip.reset(cycle)

@@ -11,8 +11,8 @@ from .source_location import is_firmware, is_ours
 from .stall_watch import NoProgress
 
 FIRMWARE_VIEW = (
-    str(Path("processor", "register_view.py")),
-    str(Path("processor", "firmware_view.py")),
+    str(Path("processor", "python", "register_view.py")),
+    str(Path("processor", "python", "firmware_view.py")),
 )  # they refuse wrong names
 
 

@@ -7,38 +7,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import NamedTuple, Protocol
 
 from ..core.chip import NEVER
-from ..core.registers import Field, Register
 from ..core.socket import Socket
-from ..f28335.system.memory_map import WORDS_MASK, ModuleRange
+from .cpu_time import CpuTime
+from .operand import Operand
 
 Peek = Callable[[int, int], int]  # cycle and offset to what a debugger reads
 
 
-class Poll(NamedTuple):
-    """One read made in a pass of a spin: where, what, and when its value was taken."""
-
-    place: ModuleRange
-    register: Register
-    words: int
-    field: Field | None  # what firmware looked at; None: all of these words
-    cycle: int
-    value: int
-
-    @property
-    def mask(self) -> int:
-        """The bits that firmware looked at."""
-        return self.field.mask if self.field is not None else WORDS_MASK[self.words]
-
-    def __str__(self) -> str:
-        return f"{self.place.name}.{self.register.name}.{self.field.name if self.field is not None else 'all'}"
-
-
 @dataclass(slots=True)
 class Spin:
-    """A wait in progress. since: the cycle at which it began. polls: reads of the present pass.
+    """A wait in progress. since: the cycle at which it began. polls, values: what the present pass read, what came.
 
     pass_cycles: what a pass takes in all; None: its reads, their tests and the branch back of the unit's code.
     ends: the cycle from which on it has timed out.
@@ -47,16 +27,18 @@ class Spin:
     since: int
     pass_cycles: int | None = None
     ends: int = NEVER
-    polls: list[Poll] = field(default_factory=list)
+    polls: list[Operand] = field(default_factory=list)
+    values: list[int] = field(default_factory=list)
     pure: bool = True  # no write, no read with a side effect, no interrupt, no stall in this pass
     start: int = 0  # cycle at which the present pass began
     held_up: int = 0  # cycles of it that interrupts and stalls took
-    replay: list[Poll] = field(default_factory=list)
+    replay: list[int] = field(default_factory=list)
     replayed: int = 0
-    live_from: int = 0  # reads before this cycle are answered from `replay`
+    live_from: int = 0  # reads before this cycle are answered by the values of `replay`
 
     def begin_pass(self, cycle: int) -> None:
         self.polls = []
+        self.values = []
         self.pure = True
         self.start = cycle
         self.held_up = 0
@@ -74,29 +56,21 @@ class Spin:
         return " and ".join(dict.fromkeys(str(poll) for poll in self.polls))
 
 
-class Sleeper(Protocol):
-    """A CPU that sleeps over passes of a wait."""
-
-    cycle: int
-
-    def resume_by(self, cycle: int) -> None: ...
-
-
 class Lease:
     """As long as no bit that a pass looked at has changed, every further pass comes out the same."""
 
-    __slots__ = ("_cpu", "_first", "_seen", "sockets")
+    __slots__ = ("_first", "_seen", "_sockets", "_time")
 
-    def __init__(self, cpu: Sleeper, spin: Spin) -> None:
-        self._cpu = cpu
-        self._first = cpu.cycle
+    def __init__(self, time: CpuTime, spin: Spin) -> None:
+        self._time = time
+        self._first = time.cycle
         self._seen: list[tuple[Peek, int, int, int]] = []  # of what, offset, bits that count, what they were
-        self.sockets: list[Socket] = []
-        for poll in spin.polls:
-            socket, offset, mask, value = poll.place.socket, poll.register.offset, poll.mask, poll.value
-            peek = socket.chip.peek if socket.before is None else socket.peek
-            if socket not in self.sockets:
-                self.sockets.append(socket)
+        self._sockets: list[Socket] = []
+        for operand, value in zip(spin.polls, spin.values, strict=True):
+            socket, offset, mask = operand.socket, operand.offset, operand.mask
+            peek = operand.chip.peek if socket.before is None else socket.peek
+            if socket not in self._sockets:
+                self._sockets.append(socket)
             if mask & 0xFFFF:
                 self._seen.append((peek, offset, mask & 0xFFFF, value & mask & 0xFFFF))
             if mask >> 16:
@@ -109,7 +83,16 @@ class Lease:
                 return True
         return False
 
+    def begin(self) -> None:
+        """From now on the modules that were read wake the sleeping CPU when a bit changes."""
+        for socket in self._sockets:
+            socket.watch(self.look)
+
+    def end(self) -> None:
+        for socket in self._sockets:
+            socket.unwatch(self.look)
+
     def look(self, cycle: int) -> None:
         """A module that was read has had an input."""
         if self.broken(cycle):
-            self._cpu.resume_by(max(cycle, self._first))
+            self._time.resume_by(max(cycle, self._first))

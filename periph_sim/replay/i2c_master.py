@@ -97,15 +97,15 @@ class I2cMasterReplay:
         kernel, scene = self.kernel, self._scene
         step = scene.timebase.ticks(PATIENCE, "nearest")
         length = int(self._part.capture.length * self._per_position)
-        cpu = scene.units[self._unit].cpu
+        program = scene.units[self._unit].program
         while until is None or kernel.now <= until:
             due = kernel.next_time()
-            if due >= NEVER or cpu.finished or (not self._scripted and kernel.now > self.origin + length):
+            if due >= NEVER or program.finished or (not self._scripted and kernel.now > self.origin + length):
                 break
             kernel.run_until(max(kernel.now, due) + step)
             if progress is not None:
                 progress(min(1.0, (kernel.now - self.origin) / length))
-        if cpu.finished or not self._scripted:
+        if program.finished or not self._scripted:
             kernel.run_until(kernel.now + scene.timebase.ticks(TAIL, "nearest"))
             return ""
         return f"{self._unit} {scene.doing(scene.units[self._unit])}: the replay ends there" if until is None else ""

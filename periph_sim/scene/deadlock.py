@@ -38,8 +38,8 @@ def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], insta
 
     may_move: whether the named parties, who are not of this unit, may ever move the wire. instant: a tick for people.
     """
-    spin = dsp.cpu.spin_now
-    if spin is None or not dsp.cpu.sleeps_in_spin:
+    spin = dsp.program.spin
+    if spin is None or not dsp.processor.time.waits_for_input:
         return ""
     modules = [module for module in signals_behind(dsp, spin) if has_clock(dsp, module)]
     if not modules:

@@ -32,7 +32,7 @@ from ..f28335.i2c.options import I2cOptions
 from ..f28335.system.options import SystemOptions
 from ..processor.dsp import Dsp
 from ..processor.error_origin import FirmwareStalled
-from ..processor.firmware_view import End
+from ..processor.python.firmware_view import End
 from ..sensors.host_frame import MotionFrames
 from ..sensors.models.parameters import Imu
 from ..timing.budget_schema import Budget
@@ -358,11 +358,11 @@ class Scene:
 
     def doing(self, dsp: Dsp) -> str:
         """What a unit's firmware does now, as a phrase."""
-        if dsp.cpu.returned_at is not None:
+        if dsp.program.returned_at is not None:
             return "has returned from main"
-        spin = dsp.cpu.spin_now
+        spin = dsp.program.spin
         if spin is None:
-            where = dsp.cpu.stands_at()
+            where = dsp.processor.stands_at()
             at = "" if where is None else f" at {where.for_people()}"
             return f"waits in IDLE for an interrupt{at}" if dsp.core.idlestat else f"computes{at}"
         since = self.timebase.show(dsp.clock.tick(spin.since) - self.start)
@@ -436,4 +436,4 @@ class Scene:
     def _noted(self, name: str, note: Note) -> None:
         """With `strict`: it is firmware that speaks to a chip or device and breaks its duties."""
         for dsp in self.units.values():
-            dsp.cpu.insist(note, name)
+            dsp.processor.notes.insist(note, name)

@@ -29,7 +29,7 @@ def result_of(scene: Scene, length: int, wall: float) -> Result:
     if scene.frames is not None:
         counts["beyond_16_bits"] = scene.frames.beyond.total()
     counts["overruns"] = sum(x.measure.count for x in scene.limits if x.budget.measure == "overruns")
-    counts[SKIPPED] = sum(dsp.cpu.polls_skipped for dsp in scene.units.values())
+    counts[SKIPPED] = sum(dsp.program.polls_skipped for dsp in scene.units.values())
     counts["resets"] = sum(dsp.resets for dsp in scene.units.values())
     parts: dict[str, Dsp | RegisterChip] = {
         **scene.units,
@@ -67,9 +67,9 @@ def notes_of(scene: Scene) -> list[str]:
             for cycle, note in joined(socket.notes):
                 at = scene.timebase.show(dsp.clock.tick(cycle) - scene.start)
                 lines.append(f"{name} {module}, first at {at}: {note.text} [{note.source}]")
-        lines += [f"{name}: {note.text} [{note.source}] ({n} times)" for note, n in dsp.cpu.notes.items()]
-        if dsp.cpu.returned_at is not None:
-            at = scene.timebase.show(dsp.clock.tick(dsp.cpu.returned_at) - scene.start)
+        lines += [f"{name}: {note.text} [{note.source}] ({n} times)" for note, n in dsp.processor.notes.counts.items()]
+        if dsp.program.returned_at is not None:
+            at = scene.timebase.show(dsp.clock.tick(dsp.program.returned_at) - scene.start)
             lines.append(f"{name}: main returned at {at}; from then on only service routines run")
     for name, party in scene.note_logs().items():
         for note, (tick, times) in party.notes.items():

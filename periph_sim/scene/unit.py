@@ -14,7 +14,7 @@ from ..f28335.i2c.options import I2cOptions
 from ..f28335.sci.options import SciOptions
 from ..f28335.system.options import SystemOptions
 from ..processor.dsp import MODULES, Dsp, DspPlan
-from ..processor.firmware_view import End
+from ..processor.python.firmware_view import End
 from ..sensors.models.parameters import Imu
 from .case.model import Case, Unit
 from .case.transceiver import pulled_down

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import periph_sim
-from periph_sim.processor.firmware_view import FirmwareView
+from periph_sim.processor.python.firmware_view import FirmwareView
 from tests.docs.pages import ROOT, scratch
 
 PAGE = ROOT / "docs" / "python_api.md"

@@ -14,8 +14,9 @@ from periph_sim.f28335.cpu.interrupts import CpuInterrupts
 from periph_sim.f28335.cpu.pie import Pie
 from periph_sim.f28335.system.memory_map import AddressMap, Frame, ModuleRange
 from periph_sim.f28335.system.options import SystemOptions
-from periph_sim.processor.cpu import Cpu
-from periph_sim.processor.register_view import ModulePort
+from periph_sim.processor.processor import Processor
+from periph_sim.processor.python.cpu import Cpu
+from periph_sim.processor.python.register_view import ModulePort
 from tests.processor.flag_chip import FlagChip
 
 
@@ -48,18 +49,8 @@ class Bench:
         self.pie_socket = Socket(self.kernel, self.clock, self.recorder, "dsp.PIE", self.pie, lambda c, a: None)
         self.pie_socket.after = self._pulse
         memory.add(ModuleRange("PIE", 0x0CE0, 0x20, Frame.PF0, self.pie_socket))
-        self.cpu = Cpu(
-            self.kernel,
-            self.clock,
-            self.recorder,
-            "dsp",
-            memory,
-            self.core,
-            self.pie,
-            options,
-            code=code,
-            skip_polls=skip_polls,
-        )
+        self.processor = Processor(self.kernel, self.clock, self.recorder, "dsp", memory, self.core, self.pie, options)
+        self.cpu = Cpu(self.processor, self.clock, self.recorder, options, code=code, skip_polls=skip_polls)
         self.flags = ModulePort(self.cpu, memory.places["FLAGS"])
         self.pie_regs = ModulePort(self.cpu, memory.places["PIE"])
         self.log: list[tuple[str, int]] = []
@@ -75,7 +66,7 @@ class Bench:
         pulses, self.pie.pulses = self.pie.pulses, 0
         for n in range(12):
             if pulses >> n & 1:
-                self.cpu.request(cycle, n + 1)
+                self.processor.interrupts.request(cycle, n + 1)
 
     def note(self, what: str) -> None:
         """Firmware writes down where it is and when."""

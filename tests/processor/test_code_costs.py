@@ -50,7 +50,7 @@ def test_code_between_write_and_read_passes_within_the_protection():
 
 def test_interrupt_cuts_in_between_two_accesses():
     bench = bench_with([(100, 0, 0)], between_accesses=200)
-    bench.cpu.handlers["SEQ1INT"] = lambda: bench.note("routine")
+    bench.cpu.handle("SEQ1INT", lambda: bench.note("routine"))
     bench.enable()
 
     def main() -> None:
@@ -122,7 +122,7 @@ def test_pass_of_two_reads_takes_its_length_whichever_were_made():
 def test_stall_and_routine_lengthen_a_pass_by_themselves():
     """The first read waits 3 cycles for a write; a routine of 10 + 20 + 8 cycles comes in the second pass."""
     bench = Bench([(40, 0, 0), (200, 1, -1)], skip_polls=False)
-    bench.cpu.handlers["SEQ1INT"] = lambda: bench.cpu.compute(20)
+    bench.cpu.handle("SEQ1INT", lambda: bench.cpu.compute(20))
     bench.enable()
     begins: list[int] = []
 
@@ -140,7 +140,7 @@ def test_stall_and_routine_lengthen_a_pass_by_themselves():
 
 def test_service_routine_pays_prologue_and_epilogue():
     bench = bench_with([(100, 0, 0)], isr_prologue=17, isr_epilogue=13)
-    bench.cpu.handlers["SEQ1INT"] = lambda: bench.note("routine")
+    bench.cpu.handle("SEQ1INT", lambda: bench.note("routine"))
     bench.enable()
 
     def main() -> None:
@@ -153,7 +153,7 @@ def test_service_routine_pays_prologue_and_epilogue():
 
 def test_routine_is_counted_once_as_busy_time():
     bench = bench_with([(100, 0, 0)], isr_prologue=17, isr_epilogue=13)
-    bench.cpu.handlers["SEQ1INT"] = lambda: bench.cpu.compute(50)
+    bench.cpu.handle("SEQ1INT", lambda: bench.cpu.compute(50))
     bench.enable()
     bench.run(lambda: bench.cpu.compute(300), 900)
     assert bench.cpu.busy_cycles == 300 + 10 + 17 + 50 + 13 + 8
@@ -192,7 +192,7 @@ def test_a_long_wait_that_times_out_costs_a_few_events():
     ((what, cycle),) = bench.log
     assert (what, cycle) == ("False", 1_000_000_000 + 4)
     assert bench.kernel.events <= 3
-    assert bench.cpu.polls_skipped == 100_000_000 - 1
+    assert bench.cpu.program.polls_skipped == 100_000_000 - 1
 
 
 CHANGES = st.lists(st.tuples(st.integers(1, 400), st.integers(0, 3), st.sampled_from([-1, -1, -1, 0, 1])), max_size=14)
@@ -214,8 +214,8 @@ def test_skipping_equals_polling_whatever_waits_cost_and_when_they_time_out(chan
             bench.note(f"{name} {cpu.spin(lambda: flags.STATUS.B == 0, timeout=timeout // 2)}")
             bench.pie_regs.PIEACK.all = 1
 
-        cpu.handlers["SEQ1INT"] = lambda: routine("1")
-        cpu.handlers["SEQ2INT"] = lambda: routine("2")
+        cpu.handle("SEQ1INT", lambda: routine("1"))
+        cpu.handle("SEQ2INT", lambda: routine("2"))
         bench.enable()
 
         def main() -> None:

@@ -64,7 +64,7 @@ def test_firmware_goes_on_at_the_rate_of_a_retuned_clock(hz: int, how: str):
 
     def retune() -> None:
         bench.clock.retune(400, Fraction(hz))
-        bench.cpu.reclock()
+        bench.processor.time.reclock()
 
     bench.kernel.at(400 * TICKS, retune)
     bench.cpu.start(main)
@@ -87,20 +87,20 @@ def test_firmware_that_is_ended_runs_its_finally_and_lands_no_write():
 
     bench.cpu.start(main, delay=5)
     bench.kernel.run_until(16 * TICKS)
-    bench.cpu.kill(GreenletExit)
-    bench.cpu.reclock()  # of a CPU that waits for nothing
+    bench.processor.kill(GreenletExit)
+    bench.processor.time.reclock()  # of a CPU that waits for nothing
     assert bench.log == [("ended", 16)]
     bench.kernel.run_until(2000 * TICKS)
     assert (bench.chip.status, bench.cpu.finished, bench.kernel.next_time()) == (4, False, NEVER)
-    assert bench.cpu.stands_at() is None
+    assert bench.processor.stands_at() is None
 
 
 def test_firmware_that_is_ended_in_its_sleep_is_not_woken_by_an_interrupt():
     bench = Bench([])
     bench.cpu.start(lambda: bench.cpu.compute(1000))
     bench.kernel.run_until(10 * TICKS)
-    bench.cpu.kill(GreenletExit)
-    bench.cpu.request(20, NMI)
+    bench.processor.kill(GreenletExit)
+    bench.processor.interrupts.request(20, NMI)
     assert bench.kernel.next_time() == NEVER
 
 
@@ -108,7 +108,7 @@ def test_firmware_can_be_started_again():
     bench = Bench([])
     bench.cpu.start(lambda: (bench.cpu.compute(49), bench.flags.STATUS.__setattr__("all", 4), bench.cpu.compute(100)))
     bench.kernel.run_until(50 * TICKS)  # a write is on its way
-    bench.cpu.kill(GreenletExit)
+    bench.processor.kill(GreenletExit)
     bench.cpu.start(lambda: (bench.cpu.compute(30), bench.note("end")), delay=7)
     bench.kernel.run_until(1000 * TICKS)
     assert bench.log == [("end", 50 + 7 + 30)] and bench.cpu.finished
@@ -128,5 +128,5 @@ def test_firmware_is_ended_by_the_exception_that_was_asked_for():
 
     bench.cpu.start(main)
     bench.kernel.run_until(10 * TICKS)
-    bench.cpu.kill(Ended)
+    bench.processor.kill(Ended)
     assert bench.log == [("ended", 0)]

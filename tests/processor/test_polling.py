@@ -33,8 +33,8 @@ def firmware(bench: Bench, lead: int, kind: str):
         bench.pie_regs.PIEACK.all = 1
         bench.note(f"{name} out")
 
-    cpu.handlers["SEQ1INT"] = lambda: isr("IRQ0", 7)
-    cpu.handlers["SEQ2INT"] = lambda: isr("IRQ1", 23)
+    cpu.handle("SEQ1INT", lambda: isr("IRQ0", 7))
+    cpu.handle("SEQ2INT", lambda: isr("IRQ1", 23))
 
     def main() -> None:
         cpu.compute(lead)
@@ -73,7 +73,7 @@ def test_skipping_equals_polling(changes, lead, kind, loop, interrupts):
     skipped, _ = log_of(changes, lead, kind, loop, True, interrupts)
     polled, brute = log_of(changes, lead, kind, loop, False, interrupts)
     assert skipped == polled
-    assert brute.cpu.polls_skipped == 0
+    assert brute.cpu.program.polls_skipped == 0
 
 
 @settings(max_examples=60, deadline=None)
@@ -136,7 +136,7 @@ def test_a_spin_on_a_register_that_a_read_changes_is_polled_for_real():
 
     bench.run(main, 300)
     assert bench.log == []  # every pass took what had come so far: never two at once
-    assert bench.cpu.polls_skipped == 0
+    assert bench.cpu.program.polls_skipped == 0
 
 
 @pytest.mark.parametrize("skip", [True, False])

@@ -175,7 +175,7 @@ def test_routine_entered_between_issue_and_landing_sees_the_write():
         def routine() -> None:
             bench.note(f"C={bench.flags.STATUS.C}")
 
-        bench.cpu.handlers["SEQ1INT"] = routine
+        bench.cpu.handle("SEQ1INT", routine)
         bench.cpu.compute(19)
         bench.flags.STATUS.C = 1  # written 1 clears it: set since cycle 2
 
@@ -203,7 +203,7 @@ def test_landing_write_keeps_place_and_cause_of_the_statement_that_issued_it():
 
     def main() -> None:
         bench.enable()
-        bench.cpu.handlers["SEQ1INT"] = last_write_of_routine
+        bench.cpu.handle("SEQ1INT", last_write_of_routine)
         bench.cpu.compute(19)
         bench.flags.STATUS.C = 1
         bench.cpu.compute(100)
@@ -232,7 +232,7 @@ def test_protected_write_that_is_followed_by_edis_lands():
     dsp.start(main)
     kernel.run_until(10_000)
     assert dsp.control.enabled("I2C-A")
-    assert not dsp.cpu.notes
+    assert not dsp.processor.notes.counts
 
 
 @pytest.mark.rule("SYS-036")
@@ -313,8 +313,8 @@ def played(steps, changes, lands: int, loop: int, skip: bool):
         bench.note(f"{name} {flags.STATUS.all}")
         pie.PIEACK.all = 1
 
-    cpu.handlers["SEQ1INT"] = lambda: routine("1")
-    cpu.handlers["SEQ2INT"] = lambda: routine("2")
+    cpu.handle("SEQ1INT", lambda: routine("1"))
+    cpu.handle("SEQ2INT", lambda: routine("2"))
     bench.enable()
     conditions = [
         lambda: flags.STATUS.A,

@@ -12,7 +12,7 @@ def test_idle_is_recorded_from_the_instruction_to_the_interrupt() -> None:
     recorder.subscribe([Kind.WAIT], found.append)
     bench = Bench([(200, 0, 0)], recorder=recorder)
     bench.enable()
-    bench.cpu.handlers["SEQ1INT"] = lambda: bench.note("served")
+    bench.cpu.handle("SEQ1INT", lambda: bench.note("served"))
 
     def firmware() -> None:
         bench.cpu.compute(50)

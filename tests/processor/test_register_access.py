@@ -14,10 +14,10 @@ from periph_sim.core.wire import Wire
 from periph_sim.f28335.cpu.compiled_code_costs import BARE
 from periph_sim.f28335.system.memory_map import Frame, ModuleRange, NoSuchAddress
 from periph_sim.f28335.system.options import SystemOptions
-from periph_sim.processor import register_view
-from periph_sim.processor.cpu import Cpu
 from periph_sim.processor.dsp import Dsp, DspPlan
 from periph_sim.processor.error_origin import FirmwareError
+from periph_sim.processor.python import register_view
+from periph_sim.processor.python.cpu import Cpu
 from tests.processor.bench import Bench
 
 
@@ -135,7 +135,9 @@ def test_a_protected_write_counts_only_between_eallow_and_edis():
     dsp.start(main)
     kernel.run_until(1_000_000)
     assert seen == [0, 0x10, 0x68, 0x3]
-    assert [note.text for note in dsp.cpu.notes] == ["PCLKCR0 of SYS was written without EALLOW; the write is ignored"]
+    assert [note.text for note in dsp.processor.notes.counts] == [
+        "PCLKCR0 of SYS was written without EALLOW; the write is ignored"
+    ]
 
 
 @pytest.mark.parametrize(("set_at", "lost"), [(1, True), (2, True), (3, False), (4, False), (5, False)])
@@ -162,10 +164,10 @@ def test_wrong_names_and_addresses_say_what_is_near():
     with pytest.raises(AttributeError, match=r"FLAGS\.STATUS has no field 'D'; it has A, B, C"):
         bench.flags.STATUS.D = 1
     with pytest.raises(NoSuchAddress, match=r"0x7200 belongs to no module of this scene, which has FLAGS 0x7100, PIE"):
-        bench.cpu.memory.find(0x7200)
+        bench.processor.bus.map.find(0x7200)
     with pytest.raises(NoSuchAddress, match=r"no module 'FLAG' in this scene; did you mean FLAGS\?"):
-        bench.cpu.memory.named("FLAG.STATUS")
-    place, register, half = bench.cpu.memory.find(0x7101)
+        bench.processor.bus.map.named("FLAG.STATUS")
+    place, register, half = bench.processor.bus.map.find(0x7101)
     assert (place.name, register.name, half) == ("FLAGS", "COUNT", 0)
 
 
@@ -193,7 +195,7 @@ def test_frame_2_takes_no_32_bit_access():
     )
     assert bench.log[0][0] == "0"  # nothing was read
     assert bench.chip.status == 4  # nothing was written: C, which a 1 clears, still stands
-    (note,) = bench.cpu.notes
+    (note,) = bench.processor.notes.counts
     assert note.text == "STATUS of FLAGS was accessed with 32 bits; peripheral frame 2 takes 16 only"
 
 
@@ -350,4 +352,4 @@ def test_duty_that_the_cpu_notes_ends_a_strict_run_with_its_line_and_time(strict
         assert str(error.value) == f"dsp, {place}, at 9.987 us: {told} [SPRUFB0D section 7.2]"
     else:
         kernel.run_until(20 * 5000)
-        assert [(note.text, count) for note, count in dsp.cpu.notes.items()] == [(told, 1)]
+        assert [(note.text, count) for note, count in dsp.processor.notes.counts.items()] == [(told, 1)]

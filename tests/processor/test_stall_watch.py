@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import pytest
 
 from periph_sim.explain.bound import verdict_proof
-from periph_sim.processor import cpu_time as timeline
+from periph_sim.processor.python import program as python_program
 from periph_sim.processor.stall_watch import _debugged
 from periph_sim.reports.baselines.check import check
 from periph_sim.scene.case.load import load
@@ -116,7 +116,7 @@ def test_firmware_is_watched_from_its_start_and_only_while_it_runs(
     watch = SimpleNamespace(
         add=lambda cpu: calls.append(("add", cpu.name)), leave=lambda thread: calls.append(("leave", thread))
     )
-    monkeypatch.setattr(timeline, "watch", watch)
+    monkeypatch.setattr(python_program, "watch", watch)
     Scene(load(case_file(tmp_path, "for _ in range(3):\n        dsp.compute(1000)", limit))).run()
     assert calls.count(("add", "dsp")) == added
     assert set(calls) == ({("add", "dsp"), ("leave", threading.get_ident())} if added else set())
@@ -124,7 +124,7 @@ def test_firmware_is_watched_from_its_start_and_only_while_it_runs(
 
 def test_limit_of_0_is_none(tmp_path: Path):
     scene = Scene(load(case_file(tmp_path, "sum(range(20_000_000))", "0 s")))
-    assert scene.units["dsp"].cpu.stall_limit == 0
+    assert scene.units["dsp"].cpu.program.stall_limit == 0
     assert scene.run().simulated_s == 0.001
 
 

@@ -191,7 +191,7 @@ def observe(case: Case, firmware: Mapping[str, Firmware] | None = None) -> Undis
         what = f"even without a host {refused.name} does not acknowledge its request at {at}"
         raise BadBound(f"case {case.name}: {what}; bounds need firmware that waits for each request when it comes")
     low = scene.head.controller.timing.low
-    module = 1 + dsp.socket("I2C-A").chip.peek(dsp.cpu.cycle, I2C_MAP["I2CPSC"].offset)
+    module = 1 + dsp.socket("I2C-A").chip.peek(dsp.processor.time.cycle, I2C_MAP["I2CPSC"].offset)
     cycle = scene.timebase.per_second / scene.sysclk(unit)
     decisions = Decisions(Program(scene.firmware[unit].main))
     trace = listener.trace
@@ -282,7 +282,7 @@ class _Listener:
     def _access(self, record: Record) -> None:
         assert self.dsp is not None
         self._own.add(record.number)
-        masked = bool(self.dsp.cpu.core.intm)
+        masked = bool(self.dsp.core.intm)
         self._starts_up(record, masked)
         if record.what.startswith("W "):  # it may land when the next wait has begun
             if record.what == DXR:
@@ -294,7 +294,7 @@ class _Listener:
             return
         if self._readings and masked and self._enabled:
             self._masked = self._masked or record.text
-        spin = self.dsp.cpu.spin_now
+        spin = self.dsp.program.spin
         if spin is None:
             self.trace.note(record.tick, f"{record.text} {record.what}")
             return

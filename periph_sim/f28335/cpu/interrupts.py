@@ -2,11 +2,11 @@
 
     raise_line --IFR_DELAY--> IFR --IER, INTM--> next_taken --> enter --> vector chosen --> first ISR instruction
                                                    ^              |
-                                  instruction boundary        context saved; iret brings it back
+                                  instruction boundary        context saved; iret takes it back
 
-The machine executes no instructions. A host that does calls a method at the cycle at
-which the instruction begins, and asks `next_taken` at each boundary between two
-instructions (RPT loops have none inside; what has reached D2 completes). A boundary at
+The machine executes no instructions, and keeps no context: a host stores in memory what `enter` gives, and hands
+`iret` what it finds there. It calls a method at the cycle at which the instruction begins, and asks `next_taken` at
+each boundary between two instructions (RPT loops have none inside; what has reached D2 completes). A boundary at
 which an interrupt is taken is cycle b:
 
     b                        enter(b, number): IFR bit falls, context saved, IER bit falls, ST1 changes
@@ -67,7 +67,14 @@ CONTEXT = (
     ("IER", "DBGSTAT"),
     ("PC low", "PC high"),
 )
-CONTEXT_SP = 1 + 2 * len(CONTEXT)  # by how much SP rises
+CONTEXT_WORDS = 2 * len(CONTEXT)
+CONTEXT_SP = 1 + CONTEXT_WORDS  # by how much SP rises
+ST1_WORD, IER_WORD = 8, 10  # their places among these words
+
+
+def frame_of(sp: int) -> int:
+    """Where the first of the words goes: SP rises by 1, and 32-bit stores go to even addresses."""
+    return sp + 1 & 0xFFFE
 
 
 def int13_source(xnmicr: int) -> str:
@@ -76,7 +83,7 @@ def int13_source(xnmicr: int) -> str:
 
 
 class Context(NamedTuple):
-    """What an entry saved. sp, st1, ier: as they were before it."""
+    """What an entry saves. sp, st1, ier: as they were before it."""
 
     number: int
     sp: int
@@ -87,7 +94,7 @@ class Context(NamedTuple):
         """(address, register) of the 14 words, in the order of the stores."""
         words: list[tuple[int, str]] = []
         for i, (low, high) in enumerate(CONTEXT):
-            even = self.sp + 1 + 2 * i & ~1
+            even = frame_of(self.sp) + 2 * i
             words += [(even, low), (even + 1, high)]
         return tuple(words)
 
@@ -104,7 +111,7 @@ class CpuInterrupts:
         self.dbgier = 0
         self.st1 = ST1_RESET
         self.sp = SP_RESET
-        self.contexts: list[Context] = []  # innermost last
+        self.nested = 0  # routines entered that have not returned
         self.ready = 0  # before this cycle no interrupt is taken
         self.owes_instruction = False  # after IRET: one instruction first; the host then calls `instruction_done`
         self.notes: list[Note] = []
@@ -159,7 +166,7 @@ class CpuInterrupts:
         self.dbgier = 0
         self.st1 = ST1_RESET
         self.sp = SP_RESET
-        self.contexts.clear()
+        self.nested = 0
         self.ready = now
         self.owes_instruction = False
         self.next_wake = NEVER
@@ -238,23 +245,25 @@ class CpuInterrupts:
         self.ier &= ~bit
         return context
 
-    def iret(self, now: int) -> Context:
-        """The context that IRET, begun now, brings back. ValueError outside of any service routine."""
+    @property
+    def returning_sp(self) -> int:
+        """SP as IRET would leave it: `frame_of` says where it takes the context from."""
+        return self.sp - CONTEXT_SP & 0xFFFF
+
+    def iret(self, now: int, st1: int, ier: int) -> None:
+        """IRET begins. st1, ier: what it takes off the stack, where firmware may have put it by itself."""
         self._sync(now)
-        if not self.contexts:
-            raise ValueError(f"IRET at cycle {now}, but no interrupt, TRAP or INTR was entered")
         if not self.st1 & INTM:
             text = "IRET was reached with INTM = 0; a routine that enabled interrupts must disable them before its end"
             self.notes.append(Note("duty", text, "SPRZ272N section 3.1.2"))
-        context = self.contexts.pop()
-        self.st1 = context.st1 & ~NOT_RESTORED | self.st1 & NOT_RESTORED
-        self.ier = context.ier
-        self.sp -= CONTEXT_SP
+        self.nested = max(0, self.nested - 1)
+        self.st1 = st1 & ~NOT_RESTORED | self.st1 & NOT_RESTORED
+        self.ier = ier
+        self.sp = self.returning_sp
         self._next_boundary(now + cpu_costs.IRET)
         if self.ifr & self.ier or self._coming:
             self.touched.add("irq_after_iret")
         self.owes_instruction = self._options.irq_after_iret == "after_one_instruction"
-        return context
 
     def instruction_done(self) -> None:
         """An instruction of the interrupted code has completed; to be called where `owes_instruction` is True."""
@@ -267,7 +276,7 @@ class CpuInterrupts:
         self._sync(now)
         self.st1 &= ~INTM
         self._next_boundary(now + cpu_costs.CLRC_INTM)
-        if now <= self._pieack_end and self.contexts:
+        if now <= self._pieack_end and self.nested:
             text = (
                 "interrupts were enabled directly after a write of PIEACK; if a nested interrupt clears PIEIER bits of "
                 "its group, line 1 of that group may come unasked. A NOP between the two prevents it"
@@ -342,8 +351,8 @@ class CpuInterrupts:
 
     def _save(self, number: int, first_instruction: int) -> Context:
         context = Context(number, self.sp, self.st1, self.ier)
-        self.contexts.append(context)
-        self.sp += CONTEXT_SP
+        self.nested += 1
+        self.sp = self.sp + CONTEXT_SP & 0xFFFF
         self.st1 = (self.st1 | INTM | DBGM) & ~(LOOP | EALLOW | IDLESTAT)
         self._next_boundary(first_instruction)
         return context

@@ -11,14 +11,14 @@ from fractions import Fraction
 from random import Random
 from typing import Literal
 
-from ..core.settings import Spread
-from ..core.socket import Socket
-from ..core.suggest import did_you_mean
-from ..f28335.cpu import pie_map
-from ..f28335.system.clocks import SystemControl
-from ..f28335.system.memory_map import AddressMap
+from ...core.settings import Spread
+from ...core.socket import Socket
+from ...core.suggest import did_you_mean
+from ...f28335.cpu import pie_map
+from ...f28335.system.clocks import SystemControl
+from ...f28335.system.memory_map import AddressMap
+from ..error_origin import Misuse, flaw_of
 from .cpu import Cpu
-from .error_origin import Misuse, flaw_of
 from .register_view import ModulePort
 
 End = Literal["drawn", "least", "most"]  # which value of a `Spread` a computation takes
@@ -164,12 +164,10 @@ class FirmwareView:
     def handle(self, name: str, handler: Callable[[], None]) -> tuple[int, int]:
         """Make `handler` the service routine of a vector; returns its PIE group and line ((n, 0) for INTn)."""
         _routine(name, handler)
-        self.cpu.handlers[name] = handler
-        if name in pie_map.LINES:
-            return pie_map.LINES[name]
-        if name in pie_map.CPU_VECTORS:
-            return pie_map.CPU_VECTORS[name], 0
-        raise KeyError(f"there is no vector {name!r}; {did_you_mean(name, [*pie_map.LINES, *pie_map.CPU_VECTORS])}")
+        if name not in pie_map.VECTORS:
+            raise KeyError(f"there is no vector {name!r}; {did_you_mean(name, [*pie_map.LINES, *pie_map.CPU_VECTORS])}")
+        self.cpu.handle(name, handler)
+        return pie_map.LINES[name] if name in pie_map.LINES else (pie_map.CPU_VECTORS[name], 0)
 
 
 def _callable(what: str, given: object) -> None:

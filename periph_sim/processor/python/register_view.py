@@ -13,11 +13,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from operator import index
 
-from ..core.registers import Field, Register
-from ..core.suggest import did_you_mean
-from ..f28335.system.memory_map import BOTH, HIGH, LOW, ModuleRange
+from ...core.registers import Field, Register
+from ...core.suggest import did_you_mean
+from ...f28335.system.memory_map import BOTH, HIGH, LOW, ModuleRange
+from ..error_origin import Misuse
 from .cpu import Cpu
-from .error_origin import Misuse
 
 
 class RegisterPort:
@@ -65,33 +65,35 @@ def _port(where: str, names: tuple[str, ...], ports: Mapping[str, object]) -> Re
 
 
 def _words_port(cpu: Cpu, place: ModuleRange, register: Register, words: int) -> property:
-    read, write, shift = cpu.read, cpu.write, 16 if words == HIGH else 0
+    read, write, shift = cpu.accesses.read, cpu.accesses.write, 16 if words == HIGH else 0
+    operand = cpu.processor.bus.operand(place, register, words)
 
     def value(port: RegisterPort) -> int:
-        return read(place, register, words) >> shift
+        return read(operand) >> shift
 
     most = 0xFFFF_FFFF if words == BOTH else 0xFFFF
 
     def assign(port: RegisterPort, value: int) -> None:
         if type(value) is not int or not 0 <= value <= most:
             value = _fitting(value, most, port.where)
-        write(place, register, value << shift, words)
+        write(operand, value << shift)
 
     return property(value, assign)
 
 
 def _field_port(cpu: Cpu, place: ModuleRange, register: Register, f: Field) -> property:
-    read, modify, mask, lsb = cpu.read, cpu.modify, f.mask, f.lsb
+    read, modify, mask, lsb = cpu.accesses.read, cpu.accesses.modify, f.mask, f.lsb
     most = mask >> lsb
     words = (LOW if mask & 0xFFFF else 0) | (HIGH if mask >> 16 else 0)
+    operand = cpu.processor.bus.operand(place, register, words, f)
 
     def value(port: RegisterPort) -> int:
-        return (read(place, register, words, f) & mask) >> lsb
+        return (read(operand) & mask) >> lsb
 
     def assign(port: RegisterPort, number: int) -> None:
         if type(number) is not int or not 0 <= number <= most:
             number = _fitting(number, most, f"{port.where}.{f.name}")
-        modify(place, register, f, number, words)
+        modify(operand, number)
 
     return property(value, assign)
 

@@ -1,0 +1,91 @@
+"""The memory of one F28335 that holds no registers: an address goes in, its 16-bit word and its wait states come out.
+
+A page of 256 words comes into being with the first write to it; what nobody wrote reads 0.
+Flash, OTP and boot ROM are not here: nothing of this project runs from them yet.
+
+Source: SPRS439M Figure 3-2 (map), Table 3-5 (wait states); SPRUFB0D Tables 86 (EALLOW), 112 (vectors).
+"""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from ..cpu.pie_map import VECTOR_TABLE
+
+PAGE = 8  # bits of an address within a page
+IN_PAGE = (1 << PAGE) - 1
+END = 0x1_0000  # of what is mapped here
+
+
+class RamBlock(NamedTuple):
+    """base, size: in words. protected: a write needs EALLOW."""
+
+    name: str
+    base: int
+    size: int
+    read_waits: int = 0
+    write_waits: int = 0
+    protected: bool = False
+
+
+BLOCKS = (
+    RamBlock("M0", 0x0000, 0x400),
+    RamBlock("M1", 0x0400, 0x400),
+    RamBlock("PIE vectors", VECTOR_TABLE.start, len(VECTOR_TABLE), read_waits=1, protected=True),
+    *(RamBlock(f"L{n}", 0x8000 + 0x1000 * n, 0x1000) for n in range(8)),
+)
+
+
+def _by_page() -> tuple[RamBlock | None, ...]:
+    pages: list[RamBlock | None] = [None] * (END >> PAGE)
+    for block in BLOCKS:
+        for page in range(block.base >> PAGE, block.base + block.size >> PAGE):
+            pages[page] = block
+    return tuple(pages)
+
+
+BY_PAGE = _by_page()
+
+
+def block_at(address: int) -> RamBlock | None:
+    """The block of memory that an address lies in; None where there is none."""
+    return BY_PAGE[address >> PAGE] if 0 <= address < END else None
+
+
+class Ram:
+    """The words by address. Who uses an address makes sure that `block_at` knows it."""
+
+    __slots__ = ("_pages",)
+
+    def __init__(self) -> None:
+        self._pages: dict[int, array[int]] = {}
+
+    def word(self, address: int) -> int:
+        page = self._pages.get(address >> PAGE)
+        return 0 if page is None else page[address & IN_PAGE]
+
+    def put(self, address: int, value: int) -> None:
+        page = self._pages.get(address >> PAGE)
+        if page is None:
+            page = self._pages[address >> PAGE] = array("H", bytes(2 << PAGE))
+        page[address & IN_PAGE] = value & 0xFFFF
+
+    def words(self, address: int, count: int) -> list[int]:
+        """So many words from an address on."""
+        return [self.word(place) for place in range(address, address + count)]
+
+    def put_words(self, address: int, values: Sequence[int]) -> None:
+        for offset, value in enumerate(values):
+            self.put(address + offset, value)
+
+    def long(self, address: int) -> int:
+        """32 bits, the low word first; an odd address is that of the high word."""
+        low = address & ~1
+        return self.word(low) | self.word(low + 1) << 16
+
+    def put_long(self, address: int, value: int) -> None:
+        low = address & ~1
+        self.put(low, value)
+        self.put(low + 1, value >> 16)

@@ -1,0 +1,292 @@
+"""Accesses of one CPU: an operand or an address, and a cycle, go in; values, records and effects come out.
+
+    read    issued | wait for writes, wait states | fetched
+    write   issued | wait states | posted . . | lands
+    field   issued | wait for writes, wait states | fetched, posted . . | lands      while the CPU goes on
+
+A write leaves the pipeline in its last stage, W, two cycles after the stage in which a read has its value, R2. So it is
+posted: it takes effect at the end of a later cycle, while the CPU goes on. A read in the protected block, or of the
+same register, waits for it; any other may overtake it, and one in the cycle of the landing does.
+
+The bus serves no interrupt and moves no clock: it says in which cycle an access can be made, and the program sees to it
+that it is that cycle (`CpuTime.advance`, and `meet` for whatever is not harmless) before it makes it.
+
+Source: SPRS439M Table 3-5 (wait states); SPRU430E sections 4.1, 4.4.1, 4.5 (pipeline, write to read); SPRUFB0D
+sections 7.2, 7.4.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from typing import NamedTuple
+
+from ..core.chip import NEVER, Note
+from ..core.records import Kind, Recorder
+from ..core.registers import Field, Register
+from ..core.time import Clock
+from ..f28335.cpu.interrupts import CpuInterrupts
+from ..f28335.system.memory_map import BOTH, HIGH, LOW, WRITE_TO_READ, AddressMap, ModuleRange, WaitStates
+from ..f28335.system.options import SystemOptions
+from ..f28335.system.ram import Ram, block_at
+from .cpu_time import CpuTime
+from .firmware_notes import FirmwareNotes
+from .operand import Operand
+from .source_location import SourceLocation
+
+
+class Posted(NamedTuple):
+    """A write on its way. where, cause: of the instruction that issued it."""
+
+    lands: int
+    operand: Operand
+    value: int
+    where: SourceLocation | None  # None where nobody wants to know
+    cause: int
+
+
+class Bus:
+    """map: the modules by address. ram: memory without registers.
+
+    free_from: from this cycle on a read in the protected block need not wait for a write. free_of: the same of a
+    register outside of the block, by its address. issued_at: where the write was issued that lands now.
+    """
+
+    __slots__ = (
+        "_clock",
+        "_core",
+        "_lands_after",
+        "_last_pf1_write",
+        "_name",
+        "_notes",
+        "_operands",
+        "_pf1_after_pf1",
+        "_place",
+        "_posted",
+        "_recorded",
+        "_recorder",
+        "_records_access",
+        "_time",
+        "_waits",
+        "free_from",
+        "free_of",
+        "issued_at",
+        "map",
+        "ram",
+    )
+
+    def __init__(
+        self,
+        name: str,
+        time: CpuTime,
+        clock: Clock,
+        recorder: Recorder,
+        memory: AddressMap,
+        core: CpuInterrupts,
+        notes: FirmwareNotes,
+        options: SystemOptions,
+        place: Callable[[], SourceLocation | None],
+    ) -> None:
+        """place: the statement of the program that makes the access."""
+        self.map = memory
+        self.ram = Ram()
+        self.free_from = 0
+        self.free_of: dict[int, int] = {}
+        self.issued_at: SourceLocation | None = None
+        self._name = name
+        self._time = time
+        self._clock = clock
+        self._recorder = recorder
+        self._core = core
+        self._notes = notes
+        self._place = place
+        self._records_access = recorder.wants(Kind.ACCESS)
+        wanted = recorder.subjects(Kind.ACCESS)
+        self._recorded = None if wanted is None else frozenset(subject.rpartition(".")[2] for subject in wanted)
+        self._waits = WaitStates(options)
+        self._pf1_after_pf1 = self._waits.pf1_after_pf1
+        self._lands_after = options.write_lands
+        self._operands: dict[tuple[int, int], Operand] = {}  # by address and width
+        self._posted: deque[Posted] = deque()
+        self._last_pf1_write = -NEVER
+
+    # What an access names ------------------------------------------------------
+
+    def operand(self, place: ModuleRange, register: Register, words: int, field: Field | None = None) -> Operand:
+        """These words of a register of the map, or the field of them that a program names."""
+        return Operand(place, register, words, field, self._waits, self._wanted(register))
+
+    def at(self, address: int, width: int) -> Operand:
+        """The register behind an address, 32 bits from an even one on. NoSuchAddress where no register is."""
+        if width == 32:
+            address &= ~1
+        found = self._operands.get((address, width))
+        if found is None:
+            place, register, half = self.map.find(address)
+            words = BOTH if width == 32 else HIGH if half else LOW
+            found = self._operands[address, width] = self.operand(place, register, words)
+        return found
+
+    def _wanted(self, register: Register) -> bool:
+        """True if any subscriber records accesses to this register."""
+        if not self._records_access:
+            return False
+        return self._recorded is None or register.name in self._recorded or register.upper in self._recorded
+
+    # By address ----------------------------------------------------------------
+
+    def reads_at(self, cycle: int, address: int, width: int = 16) -> int:
+        """The cycle in which a read issued in `cycle` has its value. NoSuchAddress where nothing answers."""
+        block = block_at(address)
+        if block is not None:
+            return cycle + block.read_waits
+        operand = self.at(address, width)
+        return max(cycle, self.free(operand)) + operand.read_waits
+
+    def writes_at(self, cycle: int, address: int, width: int = 16) -> int:
+        """The cycle in which a write issued in `cycle` is posted. NoSuchAddress where nothing answers."""
+        block = block_at(address)
+        return cycle + block.write_waits if block is not None else self.posts_at(cycle, self.at(address, width))
+
+    def read(self, at: int, address: int, width: int = 16) -> int:
+        """What a 16- or 32-bit read of an address sees in cycle `at`."""
+        if block_at(address) is not None:
+            return self.ram.long(address) if width == 32 else self.ram.word(address)
+        operand = self.at(address, width)
+        if width == 32 and operand.frame2:
+            self.note_width(at, operand)
+            return 0
+        return self.fetch(at, operand) >> operand.shift
+
+    def write(self, at: int, address: int, value: int, width: int = 16) -> None:
+        """A 16- or 32-bit write to an address. Memory takes it at once; to a register it is posted."""
+        block = block_at(address)
+        if block is None:
+            operand = self.at(address, width)
+            if width == 32 and operand.frame2:
+                self.note_width(at, operand)
+            else:
+                self.store(at, operand, value << operand.shift)
+        elif block.protected and not self._core.eallow:
+            self._ignored(at, f"{address:#06x} of {block.name}")
+        elif width == 32:
+            self.ram.put_long(address, value)
+        else:
+            self.ram.put(address, value)
+
+    def note_width(self, cycle: int, operand: Operand) -> None:
+        """Frame 2 has 16-bit accesses only: a wider one is not performed, and noted."""
+        what = f"{operand.register.name} of {operand.place.name}"
+        text = f"{what} was accessed with 32 bits; peripheral frame 2 takes 16 only"
+        self._notes.note(cycle, Note("duty", text, "SPRUFB0D Table 88"))
+
+    # Reads -----------------------------------------------------------------------
+
+    def free(self, operand: Operand) -> int:
+        """Write-to-read protection: from this cycle on a read need not wait for writes to the block or the register."""
+        return self.free_from if operand.block else self.free_of.get(operand.address, 0)
+
+    def fetch(self, at: int, operand: Operand) -> int:
+        """The value of these words of the register in cycle `at`, each in its place."""
+        if not operand.recorded:
+            return self._peek(at, operand) if operand.harmless else self._read(at, operand)
+        recorder = self._recorder
+        outer = recorder.cause
+        seen = self._peek(at, operand)  # recorded before the read, which causes what it sets off
+        recorder.cause = self._record("R", at, operand, seen, self._place())
+        value = self._peek(at, operand) if operand.harmless else self._read(at, operand)
+        recorder.cause = outer
+        return value
+
+    def _peek(self, at: int, operand: Operand) -> int:
+        socket, words = operand.socket, operand.words
+        value = socket.peek(at, operand.offset) if words & LOW else 0
+        return value | socket.peek(at, operand.offset + 1) << 16 if words & HIGH else value
+
+    def _read(self, at: int, operand: Operand) -> int:
+        self._met(at)
+        socket, words = operand.socket, operand.words
+        value = socket.read(at, operand.offset) if words & LOW else 0
+        return value | socket.read(at, operand.offset + 1) << 16 if words & HIGH else value
+
+    # Writes ----------------------------------------------------------------------
+
+    def posts_at(self, cycle: int, operand: Operand) -> int:
+        """The cycle in which a write issued in `cycle` is posted."""
+        at = cycle + operand.write_waits
+        if operand.frame1 and self._last_pf1_write == cycle - 1:
+            at += self._pf1_after_pf1
+        return at
+
+    def store(self, at: int, operand: Operand, value: int) -> None:
+        """Post these words of a register, each in its place in `value`, in cycle `at`.
+
+        Ignored where EALLOW protects the register.
+        """
+        self._post(at, operand, value)
+        if operand.pieack:
+            self._core.wrote_pieack(at)
+
+    def modify(self, at: int, operand: Operand, number: int) -> None:
+        """A bit-field write as the compiler makes it: one instruction that reads the word with the field and writes it.
+
+        It costs what a read costs; the write lands while the CPU goes on.
+        """
+        named = operand.field
+        assert named is not None
+        self._post(at, operand, named.put(self.fetch(at, operand), number))
+
+    def _post(self, at: int, operand: Operand, value: int) -> None:
+        lands = at + self._lands_after
+        if operand.frame1:
+            self._last_pf1_write = at
+        if operand.protected and not self._core.eallow:
+            self._ignored(at, f"{operand.register.name} of {operand.place.name}")
+        else:
+            where = self._place() if operand.recorded or self._notes.strict else None
+            self._posted.append(Posted(lands, operand, value, where, self._recorder.cause))
+            self._time.limit(lands)
+        free = max(at + 1 + WRITE_TO_READ, lands + 1)
+        if operand.block:
+            self.free_from = free
+        else:
+            self.free_of[operand.address] = free
+
+    def _ignored(self, cycle: int, what: str) -> None:
+        text = f"{what} was written without EALLOW; the write is ignored"
+        self._notes.note(cycle, Note("duty", text, "SPRUFB0D section 7.2"))
+
+    def land(self) -> None:
+        """Let the posted write whose cycle it is take effect."""
+        posted = self._posted.popleft()
+        time = self._time
+        time.lands = self._posted[0].lands if self._posted else NEVER
+        at, operand, value, where, cause = posted
+        recorder, socket = self._recorder, operand.socket
+        outer, recorder.cause = recorder.cause, cause
+        if operand.recorded:
+            recorder.cause = self._record("W", at, operand, value, where)
+        self.issued_at = where
+        self._met(at)
+        if operand.words & LOW:
+            socket.write(at, operand.offset, value & 0xFFFF)
+        if operand.words & HIGH:
+            socket.write(at, operand.offset + 1, value >> 16 & 0xFFFF)
+        self.issued_at = None
+        recorder.cause = outer
+
+    def forget(self) -> None:
+        """The program is over: nothing that it posted lands."""
+        self._posted.clear()
+
+    # Both ------------------------------------------------------------------------
+
+    def _met(self, at: int) -> None:
+        """RuntimeError if the kernel's time is not that of an access which acts."""
+        if self._time.met != at:
+            raise RuntimeError(f"{self._name}: an access acts in cycle {at}; call CpuTime.meet there before")
+
+    def _record(self, way: str, at: int, operand: Operand, value: int, where: SourceLocation | None) -> int:
+        what, field = f"{way} {operand.name}", "" if operand.field is None else operand.field.name
+        tick = self._clock.tick(at)
+        return self._recorder.emit(tick, Kind.ACCESS, self._name, what, value, where or "", field)

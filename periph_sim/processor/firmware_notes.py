@@ -1,0 +1,61 @@
+"""What is told about the firmware of one CPU: notes go in; records, counts, and with `strict` an error come out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ..core.chip import Note
+from ..core.kernel import Kernel
+from ..core.records import Kind, Recorder
+from ..core.time import Clock
+from .error_origin import FirmwareError
+from .source_location import SourceLocation
+
+
+class FirmwareNotes:
+    """counts: how often each note was made. strict: a duty that the firmware breaks ends the run."""
+
+    __slots__ = ("_clock", "_kernel", "_name", "_place", "_recorder", "counts", "strict")
+
+    def __init__(
+        self,
+        kernel: Kernel,
+        clock: Clock,
+        recorder: Recorder,
+        name: str,
+        strict: bool,
+        place: Callable[[], SourceLocation | None],
+    ) -> None:
+        """place: the statement of the firmware that is to blame for what happens now; None where there is none."""
+        self.counts: dict[Note, int] = {}
+        self.strict = strict
+        self._kernel = kernel
+        self._clock = clock
+        self._recorder = recorder
+        self._name = name
+        self._place = place
+
+    def take(self, cycle: int, notes: list[Note]) -> None:
+        """All notes of a machine, which then has none."""
+        for note in notes:
+            self.note(cycle, note)
+        notes.clear()
+
+    def note(self, cycle: int, note: Note) -> None:
+        """Tell something about the firmware."""
+        tick = self._clock.tick(cycle)
+        self._insist(note, self._name, max(tick, self._kernel.now))
+        self.counts[note] = self.counts.get(note, 0) + 1
+        if self._recorder.wants(Kind.NOTE):
+            self._recorder.emit(tick, Kind.NOTE, self._name, note.code, self.counts[note], note.text)
+
+    def insist(self, note: Note, who: str) -> None:
+        """With `strict` a duty that the firmware breaks ends the run: FirmwareError. who: noted it, now."""
+        self._insist(note, who, self._kernel.now)
+
+    def _insist(self, note: Note, who: str, tick: int) -> None:
+        if self.strict and note.code == "duty":
+            at = self._clock.timebase.show(tick)
+            where = self._place()
+            place = "" if where is None else f", {where.for_people()}"
+            raise FirmwareError(f"{who}{place}, at {at}: {note.text} [{note.source}]")

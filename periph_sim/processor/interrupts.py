@@ -1,0 +1,157 @@
+"""Interrupts of one CPU: requests go in; whether one is due, its vector and the context in memory come out.
+
+    request --> CpuInterrupts --> due --> take --vector_delay--> fetch --> entered ... iret --> returned
+                                           |                      |                     |
+                                   context to the stack    PIE, vector table    context from the stack
+
+Each step is a call at a cycle; the processor lets time pass in between (`Processor.take`, `Processor.iret`). Nothing is
+kept of an interrupt but what is in memory, so that firmware may return through a frame that it made up, or another one.
+
+Source: SPRU430F section 3.4, Table 3-4 (context); SPRUFB0D sections 8.1 to 8.5, Table 112 (vectors).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..core.chip import NEVER
+from ..core.records import Kind, Recorder
+from ..core.time import Clock
+from ..f28335.cpu.interrupts import CONTEXT_WORDS, IER_WORD, ST1_WORD, CpuInterrupts, frame_of
+from ..f28335.cpu.pie import Pie
+from ..f28335.cpu.pie_map import GROUPS, VECTOR_TABLE, VECTORS
+from ..f28335.system.ram import Ram, block_at
+from .cpu_time import CpuTime
+from .error_origin import FirmwareError
+from .firmware_notes import FirmwareNotes
+
+NAME_OF = {address: name for name, address in VECTORS.items()}
+CODE_ADDRESS = 0x3F_FFFF  # bits of a vector that count
+
+
+class Interrupts:
+    """core: masks, flags and timing. taken: the vector of the interrupt taken last, by name."""
+
+    __slots__ = (
+        "_causes",
+        "_clock",
+        "_name",
+        "_notes",
+        "_number",
+        "_pie",
+        "_ram",
+        "_recorder",
+        "_records_irq",
+        "_returning",
+        "_time",
+        "core",
+        "taken",
+    )
+
+    def __init__(
+        self,
+        name: str,
+        core: CpuInterrupts,
+        pie: Pie,
+        ram: Ram,
+        time: CpuTime,
+        clock: Clock,
+        recorder: Recorder,
+        notes: FirmwareNotes,
+    ) -> None:
+        self.core = core
+        self.taken = ""
+        self._name = name
+        self._pie = pie
+        self._ram = ram
+        self._time = time
+        self._clock = clock
+        self._recorder = recorder
+        self._notes = notes
+        self._records_irq = recorder.wants(Kind.IRQ)
+        self._number = 0  # of the interrupt being taken
+        self._causes: list[tuple[str, int]] = []  # of entries: vector, and the cause that was interrupted
+
+    def request(self, cycle: int, number: int) -> None:
+        """INTn was pulsed at `cycle`."""
+        core = self.core
+        core.raise_line(cycle, number)
+        if self._time.asleep:
+            due = core.next_wake if core.idlestat else core.earliest()
+            if due < NEVER:
+                self._time.resume_by(max(due, cycle))
+
+    def due(self, cycle: int) -> int:
+        """The number of the interrupt to take at this instruction boundary, or 0."""
+        return self.core.next_taken(cycle)
+
+    # Entry -----------------------------------------------------------------------
+
+    def take(self, cycle: int, number: int, context: Sequence[int]) -> None:
+        """Interrupt `number` is taken at this boundary: the context goes to the stack.
+
+        context: 14 words as `frame_of` orders them; ST1 and IER are filled in here. FirmwareError where no memory is.
+        """
+        self._number = number
+        saved = self.core.enter(cycle, number)
+        words = list(context)
+        words[ST1_WORD], words[IER_WORD] = saved.st1, saved.ier
+        self._ram.put_words(self._frame(cycle, saved.sp), words)
+
+    def fetch(self, cycle: int) -> int:
+        """The vector of the interrupt that was taken, fetched now: a code address, from the table in memory."""
+        number = self._number
+        if number > GROUPS:
+            address, self.taken = self._pie.cpu_vector(cycle, number), f"INT{number}"
+        else:
+            line, address = self._pie.vector(cycle, number)
+            self.taken = f"INT{number}.{line}"
+        if address not in VECTOR_TABLE:
+            raise FirmwareError(
+                f"{self._name}: INT{number} was taken at cycle {cycle} with PIECTRL.ENPIE = 0, so its vector "
+                f"comes from boot ROM ({address:#x}), where no routine of this firmware is; "
+                "set ENPIE before interrupts are enabled."
+            )
+        self.taken = NAME_OF.get(address, self.taken)
+        return self._ram.long(address) & CODE_ADDRESS
+
+    def entered(self, cycle: int, where: str) -> None:
+        """The service routine's first instruction begins. where: the routine does."""
+        self._causes.append((self.taken, self._recorder.cause))
+        if self._records_irq:
+            tick = self._clock.tick(cycle)
+            self._recorder.cause = self._recorder.emit(tick, Kind.IRQ, self._name, self.taken, 1, where)
+
+    # Return ----------------------------------------------------------------------
+
+    def iret(self, cycle: int) -> Sequence[int]:
+        """IRET begins: the 14 words that it takes off the stack, in the order of `frame_of`."""
+        core = self.core
+        words = self._ram.words(self._frame(cycle, core.returning_sp), CONTEXT_WORDS)
+        core.iret(cycle, words[ST1_WORD], words[IER_WORD])
+        return words
+
+    def returned(self, cycle: int) -> None:
+        """IRET is over: what goes on is not the routine's doing."""
+        if self._causes:
+            vector, outer = self._causes.pop()
+            if self._records_irq:
+                self._recorder.emit(self._clock.tick(cycle), Kind.IRQ, self._name, vector, 0)
+            self._recorder.cause = outer
+        self.take_notes(cycle)
+
+    def forget(self) -> None:
+        """The program is over, with all its service routines."""
+        self._causes.clear()
+
+    def take_notes(self, cycle: int) -> None:
+        if self.core.notes:
+            self._notes.take(cycle, self.core.notes)
+
+    def _frame(self, cycle: int, sp: int) -> int:
+        """The address of the first word of the context for SP as it was at the entry. FirmwareError if it is no RAM."""
+        first = frame_of(sp)
+        for address in (first, first + CONTEXT_WORDS - 1):
+            if block_at(address) is None:
+                raise FirmwareError(f"{self._name}: SP = {sp:#x} at cycle {cycle}; {address:#06x} is no memory")
+        return first

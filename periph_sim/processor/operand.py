@@ -1,0 +1,80 @@
+"""What a register access moves, and where: a module and a register go in; all that the bus must know comes out, once.
+
+An instruction that names the same register each time is resolved once, not at each pass.
+"""
+
+from __future__ import annotations
+
+from ..core.registers import Field, Register
+from ..f28335.cpu.pie_map import PIEACK
+from ..f28335.system.memory_map import BOTH, HIGH, LOW, WORDS_MASK, Frame, ModuleRange, WaitStates
+
+
+class Operand:
+    """words: of the register, that move. field: that the program named; None: all of these words.
+
+    mask: the bits that the program looks at or writes. shift: where an access by address has the word moved.
+    block: inside the protected block, where reads wait for writes. steady: a read has no effect, and nothing that
+    counts by itself is read. plain: a read is one look at the chip, of which no record is made.
+    """
+
+    __slots__ = (
+        "address",
+        "block",
+        "chip",
+        "field",
+        "frame1",
+        "frame2",
+        "harmless",
+        "mask",
+        "name",
+        "offset",
+        "pieack",
+        "place",
+        "plain",
+        "protected",
+        "read_waits",
+        "recorded",
+        "register",
+        "shift",
+        "socket",
+        "steady",
+        "words",
+        "write_waits",
+    )
+
+    def __init__(
+        self,
+        place: ModuleRange,
+        register: Register,
+        words: int,
+        field: Field | None,
+        waits: WaitStates,
+        recorded: bool,
+    ) -> None:
+        neighbour = words == BOTH and register.width == 16 and not register.upper  # read as half of a 32-bit word
+        self.place = place
+        self.register = register
+        self.words = words
+        self.field = field
+        self.socket = place.socket
+        self.chip = place.socket.chip
+        self.offset = register.offset
+        self.address = place.base + register.offset
+        self.mask = WORDS_MASK[words] if field is None else field.mask
+        self.shift = 16 if words == HIGH else 0
+        self.name = f"{place.name}.{register.name}"
+        self.read_waits = waits.read[place.frame]
+        self.write_waits = waits.write[place.frame]
+        self.block = place.protected_block
+        self.frame1 = place.frame is Frame.PF1
+        self.frame2 = place.frame is Frame.PF2
+        self.protected = register.protected
+        self.pieack = register is PIEACK
+        self.recorded = recorded
+        self.harmless = register.reads_are_harmless and not neighbour
+        self.steady = register.reads_are_harmless and not register.free_running
+        self.plain = not recorded and register.plain and words == LOW and place.socket.before is None
+
+    def __str__(self) -> str:
+        return f"{self.name}.{self.field.name if self.field is not None else 'all'}"

@@ -1,0 +1,77 @@
+"""What runs on a processor: the cycle up to which it may go, goes in; why it stopped, comes out.
+
+    Processor --run(until)--> program --reads, writes--> Bus
+                 why  <------|         --interrupt due at a boundary--> Processor.take --> enter(vector)
+
+A program executes instructions: it counts `CpuTime.cycle` on, makes its accesses in the cycles that the bus names, and
+asks at each boundary between two instructions whether an interrupt is due. It keeps its place between two calls of
+`run`, wherever it stopped, by whatever means it has: Python firmware by a greenlet, an instruction-set simulator by its
+registers and the access that is still to be made.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import Enum
+
+from ..f28335.cpu.interrupts import CONTEXT_WORDS
+from .polling import Spin
+from .source_location import SourceLocation
+
+NOTHING_SAVED = (0,) * CONTEXT_WORDS
+
+
+class Stop(Enum):
+    """Why a program stopped. It is run again when the cycle has come that it asked for."""
+
+    WAITS = "something else may act before the cycle that it is to reach"
+    SLEEPS = "it sleeps at an instruction boundary"
+    ENDED = "nothing is left to execute"
+
+
+class Program:
+    """spin: the wait in progress. polls_skipped: passes of waits that were not made for real.
+
+    returned_at: the cycle at which main returned, if it did.
+    """
+
+    def __init__(self) -> None:
+        self.spin: Spin | None = None
+        self.polls_skipped = 0
+        self.returned_at: int | None = None
+
+    @property
+    def finished(self) -> bool:
+        """Main has returned."""
+        return self.returned_at is not None
+
+    def run(self, until: int) -> Stop:
+        """Go on from where it stopped, and say why it stops again.
+
+        until: before this cycle nothing else can act: the lease as it is now. An access that acts ends it
+        (`CpuTime.lease`); `Processor.reach`, `rest`, `take` and `iret` say whether it is the cycle asked for already.
+        Where they say no, the program stops, and finds that done when it is run again.
+        """
+        raise NotImplementedError
+
+    def place(self) -> SourceLocation | None:
+        """The statement that is executed, or goes on next; None where nobody knows."""
+        raise NotImplementedError
+
+    def enter(self, vector: int) -> str:
+        """A service routine is entered at its vector, a code address. Returns where it begins, "" if nobody knows.
+
+        FirmwareError if there is nothing.
+        """
+        raise NotImplementedError
+
+    def context(self) -> Sequence[int]:
+        """The 14 words that an interrupt saves, as `frame_of` orders them; ST1 and IER are the processor's."""
+        return NOTHING_SAVED
+
+    def restore(self, words: Sequence[int]) -> None:
+        """The context that IRET brought back."""
+
+    def kill(self, how: type[BaseException]) -> None:
+        """It ends where it stands. how: what is raised in it, if that is how it ends."""
+        self.spin = None

@@ -1,0 +1,139 @@
+"""Register accesses of Python firmware: an operand goes in; the cycles it costs pass, and what is read comes out.
+
+firmware --> wait for writes, wait states --> Bus --> value, or a write on its way --> boundary
+                                                ^--- a replayed pass of a wait is answered by what was read before
+"""
+
+from __future__ import annotations
+
+from ...f28335.cpu import instruction_costs as cpu_costs
+from ...f28335.cpu.compiled_code_costs import CodeCosts
+from ...f28335.system.ram import block_at
+from ..bus import Bus
+from ..cpu_time import CpuTime
+from ..operand import Operand
+from ..polling import Spin
+from ..processor import Processor
+from .instructions import Instructions
+from .program import PythonProgram
+
+
+class Accesses:
+    """Each costs one cycle and the frame's wait states."""
+
+    __slots__ = ("_between", "_bus", "_instructions", "_program", "_time")
+
+    def __init__(
+        self, processor: Processor, program: PythonProgram, instructions: Instructions, code: CodeCosts
+    ) -> None:
+        self._between = code.between_accesses
+        self._bus: Bus = processor.bus
+        self._instructions = instructions
+        self._program = program
+        self._time: CpuTime = processor.time
+
+    def read(self, operand: Operand) -> int:
+        """The value of the operand's words, each in its place."""
+        time, instructions, spin = self._time, self._instructions, self._program.spin
+        if spin is None:
+            instructions.run(self._between)
+        elif spin.polls:
+            instructions.instruction(cpu_costs.SB_NOT_TAKEN)  # the test of the value before, in the same pass
+        bus = self._bus
+        if time.cycle < (bus.free_from if operand.block else bus.free_of.get(operand.address, 0)):
+            self._wait_for_writes(operand, spin)
+        at = time.cycle + operand.read_waits
+        if spin is not None and at < spin.live_from:
+            value = spin.replay[spin.replayed]
+            spin.replayed += 1
+            time.cycle = at
+        else:
+            if at < time.lease:
+                time.cycle = at
+            else:
+                instructions.go_to(at)
+            if operand.plain:
+                value = operand.chip.peek(at, operand.offset)
+            else:
+                value = self._fetch(operand)
+        if spin is not None:
+            spin.polls.append(operand)
+            spin.values.append(value)
+            if not operand.steady:
+                spin.pure = False
+        instructions.instruction(1)
+        return value
+
+    def write(self, operand: Operand, value: int) -> None:
+        """Write the operand's words, each in its place in `value`."""
+        self._before_write()
+        at = self._bus.posts_at(self._time.cycle, operand)
+        self._instructions.go_to(at)
+        self._bus.store(at, operand, value)
+        self._instructions.instruction(1)
+
+    def modify(self, operand: Operand, number: int) -> None:
+        """A bit-field write: a read-modify-write of the word with the field."""
+        self._before_write()
+        time = self._time
+        self._wait_for_writes(operand, self._program.spin)
+        self._instructions.go_to(time.cycle + operand.read_waits)
+        if not operand.harmless:
+            time.meet()
+        self._bus.modify(time.cycle, operand, number)
+        self._instructions.instruction(1)
+
+    def load(self, address: int, width: int = 16) -> int:
+        """What a 16- or 32-bit read of an address sees. NoSuchAddress where nothing answers."""
+        bus, time, instructions = self._bus, self._time, self._instructions
+        if block_at(address) is not None:
+            instructions.run(self._between)
+            instructions.go_to(bus.reads_at(time.cycle, address, width))
+            value = bus.read(time.cycle, address, width)
+            instructions.instruction(1)
+            return value
+        operand = bus.at(address, width)
+        if width == 32 and operand.frame2:
+            self._refuse(operand)
+            return 0
+        return self.read(operand) >> operand.shift
+
+    def store(self, address: int, value: int, width: int = 16) -> None:
+        """A 16- or 32-bit write to an address. NoSuchAddress where nothing answers."""
+        bus, time, instructions = self._bus, self._time, self._instructions
+        if block_at(address) is not None:
+            self._before_write()
+            instructions.go_to(bus.writes_at(time.cycle, address, width))
+            bus.write(time.cycle, address, value, width)
+            instructions.instruction(1)
+            return
+        operand = bus.at(address, width)
+        if width == 32 and operand.frame2:
+            self._refuse(operand)
+        else:
+            self.write(operand, value << operand.shift)
+
+    def _refuse(self, operand: Operand) -> None:
+        """An access of a width that the frame does not take passes, and does nothing."""
+        self._instructions.instruction(1 + operand.read_waits)
+        self._bus.note_width(self._time.cycle, operand)
+
+    def _fetch(self, operand: Operand) -> int:
+        if not operand.harmless:
+            self._time.meet()
+        return self._bus.fetch(self._time.cycle, operand)
+
+    def _wait_for_writes(self, operand: Operand, spin: Spin | None) -> None:
+        free, cycle = self._bus.free(operand), self._time.cycle
+        if cycle < free:
+            if spin is not None:
+                spin.hold_up(free - cycle)
+            self._instructions.go_to(free)
+
+    def _before_write(self) -> None:
+        """The code between two accesses; a pass of a wait has its own, and with a write in it cannot be skipped."""
+        spin = self._program.spin
+        if spin is None:
+            self._instructions.run(self._between)
+        else:
+            spin.pure = False

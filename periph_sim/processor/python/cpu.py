@@ -1,0 +1,151 @@
+"""The C28x as Python firmware sees it: accesses, computations, waits and instructions go in; cycles pass.
+
+firmware --> Cpu --> Accesses, Waits --> Instructions --> Processor
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ...core.records import Recorder
+from ...core.time import Clock
+from ...f28335.cpu import instruction_costs as cpu_costs
+from ...f28335.cpu.compiled_code_costs import BARE, CodeCosts
+from ...f28335.system.options import SystemOptions
+from ..processor import Processor
+from .accesses import Accesses
+from .code_records import CodeRecords
+from .instructions import Instructions
+from .program import Handler, PythonProgram
+from .waits import Waits
+
+
+class Cpu:
+    """One processor with its Python firmware. accesses: by operand or address.
+
+    skip_polls: False makes every pass of every spin for real.
+    """
+
+    __slots__ = ("_core", "_instructions", "_records", "_waits", "accesses", "processor", "program", "time")
+
+    def __init__(
+        self,
+        processor: Processor,
+        clock: Clock,
+        recorder: Recorder,
+        options: SystemOptions,
+        *,
+        code: CodeCosts = BARE,
+        skip_polls: bool = True,
+    ) -> None:
+        self.processor = processor
+        self.time = processor.time
+        self.program = PythonProgram(processor)
+        self._core = processor.interrupts.core
+        self._records = CodeRecords(clock, recorder, self.program)
+        self._instructions = Instructions(processor, self.program, code)
+        self.accesses = Accesses(processor, self.program, self._instructions, code)
+        self._waits = Waits(
+            processor,
+            self.program,
+            self._instructions,
+            self._records,
+            branch=max(0, code.poll_pass - cpu_costs.SIMPLE - options.pf2_read_ws),
+            skip_polls=skip_polls,
+        )
+
+    # Life --------------------------------------------------------------------
+
+    def start(self, firmware: Callable[[], None], delay: int = 0) -> None:
+        """Run `firmware`, beginning `delay` cycles after now."""
+        self.program.begin(firmware, self._instructions.after_main)
+        self.processor.start(self.program, delay)
+
+    def handle(self, vector: str, routine: Handler) -> None:
+        """Make `routine` the service routine of a vector."""
+        self.program.handle(vector, routine)
+
+    @property
+    def cycle(self) -> int:
+        """How many SYSCLKOUT cycles have passed."""
+        return self.time.cycle
+
+    @property
+    def finished(self) -> bool:
+        """Main has returned."""
+        return self.program.finished
+
+    @property
+    def busy_cycles(self) -> int:
+        return self._instructions.busy_cycles
+
+    # Code ----------------------------------------------------------------------
+
+    def load(self, address: int, width: int = 16) -> int:
+        """What a 16- or 32-bit read of an address sees. NoSuchAddress where nothing answers."""
+        return self.accesses.load(address, width)
+
+    def store(self, address: int, value: int, width: int = 16) -> None:
+        """A 16- or 32-bit write to an address. NoSuchAddress where nothing answers."""
+        self.accesses.store(address, value, width)
+
+    def spin(self, condition: Callable[[], object], pass_cycles: int | None = None, timeout: int | None = None) -> bool:
+        """Whether the condition came before `timeout` cycles had passed: see `Waits.spin`."""
+        return self._waits.spin(condition, pass_cycles, timeout)
+
+    def instruction(self, cycles: int) -> None:
+        """One instruction, or an inseparable few: interrupts wait for its end."""
+        self._instructions.instruction(cycles)
+
+    def compute(self, cycles: int, name: str = "") -> None:
+        """A stretch of single-cycle instructions; interrupts cut in at any of them. A name makes it a span."""
+        if name:
+            self.mark_span(name, 1)
+        self._instructions.busy_cycles += cycles
+        self._instructions.run(cycles)
+        if name:
+            self.mark_span(name, 0)
+
+    def mark_span(self, name: str, begins: int) -> None:
+        """Record that a named stretch of firmware begins (1) or ends (0) at this cycle."""
+        self._records.span(self.time.cycle, name, begins)
+
+    def idle(self) -> None:
+        """IDLE: nothing until an interrupt that IER enables; with INTM = 0 it is served first."""
+        self._records.wait(self.time.cycle, "IDLE", 1)
+        self._instructions.idle()
+        self._records.wait(self.time.cycle, "IDLE", 0)
+        self._instructions.serve()
+
+    # Instructions about interrupts and protection ------------------------------------
+
+    def eint(self) -> None:
+        self._core.clrc_intm(self.time.cycle)
+        self._tell_and_pass(cpu_costs.CLRC_INTM)
+
+    def dint(self) -> None:
+        self._core.setc_intm(self.time.cycle)
+        self._tell_and_pass(cpu_costs.SETC_INTM)
+
+    def eallow(self) -> None:
+        self._core.set_eallow(self.time.cycle, True)
+        self._instructions.instruction(cpu_costs.EALLOW)
+
+    def edis(self) -> None:
+        self._core.set_eallow(self.time.cycle, False)
+        self._instructions.instruction(cpu_costs.EDIS)
+
+    def or_ier(self, mask: int) -> None:
+        self._core.or_ier(self.time.cycle, mask)
+        self._instructions.instruction(cpu_costs.OR_IER)
+
+    def and_ier(self, mask: int) -> None:
+        self._core.and_ier(self.time.cycle, mask)
+        self._instructions.instruction(cpu_costs.AND_IER)
+
+    def nop(self) -> None:
+        self._instructions.instruction(cpu_costs.SIMPLE)
+
+    def _tell_and_pass(self, cycles: int) -> None:
+        self.processor.interrupts.take_notes(self.time.cycle)
+        self._instructions.instruction(cycles)

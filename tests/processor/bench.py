@@ -21,7 +21,10 @@ from tests.processor.flag_chip import FlagChip
 
 
 class Bench:
-    """hz: SYSCLKOUT. The chip's lines are PIE 1.1 and 1.2, their vectors SEQ1INT and SEQ2INT."""
+    """hz: SYSCLKOUT. The chip's lines are PIE 1.1 and 1.2, their vectors SEQ1INT and SEQ2INT.
+
+    beside: the bench on whose kernel this one is, with its records.
+    """
 
     def __init__(
         self,
@@ -34,22 +37,24 @@ class Bench:
         skip_polls: bool = True,
         recorder: Recorder | None = None,
         base: int = 0x7100,
+        beside: Bench | None = None,
+        name: str = "dsp",
     ) -> None:
         options = options or SystemOptions()
-        self.kernel = Kernel()
+        self.kernel = Kernel() if beside is None else beside.kernel
         self.timebase = Timebase(150_000_000)
-        self.recorder = recorder or Recorder()
+        self.recorder = recorder or (Recorder() if beside is None else beside.recorder)
         self.clock = Clock(self.timebase, hz)
         self.chip = FlagChip(changes)
         self.pie = Pie(options)
         self.core = CpuInterrupts(options)
-        self.socket = Socket(self.kernel, self.clock, self.recorder, "dsp.FLAGS", self.chip, self._asked)
-        memory = AddressMap()
+        self.socket = Socket(self.kernel, self.clock, self.recorder, f"{name}.FLAGS", self.chip, self._asked)
+        self.memory = memory = AddressMap()
         memory.add(ModuleRange("FLAGS", base, 2, frame, self.socket))
-        self.pie_socket = Socket(self.kernel, self.clock, self.recorder, "dsp.PIE", self.pie, lambda c, a: None)
+        self.pie_socket = Socket(self.kernel, self.clock, self.recorder, f"{name}.PIE", self.pie, lambda c, a: None)
         self.pie_socket.after = self._pulse
         memory.add(ModuleRange("PIE", 0x0CE0, 0x20, Frame.PF0, self.pie_socket))
-        self.processor = Processor(self.kernel, self.clock, self.recorder, "dsp", memory, self.core, self.pie, options)
+        self.processor = Processor(self.kernel, self.clock, self.recorder, name, memory, self.core, self.pie, options)
         self.cpu = Cpu(self.processor, self.clock, self.recorder, options, code=code, skip_polls=skip_polls)
         self.flags = ModulePort(self.cpu, memory.places["FLAGS"])
         self.pie_regs = ModulePort(self.cpu, memory.places["PIE"])

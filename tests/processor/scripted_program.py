@@ -1,0 +1,128 @@
+"""A program that is no firmware of Python's: words of "code" by address, executed in a loop without any greenlet."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import Enum
+from typing import NamedTuple
+
+from periph_sim.core.chip import NEVER
+from periph_sim.processor.processor import Processor
+from periph_sim.processor.program import Program, Stop
+
+ST0, AL, PC_LOW, PC_HIGH = 0, 2, 12, 13  # words of the context
+
+
+class Op(Enum):
+    WORK = "cycles pass"
+    LOAD = "AL takes what is read"
+    LOAD_LONG = "the same with 32 bits, of which AL takes the low ones"
+    STORE = "a value is written"
+    SET = "AL takes a value"
+    IRET = "back from a service routine"
+
+
+class Step(NamedTuple):
+    """number: cycles, or the value. width: of the access."""
+
+    op: Op
+    address: int = 0
+    number: int = 1
+
+
+BOUNDARY, ACCESS, END = range(3)
+
+
+class ScriptedProgram(Program):
+    """code: steps by address. pc, al, st0: registers. seen: what loads brought, with the cycle. entered: vectors."""
+
+    def __init__(self, processor: Processor, code: dict[int, list[Step]], pc: int) -> None:
+        super().__init__()
+        self.pc = pc
+        self.al = self.st0 = 0
+        self.seen: list[tuple[int, int]] = []
+        self.entered: list[tuple[int, int]] = []
+        self.runs: list[tuple[int, int]] = []  # until, and the cycle in which it stopped
+        self._code = {begin + i: step for begin, steps in code.items() for i, step in enumerate(steps)}
+        self._processor = processor
+        self._doing = BOUNDARY
+
+    def run(self, until: int) -> Stop:
+        stop = self._execute()
+        self.runs.append((until, self._processor.time.cycle))
+        return stop
+
+    def _execute(self) -> Stop:
+        processor, time = self._processor, self._processor.time
+        while True:
+            if self._doing == BOUNDARY:
+                number = processor.interrupts.due(time.cycle)
+                if number:
+                    if not processor.take(number):
+                        return Stop.WAITS
+                    continue
+                if self.pc not in self._code:
+                    return self._end()
+                self._doing = ACCESS
+                if not processor.reach(self._access_at(self._code[self.pc])):
+                    return Stop.WAITS
+            if self._doing == ACCESS:
+                step = self._code[self.pc]
+                self._doing = END
+                if step.op is Op.IRET:
+                    self._doing = BOUNDARY
+                    if not processor.iret():
+                        return Stop.WAITS
+                    continue
+                if not processor.reach(time.cycle + self._make(step)):
+                    return Stop.WAITS
+            self.pc += 1
+            self._doing = BOUNDARY
+            processor.interrupts.core.instruction_done()
+
+    def _access_at(self, step: Step) -> int:
+        bus, cycle = self._processor.bus, self._processor.time.cycle
+        if step.op in (Op.LOAD, Op.LOAD_LONG):
+            return bus.reads_at(cycle, step.address, 32 if step.op is Op.LOAD_LONG else 16)
+        return bus.writes_at(cycle, step.address) if step.op is Op.STORE else cycle
+
+    def _make(self, step: Step) -> int:
+        """The step's access and effect; the cycles that are left of it come out."""
+        bus, time = self._processor.bus, self._processor.time
+        if step.op in (Op.LOAD, Op.LOAD_LONG):
+            time.meet()
+            value = bus.read(time.cycle, step.address, 32 if step.op is Op.LOAD_LONG else 16)
+            self.al = value & 0xFFFF
+            self.seen.append((value, time.cycle))
+        elif step.op is Op.STORE:
+            bus.write(time.cycle, step.address, step.number)
+        elif step.op is Op.SET:
+            self.al = step.number
+        return step.number if step.op is Op.WORK else 1
+
+    def _end(self) -> Stop:
+        """Nothing is left but what was posted."""
+        time = self._processor.time
+        while time.lands < NEVER:
+            if not self._processor.reach(time.lands + 1):
+                return Stop.WAITS
+        self.returned_at = time.cycle
+        return Stop.ENDED
+
+    def place(self) -> None:
+        """No statement of Python's."""
+
+    def enter(self, vector: int) -> str:
+        self.entered.append((vector, self._processor.time.cycle))
+        self.pc = vector
+        return ""
+
+    def context(self) -> Sequence[int]:
+        words = list(super().context())
+        words[ST0], words[AL] = self.st0, self.al
+        words[PC_LOW], words[PC_HIGH] = self.pc & 0xFFFF, self.pc >> 16
+        return words
+
+    def restore(self, words: Sequence[int]) -> None:
+        self.st0, self.al = words[ST0], words[AL]
+        self.pc = words[PC_LOW] | words[PC_HIGH] << 16

@@ -10,7 +10,7 @@ own SYSCLKOUT cycles. Whoever owns it (`core.socket`, or a test) calls `wake` wh
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 from .registers import RegisterMap
 
@@ -48,7 +48,7 @@ def joined(notes: Iterable[tuple[int, Note]]) -> list[tuple[int, Note]]:
     return [(cycle, note._replace(text=told[note])) for note, cycle in found.items()]
 
 
-class Chip(Protocol):
+class Chip:
     """Times are cycles of the chip's own clock, never falling from call to call.
 
     INPUTS, OUTPUTS, LINES name the bits of pin indices, `out`, and `requests`/`held`.
@@ -63,27 +63,32 @@ class Chip(Protocol):
     out: int  # bit i: level at OUTPUTS[i]; for an open-drain pin 1 means released
     requests: int  # bit i: LINES[i] asked for an interrupt since the owner last set this to 0
     held: int  # bit i: LINES[i] is held asserted (asks again as soon as it was served)
+    filter_width: int  # cycles from an input's change to its first effect
     notes: list[Note]  # since the owner last cleared it
     touched: set[str]  # open questions on whose option the run depended
-
-    @property
-    def filter_width(self) -> int:
-        """Cycles from an input's change to its first effect."""
 
     def pins(self, now: int, levels: int) -> int:
         """The inputs as sampled in cycle `now`; bit i is INPUTS[i]. Returns what the owner must look at: NOTHING,
         OUTPUTS or ALL. Where `filter_width` is above 0 a later call for the same cycle takes the place of the first.
         """
+        raise NotImplementedError
 
     def wake(self, now: int) -> int:
         """`next_wake` has come. Returns what the owner must look at."""
+        raise NotImplementedError
 
-    def read(self, now: int, offset: int) -> int: ...
+    def read(self, now: int, offset: int) -> int:
+        """What the CPU reads, with all that a read sets off."""
+        raise NotImplementedError
 
-    def write(self, now: int, offset: int, value: int) -> None: ...
+    def write(self, now: int, offset: int, value: int) -> None:
+        """The CPU writes a whole word."""
+        raise NotImplementedError
 
     def peek(self, now: int, offset: int) -> int:
         """What a debugger reads: the register's value without any side effect."""
+        raise NotImplementedError
 
     def reset(self, now: int) -> None:
         """XRS: every register takes its reset value."""
+        raise NotImplementedError

@@ -13,14 +13,11 @@ not including it, nothing else can happen (a lease), so it may move `now` by its
 from __future__ import annotations
 
 from collections.abc import Callable
-from heapq import heappop, heappush
-from operator import attrgetter
-from typing import Protocol
 
 from .chip import NEVER
 
 TIMER, PADS, CHIP, CPU, PROBE = range(5)
-_PHASES = 5  # a queue key is time * _PHASES + phase
+_NUMBERS = 1 << 56  # so many events before a number would reach the phase beside it
 
 STORM = 100_000  # so many events inside one tick is a loop, not a design
 
@@ -31,27 +28,64 @@ class SimulationStuck(Exception):
     """Events kept causing events without time passing."""
 
 
-class Settles(Protocol):
+class Agent:
+    """Who acts in a simulation: at the times that it asked for, and as the lines that it samples have settled."""
+
+    __slots__ = ()
+
+    def act(self, tag: int) -> None:
+        """The time of an event has come that this agent asked for under `tag`."""
+        raise NotImplementedError(f"{type(self).__name__} asks for events and does not say what it does then")
+
+    def sampled(self, now: int, levels: int) -> None:
+        """Lines have moved; `levels` is what they settled on."""
+        raise NotImplementedError(f"{type(self).__name__} samples lines and does not say what it does then")
+
+
+class Call(Agent):
+    """An agent that calls a function; what is not asked for often needs no class of its own."""
+
+    __slots__ = ("action",)
+
+    def __init__(self, action: Action) -> None:
+        self.action = action
+
+    def act(self, tag: int) -> None:
+        self.action()
+
+
+class Event:
+    """What an agent asked for. rank: orders what is asked for one time, by phase and then by number."""
+
+    __slots__ = ("agent", "rank", "tag", "time")
+
+    time: int
+    rank: int
+    agent: Agent
+    tag: int
+
+
+class Settles:
     """What takes its new level when all who move it have acted: a wire. rank: see `Kernel.rank`."""
 
-    @property
-    def rank(self) -> int: ...
+    __slots__ = ("rank",)
 
-    def settle(self) -> None: ...
+    rank: int
 
-
-class Samples(Protocol):
-    """Who is told of the settled levels."""
-
-    due: bool  # to be told
-    levels: int
-    told: Callable[[int, int], None]  # with the tick and the levels
-
-    @property
-    def rank(self) -> int: ...
+    def settle(self) -> None:
+        raise NotImplementedError
 
 
-_rank = attrgetter("rank")
+class Samples:
+    """Who is told of the settled levels. due: to be told."""
+
+    __slots__ = ("due", "rank")
+
+    rank: int
+    due: bool
+
+    def tell(self, now: int) -> None:
+        raise NotImplementedError
 
 
 class Kernel:
@@ -60,13 +94,13 @@ class Kernel:
     def __init__(self, start: int = 0) -> None:
         self.now = start
         self.events = 0
-        self.unsettled: list[Settles] = []  # what moved in the present phase
-        self.sampling: list[Samples] = []  # who is to be told of it
+        self._unsettled: list[Settles] = []  # what moved in the present phase, by rank
+        self._sampling: list[Samples] = []  # who is to be told of it, by rank
         self._horizon = start
         self._number = 0
-        self._queue: list[tuple[int, int, Action]] = []
-        self._dead: set[int] = set()
+        self._queue: list[Event] = []  # the next one last
         self._stop = False
+        self._settling = False  # the wires take their levels now
         self._ranks = 0
 
     def rank(self) -> int:
@@ -74,60 +108,113 @@ class Kernel:
         self._ranks += 1
         return self._ranks
 
-    def at(self, time: int, action: Action, phase: int = TIMER) -> int:
-        """Promise to call `action` at `time` (ticks). Returns the promise's number. ValueError if that is past."""
-        if time < self.now:
-            raise ValueError(f"{describe(action)}: asked for t={time}, but it is already t={self.now}")
-        self._number = number = self._number + 1
-        heappush(self._queue, (time * _PHASES + phase, number, action))
-        return number
+    def at(self, time: int, action: Action, phase: int = TIMER) -> Event:
+        """Promise to call `action` at `time` (ticks). Returns the promise. ValueError if that is past."""
+        return self.ask(time, Call(action), 0, phase)
 
-    def cancel(self, number: int) -> None:
-        """Take back a promise that has not been kept yet."""
-        self._dead.add(number)
+    def ask(self, time: int, agent: Agent, tag: int = 0, phase: int = TIMER) -> Event:
+        """Promise to call `agent.act(tag)` at `time` (ticks). Returns the promise. ValueError if that is past."""
+        if time < self.now:
+            raise ValueError(f"{describe(agent)}: asked for t={time}, but it is already t={self.now}")
+        self._number += 1
+        event = Event.__new__(Event)
+        event.time = time
+        event.rank = rank = phase * _NUMBERS + self._number
+        event.agent = agent
+        event.tag = tag
+        queue = self._queue
+        if not queue:
+            queue.append(event)
+            return event
+        other = queue[-1]
+        if other.time > time or (other.time == time and other.rank > rank):
+            queue.append(event)
+        else:
+            queue.insert(self._place(time, rank), event)
+        return event
+
+    def _place(self, time: int, rank: int) -> int:
+        """Where in the queue an event of this time and rank is, or would be."""
+        queue = self._queue
+        low, high = 0, len(queue)
+        while low < high:
+            middle = (low + high) >> 1
+            other = queue[middle]
+            if other.time > time or (other.time == time and other.rank > rank):
+                low = middle + 1
+            else:
+                high = middle
+        return low
+
+    def cancel(self, event: Event) -> None:
+        """Take back a promise; one that was kept stays kept."""
+        place = self._place(event.time, event.rank)
+        if place < len(self._queue) and self._queue[place] is event:
+            del self._queue[place]
 
     def next_time(self) -> int:
-        """When the next live event is due (ticks), or NEVER."""
-        queue, dead = self._queue, self._dead
-        while queue and dead and queue[0][1] in dead:
-            dead.remove(heappop(queue)[1])
-        return queue[0][0] // _PHASES if queue else NEVER
+        """When the next event is due (ticks), or NEVER."""
+        return self._queue[-1].time if self._queue else NEVER
 
     def quiet_until(self) -> int:
         """The first tick at which something else than the caller may act, or the end of this run."""
-        if self.unsettled or self.sampling or self._stop:
+        if self._unsettled or self._sampling or self._stop:
             return self.now
-        if self._dead:
-            self.next_time()  # takes what was cancelled off the head
         end = self._horizon + 1
-        if not self._queue:
-            return end
-        due = self._queue[0][0] // _PHASES
+        due = self.next_time()
         return due if due < end else end
 
     def stop(self) -> None:
         """End the present `run_until` after the event that runs now."""
         self._stop = True
 
+    def moved(self, wire: Settles) -> None:
+        """`wire` settles at the end of the present phase."""
+        waiting = self._unsettled
+        place = len(waiting)
+        while place:
+            other = waiting[place - 1]
+            if other.rank < wire.rank:
+                break
+            place -= 1
+        waiting.insert(place, wire)
+
+    def tell(self, party: Samples) -> None:
+        """`party` is to be told of the levels as they settle; once, however often it is asked."""
+        if party.due:
+            return
+        party.due = True
+        waiting = self._sampling
+        if self._settling:
+            waiting.append(party)  # behind those who asked, in the order of the wires and of who watches each
+            return
+        place = len(waiting)
+        while place:
+            other = waiting[place - 1]
+            if other.rank < party.rank:
+                break
+            place -= 1
+        waiting.insert(place, party)
+
     def settle(self) -> None:
         """Let the wires come to rest, and tell those who sample them."""
         steps = 0
-        while self.unsettled or self.sampling:
-            if len(self.sampling) > 1:
-                self.sampling.sort(key=_rank)
-            wires, self.unsettled = self.unsettled, []
-            if len(wires) > 1:
-                wires.sort(key=_rank)
-            for wire in wires:
-                wire.settle()  # adds to those who sample
-            parties, self.sampling = self.sampling, []
-            now = self.now
+        while self._unsettled or self._sampling:
+            if self._unsettled:
+                wires = self._unsettled
+                self._unsettled = []
+                self._settling = True
+                for wire in wires:
+                    wire.settle()  # adds to those who sample
+                self._settling = False
+            parties = self._sampling
+            self._sampling = []
             for party in parties:
                 party.due = False
-                party.told(now, party.levels)
+                party.tell(self.now)
             steps += 1
             if steps > STORM:
-                raise SimulationStuck(f"wires did not come to rest at t={now} after {STORM} steps")
+                raise SimulationStuck(f"wires did not come to rest at t={self.now} after {STORM} steps")
 
     def run_until(self, time: int) -> None:
         """Do everything due up to and including `time`; then it is `time` (earlier after `stop`)."""
@@ -135,41 +222,47 @@ class Kernel:
             raise ValueError(f"asked to run until t={time}, but it is already t={self.now}")
         self._horizon = time
         self._stop = False
-        queue, dead = self._queue, self._dead
-        last = (time + 1) * _PHASES
-        phase, in_this_tick = -1, 0
+        queue = self._queue
+        at, phase, in_this_tick = -1, 0, 0  # of the event done last
         while not self._stop:
-            key = queue[0][0] if queue else last
-            if (self.unsettled or self.sampling) and key > phase:
-                self.settle()  # may ask for something in this tick
-                continue
-            if key >= last:
+            if self._unsettled or self._sampling:
+                if not queue:
+                    self.settle()  # may ask for something in this tick
+                    continue
+                event = queue[-1]
+                if event.time > at or event.rank // _NUMBERS > phase:
+                    self.settle()
+                    continue
+            elif not queue:
                 break
-            _, number, action = heappop(queue)
-            if dead and number in dead:
-                dead.remove(number)
-                continue
+            event = queue[-1]
+            if event.time > time:
+                break
+            queue.pop()
             self.events += 1
-            phase = key
-            now = key // _PHASES
-            if now != self.now:
-                self.now = now
+            phase = event.rank // _NUMBERS
+            if event.time != self.now:
                 in_this_tick = 0
             else:
                 in_this_tick += 1
                 if in_this_tick > STORM:
                     raise SimulationStuck(
-                        f"{STORM} events at t={now} without time passing; the last: {describe(action)}"
+                        f"{STORM} events at t={self.now} without time passing; the last: {describe(event.agent)}"
                     )
-            action()
+            self.now = at = event.time
+            event.agent.act(event.tag)
         self.settle()
         if not self._stop:
             self.now = time
 
 
-def describe(action: Action) -> str:
+def describe(agent: Agent) -> str:
     """Who an event belongs to, for messages."""
-    owner = getattr(action, "__self__", None)
-    name = getattr(action, "__qualname__", repr(action))
+    if isinstance(agent, Call):
+        action = agent.action
+        owner: object = getattr(action, "__self__", None)
+        name = getattr(action, "__qualname__", repr(action))
+    else:
+        owner, name = agent, type(agent).__name__
     who = getattr(owner, "name", None) or getattr(owner, "who", None)
     return f"{who} ({name})" if who else name

@@ -13,13 +13,16 @@ from functools import partial
 from typing import Protocol
 
 from .chip import ALL, NEVER, OUTPUTS, Chip, Note
-from .kernel import CHIP, Kernel
+from .kernel import CHIP, Agent, Event, Kernel
 from .records import Kind, Recorder
 from .time import Clock
 from .wire import Pin, Sampler
 
 LAST = 1 << 62  # no record has so high a number
 MOST_INPUTS = 64  # that may wait for their effect; a chip that never wakes has no use for more
+
+# What an event is for: the chip's wake-up, another look at its inputs, or output n // 2 - 1 to level n % 2.
+WAKE, LOOK = 0, 1
 
 
 class Marks(Protocol):
@@ -29,7 +32,17 @@ class Marks(Protocol):
     out_mark: int
 
 
-class Socket:
+class Onlooker:
+    """Who looks at a chip after each of its inputs."""
+
+    __slots__ = ()
+
+    def look(self, cycle: int) -> None:
+        """The chip had an input at `cycle` that may show."""
+        raise NotImplementedError
+
+
+class Socket(Agent):
     """One chip on its clock. name: the module's, as in "I2C-A".
 
     drive: called with (output index, level) for each output that changed.
@@ -50,15 +63,14 @@ class Socket:
         self.name = name
         self.chip = chip
         self.pins: list[list[Pin]] = [[] for _ in chip.OUTPUTS]  # what each output drives, set by the router
-        self._set_output = [[partial(self._set_pins, i, level) for level in (0, 1)] for i in range(len(self.pins))]
-        self.inputs = Sampler(kernel, recorder, self.on_lines, (1 << len(chip.INPUTS)) - 1)
+        self.inputs = Sampler(kernel, recorder, self, (1 << len(chip.INPUTS)) - 1)
         self.marks: Marks | None = None  # of a chip whose outputs show later what was written to it
         self.out_delay = 0  # cycles from an output of the chip to its pin
         self.before: Callable[[int], None] | None = None  # called before each access: what the chip must be told first
         self.after: Callable[[int], None] | None = None  # the owner's look at the chip after each input
         self.on_held: Callable[[int, int], None] | None = None  # told (cycle, mask) when the lines held change
         self._held = 0
-        self.watchers: list[Callable[[int], None]] = []  # told the cycle after each input that may show
+        self.watchers: list[Onlooker] = []
         self.on_watch: Callable[[], None] = _nothing  # called when `watchers` has changed
         self.notes: list[tuple[int, Note]] = []
         self.on_note: Callable[[int, Note], None] | None = None  # told of each, with the cycle
@@ -70,7 +82,7 @@ class Socket:
         self._phase = phase
         self._out = chip.out
         self._wake_cycle = NEVER
-        self._wake = 0  # the promise of that wake-up
+        self._wake: Event | None = None  # the promise of that wake-up
         self._last_cause = 0
         self.traces = recorder.wants(Kind.EDGE) and (recorder.wants(Kind.FLAG) or recorder.wants(Kind.ACCESS))
         self._inputs: list[tuple[int, int]] = []  # (cycle from which it has effect, record) of what the chip was given
@@ -82,13 +94,21 @@ class Socket:
 
     # Inputs ------------------------------------------------------------------
 
-    def on_lines(self, tick: int, levels: int) -> None:
-        """The settled levels of the inputs. The chip samples them in the cycle that begins at `tick` or next."""
-        cycle = self._clock.cycle_at(tick)
+    def act(self, tag: int) -> None:
+        if tag == WAKE:
+            self._woken()
+        elif tag == LOOK:
+            self.inputs.ask()
+        else:
+            self._set_pins((tag >> 1) - 1, tag & 1)
+
+    def sampled(self, now: int, levels: int) -> None:
+        """The settled levels of the inputs. The chip samples them in the cycle that begins at tick `now` or next."""
+        cycle = self._clock.cycle_at(now)
         if not self.chip.filter_width:
             begin = self._clock.tick(cycle)
-            if begin > tick:  # until then they may move again
-                self._kernel.at(begin, self.inputs.ask)
+            if begin > now:  # until then they may move again
+                self._kernel.ask(begin, self, LOOK)
                 return
         if self.traces:
             self.given(cycle + self.chip.filter_width)
@@ -136,6 +156,7 @@ class Socket:
     def _woken(self) -> None:
         cycle = self._wake_cycle
         self._wake_cycle = NEVER
+        self._wake = None
         chip = self.chip
         looks = chip.wake(cycle) if chip.next_wake <= cycle else OUTPUTS
         if self._flags is None and not self.traces:
@@ -182,55 +203,65 @@ class Socket:
             self.after(cycle)
         if self.watchers:
             for watcher in tuple(self.watchers):
-                watcher(cycle)
+                watcher.look(cycle)
         if self._flags is not None:
             self._record_flags(cycle)
         if chip.notes:
             self._take_notes(cycle)
 
     def _plan(self, cycle: int) -> None:
-        if self._wake_cycle != NEVER:
+        if self._wake is not None:
             self._kernel.cancel(self._wake)
+            self._wake = None
         wake = self.chip.next_wake
-        self._wake_cycle = wake = wake if wake > cycle else cycle
+        if wake < cycle:
+            wake = cycle
+        self._wake_cycle = wake
         if wake < NEVER:
             tick, now = self._clock.tick(wake), self._kernel.now
-            self._wake = self._kernel.at(tick if tick > now else now, self._woken, self._phase)
+            self._wake = self._kernel.ask(tick if tick > now else now, self, WAKE, self._phase)
 
     def _drive(self, cycle: int) -> None:
         recorder = self._recorder
         outer = recorder.cause
         if self.marks is not None:
             recorder.cause = self.marks.out_mark or outer
-        changed, self._out = self._out ^ self.chip.out, self.chip.out
+        changed = self._out ^ self.chip.out
+        self._out = self.chip.out
         tick = self._clock.tick(cycle + self.out_delay)
         later = tick > self._kernel.now  # also where an edge fell between two cycles: the answer comes with the cycle
-        for index, set_output in enumerate(self._set_output):
-            if changed >> index & 1:
-                action = set_output[self._out >> index & 1]
-                if later:
-                    self.later(tick, action)
+        index = 0
+        out = self._out
+        while changed:
+            if changed & 1:
+                level = out & 1
+                if not later:
+                    self._set_pins(index, level)
+                elif recorder.cause:
+                    self.later(tick, partial(self._set_pins, index, level))
                 else:
-                    action()
+                    self._kernel.ask(tick, self, ((index + 1) << 1) | level)
+            changed >>= 1
+            out >>= 1
+            index += 1
         recorder.cause = outer
 
     def _set_pins(self, index: int, level: int) -> None:
         for pin in self.pins[index]:
             pin.wire.pull(pin.mask, level)
 
-    def watch(self, watcher: Callable[[int], None]) -> None:
-        """`watcher(cycle)` after every input from now on: a CPU that spins looks at the chip there."""
+    def watch(self, watcher: Onlooker) -> None:
+        """`watcher.look(cycle)` after every input from now on: a CPU that spins looks at the chip there."""
         self.watchers.append(watcher)
         self.on_watch()
 
-    def unwatch(self, watcher: Callable[[int], None]) -> None:
+    def unwatch(self, watcher: Onlooker) -> None:
         self.watchers.remove(watcher)
         self.on_watch()
 
     def reclock(self) -> None:
         """The clock was retuned: a wake-up promised for a cycle moves to that cycle's new tick."""
         if self._wake_cycle != NEVER:
-            self._kernel.cancel(self._wake)
             self._wake_cycle = NEVER
             self._plan(self._clock.cycle_at(self._kernel.now))
 

@@ -17,6 +17,7 @@ GHZ = 1_000_000_000
 NO_TIME = -1
 LAST_TICK = NEVER - 1  # also of recordings, whose ticks are int64
 DAY = 86_400
+MOST = NEVER  # of a product of two numbers that the compiled form takes 64 bits for
 USUAL_PER_NS = 1000  # clocks of whole MHz need no more ticks in a nanosecond
 
 UNITS: dict[str, Fraction] = {
@@ -127,17 +128,40 @@ class Clock:
         if hz <= 0:
             raise TimeError(f"a clock of {hz} Hz never ticks; it must be above 0")
         period = self.timebase.per_second / hz
-        return period.numerator, period.denominator
+        self._exact = period.numerator, period.denominator
+        self._wide = period < 1 or period.numerator * period.denominator > MOST
+        return (0, 0) if self._wide else self._exact
 
     def tick(self, cycle: int) -> int:
         """The tick at which this cycle begins (rounded down where the clock does not divide)."""
-        if self._den == 1:
-            return self._tick0 + (cycle - self._cycle0) * self._num
-        return self._tick0 + (cycle - self._cycle0) * self._num // self._den
+        passed = cycle - self._cycle0
+        if self._wide:
+            return self._tick0 + self._wide_ticks(passed)
+        den = self._den
+        if den == 1:
+            return self._tick0 + passed * self._num
+        whole = passed // den  # divided first: the product of a long run's cycles would not fit 64 bits
+        return self._tick0 + whole * self._num + (passed - whole * den) * self._num // den
 
     def cycle_at(self, tick: int) -> int:
         """The first cycle that begins at or after this tick: what is seen without a synchroniser."""
-        return self._cycle0 - (self._tick0 - tick) * self._den // self._num
+        left = self._tick0 - tick
+        if self._wide:
+            return self._cycle0 - self._wide_cycles(left)
+        num = self._num
+        if self._den == 1:
+            return self._cycle0 - left // num
+        whole = left // num
+        return self._cycle0 - whole * self._den - (left - whole * num) * self._den // num
+
+    def _wide_ticks(self, cycles: int) -> int:
+        """Where products do not fit 64 bits: Python's own integers."""
+        num, den = self._exact
+        return cycles * num // den
+
+    def _wide_cycles(self, ticks: int) -> int:
+        num, den = self._exact
+        return ticks * den // num
 
     def cycle_after(self, tick: int) -> int:
         """The first cycle that begins after this tick: what a synchroniser lets through."""

@@ -11,13 +11,25 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from .kernel import Kernel
+from .kernel import Agent, Kernel, Samples, Settles
 from .records import Kind, Recorder
 
 Watcher = Callable[[int, int], None]
 
 
-class Wire:
+class _Told(Agent):
+    """Hands what is sampled to a function."""
+
+    __slots__ = ("_watcher",)
+
+    def __init__(self, watcher: Watcher) -> None:
+        self._watcher = watcher
+
+    def sampled(self, now: int, levels: int) -> None:
+        self._watcher(now, levels)
+
+
+class Wire(Settles):
     """cause: the record of the last edge. recorded: somebody wants each edge, and perhaps who holds a low one.
 
     pulling: who pulls it low in the settled state; bit i is party i.
@@ -37,7 +49,7 @@ class Wire:
         self._pulling_recorded = 0  # the same when it was recorded last
         self._parties: list[str] = []
         self._names_of: dict[int, str] = {}  # of those who pull, as records tell them
-        self._watches: list[tuple[Sampler, int]] = []  # who is told, and the wire's bit there
+        self._watches: list[_Watch] = []  # who is told
         self._hold_watches: list[Callable[[], None]] = []
         self._queued = False
         self._pulled_under = self._released_under = 0  # the last records under which that was done in this instant
@@ -77,7 +89,7 @@ class Wire:
                 self._pulled_under = max(self._pulled_under, self.recorder.cause)
         if not self._queued:
             self._queued = True
-            self.kernel.unsettled.append(self)
+            self.kernel.moved(self)
 
     def settle(self) -> None:
         """Take the level that results from all pulls, and have those told who sample it."""
@@ -92,12 +104,9 @@ class Wire:
             if self.recorded:
                 cause = self._released_under if level else self._pulled_under
                 self.cause = self._record(Kind.EDGE, "level", level, cause)
-            sampling = self.kernel.sampling
-            for sampler, bit in self._watches:
-                sampler.levels ^= bit
-                if not sampler.due:
-                    sampler.due = True
-                    sampling.append(sampler)
+            for watch in self._watches:
+                watch.sampler.levels ^= watch.bit
+                self.kernel.tell(watch.sampler)
         elif self._records_holds and self._pulling != self._pulling_recorded:
             self._record(Kind.HOLD, "held", level, self._pulled_under or self._released_under)
         if self.recorded:
@@ -116,10 +125,23 @@ class Wire:
 
     def add(self, sampler: Sampler, bit: int) -> None:
         """From now on this wire's level is this bit of the sampler's levels."""
-        self._watches.append((sampler, bit))
+        watch = _Watch()
+        watch.sampler, watch.bit = sampler, bit
+        self._watches.append(watch)
 
     def remove(self, sampler: Sampler, bit: int) -> None:
-        self._watches.remove((sampler, bit))
+        """No longer."""
+        place = next(i for i, watch in enumerate(self._watches) if watch.sampler is sampler and watch.bit == bit)
+        del self._watches[place]
+
+
+class _Watch:
+    """One party's look at a wire: which bit of its levels the wire is."""
+
+    __slots__ = ("bit", "sampler")
+
+    sampler: Sampler
+    bit: int
 
 
 class Pin:
@@ -136,34 +158,23 @@ class Pin:
         self.wire.pull(self.mask, level)
 
 
-class Sampler:
+class Sampler(Samples):
     """The lines that one party looks at: bit i of `levels` is line i. It is told once an instant in which any moved.
 
-    A line is a wire (`listen`) or what the owner says (`put`). watcher: called with the tick and `levels`, under the
-    record of the first of the lines that moved.
+    A line is a wire (`listen`) or what the owner says (`put`). agent: its `sampled` is called with the tick and
+    `levels`, under the record of the first of the lines that moved.
     """
 
-    __slots__ = (
-        "_kernel",
-        "_put_under",
-        "_recorder",
-        "_seen",
-        "_watcher",
-        "_wires",
-        "due",
-        "levels",
-        "rank",
-        "told",
-    )
+    __slots__ = ("_agent", "_kernel", "_put_under", "_recorder", "_seen", "_under", "_wires", "levels")
 
-    def __init__(self, kernel: Kernel, recorder: Recorder, watcher: Watcher, levels: int = 0) -> None:
+    def __init__(self, kernel: Kernel, recorder: Recorder, agent: Agent | Watcher, levels: int = 0) -> None:
         self.levels = levels
         self.due = False
         self.rank = kernel.rank()
         self._kernel = kernel
         self._recorder = recorder
-        self._watcher = watcher
-        self.told = watcher  # or `_told_under`, where there may be a record to work under
+        self._agent = agent if isinstance(agent, Agent) else _Told(agent)
+        self._under = False  # there may be a record to work under
         self._wires: dict[int, Wire] = {}
         self._put_under = 0  # the record under which a level was put last
         self._seen = levels
@@ -173,7 +184,7 @@ class Sampler:
         self._leave(line)
         self._wires[line] = wire
         if wire.recorded:
-            self.told = self._told_under
+            self._under = True
         wire.add(self, 1 << line)
         self._set(line, wire.level)
 
@@ -182,23 +193,25 @@ class Sampler:
         self._leave(line)
         self._put_under = self._recorder.cause
         if self._put_under:
-            self.told = self._told_under
+            self._under = True
         self._set(line, level)
 
     def ask(self) -> None:
         """Be told in this instant, also if nothing moves."""
-        if not self.due:
-            self.due = True
-            self._kernel.sampling.append(self)
+        self._kernel.tell(self)
 
-    def _told_under(self, now: int, levels: int) -> None:
-        moved, self._seen = levels ^ self._seen, levels
+    def tell(self, now: int) -> None:
+        if not self._under:
+            self._agent.sampled(now, self.levels)
+            return
+        moved = self.levels ^ self._seen
+        self._seen = self.levels
         recorder = self._recorder
         outer = recorder.cause
         if moved:
             wire = self._wires.get((moved & -moved).bit_length() - 1)
             recorder.cause = self._put_under if wire is None else wire.cause
-        self._watcher(now, levels)
+        self._agent.sampled(now, self.levels)
         recorder.cause = outer
 
     def _set(self, line: int, level: int) -> None:
@@ -212,8 +225,11 @@ class Sampler:
             wire.remove(self, 1 << line)
 
 
-def watch(wires: Sequence[Wire], watcher: Watcher) -> Sampler:
-    """`watcher(tick, levels)` whenever any of these wires has changed; bit i is wire i. ValueError without wires."""
+def watch(wires: Sequence[Wire], watcher: Agent | Watcher) -> Sampler:
+    """`watcher(tick, levels)` whenever any of these wires has changed; bit i is wire i. ValueError without wires.
+
+    Of an agent it is `sampled` that is called.
+    """
     if not wires:
         raise ValueError("there is no wire to watch")
     levels = sum(wire.level << i for i, wire in enumerate(wires))

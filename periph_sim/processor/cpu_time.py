@@ -9,10 +9,8 @@ an event. Here nothing is called that could read, write or take an interrupt.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from ..core.chip import NEVER
-from ..core.kernel import CPU, Kernel
+from ..core.kernel import CPU, Agent, Event, Kernel
 from ..core.time import Clock
 
 
@@ -26,13 +24,13 @@ class CpuTime:
     """
 
     __slots__ = (
+        "_agent",
         "_clock",
         "_kernel",
         "_until",
         "_wake",
         "_wake_cycle",
         "_wake_tick",
-        "_woken",
         "asleep",
         "cycle",
         "lands",
@@ -40,8 +38,8 @@ class CpuTime:
         "met",
     )
 
-    def __init__(self, kernel: Kernel, clock: Clock, woken: Callable[[], None]) -> None:
-        """woken: called when the cycle has come for which a wake-up was promised; it calls `arrive` first."""
+    def __init__(self, kernel: Kernel, clock: Clock, agent: Agent) -> None:
+        """agent: acts when the cycle has come for which a wake-up was promised; it calls `arrive` first."""
         self.cycle = 0
         self.lease = 0
         self.lands = NEVER
@@ -49,8 +47,8 @@ class CpuTime:
         self.asleep = False
         self._kernel = kernel
         self._clock = clock
-        self._woken = woken
-        self._wake = 0  # the promise by which this CPU is woken, 0 when there is none
+        self._agent = agent
+        self._wake: Event | None = None  # the promise by which this CPU is woken
         self._wake_tick = 0
         self._wake_cycle = 0
         self._until = NEVER  # a sleeping CPU's time does not pass beyond this cycle
@@ -62,7 +60,7 @@ class CpuTime:
     @property
     def waits_for_input(self) -> bool:
         """Asleep, and no cycle is known at which this CPU goes on: a watched register or an interrupt must come."""
-        return self.asleep and not self._wake
+        return self.asleep and self._wake is None
 
     # Moving on ---------------------------------------------------------------
 
@@ -128,7 +126,7 @@ class CpuTime:
 
     def arrive(self) -> None:
         """The wake-up that was promised has come."""
-        self._wake = 0
+        self._wake = None
         self.lease = 0
         if self.asleep:
             self.asleep = False
@@ -143,17 +141,17 @@ class CpuTime:
         tick, now = self._clock.tick(cycle), self._kernel.now
         self._wake_cycle = cycle
         self._wake_tick = tick = tick if tick > now else now
-        self._wake = self._kernel.at(tick, self._woken, CPU)
+        self._wake = self._kernel.ask(tick, self._agent, 0, CPU)
 
     def resume_by(self, cycle: int) -> None:
         """Be woken at `cycle`, or sooner if that is promised already."""
-        if not self._wake or self._wake_tick > self._clock.tick(cycle):
+        if self._wake is None or self._wake_tick > self._clock.tick(cycle):
             self._cancel()
             self.wake_at(cycle)
 
     def reclock(self) -> None:
         """The clock was retuned: a wake-up promised for a cycle moves to that cycle's new tick."""
-        if self._wake:
+        if self._wake is not None:
             self._kernel.cancel(self._wake)
             self.wake_at(self._wake_cycle)
 
@@ -164,6 +162,6 @@ class CpuTime:
         self.asleep = False
 
     def _cancel(self) -> None:
-        if self._wake:
+        if self._wake is not None:
             self._kernel.cancel(self._wake)
-            self._wake = 0
+            self._wake = None

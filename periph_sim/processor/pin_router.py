@@ -58,6 +58,7 @@ class Router:
         self._straight: set[str] = set()  # signals whose wire is an input of their peripheral
         self._feeds: dict[int, Port] = {}  # synchronised pad -> the input that it feeds
         self._pads = Sampler(kernel, recorder, self._on_pads)  # those of which the GPIO machine is told
+        self._line = {n: line for line, n in enumerate(pads.wires)}  # pad -> its line there
         self._heard: set[int] = set()
         self._unheard = -1  # mask: all other pads
         self._between_at = NO_TIME  # when it is told next of edges between two SYSCLKOUT edges
@@ -87,9 +88,9 @@ class Router:
         everything = bool(self._gpio_socket.watchers)
         heard = {n for n in self._wires if everything or n not in straight or self._gpio.watched >> n & 1}
         for n in self._heard - heard:
-            self._pads.put(n, self._wires[n].level)
+            self._pads.put(self._line[n], self._wires[n].level)
         for n in heard - self._heard:
-            self._pads.listen(n, self._wires[n])
+            self._pads.listen(self._line[n], self._wires[n])
         self._heard = heard
         self._unheard = ~sum(1 << n for n in heard)
 
@@ -98,7 +99,7 @@ class Router:
         cycle = self._clock.cycle_at(tick)
         begin = self._clock.tick(cycle)
         if begin == tick:
-            moved = self._tell(cycle, levels)
+            moved = self._tell(cycle, self._levels_of(levels))
             if not any(moved >> n & 1 for n in self._feeds):
                 return
             begin = self._clock.tick(cycle + 1)  # a synchronised input shows it then
@@ -112,10 +113,14 @@ class Router:
     def _between(self) -> None:
         """At a SYSCLKOUT edge: the levels just before it, which are what a synchroniser takes."""
         self._between_at = NO_TIME
-        cycle, levels = self._clock.cycle_at(self._kernel.now), self._pads.levels
+        cycle, levels = self._clock.cycle_at(self._kernel.now), self._levels_of(self._pads.levels)
         self._tell(cycle, levels, exact=False)
         for n, (socket, index) in self._feeds.items():
             socket.inputs.put(index, levels >> n & 1)
+
+    def _levels_of(self, lines: int) -> int:
+        """The sampler's lines as levels of pads."""
+        return sum(1 << n for n, line in self._line.items() if lines >> line & 1)
 
     def _tell(self, cycle: int, levels: int, exact: bool = True) -> int:
         """The GPIO machine is told of the pads that it hears of; those that moved for it."""

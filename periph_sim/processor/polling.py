@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from ..core.chip import NEVER
-from ..core.socket import Socket
+from ..core.socket import Onlooker, Socket
 from .cpu_time import CpuTime
 from .operand import Operand
 
@@ -56,7 +56,7 @@ class Spin:
         return " and ".join(dict.fromkeys(str(poll) for poll in self.polls))
 
 
-class Lease:
+class Lease(Onlooker):
     """As long as no bit that a pass looked at has changed, every further pass comes out the same."""
 
     __slots__ = ("_first", "_seen", "_sockets", "_time")
@@ -86,11 +86,11 @@ class Lease:
     def begin(self) -> None:
         """From now on the modules that were read wake the sleeping CPU when a bit changes."""
         for socket in self._sockets:
-            socket.watch(self.look)
+            socket.watch(self)
 
     def end(self) -> None:
         for socket in self._sockets:
-            socket.unwatch(self.look)
+            socket.unwatch(self)
 
     def look(self, cycle: int) -> None:
         """A module that was read has had an input."""

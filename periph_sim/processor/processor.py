@@ -9,7 +9,7 @@ False it stops, the rest is done when the kernel wakes this CPU, and then the pr
 
 from __future__ import annotations
 
-from ..core.kernel import Kernel
+from ..core.kernel import Agent, Kernel
 from ..core.records import Recorder
 from ..core.time import Clock
 from ..f28335.cpu import instruction_costs as cpu_costs
@@ -27,7 +27,7 @@ from .source_location import SourceLocation
 NONE, FETCHES, ENTERS, RETURNS = range(4)  # what is under way: the vector's fetch, the entry, IRET
 
 
-class Processor:
+class Processor(Agent):
     """stopped: why the program stopped last; None where none has run."""
 
     __slots__ = (
@@ -61,7 +61,7 @@ class Processor:
     ) -> None:
         self.name = name
         self.stopped: Stop | None = None
-        self.time = CpuTime(kernel, clock, self._woken)
+        self.time = CpuTime(kernel, clock, self)
         self.notes = FirmwareNotes(kernel, clock, recorder, name, strict, self.stands_at)
         self.bus = Bus(name, self.time, clock, recorder, memory, core, self.notes, options, self._place)
         self.interrupts = Interrupts(name, core, pie, self.bus.ram, self.time, clock, recorder, self.notes)
@@ -107,7 +107,7 @@ class Processor:
     def _place(self) -> SourceLocation | None:
         return None if self._program is None else self._program.place()
 
-    def _woken(self) -> None:
+    def act(self, tag: int) -> None:
         """The cycle has come for which a wake-up was promised."""
         time, recorder = self.time, self._recorder
         time.arrive()

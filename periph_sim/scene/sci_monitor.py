@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from ..core.socket import Onlooker
 from ..processor.dsp import Dsp
 
 
-class SciMonitor:
+class SciMonitor(Onlooker):
     """Looks at a receiver after each input: words in the FIFO, and rising overrun flags. received: told of characters.
 
     A character raises RXFFST, without FIFO RXRDY, or an overrun flag.
@@ -25,9 +26,9 @@ class SciMonitor:
         self._words = 0
         self._waiting = 0  # words, or the one in SCIRXBUF
         self._overrun = False
-        self._socket.watch(self._look)
+        self._socket.watch(self)
 
-    def _look(self, cycle: int) -> None:
+    def look(self, cycle: int) -> None:
         fifo = self._socket.chip.peek(cycle, self._rx.offset)
         status = self._socket.chip.peek(cycle, self._status.offset)
         words = self._level.of(fifo)

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.core.chip import NEVER
-from periph_sim.core.kernel import CHIP, CPU, PADS, PROBE, STORM, TIMER, Kernel, SimulationStuck
+from periph_sim.core.kernel import CHIP, CPU, PADS, PROBE, STORM, TIMER, Agent, Kernel, SimulationStuck
 
 PHASES = {"first agent": TIMER, "second agent": TIMER, "pads": PADS, "chip": CHIP, "cpu": CPU, "probe": PROBE}
 
@@ -27,6 +27,60 @@ def test_events_run_in_the_order_of_their_keys(asked):
         kernel.at(time, lambda key=(time, phase, number): log.append(key), phase)
     kernel.run_until(50)
     assert log == sorted(log) and len(log) == len(asked) == kernel.events
+
+
+class Diary(Agent):
+    """Notes when it acted, and under which tag."""
+
+    def __init__(self, kernel: Kernel) -> None:
+        self.kernel = kernel
+        self.notes: list[tuple[int, int]] = []
+
+    def act(self, tag: int) -> None:
+        self.notes.append((self.kernel.now, tag))
+
+
+def test_an_agent_acts_under_the_tags_it_asked_for():
+    kernel = Kernel()
+    diary = Diary(kernel)
+    for time, tag in ((7, 1), (3, 2), (7, 0)):
+        kernel.ask(time, diary, tag)
+    kernel.run_until(10)
+    assert diary.notes == [(3, 2), (7, 1), (7, 0)]
+
+
+def test_a_promise_that_was_kept_stays_kept_and_takes_no_other_with_it():
+    kernel = Kernel()
+    diary = Diary(kernel)
+    kept = kernel.ask(3, diary)
+    kernel.ask(5, diary, 1)
+    kernel.run_until(4)
+    kernel.cancel(kept)
+    kernel.run_until(10)
+    assert diary.notes == [(3, 0), (5, 1)]
+
+
+@given(st.lists(st.tuples(st.integers(0, 20), st.booleans()), max_size=30))
+def test_cancelled_ones_alone_are_left_out(asked):
+    kernel = Kernel()
+    diary = Diary(kernel)
+    events = [kernel.ask(time, diary, number) for number, (time, _) in enumerate(asked)]
+    for event, (_, taken_back) in zip(events, asked, strict=True):
+        if taken_back:
+            kernel.cancel(event)
+    kernel.run_until(20)
+    left = [(time, number) for number, (time, taken_back) in enumerate(asked) if not taken_back]
+    assert diary.notes == sorted(left)
+
+
+def test_an_agent_that_does_not_say_what_it_does_is_named():
+    class Lazy(Agent):
+        pass
+
+    kernel = Kernel()
+    kernel.ask(1, Lazy())
+    with pytest.raises(NotImplementedError, match="Lazy asks for events and does not say what it does then"):
+        kernel.run_until(1)
 
 
 def test_a_cancelled_event_costs_nothing_and_never_runs():

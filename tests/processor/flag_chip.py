@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from periph_sim.core.chip import ALL, NEVER, Note
+from periph_sim.core.chip import ALL, NEVER, Chip, Note
 from periph_sim.core.registers import Register, RegisterMap, field
 
 STATUS = Register("STATUS", 0, "test", (field("A", "0", "R"), field("B", "1", "R"), field("C", "2", "R/W1C")))
@@ -10,7 +10,7 @@ COUNT = Register("COUNT", 1, "test", (field("N", "15:0", "RC"),))
 FLAGS = RegisterMap("FLAGS", "test", (STATUS, COUNT))
 
 
-class FlagChip:
+class FlagChip(Chip):
     """changes: (cycle, new STATUS value, interrupt line to pulse or -1)."""
 
     MAP = FLAGS

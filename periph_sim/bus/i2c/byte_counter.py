@@ -5,13 +5,14 @@ For scenes in which no agent is the controller and so nobody else counts.
 
 from __future__ import annotations
 
+from ...core.kernel import Agent
 from ...core.wire import Wire, watch
 from .line_events import EVENT, FALL, IDLE, RISE, START, STOP
 
 PULSES = 9  # eight bits and the acknowledge
 
 
-class I2cByteCounter:
+class I2cByteCounter(Agent):
     """bytes: whole ones, each with its acknowledge; what is cut off by a START or STOP does not count."""
 
     def __init__(self, scl: Wire, sda: Wire) -> None:
@@ -19,9 +20,9 @@ class I2cByteCounter:
         self._lines = IDLE
         self._active = False
         self._pulses = 0
-        watch([scl, sda], self._on_lines)
+        watch([scl, sda], self)
 
-    def _on_lines(self, now: int, levels: int) -> None:
+    def sampled(self, now: int, levels: int) -> None:
         event = EVENT[self._lines << 2 | levels]
         self._lines = levels
         if event in (START, STOP):

@@ -15,12 +15,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from ...core.kernel import Kernel
+from ...core.kernel import Agent, Event, Kernel
 from ...core.records import Kind, Recorder
 from ...core.time import NO_TIME
 from ...core.wire import Wire, watch
 from .bus_clear import BusClear
 from .line_events import EVENT, FALL, IDLE, NOTHING, RISE, SCL, SDA, START, STOP
+
+# What an event is for.
+BEGIN, FIRST_LOW, SDA_FOLLOWS, RELEASE, BIT_END, STOP_RISES, STUCK = range(7)
 
 NO_BYTE = 1 << 30  # instead of the number of a byte: STOP or repeated START is next
 
@@ -83,7 +86,7 @@ class Transfer:
         return sum(1 + len(p.acks) for p in self.phases if p.start_at != NO_TIME)
 
 
-class I2cController:
+class I2cController(Agent):
     """who: its name on the wires and in records. stuck_after: a line low longer than this is reported by `on_stuck`.
 
     clear_after: so long after a START that was refused, since nobody let go of SDA or nobody gave the STOP that was
@@ -98,16 +101,19 @@ class I2cController:
         "_clear",
         "_clear_after",
         "_done",
+        "_filter",
         "_gives_up",
         "_guard",
         "_high",
         "_high_end",
+        "_hold",
         "_in",
         "_index",
         "_kernel",
         "_last_stop",
         "_let_go_at",
         "_lines",
+        "_low_time",
         "_on_stuck",
         "_phase",
         "_phase_index",
@@ -148,6 +154,7 @@ class I2cController:
     ) -> None:
         self.who = who
         self.timing = timing
+        self._low_time, self._hold, self._filter = timing.low, timing.hold, timing.filter
         self.busy = False
         self._kernel = kernel
         self._recorder = recorder if recorder.wants(Kind.BUS) else None
@@ -157,11 +164,11 @@ class I2cController:
         self._sda_mask = sda.attach(who).mask
         self._stuck_after = stuck_after
         self._on_stuck = on_stuck
-        self._guard = 0  # the promise to report a line held too long, 0 when there is none
+        self._guard: Event | None = None  # the promise to report a line held too long
         self._sda_level = 1
         self._rising = False  # SCL is let go and has not risen yet
         self._high = timing.high  # how long SCL stays high next, and what comes then
-        self._high_end: Callable[[], None] = self._bit_end
+        self._high_end = BIT_END
         self._let_go_at = 0
         self._last_stop = -timing.free
         self._transfer = Transfer("", [])
@@ -185,12 +192,30 @@ class I2cController:
         self._sda_moved = -timing.filter
         self._sda_event = NOTHING  # what its last change is, if it lasts
         self._sda_seen = 1  # behind the filter
-        self._sampler = watch([scl, sda], self._on_lines)
+        self._sampler = watch([scl, sda], self)
 
     @property
     def held_since(self) -> int:
         """Since when SCL is let go and still low; NO_TIME if it is not."""
         return self._let_go_at if self._rising else NO_TIME
+
+    def act(self, tag: int) -> None:
+        if tag == RELEASE:
+            self._release()
+        elif tag == BIT_END:
+            self._bit_end()
+        elif tag == SDA_FOLLOWS:
+            self._sda_wire.pull(self._sda_mask, self._sda_level)
+            self._kernel.ask(self._kernel.now + self._low_time - self._hold, self, RELEASE)
+        elif tag == BEGIN:
+            self._start()
+        elif tag == FIRST_LOW:
+            self._high, self._high_end = self.timing.high, BIT_END
+            self._low(self._byte >> 7 & 1)
+        elif tag == STOP_RISES:
+            self._stop()
+        else:
+            self._stuck()
 
     # Transfers ----------------------------------------------------------------
 
@@ -203,8 +228,7 @@ class I2cController:
         self._done = done
         self._phase_index = 0
         self._settle(self._kernel.now)
-        start = max(self._kernel.now, self._last_stop + self.timing.free)
-        self._kernel.at(start, self._start)
+        self._kernel.ask(max(self._kernel.now, self._last_stop + self.timing.free), self, BEGIN)
 
     def _start(self) -> None:
         now = self._kernel.now
@@ -216,7 +240,7 @@ class I2cController:
                 self._clear.begin()
                 return
             free_at = self._last_stop + self.timing.free
-            self._kernel.at(free_at if free_at > now else now + self.timing.free, self._start)
+            self._kernel.ask(free_at if free_at > now else now + self.timing.free, self, BEGIN)
             return
         self._calm()
         self._refused_since = NO_TIME
@@ -225,8 +249,8 @@ class I2cController:
         self._set_sda(0)
         self._mark("START" if self._phase_index == 0 else "repeated START", 0)
         byte = phase.address << 1 | phase.read if phase.address_byte is None else phase.address_byte
-        self._load(byte, -1, receiving=False)
-        self._kernel.at(now + self.timing.start_hold, self._first_low)
+        self._load(byte, -1, False)
+        self._kernel.ask(now + self.timing.start_hold, self, FIRST_LOW)
 
     def _may_start(self, now: int) -> bool:
         """Both lines are high; and the bus is free for long enough, or ours already."""
@@ -247,9 +271,9 @@ class I2cController:
             self._transfer.lost = True
             self._finish()
         else:
-            self._kernel.at(max(self._kernel.now, self._last_stop + self.timing.free), self._start)
+            self._kernel.ask(max(self._kernel.now, self._last_stop + self.timing.free), self, BEGIN)
 
-    def _on_lines(self, now: int, levels: int) -> None:
+    def sampled(self, now: int, levels: int) -> None:
         before = self._lines
         event = EVENT[before << 2 | levels]
         if (before ^ levels) & SDA:
@@ -257,7 +281,7 @@ class I2cController:
                 self._settle(now)
             self._sda_moved, self._sda_event = now, self._unspoilt(now, event)
         if event in (RISE, FALL):
-            if now - self._scl_moved >= self.timing.filter:
+            if now - self._scl_moved >= self._filter:
                 self._scl_seen = before & SCL
             self._scl_moved = now
         self._lines = levels
@@ -274,14 +298,14 @@ class I2cController:
 
     def _unspoilt(self, now: int, event: int) -> int:
         """What a change of SDA is where SCL has just been spiked: START and STOP are decided behind the filter."""
-        if event != NOTHING or now - self._scl_moved >= self.timing.filter or not self._scl_seen:
+        if event != NOTHING or now - self._scl_moved >= self._filter or not self._scl_seen:
             return event
         return START if self._lines & SDA else STOP
 
     def _settle(self, now: int) -> None:
         """What SDA's last change was, once it has outlasted the filter. It counts from when it came."""
         level = self._lines >> 1
-        if level == self._sda_seen or now - self._sda_moved < self.timing.filter:
+        if level == self._sda_seen or now - self._sda_moved < self._filter:
             return
         self._sda_seen = level
         if self._sda_event == START:
@@ -295,30 +319,20 @@ class I2cController:
         self._settle(self._kernel.now)
         return self._sda_seen
 
-    def _first_low(self) -> None:
-        self._high, self._high_end = self.timing.high, self._bit_end
-        self._low(self._byte >> 7 & 1)
-
     # Bits ---------------------------------------------------------------------
 
-    def _load(self, byte: int, index: int, *, receiving: bool) -> None:
+    def _load(self, byte: int, index: int, receiving: bool) -> None:
         self._byte, self._index, self._receiving = byte, index, receiving
         self._bit = self._in = 0
 
     def _low(self, sda: int) -> None:
         """SCL falls; SDA goes to `sda` a hold time later; SCL is let go after the low time."""
-        timing = self.timing
         self._scl_wire.pull(self._scl_mask, 0)
         if sda == self._sda_level:
-            self._kernel.at(self._kernel.now + timing.low, self._release)
+            self._kernel.ask(self._kernel.now + self._low_time, self, RELEASE)
         else:
             self._sda_level = sda
-            self._kernel.at(self._kernel.now + timing.hold, self._sda_follows)
-
-    def _sda_follows(self) -> None:
-        timing = self.timing
-        self._sda_wire.pull(self._sda_mask, self._sda_level)
-        self._kernel.at(self._kernel.now + timing.low - timing.hold, self._release)
+            self._kernel.ask(self._kernel.now + self._hold, self, SDA_FOLLOWS)
 
     def _set_sda(self, level: int) -> None:
         self._sda_level = level
@@ -334,7 +348,7 @@ class I2cController:
     def _rose(self, now: int) -> None:
         if self._index == 0 and self._bit == 0:
             self._phase.answer_at = now
-        self._kernel.at(now + self._high, self._high_end)
+        self._kernel.ask(now + self._high, self, self._high_end)
 
     def _bit_end(self) -> None:
         """End of the high phase: read SDA, go on to the next bit."""
@@ -376,21 +390,21 @@ class I2cController:
         wanted = phase.count if phase.read else len(phase.data)
         if following < wanted and (ack or (self._receiving and self._index >= 0)):
             if phase.read:
-                self._load(0xFF, following, receiving=True)
+                self._load(0xFF, following, True)
             else:
-                self._load(phase.data[following], following, receiving=False)
+                self._load(phase.data[following], following, False)
             self._low(self._byte >> 7 & 1)
             return
         if refused:
             self._mark("NACK", int(self._index >= 0))
         gives_up = refused and (self._index < 0 or self._gives_up)
-        self._load(0xFF, NO_BYTE, receiving=False)
+        self._load(0xFF, NO_BYTE, False)
         if self._phase_index + 1 < len(self._transfer.phases) and not gives_up:
             self._phase_index += 1
-            self._high, self._high_end = self.timing.start_setup, self._start
+            self._high, self._high_end = self.timing.start_setup, BEGIN
             self._low(1)
         else:
-            self._high, self._high_end = self.timing.stop_setup, self._stop
+            self._high, self._high_end = self.timing.stop_setup, STOP_RISES
             self._low(0)
 
     def _stop(self) -> None:
@@ -413,19 +427,18 @@ class I2cController:
 
     def _watch_stuck(self) -> None:
         if self._stuck_after and not self._guard:
-            due = self._kernel.now + self._stuck_after
-            self._guard = self._kernel.at(due, self._stuck)
+            self._guard = self._kernel.ask(self._kernel.now + self._stuck_after, self, STUCK)
 
     def _calm(self) -> None:
         if self._guard:
             self._kernel.cancel(self._guard)
-            self._guard = 0
+            self._guard = None
 
     def _stuck(self) -> None:
-        self._guard = 0
+        self._guard = None
         due = self._scl_moved + self._stuck_after
         if due > self._kernel.now:  # another controller's transfers went on meanwhile
-            self._guard = self._kernel.at(due, self._stuck)
+            self._guard = self._kernel.ask(due, self, STUCK)
             return
         wire = self._sda_wire if self._scl_wire.level else self._scl_wire
         self._mark("stuck", wire.level)

@@ -9,7 +9,7 @@ Source: UM10204 sections 3.1.4 to 3.1.10.
 
 from __future__ import annotations
 
-from ...core.kernel import Kernel
+from ...core.kernel import Agent, Kernel
 from ...core.records import Kind, Recorder
 from ...core.wire import Wire, watch
 
@@ -18,7 +18,7 @@ BITS = 9
 WHO = "bus"
 
 
-class BusRecorder:
+class BusRecorder(Agent):
     """text of its records: the address of the phase, "0x68"."""
 
     def __init__(self, kernel: Kernel, recorder: Recorder, scl: Wire, sda: Wire) -> None:
@@ -30,9 +30,9 @@ class BusRecorder:
         self._bits = self._in = 0
         self._read = False
         self._address = ""
-        watch([scl, sda], self._moved)
+        watch([scl, sda], self)
 
-    def _moved(self, now: int, levels: int) -> None:
+    def sampled(self, now: int, levels: int) -> None:
         before, self._levels = self._levels, levels
         if before & levels & SCL:
             self._condition(bool(levels & SDA))

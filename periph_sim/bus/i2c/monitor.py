@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from ...core.kernel import Agent
 from ...core.time import NO_TIME
 from ...core.wire import Wire, watch
 from .controller import Phase, Transfer
@@ -22,7 +23,7 @@ from .line_events import SCL, SDA
 BITS = 9  # of a byte, its ACK included
 
 
-class I2cMonitor:
+class I2cMonitor(Agent):
     """told: given each transfer with its STOP. names: what to call a transfer, by address.
 
     filter: ticks; a level of SDA that lasts less is not read.
@@ -57,7 +58,7 @@ class I2cMonitor:
         self._filter = filter
         self._sda_at = -filter
         self._sda_seen = 1  # what SDA was before it moved last, spikes left out
-        sampler = watch([scl, sda], self._moved)
+        sampler = watch([scl, sda], self)
         self._levels = sampler.levels
         for wire in (scl, sda):
             wire.watch_holds(sampler.ask)
@@ -72,7 +73,7 @@ class I2cMonitor:
         """The START of the transfer under way; NO_TIME if there is none."""
         return self._began_at if self._scl_mask else NO_TIME
 
-    def _moved(self, now: int, levels: int) -> None:
+    def sampled(self, now: int, levels: int) -> None:
         before, self._levels = self._levels, levels
         if not self._scl_mask:
             if before & levels & SCL:

@@ -15,7 +15,7 @@ from collections.abc import Callable
 from enum import Enum
 from typing import Protocol
 
-from ...core.kernel import Kernel
+from ...core.kernel import Agent, Kernel
 from ...core.wire import Wire, watch
 from .line_events import EVENT, FALL, IDLE, RISE, SDA, START
 
@@ -53,7 +53,7 @@ def _ignore(stop: bool, whole: bool) -> None:
     """Nobody asked for ends."""
 
 
-class TargetSide:
+class TargetSide(Agent):
     """answer: given the address byte, R/W included. hold: ticks from SCL's fall to its change of SDA.
 
     on_end: told when a phase that `answer` acknowledged ends, by a STOP or else by another START; whole: not in the
@@ -90,9 +90,9 @@ class TargetSide:
         self._taken = False  # the phase under way is acknowledged
         self._held_until = 0
         self._powered = True
-        watch([scl, sda], self._on_lines)
+        watch([scl, sda], self)
 
-    def _on_lines(self, now: int, levels: int) -> None:
+    def sampled(self, now: int, levels: int) -> None:
         event = EVENT[self._lines << 2 | levels]
         self._lines = levels
         if event == FALL:

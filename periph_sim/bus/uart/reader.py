@@ -13,7 +13,7 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import NamedTuple
 
-from ...core.kernel import Kernel
+from ...core.kernel import Event, Kernel
 from ...core.wire import Wire
 from .frame_format import UartFormat
 
@@ -42,7 +42,7 @@ class UartReader:
         self._bit = Fraction(1)
         self._format = UartFormat()
         self._edges: list[tuple[int, int]] = []  # of the frame under way, its start bit's first
-        self._ending = 0  # the kernel's promise to end the frame under way; 0 when none is
+        self._ending: Event | None = None  # the kernel's promise to end the frame under way
         wire.watch(self._edge)
 
     def _edge(self, now: int, level: int) -> None:
@@ -66,7 +66,7 @@ class UartReader:
             told(now)
 
     def _end(self) -> None:
-        self._ending = 0
+        self._ending = None
         form = self._format
         levels = [self._level(self._at(bit + Fraction(1, 2))) for bit in range(form.length)]
         value = sum(level << place for place, level in enumerate(levels[1 : 1 + form.bits]))

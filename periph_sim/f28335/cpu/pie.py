@@ -20,7 +20,7 @@ Chosen:
 
 from __future__ import annotations
 
-from ...core.chip import NEVER, NOTHING, Note
+from ...core.chip import NEVER, NOTHING, Chip, Note
 from ..system.options import SystemOptions
 from .pie_map import (
     BOOT_ROM_VECTORS,
@@ -40,7 +40,7 @@ ENPIE = PIECTRL["ENPIE"].mask
 PIEVECT = PIECTRL["PIEVECT"].mask
 
 
-class Pie:
+class Pie(Chip):
     """Groups are numbered 1 to 12, lines 1 to 8, as in the manual."""
 
     MAP = MAP

@@ -23,7 +23,7 @@ Chosen:
 
 from __future__ import annotations
 
-from ...core.chip import ALL, NEVER, NOTHING, Note
+from ...core.chip import ALL, NEVER, NOTHING, Chip, Note
 from .xint_map import XINT
 
 LINES = 7
@@ -34,7 +34,7 @@ COUNTERS = {XINT["XINT1CTR"].offset: 0, XINT["XINT2CTR"].offset: 1}  # offset ->
 RISING, BOTH = 1, 3  # polarity; 0 and 2 are falling
 
 
-class Xint:
+class Xint(Chip):
     MAP = XINT
     INPUTS = tuple(f"XINT{n}" for n in range(1, LINES + 1))
     OUTPUTS: tuple[str, ...] = ()

@@ -7,7 +7,7 @@ Source: SPRUFB0D sections 6.4 to 6.6, Tables 42 to 49.
 
 from __future__ import annotations
 
-from ...core.chip import Note
+from ...core.chip import Chip, Note
 from . import register_map as at
 from .register_map import PINS
 from .routes import Routes, idle_level, note_for
@@ -20,7 +20,7 @@ PULL_UPS = tuple(at.GPIO[f"GP{port}PUD"].offset for port in "ABC")
 CONTROLS = tuple(at.GPIO[f"GP{port}CTRL"].offset for port in "AB")
 
 
-class GpioSettings:
+class GpioSettings(Chip):
     """Registers by their offsets: what a read shows, and what of them acts."""
 
     MAP = at.GPIO

@@ -70,7 +70,7 @@ class I2cClock:
         over = self._low_from + self.low()
         if now > self._low_from + state.tm + self._filter():
             state.touched.add("sda_setup_before_scl_release")
-            over = max(over, now + state.setup)
+            over = max(over, now + state.setup())
         self._at(over, self._release)
 
     def _release(self, now: int) -> None:

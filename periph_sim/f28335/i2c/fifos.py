@@ -29,20 +29,17 @@ INT2 = 2
 class I2cFifos(I2cInterrupts):
     """fftx, ffrx: what is stored of I2CFFTX and I2CFFRX."""
 
-    __slots__ = ("_rx_was_high", "_tx_was_low", "ffrx", "fftx", "mdr", "rx_fifo", "tx_fifo", "xsr_full")
+    __slots__ = ("_rx_was_high", "_tx_was_low", "ffrx", "fftx", "fifo", "mdr", "rx_fifo", "tx_fifo", "xsr_full")
 
     def reset_fifos(self) -> None:
         """XRS."""
         self.mdr = 0
         self.xsr_full = False
         self.fftx = self.ffrx = 0
+        self.fifo = False  # both FIFOs are on
         self.tx_fifo = Fifo(DEPTH)
         self.rx_fifo = Fifo(DEPTH)
         self._tx_was_low = self._rx_was_high = False
-
-    @property
-    def fifo(self) -> bool:
-        return bool(self.fftx & FFEN)
 
     def fifo_levels(self, now: int) -> None:
         """After any change of a FIFO: the level flags and their request."""
@@ -78,6 +75,7 @@ class I2cFifos(I2cInterrupts):
     def write_fftx(self, now: int, value: int) -> None:
         before = self.fftx
         self.fftx, fired = I2CFFTX.write(before, value)
+        self.fifo = bool(self.fftx & FFEN)
         if not self.fftx & FFRST:
             self.tx_fifo.clear()
             if self.xsr_full:

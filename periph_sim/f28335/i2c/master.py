@@ -148,7 +148,7 @@ class I2cMaster(I2cMasterReceiver):
         self.pulls |= SDA
         self._starting = True
         self._high_phase = False
-        state.wanted = state.trx
+        state.wanted = state.trx()
         state.clear(now, STR_ARDY)
         self._at(now + self.high(), self._started)
 
@@ -309,12 +309,12 @@ class I2cMaster(I2cMasterReceiver):
         state = self.state
         if not state.mdr & MDR_TRX:
             self._kind = "take"
-            self._begin_byte(now, 0, state.bits)
+            self._begin_byte(now, 0, state.bits())
         elif state.copy_to_xsr(now):
             state.xsr_full = False
             self._kind = "send"
             state.clear(now, STR_ARDY)
-            self._begin_byte(now, state.xsr, state.bits)
+            self._begin_byte(now, state.xsr, state.bits())
         elif state.mdr & MDR_RM and state.mdr & MDR_STP:
             self._stop(now)
         else:
@@ -346,7 +346,7 @@ class I2cMaster(I2cMasterReceiver):
         if state.mdr & MDR_STT:
             self._restart(now)
         elif state.mdr & MDR_RM:
-            if state.mdr & MDR_STP and not state.tx_ready:
+            if state.mdr & MDR_STP and not state.tx_ready():
                 self._stop(now)
             else:
                 self._next_data(now)

@@ -94,7 +94,7 @@ class I2cMasterReceiver(I2cClock, ABC):
 
     def _received(self, now: int, value: int) -> None:
         state = self.state
-        if state.rx_blocked:
+        if state.rx_blocked():
             state.rsr = value
             self._rsr_waits = True
             state.overrun(now)
@@ -140,7 +140,7 @@ class I2cMasterReceiver(I2cClock, ABC):
 
     def drr_read(self, now: int) -> None:
         state = self.state
-        if not self._rsr_waits or state.rx_blocked:
+        if not self._rsr_waits or state.rx_blocked():
             return
         self._rsr_waits = False
         state.str &= ~STR_RSFULL

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from ...core.chip import ALL, NEVER, NOTHING, OUTPUTS
+from ...core.chip import ALL, NEVER, NOTHING, OUTPUTS, Chip
 from . import register_map as at
 from .fifos import DEPTH
 from .limits import I2cLimits
@@ -47,7 +47,7 @@ I2CSTR = I2C_MAP["I2CSTR"]
 BOTH = SCL | SDA
 
 
-class I2c:
+class I2c(Chip):
     MAP = I2C_MAP
     INPUTS: tuple[str, ...] = ("SCL", "SDA")
     OUTPUTS: tuple[str, ...] = ("SCL", "SDA")
@@ -142,7 +142,7 @@ class I2c:
         edge = self._timer > now and not self.master.active  # and nothing else
         self._advance(now)
         self._show()
-        return OUTPUTS if edge and self.target.in_mid_byte else ALL
+        return OUTPUTS if edge and self.target.in_mid_byte() else ALL
 
     def _advance(self, now: int) -> None:
         """Everything that is due by `now`, in order of time; filtered edges before timers."""
@@ -355,7 +355,7 @@ class I2c:
                 self.touched.add("stt_with_irs_write")
             if not value & MDR_IRS or self.options.stt_with_irs_write == "dropped":
                 value = value & ~commands | old & commands
-        if (value ^ old) & MDR_BC and state.tx_ready:
+        if (value ^ old) & MDR_BC and state.tx_ready():
             state.duty("BC was changed after I2CDXR was written; expected BC first", "SPRUG03B §5.12")
         state.mdr = value
         if value & MDR_IRS and not old & MDR_IRS:
@@ -428,7 +428,7 @@ class I2c:
 
     def _halt_target(self) -> None:
         target = self.target
-        if self.master.active or not target.follows:
+        if self.master.active or not target.follows():
             return
         self.touched.add("free_slave_unit")
         complete = self.options.free_slave_unit == "byte" or not target.own_transfer

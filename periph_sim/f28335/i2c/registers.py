@@ -100,7 +100,6 @@ class I2cRegisters(I2cFifos):
 
     # Data path, sending --------------------------------------------------------
 
-    @property
     def tx_ready(self) -> bool:
         """Whether a byte waits to go to I2CXSR."""
         return bool(self.tx_fifo) or self.dxr_full if self.fifo else self.dxr_full
@@ -116,7 +115,7 @@ class I2cRegisters(I2cFifos):
                         "SPRUG03B Table 21",
                     )
                 )
-            elif self._extra_stage and not self.dxr_full:
+            elif self._extra_stage() and not self.dxr_full:
                 self.dxr, self.dxr_full = value, True
             elif not self.tx_fifo.push(value):
                 self.notes.append(Note("lost", "a byte was written to a full TX FIFO", "SPRUG03B section 5.12"))
@@ -135,7 +134,6 @@ class I2cRegisters(I2cFifos):
         self.str = self.str & ~STR_XRDY | STR_XSMT
         self.update(now)
 
-    @property
     def _extra_stage(self) -> bool:
         self.touched.add("fifo_extra_stage")
         return self.options.fifo_extra_stage == "dxr_drr_behind"
@@ -143,7 +141,7 @@ class I2cRegisters(I2cFifos):
     def copy_to_xsr(self, now: int, xrdy: bool = True) -> bool:
         """I2CDXR (or the TX FIFO's head) goes to I2CXSR; False if there is nothing. xrdy: XRDY rises with it."""
         if self.fifo:
-            if self._extra_stage:
+            if self._extra_stage():
                 if not self.dxr_full:
                     return False
                 self.xsr = self.dxr
@@ -170,11 +168,10 @@ class I2cRegisters(I2cFifos):
 
     # Data path, receiving --------------------------------------------------------
 
-    @property
     def rx_blocked(self) -> bool:
         """Whether a further byte finds no place."""
         if self.fifo:
-            room = DEPTH + (1 if self._extra_stage else 0)
+            room = DEPTH + (1 if self._extra_stage() else 0)
             return len(self.rx_fifo) >= room if self.ffrx & FFRST else False
         return self.drr_unread
 
@@ -224,16 +221,13 @@ class I2cRegisters(I2cFifos):
             i2c_map.PSC: self.psc,
         }.get(offset, 0)
 
-    @property
     def bits(self) -> int:
         """Bits of the next data byte."""
         return self.mdr & MDR_BC or 8
 
-    @property
     def trx(self) -> bool:
         return bool(self.mdr & MDR_TRX)
 
-    @property
     def setup(self) -> int:
         """Cycles from a bit on SDA to the release of SCL; never 0, both at once could be a START or a STOP."""
         return max(1, self.options.sda_setup_before_scl_release * self.tm)

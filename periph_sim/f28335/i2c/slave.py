@@ -39,15 +39,13 @@ from .slave_transmitter import ADDRESS, ADDRESS_LOW, IGNORE, OFF, RECEIVE, TRANS
 class I2cSlave(I2cSlaveTransmitter):
     """pulls: mask of the lines held low. due: when it must be called by itself (`timer`), or NEVER."""
 
-    @property
     def follows(self) -> bool:
         """This transfer is, or may be, for us."""
         return OFF < self.phase < IGNORE
 
-    @property
     def in_mid_byte(self) -> bool:
         """True while an edge of SCL moves nothing but the shift register, and SDA as transmitter."""
-        return self.follows and 0 < self.bit < self._n
+        return self.follows() and 0 < self.bit < self._n
 
     # Line events --------------------------------------------------------------------
 
@@ -75,8 +73,8 @@ class I2cSlave(I2cSlaveTransmitter):
         self._first_byte = True
         if state.mdr & MDR_FDF and not state.mdr & MDR_MST:
             self.own_transfer = True
-            self._n = state.bits
-            self.phase = TRANSMIT if state.trx else RECEIVE
+            self._n = state.bits()
+            self.phase = TRANSMIT if state.trx() else RECEIVE
 
     def stop(self, now: int) -> None:
         state, options = self.state, self.state.options
@@ -142,20 +140,19 @@ class I2cSlave(I2cSlaveTransmitter):
         self._nack_armed = bool(state.mdr & MDR_NACKMOD)
         if self.phase == RECEIVE:
             return
-        if state.options.aas_sdir_point == "rise8" and not self.muted and self._address.is_ours(*self._address_byte):
+        if (
+            state.options.aas_sdir_point == "rise8"
+            and not self.muted
+            and self._address.is_ours(self._shift & 0xFF, self.phase == ADDRESS_LOW)
+        ):
             self._address_flags(now)
-
-    @property
-    def _address_byte(self) -> tuple[int, bool]:
-        """The address byte in I2CRSR, and whether it is the second of a 10-bit address."""
-        return self._shift & 0xFF, self.phase == ADDRESS_LOW
 
     def _address_complete(self, now: int) -> None:
         state, options = self.state, self.state.options
         self._ack = (
-            self._address.is_answered_by_master(*self._address_byte)
+            self._address.is_answered_by_master(self._shift & 0xFF, self.phase == ADDRESS_LOW)
             if self.muted
-            else self._address.is_ours(*self._address_byte)
+            else self._address.is_ours(self._shift & 0xFF, self.phase == ADDRESS_LOW)
         )
         if not self._ack:
             if self._shift & 0xFF == 1 and options.start_byte_ad0 == "set" and not self.muted:
@@ -172,7 +169,7 @@ class I2cSlave(I2cSlaveTransmitter):
             if options.nackmod_on_address == "address_too":
                 self._ack = False
         self.own_transfer = True
-        if self._address.read and state.tx_ready:
+        if self._address.read and state.tx_ready():
             state.touched.add("stale_byte_next_read")
             if options.stale_byte_next_read == "discarded":
                 state.dxr_full = False
@@ -187,7 +184,7 @@ class I2cSlave(I2cSlaveTransmitter):
 
     def _address_flags(self, now: int) -> None:
         state = self.state
-        if not self._address.is_whole(*self._address_byte):
+        if not self._address.is_whole(self._shift & 0xFF, self.phase == ADDRESS_LOW):
             return
         flags = STR_AAS
         if self._address.read:
@@ -220,7 +217,7 @@ class I2cSlave(I2cSlaveTransmitter):
             if state.options.aas_fdf_point == "end_of_byte":
                 state.set(now, STR_AAS)
         self._ack = not self._nack_armed
-        blocked = state.rx_blocked
+        blocked = state.rx_blocked()
         if blocked and self._policy() == "nack":
             self._ack = False
         if self._ack:
@@ -238,7 +235,7 @@ class I2cSlave(I2cSlaveTransmitter):
         """I2CRSR is complete: it moves on, or waits."""
         state = self.state
         value = self._value()
-        if state.rx_blocked:
+        if state.rx_blocked():
             self._rsr_waits = True
             state.rsr = value
             state.overrun(now)
@@ -262,7 +259,7 @@ class I2cSlave(I2cSlaveTransmitter):
 
     def drr_read(self, now: int) -> None:
         """The CPU has read I2CDRR: a waiting byte moves on, a stretch ends."""
-        if not self._rsr_waits or self.state.rx_blocked:
+        if not self._rsr_waits or self.state.rx_blocked():
             return
         self._rsr_waits = False
         self.state.str &= ~STR_RSFULL
@@ -289,7 +286,7 @@ class I2cSlave(I2cSlaveTransmitter):
         if phase == RECEIVE:
             self._data_slot_ends(now)
         if self._ack and not self._address.read and options.dxr_to_xsr_copy_point == "any_ack_fall9" and state.bcm:
-            if state.tx_ready:
+            if state.tx_ready():
                 state.touched.add("dxr_to_xsr_copy_point")
             self._copy(now)
         self._next_byte(now)
@@ -327,7 +324,7 @@ class I2cSlave(I2cSlaveTransmitter):
         elif phase in (ADDRESS, ADDRESS_LOW):
             self._address.selected = self._address.selected or low
             self.phase = RECEIVE
-        self._n = 8 if self.phase == ADDRESS_LOW else state.bits
+        self._n = 8 if self.phase == ADDRESS_LOW else state.bits()
         if self.phase != TRANSMIT and self._n == 8:
             self._shift = 0
 

@@ -54,11 +54,11 @@ class I2cSlaveTransmitter:
         state = self.state
         point = state.options.dxr_to_xsr_copy_point
         if point == "eager_if_trx":
-            return state.trx
+            return state.trx()
         return point in ("eager", "eager_reloaded_at_address")
 
     def _eager(self, now: int) -> None:
-        if self.eager_now() and not self.state.xsr_full and not self._shifting and self.state.tx_ready:
+        if self.eager_now() and not self.state.xsr_full and not self._shifting and self.state.tx_ready():
             self.state.touched.add("dxr_to_xsr_copy_point")
             self._copy(now)
 
@@ -84,7 +84,7 @@ class I2cSlaveTransmitter:
 
     def _release(self, now: int) -> None:
         self.state.touched.add("sda_setup_before_scl_release")
-        self._release_at = now + self.state.setup
+        self._release_at = now + self.state.setup()
         self.due = min(self._release_at, self._copy_at)
 
     def timer(self, now: int) -> None:
@@ -105,7 +105,7 @@ class I2cSlaveTransmitter:
         """Fall 9 of an acknowledged byte (or the fall after START): the next byte of data begins."""
         state, options = self.state, self.state.options
         self.bit = 0
-        self._n = state.bits
+        self._n = state.bits()
         self._first_byte = False
         if state.cnt and self._sent >= state.cnt:
             state.touched.add("cnt_in_slave_tx")
@@ -114,7 +114,7 @@ class I2cSlaveTransmitter:
                 self._send(now)
                 return
         point = options.dxr_to_xsr_copy_point
-        if state.tx_ready and state.bcm:
+        if state.tx_ready() and state.bcm:
             state.touched.add("dxr_to_xsr_copy_point")
         if not state.bcm or point in ("any_ack_fall9", "ack_fall9") or not state.xsr_full:
             self._copy(now)
@@ -170,7 +170,7 @@ class I2cSlaveTransmitter:
         self.phase = IGNORE
         state.wanted = False
         state.str &= ~STR_AAS
-        if state.tx_ready:
+        if state.tx_ready():
             state.touched.add("nack_clears_dxr")
             if options.nack_clears_dxr:
                 state.dxr_full = False
@@ -184,6 +184,6 @@ class I2cSlaveTransmitter:
     def _copy_at_rise9(self, now: int) -> None:
         """The copy, where it comes in the middle of the ACK slot; XRDY may rise with it or at the slot's end."""
         state, options = self.state, self.state.options
-        if options.dxr_to_xsr_copy_point == "ack_rise9" and state.bcm and state.tx_ready:
+        if options.dxr_to_xsr_copy_point == "ack_rise9" and state.bcm and state.tx_ready():
             state.touched |= {"dxr_to_xsr_copy_point", "xrdy_rise_point"}
             self._copy(now, xrdy=options.xrdy_rise_point == "at_copy")

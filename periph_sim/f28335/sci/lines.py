@@ -20,7 +20,7 @@ Source: TI SPRUFZ5A; SPRUFB0D section 5.1 for the clock gate.
 
 from __future__ import annotations
 
-from ...core.chip import ALL, NEVER, NOTHING, OUTPUTS, Note
+from ...core.chip import ALL, NEVER, NOTHING, OUTPUTS, Chip, Note
 from .autobaud import SciAutobaud
 from .character_format import SciFormat
 from .clock import SciClock
@@ -42,7 +42,7 @@ FREE = SCI_MAP["SCIPRI"]["FREE"].mask
 LINE_QUESTIONS = ("rxrdy_point", "rx_sync_stages")  # every frame that comes as levels depends on them
 
 
-class SciLines:
+class SciLines(Chip):
     """name: as notes call the module. options: answers to open questions."""
 
     MAP = SCI_MAP

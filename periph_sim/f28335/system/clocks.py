@@ -31,7 +31,7 @@ from __future__ import annotations
 from fractions import Fraction
 from math import gcd
 
-from ...core.chip import ALL, NEVER, Note
+from ...core.chip import ALL, NEVER, Chip, Note
 from .clocks_map import (
     GATES,
     HISPCP,
@@ -77,7 +77,7 @@ def prescale(code: int) -> int:
     return 2 * code or 1
 
 
-class SystemControl:
+class SystemControl(Chip):
     """oscclk_hz: frequency of OSCCLK, for `sysclk_hz` and the check of the PLL's limit."""
 
     MAP = MAP

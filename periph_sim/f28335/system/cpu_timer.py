@@ -21,7 +21,7 @@ Chosen:
 
 from __future__ import annotations
 
-from ...core.chip import ALL, NEVER, Note
+from ...core.chip import ALL, NEVER, Chip, Note
 from .cpu_timer_map import BASES, MAP, PRD, PRDH, TCR, TIM, TIMH, TPR, TPRH
 from .options import SystemOptions
 
@@ -36,7 +36,7 @@ TINT1_CPU = 13
 TINT2_CPU = 14
 
 
-class CpuTimer:
+class CpuTimer(Chip):
     """number: 0, 1 or 2. Runs from reset, as the hardware does."""
 
     MAP = MAP

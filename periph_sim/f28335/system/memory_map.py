@@ -51,8 +51,8 @@ class WaitStates:
     """Extra cycles of one access, by frame. Wait states are the options' where TI leaves a doubt."""
 
     def __init__(self, options: SystemOptions) -> None:
-        self.read = {Frame.PF0: 1, Frame.PF1: 2, Frame.PF2: options.pf2_read_ws}
-        self.write = {Frame.PF0: 0, Frame.PF1: 0, Frame.PF2: options.pf2_write_ws}
+        self.read = (1, 2, options.pf2_read_ws)
+        self.write = (0, 0, options.pf2_write_ws)
         self.pf1_after_pf1 = options.pf1_back_to_back_write
 
 

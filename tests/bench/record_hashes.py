@@ -1,0 +1,56 @@
+"""What every shipped case records, as one line a case: equal lines mean equal records, events and assumptions.
+
+python -m tests.bench.record_hashes [--seconds 2] [CASE ...]
+
+    case, seconds --> run, recorded as .jsonl --> name, SHA-256 of the recording, events, SHA-256 of the result
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import sys
+import tempfile
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict
+from fractions import Fraction
+from pathlib import Path
+
+from periph_sim.records.recording import recording
+from periph_sim.scene.case.load import load
+from periph_sim.scene.scene import Scene
+
+TIMING = Path(__file__).parents[2] / "timing"
+
+
+def line_of(name: str, seconds: str) -> str:
+    """One case, run and recorded."""
+    case = load(TIMING / f"{name}.toml")
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "run.jsonl"
+        with recording(path, case.recorded_modules) as (subscribe, ended_at):
+            scene = Scene(case, subscribe)
+            result = scene.run(Fraction(seconds))
+            ended_at(scene.kernel.now)
+        recorded = hashlib.sha256(path.read_bytes()).hexdigest()[:16]
+    shown = {key: value for key, value in asdict(result).items() if key != "wall_s"}
+    told = hashlib.sha256(json.dumps(shown, sort_keys=True, default=str).encode()).hexdigest()[:16]
+    return f"{name} {recorded} {result.events} {told}"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seconds", default="2")
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("cases", nargs="*")
+    given = parser.parse_args()
+    names = given.cases or sorted(path.stem for path in TIMING.glob("*.toml"))
+    with ProcessPoolExecutor(given.jobs) as pool:
+        for line in pool.map(line_of, names, [given.seconds] * len(names)):
+            print(line)
+            sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main()

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from ..core.text_table import columns, together
 from ..timing.format_value import in_words, instant, percentile
 from ..timing.verdict import Verdict
 from .chain import Chain, FirmwarePlace, Part
@@ -26,8 +27,7 @@ def text(chain: Chain) -> list[str]:
     rows = []
     for step in chain.steps:
         length = "" if step.length is None else _us(chain, step.length)
-        place = "" if step.place is None else f" [{step.place}]"
-        rows.append((_us(chain, step.at), length, f"{step.what}{place}"))
+        rows.append((_us(chain, step.at), length, f"{step.what}{_bracketed(step.place)}"))
     lines += _table(rows) if rows else []
     if chain.parts:
         rows = [(_us(chain, part.length), _share(chain, part), _counted(part)) for part in _largest(chain.parts)]
@@ -67,15 +67,16 @@ def _share(chain: Chain, part: Part) -> str:
 
 
 def _counted(part: Part) -> str:
-    place = "" if part.place is None else f" [{part.place}]"
-    return f"{part}{f', {part.count} times' if part.count > 1 else ''}{place}"
+    return f"{part}{f', {part.count} times' if part.count > 1 else ''}{_bracketed(part.place)}"
+
+
+def _bracketed(place: FirmwarePlace | None) -> str:
+    """Behind a blank, and never broken."""
+    return "" if place is None else f" {together(f'[{place}]')}"
 
 
 def _table(rows: list[tuple[str, str, str]]) -> list[str]:
-    """Columns of equal width; an empty one is left out."""
-    widths = [max(len(row[column]) for row in rows) for column in (0, 1)]
-    columns = [column for column in (0, 1) if widths[column]]
-    return ["    " + "".join(f"{row[c]:>{widths[c]}}  " for c in columns) + row[2] for row in rows]
+    return columns(rows, right=(0, 1), indent="    ")
 
 
 def as_json(chain: Chain) -> dict[str, object]:

@@ -8,16 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ..core.text_table import text_table
 from ..explain.chain import Chain
 from ..explain.picture import text_picture
 from ..explain.text_report import text
 from ..explain.window import Window
 from ..timing.format_value import figure, instant, limit
 from ..timing.verdict import Verdict
-from .figures import aligned
 from .runs import Run
 
-WIDTH = 88  # pytest puts 4 columns before each line
+WIDTH = 72  # pytest puts 8 columns before each line
 MOST = 3  # worst occurrences explained
 
 
@@ -61,13 +61,13 @@ def _picture(window: Window, chain: Chain | None) -> list[str]:
 
 
 def _table(verdicts: Sequence[Verdict]) -> list[str]:
-    rows: list[tuple[str, ...]] = [("budget", "seen", "limit", "margin", "when", "why")]
+    rows: list[tuple[str, ...]] = []
     for verdict in verdicts:
         worst, margin = (figure(value, verdict.unit) for value in (verdict.worst, verdict.margin))
         why = verdict.why if verdict.worst is not None else "nothing was measured, which is no pass"
         why = verdict.found or why
         rows.append((verdict.name, worst, _limit(verdict), margin, instant(verdict.at_s), why))
-    return aligned(rows, left=(0, 5))
+    return text_table(("budget", "seen", "limit", "margin", "when", "why"), rows, range(1, 5), WIDTH)
 
 
 def _limit(verdict: Verdict) -> str:

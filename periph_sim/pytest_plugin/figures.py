@@ -13,11 +13,14 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from ..core.text_table import WIDTH, table_rows
+
 if TYPE_CHECKING:
     from ..timing.verdict import Verdict
 
 HEAD = "periph-sim/"
 FIRST = "verdict"  # the figure that each budget's begin with
+UNBROKEN = 10_000  # columns of a table with names of tests, which are paths to copy
 VALUES = ("worst", "bound", "limit", "margin")
 
 Property = tuple[str, object]
@@ -95,32 +98,22 @@ def table(reports: Iterable[Any]) -> list[tuple[str, bool]]:
         return []
     from ..timing.format_value import figure, instant, limit
 
-    rows: list[tuple[str, ...]] = [("case/budget", "seen", "bound", "limit", "when", "", "judged by")]
+    titles: tuple[str, ...] = ("case/budget", "seen", "bound", "limit", "when", "", "judged by")
+    rows: list[tuple[str, ...]] = []
     for one in budgets:
         unit = one.figures.get("unit", "")
         seen, bound = (figure(one.value(name), unit) for name in ("worst", "bound"))
         numbers = (seen, bound, limit(one.value("limit"), unit, one.figures.get("which", "")))
         by = "" if ".toml::" in one.test else one.test
         rows.append((one.label, *numbers, instant(one.value("at_s")), one.verdict, by))
-    if not any(row[-1] for row in rows[1:]):
-        rows = [(*row[:-1], "") for row in rows]
-    lines = aligned(rows, left=(0, 5, 6))
-    return [(lines[0], True)] + [
-        (line, one.figures[FIRST] == "pass" or one.expected) for line, one in zip(lines[1:], budgets, strict=True)
+    width = UNBROKEN
+    if not any(row[-1] for row in rows):
+        titles, rows, width = titles[:-1], [row[:-1] for row in rows], WIDTH
+    head, *body = table_rows(titles, rows, right=range(1, 5), width=width)
+    good = [one.figures[FIRST] == "pass" or one.expected for one in budgets]
+    return [(line, True) for line in head] + [
+        (line, well) for lines, well in zip(body, good, strict=True) for line in lines
     ]
-
-
-def aligned(rows: Sequence[Sequence[str]], left: Sequence[int]) -> list[str]:
-    """Rows as lines, columns of equal width; those of `left` begin at their left edge."""
-    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    lines = []
-    for row in rows:
-        cells = [
-            f"{cell:{width}}" if column in left else f"{cell:>{width}}"
-            for column, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ]
-        lines.append("  ".join(cells).rstrip())
-    return lines
 
 
 def told(into: list[Property], case: str, verdicts: Sequence[Verdict]) -> None:

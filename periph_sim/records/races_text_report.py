@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 
-from .cause_trace.text_report import aligned
+from ..core.text_table import paragraph, text_table
 from .lost_flags import ReadModifyWrite
 from .races import DECADES, NearMiss, PlaceRaces, Races
 
-HEAD = ("register", "place", "reads", "polls", "closest before", "closest after", *("0", "<10", "<100", "<1k", "<10k"))
+CLOSEST = ("register", "place", "closest", "cycles", "field", "at")
+COUNTS = ("register", "place", "reads", "polls", *("0", "<10", "<100", "<1k", "<10k", "more"))
 NOTES = (
     "reads: recorded ones; polls: those beside a change in waits that were skipped, put back on the grid of their "
     "passes. Columns 0 to more: reads and polls by cycles to their nearest change.",
@@ -18,21 +19,23 @@ NOTES = (
 
 
 def text(races: Races) -> str:
-    """A table of places, closest first; what read-modify-writes did to flags; and how to read it."""
+    """Tables of places, closest first; what read-modify-writes did to flags; and how to read it."""
     run = races.run
     if not races.places:
         return f"{run.name}: no read of a status register was recorded"
-    lines = [f"{run.name}: cycles between reads and changes; {run.cycles.how}", ""]
-    table = aligned([(*HEAD, "more"), *(_row(races, place) for place in races.places)])
-    lines += [table[0], "-" * max(map(len, table)), *table[1:], ""]
+    lines = [*paragraph(f"{run.name}: cycles between reads and changes; {run.cycles.how}"), ""]
+    closest_rows = [row for place in races.places for row in _closest(races, place)]
+    lines += [*text_table(CLOSEST, closest_rows, (3, 5)), ""]
+    lines += [*text_table(COUNTS, [_counts(races, place) for place in races.places], range(2, len(COUNTS))), ""]
     if races.modifies:
         lines.append("read-modify-writes of flags that writing 1 clears:")
-        lines += [line for modify in races.modifies for line in _modify(races, modify)]
+        told = [line for modify in races.modifies for line in _modify(races, modify)]
+        lines += [part for line in told for part in paragraph(line.lstrip(), _indent(line), f"{_indent(line)}  ")]
         lines.append("")
     unplaced = sum(place.unplaced for place in races.places)
-    lines += [f"note: {note}" for note in NOTES]
+    lines += [line for note in NOTES for line in paragraph(f"note: {note}")]
     if unplaced:
-        lines.append(
+        lines += paragraph(
             f"note: {unplaced} skipped waits with a change in them do not show how long a pass is; "
             "there only the recorded reads count"
         )
@@ -78,24 +81,26 @@ def as_json(races: Races) -> dict[str, object]:
     }
 
 
-def _row(races: Races, place: PlaceRaces) -> tuple[str, ...]:
-    return (
-        _name(races, place),
-        place.place,
-        str(place.reads),
-        str(place.polls),
-        _shave(races, place.before),
-        _shave(races, place.after),
-        *map(str, place.histogram),
-    )
+def _closest(races: Races, place: PlaceRaces) -> list[tuple[str, ...]]:
+    """A row for the closest read before a change, and one for the closest after one; names stand in the first."""
+    found = [("before", place.before), ("after", place.after)]
+    rows = [
+        (side, *(("-", "", "") if miss is None else (str(miss.cycles), miss.field, races.run.at(miss.tick))))
+        for side, miss in found
+    ]
+    return [(_name(races, place), place.place, *rows[0]), ("", "", *rows[1])]
+
+
+def _counts(races: Races, place: PlaceRaces) -> tuple[str, ...]:
+    return (_name(races, place), place.place, str(place.reads), str(place.polls), *map(str, place.histogram))
+
+
+def _indent(line: str) -> str:
+    return line[: len(line) - len(line.lstrip())]
 
 
 def _name(races: Races, of: PlaceRaces | ReadModifyWrite) -> str:
     return of.register if len(races.run.units) == 1 else f"{of.unit}.{of.register}"
-
-
-def _shave(races: Races, shave: NearMiss | None) -> str:
-    return "-" if shave is None else f"{shave.cycles} ({shave.field}, {races.run.at(shave.tick)})"
 
 
 def _shave_json(races: Races, shave: NearMiss | None) -> dict[str, object] | None:

@@ -40,10 +40,10 @@ Run = Callable[..., Came]
 
 @pytest.fixture
 def periph_sim(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
-    """Runs `periph-sim` with the given arguments in this process, 110 columns wide."""
+    """Runs `periph-sim` with the given arguments in this process, 80 columns wide."""
 
     def run(*arguments: str) -> Came:
-        monkeypatch.setenv("COLUMNS", "110")
+        monkeypatch.setenv("COLUMNS", "80")
         monkeypatch.setattr(sys, "argv", ["periph-sim", *arguments])
         with pytest.raises(SystemExit) as ended:
             main()

@@ -24,10 +24,7 @@ def rest(desk: Path, periph_sim: Run) -> Path:
 def test_the_table_shows_ours_beside_the_published_ones(periph_sim: Run):
     came = periph_sim("imu-table")
     assert came.status == 0
-    assert (
-        "gyroscope y, deg/s           3.5997       3.5380       3.5375       3.5385      -1.2 se      -0.6 se"
-        in came.out
-    )
+    assert " gyroscope y, deg/s      3.5997    3.5380   3.5375    3.5385      -1.2      -0.6\n" in came.out
     assert periph_sim("imu-table", "--seed", "2").out != came.out
 
 
@@ -35,7 +32,7 @@ def test_the_turn_of_figure_5_1_with_its_field(periph_sim: Run):
     came = periph_sim("imu-table", "--turn")
     assert came.status == 0
     assert "taken: d = 0, H = (0.3239, -0.0447, 0.0060) gauss" in came.out
-    assert "\n  180   -0.4835    0.2137   -0.0145            0.0437\n" in came.out
+    assert "\n 180  -0.4835   0.2137  -0.0145           0.0437\n" in came.out
 
 
 def test_a_set_that_is_neither_shipped_nor_a_file(periph_sim: Run):

@@ -36,7 +36,7 @@ def test_the_table_at_rest_is_what_was_published_and_what_is_printed():
         row = EMULATOR[chip]
         published = [values["xyz".index(axis)] for values in (row.mean, row.three_sigma, row.variance)]
         assert [float(cell) for cell in shown[::2]] == published
-        printed = [line.split() for line in lines if line.startswith(f"{chip} {axis}, ")]
+        printed = [line.split() for line in lines if line.startswith(f" {chip} {axis}, ")]
         assert [cells[5] for cells in printed] == shown[1::2]
 
 

@@ -20,6 +20,7 @@ from periph_sim.scene.case.model import Case
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.budget_schema import Budget
 from periph_sim.timing.measures.registry import MEASURES
+from tests.unwrapped import unwrapped
 
 TIMING = Path(__file__).parents[2] / "timing"
 SETTING = "unit.dsp.settings."
@@ -46,7 +47,7 @@ def measured(measure: str, *changes: str, name: str = "imu_hil_published", limit
 
 
 def said(chain: Chain) -> str:
-    return "\n".join(text(chain))
+    return unwrapped("\n".join(text(chain)))
 
 
 def line_of(chain: Chain, what: str) -> str:

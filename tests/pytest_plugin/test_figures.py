@@ -36,12 +36,13 @@ def test_figures_come_back_as_they_went() -> None:
         ]
     )
     assert lines == [
-        ("case/budget       seen     bound  limit        when                       judged by", True),
-        ("a/b/response  5.000 us         -   4 us  0.500000 s  broken               t.py::one", False),
-        ("a/b/x / y            -         -   4 us           -  broken               t.py::one", False),
-        ("c/response           3         -      4  0.500000 s  seen", True),
-        ("c/proven      2.000 us  3.500 us   4 us  0.500000 s  every phase", True),
-        ("c/response    5.000 us         -   4 us  0.500000 s  broken, as expected", True),
+        (" case/budget       seen     bound  limit        when                       judged by", True),
+        (f" {'─' * 83}", True),
+        (" a/b/response  5.000 us         -   4 us  0.500000 s  broken               t.py::one", False),
+        (" a/b/x / y            -         -   4 us           -  broken               t.py::one", False),
+        (" c/response           3         -      4  0.500000 s  seen", True),
+        (" c/proven      2.000 us  3.500 us   4 us  0.500000 s  every phase", True),
+        (" c/response    5.000 us         -   4 us  0.500000 s  broken, as expected", True),
     ]
 
 

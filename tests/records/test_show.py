@@ -15,13 +15,18 @@ from periph_sim.records.lint_finding import Finding
 from periph_sim.records.lint_runner import all_lints
 from tests.records.scenes import by_hand
 from tests.records.test_races import RRDY, SCD, flag, read, write
+from tests.unwrapped import unwrapped
 
-HEAD = "the run: cycles between reads and changes; SYSCLKOUT 150 MHz, which all accesses fall on"
+HEAD = """\
+the run: cycles between reads and changes; SYSCLKOUT 150 MHz, which all accesses
+  fall on"""
 NOTES = """\
-note: reads: recorded ones; polls: those beside a change in waits that were skipped, put back on the grid of their \
-passes. Columns 0 to more: reads and polls by cycles to their nearest change.
-note: A read that names a field is compared with the changes of that field; one of the whole register, as each of a \
-read-modify-write is, with those of all. Changes that the firmware's own access made in its cycle do not count."""
+note: reads: recorded ones; polls: those beside a change in waits that were
+  skipped, put back on the grid of their passes. Columns 0 to more: reads and
+  polls by cycles to their nearest change.
+note: A read that names a field is compared with the changes of that field; one
+  of the whole register, as each of a read-modify-write is, with those of all.
+  Changes that the firmware's own access made in its cycle do not count."""
 
 # A look, a read-modify-write of SCD between whose accesses NACK rises, two later reads. RRDY falls by the write: what
 # firmware does itself is no race.
@@ -42,15 +47,25 @@ def test_races_as_a_table():
         f"""\
 {HEAD}
 
-  register      place   reads  polls  closest before          closest after             0  <10  <100  <1k  <10k  more
----------------------------------------------------------------------------------------------------------------------
-  I2C-A.I2CSTR  f:1     1      0      1 (NACK, 0.000667 ms)   50 (RRDY, 0.000667 ms)    0  1    0     0    0     0
-  I2C-A.I2CSTR  look:9  1      0      21 (NACK, 0.000533 ms)  30 (RRDY, 0.000533 ms)    0  0    1     0    0     0
-  I2C-A.I2CSTR  main:7  2      0      -                       1399 (NACK, 0.010000 ms)  0  0    0     0    2     0
+ register      place   closest  cycles  field           at
+ ─────────────────────────────────────────────────────────
+ I2C-A.I2CSTR  f:1     before        1  NACK   0.000667 ms
+                       after        50  RRDY   0.000667 ms
+ I2C-A.I2CSTR  look:9  before       21  NACK   0.000533 ms
+                       after        30  RRDY   0.000533 ms
+ I2C-A.I2CSTR  main:7  before        -
+                       after      1399  NACK   0.010000 ms
+
+ register      place   reads  polls  0  <10  <100  <1k  <10k  more
+ ─────────────────────────────────────────────────────────────────
+ I2C-A.I2CSTR  f:1         1      0  0    1     0    0     0     0
+ I2C-A.I2CSTR  look:9      1      0  0    0     1    0     0     0
+ I2C-A.I2CSTR  main:7      2      0  0    0     0    0     2     0
 
 read-modify-writes of flags that writing 1 clears:
   I2C-A.I2CSTR at f:1: 1 times, to clear SCD
-    RRDY was cleared along with it 1 times, 0 of them never read since it rose; first at 0.000680 ms
+    RRDY was cleared along with it 1 times, 0 of them never read since it rose;
+      first at 0.000680 ms
     NACK rose between read and write 1 times; lost 0
 
 {NOTES}
@@ -63,12 +78,18 @@ def test_races_without_a_change_and_without_another_flag():
         f"""\
 {HEAD}
 
-  register      place  reads  polls  closest before  closest after  0  <10  <100  <1k  <10k  more
--------------------------------------------------------------------------------------------------
-  I2C-A.I2CSTR  f:1    1      0      -               -              0  0    0     0    0     0
+ register      place  closest  cycles  field  at
+ ───────────────────────────────────────────────
+ I2C-A.I2CSTR  f:1    before        -
+                      after         -
+
+ register      place  reads  polls  0  <10  <100  <1k  <10k  more
+ ────────────────────────────────────────────────────────────────
+ I2C-A.I2CSTR  f:1        1      0  0    0     0    0     0     0
 
 read-modify-writes of flags that writing 1 clears:
-  I2C-A.I2CSTR at f:1: 1 times, to clear nothing; no other flag cleared, none rose in between
+  I2C-A.I2CSTR at f:1: 1 times, to clear nothing; no other flag cleared, none
+    rose in between
 
 {NOTES}
 closest: no change to be near to; flags lost to read-modify-writes: 0 (cleared along: 0)"""
@@ -77,15 +98,16 @@ closest: no change to be near to; flags lost to read-modify-writes: 0 (cleared a
 
 def test_races_with_waits_that_cannot_be_filled_and_without_read_modify_writes():
     told = show_races.text(races(by_hand(read(100), read(110), flag(507, "RRDY", 1), read(513, RRDY))))
-    assert told.splitlines()[4].split(maxsplit=4)[2:] == [
-        *("3", "0"),
-        "397 (RRDY, 0.000733 ms)  6 (RRDY, 0.003420 ms)  0  1    0     2    0     0",
+    assert [line.split() for line in told.splitlines()[5:7]] == [
+        [STR, "f:1", "before", "397", "RRDY", "0.000733", "ms"],
+        ["after", "6", "RRDY", "0.003420", "ms"],
     ]
-    assert told.splitlines()[5:] == [
+    assert told.splitlines()[10].split() == [STR, "f:1", *["3", "0", "0", "1", "0", "2", "0", "0"]]
+    assert told.splitlines()[11:] == [
         "",
         *NOTES.splitlines(),
-        "note: 1 skipped waits with a change in them do not show how long a pass is; there only the recorded reads "
-        "count",
+        "note: 1 skipped waits with a change in them do not show how long a pass is;",
+        "  there only the recorded reads count",
         "closest: 6 cycles; flags lost to read-modify-writes: 0 (cleared along: 0)",
     ]
 
@@ -125,7 +147,7 @@ def test_races_as_json():
             "flags": [{**flags[0], "first_s": pytest.approx(102 / 150e6)}, {**flags[1], "first_s": None}],
         }
     ]
-    assert [f"note: {note}" for note in found.pop("notes")] == NOTES.splitlines()
+    assert unwrapped(" ".join(f"note: {note}" for note in found.pop("notes"))) == unwrapped(NOTES)
     assert found == {
         "run": "the run",
         "cycle_ticks": 20.0,
@@ -141,14 +163,16 @@ def test_a_flag_meant_is_said_with_its_doubt():
     """RRDY and SCD were 1 and are written as 1 each time: either may have been meant."""
     both = flag(10, "RRDY", 1), flag(20, "SCD", 1), read(100, RRDY | SCD), write(102, RRDY | SCD)
     told = show_races.text(races(by_hand(*both)))
-    assert "  I2C-A.I2CSTR at f:1: 1 times, to clear one of SCD, RRDY, all set each time; no other flag" in told
+    assert " I2C-A.I2CSTR at f:1: 1 times, to clear one of SCD, RRDY, all set each time; no other flag" in unwrapped(
+        told
+    )
 
 
 def test_with_two_units_registers_are_told_with_theirs():
     of = by_hand(*ROWS)
     of.table.modules["other"] = ("I2C-A",)
     told = show_races.text(races(of))
-    assert "  dsp.I2C-A.I2CSTR  f:1 " in told and "  dsp.I2C-A.I2CSTR at f:1: 1 times, to clear SCD" in told
+    assert " dsp.I2C-A.I2CSTR  f:1 " in told and "  dsp.I2C-A.I2CSTR at f:1: 1 times, to clear SCD" in told
 
 
 # Why ------------------------------------------------------------------------------------------------------------
@@ -162,16 +186,20 @@ def test_why_before_the_first_change():
         "",
         "back:",
     ]
-    assert "  changed  333.333 ns (50 cycles) after  dsp.I2C-A.I2CSTR.RRDY set [SPRUG03B table 10]" in text
+    assert "changed 333.333 ns (50 cycles) after dsp.I2C-A.I2CSTR.RRDY set [SPRUG03B table 10]" in unwrapped(
+        " ".join(text)
+    )
     assert "  no recorded reads that looked at it before that change" in text
 
 
 def test_why_counts_the_reads_up_to_the_next_change():
     text = show_why.text(why(by_hand(*ROWS), "I2CSTR.RRDY@500ns")).splitlines()
     assert text[0] == "dsp.I2C-A.I2CSTR.RRDY at 0.000500 ms: 1 since 0.000333 ms, 166.667 ns (25 cycles) before"
-    assert text[text.index("forward:") + 1 :][:3] == [
-        "  read     200 ns (30 cycles) after      dsp: I2C-A.I2CSTR read, 0x0008 at look:9",
-        "  changed  346.667 ns (52 cycles) after  dsp.I2C-A.I2CSTR.RRDY cleared [SPRUG03B table 10]",
+    assert text[text.index("forward:") + 1 :][:5] == [
+        "  read     200 ns (30 cycles) after      dsp: I2C-A.I2CSTR read, 0x0008 at",
+        "                                           look:9",
+        "  changed  346.667 ns (52 cycles) after  dsp.I2C-A.I2CSTR.RRDY cleared",
+        "                                           [SPRUG03B table 10]",
         "  2 recorded reads that looked at it before that change",
     ]
     once = show_why.text(why(by_hand(*ROWS[:2], *ROWS[3:4]), "I2CSTR.RRDY@500ns"))

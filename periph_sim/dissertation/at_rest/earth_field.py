@@ -21,6 +21,7 @@ from math import atan2, degrees
 
 import numpy as np
 
+from ...core.text_table import text_table
 from ...sensors.models.imu import Imu
 from ...sensors.models.parameters import Imu as Parameters
 from ...sensors.models.parameters import Magnetometer
@@ -83,26 +84,42 @@ def text(imu: Parameters, found: Fit) -> str:
     """The fit, and the turn of Figure 5.1 with this set, as lines."""
     undisturbed, disturbed = found.candidates
     x, y, z = found.taken.field
+    says = [
+        (
+            "y at 0 and 180 is about the bias: |Hy|",
+            f"{abs(undisturbed.field[1]):.4f}",
+            f"{abs(disturbed.field[1]):.4f}",
+            f"d = {found.along_y:.2f}",
+        ),
+        (
+            "the field is nearly horizontal: |Hz|",
+            f"{abs(undisturbed.field[2]):.4f}",
+            f"{abs(disturbed.field[2]):.4f}",
+            f"d = {found.along_z:.2f}",
+        ),
+        (
+            "x points north: degrees between x and H",
+            f"{abs(undisturbed.off_north):.1f}",
+            f"{abs(disturbed.off_north):.1f}",
+            "",
+        ),
+    ]
+    turned = [
+        (str(yaw), *(f"{value:.4f}" for value in row), f"{row[1] - imu.magnetometer.hard_iron[1]:.4f}")
+        for yaw, row in zip(YAWS, turn(imu), strict=True)
+    ]
     lines = [
-        f"Earth field H from Table 5.1's real mean {_three(MEAN)} gauss = H + d V, V the hard iron of Table 4.1",
+        f"Earth field H from Table 5.1's real mean {_three(MEAN)} gauss",
+        "= H + d V, V the hard iron of Table 4.1",
         "",
-        f"{'section 5.2 says':<44}{'d = 0':>10}{'d = 1':>10}{'least squares':>16}",
-        f"{'y at 0 and 180 is about the bias: |Hy|':<44}"
-        f"{abs(undisturbed.field[1]):>10.4f}{abs(disturbed.field[1]):>10.4f}{f'd = {found.along_y:.2f}':>16}",
-        f"{'the field is nearly horizontal: |Hz|':<44}"
-        f"{abs(undisturbed.field[2]):>10.4f}{abs(disturbed.field[2]):>10.4f}{f'd = {found.along_z:.2f}':>16}",
-        f"{'x points north: degrees between x and H':<44}"
-        f"{abs(undisturbed.off_north):>10.1f}{abs(disturbed.off_north):>10.1f}",
+        *text_table(("section 5.2 says", "d = 0", "d = 1", "least squares"), says, range(1, 4)),
         "",
         f"taken: d = {int(found.taken.disturbed)}, H = ({x:.4f}, {y:.4f}, {z:.4f}) gauss",
         "",
         f"Turn about z as in Figure 5.1, with hard iron {_three(imu.magnetometer.hard_iron)} gauss",
         "",
-        f"{'yaw':>5}{'x':>10}{'y':>10}{'z':>10}{'y less the bias':>18}",
+        *text_table(("yaw", "x", "y", "z", "y less the bias"), turned, range(5)),
     ]
-    for yaw, row in zip(YAWS, turn(imu), strict=True):
-        cells = "".join(f"{value:>10.4f}" for value in row)
-        lines.append(f"{yaw:>5}{cells}{row[1] - imu.magnetometer.hard_iron[1]:>18.4f}")
     return "\n".join(lines)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
+from ...core.text_table import text_table
 from ...sensors.models.parameters import Imu
 from . import published
 from .readings import Reading
@@ -17,7 +18,8 @@ def text(imu: Imu, rows: Sequence[AxisRow], told: Sequence[Reading], samples: in
     """The table of this set, deviations in standard errors (se), and what explains the published means, if `told`."""
     lines = [
         f"At rest, {samples} samples, seed {seed}; published (Table 5.1) {published.SAMPLES} at {published.RATE} Hz.",
-        "off: less what the model expects, in standard errors (se), of figures with four decimals where printed.",
+        "off: less what the model expects, in standard errors, of figures with four",
+        "decimals where printed.",
     ]
     for title, name, form in (
         ("mean", "mean", ".4f"),
@@ -31,34 +33,35 @@ def text(imu: Imu, rows: Sequence[AxisRow], told: Sequence[Reading], samples: in
     return "\n".join(lines)
 
 
-def _block(title: str, name: str, form: str, rows: Sequence[AxisRow]) -> Iterator[str]:
-    yield _line((title, *COLUMNS[1:]))
+def _block(title: str, name: str, form: str, rows: Sequence[AxisRow]) -> list[str]:
+    cells = []
     for row in rows:
         figure: Figure = getattr(row, name)
         printed = form if name != "variance" else ".4f"
-        yield _line(
+        cells.append(
             (
                 f"{row.sensor} {row.axis}, {_unit(row.sensor, name)}",
                 f"{figure.real:{printed}}",
                 f"{figure.emulator:{printed}}",
                 f"{figure.ours:{form}}",
                 f"{figure.expected:{form}}",
-                "-" if figure.ours_off is None else f"{figure.ours_off:+.1f} se",
-                f"{figure.emulator_off:+.1f} se" if figure.emulator else "-",
+                "-" if figure.ours_off is None else f"{figure.ours_off:+.1f}",
+                f"{figure.emulator_off:+.1f}" if figure.emulator else "-",
             )
         )
+    return text_table((title, *COLUMNS[1:]), cells, range(1, len(COLUMNS)))
 
 
 def _explained(told: Sequence[Reading]) -> Iterator[str]:
-    yield "Published emulator's means less those of the model, x, y, z in se, and their root mean square:"
+    yield "Published emulator's means less those of the model, x, y, z in standard errors,"
+    yield "and their root mean square (rms):"
     yield ""
-    yield _wide(("the model with", *SENSORS))
+    rows = []
     for reading in told:
-        cells = (
-            f"{' '.join(f'{off:+.1f}' for off in reading.off[sensor])}  ({reading.rms(sensor):.1f})"
-            for sensor in SENSORS
-        )
-        yield _wide((reading.says, *cells))
+        for sensor in SENSORS:
+            says = reading.says if sensor == SENSORS[0] else ""
+            rows.append((says, sensor, *(f"{off:+.1f}" for off in reading.off[sensor]), f"{reading.rms(sensor):.1f}"))
+    yield from text_table(("the model with", "sensor", "x", "y", "z", "rms"), rows, range(2, 6))
 
 
 def _gyroscope_variances(imu: Imu, rows: Sequence[AxisRow]) -> Iterator[str]:
@@ -85,11 +88,3 @@ def _unit(sensor: str, figure: str) -> str:
     if figure != "variance":
         return unit
     return f"({unit})^2" if "/" in unit else f"{unit}^2"
-
-
-def _line(cells: Sequence[str]) -> str:
-    return f"{cells[0]:<22}" + "".join(f"{cell:>13}" for cell in cells[1:])
-
-
-def _wide(cells: Sequence[str]) -> str:
-    return f"{cells[0]:<28}" + "".join(f"{cell:>27}" for cell in cells[1:])

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ...core.text_table import paragraph, text_table
 from ...devices.attitude import Errors
 from ...sensors.models.parameters import Rates
 from ...sensors.rotations import Floats
@@ -25,15 +26,17 @@ def lines(outcome: Outcome) -> Iterator[str]:
     subject, count = outcome.subject, len(outcome.seconds)
     noise = "no noise" if subject.seed is None else f"noise of seed {subject.seed}"
     how = "computed without wires" if outcome.bytes is None else "over SCI, firmware and I2C"
-    yield f"{subject.case.name}: {count} rounds; emulator in {subject.arithmetic}, {noise}, {how}"
+    yield from paragraph(f"{subject.case.name}: {count} rounds; emulator in {subject.arithmetic}, {noise}, {how}")
     yield ""
-    yield f"{'degrees: root mean square, worst':38}" + "".join(f"{axis:>16}" for axis in AXES)
-    for name, apart in outcome.apart().items():
-        columns = (getattr(apart, axis) for axis in AXES)
-        yield f"{name:38}" + "".join(f"{rms(one):>9.3f}{np.abs(one).max():>7.2f}" for one in columns)
+    apart = {name: [getattr(one, axis) for axis in AXES] for name, one in outcome.apart().items()}
+    roots = [(name, *(f"{rms(angles):.3f}" for angles in axes)) for name, axes in apart.items()]
+    worst = [(name, *(f"{np.abs(angles).max():.2f}" for angles in axes)) for name, axes in apart.items()]
+    yield from text_table(("root mean square, degrees", *AXES), roots, range(1, 5))
+    yield ""
+    yield from text_table(("worst, degrees", *AXES), worst, range(1, 5))
     yield ""
     for rates in outcome.emulated:
-        yield _point(outcome, rates)
+        yield from paragraph(_point(outcome, rates))
     if outcome.bytes is not None:
         equal = outcome.bytes.compared - outcome.bytes.different
         yield f"{equal} of {outcome.bytes.compared} bytes read from the emulator are those computed without wires"

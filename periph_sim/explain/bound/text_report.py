@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from textwrap import wrap
 
+from ...core.text_table import columns, paragraph, text_table
 from ...timing.format_value import figure, percentile, simulated
 from .compare_with_run import BoundWithRun, Report
 from .terms import Bound, Term, total
 
-WIDTH = 80
 MEASURED = (
     "Code and service routines are straight-line code, measured undisturbed (the case without its host, the case "
     "without requests); all else comes from the case."
@@ -20,22 +19,22 @@ def text(report: Report) -> str:
     lines = [f"{report.case}: {_verdict(report)}"]
     if report.beside:
         head = ("measure", "bound", "seen", "ratio", "values")
-        lines += ["", *_columns([head, *(_row(report, each) for each in report.beside)])]
+        lines += ["", *text_table(head, [_row(report, each) for each in report.beside], range(1, 5))]
     if report.limits:
         lines += ["", *_limits(report)]
     for each in report.beside:
         lines += ["", *_sum(report, each.bound)]
         if each.bound.name == "margin":
-            lines.append(_held_from(report.held_from))
+            lines += paragraph(_held_from(report.held_from), "  ", "    ")
     lines += ["", "what is left before the deadlines that the bounds need:"]
     alike: dict[tuple[Term, ...], list[str]] = {}
     for deadline in report.deadlines:
         alike.setdefault(deadline.terms, []).append(deadline.name)
     for terms, names in alike.items():
-        lines += ["", f"{', '.join(names)}: {_us(report, total(terms))} us", *_terms(report, terms)]
+        lines += ["", *paragraph(f"{', '.join(names)}: {_us(report, total(terms))} us"), *_terms(report, terms)]
     if report.handlers.terms:
         lines += ["", f"one interrupt: {_us(report, report.handlers.cost)} us", *_terms(report, report.handlers.terms)]
-    return "\n".join([*lines, "", MEASURED])
+    return "\n".join([*lines, "", *paragraph(MEASURED)])
 
 
 def _verdict(report: Report) -> str:
@@ -65,21 +64,21 @@ def _amount(report: Report, ticks: int) -> str:
 
 def _limits(report: Report) -> list[str]:
     """A row for each limit of the case that is bounded, and a line of those that are not."""
-    rows: list[tuple[str, ...]] = [("budget", "limit", "bound", "spare", "")]
+    rows: list[tuple[str, ...]] = []
     for each in report.limits:
         if each.bound is not None:
             of, values = each.bound, (each.limit, each.bound.ticks, each.spare or 0)
             limit, bound, spare = (str(value) if of.counted else _amount(report, value) for value in values)
             key = f"{percentile(each.key)} "
             rows.append((each.budget, key + limit, bound, spare, "may break" if each.beyond else "holds"))
-    lines = _columns(rows) if len(rows) > 1 else []
+    lines = text_table(("budget", "limit", "bound", "spare", ""), rows, range(1, 4)) if rows else []
     reasons: dict[str, list[str]] = {}
     for each in report.limits:
         if each.bound is None and each.budget not in reasons.get(each.reason, ()):
             reasons.setdefault(each.reason, []).append(each.budget)
     for reason, budgets in reasons.items():
         text = f"no bound: {', '.join(budgets)} ({reason})"
-        lines += wrap(text, WIDTH, initial_indent="  ", subsequent_indent="    ")
+        lines += paragraph(text, "  ", "    ")
     return lines
 
 
@@ -108,8 +107,8 @@ def _sum(report: Report, bound: Bound) -> list[str]:
 
 def _held_from(cycles: int) -> str:
     if not cycles:
-        return "  SCL may be held for it already"
-    return f"  SCL is free with {cycles - 1} cycles more before each write; from {cycles} on it may be held"
+        return "SCL may be held for it already"
+    return f"SCL is free with {cycles - 1} cycles more before each write; from {cycles} on it may be held"
 
 
 def _terms(report: Report, terms: tuple[Term, ...], counted: bool = False) -> list[str]:
@@ -117,8 +116,9 @@ def _terms(report: Report, terms: tuple[Term, ...], counted: bool = False) -> li
     for term in terms:
         amount = f"{_cycles(report, term.ticks):>9} cycles {_us(report, term.ticks):>11} us"
         amount = f"{term.ticks:>9}" if counted else amount
-        lines.append(f"  {amount}  {term.what}  [{term.source}]")
-        lines += [f"{'':>11} no bound, since {term.unproven}"] * bool(term.unproven)
+        lines += columns([(amount, f"{term.what}  [{term.source}]")], right=(0,))
+        if term.unproven:
+            lines += paragraph(f"no bound, since {term.unproven}", " " * 12, " " * 14)
     return lines
 
 
@@ -133,15 +133,6 @@ def _us(report: Report, ticks: int) -> str:
 
 def _value(report: Report, bound: Bound, ticks: int) -> str:
     return str(ticks) if bound.counted else f"{_us(report, ticks)} us"
-
-
-def _columns(rows: list[tuple[str, ...]]) -> list[str]:
-    """The first column to the left, the others to the right."""
-    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    return [
-        "  ".join(["", row[0].ljust(widths[0]), *(c.rjust(w) for c, w in zip(row[1:], widths[1:], strict=True))])
-        for row in rows
-    ]
 
 
 def as_json(report: Report) -> dict[str, object]:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from ...core.records import Kind
+from ...core.text_table import columns, paragraph, together
 from ..record_text import happened_where, number
 from ..register_maps import register_of
 from ..run import Run
@@ -28,9 +27,10 @@ def text(answer: Answer) -> str:
     for step in answer.back:
         before = run.length(answer.back[0].record.tick - step.record.tick) + " before"
         distance = before if step.known else run.at(step.record.tick)
-        known = f"[{step.known}: {step.because}]" if step.known else ""
-        rows.append((f"#{step.record.number}", distance, f"{'    ' * step.aside}{said(run, step)}", known))
-    lines += aligned(rows)
+        indent = "  " * step.aside
+        known = f"\n{indent}[{step.known}: {step.because}]" if step.known else ""
+        rows.append((f"#{step.record.number}", distance, f"{indent}{_with_source(said(run, step))}{known}"))
+    lines += columns(rows)
     return "\n".join([*lines, "", "forward:", *_forward(answer)])
 
 
@@ -74,6 +74,12 @@ def said(run: Run, step: Step) -> str:
     return f"{words} [{register.source}]" if register is not None else words
 
 
+def _with_source(words: str) -> str:
+    """The words, the section of the manual behind them never broken."""
+    what, bracket, source = words.partition(" [")
+    return f"{what} {together(f'[{source}')}" if bracket else words
+
+
 def _value(answer: Answer) -> str:
     if answer.value is None:
         return "not known, it never changed"
@@ -90,19 +96,20 @@ def _value(answer: Answer) -> str:
 
 def _meaning(answer: Answer) -> list[str]:
     register, f = answer.subject.register, answer.subject.field
-    return [f"  {f.name}, {f.access}: {f.doc} [{register.source}]"] if register is not None and f is not None else []
+    if register is None or f is None:
+        return []
+    return paragraph(f"{f.name}, {f.access}: {f.doc} [{register.source}]", "  ", "    ")
 
 
 def _forward(answer: Answer) -> list[str]:
     run, since = answer.run, answer.since
     rows = []
-    for step in answer.effects:
-        rows.append(("set off", f"{run.length(step.record.tick - since)} after", said(run, step)))
-    if answer.reader is not None:
-        rows.append(("read", f"{run.length(answer.reader.record.tick - since)} after", said(run, answer.reader)))
-    if answer.changed is not None:
-        rows.append(("changed", f"{run.length(answer.changed.record.tick - since)} after", said(run, answer.changed)))
-    lines = aligned(rows)
+    steps = [("set off", step) for step in answer.effects]
+    steps += [("read", answer.reader)] if answer.reader is not None else []
+    steps += [("changed", answer.changed)] if answer.changed is not None else []
+    for how, step in steps:
+        rows.append((how, f"{run.length(step.record.tick - since)} after", _with_source(said(run, step))))
+    lines = columns(rows)
     field = answer.subject.field is not None
     if field:
         until = "that change" if answer.changed is not None else "the end of the run"
@@ -111,12 +118,7 @@ def _forward(answer: Answer) -> list[str]:
         )
     if answer.changed is None:
         lines.append("  it did not change again")
-    return [*lines, SKIPPED] if field else lines
-
-
-def aligned(rows: Sequence[tuple[str, ...]]) -> list[str]:
-    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))] if rows else []
-    return ["  " + "  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in rows]
+    return [*lines, *paragraph(SKIPPED)] if field else lines
 
 
 def _entry(answer: Answer, step: Step) -> dict[str, object]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ...core.text_table import paragraph, text_table
 from ..models.quantity import described
 from ..numeric.estimate import MEASURED, SYSCLK
 from . import SWEEPS, Report
@@ -15,14 +16,18 @@ def text(report: Report) -> str:
     """Tables: error and cost in the working range, cycles by part, and what happens at each extreme."""
     return "\n".join(
         [
-            "working range: largest error found against float64, in LSB before rounding; cost of a sample at 150 MHz",
+            "working range: largest error found against float64, in LSB before rounding",
+            "",
+            *_table(_error_rows(report)),
+            "",
+            "cost of a sample at 150 MHz",
             f"tables of the libraries are in {report.costs[report.names[0]].tables}",
             "",
-            *aligned(_range_rows(report)),
+            *_table(_total_rows(report)),
             "",
             f"cycles by part; measured: {float(MEASURED) * 1e6:g} us, {round(MEASURED * SYSCLK)} cycles",
             "",
-            *aligned(_cost_rows(report)),
+            *_table(_cost_rows(report)),
             *_without_fastrts(report),
             "",
             *_titled("extremes: what happens, and from which input on", _extreme_rows(report)),
@@ -32,22 +37,25 @@ def text(report: Report) -> str:
     )
 
 
-def aligned(rows: Rows) -> list[str]:
-    """Lines with columns side by side, the first row as their head."""
-    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-    lines.insert(1, "-" * max(map(len, lines)))
-    return lines
+def _table(rows: Rows) -> list[str]:
+    """The first row is its titles."""
+    return text_table(rows[0], rows[1:])
 
 
-def _range_rows(report: Report) -> Rows:
-    rows = [["arithmetic", *SENSORS, "cycles", "us", "library"]]
+def _error_rows(report: Report) -> Rows:
+    rows = [["arithmetic", *SENSORS]]
+    for name in report.names:
+        error = report.errors.get(name)
+        rows.append([name, *("0" if error is None else f"{error.error[sensor]:.2g}" for sensor in SENSORS)])
+    return rows
+
+
+def _total_rows(report: Report) -> Rows:
+    rows = [["arithmetic", "cycles", "us", "library"]]
     for name in report.names:
         cost = report.costs[name]
-        error = report.errors.get(name)
-        errors = ["0" if error is None else f"{error.error[sensor]:.2g}" for sensor in SENSORS]
         micro = [float(cycles * 1_000_000 / SYSCLK) for cycles in (cost.low, cost.high)]
-        rows.append([name, *errors, _span(cost.low, cost.high), _span(*micro), cost.library.name])
+        rows.append([name, _span(cost.low, cost.high), _span(*micro), cost.library.name])
     return rows
 
 
@@ -90,7 +98,7 @@ def _common_rows(report: Report) -> Rows:
 
 def _titled(title: str, rows: Rows) -> list[str]:
     """A table under its title, and an empty line; nothing where the table would have a head only."""
-    return [title, "", *aligned(rows), ""] if len(rows) > 1 else []
+    return [title, "", *_table(rows), ""] if len(rows) > 1 else []
 
 
 def _cell(finding: Finding) -> str:
@@ -98,14 +106,14 @@ def _cell(finding: Finding) -> str:
 
 
 def _remarks(report: Report) -> list[str]:
-    lines = [f"{sweep.name}: {sweep.what}" for sweep in SWEEPS if report.of(sweep.name)]
+    told = [f"{sweep.name}: {sweep.what}" for sweep in SWEEPS if report.of(sweep.name)]
     for finding in report.findings:
         if finding.note:
             of = "" if finding.arithmetic == EVERY else f", {finding.arithmetic}"
-            lines.append(f"{finding.extreme}{of}: {finding.note}")
+            told.append(f"{finding.extreme}{of}: {finding.note}")
     if REFERENCE in report.names:
-        lines.append(f"{REFERENCE} is the reference: full scale is where its converter shows its last code")
-    return lines
+        told.append(f"{REFERENCE} is the reference: full scale is where its converter shows its last code")
+    return [line for remark in told for line in paragraph(remark)]
 
 
 def _span(low: float, high: float) -> str:

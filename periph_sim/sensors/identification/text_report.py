@@ -6,11 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import floor, log10
 
+from ...core.text_table import paragraph, text_table
 from .confidence import LEVELS
 from .identify import Identified
 from .slow_terms import Term
 
-HEAD = ("column", "bias", "noise density", "95 % of it", "rounding", "sensor's own", "fitted from, to")
+FOUND = ("column", "bias", "noise density", "sensor's own")
+KNOWN = ("column", "95 % of the density", "rounding", "fitted from, to")
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,13 +24,14 @@ class Axis:
 
 
 def table(title: str, axes: Sequence[Axis]) -> str:
-    """A head line, one line a column, the slow terms where asked for, and what has to be known besides."""
-    lines = [title, "", *_aligned([HEAD, *(_cells(axis) for axis in axes)])]
+    """A head line, what was found of each column and how well, the slow terms where asked for, and notes."""
+    lines = [title, "", *text_table(FOUND, [_found(axis) for axis in axes])]
+    lines += ["", *text_table(KNOWN, [_known(axis) for axis in axes])]
     lines += ["", "Densities in the column's unit, squared, per Hz. Errors are standard errors."]
     slow = [row for axis in axes for row in _slow(axis)]
     if slow:
-        lines += ["", *_aligned([("column", "slow term", "value", "95 % of it", ""), *slow])]
-    notes = [f"note: {note}" for axis in axes for note in axis.found.notes]
+        lines += ["", *text_table(("column", "slow term", "value", "95 % of it", ""), slow)]
+    notes = [line for axis in axes for note in axis.found.notes for line in paragraph(f"note: {note}")]
     return "\n".join([*lines, *([""] if notes else []), *notes])
 
 
@@ -51,20 +54,20 @@ def scaled(value: float, error: float) -> str:
     return f"({with_error(value / 10**power, error / 10**power)})e{power:+03d}"
 
 
-def _cells(axis: Axis) -> tuple[str, ...]:
+def _found(axis: Axis) -> tuple[str, ...]:
     found = axis.found
-    noise = found.density
-    low, high = noise.bounds(LEVELS["95 %"])
-    taus = found.allan.taus[noise.region]
-    return (
-        found.series.name,
-        f"{with_error(found.bias.value, found.bias.error)} {axis.unit}",
-        scaled(noise.value, noise.error),
-        f"{low:.3e} to {high:.3e}",
-        f"{found.quantisation_density:.2e}" if found.series.lsb is not None else "-",
-        f"{found.sensor_density:.3e}",
-        f"{taus[0]:g} s, {taus[-1]:g} s",
-    )
+    bias = f"{with_error(found.bias.value, found.bias.error)} {axis.unit}"
+    density = scaled(found.density.value, found.density.error)
+    return found.series.name, bias, density, f"{found.sensor_density:.3e}"
+
+
+def _known(axis: Axis) -> tuple[str, ...]:
+    """How well the density is known, and from which times."""
+    found = axis.found
+    low, high = found.density.bounds(LEVELS["95 %"])
+    taus = found.allan.taus[found.density.region]
+    rounding = f"{found.quantisation_density:.2e}" if found.series.lsb is not None else "-"
+    return found.series.name, f"{low:.3e} to {high:.3e}", rounding, f"{taus[0]:g} s, {taus[-1]:g} s"
 
 
 def _slow(axis: Axis) -> list[tuple[str, ...]]:
@@ -117,9 +120,3 @@ def _object(axis: Axis) -> dict[str, object]:
         for key, term in (("bias_instability", found.slow.bias_instability), ("random_walk", found.slow.random_walk)):
             told[key] = {"value": term.value, "interval_95 %": term.bounds(1.96), "told_from_0": term.found}
     return told
-
-
-def _aligned(rows: Sequence[tuple[str, ...]]) -> list[str]:
-    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-    return [lines[0], "-" * max(map(len, lines)), *lines[1:]]

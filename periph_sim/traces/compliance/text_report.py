@@ -4,21 +4,20 @@ from __future__ import annotations
 
 from fractions import Fraction
 
+from ...core.text_table import paragraph, text_table
 from .limits import STRETCHED, Bounds
 from .verdict import Occurrence, Report, Row, Verdict
 
-HEAD = ("symbol", "from -> to", "limit", "min", "max", "count", "worst begins at", "by", "verdict")
-RIGHT = {3, 4, 5, 6}  # columns of numbers
+MEASURED = ("symbol", "limit", "min", "max", "count", "verdict")
+RULES = ("symbol", "from -> to", "worst begins at", "by")
 
 
 def table(report: Report) -> str:
-    """Head line, one line a limit, what is worth saying besides, and the verdict."""
-    rows = [HEAD, *(_cells(report, row) for row in report.rows)]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(HEAD))]
-    lines = [_line(row, widths) for row in rows]
-    lines.insert(1, "-" * max(map(len, lines)))
-    remarks = [f"note: {note}" for note in _remarks(report)]
-    return "\n".join([_title(report), "", *lines, "", *remarks, _conclusion(report)])
+    """Head line, what was measured of each limit, from where to where and where worst, notes, and the verdict."""
+    lines = text_table(MEASURED, [_measured(report, row) for row in report.rows], (2, 3, 4))
+    rules = text_table(RULES, [_rule(report, row) for row in report.rows], (2,))
+    remarks = [line for note in _remarks(report) for line in paragraph(f"note: {note}")]
+    return "\n".join([_title(report), "", *lines, "", *rules, "", *remarks, _conclusion(report)])
 
 
 def failure(report: Report, strict: bool) -> str:
@@ -63,12 +62,8 @@ def limit_text(bounds: Bounds) -> str:
     return f"{_number(bounds.least, bounds.most)} to {_short(Fraction(bounds.most))}"
 
 
-def _cells(report: Report, row: Row) -> tuple[str, ...]:
+def _measured(report: Report, row: Row) -> tuple[str, ...]:
     resolution = report.resolution
-    limit = limit_text(row.bounds)
-    if row.limit.symbol == "fSCL" and row.bounds.least is not None:
-        limit = f"max {10**6 // row.bounds.least} kHz: {limit}"
-    worst = row.worst[0] if row.worst else None
     verdict = "undecidable" if row.verdict is Verdict.UNDECIDABLE else row.verdict.value
     if row.failed:
         verdict = f"FAIL, {row.failed} of {row.count}"
@@ -77,14 +72,24 @@ def _cells(report: Report, row: Row) -> tuple[str, ...]:
         verdict += f", {row.undecided} of {row.count}"
     return (
         row.limit.symbol,
-        f"{row.limit.begins} -> {row.limit.ends}",
-        limit,
+        limit_text(row.bounds),
         _short(resolution.ns(row.least)) if row.least is not None else "-",
         _short(resolution.ns(row.most)) if row.most is not None else "-",
         str(row.count) if row.count else "-",
+        verdict,
+    )
+
+
+def _rule(report: Report, row: Row) -> tuple[str, ...]:
+    worst = row.worst[0] if row.worst else None
+    measured = f"{row.limit.begins} -> {row.limit.ends}"
+    if row.limit.symbol == "fSCL" and row.bounds.least is not None:
+        measured += f", {10**6 // row.bounds.least} kHz"
+    return (
+        row.limit.symbol,
+        measured,
         f"{float(report.seconds(worst.at)):.9f} s" if worst is not None else "-",
         worst.party.value if worst is not None and worst.party else "",
-        verdict,
     )
 
 
@@ -179,11 +184,3 @@ def _number(ns: int, beside: int) -> str:
 def _trimmed(value: Fraction) -> str:
     text = f"{float(value):.3f}"
     return text.rstrip("0").rstrip(".")
-
-
-def _line(row: tuple[str, ...], widths: list[int]) -> str:
-    cells = [
-        cell.rjust(width) if column in RIGHT else cell.ljust(width)
-        for column, (cell, width) in enumerate(zip(row, widths, strict=True))
-    ]
-    return "  ".join(cells).rstrip()

@@ -5,20 +5,20 @@ from __future__ import annotations
 from fractions import Fraction
 from itertools import groupby
 
-from .compare import ChangePoint, Entry, TraceDiff
+from ...core.text_table import paragraph, text_table
+from .compare import ChangePoint, Entry, KindSummary, TraceDiff
 
-HEAD = ("kind", "in both", "changed", "missing", "inserted", "median later", "worst later", "worst at (A)")
+COUNTS = ("kind", "in both", "changed", "missing", "inserted")
+LATENESS = ("kind", "median later", "worst later", "worst at (A)")
 SHOWN = 10  # of each list, unless all are wanted
 WORDS = 8  # of a row of events that are not in both
 
 
 def text(diff: TraceDiff, everything: bool = False) -> str:
-    """Offset, a table of kinds, the first difference, where lateness changes, what is not in both, and the verdict."""
-    rows = [HEAD, *(_kind_row(diff, n) for n in range(len(diff.kinds)))]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(HEAD))]
-    table = [_line(row, widths) for row in rows]
-    table.insert(1, "-" * max(map(len, table)))
-    parts = [_title(diff), "", *table, ""]
+    """Offset, tables of kinds, the first difference, where lateness changes, what is not in both, and the verdict."""
+    counts = [(one.kind, *map(str, (one.both, one.changed, one.missing, one.inserted))) for one in diff.kinds]
+    parts = [_title(diff), "", *text_table(COUNTS, counts, range(1, len(COUNTS))), ""]
+    parts += [*text_table(LATENESS, [_lateness(diff, one) for one in diff.kinds], range(1, len(LATENESS))), ""]
     if diff.first is not None:
         parts.append(f"first difference: {_said(diff, diff.first)}")
     parts += _list("lateness changes", [_step(diff, point) for point in diff.change_points], everything)
@@ -72,22 +72,17 @@ def duration(seconds: Fraction) -> str:
 def _title(diff: TraceDiff) -> str:
     lines = [f"A {diff.name_a}", f"B {diff.name_b}"]
     if diff.offset is not None:
-        lines.append(
+        lines += paragraph(
             f"offset {duration(diff.seconds(diff.offset))}: B's time of the first event in both, less A's; "
             "lateness is counted from there"
         )
     return "\n".join(lines)
 
 
-def _kind_row(diff: TraceDiff, number: int) -> tuple[str, ...]:
-    kind = diff.kinds[number]
+def _lateness(diff: TraceDiff, kind: KindSummary) -> tuple[str, ...]:
     worst = kind.worst
     return (
         kind.kind,
-        str(kind.both),
-        str(kind.changed),
-        str(kind.missing),
-        str(kind.inserted),
         "-" if kind.median is None else duration(diff.seconds(kind.median)),
         "-" if worst is None else duration(diff.seconds(worst.later or 0)),
         "-" if worst is None or not worst.later else _at(diff.time_a(worst)),
@@ -173,8 +168,3 @@ def _entry(diff: TraceDiff, entry: Entry) -> dict[str, object]:
 
 def _at(seconds: Fraction | None) -> str:
     return "-" if seconds is None else f"{float(seconds):.9f} s"
-
-
-def _line(row: tuple[str, ...], widths: list[int]) -> str:
-    _, *rest = (cell.rjust(width) for cell, width in zip(row, widths, strict=True))
-    return "  ".join([row[0].ljust(widths[0]), *rest]).rstrip()

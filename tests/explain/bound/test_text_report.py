@@ -7,6 +7,7 @@ from fractions import Fraction
 
 import pytest
 
+from periph_sim.core.text_table import paragraph
 from periph_sim.core.time import Timebase
 from periph_sim.explain.bound.compare_with_run import BoundWithRun, Report
 from periph_sim.explain.bound.limits import LimitCheck
@@ -58,17 +59,19 @@ REPORT = Report(
 LINES = f"""\
 made: margin may break its limit, by 0.667 us; 0.1 s simulated beside the bounds
 
-  measure         bound      seen  ratio  values
-  response  <= 1.000 us  0.667 us  1.500       7
-  stretch   <= 1.000 us  0.000 us      -       2
-  margin    >= 8.333 us  9.000 us  1.080       3
-  FIFO            <= 12         6  2.000       1
-  age              none  4.000 us      -       5
+ measure         bound      seen  ratio  values
+ ──────────────────────────────────────────────
+ response  <= 1.000 us  0.667 us  1.500       7
+ stretch   <= 1.000 us  0.000 us      -       2
+ margin    >= 8.333 us  9.000 us  1.080       3
+ FIFO            <= 12         6  2.000       1
+ age              none  4.000 us      -       5
 
-  budget           limit     bound      spare
-  reaction  max 1.000 us  1.000 us   0.000 us      holds
-  margin    min 9.000 us  8.333 us  -0.667 us  may break
-  words         p99.9 12        12          0      holds
+ budget           limit     bound      spare
+ ──────────────────────────────────────────────────────
+ reaction  max 1.000 us  1.000 us   0.000 us  holds
+ margin    min 9.000 us  8.333 us  -0.667 us  may break
+ words         p99.9 12        12          0  holds
   no bound: wrong, other (bytes are data)
   no bound: old (no closed form is known)
 
@@ -106,7 +109,7 @@ SDIR: 0.020 us
 one interrupt: 0.113 us
          17 cycles       0.113 us  interrupt entry  [int_latency 17]
 
-{MEASURED}"""
+{chr(10).join(paragraph(MEASURED))}"""
 
 
 def test_a_report_as_lines():
@@ -117,7 +120,7 @@ def test_what_there_is_none_of_is_left_out():
     bare = replace(REPORT, handlers=NONE, deadlines=(), beside=(), limits=())
     assert text(bare).splitlines() == [
         "made: no budget limits what is bounded; 0.1 s simulated beside the bounds",
-        *("", "what is left before the deadlines that the bounds need:", "", MEASURED),
+        *("", "what is left before the deadlines that the bounds need:", "", *paragraph(MEASURED)),
     ]
 
 
@@ -168,7 +171,7 @@ def limits_of(*limits: LimitCheck) -> list[str]:
 
 
 def test_limits_have_a_head_where_one_of_them_is_bounded():
-    assert [line.split()[0] for line in limits_of(REPORT.limits[0])] == ["budget", "reaction"]
+    assert [line.split()[0] for line in limits_of(REPORT.limits[0])] == ["budget", "─" * 49, "reaction"]
     assert limits_of(REPORT.limits[3]) == ["  no bound: wrong (bytes are data)"]
 
 

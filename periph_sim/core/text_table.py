@@ -1,0 +1,115 @@
+"""Tables and paragraphs that fit a terminal of 80 columns: titles and cells go in, lines with every word come out.
+
+budget  seen   limit            a line under the titles, two blanks between columns,
+───────────────────────         numbers to the right; what is too long goes on below,
+a long  3 us  at most           within its column
+name             4 us
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from textwrap import wrap
+
+WIDTH = 80
+GAP = "  "  # between columns
+FOLD = 16  # columns that a word is folded to at the narrowest
+KEPT = "\u00a0"  # stands for a blank that is not broken at
+ROOM = 24  # a column as wide as this sets off where a cell goes on, by two blanks
+
+Cells = Sequence[str]
+
+
+def text_table(titles: Cells, rows: Sequence[Cells], right: Collection[int] = (), width: int = WIDTH) -> list[str]:
+    """The lines of a table: titles, a rule, and the rows.
+
+    right: the columns of numbers, whose cells are never broken. A cell may hold several lines. Cells are broken between
+    words, and within one only where the table would be wider than `width` without that.
+    """
+    head, *body = table_rows(titles, rows, right, width)
+    return [*head, *(line for row in body for line in row)]
+
+
+def table_rows(
+    titles: Cells, rows: Sequence[Cells], right: Collection[int] = (), width: int = WIDTH
+) -> list[list[str]]:
+    """The same by rows: the lines of the titles and the rule, then those of each row."""
+    widths = _fitted([titles, *rows], titles, right, width)
+    head, *body = [_lines(row, widths, right, " ") for row in (titles, *rows)]
+    longest = max(len(line) for row in (head, *body) for line in row)
+    return [[*head, f" {'─' * (longest - 1)}"], *body]
+
+
+def columns(rows: Sequence[Cells], right: Collection[int] = (), width: int = WIDTH, indent: str = "  ") -> list[str]:
+    """The lines of rows without titles; an empty column takes no room."""
+    if not rows:
+        return []
+    used = [n for n in range(len(rows[0])) if any(row[n] for row in rows)]
+    kept = [[row[n] for n in used] for row in rows]
+    to_right = {place for place, n in enumerate(used) if n in right}
+    widths = _fitted(kept, (), to_right, width - len(indent) + 1)
+    return [line for row in kept for line in _lines(row, widths, to_right, indent)]
+
+
+def paragraph(text: str, first: str = "", then: str = "  ") -> list[str]:
+    """A sentence as lines of at most 80 columns, between words; `first` and `then` begin them."""
+    lines = wrap(
+        text, WIDTH, initial_indent=first, subsequent_indent=then, break_long_words=False, break_on_hyphens=False
+    )
+    return [line.replace(KEPT, " ") for line in lines]
+
+
+def together(text: str) -> str:
+    """The text as one word, which the functions above do not break between its words."""
+    return text.replace(" ", KEPT)
+
+
+def _fitted(rows: Sequence[Cells], titles: Cells, right: Collection[int], width: int) -> list[int]:
+    """The width of each column. First titles are broken between words, then the widest cells, then their words."""
+    places = range(len(rows[0]))
+    widths = [max(_longest(row[n]) for row in rows) for n in places]
+    words = [max(_longest_word(row[n]) for row in rows) for n in places]
+    cells = [max((_longest(row[n]) for row in rows[bool(titles) :]), default=0) for n in places]
+    whole = [max(cells[n], _longest_word(titles[n]) if titles else 0) for n in places]
+    between = [whole[n] if n in right else words[n] for n in places]
+    within = [whole[n] if n in right else min(words[n], FOLD) for n in places]
+    for least in (whole, between, within):
+        while 1 + sum(widths) + len(GAP) * (len(widths) - 1) > width:
+            wide = max(places, key=lambda n: widths[n] if widths[n] > least[n] else 0)
+            if widths[wide] <= least[wide]:
+                break
+            widths[wide] -= 1
+    return widths
+
+
+def _lines(row: Cells, widths: Sequence[int], right: Collection[int], indent: str) -> list[str]:
+    cells = [_broken(cell, width) for cell, width in zip(row, widths, strict=True)]
+    lines = []
+    for number in range(max(map(len, cells))):
+        parts = [cell[number] if number < len(cell) else "" for cell in cells]
+        sides = (f"{parts[n]:>{w}}" if n in right else f"{parts[n]:{w}}" for n, w in enumerate(widths))
+        lines.append((indent + GAP.join(sides)).rstrip().replace(KEPT, " "))
+    return lines
+
+
+def _broken(cell: str, width: int) -> list[str]:
+    """The lines of a cell, each of which goes on below where it is longer."""
+    lines = []
+    for line in cell.split("\n"):
+        start = line[: len(line) - len(line.lstrip())]
+        then = start + GAP if width >= ROOM else start
+        lines += wrap(line, width, subsequent_indent=then, break_on_hyphens=False) or [""]
+    return lines
+
+
+def _longest(cell: str) -> int:
+    return max(map(len, cell.split("\n")))
+
+
+def _longest_word(cell: str) -> int:
+    """With the blanks before it, and those that set off where a cell goes on."""
+    found = 0
+    for line in cell.split("\n"):
+        start = len(line) - len(line.lstrip())
+        found = max([found, *(start + len(word) for word in line.split())])
+    return found

@@ -96,3 +96,10 @@ def test_the_word_that_an_overrun_went_round_to_is_told_as_written():
 def test_a_note_about_words_that_are_not_read_is_told_and_not_blamed():
     found = read_back("1f 11 22", "40", "11 22")
     assert found.steps[0].what.startswith("memory: the write at 0x001f") and found.blamed is None
+
+
+def test_where_a_memory_is_read_without_a_word_address_before_the_bytes_are_told_without_it():
+    """A read goes on behind the one before; its word is not known, since no write to the same address tells it."""
+    asked = [{**REQUEST, "write": "10", "count": 2}, {"address": 0x50, "count": 1, "expect": "33"}]
+    steps = chain("wrong bytes", ["50 W 00 10 Sr 50 R 2", "50 R 1"], asked).steps
+    assert steps[-1].what == "byte 1: 0xFF NACK, sent by memory"

@@ -16,7 +16,7 @@ from periph_sim.reports.html.failure import failure
 from periph_sim.scene.firmware_loader import Firmware
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.verdict import Verdict
-from tests.scene.serial.programs import answers, unit
+from tests.scene.serial.programs import answers, says, unit
 from tests.scene.small import case
 
 
@@ -78,3 +78,14 @@ def test_a_reply_cut_short_is_shown_up_to_its_limit():
     verdict, told = explained({b"a": b"O"})
     assert verdict.broken and told.window.end - told.window.begin >= told.window.timebase.per_second // 1000
     assert not [step for step in told.chain.steps if "character" in step.what and "SCITXBUF" in step.what]
+
+
+def test_a_reply_that_follows_a_time_has_no_character_that_asks_for_it():
+    programs = {"dsp": Firmware("dsp", lambda dsp, settings: says("SCI-A", b"OR")(dsp), None)}
+    booted = {"name": "told", "from": "SCI-A", "at": "1 us", "within": "1 ms", "text": "OK"}
+    small = case(unit={"dsp": unit("SCI-A")}, serial={"expect": [booted]}, duration="2 ms")
+    (verdict,) = Scene(small, None, programs).run().budgets
+    steps = [step.what for step in explain(small, [verdict], programs=programs)["told"].chain.steps]
+    assert [step for step in steps if "character" in step] == [
+        "dsp: SCITXBUF written, 0x52: character 1 of the reply, not 0x4b"
+    ]

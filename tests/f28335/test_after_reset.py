@@ -10,6 +10,7 @@ from collections.abc import Callable
 import pytest
 
 from periph_sim.core.options import Value
+from periph_sim.f28335.i2c.module import I2c
 from periph_sim.f28335.i2c.register_map import I2C_MAP
 from periph_sim.f28335.sci.module import Sci
 from periph_sim.f28335.sci.register_map import SCI_MAP
@@ -169,6 +170,8 @@ def seen(rig: Rig, tell: Callable[[Rig], None]) -> list[tuple[object, ...]]:
 def test_i2c(use: Callable[[Rig], None]):
     options: dict[str, Value] = {"noise_filter_cycles": 1, "oar_latch": "at_irs", "int_line": "level"}
     used, fresh = Rig(**options), Rig(**options)
+    fresh.chip = I2c(fresh.chip.options)  # that nobody has touched
+    fresh.chips = [fresh.chip]
     use(used)
     used.chip.reset(used.now)
     used.settle()
@@ -176,7 +179,6 @@ def test_i2c(use: Callable[[Rig], None]):
     used.put(scl=1, sda=1)
     used.interrupts.clear()
     used.wait(BIT)
-    fresh.chip.reset(fresh.now)
     for rig in (used, fresh):
         set_up(rig)
     assert seen(used, story) == seen(fresh, story)
@@ -287,15 +289,18 @@ def sci_seen(rig: SciRig) -> list[tuple[object, ...]]:
     ],
 )
 def test_sci(use: Callable[[SciRig], None]):
-    used, fresh = SciRig(fifo=True, RXFFIENA=1), SciRig(fifo=True)
+    used, fresh = SciRig(fifo=True, RXFFIENA=1), SciRig(raw=True)
+    fresh.chip = fresh.line.chip = Sci()  # that nobody has touched
     use(used)
+    used.line.rxd(used.now + 1, 1)
+    used.run_until(used.now + 4 - used.now % 4)  # on an edge of LSPCLK
+    asked = {line: used.count(line) for line in used.line.asked}
+    used.chip.reset(used.now)
+    used.line.look()
+    assert used.chip.out == 1
+    assert {line: used.count(line) for line in used.line.asked} == asked
     for rig in (used, fresh):
-        rig.line.rxd(rig.now + 1, 1)
-        rig.run_until(rig.now + 4 - rig.now % 4)  # on an edge of LSPCLK
-        rig.chip.reset(rig.now)
-        rig.line.look()
-        assert rig.chip.out == 1
-        rig.wait(2)
+        rig.run_until(rig.now + 1600 - rig.now % 4)
         rig.chip.gate(rig.now, True)
         rig.set_brr(24)
     assert sci_seen(used) == sci_seen(fresh)
@@ -307,12 +312,17 @@ def test_sci_clock_begins_as_that_of_a_new_module():
     mid_frames(used)
     used.run_until(40_000)
     used.chip.reset(40_000)
-    fell: list[int] = []
+    told: list[list[tuple[int, int]]] = []
     for chip in (used.chip, Sci()):
         chip.gate(40_000, True)
         chip.write(40_000, SCI_MAP["SCICTL1"].offset, 0x22)
         chip.write(40_000, SCI_MAP["SCITXBUF"].offset, 0)
-        while chip.out and chip.next_wake < 50_000:
-            fell.append(chip.next_wake)
-            chip.wake(chip.next_wake)
-    assert fell == [40_008, 40_008]
+        moved, level = [], chip.out
+        while chip.next_wake < 50_000:
+            now = chip.next_wake
+            chip.wake(now)
+            if chip.out != level:
+                level = chip.out
+                moved.append((now, level))
+        told.append(moved)
+    assert told == [[(40_008, 0), (40_136, 1)]] * 2  # the start bit and one data bit, of eight times eight cycles each

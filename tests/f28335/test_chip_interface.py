@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from periph_sim.core.chip import NEVER, NOTHING
+from periph_sim.core.chip import ALL, NEVER, NOTHING
 from periph_sim.f28335.cpu.pie import Pie
 from periph_sim.f28335.cpu.xint import Xint
 from periph_sim.f28335.gpio.module import Gpio
@@ -84,6 +84,19 @@ def test_sci_takes_the_dividers_of_lospcp(divider: int):
             edges.append(now)
     fall, rise = edges  # start bit and one data bit of 0
     assert (rise - fall, fall % divider) == (2 * 8 * 10 * divider, 0)
+
+
+def test_sci_that_is_woken_late_has_done_at_a_pin_what_was_due_before_it():
+    """The pin moves in the last cycle of the start bit on TXD: 0 then, 1 in the next."""
+    chip = Sci()
+    chip.gate(0, True)
+    chip.write(0, 1, 0x22)
+    chip.write(0, 9, 0xFF)
+    begin = chip.next_wake
+    assert chip.pins(begin + 63, 0) == ALL
+    assert chip.out == 0
+    chip.wake(begin + 64)
+    assert chip.out == 1
 
 
 @pytest.mark.parametrize("divider", [0, 3, 5, 7, 9, 11, 13, 15, 16])

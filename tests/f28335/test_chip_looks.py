@@ -9,7 +9,7 @@ import pytest
 
 from periph_sim.core.chip import ALL, NOTHING, OUTPUTS
 
-from .i2c_registers import IRS, MST, STT, TRX
+from .i2c_registers import BB, IRS, MST, OFFSET, STT, TRX
 from .i2c_rig import OTHER, OWN, Rig
 from .sci_rig import SciRig, frame
 
@@ -121,6 +121,18 @@ def test_i2c_edge_told_after_something_was_due_brings_that_first(late: int):
     assert due == rig.now + 15
     assert rig.chip.pins(due + late, 0b00) == ALL
     assert rig.chip.peek(due + late, 2) >> 12 & 1, "BB"
+
+
+@pytest.mark.parametrize("look", ["peek", "read"])
+def test_i2c_register_shows_what_is_due_in_that_cycle(look: str):
+    """The START that the filter held back; nobody woke the module for it."""
+    rig = Rig(noise_filter_cycles=1)
+    rig.begin()
+    rig.wait(100)
+    rig.chip.pins(rig.now, 0b01)
+    due = rig.chip.next_wake
+    shown = [getattr(rig.chip, look)(now, OFFSET["I2CSTR"]) & BB for now in (due - 1, due)]
+    assert shown == [0, BB]
 
 
 @pytest.mark.parametrize("late", [1, 40])

@@ -130,3 +130,49 @@ def test_firmware_is_ended_by_the_exception_that_was_asked_for():
     bench.kernel.run_until(10 * TICKS)
     bench.processor.kill(Ended)
     assert bench.log == [("ended", 0)]
+
+
+def test_what_a_read_sets_off_cuts_into_the_computation_behind_it():
+    """The read of COUNT in cycle 102, its second wait state over, promises an interrupt for five cycles later."""
+    bench = Bench([])
+    bench.enable()
+    bench.cpu.handle("SEQ1INT", lambda: bench.note("served"))
+    read, chip = bench.chip.read, bench.chip
+
+    def promise(now: int, offset: int) -> int:
+        bench.note("read")
+        chip.changes.append((now + 5, 1, 0))
+        chip.next_wake = now + 5
+        return read(now, offset)
+
+    chip.read = promise  # type: ignore[method-assign]
+    log = bench.run(lambda: (bench.cpu.compute(100), bench.flags.COUNT.all, bench.cpu.compute(1000)), 2000)
+    assert log == [("read", 102), ("served", 102 + 5 + 14)]
+
+
+def test_it_is_the_time_of_the_access_for_everybody_when_a_write_lands_or_a_read_acts():
+    """Reads without side effects pass before, which need nobody else."""
+    bench = Bench([])
+    seen: list[tuple[str, int, int]] = []
+    read, write = bench.chip.read, bench.chip.write
+
+    def reads(now: int, offset: int) -> int:
+        seen.append(("R", now, bench.kernel.now))
+        return read(now, offset)
+
+    def writes(now: int, offset: int, value: int) -> None:
+        seen.append(("W", now, bench.kernel.now))
+        write(now, offset, value)
+
+    bench.chip.read, bench.chip.write = reads, writes  # type: ignore[method-assign]
+
+    def main() -> None:
+        for _ in range(10):
+            _ = bench.flags.STATUS.all
+        _ = bench.flags.COUNT.all
+        bench.flags.STATUS.all = 0
+        for _ in range(10):
+            _ = bench.flags.STATUS.all
+
+    bench.run(main, 1000)
+    assert seen == [("R", 32, 32 * TICKS), ("W", 35, 35 * TICKS)]

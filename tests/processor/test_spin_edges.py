@@ -20,3 +20,17 @@ def test_a_write_on_its_way_lands_though_the_wait_behind_it_is_skipped():
 
     assert bench.run(main, 50) == []
     assert bench.chip.status == 0, "the wait still lasts"
+
+
+def test_a_wait_is_skipped_on_behind_an_interrupt_that_cut_into_it():
+    """Passes of 6 cycles up to the flag in cycle 9000: all but a handful are skipped."""
+    bench = Bench([(100, 0, 0), (9000, 1, -1)], code=replace(BARE, poll_pass=6))
+    bench.enable()
+    bench.cpu.handle("SEQ1INT", lambda: bench.note("served"))
+
+    def main() -> None:
+        bench.cpu.spin(lambda: bench.flags.STATUS.A == 1)
+        bench.note("seen")
+
+    assert bench.run(main, 10_000) == [("served", 115), ("seen", 9007)]
+    assert bench.cpu.program.polls_skipped > 1490 and bench.kernel.events == 5

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import sys
 import threading
+import time
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
 from periph_sim.explain.bound import verdict_proof
+from periph_sim.processor import stall_watch
 from periph_sim.processor.python import program as python_program
 from periph_sim.processor.stall_watch import _debugged
 from periph_sim.reports.baselines.check import check
@@ -120,6 +122,36 @@ def test_firmware_is_watched_from_its_start_and_only_while_it_runs(
     Scene(load(case_file(tmp_path, "for _ in range(3):\n        dsp.compute(1000)", limit))).run()
     assert calls.count(("add", "dsp")) == added
     assert set(calls) == ({("add", "dsp"), ("leave", threading.get_ident())} if added else set())
+
+
+def test_firmware_that_goes_on_has_its_whole_limit_again_and_a_cpu_that_is_gone_is_let_go(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    """Each look finds one more second of CPU time spent at the same instant; more than three are too much."""
+
+    class Busy:
+        thread = 1
+        stall_limit = 3.5
+
+        def instant(self) -> tuple[int, int]:
+            return 0, 0
+
+    looks: list[int] = []
+    stopped: list[int] = []
+    watch = stall_watch._Watch()
+    monkeypatch.setattr(stall_watch, "PERIOD", 0.001)
+    monkeypatch.setattr(stall_watch, "_cpu_seconds", lambda thread: looks.append(thread) or float(len(looks)))
+    monkeypatch.setattr(watch, "_stop", lambda cpu, at: stopped.append(len(looks)))
+    busy = Busy()
+    watch.add(busy)
+    while len(looks) < 14:
+        time.sleep(0.001)
+    busy.thread = 0
+    looker = watch._thread
+    assert stopped[:3] == [5, 9, 13] and looker is not None
+    del busy
+    looker.join(5)
+    assert not looker.is_alive()
 
 
 def test_limit_of_0_is_none(tmp_path: Path):

@@ -84,6 +84,8 @@ def test_a_read_modify_write_hands_all_fields_back_and_is_compared_with_all():
     assert place.after and (place.after.cycles, place.after.field) == (3, "RRDY")
     (place,) = races(by_hand(flag(97, "RRDY", 1), modify[0])).places  # a look at SCD
     assert place.after is None
+    (place,) = races(by_hand(*modify)).places  # nothing changes
+    assert (place.reads, place.alone) == (1, 1)
 
 
 def test_one_field_takes_the_reads_that_looked_at_it():

@@ -252,6 +252,22 @@ def served(firmware: str, request: dict[str, Any], **more: Any):
     return case(**{"unit": unit, "controller": controller, **more})
 
 
+def test_a_host_whose_frames_interrupt_nothing_adds_no_bound_of_a_latency():
+    closed = closed_form(served("responder", {"count": 2, "pointer": 0}, host={}))
+    assert (closed.latencies, closed.fifo) == ([], []) and closed.handlers.per_frame == 0
+
+
+def test_each_byte_of_a_read_has_its_own_write_of_i2cdxr():
+    closed = closed_form(imu_hil())
+    assert [len(of_read) for of_read in closed.writes] == [6] * 6  # three reads in each of two rounds
+
+
+def test_the_models_come_behind_the_last_stop_of_a_round_only():
+    whole, within = closed_form(imu_hil()).own_addresses
+    assert within.part == Fraction(2, 3) and "model" not in str(within.terms)
+    assert within.ticks < 250 * 150 * CYCLE < whole.ticks
+
+
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [

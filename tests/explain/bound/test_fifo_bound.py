@@ -45,6 +45,12 @@ def test_high_water_is_what_words_back_to_back_make_of_it_and_no_less(level, rea
     assert level + receiver.more(0, routine) == waiting(character, level, reads, routine)
 
 
+def test_a_receiver_is_empty_behind_the_frames_unless_it_is_said_not_to_be():
+    """One word asks for service, and one read takes it: kept up with an empty FIFO, not with a word left in it."""
+    empty = Receiver(1, (10,), 100, 0, False)
+    assert empty.keeps_up(0, 20) and not replace(empty, left=1).keeps_up(0, 20)
+
+
 def held_up(folder: Path, cycles: int) -> str:
     """The emulator whose service routine computes so long before it reads the first word, as a change of a case."""
     text = SOURCE.read_text(encoding="utf-8")

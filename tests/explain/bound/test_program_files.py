@@ -18,3 +18,15 @@ def test_start_up_code_is_read_where_the_package_is_among_libraries_too(
     monkeypatch.setattr(program, "LIBRARIES", libraries)
     read = program.Program(load_firmware("responder").main).modules
     assert [Path(path).name for path in sorted(read)] == ["responder.py", "startup.py"]
+
+
+def test_modules_that_a_module_of_the_firmware_imports_are_read_too(tmp_path: Path) -> None:
+    """program.py imports near.py, which imports far.py."""
+    for name, text in (
+        ("far", "def far(dsp):\n    dsp.compute(1)\n"),
+        ("near", "from .far import far\n\n\ndef near(dsp):\n    far(dsp)\n"),
+        ("program", "from .near import near\n\n\ndef main(dsp, settings):\n    near(dsp)\n"),
+    ):
+        (tmp_path / f"{name}.py").write_text(text, encoding="utf-8")
+    read = program.Program(load_firmware(str(tmp_path / "program.py")).main).modules
+    assert [Path(path).name for path in sorted(read)] == ["far.py", "near.py", "program.py"]

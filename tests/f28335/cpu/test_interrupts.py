@@ -161,6 +161,32 @@ def test_the_ifr_bit_rises_4_cycles_after_the_request_and_stays():
     assert play(diagram, Rig(ier=0), 1) == tidy(diagram)
 
 
+@pytest.mark.rule("SYS-127")
+@pytest.mark.parametrize(
+    "instruction",
+    [
+        lambda core, now: core.clrc_intm(now),
+        lambda core, now: core.setc_intm(now),
+        lambda core, now: core.set_eallow(now, True),
+        lambda core, now: core.or_ifr(now, 0),
+        lambda core, now: core.and_ifr(now, 0xFFFF),
+        lambda core, now: core.or_ier(now, 0),
+        lambda core, now: core.and_ier(now, 0xFFFF),
+        lambda core, now: core.mov_ier(now, 0),
+        lambda core, now: core.idle(now),
+        lambda core, now: core.idle_ends(now),
+        lambda core, now: core.trap(now, 20),
+        lambda core, now: core.intr(now, 8),
+        lambda core, now: core.raise_line(now, EMUINT),
+    ],
+)
+def test_whatever_comes_next_finds_the_ifr_bit_of_a_request_that_has_arrived(instruction):
+    core = cpu(ier=0)
+    core.raise_line(0, 9)
+    instruction(core, IFR_DELAY)
+    assert (core.ifr, core.next_wake) == (bit(9), NEVER)
+
+
 @pytest.mark.rule("SYS-138", "SYS-139")
 @pytest.mark.parametrize("latency", [14, 13, 15, 16])
 def test_open_int_latency(latency):
@@ -297,7 +323,7 @@ def test_nmi_ignores_the_masks_and_leaves_ifr_and_ier(number):
     core.raise_line(0, number)
     assert core.next_taken(5) == number
     core.enter(5, number)
-    assert (core.ifr, core.ier) == (0x55, 0)
+    assert (core.ifr, core.ier, core.ready) == (0x55, 0, 15)
     assert core.next_taken(core.ready) == 0
 
 
@@ -455,6 +481,30 @@ def test_a_request_that_arrives_in_the_cycle_of_and_ifr_wins():
     core.raise_line(12, 9)
     core.or_ifr(16, bit(1))
     assert core.ifr == bit(9) | bit(1)
+
+
+INSTRUCTIONS = {
+    "CLRC INTM": lambda core, now: core.clrc_intm(now),
+    "SETC INTM": lambda core, now: core.setc_intm(now),
+    "EALLOW": lambda core, now: core.set_eallow(now, True),
+    "OR IFR": lambda core, now: core.or_ifr(now, 0),
+    "AND IER": lambda core, now: core.and_ier(now, 0),
+    "OR IER": lambda core, now: core.or_ier(now, 0),
+    "MOV IER": lambda core, now: core.mov_ier(now, 0),
+    "IDLE": lambda core, now: core.idle(now),
+    "TRAP": lambda core, now: core.trap(now, 20),
+    "INTR": lambda core, now: core.intr(now, 5),
+}
+
+
+@pytest.mark.rule("SYS-127")
+@pytest.mark.parametrize("instruction", INSTRUCTIONS)
+def test_a_request_that_arrives_by_the_begin_of_an_instruction_is_in_ifr(instruction):
+    for begin, ifr in ((3, 0), (4, bit(9))):
+        core = cpu()
+        core.raise_line(0, 9)
+        INSTRUCTIONS[instruction](core, begin)
+        assert core.ifr == ifr
 
 
 @pytest.mark.rule("SYS-124", "SYS-147")

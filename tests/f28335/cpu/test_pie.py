@@ -215,6 +215,15 @@ def test_software_that_acknowledges_first_does_not_depend_on_pieack_reset():
     assert not chip.touched
 
 
+def test_only_a_look_at_pieack_before_it_was_written_depends_on_its_reset_value():
+    chip, acknowledged = fresh(), pie()
+    chip.read(0, PIECTRL.offset)
+    acknowledged.read(1, PIEACK.offset)
+    assert (chip.touched, acknowledged.touched) == (set(), set())
+    chip.read(0, PIEACK.offset)
+    assert chip.touched == {"pieack_reset"}
+
+
 @pytest.mark.rule("SYS-105")
 def test_pieier_and_pieifr_are_0_after_reset():
     chip = pie()

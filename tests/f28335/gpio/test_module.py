@@ -240,6 +240,24 @@ def test_reset_lets_go_of_everything_at_once():
     assert [rig.read(f"GP{port}DAT") for port in "ABC"] == [0xFFFF_F000, 0xFFFF_FFFE, 0x00FF_FFFF]
 
 
+def test_a_reset_takes_back_a_level_on_its_way_to_the_pad():
+    rig = Rig()
+    rig.set("GPADIR", GPIO4=1)
+    rig.gpio.reset(0)
+    settled(rig)
+    assert rig.pad(4) == FLOATING
+
+
+def test_a_reset_takes_back_a_multiplexer_write_that_has_not_acted_yet():
+    rig = Rig()
+    rig.mux(28, 1)
+    rig.run_until(1)
+    rig.gpio.reset(1)
+    routes = rig.gpio.routes_version
+    settled(rig)
+    assert (rig.gpio.source("SCIRXDA"), rig.gpio.routes_version) == (None, routes)
+
+
 # Latch, direction, pad -------------------------------------------------------
 
 
@@ -765,6 +783,23 @@ def test_gpioinenclk_leaves_no_residue_in_the_sampler():
 
 
 @pytest.mark.rule("SYS-077")
+def test_gpioinenclk_announces_what_the_sampler_will_show():
+    rig = Rig()
+    rig.set("GPADIR", GPIO4=1)
+    rig.set("GPASET", GPIO4=1)
+    rig.select(4, 2)
+    settled(rig)
+    begin = rig.now
+    rig.gpio.gpioin_enabled(begin, False)
+    rig.gpio.gpioin_enabled(begin + 1, True)
+    due = rig.gpio.next_wake
+    rig.gpio.wake(due - 1)
+    assert not rig.gpio.peek(due - 1, GPIO["GPADAT"].offset) >> 4 & 1
+    rig.gpio.wake(due)
+    assert rig.gpio.peek(due, GPIO["GPADAT"].offset) >> 4 & 1
+
+
+@pytest.mark.rule("SYS-077")
 def test_gpioinenclk_does_not_touch_inputs():
     check("""
         > GPIOIN         0 . . . . .
@@ -820,6 +855,15 @@ def test_a_level_that_is_due_is_told_whoever_asks_next(ask):
     ask(rig.gpio, rig.now + 10)
     assert rig.gpio.changed == [("SDAA", 0)]
     assert rig.gpio.peripheral_level(rig.now + 10, "SDAA") == 0
+
+
+def test_what_was_due_in_the_cycle_before_an_edge_comes_before_it():
+    """The sampler starts in cycle 2, from the level then, though nobody wakes the module for it; the edge is of 3."""
+    rig = Rig()
+    rig.select(12, 1)
+    rig.pin(3, 12, 0)
+    shown = [rig.gpio.peek(now, GPIO["GPADAT"].offset) >> 12 & 1 for now in range(3, 8)]
+    assert shown == [1, 1, 1, 0, 0]
 
 
 # External interrupt selects --------------------------------------------------
@@ -883,6 +927,21 @@ def test_a_pulse_that_no_cycle_sees_is_not_told():
     assert rig.gpio.changed == []
 
 
+def test_a_line_that_is_watched_amid_an_edge_tells_of_it():
+    """GPIO28 feeds SCIRXDA, which needs no word of its edges; XINT1 listens to it in the cycle of one."""
+    rig = given_to((28, 1))
+    rig.set("GPIOXINT1SEL", GPIOSEL=28)
+    settled(rig)
+    rig.gpio.changed.clear()
+    now = rig.now
+    rig.pin(now, 28, 0)
+    assert rig.gpio.next_wake == NEVER
+    rig.gpio.watch_xints(now, 0b1)
+    assert rig.gpio.next_wake == now + 1
+    rig.gpio.wake(now + 1)
+    assert rig.gpio.changed == [("XINT1", 0)]
+
+
 def test_selecting_a_pin_of_another_level_is_an_edge():
     rig = Rig()
     rig.gpio.watch_xints(0, 0b1)
@@ -904,6 +963,8 @@ def test_a_module_s_pin_that_is_not_sampled_costs_no_wake_up(select, exact):
         for pin in (28, 32, 33):
             rig.pin(cycle, pin, cycle & 1, exact)
             assert rig.gpio.next_wake == NEVER
+        rig.gpio.watch_xints(cycle, 0)  # the settings are gone through anew amid the edges
+        assert rig.gpio.next_wake == NEVER
     assert not rig.gpio.changed
 
 

@@ -1,10 +1,13 @@
-"""Notes of pins that are given to what is not modelled: one for a module, whatever the number of its pins."""
+"""Pins: those that signals usually have, and notes of those given to what is not modelled, one for a module."""
 
 from __future__ import annotations
+
+import pytest
 
 from periph_sim.core.chip import joined
 from periph_sim.f28335.gpio.pin_mux_table import FUNCTIONS, INPUTS, OUTPUTS
 from periph_sim.f28335.gpio.routes import module_of, note_for
+from periph_sim.processor.dsp import PIN_OF
 
 
 def test_every_signal_that_is_not_modelled_has_a_module():
@@ -26,3 +29,8 @@ def test_pins_of_one_module_are_one_note():
         texts[-1]
         == "pins are given to SPI, which is not modelled, and stay high-impedance: GPIO16 (SPISIMOA), GPIO17 (SPISOMIA)"
     )
+
+
+@pytest.mark.parametrize("signal", PIN_OF)
+def test_the_usual_pin_of_a_signal_is_one_that_the_multiplexer_gives_it(signal: str) -> None:
+    assert signal in FUNCTIONS[PIN_OF[signal]]

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from periph_sim.f28335.i2c.options import I2cOptions
 
-from ..i2c_bus import SCL, SDA, SLOT, Bench, Foreign, Target
+from ..i2c_bus import SCL, SDA, SLOT, Bench, Foreign, Target, with_
 from ..i2c_registers import FLAGS
 
 rule = pytest.mark.rule
@@ -153,6 +153,16 @@ def test_a_start_tried_during_a_foreign_transfer_loses_at_once():
     assert b.flags("MST STP") == ""
     b.run(40 * SLOT)
     assert b.said() == "S 48W A 77 A P"
+
+
+@rule("I2C-150", "I2C-176")
+def test_the_loser_may_ask_for_the_bus_again_before_the_winner_has_left_it():
+    b = lost(
+        Bench(Target(0x48), Target(0x50), Foreign("S 48W 77 P", at=None), options=with_(stt_while_busy="foreign_waits"))
+    )
+    go(b, [0x12])
+    b.run(60 * SLOT)
+    assert b.said() == "S 48W A 77 A P S 50W A 12 A P"
 
 
 @rule("I2C-262", "I2C-263", "I2C-264")

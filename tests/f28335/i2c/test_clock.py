@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ..i2c_bus import HIGH, LOW, RELEASED, SCL, SDA, SLOT, Bench, Foreign, Target, mdr
+from ..i2c_bus import HIGH, LOW, RELEASED, SCL, SDA, SLOT, Bench, Foreign, Target, mdr, with_
 
 rule = pytest.mark.rule
 
@@ -303,6 +303,27 @@ def test_spikes_on_scl_and_sda_do_not_disturb_a_transfer(cycles: int):
     assert b.drain(1) == [0xFF]
     b.stopped()
     assert b.said() == "S 50R A ff N P"
+
+
+@rule("I2C-171", "I2C-174")
+@pytest.mark.parametrize("width, said", [(1, "A"), (20, "N")])
+def test_a_spike_on_a_stretched_scl_is_not_its_end(width: int, said: str):
+    """A filter of 20 module clocks, longer than a low or high time of SCL, lets no acknowledge through either."""
+    b = Bench(Target(), options=with_(noise_filter_cycles=width))
+    b.w("I2CCNT", 1)
+    b.mode("MST TRX STT")
+    b.edge(SCL, 0, 3)
+    b.pull(SCL)
+    b.run(LOW + 20)
+    b.m.pins(b.now, RELEASED)  # only at the module's own pins: the target has no filter
+    b.run(8)
+    b.m.pins(b.now, RELEASED & ~(1 << SCL))
+    b.run(2 * LOW)
+    b.let_go(SCL)
+    assert b.edge(SCL, 0) == b.times(SCL, 1)[-1] + HIGH
+    b.until(lambda: b.flag("NACK") or not b.flag("XSMT"))
+    assert len(b.times(SCL, 1)) == 9
+    assert b.flag("NACK") == (said == "N")
 
 
 @rule("I2C-175")

@@ -72,6 +72,21 @@ def test_with_free_a_breakpoint_changes_nothing(way: str):
     assert edges[0] == edges[1]
 
 
+@rule("I2C-322", "I2C-323")
+def test_a_breakpoint_that_is_over_before_scl_falls_changes_nothing():
+    edges = []
+    for stop in (False, True):
+        b = Bench(Target())
+        start(b, "transmitter")
+        b.edge(SCL, 1, 4)
+        b.m.suspend(b.now, stop)
+        b.run(60)
+        b.m.suspend(b.now, False)
+        finish(b, "transmitter")
+        edges.append(b.edges)
+    assert edges[0] == edges[1]
+
+
 @rule("I2C-325")
 def test_with_free_a_slave_goes_on():
     foreign = Foreign("S 50W 12 34 P")

@@ -59,6 +59,14 @@ def test_a_slave_with_trx_0_takes_every_transfer_whatever_its_address(own: int):
     assert foreign.heard == "AA"
 
 
+@rule("I2C-070", "I2C-316")
+def test_the_first_byte_is_right_justified_with_nothing_above_it():
+    b = Bench(second=I2cOptions())
+    b.mode("FDF", 5, b.s)
+    b.send([0x15], extra="STP FDF", bc=5)
+    assert b.drain(1, b.s) == [0x15]
+
+
 @rule("I2C-317", "I2C-319", "I2C-054")
 def test_two_modules_one_as_receiver_one_as_transmitter():
     b = Bench(second=I2cOptions())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from ..i2c_bus import SCL, SDA, SLOT, Bench, Foreign, Target
+from ..i2c_bus import SCL, SDA, SLOT, Bench, Foreign, Target, with_
 
 rule = pytest.mark.rule
 
@@ -182,3 +182,15 @@ def test_out_of_loopback_a_start_waits_for_a_clock_that_others_hold(way: str):
     b.let_go(SCL)
     b.stopped()
     assert b.said() == "S 50W A 12 A P"
+
+
+def test_a_receiver_takes_its_count_though_the_filter_hides_every_bit():
+    """20 module clocks are more than SCL is high."""
+    b = Bench(options=with_(noise_filter_cycles=20))
+    b.w("I2CCNT", 3)
+    b.mode("FREE MST STT STP DLB")
+    b.drain(2)
+    assert not b.flag("NACKSNT")
+    b.drain(1)
+    b.run(2 * SLOT)
+    assert b.flag("NACKSNT")

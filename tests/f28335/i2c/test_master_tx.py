@@ -200,7 +200,7 @@ def test_a_byte_in_i2cdxr_waits_there_while_the_address_is_shifted_out():
 # ---- underflow ------------------------------------------------------------------------------------------
 
 
-@rule("I2C-130", "I2C-213", "I2C-214")
+@rule("I2C-130", "I2C-213", "I2C-214", "I2C-243")
 @pytest.mark.parametrize("sent", [0, 1, 3])
 def test_without_data_the_clock_stops_low_until_i2cdxr_is_written(sent: int):
     b = Bench(Target())
@@ -208,7 +208,7 @@ def test_without_data_the_clock_stops_low_until_i2cdxr_is_written(sent: int):
     b.until(lambda: not b.flag("XSMT"))
     b.run(SLOT)
     assert b.held(30 * SLOT)
-    assert b.flags("XSMT XRDY BB MST") == "XRDY BB MST"
+    assert b.flags("XSMT XRDY ARDY BB MST") == "XRDY BB MST"
     b.w("I2CDXR", 0x44)
     b.until(lambda: b.flag("XSMT"), SLOT)
     b.stopped()

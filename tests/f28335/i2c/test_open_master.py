@@ -9,7 +9,7 @@ import pytest
 
 from periph_sim.f28335.i2c.options import I2cOptions
 
-from ..i2c_bus import HIGH, LOW, SCL, SDA, SLOT, Bench, Foreign, Target, mdr, with_
+from ..i2c_bus import HIGH, LOW, SCL, SDA, SLOT, Bench, Foreign, Target, decode, mdr, with_
 
 rule = pytest.mark.rule
 
@@ -28,6 +28,7 @@ def test_the_choices_below_are_all_there_are():
         "foreign_start_stop": 2,
         "al_clears_stt": 2,
         "mr_nack_at_count0": 2,
+        "rrdy_point": 3,
         "rm_receiver": 2,
         "stop_without_data": 2,
         "ten_bit_read": 2,
@@ -274,9 +275,10 @@ def test_open_stt_while_busy(how: str):
     elif how == "foreign_waits":
         assert b.said() == "S 48W A 77 A P S 50W A 12 A P"
         assert b.flags("AL MST STP") == ""
+        _, stop, start, _ = (said.start for said in decode(b.edges) if said.text in "SP")
+        assert start - stop == TMOD + LOW  # the STOP is seen behind the filter
     else:
-        assert b.said() != "S 48W A 77 A P"
-        assert b.said().count("S") == 2
+        assert b.said() == "S 48W A ~01110 S 50W A 12 A P"
 
 
 FOREIGN = ["unnoticed", "loses_arbitration"]
@@ -630,3 +632,37 @@ def test_open_xrdyint_when_idle_as_master(how: str):
         "sda_setup_before_scl_release",
         "xrdyint_when_idle",
     } | ({"isrc_follows_flag", "isrc_preempt"} if how == "only_addressed" else set())
+
+
+def test_open_xrdyint_when_idle_as_master_receiver():
+    b = Bench(Target(gives=[0x77]), options=with_(xrdyint_when_idle="only_addressed"))
+    b.w("I2CIER", 1 << 4)
+    b.w("I2CCNT", 1)
+    b.mode("MST STT STP")
+    b.until(lambda: b.flag("RRDY"))
+    assert (b.flag("XRDY"), b.peek("I2CISRC")) == (1, 0)
+
+
+def test_open_xrdyint_when_idle_after_lost_arbitration():
+    """The loser has no transfer any more that wants data."""
+    b = Bench(Target(0x48), Foreign("S 48W 77 P", at=None), options=with_(xrdyint_when_idle="only_addressed"))
+    b.mode("MST TRX STT STP")
+    b.until(lambda: b.flag("AL"))
+    b.w("I2CIER", 1 << 4)
+    b.run(100)
+    assert (b.flags("XRDY BB"), b.peek("I2CISRC")) == ("XRDY BB", 0)
+
+
+# ---- receiving ----------------------------------------------------------------------------------------------------
+
+
+@rule("I2C-096", "I2C-239")
+@pytest.mark.parametrize("point, level, edge, seen", [("fall8", 0, 18, 0), ("rise9", 1, 18, TMOD), ("fall9", 0, 19, 0)])
+def test_open_rrdy_point_as_master(point: str, level: int, edge: int, seen: int):
+    """edge: of SCL, counted from the START; seen: cycles from it, since a rise is seen behind the filter."""
+    b = Bench(Target(gives=[0x77]), options=with_(rrdy_point=point))
+    b.w("I2CCNT", 1)
+    b.mode("MST STT STP")
+    came = b.until(lambda: b.flag("RRDY"))
+    assert came == b.times(SCL, level)[edge - 1] + seen
+    assert b.drain(1) == [0x77]

@@ -755,6 +755,20 @@ def test_open_isrc_read_clears_aas(clears):
     )
 
 
+@pytest.mark.rule("I2C-285")
+def test_open_isrc_read_clears_aas_in_the_free_data_format():
+    """AAS is of the first byte: the second one does not set it anew."""
+    rig = idle(FDF, isrc_read_clears_aas=True)
+    rig.write("I2CIER", IE_AAS)
+    rig.start()
+    rig.send(0x33)
+    rig.wait(SOON)
+    assert rig.read("I2CISRC") == 7
+    assert rig.read("I2CDRR") == 0x33
+    rig.send(0x44)
+    assert (rig.flag("RRDY"), rig.flag("AAS")) == (1, 0)
+
+
 @pytest.mark.rule("I2C-238")
 @pytest.mark.parametrize("value", ["no", "yes"])
 def test_open_xrdy_w1c(value):
@@ -1108,14 +1122,13 @@ def test_open_irs_clears_fifo(clears):
     rig.write("I2CFFTX", FFEN | FFRST)
     rig.write("I2CFFRX", FFRST)
     rig.begin()
-    rig.write("I2CDXR", 0x11)
+    for byte in (0x11, 0x12, 0x13):
+        rig.write("I2CDXR", byte)
     rig.address()
     rig.send(0x22)
     rig.write("I2CMDR", 0)
     left = [rig.peek(name) >> 8 & 31 for name in ("I2CFFTX", "I2CFFRX")]
-    assert left[1] == (0 if clears else 1)
-    if clears:
-        assert left[0] == 0
+    assert left == ([0, 0] if clears else [1, 1])
     assert rig.chip.touched == {
         "aas_sdir_point",
         "bb_on_irs_reset",

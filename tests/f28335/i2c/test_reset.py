@@ -105,8 +105,9 @@ def test_irs_0_gives_every_flag_its_default(make):
 
 
 @pytest.mark.rule("I2C-331")
-def test_in_reset_no_address_is_answered():
-    rig = Rig()
+@pytest.mark.parametrize("noise_filter", [0, 1])
+def test_in_reset_no_address_is_answered(noise_filter):
+    rig = Rig(noise_filter_cycles=noise_filter)
     rig.write("I2COAR", OWN)
     assert not rig.address()
     assert not rig.send(0x11)
@@ -183,6 +184,25 @@ def test_xrs_releases_the_bus_and_leaves_the_module_in_reset(make):
     rig.write("I2COAR", OWN)
     rig.write("I2CMDR", IRS)
     assert rig.address()
+
+
+@pytest.mark.rule("I2C-324", "I2C-335")
+def test_xrs_forgets_what_a_breakpoint_holds():
+    """The next breakpoint meets a slave that waits for I2CDXR, and leaves it so."""
+    rig = Rig()
+    rig.begin()
+    rig.chip.suspend(rig.now, True)
+    rig.start()
+    assert rig.stretching
+    rig.chip.reset(rig.now)
+    rig.chip.gate(rig.now, True)
+    rig.stop()
+    rig.begin()
+    rig.address(OWN, 1)
+    for on in (True, False):
+        rig.chip.suspend(rig.now, on)
+        rig.settle()
+        assert rig.stretching
 
 
 @pytest.mark.rule("I2C-337")

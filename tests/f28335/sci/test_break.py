@@ -47,6 +47,15 @@ def test_one_high_sample_begins_the_ten_bits_anew():
     assert rig.flags("FE", "BRKDT") == {"FE": 1, "BRKDT": 1}
 
 
+@pytest.mark.rule("SCI-088")
+def test_a_line_that_went_high_is_no_break_also_where_a_register_is_written_then():
+    rig = SciRig()
+    rig.send("0" * 12 + "11")
+    rig.write("SCICCR", rig.peek("SCICCR"))
+    rig.wait(12)
+    assert rig.flags("FE", "BRKDT") == {"FE": 1, "BRKDT": 0}
+
+
 @pytest.mark.rule("SCI-089")
 @pytest.mark.parametrize("bits", [25, 60, 200])
 def test_however_long_a_break_loads_nothing_beyond_the_character_with_fe(bits):

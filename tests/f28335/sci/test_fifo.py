@@ -113,6 +113,16 @@ def test_txffst_falls_only_when_the_word_before_has_left():
     assert starts[1] - starts[0] == 10 * rig.bit
 
 
+@pytest.mark.rule("SCI-065")
+def test_words_written_to_a_new_module_wait_for_txena():
+    rig = SciRig(raw=True)
+    rig.set(SCIFFENA=1)
+    rig.write("SCITXBUF", 0x55)
+    rig.set(SWRESET=1)
+    rig.wait(20)
+    assert (rig.edges, rig.get("TXFFST"), rig.chip.touched & {"txena_clear_drains"}) == ([], 1, set())
+
+
 @pytest.mark.rule("SCI-155", "SCI-156")
 def test_the_transmit_fifo_reset_empties_it_and_holds_it():
     rig = SciRig(fifo=True, TXENA=0)
@@ -129,6 +139,17 @@ def test_the_transmit_fifo_reset_empties_it_and_holds_it():
     rig.set(TXENA=1)
     rig.wait(25)
     assert rig.characters() == [0x22]
+
+
+@pytest.mark.rule("SCI-160")
+@pytest.mark.parametrize("enabled", [0, 1])
+def test_fifos_switched_on_again_ask_for_a_txffint_that_stands_if_it_is_enabled(enabled):
+    rig = SciRig(fifo=True, TXFFIENA=0)
+    rig.set(SCIFFENA=0)
+    rig.set(TXFFIENA=enabled)
+    assert (rig.get("TXFFINT"), rig.count("TXINT")) == (1, 0)
+    rig.set(SCIFFENA=1)
+    assert (rig.get("TXFFINT"), rig.count("TXINT")) == (1, enabled)
 
 
 @pytest.mark.rule("SCI-157", "SCI-158", "SCI-160")
@@ -323,6 +344,14 @@ def test_with_the_reset_level_of_31_rxffint_never_comes():
     assert rig.get("RXFFIL") == 31
     fill(rig, range(20))
     assert (rig.get("RXFFINT"), rig.count("RXINT")) == (0, 0)
+
+
+@pytest.mark.rule("SCI-174")
+def test_a_level_of_0_is_reached_as_soon_as_the_fifos_are_on():
+    rig = SciRig(fifo=True, SCIFFENA=0, RXFFIL=0, RXFFIENA=1)
+    assert (rig.get("RXFFINT"), rig.count("RXINT")) == (0, 0)
+    rig.set(SCIFFENA=1)
+    assert (rig.get("RXFFINT"), rig.count("RXINT")) == (1, 1)
 
 
 @pytest.mark.rule("SCI-176")

@@ -363,6 +363,14 @@ def test_the_written_value_reads_back_before_it_acts():
     assert chip.next_wake == GATE_DELAY
 
 
+def test_writes_of_successive_cycles_act_in_successive_cycles():
+    chip = SystemControl(30 * MHZ, SystemOptions())
+    chip.write(0, PCLKCR3.offset, 0)
+    chip.write(1, PCLKCR0.offset, 1 << 10)
+    seen = [(chip.wake(now), chip.enabled("TIMER0"), chip.enabled("SCI-A"))[1:] for now in (1, 2, 3)]
+    assert seen == [(True, False), (False, False), (False, True)]
+
+
 def test_reset_forgets_a_gate_that_was_to_open():
     chip = system()
     chip.write(0, PCLKCR0.offset, 1 << 10)
@@ -427,6 +435,14 @@ def test_a_pll_lock_is_counted_in_oscclk_through_a_change_of_divsel():
 
 
 # Wrong use ------------------------------------------------------------------------------
+
+
+def test_a_read_shows_what_was_due_by_then():
+    """Nobody woke the chip for the end of the lock."""
+    chip = system()
+    chip.write(0, PLLSTS.offset, divsel(0) | MCLKOFF)
+    chip.write(0, PLLCR.offset, 5)
+    assert [chip.read(now, PLLSTS.offset) & 1 for now in (LOCK - 1, LOCK)] == [0, 1]
 
 
 def test_wrong_calls_are_refused():

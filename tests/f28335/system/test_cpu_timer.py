@@ -305,6 +305,12 @@ def test_a_timer_nobody_waits_for_does_not_wake():
     assert count(chip, 10**9) == 9 - 10**9 % 10
 
 
+def test_a_read_in_the_cycle_of_a_zero_takes_its_request_which_does_not_come_twice():
+    chip = started(9, 0, TIE)
+    zero = chip.next_wake
+    assert (chip.read(zero, TCR.offset) & TIF, chip.requests, chip.next_wake) == (TIF, 1, zero + 10)
+
+
 def test_a_stopped_timer_asks_for_nothing_until_it_runs_again():
     chip = started(9, 0, TIE)
     chip.write(4, TCR.offset, TSS | TIE)
@@ -327,6 +333,13 @@ def test_a_write_of_the_count_acts_at_once():
     chip.write(4, TIM.offset, 5)
     chip.write(4, TIMH.offset, 1)
     assert [count(chip, now) for now in (4, 5)] == [0x10005, 0x10004]
+
+
+def test_a_write_moves_16_bits_whatever_stands_above_them():
+    chip = started(0x20000, 0)
+    for register, word in ((TIM, 5), (TIMH, 1), (PRD, 7), (PRDH, 2)):
+        chip.write(0, register.offset, 0xF_0000 | word)
+    assert [chip.peek(0, register.offset) for register in (TIM, TIMH, PRD, PRDH)] == [5, 1, 7, 2]
 
 
 def test_wrong_calls_are_refused():

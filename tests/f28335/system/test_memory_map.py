@@ -4,7 +4,19 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.f28335.system.memory_map import AddressMap, ModuleRange, NoSuchAddress
+from periph_sim.core.options import options_from
+from periph_sim.f28335.system.memory_map import (
+    BOTH,
+    HIGH,
+    LOW,
+    WORDS_MASK,
+    AddressMap,
+    Frame,
+    ModuleRange,
+    NoSuchAddress,
+    WaitStates,
+)
+from periph_sim.f28335.system.options import SystemOptions
 from tests.scene.test_addresses import everything
 
 
@@ -30,10 +42,19 @@ def test_the_upper_half_of_a_wide_register_is_one_word_on(memory: AddressMap) ->
     assert memory.find(0x6FC0)[2] == 0
 
 
+def test_the_words_of_an_access_are_told_apart_and_together_move_a_whole_register() -> None:
+    assert (WORDS_MASK[LOW], WORDS_MASK[HIGH]) == (0xFFFF, 0xFFFF << 16)
+    assert BOTH == LOW | HIGH
+    assert WORDS_MASK[BOTH] == 0xFFFF_FFFF
+
+
 @pytest.mark.parametrize(
     ("address", "sentence"),
     [
-        (0x790D, "0x790d is not a register of I2C-A (0x7900 to 0x793f); the nearest are "),
+        (
+            0x790D,
+            "0x790d is not a register of I2C-A (0x7900 to 0x793f); the nearest are I2CEMDR 0x790b and I2CPSC 0x790c",
+        ),
         (0x78FF, "0x78ff belongs to no module of this scene, which has SYS 0x7010, "),
         (0x7940, "0x7940 belongs to no module of this scene"),
     ],
@@ -67,3 +88,11 @@ def test_two_modules_at_one_place_are_a_mistake(memory: AddressMap, base: int, o
             own.add(other)
     else:
         own.add(other)
+
+
+@pytest.mark.rule("SYS-034", "SYS-035")
+def test_each_frame_has_wait_states_of_its_own() -> None:
+    """Reads, writes; those of frame 2 are options."""
+    waits = WaitStates(options_from(SystemOptions, {"pf2_read_ws": 5, "pf2_write_ws": 7}))
+    seen = {frame.name: (waits.read[frame], waits.write[frame]) for frame in Frame}
+    assert seen == {"PF0": (1, 0), "PF1": (2, 0), "PF2": (5, 7)}

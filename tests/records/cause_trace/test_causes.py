@@ -183,6 +183,16 @@ def test_looks_at_two_fields_at_one_place_are_two():
     assert numbers(steps) == ["6", "5", "(4)", "(1)", "3", "2"]
 
 
+def test_a_look_at_a_register_that_is_not_known_came_of_nothing():
+    look = 70, Kind.ACCESS, "dsp", "R I2C-A.I2CNEW", 0, "f:1", 0
+    assert numbers(walk(flag(50, "SCD", 1), look, count(80), counted(80, 3))) == ["4", "3", "2"]
+
+
+def test_a_read_modify_write_of_a_register_that_is_not_known_hands_nothing_back():
+    modify = [(70 + n, Kind.ACCESS, "dsp", f"{way} I2C-A.I2CNEW", 0, "f:1", 0) for n, way in ((0, "R"), (2, "W"))]
+    assert numbers(walk(flag(50, "SCD", 1), *modify, flag(72, "SCD", 0, 3))) == ["4", "3", "(2)"]
+
+
 def test_a_service_routine_that_ended_before_the_flag_held_nothing_up():
     steps = walk(irq(10, 1), irq(90, 0, 1), flag(100, "RRDY", 1), read(110, RRDY, "RRDY"), count(120), counted(120, 5))
     assert numbers(steps) == ["6", "5", "4", "3"]
@@ -276,6 +286,12 @@ def test_who_holds_a_line_now_beside_who_pulled_it_first(cycle: int, held: str, 
     told = "pulled low first by controller, held now by" in text(answer)
     assert told == (held != "controller")
     assert as_json(answer)["held_by"] == held.split(" and ")
+
+
+def test_a_line_is_held_by_who_pulled_it_first_though_another_came_and_went():
+    both = hold(20, "dsp.SCLA, controller", 2)
+    answer = why(by_hand(*LOW[:2], both, hold(30, "controller"), edge(90, 1, "")), f"SCL@{50 * CYCLE // 3} ns")
+    assert numbers(list(answer.back)) == ["4", "2", "1"]
 
 
 def test_a_line_is_released_by_who_held_it_last():

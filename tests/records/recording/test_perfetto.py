@@ -110,6 +110,16 @@ def test_what_a_short_run_looks_like(tmp_path: Path):
     }
 
 
+def test_a_stop_without_a_start_is_no_transfer(tmp_path: Path):
+    recorder = Recorder()
+    with recording(tmp_path / "run.perfetto.json", {"dsp": ("I2C-A",)}) as (subscribe, ended_at):
+        subscribe(recorder, Timebase(150_000_000))
+        for tick, (wire, level) in enumerate([("SCL", 0), ("SDA", 0), ("SCL", 1), ("SDA", 1)], 1):
+            recorder.emit(tick * NS, Kind.EDGE, wire, "level", level)
+        ended_at(10 * NS)
+    assert not by_track(events_of(tmp_path / "run.perfetto.json"))
+
+
 def test_a_capture_is_no_run(tmp_path: Path):
     capture = formats.read(Path(__file__).resolve().parents[3] / "traces" / "nack.sr")
     with pytest.raises(formats.BadCapture, match=r"its name: found '\.json', expected one of "):

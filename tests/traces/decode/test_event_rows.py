@@ -21,6 +21,7 @@ from periph_sim.traces.decode.event_rows import (
 )
 from periph_sim.traces.decode.i2c_table import I2cTable
 from periph_sim.traces.decode.uart_table import UartTable
+from tests.traces.decode.test_i2c_table import of_wave, wave
 
 KINDS = [np.int64, np.int64, np.uint8, np.uint8, np.int32, np.uint8, np.uint8]
 
@@ -65,6 +66,22 @@ def test_of_i2c_whole_and_cut_bytes_say_who_was_asked_to_send_and_nothing_else_d
         (90, 90, 3, "stop", -1, 0, ""),
     ]
     assert [column.dtype for column in rows] == KINDS
+
+
+def test_a_ten_bit_address_that_is_asked_to_send_is_whole_where_its_own_transfer_told_it():
+    bus = wave()
+    bus.start()
+    bus.byte(0b11110_10_0)
+    bus.byte(0x42)
+    for high in (0b10, 0b11):  # of another target the low byte is not known
+        bus.again()
+        bus.byte(0b11110_00_1 | high << 1)
+    bus.stop()
+    bus.start()
+    bus.byte(0b11110_10_1)
+    bus.stop()
+    found = [row[4:6] for row in told(i2c_rows(i2c_table.i2c_table(of_wave(bus)))) if row[3] == "address"]
+    assert found == [(0x7A, 8), (0x242, 10), (0x7B, 8), (0x7A, 8)]
 
 
 def test_of_uart_every_set_of_faults_has_its_words():

@@ -115,6 +115,10 @@ def test_a_line_that_starts_low_waits_for_its_first_falling_edge():
     assert uart.events(of_bytes(samples, ("RX",)), "RX", MEGA) == [Frame(55, 155, 0x12, False, False)]
 
 
+def test_a_line_that_comes_from_low_and_stays_high_holds_nothing():
+    assert uart.events(drawn("RX " + "_" * 120 + "-" * 20), "RX", MEGA) == []
+
+
 def test_frames_back_to_back_and_a_sender_five_percent_fast():
     for width in (Fraction(10), Fraction(96, 10)):
         frames = [(20 + 10 * width * n, frame_bits(byte)) for n, byte in enumerate(b"U\x00\xff3")]

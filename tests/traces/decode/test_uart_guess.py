@@ -77,9 +77,28 @@ def test_a_rate_that_nobody_uses_is_taken_as_the_edges_have_it():
     assert found.line.baud == pytest.approx(82_000, rel=0.01) and found.line.shape == "8n1"
 
 
+def test_low_pulses_tell_the_bit_time_and_silence_or_breaks_of_any_length_do_not():
+    lows, highs = (10, 20, 10, 30, 112, 10, 20), (13, 17, 26, 14, 21, 19, 33)
+    wave = "".join("_" * low + "-" * high for low, high in zip(lows, highs, strict=True))
+    found = guess(drawn(f"RX ----{wave}"), "RX", "8n1", False)
+    assert (found.measured, found.off) == (100_000, 0)
+
+
 def test_bytes_without_a_bit_alone_still_tell_the_bit_time():
-    found = guess(sent(115200, "8n1", bytes([0x3C, 0xC6, 0x18, 0xE6, 0x0E, 0x38, 0x8E, 0x66]) * 4), "RX")
-    assert found.line.baud == 115200
+    found = guess(sent(115200, "8n1", bytes([0x1C, 0xC0, 0x38, 0x0C, 0x80, 0xE0]) * 4), "RX")
+    assert settings_of(found) == (115200, "8n1", False)
+
+
+@pytest.mark.parametrize(("samples", "values"), [("3.8", TEXT), ("4.1", bytes.fromhex("0e660e")), ("2.5", b"f\xccf")])
+def test_few_samples_a_bit_still_tell_the_rate(samples: str, values: bytes):
+    found = guess(sent(9600, "8n1", values, rate=int(9600 * Fraction(samples))), "RX", "8n1", False)
+    assert (found.line.baud, found.errors) == (9600, 0)
+
+
+@pytest.mark.parametrize("invert", [False, True])
+def test_of_two_polarities_that_read_alike_the_line_rests_at_its_idle_level(invert: bool):
+    found = guess(sent(9600, "8n1", b"\x0f" * 20, pause=30, invert=invert), "RX")
+    assert settings_of(found) == (9600, "8n1", invert)
 
 
 def test_what_is_known_is_not_guessed():

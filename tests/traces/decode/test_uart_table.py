@@ -150,6 +150,17 @@ def test_what_is_shorter_than_half_a_bit_is_a_glitch(length: int, glitched: bool
     assert isinstance(frame, uart.Frame) and frame.glitched == glitched
 
 
+@pytest.mark.parametrize(("place", "unsure"), [(61, 0), (62, 1 << 4), (67, 1 << 4), (68, 1 << 4), (69, 0)])
+def test_a_glitch_that_reaches_into_the_window_of_a_bit_makes_it_unsure(place: int, unsure: int):
+    """Two samples long, in a low bit from sample 60 on whose window is samples 63 to 68."""
+    samples = bytearray(uart_wave([(Fraction(20), frame_bits(0x00))], Fraction(10), 200))
+    samples[place : place + 2] = b"\x01\x01"
+    capture = of_bytes(bytes(samples), ("RX",))
+    table = uart_table(capture, "RX", Line(100_000))
+    assert (table.glitched.tolist(), table.unsure.tolist()) == ([True], [unsure])
+    assert events_of_table(table) == uart.events(capture, "RX", Line(100_000))
+
+
 def test_a_glitch_in_a_frame_is_left_out():
     samples = bytearray(uart_wave([(Fraction(20), frame_bits(0x4B))], Fraction(10), 200))
     samples[55] ^= 1  # in the middle of a bit

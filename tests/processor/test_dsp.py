@@ -1,0 +1,85 @@
+"""A unit put together: where its modules stand, and how they follow clocks and gates that firmware changes back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from periph_sim.core.kernel import Kernel
+from periph_sim.core.records import Recorder
+from periph_sim.core.time import Timebase
+from periph_sim.core.wire import Wire
+from periph_sim.f28335.system.memory_map import NoSuchAddress
+from periph_sim.processor.dsp import MODULES, Dsp, DspPlan
+
+# First and last address of each module (the register maps of the manuals).
+FRAMES = """
+    PIE   0CE0 0CFF   TIMER0 0C00 0C07   TIMER1 0C08 0C0F   TIMER2 0C10 0C17   GPIO 6F80 6FFF   SYS 7010 702F
+    SCI-A 7050 705F   SCI-B  7750 775F   SCI-C  7770 777F   I2C-A  7900 793F   XINT 7070 707F
+"""
+
+
+def unit(*modules: str, **wires: int) -> tuple[Dsp, Kernel, dict[str, Wire]]:
+    """A unit with wires by name -> GPIO number."""
+    kernel, recorder = Kernel(), Recorder()
+    made = {name: Wire(kernel, name, recorder) for name in wires}
+    plan = DspPlan("dsp", modules, {pin: made[name] for name, pin in wires.items()})
+    return Dsp(kernel, Timebase(150_000_000), recorder, plan), kernel, made
+
+
+def run(dsp: Dsp, kernel: Kernel, firmware: Callable[[], None]) -> None:
+    dsp.start(firmware)
+    kernel.run_until(kernel.now + 2_000_000)
+    assert dsp.cpu.finished
+
+
+def test_every_module_ends_where_the_manual_has_the_end_of_its_addresses():
+    memory = unit(*MODULES)[0].memory
+    words = FRAMES.split()
+    told = {name: (int(first, 16), int(last, 16)) for name, first, last in zip(*[iter(words)] * 3, strict=True)}
+    assert {name: (place.base, place.base + place.size - 1) for name, place in memory.places.items()} == told
+    with pytest.raises(NoSuchAddress, match="0x7000 belongs to no module"):
+        memory.find(0x7000)
+
+
+def test_a_module_whose_clock_is_taken_back_can_be_written_no_more():
+    dsp, kernel, _ = unit("SCI-A")
+    seen: list[int] = []
+
+    def main() -> None:
+        clocks, sci = dsp.module("SYS"), dsp.module("SCI-A")
+        dsp.eallow()
+        for on, value in ((1, 0x11), (0, 0x22)):
+            clocks.PCLKCR0.SCIAENCLK = on
+            dsp.compute(10)
+            sci.SCILBAUD.all = value
+        clocks.PCLKCR0.SCIAENCLK = 1
+        dsp.compute(10)
+        seen.append(sci.SCILBAUD.all)
+
+    run(dsp, kernel, main)
+    assert seen == [0x11]
+    assert "sci.clock_gate_access" in dsp.touched
+
+
+def test_lspclk_changed_and_changed_back_is_that_of_the_sci_each_time():
+    """One data bit of 0 behind the start bit: TXD is low for 16 SCICLK of two LSPCLK each, as BRR = 0 has it."""
+    dsp, kernel, wires = unit("SCI-A", TXD=29)
+    low: list[int] = []
+    wires["TXD"].watch(lambda tick, level: low.append(dsp.clock.cycle_at(tick)))
+
+    def main() -> None:
+        clocks, sci = dsp.module("SYS"), dsp.module("SCI-A")
+        dsp.eallow()
+        clocks.PCLKCR0.SCIAENCLK = 1
+        dsp.compute(10)
+        sci.SCICTL1.all = 0x22
+        for lospcp in (2, 1, 2):
+            clocks.LOSPCP.all = lospcp
+            dsp.compute(10)
+            sci.SCITXBUF.all = 0
+            dsp.compute(500)
+
+    run(dsp, kernel, main)
+    assert [rise - fall for fall, rise in zip(low[::2], low[1::2], strict=True)] == [16 * 2 * n for n in (4, 2, 4)]

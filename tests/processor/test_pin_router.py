@@ -1,0 +1,69 @@
+"""Pads as modules see them through the multiplexer and the external interrupts, at the cycle of each setting."""
+
+from __future__ import annotations
+
+from periph_sim.core.wire import Pin
+from periph_sim.processor.dsp import Dsp
+from tests.processor.test_dsp import run, unit
+
+CYCLE = 20  # ticks
+FRAME = 3 * 8 * 8  # cycles of start, data and stop bit with BRR = 0 and LSPCLK = SYSCLKOUT / 4
+
+
+def sci_on_gpio28(dsp: Dsp) -> None:
+    """SCI-A receives one data bit a character; GPIO28 is its pin, without a synchroniser of the GPIO's."""
+    clocks, gpio = dsp.module("SYS"), dsp.module("GPIO")
+    clocks.PCLKCR0.SCIAENCLK = 1
+    gpio.GPAQSEL2.GPIO28 = 3
+    gpio.GPAMUX2.GPIO28 = 1
+    dsp.compute(10)
+    dsp.module("SCI-A").SCICTL1.all = 0x21
+
+
+def held_low(pin: Pin) -> None:
+    pin.drive(0)
+
+
+def test_a_pad_that_is_low_when_the_multiplexer_gives_it_to_the_sci_begins_a_start_bit_then():
+    dsp, kernel, wires = unit("GPIO", "SCI-A", RXD=28)
+    held_low(wires["RXD"].attach("hand"))
+    cycles: list[int] = []
+
+    def main() -> None:
+        sci, gpio = dsp.module("SCI-A"), dsp.module("GPIO")
+        dsp.eallow()
+        sci_on_gpio28(dsp)
+        gpio.GPAMUX2.GPIO28 = 0
+        sci.SCICTL1.all = 0x01  # SW RESET: whatever came before is forgotten
+        dsp.compute(10)
+        sci.SCICTL1.all = 0x21
+        for _ in range(500):  # nobody else has a say meanwhile
+            _ = sci.SCICCR.all
+        gpio.GPAMUX2.GPIO28 = 1
+        cycles.append(dsp.cpu.cycle)
+        dsp.spin(lambda: sci.SCIRXST.FE == 1)
+        cycles.append(dsp.cpu.cycle)
+
+    run(dsp, kernel, main)
+    given, framed = cycles
+    assert FRAME - 8 < framed - given < FRAME + 16  # FE comes with the last tick of the stop bit, the read behind it
+
+
+def test_an_external_interrupt_enabled_after_the_edge_of_a_pin_that_feeds_the_sci_does_not_ask():
+    dsp, kernel, wires = unit("GPIO", "SCI-A", "XINT", RXD=28)
+    hand = wires["RXD"].attach("hand")
+    kernel.at(kernel.now + 5000 * CYCLE, lambda: hand.drive(0))
+    asked: list[int] = []
+
+    def main() -> None:
+        dsp.eallow()
+        sci_on_gpio28(dsp)
+        dsp.module("GPIO").GPIOXINT1SEL.all = 28
+        dsp.module("PIE").PIECTRL.ENPIE = 1
+        dsp.compute(10_000)
+        dsp.module("XINT").XINT1CR.all = 1  # falling edge, enabled
+        dsp.compute(100)
+        asked.append(dsp.module("PIE").PIEIFR1.INTx4)
+
+    run(dsp, kernel, main)
+    assert asked == [0]

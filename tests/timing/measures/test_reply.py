@@ -1,0 +1,63 @@
+"""A reply by characters made by hand: how long it took, what is wrong with it, and when that was."""
+
+from __future__ import annotations
+
+from periph_sim.timing.measures.reply import Expected, Reply
+from tests.timing.events_by_hand import came
+
+WITHIN = 100
+
+
+class Line:
+    """What a scene is to a measure of a reply: it expects a text, and began at tick 0."""
+
+    def __init__(self, text: str, anywhere: bool = False) -> None:
+        shown = lambda came: "".join(chr(character & 0xFF) for character in came)  # noqa: E731
+        self._expected = Expected(tuple(map(ord, text)), shown, "SCI-A", WITHIN, anywhere)
+
+    def began(self) -> int:
+        return 0
+
+    def ticks_per_second(self) -> int:
+        return 1000
+
+    def on_reply(self, reply: Reply):
+        return self._expected, lambda: "it was never asked for"
+
+
+def heard(drawn: str, end: int, text: str = "OK", anywhere: bool = False) -> Reply:
+    """`ask 10-20`: what asks for it begins and ends; `O 30-40`: a character; `else 50`: something else is asked for."""
+    reply = Reply("told")
+    reply.listen(Line(text, anywhere))  # type: ignore[arg-type]
+    for what, at in (event.split() for event in drawn.split(", ") if event):
+        begin, _, over = at.partition("-")
+        if what == "else":
+            reply.others_turn(int(begin))
+        elif what == "ask":
+            reply.window(int(begin))
+            reply.due(int(over))
+        else:
+            reply.character(int(begin), int(over), ord(what), True)
+    reply.finish(end)
+    return reply
+
+
+def test_a_reply_takes_from_the_end_of_what_asks_to_the_end_of_its_last_character():
+    reply = heard("ask 10-20, O 30-40, K 40-50, ask 200-210, O 215-220, K 220-225", 1000)
+    assert came(reply) == (30, 20, 15, 2) and not reply.refuted
+    assert (reply.measured, reply.occasions) == (2, 2)
+
+
+def test_a_reply_that_never_comes_has_taken_as_long_as_it_was_waited_for():
+    """
+    ask |10 20|             within 100         |  the run ends at 500; asked for again at 300
+    """
+    reply = heard("ask 10-20", 500)
+    assert came(reply) == (480, 20, 480, 1)
+    assert (reply.refuted, reply.refuted_at, reply.refuted_until) == (
+        "OK was expected from SCI-A, but nothing came",
+        20,
+        120,
+    )
+    again = heard("ask 10-20, ask 300-310, O 320-330, K 330-340", 500)
+    assert came(again) == (280, 20, 30, 2) and again.refuted_at == 20

@@ -194,7 +194,7 @@ class Bus:
         outer = recorder.cause
         seen = self._peek(at, operand)  # recorded before the read, which causes what it sets off
         recorder.cause = self._record("R", at, operand, seen, self._place())
-        value = self._peek(at, operand) if operand.harmless else self._read(at, operand)
+        value = seen if operand.harmless else self._read(at, operand)
         recorder.cause = outer
         return value
 

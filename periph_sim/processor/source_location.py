@@ -6,7 +6,6 @@ Records show it as text. Who has the record of a running scene, and not of a fil
 from __future__ import annotations
 
 import os
-import sys
 import sysconfig
 from collections.abc import Callable
 from pathlib import Path
@@ -38,19 +37,20 @@ class SourceLocator:
 
     def __init__(self) -> None:
         self._known: dict[tuple[CodeType, int], SourceLocation] = {}
-
-    def now(self, depth: int) -> SourceLocation:
-        """Where the firmware stands: the innermost frame that is not ours, from `depth` frames above the caller on."""
-        frame = sys._getframe(depth + 1)
-        while is_ours(frame.f_code.co_filename) and frame.f_back is not None:
-            frame = frame.f_back
-        return self._place(frame.f_code, frame.f_lineno)
+        self._firmware: dict[str, bool] = {}  # whether code of a file is firmware
 
     def of_frame(self, frame: FrameType | None) -> SourceLocation | None:
         """The innermost frame of firmware from this one outwards; None if there is none."""
-        while frame is not None and not is_firmware(frame.f_code.co_filename):
+        firmware = self._firmware
+        while frame is not None:
+            file = frame.f_code.co_filename
+            found = firmware.get(file)
+            if found is None:
+                found = firmware[file] = is_firmware(file)
+            if found:
+                return self._place(frame.f_code, frame.f_lineno)
             frame = frame.f_back
-        return None if frame is None else self._place(frame.f_code, frame.f_lineno)
+        return None
 
     def of(self, routine: Callable[[], None]) -> SourceLocation | None:
         """Where a routine begins; None if it is not written in Python."""

@@ -13,7 +13,7 @@ RULES := build/rules.json
 # Without compiled files every command that a test starts would compile the package anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test touched coverage explore check bench mutants firmware-mutants setup clean
+.PHONY: demo test core touched coverage explore check bench mutants firmware-mutants setup clean
 
 demo: $(USER)
 	$(BIN)/periph-sim run timing/imu_hil.toml
@@ -59,6 +59,11 @@ bench: $(DEV)
 	$(BIN)/python -m tests.bench.decode
 	$(BIN)/python -m tests.bench.numeric
 
+# Compiles the core beside its sources; without a C compiler, or after a change of them, the sources run. JOBS=1: one at a time.
+core: $(USER)
+	$(PIP) --no-compile -e '.[core]'
+	$(BIN)/python -m periph_sim.form.build
+
 setup: $(DEV)
 
 # Not compiled: Python does that as it imports, with the little of it that is imported.
@@ -73,4 +78,4 @@ $(DEV): pyproject.toml constraints.txt
 	touch $(USER) $@
 
 clean:
-	rm -rf $(VENV) build .coverage* .hypothesis .pytest_cache .mypy_cache .ruff_cache
+	rm -rf $(VENV) build periph_sim/compiled .coverage* .hypothesis .pytest_cache .mypy_cache .ruff_cache

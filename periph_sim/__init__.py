@@ -9,6 +9,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from .form import choose
+
 __version__ = "0.1.0"  # the one place: the wheel's metadata and `periph-sim --version` are read from here
 
 if TYPE_CHECKING:
@@ -94,6 +96,9 @@ def __getattr__(name: str) -> object:
     found = getattr(import_module(f".{home}", __name__), inside)
     globals()[name] = found
     return found
+
+
+choose()
 
 
 def __dir__() -> list[str]:

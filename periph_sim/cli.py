@@ -19,7 +19,7 @@ from types import ModuleType
 
 import click
 
-from . import __version__
+from . import __version__, form
 
 MISTAKE, FAULT = 2, 3
 LONGEST_MESSAGE = 2000  # characters: a path and a few shortened quotes
@@ -108,7 +108,7 @@ def _with_example(command: click.Command, module: ModuleType) -> click.Command:
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(__version__, prog_name="periph-sim")
+@click.version_option(__version__, prog_name="periph-sim", message=f"%(prog)s, version %(version)s, {form.running}")
 def cli() -> None:
     """Run F28335 firmware against SCI and I2C models and check its timing."""
 
@@ -116,6 +116,8 @@ def cli() -> None:
 def main() -> None:
     """Entry point of `periph-sim`."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # no matrices here: numpy need not start threads for them
+    if form.note:
+        click.echo(form.note, err=True)
     try:
         status = cli.main(standalone_mode=False)
         sys.exit(status if isinstance(status, int) else 0)

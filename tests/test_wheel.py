@@ -92,7 +92,7 @@ def test_all_files_are_below_the_package_and_none_is_forgotten(wheel: Path) -> N
         file.relative_to(ROOT).as_posix()
         for folder in ("periph_sim", "firmware/python", "timing")
         for file in (ROOT / folder).rglob("*")
-        if file.is_file() and "__pycache__" not in file.parts
+        if file.is_file() and not {"__pycache__", "compiled"} & set(file.parts)
     ]
     assert names == {re.sub("^(firmware|timing)/", r"periph_sim/examples/\1/", name) for name in sources}
     assert "periph_sim/py.typed" in names
@@ -101,7 +101,7 @@ def test_all_files_are_below_the_package_and_none_is_forgotten(wheel: Path) -> N
 def test_version_is_one(wheel: Path, installed: Path, repository: Path) -> None:
     assert wheel.name == f"periph_sim-{periph_sim.__version__}-py3-none-any.whl"
     came = command(installed, repository, "--version")
-    assert came.stdout == f"periph-sim, version {periph_sim.__version__}\n"
+    assert came.stdout == f"periph-sim, version {periph_sim.__version__}, interpreted\n"
 
 
 def test_a_repository_with_its_own_firmware_package(installed: Path, repository: Path) -> None:

@@ -60,7 +60,7 @@ class Chip:
     LINES: tuple[str, ...]
 
     next_wake: int  # at the latest when an output or a readable value may change by itself
-    out: int  # bit i: level at OUTPUTS[i]; for an open-drain pin 1 means released
+    out: int  # bit i: level at OUTPUTS[i], of up to 62; for an open-drain pin 1 means released
     requests: int  # bit i: LINES[i] asked for an interrupt since the owner last set this to 0
     held: int  # bit i: LINES[i] is held asserted (asks again as soon as it was served)
     filter_width: int  # cycles from an input's change to its first effect

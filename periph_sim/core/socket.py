@@ -16,7 +16,7 @@ from .chip import ALL, NEVER, OUTPUTS, Chip, Note
 from .kernel import CHIP, Agent, Event, Kernel
 from .records import Kind, Recorder
 from .time import Clock
-from .wire import Pin, Sampler
+from .wire import BITS, Pin, Sampler
 
 LAST = 1 << 62  # no record has so high a number
 MOST_INPUTS = 64  # that may wait for their effect; a chip that never wakes has no use for more
@@ -63,7 +63,7 @@ class Socket(Agent):
         self.name = name
         self.chip = chip
         self.pins: list[list[Pin]] = [[] for _ in chip.OUTPUTS]  # what each output drives, set by the router
-        self.inputs = Sampler(kernel, recorder, self, (1 << len(chip.INPUTS)) - 1)
+        self.inputs = Sampler(kernel, recorder, self, sum(BITS[: len(chip.INPUTS)]))
         self.marks: Marks | None = None  # of a chip whose outputs show later what was written to it
         self.out_delay = 0  # cycles from an output of the chip to its pin
         self.before: Callable[[int], None] | None = None  # called before each access: what the chip must be told first
@@ -282,10 +282,9 @@ class Socket(Agent):
         touched = chip.touched
         if touched != self._touched:
             self._touched = frozenset(touched)
-        peek = chip.peek
-        values = [peek(cycle, offset) for offset in self._offsets]
+        values = [chip.peek(cycle, offset) for offset in self._offsets]
         for place, offset in self._upper_words:
-            values[place] |= peek(cycle, offset) << 16
+            values[place] |= chip.peek(cycle, offset) << 16
         if len(touched) != len(self._touched):
             touched.intersection_update(self._touched)
         return values

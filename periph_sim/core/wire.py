@@ -16,6 +16,9 @@ from .records import Kind, Recorder
 
 Watcher = Callable[[int, int], None]
 
+MOST = 62  # parties of a wire, lines of a sampler: their masks are C integers of 64 bits in the compiled form
+BITS = tuple(1 << place for place in range(MOST))
+
 
 class _Told(Agent):
     """Hands what is sampled to a function."""
@@ -55,10 +58,13 @@ class Wire(Settles):
         self._pulled_under = self._released_under = 0  # the last records under which that was done in this instant
 
     def attach(self, who: str) -> Pin:
-        """A new party's hold on the line, released."""
+        """A new party's hold on the line, released. ValueError for one too many."""
+        place = len(self._parties)
+        if place >= MOST:
+            raise ValueError(f"wire {self.name}: {who} would be party {place + 1}; a wire has up to {MOST}")
         self._parties.append(who)
         self._names_of.clear()
-        return Pin(self, 1 << (len(self._parties) - 1))
+        return Pin(self, BITS[place])
 
     def watch(self, watcher: Watcher) -> Sampler:
         """`watcher(tick, level)` on every change of the settled level."""
@@ -180,12 +186,14 @@ class Sampler(Samples):
         self._seen = levels
 
     def listen(self, line: int, wire: Wire) -> None:
-        """From now on this line is a wire."""
+        """From now on this line is a wire. ValueError for a line too many."""
+        if line >= MOST:
+            raise ValueError(f"wire {wire.name} would be line {line}; who samples has lines 0 to {MOST - 1}")
         self._leave(line)
         self._wires[line] = wire
         if wire.recorded:
             self._under = True
-        wire.add(self, 1 << line)
+        wire.add(self, BITS[line])
         self._set(line, wire.level)
 
     def put(self, line: int, level: int) -> None:
@@ -216,13 +224,13 @@ class Sampler(Samples):
 
     def _set(self, line: int, level: int) -> None:
         if self.levels >> line & 1 != level:
-            self.levels ^= 1 << line
+            self.levels ^= BITS[line]
             self.ask()
 
     def _leave(self, line: int) -> None:
         wire = self._wires.pop(line, None)
         if wire is not None:
-            wire.remove(self, 1 << line)
+            wire.remove(self, BITS[line])
 
 
 def watch(wires: Sequence[Wire], watcher: Agent | Watcher) -> Sampler:

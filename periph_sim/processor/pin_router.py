@@ -206,4 +206,4 @@ class Router:
         theirs = {n for signal in self._outputs for n in gpio.sink(signal)}
         for n, pin in self._pins.items():
             if n not in theirs:
-                pin.drive(gpio.out >> n & 1 if gpio.driven >> n & 1 else self._undriven[n])
+                pin.drive(gpio.driven_high >> n & 1 if gpio.driven >> n & 1 else self._undriven[n])

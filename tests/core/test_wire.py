@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from periph_sim.core.kernel import CPU, Kernel, SimulationStuck
 from periph_sim.core.records import Kind, Record, Recorder
-from periph_sim.core.wire import Sampler, Wire, watch
+from periph_sim.core.wire import MOST, Sampler, Wire, watch
 
 
 def wired(*who: str):
@@ -215,3 +215,18 @@ def test_who_joins_in_holding_a_line_is_the_effect_of_what_it_was_made_under():
         (Kind.HOLD, "a, b", seen[0].number),
         (Kind.HOLD, "b", 0),
     ]
+
+
+def test_a_wire_has_as_many_parties_as_its_mask_has_bits():
+    wire = Wire(Kernel(), "SDA", Recorder())
+    pins = [wire.attach(f"party {n}") for n in range(MOST)]
+    assert len({pin.mask for pin in pins}) == MOST
+    with pytest.raises(ValueError, match="wire SDA: one more would be party 63; a wire has up to 62"):
+        wire.attach("one more")
+
+
+def test_a_line_that_no_mask_holds_is_refused():
+    kernel, recorder = Kernel(), Recorder()
+    sampler = Sampler(kernel, recorder, lambda now, levels: None)
+    with pytest.raises(ValueError, match="wire SDA would be line 62; who samples has lines 0 to 61"):
+        sampler.listen(MOST, Wire(kernel, "SDA", recorder))

@@ -74,9 +74,10 @@ class Gpio(GpioSettings):
     def __init__(self, options: SystemOptions) -> None:
         super().__init__()
         self.next_wake = NEVER
-        self.out = 0  # mask: levels of the pins in `driven`; 0 elsewhere
+        self.out = 0  # no mask of a chip holds 88 pins: the router looks at these
+        self.driven_high = 0  # mask: levels of the pins in `driven`; 0 elsewhere
         self.driven = 0  # mask: pads that this chip drives as general-purpose outputs
-        self.out_version = 0  # counts changes of `out` and `driven`
+        self.out_version = 0  # counts changes of `driven_high` and `driven`
         self.out_delay = int(options.gpio_out_delay)  # cycles from a latch or a peripheral's output to the pad
         self.routes_version = 0  # counts the moments at which MUX, QSEL or CTRL settings took effect
         self.changed: list[tuple[str, int]] = []  # (signal or "XINTn", level), since the owner last cleared it
@@ -230,7 +231,7 @@ class Gpio(GpioSettings):
         self.restart_sampling(now)
         self._settle_at = NEVER  # when a synchronised level that someone may read changes
         if self.driven:
-            self.driven = self.out = 0
+            self.driven = self.driven_high = 0
             self.out_version += 1
         self._configure(now)
         self._follow_drive(now)
@@ -253,7 +254,7 @@ class Gpio(GpioSettings):
                 if signal is not None:
                     self.changed.append((signal, qualifier.qualified))
         while self._outs and self._outs[0][0] <= now:
-            _, self.driven, self.out = self._outs.pop(0)
+            _, self.driven, self.driven_high = self._outs.pop(0)
             self.out_version += 1
             self._follow_drive(now)
         if self._waiting and self._waiting[0][0] <= now:
@@ -408,7 +409,7 @@ class Gpio(GpioSettings):
         """Latch, DIR or MUX changed: what the pads are to show after the output delay."""
         driven = self._outputs
         out = self._latch & driven
-        last = self._outs[-1] if self._outs else (now, self.driven, self.out)
+        last = self._outs[-1] if self._outs else (now, self.driven, self.driven_high)
         if (driven, out) == (last[1], last[2]):
             return
         self.touched.add("gpio_out_delay")
@@ -418,13 +419,13 @@ class Gpio(GpioSettings):
         self._outs.append((when, driven, out))
         if not self.out_delay:
             self._outs.clear()
-            self.driven, self.out = driven, out
+            self.driven, self.driven_high = driven, out
             self.out_version += 1
             self._follow_drive(now)
 
     def _follow_drive(self, now: int) -> None:
         """Pads that are not wired take the level this chip drives on them, or their pull-up."""
-        level = self.out & self.driven | self._pull_ups & ~self.driven
+        level = self.driven_high & self.driven | self._pull_ups & ~self.driven
         moved = (level ^ self._pad) & ~self._wired
         if moved:
             self._flip(now, moved, True)

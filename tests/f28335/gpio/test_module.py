@@ -55,7 +55,7 @@ class Rig:
         self.set(pair_register("QSEL", pin), **{f"GPIO{pin}": value})
 
     def pad(self, pin: int) -> int:
-        return self.gpio.out >> pin & 1 if self.gpio.driven >> pin & 1 else FLOATING
+        return self.gpio.driven_high >> pin & 1 if self.gpio.driven >> pin & 1 else FLOATING
 
     def pin(self, now: int, pin: int, level: int, exact: bool = True) -> None:
         """A pad that is wired from now on has this level."""
@@ -209,7 +209,7 @@ def test_after_reset_all_pins_are_synchronised_inputs_with_latch_0():
     """)
     rig.write("GPADIR", 0xFFFF_FFFF)
     settled(rig)
-    assert (rig.gpio.driven, rig.gpio.out) == (0xFFFF_FFFF, 0)
+    assert (rig.gpio.driven, rig.gpio.driven_high) == (0xFFFF_FFFF, 0)
 
 
 @pytest.mark.rule("SYS-048", "I2C-031")
@@ -233,7 +233,7 @@ def test_reset_lets_go_of_everything_at_once():
     settled(rig)
     version, routes = rig.gpio.out_version, rig.gpio.routes_version
     rig.gpio.reset(rig.now)
-    assert (rig.gpio.driven, rig.gpio.out, rig.gpio.source("SDAA")) == (0, 0, None)
+    assert (rig.gpio.driven, rig.gpio.driven_high, rig.gpio.source("SDAA")) == (0, 0, None)
     assert (rig.gpio.out_version, rig.gpio.routes_version) == (version + 1, routes + 1)
     assert rig.gpio.changed == [("SDAA", 1)]
     settled(rig)
@@ -284,7 +284,7 @@ def test_zeros_leave_the_other_latches_alone():
     rig.write("GPACLEAR", 0x01)
     rig.write("GPATOGGLE", 0x12)
     settled(rig)
-    assert rig.gpio.out == 0x1C
+    assert rig.gpio.driven_high == 0x1C
 
 
 @pytest.mark.rule("SYS-057")
@@ -295,10 +295,10 @@ def test_a_dat_write_loads_the_latch_of_the_whole_port(port):
     rig.write(f"GP{port}DIR", every)
     rig.write(f"GP{port}DAT", 0xA5A5_5A5A)
     settled(rig)
-    assert rig.gpio.out == (0xA5A5_5A5A & every) << pins[0]
+    assert rig.gpio.driven_high == (0xA5A5_5A5A & every) << pins[0]
     rig.write(f"GP{port}DAT", 0)
     settled(rig)
-    assert rig.gpio.out == 0
+    assert rig.gpio.driven_high == 0
 
 
 def test_a_16_bit_dat_write_loads_its_half_only():
@@ -307,7 +307,7 @@ def test_a_16_bit_dat_write_loads_its_half_only():
     rig.write("GPASET", 0xFFFF_FFFF)
     rig.gpio.write(rig.now, GPIO["GPADAT"].offset, 0x1234)
     settled(rig)
-    assert rig.gpio.out == 0xFFFF_1234
+    assert rig.gpio.driven_high == 0xFFFF_1234
 
 
 @pytest.mark.rule("SYS-058", "SYS-063", "SYS-065")
@@ -406,7 +406,7 @@ def test_a_32_bit_write_changes_all_pads_at_once():
     version = rig.gpio.out_version
     rig.write("GPASET", 0xFFFF_FFFF)
     settled(rig)
-    assert (rig.gpio.out, rig.gpio.out_version) == (0xFFFF_FFFF, version + 1)
+    assert (rig.gpio.driven_high, rig.gpio.out_version) == (0xFFFF_FFFF, version + 1)
 
 
 # Multiplexer -----------------------------------------------------------------
@@ -1014,7 +1014,7 @@ def test_nothing_readable_changes_without_an_input_or_a_due_wake_up(steps):
             shown, heard = now_shown, unannounced(eager.gpio)
         lazy.run_until(end)
         assert visible(lazy) == shown
-        assert (lazy.gpio.out, lazy.gpio.driven) == (eager.gpio.out, eager.gpio.driven)
+        assert (lazy.gpio.driven_high, lazy.gpio.driven) == (eager.gpio.driven_high, eager.gpio.driven)
 
 
 def unannounced(gpio: Gpio) -> int:

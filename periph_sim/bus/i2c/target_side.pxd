@@ -1,0 +1,23 @@
+cimport cython
+
+from ...core.kernel cimport Agent, Kernel
+from ...core.wire cimport Pin
+
+
+cdef class TargetSide(Agent):
+    cdef public str who
+    cdef Kernel _kernel
+    cdef public Pin _sda, _scl
+    cdef object _answer, _does, _reply, _stretches, _on_end
+    cdef long long _lines, _hold, _bit, _in, _out, _byte, _level, _held_until
+    cdef bint _refused, _taken, _powered
+    @cython.locals(event=cython.longlong)
+    cpdef void sampled(self, long long now, long long levels)
+    cdef void _fall(self)
+    cdef void _stretch(self)
+    cdef void _rise(self, long long level)
+    cdef long long _ninth(self)
+    cdef void _byte_over(self)
+    cdef void _put(self, long long level)
+    cpdef object _drive(self)
+    cpdef object _let_go(self)

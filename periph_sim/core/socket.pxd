@@ -1,0 +1,48 @@
+cimport cython
+
+from .chip cimport Chip
+from .kernel cimport Agent, Event, Kernel
+from .records cimport Recorder
+from .time cimport Clock
+from .wire cimport Pin, Sampler
+
+
+cdef class Onlooker:
+    cpdef void look(self, long long cycle)
+
+
+cdef class Socket(Agent):
+    cdef public str name
+    cdef public Chip chip
+    cdef public list pins, watchers, notes
+    cdef public Sampler inputs
+    cdef public object marks, before, after, on_held, on_watch, on_note
+    cdef public long long out_delay
+    cdef public bint traces
+    cdef Kernel _kernel
+    cdef Clock _clock
+    cdef Recorder _recorder
+    cdef object _on_request
+    cdef long long _phase, _out, _held, _wake_cycle, _last_cause
+    cdef Event _wake
+    cdef list _inputs, _watched, _upper_words, _flags, _offsets
+    cdef object _touched
+    cdef dict _note_count
+    cpdef void act(self, long long tag)
+    cpdef void sampled(self, long long now, long long levels)
+    cpdef long long read(self, long long cycle, long long offset)
+    cpdef long long peek(self, long long cycle, long long offset)
+    cpdef void write(self, long long cycle, long long offset, long long value)
+    cpdef void given(self, long long cycle)
+    cdef void _woken(self)
+    cdef long long _cause_at(self, long long cycle)
+    @cython.locals(watcher=Onlooker)
+    cpdef void publish(self, long long cycle, long long looks=*)
+    cdef void _plan(self, long long cycle)
+    cdef void _drive(self, long long cycle)
+    @cython.locals(pin=Pin)
+    cpdef object _set_pins(self, long long index, long long level)
+    cpdef void reclock(self)
+    cdef list _snapshot(self, long long cycle)
+    cdef void _record_flags(self, long long cycle)
+    cdef void _take_notes(self, long long cycle)

@@ -1,0 +1,93 @@
+"""Which form of the core runs: its Python sources, or what was compiled of them; equal records either way.
+
+    sources, build --digests agree--> compiled modules are found first      else: interpreted, and `note` says why
+
+A build names the digest of every source it was made of. One that differs by a byte is left alone, so what runs is
+always what the sources say. PERIPH_SIM_FORM=interpreted leaves any build alone.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from importlib.abc import MetaPathFinder
+from importlib.machinery import EXTENSION_SUFFIXES, ModuleSpec
+from importlib.util import spec_from_file_location
+from pathlib import Path
+from types import ModuleType
+
+PACKAGE = Path(__file__).resolve().parents[1]
+BUILT = PACKAGE / "compiled"  # what `make core` makes
+MANIFEST = "manifest.json"
+VARIABLE = "PERIPH_SIM_FORM"
+COMPILED, INTERPRETED = "compiled", "interpreted"
+SUFFIX = EXTENSION_SUFFIXES[0]
+
+running = INTERPRETED
+note = ""  # why a build that is there does not run
+
+
+def digest(package: Path, modules: Sequence[str]) -> str:
+    """One digest of what these modules ("core.kernel") are compiled from, and of the Python that they are for."""
+    found = hashlib.sha256(SUFFIX.encode())
+    for path in (*sources(package, modules), *sorted(Path(__file__).parent.glob("*.py"))):
+        found.update(path.name.encode())
+        found.update(path.read_bytes())
+    return found.hexdigest()
+
+
+def sources(package: Path, modules: Sequence[str]) -> Iterator[Path]:
+    """The files that these modules are compiled from: each .py and the .pxd beside it."""
+    for module in modules:
+        path = package.joinpath(*module.split("."))
+        yield path.with_suffix(".py")
+        yield path.with_suffix(".pxd")
+
+
+class _Finder(MetaPathFinder):
+    """Finds the compiled modules of a build, before their sources."""
+
+    def __init__(self, built: Path, modules: Sequence[str]) -> None:
+        self._built = built
+        self._modules = frozenset(modules)
+
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        _, _, module = fullname.partition(".")
+        if module not in self._modules:
+            return None
+        return spec_from_file_location(fullname, self._built / f"{module}{SUFFIX}")
+
+
+def usable(package: Path, built: Path) -> tuple[list[str], str]:
+    """The modules of a build that may run, and "" ; or none, and why not."""
+    try:
+        manifest = json.loads((built / MANIFEST).read_text("utf-8"))
+        modules, made_of = list(manifest["modules"]), str(manifest["digest"])
+        whole = all((built / f"{module}{SUFFIX}").is_file() for module in modules)
+    except (OSError, ValueError, KeyError, TypeError):
+        whole = False
+    if not whole:
+        return [], "the compiled core is not whole"
+    try:
+        same = digest(package, modules) == made_of
+    except OSError:
+        same = False
+    return (modules, "") if same else ([], "the compiled core was built of other sources or for another Python")
+
+
+def choose() -> None:
+    """Have the compiled modules found, if there are any, and of these very sources."""
+    global running, note
+    if os.environ.get(VARIABLE) == INTERPRETED or not BUILT.is_dir():
+        return
+    modules, why = usable(PACKAGE, BUILT)
+    if why:
+        note = f"{why}, so it is left alone and this run is interpreted; `make core` builds it anew"
+        return
+    sys.meta_path.insert(0, _Finder(BUILT, modules))
+    running = COMPILED

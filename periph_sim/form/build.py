@@ -1,0 +1,124 @@
+"""Compiles the core: Python sources and the .pxd files beside them go in; extension modules and a manifest come out.
+
+python -m periph_sim.form.build
+
+    core/kernel.py, core/kernel.pxd --Cython--> C --compiler--> compiled/core.kernel.SUFFIX      compiled/manifest.json
+
+Needs Cython (the extra `core`) and a C compiler. What is compiled: each module that has a .pxd file beside it.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import sys
+import sysconfig
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+from subprocess import run
+
+from . import BUILT, MANIFEST, PACKAGE, SUFFIX, digest, sources
+from .fold import declared, folded
+
+DIRECTIVES = {
+    "language_level": "3",
+    "annotation_typing": "False",  # types are the .pxd's business: annotations are mypy's
+    "infer_types": "True",
+    "cdivision": "False",  # floor division, as Python's
+    "boundscheck": "True",
+    "binding": "False",
+    "auto_pickle": "False",
+}
+CLASS = re.compile(r"^cdef class (\w+)", re.MULTILINE)
+FLAGS = ("-O2", "-fPIC", "-shared", "-fwrapv", "-fno-strict-aliasing", "-w")
+
+
+class NoBuild(Exception):
+    """The core cannot be compiled here; the message says what is missing, or what the compiler said."""
+
+
+def modules_of(package: Path) -> list[str]:
+    """The modules that have a .pxd file beside them."""
+    return sorted(".".join(path.relative_to(package).with_suffix("").parts) for path in package.rglob("*.pxd"))
+
+
+def compiler() -> str:
+    """The C compiler's command. NoBuild if there is none, or no Cython."""
+    if find_spec("Cython") is None:
+        raise NoBuild("Cython is not installed; install the extra `core`: pip install 'periph-sim[core]'")
+    name = os.environ.get("CC", "cc")
+    if shutil.which(name.split()[0]) is None:
+        raise NoBuild(f"there is no C compiler {name!r}; install one (gcc or clang), or name it in the variable CC")
+    return name
+
+
+def shadow(package: Path, modules: list[str], folder: Path) -> None:
+    """The sources as they are compiled, with their constants in place, in `folder`."""
+    for module in modules:
+        names = vars(import_module(f"{package.name}.{module}"))
+        source, types = sources(package, [module])
+        pxd = types.read_text("utf-8")
+        text = folded(source.read_text("utf-8"), names, CLASS.findall(pxd))
+        copy = folder / package.name / source.relative_to(package)
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        copy.write_text(text, "utf-8")
+        copy.with_suffix(".pxd").write_text(declared(text, pxd), "utf-8")
+    for room in [folder / package.name, *(path for path in (folder / package.name).rglob("*") if path.is_dir())]:
+        (room / "__init__.py").touch()
+
+
+def compile_one(module: str, package: str, folder: Path, cc: str) -> None:
+    """One module, from its source to an extension module in `folder`. NoBuild with what the compiler said."""
+    source, c_file = Path(package, *module.split(".")).with_suffix(".py"), folder / f"{module}.c"
+    given = [f"-X{name}={value}" for name, value in DIRECTIVES.items()]
+    cython = [sys.executable, "-m", "cython", "-3", *given, "--module-name", f"{package}.{module}"]
+    include, out = sysconfig.get_path("include"), folder / f"{module}{SUFFIX}"
+    for command in (
+        [*cython, "-o", str(c_file), str(source)],
+        [*cc.split(), *FLAGS, f"-I{include}", str(c_file), "-o", str(out)],
+    ):
+        done = run(command, cwd=folder, capture_output=True, text=True, check=False)
+        if done.returncode:
+            raise NoBuild(f"{module} does not compile; {Path(command[0]).name} says:\n{done.stderr or done.stdout}")
+    c_file.unlink()
+
+
+def build(package: Path, built: Path, jobs: int) -> None:
+    """Compile what has a .pxd file; `built` is replaced only when all of it is done."""
+    cc, modules = compiler(), modules_of(package)
+    made_of = digest(package, modules)
+    with tempfile.TemporaryDirectory() as name, ThreadPoolExecutor(jobs) as pool:
+        folder = Path(name)
+        shadow(package, modules, folder)
+        done = [pool.submit(compile_one, module, package.name, folder, cc) for module in modules]
+        for number, (module, one) in enumerate(zip(modules, done, strict=True), 1):
+            try:
+                one.result()
+            except NoBuild:
+                pool.shutdown(cancel_futures=True)
+                raise
+            print(f"{number}/{len(modules)} {module}", flush=True)
+        (folder / MANIFEST).write_text(json.dumps({"digest": made_of, "modules": modules}), "utf-8")
+        shutil.rmtree(built, ignore_errors=True)
+        built.mkdir(parents=True)
+        for path in (*folder.glob(f"*{SUFFIX}"), folder / MANIFEST):
+            shutil.copy(path, built)
+
+
+def main() -> int:
+    """Exit status: 0, or 1 where the core cannot be compiled; then runs are interpreted, as before."""
+    try:
+        build(PACKAGE, BUILT, int(os.environ.get("JOBS", os.cpu_count() or 1)))
+    except NoBuild as why:
+        print(f"the core stays interpreted: {why}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,81 @@
+"""A build of one small module, equal in both forms; a compiler that is missing is told in a sentence."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+from shutil import copy, which
+
+import pytest
+
+from periph_sim.form import PACKAGE, build
+
+SMALL = ("core.fifo", "core.time", "core.chip")
+COMPARE = """
+from fractions import Fraction
+from periph_sim.core import time
+from periph_sim.core.chip import NEVER
+print(time.__file__.endswith(".py"))
+for per_second, ppm in {rates}:
+    base = time.Timebase(150_000_000)
+    clock = time.Clock(base, 150_000_000 * (1 + Fraction(ppm) / 1_000_000), tick0=per_second, cycle0=7)
+    for cycle in {cycles}:
+        tick = clock.tick(cycle)
+        print(tick, clock.cycle_at(tick), clock.cycle_at(tick + 1), clock.cycle_after(tick))
+"""
+RATES = [(at, ppm) for at in (0, 20) for ppm in ("0.001", "37", "-37", "1000", "0", "-0.001")]
+CYCLES = [-5, 0, 6, 7, 8, 999_999, 108_000_000_000, 3 * 10**15, (1 << 62) // 20 - 10**14]
+
+
+def test_without_a_c_compiler_runs_stay_interpreted(monkeypatch, tmp_path: Path):
+    monkeypatch.setattr(build, "find_spec", lambda name: object())
+    monkeypatch.setenv("CC", str(tmp_path / "no-such-cc"))
+    with pytest.raises(build.NoBuild, match=r"there is no C compiler '.*no-such-cc'; install one"):
+        build.compiler()
+
+
+def test_without_cython_the_extra_is_named(monkeypatch, capsys):
+    monkeypatch.setattr(build, "find_spec", lambda name: None)
+    assert build.main() == 1
+    assert capsys.readouterr().err == (
+        "the core stays interpreted: Cython is not installed; "
+        "install the extra `core`: pip install 'periph-sim[core]'\n"
+    )
+
+
+def test_each_module_that_is_compiled_has_its_source():
+    modules = build.modules_of(PACKAGE)
+    assert "core.kernel" in modules
+    assert [m for m in modules if not PACKAGE.joinpath(*m.split(".")).with_suffix(".py").is_file()] == []
+
+
+@pytest.mark.long
+@pytest.mark.skipif(find_spec("Cython") is None or which("cc") is None, reason="Cython or a C compiler is missing")
+def test_clocks_convert_the_same_in_both_forms(tmp_path: Path):
+    """Compiled integers end at 64 bits: 0.001 to 1000 ppm, cycles up to the longest run, negative ones."""
+    package = tmp_path / "periph_sim"
+    for folder in ("core", "form"):
+        (package / folder).mkdir(parents=True)
+    for name in ("__init__.py", "form/__init__.py", *(f"core/{p.name}" for p in (PACKAGE / "core").glob("*.py"))):
+        copy(PACKAGE / name, package / name)
+    for copied in (PACKAGE / "form").glob("*.py"):
+        copy(copied, package / "form")
+    for module in SMALL:
+        path = Path(*module.split(".")).with_suffix(".pxd")
+        copy(PACKAGE / path, package / path)
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])}
+
+    def run(*given: str, form: str = "") -> str:
+        env = {**environment, "PERIPH_SIM_FORM": form}
+        return subprocess.run(
+            [sys.executable, *given], cwd=tmp_path, env=env, capture_output=True, text=True, check=True
+        ).stdout
+
+    assert run("-m", "periph_sim.form.build").splitlines()[-1] == "3/3 core.time"
+    code = COMPARE.format(rates=RATES, cycles=CYCLES)
+    compiled, interpreted = run("-c", code), run("-c", code, form="interpreted")
+    assert compiled.splitlines()[0] == "False" and interpreted.splitlines()[0] == "True"
+    assert compiled.splitlines()[1:] == interpreted.splitlines()[1:]

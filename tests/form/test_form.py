@@ -1,0 +1,66 @@
+"""Only a build of these very sources runs; whatever differs is told, and the sources run."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from periph_sim import form
+from periph_sim.form import MANIFEST, SUFFIX, digest, usable
+
+MODULES = ["core.one", "core.two"]
+
+
+@pytest.fixture
+def package(tmp_path: Path) -> Path:
+    """A package of two modules, and a build of it."""
+    package = tmp_path / "package"
+    (package / "core").mkdir(parents=True)
+    for name in ("one", "two"):
+        (package / "core" / f"{name}.py").write_text(f"NAME = '{name}'\n")
+        (package / "core" / f"{name}.pxd").write_text("")
+    built = tmp_path / "built"
+    built.mkdir()
+    for module in MODULES:
+        (built / f"{module}{SUFFIX}").touch()
+    (built / MANIFEST).write_text(json.dumps({"digest": digest(package, MODULES), "modules": MODULES}))
+    return package
+
+
+def test_a_build_of_these_sources_runs(package: Path):
+    assert usable(package, package.parent / "built") == (MODULES, "")
+
+
+@pytest.mark.parametrize("file", ["one.py", "two.pxd"])
+def test_a_build_of_other_sources_is_told_and_never_used(package: Path, file: str):
+    with (package / "core" / file).open("a") as source:
+        source.write("\n")
+    modules, why = usable(package, package.parent / "built")
+    assert modules == [] and why == "the compiled core was built of other sources or for another Python"
+
+
+@pytest.mark.parametrize("change", ["no source", "no module", "no manifest", "no JSON", "no digest"])
+def test_a_build_that_is_not_whole_is_told(package: Path, change: str):
+    built = package.parent / "built"
+    if change == "no source":
+        (package / "core" / "one.py").unlink()
+    elif change == "no module":
+        (built / f"core.two{SUFFIX}").unlink()
+    elif change == "no manifest":
+        (built / MANIFEST).unlink()
+    else:
+        (built / MANIFEST).write_text('{"modules": []}' if change == "no digest" else "{")
+    modules, why = usable(package, built)
+    assert modules == [] and why.startswith("the compiled core ")
+
+
+def test_a_name_of_the_form_is_in_the_version():
+    environment = {**os.environ, form.VARIABLE: form.INTERPRETED}
+    command = [sys.executable, "-m", "periph_sim", "--version"]
+    came = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    assert came.stdout.endswith(", interpreted\n") and came.stderr == ""

@@ -78,6 +78,7 @@ def test_episodes_know_what_they_preempt():
     assert [r.what for r in found["SCI"].within] == ["AAS"]
     assert (found["SCI"].begin, found["SCI"].end, found["AAS"].begin) == (20, 50, -90)
     assert "AAS" not in {one.what for one in episodes(window, "dsp", 100, 120)}
+    assert [one.what for one in episodes(window, "dsp", 0, 20)] == ["AAS"]  # SCI begins as they end
 
 
 TICKS = st.integers(-60, 140)

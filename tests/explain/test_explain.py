@@ -6,6 +6,7 @@ import json
 import linecache
 from fractions import Fraction
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -20,6 +21,7 @@ from periph_sim.scene.case.model import Case
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.budget_schema import Budget
 from periph_sim.timing.measures.registry import MEASURES
+from periph_sim.timing.verdict import Verdict
 from tests.unwrapped import unwrapped
 
 TIMING = Path(__file__).parents[2] / "timing"
@@ -173,10 +175,11 @@ def test_a_request_that_nobody_took_says_so():
     ("measure", "limit", "told"),
     [
         ("period of bus START", 'max = "1 s"', "controller: START (gyroscope)"),
-        ("jitter of bus START", 'max = "1 s"', " 890.000 us  bus START: a period of"),
+        ("jitter of bus START", 'max = "1 s"', " 890.000 us bus START: a period of"),
         ("count of bus address read", "max = 1", "controller: 0x68 R ACK (gyroscope)"),
         ("level of SCI-A.SCIFFRX.RXFFST", "max = 1", "SCI-A.SCIFFRX.RXFFST = 0xc"),
         ("time in model", 'max = "1 s"', "span model begins"),
+        ("each time in wire SCL low", 'max = "1 s"', "SCL falls, pulled low by controller"),
         ("cpu load", 'max = "90 %"', "of the run: wait for I2C-A.I2CSTR.AAS"),
         ("bus load", 'max = "90 %"', "of the run: "),
         ("slack", 'min = "1 us"', "the next round is due"),
@@ -229,3 +232,16 @@ def test_json_says_what_the_text_says():
     step = next(step for step in told["steps"] if step["what"].startswith("SCIRXINTA"))
     assert (step["function"], step["length_us"]) == ("sci_received", 200.36)
     assert step["file"].endswith("firmware/python/imu_hil.py")
+
+
+def test_only_typical_occurrences_of_what_is_told_are_looked_for(monkeypatch: pytest.MonkeyPatch):
+    """Each occurrence more keeps all records around it."""
+    looked_for: list[Verdict] = []
+    monkeypatch.setattr(
+        import_module("periph_sim.explain.explain"), "windows", lambda _, found, *rest: looked_for.extend(found) or []
+    )
+    worst, typical, other = (
+        Verdict(name, "response", "us", 5.0, 9, 4.0, 1, "pass", at) for name, at in (("a", 0.2), ("a", 0.1), ("b", 0.3))
+    )
+    explain(load(TIMING / "imu_hil_published.toml"), [worst], [typical, other])
+    assert looked_for == [worst, typical]

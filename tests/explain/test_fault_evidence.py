@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
+import numpy as np
 import pytest
 
+from periph_sim.core.records import Kind, Record
+from periph_sim.explain.evidence import Evidence, Phase
 from periph_sim.explain.explain import Explained, explain
+from periph_sim.explain.fault_evidence import bytes_sent
 from periph_sim.explain.picture import text_picture
 from periph_sim.firmware import start_i2c
 from periph_sim.processor.dsp import Dsp
 from periph_sim.scene.case.load import load
 from periph_sim.scene.firmware_loader import Firmware
 from periph_sim.scene.scene import Scene
+from periph_sim.traces.capture.capture import channel_of_edges
+from tests.explain.made import drawn
 from tests.records.scenes import line_of
 from tests.scene.runs import TIMING
 from tests.scene.small import case
@@ -296,3 +303,23 @@ def test_the_picture_has_the_lane_that_the_chain_names(
     window = explained(serve, measure, request_).window
     lanes = [line.split(" ")[0] for line in text_picture(window, 120)]
     assert lane in lanes and any(lane in told for told in window.told)
+
+
+def test_a_byte_came_of_what_was_written_before_its_first_bit():
+    """
+    I2CDXR   w11          w11              the second one is for the byte behind
+    SCL      ____|‾‾|_|‾ ... |_  byte
+             20  30       40     90
+    """
+    window = drawn("wait AAS -10 200")
+    byte = Record(9, 90, Kind.BUS, "controller", "byte", 0x11 << 1, "", 0)
+    writes = [Record(n, at, Kind.ACCESS, "dsp", "W I2C-A.I2CDXR", 0x11, "f:1", 0) for n, at in ((7, 20), (8, 40))]
+    channels = (
+        channel_of_edges("SDA", 0, 1, np.array([85])),
+        channel_of_edges("SCL", 1, 0, np.array([30, 35, 45, 50])),
+    )
+    window = replace(window, records=(*window.records, *writes, byte), edges=replace(window.edges, channels=channels))
+    phase = Phase("", 0, 99, 0x50, True, True, 15, False, (byte,))
+    evidence = Evidence(window, case(unit={"dsp": {"firmware": "given", "modules": ["I2C-A"]}}))
+    ((_, write, said_of_it),) = bytes_sent(evidence, phase)
+    assert write == writes[0] and said_of_it == "byte 1: 0x11 ACK, written 0.023 us before its end"

@@ -103,3 +103,9 @@ def test_where_a_memory_is_read_without_a_word_address_before_the_bytes_are_told
     asked = [{**REQUEST, "write": "10", "count": 2}, {"address": 0x50, "count": 1, "expect": "33"}]
     steps = chain("wrong bytes", ["50 W 00 10 Sr 50 R 2", "50 R 1"], asked).steps
     assert steps[-1].what == "byte 1: 0xFF NACK, sent by memory"
+
+
+def test_a_page_begins_at_a_multiple_of_its_length():
+    """Pages of 32 bytes: 0x50 lies in the one from 0x40 on."""
+    steps = [step.what for step in read_back("50 11 22", "50", "11 23").steps]
+    assert steps[2].startswith("byte 1: 0x11 ACK, sent by memory from 0x0050, last written 0x11, ")

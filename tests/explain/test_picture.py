@@ -37,3 +37,24 @@ def test_a_flag_that_the_chain_names_has_its_lane_wherever_it_changes(what: str,
         assert ("0x68" in text) == (tick < 100)
     elif tick != 50:  # one level all along, drawn in the lane's upper or in its lower row
         assert bool(text) == ((value == 1) == (tick < 0))
+
+
+def test_the_worst_occurrence_is_marked_at_its_begin_and_at_its_end():
+    told = text_picture(drawn("span model 20 60", begin=20, end=60), 100)
+    begins, ends, span = told[:3]
+    assert begins.index("v made: worst begins") == span.index("[") and ends.index(
+        "v ends, 1.000 us later"
+    ) == span.index("]")
+
+
+def test_there_is_no_picture_where_nothing_happens():
+    assert text_picture(drawn(), 100) == []
+
+
+def test_of_two_changes_before_the_picture_the_last_one_counts():
+    window = flagged(SCD, 1, -30)
+    low = Record(10, -20, Kind.FLAG, "dsp.I2C-A", SCD, 0, "", 0)
+    lane = next(
+        line for line in text_picture(replace(window, records=(*window.records, low)), 100) if line.startswith("SCD")
+    )
+    assert lane.removeprefix("SCD").strip() == ""

@@ -89,3 +89,10 @@ def test_a_reply_that_follows_a_time_has_no_character_that_asks_for_it():
     assert [step for step in steps if "character" in step] == [
         "dsp: SCITXBUF written, 0x52: character 1 of the reply, not 0x4b"
     ]
+
+
+def test_where_earlier_characters_may_be_of_the_reply_too_none_is_told_as_wrong():
+    """The begin of what asks is not kept, and something was written since: nobody knows which is the first."""
+    _, told = explained({b"x" * 30: b"O"}, "x" * 60, duration="8 ms")  # O in mid send, O behind it
+    steps = [step.what for step in told.chain.steps]
+    assert "RX: the last character of what asks for it" in steps and "of the reply" not in " ".join(steps)

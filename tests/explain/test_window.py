@@ -9,13 +9,16 @@ import numpy as np
 import pytest
 
 from periph_sim.core.records import Kind
+from periph_sim.core.time import Timebase
 from periph_sim.explain import windows, windows_of_table
-from periph_sim.explain.window import LONGEST
+from periph_sim.explain.window import LONGEST, windows_of_edges
 from periph_sim.replay.wire_log import WireLog
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.verdict import Verdict
+from periph_sim.traces.capture.capture import Capture, Span, channel_of_edges
 from periph_sim.traces.formats.record_table import Columns
+from tests.scene.small import case
 
 CASES = Path(__file__).parents[2] / "timing"
 LENGTH = Fraction(3, 20)
@@ -108,3 +111,23 @@ def test_a_stretch_begins_where_the_controller_let_go():
     assert window.end in scl.edges.tolist()
     assert (window.end - window.begin) * 1e6 / window.timebase.per_second == pytest.approx(stretch.worst, abs=1e-3)
     assert not scl.at(np.arange(window.begin, window.end, 1000)).any()
+
+
+def test_five_milliseconds_before_and_behind_an_occurrence_are_kept():
+    """An edge at tick 100, and nothing any more until the end at 1 s."""
+    timebase = Timebase(150_000_000)
+    ms = timebase.per_second // 1000
+    scl = channel_of_edges("SCL", 0, 1, np.array([100]))
+    edges = Capture(Path("made"), Fraction(timebase.per_second), 1000 * ms, (scl,), sampled=False)
+    late = Verdict("late", "response", "us", 2000.0, 1, 0, 1, "fail", 0.5)
+    (window,) = windows_of_edges(edges, timebase, [late], 0)
+    assert (window.begin, window.end, window.kept) == (500 * ms, 502 * ms, (Span(495 * ms, 507 * ms + 1),))
+    assert [channel.name for channel in window.edges.channels] == ["SCL"] and window.records == ()
+
+
+def test_the_last_tick_of_what_is_kept_is_still_run():
+    """A START at 10 ms, which is 5 ms behind the occurrence."""
+    made = case("20 ms", controller={"first": "10 ms", "request": [{"address": 0x50, "count": 1}]})
+    (window,) = windows(made, [Verdict("early", "response", "us", 0.0, 1, 1, 1, "pass", 0.005)])
+    start = window.timebase.per_second // 100
+    assert window.kept[-1].end == start + 1 and start in {r.tick for r in window.records if r.kind is Kind.BUS}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import pytest
 
@@ -20,11 +21,11 @@ FRAMES = """
 """
 
 
-def unit(*modules: str, **wires: int) -> tuple[Dsp, Kernel, dict[str, Wire]]:
-    """A unit with wires by name -> GPIO number."""
+def unit(*modules: str, low: frozenset[int] = frozenset(), **wires: int) -> tuple[Dsp, Kernel, dict[str, Wire]]:
+    """A unit with wires by name -> GPIO number. low: pads that a resistor pulls down."""
     kernel, recorder = Kernel(), Recorder()
     made = {name: Wire(kernel, name, recorder) for name in wires}
-    plan = DspPlan("dsp", modules, {pin: made[name] for name, pin in wires.items()})
+    plan = DspPlan("dsp", modules, {pin: made[name] for name, pin in wires.items()}, pulled_down=low)
     return Dsp(kernel, Timebase(150_000_000), recorder, plan), kernel, made
 
 
@@ -106,3 +107,23 @@ def test_without_its_clock_a_module_reads_0(module: str, enable: str, register: 
     run(dsp, kernel, main)
     assert seen == [0]
     assert "clock_gate_access" in dsp.socket(module).chip.touched
+
+
+@pytest.mark.parametrize(("timer", "number"), [("TIMER1", 13), ("TIMER2", 14)])
+def test_timers_1_and_2_interrupt_the_cpu_without_the_pie(timer: str, number: int):
+    dsp, kernel, _ = unit(timer)
+    served: list[int] = []
+
+    def main() -> None:
+        registers = dsp.module(timer)
+        registers.TCR.TSS = 1
+        registers.PRD.all = 999
+        registers.TCR.all = 1 << 14 | 1 << 5  # TIE, TRB, TSS = 0
+        dsp.handle(f"INT{number}", lambda: served.append(dsp.cpu.cycle))
+        dsp.module("PIE").PIECTRL.ENPIE = 1
+        dsp.enable_interrupt(number)
+        dsp.eint()
+        dsp.compute(3500)
+
+    run(dsp, kernel, main)
+    assert [later - cycle for cycle, later in pairwise(served)][:2] == [1000, 1000]

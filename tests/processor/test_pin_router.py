@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from periph_sim.core.wire import Pin
 from periph_sim.processor.dsp import Dsp
 from tests.processor.test_dsp import run, unit
@@ -67,3 +69,40 @@ def test_an_external_interrupt_enabled_after_the_edge_of_a_pin_that_feeds_the_sc
 
     run(dsp, kernel, main)
     assert asked == [0]
+
+
+def test_a_pad_that_a_resistor_pulls_down_is_low_again_once_the_sci_has_let_it_go():
+    dsp, kernel, wires = unit("GPIO", "SCI-A", low=frozenset({29}), TXD=29)
+    levels: list[int] = []
+
+    def main() -> None:
+        dsp.eallow()
+        for function in (0, 1, 0):
+            dsp.module("GPIO").GPAMUX2.GPIO29 = function
+            dsp.compute(100)
+            levels.append(wires["TXD"].level)
+
+    run(dsp, kernel, main)
+    assert levels == [0, 1, 0]
+
+
+def events(second: int) -> int:
+    """What a run takes in which two pads fall, 5 and `second` ticks behind a SYSCLKOUT edge."""
+    dsp, kernel, wires = unit("GPIO", "SCI-A", "XINT", RXD=28, BUTTON=7)
+    for wire, tick in zip(wires.values(), (5, second), strict=True):
+        kernel.at(kernel.now + 5000 * CYCLE + tick, partial(wire.attach("hand").drive, 0))
+
+    def main() -> None:
+        gpio = dsp.module("GPIO")
+        dsp.eallow()
+        gpio.GPAMUX2.GPIO28 = 1
+        gpio.GPIOXINT1SEL.all = 7
+        dsp.module("XINT").XINT1CR.all = 1
+        dsp.compute(10_000)
+
+    run(dsp, kernel, main)
+    return kernel.events
+
+
+def test_edges_between_the_same_two_sysclkout_edges_are_looked_at_once():
+    assert events(5) == events(9) == events(22) - 1

@@ -34,3 +34,26 @@ def test_a_wait_is_skipped_on_behind_an_interrupt_that_cut_into_it():
 
     assert bench.run(main, 10_000) == [("served", 115), ("seen", 9007)]
     assert bench.cpu.program.polls_skipped > 1490 and bench.kernel.events == 5
+
+
+def test_an_interrupt_asked_for_behind_a_wait_waits_for_the_end_of_an_instruction():
+    """The write behind the wait asks for it; the instruction of 1000 cycles goes on, and B rises meanwhile."""
+    bench = Bench([(1000, 1, -1), (1500, 3, -1)])
+    bench.enable()
+    bench.cpu.handle("SEQ1INT", lambda: bench.note("served"))
+    write = bench.chip.write
+
+    def ask(now: int, offset: int, value: int) -> None:
+        write(now, offset, value)
+        bench.chip.requests |= 1
+
+    bench.chip.write = ask  # type: ignore[method-assign]
+
+    def main() -> None:
+        bench.cpu.spin(lambda: bench.flags.STATUS.A == 1)
+        bench.flags.STATUS.all = 0
+        bench.cpu.instruction(1000)
+        bench.note(f"B={bench.flags.STATUS.B}")
+
+    assert bench.run(main, 5000) == [("served", 2018), ("B=1", 2029)]
+    assert bench.kernel.events == 5

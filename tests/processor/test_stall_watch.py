@@ -154,6 +154,29 @@ def test_firmware_that_goes_on_has_its_whole_limit_again_and_a_cpu_that_is_gone_
     assert not looker.is_alive()
 
 
+@pytest.mark.parametrize("stopped", [True, False])
+def test_an_exception_on_its_way_ends_with_the_turn_and_no_other_turn_has_one(
+    monkeypatch: pytest.MonkeyPatch, stopped: bool
+):
+    raised: list[int] = []
+
+    def raise_in(thread: int, what: type[BaseException]) -> None:
+        raised.append(thread)
+        raise what
+
+    watch = stall_watch._Watch()
+    monkeypatch.setattr(stall_watch, "_raise_in", raise_in)
+    if stopped:
+        watch._stopped.add(17)
+    watch.leave(17)
+    assert (raised, watch._stopped) == ([17] if stopped else [], set())
+
+
+def test_where_the_system_tells_no_cpu_time_of_a_thread_that_of_the_process_counts(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.delattr(time, "pthread_getcpuclockid", raising=False)
+    assert 0 < stall_watch._cpu_seconds(threading.get_ident()) <= time.process_time()
+
+
 def test_limit_of_0_is_none(tmp_path: Path):
     scene = Scene(load(case_file(tmp_path, "sum(range(20_000_000))", "0 s")))
     assert scene.units["dsp"].cpu.program.stall_limit == 0

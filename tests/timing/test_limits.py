@@ -71,6 +71,12 @@ def test_values_are_kept_only_where_a_percentile_is_asked_for():
     assert (plain.measure._kept, kept.measure._kept is not None) == (None, True)
 
 
+def test_two_percentiles_may_have_the_same_limit():
+    """Half of the values say less then, and are counted all the same."""
+    of = limit("response", p50="11 us", p99="11 us")
+    assert judged(of, 10.0, 11.0).passed
+
+
 @pytest.mark.parametrize("name", [n for n, kind in MEASURES.items() if not kind.series])
 def test_one_number_a_run_has_no_percentiles(name: str):
     with pytest.raises(BadBudget, match="is one number a run and has no percentiles; write max") as caught:

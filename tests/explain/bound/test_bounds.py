@@ -10,8 +10,9 @@ import pytest
 from periph_sim.core.records import Kind, Record
 from periph_sim.explain.bound import BadBound, Report, report
 from periph_sim.explain.bound.compare_with_run import closed_form
+from periph_sim.explain.bound.deadlines import deadlines
 from periph_sim.explain.bound.limits import LimitCheck
-from periph_sim.explain.bound.terms import Bound
+from periph_sim.explain.bound.terms import Bound, Term
 from periph_sim.explain.bound.text_report import text
 from periph_sim.scene.case.load import load
 from periph_sim.timing.budget_schema import Budget
@@ -262,9 +263,49 @@ def test_each_byte_of_a_read_has_its_own_write_of_i2cdxr():
     assert [len(of_read) for of_read in closed.writes] == [6] * 6  # three reads in each of two rounds
 
 
+def test_the_bounds_of_the_reference_scene_rest_on_these_deadlines():
+    assert [deadline.name for deadline in deadlines(closed_form(imu_hil()))] == [
+        "gyroscope asked first",
+        "accelerometer asked",
+        "magnetometer asked",
+        "gyroscope asked",
+        *(f"SDIR of {chip} rises" for chip in ("gyroscope", "accelerometer", "magnetometer")),  # SCD = 1 may clear it
+        *(f"{flag} seen in time" for flag in ("AAS", "SDIR", "XRDY")),
+    ]
+    of_reads_alone = deadlines(closed_form(served("responder", {"count": 2})))
+    assert {"AAS seen in time", "XRDY seen in time"} < {deadline.name for deadline in of_reads_alone}
+
+
+def test_a_wait_that_a_request_ends_in_its_very_tick_was_there_in_time():
+    closed = closed_form(imu_hil())
+    first = deadlines(closed)[0]
+    closed.calm.waits[0].end = closed.calm.transfers[0].phases[0].start_at
+    assert deadlines(closed)[0] == first and first.name == "gyroscope asked first"
+
+
+def test_scl_is_held_for_the_byte_whose_write_comes_latest():
+    """The service routine delays the first write by 20 us; the others may be a byte late and are not."""
+    slow = closed_form(imu_hil("controller.rate=400 kHz", frame_us=20))
+    assert slow.stretch.ticks == -slow.margin.ticks == slow.response.ticks - slow.calm.low > 0
+
+
+def test_a_wait_for_either_of_two_flags_is_ended_by_the_second_one_a_read_later():
+    calm = closed_form(imu_hil()).calm
+    second = {wait.flag: wait.into // CYCLE for wait in calm.waits if wait.reads == 2}
+    assert second == {"I2C-A.I2CSTR.XRDY": 0, "I2C-A.I2CSTR.SCD": 7}
+
+
+def test_no_routine_delays_an_interrupt_but_masking_leaves_it_without_a_bound():
+    plain, masked = (
+        closed_form(imu_hil(f"unit.dsp.settings.mask_during_i2c={flag}")).latencies[0] for flag in ("false", "true")
+    )
+    assert plain.terms[-1] == Term("service routine before", 0, plain.terms[-1].source) and not plain.unproven
+    assert masked.unproven.endswith(" runs with interrupts masked")
+
+
 def test_the_models_come_behind_the_last_stop_of_a_round_only():
     whole, within = closed_form(imu_hil()).own_addresses
-    assert within.part == Fraction(2, 3) and "model" not in str(within.terms)
+    assert whole.special and within.special and within.part == Fraction(2, 3) and "model" not in str(within.terms)
     assert within.ticks < 250 * 150 * CYCLE < whole.ticks
 
 
@@ -281,7 +322,8 @@ def test_a_scene_without_request_and_answer_is_refused(changes: dict[str, Any], 
 
 
 def test_models_too_slow_without_any_host_are_told_at_once():
-    with pytest.raises(BadBound, match="even without a host gyroscope does not acknowledge its request"):
+    refused = "even without a host gyroscope does not acknowledge its request at 5000.000 us"
+    with pytest.raises(BadBound, match=refused):
         reported("unit.dsp.settings.model_cost=18 ms")
 
 

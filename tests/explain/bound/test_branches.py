@@ -114,6 +114,7 @@ def code_of(file: Path, name: str):
         "for byte in frame:\n    seen.append(byte)\n    if byte:\n        break",  # takes no time
         "if frame[0]:\n    seen.append(frame)",
         "if frame[0]:\n    self.other()",
+        "if frame[0]:\n    seen.append(dsp)",  # no method of a list takes time
     ],
 )
 def test_what_settings_and_waits_decide_is_closed(tmp_path, body: str):
@@ -149,6 +150,14 @@ def test_what_settings_and_waits_decide_is_closed(tmp_path, body: str):
         ("for byte in frame:\n    if byte:\n        return\ndsp.compute(1)", "'if byte' decides what runs"),
         ("self.work(frame[0])", "'cost' decides what a computation costs"),
         ("rare(dsp)", "'if seen' decides what runs"),
+        (
+            "def maybe(cost):\n    if cost is None:\n        dsp.compute(1)\nseen.append(maybe)\nmaybe(3)",
+            "'if cost is None' d...",
+        ),
+        (
+            "if frame[0]:\n    os.truncate(dsp)",
+            "'if frame[0]' decides what runs",
+        ),  # who knows what it does with the DSP
     ],
 )
 def test_what_data_or_flags_decide_is_open(tmp_path, body: str, what: str):
@@ -204,3 +213,20 @@ def test_the_same_code_is_read_once_however_many_terms_it_is_in(monkeypatch: pyt
     closed = closed_form(imu_hil())
     assert closed.bounds(deadlines(closed))
     assert 0 < len(read) < 50  # for some 3200 terms
+
+
+def test_what_is_computed_once_is_known_and_what_is_computed_anew_each_time_is_not(tmp_path):
+    file = tmp_path / "anew.py"
+    file.write_text(
+        "def cost(settings):\n"
+        "    return settings.cost\n"
+        "def main(dsp, settings):\n"
+        "    once = cost(settings)\n"
+        "    while True:\n"
+        "        dsp.compute(once)\n"
+        "        dsp.compute(cost(settings))\n",
+        encoding="utf-8",
+    )
+    main = load_firmware(str(file)).main
+    found = Decisions(Program(main)).open({Ran(main.__code__)})
+    assert [(each.line, each.what) for each in found] == [(7, "'cost(settings)' decides what a computation costs")]

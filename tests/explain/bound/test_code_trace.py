@@ -26,13 +26,14 @@ def test_a_wait_that_goes_on_is_one_mark_at_its_last_read():
 
 
 def two_rounds(*second: tuple[int, str]) -> CodeTrace:
-    """A wait that ends at 0, `read` at 100, `write` at 300; and a second round from 10000 on."""
+    """Behind a start-up: a wait that ends at 0, `read` at 100, `write` at 300; and a second round from 10000 on."""
     trace = CodeTrace()
+    trace.note(-500, "start")
     for begin, marks in ((0, [(100, "read"), (300, "write")]), (10_000, second)):
         trace.note(begin, "wait", waited=True)
         for tick, what in marks:
             trace.note(begin + tick, what)
-    trace.compare(0, 3, CYCLE)
+    trace.compare(1, 4, CYCLE)
     return trace
 
 

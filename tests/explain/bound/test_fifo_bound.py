@@ -121,7 +121,9 @@ SLOW_START = "unit.dsp.code.between_accesses=15"
 def test_a_frame_that_comes_before_the_receiver_is_up_leaves_no_bound_of_age():
     """Part of the first frame is lost, each later one is read out of step, and no read has a frame's values."""
     early, late = (closed_form(imu_hil(SLOW_START, f"host.first={first} us")).ages[0] for first in (0, 60))
-    assert early.unproven.startswith("part of the first host frame, at 0.000 us, may come before the firmware")
+    assert early.unproven.startswith(
+        "part of the first host frame, at 0.000 us, may come before the firmware receives at 3.313"
+    )
     assert not late.unproven and late.ticks <= early.ticks
 
 
@@ -154,3 +156,30 @@ def test_a_wait_of_the_start_up_does_not_end_it(tmp_path: Path):
 )
 def test_frames_that_are_left_out_or_served_in_parts_leave_no_bound_of_age(change: str, reason: str):
     assert reason in closed_form(imu_hil(change)).ages[0].unproven
+
+
+def test_a_service_routine_that_takes_longer_the_second_time_counts_with_that_and_is_no_bound(tmp_path: Path):
+    text = SOURCE.read_text(encoding="utf-8")
+    last = "        sci.SCIFFRX.RXFFOVRCLR = 1\n"
+    assert text.count(last) == 1
+    longer = "        self.n = getattr(self, 'n', 0) + 1\n        self.dsp.compute(100 * self.n)\n"
+    (tmp_path / "longer.py").write_text(text.replace(last, longer + last), encoding="utf-8")
+    (_, plain), (_, routine) = (
+        closed_form(imu_hil(*of)).handlers.terms for of in ((), (f"unit.dsp.firmware={tmp_path / 'longer.py'}",))
+    )
+    assert routine.ticks - plain.ticks == 200 * 20  # cycles: of two frames the second
+    assert routine.unproven.split("; ")[0] == "SCIRXINTA took 154 cycles once and 254 another time"
+    assert routine.unproven.count("another time") == 1
+
+
+def test_a_parity_bit_makes_a_character_longer(tmp_path: Path):
+    """Start, 8 bits and a parity bit are sampled; a stop bit may be cut short."""
+    text = SOURCE.read_text(encoding="utf-8")
+    call = "sci_fifo_receiver(dsp, settings.brr, settings.fifo_level"
+    assert text.count(call) == 1
+    (tmp_path / "parity.py").write_text(text.replace(call, f"{call}, 0x67"), encoding="utf-8")  # even parity
+    receivers = (
+        closed_form(imu_hil(*of)).handlers.receiver for of in ((), (f"unit.dsp.firmware={tmp_path / 'parity.py'}",))
+    )
+    plain, with_parity = (receiver.character for receiver in receivers if receiver is not None)
+    assert with_parity * 9 == plain * 10

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -30,3 +31,11 @@ def test_modules_that_a_module_of_the_firmware_imports_are_read_too(tmp_path: Pa
         (tmp_path / f"{name}.py").write_text(text, encoding="utf-8")
     read = program.Program(load_firmware(str(tmp_path / "program.py")).main).modules
     assert [Path(path).name for path in sorted(read)] == ["far.py", "near.py", "program.py"]
+
+
+def test_what_a_main_uses_that_is_of_no_module_is_read_too(tmp_path: Path) -> None:
+    (tmp_path / "near.py").write_text("def main(dsp, settings):\n    dsp.compute(1)\n", encoding="utf-8")
+    names: dict[str, Any] = {"__name__": "never_imported", "near": load_firmware(str(tmp_path / "near.py")).main}
+    exec("def main(dsp, settings):\n    near(dsp, settings)\n", names)
+    read = program.Program(names["main"])
+    assert [Path(path).name for path in read.modules] == ["near.py"] and read.unreadable == {"<string>"}

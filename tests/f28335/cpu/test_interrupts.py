@@ -483,30 +483,6 @@ def test_a_request_that_arrives_in_the_cycle_of_and_ifr_wins():
     assert core.ifr == bit(9) | bit(1)
 
 
-INSTRUCTIONS = {
-    "CLRC INTM": lambda core, now: core.clrc_intm(now),
-    "SETC INTM": lambda core, now: core.setc_intm(now),
-    "EALLOW": lambda core, now: core.set_eallow(now, True),
-    "OR IFR": lambda core, now: core.or_ifr(now, 0),
-    "AND IER": lambda core, now: core.and_ier(now, 0),
-    "OR IER": lambda core, now: core.or_ier(now, 0),
-    "MOV IER": lambda core, now: core.mov_ier(now, 0),
-    "IDLE": lambda core, now: core.idle(now),
-    "TRAP": lambda core, now: core.trap(now, 20),
-    "INTR": lambda core, now: core.intr(now, 5),
-}
-
-
-@pytest.mark.rule("SYS-127")
-@pytest.mark.parametrize("instruction", INSTRUCTIONS)
-def test_a_request_that_arrives_by_the_begin_of_an_instruction_is_in_ifr(instruction):
-    for begin, ifr in ((3, 0), (4, bit(9))):
-        core = cpu()
-        core.raise_line(0, 9)
-        INSTRUCTIONS[instruction](core, begin)
-        assert core.ifr == ifr
-
-
 @pytest.mark.rule("SYS-124", "SYS-147")
 @given(number=st.integers(1, 12))
 def test_or_ifr_starts_the_interrupt_through_line_1(number):

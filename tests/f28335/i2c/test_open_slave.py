@@ -285,6 +285,14 @@ def test_open_stretch_after_address_ack(stretches):
     }
 
 
+@pytest.mark.parametrize("stretches", [True, False])
+def test_open_stretch_after_address_ack_in_the_free_data_format(stretches):
+    """There the first byte comes after the START."""
+    rig = idle(FDF | TRX, stretch_after_address_ack=stretches)
+    rig.start()
+    assert rig.stretching == stretches
+
+
 @pytest.mark.rule("I2C-124", "I2C-213", "I2C-214")
 @pytest.mark.parametrize("rule", ["text", "figure"])
 def test_open_xsmt_rule(rule):

@@ -62,6 +62,15 @@ def test_any_other_first_character_does_not_set_abd(letter):
     assert (rig.get("ABD"), rig.count("TXINT")) == (0, 0)
 
 
+@pytest.mark.rule("SCI-194")
+@pytest.mark.parametrize(("high", "abd"), [(6, 0), (8, 1)])
+def test_an_a_counts_once_its_stop_bit_has_been_high_for_seven_eighths(high, abd):
+    rig = measuring()
+    eighths = "".join(mark * 8 for mark in "0100000100"[:9]) + "1" * high + "0" * 16
+    rig.send(eighths + "1" * 40, bit=164)
+    assert rig.get("ABD") == abd
+
+
 @pytest.mark.rule("SCI-195")
 def test_without_cdc_nothing_is_measured():
     rig = measuring(CDC=0)

@@ -313,9 +313,9 @@ def test_open_sleep_loads_buffer(value, loads):
     rig = rig_with("sleep_loads_buffer", value, **ADDRESS, SLEEP=1)
     rig.send(frame(0x22, address=0) + "1")
     assert rig.flags("RXRDY", "RXDT") == {"RXRDY": 0, "RXDT": 0x22 * loads}
-    rig = rig_with("sleep_loads_buffer", value, **ADDRESS, SLEEP=1, fifo=True)
+    rig = rig_with("sleep_loads_buffer", value, **ADDRESS, SLEEP=1, fifo=True, RXFFIL=1, RXFFIENA=1)
     rig.send(frame(0x22, address=0) + "1")
-    assert rig.get("RXFFST") == loads
+    assert (rig.flags("RXFFST", "RXFFINT"), rig.count("RXINT")) == ({"RXFFST": loads, "RXFFINT": loads}, 0)
 
 
 @pytest.mark.rule("SCI-100")
@@ -550,6 +550,9 @@ def test_open_txena_clear_drains(value, sent):
     rig.wait(3)
     rig.set(TXENA=0)
     rig.wait(50)
+    assert rig.characters() == [0x11, 0x22, 0x33][:sent]
+    rig.write("SCITXBUF", 0x44)  # waits for TXENA
+    rig.wait(15)
     assert rig.characters() == [0x11, 0x22, 0x33][:sent]
     rig = rig_with("txena_clear_drains", value)
     rig.write("SCITXBUF", 0x11)

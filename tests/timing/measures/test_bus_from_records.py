@@ -369,7 +369,7 @@ def test_what_is_held_is_summed_up_per_transfer():
     bus.stop()
     measure = held(bus, bus.now)
     assert [column.tolist() for column in measure.all_kept()] == [[15, 0], [120, second]]
-    assert measure.close(bus.now) == ""
+    assert measure.unfinished(bus.now) == [] and measure.close(bus.now) == ""
 
 
 def test_a_transfer_that_is_not_over_counts_with_what_was_held_so_far():

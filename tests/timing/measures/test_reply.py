@@ -61,3 +61,14 @@ def test_a_reply_that_never_comes_has_taken_as_long_as_it_was_waited_for():
     )
     again = heard("ask 10-20, ask 300-310, O 320-330, K 330-340", 500)
     assert came(again) == (280, 20, 30, 2) and again.refuted_at == 20
+
+
+def test_one_that_is_still_in_time_is_waited_for_though_it_is_asked_for_again():
+    """
+    ask |10 20|            within 100         |
+                      ask |100 105| OK OK          the first is 80 old by then, and comes in time
+    """
+    reply = heard("ask 10-20, ask 100-105, O 106-108, K 108-110, O 110-112, K 112-114", 500)
+    assert came(reply) == (90, 20, 9, 2) and not reply.refuted
+    late = heard("ask 10-20, ask 130-140, O 150-155, K 155-160", 500)
+    assert came(late) == (110, 20, 20, 2) and late.refuted_at == 20

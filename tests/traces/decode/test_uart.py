@@ -37,6 +37,12 @@ def test_every_shape_of_frame(parity: str, bits: int, stop: int):
     assert seen(frame_bits(value, bits, parity, stop), line) == [Frame(20, end, value, False, False)]
 
 
+@pytest.mark.parametrize(("bits", "value"), [(1, 1), (16, 0xA5C3)])
+def test_the_shortest_and_the_longest_frame(bits: int, value: int):
+    end = 20 + 10 * (1 + bits + 1)
+    assert seen(frame_bits(value, bits), Line(100_000, bits)) == [Frame(20, end, value, False, False)]
+
+
 @pytest.mark.parametrize(("sent", "expected"), [("even", "odd"), ("odd", "even"), ("mark", "space"), ("space", "mark")])
 def test_the_wrong_parity_is_an_error(sent: str, expected: str):
     (frame,) = seen(frame_bits(0x31, 8, sent), Line(100_000, 8, expected))
@@ -163,6 +169,7 @@ def test_any_byte_at_any_width_from_three_samples_and_any_phase(value: int, tent
     [
         ({"baud": 0}, "baud is 0; expected more than 0"),
         ({"baud": 9600, "bits": 0}, "0 data bits; expected 1 to 16"),
+        ({"baud": 9600, "bits": 17}, "17 data bits; expected 1 to 16"),
         ({"baud": 9600, "parity": "evn"}, "parity 'evn'; did you mean even?"),
         ({"baud": 9600, "stop": 3}, "3 stop bits; expected 1, 3/2 or 2"),
     ],

@@ -1,7 +1,7 @@
 """Models of the TMS320F28335's SCI and I2C that run firmware against bus traces and check its timing.
 
 `__all__` is the public interface (docs/python_api.md), with `periph_sim.firmware` for what firmware imports. Each name
-is imported when it is first used: `import periph_sim` alone loads nothing.
+is imported when it is first used: `import periph_sim` alone loads what chooses the form of the core, and no more.
 """
 
 from __future__ import annotations

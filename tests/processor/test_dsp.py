@@ -86,29 +86,6 @@ def test_lspclk_changed_and_changed_back_is_that_of_the_sci_each_time():
     assert [rise - fall for fall, rise in zip(low[::2], low[1::2], strict=True)] == [16 * 2 * n for n in (4, 2, 4)]
 
 
-@pytest.mark.parametrize(
-    ("module", "enable", "register"),
-    [("SCI-A", "SCIAENCLK", "SCILBAUD"), ("I2C-A", "I2CAENCLK", "I2COAR")],
-)
-def test_without_its_clock_a_module_reads_0(module: str, enable: str, register: str):
-    dsp, kernel, _ = unit(module)
-    seen: list[int] = []
-
-    def main() -> None:
-        clocks, place = dsp.module("SYS"), dsp.module(module)
-        dsp.eallow()
-        setattr(clocks.PCLKCR0, enable, 1)
-        dsp.compute(10)
-        getattr(place, register).all = 0x11
-        setattr(clocks.PCLKCR0, enable, 0)
-        dsp.compute(10)
-        seen.append(getattr(place, register).all)
-
-    run(dsp, kernel, main)
-    assert seen == [0]
-    assert "clock_gate_access" in dsp.socket(module).chip.touched
-
-
 @pytest.mark.parametrize(("timer", "number"), [("TIMER1", 13), ("TIMER2", 14)])
 def test_timers_1_and_2_interrupt_the_cpu_without_the_pie(timer: str, number: int):
     dsp, kernel, _ = unit(timer)

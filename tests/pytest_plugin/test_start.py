@@ -9,7 +9,7 @@ import sys
 
 def test_start():
     ours = {name for name in sys.modules if name.startswith("periph_sim")}
-    assert ours == {"periph_sim", "periph_sim.pytest_plugin"}
+    assert ours == {"periph_sim", "periph_sim.form", "periph_sim.pytest_plugin"}  # form: which core is to run
     assert not {"pydantic", "numpy", "greenlet", "rich", "click", "drawsvg"} & set(sys.modules)
 """
 

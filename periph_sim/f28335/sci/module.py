@@ -60,10 +60,6 @@ class Sci(SciLines):
     def peek(self, now: int, offset: int) -> int:
         if now >= self.next_wake:
             self._run(now)
-        if self._gated:
-            self.touched.add("clock_gate_access")
-            if self.options.clock_gate_access == "reads_0":
-                return 0
         return self._show(now, offset)
 
     def write(self, now: int, offset: int, value: int) -> None:

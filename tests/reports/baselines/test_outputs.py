@@ -11,6 +11,7 @@ from periph_sim.reports.baselines import check
 from periph_sim.reports.baselines.annotations import github
 from periph_sim.reports.baselines.junit import junit
 from tests.reports.baselines.desk import put
+from tests.unwrapped import unwrapped
 
 
 def test_junit_has_a_suite_a_case_and_a_test_a_budget_with_its_figures(cases: Path):
@@ -73,7 +74,8 @@ def test_annotations_point_at_the_budget_in_the_case_file(cases: Path):
     line = writes.index("            i2c.I2CDXR.all = next(buffer)") + 1
     assert cause.startswith(f"::warning file=cases/small_firmware.py,line={line},{title}::wrong bytes: ")
     assert cause.partition("::wrong bytes: ")[2].startswith("I2CDXR written%0Awrong bytes 12 bytes, at most 0 ")
-    assert f"I2CDXR = 0x12 written, before the read's START [small_firmware.py:{line} (batch_read)]%0A" in cause
+    written = f"I2CDXR = 0x12 written, before the read's START [small_firmware.py:{line} (batch_read)]"
+    assert written in unwrapped(cause.replace("%0A", "\n"))
 
 
 def test_firmware_that_is_not_below_this_folder_gets_no_annotation(cases: Path, monkeypatch: pytest.MonkeyPatch):

@@ -31,7 +31,7 @@ cdef class Kernel:
     cdef public long long now, events
     cdef list _unsettled, _sampling, _queue
     cdef long long _horizon, _number, _ranks
-    cdef bint _stop, _settling
+    cdef bint _stop
     cpdef long long rank(self)
     cpdef Event at(self, long long time, object action, long long phase=*)
     @cython.locals(event=Event, other=Event)
@@ -43,9 +43,7 @@ cdef class Kernel:
     cpdef long long next_time(self)
     cpdef long long quiet_until(self)
     cpdef void stop(self)
-    @cython.locals(other=Settles)
     cpdef void moved(self, Settles wire)
-    @cython.locals(other=Samples)
     cpdef void tell(self, Samples party)
     @cython.locals(wire=Settles, party=Samples)
     cpdef void settle(self)

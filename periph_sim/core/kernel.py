@@ -13,6 +13,7 @@ not including it, nothing else can happen (a lease), so it may move `now` by its
 from __future__ import annotations
 
 from collections.abc import Callable
+from operator import attrgetter
 
 from .chip import NEVER
 
@@ -22,6 +23,8 @@ _NUMBERS = 1 << 56  # so many events before a number would reach the phase besid
 STORM = 100_000  # so many events inside one tick is a loop, not a design
 
 Action = Callable[[], None]
+
+_rank = attrgetter("rank")
 
 
 class SimulationStuck(Exception):
@@ -94,13 +97,12 @@ class Kernel:
     def __init__(self, start: int = 0) -> None:
         self.now = start
         self.events = 0
-        self._unsettled: list[Settles] = []  # what moved in the present phase, by rank
-        self._sampling: list[Samples] = []  # who is to be told of it, by rank
+        self._unsettled: list[Settles] = []  # what moved in the present phase
+        self._sampling: list[Samples] = []  # who is to be told of it
         self._horizon = start
         self._number = 0
         self._queue: list[Event] = []  # the next one last
         self._stop = False
-        self._settling = False  # the wires take their levels now
         self._ranks = 0
 
     def rank(self) -> int:
@@ -170,43 +172,27 @@ class Kernel:
 
     def moved(self, wire: Settles) -> None:
         """`wire` settles at the end of the present phase."""
-        waiting = self._unsettled
-        place = len(waiting)
-        while place:
-            other = waiting[place - 1]
-            if other.rank < wire.rank:
-                break
-            place -= 1
-        waiting.insert(place, wire)
+        self._unsettled.append(wire)
 
     def tell(self, party: Samples) -> None:
         """`party` is to be told of the levels as they settle; once, however often it is asked."""
         if party.due:
             return
         party.due = True
-        waiting = self._sampling
-        if self._settling:
-            waiting.append(party)  # behind those who asked, in the order of the wires and of who watches each
-            return
-        place = len(waiting)
-        while place:
-            other = waiting[place - 1]
-            if other.rank < party.rank:
-                break
-            place -= 1
-        waiting.insert(place, party)
+        self._sampling.append(party)
 
     def settle(self) -> None:
         """Let the wires come to rest, and tell those who sample them."""
         steps = 0
         while self._unsettled or self._sampling:
-            if self._unsettled:
-                wires = self._unsettled
-                self._unsettled = []
-                self._settling = True
-                for wire in wires:
-                    wire.settle()  # adds to those who sample
-                self._settling = False
+            if len(self._sampling) > 1:
+                self._sampling.sort(key=_rank)  # what the wires add stands behind them
+            wires = self._unsettled
+            self._unsettled = []
+            if len(wires) > 1:
+                wires.sort(key=_rank)
+            for wire in wires:
+                wire.settle()
             parties = self._sampling
             self._sampling = []
             for party in parties:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import importlib
 import sys
 from collections.abc import Sequence
+from functools import lru_cache
 from importlib.abc import MetaPathFinder
 from importlib.machinery import ModuleSpec, SourceFileLoader
 from importlib.util import module_from_spec, spec_from_file_location
@@ -72,7 +73,13 @@ class _Source(SourceFileLoader):
     """Compiles the text at every load: bytecode kept by the second would miss an edit, and litter the user's folder."""
 
     def get_code(self, fullname: str) -> CodeType:
-        return self.source_to_code(self.get_data(self.path), self.path)
+        return _code_of(self.get_data(self.path), self.path)
+
+
+@lru_cache(maxsize=64)
+def _code_of(source: bytes, path: str) -> CodeType:
+    """Compiled once for each text that a file has had: many scenes of one file import it anew each."""
+    return _Source("", path).source_to_code(source, path)
 
 
 def _spec(name: str, file: Path) -> ModuleSpec:

@@ -110,12 +110,12 @@ def computed_by(settings: object) -> Computed | None:
 
 def filled(kind: type[T], given: dict[str, object], who: str) -> T:
     """A dataclass with the given values. BadSetting naming the setting otherwise. who: in messages."""
-    known = inspect.signature(kind).parameters
+    known, adapter = _settings_of(cast(Hashable, kind))
     for name in given:
         if name not in known:
             raise BadSetting(f"{who} has no setting {name!r}; {did_you_mean(name, known)}", name)
     try:
-        made: T = _adapter(cast(Hashable, kind)).validate_python(given)
+        made: T = adapter.validate_python(given)
         return made
     except ValidationError as error:
         first = error.errors()[0]
@@ -125,6 +125,6 @@ def filled(kind: type[T], given: dict[str, object], who: str) -> T:
 
 
 @lru_cache(maxsize=64)  # of a file that is loaded again the class is a new one
-def _adapter(kind: Any) -> TypeAdapter[Any]:
-    """Making one costs as much as the rest of a small scene."""
-    return TypeAdapter(kind)
+def _settings_of(kind: Any) -> tuple[tuple[str, ...], TypeAdapter[Any]]:
+    """The names of a dataclass's settings, and what checks them, which costs as much as the rest of a small scene."""
+    return tuple(inspect.signature(kind).parameters), TypeAdapter(kind)

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from hashlib import blake2b
 from math import isfinite, log, pi, sqrt
 
@@ -39,7 +40,7 @@ class Gaussian:
     def __init__(self, seed: int, name: str) -> None:
         self.key = int.from_bytes(blake2b(f"{seed}/{name}".encode(), digest_size=16).digest(), "little")
         self._block: int | None = None  # the one that is kept, for those who go sample by sample
-        self._kept: list[float] = []
+        self._kept: Sequence[float] = ()
 
     def values(self, first: int, count: int) -> Floats:
         """Values `first` up to `first + count - 1`."""
@@ -54,13 +55,22 @@ class Gaussian:
         block, place = divmod(number, BLOCK)
         if block != self._block:
             _not_negative(number, 1)
-            self._block, self._kept = block, self._values_of(block).tolist()
+            self._block, self._kept = block, _block_of(self.key, block)
         return self._kept[place]
 
     def _values_of(self, block: int) -> Floats:
-        # The block's number is the counter's second word: a block may draw 2**64 times before it meets the next.
-        generator = np.random.Generator(np.random.Philox(key=self.key, counter=[0, block, 0, 0]))
-        return generator.standard_normal(BLOCK)
+        return _drawn(self.key, block)
+
+
+def _drawn(key: int, block: int) -> Floats:
+    # The block's number is the counter's second word: a block may draw 2**64 times before it meets the next.
+    generator = np.random.Generator(np.random.Philox(key=key, counter=[0, block, 0, 0]))
+    return generator.standard_normal(BLOCK)
+
+
+@lru_cache(maxsize=64)  # 2 MB; many short scenes of one seed begin with the same blocks
+def _block_of(key: int, block: int) -> Sequence[float]:
+    return _drawn(key, block).tolist()  # type: ignore[no-any-return]
 
 
 @dataclass(frozen=True)

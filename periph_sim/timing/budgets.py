@@ -175,16 +175,18 @@ class BudgetJudge:
 
         Of joined conditions that which is broken, else that which is not judged, else the first; all of them in words.
         """
+        if len(self.parts) == 1:
+            return self._judge(start)
         verdicts = [part._judge(start) for part in self.parts]
         shown = verdicts[self.parts.index(self.shown)]
-        if len(verdicts) == 1:
-            return shown
         told = [verdict.found or part._in_words(verdict) for part, verdict in zip(self.parts, verdicts, strict=True)]
         return replace(shown, name=self.budget.name, why=self.budget.why, found="; ".join(told))
 
     @property
     def shown(self) -> BudgetJudge:
         """The condition that the verdict shows: the first one that is broken, else not judged; this one if all pass."""
+        if len(self.parts) == 1:
+            return self
         words = [part._judge(0).verdict for part in self.parts]
         return next((self.parts[words.index(word)] for word in (FAIL, NOT_JUDGED) if word in words), self)
 

@@ -8,6 +8,7 @@ Source: SPRUFB0D section 6.5, Tables 46 to 49.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 from ...core.chip import Note
 from .pin_mux_table import FUNCTIONS, IDLE_LOW, INPUTS, MODULES, OUTPUTS
@@ -50,6 +51,12 @@ class Routes:
             self.sink[signal] = tuple(given.get(signal, ()))
         self.inputs = sum(1 << pin for pin in self.signal_at)  # mask: pins that feed a modelled input
         self.outputs = sum(1 << pin for pins in self.sink.values() for pin in pins)  # mask: pins a module drives
+
+
+@lru_cache(maxsize=256)
+def routes_of(mux: tuple[int, ...]) -> Routes:
+    """The routes of these multiplexer values; the same for every unit and scene that sets its pins so."""
+    return Routes(mux)
 
 
 def note_for(pin: int, mux: int) -> Note | None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from ...core.chip import Chip, Note
 from . import register_map as at
 from .register_map import PINS
-from .routes import Routes, idle_level, note_for
+from .routes import idle_level, note_for, routes_of
 
 ALL = (1 << PINS) - 1
 SYNCHRONISED_ONLY = 64  # from this pin on: port C has no QSEL
@@ -18,6 +18,17 @@ GROUPS = 8  # of eight pins that share a sampling period
 DIRECTIONS = tuple(at.GPIO[f"GP{port}DIR"].offset for port in "ABC")
 PULL_UPS = tuple(at.GPIO[f"GP{port}PUD"].offset for port in "ABC")
 CONTROLS = tuple(at.GPIO[f"GP{port}CTRL"].offset for port in "AB")
+
+
+def _pairs(name: str, pins: int) -> tuple[tuple[int, int], ...]:
+    """Where the two bits of each pin are in GPxMUXn or GPxQSELn: the register's offset, and their place in it."""
+    places = ((port, half, i) for port in "ABC" for half in (1, 2) for i in range(16))
+    first = list(places)[:pins]
+    return tuple((at.GPIO[f"GP{port}{name}{half}"].offset, 2 * i) for port, half, i in first)
+
+
+MUX = _pairs("MUX", PINS)
+SELECT = _pairs("QSEL", SYNCHRONISED_ONLY)
 
 
 class GpioSettings(Chip):
@@ -28,7 +39,7 @@ class GpioSettings(Chip):
     def __init__(self) -> None:
         self.notes: list[Note] = []
         self._mux = [0] * PINS
-        self._routes = Routes(self._mux)
+        self._routes = routes_of(tuple(self._mux))
 
     def reset_registers(self) -> None:
         """XRS; `take_over` makes it act."""
@@ -42,12 +53,12 @@ class GpioSettings(Chip):
 
     def take_over(self, now: int) -> None:
         """What is active acts from now on."""
-        old = self._mux
-        self._mux = [self._pair("MUX", pin) for pin in range(PINS)]
-        self._select = [self._pair("QSEL", pin) if pin < SYNCHRONISED_ONLY else 0 for pin in range(PINS)]
+        old, active = self._mux, self._active
+        self._mux = [active[offset] >> shift & 3 for offset, shift in MUX]
+        self._select = [active[offset] >> shift & 3 for offset, shift in SELECT] + [0] * (PINS - SYNCHRONISED_ONLY)
         if self._mux != old:
             crowded = self._routes.crowded
-            self._routes = Routes(self._mux)
+            self._routes = routes_of(tuple(self._mux))
             for pin in range(PINS):
                 note = note_for(pin, self._mux[pin]) if self._mux[pin] != old[pin] else None
                 if note is not None:
@@ -69,12 +80,6 @@ class GpioSettings(Chip):
             if periods != self._periods[4 * port : 4 * port + 4]:
                 self._periods[4 * port : 4 * port + 4] = periods
                 self._origins[4 * port : 4 * port + 4] = [now] * 4
-
-    def _pair(self, name: str, pin: int) -> int:
-        """The two bits of a pin in force in GPxMUXn or GPxQSELn."""
-        half, i = divmod(pin % 32, 16)
-        register = self.MAP[f"GP{'ABC'[pin // 32]}{name}{half + 1}"]
-        return self._active[register.offset] >> 2 * i & 3
 
     def _ports(self, offsets: tuple[int, ...]) -> int:
         """One mask of all pins from a register of each port."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -54,10 +55,23 @@ def read(path: Path, what: str) -> tuple[str, dict[str, Any]]:
             f"{path}, line {line}: {found} is not UTF-8; a {what} file is TOML, which is UTF-8 text"
         ) from None
     try:
-        tree = tomllib.loads(text)
+        tree = _tables(text)
     except tomllib.TOMLDecodeError as error:
         raise BadCase(f"{path}: it is not TOML: {error}") from None
-    return text, tree
+    return text, _copy(tree)
+
+
+@lru_cache(maxsize=16)
+def _tables(text: str) -> dict[str, Any]:
+    """What a TOML text says, read once for all the scenes that change a key of it. Nobody may change the tree."""
+    return tomllib.loads(text)
+
+
+def _copy(value: Any) -> Any:
+    """Tables and lists anew, values as they are: changes go into these."""
+    if isinstance(value, dict):
+        return {key: _copy(inner) for key, inner in value.items()}
+    return [_copy(inner) for inner in value] if isinstance(value, list) else value
 
 
 def apply(tree: dict[str, object], change: str) -> Place:

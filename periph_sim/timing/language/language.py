@@ -37,6 +37,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from fractions import Fraction
+from functools import lru_cache
 
 from ...core.settings import duration
 from ...devices.sensor_head import CHIPS
@@ -114,6 +115,7 @@ def near_form(text: str) -> str:
     return FORMS[close[0]] if close else ""
 
 
+@lru_cache(maxsize=1024)  # scenes of one case say the same again and again
 def measure_of(text: str) -> Said:
     """What a measure's text says. BadEvent otherwise."""
     words = Words(text)

@@ -1,0 +1,92 @@
+"""What scenes of one case share: a second one reads, parses and compiles nothing anew, and a changed file is seen."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from periph_sim.f28335.gpio.routes import routes_of
+from periph_sim.scene import firmware_files, firmware_loader
+from periph_sim.scene.case import load as loading
+from periph_sim.scene.case.load import load
+from periph_sim.scene.scene import Scene
+from periph_sim.sensors import noise
+from periph_sim.timing.language.language import measure_of
+
+SHARED = {
+    "TOML": loading._tables,
+    "settings": firmware_loader._settings_of,
+    "measures": measure_of,
+    "routes": routes_of,
+    "noise": noise._block_of,
+}
+CASE = """
+name = "one"
+duration = "1 ms"
+[unit.dsp]
+firmware = "mine.py"
+modules = ["SCI-A"]
+"""
+FIRMWARE = "def main(dsp, settings):\n    dsp.compute({cycles})\n"
+
+
+def misses() -> dict[str, int]:
+    return {name: cached.cache_info().misses for name, cached in SHARED.items()}
+
+
+@pytest.mark.parametrize("case", ["imu_hil", "responder", "two_dsps"])
+def test_a_second_scene_makes_nothing_anew(case: str) -> None:
+    def scene() -> None:
+        one = load(f"timing/{case}.toml")
+        Scene(one).run(one.duration / 1000)
+
+    scene()
+    before = misses()
+    scene()
+    assert misses() == before
+
+
+def test_two_cases_of_one_file_share_no_table(tmp_path: Path) -> None:
+    file = tmp_path / "case.toml"
+    file.write_text(CASE, encoding="utf-8")
+    changed = load(file, ["unit.dsp.ppm=30", "unit.dsp.modules.0=TIMER0"])
+    plain = load(file)
+    assert (changed.unit["dsp"].ppm, changed.unit["dsp"].modules) == (30, ("TIMER0",))
+    assert (plain.unit["dsp"].ppm, plain.unit["dsp"].modules) == (0, ("SCI-A",))
+
+
+def test_a_changed_case_is_seen_though_size_and_time_are_the_same(tmp_path: Path) -> None:
+    file = tmp_path / "case.toml"
+    for name in ("one", "two"):
+        file.write_text(CASE.replace("one", name), encoding="utf-8")
+        os.utime(file, ns=(1, 1))
+        assert load(file).name == name
+
+
+def test_changed_firmware_is_seen_and_unchanged_firmware_is_compiled_once(tmp_path: Path) -> None:
+    file = tmp_path / "case.toml"
+    file.write_text(CASE, encoding="utf-8")
+    program = tmp_path / "mine.py"
+    ended, compiled = [], []
+    for cycles in (1000, 1000, 3000):
+        program.write_text(FIRMWARE.format(cycles=cycles), encoding="utf-8")
+        before = firmware_files._code_of.cache_info().misses
+        scene = Scene(load(file))
+        scene.run()
+        ended.append(scene.units["dsp"].program.returned_at)
+        compiled.append(firmware_files._code_of.cache_info().misses - before)
+    assert ended[0] == ended[1]
+    assert ended[2] - ended[1] == 2000
+    assert compiled == [1, 0, 1]
+
+
+def test_module_variables_of_a_firmware_file_begin_anew_in_each_scene(tmp_path: Path) -> None:
+    (tmp_path / "case.toml").write_text(CASE, encoding="utf-8")
+    counting = "seen = []\n\n\ndef main(dsp, settings):\n    seen.append(1)\n    dsp.compute(1000 * len(seen))\n"
+    (tmp_path / "mine.py").write_text(counting, encoding="utf-8")
+    scenes = [Scene(load(tmp_path / "case.toml")) for _ in range(2)]
+    for scene in scenes:
+        scene.run()
+    assert scenes[0].units["dsp"].program.returned_at == scenes[1].units["dsp"].program.returned_at

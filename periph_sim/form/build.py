@@ -4,11 +4,13 @@ python -m periph_sim.form.build
 
     core/kernel.py, core/kernel.pxd --Cython--> C --compiler--> compiled/core.kernel.SUFFIX      compiled/manifest.json
 
-Needs Cython (the extra `core`) and a C compiler. What is compiled: each module that has a .pxd file beside it.
+Needs Cython (the extra `core`) and a C compiler. What is compiled: each module that has a .pxd file beside it, if it
+is not in the last build already, made of the same.
 """
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import re
@@ -18,6 +20,7 @@ import sysconfig
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from importlib import import_module
+from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 from subprocess import run
@@ -35,6 +38,7 @@ DIRECTIVES = {
     "auto_pickle": "False",
 }
 CLASS = re.compile(r"^cdef class (\w+)", re.MULTILINE)
+CIMPORT = re.compile(r"^from (\.+)([\w.]*) cimport", re.MULTILINE)
 FLAGS = ("-O2", "-fPIC", "-shared", "-fwrapv", "-fno-strict-aliasing", "-w")
 
 
@@ -88,22 +92,57 @@ def compile_one(module: str, package: str, folder: Path, cc: str) -> None:
     c_file.unlink()
 
 
+def types_of(module: str, folder: Path) -> dict[str, str]:
+    """The .pxd files in `folder` that this module's depends on, its own included, by module."""
+    found: dict[str, str] = {}
+    waiting = [module]
+    while waiting:
+        one = waiting.pop()
+        if one not in found:
+            found[one] = folder.joinpath(*one.split(".")).with_suffix(".pxd").read_text("utf-8")
+            for dots, name in CIMPORT.findall(found[one]):
+                waiting.append(".".join([*one.split(".")[: -len(dots)], name]))
+    return found
+
+
+def fingerprint(module: str, folder: Path, cc: str) -> str:
+    """Equal for equal extension modules. folder: the package as it is compiled."""
+    source = folder.joinpath(*module.split(".")).with_suffix(".py").read_text("utf-8")
+    made_of = [source, sorted(types_of(module, folder).items()), DIRECTIVES, FLAGS, version("cython"), cc, sys.version]
+    return hashlib.sha256(json.dumps(made_of).encode()).hexdigest()
+
+
+def last_build(built: Path) -> dict[str, str]:
+    """The modules of the build that is there, each with its fingerprint."""
+    try:
+        found = json.loads((built / MANIFEST).read_text("utf-8"))["modules"]
+        return {module: made_of for module, made_of in found.items() if (built / f"{module}{SUFFIX}").is_file()}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return {}
+
+
 def build(package: Path, built: Path, jobs: int) -> None:
     """Compile what has a .pxd file; `built` is replaced only when all of it is done."""
-    cc, modules = compiler(), modules_of(package)
+    cc, modules, last = compiler(), modules_of(package), last_build(built)
     made_of = digest(package, modules)
     with tempfile.TemporaryDirectory() as name, ThreadPoolExecutor(jobs) as pool:
         folder = Path(name)
         shadow(package, modules, folder)
-        done = [pool.submit(compile_one, module, package.name, folder, cc) for module in modules]
-        for number, (module, one) in enumerate(zip(modules, done, strict=True), 1):
+        prints = {module: fingerprint(module, folder / package.name, cc) for module in modules}
+        anew = [module for module in modules if last.get(module) != prints[module]]
+        for module in set(modules).difference(anew):
+            shutil.copy(built / f"{module}{SUFFIX}", folder)
+        done = [pool.submit(compile_one, module, package.name, folder, cc) for module in anew]
+        for number, (module, one) in enumerate(zip(anew, done, strict=True), 1):
             try:
                 one.result()
             except NoBuild:
                 pool.shutdown(cancel_futures=True)
                 raise
-            print(f"{number}/{len(modules)} {module}", flush=True)
-        (folder / MANIFEST).write_text(json.dumps({"digest": made_of, "modules": modules}), "utf-8")
+            print(f"{number}/{len(anew)} {module}", flush=True)
+        if not anew:
+            print("all modules are built already", flush=True)
+        (folder / MANIFEST).write_text(json.dumps({"digest": made_of, "modules": prints}), "utf-8")
         shutil.rmtree(built, ignore_errors=True)
         built.mkdir(parents=True)
         for path in (*folder.glob(f"*{SUFFIX}"), folder / MANIFEST):

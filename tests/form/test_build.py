@@ -1,4 +1,4 @@
-"""A build of one small module, equal in both forms; a compiler that is missing is told in a sentence."""
+"""A build of small modules, equal in both forms, what has changed built anew; a compiler that is missing is told in a sentence."""
 
 from __future__ import annotations
 
@@ -79,3 +79,22 @@ def test_clocks_convert_the_same_in_both_forms(tmp_path: Path):
     compiled, interpreted = run("-c", code), run("-c", code, form="interpreted")
     assert compiled.splitlines()[0] == "False" and interpreted.splitlines()[0] == "True"
     assert compiled.splitlines()[1:] == interpreted.splitlines()[1:]
+    assert run("-m", "periph_sim.form.build") == "all modules are built already\n"
+    with (package / "core" / "fifo.py").open("a") as source:
+        source.write("# another source\n")
+    assert run("-m", "periph_sim.form.build") == "1/1 core.fifo\n"
+
+
+def test_a_module_is_built_anew_where_types_change_that_it_uses(tmp_path: Path):
+    """core.clock uses the types of core.time, which uses those of core.chip; core.fifo uses none of them."""
+    (tmp_path / "core").mkdir()
+    types = {"chip": "", "time": "from .chip cimport Chip\n", "clock": "from ..core.time cimport Clock\n", "fifo": ""}
+    for name, text in types.items():
+        tmp_path.joinpath("core", f"{name}.pxd").write_text(text)
+    found = {name: set(build.types_of(f"core.{name}", tmp_path)) for name in types}
+    assert found == {
+        "chip": {"core.chip"},
+        "time": {"core.time", "core.chip"},
+        "clock": {"core.clock", "core.time", "core.chip"},
+        "fifo": {"core.fifo"},
+    }

@@ -1,4 +1,4 @@
-"""A build of small modules, equal in both forms, what has changed built anew; a compiler that is missing is told in a sentence."""
+"""Builds of small modules, equal in both forms, and only what has changed anew; a missing compiler is told in a line."""
 
 from __future__ import annotations
 

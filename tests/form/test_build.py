@@ -1,4 +1,4 @@
-"""Builds of small modules, equal in both forms; only what has changed is compiled; what is missing is told in a line."""
+"""Builds of small modules: equal in both forms, compiled only where changed; a missing compiler is told in a line."""
 
 from __future__ import annotations
 

@@ -2,17 +2,24 @@
 
     SCL low --low()--> let go --others may hold it--> rises --high()--> `_after_high`: the next fall, or a condition
 
+What comes next is a step with its cycle: the clock's own are RELEASE and CONDITION, the others the master's.
+
 A low that others lengthen delays the high phase, a low that others begin starts ours at once (`fell`, in the master).
 Source: SPRUG03B sections 2.3, 5.7, Table 15.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from ...core.chip import NEVER
 from .register_map import SCL, SDA
 from .registers import I2cRegisters
+
+# A step: nothing; SCL is let go; SDA gets the level of the condition to come, or of a bit; SCL falls; a START and its
+# end; a STOP; a repeated START.
+NO_STEP, RELEASE, CONDITION, SET_SDA, FALL, START, STARTED, STOP, RESTART = range(9)
+
+# Why SCL is held low, or, after a NACK, not: a command, a byte to send, or room for one that came has to come first.
+HELD_FOR_NOTHING, HELD_FOR_COMMAND, HELD_FOR_DATA, HELD_FOR_ROOM, LET_GO = range(5)
 
 
 class I2cClock:
@@ -27,21 +34,18 @@ class I2cClock:
         self._low_from = 0
         self._rose_at = 0
         self._condition_sda = 1  # SDA while SCL rises for a STOP (0) or repeated START (1)
-        self.let_go(self._nothing)
+        self.let_go()
 
-    def let_go(self, after_high: Callable[[int], None]) -> None:
-        """Both lines are released, nothing is to come. after_high: what ends a high phase."""
+    def let_go(self) -> None:
+        """Both lines are released, nothing is to come."""
         self.active = False
         self.pulls = 0
         self.due = NEVER
-        self._step: Callable[[int], None] = self._nothing
-        self._after_high = after_high
+        self._step = NO_STEP
+        self._after_high = FALL  # the step that ends a high phase
         self._waits_for_rise = self._high_phase = False
-        self._holds = ""  # why SCL is held low: command, data, room
+        self._holds = HELD_FOR_NOTHING
         self._driven = 1
-
-    def _nothing(self, now: int) -> None:
-        """No step is to come."""
 
     def _d(self) -> int:
         return max(5, 8 - self.state.tm)  # Table 15: 7, 6, 5 for IPSC 0, 1, more
@@ -54,7 +58,7 @@ class I2cClock:
         """SCL high time in cycles."""
         return self.state.tm * (self.state.clkh + self._d())
 
-    def _at(self, now: int, step: Callable[[int], None]) -> None:
+    def _at(self, now: int, step: int) -> None:
         self.due, self._step = now, step
 
     def _drive(self, level: int) -> None:
@@ -68,10 +72,10 @@ class I2cClock:
         """SDA has its level: SCL is let go after the low time, or the setup time where it was held for that level."""
         state = self.state
         over = self._low_from + self.low()
-        if now > self._low_from + state.tm + self._filter():
+        if now > self._low_from + state.tm + state.filter_width:
             state.touched.add("sda_setup_before_scl_release")
             over = max(over, now + state.setup())
-        self._at(over, self._release)
+        self._at(over, RELEASE)
 
     def _release(self, now: int) -> None:
         if self.frozen:
@@ -89,7 +93,7 @@ class I2cClock:
         if lines & SCL:
             if self._waits_for_rise:
                 self._rose(now)
-        elif self._high_phase and now - self._rose_at < self._filter():
+        elif self._high_phase and now - self._rose_at < self.state.filter_width:
             self._high_phase = False  # that rise was a spike
             self._waits_for_rise = True
             self.due = NEVER
@@ -104,9 +108,6 @@ class I2cClock:
             late = self.state.options.scl_sync_cycles * self.state.tm
         self._at(now + late + self.high(), self._after_high)
 
-    def _filter(self) -> int:
-        return self.state.options.noise_filter_cycles * self.state.tm
-
     def _scl_low(self, now: int) -> None:
         self.pulls |= SCL
         self._low_from = now
@@ -114,12 +115,12 @@ class I2cClock:
         if self.halting:
             self.halting, self.frozen = False, True
 
-    def _begin_condition(self, now: int, sda: int, then: Callable[[int], None]) -> None:
-        """SCL is low: SDA to `sda`, SCL let go after the low time, `then` one high time after it rose."""
-        self._holds = ""
+    def _begin_condition(self, now: int, sda: int, then: int) -> None:
+        """SCL is low: SDA to `sda`, SCL let go after the low time, the step `then` one high time after it rose."""
+        self._holds = HELD_FOR_NOTHING
         self._after_high = then
         self._condition_sda = sda
-        self._at(max(now, self._low_from + self.state.tm), self._condition_low)
+        self._at(max(now, self._low_from + self.state.tm), CONDITION)
 
     def _condition_low(self, now: int) -> None:
         self._drive(self._condition_sda)
@@ -139,5 +140,5 @@ class I2cClock:
         self.halting = False
         if self.frozen:
             self.frozen = False
-            if self._step == self._nothing and not self._holds and self.pulls & SCL:
-                self._at(now, self._release)
+            if self._step == NO_STEP and not self._holds and self.pulls & SCL:
+                self._at(now, RELEASE)

@@ -25,6 +25,7 @@ class I2cLimits:
     def __init__(self, state: I2cRegisters) -> None:
         self.sysclk_hz = Fraction(150_000_000)
         self._state = state
+        self._within = (0, 0, self.sysclk_hz)  # phases of SCL and SYSCLKOUT that were in order
 
     def enabled(self) -> None:
         """IRS has risen: the module clock and the own address are in force."""
@@ -53,9 +54,13 @@ class I2cLimits:
 
     def scl(self, low: int, high: int) -> None:
         """The phases that SCL is given, in cycles of SYSCLKOUT."""
+        given = low, high, self.sysclk_hz
+        if given == self._within:
+            return
         least, most = SCL_KHZ
         khz = self.sysclk_hz / (low + high) / 1000
-        if not least <= khz <= most:
+        rate_is_right = least <= khz <= most
+        if not rate_is_right:
             text = f"SCL would run at {_show(khz)} kHz; expected {least} to {most} kHz"
             self._state.duty(text, "SPRUG03B section 1.1")
         low_us, high_us = (1_000_000 * cycles / self.sysclk_hz for cycles in (low, high))
@@ -63,6 +68,8 @@ class I2cLimits:
             times = f"SCL has {_show(low_us)} us low, {_show(high_us)} us high"
             least_times = f"at least {_show(LEAST_LOW_US)} us and {_show(LEAST_HIGH_US)} us"
             self._state.duty(f"{times}; expected {least_times}", "SPRS439M Table 6-31")
+        elif rate_is_right:
+            self._within = given
 
     def start_commanded(self, bus_busy: bool) -> None:
         """STT was set. bus_busy: what BB would show if the module had heard the bus all the time."""

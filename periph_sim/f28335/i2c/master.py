@@ -2,8 +2,8 @@
 
     STT --> START --> [START byte] --> address --> data --> hold, repeated START, or STOP
 
-SCL itself is `I2cClock`, receiving `I2cMasterReceiver`. Data are looked at behind the noise filter (`rise`).
-Source: SPRUG03B sections 2.3 to 2.8, 5.7, Tables 5, 6.
+SCL itself is `I2cClock`; data are `I2cMasterReceiver` and `I2cMasterTransmitter`. Bits are looked at behind the noise
+filter (`rise`). Source: SPRUG03B sections 2.3 to 2.8, 5.7, Tables 5, 6.
 
 Chosen:
 - START hold, repeated START setup and STOP setup last one high time of SCL.
@@ -15,8 +15,25 @@ Chosen:
 
 from __future__ import annotations
 
+from ...core.chip import NEVER
+from .clock import (
+    CONDITION,
+    FALL,
+    HELD_FOR_COMMAND,
+    HELD_FOR_DATA,
+    HELD_FOR_NOTHING,
+    LET_GO,
+    NO_STEP,
+    RELEASE,
+    RESTART,
+    SET_SDA,
+    START,
+    STARTED,
+    STOP,
+)
 from .limits import I2cLimits
-from .master_receiver import I2cMasterReceiver
+from .master_receiver import ADDRESS, NO_BYTE, SEND, START_BYTE, TAKE
+from .master_transmitter import I2cMasterTransmitter
 from .register_map import (
     MDR_DLB,
     MDR_FDF,
@@ -34,14 +51,13 @@ from .register_map import (
     STR_ARDY,
     STR_BB,
     STR_NACK,
-    STR_XSMT,
 )
 from .registers import I2cRegisters
 
-START_BYTE = 0x01
+FIRST_BYTE = 0x01  # what a START byte is
 
 
-class I2cMaster(I2cMasterReceiver):
+class I2cMaster(I2cMasterTransmitter):
     """active: this module has the bus. sees_idle: both lines are high behind the filter."""
 
     def __init__(self, state: I2cRegisters, limits: I2cLimits) -> None:
@@ -52,7 +68,7 @@ class I2cMaster(I2cMasterReceiver):
 
     def reset(self) -> None:
         """IRS = 0: lines released, no transfer."""
-        self.let_go(self._fall)
+        self.let_go()
         self.reset_bytes()
         self._waits_for_bus = False
         self._addresses: list[int] = []
@@ -61,6 +77,33 @@ class I2cMaster(I2cMasterReceiver):
         self._own_restart = False
         self._restart_next: list[int] = []  # addresses for a repeated START made by itself
         self._free_from = 0  # the bus is free long enough for a START
+
+    # Steps --------------------------------------------------------------------------
+
+    def timer(self, now: int) -> None:
+        """`due` or `deliver_at` has come."""
+        if self.deliver_at <= now:
+            self.deliver_at = NEVER
+            self._received(now, self._deliver)
+            return
+        step = self._step
+        self.due, self._step = NEVER, NO_STEP
+        if step == RELEASE:
+            self._release(now)
+        elif step == FALL:
+            self._fall(now)
+        elif step == SET_SDA:
+            self._set_sda(now)
+        elif step == CONDITION:
+            self._condition_low(now)
+        elif step == START:
+            self._start(now)
+        elif step == STARTED:
+            self._started(now)
+        elif step == STOP:
+            self._stop_high()
+        elif step == RESTART:
+            self._restart_high(now)
 
     # Commands -----------------------------------------------------------------------
 
@@ -76,17 +119,17 @@ class I2cMaster(I2cMasterReceiver):
             if mdr & MDR_STT:
                 self._request_bus(now)
             return
-        if self._holds == "released":
+        if self._holds == LET_GO:
             self._scl_low(now)
-            self._holds = "command"
-        if self._holds == "command":
+            self._holds = HELD_FOR_COMMAND
+        if self._holds == HELD_FOR_COMMAND:
             if mdr & MDR_STT:
-                self._restart(now)
+                self._restart(now, False)
             else:
                 self._stop_if_allowed(now)
-        elif self._holds == "data":
+        elif self._holds == HELD_FOR_DATA:
             if mdr & MDR_STT:
-                self._restart(now)
+                self._restart(now, False)
             elif mdr & MDR_RM:
                 self._stop(now)
 
@@ -102,7 +145,7 @@ class I2cMaster(I2cMasterReceiver):
                 self._waits_for_bus = True
                 return
         self._take_command()
-        self._at(max(now + state.tm, self._free_from), self._start)
+        self._at(max(now + state.tm, self._free_from), START)
 
     def start_seen(self, now: int) -> None:
         if self._starting:
@@ -121,7 +164,7 @@ class I2cMaster(I2cMasterReceiver):
             self._waits_for_bus = False
             self._free_from = now + self.low()
             self._take_command()
-            self._at(self._free_from, self._start)
+            self._at(self._free_from, START)
         elif self.active:
             self._meets_foreign_condition(now)
 
@@ -138,7 +181,7 @@ class I2cMaster(I2cMasterReceiver):
             self._request_bus(now)  # another master was earlier
             return
         if not self.sees_idle:
-            self._at(now + self.low(), self._start)
+            self._at(now + self.low(), START)
             return
         self.active = True
         self._begin_start(now)
@@ -150,7 +193,7 @@ class I2cMaster(I2cMasterReceiver):
         self._high_phase = False
         state.wanted = state.trx()
         state.clear(now, STR_ARDY)
-        self._at(now + self.high(), self._started)
+        self._at(now + self.high(), STARTED)
 
     def _take_command(self) -> None:
         """What the registers say with the START counts for the whole transfer."""
@@ -172,9 +215,9 @@ class I2cMaster(I2cMasterReceiver):
             self._addresses, self._restart_next = self._restart_next, []
             self._next_address(now)
             return
-        if mdr & MDR_STB and self._kind != "start byte":
-            self._kind = "start byte"
-            self._begin_byte(now, START_BYTE, 8)
+        if mdr & MDR_STB and self._kind != START_BYTE:
+            self._kind = START_BYTE
+            self._begin_byte(now, FIRST_BYTE, 8)
             return
         state.mdr &= ~MDR_STT
         self._stp_at_start = bool(mdr & MDR_STP)
@@ -182,7 +225,7 @@ class I2cMaster(I2cMasterReceiver):
         state.wanted = bool(mdr & MDR_TRX)
         state.update(now)
         if mdr & MDR_FDF:
-            self._kind = ""
+            self._kind = NO_BYTE
             self._next_data(now)
         else:
             self._next_address(now)
@@ -211,19 +254,19 @@ class I2cMaster(I2cMasterReceiver):
     # Bytes --------------------------------------------------------------------------
 
     def _next_address(self, now: int) -> None:
-        self._kind = "address"
+        self._kind = ADDRESS
         self._begin_byte(now, self._addresses.pop(0), 8)
 
     def _begin_byte(self, now: int, byte: int, n: int) -> None:
         self._byte, self._n, self._bit = byte, n, 0
         self._answer_nack = self._nack_armed = False
-        self._holds = ""
-        self._at(max(now, self._low_from + self.state.tm), self._set_sda)
+        self._holds = HELD_FOR_NOTHING
+        self._at(max(now, self._low_from + self.state.tm), SET_SDA)
 
     def _set_sda(self, now: int) -> None:
         """SCL is low: the next bit goes to SDA, SCL is let go when the low time is over."""
         bit, n = self._bit, self._n
-        if self._kind == "take":
+        if self._kind == TAKE:
             level = int(self._answer_nack) if bit == n else 1
         else:
             level = 1 if bit == n else self._byte >> (n - 1 - bit) & 1
@@ -234,44 +277,44 @@ class I2cMaster(I2cMasterReceiver):
         """SCL has fallen, behind the filter. In our high phase it is somebody's low that begins: ours begins, too."""
         if not self.active or self.lines & SCL:
             return
-        if self._step == self._started:  # while our START was still held
+        if self._step == STARTED:  # while our START was still held
             self._started(now)
-        elif self._high_phase and self._after_high == self._fall:
+        elif self._high_phase and self._after_high == FALL:
             self._fall(now)
         else:
             return
-        self._low_from = now - self._filter()
+        self._low_from = now - self.state.filter_width
 
     def rise(self, now: int, sda: int) -> None:
         """SCL has risen, behind the filter: one bit."""
-        if not self.active or self._after_high != self._fall:
+        if not self.active or self._after_high != FALL:
             return
         self._sampled = sda
-        if self._kind != "take" and self._bit < self._n and self._driven and not sda:
+        if self._kind != TAKE and self._bit < self._n and self._driven and not sda:
             self.lose(now)
             return
         if self._bit < self._n:
             self._in = (self._in << 1 | sda) & 0xFF
             if self._bit == self._n - 1:
                 self._nack_armed = bool(self.state.mdr & MDR_NACKMOD)
-        if self._kind == "take" and self._bit == self._n and self.state.options.rrdy_point == "rise9":
+        if self._kind == TAKE and self._bit == self._n and self.state.options.rrdy_point == "rise9":
             self._take(now)
 
     def _fall(self, now: int) -> None:
-        if self._bit == self._n and self._kind in ("address", "send") and self._sampled and self._leaves_scl_high():
+        if self._bit == self._n and self._kind in (ADDRESS, SEND) and self._sampled and self._leaves_scl_high():
             self._high_phase = False
             self._refused(now)
             return
         self._scl_low(now)
         self._bit = bit = self._bit + 1
         if bit <= self._n:
-            if bit == self._n and self._kind == "take":
+            if bit == self._n and self._kind == TAKE:
                 self._choose_answer()
                 if self.state.options.rrdy_point == "fall8":
                     self._take(now)
-            if bit == self._n and self._kind == "send" and self.state.mdr & MDR_DLB:
+            if bit == self._n and self._kind == SEND and self.state.mdr & MDR_DLB:
                 self._loop_back(now)
-            self._at(now + self.state.tm, self._set_sda)
+            self._at(now + self.state.tm, SET_SDA)
             return
         self._byte_over(now)
 
@@ -279,11 +322,11 @@ class I2cMaster(I2cMasterReceiver):
         state = self.state
         ack = self._sampled == 0 or bool(state.mdr & MDR_DLB)
         kind = self._kind
-        if kind == "start byte":
-            self._restart(now, own=True)
-        elif kind == "address":
+        if kind == START_BYTE:
+            self._restart(now, True)
+        elif kind == ADDRESS:
             self._address_over(now, ack)
-        elif kind == "send":
+        elif kind == SEND:
             self._sent(now, ack)
         else:
             self._taken(now)
@@ -300,72 +343,9 @@ class I2cMaster(I2cMasterReceiver):
         elif self._addresses:
             self._next_address(now)
         elif self._restart_next:
-            self._restart(now, own=True)
+            self._restart(now, True)
         else:
             self._next_data(now)
-
-    def _next_data(self, now: int) -> None:
-        """SCL is low, the bus is ours: the next data byte, or a wait for it."""
-        state = self.state
-        if not state.mdr & MDR_TRX:
-            self._kind = "take"
-            self._begin_byte(now, 0, state.bits())
-        elif state.copy_to_xsr(now):
-            state.xsr_full = False
-            self._kind = "send"
-            state.clear(now, STR_ARDY)
-            self._begin_byte(now, state.xsr, state.bits())
-        elif state.mdr & MDR_RM and state.mdr & MDR_STP:
-            self._stop(now)
-        else:
-            self._kind = "send"
-            self._holds = "data"
-            state.clear(now, STR_XSMT)
-            if state.mdr & MDR_RM and self._data_bytes:
-                state.set(now, STR_ARDY)
-
-    def dxr_written(self, now: int) -> None:
-        state = self.state
-        if state.mdr & MDR_DLB and self.active and state.options.dlb_delay == "after_dxr_write":
-            state.touched.add("dlb_delay")
-            self._deliver, self._deliver_at = state.dxr, now + 8 * state.tm
-        if self._holds == "data":
-            self._next_data(now)
-
-    def _sent(self, now: int, ack: bool) -> None:
-        state = self.state
-        self._data_bytes += 1
-        self.counter -= 1
-        if not ack:
-            self._refused(now)
-            return
-        if not (not state.mdr & MDR_XA and state.sar == 0 and not state.mdr & MDR_FDF):
-            state.clear(now, STR_NACK)
-        if state.mdr & MDR_RM:
-            state.set(now, STR_ARDY)
-        if state.mdr & MDR_STT:
-            self._restart(now)
-        elif state.mdr & MDR_RM:
-            if state.mdr & MDR_STP and not state.tx_ready():
-                self._stop(now)
-            else:
-                self._next_data(now)
-        elif self.counter == 0:
-            self._done(now)
-        else:
-            self._next_data(now)
-
-    def _done(self, now: int) -> None:
-        """The counter has reached 0."""
-        state = self.state
-        if state.mdr & MDR_STP:
-            self._stop(now)
-            return
-        state.set(now, STR_ARDY)
-        if state.mdr & MDR_STT:
-            self._restart(now)
-        else:
-            self._holds = "command"
 
     def _refused(self, now: int) -> None:
         state = self.state
@@ -373,17 +353,15 @@ class I2cMaster(I2cMasterReceiver):
         state.touched |= {"ardy_on_nack", "hold_scl_after_nack"}
         if state.options.ardy_on_nack:
             state.str |= STR_ARDY
-        state.nack_received(
-            now, as_slave=False, of=f"address 0x{state.sar:02X}" if self._kind == "address" else "a byte"
-        )
+        state.nack_received(now, as_slave=False, of=f"address 0x{state.sar:02X}" if self._kind == ADDRESS else "a byte")
         self._addresses = []
         self._restart_next = []
         if state.options.hold_scl_after_nack:
-            self._holds = "command"
+            self._holds = HELD_FOR_COMMAND
         elif state.mdr & MDR_STP:
             self._stop(now)
         else:
-            self._holds = "released"
+            self._holds = LET_GO
 
     def _leaves_scl_high(self) -> bool:
         """Whether SCL stays high after a NACK until the next command, where it is not held low."""
@@ -402,23 +380,23 @@ class I2cMaster(I2cMasterReceiver):
 
     def _stop(self, now: int) -> None:
         self.state.clear(now, STR_ARDY)
-        self._begin_condition(now, 0, self._stop_high)
+        self._begin_condition(now, 0, STOP)
 
-    def _stop_high(self, now: int) -> None:
+    def _stop_high(self) -> None:
         self._stopping = True
-        self._after_high = self._fall
+        self._after_high = FALL
         self._high_phase = False
         self.pulls &= ~SDA
 
-    def _restart(self, now: int, *, own: bool = False) -> None:
+    def _restart(self, now: int, own: bool) -> None:
         """A repeated START; own: one that belongs to the command in progress."""
         self._own_restart = own
         if not own:
             self._take_command()
-        self._begin_condition(now, 1, self._restart_high)
+        self._begin_condition(now, 1, RESTART)
 
     def _restart_high(self, now: int) -> None:
-        self._after_high = self._fall
+        self._after_high = FALL
         self._begin_start(now)
 
     def lose(self, now: int) -> None:
@@ -429,7 +407,7 @@ class I2cMaster(I2cMasterReceiver):
         if state.options.al_clears_stt:
             cleared |= MDR_STT
         state.mdr &= ~cleared
-        self.let_go(self._fall)
+        self.let_go()
         self._starting = self._stopping = False
         self._addresses = []
         self._restart_next = []

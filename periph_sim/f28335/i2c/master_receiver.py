@@ -2,26 +2,27 @@
 
     bits --> answer ACK or NACK --> I2CDRR, or I2CRSR where that is unread --> next byte, hold, repeated START, STOP
 
-In loopback the byte that was sent is received, a fixed time later. Commands, conditions and sending are in
-`master`. Source: SPRUG03B sections 2.3 to 2.8, 5.7, Tables 5, 6.
+Sending is in `master_transmitter`, commands and conditions are in `master`. Source: SPRUG03B sections 2.3 to 2.8,
+5.7, Tables 5, 6.
 """
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-
 from ...core.chip import NEVER
-from .clock import I2cClock
+from .clock import HELD_FOR_COMMAND, HELD_FOR_NOTHING, HELD_FOR_ROOM, I2cClock
 from .register_map import MDR_NACKMOD, MDR_RM, MDR_STP, MDR_STT, STR_NACKSNT, STR_RSFULL
 
+# The byte in progress.
+NO_BYTE, START_BYTE, ADDRESS, SEND, TAKE = range(5)
 
-class I2cMasterReceiver(I2cClock, ABC):
-    """counter: bytes to go."""
+
+class I2cMasterReceiver(I2cClock):
+    """counter: bytes to go. deliver_at: when a byte comes back in loopback, or NEVER."""
 
     def reset_bytes(self) -> None:
         """No byte is in progress."""
         self.counter = 0
-        self._kind = ""  # of the byte in progress: start byte, address, send, take
+        self._kind = NO_BYTE
         self._n = 8
         self._bit = 0
         self._byte = 0
@@ -32,35 +33,26 @@ class I2cMasterReceiver(I2cClock, ABC):
         self._stp_at_start = False
         self._rsr_waits = False
         self._data_bytes = 0
-        self._deliver_at = NEVER
+        self.deliver_at = NEVER
         self._deliver = 0
 
-    @abstractmethod
     def _next_data(self, now: int) -> None:
         """SCL is low, the bus is ours: the next data byte."""
+        raise NotImplementedError
 
-    @abstractmethod
     def _done(self, now: int) -> None:
         """The counter has reached 0."""
+        raise NotImplementedError
 
-    @abstractmethod
-    def _stop(self, now: int) -> None: ...
+    def _stop(self, now: int) -> None:
+        raise NotImplementedError
 
-    @abstractmethod
-    def _restart(self, now: int, *, own: bool = False) -> None: ...
+    def _restart(self, now: int, own: bool) -> None:
+        raise NotImplementedError
 
-    def timer(self, now: int) -> None:
-        """`due` has come."""
-        if self._deliver_at <= now:
-            self._deliver_at = NEVER
-            self._received(now, self._deliver)
-            return
-        step, self.due, self._step = self._step, NEVER, self._nothing
-        step(now)
-
-    @property
-    def next_due(self) -> int:
-        return min(self.due, self._deliver_at)
+    def _refused(self, now: int) -> None:
+        """The byte in progress was answered NACK."""
+        raise NotImplementedError
 
     # Receiving ------------------------------------------------------------------------
 
@@ -68,7 +60,7 @@ class I2cMasterReceiver(I2cClock, ABC):
         if not self.state.mdr & MDR_RM:
             return False
         self.state.touched.add("rm_receiver")
-        return self._kind != "take" or self.state.options.rm_receiver == "allowed"
+        return self._kind != TAKE or self.state.options.rm_receiver == "allowed"
 
     def _choose_answer(self) -> None:
         state = self.state
@@ -112,7 +104,7 @@ class I2cMasterReceiver(I2cClock, ABC):
         self.counter -= 1
         self._data_bytes += 1
         if self._rsr_waits:
-            self._holds = "room"
+            self._holds = HELD_FOR_ROOM
             return
         self._after_taken(now)
 
@@ -120,12 +112,12 @@ class I2cMasterReceiver(I2cClock, ABC):
         state = self.state
         mdr = state.mdr
         if mdr & MDR_STT and self._answer_nack:
-            self._restart(now)
+            self._restart(now, False)
         elif self._repeat() or mdr & MDR_STT:
             if mdr & MDR_STP and self._answer_nack:
                 self._stop(now)
             elif self._answer_nack:
-                self._holds = "command"
+                self._holds = HELD_FOR_COMMAND
             else:
                 self._next_data(now)
         elif self.counter <= 0:
@@ -134,7 +126,7 @@ class I2cMasterReceiver(I2cClock, ABC):
             if mdr & MDR_STP:
                 self._stop(now)
             else:
-                self._holds = "command"
+                self._holds = HELD_FOR_COMMAND
         else:
             self._next_data(now)
 
@@ -145,13 +137,6 @@ class I2cMasterReceiver(I2cClock, ABC):
         self._rsr_waits = False
         state.str &= ~STR_RSFULL
         state.received(now, state.rsr)
-        if self._holds == "room":
-            self._holds = ""
+        if self._holds == HELD_FOR_ROOM:
+            self._holds = HELD_FOR_NOTHING
             self._after_taken(now)
-
-    def _loop_back(self, now: int) -> None:
-        """The byte sent comes back n = 8 module clocks after its last bit (or after the write of I2CDXR)."""
-        state = self.state
-        state.touched.add("dlb_delay")
-        if state.options.dlb_delay == "after_last_bit":
-            self._deliver, self._deliver_at = self._byte & 0xFF, now + 8 * state.tm

@@ -1,5 +1,5 @@
 from ...core.chip cimport Chip
-from .clock cimport I2cClock
+from .master cimport I2cMaster
 from .noise_filter cimport I2cNoiseFilter
 from .registers cimport I2cRegisters
 from .slave cimport I2cSlave
@@ -9,7 +9,7 @@ cdef class I2c(Chip):
     cdef public object options, limits
     cdef public I2cRegisters state
     cdef public I2cSlave target
-    cdef public I2cClock master
+    cdef public I2cMaster master
     cdef public long long _timer
     cdef public bint _clocked
     cdef public long long _pins

@@ -69,7 +69,7 @@ class I2c(Chip):
         self._clocked = False
         self._pins = BOTH
         self._lines = I2cNoiseFilter(options.unequal_arrival == "one_sample", self.touched)
-        self.filter_width = options.noise_filter_cycles  # cycles; the module clock is one cycle until IRS rises
+        self.filter_width = self.state.filter_width
         self._bus_busy = False  # between a START and a STOP, also of those that came while IRS was 0
         self._suspended = False
         self._frozen_pull = 0  # what a halted slave pulls until the CPU runs on
@@ -165,7 +165,9 @@ class I2c(Chip):
 
     def _next_timer(self) -> int:
         master = self.master
-        timer = master.next_due if master.active else master.due
+        timer = master.due
+        if master.deliver_at < timer:
+            timer = master.deliver_at
         if self.target.due < timer:
             timer = self.target.due
         return self.state.code_at if self.state.code_at < timer else timer
@@ -173,7 +175,7 @@ class I2c(Chip):
     def _timer_due(self, now: int) -> None:
         if self.state.code_at == now:
             self.state.load_code(now)
-        elif self.master.next_due == now:
+        elif self.master.due == now or self.master.deliver_at == now:
             self.master.sees_idle = self._lines.levels == BOTH
             self.master.timer(now)
             self.target.muted = self.master.active
@@ -181,9 +183,8 @@ class I2c(Chip):
             self.target.timer(now)
 
     def _levels(self) -> int:
-        if not self._clocked or not self.state.mdr & MDR_IRS:
-            return BOTH
-        return BOTH & ~(self.target.pulls | self.master.pulls)
+        on = self._clocked and self.state.mdr & MDR_IRS
+        return BOTH & ~(self.target.pulls | self.master.pulls) if on else BOTH
 
     def _plan(self) -> None:
         """After an input that may have set or stopped a timer."""
@@ -380,9 +381,8 @@ class I2c(Chip):
 
     def _enable(self, now: int) -> None:
         state = self.state
-        state.tm = state.psc + 1
-        self.filter_width = self.options.noise_filter_cycles * state.tm
-        state.touched.add("noise_filter_cycles")
+        state.take_module_clock()
+        self.filter_width = state.filter_width
         self.limits.enabled()
         self.target.reset()
         state.fifo_levels(now)
@@ -443,7 +443,7 @@ class I2c(Chip):
         self.master.reset()
         self._clocked = False
         self.held = 0
-        self.filter_width = self.options.noise_filter_cycles
+        self.filter_width = self.state.filter_width
         self._lines.settle(self._pins)
         self._suspended = False
         self._frozen_pull = 0

@@ -2,7 +2,7 @@ from .fifos cimport I2cFifos
 
 
 cdef class I2cRegisters(I2cFifos):
-    cdef public long long bcm, clkh, clkl, cnt, drr, dxr, oar, psc, rsr, sar, tm, xsr, nack_since
+    cdef public long long bcm, clkh, clkl, cnt, drr, dxr, filter_width, oar, psc, rsr, sar, tm, xsr, nack_since
     cdef public bint drr_unread, dxr_full, emdr_written
     cdef public object nack_of
     cdef public list dxr_behind

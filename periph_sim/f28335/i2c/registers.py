@@ -45,6 +45,7 @@ class I2cRegisters(I2cFifos):
         "dxr_behind",
         "dxr_full",
         "emdr_written",
+        "filter_width",
         "nack_of",
         "nack_since",
         "oar",
@@ -68,11 +69,18 @@ class I2cRegisters(I2cFifos):
         self.bcm = self.options.bcm_reset if self.options.emdr_present else 1
         self.emdr_written = False
         self.tm = 1  # module clock in cycles, as taken over when IRS last rose
+        self.filter_width = self.options.noise_filter_cycles  # cycles for which a level must last at a pin
         self.dxr = self.xsr = self.drr = self.rsr = 0
         self.dxr_full = self.drr_unread = False
         self.nack_since = 0  # while I2CSTR.NACK = 1: the cycle at which it rose
         self.nack_of: str = ""  # and what was refused then
         self.dxr_behind: list[int] = []  # bytes written behind a full I2CDXR (dxr_write_while_full)
+
+    def take_module_clock(self) -> None:
+        """IRS went to 1: I2CPSC counts from now on."""
+        self.tm = self.psc + 1
+        self.touched.add("noise_filter_cycles")
+        self.filter_width = self.options.noise_filter_cycles * self.tm
 
     def irs_reset(self, now: int) -> None:
         """IRS went to 0: status to its defaults; what survives is the options' business."""

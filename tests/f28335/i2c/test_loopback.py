@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import pytest
 
 from ..i2c_bus import SCL, SDA, SLOT, Bench, Foreign, Target, with_
@@ -194,3 +196,26 @@ def test_a_receiver_takes_its_count_though_the_filter_hides_every_bit():
     b.drain(1)
     b.run(2 * SLOT)
     assert b.flag("NACKSNT")
+
+
+def _waits_for_data(b: Bench) -> bool:
+    return not b.flag("XSMT")
+
+
+def test_a_byte_written_just_before_the_stop_comes_back_at_its_time_and_not_in_the_next_transfer():
+    n, early = 8 * 15, 50
+    whole, b = (Bench(options=with_(dlb_delay="after_dxr_write"), psc=14) for _ in range(2))
+    for bench in (whole, b):
+        bench.w("I2COAR", OWN)
+        bench.w("I2CCNT", 1)
+        bench.mode("FREE MST TRX STT STP DLB")
+        bench.until(partial(_waits_for_data, bench))
+        bench.w("I2CDXR", 0x5C)
+    stop = whole.until(lambda: not whole.flag("STP"))
+    b.run(stop - early - b.now)
+    assert b.r("I2CDRR") == 0x5C
+    b.w("I2CDXR", 0xA3)
+    written = b.now
+    assert b.flag("STP")
+    assert b.until(lambda: b.flag("RRDY")) == written + n > stop
+    assert b.r("I2CDRR") == 0xA3

@@ -1,0 +1,90 @@
+"""The I2C module as master-transmitter: bytes in I2CDXR go in; the next byte for the bits, or a hold of SCL, comes out.
+
+    I2CDXR --> I2CXSR --> bits --ACK--> next byte, hold until one is written, repeated START, STOP
+
+In loopback the byte that was sent is received, a fixed time later. Source: SPRUG03B sections 2.3 to 2.8, Tables 5, 6.
+"""
+
+from __future__ import annotations
+
+from .clock import HELD_FOR_COMMAND, HELD_FOR_DATA
+from .master_receiver import SEND, TAKE, I2cMasterReceiver
+from .register_map import MDR_DLB, MDR_FDF, MDR_RM, MDR_STP, MDR_STT, MDR_TRX, MDR_XA, STR_ARDY, STR_NACK, STR_XSMT
+
+
+class I2cMasterTransmitter(I2cMasterReceiver):
+    """Chooses the data byte that comes next, also where it is received."""
+
+    def _begin_byte(self, now: int, byte: int, n: int) -> None:
+        """The next byte of n bits: its first one goes to SDA."""
+        raise NotImplementedError
+
+    def _next_data(self, now: int) -> None:
+        """SCL is low, the bus is ours: the next data byte, or a wait for it."""
+        state = self.state
+        if not state.mdr & MDR_TRX:
+            self._kind = TAKE
+            self._begin_byte(now, 0, state.bits())
+        elif state.copy_to_xsr(now):
+            state.xsr_full = False
+            self._kind = SEND
+            state.clear(now, STR_ARDY)
+            self._begin_byte(now, state.xsr, state.bits())
+        elif state.mdr & MDR_RM and state.mdr & MDR_STP:
+            self._stop(now)
+        else:
+            self._kind = SEND
+            self._holds = HELD_FOR_DATA
+            state.clear(now, STR_XSMT)
+            if state.mdr & MDR_RM and self._data_bytes:
+                state.set(now, STR_ARDY)
+
+    def dxr_written(self, now: int) -> None:
+        state = self.state
+        if state.mdr & MDR_DLB and self.active and state.options.dlb_delay == "after_dxr_write":
+            state.touched.add("dlb_delay")
+            self._deliver, self.deliver_at = state.dxr, now + 8 * state.tm
+        if self._holds == HELD_FOR_DATA:
+            self._next_data(now)
+
+    def _sent(self, now: int, ack: bool) -> None:
+        state = self.state
+        self._data_bytes += 1
+        self.counter -= 1
+        if not ack:
+            self._refused(now)
+            return
+        if not (not state.mdr & MDR_XA and state.sar == 0 and not state.mdr & MDR_FDF):
+            state.clear(now, STR_NACK)
+        if state.mdr & MDR_RM:
+            state.set(now, STR_ARDY)
+        if state.mdr & MDR_STT:
+            self._restart(now, False)
+        elif state.mdr & MDR_RM:
+            if state.mdr & MDR_STP and not state.tx_ready():
+                self._stop(now)
+            else:
+                self._next_data(now)
+        elif self.counter == 0:
+            self._done(now)
+        else:
+            self._next_data(now)
+
+    def _done(self, now: int) -> None:
+        """The counter has reached 0."""
+        state = self.state
+        if state.mdr & MDR_STP:
+            self._stop(now)
+            return
+        state.set(now, STR_ARDY)
+        if state.mdr & MDR_STT:
+            self._restart(now, False)
+        else:
+            self._holds = HELD_FOR_COMMAND
+
+    def _loop_back(self, now: int) -> None:
+        """The byte sent comes back n = 8 module clocks after its last bit (or after the write of I2CDXR)."""
+        state = self.state
+        state.touched.add("dlb_delay")
+        if state.options.dlb_delay == "after_last_bit":
+            self._deliver, self.deliver_at = self._byte & 0xFF, now + 8 * state.tm

@@ -5,22 +5,29 @@ is greenlets, and to follow those coverage calls Python at every call. `make cov
 `long` nor `uncounted`. Properties, whole recordings and whole cases are `long`, and of a test with many parameters all
 but the first, besides what is marked so by hand: they go again and again through lines that short tests have reached.
 `uncounted` are tests that take seconds each as lines are counted, and reach what others reach, too.
+
+All of a session runs in one form of the core, commands that tests start included; its first line says which.
 """
 
 from __future__ import annotations
 
 import gc
+import os
 
 import pytest
 from hypothesis import is_hypothesis_test, settings
 from hypothesis.internal.conjecture import providers
 
+from periph_sim import form
 from tests.waves import Diagram
 
 pytest_plugins = [
     "pytester",  # runs the pytest plugin as a user's project would
     "tests.rules.outcomes",  # which rules of the manuals are proved
 ]
+
+if form.running == form.INTERPRETED:
+    os.environ[form.VARIABLE] = form.INTERPRETED  # so that no command tells of a build that is of other sources
 
 # Hypothesis also draws constants that it reads from the source of all modules imported so far, so that examples would
 # depend on the tests that ran before in the same process.
@@ -100,6 +107,10 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         if item.nodeid.startswith(UNCOUNTED):
             item.add_marker("uncounted")
         seen.add(function)
+
+
+def pytest_report_header() -> str:
+    return f"core: {form.running}" + (f" ({form.note})" if form.note else "")
 
 
 def pytest_assertrepr_compare(op: str, left: object, right: object) -> list[str] | None:

@@ -80,6 +80,11 @@ def usable(package: Path, built: Path) -> tuple[list[str], str]:
     return (modules, "") if same else ([], "the compiled core was built of other sources or for another Python")
 
 
+def way() -> str:
+    """The command that compiles the core: of a clone, or of a package that was installed."""
+    return "make core" if (PACKAGE.parent / "Makefile").is_file() else "python -m periph_sim.form.build"
+
+
 def choose() -> None:
     """Have the compiled modules found, if there are any, and of these very sources."""
     global running, note
@@ -87,7 +92,7 @@ def choose() -> None:
         return
     modules, why = usable(PACKAGE, BUILT)
     if why:
-        note = f"{why}, so it is left alone and this run is interpreted; `make core` builds it anew"
+        note = f"{why}, so it is left alone and this run is interpreted; `{way()}` builds it anew"
         return
     sys.meta_path.insert(0, _Finder(BUILT, modules))
     running = COMPILED

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim import form
 from periph_sim.cli import FOLDER, OTHER, SECTIONS, cli, main
 from periph_sim.commands.json_output import VERSION
 from periph_sim.commands.usage_error import MISTAKES
@@ -86,9 +87,10 @@ def test_json_of_every_command_says_its_schema(name: str):
         assert f'print_json("{name}", ' in inspect.getsource(command.callback)
 
 
-def test_a_json_object_begins_with_schema_and_version(periph_sim: Run):
+def test_a_json_object_begins_with_schema_and_version_and_ends_with_the_form(periph_sim: Run):
     told = json.loads(periph_sim("diff", TRACE, TRACE, "--uart", "rx=RX,baud=115200,format=8n1", "--json").out)
     assert list(told)[:2] == ["schema", "schema_version"]
+    assert list(told)[-1] == "form" and told["form"] == form.running
     assert (told["schema"], told["schema_version"]) == ("periph-sim diff", VERSION)
 
 

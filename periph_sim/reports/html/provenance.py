@@ -1,4 +1,4 @@
-"""Where a report comes from: the commit of a case's repository, the versions that ran it."""
+"""Where a report comes from: the commit of a case's repository, the versions and the form of the core that ran it."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ import platform
 import subprocess
 from importlib.metadata import version
 from pathlib import Path
+
+from ... import form
 
 LONGEST = 5  # seconds that git may take
 
@@ -39,4 +41,4 @@ def _git(folder: Path, *command: str) -> str:
 
 
 def versions() -> str:
-    return f"periph-sim {version('periph-sim')}, Python {platform.python_version()}"
+    return f"periph-sim {version('periph-sim')}, {form.running}, Python {platform.python_version()}"

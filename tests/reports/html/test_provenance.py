@@ -7,7 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.reports.html.provenance import commit_of
+import periph_sim
+from periph_sim import form
+from periph_sim.reports.html.provenance import commit_of, versions
 
 
 def git(folder: Path, *command: str) -> str:
@@ -35,3 +37,7 @@ def test_without_a_repository_or_git_there_is_none(tmp_path: Path, monkeypatch: 
     assert commit_of(tmp_path) == "" and commit_of(tmp_path / "nowhere") == ""
     monkeypatch.setenv("PATH", "")
     assert commit_of(Path(__file__).parent) == ""
+
+
+def test_versions_name_the_form_of_the_core() -> None:
+    assert versions().startswith(f"periph-sim {periph_sim.__version__}, {form.running}, Python 3.")

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from .reports.baselines.check import check
     from .reports.baselines.errors import BadCheck
     from .reports.baselines.judge import CaseCheck
+    from .reports.sweep.columns import Sweep
+    from .reports.sweep.sweep import sweep
     from .scene.case.json_schema import case_schema
     from .scene.case.load import load
     from .scene.case.model import BadCase, Case
@@ -52,6 +54,7 @@ __all__ = [
     "Run",
     "Scene",
     "SimulationStuck",
+    "Sweep",
     "Verdict",
     "case_schema",
     "check",
@@ -60,6 +63,7 @@ __all__ = [
     "make_case",
     "read_capture",
     "run",
+    "sweep",
     "why",
     "write_capture",
 ]
@@ -76,6 +80,8 @@ _HOMES = {
     "reports.baselines.check": ("check",),
     "reports.baselines.errors": ("BadCheck",),
     "reports.baselines.judge": ("CaseCheck",),
+    "reports.sweep.columns": ("Sweep",),
+    "reports.sweep.sweep": ("sweep",),
     "scene.case.json_schema": ("case_schema",),
     "scene.case.load": ("load",),
     "scene.case.model": ("BadCase", "Case"),

@@ -15,8 +15,7 @@ from pydantic import ValidationError
 from .core.settings import duration
 from .explain.bound.verdict_proof import prove_verdicts
 from .records.recording import recording
-from .scene.case.error_text import explain
-from .scene.case.load import apply, load
+from .scene.case.load import apply, load, refusal
 from .scene.case.model import BadCase, Case
 from .scene.case.origin import Source
 from .scene.firmware_loader import Firmware
@@ -37,7 +36,7 @@ def make_case(changes: Sequence[str] = (), **tables: Any) -> Case:
     try:
         return Case.model_validate(tree).from_source(source)
     except ValidationError as error:
-        raise BadCase(explain(source, error, tree)) from None
+        raise refusal(source, error, tree) from None
 
 
 def run(

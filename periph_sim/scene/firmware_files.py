@@ -14,7 +14,9 @@ from functools import lru_cache
 from importlib.abc import MetaPathFinder
 from importlib.machinery import ModuleSpec, SourceFileLoader
 from importlib.util import module_from_spec, spec_from_file_location
+from itertools import count
 from pathlib import Path
+from threading import get_ident
 from types import CodeType, ModuleType
 
 _ROOM = Path(__file__).parents[1] / "examples"  # a wheel has them inside the package; a checkout beside it
@@ -22,7 +24,8 @@ EXAMPLES = _ROOM if _ROOM.is_dir() else Path(__file__).parents[2]
 SHIPPED = EXAMPLES / "firmware" / "python"
 
 PREFIX = "_firmware_"
-_packages: dict[Path, str] = {}
+_packages: dict[tuple[Path, int], str] = {}  # by file and thread: threads that load one file do not meet
+_numbers = count()
 
 
 def shipped_names() -> list[str]:
@@ -41,7 +44,7 @@ def shipped_module(name: str) -> ModuleType:
 def module_of_file(path: Path) -> ModuleType:
     """The module of a firmware file, imported anew with all that it imports from its folder: an edit counts at once."""
     path = path.resolve()
-    package = _packages.setdefault(path, f"{PREFIX}{len(_packages)}")
+    package = _packages.setdefault((path, get_ident()), f"{PREFIX}{next(_numbers)}")
     for loaded in [name for name in sys.modules if name.startswith(f"{package}.")]:
         del sys.modules[loaded]
     _make_package(package, [path.parent, SHIPPED])

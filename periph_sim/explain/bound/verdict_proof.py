@@ -86,11 +86,13 @@ _known: dict[tuple[object, ...], Found] = {}
 def bounds_of(case: Case, firmware: Mapping[str, Firmware]) -> Found:
     """The bounds of a case; or none, and why. Kept for the next run of the same case, firmware and sources."""
     key = _key(case, firmware)
-    if key not in _known:
+    found = _known.get(key)
+    if found is None:
+        found = _bounds_of(case, firmware)
         if len(_known) >= KEPT:
-            del _known[next(iter(_known))]
-        _known[key] = _bounds_of(case, firmware)
-    return _known[key]
+            _known.pop(next(iter(_known), key), None)  # other threads may have made room meanwhile
+        _known[key] = found
+    return found
 
 
 def _key(case: Case, firmware: Mapping[str, Firmware]) -> tuple[object, ...]:

@@ -15,6 +15,10 @@ from .model import BadCase, Case
 from .origin import Place, Source
 
 
+class UnknownKey(BadCase):
+    """A case, or a change of one, that names a key or an entry that is none."""
+
+
 def load(path: Path | str, changes: list[str] | None = None) -> Case:
     """The case in a file, with `key=value` changes applied. BadCase with one sentence otherwise.
 
@@ -26,7 +30,13 @@ def load(path: Path | str, changes: list[str] | None = None) -> Case:
     try:
         return _located(Case.model_validate(tree), path.parent).from_source(source)
     except ValidationError as error:
-        raise BadCase(explain(source, error, tree)) from None
+        raise refusal(source, error, tree) from None
+
+
+def refusal(source: Source, error: ValidationError, tree: object) -> BadCase:
+    """What is wrong with a case, as an error to raise."""
+    kind = UnknownKey if any(one["type"] == "extra_forbidden" for one in error.errors()) else BadCase
+    return kind(explain(source, error, tree))
 
 
 def _located(case: Case, folder: Path) -> Case:
@@ -117,7 +127,7 @@ def _child(table: object, name: str, change: str) -> tuple[str | int, object]:
 
 def _not_a_value(child: object, name: str, change: str) -> object:
     if not isinstance(child, dict | list):
-        raise BadCase(f"--set {change!r}: {name} is a value, not a table")
+        raise UnknownKey(f"--set {change!r}: {name} is a value, not a table")
     return child
 
 
@@ -127,4 +137,4 @@ def _index(table: list[object], name: str, change: str) -> int:
         if name == str(i) or (isinstance(entry, dict) and entry.get("name") == name):
             return i
     names = [str(e.get("name", i)) if isinstance(e, dict) else str(i) for i, e in enumerate(table)]
-    raise BadCase(f"--set {change!r}: there is no entry {name!r}; {did_you_mean(name, names)}")
+    raise UnknownKey(f"--set {change!r}: there is no entry {name!r}; {did_you_mean(name, names)}")

@@ -1,0 +1,96 @@
+"""One run of a sweep: a file and its changes go in; its figures, or why it could not be run, come out.
+
+Both can be sent from one process to another: this is what workers call.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+
+from greenlet import GreenletExit
+
+from ...core.kernel import SimulationStuck
+from ...explain.bound.verdict_proof import prove_verdicts
+from ...f28335.system.memory_map import NoSuchAddress
+from ...processor.error_origin import FirmwareError
+from ...scene.case.load import load
+from ...scene.case.model import BadCase
+from ...scene.firmware_loader import Firmware
+from ...scene.scene import Scene
+from ...timing.verdict import Verdict
+
+REFUSED = (BadCase, SimulationStuck, NoSuchAddress, FirmwareError)
+ERROR = "error"  # the verdict of a run that could not be made
+
+
+@dataclass(frozen=True)
+class Job:
+    """What all runs of a sweep have in common. shown: the file as the caller named it, for messages.
+
+    length: instead of the case's own duration, in seconds. proven: verdicts say what they prove.
+    """
+
+    file: str
+    shown: str
+    length: Fraction | None
+    programs: Mapping[str, Firmware]
+    proven: bool
+
+
+@dataclass
+class Row:
+    """What a run came to. verdict: "error" where `error` says why there was none."""
+
+    verdict: str
+    error: str = ""
+    proof: str = ""
+    simulated_s: float = 0.0
+    wire_bytes: int = 0
+    sci_bytes: int = 0
+    events: int = 0
+    budgets: list[Verdict] = field(default_factory=list)
+    counts: dict[str, int] = field(default_factory=dict)
+
+
+def rows_of(job: Job, runs: Sequence[Sequence[str]]) -> list[Row]:
+    """The rows of some runs, made one after the other. runs: the changes of each, as `--set` has them."""
+    return [_row(job, changes) for changes in runs]
+
+
+def _row(job: Job, changes: Sequence[str]) -> Row:
+    try:
+        scene = Scene(load(job.file, list(changes)), None, job.programs)
+        try:
+            result = scene.run(job.length)
+            if job.proven:
+                prove_verdicts(scene, result.budgets)
+        finally:
+            _end(scene)
+    except REFUSED as error:
+        return Row(ERROR, _as_named(job, str(error)))
+    return Row(
+        result.verdict,
+        proof=result.proof if job.proven else "",
+        simulated_s=result.simulated_s,
+        wire_bytes=result.wire_bytes,
+        sci_bytes=result.sci_bytes,
+        events=result.events,
+        budgets=result.budgets,
+        counts=result.counts,
+    )
+
+
+def _end(scene: Scene) -> None:
+    """Firmware that still waits ends here, in the thread that ran it; another could not stop it."""
+    for dsp in scene.units.values():
+        dsp.program.kill(GreenletExit)
+
+
+def _as_named(job: Job, text: str) -> str:
+    """The message with paths as the caller wrote them."""
+    folder, shown = (str(Path(path).parent) for path in (job.file, job.shown))
+    return text.replace(job.file, job.shown).replace(f"{folder}{os.sep}", "" if shown == "." else f"{shown}{os.sep}")

@@ -1,0 +1,181 @@
+"""Runs a case many times: its file and changes go in; the figures of all runs come out, as arrays.
+
+    runs --some at a time--> Executor --> Rows, in the order of the runs --> Sweep
+
+Any `concurrent.futures.Executor` serves: threads, processes, those of a cluster; without one, processes of our own.
+"""
+
+from __future__ import annotations
+
+import gc
+import os
+import pickle
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from fractions import Fraction
+from multiprocessing import get_context
+from pathlib import Path
+from signal import SIG_DFL, SIGINT, signal
+from typing import Any
+
+from ...core.settings import duration
+from ...scene.case.load import UnknownKey, load
+from ...scene.case.model import BadCase, Case
+from ...scene.firmware_loader import Firmware
+from .columns import Sweep, sweep_of
+from .one_run import ERROR, Job, Row, rows_of
+from .plan import Changes, runs_of, texts_of
+
+AT_A_TIME = 8  # runs that a worker is given together: sending them costs as much as a short one
+FEW = 64  # runs that are sent one by one, so that all workers have some
+
+Program = Callable[[Any, Any], None]
+Texts = list[list[str]]
+
+
+def sweep(
+    case: str | Path,
+    changes: Changes,
+    *,
+    seconds: str | Fraction | None = None,
+    programs: Mapping[str, Program | Firmware] | None = None,
+    proven: bool = False,
+    jobs: int | None = None,
+    executor: Executor | None = None,
+    told: Callable[[float], None] | None = None,
+) -> Sweep:
+    """Run a case once for each of many changes; a column for each figure comes back, an entry a run.
+
+    case: its file. changes: `{key: values}` for every combination, or a list of runs: `{key: value}` or "key=value"
+    texts as `--set` has them. seconds: instead of the case's own duration. programs: firmware given as functions, by
+    unit; as workers import them by name, they stand in a module. proven: find out what each pass proves, which costs
+    two short runs more each.
+
+    jobs: processes of our own, as many as there are cores if None; 1: all in this one. executor: any of
+    `concurrent.futures` instead, which stays open; its workers see the case under the same path. Rows, their order and
+    their figures are the same whichever it is. told: the part done, 0 to 1, in this thread.
+
+    BadCase for a change that names no key, and where not one run could be made; else a run that cannot be made says
+    why in its row. A script that calls this with more than one process needs the usual `if __name__ == "__main__":`.
+    """
+    if isinstance(case, Case):
+        raise BadCase("a sweep changes keys of a file; give the path of the case, or write one")
+    if executor is not None and jobs is not None:
+        raise BadCase(f"jobs={jobs} with an executor, which has workers of its own; leave one of them out")
+    if jobs is not None and jobs < 1:
+        raise BadCase(f"jobs={jobs}: expected 1 or more")
+    try:
+        length = None if seconds is None else duration(seconds)
+    except ValueError as error:
+        raise BadCase(f"seconds={seconds!r}: {error}") from None
+    runs = runs_of(changes)
+    texts = [texts_of(run) for run in runs]
+    name = _check(Path(case), texts, programs or {})
+    firmware = {unit: p if isinstance(p, Firmware) else Firmware(unit, p, None) for unit, p in (programs or {}).items()}
+    job = Job(str(Path(case).absolute()), str(case), length, firmware, proven)
+    processes = min(jobs or os.cpu_count() or 1, len(runs))
+    if executor is None and processes > 1:
+        _check_sent(firmware)
+    rows: list[Row] = []
+    for some in _made(job, texts, executor, processes):
+        rows += some
+        if told is not None:
+            told(len(rows) / len(runs))
+    if all(row.verdict == ERROR for row in rows):
+        raise BadCase(rows[0].error)
+    return sweep_of(name, runs, rows)
+
+
+def _check(file: Path, texts: Texts, programs: Iterable[str]) -> str:
+    """The case's name. BadCase if a key or a unit is none of it; what is wrong with a value, its row will say."""
+    case = load(file)
+    for unit in programs:
+        if unit not in case.unit:
+            raise BadCase(f"programs: case {case.name} has no unit {unit!r}; it has {', '.join(case.unit) or 'none'}")
+    seen: set[tuple[str, ...]] = set()
+    for changes in texts:
+        keys = tuple(change.partition("=")[0] for change in changes)
+        if keys not in seen:
+            seen.add(keys)
+            try:
+                load(file, changes)
+            except UnknownKey:
+                raise
+            except BadCase:
+                pass
+    return case.name
+
+
+def _check_sent(firmware: Mapping[str, Firmware]) -> None:
+    """BadCase for functions that other processes cannot import by their name."""
+    for unit, program in firmware.items():
+        try:
+            pickle.dumps(program)
+        except Exception as error:
+            what = "define it in a module, not in another function, or give jobs=1"
+            raise BadCase(f"programs: that of {unit!r} cannot be sent to another process; {what} ({error})") from None
+
+
+def _made(job: Job, texts: Texts, executor: Executor | None, jobs: int) -> Iterator[list[Row]]:
+    """The rows, some at a time, in the order of the texts."""
+    size = AT_A_TIME if len(texts) > FEW else 1
+    parts = [texts[first : first + size] for first in range(0, len(texts), size)]
+    if executor is not None:
+        yield from _by(executor, job, parts)
+    elif jobs == 1:
+        for part in parts:
+            yield rows_of(job, part)
+    else:
+        yield from _by_processes(job, parts, jobs)
+
+
+def _by(executor: Executor, job: Job, parts: Sequence[Texts]) -> Iterator[list[Row]]:
+    waiting = [executor.submit(rows_of, job, part) for part in parts]
+    try:
+        for future in waiting:
+            yield future.result()
+    except BaseException:  # Ctrl-C, or a worker that died: nobody waits for the rest
+        for future in waiting:
+            future.cancel()
+        raise
+
+
+def _by_processes(job: Job, parts: Sequence[Texts], jobs: int) -> Iterator[list[Row]]:
+    """As `_by`, in processes of our own. Where one dies, the part that was waited for is made again, each run apart."""
+    done = 0
+    while done < len(parts):
+        with _processes(jobs) as pool:
+            try:
+                for rows in _by(pool, job, parts[done:]):
+                    yield rows
+                    done += 1
+                return
+            except BrokenProcessPool:
+                pass
+        yield [row for text in parts[done] for row in _apart(job, text)]
+        done += 1
+
+
+def _apart(job: Job, text: list[str]) -> list[Row]:
+    with _processes(1) as pool:
+        try:
+            return pool.submit(rows_of, job, [text]).result()
+        except BrokenProcessPool:
+            return [Row(ERROR, DIED)]
+
+
+DIED = (
+    "its process died before it was done; where all do, a script lacks its `if __name__ == '__main__':`, "
+    "else periph-sim run shows how far it comes"
+)
+
+
+def _processes(jobs: int) -> ProcessPoolExecutor:
+    return ProcessPoolExecutor(jobs, get_context("spawn"), initializer=_begin)
+
+
+def _begin() -> None:
+    """In a worker: Ctrl-C ends it without a traceback; what it has imported is never looked through for garbage."""
+    signal(SIGINT, SIG_DFL)
+    gc.freeze()

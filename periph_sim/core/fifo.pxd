@@ -1,6 +1,6 @@
 cdef class Fifo:
     cdef public long long depth
-    cdef public object words
+    cdef public list words
     cpdef bint push(self, long long word)
     cpdef long long pop(self)
     cpdef void clear(self)

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections import deque
-
 
 class Fifo:
     """depth: how many words fit. `words` holds them, oldest first."""
 
     def __init__(self, depth: int) -> None:
         self.depth = depth
-        self.words: deque[int] = deque()
+        self.words: list[int] = []
 
     def __len__(self) -> int:
         return len(self.words)
@@ -24,7 +22,7 @@ class Fifo:
 
     def pop(self) -> int:
         """The oldest word, taken out. IndexError when empty: ask `len` first."""
-        return self.words.popleft()
+        return self.words.pop(0)
 
     def clear(self) -> None:
         self.words.clear()

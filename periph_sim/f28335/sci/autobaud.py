@@ -60,9 +60,10 @@ class SciAutobaud:
         first, last = edges[0], edges[5]
         total = last - first
         for character, places in PLACES.items():
-            if all(
-                8 * abs(9 * (edge - first) - place * total) <= total for edge, place in zip(edges, places, strict=True)
-            ):
+            for edge, place in zip(edges, places, strict=True):
+                if 8 * abs(9 * (edge - first) - place * total) > total:
+                    break
+            else:
                 self.character = character
                 self.nine_bits = total
                 self.due = last + total * 7 // 72

@@ -42,7 +42,9 @@ class SciClock:
         return self._tick if ahead <= 0 else self._tick - (-ahead // self.period)
 
     def at(self, tick: int) -> int:
-        """The cycle of a tick to come; NEVER while stopped."""
+        """The cycle of a tick to come; NEVER while stopped, and of a tick that no run reaches."""
+        if tick >= NEVER or not self.running:
+            return NEVER
         cycle = self._cycle + (tick - self._tick) * self.period
         return cycle if cycle < NEVER else NEVER
 

@@ -25,7 +25,7 @@ from .autobaud import SciAutobaud
 from .character_format import SciFormat
 from .clock import SciClock
 from .options import SciOptions
-from .receiver import SciRx
+from .receiver import ST_RXWAKE, SciRx
 from .receiver_bits import BREAK, FE, FRAME, IDLE, PE, SciRxBits
 from .register_map import SCI_MAP
 from .transmitter import SciTx, SentWord
@@ -310,7 +310,7 @@ class SciLines(Chip):
     def _watch_idle(self, now: int) -> None:
         """Ask for the tenth idle bit where somebody could see it."""
         rx = self._rx
-        watch = self._idle_sets_wake and rx.enabled and not rx.waked and not self._layout.address
+        watch = self._idle_sets_wake and rx.enabled and not rx.status & ST_RXWAKE and not self._layout.address
         if watch != self._bits.watch_idle:
             self._bits.set_watch(self._rx_clock.passed(now), watch)
             self._rx_at = self._rx_clock.at(self._bits.next_tick)

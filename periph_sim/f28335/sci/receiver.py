@@ -41,11 +41,11 @@ SCIFFRX = SCI_MAP["SCIFFRX"]
 RXFFOVF = SCIFFRX["RXFFOVF"].mask
 RXFFOVRCLR = SCIFFRX["RXFFOVRCLR"].mask
 RXFIFORESET = SCIFFRX["RXFIFORESET"].mask
-RXFFST = SCIFFRX["RXFFST"]
+RXFFST = SCIFFRX["RXFFST"].lsb
 RXFFINT = SCIFFRX["RXFFINT"].mask
 RXFFINTCLR = SCIFFRX["RXFFINTCLR"].mask
 RXFFIENA = SCIFFRX["RXFFIENA"].mask
-RXFFIL = SCIFFRX["RXFFIL"]
+RXFFIL = SCIFFRX["RXFFIL"].mask  # from bit 0 on
 
 DEPTH = 16
 
@@ -72,10 +72,8 @@ class SciRx:
         self._reached = False  # RXFFST >= RXFFIL held after the last change
         self._sticky = options.error_flags_sticky
         self._level_mode = options.fifo_int_mode == "level"
-
-    @property
-    def waked(self) -> bool:
-        return bool(self.status & ST_RXWAKE)
+        self._rxrdy_follows = options.rxrdy_in_fifo_mode == "follows"
+        self._oe_per_word = options.oe_in_fifo_mode == "per_unread_word"
 
     # From the line ----------------------------------------------------------
 
@@ -143,7 +141,7 @@ class SciRx:
         waiting = len(self.fifo)
         if waiting:
             self.touched.add("oe_in_fifo_mode")
-        overrun = ST_OE if waiting and self.options.oe_in_fifo_mode == "per_unread_word" else 0
+        overrun = ST_OE if waiting and self._oe_per_word else 0
         if not self.sciffrx & RXFIFORESET:
             return overrun
         if self.fifo.push(word):
@@ -177,7 +175,7 @@ class SciRx:
 
     def _watch_level(self) -> None:
         """Set RXFFINT where RXFFST has reached RXFFIL."""
-        reached = self.fifo_mode and len(self.fifo) >= RXFFIL.of(self.sciffrx)
+        reached = self.fifo_mode and len(self.fifo) >= self.sciffrx & RXFFIL
         if reached and (self._level_mode or not self._reached) and not self.sciffrx & RXFFINT:
             self.sciffrx |= RXFFINT
             if self.sciffrx & RXFFIENA:
@@ -190,7 +188,7 @@ class SciRx:
         status = self.status
         if not self.parity:
             status &= ~ST_PE
-        if self.fifo_mode and self.options.rxrdy_in_fifo_mode == "follows":
+        if self.fifo_mode and self._rxrdy_follows:
             status = status | ST_RXRDY if len(self.fifo) else status & ~ST_RXRDY
         if status & (CHARACTER_ERRORS | ST_BRKDT):
             status |= ST_RXERROR
@@ -205,7 +203,7 @@ class SciRx:
         return self.rxbuf if self.options.rxfifo_read_when_empty == "last_word" else 0
 
     def show_fifo(self) -> int:
-        return self.sciffrx | len(self.fifo) << RXFFST.lsb
+        return self.sciffrx | len(self.fifo) << RXFFST
 
     def read_buffer(self) -> int:
         """SCIRXBUF as the CPU reads it: the character is taken."""

@@ -35,11 +35,16 @@ FE = 1 << 15  # framing error, where SCIRXBUF shows it
 PE = 1 << 14  # parity error
 
 IDLE_TICKS = 80  # ten bits
-VOTE = (0, 0, 0, 1, 0, 1, 1, 1)  # majority of three samples
+VOTE = 0b11101000  # bit n: the majority of the three samples that are the bits of n
+
+MISSING_STOP_QUESTIONS = ("break_bits", "break_count_from", "stop_vote_samples")
 
 
 class SciRxBits:
-    """After `step` returned FRAME: `word` with its marks, and `address`, 1 for an address frame."""
+    """After `step` returned FRAME: `word` with its marks, and `address`, 1 for an address frame.
+
+    framed: a start bit was accepted and its frame is not complete.
+    """
 
     def __init__(self, layout: SciFormat, idle_at_once: bool, touched: set[str]) -> None:
         self.next_tick = FAR
@@ -58,17 +63,12 @@ class SciRxBits:
         self._idle_base = FAR  # no idle bit is counted before
         self._idle = False  # the line was idle since the last frame
         self._idle_news = False  # ... and this is not told yet
-        self._framed = False  # a start bit was accepted:
-        self._start = 0  # its first low sample
+        self.framed = False
+        self._start = 0  # first low sample of the start bit accepted
         self._frame = layout  # its format
         self._missing_stop = 0  # last sample of the stop bit that armed the break
         self._break_at = FAR
         self._sure = True  # no later edge can move next_tick
-
-    @property
-    def framed(self) -> bool:
-        """A start bit was accepted and its frame is not complete."""
-        return self._framed
 
     # Inputs -----------------------------------------------------------------
 
@@ -109,7 +109,7 @@ class SciRxBits:
         """Accept what was a start bit by `tick`."""
         if self._break_at != FAR:
             self._end_break_on_high(tick)
-        if self._open and not self._framed:
+        if self._open and not self.framed:
             self._hunt(tick)
 
     def open(self, tick: int) -> None:
@@ -126,7 +126,7 @@ class SciRxBits:
     def close(self) -> None:
         """Forget the frame under way and look at nothing."""
         self._open = False
-        self._framed = False
+        self.framed = False
         self._break_at = FAR
         self._plan()
 
@@ -137,13 +137,13 @@ class SciRxBits:
         if self._open:
             if self._break_at != FAR:
                 self._end_break_on_high(tick)
-            if not self._framed:
+            if not self.framed:
                 self._hunt(tick)
             if self._idle_news:
                 self._idle_news = False
                 if self.watch_idle:
                     return IDLE
-            due = self._start + self._frame.due if self._framed else FAR
+            due = self._start + self._frame.due if self.framed else FAR
             if self._break_at <= tick and self._break_at < due:
                 self._wait_for_high()
                 return BREAK
@@ -163,7 +163,7 @@ class SciRxBits:
                     self._idle = True
                     self._idle_news = True
             elif end - self._low_from >= 4 and self._low_from + 3 <= tick:
-                self._framed = True
+                self.framed = True
                 self._start = self._low_from
                 self._frame = self._layout
                 return
@@ -191,66 +191,69 @@ class SciRxBits:
         """A break is complete: no frame is under way, and this low is no start bit."""
         self._drop(self._break_at)
         self._break_at = FAR
-        self._framed = False
+        self.framed = False
         self._low_from = FAR
         self._idle_base = 0
 
     def _finish(self) -> None:
         """The frame is complete: its votes, and where the search goes on."""
         start, frame = self._start, self._frame
-        last = start + frame.stop_at + 8
-        samples = 0  # bit n: the level n ticks behind the first low sample
+        stop_at = frame.stop_at
+        last = stop_at + 8
+        third = fourth = fifth = 0  # bit n: sub-samples 4, 5 and 6 of the frame's bit n, those that are voted on
+        stop = 0  # bit n: the sample n ticks into the stop bit
         for t in self._toggles:
+            t -= start
             if t > last:
                 break
-            samples ^= -1 << (t - start)
-        self._framed = False
-        self._read_word(samples, frame)
+            third ^= -1 << (t + 4 >> 3)
+            fourth ^= -1 << (t + 3 >> 3)
+            fifth ^= -1 << (t + 2 >> 3)
+            stop ^= -1 << (t - stop_at) if t > stop_at else -1
+        self.framed = False
+        self._read_word(third & fourth | third & fifth | fourth & fifth, stop, frame)
         self.address = self.address if frame.address else int(self._idle)
         self._idle = False
         self._idle_base = start + frame.end
-        hunt = start + frame.hunt
-        self._resume(hunt)
+        self._resume(start + frame.hunt)
         if frame.address and frame.parity:
             self._touched.add("addrbit_hunt_with_parity")
-        if not frame.early_hunt and samples >> (frame.stop_at + 5) & 7 != 7:
+        if not frame.early_hunt and stop >> 5 & 7 != 7:
             self._touched.add("start_hunt_point")
         if self.word & FE:
-            self._after_missing_stop(samples, start, frame)
+            self._after_missing_stop(stop, start, frame)
 
-    def _read_word(self, samples: int, frame: SciFormat) -> None:
-        a, b, c = samples >> 3, samples >> 4, samples >> 5
-        votes = (a & b | a & c | b & c) >> 8
-        word = 0
-        for bit in range(frame.data_bits):
-            word |= (votes & 1) << bit
-            votes >>= 8
-        self.address = votes & 1
+    def _read_word(self, votes: int, stop: int, frame: SciFormat) -> None:
+        """votes: the frame's bits, the start bit's first. stop: the samples of the stop bit."""
+        place = 1 + frame.data_bits
+        word = votes >> 1 & frame.data_mask
+        self.address = votes >> place & 1
         if frame.parity:
             if frame.address:
-                votes >>= 8
-            if votes & 1 != frame.parity_bit(word, self.address):
+                place += 1
+            if votes >> place & 1 != frame.parity_bit(word, self.address):
                 word |= PE
-        if (samples >> frame.stop_at + 2 ^ samples >> frame.stop_at + 5) & 1:
+        if (stop >> 2 ^ stop >> 5) & 1:
             self._touched.add("stop_vote_samples")
-        if not VOTE[samples >> frame.vote_at & 7]:
+        if not VOTE >> (stop >> frame.vote_at - frame.stop_at & 7) & 1:
             word |= FE
         self.word = word
 
-    def _after_missing_stop(self, samples: int, start: int, frame: SciFormat) -> None:
+    def _after_missing_stop(self, stop: int, start: int, frame: SciFormat) -> None:
         """Count for a break while the line stays low, and take no start bit from this low."""
         voted = start + frame.voted_at
-        if self._break_at == FAR and not samples >> frame.voted_at & 1:
+        since_vote = stop >> frame.voted_at - frame.stop_at
+        if self._break_at == FAR and not since_vote & 1:
             self._missing_stop = voted
             self._break_at = start + frame.break_at
-            self._touched.update(("break_bits", "break_count_from", "stop_vote_samples"))
+            self._touched.update(MISSING_STOP_QUESTIONS)
         if frame.hunt < frame.voted_at:
             self._hunt(voted)
-            if not self._framed and not self._level:
+            if not self.framed and not self._level:
                 self._low_from = FAR
         else:
             between = (1 << frame.hunt - frame.voted_at + 1) - 1
-            if not samples >> frame.voted_at & between:
+            if not since_vote & between:
                 self._low_from = FAR
 
     # What is due next -------------------------------------------------------
@@ -275,7 +278,7 @@ class SciRxBits:
             self.next_tick = FAR
             return
         due = self._break_at
-        if self._framed:
+        if self.framed:
             self.next_tick = min(due, self._start + self._frame.due)
             return
         level, low_from, high_from = self._level, self._low_from, self._high_from

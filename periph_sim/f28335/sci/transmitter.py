@@ -34,11 +34,11 @@ SCIFFTX = SCI_MAP["SCIFFTX"]
 SCIRST = SCIFFTX["SCIRST"].mask
 SCIFFENA = SCIFFTX["SCIFFENA"].mask
 TXFIFOXRESET = SCIFFTX["TXFIFOXRESET"].mask
-TXFFST = SCIFFTX["TXFFST"]
+TXFFST = SCIFFTX["TXFFST"].lsb
 TXFFINT = SCIFFTX["TXFFINT"].mask
 TXFFINTCLR = SCIFFTX["TXFFINTCLR"].mask
 TXFFIENA = SCIFFTX["TXFFIENA"].mask
-TXFFIL = SCIFFTX["TXFFIL"]
+TXFFIL = SCIFFTX["TXFFIL"].mask  # from bit 0 on
 
 TXRDY = SCI_MAP["SCICTL2"]["TXRDY"].mask
 TXEMPTY = SCI_MAP["SCICTL2"]["TXEMPTY"].mask
@@ -89,6 +89,7 @@ class SciTx:
         self.wut = False
         self.fifo = Fifo(DEPTH)
         self.scifftx = SCIFFTX.reset  # configuration and TXFFINT; TXFFST is counted
+        self.fifo_mode = False  # SCIFFENA
         self.active = False  # a frame or an idle time is being sent ...
         self.next_tick = FAR
         self.next_cycle = NEVER  # for what falls between ticks
@@ -110,10 +111,6 @@ class SciTx:
         self._empty_until = 0  # TXEMPTY still reads 1 before this cycle
         self._reached = False  # TXFFST <= TXFFIL held after the last change
         self._level_mode = options.fifo_int_mode == "level"
-
-    @property
-    def fifo_mode(self) -> bool:
-        return bool(self.scifftx & SCIFFENA)
 
     # Time -------------------------------------------------------------------
 
@@ -220,7 +217,8 @@ class SciTx:
         self.txwake = False
         self._drain = max(0, self._drain - 1)
         if self.fifo_mode:
-            self._txshf_mark, self._txshf = divmod(self.fifo.pop(), 0x100)
+            word = self.fifo.pop()
+            self._txshf_mark, self._txshf = word >> 8, word & 0xFF
             self.watch_level()
             return
         self._txshf_mark, self._txshf = self._txbuf_mark, self.txbuf
@@ -325,6 +323,7 @@ class SciTx:
         """SCIFFTX. The owner looks after SCIRST and SCIFFENA in the rest of the module."""
         before = self.scifftx
         self.scifftx, strobes = SCIFFTX.write(before, value)
+        self.fifo_mode = bool(self.scifftx & SCIFFENA)
         if strobes & TXFFINTCLR:
             self.scifftx &= ~TXFFINT
             if self._reached:
@@ -341,7 +340,7 @@ class SciTx:
     def watch_level(self) -> None:
         """Set TXFFINT where TXFFST has come down to TXFFIL."""
         held = not self.scifftx & SCIRST and self.options.scirst_scope == "shifters_and_fifos"
-        reached = self.fifo_mode and not held and len(self.fifo) <= TXFFIL.of(self.scifftx)
+        reached = self.fifo_mode and not held and len(self.fifo) <= self.scifftx & TXFFIL
         if reached and (self._level_mode or not self._reached) and not self.scifftx & TXFFINT:
             self.scifftx |= TXFFINT
             if self.scifftx & TXFFIENA:
@@ -389,7 +388,7 @@ class SciTx:
         return (TXRDY if ready else 0) | (TXEMPTY if empty else 0)
 
     def show_fifo(self) -> int:
-        return self.scifftx | len(self.fifo) << TXFFST.lsb
+        return self.scifftx | len(self.fifo) << TXFFST
 
     def _is_empty(self) -> bool:
         waiting = len(self.fifo) > 0 if self.fifo_mode else self._waiting
@@ -439,5 +438,6 @@ class SciTx:
         self.txwake = False
         self.fifo.clear()
         self.scifftx = SCIFFTX.reset
+        self.fifo_mode = False
         self.request = False
         self._reached = False

@@ -12,7 +12,7 @@ SCICLK off the ticks: column n of a diagram in SCICLK holds exactly sample n.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from periph_sim.core.options import options_from
 from periph_sim.f28335.sci.module import Sci
@@ -264,6 +264,7 @@ class _Line:
 
     def __init__(self, options: SciOptions) -> None:
         self.chip = Sci(options=options)
+        self.pins: Callable[[int, int], int] = self.chip.pins  # what is told of RXD
         self.now = 0
         self.level = 1
         self.txd = 1
@@ -309,7 +310,7 @@ class _Line:
         self.now = now
         if level != self.level:
             self.level = level
-            self.chip.pins(now, level)
+            self.pins(now, level)
             self.look()
         self.run_until(now)
 

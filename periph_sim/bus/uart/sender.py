@@ -8,16 +8,35 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
-from functools import partial
 
-from ...core.kernel import Kernel
+from ...core.kernel import Agent, Kernel
 from ...core.records import Kind, Recorder
 from ...core.wire import Wire
 from .frame_format import UartFormat
 
+EDGE = 0x100  # what an event is for: an edge, or the record of the byte that begins
 
-class UartSender:
+
+class UartSender(Agent):
     """bit: length of one bit in ticks, exact. Sends one burst at a time."""
+
+    __slots__ = (
+        "_begins",
+        "_bit",
+        "_done",
+        "_edges",
+        "_edges_of",
+        "_ends_at",
+        "_format",
+        "_gap",
+        "_kernel",
+        "_length",
+        "_level",
+        "_mask",
+        "_recorder",
+        "_wire",
+        "who",
+    )
 
     def __init__(
         self,
@@ -31,10 +50,16 @@ class UartSender:
         self.who = who
         self._kernel = kernel
         self._recorder = recorder if recorder.wants(Kind.FRAME, who) else None
-        self._pin = wire.attach(who)
+        self._wire = wire
+        self._mask = wire.attach(who).mask
         self._bit = bit
         self._format = frame_format or UartFormat()
-        self._edges: list[tuple[int, int]] = []  # (tick, level), last first
+        self._length = self._format.length
+        self._edges_of: dict[int, list[int]] = {}  # byte -> the bits of its frame at whose begin the level changes
+        self._gap: Fraction | None = None  # of the burst sent last
+        self._begins: list[int] = []  # with that gap, ticks from a burst's begin to that of each bit, frame by frame
+        self._edges: list[int] = []  # ticks, last first
+        self._level = 1
         self._ends_at = 0
         self._done: Callable[[int], None] = lambda tick: None
 
@@ -51,38 +76,55 @@ class UartSender:
         if self.busy:
             raise ValueError(f"{self.who}: asked to send while a burst is still on the wire")
         start = self._kernel.now
-        edges: list[tuple[int, int]] = []
-        parts, pause = gap.denominator, gap.numerator  # a bit has `parts` parts, so that every instant is whole
-        num, den = self._bit.numerator, self._bit.denominator * parts
-        at = 0  # in parts of a bit
-        level = 1
-        for byte in data:
-            if self._recorder is not None:
-                self._kernel.at(start + at * num // den, partial(self._mark, byte))
-            for bit in self._format.levels(byte):
-                if bit != level:
-                    level = bit
-                    edges.append((start + at * num // den, level))
-                at += parts
-            at += pause
-        self._ends_at = start + (at - pause) * num // den
-        self._done = done
-        if not edges:
+        if not data:
             done(start)
             return
+        self._measure(len(data), gap)
+        edges = []
+        first = 0  # the first bit of the frame
+        for byte in data:
+            if self._recorder is not None:
+                self._kernel.ask(start + self._begins[first], self, byte)
+            for bit in self._edges_in(byte):
+                edges.append(start + self._begins[first + bit])
+            first += self._length + 1
+        self._ends_at = start + self._begins[first - 1]
+        self._done = done
         edges.reverse()
         self._edges = edges
-        self._kernel.at(edges[-1][0], self._edge)
+        self._kernel.ask(edges[-1], self, EDGE)
 
-    def _mark(self, byte: int) -> None:
-        assert self._recorder is not None
-        self._recorder.emit(self._kernel.now, Kind.FRAME, self.who, "byte", byte)
+    def act(self, tag: int) -> None:
+        if tag == EDGE:
+            self._edge()
+        else:
+            assert self._recorder is not None
+            self._recorder.emit(self._kernel.now, Kind.FRAME, self.who, "byte", tag)
 
     def _edge(self) -> None:
         edges = self._edges
-        _, level = edges.pop()
-        self._pin.drive(level)
+        edges.pop()
+        self._level ^= 1
+        self._wire.pull(self._mask, self._level)
         if edges:
-            self._kernel.at(edges[-1][0], self._edge)
+            self._kernel.ask(edges[-1], self, EDGE)
         else:
             self._done(self._ends_at)
+
+    def _measure(self, frames: int, gap: Fraction) -> None:
+        """When the bits of so many frames begin, and when each frame ends."""
+        if gap != self._gap:
+            self._gap, self._begins = gap, []
+        parts, pause = gap.denominator, gap.numerator  # a bit has `parts` parts, so that every instant is whole
+        num, den = self._bit.numerator, self._bit.denominator * parts
+        for frame in range(len(self._begins) // (self._length + 1), frames):
+            at = frame * (self._length * parts + pause)
+            self._begins += [(at + bit * parts) * num // den for bit in range(self._length + 1)]
+
+    def _edges_in(self, byte: int) -> list[int]:
+        found = self._edges_of.get(byte)
+        if found is None:
+            levels = self._format.levels(byte)
+            found = [bit for bit, level in enumerate(levels) if level != (levels[bit - 1] if bit else 1)]
+            self._edges_of[byte] = found
+        return found

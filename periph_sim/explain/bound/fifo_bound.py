@@ -60,7 +60,7 @@ def receiver_of(dsp: Dsp, now: int, reads: Sequence[Sequence[int]], ticks_per_se
     socket, cycle = dsp.socket(SCI), dsp.clock.cycle_at(now)
     fifo_on = SCI_MAP["SCIFFTX"]["SCIFFENA"].of(socket.peek(cycle, SCI_MAP["SCIFFTX"].offset))
     settings = socket.peek(cycle, SCI_MAP["SCIFFRX"].offset)
-    level = RXFFIL.of(settings)
+    level = settings & RXFFIL
     if not fifo_on or not settings & RXFFIENA or not level:
         return None
     line, options = line_of(dsp, now), dsp.plan.sci

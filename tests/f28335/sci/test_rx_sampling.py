@@ -212,7 +212,7 @@ def glitching(rig: SciRig, seed: int) -> None:
             pins(now, wrong)
         return pins(now, level)
 
-    rig.chip.pins = corrected
+    rig.line.pins = corrected
 
 
 @settings(max_examples=40, deadline=None)

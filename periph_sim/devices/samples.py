@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..bus.i2c.controller import Transfer
+from ..bus.i2c.transfer import Transfer
 from ..sensors.rotations import Floats
 from .sensor_head import CHIPS, ChipData, Round, SensorHead
 

@@ -20,7 +20,8 @@ from fractions import Fraction
 from functools import partial
 from random import Random
 
-from ..bus.i2c.controller import I2cController, Phase, Transfer
+from ..bus.i2c.controller import I2cController
+from ..bus.i2c.transfer import Phase, Transfer
 from ..core.kernel import Kernel
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from pathlib import Path
 
-from ..bus.i2c.controller import Transfer
+from ..bus.i2c.transfer import Transfer
 from ..core.records import Kind, Recorder
 from ..core.suggest import did_you_mean
 from ..core.time import Timebase

@@ -19,7 +19,7 @@ from fractions import Fraction
 from functools import partial
 
 from ..bus.edge_player import EdgePlayer
-from ..bus.i2c.controller import Transfer
+from ..bus.i2c.transfer import Transfer
 from ..devices.host_pc import FRAME_BYTES, VALUES
 from ..records.recording import Subscribe
 from ..scene.case.model import Case, Controller, RoundsTable

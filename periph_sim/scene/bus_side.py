@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from fractions import Fraction
 
-from ..bus.i2c.controller import Transfer
 from ..bus.i2c.monitor import I2cMonitor
+from ..bus.i2c.transfer import Transfer
 from ..core.time import NO_TIME
 from ..core.wire import Wire
 from ..devices.sensor_head import CHIPS

@@ -10,7 +10,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from ..bus.i2c.controller import BusTiming, I2cController, Transfer
+from ..bus.i2c.controller import I2cController
+from ..bus.i2c.transfer import BusTiming, Transfer
 from ..core.suggest import did_you_mean
 from ..core.wire import Wire
 from ..devices.sensor_head import CHIPS, Request, Schedule, SensorHead

@@ -14,9 +14,9 @@ from functools import partial
 from time import perf_counter
 
 from ..bus.i2c.byte_counter import I2cByteCounter
-from ..bus.i2c.controller import Transfer
 from ..bus.i2c.event_recorder import BusRecorder
 from ..bus.i2c.stuck_watch import STUCK_AFTER, StuckWatch
+from ..bus.i2c.transfer import Transfer
 from ..core.chip import NEVER, Note
 from ..core.kernel import Kernel
 from ..core.records import Kind, Recorder

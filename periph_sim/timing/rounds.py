@@ -20,7 +20,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from ..bus.i2c.controller import Phase, Transfer
+from ..bus.i2c.transfer import Phase, Transfer
 from ..core.time import NO_TIME
 from ..devices.sensor_head import Round
 

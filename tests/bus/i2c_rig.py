@@ -8,7 +8,8 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 
-from periph_sim.bus.i2c.controller import BusTiming, I2cController, Phase, Transfer
+from periph_sim.bus.i2c.controller import I2cController
+from periph_sim.bus.i2c.transfer import BusTiming, Phase, Transfer
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Kind, Recorder
 from periph_sim.core.wire import Wire

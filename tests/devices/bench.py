@@ -8,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from periph_sim.bus.i2c.controller import BusTiming, I2cController, Phase, Transfer
+from periph_sim.bus.i2c.controller import I2cController
 from periph_sim.bus.i2c.target_side import TargetSide
+from periph_sim.bus.i2c.transfer import BusTiming, Phase, Transfer
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
 from periph_sim.core.time import Timebase

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from periph_sim.bus.i2c.controller import Phase
+from periph_sim.bus.i2c.transfer import Phase
 from periph_sim.devices.chips.adxl345 import Adxl345
 from periph_sim.devices.chips.hmc5883l import Hmc5883l
 from periph_sim.devices.chips.itg3200 import Itg3200

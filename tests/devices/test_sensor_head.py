@@ -7,7 +7,7 @@ from functools import partial
 
 import pytest
 
-from periph_sim.bus.i2c.controller import Transfer
+from periph_sim.bus.i2c.transfer import Transfer
 from periph_sim.devices.sensor_head import CHIPS, Request, Round, Schedule, SensorHead
 from tests.bus.i2c_rig import TIMING, UNIT, I2cRig
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from periph_sim.bus.i2c.controller import Transfer
+from periph_sim.bus.i2c.transfer import Transfer
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.records.recording import Subscribe

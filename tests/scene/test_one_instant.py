@@ -16,9 +16,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from periph_sim.bus.i2c.byte_counter import I2cByteCounter
-from periph_sim.bus.i2c.controller import BusTiming, I2cController, Transfer
+from periph_sim.bus.i2c.controller import I2cController
 from periph_sim.bus.i2c.monitor import I2cMonitor
 from periph_sim.bus.i2c.scripted_target import Answer, ScriptedTarget
+from periph_sim.bus.i2c.transfer import BusTiming, Transfer
 from periph_sim.core.records import Kind, Record
 from periph_sim.scene.scene import Scene
 from tests.scene.small import case

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.bus.i2c.controller import Phase
+from periph_sim.bus.i2c.transfer import Phase
 from periph_sim.core.time import NO_TIME, Timebase
 from periph_sim.timing.budget_schema import Budget
 from periph_sim.timing.budgets import BudgetJudge

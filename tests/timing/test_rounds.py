@@ -9,7 +9,7 @@ from functools import cache
 
 import pytest
 
-from periph_sim.bus.i2c.controller import Phase, Transfer
+from periph_sim.bus.i2c.transfer import Phase, Transfer
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import NO_TIME, Timebase
 from periph_sim.devices.sensor_head import Request, Round

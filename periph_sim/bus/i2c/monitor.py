@@ -17,8 +17,8 @@ from collections.abc import Callable, Mapping
 from ...core.kernel import Agent
 from ...core.time import NO_TIME
 from ...core.wire import Wire, watch
-from .controller import Phase, Transfer
 from .line_events import SCL, SDA
+from .transfer import Phase, Transfer
 
 BITS = 9  # of a byte, its ACK included
 

@@ -16,7 +16,7 @@ from functools import cached_property
 from itertools import pairwise
 from math import ceil, floor
 
-from ...bus.i2c.controller import Phase, Transfer
+from ...bus.i2c.transfer import Phase, Transfer
 from ...core.time import Timebase
 from ...devices.host_pc import FRAME_BYTES
 from ...devices.sensor_head import CHIPS, Round

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ...bus.i2c.controller import Transfer
+from ...bus.i2c.transfer import Transfer
 from ...core.registers import OnWrite
 from ...f28335.i2c.register_map import I2C_MAP
 from .closed_form import MEASURED, ClosedForm

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise
 
-from ...bus.i2c.controller import Transfer
+from ...bus.i2c.transfer import Transfer
 from ...core.records import Kind, Record
 from ...devices.sensor_head import Round
 from ...f28335.cpu import instruction_costs as cpu_costs

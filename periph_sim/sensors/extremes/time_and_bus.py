@@ -15,7 +15,8 @@ from random import Random
 
 import numpy as np
 
-from ...bus.i2c.controller import BusTiming, I2cController, Phase, Transfer
+from ...bus.i2c.controller import I2cController
+from ...bus.i2c.transfer import BusTiming, Phase, Transfer
 from ...bus.uart.sender import UartSender
 from ...core.kernel import Kernel
 from ...core.records import Recorder

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 
-from ...bus.i2c.controller import Phase, Transfer
+from ...bus.i2c.transfer import Phase, Transfer
 from ...core.records import Kind, Record
 from ...core.time import NO_TIME
 from ...devices.sensor_head import CHIPS

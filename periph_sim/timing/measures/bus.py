@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...bus.i2c.controller import Phase, Transfer
+from ...bus.i2c.transfer import Phase, Transfer
 from ...core.time import NO_TIME
 from .measure import READ, Counter, Measure, SceneEvents
 from .origins import ADDRESSES

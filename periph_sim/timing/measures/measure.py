@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ...bus.i2c.controller import Transfer
+from ...bus.i2c.transfer import Transfer
 from ...core.records import Kind, Record, Subjects
 from ...core.time import NO_TIME
 from ...devices.sensor_head import Round

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from itertools import combinations_with_replacement
 from typing import NamedTuple, Protocol
 
-from ...bus.i2c.controller import Phase, Transfer
+from ...bus.i2c.transfer import Phase, Transfer
 from ...core.time import NO_TIME
 from ...devices.model_codes import Computed, ModelCodes, ModelState, register_bytes
 from ...devices.sensor_head import CHIPS

@@ -14,7 +14,7 @@ from collections import deque
 from collections.abc import Sequence
 from math import ceil
 
-from ...bus.i2c.controller import Transfer
+from ...bus.i2c.transfer import Transfer
 from ...devices.sensor_head import CHIPS
 from ...devices.truth import Axes, distance
 from .bus import begin_of

@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import pytest
 
-from periph_sim.bus.i2c.controller import Phase, Transfer
+from periph_sim.bus.i2c.transfer import Phase, Transfer
 from tests.bus.i2c_rig import UNIT, I2cRig
 from tests.waves import play, tidy
 

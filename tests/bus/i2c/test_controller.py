@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.bus.i2c.controller import Phase
+from periph_sim.bus.i2c.transfer import Phase
 from tests.bus.i2c_rig import TIMING, UNIT, I2cRig
 from tests.waves import play, tidy
 

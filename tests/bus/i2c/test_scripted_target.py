@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.bus.i2c.controller import BusTiming, I2cController, Phase, Transfer
+from periph_sim.bus.i2c.controller import I2cController
 from periph_sim.bus.i2c.scripted_target import Answer, ScriptedTarget
+from periph_sim.bus.i2c.transfer import BusTiming, Phase, Transfer
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
 from periph_sim.core.wire import Wire

@@ -10,7 +10,7 @@ from fractions import Fraction
 
 import pytest
 
-from periph_sim.bus.i2c.controller import BusTiming
+from periph_sim.bus.i2c.transfer import BusTiming
 from periph_sim.devices.chips.adxl345 import Adxl345, Adxl345Options
 from tests.devices.bench import MS, SECOND, TIMEBASE, US, Bench, steady
 

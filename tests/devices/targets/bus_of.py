@@ -8,7 +8,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from periph_sim.bus.i2c.controller import BusTiming, I2cController, Phase, Transfer
+from periph_sim.bus.i2c.controller import I2cController
+from periph_sim.bus.i2c.transfer import BusTiming, Phase, Transfer
 from periph_sim.scene.case.model import Case
 from periph_sim.scene.case.origin import Source
 from periph_sim.scene.scene import Scene

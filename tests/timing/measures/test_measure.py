@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from periph_sim.bus.i2c.controller import Phase, Transfer
+from periph_sim.bus.i2c.transfer import Phase, Transfer
 from periph_sim.core.records import Kind, Record
 from periph_sim.core.time import NO_TIME
 from periph_sim.devices.host_pc import ramp

@@ -4,6 +4,7 @@ cimport cython
 cdef class Agent:
     cpdef void act(self, long long tag)
     cpdef void sampled(self, long long now, long long levels)
+    cpdef void pulled(self, long long line, long long now, long long pulling)
 
 
 cdef class Call(Agent):

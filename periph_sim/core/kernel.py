@@ -44,6 +44,10 @@ class Agent:
         """Lines have moved; `levels` is what they settled on."""
         raise NotImplementedError(f"{type(self).__name__} samples lines and does not say what it does then")
 
+    def pulled(self, line: int, now: int, pulling: int) -> None:
+        """Others pull a line than before: bit i of `pulling` is its party i. Its level may be the same."""
+        raise NotImplementedError(f"{type(self).__name__} watches who pulls lines and does not say what it does then")
+
 
 class Call(Agent):
     """An agent that calls a function; what is not asked for often needs no class of its own."""

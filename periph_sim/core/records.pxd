@@ -1,8 +1,43 @@
+cimport cython
+
+
+cdef class Listener:
+    cpdef long long tag_of(self, object kind, str where, str what)
+    cpdef void hear(self, long long tag, long long tick, long long value)
+
+
+cdef class Keeper:
+    cpdef long long tag_of(self, object kind, str where, str what)
+    cpdef void keep(self, long long tag, long long number, long long tick, long long value, object text, long long cause, object field)
+
+
+cdef class _Ear:
+    cdef public Listener listener
+    cdef public long long tag
+
+
+cdef class _Pen:
+    cdef public Keeper keeper
+    cdef public long long tag
+
+
+cdef class Topic:
+    cdef public bint heard, told_whole
+    cdef Recorder _recorder
+    cdef object _kind
+    cdef str _where, _what
+    cdef list _ears, _pens, _sinks
+    cpdef object add(self, object party)
+    @cython.locals(ear=_Ear, pen=_Pen, number=cython.longlong, cause=cython.longlong)
+    cpdef long long emit(self, long long tick, long long value=*, object text=*, object field=*)
+
+
 cdef class Recorder:
-    cdef public long long cause
-    cdef long long _number
-    cdef dict _sinks, _subjects
+    cdef public long long cause, number
+    cdef dict _topics, _parties, _subjects
     cdef set _of_all
+    cpdef Topic topic(self, object kind, str where, str what)
     cpdef object carried(self, object action)
     cpdef object _under(self, long long cause, object action)
+    @cython.locals(topic=Topic)
     cpdef long long emit(self, long long tick, object kind, object where, object what, object value=*, object text=*, object field=*)

@@ -5,7 +5,12 @@ the number of the record that caused it (0: nothing recorded did). Producers ask
 once, when a scene is built; what nobody wants is never made. Edges, flags and accesses can be
 wanted of some wires and registers only: these are the subjects of a subscription.
 
-    producer --> Recorder.emit --> sinks (budgets, files, diagrams)
+    producer --> Topic.emit --> listeners: tag, tick, value      (budgets)
+                           '--> keepers: all of it, as columns   (`.psr`, races)
+                           '--> sinks: a Record                  (files, diagrams)
+
+Records of one kind, place and thing are a topic. A listener is asked once for each topic whether it has any use for it,
+so that no record has to be looked at by those who have none.
 """
 
 from __future__ import annotations
@@ -13,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Mapping
 from enum import Enum
 from functools import partial
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 
 class Kind(Enum):
@@ -48,46 +53,163 @@ class Record(NamedTuple):
 _made = tuple.__new__  # a Record without the call in Python that its own constructor is
 
 Sink = Callable[[Record], None]
+Party: TypeAlias = "Listener | Keeper | Sink"
 Subjects = Mapping[Kind, Collection[str]]
 
 
+UNHEARD = -1  # instead of a tag: there is no use for such records
+
+
+class Listener:
+    """Who needs no more of a record than its time and value: a measure."""
+
+    __slots__ = ()
+
+    def tag_of(self, kind: Kind, where: str, what: str) -> int:
+        """Under which tag it is to be told of these records; UNHEARD if it has no use for them."""
+        raise NotImplementedError
+
+    def hear(self, tag: int, tick: int, value: int) -> None:
+        """A record was made of what got this tag."""
+        raise NotImplementedError
+
+
+class Keeper:
+    """Who keeps records, without the object that a Record is."""
+
+    __slots__ = ()
+
+    def tag_of(self, kind: Kind, where: str, what: str) -> int:
+        """As a listener's."""
+        raise NotImplementedError
+
+    def keep(self, tag: int, number: int, tick: int, value: int, text: str, cause: int, field: str) -> None:
+        """A record was made of what got this tag."""
+        raise NotImplementedError
+
+
+class _Ear:
+    """A listener of a topic."""
+
+    __slots__ = ("listener", "tag")
+
+    listener: Listener
+    tag: int
+
+
+class _Pen:
+    """A keeper of a topic."""
+
+    __slots__ = ("keeper", "tag")
+
+    keeper: Keeper
+    tag: int
+
+
+class Topic:
+    """All records of one kind, place and thing.
+
+    heard: anybody is told of them. told_whole: somebody looks at more of them than time and value.
+    """
+
+    __slots__ = ("_ears", "_kind", "_pens", "_recorder", "_sinks", "_what", "_where", "heard", "told_whole")
+
+    def __init__(self, recorder: Recorder, kind: Kind, where: str, what: str) -> None:
+        self.heard = self.told_whole = False
+        self._recorder = recorder
+        self._kind = kind
+        self._where = where
+        self._what = what
+        self._ears: list[_Ear] = []
+        self._pens: list[_Pen] = []
+        self._sinks: list[Sink] = []
+
+    def add(self, party: Party) -> None:
+        """Somebody more is told, if it has any use for these records."""
+        if isinstance(party, Listener):
+            ear = _Ear()
+            ear.listener, ear.tag = party, party.tag_of(self._kind, self._where, self._what)
+            if ear.tag == UNHEARD:
+                return
+            self._ears.append(ear)
+        elif isinstance(party, Keeper):
+            pen = _Pen()
+            pen.keeper, pen.tag = party, party.tag_of(self._kind, self._where, self._what)
+            if pen.tag == UNHEARD:
+                return
+            self._pens.append(pen)
+        else:
+            self._sinks.append(party)
+        self.heard = True
+        self.told_whole = bool(self._pens or self._sinks)
+
+    def emit(self, tick: int, value: int = 0, text: str = "", field: str = "") -> int:
+        """The number of the new record; its cause is the record being worked under."""
+        recorder = self._recorder
+        recorder.number = number = recorder.number + 1
+        for ear in self._ears:
+            ear.listener.hear(ear.tag, tick, value)
+        if self.told_whole:
+            cause = recorder.cause
+            for pen in self._pens:
+                pen.keeper.keep(pen.tag, number, tick, value, text, cause, field)
+            if self._sinks:
+                record = _made(Record, (number, tick, self._kind, self._where, self._what, value, text, cause, field))
+                for sink in self._sinks:
+                    sink(record)
+        return number
+
+
 class Recorder:
-    """Numbers records and hands each to the sinks that asked for its kind.
+    """Numbers records and hands each to those who asked for its kind and have a use for it.
 
     cause: the record under whose effects the simulation runs now; `core.socket` and
-    `core.wire` set it around each delivery.
+    `core.wire` set it around each delivery. number: of the last record.
     """
 
     def __init__(self) -> None:
         self.cause = 0
-        self._number = 0
-        self._sinks: dict[Kind, list[Sink]] = {kind: [] for kind in Kind}
+        self.number = 0
+        self._topics: dict[tuple[Kind, str, str], Topic] = {}
+        self._parties: dict[Kind, list[Party]] = {kind: [] for kind in Kind}
         self._of_all: set[Kind] = set()
         self._subjects: dict[Kind, set[str]] = {kind: set() for kind in Kind}
 
-    def subscribe(self, kinds: Iterable[Kind], sink: Sink, only: Subjects | None = None) -> None:
-        """`sink` is told of every record of these kinds.
+    def subscribe(self, kinds: Iterable[Kind], party: Party, only: Subjects | None = None) -> None:
+        """`party` is told of every record of these kinds; of a listener or a keeper, of those that it gave a tag.
 
         only: subjects that are enough for it, of kinds that have any: EDGE and FRAME wires; FLAG and ACCESS registers,
         with unit and module ("dsp.I2C-A.I2CSTR").
-        It may still be told of others, which other sinks want.
+        It may still be told of others, which others want.
         """
         for kind in kinds:
-            self._sinks[kind].append(sink)
+            self._parties[kind].append(party)
             if only is None or kind not in only:
                 self._of_all.add(kind)
             else:
                 self._subjects[kind].update(only[kind])
+            for (of, _, _), topic in self._topics.items():
+                if of is kind:
+                    topic.add(party)
 
     def wants(self, kind: Kind, subject: str | None = None) -> bool:
         """Whether anybody wants records of this kind; of this subject, if one is given."""
         if subject is None:
-            return bool(self._sinks[kind])
+            return bool(self._parties[kind])
         return kind in self._of_all or subject in self._subjects[kind]
 
     def subjects(self, kind: Kind) -> frozenset[str] | None:
         """The subjects that somebody wants; None for all."""
         return None if kind in self._of_all else frozenset(self._subjects[kind])
+
+    def topic(self, kind: Kind, where: str, what: str) -> Topic:
+        """The records of one kind, place and thing, for whoever makes them often."""
+        topic = self._topics.get((kind, where, what))
+        if topic is None:
+            topic = self._topics[kind, where, what] = Topic(self, kind, where, what)
+            for party in self._parties[kind]:
+                topic.add(party)
+        return topic
 
     def carried(self, action: Callable[[], None]) -> Callable[[], None]:
         """The action, for a later time, as an effect of the record being worked under now."""
@@ -101,9 +223,5 @@ class Recorder:
     def emit(
         self, tick: int, kind: Kind, where: str, what: str, value: int = 0, text: str = "", field: str = ""
     ) -> int:
-        """The number of the new record; its cause is the record being worked under."""
-        self._number = number = self._number + 1
-        record = _made(Record, (number, tick, kind, where, what, value, text, self.cause, field))
-        for sink in self._sinks[kind]:
-            sink(record)
-        return number
+        """The number of the new record of a topic."""
+        return self.topic(kind, where, what).emit(tick, value, text, field)

@@ -10,18 +10,23 @@ cdef class _Told(Agent):
 
 cdef class Wire(Settles):
     cdef public str name
-    cdef public long long level, cause, pulling
+    cdef public long long level, cause, pulling, attached
     cdef public Recorder recorder
     cdef public bint recorded
     cdef public Kernel kernel
     cdef bint _records_holds, _queued
     cdef long long _pulling, _pulling_recorded, _pulled_under, _released_under
-    cdef list _parties, _watches, _hold_watches
+    cdef list _parties, _watches, _pull_watches
     cdef dict _names_of
     cpdef void pull(self, long long mask, long long level)
-    @cython.locals(watch=_Watch)
+    @cython.locals(watch=_PullWatch, look=_Watch)
     cpdef void settle(self)
     cdef long long _record(self, object kind, str what, long long level, long long cause)
+
+
+cdef class _PullWatch:
+    cdef public Agent agent
+    cdef public long long line
 
 
 cdef class _Watch:

@@ -35,7 +35,7 @@ class _Told(Agent):
 class Wire(Settles):
     """cause: the record of the last edge. recorded: somebody wants each edge, and perhaps who holds a low one.
 
-    pulling: who pulls it low in the settled state; bit i is party i.
+    pulling: who pulls it low in the settled state; bit i is party i. attached: how many parties there are.
     """
 
     def __init__(self, kernel: Kernel, name: str, recorder: Recorder) -> None:
@@ -48,12 +48,13 @@ class Wire(Settles):
         self.kernel = kernel
         self._records_holds = self.recorded and recorder.wants(Kind.HOLD)
         self.pulling = 0
+        self.attached = 0
         self._pulling = 0  # the same, in an instant that is not settled yet
         self._pulling_recorded = 0  # the same when it was recorded last
         self._parties: list[str] = []
         self._names_of: dict[int, str] = {}  # of those who pull, as records tell them
         self._watches: list[_Watch] = []  # who is told
-        self._hold_watches: list[Callable[[], None]] = []
+        self._pull_watches: list[_PullWatch] = []
         self._queued = False
         self._pulled_under = self._released_under = 0  # the last records under which that was done in this instant
 
@@ -63,6 +64,7 @@ class Wire(Settles):
         if place >= MOST:
             raise ValueError(f"wire {self.name}: {who} would be party {place + 1}; a wire has up to {MOST}")
         self._parties.append(who)
+        self.attached += 1
         self._names_of.clear()
         return Pin(self, BITS[place])
 
@@ -70,9 +72,15 @@ class Wire(Settles):
         """`watcher(tick, level)` on every change of the settled level."""
         return watch([self], watcher)
 
-    def watch_holds(self, watcher: Callable[[], None]) -> None:
-        """`watcher()` in each instant in which others pull the wire than before, whether its level changes or not."""
-        self._hold_watches.append(watcher)
+    def watch_pulls(self, agent: Agent, line: int = 0) -> None:
+        """`agent.pulled(line, ...)` in each instant in which others pull the wire than before, whatever its level."""
+        watch = _PullWatch()
+        watch.agent, watch.line = agent, line
+        self._pull_watches.append(watch)
+
+    def of(self, prefix: str) -> int:
+        """The mask of the parties whose names begin with this."""
+        return sum(BITS[place] for place, who in enumerate(self._parties) if who.startswith(prefix))
 
     def parties(self) -> list[str]:
         """Who has a hold on the line, pulling or not."""
@@ -103,16 +111,16 @@ class Wire(Settles):
         level = 0 if self._pulling else 1
         if self._pulling != self.pulling:
             self.pulling = self._pulling
-            for watcher in self._hold_watches:
-                watcher()
+            for watch in self._pull_watches:
+                watch.agent.pulled(watch.line, self.kernel.now, self.pulling)
         if level != self.level:
             self.level = level
             if self.recorded:
                 cause = self._released_under if level else self._pulled_under
                 self.cause = self._record(Kind.EDGE, "level", level, cause)
-            for watch in self._watches:
-                watch.sampler.levels ^= watch.bit
-                self.kernel.tell(watch.sampler)
+            for look in self._watches:
+                look.sampler.levels ^= look.bit
+                self.kernel.tell(look.sampler)
         elif self._records_holds and self._pulling != self._pulling_recorded:
             self._record(Kind.HOLD, "held", level, self._pulled_under or self._released_under)
         if self.recorded:
@@ -139,6 +147,15 @@ class Wire(Settles):
         """No longer."""
         place = next(i for i, watch in enumerate(self._watches) if watch.sampler is sampler and watch.bit == bit)
         del self._watches[place]
+
+
+class _PullWatch:
+    """Who is told of who pulls a wire, and what that wire is to it."""
+
+    __slots__ = ("agent", "line")
+
+    agent: Agent
+    line: int
 
 
 class _Watch:

@@ -189,7 +189,7 @@ def run_plan(plan: Plan, told: Told, *, keep_edges: bool = False, record: bool =
 
     def subscribe(recorder: Recorder, timebase: Timebase) -> None:
         if record:
-            recorder.subscribe(Kind, columns.add)
+            recorder.subscribe(Kind, columns)
 
     scene = plan.scene(subscribe)
     log = WireLog(*scene.wires.values()) if keep_edges or record else None

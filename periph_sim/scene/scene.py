@@ -96,7 +96,7 @@ class Scene:
             if keep_values and limit.measure.series:
                 limit.measure.keep()
             for part in limit.parts:
-                self.recorder.subscribe(part.measure.kinds, part.measure.record, part.measure.subjects)
+                part.measure.subscribe(self.recorder)
         serial = None if case.serial is None else SerialSide(case, case.serial, scope, self.recorder)
         if subscribe is not None:
             subscribe(self.recorder, self.timebase)

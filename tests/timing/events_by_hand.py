@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from periph_sim.core.records import Kind, Record
+from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.timing.language.scope import Scope
 from periph_sim.timing.measures.measure import Measure
 from periph_sim.traces.formats.record_table import Columns, RecordTable
@@ -37,9 +37,10 @@ def table(of: list[Record]) -> RecordTable:
 
 def tell(measure: Measure, of: list[Record]) -> Measure:
     """The records that a scene would hand to the measure."""
+    recorder = Recorder()
+    measure.subscribe(recorder)
     for record in of:
-        if record.kind in measure.kinds:
-            measure.record(record)
+        recorder.emit(record.tick, record.kind, record.where, record.what, record.value, record.text, record.field)
     return measure
 
 

@@ -80,8 +80,7 @@ def test_the_busiest_window_is_what_a_count_tick_by_tick_gives(lengths: list[int
     now += tail
     told = make_of_events(f"bus load per {window} ms", ONE)
     told.listen(Second())
-    for record in of:
-        told.record(record)
+    tell(told, of)
     told.finish(now)
     sums = [sum(busy[i : i + window]) for i in range(len(busy) - window + 1)]
     assert told.silent == (not sums)

@@ -258,9 +258,7 @@ def test_which_reads_have_a_value():
 def test_a_record_of_another_unit_is_no_wait_of_this_cpu():
     load = make_of_events("cpu load of dsp", ONE)
     load.listen(Scene(began=0, ticks_per_second=1000))  # type: ignore[arg-type]
-    for number, (tick, where, kind, value) in enumerate(
-        [(10, "imu", Kind.WAIT, 1), (20, "dsp", Kind.WAIT, 1), (30, "imu", Kind.IRQ, 1), (40, "dsp", Kind.WAIT, 0)]
-    ):
-        load.record(Record(number, tick, kind, where, "x", value, "", 0))
+    came = [(10, "imu", Kind.WAIT, 1), (20, "dsp", Kind.WAIT, 1), (30, "imu", Kind.IRQ, 1), (40, "dsp", Kind.WAIT, 0)]
+    tell(load, [Record(0, tick, kind, where, "x", value, "", 0) for tick, where, kind, value in came])
     load.finish(100)
     assert load.worst == 80 * MILLIONTHS // 100

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ...core.kernel import Agent
 from . import FaultContext, repeat
 from .when import When
 
@@ -19,7 +20,7 @@ class Settings(When):
     """Nothing but when: the first 1 after that time is struck."""
 
 
-class Flip:
+class Flip(Agent):
     def __init__(self, settings: Settings, place: FaultContext) -> None:
         self._scl, self._sda = place.wire("SCL"), place.wire("SDA")
         self._pin = self._sda.attach(place.who)
@@ -27,7 +28,7 @@ class Flip:
         self._pulls = False
         self._is_one = False  # nobody else pulls SDA in this clock
         self._scl.watch(self._scl_changed)
-        self._sda.watch_holds(self._holds_changed)
+        self._sda.watch_pulls(self)
         repeat(settings, place, self._arm)
 
     def _arm(self) -> None:
@@ -43,7 +44,7 @@ class Flip:
             self._pulls = True
             self._pin.drive(0)
 
-    def _holds_changed(self) -> None:
+    def pulled(self, line: int, now: int, pulling: int) -> None:
         """Within a clock that was no 1 the last of the others lets go: a STOP, which must pass."""
         if self._pulls and self._scl.level and not self._is_one and self._alone():
             self._let_go()

@@ -1,13 +1,15 @@
 from ...core.kernel cimport Agent
-from ...core.wire cimport Wire
+from ...core.wire cimport Sampler, Wire
 
 
 cdef class I2cMonitor(Agent):
     cdef Wire _scl, _sda
+    cdef Sampler _sampler
     cdef object _told, _names, _transfer, _phase
     cdef long long _start_at, _starting, _scl_mask, _sda_mask, _began_at, _let_go_at, _rose_at, _ended_at, _pulled_at
     cdef long long _clock_length, _index, _bits, _in, _filter, _sda_at, _sda_seen, _levels
     cdef bint _pulls_scl, _pulls_sda, _first
+    cpdef void pulled(self, long long line, long long now, long long pulling)
     cpdef void sampled(self, long long now, long long levels)
     cdef void _first_clock(self, long long now)
     cdef void _condition(self, long long now, long long before, long long levels)

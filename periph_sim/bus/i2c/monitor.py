@@ -60,8 +60,9 @@ class I2cMonitor(Agent):
         self._sda_seen = 1  # what SDA was before it moved last, spikes left out
         sampler = watch([scl, sda], self)
         self._levels = sampler.levels
+        self._sampler = sampler
         for wire in (scl, sda):
-            wire.watch_holds(sampler.ask)
+            wire.watch_pulls(self)
 
     @property
     def held_since(self) -> int:
@@ -72,6 +73,9 @@ class I2cMonitor(Agent):
     def begun_at(self) -> int:
         """The START of the transfer under way; NO_TIME if there is none."""
         return self._began_at if self._scl_mask else NO_TIME
+
+    def pulled(self, line: int, now: int, pulling: int) -> None:
+        self._sampler.ask()
 
     def sampled(self, now: int, levels: int) -> None:
         before, self._levels = self._levels, levels

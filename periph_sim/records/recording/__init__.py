@@ -14,10 +14,10 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from functools import cache
 from pathlib import Path
-from typing import IO, Any, Literal, Protocol, cast
+from typing import IO, Any, Literal, Protocol, cast, runtime_checkable
 
 from ...core.discover import modules_with
-from ...core.records import Kind, Record, Recorder
+from ...core.records import Keeper, Kind, Record, Recorder
 from ...core.suggest import did_you_mean
 from ...core.time import Timebase
 from ...traces.capture.capture import BadCapture
@@ -30,6 +30,14 @@ class Writer(Protocol):
     def write(self) -> Callable[[Record], None]: ...
 
     def close(self, now: int) -> None: ...
+
+
+@runtime_checkable
+class KeepingWriter(Writer, Protocol):
+    """One that needs no Record of what it writes."""
+
+    @property
+    def keeper(self) -> Keeper: ...
 
 
 class RecordingFormat(Protocol):
@@ -78,7 +86,7 @@ def recording(path: Path | None, modules: dict[str, tuple[str, ...]]) -> Iterato
         def subscribe(recorder: Recorder, timebase: Timebase) -> None:
             writer = chosen.open_writer(file, timebase, modules)
             writers.append(writer)
-            recorder.subscribe(chosen.KINDS, writer.write)
+            recorder.subscribe(chosen.KINDS, writer.keeper if isinstance(writer, KeepingWriter) else writer.write)
 
         def ended_at(tick: int) -> None:
             for writer in writers:

@@ -23,12 +23,11 @@ class PsrWriter:
         self._file = file
         self._per_second = Fraction(timebase.per_second)
         self._modules = modules
-        columns = Columns()
-        self.write = columns.add
-        self._columns = columns
+        self.keeper = Columns()
+        self.write = self.keeper.add
 
     def close(self, now: int) -> None:
-        write_table(self._columns.table(self._per_second, now, self._modules), self._file)
+        write_table(self.keeper.table(self._per_second, now, self._modules), self._file)
 
 
 def open_writer(file: IO[bytes], timebase: Timebase, modules: dict[str, tuple[str, ...]]) -> PsrWriter:

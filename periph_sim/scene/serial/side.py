@@ -54,7 +54,7 @@ class SerialSide:
             if text is not None:
                 happened = partial(self._happened, kind, number)
                 trigger = EventTrigger(self._event(scope, text, kind, number), happened)
-                recorder.subscribe(trigger.kinds, trigger.record, trigger.subjects)
+                trigger.subscribe(recorder)
                 self._triggers[kind, number] = trigger
 
     def attach(self, context: SceneContext, pairs: Pairs) -> None:

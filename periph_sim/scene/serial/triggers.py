@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ...bus.uart.reader import Heard
-from ...core.records import Record
 from ...timing.language.events import Matcher
 from ...timing.measures.event_pairing import EventMeasure
 
@@ -21,8 +20,8 @@ class EventTrigger(EventMeasure):
         super().__init__(event)
         self._happened = happened
 
-    def happened(self, place: int, record: Record) -> None:
-        self._happened(record.tick)
+    def happened(self, place: int, tick: int, value: int) -> None:
+        self._happened(tick)
 
     def never(self) -> str:
         """Why it did not happen, as a phrase."""

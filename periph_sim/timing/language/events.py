@@ -13,7 +13,8 @@
             | "note" ( "duty" | "lost" | "unknown" )
 
     Event + Scope --> Matcher(kind, where, what, mask, want)
-                        |-- fits(record)   as the run goes on
+                        |-- may_be(kind, where, what), value & mask == want   as the run goes on
+                        |-- fits(record)   the same of one record
                         '-- rows(table)    over a recorded run, all at once
 
 Both say the same of every record: kind, place and thing are equal, and `value & mask == want`. `EVENTS` is the list
@@ -112,12 +113,11 @@ class Matcher:
         return self._fits(record) or any(other._fits(record) for other in self.others)
 
     def _fits(self, record: Record) -> bool:
-        return (
-            record.what == self.what
-            and record.kind is self.kind
-            and (self.where is None or record.where in self.where)
-            and record.value & self.mask == self.want
-        )
+        return self.may_be(record.kind, record.where, record.what) and record.value & self.mask == self.want
+
+    def may_be(self, kind: Kind, where: str, what: str) -> bool:
+        """Whether a record of this kind, place and thing is this one event if its value is right."""
+        return what == self.what and kind is self.kind and (self.where is None or where in self.where)
 
     @property
     def subjects(self) -> frozenset[str]:

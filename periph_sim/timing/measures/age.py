@@ -13,7 +13,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 
 from ...bus.i2c.transfer import Phase, Transfer
-from ...core.records import Kind, Record
+from ...core.records import UNHEARD, Kind
 from ...core.time import NO_TIME
 from ...devices.sensor_head import CHIPS
 from .bus import begin_of
@@ -105,10 +105,11 @@ class ModelAge(ReadMeasure):
     def frame(self, tick: int) -> None:
         self._sent = tick
 
-    def record(self, record: Record) -> None:
-        if record.what != MODEL:
-            return
-        if record.value:
+    def tag_of(self, kind: Kind, where: str, what: str) -> int:
+        return 0 if what == MODEL else UNHEARD
+
+    def hear(self, tag: int, tick: int, value: int) -> None:
+        if value:
             self._taken = self._sent
         elif self._taken != NO_TIME:
             self._made = self._taken

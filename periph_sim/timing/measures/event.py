@@ -5,11 +5,13 @@ Each class says what it measures. Of two events at one time the one recorded fir
 
 from __future__ import annotations
 
-from ...core.records import Kind, Record, Subjects
+from ...core.records import UNHEARD, Kind, Recorder
 from ...core.time import NO_TIME
 from ..language.events import Matcher
 from .event_pairing import EventMeasure, span_hint
 from .measure import Counter, Measure, SceneEvents
+
+OF_UNIT = 1 << 30  # the tag of an access of the unit; those of its events are below
 
 
 class Period(EventMeasure):
@@ -19,10 +21,10 @@ class Period(EventMeasure):
         super().__init__(event)
         self._last = NO_TIME
 
-    def happened(self, place: int, record: Record) -> None:
-        last, self._last = self._last, record.tick
+    def happened(self, place: int, tick: int, value: int) -> None:
+        last, self._last = self._last, tick
         if last != NO_TIME:
-            self.take(record.tick - last, last)
+            self.take(tick - last, last)
 
     def unfinished(self, now: int) -> list[tuple[int, int]]:
         return [] if self._last == NO_TIME else [(now - self._last, self._last)]
@@ -38,8 +40,8 @@ class EventCount(EventMeasure, Counter):
         super().__init__(event)
         self.event = event
 
-    def happened(self, place: int, record: Record) -> None:
-        self.one_more(record.tick)
+    def happened(self, place: int, tick: int, value: int) -> None:
+        self.one_more(tick)
 
     @property
     def silent(self) -> bool:
@@ -54,8 +56,8 @@ class Level(EventMeasure):
 
     unit = "value"
 
-    def happened(self, place: int, record: Record) -> None:
-        self.take(record.value, record.tick)
+    def happened(self, place: int, tick: int, value: int) -> None:
+        self.take(value, tick)
 
 
 class LevelAt(EventMeasure):
@@ -72,11 +74,11 @@ class LevelAt(EventMeasure):
         (place,) = self.matchers[1].where or ("",)
         self._value = scene.value_of(place, self.matchers[1].what)
 
-    def happened(self, place: int, record: Record) -> None:
+    def happened(self, place: int, tick: int, value: int) -> None:
         if place:
-            self._value = record.value
+            self._value = value
         else:
-            self.take(self._value, record.tick)
+            self.take(self._value, tick)
 
     def missing(self) -> str:
         return self.unmatched(list(self.matchers[:1]))
@@ -92,20 +94,25 @@ class ToFirstAccess(EventMeasure):
         self._asked_at = NO_TIME
         self._inside = False
 
-    def record(self, record: Record) -> None:
-        if record.kind is not Kind.ACCESS:
-            super().record(record)
-        elif self._inside and record.where == self._unit:
+    def tag_of(self, kind: Kind, where: str, what: str) -> int:
+        if kind is not Kind.ACCESS:
+            return super().tag_of(kind, where, what)
+        return OF_UNIT if where == self._unit else UNHEARD
+
+    def hear(self, tag: int, tick: int, value: int) -> None:
+        if tag != OF_UNIT:
+            super().hear(tag, tick, value)
+        elif self._inside:
             self._inside = False
             if self._asked_at != NO_TIME:
-                self.take(record.tick - self._asked_at, self._asked_at)
+                self.take(tick - self._asked_at, self._asked_at)
                 self._asked_at = NO_TIME
 
-    def happened(self, place: int, record: Record) -> None:
+    def happened(self, place: int, tick: int, value: int) -> None:
         if place:
             self._inside = True
         else:
-            self._asked_at = record.tick
+            self._asked_at = tick
 
     def unfinished(self, now: int) -> list[tuple[int, int]]:
         return [] if self._asked_at == NO_TIME else [(now - self._asked_at, self._asked_at)]
@@ -120,19 +127,15 @@ class Jitter(Measure):
     def __init__(self, of: Measure) -> None:
         super().__init__()
         self.of = of
-        self.unit, self.needs, self.kinds = of.unit, of.needs, of.kinds
+        self.unit, self.needs = of.unit, of.needs
         self._before: int | None = None
         of.tap = self._took
-
-    @property
-    def subjects(self) -> Subjects:
-        return self.of.subjects
 
     def listen(self, scene: SceneEvents) -> None:
         self.of.listen(scene)
 
-    def record(self, record: Record) -> None:
-        self.of.record(record)
+    def subscribe(self, recorder: Recorder) -> None:
+        self.of.subscribe(recorder)
 
     def finish(self, now: int) -> None:
         self.of.finish(now)

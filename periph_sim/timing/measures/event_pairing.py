@@ -1,7 +1,8 @@
 """What measures of events have in common: records go in; which of its events happened, and in which order, comes out.
 
-    record --matchers--> event that counts at once ---------------------.
-                   '---> "last ... of transfer": known when that is over -+--in order--> happened(place, record)
+    topic  --tag_of--> which of the events a record of it may be, and with which values: worked out once
+    record --hear----> event that counts at once ---------------------.
+                   '---> "last ... of transfer": known when that is over -+--in order--> happened(place, tick, value)
 
 Of two events at one time the one recorded first is the earlier one.
 """
@@ -10,22 +11,61 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass
 
-from ...core.records import Kind, Record, Subjects
+from ...core.records import UNHEARD, Kind, Subjects
 from ...core.suggest import did_you_mean
 from ..language.events import Matcher
 from .groups import Groups
 from .measure import Measure, SceneEvents
 
 
-@dataclass
 class _Seen:
-    """An event that happened. counts: None as long as a later one may take its place."""
+    """An event that happened. counts: 1, 0 if not, WAITS as long as a later one may take its place."""
 
-    place: int
-    record: Record
-    counts: bool | None
+    __slots__ = ("counts", "place", "tick", "value")
+
+    def __init__(self, place: int, tick: int, value: int, counts: int) -> None:
+        self.place = place
+        self.tick = tick
+        self.value = value
+        self.counts = counts
+
+
+WAITS = -1
+
+
+class ValueTest:
+    """Which values make a record of a topic the event that it may be: `value & mask == want`, or as others say."""
+
+    __slots__ = ("mask", "others", "want")
+
+    def __init__(self, found: list[Matcher]) -> None:
+        self.mask = found[0].mask
+        self.want = found[0].want
+        self.others = ValueTest(found[1:]) if len(found) > 1 else None
+
+    def fits(self, value: int) -> bool:
+        return value & self.mask == self.want or (self.others is not None and self.others.fits(value))
+
+
+class Hearing:
+    """One of a measure's events, as records of one topic may be it. test: None if they begin or end its group only."""
+
+    __slots__ = ("begins", "ends", "groups", "place", "test")
+
+    def __init__(
+        self,
+        place: int,
+        test: ValueTest | None,
+        groups: Groups | None,
+        begins: ValueTest | None,
+        ends: ValueTest | None,
+    ) -> None:
+        self.place = place
+        self.test = test
+        self.groups = groups
+        self.begins = begins
+        self.ends = ends
 
 
 class EventMeasure(Measure):
@@ -46,8 +86,9 @@ class EventMeasure(Measure):
         starts = [one for groups in self._groups if groups is not None for one in groups.matchers]
         each = [one for m in (*matchers, *starts) for one in m.each]
         self.kinds = frozenset(one.kind for one in each)
-        self.names = frozenset(one.what for one in each)  # a record of another name is passed over
         self._needed = subjects_of([*matchers, *starts])
+        self._plans: list[list[Hearing]] = []  # by tag
+        self._names: list[str] = []  # by tag, of a span; else ""
 
     @property
     def subjects(self) -> Subjects:
@@ -60,62 +101,80 @@ class EventMeasure(Measure):
         if any(matcher.is_stuck for matcher in self.matchers):
             scene.on_stuck(lambda at: None)  # so that the wires are watched; the record says it
 
-    def record(self, record: Record) -> None:
-        if self.spans is not None:
-            self.hear(record)
-        if record.what not in self.names:
-            return
-        for place in self._order:
-            groups = self._groups[place]
-            if groups is not None and groups.begins(record):
-                self._settle(place)
-            if not self.matchers[place].fits(record):
-                continue
-            if groups is None:
-                self.seen[place] += 1
-                self._queued(_Seen(place, record, True))
-            elif groups.nth < 0:
-                self._settle(place, counts=False)
-                if groups.inside:
-                    self._newest[place] = _Seen(place, record, None)
-                    self._queued(self._newest[place])
-            elif groups.is_nth():
-                self.seen[place] += 1
-                self._queued(_Seen(place, record, True))
-        self._drain()
+    def tag_of(self, kind: Kind, where: str, what: str) -> int:
+        plan = [one for place in self._order if (one := self._hearing(place, kind, where, what)) is not None]
+        name = what if self.spans is not None and kind is Kind.SPAN else ""
+        if not plan and not name:
+            return UNHEARD
+        self._plans.append(plan)
+        self._names.append(name)
+        return len(self._plans) - 1
 
-    def _settle(self, place: int, counts: bool = True) -> None:
+    def _hearing(self, place: int, kind: Kind, where: str, what: str) -> Hearing | None:
+        groups = self._groups[place]
+        test = _test(self.matchers[place], kind, where, what)
+        begins = ends = None
+        if groups is not None:
+            begins, ends = (_test(one, kind, where, what) for one in groups.matchers)
+        return None if test is begins is ends is None else Hearing(place, test, groups, begins, ends)
+
+    def hear(self, tag: int, tick: int, value: int) -> None:
+        if self.spans is not None and self._names[tag]:
+            self.spans.add(self._names[tag])
+        for one in self._plans[tag]:
+            if one.groups is not None:
+                self._hear_of_group(one, tick, value)
+            elif one.test is not None and one.test.fits(value):
+                self.seen[one.place] += 1
+                if self._queue:
+                    self._queue.append(_Seen(one.place, tick, value, 1))
+                else:
+                    self.happened(one.place, tick, value)
+        if self._queue:
+            self._drain()
+
+    def _hear_of_group(self, one: Hearing, tick: int, value: int) -> None:
+        """A record that may begin or end the group of an event, or be the event in it that counts."""
+        groups, place = one.groups, one.place
+        assert groups is not None
+        begins = one.begins is not None and one.begins.fits(value)
+        if groups.begins(tick, begins, one.ends is not None and one.ends.fits(value)):
+            self._settle(place, 1)
+        if one.test is None or not one.test.fits(value):
+            return
+        if groups.nth < 0:
+            self._settle(place, 0)
+            if groups.inside:
+                self._newest[place] = _Seen(place, tick, value, WAITS)
+                self._queue.append(self._newest[place])
+        elif groups.is_nth():
+            self.seen[place] += 1
+            if self._queue:
+                self._queue.append(_Seen(place, tick, value, 1))
+            else:
+                self.happened(place, tick, value)
+
+    def _settle(self, place: int, counts: int) -> None:
         """No later one of its group can take the place of the last one that was seen, or one does."""
         newest = self._newest.pop(place, None)
         if newest is not None:
             newest.counts = counts
             self.seen[place] += counts
 
-    def _queued(self, seen: _Seen) -> None:
-        if self._queue or seen.counts is None:
-            self._queue.append(seen)
-        else:
-            self.happened(seen.place, seen.record)
-
     def _drain(self) -> None:
         queue = self._queue
-        while queue and queue[0].counts is not None:
+        while queue and queue[0].counts != WAITS:
             seen = queue.popleft()
             if seen.counts:
-                self.happened(seen.place, seen.record)
+                self.happened(seen.place, seen.tick, seen.value)
 
-    def happened(self, place: int, record: Record) -> None:
+    def happened(self, place: int, tick: int, value: int) -> None:
         """Called for each of its events, in order. What only wants their counts leaves it as it is."""
 
     def finish(self, now: int) -> None:
         for place in list(self._newest):
-            self._settle(place)
+            self._settle(place, 1)
         self._drain()
-
-    def hear(self, record: Record) -> None:
-        """Remember what spans there are: their names are free text, so only the run can tell the right one."""
-        if self.spans is not None and record.kind is Kind.SPAN:
-            self.spans.add(record.what)
 
     def missing(self) -> str:
         return self.unmatched([m for m, seen in zip(self.matchers, self.seen, strict=True) if not seen])
@@ -125,6 +184,12 @@ class EventMeasure(Measure):
             hints = [span_hint(m.what, self.spans) for m in never if m.free and self.spans is not None]
             return "; ".join([f"no event matched {' and '.join(repr(m.text) for m in never)}", *hints[:1]])
         return f"{self.matchers[0].text!r} was seen {self.seen[0]} times, which makes no measurement"
+
+
+def _test(matcher: Matcher, kind: Kind, where: str, what: str) -> ValueTest | None:
+    """What a record of this kind, place and thing must hold to be the event; None if it never is."""
+    found = [one for one in matcher.each if one.may_be(kind, where, what)]
+    return ValueTest(found) if found else None
 
 
 def subjects_of(matchers: Sequence[Matcher]) -> dict[Kind, frozenset[str]]:

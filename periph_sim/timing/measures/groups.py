@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ...core.records import Record
 from ...core.time import NO_TIME
 from ..language.events import Group, Matcher
 from .measure import SceneEvents
@@ -37,11 +36,11 @@ class Groups:
         if self._group.name == "round":
             self._begins_round = scene.rounds_at_start()
 
-    def begins(self, record: Record) -> bool:
-        """A group begins with this record."""
-        first = self._group.begin.fits(record) and self._is_first(record.tick)
-        if self._group.end.fits(record):
-            self._frame_ended = record.tick
+    def begins(self, tick: int, begin: bool, end: bool) -> bool:
+        """Whether a group begins with a record that is the event `begin` of one, the event `end`, or neither."""
+        first = begin and self._is_first(tick)
+        if end:
+            self._frame_ended = tick
         if first:
             self._seen, self.inside = 0, True
         return first

@@ -12,9 +12,13 @@ from __future__ import annotations
 from collections import deque
 from fractions import Fraction
 
-from ...core.records import Kind, Record
+from ...core.records import UNHEARD, Kind
 from ...core.time import NO_TIME
 from .measure import MILLIONTHS, Measure, SceneEvents
+
+WAIT, ROUTINE = 0, 1  # tags of what a CPU does
+BEGINS, ENDS = 0, 1  # and of what a bus says
+BUS_TAGS = {"START": BEGINS, "STOP": ENDS, "arbitration lost": ENDS}
 
 
 class Load(Measure):
@@ -106,24 +110,29 @@ class CpuLoad(Load):
     def __init__(self, unit: str, window: Fraction | None = None) -> None:
         super().__init__(window)
         self._unit = unit
-        self._under_way: list[Kind] = []  # waits and service routines, the inner ones last
+        self._under_way: list[int] = []  # waits and service routines, the inner ones last
 
     def listen(self, scene: SceneEvents) -> None:
         super().listen(scene)
         self.begins(scene.began())
 
-    def record(self, record: Record) -> None:
-        if record.where != self._unit:
-            return
+    def tag_of(self, kind: Kind, where: str, what: str) -> int:
+        if where != self._unit:
+            return UNHEARD
+        return WAIT if kind is Kind.WAIT else ROUTINE
+
+    def hear(self, tag: int, tick: int, value: int) -> None:
         under_way = self._under_way
-        if record.value:
-            under_way.append(record.kind)
-        elif record.kind in under_way:
-            del under_way[len(under_way) - 1 - under_way[::-1].index(record.kind) :]
-        if under_way and under_way[-1] is Kind.WAIT:
-            self.ends(record.tick)
+        if value:
+            under_way.append(tag)
+        elif under_way and under_way[-1] == tag:
+            under_way.pop()
+        elif tag in under_way:
+            del under_way[len(under_way) - 1 - under_way[::-1].index(tag) :]
+        if under_way and under_way[-1] == WAIT:
+            self.ends(tick)
         else:
-            self.begins(record.tick)
+            self.begins(tick)
 
 
 class BusLoad(Load):
@@ -132,8 +141,11 @@ class BusLoad(Load):
     needs = "I2C-A"
     kinds = frozenset({Kind.BUS})
 
-    def record(self, record: Record) -> None:
-        if record.what == "START":
-            self.begins(record.tick)
-        elif record.what in ("STOP", "arbitration lost"):
-            self.ends(record.tick)
+    def tag_of(self, kind: Kind, where: str, what: str) -> int:
+        return BUS_TAGS.get(what, UNHEARD)
+
+    def hear(self, tag: int, tick: int, value: int) -> None:
+        if tag == BEGINS:
+            self.begins(tick)
+        else:
+            self.ends(tick)

@@ -10,13 +10,15 @@ The write of a byte is the last one before I2CDXR is copied to I2CXSR. XRDY tell
 
 from __future__ import annotations
 
-from ...core.records import Kind, Record, Subjects
+from ...core.records import UNHEARD, Kind, Subjects
 from ...core.time import NO_TIME
-from .bus_from_records import KINDS, SUBJECTS, BusFromRecords
+from .bus_from_wires import BusFromWires
 from .measure import Measure, SceneEvents
 
+WRITE, XRDY = 0, 1  # tags of records
 
-class _Reads(BusFromRecords):
+
+class _Reads(BusFromWires):
     """Bytes that the unit sends as a slave, with the instant at which each is needed."""
 
     def __init__(self, unit: str, measure: Margin) -> None:
@@ -35,39 +37,37 @@ class Margin(Measure):
     """
 
     asked = "bytes sent"
-    kinds = KINDS | {Kind.ACCESS, Kind.FLAG}
+    kinds = frozenset({Kind.ACCESS, Kind.FLAG})
 
     def __init__(self, unit: str) -> None:
         super().__init__()
         self._unit = unit
-        self._bus = _Reads(unit, self)
+        self.bus = _Reads(unit, self)
         self._waiting = NO_TIME  # the write that is in I2CDXR,
         self._shifting = NO_TIME  # and that of what is in I2CXSR
         self._empty = True  # I2CDXR, as XRDY says
 
     @property
     def subjects(self) -> Subjects:
-        return SUBJECTS | {
-            Kind.ACCESS: {f"{self._unit}.I2C-A.I2CDXR"},
-            Kind.FLAG: {f"{self._unit}.I2C-A.I2CSTR"},
-        }
+        return {Kind.ACCESS: {f"{self._unit}.I2C-A.I2CDXR"}, Kind.FLAG: {f"{self._unit}.I2C-A.I2CSTR"}}
 
     def listen(self, scene: SceneEvents) -> None:
         self._scene = scene
         self._empty = bool(scene.value_of(f"{self._unit}.I2C-A", "I2CSTR.XRDY"))
+        self.bus.attach(scene.wire("SCL"), scene.wire("SDA"))
 
-    def record(self, record: Record) -> None:
-        if record.kind in KINDS:
-            self._bus.hear(record)
-            return
-        if record.kind is Kind.ACCESS:
-            if record.where == self._unit and record.what == "W I2C-A.I2CDXR":
-                self._bus.settle_before(record.tick)
-                self._copied()
-                self._waiting = record.tick
-        elif record.where == f"{self._unit}.I2C-A" and record.what == "I2CSTR.XRDY":
-            self._bus.settle_before(record.tick)
-            self._empty = bool(record.value)
+    def tag_of(self, kind: Kind, where: str, what: str) -> int:
+        if (kind, where, what) == (Kind.ACCESS, self._unit, "W I2C-A.I2CDXR"):
+            return WRITE
+        return XRDY if (kind, where, what) == (Kind.FLAG, f"{self._unit}.I2C-A", "I2CSTR.XRDY") else UNHEARD
+
+    def hear(self, tag: int, tick: int, value: int) -> None:
+        self.bus.settle_before(tick)
+        if tag == WRITE:
+            self._copied()
+            self._waiting = tick
+        else:
+            self._empty = bool(value)
             self._copied()
 
     def _copied(self) -> None:
@@ -84,7 +84,7 @@ class Margin(Measure):
             self.take(let_go - self._scene.i2c_release_delay(self._unit) - written, written)
 
     def finish(self, now: int) -> None:
-        bus = self._bus
+        bus = self.bus
         bus.settle()
         if bus.read and bus.ours and bus.phase_at != NO_TIME and bus.held_by_us_alone():
             self.occasion(now)
@@ -94,7 +94,7 @@ class Margin(Measure):
         return f"{self._unit} sent no byte as a slave whose write of I2CDXR is known"
 
 
-class _Lows(BusFromRecords):
+class _Lows(BusFromWires):
     def __init__(self, unit: str, measure: HeldPerTransfer) -> None:
         super().__init__(unit)
         self._measure = measure
@@ -112,20 +112,14 @@ class _Lows(BusFromRecords):
 class HeldPerTransfer(Measure):
     """Sum of all the time in a transfer for which a unit alone holds SCL low."""
 
-    kinds = KINDS
-
     def __init__(self, unit: str) -> None:
         super().__init__()
-        self._bus = _Lows(unit, self)
+        self.bus = _Lows(unit, self)
         self._began = NO_TIME
         self._sum = 0
 
-    @property
-    def subjects(self) -> Subjects:
-        return SUBJECTS
-
-    def record(self, record: Record) -> None:
-        self._bus.hear(record)
+    def listen(self, scene: SceneEvents) -> None:
+        self.bus.attach(scene.wire("SCL"), scene.wire("SDA"))
 
     def begins(self, at: int) -> None:
         self._began, self._sum = at, 0
@@ -139,12 +133,12 @@ class HeldPerTransfer(Measure):
         self._began = NO_TIME
 
     def finish(self, now: int) -> None:
-        self._bus.settle()
+        self.bus.settle()
 
     def unfinished(self, now: int) -> list[tuple[int, int]]:
         if self._began == NO_TIME:
             return []
-        held = now - self._bus.others_held_until if self._bus.held_by_us_alone() else 0
+        held = now - self.bus.others_held_until if self.bus.held_by_us_alone() else 0
         return [(self._sum + held, self._began)]
 
     def unfinished_text(self) -> str:

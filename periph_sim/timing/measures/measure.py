@@ -16,8 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...bus.i2c.transfer import Transfer
-from ...core.records import Kind, Record, Subjects
+from ...core.records import UNHEARD, Kind, Listener, Recorder, Subjects
 from ...core.time import NO_TIME
+from ...core.wire import Wire
 from ...devices.sensor_head import Round
 from ...devices.truth import Axes
 from .origins import Origins
@@ -73,6 +74,8 @@ class SceneEvents(Protocol):
     def began(self) -> int:
         """The tick at which the run begins."""
 
+    def wire(self, name: str) -> Wire: ...
+
     def level_of(self, wire: str) -> int:
         """The level of a wire now."""
 
@@ -104,7 +107,7 @@ MODEL = "model"  # the span in which firmware computes sensor models
 READ = "read"  # an occurrence: one addressed phase, which begins with its START
 
 
-class Measure:
+class Measure(Listener):
     """unit: "time" (ticks), "%" and "LSB" (millionths) or a word for what is counted. worst: the largest value seen.
 
     least: the smallest. series: it takes one value after the other, of which there are percentiles. occurrence: what
@@ -216,8 +219,13 @@ class Measure:
     def listen(self, scene: SceneEvents) -> None:
         """Ask the scene for what this measure needs."""
 
-    def record(self, record: Record) -> None:
-        """One record of `kinds`."""
+    def subscribe(self, recorder: Recorder) -> None:
+        """Have the records made that it looks at, and be told of them."""
+        recorder.subscribe(self.kinds, self, self.subjects)
+
+    def tag_of(self, kind: Kind, where: str, what: str) -> int:
+        """What `hear` is told with records of this kind, place and thing; UNHEARD where it has no use for them."""
+        return UNHEARD
 
     def finish(self, now: int) -> None:
         """The run is over."""

@@ -16,7 +16,6 @@ from __future__ import annotations
 from collections import deque
 from typing import NamedTuple
 
-from ...core.records import Record
 from ..language.events import Group, Matcher
 from .event_pairing import EventMeasure
 from .groups import Groups
@@ -70,29 +69,29 @@ class Between(EventMeasure):
         if self._rule is not None:
             self._rule.listen(scene)
 
-    def clock(self, record: Record) -> int:
+    def clock(self, tick: int) -> int:
         """What differs between a pair's events."""
-        return record.tick
+        return tick
 
-    def happened(self, place: int, record: Record) -> None:
+    def happened(self, place: int, tick: int, value: int) -> None:
         if place >= self._extra:
-            self.between(record)
+            self.between()
         elif place == START:
-            self._started(record)
+            self._started(tick)
         elif place == STOP:
             self._stopped = True
         elif place == SECOND:
-            self._second(record)
+            self._second(tick)
         elif self._rule is None or self._rule.inside:
-            self._first(record)
+            self._first(tick)
 
-    def between(self, record: Record) -> None:
+    def between(self) -> None:
         """An event happened that belongs to no pair."""
 
-    def _started(self, record: Record) -> None:
+    def _started(self, tick: int) -> None:
         assert self._rule is not None
         self._stopped = False
-        if self._rule.begins(record):
+        if self._rule.begins(tick, True, False):
             self._group_over()
             self._waiting.clear()
 
@@ -102,17 +101,17 @@ class Between(EventMeasure):
             self._groups_paired += self._paired and self._begun_at >= self.not_before
         self._begun = self._paired = False
 
-    def _first(self, record: Record) -> None:
+    def _first(self, tick: int) -> None:
         if not self._begun:
-            self._begun, self._begun_at = True, record.tick
+            self._begun, self._begun_at = True, tick
         if self._waiting and not self.pairing and self._again is None:
-            self._again = (self._waiting[0].at, record.tick)
+            self._again = (self._waiting[0].at, tick)
         if self.pairing == "last":
             self._waiting.clear()
-        self._waiting.append(Open(record.tick, self.clock(record)))
+        self._waiting.append(Open(tick, self.clock(tick)))
 
-    def _second(self, record: Record) -> None:
-        waiting, now = self._waiting, self.clock(record)
+    def _second(self, tick: int) -> None:
+        waiting, now = self._waiting, self.clock(tick)
         for _ in range(min(1, len(waiting)) if self.pairing == "in order" else len(waiting)):
             one = waiting.popleft()
             self._paired = True
@@ -162,10 +161,10 @@ class CountBetween(Between):
         super().__init__(begin, end, pairing, group, (counted,))
         self._total = 0
 
-    def between(self, record: Record) -> None:
+    def between(self) -> None:
         self._total += 1
 
-    def clock(self, record: Record) -> int:
+    def clock(self, tick: int) -> int:
         return self._total
 
     def last_clock(self, now: int) -> int:

@@ -1,6 +1,6 @@
 """Races and lost flags as measures: accesses and flag changes are kept, and looked through when the run is over.
 
-    records --Columns--> insight.Run --> distances in cycles, flags lost to read-modify-writes
+    records --Kept--> insight.Run --> distances in cycles, flags lost to read-modify-writes
 
 What counts is what `periph-sim races` shows of a recorded run (`records/races.py`, `records/lost_flags.py`).
 """
@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.records import Kind, Record, Subjects
+from ...core.records import UNHEARD, Kind, Record, Recorder, Subjects
 from ...core.suggest import did_you_mean
 from ...core.time import NO_TIME
 from ...records.lost_flags import LostFlag, ReadModifyWrite
@@ -48,18 +48,22 @@ class Watched:
 
     def shows(self, record: Record) -> bool:
         """Whether a record is an access to the register, or a change of what is watched of it."""
-        if record.kind is Kind.ACCESS:
-            place = f"{self.module}.{self.register}" if self.register else record.what[2:]
-            return self.concerns(record) and record.what[2:] == place
-        field = f"{self.register}.{self.field}" if self.field else record.what
-        return record.kind is Kind.FLAG and self.concerns(record) and record.what == field
+        return self.is_about(record.kind, record.where, record.what)
 
-    def concerns(self, record: Record) -> bool:
-        if record.kind is Kind.ACCESS:
-            return record.where == self.unit or not self.unit
+    def is_about(self, kind: Kind, where: str, what: str) -> bool:
+        """The same, of all records of one kind, place and thing."""
+        if kind is Kind.ACCESS:
+            place = f"{self.module}.{self.register}" if self.register else what[2:]
+            return self.concerns(kind, where, what) and what[2:] == place
+        field = f"{self.register}.{self.field}" if self.field else what
+        return kind is Kind.FLAG and self.concerns(kind, where, what) and what == field
+
+    def concerns(self, kind: Kind, where: str, what: str) -> bool:
+        if kind is Kind.ACCESS:
+            return where == self.unit or not self.unit
         if not self.unit:
             return True
-        return record.where == f"{self.unit}.{self.module}" and record.what.startswith(f"{self.register}.")
+        return where == f"{self.unit}.{self.module}" and what.startswith(f"{self.register}.")
 
 
 def raced(unit: str, text: str, scope: Scope) -> Watched:
@@ -102,6 +106,17 @@ def clearing(unit: str, text: str, scope: Scope) -> Watched:
     return Watched(text, owner, module, register.name, f.name)
 
 
+class Kept(Columns):
+    """The records that concern a register."""
+
+    def __init__(self, watched: Watched) -> None:
+        super().__init__()
+        self._watched = watched
+
+    def tag_of(self, kind: Kind, where: str, what: str) -> int:
+        return super().tag_of(kind, where, what) if self._watched.concerns(kind, where, what) else UNHEARD
+
+
 class RegisterMeasure(Measure, ABC):
     """Keeps the records that concern a register, to look at them as a recorded run."""
 
@@ -110,7 +125,7 @@ class RegisterMeasure(Measure, ABC):
     def __init__(self, watched: Watched) -> None:
         super().__init__()
         self.watched = watched
-        self._columns = Columns()
+        self._kept_records = Kept(watched)
 
     @property
     def subjects(self) -> Subjects:
@@ -121,14 +136,14 @@ class RegisterMeasure(Measure, ABC):
         self._per_second = scene.ticks_per_second()
         self._sysclk = scene.sysclk(self.watched.unit)
 
-    def record(self, record: Record) -> None:
-        if self.watched.concerns(record):
-            self._columns.add(record)
+    def subscribe(self, recorder: Recorder) -> None:
+        super().subscribe(recorder)
+        recorder.subscribe(self.kinds, self._kept_records, self.subjects)
 
     def finish(self, now: int) -> None:
-        table = self._columns.table(Fraction(self._per_second), now, {})
+        table = self._kept_records.table(Fraction(self._per_second), now, {})
         self.look(Run(table, sysclk=self._sysclk))
-        self._columns = Columns()
+        self._kept_records.clear()
 
     @abstractmethod
     def look(self, run: Run) -> None:
@@ -184,10 +199,12 @@ class LostFlags(RegisterMeasure):
             return super().subjects
         return {Kind.FLAG: {f"{unit}.{register}" for unit in self.watched.units for register in CLEARABLE}}
 
-    def record(self, record: Record) -> None:
-        super().record(record)
-        if record.kind is Kind.ACCESS and record.what in CLEARING and self.watched.shows(record):
-            self.count += 1
+    def tag_of(self, kind: Kind, where: str, what: str) -> int:
+        clears = kind is Kind.ACCESS and what in CLEARING
+        return 0 if clears and self.watched.is_about(kind, where, what) else UNHEARD
+
+    def hear(self, tag: int, tick: int, value: int) -> None:
+        self.count += 1
 
     def look(self, run: Run) -> None:
         modifies = _modifies(run, self.watched)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...core.records import Kind, Record
+from ...core.records import Kind
 from .event_pairing import span_hint
 from .measure import Measure
 
@@ -17,16 +17,22 @@ class SpanTime(Measure):
         self._name = name
         self._began: dict[str, int] = {}
         self._spans: set[str] = set()  # their names, of all that there were
+        self._heard: list[tuple[str, str]] = []  # unit and name, by tag
 
-    def record(self, record: Record) -> None:
-        self._spans.add(record.what)
-        if record.what != self._name:
+    def tag_of(self, kind: Kind, where: str, what: str) -> int:
+        self._heard.append((where, what))
+        return len(self._heard) - 1
+
+    def hear(self, tag: int, tick: int, value: int) -> None:
+        where, what = self._heard[tag]
+        self._spans.add(what)
+        if what != self._name:
             return
-        if record.value:
-            self._began[record.where] = record.tick
-        elif record.where in self._began:
-            began = self._began.pop(record.where)
-            self.take(record.tick - began, began)
+        if value:
+            self._began[where] = tick
+        elif where in self._began:
+            began = self._began.pop(where)
+            self.take(tick - began, began)
 
     def missing(self) -> str:
         if self._name in self._spans:

@@ -11,7 +11,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
-from ...core.records import Kind, Record
+from ...core.records import Kind
 from ...core.time import NO_TIME
 from ..language.events import EVERYTHING, Matcher
 from .event_pairing import EventMeasure
@@ -43,21 +43,25 @@ class _InState(EventMeasure, ABC):
     def __init__(self, state: State) -> None:
         super().__init__(*state.enters, *state.leaves)
         self._state = state
+        self._enters = len(state.enters)  # the first ones of `matchers`
         self._since = NO_TIME
 
     def listen(self, scene: SceneEvents) -> None:
         if self._state.holds(scene):
             self.begins(scene.began(), seen=False)
 
-    def record(self, record: Record) -> None:
-        self.hear(record)
-        if record.what not in self.names:
+    def hear(self, tag: int, tick: int, value: int) -> None:
+        """What is both, enters it. Its events are of no group."""
+        if self.spans is not None and self._names[tag]:
+            self.spans.add(self._names[tag])
+        fitting = [one.place for one in self._plans[tag] if one.test is not None and one.test.fits(value)]
+        if not fitting:
             return
-        if any(event.fits(record) for event in self._state.enters):
+        if min(fitting) < self._enters:
             if self._since == NO_TIME:
-                self.begins(record.tick, seen=True)
-        elif self._since != NO_TIME and any(event.fits(record) for event in self._state.leaves):
-            self.ends(record.tick)
+                self.begins(tick, seen=True)
+        elif self._since != NO_TIME:
+            self.ends(tick)
             self._since = NO_TIME
 
     def begins(self, at: int, seen: bool) -> None:

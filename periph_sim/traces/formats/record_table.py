@@ -1,8 +1,9 @@
 """Records as columns: growing while a run goes on, arrays afterwards.
 
-    Record --> Columns.add --> RecordTable: one numpy array a column, each string once in a table
+    record of a topic --> Columns.keep --> RecordTable: one numpy array a column, each string once in a table
 
-A record costs 49 bytes here, and one `append` a column while it is collected.
+A record costs 49 bytes here, and 44 with one `append` a column while it is collected: its topic stands for kind, where
+and what.
 """
 
 from __future__ import annotations
@@ -11,12 +12,12 @@ from array import array
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.records import Kind, Record
+from ...core.records import Keeper, Kind, Record
 
 KINDS = tuple(Kind)
 NUMBER_OF = {kind: number for number, kind in enumerate(KINDS)}
@@ -106,35 +107,71 @@ class RecordTable:
                 yield Record(n, t, kinds[k], where[w], what[a], v, text[x], c, fields[f])
 
 
-class Columns:
+class TopicColumns(NamedTuple):
+    """Of each topic the number of its kind, and the places of where and what in `names`, as they came first."""
+
+    kind: NDArray[np.uint8]
+    where: NDArray[np.uint32]
+    what: NDArray[np.uint32]
+    names: dict[str, tuple[str, ...]]
+
+
+class Columns(Keeper):
     """Collects records; `table` gives them as arrays."""
 
     def __init__(self) -> None:
-        self._columns = {name: array(code) for name, (code, _) in COLUMNS.items()}
-        self._strings = {name: Strings() for name in TABLES[1:]}
-        self._appends = [column.append for column in self._columns.values()]
+        self._topics: dict[tuple[Kind, str, str], int] = {}
+        self.clear()
+
+    def clear(self) -> None:
+        """Forget what was kept."""
+        self._topic = array("I")
+        self._number, self._tick, self._value, self._cause = array("q"), array("q"), array("q"), array("q")
+        self._text, self._field = array("I"), array("I")
+        self._texts, self._fields = Strings(), Strings()
+
+    def tag_of(self, kind: Kind, where: str, what: str) -> int:
+        return self._topics.setdefault((kind, where, what), len(self._topics))
+
+    def keep(self, tag: int, number: int, tick: int, value: int, text: str, cause: int, field: str) -> None:
+        self._topic.append(tag)
+        self._number.append(number)
+        self._tick.append(tick)
+        self._value.append(value)
+        self._text.append(self._texts[text])
+        self._cause.append(cause)
+        self._field.append(self._fields[field])
 
     def add(self, record: Record) -> None:
-        strings = self._strings
-        number, tick, kind, where, what, value, text, cause, field = self._appends
-        number(record.number)
-        tick(record.tick)
-        kind(NUMBER_OF[record.kind])
-        where(strings["where"][record.where])
-        what(strings["what"][record.what])
-        value(record.value)
-        text(strings["text"][record.text])
-        cause(record.cause)
-        field(strings["field"][record.field])
+        """One that was made elsewhere."""
+        number, tick, kind, where, what, value, text, cause, field = record
+        self.keep(self.tag_of(kind, where, what), number, tick, value, text, cause, field)
 
     def __len__(self) -> int:
-        return len(self._columns["tick"])
+        return len(self._tick)
 
     def table(self, per_second: Fraction, end: int, modules: dict[str, tuple[str, ...]]) -> RecordTable:
-        columns = {name: np.frombuffer(self._columns[name], code) for name, (code, _) in COLUMNS.items()}
-        names = {"kind": tuple(kind.value for kind in KINDS)}
-        names |= {name: tuple(strings) for name, strings in self._strings.items()}
-        return RecordTable(columns, names, per_second, end, modules)
+        topic = np.frombuffer(self._topic, np.uint32)
+        kind, where, what, names = self._of_topics(topic)
+        kept = {"number": self._number, "tick": self._tick, "value": self._value, "text": self._text}
+        kept |= {"cause": self._cause, "field": self._field}
+        columns: dict[str, NDArray[Any]] = {"kind": kind[topic], "where": where[topic], "what": what[topic]}
+        columns |= {name: np.frombuffer(column, COLUMNS[name][1]) for name, column in kept.items()}
+        names |= {"text": tuple(self._texts), "field": tuple(self._fields)}
+        in_order = {name: columns[name] for name in COLUMNS}
+        return RecordTable(in_order, {name: names[name] for name in TABLES}, per_second, end, modules)
+
+    def _of_topics(self, topic: NDArray[np.uint32]) -> TopicColumns:
+        wheres, whats = Strings(), Strings()
+        places = np.zeros((3, len(self._topics)), np.uint32)
+        known = list(self._topics)
+        used, first = np.unique(topic, return_index=True)
+        for tag in used[np.argsort(first)].tolist():
+            kind, where, what = known[tag]
+            places[:, tag] = NUMBER_OF[kind], wheres[where], whats[what]
+        kinds = places[0].astype(COLUMNS["kind"][1])
+        names = {"kind": tuple(kind.value for kind in KINDS), "where": tuple(wheres), "what": tuple(whats)}
+        return TopicColumns(kinds, places[1], places[2], names)
 
 
 def table_of(records: Iterable[Record], per_second: Fraction, end: int) -> RecordTable:

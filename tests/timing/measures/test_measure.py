@@ -15,6 +15,7 @@ from periph_sim.timing.measures.bus import WrongBytes
 from periph_sim.timing.measures.measure import Counter, Measure
 from periph_sim.timing.measures.origins import RECENT, FrameOrigins, Origins
 from periph_sim.timing.measures.registry import MEASURES, make
+from tests.timing.events_by_hand import tell
 
 GYRO, ACCEL, MAGNET, OTHER = 0x68, 0x53, 0x1E, 0x10
 
@@ -281,7 +282,7 @@ def span(tick: int, what: str, value: int, where: str = "dsp") -> Record:
 def test_span_is_from_its_begin_to_its_end_unit_by_unit():
     measure = make("span:model")
     assert measure.kinds == {Kind.SPAN}
-    for record in (
+    of = (
         span(100, "model", 1),
         span(110, "model", 1, "other"),
         span(150, "filter", 1),
@@ -290,8 +291,8 @@ def test_span_is_from_its_begin_to_its_end_unit_by_unit():
         span(510, "model", 0, "other"),
         span(600, "model", 0),  # an end without a begin
         span(700, "model", 1),  # not over yet
-    ):
-        measure.record(record)
+    )
+    tell(measure, list(of))
     assert (measure.worst, measure.worst_at, measure.least, measure.count) == (400, 110, 200, 2)
 
 
@@ -306,8 +307,7 @@ def test_span_is_from_its_begin_to_its_end_unit_by_unit():
 )
 def test_a_span_that_never_was_is_told_with_those_that_were(spans: tuple[str, ...], why: str):
     measure = make("span:prase")
-    for number, name in enumerate(spans):
-        measure.record(Record(number, number, Kind.SPAN, "dsp", name, 1, "", 0))
+    tell(measure, [span(number, name, 1) for number, name in enumerate(spans)])
     assert measure.missing() == why
 
 

@@ -1,25 +1,24 @@
-"""What happens on an I2C bus, read off records of its wires: edges and who holds a low line go in, bytes come out.
+"""What happens on an I2C bus, read off its wires: levels and who pulls them go in, bytes come out.
 
-    EDGE, HOLD of SCL and SDA --> START, address, ACK, first bit of each byte, STOP; when the others had let go of SCL
+    SCL, SDA, who pulls --> START, address, ACK, first bit of each byte, STOP; when the others had let go of SCL
 
-No agent and no firmware is asked, so that whoever is the controller is heard alike. All that is recorded of one tick is
-one sample: START and STOP are a change of SDA while SCL was high before and stays so.
+No agent and no firmware is asked, so that whoever is the controller is heard alike. All that moves in one tick is one
+sample: START and STOP are a change of SDA while SCL was high before and stays so.
 
 Source: UM10204 sections 3.1.4 to 3.1.10.
 """
 
 from __future__ import annotations
 
-from ...core.records import Kind, Record
+from ...core.kernel import Agent
 from ...core.time import NO_TIME
+from ...core.wire import Wire
 
-SCL, SDA = "SCL", "SDA"
-KINDS = frozenset({Kind.EDGE, Kind.HOLD})
-SUBJECTS = {Kind.EDGE: {SCL, SDA}, Kind.HOLD: {SCL, SDA}}
+SCL, SDA = 0, 1  # which wire it is that is pulled
 BITS = 9  # of a byte, its ACK included
 
 
-class BusFromRecords:
+class BusFromWires(Agent):
     """unit: whose pins are ours, "" for none. Subclasses say what they do with what they hear."""
 
     def __init__(self, unit: str) -> None:
@@ -31,7 +30,9 @@ class BusFromRecords:
         self.others_held_until = NO_TIME  # when the others let go of SCL in the low time under way, or the last one
         self._unit = f"{unit}."
         self._scl = self._sda = 1
-        self._scl_holders = self._sda_holders = ""  # as records tell them
+        self._scl_pulling = self._sda_pulling = 0  # who pulls it: bit i is party i
+        self._scl_ours = self._sda_ours = 0  # of the parties known, those of the unit
+        self._parties = 0  # so many are known, of both wires
         self._tick = NO_TIME
         self._scl_before = self._sda_before = 1  # levels as the tick under way began
         self._settled = True
@@ -39,23 +40,21 @@ class BusFromRecords:
         self._bits = 0
         self._in = 0
 
-    def hear(self, record: Record) -> None:
-        """A record of one of the wires, in the order in which they are made."""
-        where = record.where
-        if where != SCL and where != SDA:
-            return
-        if record.tick != self._tick:
+    def attach(self, scl: Wire, sda: Wire) -> None:
+        """Listen to these wires from now on."""
+        self._scl_wire, self._sda_wire = scl, sda
+        scl.watch_pulls(self, SCL)
+        sda.watch_pulls(self, SDA)
+
+    def pulled(self, line: int, now: int, pulling: int) -> None:
+        if now != self._tick:
             self.settle()
-            self._tick = record.tick
+            self._tick = now
         self._settled = False
-        if where == SCL:
-            if record.kind is Kind.EDGE:
-                self._scl = record.value
-            self._scl_holders = "" if self._scl else record.text
+        if line == SCL:
+            self._scl, self._scl_pulling = 0 if pulling else 1, pulling
         else:
-            if record.kind is Kind.EDGE:
-                self._sda = record.value
-            self._sda_holders = "" if self._sda else record.text
+            self._sda, self._sda_pulling = 0 if pulling else 1, pulling
 
     def settle_before(self, tick: int) -> None:
         """All of the ticks before this one has been heard."""
@@ -88,8 +87,17 @@ class BusFromRecords:
         return not self._scl and not self._held_by_others()
 
     def _held_by_others(self) -> bool:
-        holders = self._scl_holders
-        return holders != "" and any(not who.startswith(self._unit) for who in holders.split(", "))
+        if not self._scl_pulling:
+            return False
+        self._know_parties()
+        return self._scl_pulling & ~self._scl_ours != 0
+
+    def _know_parties(self) -> None:
+        """Parties may come at any time, and none goes."""
+        parties = self._scl_wire.attached + self._sda_wire.attached
+        if parties != self._parties:
+            self._parties = parties
+            self._scl_ours, self._sda_ours = self._scl_wire.of(self._unit), self._sda_wire.of(self._unit)
 
     def _condition(self, now: int, sda: int) -> None:
         if sda:
@@ -113,7 +121,8 @@ class BusFromRecords:
             self._acked = not self._sda
         if self._bits == BITS and self.index < 0:
             self.address, self.read = self._in >> 2 & 0x7F, bool(self._in >> 1 & 1)
-            self.ours = any(who.startswith(self._unit) for who in self._sda_holders.split(", "))
+            self._know_parties()
+            self.ours = self._sda_pulling & self._sda_ours != 0
 
     def _falls(self, now: int) -> None:
         self.others_held_until = NO_TIME

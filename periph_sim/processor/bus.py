@@ -17,9 +17,7 @@ sections 7.2, 7.4.
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable
-from typing import NamedTuple
 
 from ..core.chip import NEVER, Note
 from ..core.records import Kind, Recorder
@@ -35,14 +33,17 @@ from .operand import Operand
 from .source_location import SourceLocation
 
 
-class Posted(NamedTuple):
-    """A write on its way. where, cause: of the instruction that issued it."""
+class Posted:
+    """A write on its way. where, cause: of the instruction that issued it; where is None where nobody wants to know."""
 
-    lands: int
-    operand: Operand
-    value: int
-    where: SourceLocation | None  # None where nobody wants to know
-    cause: int
+    __slots__ = ("cause", "lands", "operand", "value", "where")
+
+    def __init__(self, lands: int, operand: Operand, value: int, where: SourceLocation | None, cause: int) -> None:
+        self.lands = lands
+        self.operand = operand
+        self.value = value
+        self.where = where
+        self.cause = cause
 
 
 class Bus:
@@ -107,7 +108,7 @@ class Bus:
         self._pf1_after_pf1 = self._waits.pf1_after_pf1
         self._lands_after = options.write_lands
         self._operands: dict[tuple[int, int], Operand] = {}  # by address and width
-        self._posted: deque[Posted] = deque()
+        self._posted: list[Posted] = []
         self._last_pf1_write = -NEVER
 
     # What an access names ------------------------------------------------------
@@ -151,7 +152,7 @@ class Bus:
     def read(self, at: int, address: int, width: int = 16) -> int:
         """What a 16- or 32-bit read of an address sees in cycle `at`."""
         if block_at(address) is not None:
-            return self.ram.long(address) if width == 32 else self.ram.word(address)
+            return self.ram.word32(address) if width == 32 else self.ram.word(address)
         operand = self.at(address, width)
         if width == 32 and operand.frame2:
             self.note_width(at, operand)
@@ -170,7 +171,7 @@ class Bus:
         elif block.protected and not self._core.eallow:
             self._ignored(at, f"{address:#06x} of {block.name}")
         elif width == 32:
-            self.ram.put_long(address, value)
+            self.ram.put_word32(address, value)
         else:
             self.ram.put(address, value)
 
@@ -189,19 +190,14 @@ class Bus:
     def fetch(self, at: int, operand: Operand) -> int:
         """The value of these words of the register in cycle `at`, each in its place."""
         if not operand.recorded:
-            return self._peek(at, operand) if operand.harmless else self._read(at, operand)
+            return operand.peek(at) if operand.harmless else self._read(at, operand)
         recorder = self._recorder
         outer = recorder.cause
-        seen = self._peek(at, operand)  # recorded before the read, which causes what it sets off
+        seen = operand.peek(at)  # recorded before the read, which causes what it sets off
         recorder.cause = self._record("R", at, operand, seen, self._place())
         value = seen if operand.harmless else self._read(at, operand)
         recorder.cause = outer
         return value
-
-    def _peek(self, at: int, operand: Operand) -> int:
-        socket, words = operand.socket, operand.words
-        value = socket.peek(at, operand.offset) if words & LOW else 0
-        return value | socket.peek(at, operand.offset + 1) << 16 if words & HIGH else value
 
     def _read(self, at: int, operand: Operand) -> int:
         self._met(at)
@@ -258,15 +254,18 @@ class Bus:
 
     def land(self) -> None:
         """Let the posted write whose cycle it is take effect."""
-        posted = self._posted.popleft()
-        time = self._time
-        time.lands = self._posted[0].lands if self._posted else NEVER
-        at, operand, value, where, cause = posted
+        first = self._posted.pop(0)
+        if self._posted:
+            after = self._posted[0]
+            self._time.lands = after.lands
+        else:
+            self._time.lands = NEVER
+        at, operand, value = first.lands, first.operand, first.value
         recorder, socket = self._recorder, operand.socket
-        outer, recorder.cause = recorder.cause, cause
+        outer, recorder.cause = recorder.cause, first.cause
         if operand.recorded:
-            recorder.cause = self._record("W", at, operand, value, where)
-        self.issued_at = where
+            recorder.cause = self._record("W", at, operand, value, first.where)
+        self.issued_at = first.where
         self._met(at)
         if operand.words & LOW:
             socket.write(at, operand.offset, value & 0xFFFF)

@@ -113,7 +113,7 @@ class Interrupts:
                 "set ENPIE before interrupts are enabled."
             )
         self.taken = NAME_OF.get(address, self.taken)
-        return self._ram.long(address) & CODE_ADDRESS
+        return self._ram.word32(address) & CODE_ADDRESS
 
     def entered(self, cycle: int, where: str) -> None:
         """The service routine's first instruction begins. where: the routine does."""

@@ -37,7 +37,6 @@ class Processor(Agent):
         "_recorder",
         "_under_way",
         "_vector",
-        "_words",
         "bus",
         "interrupts",
         "name",
@@ -71,7 +70,6 @@ class Processor(Agent):
         self._goal = 0  # the cycle that it is to reach
         self._under_way = NONE
         self._vector = 0
-        self._words: list[int] = []
 
     @property
     def program(self) -> Program:

@@ -12,6 +12,7 @@ from pathlib import Path
 from types import CodeType, FrameType
 
 PACKAGE = f"{Path(__file__).parents[1]}{os.sep}"  # what a place in the firmware is never in,
+COMPILED = "periph_sim/"  # nor in this: so the frames of a traceback name the files of compiled modules
 FIRMWARE_ROOMS = (  # but for
     f"{PACKAGE}firmware{os.sep}",  # the start-up code that firmware imports,
     f"{PACKAGE}examples{os.sep}",  # and the shipped programs, which a wheel has here
@@ -67,7 +68,7 @@ class SourceLocator:
 
 def is_ours(file: str) -> bool:
     """True if this file belongs to the simulation, and not to firmware."""
-    return file.startswith(PACKAGE) and not file.startswith(FIRMWARE_ROOMS)
+    return file.startswith((PACKAGE, COMPILED)) and not file.startswith(FIRMWARE_ROOMS)
 
 
 def is_firmware(file: str) -> bool:

@@ -27,7 +27,7 @@ def scripted(bench: Bench, *main: Step, routine: tuple[Step, ...] = ()) -> Scrip
     """A program on the bench, begun now, with the vector of SEQ1INT stored as its start-up code would."""
     code = {MAIN: list(main), ROUTINE: [*routine, Step(Op.STORE, PIEACK, 1), Step(Op.IRET)]}
     program = ScriptedProgram(bench.processor, code, MAIN)
-    bench.processor.bus.ram.put_long(SEQ1INT, ROUTINE)
+    bench.processor.bus.ram.put_word32(SEQ1INT, ROUTINE)
     bench.processor.start(program)
     return program
 
@@ -231,7 +231,7 @@ def test_a_vector_without_a_name_is_told_by_its_line():
     bench = Bench([], recorder=recorder)
     bench.enable()
     program = scripted(bench, work(50), *[work(1)] * 100)
-    bench.processor.bus.ram.put_long(0x0D44, ROUTINE)
+    bench.processor.bus.ram.put_word32(0x0D44, ROUTINE)
     bench.pie.write(0, 0x2, 4)
     bench.kernel.at(60 * TICKS, lambda: (bench.pie.request(60, 1, 3), bench.pie_socket.publish(60)))
     bench.kernel.run_until(400 * TICKS)

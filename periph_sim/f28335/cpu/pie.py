@@ -47,10 +47,10 @@ class Pie(Chip):
     INPUTS: tuple[str, ...] = ()
     OUTPUTS: tuple[str, ...] = ()
     LINES: tuple[str, ...] = ()
-    filter_width = 0
 
     def __init__(self, options: SystemOptions) -> None:
         self.next_wake = NEVER
+        self.filter_width = 0
         self.out = 0
         self.requests = 0
         self.held = 0

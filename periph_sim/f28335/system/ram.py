@@ -80,12 +80,12 @@ class Ram:
         for offset, value in enumerate(values):
             self.put(address + offset, value)
 
-    def long(self, address: int) -> int:
+    def word32(self, address: int) -> int:
         """32 bits, the low word first; an odd address is that of the high word."""
         low = address & ~1
         return self.word(low) | self.word(low + 1) << 16
 
-    def put_long(self, address: int, value: int) -> None:
+    def put_word32(self, address: int, value: int) -> None:
         low = address & ~1
         self.put(low, value)
         self.put(low + 1, value >> 16)

@@ -21,7 +21,7 @@ from .program import PythonProgram
 class Instructions:
     """busy_cycles: spent in computations and service routines, not in waits."""
 
-    __slots__ = ("_code", "_core", "_processor", "_program", "_time", "busy_cycles")
+    __slots__ = ("_core", "_epilogue", "_processor", "_program", "_prologue", "_time", "busy_cycles")
 
     def __init__(self, processor: Processor, program: PythonProgram, code: CodeCosts) -> None:
         self.busy_cycles = 0
@@ -29,7 +29,8 @@ class Instructions:
         self._program = program
         self._time: CpuTime = processor.time
         self._core: CpuInterrupts = processor.interrupts.core
-        self._code = code
+        self._prologue = code.isr_prologue
+        self._epilogue = code.isr_epilogue
 
     def instruction(self, cycles: int) -> None:
         """One instruction, or an inseparable few: interrupts wait for its end."""
@@ -106,9 +107,9 @@ class Instructions:
             program.give_way()
         routine = program.entered
         assert routine is not None
-        self.run(self._code.isr_prologue)
+        self.run(self._prologue)
         routine()
-        self.run(self._code.isr_epilogue)
+        self.run(self._epilogue)
         if not processor.iret():
             program.give_way()
         self.busy_cycles = busy + time.cycle - began

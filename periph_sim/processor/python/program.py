@@ -100,7 +100,7 @@ class PythonProgram(Program):
 
     def kill(self, how: type[BaseException]) -> None:
         """`how` is raised in the firmware, so that its `finally` blocks run."""
-        super().kill(how)
+        Program.kill(self, how)
         dying, self._greenlet = self._greenlet, None
         if dying is not None and not dying.dead:
             dying.throw(how)
@@ -123,14 +123,14 @@ class PythonProgram(Program):
         running = self._greenlet
         if running is None or running.dead:
             return None
-        return self._places.of_frame(sys._getframe(1) if getcurrent() is running else running.gr_frame)
+        return self._places.of_frame(sys._getframe() if getcurrent() is running else running.gr_frame)
 
     def handle(self, vector: str, routine: Handler) -> None:
         """Make `routine` the service routine of a vector: its address is stored in the PIE's table."""
         entry = VECTORS[vector]
         self.handlers[vector] = routine
         self._code[ROUTINES + entry] = routine
-        self._processor.bus.ram.put_long(entry, ROUTINES + entry)
+        self._processor.bus.ram.put_word32(entry, ROUTINES + entry)
 
     def enter(self, vector: int) -> str:
         routine = self._code.get(vector)

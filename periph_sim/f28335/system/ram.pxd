@@ -1,0 +1,8 @@
+cdef class Ram:
+    cdef dict _pages
+    cpdef long long word(self, long long address)
+    cpdef void put(self, long long address, long long value)
+    cpdef list words(self, long long address, long long count)
+    cpdef void put_words(self, long long address, object values)
+    cpdef long long word32(self, long long address)
+    cpdef void put_word32(self, long long address, long long value)

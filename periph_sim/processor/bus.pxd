@@ -1,0 +1,53 @@
+cimport cython
+
+from ..core.records cimport Recorder
+from ..core.time cimport Clock
+from ..f28335.cpu.interrupts cimport CpuInterrupts
+from ..f28335.system.ram cimport Ram
+from .cpu_time cimport CpuTime
+from .firmware_notes cimport FirmwareNotes
+from .operand cimport Operand
+
+
+cdef class Posted:
+    cdef long long lands, value, cause
+    cdef Operand operand
+    cdef object where
+
+
+cdef class Bus:
+    cdef public long long free_from
+    cdef public dict free_of
+    cdef public object issued_at, map
+    cdef public Ram ram
+    cdef Clock _clock
+    cdef CpuInterrupts _core
+    cdef FirmwareNotes _notes
+    cdef Recorder _recorder
+    cdef CpuTime _time
+    cdef object _name, _place, _recorded, _waits
+    cdef bint _records_access
+    cdef dict _operands
+    cdef list _posted
+    cdef long long _lands_after, _last_pf1_write, _pf1_after_pf1
+    cpdef Operand operand(self, object place, object register, long long words, object field=*)
+    cpdef Operand at(self, long long address, long long width)
+    cdef bint _wanted(self, object register)
+    cpdef long long reads_at(self, long long cycle, long long address, long long width=*)
+    cpdef long long writes_at(self, long long cycle, long long address, long long width=*)
+    cpdef long long read(self, long long at, long long address, long long width=*)
+    cpdef void write(self, long long at, long long address, long long value, long long width=*)
+    cpdef void note_width(self, long long cycle, Operand operand)
+    cpdef long long free(self, Operand operand)
+    cpdef long long fetch(self, long long at, Operand operand)
+    cdef long long _read(self, long long at, Operand operand)
+    cpdef long long posts_at(self, long long cycle, Operand operand)
+    cpdef void store(self, long long at, Operand operand, long long value)
+    cpdef void modify(self, long long at, Operand operand, long long number)
+    cdef void _post(self, long long at, Operand operand, long long value)
+    cdef void _ignored(self, long long cycle, str what)
+    @cython.locals(first=Posted, after=Posted)
+    cpdef void land(self)
+    cpdef void forget(self)
+    cdef void _met(self, long long at)
+    cdef long long _record(self, str way, long long at, Operand operand, long long value, object where)

@@ -1,0 +1,16 @@
+from ..core.kernel cimport Kernel
+from ..core.records cimport Recorder
+from ..core.time cimport Clock
+
+
+cdef class FirmwareNotes:
+    cdef public dict counts
+    cdef public bint strict
+    cdef Clock _clock
+    cdef Kernel _kernel
+    cdef object _name, _place
+    cdef Recorder _recorder
+    cpdef void take(self, long long cycle, list notes)
+    cpdef void note(self, long long cycle, object note)
+    cpdef void insist(self, object note, object who)
+    cdef void _insist(self, object note, object who, long long tick)

@@ -1,0 +1,12 @@
+from ..core.chip cimport Chip
+from ..core.socket cimport Socket
+
+
+cdef class Operand:
+    cdef public object field, place, register
+    cdef public Socket socket
+    cdef public Chip chip
+    cdef public str name
+    cdef public long long address, mask, offset, read_waits, shift, words, write_waits
+    cdef public bint block, frame1, frame2, harmless, pieack, plain, protected, recorded, steady
+    cpdef long long peek(self, long long cycle)

@@ -16,6 +16,8 @@ cdef class I2c(Chip):
     cdef public I2cNoiseFilter _lines
     cdef public bint _bus_busy, _suspended
     cdef public long long _frozen_pull
+    cdef long long _readable
+    cdef long long _looks(self)
     cdef void _hear(self, long long now, long long levels)
     cdef void _lines_moved(self, long long now)
     cdef void _advance(self, long long now)

@@ -73,6 +73,7 @@ class I2c(Chip):
         self._bus_busy = False  # between a START and a STOP, also of those that came while IRS was 0
         self._suspended = False
         self._frozen_pull = 0  # what a halted slave pulls until the CPU runs on
+        self._readable = -1  # what could be read after the last edge or timer; -1: something else came since
 
     # Pins ------------------------------------------------------------------------
 
@@ -86,8 +87,10 @@ class I2c(Chip):
         if not self.state.mdr & MDR_DLB:
             self._hear(now, levels)
         if late or self.master.active or not self.filter_width:
-            self._plan()
-            return ALL
+            looks = self._looks()
+            self._timer = self._next_timer() if self._clocked else NEVER
+            self._show()
+            return ALL if late else looks
         self.next_wake = self._timer if self._timer < self._lines.due else self._lines.due
         return OUTPUTS
 
@@ -139,10 +142,14 @@ class I2c(Chip):
     # Time ------------------------------------------------------------------------
 
     def wake(self, now: int) -> int:
-        edge = self._timer > now and not self.master.active  # and nothing else
         self._advance(now)
         self._show()
-        return OUTPUTS if edge and self.target.in_mid_byte() else ALL
+        return self._looks()
+
+    def _looks(self) -> int:
+        """What the owner must look at after edges and timers, of which most move nothing that can be read."""
+        before, self._readable = self._readable, self.state.readable()
+        return OUTPUTS if before == self._readable and not self.notes else ALL
 
     def _advance(self, now: int) -> None:
         """Everything that is due by `now`, in order of time; filtered edges before timers."""
@@ -187,7 +194,8 @@ class I2c(Chip):
         return BOTH & ~(self.target.pulls | self.master.pulls) if on else BOTH
 
     def _plan(self) -> None:
-        """After an input that may have set or stopped a timer."""
+        """After an access, or what clock, debugger and reset do: timers may have been set or stopped."""
+        self._readable = -1
         self._timer = self._next_timer() if self._clocked else NEVER
         self._show()
 
@@ -206,7 +214,9 @@ class I2c(Chip):
     # Registers -----------------------------------------------------------------------
 
     def read(self, now: int, offset: int) -> int:
-        self._advance(now)
+        if self.next_wake <= now:
+            self._readable = -1
+            self._advance(now)
         if not self._accessible():
             return 0
         state = self.state
@@ -313,26 +323,9 @@ class I2c(Chip):
             if state.isrc_high:
                 state.duty("I2CISRC bits 11 to 8 were not written 0", "SPRUG03B Table 11")
         elif offset == at.EMDR:
-            self._write_emdr(value)
+            state.write_emdr(value)
         elif offset == at.PSC:
-            self._write_psc(value & 0xFF)
-
-    def _write_emdr(self, value: int) -> None:
-        self.touched.add("emdr_present")
-        if self.options.emdr_present:
-            self.state.bcm = value & 1
-            self.state.emdr_written = True
-            if value & ~1:
-                self.state.duty("I2CEMDR bits 15 to 1 were not written 0", "SPRUG03B Table 8")
-
-    def _write_psc(self, value: int) -> None:
-        state = self.state
-        if state.mdr & MDR_IRS:
-            self.touched.add("psc_write_irs1")
-            state.duty("I2CPSC was written with IRS = 1, where it has no effect; write it in IRS = 0", "SPRUG03B §1.4")
-            if self.options.psc_write_irs1 == "dropped":
-                return
-        state.psc = value
+            state.write_psc(value & 0xFF)
 
     def _write_str(self, now: int, value: int) -> None:
         state = self.state

@@ -1,3 +1,5 @@
+cimport cython
+
 from .fifos cimport I2cFifos
 
 
@@ -14,6 +16,8 @@ cdef class I2cRegisters(I2cFifos):
     cpdef void received(self, long long now, long long value)
     cpdef long long read_drr(self, long long now)
     cpdef long long stored(self, long long offset)
+    @cython.locals(registers=cython.longlong, levels=cython.longlong)
+    cpdef long long readable(self)
     cpdef long long bits(self)
     cpdef bint trx(self)
     cpdef long long setup(self)

@@ -11,11 +11,12 @@ from __future__ import annotations
 
 from ...core.chip import Note
 from . import register_map as i2c_map
-from .fifos import DEPTH, FFRST, I2cFifos
+from .fifos import DEPTH, FFINT, FFRST, I2cFifos
 from .options import I2cOptions
 from .register_map import (
     I2C_MAP,
     MDR_BC,
+    MDR_IRS,
     MDR_NACKMOD,
     MDR_STP,
     MDR_STT,
@@ -214,7 +215,25 @@ class I2cRegisters(I2cFifos):
         if self.options.rrdy_clear_reads_drr:
             self.drr_unread = False
 
-    # Small things the engines ask ---------------------------------------------------
+    # Settings ------------------------------------------------------------------------
+
+    def write_emdr(self, value: int) -> None:
+        self.touched.add("emdr_present")
+        if self.options.emdr_present:
+            self.bcm = value & 1
+            self.emdr_written = True
+            if value & ~1:
+                self.duty("I2CEMDR bits 15 to 1 were not written 0", "SPRUG03B Table 8")
+
+    def write_psc(self, value: int) -> None:
+        if self.mdr & MDR_IRS:
+            self.touched.add("psc_write_irs1")
+            self.duty("I2CPSC was written with IRS = 1, where it has no effect; write it in IRS = 0", "SPRUG03B §1.4")
+            if self.options.psc_write_irs1 == "dropped":
+                return
+        self.psc = value
+
+    # Small things the engines and the module ask ----------------------------------------
 
     def stored(self, offset: int) -> int:
         """What a register that only holds a value shows; 0 where there is none."""
@@ -228,6 +247,14 @@ class I2cRegisters(I2cFifos):
             i2c_map.DXR: self.dxr,
             i2c_map.PSC: self.psc,
         }.get(offset, 0)
+
+    def readable(self) -> int:
+        """One number, 63 bits, for all that edges and timers can change and the CPU can read."""
+        registers = self.dxr << 44 | self.code << 40 | self.drr << 32 | self.mdr << 16 | self.str
+        if not self.fifo:
+            return registers
+        levels = len(self.rx_fifo) << 5 | len(self.tx_fifo)
+        return (self.ffrx & FFINT) << 55 | levels << 52 | (self.fftx & FFINT) << 36 | registers
 
     def bits(self) -> int:
         """Bits of the next data byte."""

@@ -3,7 +3,6 @@ from .slave_transmitter cimport I2cSlaveTransmitter
 
 cdef class I2cSlave(I2cSlaveTransmitter):
     cpdef bint follows(self)
-    cpdef bint in_mid_byte(self)
     cpdef void start(self, long long now)
     cpdef void stop(self, long long now)
     cpdef void rise(self, long long now, long long sda)

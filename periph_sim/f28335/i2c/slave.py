@@ -43,10 +43,6 @@ class I2cSlave(I2cSlaveTransmitter):
         """This transfer is, or may be, for us."""
         return OFF < self.phase < IGNORE
 
-    def in_mid_byte(self) -> bool:
-        """True while an edge of SCL moves nothing but the shift register, and SDA as transmitter."""
-        return self.follows() and 0 < self.bit < self._n
-
     # Line events --------------------------------------------------------------------
 
     def start(self, now: int) -> None:

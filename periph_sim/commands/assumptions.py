@@ -13,7 +13,6 @@ from collections.abc import Sequence
 
 from ..core.options import Value
 from ..scene.case.model import Case
-from .option_groups import OPTIONS
 
 PAGE = "docs/options.md"
 
@@ -29,6 +28,8 @@ def assumptions(names: Sequence[str], case: Case, verbose: bool) -> list[str]:
 
 
 def _answer(name: str, case: Case) -> str:
+    from .option_groups import OPTIONS
+
     owner, _, rest = name.partition(".")
     given: dict[str, Value]
     if owner in case.unit:

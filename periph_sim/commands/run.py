@@ -6,14 +6,11 @@ import dataclasses
 from contextlib import ExitStack
 from fractions import Fraction
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from ..explain.bound.verdict_proof import prove_verdicts
-from ..explain.chain import Chain
-from ..explain.explain import explain as explained
-from ..explain.text_report import as_json as chain_as_json
-from ..explain.text_report import text
 from ..records.recording import recording
 from ..scene.case.load import load
 from ..scene.project import project_of
@@ -28,6 +25,9 @@ from .progress import progress
 from .result_text import show
 from .tables import terminal
 from .usage_error import usage_errors_in_one_sentence
+
+if TYPE_CHECKING:
+    from ..explain.chain import Chain
 
 SECTION = "run"
 EXAMPLE = "periph-sim run timing/imu_hil.toml --seconds 1 --explain"
@@ -85,22 +85,30 @@ def run(
         print_json("run", _object(result, chains if explain else None))
     else:
         show(terminal(), result, loaded, needed, verbose)
-        for chain in chains.values():
-            click.echo("\n".join(["", *text(chain)]))
+        if chains:
+            from ..explain.text_report import text
+
+            for chain in chains.values():
+                click.echo("\n".join(["", *text(chain)]))
     return status(result, needed)
 
 
 def _chains(scene: Scene, result: Result, length: Fraction | None) -> dict[str, Chain]:
-    found = explained(scene.case, result.budgets, scene.typical(), length)
+    from ..explain.explain import explain
+
+    found = explain(scene.case, result.budgets, scene.typical(), length)
     return {name: one.chain for name, one in found.items()}
 
 
 def _object(result: Result, chains: dict[str, Chain] | None) -> dict[str, object]:
     """The result and what it proves; if chains are given, `chain` under each budget, null where it has no instant."""
     shown = {**dataclasses.asdict(result), "proof": result.proof}
-    for budget in shown["budgets"] if chains is not None else ():
-        chain = (chains or {}).get(budget["name"])
-        budget["chain"] = None if chain is None else chain_as_json(chain)
+    if chains is not None:
+        from ..explain.text_report import as_json
+
+        for budget in shown["budgets"]:
+            chain = chains.get(budget["name"])
+            budget["chain"] = None if chain is None else as_json(chain)
     return shown
 
 

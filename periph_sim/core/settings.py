@@ -139,7 +139,8 @@ Share = Annotated[
 ]
 
 
-STRICT = ConfigDict(extra="forbid", arbitrary_types_allowed=True, frozen=True)
+# Checks of a table are made at its first use: most tables are only parts of a case, whose own checks hold theirs.
+STRICT = ConfigDict(extra="forbid", arbitrary_types_allowed=True, frozen=True, defer_build=True)
 
 
 class Table(BaseModel):

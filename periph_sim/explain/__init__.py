@@ -10,9 +10,3 @@ bus_chain, host_chain, event_chain   the steps that led there, by measure  (`Cha
   |
 text_report, picture; reports/html   for people; `Chain` as JSON for programs
 """
-
-from __future__ import annotations
-
-from .window import Window, windows, windows_of_table
-
-__all__ = ["Window", "windows", "windows_of_table"]

@@ -13,7 +13,6 @@ import json
 import os
 import sys
 from collections.abc import Iterator, Sequence
-from importlib.abc import MetaPathFinder
 from importlib.machinery import EXTENSION_SUFFIXES, ModuleSpec
 from importlib.util import spec_from_file_location
 from pathlib import Path
@@ -47,7 +46,7 @@ def sources(package: Path, modules: Sequence[str]) -> Iterator[Path]:
         yield path.with_suffix(".pxd")
 
 
-class _Finder(MetaPathFinder):
+class _Finder:
     """Finds the compiled modules of a build, before their sources."""
 
     def __init__(self, built: Path, modules: Sequence[str]) -> None:

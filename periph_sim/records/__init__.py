@@ -4,12 +4,3 @@
 
 Nothing is simulated again: the records of `run --record x.psr` are all that is needed.
 """
-
-from __future__ import annotations
-
-from .cause_trace.why import why
-from .lint_runner import lint
-from .races import races
-from .run import NotInRun, Run
-
-__all__ = ["NotInRun", "Run", "lint", "races", "why"]

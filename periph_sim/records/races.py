@@ -218,7 +218,7 @@ def _beside(run: Run, group: Group, f: Field | None, place: _Reads) -> _Beside:
     """All reads of a place, and the polls put back; with f those that looked at it, beside its changes."""
     before, after, nearest, reads = [NONE], [NONE], [NONE], 0
     unplaced = np.zeros(0, np.int64)
-    for code in np.unique(place.looked_at).tolist():
+    for code in sorted(set(place.looked_at.tolist())):
         name = run.table.names["field"][code] if code >= 0 else ""
         fields = (group.register[name],) if name in group.register else group.register.fields
         fields = tuple(each for each in fields if f is None or each is f)

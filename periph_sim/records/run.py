@@ -231,7 +231,7 @@ class Run:
     def by_place(self, rows: Rows) -> Iterator[tuple[str, Rows]]:
         """The rows of each place in the firmware, "function:line"."""
         codes = self.table.columns["text"][rows]
-        for code in np.unique(codes).tolist():
+        for code in sorted(set(codes.tolist())):
             yield self.table.names["text"][code], rows[codes == code]
 
     # Time ------------------------------------------------------------------------

@@ -11,7 +11,6 @@ import importlib
 import sys
 from collections.abc import Sequence
 from functools import lru_cache
-from importlib.abc import MetaPathFinder
 from importlib.machinery import ModuleSpec, SourceFileLoader
 from importlib.util import module_from_spec, spec_from_file_location
 from itertools import count
@@ -92,7 +91,7 @@ def _spec(name: str, file: Path) -> ModuleSpec:
     return spec
 
 
-class _FirmwareFinder(MetaPathFinder):
+class _FirmwareFinder:
     """Finds what firmware imports with a dot; Python's own finder would keep bytecode in the user's folder."""
 
     def find_spec(

@@ -1,8 +1,4 @@
-"""Measures, budgets and verdicts; over a recorded run `between`, `periods`, `happened`, `races` and `lost_flags`."""
+"""Measures, budgets and verdicts.
 
-from __future__ import annotations
-
-from .measures.over_table import Durations, between, happened, periods
-from .measures.race import Distances, lost_flags, races
-
-__all__ = ["Distances", "Durations", "between", "happened", "lost_flags", "periods", "races"]
+Over a recorded run: `between`, `periods`, `happened` in `measures.over_table`; `races`, `lost_flags` in `measures.race`.
+"""

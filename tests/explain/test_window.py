@@ -10,8 +10,7 @@ import pytest
 
 from periph_sim.core.records import Kind
 from periph_sim.core.time import Timebase
-from periph_sim.explain import windows, windows_of_table
-from periph_sim.explain.window import LONGEST, windows_of_edges
+from periph_sim.explain.window import LONGEST, windows, windows_of_edges, windows_of_table
 from periph_sim.replay.wire_log import WireLog
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene

@@ -10,7 +10,7 @@ import pytest
 
 from periph_sim.core.records import Kind, Record
 from periph_sim.processor.dsp import Dsp
-from periph_sim.records import Run
+from periph_sim.records.run import Run
 from periph_sim.scene import unit as unit_module
 from periph_sim.scene.case.model import Case
 from periph_sim.scene.firmware_loader import Firmware

@@ -13,10 +13,10 @@ from periph_sim.f28335.i2c.register_map import I2C_MAP
 from periph_sim.f28335.sci.register_map import SCI_MAP
 from periph_sim.f28335.system import clocks_map
 from periph_sim.f28335.system import cpu_timer_map as timer_map
-from periph_sim.records import Run, why
 from periph_sim.records.cause_trace.text_report import text
-from periph_sim.records.cause_trace.why import DEPTH, EFFECTS
+from periph_sim.records.cause_trace.why import DEPTH, EFFECTS, why
 from periph_sim.records.register_maps import is_status, one_clears, register_of, registers_of
+from periph_sim.records.run import Run
 from tests.records.cause_trace.test_causes import edge, flag, irq, read, write
 from tests.records.scenes import CYCLE, by_hand
 

@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.core.records import Kind
-from periph_sim.records import why
 from periph_sim.records.cause_trace.holders import holders, mover, wire_rows
 from periph_sim.records.cause_trace.interrupt_sources import I2C_FLAGS, sources
+from periph_sim.records.cause_trace.why import why
 from periph_sim.records.read_modify_write import read_modify_writes
 from tests.records.cause_trace.test_causes import (
     RRDY,

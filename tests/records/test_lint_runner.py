@@ -11,9 +11,9 @@ import pytest
 
 from periph_sim.firmware import start_i2c, start_pie
 from periph_sim.processor.dsp import Dsp
-from periph_sim.records import lint, lints
+from periph_sim.records import lints
 from periph_sim.records.lint_finding import Options
-from periph_sim.records.lint_runner import all_lints
+from periph_sim.records.lint_runner import all_lints, lint
 from periph_sim.scene.case.load import load
 from tests.records.scenes import ADDRESS, asks, by_hand, line_of, ran, recorded
 from tests.scene.runs import TIMING

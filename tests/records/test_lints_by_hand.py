@@ -13,9 +13,9 @@ from typing import Any
 import pytest
 
 from periph_sim.core.records import Kind
-from periph_sim.records import Run
 from periph_sim.records.lint_finding import Options
 from periph_sim.records.lint_runner import all_lints, lint
+from periph_sim.records.run import Run
 from tests.records.scenes import CYCLE, by_hand
 
 END = 1_000_000  # cycles

@@ -12,7 +12,8 @@ from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.firmware import sci_fifo_receiver
 from periph_sim.processor.dsp import Dsp
-from periph_sim.records import Run, why
+from periph_sim.records.cause_trace.why import why
+from periph_sim.records.run import Run
 from periph_sim.replay.i2c_closed_loop import I2cReplay
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import Case

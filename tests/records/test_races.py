@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from periph_sim.core.records import Kind
 from periph_sim.firmware import start_i2c, start_pie
 from periph_sim.processor.dsp import Dsp
-from periph_sim.records import NotInRun, races
-from periph_sim.records.races import NearMiss
+from periph_sim.records.races import NearMiss, races
 from periph_sim.records.races_text_report import as_json, text
+from periph_sim.records.run import NotInRun
 from periph_sim.scene import unit as unit_module
 from periph_sim.scene.firmware_loader import Firmware
 from tests.records.scenes import ADDRESS, CYCLE, asks, by_hand, line_of, ran, recorded

@@ -7,11 +7,12 @@ from typing import Any
 import pytest
 
 from periph_sim.records import lint_text_report as show_lint
-from periph_sim.records import races, why
 from periph_sim.records import races_text_report as show_races
 from periph_sim.records.cause_trace import text_report as show_why
+from periph_sim.records.cause_trace.why import why
 from periph_sim.records.lint_finding import Finding
 from periph_sim.records.lint_runner import all_lints
+from periph_sim.records.races import races
 from tests.records.scenes import by_hand
 from tests.records.test_races import RRDY, SCD, flag, read, write
 from tests.unwrapped import unwrapped

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from periph_sim.core.records import Kind
-from periph_sim.records import NotInRun, Run
+from periph_sim.records.run import NotInRun, Run
 from periph_sim.records.subject import asked, named, subjects
 from tests.records.cause_trace.test_causes import edge, flag
 from tests.records.scenes import CYCLE, by_hand

@@ -12,8 +12,8 @@ import re
 from dataclasses import dataclass
 from functools import cached_property
 
-from ...explain import Window
 from ...explain.picture import flags_told
+from ...explain.window import Window
 
 BUS = re.compile(r"\b(SCL|SDA|START|STOP|N?ACK|acknowledged|transfer|byte \d+)\b")
 SERIAL = re.compile(r"\b(RX|TX|SCI\w*|frames?|host|FIFO)\b")

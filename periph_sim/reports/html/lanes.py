@@ -13,8 +13,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 from ...core.records import Kind, Record
-from ...explain import Window
 from ...explain.cpu_activity import polled
+from ...explain.window import Window
 from ...records.register_maps import register_of
 from ...traces.capture.capture import Span
 from ...traces.decode import i2c

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...core.records import Kind, Record
-from ...explain import Window
+from ...explain.window import Window
 from ...traces.decode import i2c
 
 LONGEST = 24  # bytes of a row of frames

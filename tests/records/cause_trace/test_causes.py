@@ -8,10 +8,12 @@ from typing import Any
 import pytest
 
 from periph_sim.core.records import Kind
-from periph_sim.records import Run, races, why
 from periph_sim.records.cause_trace.causes import Step, walk_back
 from periph_sim.records.cause_trace.text_report import as_json, text
+from periph_sim.records.cause_trace.why import why
+from periph_sim.records.races import races
 from periph_sim.records.record_text import happened
+from periph_sim.records.run import Run
 from periph_sim.scene.case.load import load
 from tests.records.scenes import CYCLE, by_hand, recorded
 from tests.scene.runs import TIMING

@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 from periph_sim.core.records import Kind
 from periph_sim.firmware import start_i2c
 from periph_sim.processor.dsp import Dsp
-from periph_sim.records import NotInRun, Run, why
 from periph_sim.records.cause_trace.text_report import as_json, said, text
+from periph_sim.records.cause_trace.why import why
+from periph_sim.records.run import NotInRun, Run
 from periph_sim.scene.case.load import load
 from tests.records.scenes import ADDRESS, CYCLE, PER_SECOND, asks, by_hand, line_of, ran, recorded
 from tests.scene.runs import TIMING

@@ -10,7 +10,8 @@ import pytest
 from periph_sim import timing
 from periph_sim.firmware import start_i2c
 from periph_sim.processor.dsp import Dsp
-from periph_sim.records import NotInRun, races
+from periph_sim.records.races import races
+from periph_sim.records.run import NotInRun
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.firmware_loader import Firmware
 from periph_sim.scene.scene import Scene

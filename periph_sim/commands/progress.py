@@ -12,7 +12,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import click
-from rich.console import Console
 
 from .. import form
 
@@ -23,12 +22,16 @@ SHARE = "a half to a fifth"  # of the shipped cases' CPU time, by `python -m tes
 @contextmanager
 def progress(name: str) -> Iterator[Callable[[float], None] | None]:
     """Gives a function to be told the part done, 0 to 1; None where nobody would see the bar."""
-    console = Console(stderr=True)
-    if not console.is_terminal or not sys.stderr.isatty():
+    if not sys.stderr.isatty():
         yield None
         return
+    from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield None
+        return
     columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
     with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task(name, total=1.0)

@@ -10,3 +10,16 @@ bus_chain, host_chain, event_chain   the steps that led there, by measure  (`Cha
   |
 text_report, picture; reports/html   for people; `Chain` as JSON for programs
 """
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..core.lazy_names import lazy_names
+
+if TYPE_CHECKING:
+    from .window import Window, windows, windows_of_table
+
+__all__ = ["Window", "windows", "windows_of_table"]
+
+__getattr__ = lazy_names(__name__, {"window": ("Window", "windows", "windows_of_table")})

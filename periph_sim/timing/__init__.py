@@ -1,4 +1,21 @@
-"""Measures, budgets and verdicts.
+"""Measures, budgets and verdicts; over a recorded run `between`, `periods`, `happened`, `races` and `lost_flags`."""
 
-Over a recorded run: `between`, `periods`, `happened` in `measures.over_table`; `races`, `lost_flags` in `measures.race`.
-"""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..core.lazy_names import lazy_names
+
+if TYPE_CHECKING:
+    from .measures.over_table import Durations, between, happened, periods
+    from .measures.race import Distances, lost_flags, races
+
+__all__ = ["Distances", "Durations", "between", "happened", "lost_flags", "periods", "races"]
+
+__getattr__ = lazy_names(
+    __name__,
+    {
+        "measures.over_table": ("Durations", "between", "happened", "periods"),
+        "measures.race": ("Distances", "lost_flags", "races"),
+    },
+)

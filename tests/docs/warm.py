@@ -36,6 +36,9 @@ with socket(AF_UNIX, SOCK_SEQPACKET) as line:
 sys.exit(int(status) if status else "periph-sim: the server that tests run commands by has ended")
 """
 
+# What most commands import only where they need it.
+USED = ("periph_sim.explain.explain", "periph_sim.explain.text_report", "numpy.ma", "numpy.random", "rich.table")
+
 _running: list[subprocess.Popen[str]] = []  # dropped, a Popen closes its pipes
 
 
@@ -63,6 +66,8 @@ def main() -> None:
 
     for file in sorted(cli.FOLDER.glob("[!_]*.py")):
         importlib.import_module(f"periph_sim.commands.{file.stem}")
+    for module in USED:
+        importlib.import_module(module)
     folder = Path(tempfile.mkdtemp())
     with socket(AF_UNIX, SOCK_SEQPACKET) as server:
         _listen(server, folder)

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 from fractions import Fraction
+from math import lcm
 from typing import Literal
 
 import numpy as np
@@ -21,6 +22,11 @@ from .motion.quantities import Acceleration, Angle
 ByteOrder = Literal["little", "big"]
 
 LEAST, MOST = -0x8000, 0x7FFF
+
+MOST_AHEAD = 64  # frames that are worked out at once
+KEPT = 4 * MOST_AHEAD  # for who looks back
+
+Frame = tuple[tuple[int, ...], tuple[str, ...]]  # its values, and the names of those that were beyond 16 bits
 
 
 @dataclass(frozen=True)
@@ -70,16 +76,18 @@ class MotionFrames:
     """The values of frame n, which is due at first + n * period seconds of the motion's own time.
 
     motion: what they are of. beyond: how often each value of the frames so far was beyond 16 bits; frames are asked
-    for in rising order.
+    for in rising order. Several are worked out at once, twice as many each time, so that a short run pays for few.
     """
 
     def __init__(self, motion: Motion, encoding: Encoding, first: Fraction, period: Fraction) -> None:
         self.beyond: Counter[str] = Counter()
         self.motion = motion
         self._encoding = encoding
-        self._first = first
-        self._period = period
+        self._scale = lcm(first.denominator, period.denominator)  # times are whole in parts of a second
+        self._first, self._period = (int(length * self._scale) for length in (first, period))
         self._counted = 0
+        self._known: dict[int, Frame] = {}
+        self._ahead = 1  # frames to work out at once next
 
     @property
     def byte_order(self) -> ByteOrder:
@@ -87,15 +95,36 @@ class MotionFrames:
 
     def __call__(self, number: int) -> tuple[int, ...]:
         """Six counts. BadMotion if the motion is out of its range there, or beyond 16 bits and that is refused."""
-        time = np.array([float(self._first + number * self._period)])
-        try:
-            counts, beyond = self._encoding.counts(sampled(self.motion, time))
-        except BadMotion as error:
-            raise BadMotion(f"frame {number}, due at {time[0]:.6g} s: {error}") from None
+        if number not in self._known:
+            self._work_out(number)
+        values, beyond = self._known[number]
         if number >= self._counted:
             self._counted = number + 1
-            self.beyond.update(name for name, one in zip(VALUES, beyond[0], strict=True) if one)
-        return tuple(counts[0].tolist())
+            self.beyond.update(beyond)
+        return values
+
+    def _work_out(self, number: int) -> None:
+        """This frame, and some behind it if none of them is refused."""
+        try:
+            self._add(number, self._ahead)
+        except BadMotion:
+            self._ahead = 1
+            try:
+                self._add(number, 1)
+            except BadMotion as error:
+                raise BadMotion(f"frame {number}, due at {self._time(number):.6g} s: {error}") from None
+        self._ahead = min(2 * self._ahead, MOST_AHEAD)
+        for old in list(self._known)[:-KEPT]:
+            del self._known[old]
+
+    def _add(self, first: int, count: int) -> None:
+        times = np.array([self._time(number) for number in range(first, first + count)])
+        counts, beyond = self._encoding.counts(sampled(self.motion, times))
+        for number, values, wrong in zip(range(first, first + count), counts.tolist(), beyond.tolist(), strict=True):
+            self._known[number] = tuple(values), tuple(name for name, one in zip(VALUES, wrong, strict=True) if one)
+
+    def _time(self, number: int) -> float:
+        return (self._first + number * self._period) / self._scale
 
 
 ANGLE, ACCELERATION = 1e-4, 1e-3  # rad and g a count

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.sensors.host_frame import LEAST, MOST, Encoding, MotionFrames
-from periph_sim.sensors.motion import BadMotion, sines, static
+from periph_sim.sensors.motion import BadMotion, pieces, sines, static
 
 SIX = st.lists(st.floats(-12, 12), min_size=6, max_size=6)
 
@@ -65,6 +65,31 @@ def test_frame_n_is_the_motion_at_first_plus_n_periods():
     month = 30 * 86400 * 50
     for n in (0, 1, 50, month):
         assert sent(n)[0] == round(1e4 * np.sin(2 * pi * 0.7 * (0.002 + n * 0.02)))
+
+
+@given(st.lists(st.integers(0, 700), min_size=1, max_size=40))
+def test_a_frame_is_the_same_whichever_were_asked_for_before(numbers: list[int]):
+    """Frames are worked out several at once, and not all of them are kept."""
+    waves = tuple(sines.AngleWave(of, 0.3, frequency) for of, frequency in (("phi", 0.31), ("psi", 0.17)))
+    motion = sines.motion(sines.Settings(waves, (sines.AccelerationWave("ax", 0.1, 0.7),)))
+    sent = frames(motion, Encoding())
+    for number in [*range(130), *numbers]:
+        assert sent(number) == frames(motion, Encoding())(number)
+
+
+def test_a_frame_is_refused_when_it_is_asked_for_and_counts_only_then():
+    """theta grows without end: beyond 16 bits from frame 33 on, at its range of motion behind frame 62."""
+    rising = pieces.Straight(np.array([0.0, 10.0]), np.array([[0.0] * 6, [0, 50.0, 0, 0, 0, 0]]))
+    refusing = frames(rising, Encoding())
+    assert [refusing(number)[1] for number in range(33)] == [100 + 1000 * number for number in range(33)]
+    for number in (33, 40, 33):
+        with pytest.raises(BadMotion, match=rf"^frame {number}, due at [0-9.]+ s: theta is "):
+            refusing(number)
+    assert refusing(32)[1] == 32100
+    saturating = frames(rising, Encoding(beyond="saturate"))
+    for number in range(35):
+        saturating(number)
+    assert saturating.beyond == {"theta": 2}
 
 
 def test_a_scale_of_zero_or_less_is_refused():

@@ -54,8 +54,8 @@ class Module:
 
     @staticmethod
     def of(path: Path) -> Module:
-        """The module of a file, read once for each change of it."""
-        return _module(path, path.stat().st_mtime_ns)
+        """The module of a file, taken apart once for each text that it has had."""
+        return _module(path.read_text(encoding="utf-8"))
 
     def __init__(self, tree: ast.Module) -> None:
         nodes = list(ast.walk(tree))
@@ -298,8 +298,8 @@ class Module:
 
 
 @lru_cache(maxsize=64)
-def _module(path: Path, changed: int) -> Module:
-    return Module(ast.parse(path.read_text(encoding="utf-8")))
+def _module(text: str) -> Module:
+    return Module(ast.parse(text))
 
 
 def called(node: ast.Call) -> str:

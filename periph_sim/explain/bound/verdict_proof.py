@@ -96,10 +96,10 @@ def bounds_of(case: Case, firmware: Mapping[str, Firmware]) -> Found:
 
 
 def _key(case: Case, firmware: Mapping[str, Firmware]) -> tuple[object, ...]:
-    """All that bounds depend on: the case but for its budgets, programs, and when their sources were changed."""
+    """All that bounds depend on: the case but for its budgets, programs, and the texts of their sources."""
     mains = tuple((name, one.main) for name, one in sorted(firmware.items()))
     files = sorted({path for _, main in mains for path in Program(main).modules})
-    return (repr(case.model_dump(exclude=APART)), mains, tuple((path, Path(path).stat().st_mtime_ns) for path in files))
+    return (repr(case.model_dump(exclude=APART)), mains, tuple((path, Path(path).read_bytes()) for path in files))
 
 
 def _bounds_of(case: Case, firmware: Mapping[str, Firmware]) -> Found:

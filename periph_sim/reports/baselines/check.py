@@ -11,16 +11,15 @@ from __future__ import annotations
 import gc
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from difflib import unified_diff
-from multiprocessing import get_context
 from pathlib import Path
-from signal import SIG_DFL, SIGINT, signal
 from typing import Protocol, TypeVar, TypeVarTuple
 
 from ...scene.case.discover import cases_below
+from ..processes import processes
 from .compare import Change, compare, explain, moved_accesses
 from .errors import BadCheck
 from .event_chain import EventLine, Wanted
@@ -271,8 +270,7 @@ def workers(jobs: int | None, calls: int) -> Iterator[Start]:
 
 def _apart(work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> T:
     """The call in a fresh process, so that no case sees what the firmware of another left behind."""
-    quietly = (SIGINT, SIG_DFL)  # Ctrl-C ends it without a traceback
-    with ProcessPoolExecutor(1, get_context("spawn"), initializer=signal, initargs=quietly) as process:
+    with processes(1) as process:
         try:
             return process.submit(work, path, *rest).result()
         except BrokenProcessPool:

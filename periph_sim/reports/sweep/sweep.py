@@ -7,22 +7,20 @@ Any `concurrent.futures.Executor` serves: threads, processes, those of a cluster
 
 from __future__ import annotations
 
-import gc
 import os
 import pickle
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures import Executor
 from concurrent.futures.process import BrokenProcessPool
 from fractions import Fraction
-from multiprocessing import get_context
 from pathlib import Path
-from signal import SIG_DFL, SIGINT, signal
 from typing import Any
 
 from ...core.settings import duration
 from ...scene.case.load import UnknownKey, load
 from ...scene.case.model import BadCase, Case
 from ...scene.firmware_loader import Firmware
+from ..processes import processes
 from .columns import Sweep, sweep_of
 from .one_run import ERROR, Job, Row, rows_of
 from .plan import Changes, runs_of, texts_of
@@ -74,11 +72,11 @@ def sweep(
     name = _check(Path(case), texts, programs or {})
     firmware = {unit: p if isinstance(p, Firmware) else Firmware(unit, p, None) for unit, p in (programs or {}).items()}
     job = Job(str(Path(case).absolute()), str(case), length, firmware, proven)
-    processes = min(jobs or os.cpu_count() or 1, len(runs))
-    if executor is None and processes > 1:
+    workers = min(jobs or os.cpu_count() or 1, len(runs))
+    if executor is None and workers > 1:
         _check_sent(firmware)
     rows: list[Row] = []
-    for some in _made(job, texts, executor, processes):
+    for some in _made(job, texts, executor, workers):
         rows += some
         if told is not None:
             told(len(rows) / len(runs))
@@ -145,7 +143,7 @@ def _by_processes(job: Job, parts: Sequence[Texts], jobs: int) -> Iterator[list[
     """As `_by`, in processes of our own. Where one dies, the part that was waited for is made again, each run apart."""
     done = 0
     while done < len(parts):
-        with _processes(jobs) as pool:
+        with processes(jobs) as pool:
             try:
                 for rows in _by(pool, job, parts[done:]):
                     yield rows
@@ -158,7 +156,7 @@ def _by_processes(job: Job, parts: Sequence[Texts], jobs: int) -> Iterator[list[
 
 
 def _apart(job: Job, text: list[str]) -> list[Row]:
-    with _processes(1) as pool:
+    with processes(1) as pool:
         try:
             return pool.submit(rows_of, job, [text]).result()
         except BrokenProcessPool:
@@ -169,13 +167,3 @@ DIED = (
     "its process died before it was done; where all do, a script lacks its `if __name__ == '__main__':`, "
     "else periph-sim run shows how far it comes"
 )
-
-
-def _processes(jobs: int) -> ProcessPoolExecutor:
-    return ProcessPoolExecutor(jobs, get_context("spawn"), initializer=_begin)
-
-
-def _begin() -> None:
-    """In a worker: Ctrl-C ends it without a traceback; what it has imported is never looked through for garbage."""
-    signal(SIGINT, SIG_DFL)
-    gc.freeze()

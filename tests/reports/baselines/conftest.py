@@ -1,7 +1,9 @@
-"""Baselines made once for all tests of this folder."""
+"""A case and its baseline, made once for all tests of this folder; each test has a copy of its own."""
 
 from __future__ import annotations
 
+import os
+import shutil
 from pathlib import Path
 
 import pytest
@@ -10,12 +12,23 @@ from periph_sim.reports.baselines import check
 from tests.reports.baselines.desk import put
 
 
+@pytest.fixture(scope="session")
+def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder that holds `cases`, with one case that holds and its baseline."""
+    here, folder = Path.cwd(), tmp_path_factory.mktemp("written")
+    os.chdir(folder)  # paths in messages count from there
+    try:
+        put(Path("cases"))
+        (one,) = check(["cases"], jobs=1, update=True)
+    finally:
+        os.chdir(here)
+    assert (one.state, one.findings) == ("written", [])
+    return folder
+
+
 @pytest.fixture
-def cases(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def cases(written: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder `cases` with one case that holds, and its baseline; also the current folder's only content."""
     monkeypatch.chdir(tmp_path)
-    folder = Path("cases")
-    put(folder)
-    (written,) = check([folder], jobs=1, update=True)
-    assert (written.state, written.findings) == ("written", [])
-    return folder
+    shutil.copytree(written / "cases", "cases")
+    return Path("cases")

@@ -12,16 +12,20 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import partial
 from random import Random
+from struct import Struct, error
 from typing import Literal
 
 from ..bus.uart.sender import UartSender
-from ..core.kernel import Kernel
+from ..core.kernel import Agent, Kernel
 from ..sensors.host_frame import ByteOrder
 
 VALUES = 6
 FRAME_BYTES = 2 * VALUES
+PACKED = {"little": Struct(f"<{VALUES}h"), "big": Struct(f">{VALUES}h")}
+
+# What an event is for.
+FRAME, FRAME_AGAIN = range(2)
 
 
 def ramp(number: int) -> tuple[int, ...]:
@@ -34,7 +38,10 @@ RAMP = ((1, 1), (3, 1000), (5, -2000), (7, 12), (11, -34), (13, 1000))
 
 def encode(values: tuple[int, ...], byte_order: ByteOrder = "little") -> bytes:
     """The bytes of a frame. OverflowError for a value that does not fit 16 bits."""
-    return b"".join(value.to_bytes(2, byte_order, signed=True) for value in values)
+    try:
+        return PACKED[byte_order].pack(*values)
+    except error:
+        raise OverflowError(f"{values} do not all fit 16 bits") from None
 
 
 PacedBy = Literal["schedule", "pause"]
@@ -60,7 +67,7 @@ class HostSchedule:
     twice: frozenset[int] = frozenset()
 
 
-class Host:
+class Host(Agent):
     """sent: told (number, values, end of its last stop bit) of each frame, of one that is sent twice both times."""
 
     REMEMBERED = 64  # frames
@@ -86,14 +93,28 @@ class Host:
         self._byte_order: ByteOrder = byte_order
         self._random = Random(seed)
         self._first = kernel.now + schedule.first
+        self._period = Fraction(schedule.period)
+        self._pause = int(self._period // 1)
+        self._by_schedule = schedule.paced_by == "schedule"
         self._number = 0
         self._due = deque([(0, self._first)], maxlen=self.REMEMBERED)  # of the last frames: (number, tick)
+        self._due_next = self._first
+        self._sending: tuple[int, tuple[int, ...], bytes] = (0, (), b"")  # number, values, bytes of the frame under way
+        self._again = False  # it is to be sent once more,
+        self._once_more: tuple[int, tuple[int, ...], bytes] = self._sending  # as soon as it is over
         self._plan(self._first)
+
+    def act(self, tag: int) -> None:
+        if tag == FRAME:
+            self._begin(self._due_next)
+        else:
+            number, values, data = self._once_more
+            self._send(number, values, data, False)
 
     def due(self, number: int) -> int:
         """The tick at which a frame was due, before jitter; where a pause paces them, of one of the last frames."""
-        if self._schedule.paced_by == "schedule":
-            return self._first + number * self._schedule.period // 1
+        if self._by_schedule:
+            return self._first + number * self._period.numerator // self._period.denominator
         return next(tick for known, tick in self._due if known == number)
 
     def frame_at(self, tick: int) -> Fraction:
@@ -101,8 +122,8 @@ class Host:
 
         The next one is a whole period away as long as nobody knows better.
         """
-        period = self._schedule.period
-        if self._schedule.paced_by == "schedule" or tick < self._first:
+        period = self._period
+        if self._by_schedule or tick < self._first:
             return Fraction(tick - self._first) / period
         number, due = next(known for known in reversed(self._due) if known[1] <= tick)
         return number + min(Fraction(tick - due) / period, Fraction(1))
@@ -111,30 +132,38 @@ class Host:
         schedule = self._schedule
         if schedule.frames is None or self._number < schedule.frames:
             late = self._random.randrange(schedule.jitter + 1) if schedule.jitter else 0
-            self._kernel.at(due + late, partial(self._begin, due))
+            self._due_next = due
+            self._kernel.ask(due + late, self, FRAME)
 
     def _begin(self, due: int) -> None:
         schedule, now = self._schedule, self._kernel.now
         number, self._number = self._number, self._number + 1
         if number:
             self._due.append((number, due))
-        self._plan(self.due(self._number) if schedule.paced_by == "schedule" else now + schedule.period // 1)
-        if any(begin <= now < end for begin, end in schedule.silent):
-            return
+        self._plan(self.due(self._number) if self._by_schedule else now + self._pause)
+        for begin, end in schedule.silent:
+            if begin <= now < end:
+                return
         if self._peer.busy:
             self.late += 1
             return
         values = self._values(number)
-        self._send(number, values, encode(values, self._byte_order), again=number in schedule.twice)
+        self._send(number, values, encode(values, self._byte_order), number in schedule.twice)
 
     def _send(self, number: int, values: tuple[int, ...], data: bytes, again: bool) -> None:
-        kept = bytes(b for i, b in enumerate(data) if (number, i) not in self._schedule.lose)
+        self._sending, self._again = (number, values, data), again
+        lose = self._schedule.lose
+        if lose:
+            data = bytes(byte for place, byte in enumerate(data) if (number, place) not in lose)
         self.frames += 1
-        self.bytes += len(kept)
-        self._peer.send(kept, self._schedule.gap, partial(self._over, number, values, data if again else b""))
+        self.bytes += len(data)
+        self._peer.send(data, self._schedule.gap, self._over)
 
-    def _over(self, number: int, values: tuple[int, ...], once_more: bytes, tick: int) -> None:
-        if once_more:
-            self._kernel.at(tick, partial(self._send, number, values, once_more, again=False))
+    def _over(self, tick: int) -> None:
+        """All edges of the frame are made; its last stop bit ends at `tick`."""
+        if self._again:
+            self._once_more = self._sending
+            self._kernel.ask(tick, self, FRAME_AGAIN)
+        number, values, _ = self._sending
         for told in self.sent:
             told(number, values, tick)

@@ -17,12 +17,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import partial
 from random import Random
 
 from ..bus.i2c.controller import I2cController
 from ..bus.i2c.transfer import Phase, Transfer
-from ..core.kernel import Kernel
+from ..core.kernel import Agent, Kernel
+
+# What an event is for: the chips are set up, a round is due, the next transfer begins.
+SET_UP, ROUND, NEXT = range(3)
 
 
 @dataclass(frozen=True)
@@ -138,7 +140,7 @@ class Round:
     transfers: int = 0
 
 
-class SensorHead:
+class SensorHead(Agent):
     """on_transfer, on_round: told of each when it is over. on_due: told when each round is due, before it begins.
 
     on_missed: told of a round that was due and could not begin. Both are given the time at which it was due.
@@ -169,11 +171,14 @@ class SensorHead:
         self._by_stop = by_stop
         self._random = Random(seed)
         self._first = kernel.now + schedule.first
+        self._period = Fraction(schedule.period)
         self._number = 0
+        self._due = self._first  # the next round
+        self._startup = startup
         self._round: Round | None = None
         self._left: list[Transfer] = []
         if startup:
-            kernel.at(self._first - schedule.ahead, partial(self._set_up, startup))
+            kernel.ask(self._first - schedule.ahead, self, SET_UP)
         self._plan()
 
     @property
@@ -181,17 +186,25 @@ class SensorHead:
         """No round is under way."""
         return self._round is None
 
+    def act(self, tag: int) -> None:
+        if tag == NEXT:
+            self._next()
+        elif tag == ROUND:
+            self._begin(self._due)
+        else:
+            self._set_up()
+
     def _plan(self) -> None:
         schedule = self.schedule
         if schedule.rounds is None or self._number < schedule.rounds:
             late = self._random.randrange(schedule.jitter + 1) if schedule.jitter else 0
-            due = self._first + self._number * schedule.period // 1
-            self._kernel.at(due + late, partial(self._begin, due))
+            self._due = self._first + self._number * self._period.numerator // self._period.denominator
+            self._kernel.ask(self._due + late, self, ROUND)
 
-    def _set_up(self, startup: Sequence[Request]) -> None:
+    def _set_up(self) -> None:
         """It goes as a round that is not counted; a round due meanwhile is missed."""
         self._round = Round(0, self._kernel.now, self._kernel.now)
-        self._left = [t for request in startup for t in request.transfers(self._by_stop)]
+        self._left = [t for request in self._startup for t in request.transfers(self._by_stop)]
         self._next()
 
     def _begin(self, due: int) -> None:
@@ -219,7 +232,7 @@ class SensorHead:
         for told in self.on_transfer:
             told(transfer)
         if self._left:
-            self._kernel.at(self._kernel.now + self.schedule.gap, self._next)
+            self._kernel.ask(self._kernel.now + self.schedule.gap, self, NEXT)
             return
         current.end = self._kernel.now
         self._round = None

@@ -14,6 +14,7 @@ from collections.abc import Collection, Iterator, Mapping
 from types import ModuleType
 
 LITERAL = 2**31 - 1  # what is more becomes an object in C, unless a declaration says how wide it is
+WORD = 64  # bits of a C integer; what needs more stays a name, and an object
 
 
 def wide_name(value: int) -> str:
@@ -69,5 +70,5 @@ def _constants(tree: ast.Module, names: Mapping[str, object]) -> Iterator[tuple[
         elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.attr.isupper():
             module = names.get(node.value.id)
             value = getattr(module, node.attr, None) if isinstance(module, ModuleType) else None
-        if type(value) is int and isinstance(node, ast.expr):
+        if type(value) is int and value.bit_length() < WORD and isinstance(node, ast.expr):
             yield node, value

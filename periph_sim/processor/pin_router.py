@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ..core.kernel import Kernel
+from ..core.kernel import Agent, Kernel
 from ..core.records import Recorder
 from ..core.socket import Socket
 from ..core.time import NO_TIME, Clock
@@ -19,8 +19,11 @@ from ..core.wire import Pin, Sampler, Wire
 from ..f28335.cpu.xint import Xint
 from ..f28335.gpio.module import Gpio
 from ..f28335.gpio.pin_mux_table import OUTPUTS
+from ..f28335.gpio.register_map import BIT
 
 Port = tuple[Socket, int]  # a peripheral and the index of one of its pins
+
+BETWEEN, RECONNECT = range(2)  # what an event is for: the levels before a SYSCLKOUT edge, outputs to their pins
 
 
 class Pads(NamedTuple):
@@ -30,7 +33,7 @@ class Pads(NamedTuple):
     pulled_down: frozenset[int] = frozenset()
 
 
-class Router:
+class Router(Agent):
     """inputs, outputs: signal of the pin table -> the peripheral's pin."""
 
     def __init__(
@@ -48,6 +51,7 @@ class Router:
     ) -> None:
         self._kernel = kernel
         self._clock = clock
+        self._recorder = recorder
         self._gpio = gpio
         self._gpio_socket = gpio_socket
         self._wires = pads.wires
@@ -55,9 +59,10 @@ class Router:
         self._inputs = inputs
         self._outputs = outputs
         self._pins: dict[int, Pin] = {n: wire.attach(f"{who}.GPIO{n}") for n, wire in pads.wires.items()}
+        self._let_go: dict[int, Pin] = {}  # those of them that no peripheral drives
         self._straight: set[str] = set()  # signals whose wire is an input of their peripheral
         self._feeds: dict[int, Port] = {}  # synchronised pad -> the input that it feeds
-        self._pads = Sampler(kernel, recorder, self._on_pads)  # those of which the GPIO machine is told
+        self._pads = Sampler(kernel, recorder, self)  # those of which the GPIO machine is told
         self._line = {n: line for line, n in enumerate(pads.wires)}  # pad -> its line there
         self._heard: set[int] = set()
         self._unheard = -1  # mask: all other pads
@@ -74,11 +79,17 @@ class Router:
             self._xint_chip = xint.chip
             xint.before = self._before_xint
             xint.after = self._watch_lines
-        gpio.wire(sum(1 << n for n in pads.wires))
+        gpio.wire(sum(BIT[n] for n in pads.wires))
         gpio_socket.after = self.look
         gpio_socket.before = self._tell_all_pads
         gpio_socket.on_watch = self._listen
         self.look(clock.cycle_at(kernel.now))
+
+    def act(self, tag: int) -> None:
+        if tag == RECONNECT:
+            self._reconnect()
+        else:
+            self._between()
 
     # Pads ----------------------------------------------------------------------
 
@@ -92,15 +103,19 @@ class Router:
         for n in heard - self._heard:
             self._pads.listen(self._line[n], self._wires[n])
         self._heard = heard
-        self._unheard = ~sum(1 << n for n in heard)
+        self._unheard = ~sum(BIT[n] for n in heard)
 
-    def _on_pads(self, tick: int, levels: int) -> None:
+    def sampled(self, tick: int, levels: int) -> None:
         """Pads have changed: on a SYSCLKOUT edge, or between two, which the machine is told at the later one."""
         cycle = self._clock.cycle_at(tick)
         begin = self._clock.tick(cycle)
         if begin == tick:
             moved = self._tell(cycle, self._levels_of(levels))
-            if not any(moved >> n & 1 for n in self._feeds):
+            fed = False
+            for n in self._feeds:
+                if moved >> n & 1:
+                    fed = True
+            if not fed:
                 return
             begin = self._clock.tick(cycle + 1)  # a synchronised input shows it then
         self._plan_between(begin)
@@ -108,7 +123,10 @@ class Router:
     def _plan_between(self, begin: int) -> None:
         if begin != self._between_at:
             self._between_at = begin
-            self._gpio_socket.later(begin, self._between)
+            if self._recorder.cause:
+                self._gpio_socket.later(begin, self._between)
+            else:
+                self._kernel.ask(begin, self, BETWEEN)
 
     def _between(self) -> None:
         """At a SYSCLKOUT edge: the levels just before it, which are what a synchroniser takes."""
@@ -120,7 +138,11 @@ class Router:
 
     def _levels_of(self, lines: int) -> int:
         """The sampler's lines as levels of pads."""
-        return sum(1 << n for n, line in self._line.items() if lines >> line & 1)
+        levels = 0
+        for n, line in self._line.items():
+            if lines >> line & 1:
+                levels |= BIT[n]
+        return levels
 
     def _tell(self, cycle: int, levels: int, exact: bool = True) -> int:
         """The GPIO machine is told of the pads that it hears of; those that moved for it."""
@@ -128,13 +150,20 @@ class Router:
         levels = levels & ~self._unheard | gpio.pads & self._unheard
         moved = levels ^ gpio.pads
         if moved:
-            gpio.pins(cycle, levels, exact)
+            gpio.edges(cycle, levels, exact)
             self._gpio_socket.publish(cycle)
         return moved
 
     def _tell_all_pads(self, cycle: int) -> None:
         """Before an access: also the pads that the machine is not told of edge by edge."""
-        self._gpio.pins(cycle, sum(wire.level << n for n, wire in self._wires.items()))
+        self._gpio.edges(cycle, self._levels_on_wires())
+
+    def _levels_on_wires(self) -> int:
+        levels = 0
+        for n, wire in self._wires.items():
+            if wire.level:
+                levels |= BIT[n]
+        return levels
 
     # Routes --------------------------------------------------------------------
 
@@ -185,11 +214,13 @@ class Router:
             if pad in self._wires and gpio.seen_at(cycle, pad, exact=True) == cycle + 1:
                 self._feeds[pad] = (socket, index)
             socket.inputs.put(index, gpio.peripheral_level(cycle, signal))
+        theirs = {n for signal in self._outputs for n in gpio.sink(signal)}
+        self._let_go = {n: pin for n, pin in self._pins.items() if n not in theirs}
         self._listen()
         if self._feeds:
             self._plan_between(self._clock.tick(cycle + 1))
         after = self._clock.tick(cycle + gpio.out_delay)
-        self._kernel.at(max(after, self._kernel.now), self._reconnect)
+        self._kernel.ask(max(after, self._kernel.now), self, RECONNECT)
 
     def _reconnect(self) -> None:
         """Outputs to the pins that are theirs now."""
@@ -202,8 +233,6 @@ class Router:
 
     def _drive(self) -> None:
         """Pads that GPIO drives; all others but those of peripherals are let go."""
-        gpio = self._gpio
-        theirs = {n for signal in self._outputs for n in gpio.sink(signal)}
-        for n, pin in self._pins.items():
-            if n not in theirs:
-                pin.drive(gpio.driven_high >> n & 1 if gpio.driven >> n & 1 else self._undriven[n])
+        driven, high = self._gpio.driven, self._gpio.driven_high
+        for n, pin in self._let_go.items():
+            pin.drive(high >> n & 1 if driven >> n & 1 else self._undriven[n])

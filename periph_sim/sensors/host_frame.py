@@ -100,7 +100,8 @@ class MotionFrames:
         values, beyond = self._known[number]
         if number >= self._counted:
             self._counted = number + 1
-            self.beyond.update(beyond)
+            if beyond:
+                self.beyond.update(beyond)
         return values
 
     def _work_out(self, number: int) -> None:
@@ -120,8 +121,11 @@ class MotionFrames:
     def _add(self, first: int, count: int) -> None:
         times = np.array([self._time(number) for number in range(first, first + count)])
         counts, beyond = self._encoding.counts(sampled(self.motion, times))
-        for number, values, wrong in zip(range(first, first + count), counts.tolist(), beyond.tolist(), strict=True):
-            self._known[number] = tuple(values), tuple(name for name, one in zip(VALUES, wrong, strict=True) if one)
+        numbers = range(first, first + count)
+        self._known.update((number, (tuple(row), ())) for number, row in zip(numbers, counts.tolist(), strict=True))
+        for place, column in np.argwhere(beyond).tolist():
+            values, names = self._known[first + place]
+            self._known[first + place] = values, (*names, VALUES[column])
 
     def _time(self, number: int) -> float:
         return (self._first + number * self._period) / self._scale

@@ -36,4 +36,6 @@ def test_a_wide_constant_is_declared_as_wide_as_it_is():
     text = folded(SOURCE, {"WORD": 1 << 62}, [])
     assert f"PERIPH_SIM_{1 << 62}" in text
     assert f"const long long PERIPH_SIM_{1 << 62}" in declared(text, "")
+    beyond = folded(SOURCE, {"WORD": 1 << 63, "LOW": 1 << 88}, [])
+    assert "WORD" in beyond and "LOW" in beyond and "PERIPH_SIM" not in beyond
     assert declared("x = 1", "cdef class Box: pass") == "cdef class Box: pass"

@@ -41,7 +41,7 @@ from ..system.options import SystemOptions
 from . import register_map as at
 from .pin_mux_table import INPUTS
 from .qualifier import Qualifier
-from .register_map import PINS
+from .register_map import BIT, PINS
 from .routes import idle_level
 from .settings import ALL, DIRECTIONS, PULL_UPS, GpioSettings
 
@@ -63,16 +63,20 @@ def _halves() -> dict[int, Half]:
 
 
 HALVES = _halves()
+PADS = tuple(f"GPIO{n}" for n in range(PINS))
+HALF_AT = BIT[::16]  # the lowest pin of each half of a port
 
 
 class Gpio(GpioSettings):
-    INPUTS = tuple(f"GPIO{n}" for n in range(PINS))
-    OUTPUTS = INPUTS
+    """pads: mask of the levels at the pads. watched: mask of the pins that feed an XINT line the owner listens to."""
+
+    INPUTS = PADS
+    OUTPUTS = PADS
     LINES: tuple[str, ...] = ()
-    filter_width = 0
 
     def __init__(self, options: SystemOptions) -> None:
         super().__init__()
+        self.filter_width = 0
         self.next_wake = NEVER
         self.out = 0  # no mask of a chip holds 88 pins: the router looks at these
         self.driven_high = 0  # mask: levels of the pins in `driven`; 0 elsewhere
@@ -86,7 +90,7 @@ class Gpio(GpioSettings):
         self.touched: set[str] = set()
 
         self._wired = 0  # mask: pads whose level the owner tells
-        self._pad = ALL & ~at.GPIO["GPAPUD"].reset  # mask: levels of the pads, first the pull-ups
+        self.pads = ALL & ~at.GPIO["GPAPUD"].reset  # mask: levels of the pads, first the pull-ups
         self._edge_at = -1  # the cycle on which the last exact edges fell,
         self._before = 0  # and the pads before them
         self._qualifiers: dict[int, Qualifier] = {}
@@ -108,28 +112,17 @@ class Gpio(GpioSettings):
             raise ValueError(f"there is no GPIO{pads.bit_length() - 1}; the pins are GPIO0 to GPIO{PINS - 1}")
         self._wired |= pads
 
-    def pins(self, now: int, levels: int, exact: bool = True) -> int:
-        """The levels at all pads that are wired; `exact` if they changed on the SYSCLKOUT edge itself."""
+    def edges(self, now: int, levels: int, exact: bool = True) -> None:
+        """The levels at all pads that are wired, in place of `pins`; `exact` if they changed on the SYSCLKOUT edge."""
         if self.next_wake < now:
             self._catch_up(now - 1)
-        moved = (levels ^ self._pad) & self._wired
+        moved = (levels ^ self.pads) & self._wired
         if moved:
             self._flip(now, moved, exact)
-        return chip.ALL
-
-    @property
-    def pads(self) -> int:
-        """Mask of the levels at the pads."""
-        return self._pad
-
-    @property
-    def watched(self) -> int:
-        """Mask of the pins that feed an XINT line the owner listens to."""
-        return self._watched
 
     def seen_at(self, now: int, index: int, exact: bool) -> int:
         """The cycle from which a pad edge told with (now, index, exact) is seen inside; NEVER if `changed` tells."""
-        bit = 1 << index
+        bit = BIT[index]
         if self._sampled & bit:
             return NEVER
         return now if self._asynchronous & bit or not exact else now + 1
@@ -187,29 +180,28 @@ class Gpio(GpioSettings):
         half = HALVES.get(offset)
         if half is None:
             return 0
+        if at.DATA <= offset < at.SELECT:
+            port, word = divmod(offset - at.DATA, at.DATA_WORDS)
+            return self._shown(now) >> 32 * port + 16 * (word & 1) & 0xFFFF if word < at.SET else 0
         register, shift = half
-        if register.name.endswith("DAT"):
-            value = self._shown(now) >> 32 * "ABC".index(register.name[2])
-        else:
-            value, _ = register.read(self._stored[register.offset])
-        return value >> shift & 0xFFFF
+        shown, _ = register.read(self._stored[register.offset])
+        return shown >> shift & 0xFFFF
 
     def write(self, now: int, offset: int, value: int) -> None:
         self._catch_up(now)
         half = HALVES.get(offset)
         if half is None:
             return
-        register, shift = half
-        name = register.name[3:]
-        if at.DATA <= register.offset < at.SELECT:
-            self._write_data(name, 32 * "ABC".index(register.name[2]) + shift, value & 0xFFFF)
+        if at.DATA <= offset < at.SELECT:
+            self._write_data(offset - at.DATA, value & 0xFFFF)
             self._drive(now)
         else:
+            register, shift = half
             stored = self._stored[register.offset]
             merged = stored & ~(0xFFFF << shift) | (value & 0xFFFF) << shift
             stored, _ = register.write(stored, merged)
             self._stored[register.offset] = stored
-            if name in CONFIGURES:
+            if register.name[3:] in CONFIGURES:
                 self._waiting.append((now + CONFIGURATION_DELAY, register.offset, stored))
             else:
                 self._update_paths(now)
@@ -249,7 +241,7 @@ class Gpio(GpioSettings):
         for pin, qualifier in self._qualifiers.items():
             if qualifier.due <= now:
                 qualifier.advance(now)
-                self._qualified ^= 1 << pin
+                self._qualified ^= BIT[pin]
                 signal = self._routes.signal_at.get(pin)
                 if signal is not None:
                     self.changed.append((signal, qualifier.qualified))
@@ -283,28 +275,28 @@ class Gpio(GpioSettings):
             raise ValueError(f"an edge before cycle {now} was told after one exactly on it; tell edges in their order")
         if exact and self._edge_at != now:
             self._edge_at = now
-            self._before = self._pad
-        self._pad ^= bits
+            self._before = self.pads
+        self.pads ^= bits
         if bits & self._sampled:
             self._sample(now + 1 if exact else now, bits)
         if exact and bits & self._settles:
             self._settle_at = now + 1
             self.next_wake = min(self.next_wake, now + 1)
-        if settling or bits & self._watched:
+        if settling or bits & self.watched:
             self._tell_xints(now)
 
     def _sample(self, now: int, bits: int) -> None:
         for pin, qualifier in self._qualifiers.items():
             if bits >> pin & 1 and not self._dead >> pin & 1:
-                qualifier.edge(now, self._pad >> pin & 1)
+                qualifier.edge(now, self.pads >> pin & 1)
         self._plan()
 
     def _synchronised(self, now: int) -> int:
-        return self._before if self._edge_at == now else self._pad
+        return self._before if self._edge_at == now else self.pads
 
     def _shown(self, now: int) -> int:
         """Mask of the levels behind synchroniser and qualifier in cycle `now`."""
-        level = self._synchronised(now) & ~self._asynchronous | self._pad & self._asynchronous
+        level = self._synchronised(now) & ~self._asynchronous | self.pads & self._asynchronous
         return (level & ~self._sampled | self._qualified & self._sampled) & ~self._dead
 
     def _level_of(self, now: int, signal: str) -> int:
@@ -361,20 +353,20 @@ class Gpio(GpioSettings):
         self._asynchronous = self._sampled = 0
         for pin, select in enumerate(self._select):
             if select in SAMPLES:
-                self._sampled |= 1 << pin
+                self._sampled |= BIT[pin]
                 self._update_sampler(now, pin, SAMPLES[select], shown >> pin & 1)
             elif select == ASYNCHRONOUS and not self._routes.gpio >> pin & 1:
-                self._asynchronous |= 1 << pin
+                self._asynchronous |= BIT[pin]
         self._qualifiers = {pin: q for pin, q in self._qualifiers.items() if self._sampled >> pin & 1}
-        self._qualified = sum(q.qualified << pin for pin, q in self._qualifiers.items())
-        self._watched = 0  # mask: pins that feed a watched XINT line
+        self._qualified = sum(BIT[pin] for pin, q in self._qualifiers.items() if q.qualified)
+        self.watched = 0  # mask: pins that feed a watched XINT line
         for line in range(len(at.XINT_SELECTS)):
             if self._watching >> line & 1:
-                self._watched |= 1 << self._xint_pin(line)
-        heard = self._routes.inputs & ~self._watched  # the owner itself brings their edges to the peripheral
+                self.watched |= BIT[self._xint_pin(line)]
+        heard = self._routes.inputs & ~self.watched  # the owner itself brings their edges to the peripheral
         # An exact edge on these pins asks for a wake-up.
         self._settles = ALL & ~self._asynchronous & ~self._sampled & ~self._dead & ~heard
-        if self._edge_at == now and (self._pad ^ self._before) & self._settles:
+        if self._edge_at == now and (self.pads ^ self._before) & self._settles:
             self._settle_at = now + 1
 
     def _update_sampler(self, now: int, pin: int, samples: int, shown: int) -> None:
@@ -386,21 +378,24 @@ class Gpio(GpioSettings):
             qualifier = Qualifier(now, 0 if dead else shown, period, samples, origin)
             self._qualifiers[pin] = qualifier
         qualifier.configure(now, period, samples, origin)
-        level = self._pad >> pin & 1
+        level = self.pads >> pin & 1
         if not dead and qualifier.level != level:
             just_changed = self._edge_at == now and self._before >> pin & 1 != level
             qualifier.edge(now + 1 if just_changed else now, level)
 
     # From latches to pads ----------------------------------------------------
 
-    def _write_data(self, name: str, shift: int, word: int) -> None:
-        """One half of DAT, SET, CLEAR or TOGGLE."""
-        bits = word << shift & ALL
-        if name == "DAT":
-            self._latch = self._latch & ~(0xFFFF << shift) | bits
-        elif name == "SET":
+    def _write_data(self, offset: int, word: int) -> None:
+        """One half of DAT, SET, CLEAR or TOGGLE. offset: in the data registers."""
+        port, place = divmod(offset, at.DATA_WORDS)
+        which = place & ~1
+        half = HALF_AT[2 * port + (place & 1)]
+        bits = half * word & ALL
+        if which == at.DAT:
+            self._latch = self._latch & ~(half * 0xFFFF) | bits
+        elif which == at.SET:
             self._latch |= bits
-        elif name == "CLEAR":
+        elif which == at.CLEAR:
             self._latch &= ~bits
         else:
             self._latch ^= bits
@@ -426,6 +421,6 @@ class Gpio(GpioSettings):
     def _follow_drive(self, now: int) -> None:
         """Pads that are not wired take the level this chip drives on them, or their pull-up."""
         level = self.driven_high & self.driven | self._pull_ups & ~self.driven
-        moved = (level ^ self._pad) & ~self._wired
+        moved = (level ^ self.pads) & ~self._wired
         if moved:
             self._flip(now, moved, True)

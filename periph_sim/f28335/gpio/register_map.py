@@ -14,6 +14,7 @@ from ...core.registers import Field, Register, RegisterMap, field
 
 BASE = 0x6F80
 PINS = 88  # GPIO0 to GPIO87
+BIT = tuple(1 << pin for pin in range(PINS))  # masks of one pin each; they need more than the 64 bits of a C integer
 PORT_OF = {"A": range(32), "B": range(32, 64), "C": range(64, 88)}
 
 # Word offsets from the port's own control block (16 words) and data block (8 words).

@@ -167,14 +167,14 @@ def test_settling_makes_no_edge():
         gpio.changed.clear()
 
     gpio.wire(1)  # GPIO0 is what XINT1 and XINT2 select after reset
-    gpio.pins(0, 1)
-    gpio.pins(5, 0)
-    gpio.pins(7, 1)
+    gpio.edges(0, 1)
+    gpio.edges(5, 0)
+    gpio.edges(7, 1)
     assert not gpio.changed
     write(10, 0, control(BOTH))
     deliver(10)
     assert xint.requests == 0
-    gpio.pins(20, 0, exact=False)
+    gpio.edges(20, 0, exact=False)
     deliver(20)
     assert xint.requests == 0b01
     write(21, 1, control(BOTH))

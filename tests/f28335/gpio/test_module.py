@@ -60,7 +60,7 @@ class Rig:
     def pin(self, now: int, pin: int, level: int, exact: bool = True) -> None:
         """A pad that is wired from now on has this level."""
         self.gpio.wire(1 << pin)
-        self.gpio.pins(now, self.gpio.pads & ~(1 << pin) | level << pin, exact)
+        self.gpio.edges(now, self.gpio.pads & ~(1 << pin) | level << pin, exact)
 
     def edge(self, now: int, pin: int, level: int, exact: bool) -> None:
         """What the router does with a pad's edge: tells the chip, and brings it to the module at its time."""

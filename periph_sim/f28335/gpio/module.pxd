@@ -1,0 +1,28 @@
+cimport cython
+
+from .qualifier cimport Qualifier
+from .settings cimport GpioSettings
+
+
+cdef class Gpio(GpioSettings):
+    cdef public object pads, watched, driven, driven_high
+    cdef public long long out_version, out_delay, routes_version
+    cdef public list changed
+    cdef object _wired, _before, _qualified, _latch, _asynchronous, _sampled, _dead, _pull_ups, _outputs, _settles
+    cdef long long _edge_at, _watching, _xints, _settle_at
+    cdef bint _input_clock
+    cdef dict _qualifiers
+    cdef list _waiting, _outs
+    cpdef void edges(self, long long now, object levels, bint exact=*)
+    cdef void _catch_up(self, long long now)
+    @cython.locals(qualifier=Qualifier)
+    cdef void _step(self, long long now)
+    @cython.locals(qualifier=Qualifier, when=cython.longlong)
+    cdef void _plan(self)
+    cdef void _flip(self, long long now, object bits, bint exact)
+    cdef object _synchronised(self, long long now)
+    cdef object _shown(self, long long now)
+    cdef void _tell_xints(self, long long now)
+    cdef void _write_data(self, long long offset, object word)
+    cdef void _drive(self, long long now)
+    cdef void _follow_drive(self, long long now)

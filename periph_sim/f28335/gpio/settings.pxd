@@ -1,0 +1,10 @@
+from ...core.chip cimport Chip
+
+
+cdef class GpioSettings(Chip):
+    cdef public list _mux, _select, _periods, _origins
+    cdef public dict _stored, _active
+    cdef public object _routes
+    cpdef object reset_registers(self)
+    cpdef object restart_sampling(self, long long now)
+    cpdef object take_over(self, long long now)

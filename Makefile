@@ -5,6 +5,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 USER := $(VENV)/installed
+CORE := $(VENV)/installed-core
 DEV := $(VENV)/installed-dev
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 # Passed as --rules=FILE: pytest takes an existing file behind a space for the tests to collect.
@@ -13,15 +14,20 @@ RULES := build/rules.json
 # Without compiled files every command that a test starts would compile the package anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test core touched coverage explore check bench mutants firmware-mutants setup clean
+.PHONY: demo test core wheel try-core touched coverage explore check bench mutants firmware-mutants setup clean
 
+# First its table, as the sources run; then the core is compiled, so that the next run is quicker.
 demo: $(USER)
 	$(BIN)/periph-sim run timing/imu_hil.toml
+	@$(MAKE) --no-print-directory try-core
 
+# Compiled where there is a C compiler; what that can change is tested interpreted, too.
 test: check
+	@$(MAKE) --no-print-directory try-core
 	rm -f $(RULES)
 	$(BIN)/pytest -n auto --dist worksteal --rules=$(RULES)
 	$(BIN)/python -m tests.rules.coverage
+	$(BIN)/python -m tests.interpreted -n auto --dist worksteal
 
 # The tests that import what differs from a commit, the nearest first: make touched SINCE=HEAD
 SINCE ?= main
@@ -29,9 +35,10 @@ touched: $(DEV)
 	$(BIN)/python -m tests.touched $(SINCE) -n auto
 
 # Which lines no short test reaches; fails below 90 %. Counting costs too much for all of them: see tests/conftest.py.
+# Interpreted: of compiled code no lines are seen.
 coverage: $(DEV)
 	$(BIN)/coverage erase
-	$(BIN)/pytest -n auto --dist worksteal -m "not long and not uncounted" --cov --cov-report=term:skip-covered
+	PERIPH_SIM_FORM=interpreted $(BIN)/pytest -n auto --dist worksteal -m "not long and not uncounted" --cov --cov-report=term:skip-covered
 
 # Properties with examples of chance, many more of them: for a quiet evening.
 explore: $(DEV)
@@ -60,9 +67,19 @@ bench: $(DEV)
 	$(BIN)/python -m tests.bench.numeric
 
 # Compiles the core beside its sources; without a C compiler, or after a change of them, the sources run. JOBS=1: one at a time.
-core: $(USER)
-	$(PIP) --no-compile -e '.[core]'
+core: $(CORE)
 	$(BIN)/python -m periph_sim.form.build
+
+# The same, where it can be: without a C compiler, or the network for Cython, all else goes on.
+try-core:
+	@if command -v $(firstword $(CC)) >/dev/null; then $(MAKE) --no-print-directory core || echo "runs stay interpreted"; \
+	else echo "there is no C compiler $(firstword $(CC)), so runs stay interpreted; \`make core\` compiles once there is one"; fi
+
+# Two wheels: one for any Python, and one for this Python and platform that carries the compiled core.
+wheel: $(CORE)
+	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
+	HATCH_BUILD_HOOKS_ENABLE=1 $(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
+	ls dist
 
 setup: $(DEV)
 
@@ -72,10 +89,14 @@ $(USER): pyproject.toml constraints.txt
 	$(PIP) --no-compile -e .
 	touch $@
 
+$(CORE): pyproject.toml constraints.txt | $(USER)
+	$(PIP) --no-compile -e '.[core]'
+	touch $@
+
 $(DEV): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
 	$(PIP) -e '.[dev]'
-	touch $(USER) $@
+	touch $(USER) $(CORE) $@
 
 clean:
-	rm -rf $(VENV) build periph_sim/compiled .coverage* .hypothesis .pytest_cache .mypy_cache .ruff_cache
+	rm -rf $(VENV) build dist periph_sim/compiled .coverage* .hypothesis .pytest_cache .mypy_cache .ruff_cache

@@ -133,6 +133,9 @@ def main() -> None:
     except click.Abort:
         click.echo("stopped", err=True)
         sys.exit(MISTAKE)
+    except form.DoesNotLoad as error:
+        click.echo(f"Error: {error}", err=True)
+        sys.exit(MISTAKE)
     except BrokenPipeError:
         sys.exit(0)
     except Exception:

@@ -1,9 +1,14 @@
-"""The wheel: what is in it, and that it works in a repository that has a package `firmware` of its own."""
+"""The wheel: what is in it, and that it works in a repository that has a package `firmware` of its own.
+
+Two kinds: the pure one, and one with the compiled core, packed where a core is compiled of these sources already.
+"""
 
 from __future__ import annotations
 
+import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -12,6 +17,7 @@ from pathlib import Path
 import pytest
 
 import periph_sim
+from periph_sim.form import BUILT, COMPILED, MANIFEST, PACKAGE, SUFFIX, VARIABLE, usable
 
 ROOT = Path(__file__).parents[1]
 
@@ -39,12 +45,12 @@ max = 0
 """
 
 
-@pytest.fixture(scope="module")
-def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("wheel")
+def built(folder: Path, **variables: str) -> Path:
+    """The wheel that the build backend makes in `folder`."""
     subprocess.run(
         [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(folder)],
         cwd=ROOT,
+        env={**os.environ, **variables},
         check=True,
         capture_output=True,
     )
@@ -52,13 +58,33 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return file
 
 
-@pytest.fixture(scope="module")
-def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def unpacked(wheel: Path, folder: Path) -> Path:
     """A folder for PYTHONPATH with the wheel alone in it; its dependencies are those of the tests."""
-    folder = tmp_path_factory.mktemp("site")
     with zipfile.ZipFile(wheel) as archive:
         archive.extractall(folder)
     return folder
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return built(tmp_path_factory.mktemp("wheel"))
+
+
+@pytest.fixture(scope="module")
+def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return unpacked(wheel, tmp_path_factory.mktemp("site"))
+
+
+@pytest.fixture(scope="module")
+def compiled_wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    if not usable(PACKAGE, BUILT)[0]:
+        pytest.skip("no core compiled of these sources: make core")
+    return built(tmp_path_factory.mktemp("compiled_wheel"), HATCH_BUILD_HOOKS_ENABLE="1")
+
+
+@pytest.fixture(scope="module")
+def compiled(compiled_wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return unpacked(compiled_wheel, tmp_path_factory.mktemp("compiled_site"))
 
 
 @pytest.fixture
@@ -74,7 +100,10 @@ def repository(tmp_path: Path) -> Path:
 
 
 def command(installed: Path, repository: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    environment = {**os.environ, "PYTHONPATH": str(installed), "PYTHONDONTWRITEBYTECODE": ""}
+    """Run where no compiler is found; a wheel in the form that it has, the clone in that of the other tests."""
+    environment = {**os.environ, "PYTHONPATH": str(installed), "PYTHONDONTWRITEBYTECODE": "", "PATH": ""}
+    if installed != ROOT:
+        environment.pop(VARIABLE, None)
     return subprocess.run(
         [sys.executable, "-m", "periph_sim", *arguments],
         cwd=repository,
@@ -96,6 +125,40 @@ def test_all_files_are_below_the_package_and_none_is_forgotten(wheel: Path) -> N
     ]
     assert names == {re.sub("^(firmware|timing)/", r"periph_sim/examples/\1/", name) for name in sources}
     assert "periph_sim/py.typed" in names
+
+
+def test_a_wheel_of_one_platform_carries_the_compiled_core_besides(wheel: Path, compiled_wheel: Path) -> None:
+    assert re.fullmatch(r"periph_sim-[\d.]+-cp3\d+-cp3\d+-\w+\.whl", compiled_wheel.name), compiled_wheel.name
+    more = set(zipfile.ZipFile(compiled_wheel).namelist()) - set(zipfile.ZipFile(wheel).namelist())
+    modules, _ = usable(PACKAGE, BUILT)
+    expected = {f"periph_sim/compiled/{name}" for name in (MANIFEST, *(f"{module}{SUFFIX}" for module in modules))}
+    assert {name for name in more if ".dist-info/" not in name} == expected
+
+
+def test_the_compiled_core_runs_from_its_wheel_and_records_the_same(
+    installed: Path, compiled: Path, repository: Path
+) -> None:
+    recorded = []
+    for site, form in ((installed, "interpreted"), (compiled, COMPILED)):
+        ran = command(site, repository, "run", "timing/own.toml", "--record", "run.jsonl", "--json")
+        assert (ran.returncode, ran.stderr) == (0, "")
+        assert json.loads(ran.stdout)["form"] == form
+        recorded.append((repository / "run.jsonl").read_bytes())
+    assert recorded[0] == recorded[1] and recorded[0].count(b"\n") > 100
+
+
+def test_a_source_changed_in_place_leaves_its_core_alone_and_is_told(
+    compiled: Path, repository: Path, tmp_path: Path
+) -> None:
+    changed = shutil.copytree(compiled / "periph_sim", tmp_path / "changed" / "periph_sim")
+    with (changed / "core" / "fifo.py").open("a") as source:
+        source.write("# changed by a user\n")
+    came = command(changed.parent, repository, "--version")
+    assert came.stdout.endswith(", interpreted\n")
+    assert came.stderr == (
+        "the compiled core was built of other sources or for another Python, so it is left alone and this run is "
+        "interpreted; `python -m periph_sim.form.build` builds it anew\n"
+    )
 
 
 def test_version_is_one(wheel: Path, installed: Path, repository: Path) -> None:

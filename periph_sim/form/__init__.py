@@ -13,7 +13,7 @@ import json
 import os
 import sys
 from collections.abc import Iterator, Sequence
-from importlib.machinery import EXTENSION_SUFFIXES, ModuleSpec
+from importlib.machinery import EXTENSION_SUFFIXES, ExtensionFileLoader, ModuleSpec
 from importlib.util import spec_from_file_location
 from pathlib import Path
 from types import ModuleType
@@ -46,6 +46,19 @@ def sources(package: Path, modules: Sequence[str]) -> Iterator[Path]:
         yield path.with_suffix(".pxd")
 
 
+class DoesNotLoad(ImportError):
+    """A compiled module that this system cannot load, such as one made where the C library is newer."""
+
+
+class _Loader(ExtensionFileLoader):
+    def create_module(self, spec: ModuleSpec) -> ModuleType:
+        try:
+            return super().create_module(spec)
+        except ImportError as error:
+            said = f"the compiled core does not load here: {error}; `{way()}` builds it anew"
+            raise DoesNotLoad(f"{said}, {VARIABLE}={INTERPRETED} leaves it alone") from None
+
+
 class _Finder:
     """Finds the compiled modules of a build, before their sources."""
 
@@ -59,7 +72,8 @@ class _Finder:
         _, _, module = fullname.partition(".")
         if module not in self._modules:
             return None
-        return spec_from_file_location(fullname, self._built / f"{module}{SUFFIX}")
+        file = self._built / f"{module}{SUFFIX}"
+        return spec_from_file_location(fullname, file, loader=_Loader(fullname, str(file)))
 
 
 def usable(package: Path, built: Path) -> tuple[list[str], str]:

@@ -25,7 +25,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from subprocess import run
 
-from . import BUILT, MANIFEST, PACKAGE, SUFFIX, digest, sources
+from . import BUILT, MANIFEST, PACKAGE, SUFFIX, digest, sources, usable
 from .fold import declared, folded
 
 DIRECTIVES = {
@@ -39,6 +39,7 @@ DIRECTIVES = {
 }
 CLASS = re.compile(r"^cdef class (\w+)", re.MULTILINE)
 CIMPORT = re.compile(r"^from (\.+)([\w.]*) cimport", re.MULTILINE)
+NOTHING_TO_DO = "all modules are built already"
 FLAGS = ("-O2", "-fPIC", "-shared", "-fwrapv", "-fno-strict-aliasing", "-w")
 
 
@@ -58,7 +59,17 @@ def compiler() -> str:
     name = os.environ.get("CC", "cc")
     if shutil.which(name.split()[0]) is None:
         raise NoBuild(f"there is no C compiler {name!r}; install one (gcc or clang), or name it in the variable CC")
+    if not Path(sysconfig.get_path("include"), "Python.h").is_file():
+        raise NoBuild("Python.h is not installed; install Python's headers (the package python3-dev or the like)")
     return name
+
+
+def jobs() -> int:
+    """How many modules are compiled at a time: the variable JOBS, else as many as there are cores."""
+    said = os.environ.get("JOBS") or str(os.cpu_count() or 1)
+    if not said.isdecimal() or int(said) < 1:
+        raise NoBuild(f"JOBS={said}: expected a number of modules to compile at a time, 1 or more")
+    return int(said)
 
 
 def shadow(package: Path, modules: list[str], folder: Path) -> None:
@@ -122,9 +133,12 @@ def last_build(built: Path) -> dict[str, str]:
 
 
 def build(package: Path, built: Path, jobs: int) -> None:
-    """Compile what has a .pxd file; `built` is replaced only when all of it is done."""
+    """Compile what has a .pxd file; `built` is replaced only when all of it is done, and left alone if it may run."""
     cc, modules, last = compiler(), modules_of(package), last_build(built)
     made_of = digest(package, modules)
+    if usable(package, built)[0] == modules:
+        print(NOTHING_TO_DO, flush=True)
+        return
     with tempfile.TemporaryDirectory() as name, ThreadPoolExecutor(jobs) as pool:
         folder = Path(name)
         shadow(package, modules, folder)
@@ -141,7 +155,7 @@ def build(package: Path, built: Path, jobs: int) -> None:
                 raise
             print(f"{number}/{len(anew)} {module}", flush=True)
         if not anew:
-            print("all modules are built already", flush=True)
+            print(NOTHING_TO_DO, flush=True)
         (folder / MANIFEST).write_text(json.dumps({"digest": made_of, "modules": prints}), "utf-8")
         shutil.rmtree(built, ignore_errors=True)
         built.mkdir(parents=True)
@@ -152,8 +166,8 @@ def build(package: Path, built: Path, jobs: int) -> None:
 def main() -> int:
     """Exit status: 0, or 1 where the core cannot be compiled; then runs are interpreted, as before."""
     try:
-        build(PACKAGE, BUILT, int(os.environ.get("JOBS", os.cpu_count() or 1)))
-    except NoBuild as why:
+        build(PACKAGE, BUILT, jobs())
+    except (NoBuild, OSError) as why:
         print(f"the core stays interpreted: {why}", file=sys.stderr)
         return 1
     return 0

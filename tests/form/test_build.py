@@ -46,6 +46,50 @@ def test_without_cython_the_extra_is_named(monkeypatch, capsys):
     )
 
 
+def test_without_pythons_headers_their_package_is_named(monkeypatch, tmp_path: Path):
+    monkeypatch.setattr(build, "find_spec", lambda name: object())
+    monkeypatch.setenv("CC", sys.executable)
+    monkeypatch.setattr(build.sysconfig, "get_path", lambda name: str(tmp_path))
+    with pytest.raises(
+        build.NoBuild, match=r"Python.h is not installed; install Python's headers \(the package python3-"
+    ):
+        build.compiler()
+
+
+@pytest.mark.parametrize("said", ["two", "0", "-1", "1.5"])
+def test_a_number_of_jobs_that_is_none_is_told(monkeypatch, capsys, said: str):
+    monkeypatch.setenv("JOBS", said)
+    assert build.main() == 1
+    assert capsys.readouterr().err == (
+        f"the core stays interpreted: JOBS={said}: expected a number of modules to compile at a time, 1 or more\n"
+    )
+
+
+def test_a_folder_that_cannot_be_written_is_told(monkeypatch, capsys):
+    def unwritable(*given: object) -> None:
+        raise PermissionError(13, "Permission denied", "/site-packages/periph_sim/compiled")
+
+    monkeypatch.setattr(build, "build", unwritable)
+    assert build.main() == 1
+    assert capsys.readouterr().err.startswith("the core stays interpreted: [Errno 13] Permission denied: '/site-p")
+
+
+@pytest.mark.skipif(find_spec("Cython") is None, reason="Cython is missing")
+def test_what_does_not_compile_is_told_with_the_compilers_words_and_the_last_build_stays(tmp_path: Path, monkeypatch):
+    package, built = tmp_path / "own", tmp_path / "built"
+    package.mkdir()
+    (package / "__init__.py").touch()
+    (package / "one.py").write_text("class One:\n    pass\n")
+    (package / "one.pxd").write_text("cdef class One:\n    cdef public no_such_type here\n")
+    built.mkdir()
+    (built / "kept").touch()
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(build, "compiler", lambda: "cc")
+    with pytest.raises(build.NoBuild, match=r"(?s)one does not compile; .*'no_such_type' is not a type identifier"):
+        build.build(package, built, 1)
+    assert [path.name for path in built.iterdir()] == ["kept"]
+
+
 def test_each_module_that_is_compiled_has_its_source():
     modules = build.modules_of(PACKAGE)
     assert "core.kernel" in modules

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import os
 import subprocess
@@ -10,15 +11,16 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim import form
+from periph_sim import cli, form
 from periph_sim.form import MANIFEST, SUFFIX, digest, usable
 
 MODULES = ["core.one", "core.two"]
 
 
 @pytest.fixture
-def package(tmp_path: Path) -> Path:
+def package(tmp_path: Path, monkeypatch) -> Path:
     """A package of two modules, and a build of it."""
+    monkeypatch.syspath_prepend(tmp_path)
     package = tmp_path / "package"
     (package / "core").mkdir(parents=True)
     for name in ("one", "two"):
@@ -57,6 +59,27 @@ def test_a_build_that_is_not_whole_is_told(package: Path, change: str):
         (built / MANIFEST).write_text('{"modules": []}' if change == "no digest" else "{")
     modules, why = usable(package, built)
     assert modules == [] and why.startswith("the compiled core ")
+
+
+def test_a_module_that_cannot_be_loaded_is_told_with_the_ways_out(package: Path, monkeypatch):
+    """Files of no content: what an extension of another C library comes to."""
+    finder = form._Finder(package.parent / "built", MODULES)
+    monkeypatch.setattr(sys, "meta_path", [finder, *sys.meta_path])
+    with pytest.raises(form.DoesNotLoad) as told:
+        importlib.import_module("package.core.one")
+    assert str(told.value).startswith("the compiled core does not load here: ")
+    assert str(told.value).endswith("; `make core` builds it anew, PERIPH_SIM_FORM=interpreted leaves it alone")
+
+
+def test_the_command_line_tells_it_in_one_line(monkeypatch, capsys):
+    def refuse(*given: object, **options: object) -> None:
+        raise form.DoesNotLoad("the compiled core does not load here: no such symbol")
+
+    monkeypatch.setattr(cli.cli, "main", refuse)
+    with pytest.raises(SystemExit) as ended:
+        cli.main()
+    assert ended.value.code == cli.MISTAKE
+    assert capsys.readouterr().err == "Error: the compiled core does not load here: no such symbol\n"
 
 
 def test_a_name_of_the_form_is_in_the_version():

@@ -1,0 +1,101 @@
+"""Records are equal to the byte in both forms: each shipped case, runs of a day and of decades with a round at the end.
+
+Skipped where no core is compiled of these sources: `make core`. A process a form and what it is asked for.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from periph_sim.form import BUILT, COMPILED, INTERPRETED, PACKAGE, VARIABLE, usable
+
+ROOT = Path(__file__).parents[2]
+
+pytestmark = [
+    pytest.mark.long,
+    pytest.mark.skipif(not usable(PACKAGE, BUILT)[0], reason="no core compiled of these sources: make core"),
+]
+
+IDLE_UNTIL_THE_END = """
+import hashlib, sys
+from pathlib import Path
+from periph_sim import form
+from periph_sim.records.recording import recording
+from periph_sim.scene.case.load import load
+from periph_sim.scene.scene import Scene
+
+folder = Path(sys.argv[1])
+print(form.running)
+for name in sys.argv[2:]:
+    case = load(folder / f"{name}.toml")
+    path = folder / f"{name}.{form.running}.jsonl"
+    with recording(path, case.recorded_modules) as (subscribe, ended_at):
+        scene = Scene(case, subscribe)
+        result = scene.run()
+        ended_at(scene.kernel.now)
+    recorded = path.read_bytes()
+    print(name, hashlib.sha256(recorded).hexdigest(), result.events, result.wire_bytes, result.verdict)
+"""
+CASE = """
+name = "late"
+duration = "{duration}"
+[unit.dsp]
+firmware = "{firmware}"
+modules = ["I2C-A"]
+ppm = {ppm}
+[controller]
+first = "{first}"
+period = "1 ms"
+[[controller.request]]
+name = "r"
+address = 0x50
+pointer = 0
+count = 2
+expect = "01 02"
+[[budget]]
+name = "wrong bytes"
+measure = "wrong bytes"
+max = 0
+"""
+DAY, DECADES = ("24 h", "86400.002 s"), ("17790 d", "1537056000.002 s")
+LATE = {
+    "day_37": (*DAY, "37"),
+    "day_slow": (*DAY, "-1000"),
+    "decades_37": (*DECADES, "37"),
+    "decades_fast": (*DECADES, "1000"),
+    "decades_nearly": (*DECADES, "0.001"),
+}
+
+
+def lines_of(form: str, *given: str) -> list[str]:
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), *sys.path]), VARIABLE: form}
+    done = subprocess.run(
+        [sys.executable, *given], cwd=ROOT, env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0 and done.stderr == "", done.stderr
+    return done.stdout.splitlines()
+
+
+def test_each_shipped_case_records_the_same() -> None:
+    command = ("-m", "tests.bench.record_hashes", "--seconds", "0.05")
+    compiled, interpreted = lines_of(COMPILED, *command), lines_of(INTERPRETED, *command)
+    assert compiled == interpreted
+    assert len(compiled) == len(list(ROOT.glob("timing/*.toml")))
+
+
+def test_a_round_after_a_day_or_decades_of_nothing_is_the_same(tmp_path: Path) -> None:
+    """Clocks off by ppm: what calculates with cycle * numerator ends at 64 bits within an hour."""
+    for name, (first, duration, ppm) in LATE.items():
+        text = CASE.format(firmware=ROOT / "firmware/python/responder.py", first=first, duration=duration, ppm=ppm)
+        (tmp_path / f"{name}.toml").write_text(text)
+    command = ("-c", IDLE_UNTIL_THE_END, str(tmp_path), *LATE)
+    compiled, interpreted = lines_of(COMPILED, *command), lines_of(INTERPRETED, *command)
+    assert (compiled[0], interpreted[0]) == (COMPILED, INTERPRETED)
+    assert compiled[1:] == interpreted[1:]
+    assert [line.split()[0] for line in compiled[1:]] == list(LATE)
+    assert {line.split()[-1] for line in compiled[1:]} == {"pass"}, compiled

@@ -1,0 +1,46 @@
+"""The tests of what is compiled, once more, interpreted: `python -m tests.interpreted [PYTEST OPTIONS]`.
+
+    compiled modules --> the folders of tests that mirror theirs --> pytest, in a process whose core is interpreted
+
+`make test` has then run what differs between the forms in both; where no core is compiled there is nothing to do, since
+the whole suite ran interpreted. Tests of the builds themselves start either form by themselves, and are not run again.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+
+from periph_sim import form
+
+TESTS = Path(__file__).parent
+
+
+def folders(modules: Iterable[str]) -> list[str]:
+    """Each once, none within another: ["bus.i2c.monitor", "core.fifo"] --> ["tests/bus/i2c", "tests/core"]."""
+    rooms = {room for module in modules for room in [_with_tests(module.split(".")[:-1])] if room.parts}
+    return sorted(f"tests/{room.as_posix()}" for room in rooms if not rooms.intersection(room.parents))
+
+
+def _with_tests(names: list[str]) -> Path:
+    """The room, or the nearest one around it that has tests of its own."""
+    room = Path(*names)
+    while not (TESTS / room).is_dir():
+        room = room.parent
+    return room
+
+
+def main(options: list[str]) -> int:
+    modules, _ = form.usable(form.PACKAGE, form.BUILT)
+    if not modules:
+        print("no core is compiled of these sources: nothing differs")
+        return 0
+    command = [sys.executable, "-m", "pytest", *options, *folders(modules)]
+    return subprocess.run(command, env={**os.environ, form.VARIABLE: form.INTERPRETED}, check=False).returncode
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,47 @@
+"""Which tests run in both forms, and that they do."""
+
+from __future__ import annotations
+
+from periph_sim.form import PACKAGE
+from periph_sim.form.build import modules_of
+from tests.interpreted import TESTS, folders, main
+
+
+def test_folders_of_tests_mirror_those_of_modules_and_none_is_named_twice() -> None:
+    assert folders(["bus.i2c.monitor", "core.fifo", "core.time", "f28335.i2c.slave"]) == [
+        "tests/bus/i2c",
+        "tests/core",
+        "tests/f28335/i2c",
+    ]
+    assert folders(["f28335.i2c.slave", "f28335.gpio.module", "f28335.pins"]) == ["tests/f28335"]
+
+
+def test_a_room_without_tests_of_its_own_is_tested_by_the_one_around_it() -> None:
+    assert not (TESTS / "processor" / "python").exists()
+    assert folders(["processor.python.loop"]) == ["tests/processor"]
+
+
+def test_each_module_that_is_compiled_has_tests_there() -> None:
+    modules = modules_of(PACKAGE)
+    found = folders(modules)
+    assert found and all((TESTS.parent / one).is_dir() for one in found)
+    assert [m for m in modules if not any(f"tests/{m.replace('.', '/')}".startswith(f"{one}/") for one in found)] == []
+
+
+def test_without_a_compiled_core_nothing_runs_again(monkeypatch, tmp_path, capsys) -> None:
+    monkeypatch.setattr("periph_sim.form.BUILT", tmp_path)
+    assert main(["--no-such-option"]) == 0
+    assert capsys.readouterr().out == "no core is compiled of these sources: nothing differs\n"
+
+
+def test_they_run_interpreted_and_their_status_is_handed_on(monkeypatch) -> None:
+    started = []
+
+    def run(command, env, check):
+        started.append((command[2:], env["PERIPH_SIM_FORM"]))
+        return type("Done", (), {"returncode": 5})
+
+    monkeypatch.setattr("tests.interpreted.form.usable", lambda package, built: (["core.fifo"], ""))
+    monkeypatch.setattr("tests.interpreted.subprocess.run", run)
+    assert main(["-n", "2"]) == 5
+    assert started == [(["pytest", "-n", "2", "tests/core"], "interpreted")]

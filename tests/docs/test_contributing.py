@@ -39,6 +39,6 @@ def test_the_citation_names_the_dissertation() -> None:
 def test_the_workflow_runs_what_a_developer_runs() -> None:
     text = (ROOT / ".github" / "workflows" / "test.yml").read_text(encoding="utf-8")
     targets = re.findall(r"run: make (\w+)", text)
-    assert targets == ["test", "coverage"]
+    assert targets == ["test", "coverage", "wheel"]
     for target in targets:
         assert re.search(rf"^{target}:", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)

@@ -15,7 +15,7 @@ cdef class UartSender(Agent):
     cdef dict _edges_of
     cdef list _begins, _edges
     @cython.locals(start=cython.longlong, first=cython.longlong, edges=list, bit=cython.longlong, byte=cython.longlong)
-    cpdef object send(self, bytes data, object gap, object done)
+    cpdef object send(self, object data, object gap, object done)
     cdef void _edge(self)
     @cython.locals(parts=object, pause=object, num=object, den=object, at=object, frame=object, bit=object)
     cdef void _measure(self, long long frames, object gap)

@@ -47,6 +47,13 @@ def levels(edges: list[tuple[int, int]], bit: int, bits: int) -> str:
     return shown
 
 
+def test_each_byte_is_recorded_as_the_number_that_it_is() -> None:
+    """From 128 on, too: compiled, the bytes of a typed `bytes` are signed."""
+    line = Line(Fraction(100))
+    line.send(bytes([0, 127, 128, 0xE8, 255]))
+    assert [record.value for record in line.frames] == [0, 127, 128, 0xE8, 255]
+
+
 @pytest.mark.parametrize(
     ("frame", "byte", "wire"),
     [

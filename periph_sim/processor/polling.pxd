@@ -9,8 +9,11 @@ cdef class Spin:
     cdef public long long since, ends, start, held_up, replayed, live_from
     cdef public object pass_cycles
     cdef public list polls, values, replay
-    cdef public bint pure
+    cdef public bint bare, pure
     cpdef void begin_pass(self, long long cycle)
+    @cython.locals(operand=Operand)
+    cpdef void take_length(self, long long cycle)
+    cpdef void answer_before(self, long long cycle)
     cpdef void hold_up(self, long long cycles)
     cpdef long long rest(self, long long cycle, long long branch)
     cpdef str waits_for(self)

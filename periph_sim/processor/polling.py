@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from ..core.chip import NEVER
 from ..core.socket import Onlooker, Socket
+from ..f28335.cpu import instruction_costs as cpu_costs
 from .cpu_time import CpuTime
 from .operand import Operand
 
@@ -18,10 +19,12 @@ class Spin:
     ends: the cycle from which on it has timed out.
     pure: no write, no read with a side effect, no interrupt, no stall in this pass.
     start: cycle at which the present pass began. held_up: cycles of it that interrupts and stalls took.
+    bare: its present pass took nothing but its reads and their tests.
     live_from: reads before this cycle are answered by the values of `replay`, of which `replayed` have been.
     """
 
     __slots__ = (
+        "bare",
         "ends",
         "held_up",
         "live_from",
@@ -42,6 +45,7 @@ class Spin:
         self.polls: list[Operand] = []
         self.values: list[int] = []
         self.pure = True
+        self.bare = False
         self.start = 0
         self.held_up = 0
         self.replay: list[int] = []
@@ -54,6 +58,19 @@ class Spin:
         self.pure = True
         self.start = cycle
         self.held_up = 0
+
+    def take_length(self, cycle: int) -> None:
+        """The reads of the present pass are over at this cycle."""
+        for operand in self.polls:
+            cycle -= operand.read_waits + 1
+        self.bare = cycle == self.start + (len(self.polls) - 1) * cpu_costs.SB_NOT_TAKEN
+
+    def answer_before(self, cycle: int) -> None:
+        """The next pass is a replay of the present one as far as its reads lie before this cycle."""
+        self.replay = self.values
+        self.replayed = 0
+        if cycle > self.live_from:
+            self.live_from = cycle
 
     def hold_up(self, cycles: int) -> None:
         """An interrupt or a stall takes time from the present pass, which so is not as the others."""

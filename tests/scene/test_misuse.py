@@ -42,7 +42,7 @@ STATEMENTS = {
     "i2c.I2CMDR.BC = 8": "I2C-A.I2CMDR.BC = 0x8: expected 0 to 0x7",
     "i2c.I2CMDR.IRS = None": "I2C-A.I2CMDR.IRS = None: expected a whole number from 0 to 0x1",
     "dsp.module('TIMER0').PRD.all = 1 << 32": "TIMER0.PRD = 0x100000000: expected 0 to 0xffffffff",
-    "dsp.module('TIMER0').PRD.half.MSW = 1 << 16": "TIMER0.PRD.half = 0x10000: expected 0 to 0xffff",
+    "dsp.module('TIMER0').PRD.half.MSW = 1 << 16": "TIMER0.PRD.half.MSW = 0x10000: expected 0 to 0xffff",
     "dsp.compute(-1)": "a time of -1 cycles is negative; expected 0 or more",
     "dsp.compute(2.5)": "a time of 2.5 is no exact number",
     "dsp.span(7)": "dsp.span needs the name of the stretch, but got 7",

@@ -93,6 +93,12 @@ class Cpu:
         """Whether the condition came before `timeout` cycles had passed: see `Waits.spin`."""
         return self._waits.spin(condition, pass_cycles, timeout)
 
+    def spin_either(
+        self, ready: Callable[[], object], over: Callable[[], object], pass_cycles: int | None = None
+    ) -> bool:
+        """Whether `over` ended the wait: see `Waits.spin_either`."""
+        return self._waits.spin_either(ready, over, pass_cycles)
+
     def instruction(self, cycles: int) -> None:
         """One instruction, or an inseparable few: interrupts wait for its end."""
         self._instructions.instruction(cycles)

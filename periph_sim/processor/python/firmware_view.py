@@ -77,29 +77,20 @@ class FirmwareView:
         `code.poll_pass` and what further reads add to it. timeout: cycles, or seconds (rounded up to a cycle), from the
         begin of the wait, service routines included; it is looked at between two passes.
         """
-        _callable("spin", condition)
-        if pass_cycles is not None and (type(pass_cycles) is not int or pass_cycles < 1):
-            raise Misuse(f"dsp.spin: pass_cycles is {pass_cycles!r}; expected a whole number of cycles above 0")
+        if not callable(condition):
+            raise _no_condition("spin", condition)
+        _check_pass("spin", pass_cycles)
         return self.cpu.spin(condition, pass_cycles, None if timeout is None else self._cycles(timeout))
 
     def spin_either(
         self, ready: Callable[[], object], over: Callable[[], object], *, pass_cycles: int | None = None
     ) -> bool:
         """`while (!ready) if (over) break;`: True if `over` ended the wait. pass_cycles: as for `spin`."""
-        _callable("spin_either", ready)
-        _callable("spin_either", over)
-        ended_by = ""
-
-        def either() -> bool:
-            nonlocal ended_by
-            if ready():
-                ended_by = "ready"
-            elif over():
-                ended_by = "over"
-            return bool(ended_by)
-
-        self.spin(either, pass_cycles=pass_cycles)
-        return ended_by == "over"
+        for condition in (ready, over):
+            if not callable(condition):
+                raise _no_condition("spin_either", condition)
+        _check_pass("spin_either", pass_cycles)
+        return self.cpu.spin_either(ready, over, pass_cycles)
 
     def compute(self, cost: Spread | Fraction | int, name: str = "") -> None:
         """Work that takes `cost`: a whole number of cycles, or seconds (rounded up to a cycle).
@@ -170,10 +161,15 @@ class FirmwareView:
         return pie_map.LINES[name] if name in pie_map.LINES else (pie_map.CPU_VECTORS[name], 0)
 
 
-def _callable(what: str, given: object) -> None:
-    if not callable(given):
-        way = "write dsp.spin(lambda: ...), so that each pass looks again"
-        raise Misuse(f"dsp.{what} needs a function to call in each pass, but got {given!r}; {way}")
+def _no_condition(what: str, given: object) -> Misuse:
+    way = "write dsp.spin(lambda: ...), so that each pass looks again"
+    return Misuse(f"dsp.{what} needs a function to call in each pass, but got {given!r}; {way}")
+
+
+def _check_pass(what: str, cycles: int | None) -> None:
+    """Misuse if a pass of a wait cannot take so many cycles."""
+    if cycles is not None and (type(cycles) is not int or cycles < 1):
+        raise Misuse(f"dsp.{what}: pass_cycles is {cycles!r}; expected a whole number of cycles above 0")
 
 
 def _routine(name: str, handler: Callable[[], None]) -> None:

@@ -11,102 +11,52 @@ timer.PRD.half.MSW            16-bit read of PRDH
 from __future__ import annotations
 
 from collections.abc import Mapping
-from operator import index
 
 from ...core.registers import Field, Register
 from ...core.suggest import did_you_mean
 from ...f28335.system.memory_map import BOTH, HIGH, LOW, ModuleRange
-from ..error_origin import Misuse
 from .cpu import Cpu
+from .port_fields import PortField, RegisterPort
 
+Ports = tuple[Register, type[RegisterPort], dict[str, PortField]]
 
-class RegisterPort:
-    """One register of one module. Field names read and write; `all` is the whole register.
-
-    Each register has a class of its own, made by `register_port`, with a property for each field.
-    """
-
-    __slots__ = ()
-    where = ""  # "I2C-A.I2CSTR"
-    fields: tuple[str, ...] = ()
-
-    def __getattr__(self, name: str) -> int:
-        """Only for names that are not there."""
-        raise AttributeError(f"{self.where} has no field {name!r}; {did_you_mean(name, self.fields)}")
-
-    def __setattr__(self, name: str, value: int) -> None:
-        try:
-            object.__setattr__(self, name, value)
-        except AttributeError:
-            if name not in self.fields and name != "all":
-                self.__getattr__(name)
-            raise
+_made: dict[str, Ports] = {}  # what the ports of a register have in common, by its name in full
 
 
 def register_port(cpu: Cpu, place: ModuleRange, register: Register) -> RegisterPort:
     """The port of one register."""
     where = f"{place.name}.{register.name}"
+    found = _made.get(where)
+    if found is None or found[0] is not register:
+        found = _made[where] = _ports_of(where, register)
+    _, made, fields = found
+    return made(cpu.accesses, cpu.processor.bus, place, fields)
+
+
+def _ports_of(where: str, register: Register) -> Ports:
+    named: list[tuple[str, int, Field | None]] = []
+    for f in register.fields:
+        named.append((f.name, (LOW if f.mask & 0xFFFF else 0) | (HIGH if f.mask >> 16 else 0), f))
+    named.append(("all", BOTH if register.width == 32 or register.upper else LOW, None))
+    fields = _fields(where, register, named)
     names = tuple(f.name for f in register.fields)
-    ports: dict[str, object] = {f.name: _field_port(cpu, place, register, f) for f in register.fields}
-    ports["all"] = _words_port(cpu, place, register, BOTH if register.width == 32 or register.upper else LOW)
-    if register.upper:
-        halves = {"LSW": _words_port(cpu, place, register, LOW), "MSW": _words_port(cpu, place, register, HIGH)}
-        half = _port(f"{where}.half", ("LSW", "MSW"), halves)
-        ports["half"] = property(lambda port: half)
-        names = (*names, "half")
-    return _port(where, names, ports)
+    if not register.upper:
+        return register, _class(where, names, fields), fields
+    half = _fields(f"{where}.half", register, [("LSW", LOW, None), ("MSW", HIGH, None)])
+    halves = _class(f"{where}.half", tuple(half), half)
+    inner = property(lambda port: port._inner(halves, half))
+    return register, _class(where, (*names, "half"), {**fields, "half": inner}), fields
 
 
-def _port(where: str, names: tuple[str, ...], ports: Mapping[str, object]) -> RegisterPort:
-    made = type(where, (RegisterPort,), {"__slots__": (), "where": where, "fields": names, **ports})
-    port = made()
-    assert isinstance(port, RegisterPort)
-    return port
+def _fields(where: str, register: Register, named: list[tuple[str, int, Field | None]]) -> dict[str, PortField]:
+    return {
+        name: PortField(number, register, words, f, where if name == "all" else f"{where}.{name}")
+        for number, (name, words, f) in enumerate(named)
+    }
 
 
-def _words_port(cpu: Cpu, place: ModuleRange, register: Register, words: int) -> property:
-    read, write, shift = cpu.accesses.read, cpu.accesses.write, 16 if words == HIGH else 0
-    operand = cpu.processor.bus.operand(place, register, words)
-
-    def value(port: RegisterPort) -> int:
-        return read(operand) >> shift
-
-    most = 0xFFFF_FFFF if words == BOTH else 0xFFFF
-
-    def assign(port: RegisterPort, value: int) -> None:
-        if type(value) is not int or not 0 <= value <= most:
-            value = _fitting(value, most, port.where)
-        write(operand, value << shift)
-
-    return property(value, assign)
-
-
-def _field_port(cpu: Cpu, place: ModuleRange, register: Register, f: Field) -> property:
-    read, modify, mask, lsb = cpu.accesses.read, cpu.accesses.modify, f.mask, f.lsb
-    most = mask >> lsb
-    words = (LOW if mask & 0xFFFF else 0) | (HIGH if mask >> 16 else 0)
-    operand = cpu.processor.bus.operand(place, register, words, f)
-
-    def value(port: RegisterPort) -> int:
-        return (read(operand) & mask) >> lsb
-
-    def assign(port: RegisterPort, number: int) -> None:
-        if type(number) is not int or not 0 <= number <= most:
-            number = _fitting(number, most, f"{port.where}.{f.name}")
-        modify(operand, number)
-
-    return property(value, assign)
-
-
-def _fitting(value: object, most: int, where: str) -> int:
-    """The value as a number of Python's, whatever whole number it is. Misuse if it is none, or does not fit."""
-    try:
-        number = index(value)  # type: ignore[arg-type]
-    except TypeError:
-        raise Misuse(f"{where} = {value!r}: expected a whole number from 0 to {most:#x}") from None
-    if not 0 <= number <= most:
-        raise Misuse(f"{where} = {number:#x}: expected 0 to {most:#x}; cut it as C would, with & {most:#x}")
-    return number
+def _class(where: str, names: tuple[str, ...], ports: Mapping[str, object]) -> type[RegisterPort]:
+    return type(where, (RegisterPort,), {"__slots__": (), "where": where, "fields": names, **ports})
 
 
 class ModulePort:
@@ -115,14 +65,14 @@ class ModulePort:
     def __init__(self, cpu: Cpu, place: ModuleRange) -> None:
         self._cpu = cpu
         self._place = place
-        self._registers = {r.name: r for r in place.socket.chip.MAP}
         self._made: dict[str, RegisterPort] = {}
 
     def __getattr__(self, name: str) -> RegisterPort:
         """Only for names that are not there yet: from then on it is a plain attribute."""
-        registers: dict[str, Register] = self.__dict__["_registers"]
+        registers = self._place.socket.chip.MAP
         if name not in registers:
-            raise AttributeError(f"{self._place.name} has no register {name!r}; {did_you_mean(name, registers)}")
+            near = did_you_mean(name, [r.name for r in registers])
+            raise AttributeError(f"{self._place.name} has no register {name!r}; {near}")
         port = self._made[name] = self.__dict__[name] = register_port(self._cpu, self._place, registers[name])
         return port
 

@@ -1,5 +1,9 @@
+cimport cython
+
 from ...f28335.cpu.interrupts cimport CpuInterrupts
+from ..bus cimport Bus
 from ..cpu_time cimport CpuTime
+from ..operand cimport Operand
 from ..polling cimport Lease, Spin
 from .code_records cimport CodeRecords
 from .instructions cimport Instructions
@@ -8,6 +12,7 @@ from .program cimport PythonProgram
 
 cdef class Waits:
     cdef long long _branch
+    cdef Bus _bus
     cdef CpuInterrupts _core
     cdef Instructions _instructions
     cdef PythonProgram _program
@@ -15,4 +20,9 @@ cdef class Waits:
     cdef bint _skip_polls
     cdef CpuTime _time
     cpdef bint spin(self, object condition, object pass_cycles=*, object timeout=*)
-    cdef void _skip(self, Spin spin)
+    cpdef bint spin_either(self, object ready, object over, object pass_cycles=*)
+    cdef long long _wait(self, object ready, object over, object pass_cycles, object timeout)
+    cdef bint _skip(self, Spin spin)
+    @cython.locals(operand=Operand, start=cython.longlong, cycle=cython.longlong, place=cython.Py_ssize_t, before=cython.longlong)
+    cdef bint _repeats(self, Spin spin)
+    cdef bint _passes(self, long long cycle)

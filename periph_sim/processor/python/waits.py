@@ -1,9 +1,11 @@
 """`while (!condition()) ;` of Python firmware: a condition goes in; the cycle comes at which polling would have ended.
 
+    condition --first pass--> what it read --Lease--> sleep --wake--> reads alone --a bit differs--> condition
+
 Waiting is skipped: a pass of a spin whose reads have no side effect is made once; it cannot come out otherwise before a
-register that it read changes or an interrupt is due. At that moment the pass in progress is replayed from its start,
-reads that lie in the past answering with what was read before, and goes on for real from there. So a spin ends at the
-cycle at which polling pass by pass would have ended, at the cost of one event.
+register that it read changes or an interrupt is due. At that moment the pass in progress is made from its start, reads
+that lie in the past answering with what was read before. As long as the reads bring what they brought, nobody asks the
+condition. So a spin ends at the cycle at which polling pass by pass would have ended, at the cost of one event.
 """
 
 from __future__ import annotations
@@ -12,6 +14,7 @@ from collections.abc import Callable
 
 from ...core.chip import NEVER
 from ...f28335.cpu import instruction_costs as cpu_costs
+from ..bus import Bus
 from ..cpu_time import CpuTime
 from ..polling import Lease, Spin
 from ..processor import Processor
@@ -20,6 +23,9 @@ from .code_records import CodeRecords
 from .instructions import Instructions
 from .program import PythonProgram
 
+NEITHER, READY, OVER = range(3)  # what ended a wait
+SLEEPS = Stop.SLEEPS
+
 
 class Waits:
     """skip_polls: False makes every pass of every spin for real (the brute force that the skipping is proven against).
@@ -27,7 +33,7 @@ class Waits:
     branch: cycles of the branch back to the begin of a pass.
     """
 
-    __slots__ = ("_branch", "_core", "_instructions", "_program", "_records", "_skip_polls", "_time")
+    __slots__ = ("_branch", "_bus", "_core", "_instructions", "_program", "_records", "_skip_polls", "_time")
 
     def __init__(
         self,
@@ -40,6 +46,7 @@ class Waits:
         skip_polls: bool,
     ) -> None:
         self._branch = branch
+        self._bus: Bus = processor.bus
         self._core = processor.interrupts.core
         self._instructions = instructions
         self._program = program
@@ -53,21 +60,42 @@ class Waits:
         True as soon as the condition holds; False at the end of the first pass by which `timeout` cycles have passed
         since the wait began, interrupts included. pass_cycles: what a pass takes in all, if its reads take no longer.
         """
+        return self._wait(condition, None, pass_cycles, timeout) == READY
+
+    def spin_either(
+        self, ready: Callable[[], object], over: Callable[[], object], pass_cycles: int | None = None
+    ) -> bool:
+        """`while (!ready()) if (over()) break;`: True if `over` ended the wait."""
+        return self._wait(ready, over, pass_cycles, None) == OVER
+
+    def _wait(
+        self,
+        ready: Callable[[], object],
+        over: Callable[[], object] | None,
+        pass_cycles: int | None,
+        timeout: int | None,
+    ) -> int:
+        """Which of the conditions ended the wait: READY, OVER or, after a timeout, neither."""
         time, program, instructions, records = self._time, self._program, self._instructions, self._records
         spin = Spin(time.cycle, pass_cycles, NEVER if timeout is None else time.cycle + timeout)
         outer, program.spin = program.spin, spin
         polled = ""
+        came, again = NEITHER, False
         while True:
-            spin.begin_pass(time.cycle)
-            came = bool(condition())
-            if came:
-                break
-            if records.waits and not polled:
-                polled = spin.waits_for() or "nothing"
-                records.wait(spin.since, polled, 1)
+            if not again or not self._repeats(spin):
+                spin.begin_pass(time.cycle)
+                if ready():
+                    came = READY
+                elif over is not None and over():
+                    came = OVER
+                if came:
+                    break
+                spin.take_length(time.cycle)
+                if records.waits and not polled:
+                    polled = spin.waits_for() or "nothing"
+                    records.wait(spin.since, polled, 1)
             instructions.instruction(spin.rest(time.cycle, self._branch))
-            if self._skip_polls and spin.pure and spin.polls and time.cycle < spin.ends:
-                self._skip(spin)
+            again = self._skip_polls and spin.pure and time.cycle < spin.ends and self._skip(spin)
             if time.cycle >= spin.ends:
                 break
         if polled:
@@ -76,14 +104,17 @@ class Waits:
         program.spin = outer
         return came
 
-    def _skip(self, spin: Spin) -> None:
-        """Sleep over the passes that must come out as this one did, and set up the replay of the one in progress."""
+    def _skip(self, spin: Spin) -> bool:
+        """Sleep over the passes that must come out as this one did, and set up the replay of the one in progress.
+
+        True if nothing but reads can make the next pass come out otherwise.
+        """
         time, core = self._time, self._core
-        if core.earliest() < NEVER or time.lands < NEVER:
-            return
+        if not spin.polls or time.lands < NEVER or core.earliest() < NEVER:
+            return False
         lease = Lease(time, spin)
         if lease.broken(time.cycle):
-            return
+            return False
         first = time.cycle
         period = first - spin.start
         lease.begin()
@@ -91,13 +122,53 @@ class Waits:
             time.wake_at(first - (first - spin.ends) // period * period)  # the end of the pass that times out
         time.sleep(NEVER)
         try:
-            self._program.give_way(Stop.SLEEPS)
+            self._program.give_way(SLEEPS)
         finally:  # a reset ends the firmware here
             lease.end()
         woken = time.cycle
         skipped = (woken - first) // period
         self._program.polls_skipped += skipped
         time.cycle = first + skipped * period
-        spin.replay, spin.replayed, spin.live_from = spin.values, 0, woken
+        spin.answer_before(woken)
         if core.ifr or core.next_wake <= time.cycle:  # the end of the branch back is a boundary, too
             self._instructions.serve()
+        return spin.bare and spin.pure
+
+    def _repeats(self, spin: Spin) -> bool:
+        """The next pass as far as its reads bring what they brought in the last one. True if all of them do.
+
+        False: the pass is the condition's to make, from its start on; reads that were made are answered from memory.
+        """
+        time, instructions = self._time, self._instructions
+        start = cycle = time.cycle
+        for place, operand in enumerate(spin.polls):
+            if place:
+                cycle += cpu_costs.SB_NOT_TAKEN  # the test of the value before, in the same pass
+                if not self._passes(cycle):
+                    break
+            if not operand.plain or cycle < self._bus.free(operand):
+                break
+            cycle += operand.read_waits
+            if cycle >= spin.live_from:
+                if cycle >= time.lease:
+                    instructions.go_to(cycle)
+                if (operand.chip.peek(cycle, operand.offset) ^ spin.values[place]) & operand.mask:
+                    break
+            cycle += 1
+            if not self._passes(cycle):
+                break
+        else:
+            spin.start = start
+            return True
+        time.cycle = start
+        spin.answer_before(cycle)
+        return False
+
+    def _passes(self, cycle: int) -> bool:
+        """Let time pass to a boundary between two instructions. False if an interrupt may be taken there."""
+        time, core = self._time, self._core
+        if cycle < time.lease:
+            time.cycle = cycle
+        else:
+            self._instructions.go_to(cycle)
+        return core.next_wake > cycle and not core.owes_instruction and not (core.ifr and core.earliest() < NEVER)

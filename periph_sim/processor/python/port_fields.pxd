@@ -1,0 +1,27 @@
+cimport cython
+
+from ..bus cimport Bus
+from ..operand cimport Operand
+from .accesses cimport Accesses
+
+
+cdef class RegisterPort:
+    cdef Accesses _accesses
+    cdef Bus _bus
+    cdef object _place
+    cdef dict _fields
+    cdef list _operands
+    cdef RegisterPort _half
+
+
+cdef class PortField:
+    cdef public Py_ssize_t number
+    cdef long long _lsb, _mask, _words
+    cdef object _most, _register, _field
+    cdef str _where
+    @cython.locals(operand=Operand)
+    cdef long long _read(self, RegisterPort port)
+    @cython.locals(operand=Operand)
+    cpdef void assign(self, RegisterPort port, object value)
+    cdef Operand _operand(self, RegisterPort port)
+    cdef object _fitting(self, object value)

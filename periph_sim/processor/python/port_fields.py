@@ -1,0 +1,120 @@
+"""Ports of registers, whichever unit they are of: `port.NAME` and `port.NAME = number` go in; accesses come out.
+
+    port.XRDY      --> PortField.__get__ --> Accesses.read --> the field's number
+    port.IRS = 1   --> RegisterPort.__setattr__ --> Accesses.modify; Accesses.write where the name is whole words
+
+Each register has a class of ports, with a descriptor for each name; `register_view` makes it, once in a process.
+"""
+
+from __future__ import annotations
+
+from operator import index
+
+from ...core.registers import Field, Register
+from ...core.suggest import did_you_mean
+from ...f28335.system.memory_map import HIGH, WORDS_MASK, ModuleRange
+from ..bus import Bus
+from ..error_origin import Misuse
+from ..operand import Operand
+from .accesses import Accesses
+
+
+class RegisterPort:
+    """One register of one module. Field names read and write; `all` is the whole register.
+
+    Its class has where and fields: "I2C-A.I2CSTR", and the names.
+    """
+
+    __slots__ = ("_accesses", "_bus", "_fields", "_half", "_operands", "_place")
+    where = ""
+    fields: tuple[str, ...] = ()
+
+    def __init__(self, accesses: Accesses, bus: Bus, place: ModuleRange, fields: dict[str, PortField]) -> None:
+        self._accesses = accesses
+        self._bus = bus
+        self._place = place
+        self._fields = fields
+        self._half: RegisterPort | None = None
+        self._operands: list[Operand | None] = [None] * len(fields)  # by `PortField.number`, as they are needed
+
+    def __getattr__(self, name: str) -> int:
+        """Only for names that are not there."""
+        raise no_such_name(self.where, name, self.fields)
+
+    def __setattr__(self, name: str, value: int) -> None:
+        if name in STATE:
+            object.__setattr__(self, name, value)  # compiled, they are no attributes for Python
+            return
+        found = self._fields.get(name)
+        if found is None:
+            raise cannot_be_written(self.where, name, self.fields)
+        found.assign(self, value)
+
+    def _inner(self, made: type[RegisterPort], fields: dict[str, PortField]) -> RegisterPort:
+        """The port of the register's halves, which is made of this class once it is asked for."""
+        if self._half is None:
+            self._half = made(self._accesses, self._bus, self._place, fields)
+        return self._half
+
+
+STATE = frozenset(RegisterPort.__slots__)
+
+
+class PortField:
+    """What a name stands for: a field, or whole words of the register. number: its place among the port's names."""
+
+    __slots__ = ("_field", "_lsb", "_mask", "_most", "_register", "_where", "_words", "number")
+
+    def __init__(self, number: int, register: Register, words: int, field: Field | None, where: str) -> None:
+        """words: that an access moves. where: the name in full, for messages."""
+        self.number = number
+        self._register = register
+        self._words = words
+        self._field = field
+        self._mask = WORDS_MASK[words] if field is None else field.mask
+        self._lsb = field.lsb if field is not None else 16 if words == HIGH else 0
+        self._most = self._mask >> self._lsb
+        self._where = where
+
+    def __get__(self, port: RegisterPort, owner: object) -> int:
+        return self._read(port)
+
+    def _read(self, port: RegisterPort) -> int:
+        operand = port._operands[self.number] or self._operand(port)
+        return (port._accesses.read(operand) & self._mask) >> self._lsb
+
+    def assign(self, port: RegisterPort, value: int) -> None:
+        if type(value) is not int or not 0 <= value <= self._most:
+            value = self._fitting(value)
+        operand = port._operands[self.number] or self._operand(port)
+        if self._field is None:
+            port._accesses.write(operand, value << self._lsb)
+        else:
+            port._accesses.modify(operand, value)
+
+    def _operand(self, port: RegisterPort) -> Operand:
+        operand = port._bus.operand(port._place, self._register, self._words, self._field)
+        port._operands[self.number] = operand
+        return operand
+
+    def _fitting(self, value: object) -> int:
+        """The value as a number of Python's, whatever whole number it is. Misuse if it is none, or does not fit."""
+        most = self._most
+        try:
+            number = index(value)  # type: ignore[arg-type]
+        except TypeError:
+            raise Misuse(f"{self._where} = {value!r}: expected a whole number from 0 to {most:#x}") from None
+        if not 0 <= number <= most:
+            raise Misuse(f"{self._where} = {number:#x}: expected 0 to {most:#x}; cut it as C would, with & {most:#x}")
+        return number
+
+
+def no_such_name(where: str, name: str, names: tuple[str, ...]) -> AttributeError:
+    return AttributeError(f"{where} has no field {name!r}; {did_you_mean(name, names)}")
+
+
+def cannot_be_written(where: str, name: str, names: tuple[str, ...]) -> AttributeError:
+    """A name that is not there, or one that stands for names of its own."""
+    if name not in names:
+        return no_such_name(where, name, names)
+    return AttributeError(f"{where}.{name} cannot be assigned to; it has names of its own, which can")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import pytest
+
 from periph_sim.f28335.cpu.compiled_code_costs import BARE
 from periph_sim.f28335.system.options import SystemOptions
 from tests.processor.bench import Bench
@@ -57,3 +59,39 @@ def test_an_interrupt_asked_for_behind_a_wait_waits_for_the_end_of_an_instructio
 
     assert bench.run(main, 5000) == [("served", 2018), ("B=1", 2029)]
     assert bench.kernel.events == 5
+
+
+def asked(
+    changes: list[tuple[int, int, int]], work: int = 0, *, skip: bool = True
+) -> tuple[list[tuple[str, int]], int]:
+    """What a wait for A, with `work` cycles in its condition, sees on a bench; how often the condition was asked."""
+    bench = Bench(changes, code=replace(BARE, poll_pass=10), skip_polls=skip)
+    asked: list[int] = []
+
+    def condition() -> bool:
+        asked.append(bench.cpu.cycle)
+        bench.cpu.compute(work)
+        return bool(bench.flags.STATUS.A)
+
+    def main() -> None:
+        bench.cpu.spin(condition)
+        bench.note("seen")
+
+    return bench.run(main, 600), len(asked)
+
+
+def test_a_condition_is_asked_again_only_where_a_bit_that_it_read_differs():
+    """A comes and goes between two reads three times; then it comes and stays."""
+    glitches = [(104, 1, -1), (107, 0, -1), (204, 1, -1), (207, 0, -1), (304, 1, -1), (307, 0, -1)]
+    seen, times = asked([*glitches, (400, 1, -1)])
+    assert times == 2  # the first pass, and the one that ends the wait
+    polled, every_pass = asked([*glitches, (400, 1, -1)], skip=False)
+    assert seen == polled == [("seen", 402 + 1 + 4)] and every_pass == 41
+
+
+@pytest.mark.parametrize("work", [1, 7])
+def test_a_condition_that_takes_time_of_its_own_is_asked_in_each_pass_that_is_made(work):
+    glitches = [(104, 1, -1), (105, 0, -1), (204, 1, -1), (206, 0, -1), (304, 1, -1), (309, 0, -1), (400, 1, -1)]
+    seen, times = asked(glitches, work)
+    polled, every_pass = asked(glitches, work, skip=False)
+    assert seen == polled and 2 < times < every_pass

@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.table import Table
 
 from ..scene.case.model import Case
-from ..scene.result import SKIPPED, Result
+from ..scene.result import BYTE_LEVEL, SKIPPED, Result
 from ..timing.format_value import broken, figure, limit, simulated
 from ..timing.verdict import EVERY_PHASE, FAIL, NOT_JUDGED, PASS, SEEN, Verdict
 from .assumptions import assumptions
@@ -26,7 +26,7 @@ def show(console: Console, result: Result, case: Case, guaranteed: bool = False,
         say(console, line)
     say(
         console,
-        f"{simulated(result.simulated_s)} simulated at {result.fidelity} fidelity; "
+        f"{simulated(result.simulated_s)} simulated at {result.fidelity} fidelity{byte_share(result)}; "
         f"{result.wire_bytes} I2C bytes, {result.sci_bytes} SCI bytes, {result.events} events",
     )
     for line in _counts(result.counts, verbose):
@@ -46,8 +46,17 @@ def show(console: Console, result: Result, case: Case, guaranteed: bool = False,
         say(console, line)
 
 
+def byte_share(result: Result) -> str:
+    """How much of the bus ran at byte level, where the level of the scene leaves that open; as a part of a sentence."""
+    passed = result.counts.get(BYTE_LEVEL)
+    if passed is None or not result.wire_bytes:
+        return ""
+    return f", {100 * passed / result.wire_bytes:.1f} % of the I2C bytes at byte level"
+
+
 def _counts(counts: Mapping[str, int], verbose: bool) -> list[str]:
-    told = [f"{count} {name.replace('_', ' ')}" for name, count in counts.items() if count and name != SKIPPED]
+    ours = (SKIPPED, BYTE_LEVEL)
+    told = [f"{count} {name.replace('_', ' ')}" for name, count in counts.items() if count and name not in ours]
     lines = [", ".join(told)] if told else []
     if verbose and counts.get(SKIPPED):
         lines.append(f"skipped {rounded(counts[SKIPPED])} polls")

@@ -28,8 +28,13 @@ cdef class Samples:
     cpdef void tell(self, long long now)
 
 
+cdef class Shortcut:
+    cpdef void catch_up(self)
+
+
 cdef class Kernel:
     cdef public long long now, events
+    cdef public Shortcut shortcut
     cdef list _unsettled, _sampling, _queue
     cdef long long _horizon, _number, _ranks
     cdef bint _stop
@@ -48,5 +53,8 @@ cdef class Kernel:
     cpdef void tell(self, Samples party)
     @cython.locals(wire=Settles, party=Samples)
     cpdef void settle(self)
-    @cython.locals(event=Event)
     cpdef void run_until(self, long long time)
+    @cython.locals(event=Event)
+    cdef void _do(self, long long time)
+    cpdef void catch_up(self)
+    cpdef void replay(self, long long since, Agent agent, long long tag)

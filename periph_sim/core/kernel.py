@@ -8,6 +8,9 @@ scene are equal. What an answer moves in the same tick settles after it.
 
 A CPU that runs ahead of the queue asks `quiet_until` how far it may go: up to that time,
 not including it, nothing else can happen (a lease), so it may move `now` by itself.
+
+What nobody can tell from its end may pass at once, without its events (`Shortcut`). Who could tell after all, since it
+looks or meddles in the middle, says so before (`catch_up`): the events are then done up to now, in their order.
 """
 
 from __future__ import annotations
@@ -25,6 +28,7 @@ STORM = 100_000  # so many events inside one tick is a loop, not a design
 Action = Callable[[], None]
 
 _rank = attrgetter("rank")
+_order = attrgetter("time", "rank")
 
 
 class SimulationStuck(Exception):
@@ -95,12 +99,25 @@ class Samples:
         raise NotImplementedError
 
 
+class Shortcut:
+    """What passes without its events, and can make up for them."""
+
+    __slots__ = ()
+
+    def catch_up(self) -> None:
+        """Somebody looks: whatever is behind is as it would be now had each event been done."""
+        raise NotImplementedError
+
+
 class Kernel:
-    """events: how many were done, cancelled ones not counted; the measure of cost."""
+    """shortcut: what passes at once now, if anything does. events: how many were done, cancelled ones not counted; the
+    measure of cost.
+    """
 
     def __init__(self, start: int = 0) -> None:
         self.now = start
         self.events = 0
+        self.shortcut: Shortcut | None = None
         self._unsettled: list[Settles] = []  # what moved in the present phase
         self._sampling: list[Samples] = []  # who is to be told of it
         self._horizon = start
@@ -212,6 +229,13 @@ class Kernel:
             raise ValueError(f"asked to run until t={time}, but it is already t={self.now}")
         self._horizon = time
         self._stop = False
+        self._do(time)
+        if not self._stop:
+            self.now = time
+        self.catch_up()
+
+    def _do(self, time: int) -> None:
+        """Everything that is due up to `time`; nothing is unsettled behind it."""
         queue = self._queue
         at, phase, in_this_tick = -1, 0, 0  # of the event done last
         while not self._stop:
@@ -242,8 +266,24 @@ class Kernel:
             self.now = at = event.time
             event.agent.act(event.tag)
         self.settle()
-        if not self._stop:
-            self.now = time
+
+    def catch_up(self) -> None:
+        """Before somebody looks at what a shortcut left out, or meddles with it."""
+        if self.shortcut is not None:
+            self.shortcut.catch_up()
+
+    def replay(self, since: int, agent: Agent, tag: int) -> None:
+        """Go back to `since`, where `agent.act(tag)` was due, and do all that comes of it up to now."""
+        now, stop, queue = self.now, self._stop, self._queue
+        self.settle()
+        later = queue[:]
+        queue.clear()
+        self.now, self._stop = since, False
+        self.ask(since, agent, tag)
+        self._do(now)
+        self.now, self._stop = now, stop
+        queue.extend(later)
+        queue.sort(key=_order, reverse=True)
 
 
 def describe(agent: Agent) -> str:

@@ -132,6 +132,8 @@ class Socket(Agent):
         return self.chip.peek(cycle, offset)
 
     def write(self, cycle: int, offset: int, value: int) -> None:
+        if self._kernel.shortcut is not None and offset == self.chip.mid_byte:
+            self._kernel.catch_up()
         if self.before is not None:
             self.before(cycle)
         if self.traces:

@@ -10,7 +10,7 @@ cdef class _Told(Agent):
 
 cdef class Wire(Settles):
     cdef public str name
-    cdef public long long level, cause, pulling, attached
+    cdef public long long level, cause, pulling, attached, version
     cdef public Recorder recorder
     cdef public bint recorded
     cdef public Kernel kernel
@@ -21,6 +21,10 @@ cdef class Wire(Settles):
     cpdef void pull(self, long long mask, long long level)
     @cython.locals(watch=_PullWatch, look=_Watch)
     cpdef void settle(self)
+    @cython.locals(watch=_Watch)
+    cpdef void jump(self, long long pulling)
+    cpdef bint quiet(self)
+    cdef void _changed(self)
     cdef long long _record(self, object kind, str what, long long level, long long cause)
 
 
@@ -44,12 +48,13 @@ cdef class Sampler(Samples):
     cdef public long long levels
     cdef Kernel _kernel
     cdef Recorder _recorder
-    cdef Agent _agent
+    cdef public Agent agent
     cdef bint _under
     cdef dict _wires
     cdef long long _put_under, _seen
     cpdef void listen(self, long long line, Wire wire)
     cpdef void put(self, long long line, long long level)
+    cpdef void jump(self, long long bits)
     cpdef void ask(self)
     @cython.locals(wire=Wire, moved=cython.longlong)
     cpdef void tell(self, long long now)

@@ -35,7 +35,8 @@ class _Told(Agent):
 class Wire(Settles):
     """cause: the record of the last edge. recorded: somebody wants each edge, and perhaps who holds a low one.
 
-    pulling: who pulls it low in the settled state; bit i is party i. attached: how many parties there are.
+    pulling: who pulls it low in the settled state; bit i is party i. attached: how many parties there are. version:
+    another one whenever a party comes, or one who listens comes or goes.
     """
 
     def __init__(self, kernel: Kernel, name: str, recorder: Recorder) -> None:
@@ -47,6 +48,7 @@ class Wire(Settles):
         self.rank = kernel.rank()
         self.kernel = kernel
         self._records_holds = self.recorded and recorder.wants(Kind.HOLD)
+        self.version = 0
         self.pulling = 0
         self.attached = 0
         self._pulling = 0  # the same, in an instant that is not settled yet
@@ -65,6 +67,7 @@ class Wire(Settles):
             raise ValueError(f"wire {self.name}: {who} would be party {place + 1}; a wire has up to {MOST}")
         self._parties.append(who)
         self.attached += 1
+        self._changed()
         self._names_of.clear()
         return Pin(self, BITS[place])
 
@@ -76,6 +79,7 @@ class Wire(Settles):
         """`agent.pulled(line, ...)` in each instant in which others pull the wire than before, whatever its level."""
         watch = _PullWatch()
         watch.agent, watch.line = agent, line
+        self._changed()
         self._pull_watches.append(watch)
 
     def of(self, prefix: str) -> int:
@@ -126,6 +130,23 @@ class Wire(Settles):
         if self.recorded:
             self._pulled_under = self._released_under = 0
 
+    def jump(self, pulling: int) -> None:
+        """It was settled on these pulls before anybody looks again; nobody is told, and it is not recorded."""
+        self._pulling = self.pulling = pulling
+        level = 0 if pulling else 1
+        if level != self.level:
+            self.level = level
+            for watch in self._watches:
+                watch.sampler.jump(watch.bit)
+
+    def quiet(self) -> bool:
+        """No edge is recorded, and no pull is unsettled."""
+        return not self.recorded and self._pulling == self.pulling
+
+    def listeners(self) -> set[Agent]:
+        """All that are told of its level, or of who pulls it."""
+        return {look.sampler.agent for look in self._watches} | {watch.agent for watch in self._pull_watches}
+
     def _record(self, kind: Kind, what: str, level: int, cause: int) -> int:
         recorder = self.recorder
         self._pulling_recorded = pulling = self._pulling
@@ -141,12 +162,19 @@ class Wire(Settles):
         """From now on this wire's level is this bit of the sampler's levels."""
         watch = _Watch()
         watch.sampler, watch.bit = sampler, bit
+        self._changed()
         self._watches.append(watch)
 
     def remove(self, sampler: Sampler, bit: int) -> None:
         """No longer."""
         place = next(i for i, watch in enumerate(self._watches) if watch.sampler is sampler and watch.bit == bit)
+        self._changed()
         del self._watches[place]
+
+    def _changed(self) -> None:
+        """There are others on the wire than before: what passes at once does so for those only whom it knows."""
+        self.kernel.catch_up()
+        self.version += 1
 
 
 class _PullWatch:
@@ -188,7 +216,7 @@ class Sampler(Samples):
     `levels`, under the record of the first of the lines that moved.
     """
 
-    __slots__ = ("_agent", "_kernel", "_put_under", "_recorder", "_seen", "_under", "_wires", "levels")
+    __slots__ = ("_kernel", "_put_under", "_recorder", "_seen", "_under", "_wires", "agent", "levels")
 
     def __init__(self, kernel: Kernel, recorder: Recorder, agent: Agent | Watcher, levels: int = 0) -> None:
         self.levels = levels
@@ -196,7 +224,7 @@ class Sampler(Samples):
         self.rank = kernel.rank()
         self._kernel = kernel
         self._recorder = recorder
-        self._agent = agent if isinstance(agent, Agent) else _Told(agent)
+        self.agent = agent if isinstance(agent, Agent) else _Told(agent)
         self._under = False  # there may be a record to work under
         self._wires: dict[int, Wire] = {}
         self._put_under = 0  # the record under which a level was put last
@@ -221,13 +249,18 @@ class Sampler(Samples):
             self._under = True
         self._set(line, level)
 
+    def jump(self, bits: int) -> None:
+        """These lines have moved some time ago, and were looked at since."""
+        self.levels ^= bits
+        self._seen ^= bits
+
     def ask(self) -> None:
         """Be told in this instant, also if nothing moves."""
         self._kernel.tell(self)
 
     def tell(self, now: int) -> None:
         if not self._under:
-            self._agent.sampled(now, self.levels)
+            self.agent.sampled(now, self.levels)
             return
         moved = self.levels ^ self._seen
         self._seen = self.levels
@@ -236,7 +269,7 @@ class Sampler(Samples):
         if moved:
             wire = self._wires.get((moved & -moved).bit_length() - 1)
             recorder.cause = self._put_under if wire is None else wire.cause
-        self._agent.sampled(now, self.levels)
+        self.agent.sampled(now, self.levels)
         recorder.cause = outer
 
     def _set(self, line: int, level: int) -> None:

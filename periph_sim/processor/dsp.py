@@ -232,6 +232,8 @@ class Dsp(FirmwareView):
         """Clocks and gates as system control now says."""
         control = self.control
         hz = self._sysclk_hz()
+        if hz != self.clock.hz or control.gates != self._gates:
+            self._kernel.catch_up()
         if hz != self.clock.hz:
             self.clock.retune(cycle, hz)
             for socket in self._sockets.values():
@@ -315,6 +317,7 @@ class Dsp(FirmwareView):
 
     def _enter_reset(self) -> None:
         """Every module to its reset state; firmware stops where it stands."""
+        self._kernel.catch_up()
         self.resets += 1
         for told in self.on_reset:
             told()

@@ -8,5 +8,5 @@ cdef class Operand:
     cdef public Chip chip
     cdef public str name
     cdef public long long address, mask, offset, read_waits, shift, words, write_waits
-    cdef public bint block, frame1, frame2, harmless, pieack, plain, protected, recorded, steady
+    cdef public bint block, frame1, frame2, harmless, meets, pieack, plain, protected, recorded, steady
     cpdef long long peek(self, long long cycle)

@@ -15,7 +15,8 @@ class Operand:
 
     mask: the bits that the program looks at or writes. shift: where an access by address has the word moved.
     block: inside the protected block, where reads wait for writes. steady: a read has no effect, and nothing that
-    counts by itself is read. plain: a read is one look at the chip, of which no record is made.
+    counts by itself is read. meets: an access acts, or the module is told something first. plain: a read is one look at
+    the chip, of which no record is made.
     """
 
     __slots__ = (
@@ -27,6 +28,7 @@ class Operand:
         "frame2",
         "harmless",
         "mask",
+        "meets",
         "name",
         "offset",
         "pieack",
@@ -73,6 +75,7 @@ class Operand:
         self.pieack = register is PIEACK
         self.recorded = recorded
         self.harmless = register.reads_are_harmless and not neighbour
+        self.meets = not self.harmless or place.socket.before is not None
         self.steady = register.reads_are_harmless and not register.free_running
         self.plain = not recorded and register.plain and words == LOW and place.socket.before is None
 

@@ -156,6 +156,7 @@ class Router(Agent):
 
     def _tell_all_pads(self, cycle: int) -> None:
         """Before an access: also the pads that the machine is not told of edge by edge."""
+        self._kernel.catch_up()
         self._gpio.edges(cycle, self._levels_on_wires())
 
     def _levels_on_wires(self) -> int:

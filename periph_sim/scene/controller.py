@@ -24,6 +24,7 @@ from .context import SceneContext
 class ControllerAgent:
     """requests: of each round. asked: what of it is to be seen on the bus."""
 
+    controller: I2cController
     head: SensorHead
     requests: list[Request]
     asked: Asked
@@ -71,7 +72,7 @@ def build_head(context: SceneContext, table: Controller, on_stuck: Callable[[Wir
         late=schedule.jitter,
         rounds=schedule.rounds,
     )
-    return ControllerAgent(head, requests, asked)
+    return ControllerAgent(controller, head, requests, asked)
 
 
 def rounds_of(context: SceneContext, table: RoundsTable) -> Asked:

@@ -6,7 +6,9 @@ from dataclasses import dataclass, field
 
 from ..timing.verdict import EVERY_PHASE, SEEN, Proof, Verdict
 
-SKIPPED = "polls_skipped"  # the count that tells of the simulator, not of the case
+# Counts that tell of the simulator, not of the case.
+SKIPPED = "polls_skipped"
+BYTE_LEVEL = "byte_level"  # I2C bytes of which seven bits passed at once, where fidelity is "adaptive"
 
 
 @dataclass

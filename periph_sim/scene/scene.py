@@ -17,6 +17,7 @@ from ..bus.i2c.byte_counter import I2cByteCounter
 from ..bus.i2c.event_recorder import BusRecorder
 from ..bus.i2c.stuck_watch import STUCK_AFTER, StuckWatch
 from ..bus.i2c.transfer import Transfer
+from ..bus.i2c.whole_bytes import WholeBytes
 from ..core.chip import NEVER, Note
 from ..core.kernel import Kernel
 from ..core.records import Kind, Recorder
@@ -61,6 +62,7 @@ from .serial.side import SerialSide
 from .summary import result_of
 from .uart_side import UartSide
 from .unit import build_unit, options_of
+from .whole_bytes import whole_bytes_of
 
 NEEDS = {"rounds": "[controller], or [rounds] for a unit that is the master,"}
 
@@ -116,6 +118,7 @@ class Scene:
         self._origins: Origins | None = None  # of what is read, as soon as a measure asks
         self.frames: MotionFrames | None = None  # what the host sends, where it is no ramp
         self.wire_bytes = 0  # by the controller agent
+        self.whole_bytes: WholeBytes | None = None  # through which bytes pass at once
         self._counter: I2cByteCounter | None = None  # where there is none
         self.bus = BusSide(self.wires, self._ticks(SPIKE))
         self.nacked = 0
@@ -136,6 +139,8 @@ class Scene:
             self.head, self.requests = side.head, side.requests
             self.bus.asked = side.asked
             self.head.on_transfer.append(self._count_transfer)
+            if case.fidelity == "adaptive":
+                self.whole_bytes = whole_bytes_of(context, side.controller, self.units)
         elif "SCL" in self.wires:
             self._counter = I2cByteCounter(self.wires["SCL"], self.wires["SDA"])
             if self.recorder.wants(Kind.BUS):
@@ -389,6 +394,7 @@ class Scene:
         except FirmwareStalled as stalled:
             self.stalled = str(stalled)
             length = self.kernel.now - began
+        self.kernel.catch_up()
         wall = perf_counter() - wall
         self.bus.finish(self.kernel.now)
         self._uart.finish(self.kernel.now)

@@ -9,7 +9,7 @@ from ..devices.chips.register_chip import RegisterChip
 from ..processor.dsp import Dsp
 from ..timing.measures.bus import WrongBytes
 from ..timing.verdict import FAIL, NOT_JUDGED, PASS
-from .result import SKIPPED, Result
+from .result import BYTE_LEVEL, SKIPPED, Result
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -30,6 +30,8 @@ def result_of(scene: Scene, length: int, wall: float) -> Result:
         counts["beyond_16_bits"] = scene.frames.beyond.total()
     counts["overruns"] = sum(x.measure.count for x in scene.limits if x.budget.measure == "overruns")
     counts[SKIPPED] = sum(dsp.program.polls_skipped for dsp in scene.units.values())
+    if scene.whole_bytes is not None:
+        counts[BYTE_LEVEL] = scene.whole_bytes.passed
     counts["resets"] = sum(dsp.resets for dsp in scene.units.values())
     parts: dict[str, Dsp | RegisterChip] = {
         **scene.units,

@@ -1,9 +1,9 @@
 cimport cython
 
-from ...core.kernel cimport Agent
+from .whole_bytes cimport ByteParty
 
 
-cdef class I2cByteCounter(Agent):
+cdef class I2cByteCounter(ByteParty):
     cdef public long long bytes
     cdef long long _lines, _pulses
     cdef bint _active

@@ -5,14 +5,14 @@ For scenes in which no agent is the controller and so nobody else counts.
 
 from __future__ import annotations
 
-from ...core.kernel import Agent
 from ...core.wire import Wire, watch
-from .line_events import EVENT, FALL, IDLE, RISE, START, STOP
+from .line_events import EVENT, FALL, IDLE, RISE, SDA, START, STOP
+from .whole_bytes import BITS, ByteParty
 
 PULSES = 9  # eight bits and the acknowledge
 
 
-class I2cByteCounter(Agent):
+class I2cByteCounter(ByteParty):
     """bytes: whole ones, each with its acknowledge; what is cut off by a START or STOP does not count."""
 
     def __init__(self, scl: Wire, sda: Wire) -> None:
@@ -33,3 +33,7 @@ class I2cByteCounter(Agent):
         elif event == FALL and self._pulses == PULSES:
             self.bytes += 1
             self._pulses = 0
+
+    def heard(self, shown: int, rise: int, low: int, high: int) -> None:
+        self._lines = SDA if shown & 1 else 0
+        self._pulses = BITS if self._active else 0

@@ -14,13 +14,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ...core.kernel import Agent, Event, Kernel
+from ...core.kernel import Event, Kernel
 from ...core.records import Kind, Recorder
 from ...core.time import NO_TIME
 from ...core.wire import Wire, watch
 from .bus_clear import BusClear
 from .line_events import EVENT, FALL, IDLE, NOTHING, RISE, SCL, SDA, START, STOP
 from .transfer import BusTiming, Phase, Transfer
+from .whole_bytes import BITS, ONES, ByteParty, WholeBytes
 
 # What an event is for.
 BEGIN, FIRST_LOW, SDA_FOLLOWS, RELEASE, BIT_END, STOP_RISES, STUCK = range(7)
@@ -28,12 +29,13 @@ BEGIN, FIRST_LOW, SDA_FOLLOWS, RELEASE, BIT_END, STOP_RISES, STUCK = range(7)
 NO_BYTE = 1 << 30  # instead of the number of a byte: STOP or repeated START is next
 
 
-class I2cController(Agent):
+class I2cController(ByteParty):
     """who: its name on the wires and in records. stuck_after: a line low longer than this is reported by `on_stuck`.
 
     clear_after: so long after a START that was refused, since nobody let go of SDA or nobody gave the STOP that was
     due, the bus is cleared. 0: never, as where there may be other controllers. gives_up: a written byte that the target
-    refuses ends the transfer with a STOP; else the next phase of the transfer follows.
+    refuses ends the transfer with a STOP; else the next phase of the transfer follows. whole_bytes: through which bytes
+    pass at once; None: every edge is an event.
     """
 
     __slots__ = (
@@ -79,6 +81,7 @@ class I2cController(Agent):
         "busy",
         "timing",
         "who",
+        "whole_bytes",
     )
 
     def __init__(
@@ -98,6 +101,7 @@ class I2cController(Agent):
         self.timing = timing
         self._low_time, self._hold, self._filter = timing.low, timing.hold, timing.filter
         self.busy = False
+        self.whole_bytes: WholeBytes | None = None
         self._kernel = kernel
         self._recorder = recorder if recorder.wants(Kind.BUS) else None
         self._scl_wire = scl
@@ -282,6 +286,12 @@ class I2cController(Agent):
 
     def _release(self) -> None:
         """SCL is let go. If nobody else holds it, it rises now; else with the edge that we then wait for."""
+        if self.whole_bytes is not None and self._index != NO_BYTE:
+            if self._bit == 0:
+                if self.whole_bytes.passes(self._low_time, self._high, self._hold, RELEASE):
+                    return
+            elif self._bit == BITS:
+                self.whole_bytes.over()
         self._scl_wire.pull(self._scl_mask, 1)
         self._let_go_at = self._kernel.now
         self._rising = True
@@ -312,6 +322,32 @@ class I2cController(Agent):
     def _ack_level(self) -> int:
         """What a reading controller answers: 0 until the last byte."""
         return 1 if self._index + 1 >= self._phase.count else 0
+
+    # Seven bits at once ---------------------------------------------------------
+
+    def pulls(self, line: int) -> int:
+        return self._scl_mask if line == SCL else self._sda_mask
+
+    def ready(self, low: int, high: int, hold: int) -> bool:
+        """Its filter sees each level of a bit; nothing else is under way."""
+        return self._guard is None and self._filter <= min(high, hold, low - hold)
+
+    def byte(self) -> int:
+        return ONES if self._receiving else self._byte
+
+    def goes_on(self, shown: int) -> bool:
+        """Else it loses arbitration on the way."""
+        return self._receiving or shown == self._byte
+
+    def stand(self, shown: int, bit: int, fell: int) -> None:
+        level = shown >> (BITS - bit) & 1
+        self._bit, self._in = bit, shown >> (BITS + 1 - bit)
+        self._sda_level = self.byte() >> (BITS - bit) & 1
+        self._lines = SDA if level else 0
+        self._sda_seen, self._sda_event, self._sda_moved = level, NOTHING, fell + self._hold
+        self._scl_seen, self._scl_moved = SCL, fell
+        if bit and self._index == 0:
+            self._phase.answer_at = self._kernel.now
 
     # Bytes --------------------------------------------------------------------
 

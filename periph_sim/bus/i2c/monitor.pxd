@@ -1,8 +1,8 @@
-from ...core.kernel cimport Agent
 from ...core.wire cimport Sampler, Wire
+from .whole_bytes cimport ByteParty
 
 
-cdef class I2cMonitor(Agent):
+cdef class I2cMonitor(ByteParty):
     cdef Wire _scl, _sda
     cdef Sampler _sampler
     cdef object _told, _names, _transfer, _phase

@@ -14,16 +14,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from ...core.kernel import Agent
 from ...core.time import NO_TIME
 from ...core.wire import Wire, watch
 from .line_events import SCL, SDA
 from .transfer import Phase, Transfer
+from .whole_bytes import BITS as SEVEN
+from .whole_bytes import ByteParty
 
 BITS = 9  # of a byte, its ACK included
 
 
-class I2cMonitor(Agent):
+class I2cMonitor(ByteParty):
     """told: given each transfer with its STOP. names: what to call a transfer, by address.
 
     filter: ticks; a level of SDA that lasts less is not read.
@@ -96,6 +97,19 @@ class I2cMonitor(Agent):
             if now - self._sda_at >= self._filter:
                 self._sda_seen = before >> 1
             self._sda_at = now
+
+    def heard(self, shown: int, rise: int, low: int, high: int) -> None:
+        eighth = rise + SEVEN * (low + high)
+        self._levels = SDA if shown & 1 else 0
+        self._sda_seen = shown & 1
+        if not self._scl_mask:
+            return
+        if self._index == 0 and self._phase.acked:
+            self._phase.answer_at = rise
+        self._bits, self._in = SEVEN, shown >> 1
+        self._pulled_at, self._clock_length = eighth - low, low + high
+        self._rose_at = eighth - low - high
+        self._pulls_sda = bool(self._sda.pulling & self._sda_mask)
 
     # START and STOP ----------------------------------------------------------------
 

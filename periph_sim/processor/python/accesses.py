@@ -78,7 +78,7 @@ class Accesses:
         time = self._time
         self._wait_for_writes(operand, self._program.spin)
         self._instructions.go_to(time.cycle + operand.read_waits)
-        if not operand.harmless:
+        if operand.meets:
             time.meet()
         self._bus.modify(time.cycle, operand, number)
         self._instructions.instruction(1)
@@ -119,7 +119,7 @@ class Accesses:
         self._bus.note_width(self._time.cycle, operand)
 
     def _fetch(self, operand: Operand) -> int:
-        if not operand.harmless:
+        if operand.meets:
             self._time.meet()
         return self._bus.fetch(self._time.cycle, operand)
 

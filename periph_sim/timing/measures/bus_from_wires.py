@@ -10,7 +10,8 @@ Source: UM10204 sections 3.1.4 to 3.1.10.
 
 from __future__ import annotations
 
-from ...core.kernel import Agent
+from ...bus.i2c.whole_bytes import BITS as SEVEN
+from ...bus.i2c.whole_bytes import ByteParty
 from ...core.time import NO_TIME
 from ...core.wire import Wire
 
@@ -18,7 +19,7 @@ SCL, SDA = 0, 1  # which wire it is that is pulled
 BITS = 9  # of a byte, its ACK included
 
 
-class BusFromWires(Agent):
+class BusFromWires(ByteParty):
     """unit: whose pins are ours, "" for none. Subclasses say what they do with what they hear."""
 
     def __init__(self, unit: str) -> None:
@@ -55,6 +56,18 @@ class BusFromWires(Agent):
             self._scl, self._scl_pulling = 0 if pulling else 1, pulling
         else:
             self._sda, self._sda_pulling = 0 if pulling else 1, pulling
+
+    def heard(self, shown: int, rise: int, low: int, high: int) -> None:
+        self.settle()
+        if self.phase_at != NO_TIME:
+            for at in range(rise, rise + SEVEN * (low + high), low + high):
+                self.held(at, at)
+            if self.index >= 0 and self._acked:
+                self.first_bit(rise, rise)
+            self._bits, self._in = SEVEN, shown >> 1
+        self._sda = self._sda_before = shown & 1
+        self._sda_pulling = self._sda_wire.pulling
+        self.others_held_until = NO_TIME
 
     def settle_before(self, tick: int) -> None:
         """All of the ticks before this one has been heard."""

@@ -1,0 +1,33 @@
+cimport cython
+
+from ...core.kernel cimport Agent, Event, Kernel, Shortcut
+from ...core.wire cimport Wire
+
+
+cdef class ByteParty(Agent):
+    cpdef long long pulls(self, long long line)
+    cpdef bint ready(self, long long low, long long high, long long hold)
+    cpdef long long byte(self)
+    cpdef bint goes_on(self, long long shown)
+    cpdef void stand(self, long long shown, long long bit, long long fell)
+    cpdef void heard(self, long long shown, long long rise, long long low, long long high)
+
+
+cdef class WholeBytes(Shortcut):
+    cdef public long long passed
+    cdef Kernel _kernel
+    cdef Wire _scl, _sda
+    cdef ByteParty _controller
+    cdef dict _stand_in
+    cdef list _parties
+    cdef bint _known
+    cdef long long _versions, _since, _fell, _shown, _tag, _low, _high
+    cdef Event _eighth
+    @cython.locals(party=ByteParty, shown=cython.longlong)
+    cpdef bint passes(self, long long low, long long high, long long hold, long long tag)
+    @cython.locals(party=ByteParty)
+    cpdef void over(self)
+    cpdef void catch_up(self)
+    @cython.locals(party=ByteParty, pulling=cython.longlong)
+    cdef void _stand(self, long long bit, long long fell)
+    cdef void _look(self)

@@ -1,0 +1,172 @@
+"""Seven bits of a byte at once: SCL about to rise for the first goes in; about to rise for the eighth comes out.
+
+    SCL  _|~|_|~|_|~|_|~|_|~|_|~|_|~|_|~|_|~|_       every edge an event
+    SCL  ____________________________|~|_|~|_        the same byte, the same ticks, between the same two states
+          ^ asked here               ^ goes on here
+
+Nothing but the wires shows of these seven bits: flags, FIFOs, interrupts and ACKs move at the eighth rise or later. So
+nobody can tell, unless somebody records edges, holds a line, or meddles in the middle. Where one of those
+could be, the byte passes edge by edge; where one comes after all, it is played again up to now (`catch_up`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ...core.kernel import Agent, Event, Kernel, Shortcut
+from ...core.time import NO_TIME
+from ...core.wire import Wire
+from .line_events import SCL, SDA
+
+BITS = 7  # that pass at once
+ONES = 0xFF
+
+
+class ByteParty(Agent):
+    """One who listens to the lines, and knows what seven bits of a byte do to him."""
+
+    __slots__ = ()
+
+    def pulls(self, line: int) -> int:
+        """Its hold on a line, SCL or SDA, as a mask of the wire's parties; 0 if it has none."""
+        return 0
+
+    def ready(self, low: int, high: int, hold: int) -> bool:
+        """Whether it waits for the first bit of a byte, and nothing of its own comes in between.
+
+        low, high, hold: ticks, as the controller clocks.
+        """
+        return True
+
+    def byte(self) -> int:
+        """What it shifts out, 0xFF where it lets SDA go."""
+        return ONES
+
+    def goes_on(self, shown: int) -> bool:
+        """Whether it does where this byte shows, which others have pulled at, too."""
+        return True
+
+    def stand(self, shown: int, bit: int, fell: int) -> None:
+        """Be where `bit` bits, 0 or 7, of the byte `shown` have passed. fell: the tick at which SCL fell last.
+
+        For who pulls a line: there may be a way back.
+        """
+
+    def heard(self, shown: int, rise: int, low: int, high: int) -> None:
+        """Seven bits have passed, the first with SCL's rise at tick `rise`: SCL is about to rise for the eighth.
+
+        For who only listens: it is told as they are over.
+        """
+
+
+class WholeBytes(Shortcut):
+    """Of one bus and its controller. stand_in: for agents that are no party themselves, who knows it of them.
+
+    passed: how many bytes have passed so.
+    """
+
+    __slots__ = (
+        "_controller",
+        "_eighth",
+        "_fell",
+        "_high",
+        "_kernel",
+        "_known",
+        "_low",
+        "_parties",
+        "_scl",
+        "_sda",
+        "_shown",
+        "_since",
+        "_stand_in",
+        "_tag",
+        "_versions",
+        "passed",
+    )
+
+    def __init__(
+        self, kernel: Kernel, scl: Wire, sda: Wire, controller: ByteParty, stand_in: Mapping[Agent, ByteParty]
+    ) -> None:
+        self.passed = 0
+        self._kernel = kernel
+        self._scl = scl
+        self._sda = sda
+        self._controller = controller
+        self._stand_in = dict(stand_in)
+        self._parties: list[ByteParty] = []
+        self._known = False  # every party of the lines is one of these
+        self._versions = -1  # of the wires, when they were looked through
+        self._since = NO_TIME  # when the seven bits that pass just now began
+        self._fell = NO_TIME
+        self._shown = ONES
+        self._low = self._high = 0
+        self._eighth: Event | None = None
+        self._tag = 0
+
+    def share(self, bytes_in_all: int) -> float:
+        """How much of the bus passed so, in per cent."""
+        return 100 * self.passed / bytes_in_all if bytes_in_all else 0.0
+
+    def passes(self, low: int, high: int, hold: int, tag: int) -> bool:
+        """Whether seven bits pass at once: everybody stands before the eighth then, and the controller acts on `tag`.
+
+        It asks as it is about to let SCL go for the first bit. low, high, hold: ticks, as it clocks.
+        """
+        scl, sda, now = self._scl, self._sda, self._kernel.now
+        if self._since == now or not scl.quiet() or not sda.quiet():
+            return False
+        if scl.version + sda.version != self._versions:
+            self._look()
+        if not self._known or scl.pulling != self._controller.pulls(SCL):
+            return False
+        self._low, self._high, shown = low, high, ONES
+        for party in self._parties:
+            if not party.ready(low, high, hold):
+                return False
+            shown &= party.byte()
+        if not self._controller.goes_on(shown):
+            return False
+        self._since, self._fell, self._shown, self._tag = now, now - low, shown, tag
+        self._stand(BITS, now + BITS * (low + high) - low)
+        self._eighth = self._kernel.ask(now + BITS * (low + high), self._controller, tag)
+        self._kernel.shortcut = self
+        return True
+
+    def over(self) -> None:
+        """SCL is about to rise for the eighth bit of some byte."""
+        if self._kernel.shortcut is self:
+            self._kernel.shortcut = None
+            self.passed += 1
+            for party in self._parties:
+                party.heard(self._shown, self._since, self._low, self._high)
+        self._since = NO_TIME
+
+    def catch_up(self) -> None:
+        kernel, eighth = self._kernel, self._eighth
+        assert eighth is not None
+        if eighth.time <= kernel.now:
+            return  # it acts in this very tick, from where everybody stands
+        kernel.shortcut = None
+        kernel.cancel(eighth)
+        self._stand(0, self._fell)
+        kernel.replay(self._since, self._controller, self._tag)
+
+    def _stand(self, bit: int, fell: int) -> None:
+        pulling = 0
+        for party in self._parties:
+            if not party.byte() >> (BITS - bit) & 1:
+                pulling |= party.pulls(SDA)
+            party.stand(self._shown, bit, fell)
+        self._sda.jump(pulling)
+
+    def _look(self) -> None:
+        """Who is on the lines now: all that listen, and all that can pull, must be parties."""
+        scl, sda = self._scl, self._sda
+        self._versions = scl.version + sda.version
+        agents = scl.listeners() | sda.listeners()
+        found = [agent if isinstance(agent, ByteParty) else self._stand_in.get(agent) for agent in agents]
+        self._parties = [party for party in found if party is not None]
+        self._known = len(self._parties) == len(found) and all(
+            sum(party.pulls(line) for party in self._parties) == (1 << wire.attached) - 1
+            for wire, line in ((scl, SCL), (sda, SDA))
+        )

@@ -1,0 +1,29 @@
+cimport cython
+
+from ..bus.i2c.whole_bytes cimport ByteParty
+from ..core.socket cimport Socket
+from ..core.time cimport Clock
+from ..core.wire cimport Pin
+from ..f28335.i2c.module cimport I2c
+from ..f28335.i2c.noise_filter cimport I2cNoiseFilter
+from ..f28335.i2c.registers cimport I2cRegisters
+from ..f28335.i2c.slave cimport I2cSlave
+
+
+cdef class I2cSlaveBytes(ByteParty):
+    cdef Socket _socket
+    cdef I2c _chip
+    cdef Clock _clock
+    cdef I2cSlave _target
+    cdef bint _calm
+    cdef long long _calm_for
+    cdef object _hz
+    @cython.locals(pin=Pin, mask=cython.longlong)
+    cpdef long long pulls(self, long long line)
+    cpdef long long byte(self)
+    @cython.locals(chip=I2c, target=I2cSlave, lines=I2cNoiseFilter, state=I2cRegisters, wanted=cython.longlong)
+    cpdef bint ready(self, long long low, long long high, long long hold)
+    cdef bint _is_calm(self, long long low, long long high, long long hold)
+    cdef long long _cycles(self, long long ticks)
+    @cython.locals(chip=I2c, target=I2cSlave, levels=cython.longlong)
+    cpdef void stand(self, long long shown, long long bit, long long fell)

@@ -1,0 +1,83 @@
+"""An F28335's I2C module as seven bits pass at once: its socket goes in; where it stands before and behind comes out.
+
+See `bus.i2c.whole_bytes`. Only a slave, or one who is not meant: as a master it clocks the bus itself.
+"""
+
+from __future__ import annotations
+
+from ..bus.i2c.whole_bytes import BITS, ONES, ByteParty
+from ..core.chip import NEVER
+from ..core.socket import Socket
+from ..core.time import Clock
+from ..f28335.i2c.module import I2c
+from ..f28335.i2c.register_map import MDR_DLB, MDR_FDF, SCL, SDA
+from ..f28335.i2c.slave_transmitter import IGNORE, OFF, TRANSMIT
+
+MARGIN = 2  # cycles: an edge between two cycles is seen with the later one
+
+
+class I2cSlaveBytes(ByteParty):
+    """socket: of the module. clock: SYSCLKOUT."""
+
+    __slots__ = ("_calm", "_calm_for", "_chip", "_clock", "_hz", "_socket", "_target")
+
+    def __init__(self, socket: Socket, chip: I2c, clock: Clock) -> None:
+        self._socket = socket
+        self._chip = chip
+        self._target = chip.target
+        self._clock = clock
+        self._calm = False
+        self._calm_for = -1  # sum of what it depends on,
+        self._hz = clock.hz  # and this
+
+    def pulls(self, line: int) -> int:
+        mask = 0
+        for pin in self._socket.pins[0 if line == SCL else 1]:
+            mask |= pin.mask
+        return mask
+
+    def byte(self) -> int:
+        return self._chip.state.xsr & ONES if self._target.phase == TRANSMIT else ONES
+
+    def ready(self, low: int, high: int, hold: int) -> bool:
+        chip, target = self._chip, self._target
+        lines, state = chip._lines, chip.state
+        if chip._suspended or chip.master.active or state.mdr & (MDR_DLB | MDR_FDF) or self._socket.traces:
+            return False
+        if chip._pins & SCL or lines.due != NEVER or lines.levels != chip._pins or self._socket._out != chip.out:
+            return False
+        if target.phase != OFF and target.phase != IGNORE:
+            if target.bit or target._n != BITS + 1 or target.due != NEVER or target.pulls & SCL:
+                return False
+            if target.phase == TRANSMIT and not target._shifting:
+                return False
+        wanted = low + 3 * high + 5 * hold + 7 * chip.filter_width + 11 * state.tm
+        if wanted != self._calm_for or self._clock.hz is not self._hz:
+            self._calm_for, self._hz = wanted, self._clock.hz
+            self._calm = self._is_calm(low, high, hold)
+        return self._calm
+
+    def _is_calm(self, low: int, high: int, hold: int) -> bool:
+        """Each level outlasts the noise filter, and SDA moves apart from SCL, also where this module moves it."""
+        width, module_clock = self._chip.filter_width, self._chip.state.tm
+        apart = max(width, module_clock) + MARGIN
+        low, high, hold = self._cycles(low), self._cycles(high), self._cycles(hold)
+        own = width + self._socket.out_delay + MARGIN
+        return width > 0 and hold >= module_clock + MARGIN and min(high, low - hold, low - own) >= apart
+
+    def _cycles(self, ticks: int) -> int:
+        """Whole cycles in so long a time, rounded down."""
+        return self._clock.cycle_at(self._clock.tick(0) + ticks) - 1
+
+    def stand(self, shown: int, bit: int, fell: int) -> None:
+        chip, target = self._chip, self._target
+        levels = SDA if shown >> (BITS - bit) & 1 else 0
+        chip._pins = chip.master.lines = levels
+        chip._lines.settle(levels)
+        if target.phase == TRANSMIT:
+            target.bit = bit
+            target._drive(chip.state.xsr >> (BITS - bit) & 1)
+            chip.out = self._socket._out = chip._levels()
+        elif target.phase != OFF and target.phase != IGNORE:
+            target.bit = bit
+            target._shift = shown >> (BITS + 1 - bit)

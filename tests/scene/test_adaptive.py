@@ -1,0 +1,193 @@
+"""The level "adaptive" gives what "edge" gives, record by record, and leaves out what nobody can tell.
+
+             START  address + R      A    data              A
+    edge      ~|_|~|_|~|_..._|~|_|~|_|~|_|~|_..._|~|_|~|_|~    an event each
+    adaptive  ~|________________|~|_|~|______________|~|_|~|_|~    seven bits pass at once
+
+Firmware, hosts and faults may look at the lines or meddle with the module in the middle of a byte at any time.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, replace
+from fractions import Fraction
+from pathlib import Path
+from random import Random
+
+import pytest
+
+from periph_sim.core.records import Kind, Record
+from periph_sim.processor.dsp import Dsp
+from periph_sim.scene.case.load import load
+from periph_sim.scene.case.model import Case
+from periph_sim.scene.firmware_loader import Firmware
+from periph_sim.scene.result import BYTE_LEVEL, Result
+from periph_sim.scene.scene import Scene
+from tests.profiles import explores
+from tests.scene import small
+from tests.scene.runs import TIMING
+
+CASES = sorted(path.stem for path in TIMING.glob("*.toml"))
+BUT_EDGES = tuple(kind for kind in Kind if kind not in (Kind.EDGE, Kind.HOLD))
+# At byte level, where an agent is the controller and nothing but F28335s answers; not where faults can pull a line.
+WHOLLY = ("imu_hil", "imu_hil_400k", "imu_hil_lost_byte", "imu_moving", "responder")
+
+
+def run(case: Case, level: str, kinds: tuple[Kind, ...], seconds: str, programs: dict[str, Firmware] | None = None):
+    """(result, records, share at byte level) of a case at a level."""
+    records: list[Record] = []
+    made = case.model_copy(update={"fidelity": level})
+    scene = Scene(made, lambda recorder, _: recorder.subscribe(kinds, records.append), programs)
+    return scene.run(Fraction(seconds)), records
+
+
+def told(result: Result) -> dict[str, object]:
+    """All that a result says of the case, and not of the simulator."""
+    counts = {name: count for name, count in result.counts.items() if name != BYTE_LEVEL}
+    return asdict(replace(result, wall_s=0.0, events=0, fidelity="", counts=counts))
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_every_case_gives_the_same_records_of_all_but_edges(name: str):
+    case = load(TIMING / f"{name}.toml")
+    edge, adaptive = (run(case, level, BUT_EDGES, "0.05") for level in ("edge", "adaptive"))
+    assert told(adaptive[0]) == told(edge[0])
+    assert adaptive[1] == edge[1] and len(edge[1]) > 20
+
+
+@pytest.mark.parametrize("name", WHOLLY)
+def test_where_nobody_can_tell_every_byte_is_at_byte_level(name: str):
+    edge, adaptive = (run(load(TIMING / f"{name}.toml"), level, (), "0.05")[0] for level in ("edge", "adaptive"))
+    assert adaptive.counts[BYTE_LEVEL] == adaptive.wire_bytes > 40
+    assert adaptive.events < edge.events / 2
+    assert BYTE_LEVEL not in edge.counts and told(adaptive) == told(edge)
+
+
+def test_recorded_edges_keep_the_bus_at_edges():
+    case = load(TIMING / "imu_hil.toml")
+    edge, adaptive = (run(case, level, tuple(Kind), "0.05") for level in ("edge", "adaptive"))
+    assert adaptive[1] == edge[1]
+    assert adaptive[0].counts[BYTE_LEVEL] == 0 and adaptive[0].events == edge[0].events
+
+
+@pytest.mark.parametrize("name", ["imu_hil_spikes", "imu_hil_stuck_sda", "imu_hil_glitches"])
+def test_who_may_pull_a_line_at_any_time_keeps_the_bus_at_edges(name: str):
+    adaptive = run(load(TIMING / f"{name}.toml"), "adaptive", (), "0.05")[0]
+    assert adaptive.counts[BYTE_LEVEL] == 0 and adaptive.wire_bytes > 40
+
+
+# Meddling ------------------------------------------------------------------------------
+
+
+class Meddler:
+    """Firmware that answers as a slave and, at times drawn by a seed, does what shows in the middle of a byte."""
+
+    def __init__(self, seed: int) -> None:
+        self.random = Random(seed)
+        self.seen: list[tuple[str, int, int]] = []  # what was done, at which cycle, what was seen
+
+    def __call__(self, dsp: Dsp, settings: object) -> None:
+        i2c, gpio, system = dsp.module("I2C-A"), dsp.module("GPIO"), dsp.module("SYS")
+        self.start(dsp)
+        doings = {
+            "look at the pads": lambda: gpio.GPBDAT.all >> 0 & 3,
+            "look at flags": lambda: i2c.I2CSTR.all,
+            "write a byte": lambda: self.put(i2c.I2CDXR, self.random.randrange(256)),
+            "reset the module": lambda: self.off_and_on(i2c),
+            "refuse a byte": lambda: self.put(i2c.I2CMDR, 0x4020 | 0x8000),
+            "bits of a byte": lambda: self.put(i2c.I2CMDR, 0x4020 | self.random.choice((0, 7, 3))),
+            "take the pins": lambda: self.pins(dsp, gpio),
+            "stop the clock": lambda: self.clock(dsp, system),
+            "change the clock": lambda: self.pll(dsp, system),
+            "own address": lambda: self.put(i2c.I2COAR, self.random.choice((0x50, 0x51))),
+        }
+        while True:
+            dsp.compute(self.random.choice((3, 40, 700, 5_000, 20_000)) + self.random.randrange(1_000))
+            what = self.random.choice(list(doings))
+            seen = doings[what]()
+            self.seen.append((what, dsp.cpu.cycle, int(seen or 0)))
+
+    def start(self, dsp: Dsp) -> None:
+        i2c, gpio = dsp.module("I2C-A"), dsp.module("GPIO")
+        dsp.eallow()
+        dsp.module("SYS").PCLKCR0.I2CAENCLK = 1
+        gpio.GPBPUD.all = 0
+        gpio.GPBQSEL1.all = 0xF
+        gpio.GPBMUX1.all = 5
+        dsp.edis()
+        i2c.I2CPSC.all = 14
+        i2c.I2COAR.all = 0x50
+        i2c.I2CMDR.all = 0x4020
+
+    @staticmethod
+    def put(register, value: int) -> None:
+        register.all = value
+
+    @staticmethod
+    def off_and_on(i2c) -> None:
+        i2c.I2CMDR.IRS = 0
+        i2c.I2CMDR.IRS = 1
+
+    def pins(self, dsp: Dsp, gpio) -> None:
+        dsp.eallow()
+        gpio.GPBMUX1.all = 0
+        dsp.compute(self.random.randrange(3_000))
+        gpio.GPBMUX1.all = 5
+        dsp.edis()
+
+    def clock(self, dsp: Dsp, system) -> None:
+        dsp.eallow()
+        system.PCLKCR0.I2CAENCLK = 0
+        dsp.compute(self.random.randrange(3_000))
+        system.PCLKCR0.I2CAENCLK = 1
+        dsp.edis()
+
+    def pll(self, dsp: Dsp, system) -> None:
+        dsp.eallow()
+        system.PLLSTS.DIVSEL = self.random.choice((1, 2))
+        dsp.edis()
+
+
+def meddled(seed: int, level: str, kinds: tuple[Kind, ...] = BUT_EDGES):
+    request = [{"address": 0x50, "count": 6}, {"address": 0x50, "pointer": 3, "count": 2}]
+    table = {"rate": "100 kHz", "first": "1 ms", "period": "2 ms", "request": request, "on_nack": "give up"}
+    unit = {"dsp": {"firmware": "meddler", "modules": ["I2C-A", "GPIO"]}}
+    meddler = Meddler(seed)
+    program = {"dsp": Firmware("meddler", meddler, None)}
+    return *run(small.case(unit=unit, controller=table), level, kinds, "0.02", program), meddler.seen
+
+
+SEEDS = range(200) if explores() else [*range(24), 95]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_meddling_in_the_middle_of_a_byte_gives_what_edges_give(seed: int):
+    edge, adaptive = meddled(seed, "edge"), meddled(seed, "adaptive")
+    assert adaptive[2] == edge[2]
+    assert adaptive[1] == edge[1]
+    assert told(adaptive[0]) == told(edge[0])
+
+
+def test_the_meddling_is_seen_in_the_middle_of_bytes_that_had_passed(monkeypatch: pytest.MonkeyPatch):
+    """Else the test above would prove nothing."""
+    from periph_sim.core.kernel import Kernel
+
+    went_back = []
+    replay = Kernel.replay
+    if not isinstance(replay, type(lambda: 0)):
+        pytest.skip("the compiled kernel shows nothing of itself")
+    monkeypatch.setattr(Kernel, "replay", lambda self, *given: (went_back.append(self.now), replay(self, *given))[1])
+    results = [meddled(seed, "adaptive", ())[0] for seed in range(5)]
+    assert len(went_back) > 20
+    assert sum(result.counts[BYTE_LEVEL] for result in results) > 20
+
+
+def test_a_run_that_ends_in_the_middle_of_a_byte_leaves_the_lines_as_they_are(tmp_path: Path):
+    case = load(TIMING / "responder.toml")
+    for ticks in range(0, 400, 7):
+        levels = []
+        for level in ("edge", "adaptive"):
+            scene = Scene(case.model_copy(update={"fidelity": level}))
+            scene.kernel.run_until(scene.start + scene.timebase.ticks(Fraction(1, 1000) + Fraction(ticks, 10**6)))
+            levels.append([(wire.level, wire.held_by()) for wire in (scene.wires["SCL"], scene.wires["SDA"])])
+        assert levels[0] == levels[1], ticks

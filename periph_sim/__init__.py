@@ -16,6 +16,9 @@ __version__ = "0.1.0"  # the one place: the wheel's metadata and `periph-sim --v
 if TYPE_CHECKING:
     from .api import make_case, run
     from .core.kernel import SimulationStuck
+    from .levels.schedule.call import schedule
+    from .levels.schedule.errors import BadSchedule
+    from .levels.schedule.result import ScheduleResult
     from .processor.dsp import Dsp
     from .processor.error_origin import FirmwareError
     from .records.cause_trace.why import why
@@ -43,6 +46,7 @@ __all__ = [
     "BadCase",
     "BadCheck",
     "BadRecording",
+    "BadSchedule",
     "Capture",
     "Case",
     "CaseCheck",
@@ -53,6 +57,7 @@ __all__ = [
     "Result",
     "Run",
     "Scene",
+    "ScheduleResult",
     "SimulationStuck",
     "Sweep",
     "Verdict",
@@ -63,6 +68,7 @@ __all__ = [
     "make_case",
     "read_capture",
     "run",
+    "schedule",
     "sweep",
     "why",
     "write_capture",
@@ -71,6 +77,9 @@ __all__ = [
 _HOMES = {
     "api": ("make_case", "run"),
     "core.kernel": ("SimulationStuck",),
+    "levels.schedule.call": ("schedule",),
+    "levels.schedule.errors": ("BadSchedule",),
+    "levels.schedule.result": ("ScheduleResult",),
     "processor.dsp": ("Dsp",),
     "processor.error_origin": ("FirmwareError",),
     "records.cause_trace.why": ("why",),

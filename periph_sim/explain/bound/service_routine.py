@@ -145,6 +145,10 @@ class _Routine:
         """What it did when, in ticks from its entry on."""
         return [(mark.tick - self.entered, mark.what) for mark in self.trace.marks]
 
+    def in_cycles(self, cycle: Fraction) -> list[tuple[int, str]]:
+        """The same in cycles, and its end: ticks are rounded, and so differ by one where a cycle is no whole number."""
+        return [(round(tick / cycle), what) for tick, what in (*self.steps, (self.length, "its end"))]
+
     @property
     def reads(self) -> list[int]:
         """When it read a word, in ticks from its entry on."""
@@ -177,7 +181,7 @@ def _uneven(routines: list[_Routine], cycle: Fraction) -> list[str]:
     """Routines that did not do the same, in the same cycles, each time."""
     found = []
     for one, again in pairwise(routines):
-        if one.vector == again.vector and (one.steps, one.length) != (again.steps, again.length):
+        if one.vector == again.vector and one.in_cycles(cycle) != again.in_cycles(cycle):
             once, then = (round(routine.length / cycle) for routine in (one, again))
             found.append(f"{one.vector} took {once} cycles once and {then} another time")
     return found

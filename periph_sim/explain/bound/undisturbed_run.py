@@ -67,7 +67,8 @@ class UndisturbedRun:
     writes: when I2CDXR was written. addressed: when I2COAR was. receives: from when on the SCI was set up and
     interrupts were taken. clears: when and where I2CSTR was written. bytes: when the ACK slot of each data byte
     ended. stretches: when SCL fell, and how much longer than `low` it stayed so. changes: when a field
-    changed, but by the firmware's own accesses, and what it became.
+    changed, but by the firmware's own accesses, and what it became. accesses: of the firmware, in the order of their
+    records: when a read had its value or a write landed, which register, the field that was named, or "".
     """
 
     unit: str
@@ -91,6 +92,7 @@ class UndisturbedRun:
     rounds: list[Round] = field(default_factory=list)
     masked: str = ""  # where the firmware runs with INTM = 1 after its first wait
     changes: dict[str, list[tuple[int, int]]] = field(default_factory=dict)
+    accesses: list[tuple[int, str, str]] = field(default_factory=list)
     code_terms: dict[tuple[int, int, str, int], Term] = field(default_factory=dict)  # of chains, made once each
     _unproven: dict[tuple[int, int], str] = field(default_factory=dict)  # what `unproven` found out already
 
@@ -241,6 +243,7 @@ class _Listener:
         self._spans: dict[str, list[tuple[int, int]]] = defaultdict(list)
         self._begun: dict[str, int] = {}
         self._own: set[int] = set()  # records of the firmware's accesses
+        self._accesses: list[tuple[int, str, str]] = []
         self._enabled = False  # interrupts, for the first time
         self._masked = ""
         self.trace = CodeTrace()
@@ -282,6 +285,7 @@ class _Listener:
     def _access(self, record: Record) -> None:
         assert self.dsp is not None
         self._own.add(record.number)
+        self._accesses.append((record.tick, record.what, record.field))
         masked = bool(self.dsp.core.intm)
         self._starts_up(record, masked)
         if record.what.startswith("W "):  # it may land when the next wait has begun
@@ -351,6 +355,7 @@ class _Listener:
         calm.masked = self._masked
         calm.writes, calm.addressed, calm.receives = self._writes, self._addressed, self._receives
         calm.clears, calm.changes = self._clears, dict(self._foreign)
+        calm.accesses = self._accesses
         calm.spans, calm.bytes = dict(self._spans), self._bytes
         for (fell, level), (rose, _) in pairwise(self._scl):
             if not level and rose - fell > calm.low:

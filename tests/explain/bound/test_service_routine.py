@@ -7,8 +7,9 @@ from fractions import Fraction
 import pytest
 
 from periph_sim.core.time import Timebase
-from periph_sim.explain.bound.service_routine import ServiceRoutines, in_ticks
-from periph_sim.explain.bound.terms import Term
+from periph_sim.explain.bound.service_routine import ServiceRoutines, in_ticks, observe_handlers
+from periph_sim.explain.bound.terms import Term, reasons
+from tests.explain.bound.cases import imu_hil
 
 
 @pytest.mark.parametrize(("ppm", "told", "passed"), [(0, 7, 7), (100, 10_001, 10_000), (-100, 9_999, 10_000)])
@@ -34,3 +35,9 @@ def test_routines_that_meet_some_work_are_counted_until_one_more_look_finds_no_m
     each = Counted((Term("routine", 40, ""),), per_frame=1, period=100, jitter=0, bit=5)
     assert each.within(90) == 2
     assert looks == [90, 130, 170]  # one begins with the work, one more within what both need
+
+
+@pytest.mark.parametrize("ppm", [-80, 0])
+def test_routines_of_the_same_cycles_are_alike_where_a_cycle_is_no_whole_number_of_ticks(ppm: int):
+    handlers = observe_handlers(imu_hil(f"unit.dsp.ppm={ppm}", "host.first=2 ms"), "dsp")
+    assert handlers.per_frame == 1 and not reasons(handlers.terms)

@@ -1,0 +1,1 @@
+"""Coarser levels than edges, for what many runs of one scene come to."""

@@ -1,0 +1,53 @@
+"""The numbers that edge runs draw: seeds and a range go in; for each seed the same draws in the same order come out.
+
+    Random(seed).randrange(n):  words of k bits, k = n.bit_length(), until one is below n       (CPython's random)
+    getrandbits(32 * words)     the same words, lowest first, of which the upper k bits count
+
+So that a call of Python draws many numbers at once; the rejection is arithmetic over arrays. Each seed is drawn once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from random import Random
+
+import numpy as np
+
+from .clock import Ints
+
+WORD = 32
+
+
+def drawn(seeds: Ints, below: int, count: int, key: Callable[[int], int | str]) -> Ints:
+    """int64[count, scenarios]: `count` times `Random(key(seed)).randrange(below)` of each seed."""
+    unique, of_scenario = np.unique(seeds, return_inverse=True)
+    columns = _of_keys([key(int(seed)) for seed in unique], below, count)
+    return columns[:, of_scenario]
+
+
+def _of_keys(keys: list[int | str], below: int, count: int) -> Ints:
+    bits = below.bit_length()
+    if bits > WORD:
+        return _one_by_one(keys, below, count)
+    share = below / (1 << bits)
+    words = int(count / share + 6 * (count * (1 - share)) ** 0.5 / share) + 8
+    found = np.empty((count, len(keys)), np.int64)
+    drawers = [Random(key).getrandbits for key in keys]
+    raw = b"".join(draw(WORD * words).to_bytes(WORD // 8 * words, "little") for draw in drawers)
+    numbers = np.frombuffer(raw, "<u4").reshape(len(keys), words) >> np.uint32(WORD - bits)
+    fits = numbers < below
+    rank = np.cumsum(fits, axis=1, dtype=np.int32)
+    enough = rank[:, -1] >= count
+    fits &= (rank <= count) & enough[:, None]
+    found[:, enough] = numbers[fits].reshape(-1, count).T
+    for column in np.flatnonzero(~enough):
+        found[:, column] = _one_by_one([keys[column]], below, count)[:, 0]
+    return found
+
+
+def _one_by_one(keys: list[int | str], below: int, count: int) -> Ints:
+    columns: list[list[int]] = []
+    for key in keys:
+        draw = Random(key).randrange
+        columns.append([draw(below) for _ in range(count)])
+    return np.array(columns, np.int64).T

@@ -1,0 +1,100 @@
+"""One read of many scenarios: its START and the firmware's wait go in; when everything happens in it comes out.
+
+    b(i)      cycle_at(start + needs(i) + held) + seen         byte i is needed: XRDY rises, or SCL is held from here
+    w(i)      landing of the write of byte i, the last one of zeros that nobody asks for
+    f(i)      max(b(i - 1), w(i - 1))                          I2CDXR is free for byte i: XRDY, at the first fetch there
+    rise(i)   max(let go(i), tick(w(i) + release)) where w(i) >= b(i), else let go(i); held += rise(i) - let go(i)
+
+It hangs for ever with SCL low where AAS has fallen at the repeated START before it was read, or where I2CSTR was read
+to clear SCD when SDIR had risen already: writing it back clears SDIR, and the firmware waits for it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .clock import CpuClock, Ints
+from .lanes import Lanes
+from .terms import Terms
+
+
+@dataclass
+class Read:
+    """Of each lane. hung: it never ends; then only `let_go` counts, from when on SCL is held. missed: since AAS was
+    not read in time; else `cleared` counts.
+
+    stop: tick of its STOP. seen: cycle at which the firmware reads SCD. again: tick of the repeated START. response,
+    held: ticks. margins: of each byte, ticks. cleared: ticks from the write of I2CSTR to the edge that sets SDIR.
+    """
+
+    hung: NDArray[np.bool_]
+    missed: NDArray[np.bool_]
+    let_go: Ints
+    stop: Ints
+    seen: Ints
+    again: Ints
+    response: Ints
+    held: Ints
+    margins: list[Ints]
+    cleared: Ints
+
+
+def read(terms: Terms, number: int, clock: CpuClock, lanes: Lanes, start: Ints, first: Ints) -> Read:
+    """number: of the read in its round. start: tick of its START. first: cycle of the first fetch of the AAS wait."""
+    bus, code = terms.bus[number], terms.reads[number]
+
+    def flag(tick: Ints) -> Ints:
+        return clock.cycle_at(tick) + terms.seen
+
+    addressed = lanes.wait(first, flag(start + bus.aas), terms.poll)
+    missed = addressed >= flag(start + bus.again)
+    begun, _ = lanes.code(addressed, code.pointer)
+    pointer = lanes.wait(begun, flag(start + bus.rrdy), terms.poll)
+    begun, (looked, written) = lanes.code(pointer, code.clear)
+    asked_at = flag(start + bus.sdir)
+    hung = missed | (looked >= asked_at)
+    asked = lanes.wait(begun, asked_at, terms.poll)
+    begun, (landed,) = lanes.code(asked, code.first)
+
+    shift = np.zeros_like(start)
+    held, response = shift.copy(), shift
+    writes, let_gos, rises = [landed], [], []
+    for byte, need in enumerate(bus.needs):
+        needed = start + need + shift
+        from_here = flag(needed)
+        let_go = needed + terms.low
+        late = landed >= from_here
+        rise = np.where(late, np.maximum(let_go, clock.tick(landed + terms.release)), let_go)
+        if not byte:
+            response = rise - needed
+        shift = shift + rise - let_go
+        held = np.maximum(held, rise - let_go)
+        ready = lanes.wait(begun, np.maximum(from_here, landed), terms.poll_two)
+        begun, (landed,) = lanes.code(ready, code.more[byte])
+        writes.append(landed)
+        let_gos.append(let_go)
+        rises.append(rise)
+    stop = start + bus.stop + shift
+    seen = lanes.wait(begun + terms.second, flag(stop), terms.poll_two)
+    margins = [
+        _margin(terms, clock, let_gos[byte], rises[byte], writes[byte], writes[byte + 1])
+        for byte in range(len(bus.needs))
+    ]
+    cleared = start + bus.sdir - clock.tick(written)
+    held_from = start + bus.needs[0] + terms.low
+    return Read(hung, missed, held_from, stop, seen, start + bus.again, response, held, margins, cleared)
+
+
+def _margin(terms: Terms, clock: CpuClock, let_go: Ints, rise: Ints, write: Ints, following: Ints) -> Ints:
+    """From the write to the latest instant that is soon enough.
+
+    What the module takes is counted in ticks where the measure hears of the rise of SCL: with the next record, of SCL's
+    fall or the next write of I2CDXR.
+    """
+    after = clock.tick(following)
+    heard = clock.cycle_at(np.where(after > rise, np.minimum(after, rise + terms.high), rise + terms.high))
+    takes = clock.tick(heard + terms.margin) - clock.tick(heard)
+    return let_go - takes - clock.tick(write)

@@ -1,0 +1,70 @@
+"""A case of another structure is refused in a sentence that says why, and which level takes it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from periph_sim.levels.schedule import BadSchedule, schedule, structure_of
+from periph_sim.levels.schedule.clock import CpuClock, check_length
+from periph_sim.scene.case.load import load
+from tests.scene.runs import TIMING
+
+REFUSED = {
+    ("responder", ()): "it has no [host]",
+    ("imu_hil_published", ("unit.dsp.firmware=imu_hil_robust",)): "its firmware is 'imu_hil_robust', not imu_hil",
+    ("imu_hil_published", ("unit.dsp.settings.models_run=frame",)): "models_run is 'frame'",
+    ("imu_hil_published", ("unit.dsp.settings.sdir_wait=false",)): "does not wait for AAS, RRDY, SDIR, XRDY per byte",
+    ("imu_hil_published", ("unit.dsp.settings.mask_during_i2c=true",)): "interrupts masked",
+    ("imu_hil_published", ("unit.dsp.settings.fifo_level=6",)): "more than one service routine",
+    ("imu_hil_published", ("unit.dsp.options.i2c.dxr_to_xsr_copy_point=eager",)): "dxr_to_xsr_copy_point is 'eager'",
+    ("imu_hil_published", ("host.lose=[[1, 2]]",)): "host.lose is given",
+    ("imu_hil_published", ("host.error=4",)): "of 24 bytes of the host reach the SCI's FIFO",
+    ("imu_hil_published", ("controller.pointer_by=STOP",)): "requests come by STOP",
+    ("imu_hil_published", ("host.period=1 ms",)): "while the one before is still sent",
+}
+
+
+@pytest.mark.parametrize(("name", "changes"), REFUSED)
+def test_another_structure_is_refused(name: str, changes: tuple[str, ...]):
+    with pytest.raises(BadSchedule) as error:
+        schedule(load(TIMING / f"{name}.toml", list(changes)), rounds=2)
+    said = str(error.value)
+    assert REFUSED[name, changes] in said and 'fidelity = "edge"' in said and "\n" not in said
+
+
+CHANGES = {
+    ("host.frist", 1): "scenarios cannot change 'host.frist'; did you mean host.first or",
+    ("host.first", 1.5): "expected one row of whole numbers",
+    ("host.first", -1): "holds -1; expected 0 ns or more",
+    ("seed", "x"): "expected one row of whole numbers",
+    ("host.ppm", "x"): "expected one row of numbers",
+}
+
+
+@pytest.mark.parametrize(("name", "value"), CHANGES)
+def test_a_change_that_cannot_be_is_a_sentence(name: str, value: object):
+    structure = structure_of(load(TIMING / "imu_hil_published.toml"))
+    with pytest.raises(BadSchedule) as error:
+        schedule(structure, {name: np.array([value, value])}, rounds=2)
+    assert CHANGES[name, value] in str(error.value)
+
+
+def test_arrays_of_different_length_and_rounds_that_are_none():
+    structure = structure_of(load(TIMING / "imu_hil_published.toml"))
+    with pytest.raises(BadSchedule, match=r"different numbers of scenarios \(seed: 2, host.first: 3\)"):
+        schedule(structure, {"seed": [1, 2], "host.first": [1, 2, 3]})
+    with pytest.raises(BadSchedule, match="rounds is 0; expected a whole number above 0"):
+        schedule(structure, rounds=0)
+
+
+def test_a_run_whose_ticks_do_not_fit_is_refused_with_the_longest():
+    structure = structure_of(load(TIMING / "imu_hil.toml"))
+    with pytest.raises(BadSchedule, match=r"a run of .* takes numbers beyond 2\^62; .* the longest is .* s; ask for"):
+        schedule(structure, {"unit.dsp.ppm": [0.000001, 1.0]}, rounds=1000)
+    longest = CpuClock(2_000_000, 100_003).longest
+    check_length(longest, longest, 3_000_000_000)
+    with pytest.raises(BadSchedule):
+        check_length(longest + 1, longest, 3_000_000_000)
+    tick = CpuClock(2_000_000, 100_003).tick(np.array([longest // 20]))
+    assert tick.tolist() == [longest // 20 * 2_000_000 // 100_003]

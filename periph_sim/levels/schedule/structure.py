@@ -12,7 +12,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from ...bus.i2c.controller import BusTiming
+from ...bus.i2c.transfer import BusTiming
 from ...core.options import options_from
 from ...core.settings import Spread
 from ...devices.host_pc import FRAME_BYTES

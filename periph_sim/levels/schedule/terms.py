@@ -15,7 +15,7 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
 
-from ...bus.i2c.controller import BusTiming, Transfer
+from ...bus.i2c.transfer import BusTiming, Transfer
 from ...core.options import options_from
 from ...explain.bound.service_routine import ServiceRoutines
 from ...explain.bound.undisturbed_run import UndisturbedRun, Wait, read_after_read

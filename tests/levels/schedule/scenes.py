@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from random import Random
 
-from periph_sim.bus.i2c.controller import Transfer
+from periph_sim.bus.i2c.transfer import Transfer
 from periph_sim.core.records import Kind, Record
 from periph_sim.levels.schedule import BadSchedule, ScheduleResult, Structure, schedule, structure_of
 from periph_sim.scene.case.load import load

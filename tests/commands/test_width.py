@@ -20,6 +20,7 @@ ROUND, NACK, FRAMES, SESSION = (
 )
 
 SENTENCES = {
+    r"run \d+: ": "a run of a sweep with its values",
     r"stuck: ": "what hangs, since when and why",
     r"note: (?!polls of|reads: |A read that)": "a note of this run or capture; those that explain a table are broken",
     r"\S+ at [\d.]+ ms: .* before": "the answer of `why`",
@@ -54,6 +55,7 @@ COMMANDS = [
     ("run", case("late_model"), "--seconds", "0.2"),
     ("bound", case("imu_hil"), "--seconds", "0.2"),
     ("check", case("responder"), case("uart_logger")),
+    ("sweep", case("imu_hil_no_sdir"), *SHORT, "--jobs", "1", "--vary", "controller.rate=50 kHz, 100 kHz"),
     ("worst", case("imu_hil_no_sdir"), *SHORT),
     ("worst", case("imu_hil_drift"), "--seconds", "0.43", "--set", "unit.dsp.settings.frame_cost=200 us"),
     ("races", "run.psr"),

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 SECTION = "run"
 EXAMPLE = "periph-sim new i2c-slave thermometer"
 
-TEMPLATES = Path(__file__).parents[1] / "templates"
 REPLAY = "replay"
 
 
@@ -85,6 +84,8 @@ def new(
 
 
 def _kinds() -> list[str]:
+    from .new_files import TEMPLATES
+
     return sorted(file.stem.replace("_", "-") for file in TEMPLATES.glob("*.toml"))
 
 

@@ -12,9 +12,9 @@ import click
 from ..core.suggest import did_you_mean
 from ..scene.firmware_files import EXAMPLES, SHIPPED
 from ..traces.capture.capture import Capture
-from .new import TEMPLATES
 from .watched_files import texts_in
 
+TEMPLATES = Path(__file__).parents[1] / "templates"
 NAME = re.compile(r"[A-Za-z0-9_][\w.-]*")
 
 REFUSES = '''"""A slave that answers and refuses as the captured target did, by a shipped program; put your own here."""

@@ -16,16 +16,11 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from .keys import CASES, MARKER, current
+
 if TYPE_CHECKING:
     from .fixtures import SceneFactory
     from .runs import Run
-
-CASES = "periph_sim_cases"
-MARKER = (
-    "case(file, *changes, seconds=None, record=False): "
-    "the case that fixture case_run runs, with KEY=VALUE changes as of periph-sim run --set"
-)
-current: pytest.StashKey[pytest.Item] = pytest.StashKey()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

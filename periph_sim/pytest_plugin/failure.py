@@ -7,6 +7,7 @@ worst occurrences --> windows (of a second, short run, or of the run's own recor
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from ..core.text_table import text_table
 from ..explain.chain import Chain
@@ -15,7 +16,9 @@ from ..explain.text_report import text
 from ..explain.window import Window
 from ..timing.format_value import figure, instant, limit
 from ..timing.verdict import Verdict
-from .runs import Run
+
+if TYPE_CHECKING:
+    from .runs import Run
 
 WIDTH = 72  # pytest puts 8 columns before each line
 MOST = 3  # worst occurrences explained

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.commands.new import TEMPLATES
+from periph_sim.commands.new_files import TEMPLATES
 from periph_sim.reports.baselines.outcome import Outcome, run_case
 from tests.commands.conftest import Run
 

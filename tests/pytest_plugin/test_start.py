@@ -9,7 +9,8 @@ import sys
 
 def test_start():
     ours = {name for name in sys.modules if name.startswith("periph_sim")}
-    assert ours == {"periph_sim", "periph_sim.form", "periph_sim.pytest_plugin"}  # form: which core is to run
+    # form: which core is to run. keys: names that pytest is told
+    assert ours == {"periph_sim", "periph_sim.form", "periph_sim.pytest_plugin", "periph_sim.pytest_plugin.keys"}
     assert not {"pydantic", "numpy", "greenlet", "rich", "click", "drawsvg"} & set(sys.modules)
 """
 

@@ -12,8 +12,9 @@ from ..capture.gaps import gap_notes
 from ..capture.sampling import stamp_notes
 from .limits import Mode
 from .measure import measure
+from .report import Report
 from .resolution import resolution_of
-from .verdict import Report, Row, Verdict, judge
+from .verdict import Row, Verdict, judge
 
 __all__ = ["Mode", "Report", "Row", "Verdict", "check"]
 

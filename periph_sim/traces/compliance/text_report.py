@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
 from ...core.text_table import paragraph, text_table
 from .limits import STRETCHED, Bounds
-from .verdict import Occurrence, Report, Row, Verdict
+from .verdict import Occurrence, Row, Verdict
+
+if TYPE_CHECKING:
+    from .report import Report
 
 MEASURED = ("symbol", "limit", "min", "max", "count", "verdict")
 RULES = ("symbol", "from -> to", "worst begins at", "by")

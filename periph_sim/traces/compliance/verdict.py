@@ -1,6 +1,6 @@
-"""Measured times against the limits: a verdict for each, and one for the trace.
+"""Measured times against the limits: a verdict for each.
 
-    Measures + LIMITS + Resolution --> Row, one a limit --> Report
+    Measures + LIMITS + Resolution --> Row, one a limit --> a Report, see report.py
 
 A time passes if even the worst it may truly have keeps the limit, fails if even the best breaks it, and is undecidable
 in between. A row fails if any of its times does, else is undecidable if any is, else passes.
@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from fractions import Fraction
 
 import numpy as np
 
@@ -59,53 +58,6 @@ class Row:
     excused: int = 0
     unsure: int = 0
     worst: tuple[Occurrence, ...] = ()
-
-
-@dataclass(frozen=True)
-class Report:
-    """The verdict on one trace. shared: positions at which both lines change. notes: a sentence each."""
-
-    name: str
-    mode: Mode
-    resolution: Resolution
-    rows: tuple[Row, ...]
-    starts: int
-    shared: int
-    notes: tuple[str, ...] = ()
-
-    @property
-    def verdict(self) -> Verdict:
-        """FAIL if any row fails, else UNDECIDABLE if any is or none could be judged, else PASS."""
-        found = {row.verdict for row in self.rows}
-        if Verdict.FAIL in found:
-            return Verdict.FAIL
-        return Verdict.UNDECIDABLE if Verdict.UNDECIDABLE in found or Verdict.PASS not in found else Verdict.PASS
-
-    def row(self, symbol: str) -> Row:
-        """KeyError if there is no such limit."""
-        for row in self.rows:
-            if row.limit.symbol == symbol:
-                return row
-        raise KeyError(f"there is no limit {symbol!r}; there are {', '.join(row.limit.symbol for row in self.rows)}")
-
-    def of(self, verdict: Verdict) -> list[str]:
-        """The symbols that have this verdict."""
-        return [row.limit.symbol for row in self.rows if row.verdict is verdict]
-
-    def assert_compliant(self, strict: bool = False) -> None:
-        """AssertionError with the worst rows if any limit is broken; strict: or cannot be decided."""
-        if self.verdict is Verdict.FAIL or (strict and self.verdict is Verdict.UNDECIDABLE):
-            from .text_report import failure
-
-            raise AssertionError(failure(self, strict))
-
-    def seconds(self, position: int) -> Fraction:
-        return position / self.resolution.rate
-
-    def __str__(self) -> str:
-        from .text_report import table
-
-        return table(self)
 
 
 def judge(measures: Measures, mode: Mode, resolution: Resolution) -> tuple[Row, ...]:

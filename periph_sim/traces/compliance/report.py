@@ -1,0 +1,54 @@
+"""The verdict on one trace: rows of limits go in; pass, fail or undecidable, a text, or an AssertionError comes out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from .limits import Mode
+from .resolution import Resolution
+from .text_report import failure, table
+from .verdict import Row, Verdict
+
+
+@dataclass(frozen=True)
+class Report:
+    """The verdict on one trace. shared: positions at which both lines change. notes: a sentence each."""
+
+    name: str
+    mode: Mode
+    resolution: Resolution
+    rows: tuple[Row, ...]
+    starts: int
+    shared: int
+    notes: tuple[str, ...] = ()
+
+    @property
+    def verdict(self) -> Verdict:
+        """FAIL if any row fails, else UNDECIDABLE if any is or none could be judged, else PASS."""
+        found = {row.verdict for row in self.rows}
+        if Verdict.FAIL in found:
+            return Verdict.FAIL
+        return Verdict.UNDECIDABLE if Verdict.UNDECIDABLE in found or Verdict.PASS not in found else Verdict.PASS
+
+    def row(self, symbol: str) -> Row:
+        """KeyError if there is no such limit."""
+        for row in self.rows:
+            if row.limit.symbol == symbol:
+                return row
+        raise KeyError(f"there is no limit {symbol!r}; there are {', '.join(row.limit.symbol for row in self.rows)}")
+
+    def of(self, verdict: Verdict) -> list[str]:
+        """The symbols that have this verdict."""
+        return [row.limit.symbol for row in self.rows if row.verdict is verdict]
+
+    def assert_compliant(self, strict: bool = False) -> None:
+        """AssertionError with the worst rows if any limit is broken; strict: or cannot be decided."""
+        if self.verdict is Verdict.FAIL or (strict and self.verdict is Verdict.UNDECIDABLE):
+            raise AssertionError(failure(self, strict))
+
+    def seconds(self, position: int) -> Fraction:
+        return position / self.resolution.rate
+
+    def __str__(self) -> str:
+        return table(self)

@@ -11,20 +11,22 @@ cdef class Call(Agent):
     cdef public object action
 
 
-@cython.freelist(64)
 cdef class Event:
-    cdef public long long time, rank, tag
+    cdef public long long time, phase, rank, tag
+    cdef public bint queued
     cdef public Agent agent
 
 
 cdef class Settles:
     cdef public long long rank
+    cdef public Settles following
     cpdef void settle(self)
 
 
 cdef class Samples:
     cdef public long long rank
     cdef public bint due
+    cdef public Samples following
     cpdef void tell(self, long long now)
 
 
@@ -35,13 +37,17 @@ cdef class Shortcut:
 cdef class Kernel:
     cdef public long long now, events
     cdef public Shortcut shortcut
-    cdef list _unsettled, _sampling, _queue
+    cdef list _queue
+    cdef Settles _unsettled
+    cdef Samples _sampling, _sampling_last
     cdef long long _horizon, _number, _ranks
-    cdef bint _stop
+    cdef bint _stop, _settling
     cpdef long long rank(self)
     cpdef Event at(self, long long time, object action, long long phase=*)
-    @cython.locals(event=Event, other=Event)
+    @cython.locals(event=Event)
     cpdef Event ask(self, long long time, Agent agent, long long tag=*, long long phase=*)
+    @cython.locals(other=Event)
+    cpdef void renew(self, Event event, long long time, long long tag)
     @cython.locals(other=Event)
     cdef Py_ssize_t _place(self, long long time, long long rank)
     cpdef void cancel(self, Event event)
@@ -49,9 +55,13 @@ cdef class Kernel:
     cpdef long long next_time(self)
     cpdef long long quiet_until(self)
     cpdef void stop(self)
+    @cython.locals(before=Settles, after=Settles)
     cpdef void moved(self, Settles wire)
+    @cython.locals(last=Samples)
     cpdef void tell(self, Samples party)
-    @cython.locals(wire=Settles, party=Samples)
+    @cython.locals(before=Samples, after=Samples)
+    cdef void _tell_before(self, Samples party)
+    @cython.locals(wire=Settles, next_wire=Settles, party=Samples, next_party=Samples)
     cpdef void settle(self)
     cpdef void run_until(self, long long time)
     @cython.locals(event=Event)

@@ -27,7 +27,6 @@ STORM = 100_000  # so many events inside one tick is a loop, not a design
 
 Action = Callable[[], None]
 
-_rank = attrgetter("rank")
 _order = attrgetter("time", "rank")
 
 
@@ -66,34 +65,41 @@ class Call(Agent):
 
 
 class Event:
-    """What an agent asked for. rank: orders what is asked for one time, by phase and then by number."""
+    """What an agent asked for. rank: orders what comes at one time, by phase, then by number. queued: still to come."""
 
-    __slots__ = ("agent", "rank", "tag", "time")
+    __slots__ = ("agent", "phase", "queued", "rank", "tag", "time")
 
     time: int
+    phase: int
     rank: int
     agent: Agent
     tag: int
+    queued: bool
 
 
 class Settles:
-    """What takes its new level when all who move it have acted: a wire. rank: see `Kernel.rank`."""
+    """What takes its new level when all who move it have acted: a wire. rank: see `Kernel.rank`.
 
-    __slots__ = ("rank",)
+    following: what settles after it in this phase.
+    """
+
+    __slots__ = ("following", "rank")
 
     rank: int
+    following: Settles | None
 
     def settle(self) -> None:
         raise NotImplementedError
 
 
 class Samples:
-    """Who is told of the settled levels. due: to be told."""
+    """Who is told of the settled levels. due: to be told. following: who is told after it."""
 
-    __slots__ = ("due", "rank")
+    __slots__ = ("due", "following", "rank")
 
     rank: int
     due: bool
+    following: Samples | None
 
     def tell(self, now: int) -> None:
         raise NotImplementedError
@@ -118,8 +124,10 @@ class Kernel:
         self.now = start
         self.events = 0
         self.shortcut: Shortcut | None = None
-        self._unsettled: list[Settles] = []  # what moved in the present phase
-        self._sampling: list[Samples] = []  # who is to be told of it
+        self._unsettled: Settles | None = None  # what moved in the present phase, by rank: the first of a chain
+        self._sampling: Samples | None = None  # who is to be told of it: by rank, and then in the order of wires
+        self._sampling_last: Samples | None = None
+        self._settling = False  # the wires take their levels
         self._horizon = start
         self._number = 0
         self._queue: list[Event] = []  # the next one last
@@ -137,24 +145,35 @@ class Kernel:
 
     def ask(self, time: int, agent: Agent, tag: int = 0, phase: int = TIMER) -> Event:
         """Promise to call `agent.act(tag)` at `time` (ticks). Returns the promise. ValueError if that is past."""
-        if time < self.now:
-            raise ValueError(f"{describe(agent)}: asked for t={time}, but it is already t={self.now}")
-        self._number += 1
         event = Event.__new__(Event)
-        event.time = time
-        event.rank = rank = phase * _NUMBERS + self._number
         event.agent = agent
+        event.phase = phase
+        event.queued = False
+        self.renew(event, time, tag)
+        return event
+
+    def renew(self, event: Event, time: int, tag: int) -> None:
+        """Promise the agent of `event`, which was kept or taken back, another one: an agent with one at a time needs
+        no further object. ValueError if `time` is past, or the event is still to come.
+        """
+        if time < self.now:
+            raise ValueError(f"{describe(event.agent)}: asked for t={time}, but it is already t={self.now}")
+        if event.queued:
+            raise ValueError(f"{describe(event.agent)}: asked for t={time} by an event that comes at t={event.time}")
+        self._number += 1
+        event.time = time
+        event.rank = rank = event.phase * _NUMBERS + self._number
         event.tag = tag
+        event.queued = True
         queue = self._queue
         if not queue:
             queue.append(event)
-            return event
+            return
         other = queue[-1]
         if other.time > time or (other.time == time and other.rank > rank):
             queue.append(event)
         else:
             queue.insert(self._place(time, rank), event)
-        return event
 
     def _place(self, time: int, rank: int) -> int:
         """Where in the queue an event of this time and rank is, or would be."""
@@ -171,9 +190,11 @@ class Kernel:
 
     def cancel(self, event: Event) -> None:
         """Take back a promise; one that was kept stays kept."""
-        place = self._place(event.time, event.rank)
-        if place < len(self._queue) and self._queue[place] is event:
-            del self._queue[place]
+        if event.queued:
+            event.queued = False
+            place = self._place(event.time, event.rank)
+            if place < len(self._queue) and self._queue[place] is event:  # else it waits behind a replay
+                del self._queue[place]
 
     def next_time(self) -> int:
         """When the next event is due (ticks), or NEVER."""
@@ -181,7 +202,7 @@ class Kernel:
 
     def quiet_until(self) -> int:
         """The first tick at which something else than the caller may act, or the end of this run."""
-        if self._unsettled or self._sampling or self._stop:
+        if self._unsettled is not None or self._sampling is not None or self._stop:
             return self.now
         end = self._horizon + 1
         due = self.next_time()
@@ -193,32 +214,63 @@ class Kernel:
 
     def moved(self, wire: Settles) -> None:
         """`wire` settles at the end of the present phase."""
-        self._unsettled.append(wire)
+        before = self._unsettled
+        if before is None or before.rank > wire.rank:
+            wire.following = before
+            self._unsettled = wire
+            return
+        after = before.following
+        while after is not None and after.rank < wire.rank:
+            before, after = after, after.following
+        wire.following, before.following = after, wire
 
     def tell(self, party: Samples) -> None:
         """`party` is to be told of the levels as they settle; once, however often it is asked."""
         if party.due:
             return
         party.due = True
-        self._sampling.append(party)
+        last = self._sampling_last
+        if last is None:
+            party.following = None
+            self._sampling = self._sampling_last = party
+        elif self._settling or last.rank < party.rank:
+            party.following = None
+            last.following = self._sampling_last = party
+        else:
+            self._tell_before(party)
+
+    def _tell_before(self, party: Samples) -> None:
+        """It has its place before others who were asked earlier in this phase."""
+        before = self._sampling
+        assert before is not None
+        if before.rank > party.rank:
+            party.following = before
+            self._sampling = party
+            return
+        after = before.following
+        while after is not None and after.rank < party.rank:
+            before, after = after, after.following
+        party.following, before.following = after, party
 
     def settle(self) -> None:
         """Let the wires come to rest, and tell those who sample them."""
         steps = 0
-        while self._unsettled or self._sampling:
-            if len(self._sampling) > 1:
-                self._sampling.sort(key=_rank)  # what the wires add stands behind them
-            wires = self._unsettled
-            self._unsettled = []
-            if len(wires) > 1:
-                wires.sort(key=_rank)
-            for wire in wires:
+        while self._unsettled is not None or self._sampling is not None:
+            wire = self._unsettled
+            self._unsettled = None
+            self._settling = True
+            while wire is not None:
+                next_wire = wire.following
                 wire.settle()
-            parties = self._sampling
-            self._sampling = []
-            for party in parties:
+                wire = next_wire
+            self._settling = False
+            party = self._sampling
+            self._sampling = self._sampling_last = None
+            while party is not None:
+                next_party = party.following
                 party.due = False
                 party.tell(self.now)
+                party = next_party
             steps += 1
             if steps > STORM:
                 raise SimulationStuck(f"wires did not come to rest at t={self.now} after {STORM} steps")
@@ -239,12 +291,12 @@ class Kernel:
         queue = self._queue
         at, phase, in_this_tick = -1, 0, 0  # of the event done last
         while not self._stop:
-            if self._unsettled or self._sampling:
+            if self._unsettled is not None or self._sampling is not None:
                 if not queue:
                     self.settle()  # may ask for something in this tick
                     continue
                 event = queue[-1]
-                if event.time > at or event.rank // _NUMBERS > phase:
+                if event.time > at or event.phase > phase:
                     self.settle()
                     continue
             elif not queue:
@@ -253,8 +305,9 @@ class Kernel:
             if event.time > time:
                 break
             queue.pop()
+            event.queued = False
             self.events += 1
-            phase = event.rank // _NUMBERS
+            phase = event.phase
             if event.time != self.now:
                 in_this_tick = 0
             else:
@@ -282,7 +335,7 @@ class Kernel:
         self.ask(since, agent, tag)
         self._do(now)
         self.now, self._stop = now, stop
-        queue.extend(later)
+        queue.extend([event for event in later if event.queued and event not in queue])
         queue.sort(key=_order, reverse=True)
 
 

@@ -40,7 +40,7 @@ cdef class Socket(Agent):
     cpdef void publish(self, long long cycle, long long looks=*)
     cdef void _plan(self, long long cycle)
     cdef void _drive(self, long long cycle)
-    @cython.locals(pin=Pin)
+    @cython.locals(pin=Pin, pins=list)
     cpdef object _set_pins(self, long long index, long long level)
     cpdef void reclock(self)
     cdef list _snapshot(self, long long cycle)

@@ -82,7 +82,7 @@ class Socket(Agent):
         self._phase = phase
         self._out = chip.out
         self._wake_cycle = NEVER
-        self._wake: Event | None = None  # the promise of that wake-up
+        self._wake: Event | None = None  # what promises that wake-up
         self._last_cause = 0
         self.traces = recorder.wants(Kind.EDGE) and (recorder.wants(Kind.FLAG) or recorder.wants(Kind.ACCESS))
         self._inputs: list[tuple[int, int]] = []  # (cycle from which it has effect, record) of what the chip was given
@@ -158,7 +158,6 @@ class Socket(Agent):
     def _woken(self) -> None:
         cycle = self._wake_cycle
         self._wake_cycle = NEVER
-        self._wake = None
         chip = self.chip
         looks = chip.wake(cycle) if chip.next_wake <= cycle else OUTPUTS
         if self._flags is None and not self.traces:
@@ -214,14 +213,18 @@ class Socket(Agent):
     def _plan(self, cycle: int) -> None:
         if self._wake is not None:
             self._kernel.cancel(self._wake)
-            self._wake = None
         wake = self.chip.next_wake
         if wake < cycle:
             wake = cycle
         self._wake_cycle = wake
         if wake < NEVER:
             tick, now = self._clock.tick(wake), self._kernel.now
-            self._wake = self._kernel.ask(tick if tick > now else now, self, WAKE, self._phase)
+            if tick < now:
+                tick = now
+            if self._wake is None:
+                self._wake = self._kernel.ask(tick, self, WAKE, self._phase)
+            else:
+                self._kernel.renew(self._wake, tick, WAKE)
 
     def _drive(self, cycle: int) -> None:
         recorder = self._recorder
@@ -249,7 +252,8 @@ class Socket(Agent):
         recorder.cause = outer
 
     def _set_pins(self, index: int, level: int) -> None:
-        for pin in self.pins[index]:
+        pins = self.pins[index]
+        for pin in pins:
             pin.wire.pull(pin.mask, level)
 
     def watch(self, watcher: Onlooker) -> None:

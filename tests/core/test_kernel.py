@@ -7,7 +7,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.core.chip import NEVER
-from periph_sim.core.kernel import CHIP, CPU, PADS, PROBE, STORM, TIMER, Agent, Kernel, SimulationStuck
+from periph_sim.core.kernel import (
+    CHIP,
+    CPU,
+    PADS,
+    PROBE,
+    STORM,
+    TIMER,
+    Agent,
+    Kernel,
+    Samples,
+    Settles,
+    SimulationStuck,
+)
 
 PHASES = {"first agent": TIMER, "second agent": TIMER, "pads": PADS, "chip": CHIP, "cpu": CPU, "probe": PROBE}
 
@@ -71,6 +83,90 @@ def test_cancelled_ones_alone_are_left_out(asked):
     kernel.run_until(20)
     left = [(time, number) for number, (time, taken_back) in enumerate(asked) if not taken_back]
     assert diary.notes == sorted(left)
+
+
+@given(st.lists(st.tuples(st.integers(0, 3), st.booleans(), st.integers(0, 5)), min_size=1, max_size=30))
+def test_a_renewed_promise_has_its_place_like_a_new_one(asked):
+    """One agent renews its only event, whether kept or taken back; another one asks anew each time."""
+    logs = []
+    for renews in (True, False):
+        kernel, log = Kernel(), Diary(Kernel())
+        log.kernel = kernel
+        event = kernel.ask(0, log, -1, CHIP)
+        kernel.run_until(0)
+        for number, (delay, taken_back, run) in enumerate(asked):
+            if renews:
+                kernel.renew(event, kernel.now + delay, number)
+            else:
+                event = kernel.ask(kernel.now + delay, log, number, CHIP)
+            kernel.ask(kernel.now + delay, log, 100 + number, TIMER if number % 2 else CHIP)
+            if taken_back:
+                kernel.cancel(event)
+            kernel.run_until(kernel.now + max(run, delay))
+        logs.append(log.notes)
+    assert logs[0] == logs[1]
+
+
+def test_a_promise_still_to_come_is_not_renewed():
+    kernel = Kernel()
+    event = kernel.ask(3, Diary(kernel))
+    with pytest.raises(ValueError, match=r"Diary: asked for t=5 by an event that comes at t=3"):
+        kernel.renew(event, 5, 0)
+    kernel.run_until(4)
+    with pytest.raises(ValueError, match=r"Diary: asked for t=3, but it is already t=4"):
+        kernel.renew(event, 3, 0)
+    kernel.renew(event, 4, 0)
+    assert kernel.next_time() == 4
+
+
+class Party(Samples):
+    """Notes its rank when told, and what else it then asks for."""
+
+    def __init__(self, kernel: Kernel, log: list[int]) -> None:
+        self.due = False
+        self.rank = kernel.rank()
+        self.log = log
+        self.then: list[Party] = []
+        self.kernel = kernel
+
+    def tell(self, now: int) -> None:
+        self.log.append(self.rank)
+        for party in self.then:
+            self.kernel.tell(party)
+        self.then = []
+
+
+class Line(Settles):
+    """Notes its rank, negative, as it settles; has these parties told."""
+
+    def __init__(self, kernel: Kernel, log: list[int], tells: list[Party]) -> None:
+        self.rank = kernel.rank()
+        self.kernel, self.log, self.tells = kernel, log, tells
+
+    def settle(self) -> None:
+        self.log.append(-self.rank)
+        for party in self.tells:
+            self.kernel.tell(party)
+
+
+@given(st.permutations(range(4)), st.permutations(range(5)), st.permutations(range(6)), st.integers(0, 4))
+def test_wires_settle_by_rank_and_parties_are_told_by_rank_and_then_as_wires_move(lines, asked, told, split):
+    """`asked` ask by themselves; the wires have `told` told, each its own, in the order in which the wires settle."""
+    kernel, log = Kernel(), []
+    parties = [Party(kernel, log) for _ in range(11)]
+    wires = [Line(kernel, log, [parties[5 + one] for one in told[i::4]]) for i in range(4)]
+    late = parties[:split]
+    parties[5].then = [parties[i] for i in asked if parties[i] in late]
+    for one in lines:
+        kernel.moved(wires[one])
+    for one in asked:
+        if parties[one] not in late:
+            kernel.tell(parties[one])
+            kernel.tell(parties[one])
+    kernel.settle()
+    by_rank = [party.rank for party in parties[split:5]]
+    by_wires = [5 + one + 1 for i in range(4) for one in told[i::4]]
+    assert log == [-12, -13, -14, -15, *by_rank, *by_wires, *(party.rank for party in late)]
 
 
 def test_an_agent_that_does_not_say_what_it_does_is_named():

@@ -6,7 +6,7 @@ For scenes in which no agent is the controller and so nobody else counts.
 from __future__ import annotations
 
 from ...core.wire import Wire, watch
-from .line_events import EVENT, FALL, IDLE, RISE, SDA, START, STOP
+from .line_events import EVENTS, FALL, IDLE, RISE, SDA, START, STOP
 from .whole_bytes import BITS, ByteParty
 
 PULSES = 9  # eight bits and the acknowledge
@@ -23,7 +23,7 @@ class I2cByteCounter(ByteParty):
         watch([scl, sda], self)
 
     def sampled(self, now: int, levels: int) -> None:
-        event = EVENT[self._lines << 2 | levels]
+        event = EVENTS >> 3 * (self._lines << 2 | levels) & 7
         self._lines = levels
         if event in (START, STOP):
             self._active = event == START

@@ -15,7 +15,7 @@ cdef class I2cController(ByteParty):
     cdef Recorder _recorder
     cdef Wire _scl_wire, _sda_wire
     cdef Sampler _sampler
-    cdef Event _guard
+    cdef Event _next, _guard
     cdef object _on_stuck, _done, _clear, _transfer, _phase
     cdef long long _low_time, _hold, _filter, _scl_mask, _sda_mask, _stuck_after, _sda_level, _high, _high_end
     cdef long long _let_go_at, _last_stop, _phase_index, _byte, _bit, _in, _index, _scl_moved, _clear_after
@@ -30,6 +30,7 @@ cdef class I2cController(ByteParty):
     cdef long long _unspoilt(self, long long now, long long event)
     cdef void _settle(self, long long now)
     cdef long long _sda(self)
+    cdef void _then(self, long long time, long long tag)
     cdef void _load(self, long long byte, long long index, bint receiving)
     cdef void _low(self, long long sda)
     cdef void _set_sda(self, long long level)

@@ -19,7 +19,7 @@ from ...core.records import Kind, Recorder
 from ...core.time import NO_TIME
 from ...core.wire import Wire, watch
 from .bus_clear import BusClear
-from .line_events import EVENT, FALL, IDLE, NOTHING, RISE, SCL, SDA, START, STOP
+from .line_events import EVENTS, FALL, IDLE, NOTHING, RISE, SCL, SDA, START, STOP
 from .transfer import BusTiming, Phase, Transfer
 from .whole_bytes import BITS, ONES, ByteParty, WholeBytes
 
@@ -58,6 +58,7 @@ class I2cController(ByteParty):
         "_let_go_at",
         "_lines",
         "_low_time",
+        "_next",
         "_on_stuck",
         "_phase",
         "_phase_index",
@@ -110,6 +111,7 @@ class I2cController(ByteParty):
         self._sda_mask = sda.attach(who).mask
         self._stuck_after = stuck_after
         self._on_stuck = on_stuck
+        self._next: Event | None = None  # what comes next of a transfer: one thing at a time
         self._guard: Event | None = None  # the promise to report a line held too long
         self._sda_level = 1
         self._rising = False  # SCL is let go and has not risen yet
@@ -152,7 +154,7 @@ class I2cController(ByteParty):
             self._bit_end()
         elif tag == SDA_FOLLOWS:
             self._sda_wire.pull(self._sda_mask, self._sda_level)
-            self._kernel.ask(self._kernel.now + self._low_time - self._hold, self, RELEASE)
+            self._then(self._kernel.now + self._low_time - self._hold, RELEASE)
         elif tag == BEGIN:
             self._start()
         elif tag == FIRST_LOW:
@@ -174,7 +176,7 @@ class I2cController(ByteParty):
         self._done = done
         self._phase_index = 0
         self._settle(self._kernel.now)
-        self._kernel.ask(max(self._kernel.now, self._last_stop + self.timing.free), self, BEGIN)
+        self._then(max(self._kernel.now, self._last_stop + self.timing.free), BEGIN)
 
     def _start(self) -> None:
         now = self._kernel.now
@@ -186,7 +188,7 @@ class I2cController(ByteParty):
                 self._clear.begin()
                 return
             free_at = self._last_stop + self.timing.free
-            self._kernel.ask(free_at if free_at > now else now + self.timing.free, self, BEGIN)
+            self._then(free_at if free_at > now else now + self.timing.free, BEGIN)
             return
         self._calm()
         self._refused_since = NO_TIME
@@ -196,7 +198,7 @@ class I2cController(ByteParty):
         self._mark("START" if self._phase_index == 0 else "repeated START", 0)
         byte = phase.address << 1 | phase.read if phase.address_byte is None else phase.address_byte
         self._load(byte, -1, False)
-        self._kernel.ask(now + self.timing.start_hold, self, FIRST_LOW)
+        self._then(now + self.timing.start_hold, FIRST_LOW)
 
     def _may_start(self, now: int) -> bool:
         """Both lines are high; and the bus is free for long enough, or ours already."""
@@ -217,11 +219,11 @@ class I2cController(ByteParty):
             self._transfer.lost = True
             self._finish()
         else:
-            self._kernel.ask(max(self._kernel.now, self._last_stop + self.timing.free), self, BEGIN)
+            self._then(max(self._kernel.now, self._last_stop + self.timing.free), BEGIN)
 
     def sampled(self, now: int, levels: int) -> None:
         before = self._lines
-        event = EVENT[before << 2 | levels]
+        event = EVENTS >> 3 * (before << 2 | levels) & 7
         if (before ^ levels) & SDA:
             if before >> 1 != self._sda_seen:
                 self._settle(now)
@@ -265,6 +267,12 @@ class I2cController(ByteParty):
         self._settle(self._kernel.now)
         return self._sda_seen
 
+    def _then(self, time: int, tag: int) -> None:
+        if self._next is None:
+            self._next = self._kernel.ask(time, self, tag)
+        else:
+            self._kernel.renew(self._next, time, tag)
+
     # Bits ---------------------------------------------------------------------
 
     def _load(self, byte: int, index: int, receiving: bool) -> None:
@@ -275,10 +283,10 @@ class I2cController(ByteParty):
         """SCL falls; SDA goes to `sda` a hold time later; SCL is let go after the low time."""
         self._scl_wire.pull(self._scl_mask, 0)
         if sda == self._sda_level:
-            self._kernel.ask(self._kernel.now + self._low_time, self, RELEASE)
+            self._then(self._kernel.now + self._low_time, RELEASE)
         else:
             self._sda_level = sda
-            self._kernel.ask(self._kernel.now + self._hold, self, SDA_FOLLOWS)
+            self._then(self._kernel.now + self._hold, SDA_FOLLOWS)
 
     def _set_sda(self, level: int) -> None:
         self._sda_level = level
@@ -300,7 +308,7 @@ class I2cController(ByteParty):
     def _rose(self, now: int) -> None:
         if self._index == 0 and self._bit == 0:
             self._phase.answer_at = now
-        self._kernel.ask(now + self._high, self, self._high_end)
+        self._then(now + self._high, self._high_end)
 
     def _bit_end(self) -> None:
         """End of the high phase: read SDA, go on to the next bit."""

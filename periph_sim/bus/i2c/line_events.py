@@ -1,6 +1,6 @@
 """What two successive samples of an I2C bus say: levels go in; START, STOP, a rise or a fall of SCL comes out.
 
-    EVENT[before << 2 | now], levels as SCL | SDA: bit 0 is SCL, bit 1 is SDA
+    EVENTS >> 3 * (before << 2 | now) & 7, levels as SCL | SDA: bit 0 is SCL, bit 1 is SDA
 
 START and STOP are changes of SDA with SCL high in both samples. Where both lines change at once it is SCL that
 counts: data may change with the fall of SCL (a hold time of 0), and a bit is what SDA is when SCL is high.
@@ -24,4 +24,4 @@ def _event(before: int, now: int) -> int:
     return STOP if now & SDA else START
 
 
-EVENT = tuple(_event(pair >> 2, pair & 3) for pair in range(16))
+EVENTS = sum(_event(pair >> 2, pair & 3) << 3 * pair for pair in range(16))  # a table of three bits a pair of samples

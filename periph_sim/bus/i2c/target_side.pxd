@@ -8,9 +8,11 @@ cdef class TargetSide(Agent):
     cdef public str who
     cdef Kernel _kernel
     cdef public Pin _sda, _scl
-    cdef object _answer, _does, _reply, _stretches, _on_end
-    cdef long long _lines, _hold, _bit, _in, _out, _byte, _level, _held_until
+    cdef object _answer, _reply, _on_end
+    cdef dict _stretches
+    cdef long long _does, _lines, _hold, _bit, _in, _out, _byte, _level, _held_until
     cdef bint _refused, _taken, _powered
+    cpdef void act(self, long long tag)
     @cython.locals(event=cython.longlong)
     cpdef void sampled(self, long long now, long long levels)
     cdef void _fall(self)
@@ -19,5 +21,3 @@ cdef class TargetSide(Agent):
     cdef long long _ninth(self)
     cdef void _byte_over(self)
     cdef void _put(self, long long level)
-    cpdef object _drive(self)
-    cpdef object _let_go(self)

@@ -12,12 +12,17 @@ Source: UM10204 sections 3.1.4 to 3.1.10.
 from __future__ import annotations
 
 from collections.abc import Callable
-from enum import Enum
 from typing import Protocol
 
 from ...core.kernel import Agent, Kernel
 from ...core.wire import Wire, watch
-from .line_events import EVENT, FALL, IDLE, RISE, SDA, START
+from .line_events import EVENTS, FALL, IDLE, RISE, SDA, START
+
+# What the target does: nothing, since it is not meant or no START has come; the rest is as it says.
+NOT_MEANT, HEARS_ADDRESS, HEARS_DATA, SENDS_DATA = range(4)
+
+# What an event is for: SDA takes its level, SCL is let go.
+DRIVE, LET_GO = range(2)
 
 Stretches = tuple[tuple[int, int, int], ...]
 
@@ -40,13 +45,6 @@ class Reply(Protocol):
 
     def hears(self, byte: int, value: int) -> bool:
         """Data byte number 0, 1, ... of a write has come. True acknowledges it."""
-
-
-class _Does(Enum):
-    NOTHING = "nothing"  # not meant, or no START yet
-    ADDRESS = "hears an address"
-    HEARS = "hears data"
-    SENDS = "sends data"
 
 
 def _ignore(stop: bool, whole: bool) -> None:
@@ -77,7 +75,7 @@ class TargetSide(Agent):
         self._lines = IDLE
         self._hold = hold
         self._answer = answer
-        self._does = _Does.NOTHING
+        self._does = NOT_MEANT
         self._reply: Reply | None = None
         self._stretches: dict[tuple[int, int], int] = {}  # of this reply: (byte, bit) -> ticks
         self._bit = 0  # rising SCL of this byte so far
@@ -92,20 +90,26 @@ class TargetSide(Agent):
         self._powered = True
         watch([scl, sda], self)
 
+    def act(self, tag: int) -> None:
+        if tag == DRIVE:
+            self._sda.drive(self._level)
+        elif self._kernel.now >= self._held_until:
+            self._scl.drive(1)
+
     def sampled(self, now: int, levels: int) -> None:
-        event = EVENT[self._lines << 2 | levels]
+        event = EVENTS >> 3 * (self._lines << 2 | levels) & 7
         self._lines = levels
         if event == FALL:
-            if self._does is not _Does.NOTHING:
+            if self._does != NOT_MEANT:
                 self._fall()
         elif event == RISE:
-            if self._does is not _Does.NOTHING:
+            if self._does != NOT_MEANT:
                 self._rise(int(levels >= SDA))
         elif event:
             if self._taken:
                 self._taken = False
                 self._on_end(event != START, self._bit <= 1)  # SCL has risen once for the START or STOP itself
-            self._does = _Does.ADDRESS if event == START and self._powered else _Does.NOTHING
+            self._does = HEARS_ADDRESS if event == START and self._powered else NOT_MEANT
             self._bit = self._in = 0
             self._stretches = {}
             self._put(1)
@@ -115,14 +119,14 @@ class TargetSide(Agent):
             self._put(self._ninth())
         elif self._bit == 9:
             self._byte_over()
-        elif self._does is _Does.SENDS and self._bit:
+        elif self._does == SENDS_DATA and self._bit:
             self._put(self._out >> (7 - self._bit) & 1)
         if self._stretches:
             self._stretch()
 
     def _stretch(self) -> None:
         """SCL has fallen: hold it, if the reply does so before the bit that comes."""
-        byte = -1 if self._does is _Does.ADDRESS else self._byte
+        byte = -1 if self._does == HEARS_ADDRESS else self._byte
         ticks = self._stretches.pop((byte, self._bit), 0)
         if ticks:
             self.hold_clock(ticks)
@@ -131,54 +135,52 @@ class TargetSide(Agent):
         """Hold SCL low from now on for so long. Call it from `answer`, `sends` or `hears`: SCL has just fallen then."""
         self._scl.drive(0)
         self._held_until = max(self._held_until, self._kernel.now + ticks)
-        self._kernel.at(self._kernel.now + ticks, self._let_go)
+        self._kernel.ask(self._kernel.now + ticks, self, LET_GO)
 
     def power(self, on: bool) -> None:
         """Off: both lines are let go at once, and no START is seen until power comes back."""
         self._powered = on
         if not on:
-            self._does, self._taken = _Does.NOTHING, False
+            self._does, self._taken = NOT_MEANT, False
             self._level = 1
             self._held_until = 0
             self._sda.drive(1)
-            self._scl.drive(1)
-
-    def _let_go(self) -> None:
-        if self._kernel.now >= self._held_until:
             self._scl.drive(1)
 
     def _rise(self, level: int) -> None:
         self._bit += 1
         if self._bit <= 8:
             self._in = self._in << 1 | level
-        elif self._does is _Does.SENDS:
+        elif self._does == SENDS_DATA:
             self._refused = level == 1
 
     def _ninth(self) -> int:
         """SDA for the ninth bit, once eight are over."""
-        if self._does is _Does.SENDS:
+        if self._does == SENDS_DATA:
             return 1
-        if self._does is _Does.ADDRESS:
+        if self._does == HEARS_ADDRESS:
             self._reply = self._answer(self._in)
             if self._reply is None:
                 return 1
-            self._stretches = {(byte, bit): ticks for byte, bit, ticks in self._reply.stretches}
+            stretches = self._reply.stretches
+            if stretches:
+                self._stretches = {(byte, bit): ticks for byte, bit, ticks in stretches}
             return int(not self._reply.ack)
         assert self._reply is not None
         return int(not self._reply.hears(self._byte, self._in))
 
     def _byte_over(self) -> None:
         self._bit = 0
-        if self._does is _Does.ADDRESS:
+        if self._does == HEARS_ADDRESS:
             self._byte = 0
             meant = self._taken = self._reply is not None and self._reply.ack
-            self._does = _Does.NOTHING if not meant else _Does.SENDS if self._in & 1 else _Does.HEARS
+            self._does = NOT_MEANT if not meant else SENDS_DATA if self._in & 1 else HEARS_DATA
         else:
             self._byte += 1
-            if self._does is _Does.SENDS and self._refused:
-                self._does = _Does.NOTHING
+            if self._does == SENDS_DATA and self._refused:
+                self._does = NOT_MEANT
         self._in = 0
-        if self._does is _Does.SENDS:
+        if self._does == SENDS_DATA:
             assert self._reply is not None
             self._out = self._reply.sends(self._byte)
             self._put(self._out >> 7)
@@ -188,7 +190,4 @@ class TargetSide(Agent):
     def _put(self, level: int) -> None:
         if level != self._level:
             self._level = level
-            self._kernel.at(self._kernel.now + self._hold, self._drive)
-
-    def _drive(self) -> None:
-        self._sda.drive(self._level)
+            self._kernel.ask(self._kernel.now + self._hold, self, DRIVE)

@@ -1,3 +1,5 @@
+cimport cython
+
 from .registers cimport I2cRegisters
 
 
@@ -16,6 +18,7 @@ cdef class I2cClock:
     cdef void _release_after_low(self, long long now)
     cdef void _release(self, long long now)
     cpdef void hear(self, long long now, long long lines)
+    @cython.locals(late=cython.longlong)
     cdef void _rose(self, long long now)
     cdef void _scl_low(self, long long now)
     cdef void _begin_condition(self, long long now, long long sda, long long then)

@@ -1,3 +1,5 @@
+cimport cython
+
 from .master_transmitter cimport I2cMasterTransmitter
 
 
@@ -22,6 +24,7 @@ cdef class I2cMaster(I2cMasterTransmitter):
     cdef list _address_bytes(self)
     cdef void _next_address(self, long long now)
     cdef void _begin_byte(self, long long now, long long byte, long long n)
+    @cython.locals(level=cython.longlong)
     cdef void _set_sda(self, long long now)
     cpdef void fell(self, long long now)
     cpdef void rise(self, long long now, long long sda)

@@ -267,7 +267,7 @@ class I2cMaster(I2cMasterTransmitter):
         """SCL is low: the next bit goes to SDA, SCL is let go when the low time is over."""
         bit, n = self._bit, self._n
         if self._kind == TAKE:
-            level = int(self._answer_nack) if bit == n else 1
+            level = 1 if bit < n or self._answer_nack else 0
         else:
             level = 1 if bit == n else self._byte >> (n - 1 - bit) & 1
         self._drive(level)

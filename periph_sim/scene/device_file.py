@@ -14,7 +14,7 @@ from ..devices.device_bus import DeviceBus
 from ..devices.hook_guard import HookGuard
 from ..devices.python_target import HOOKS, NEEDED, PythonTarget
 from ..devices.targets import TargetContext
-from ..processor.error_origin import defined_at, flaw_of, raised_at
+from ..processor.error_origin import FirmwareStalled, defined_at, flaw_of, raised_at
 from .case.device_tables import DeviceTable
 from .context import SceneContext
 from .firmware_files import module_of_file, why_not_imported
@@ -24,7 +24,7 @@ CLASS = "Device"
 
 
 def device_of_file(context: SceneContext, name: str, table: DeviceTable, place: TargetContext) -> PythonTarget:
-    """The device on its address. BadCase, with its line, if the file or its class cannot be had."""
+    """The device on its address. BadCase, with its line, if the file or its class cannot be had; FirmwareStalled."""
 
     def mistake(what: str, *key: str | int) -> Exception:
         return context.case.mistake(what, "device", name, *(key or ("model",)))
@@ -32,12 +32,12 @@ def device_of_file(context: SceneContext, name: str, table: DeviceTable, place: 
     path = context.case.folder / table.model
     if table.address is None:
         raise mistake("a device of a file has no address of its own; give it address = 0x42, for instance", "address")
-    module = _module(path, mistake)
+    guard = HookGuard(name, float(context.case.stall_limit))
+    module = _module(path, guard, mistake)
     made: Any = getattr(module, CLASS, None)
     if not isinstance(made, type):
         raise mistake(f"{path.name} has no class {CLASS}")
     _check_hooks(path, made, mistake)
-    guard = HookGuard(name, float(context.case.stall_limit))
     bus = DeviceBus(place, context.timebase.per_second, guard)
     settings = getattr(module, "Settings", None)
     arguments: tuple[object, ...] = (bus,)
@@ -56,11 +56,13 @@ def device_of_file(context: SceneContext, name: str, table: DeviceTable, place: 
     return PythonTarget(guard, table.address, lambda: made(*arguments))
 
 
-def _module(path: Path, mistake: Callable[..., Exception]) -> ModuleType:
+def _module(path: Path, guard: HookGuard, mistake: Callable[..., Exception]) -> ModuleType:
     if not path.is_file():
         raise mistake(f"there is no file {str(path)!r}; its path counts from the folder of the case")
     try:
-        return module_of_file(path)
+        return guard.in_time(module_of_file, path)
+    except FirmwareStalled:
+        raise
     except ModuleNotFoundError as error:
         raise mistake(f"{path.name} cannot be loaded: {why_not_imported(error, path.parent)}") from None
     except SyntaxError as error:

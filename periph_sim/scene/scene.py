@@ -207,7 +207,10 @@ class Scene:
             chip = self.chips[name] = build_chip(context, name, sources.get(name))
             put_on_bus(context, name, table, chip)
         taken = {address: name for name, chip in self.chips.items() for address in chip.addresses}
-        self.devices = build_devices(context, self.wires, taken)
+        try:
+            self.devices = build_devices(context, self.wires, taken)
+        except FirmwareStalled as stalled:  # in a user's file: the run ends as it begins
+            self.stalled = str(stalled)
         if self.case.strict:
             for name, log in self.note_logs().items():
                 log.on_note = partial(self._noted, name)
@@ -383,11 +386,11 @@ class Scene:
             end = self.timebase.end_of_run(began, self.case.duration if duration is None else duration)
         except TimeError as error:
             raise self.case.mistake(str(error), "duration") from None
-        length = end - began
+        length = 0 if self.stalled else end - began
         wall = perf_counter()
         steps = 100 if progress is not None else 1
         try:
-            for step in range(1, steps + 1):
+            for step in range(1, steps + 1) if not self.stalled else ():
                 self.kernel.run_until(began + length * step // steps)
                 if progress is not None:
                     progress(step / steps)

@@ -1,4 +1,4 @@
-"""A hook of a user's device that never returns ends the run with its line and status 1; a long one does not."""
+"""A hook, or a file, of a user's device that never returns ends the run with its line and status 1; a long one not."""
 
 from __future__ import annotations
 
@@ -92,6 +92,24 @@ def test_a_hook_that_never_returns_is_stopped_with_its_line(tmp_path: Path, hook
 def test_the_command_ends_with_status_1(periph_sim: Run, tmp_path: Path):
     came = periph_sim("run", str(case_of(tmp_path, on_read=LOOP)))
     assert (came.status, came.err) == (1, "") and "stuck: device mine did not return" in came.out
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line"),
+    [("class Device:", "while True: pass\nclass Device:", 1), ("self.bus = bus", LOOP, 3)],
+    ids=["the file", "__init__"],
+)
+def test_a_file_or_a_device_that_is_never_made_ends_the_run_as_it_begins(
+    periph_sim: Run, tmp_path: Path, old: str, new: str, line: int
+):
+    case = case_of(tmp_path)
+    device = tmp_path / "mine.py"
+    device.write_text(device.read_text("utf-8").replace(old, new), "utf-8")
+    told = f"device mine did not return within 0.3 s of CPU time at line {line} of mine.py"
+    result = Scene(load(case)).run()
+    assert (result.verdict, result.simulated_s, result.stuck) == ("fail", 0, [told])
+    came = periph_sim("run", str(case))
+    assert (came.status, came.err) == (1, "") and f"stuck: {told}" in " ".join(came.out.split())
 
 
 def test_a_hook_that_returns_in_time_is_left_alone(tmp_path: Path):

@@ -7,4 +7,5 @@ cdef class Chip:
     cpdef long long read(self, long long now, long long offset)
     cpdef void write(self, long long now, long long offset, long long value)
     cpdef long long peek(self, long long now, long long offset)
+    cpdef long long see(self, long long now, long long offset)
     cpdef void reset(self, long long now)

@@ -90,6 +90,10 @@ class Chip:
         """What a debugger reads: the register's value without any side effect."""
         raise NotImplementedError
 
+    def see(self, now: int, offset: int) -> int:
+        """What the CPU reads of a register whose read has no side effect: `peek`, where the chip answers the CPU."""
+        return self.peek(now, offset)
+
     def reset(self, now: int) -> None:
         """XRS: every register takes its reset value."""
         raise NotImplementedError

@@ -32,6 +32,7 @@ cdef class Socket(Agent):
     cpdef void sampled(self, long long now, long long levels)
     cpdef long long read(self, long long cycle, long long offset)
     cpdef long long peek(self, long long cycle, long long offset)
+    cpdef long long see(self, long long cycle, long long offset)
     cpdef void write(self, long long cycle, long long offset, long long value)
     cpdef void given(self, long long cycle)
     cdef void _woken(self)

@@ -131,6 +131,12 @@ class Socket(Agent):
             self.before(cycle)
         return self.chip.peek(cycle, offset)
 
+    def see(self, cycle: int, offset: int) -> int:
+        """What the CPU reads of a register whose read has no side effect; nothing moves."""
+        if self.before is not None:
+            self.before(cycle)
+        return self.chip.see(cycle, offset)
+
     def write(self, cycle: int, offset: int, value: int) -> None:
         if self._kernel.shortcut is not None and offset == self.chip.mid_byte:
             self._kernel.catch_up()

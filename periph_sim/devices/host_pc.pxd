@@ -14,4 +14,4 @@ cdef class Host(Agent):
     cdef tuple _sending, _once_more
     cdef void _plan(self, long long due)
     cdef void _begin(self, long long due)
-    cdef void _send(self, long long number, tuple values, bytes data, bint again)
+    cdef void _send(self, long long number, tuple values, object data, bint again)

@@ -190,10 +190,10 @@ class Bus:
     def fetch(self, at: int, operand: Operand) -> int:
         """The value of these words of the register in cycle `at`, each in its place."""
         if not operand.recorded:
-            return operand.peek(at) if operand.harmless else self._read(at, operand)
+            return operand.see(at) if operand.harmless else self._read(at, operand)
         recorder = self._recorder
         outer = recorder.cause
-        seen = operand.peek(at)  # recorded before the read, which causes what it sets off
+        seen = operand.see(at)  # recorded before the read, which causes what it sets off
         recorder.cause = self._record("R", at, operand, seen, self._place())
         value = seen if operand.harmless else self._read(at, operand)
         recorder.cause = outer

@@ -9,4 +9,4 @@ cdef class Operand:
     cdef public str name
     cdef public long long address, mask, offset, read_waits, shift, words, write_waits
     cdef public bint block, frame1, frame2, harmless, meets, pieack, plain, protected, recorded, steady
-    cpdef long long peek(self, long long cycle)
+    cpdef long long see(self, long long cycle)

@@ -79,11 +79,11 @@ class Operand:
         self.steady = register.reads_are_harmless and not register.free_running
         self.plain = not recorded and register.plain and words == LOW and place.socket.before is None
 
-    def peek(self, cycle: int) -> int:
-        """What a debugger reads of these words, each in its place; nothing moves."""
+    def see(self, cycle: int) -> int:
+        """What the CPU reads of these words, each in its place, without what a read sets off; nothing moves."""
         socket, words = self.socket, self.words
-        value = socket.peek(cycle, self.offset) if words & LOW else 0
-        return value | socket.peek(cycle, self.offset + 1) << 16 if words & HIGH else value
+        value = socket.see(cycle, self.offset) if words & LOW else 0
+        return value | socket.see(cycle, self.offset + 1) << 16 if words & HIGH else value
 
     def __str__(self) -> str:
         return f"{self.name}.{self.field.name if self.field is not None else 'all'}"

@@ -103,7 +103,7 @@ class Lease(Onlooker):
     def broken(self, cycle: int) -> bool:
         """Whether a pass begun at `cycle` could come out otherwise."""
         for place, operand in enumerate(self._polls):
-            value = operand.chip.peek(cycle, operand.offset) if operand.plain else operand.peek(cycle)
+            value = operand.chip.see(cycle, operand.offset) if operand.plain else operand.see(cycle)
             if (value ^ self._values[place]) & operand.mask:
                 return True
         return False

@@ -11,7 +11,9 @@ from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.core.wire import Wire
+from periph_sim.f28335.sci.register_map import SCI_MAP
 from periph_sim.f28335.system.memory_map import NoSuchAddress
+from periph_sim.firmware import start_pie
 from periph_sim.processor.dsp import MODULES, Dsp, DspPlan
 
 # First and last address of each module (the register maps of the manuals).
@@ -61,6 +63,68 @@ def test_a_module_whose_clock_is_taken_back_can_be_written_no_more():
 
     run(dsp, kernel, main)
     assert seen == [0x11]
+    assert "sci.clock_gate_access" in dsp.touched
+
+
+@pytest.mark.parametrize(
+    ("module", "enable", "register"),
+    [("SCI-A", "SCIAENCLK", "SCILBAUD"), ("I2C-A", "I2CAENCLK", "I2COAR")],
+)
+def test_without_its_clock_a_module_reads_0(module: str, enable: str, register: str):
+    dsp, kernel, _ = unit(module)
+    seen: list[int] = []
+
+    def main() -> None:
+        clocks, place = dsp.module("SYS"), dsp.module(module)
+        dsp.eallow()
+        for on in (1, 0, 1):
+            setattr(clocks.PCLKCR0, enable, on)
+            dsp.compute(10)
+            if not seen:
+                getattr(place, register).all = 0x11
+                dsp.compute(10)
+            seen.append(getattr(place, register).all)
+
+    run(dsp, kernel, main)
+    assert seen == [0x11, 0, 0x11]
+    assert "clock_gate_access" in dsp.socket(module).chip.touched
+
+
+@pytest.mark.parametrize("skip", [False, True])
+def test_a_wait_sees_a_register_without_clock_as_a_read_does_and_a_debugger_sees_what_it_holds(skip: bool):
+    """The timer's routine takes the clock away and gives it back; the wait is for what the register holds."""
+    kernel = Kernel()
+    dsp = Dsp(kernel, Timebase(150_000_000), Recorder(), DspPlan("dsp", ("SCI-A", "TIMER0"), {}, skip_polls=skip))
+    told: list[tuple[str, int]] = []
+
+    def tick() -> None:
+        clocks = dsp.module("SYS")
+        dsp.eallow()
+        clocks.PCLKCR0.SCIAENCLK = 1 - clocks.PCLKCR0.SCIAENCLK
+        dsp.edis()
+        told.append(("held", dsp.socket("SCI-A").peek(dsp.cpu.cycle, SCI_MAP["SCILBAUD"].offset)))
+        dsp.module("PIE").PIEACK.all = 1
+
+    def main() -> None:
+        clocks, sci, timer = dsp.module("SYS"), dsp.module("SCI-A"), dsp.module("TIMER0")
+        dsp.eallow()
+        clocks.PCLKCR0.SCIAENCLK = 1
+        dsp.compute(10)
+        sci.SCILBAUD.all = 0x11
+        timer.TCR.TSS = 1
+        timer.PRD.all = 3000
+        start_pie(dsp, {"TINT0": tick})
+        timer.TCR.all = 0x4020  # TIE, TRB
+        dsp.spin(lambda: sci.SCILBAUD.all == 0)
+        told.append(("gone", dsp.cpu.cycle))
+        dsp.spin(lambda: sci.SCILBAUD.all == 0x11)
+        told.append(("back", dsp.cpu.cycle))
+
+    run(dsp, kernel, main)
+    assert [what for what, _ in told[:4]] == ["held", "gone", "held", "back"]
+    held, gone, still, back = (value for _, value in told[:4])
+    assert held == still == 0x11
+    assert 2900 < back - gone < 3100
     assert "sci.clock_gate_access" in dsp.touched
 
 

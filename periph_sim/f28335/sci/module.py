@@ -62,6 +62,13 @@ class Sci(SciLines):
             self._run(now)
         return self._show(now, offset)
 
+    def see(self, now: int, offset: int) -> int:
+        if self._gated:
+            self.touched.add("clock_gate_access")
+            if self.options.clock_gate_access == "reads_0":
+                return 0
+        return self.peek(now, offset)
+
     def write(self, now: int, offset: int, value: int) -> None:
         if now >= self.next_wake:
             self._run(now)

@@ -53,7 +53,7 @@ class Accesses:
             else:
                 instructions.go_to(at)
             if operand.plain:
-                value = operand.chip.peek(at, operand.offset)
+                value = operand.chip.see(at, operand.offset)
             else:
                 value = self._fetch(operand)
         if spin is not None:

@@ -152,7 +152,7 @@ class Waits:
             if cycle >= spin.live_from:
                 if cycle >= time.lease:
                     instructions.go_to(cycle)
-                if (operand.chip.peek(cycle, operand.offset) ^ spin.values[place]) & operand.mask:
+                if (operand.chip.see(cycle, operand.offset) ^ spin.values[place]) & operand.mask:
                     break
             cycle += 1
             if not self._passes(cycle):

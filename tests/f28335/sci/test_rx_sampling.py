@@ -212,7 +212,7 @@ def glitching(rig: SciRig, seed: int) -> None:
             pins(now, wrong)
         return pins(now, level)
 
-    rig.line.pins = corrected
+    rig.chip.pins = corrected
 
 
 @settings(max_examples=40, deadline=None)

@@ -22,7 +22,7 @@ from periph_sim.sensors.host_frame import ACCELERATION, ANGLE
 from periph_sim.sensors.imu_noise import ImuNoise
 from periph_sim.sensors.models.counts import counts_of
 from periph_sim.sensors.models.imu import Imu, Noise
-from periph_sim.sensors.models.parameters import Imu as Parameters
+from periph_sim.sensors.models.parameters import ImuParameters
 from periph_sim.sensors.numeric import arithmetic_names as named
 from periph_sim.sensors.numeric.estimate import estimate
 from periph_sim.sensors.numeric.float32 import Float32
@@ -36,7 +36,7 @@ BYTES = "bytes"  # no models: the chips show the values of the frame
 
 def _known(name: str) -> str:
     if name != BYTES:
-        Imu(named.scalar(name), Parameters())  # says what is wrong with a name or a format
+        Imu(named.scalar(name), ImuParameters())  # says what is wrong with a name or a format
     return name
 
 
@@ -45,7 +45,7 @@ def _parameters(value: object) -> object:
 
 
 ArithmeticName = Annotated[str, AfterValidator(_known)]
-ParameterFile = Annotated[Parameters, BeforeValidator(_parameters)]
+ParameterFile = Annotated[ImuParameters, BeforeValidator(_parameters)]
 
 
 @dataclass
@@ -62,7 +62,7 @@ class ModelSettings:
     model_cost: DurationRange | Literal["estimate"] = MEASURED
     beyond_estimate: DurationRange = NOTHING
     arithmetic: ArithmeticName = BYTES
-    parameters: ParameterFile = field(default_factory=Parameters)  # a TOML file's path, or the name of a shipped set
+    parameters: ParameterFile = field(default_factory=ImuParameters)  # a TOML file's path, or the name of a shipped set
     noise_seed: int | None = None  # of the sensors' noise; none: no noise
 
     def __post_init__(self) -> None:
@@ -72,7 +72,7 @@ class ModelSettings:
             raise ValueError('beyond_estimate belongs to model_cost = "estimate"; give that, or leave it out')
 
     @property
-    def sensors(self) -> Parameters | None:
+    def sensors(self) -> ImuParameters | None:
         """Those that the firmware stands for; none where the chips show the values of frames."""
         return None if self.arithmetic == BYTES else self.parameters
 
@@ -87,7 +87,7 @@ class ModelSettings:
 class Models:
     """arithmetic: "float64", "q16", ... noise_seed: of the sensors' noise, whose sample n goes into the n-th call."""
 
-    def __init__(self, arithmetic: str, parameters: Parameters, noise_seed: int | None = None) -> None:
+    def __init__(self, arithmetic: str, parameters: ImuParameters, noise_seed: int | None = None) -> None:
         self._a = named.scalar(arithmetic)
         self._model: Imu[Any] = Imu(self._a, parameters)
         self._state = self._model.at_rest
@@ -139,6 +139,6 @@ def _swapped(x: Any, y: Any, z: Any) -> bytes:
     return BIG.pack(int(x), int(z), int(y))
 
 
-def estimated(arithmetic: str, parameters: Parameters) -> Fraction:
+def estimated(arithmetic: str, parameters: ImuParameters) -> Fraction:
     """Seconds at 150 MHz that the equations take; not for "bytes", which computes none."""
     return estimate(counts_of(parameters), named.library(arithmetic)).seconds()

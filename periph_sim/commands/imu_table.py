@@ -42,7 +42,7 @@ def imu_table(samples: int, seed: int, parameters: str | None, turn: bool, csv: 
     from ..dissertation.at_rest.static_table import static_table
     from ..dissertation.at_rest.static_text import text
     from ..scene.case.sensor_sets import named
-    from ..sensors.models.parameters import Imu
+    from ..sensors.models.parameters import ImuParameters
 
     with usage_errors_in_one_sentence(), ExitStack() as outputs:
         unfinished = None
@@ -53,7 +53,7 @@ def imu_table(samples: int, seed: int, parameters: str | None, turn: bool, csv: 
         if turn:
             from ..dissertation.at_rest import earth_field
 
-            click.echo(earth_field.text(named(parameters) if parameters else Imu(), earth_field.fit()))
+            click.echo(earth_field.text(named(parameters) if parameters else ImuParameters(), earth_field.fit()))
             return 0
         imu = named(parameters or PUBLISHED)
         found = at_rest(imu, samples, seed)

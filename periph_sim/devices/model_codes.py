@@ -15,7 +15,7 @@ import numpy as np
 from ..sensors.host_frame import ACCELERATION, ANGLE
 from ..sensors.imu_noise import ImuNoise
 from ..sensors.models.imu import Imu, Noise, State
-from ..sensors.models.parameters import Imu as Parameters
+from ..sensors.models.parameters import ImuParameters
 from ..sensors.numeric import arithmetic_names as named
 from .sensor_head import CHIPS, ChipData
 
@@ -26,7 +26,7 @@ ModelState = State[Any]
 class Computed:
     """The sensors that firmware computes. noise_seed: of their noise, whose sample n goes into run n; None for none."""
 
-    parameters: Parameters
+    parameters: ImuParameters
     arithmetic: str
     noise_seed: int | None = None
 

@@ -19,7 +19,7 @@ from typing import Protocol, TypeVar
 
 import numpy as np
 
-from ..sensors.models.parameters import Imu
+from ..sensors.models.parameters import ImuParameters
 from ..sensors.models.sensed_motion import SensedMotion
 from ..sensors.motion import Motion
 
@@ -65,7 +65,7 @@ class MotionTruth:
 
     KEPT = 64  # instants: each is asked for several chips, and by several budgets
 
-    def __init__(self, imu: Imu, motion: Motion, first: Fraction) -> None:
+    def __init__(self, imu: ImuParameters, motion: Motion, first: Fraction) -> None:
         felt = SensedMotion(imu, motion)
 
         def at(seconds: Fraction) -> Mapping[str, Axes]:

@@ -16,7 +16,7 @@ from ..core.suggest import did_you_mean
 from ..devices.model_codes import Computed
 from ..processor.dsp import Dsp
 from ..processor.error_origin import Misuse, defined_at, flaw_of
-from ..sensors.models.parameters import Imu
+from ..sensors.models.parameters import ImuParameters
 from .case.error_text import complaint, place_of
 from .firmware_files import module_of_file, shipped_module, shipped_names, why_not_imported
 
@@ -94,10 +94,10 @@ def settings_for(firmware: Firmware, given: dict[str, object]) -> object:
     return filled(kind, given, f"firmware {firmware.name}")
 
 
-def sensors_of(settings: object) -> Imu | None:
+def sensors_of(settings: object) -> ImuParameters | None:
     """The sensors that firmware stands for, by its settings' `sensors`; None where it computes none."""
     sensors = getattr(settings, "sensors", None)
-    return sensors if isinstance(sensors, Imu) else None
+    return sensors if isinstance(sensors, ImuParameters) else None
 
 
 def computed_by(settings: object) -> Computed | None:

@@ -19,7 +19,7 @@ from ..bus.uart.sender import UartSender
 from ..devices.host_pc import Host, HostSchedule, ramp
 from ..devices.truth import Axes, LineBetweenFrames, MotionTruth, Truth
 from ..sensors.host_frame import MotionFrames
-from ..sensors.models.parameters import Imu
+from ..sensors.models.parameters import ImuParameters
 from .case.model import HostTable
 from .context import SceneContext
 from .firmware_loader import BadSetting
@@ -34,7 +34,7 @@ class HostAgent:
     sensors: those that firmware computes, None where chips show the values of frames.
     """
 
-    def __init__(self, context: SceneContext, table: HostTable, sensors: Imu | None) -> None:
+    def __init__(self, context: SceneContext, table: HostTable, sensors: ImuParameters | None) -> None:
         """BadCase, with its line, for a motion or an encoding that cannot be."""
         self._context = context
         self._period = table.period
@@ -69,7 +69,7 @@ class HostAgent:
             twice=frozenset(table.twice),
         )
 
-    def _truth(self, table: HostTable, sensors: Imu | None) -> Truth | None:
+    def _truth(self, table: HostTable, sensors: ImuParameters | None) -> Truth | None:
         """What chips should show. None where models make it of frames of which no motion is known."""
         if sensors is None:
             return LineBetweenFrames(self.values, table.period)

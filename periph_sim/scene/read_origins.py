@@ -8,7 +8,7 @@ from typing import Protocol
 from ..core.wire import Wire
 from ..devices.model_codes import Computed
 from ..processor.dsp import Dsp
-from ..sensors.models.parameters import Imu
+from ..sensors.models.parameters import ImuParameters
 from ..timing.measures.origins import FrameOrigins, ModelOrigins, Origins, Sources
 from .case.model import Case
 
@@ -29,7 +29,7 @@ class Parts(Sources, Protocol):
     def units(self) -> Mapping[str, Dsp]: ...
 
     @property
-    def sensors(self) -> Imu | None: ...
+    def sensors(self) -> ImuParameters | None: ...
 
     @property
     def computed(self) -> Computed | None: ...

@@ -35,7 +35,7 @@ from ..processor.dsp import Dsp
 from ..processor.error_origin import FirmwareStalled
 from ..processor.python.firmware_view import End
 from ..sensors.host_frame import MotionFrames
-from ..sensors.models.parameters import Imu
+from ..sensors.models.parameters import ImuParameters
 from ..timing.budget_schema import Budget
 from ..timing.budgets import BadBudget, BudgetJudge
 from ..timing.language.scope import Scope
@@ -113,7 +113,7 @@ class Scene:
         self.host: Host | None = None
         self._host_side: HostAgent | None = None
         self.truth: Truth | None = None
-        self.sensors: Imu | None = None  # whose values firmware computes, where it has models
+        self.sensors: ImuParameters | None = None  # whose values firmware computes, where it has models
         self.computed: Computed | None = None  # and how it computes them
         self._origins: Origins | None = None  # of what is read, as soon as a measure asks
         self.frames: MotionFrames | None = None  # what the host sends, where it is no ramp

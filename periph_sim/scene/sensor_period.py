@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from ..sensors.models.parameters import Imu
+from ..sensors.models.parameters import ImuParameters
 from ..sensors.models.period import check_period
 from ..sensors.models.quantity import BadParameter
 from .case.model import Case
 
 
-def check_sensor_period(case: Case, unit: str, settings: object, sensors: Imu) -> None:
+def check_sensor_period(case: Case, unit: str, settings: object, sensors: ImuParameters) -> None:
     """BadCase unless the models' period is that at which this firmware runs them.
 
     That is the controller's, or the host's where the settings' `models_run` is "frame" or nobody asks in rounds.

@@ -15,7 +15,7 @@ from ..f28335.sci.options import SciOptions
 from ..f28335.system.options import SystemOptions
 from ..processor.dsp import MODULES, Dsp, DspPlan
 from ..processor.python.firmware_view import End
-from ..sensors.models.parameters import Imu
+from ..sensors.models.parameters import ImuParameters
 from .case.model import Case, Unit
 from .case.transceiver import pulled_down
 from .context import SceneContext
@@ -40,7 +40,7 @@ class BuiltUnit:
 
     dsp: Dsp
     firmware: Firmware
-    sensors: Imu | None
+    sensors: ImuParameters | None
     computed: Computed | None
 
 

@@ -6,14 +6,14 @@ Imu, seed --> values(first, count), at(n) --> Noise: deg/s, g and gauss on x, y,
 from __future__ import annotations
 
 from .models.imu import Noise
-from .models.parameters import Accelerometer, Gyroscope, Imu, Magnetometer
+from .models.parameters import AccelerometerParameters, GyroscopeParameters, ImuParameters, MagnetometerParameters
 from .noise import Floats, NoiseTerms, SensorNoise
 
 
 class ImuNoise:
     """Sample n of the three sensors is the same in `values` and in `at`, to the last bit."""
 
-    def __init__(self, imu: Imu, seed: int) -> None:
+    def __init__(self, imu: ImuParameters, seed: int) -> None:
         self._gyroscope, self._accelerometer, self._magnetometer = (
             SensorNoise(_terms(getattr(imu, name)), imu.period, seed, name) for name in Noise._fields
         )
@@ -31,7 +31,7 @@ class ImuNoise:
         return Noise(self._gyroscope.at(number), self._accelerometer.at(number), self._magnetometer.at(number))
 
 
-def _terms(sensor: Gyroscope | Accelerometer | Magnetometer) -> list[NoiseTerms]:
+def _terms(sensor: GyroscopeParameters | AccelerometerParameters | MagnetometerParameters) -> list[NoiseTerms]:
     columns = zip(sensor.noise_density, sensor.bias_instability, sensor.random_walk, strict=True)
     return [NoiseTerms(*terms) for terms in columns]
 

@@ -18,7 +18,7 @@ from firmware.python.imu_models import Models
 from periph_sim.sensors.host_frame import ACCELERATION, ANGLE
 from periph_sim.sensors.models.arrays import codes_of
 from periph_sim.sensors.models.imu import Noise
-from periph_sim.sensors.models.parameters import Imu, Magnetometer
+from periph_sim.sensors.models.parameters import ImuParameters, MagnetometerParameters
 from periph_sim.sensors.numeric import arithmetic_names as named
 
 from .timed import Seconds, timed
@@ -39,14 +39,14 @@ def over_arrays(samples: int) -> None:
     acceleration = tuple(random.normal(scale=0.5, size=samples) for _ in range(3))
     noise = Noise(*(tuple(random.normal(scale=0.01, size=samples) for _ in range(3)) for _ in range(3)))
     for way in WAYS:
-        imu = Imu(magnetometer=Magnetometer(spherical=way))
+        imu = ImuParameters(magnetometer=MagnetometerParameters(spherical=way))
         time = best(lambda imu=imu: codes_of(imu, attitude, acceleration, noise))
         print(row(f"float64 over arrays, {way}", samples, time))
 
 
 def frames_of(samples: int) -> list[bytes]:
     """A motion to 2000 deg/s and 2 g, as a host sends it."""
-    times = np.arange(samples) * Imu().period
+    times = np.arange(samples) * ImuParameters().period
     angles = [swing * np.sin(2000 / 57.3 / swing * times + lag) for lag, swing in ((0, 3.0), (1, 1.5), (2, 3.0))]
     accelerations = [2 * np.sin(rate * times) for rate in (1.1, 0.7, 1.9)]
     counts = np.rint(np.stack([*(angle / ANGLE for angle in angles), *(a / ACCELERATION for a in accelerations)]))
@@ -56,7 +56,7 @@ def frames_of(samples: int) -> list[bytes]:
 def one_by_one(samples: int) -> None:
     frames = frames_of(samples)
     for name in ("float64", "q16", "q16 rounded", "q16 saturating"):
-        models = Models(name, Imu())
+        models = Models(name, ImuParameters())
         time = best(lambda models=models: [models.chips(frame) for frame in frames])
         print(row(f"{named.scalar(name).name}, frame by frame", samples, time))
 

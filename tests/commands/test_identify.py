@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from periph_sim.scene.case.sensor_sets import load
-from periph_sim.sensors.models.parameters import Imu
+from periph_sim.sensors.models.parameters import ImuParameters
 from tests.commands.conftest import Run
 
 
@@ -53,8 +53,8 @@ def test_samples_written_are_read_back_by_identify_and_its_set_by_the_models(res
     assert (came.status, came.err) == (0, "")
     assert came.out.startswith("rest.csv: 2000 samples, one every 0.02 s\n")
     told = load(Path("set.toml"))
-    assert told.gyroscope.bias == pytest.approx(Imu().gyroscope.bias, abs=0.01)
-    assert told.accelerometer.noise_density == pytest.approx(Imu().accelerometer.noise_density, rel=0.15)
+    assert told.gyroscope.bias == pytest.approx(ImuParameters().gyroscope.bias, abs=0.01)
+    assert told.accelerometer.noise_density == pytest.approx(ImuParameters().accelerometer.noise_density, rel=0.15)
     again = periph_sim("imu-table", "--samples", "500", "--parameters", "set.toml")
     assert again.status == 0
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from periph_sim.devices.host_pc import ramp
 from periph_sim.devices.truth import LineBetweenFrames, MotionTruth, distance, shown
 from periph_sim.dissertation.at_rest.rest import expected_at_rest
-from periph_sim.sensors.models.parameters import Imu
+from periph_sim.sensors.models.parameters import ImuParameters
 from periph_sim.sensors.motion import kinds, sines
 from periph_sim.sensors.motion.pieces import Pose
 
@@ -49,8 +49,8 @@ def test_distances_go_the_shorter_way_round(a: float, b: float, apart: float):
 
 def test_of_sensor_models_it_is_what_ideal_sensors_show_of_the_motion_at_that_instant():
     """At rest, level and north: the expected means of Table 5.1's model, in LSB."""
-    truth = MotionTruth(Imu(), kinds()["static"].motion(Pose()), Fraction(2, 1000)).at(Fraction(5))
-    expected = {name: [one.mean for one in axes] for name, axes in expected_at_rest(Imu()).items()}
+    truth = MotionTruth(ImuParameters(), kinds()["static"].motion(Pose()), Fraction(2, 1000)).at(Fraction(5))
+    expected = {name: [one.mean for one in axes] for name, axes in expected_at_rest(ImuParameters()).items()}
     assert truth["gyroscope"] == pytest.approx(np.array(expected["gyroscope"]) * 14.375, abs=0.1)
     assert truth["accelerometer"] == pytest.approx(np.array(expected["accelerometer"]) * 256, abs=0.1)
     assert truth["magnetometer"] == pytest.approx(np.array(expected["magnetometer"]) * 660, abs=0.1)
@@ -58,5 +58,8 @@ def test_of_sensor_models_it_is_what_ideal_sensors_show_of_the_motion_at_that_in
 
 def test_its_seconds_count_from_the_first_frame():
     moving = sines.motion(sines.Settings(angles=(sines.AngleWave("theta", 0.5, 0.5),)))
-    early, late = MotionTruth(Imu(), moving, Fraction(1, 10)), MotionTruth(Imu(), moving, Fraction(0))
+    early, late = (
+        MotionTruth(ImuParameters(), moving, Fraction(1, 10)),
+        MotionTruth(ImuParameters(), moving, Fraction(0)),
+    )
     assert early.at(Fraction(0)) == late.at(Fraction(1, 10)) != late.at(Fraction(0))

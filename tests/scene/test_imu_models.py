@@ -12,7 +12,7 @@ from firmware.python.imu_models import Models
 from periph_sim.devices.host_pc import ramp
 from periph_sim.scene.case.model import BadCase
 from periph_sim.sensors.models.arrays import codes_of
-from periph_sim.sensors.models.parameters import Imu, Magnetometer
+from periph_sim.sensors.models.parameters import ImuParameters, MagnetometerParameters
 from tests.scene.runs import run_file
 
 FLOAT = "unit.dsp.settings.arithmetic=float64"
@@ -21,7 +21,7 @@ FLOAT = "unit.dsp.settings.arithmetic=float64"
 def expected(frames: int) -> list[list[str]]:
     """What the sensor head reads after 0, 1, 2 ... frames, from whole arrays: the frame before the first is zeros."""
     counts = np.array([(0,) * 6, *(ramp(n) for n in range(frames))], dtype=np.float64).T
-    codes = codes_of(Imu(), tuple(counts[:3] * 1e-4), tuple(counts[3:] * 1e-3), before=(0.0, 0.0, 0.0))
+    codes = codes_of(ImuParameters(), tuple(counts[:3] * 1e-4), tuple(counts[3:] * 1e-3), before=(0.0, 0.0, 0.0))
     rows = np.array([axis for chip in codes for axis in chip]).T.tolist()
     return [
         [pack(">3h", *row[0:3]).hex(" "), pack("<3h", *row[3:6]).hex(" "), pack(">3h", row[6], row[8], row[7]).hex(" ")]
@@ -66,7 +66,7 @@ def test_a_yaw_wrap_is_a_wrong_sign_in_q16_and_full_scale_in_float32():
     assert degrees(31241e-4) == pytest.approx(179, abs=0.01)
     z = {}
     for name in ("float64", "float32", "q16", "q16 saturating"):
-        models = Models(name, Imu())
+        models = Models(name, ImuParameters())
         turns = [models.chips(frame)[0] for frame in (frames[0], frames[0], frames[1])]
         z[name] = unpack(">3h", turns[-1])[2]
     assert z["float64"] == z["float32"] == -32768 == z["q16 saturating"]
@@ -103,7 +103,7 @@ def test_an_estimate_of_nothing_is_refused():
 
 
 def test_a_field_along_z_makes_no_noise_on_standard_error(recwarn):
-    field = Imu(magnetometer=Magnetometer(earth_field=(0.0, 0.0, 0.3), hard_iron=(0.0, 0.0, 0.0)))
+    field = ImuParameters(magnetometer=MagnetometerParameters(earth_field=(0.0, 0.0, 0.3), hard_iron=(0.0, 0.0, 0.0)))
     codes = {name: Models(name, field).chips(bytes(12))[2] for name in ("float64", "float32", "q16")}
     assert unpack(">3h", codes["float64"]) == unpack(">3h", codes["q16"]) == (0, 198, 0)  # x, z, y: 0.3 gauss down
     assert unpack(">3h", codes["float32"]) != (0, 198, 0)  # 0/0 in fastRTS's atan2

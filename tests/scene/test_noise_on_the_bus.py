@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from periph_sim.dissertation.at_rest.rest import at_rest
-from periph_sim.sensors.models.parameters import Imu
+from periph_sim.sensors.models.parameters import ImuParameters
 from tests.scene.runs import run_file
 
 pytestmark = pytest.mark.long
@@ -30,7 +30,7 @@ def read(arithmetic: str, seed: int | None = 5) -> np.ndarray:
 def test_the_sensor_head_reads_the_samples_of_the_arrays_one_a_round():
     """The n-th run of the models makes the n-th sample; it is done before round n, as Fig. A.2 has it."""
     came = read("float64")
-    codes = np.rint(at_rest(Imu(), ROUNDS, 5)["gyroscope"] * Imu().gyroscope.scale)
+    codes = np.rint(at_rest(ImuParameters(), ROUNDS, 5)["gyroscope"] * ImuParameters().gyroscope.scale)
     assert len(came) == ROUNDS
     assert np.array_equal(came, codes)
 

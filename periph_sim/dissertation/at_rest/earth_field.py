@@ -23,15 +23,14 @@ import numpy as np
 
 from ...core.text_table import text_table
 from ...sensors.models.imu import Imu
-from ...sensors.models.parameters import Imu as Parameters
-from ...sensors.models.parameters import Magnetometer
+from ...sensors.models.parameters import ImuParameters, MagnetometerParameters
 from ...sensors.models.quantity import Vector
 from ...sensors.models.sensed_motion import Unrounded
 from . import published
 from .rest import Floats
 
 MEAN = published.REAL["magnetometer"].mean
-HARD_IRON = Magnetometer().hard_iron
+HARD_IRON = MagnetometerParameters().hard_iron
 YAWS = (270, 180, 90, 0)  # degrees, in the order of Figure 5.1
 
 
@@ -72,7 +71,7 @@ def fit(mean: Vector = MEAN, hard_iron: Vector = HARD_IRON) -> Fit:
     return Fit(along_y, along_z, (Candidate(False, mean), Candidate(True, (x, y, z))))
 
 
-def turn(imu: Parameters, yaws: tuple[int, ...] = YAWS) -> Floats:
+def turn(imu: ImuParameters, yaws: tuple[int, ...] = YAWS) -> Floats:
     """Field that the magnetometer shows at each yaw (degrees), level, without noise or rounding: gauss, (n, 3)."""
     model = Imu(Unrounded(), imu)
     zero = np.zeros(len(yaws))
@@ -80,7 +79,7 @@ def turn(imu: Parameters, yaws: tuple[int, ...] = YAWS) -> Floats:
     return np.stack(model.magnetometer.codes(turned, model.silence.magnetometer), axis=1) / imu.magnetometer.scale
 
 
-def text(imu: Parameters, found: Fit) -> str:
+def text(imu: ImuParameters, found: Fit) -> str:
     """The fit, and the turn of Figure 5.1 with this set, as lines."""
     undisturbed, disturbed = found.candidates
     x, y, z = found.taken.field

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...sensors.identification.text_report import Axis
-from ...sensors.models.parameters import Imu
+from ...sensors.models.parameters import ImuParameters
 from ...sensors.models.quantity import BadParameter, Vector
 from ...sensors.noise import AXES
 from .rest import SENSORS, UNITS, Sensor
@@ -24,12 +24,12 @@ from .rest import SENSORS, UNITS, Sensor
 GRAVITY = np.array([0.0, 0.0, -1.0])  # what a level accelerometer should tell, g; section 4.3.4
 
 
-def parameters_of_axes(axes: Mapping[str, Axis], hard_iron: bool, start: Imu | None = None) -> Imu:
+def parameters_of_axes(axes: Mapping[str, Axis], hard_iron: bool, start: ImuParameters | None = None) -> ImuParameters:
     """`start` (Table 4.1 if None) with what the columns tell. hard_iron: their bias is against an undisturbed mean.
 
     BadParameter for a column that belongs to no sensor, an axis that is missing, or another unit than the models have.
     """
-    imu = start or Imu()
+    imu = start or ImuParameters()
     wanted = {f"{sensor}_{axis}": sensor for sensor in SENSORS for axis in AXES}
     for name in axes:
         if name not in wanted:

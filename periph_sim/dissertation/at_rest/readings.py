@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from math import hypot, sqrt
 from typing import Any
 
-from ...sensors.models.parameters import NONE, Imu
+from ...sensors.models.parameters import NONE, ImuParameters
 from ...sensors.noise import AXES
 from . import published
 from .rest import SENSORS, Expected, expected_at_rest
@@ -44,22 +44,22 @@ def _off(expected: Mapping[str, Sequence[Expected]]) -> dict[str, tuple[float, .
     }
 
 
-def _each(imu: Imu, sensors: Sequence[str] = SENSORS, **changes: Any) -> Imu:
+def _each(imu: ImuParameters, sensors: Sequence[str] = SENSORS, **changes: Any) -> ImuParameters:
     changed: dict[str, Any] = {sensor: replace(getattr(imu, sensor), **changes) for sensor in sensors}
     return replace(imu, **changed)
 
 
-def table_4_1() -> Imu:
+def table_4_1() -> ImuParameters:
     """Table 4.1, away from iron: the samples of Table 5.1 were taken there (section 5.2)."""
-    return _each(Imu(), ("magnetometer",), hard_iron=NONE)
+    return _each(ImuParameters(), ("magnetometer",), hard_iron=NONE)
 
 
-def without_cross_axis() -> Imu:
+def without_cross_axis() -> ImuParameters:
     """The same with each axis for itself."""
     return _each(table_4_1(), cross_axis=0.0)
 
 
-def with_printed_means() -> Imu:
+def with_printed_means() -> ImuParameters:
     """Biases to four decimals, which are the real IMU's means in Table 5.1; Table 4.1 rounds them to two."""
     imu = table_4_1()
     x, y, z = published.REAL["accelerometer"].mean
@@ -70,16 +70,16 @@ def with_printed_means() -> Imu:
     )
 
 
-def with_floor() -> Imu:
+def with_floor() -> ImuParameters:
     """The same with codes of accelerometer and magnetometer rounded down, as a shift of a fixed-point number does."""
     return _each(with_printed_means(), ("accelerometer", "magnetometer"), rounding="floor")
 
 
-def with_floor_everywhere() -> Imu:
+def with_floor_everywhere() -> ImuParameters:
     return _each(with_printed_means(), rounding="floor")
 
 
-READINGS: list[tuple[str, Callable[[], Imu]]] = [
+READINGS: list[tuple[str, Callable[[], ImuParameters]]] = [
     ("bias of Table 4.1 alone", without_cross_axis),
     ("and cross-axis sensitivity", table_4_1),
     ("and bias to four decimals", with_printed_means),

@@ -18,12 +18,17 @@ from numpy.typing import NDArray
 from ...sensors.imu_noise import ImuNoise
 from ...sensors.models import magnetometer as model
 from ...sensors.models.arrays import codes_of
-from ...sensors.models.parameters import Accelerometer, Gyroscope, Imu, Magnetometer
+from ...sensors.models.parameters import (
+    AccelerometerParameters,
+    GyroscopeParameters,
+    ImuParameters,
+    MagnetometerParameters,
+)
 from ...sensors.noise import AXES
 from ...sensors.numeric.float64 import Float64
 
 Floats = NDArray[np.float64]
-Sensor = Accelerometer | Gyroscope | Magnetometer
+Sensor = AccelerometerParameters | GyroscopeParameters | MagnetometerParameters
 
 SENSORS = ("accelerometer", "gyroscope", "magnetometer")
 UNITS = {"accelerometer": "g", "gyroscope": "deg/s", "magnetometer": "gauss"}
@@ -47,14 +52,14 @@ class Expected:
         return sqrt((self.fourth - self.variance**2 * (samples - 3) / (samples - 1)) / samples)
 
 
-def at_rest(imu: Imu, samples: int, seed: int) -> dict[str, Floats]:
+def at_rest(imu: ImuParameters, samples: int, seed: int) -> dict[str, Floats]:
     """What each sensor tells, in its unit, shape (samples, 3)."""
     still = np.zeros(samples)
     codes = codes_of(imu, (still, still, still), (still, still, still), ImuNoise(imu, seed).values(0, samples))
     return {name: np.stack(getattr(codes, name), axis=1) / getattr(imu, name).scale for name in SENSORS}
 
 
-def sensed_at_rest(imu: Imu) -> dict[str, tuple[float, float, float]]:
+def sensed_at_rest(imu: ImuParameters) -> dict[str, tuple[float, float, float]]:
     """What each sensor feels before its matrix S, without noise: gravity or field, and bias."""
     accelerometer, gyroscope, magnetometer = imu.accelerometer, imu.gyroscope, imu.magnetometer
     x, y, z = accelerometer.bias
@@ -63,7 +68,7 @@ def sensed_at_rest(imu: Imu) -> dict[str, tuple[float, float, float]]:
     return {"accelerometer": (x, y, z - 1.0), "gyroscope": gyroscope.bias, "magnetometer": on_board}
 
 
-def expected_at_rest(imu: Imu) -> dict[str, list[Expected]]:
+def expected_at_rest(imu: ImuParameters) -> dict[str, list[Expected]]:
     """Of each sensor's three axes, for white noise alone: bias instability and random walk have no fixed mean."""
     felt = sensed_at_rest(imu)
     return {name: _expected(getattr(imu, name), felt[name], imu.period) for name in SENSORS}
@@ -112,7 +117,7 @@ def _below(value: float, mean: float, sigma: float) -> float:
     return (1 + erf((value - mean) / (sigma * sqrt(2)))) / 2
 
 
-def write(samples: dict[str, Floats], imu: Imu, path: Path) -> None:
+def write(samples: dict[str, Floats], imu: ImuParameters, path: Path) -> None:
     """The samples as CSV: `time [s]`, then `gyroscope_x [deg/s]` and so on; to the last bit."""
     titles = [f"{name}_{axis} [{UNITS[name]}]" for name in samples for axis in AXES]
     rows = np.hstack(list(samples.values())).tolist()

@@ -12,7 +12,7 @@ from math import hypot, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from ...sensors.models.parameters import Imu
+from ...sensors.models.parameters import ImuParameters
 from ...sensors.noise import AXES
 from . import published
 from .rest import SENSORS, Expected, expected_at_rest
@@ -55,7 +55,7 @@ class AxisRow:
     variance: Figure
 
 
-def static_table(imu: Imu, samples: Mapping[str, Floats]) -> list[AxisRow]:
+def static_table(imu: ImuParameters, samples: Mapping[str, Floats]) -> list[AxisRow]:
     """The nine rows for what `rest.at_rest` gave of this set."""
     expected = expected_at_rest(imu)
     return [

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from ...core.text_table import text_table
-from ...sensors.models.parameters import Imu
+from ...sensors.models.parameters import ImuParameters
 from . import published
 from .readings import Reading
 from .rest import SENSORS, UNITS, variances_before_rounding
@@ -14,7 +14,7 @@ from .static_table import AxisRow, Figure
 COLUMNS = ("", "real IMU", "emulator", "ours", "expected", "ours off", "emulator off")
 
 
-def text(imu: Imu, rows: Sequence[AxisRow], told: Sequence[Reading], samples: int, seed: int) -> str:
+def text(imu: ImuParameters, rows: Sequence[AxisRow], told: Sequence[Reading], samples: int, seed: int) -> str:
     """The table of this set, deviations in standard errors (se), and what explains the published means, if `told`."""
     lines = [
         f"At rest, {samples} samples, seed {seed}; published (Table 5.1) {published.SAMPLES} at {published.RATE} Hz.",
@@ -64,7 +64,7 @@ def _explained(told: Sequence[Reading]) -> Iterator[str]:
     yield from text_table(("the model with", "sensor", "x", "y", "z", "rms"), rows, range(2, 6))
 
 
-def _gyroscope_variances(imu: Imu, rows: Sequence[AxisRow]) -> Iterator[str]:
+def _gyroscope_variances(imu: ImuParameters, rows: Sequence[AxisRow]) -> Iterator[str]:
     """Its LSB is of the size of its noise, so rounding shows in its variances; published ones by their three sigma."""
     three = [row for row in rows if row.sensor == "gyroscope"]
     published_ones = [(row.three_sigma.emulator / 3) ** 2 for row in three]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...devices.attitude import estimate
 from ...devices.samples import Samples
-from ...sensors.models.parameters import Imu
+from ...sensors.models.parameters import ImuParameters
 from ...sensors.rotations import Floats, quaternions
 from .subject import EmulatorUnderTest
 
@@ -29,7 +29,7 @@ class Readings:
     lsb_per_unit: dict[str, float]
     overflow: int | None = None
 
-    def samples(self, imu: Imu) -> Samples:
+    def samples(self, imu: ImuParameters) -> Samples:
         """deg/s, g and gauss of the body, cross-axis sensitivity, known biases and hard iron taken off."""
         found = {}
         for name, codes in self.codes.items():

@@ -12,7 +12,7 @@ from ...devices.sensor_head import CHIPS
 from ...scene.case.model import Case, Controller, HostTable
 from ...scene.scene import Scene
 from ...sensors.host_frame import MotionFrames
-from ...sensors.models.parameters import Imu, Rates
+from ...sensors.models.parameters import ImuParameters, Rates
 from ...sensors.motion import Motion
 
 
@@ -22,7 +22,7 @@ class EmulatorUnderTest:
 
     case: Case
     unit: str
-    sensors: Imu
+    sensors: ImuParameters
     arithmetic: str
     seed: int | None
     host: HostTable

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from ...core.suggest import did_you_mean
-from ...sensors.models.parameters import STANDARD_GRAVITY, Imu
+from ...sensors.models.parameters import STANDARD_GRAVITY, ImuParameters
 from ...sensors.models.quantity import BadParameter, Checked, Parameter, Quantity, Vector, parameters_of
 from .load import read
 from .model import BadCase
@@ -34,7 +34,7 @@ OTHERS: dict[str, dict[str, float]] = {
 SHIPPED = Path(__file__).parents[2] / "sensors" / "models" / "sets"
 
 
-def named(name: str) -> Imu:
+def named(name: str) -> ImuParameters:
     """The parameters of a shipped set ("table_5_1"), or of the file at that path. BadCase if there is neither."""
     shipped = {path.stem: path for path in sorted(SHIPPED.glob("*.toml"))}
     if name in shipped:
@@ -45,15 +45,15 @@ def named(name: str) -> Imu:
     return load(Path(name))
 
 
-def load(path: Path) -> Imu:
+def load(path: Path) -> ImuParameters:
     """The parameters in a file. BadCase with file, line, name, value and range otherwise."""
     text, tree = read(path, "parameter")
     source = Source(path, text)
     given = {}
-    for one in parameters_of(Imu):
+    for one in parameters_of(ImuParameters):
         if isinstance(one.kind, type) and issubclass(one.kind, Checked) and one.name in tree:
             given[one.name] = _set(source, (one.name,), one.kind, tree.pop(one.name))
-    return _made(source, (), Imu, given | _values(source, (), Imu, tree))
+    return _made(source, (), ImuParameters, given | _values(source, (), ImuParameters, tree))
 
 
 def _set(source: Source, place: Place, kind: type[C], table: Any) -> C:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from ...sensors.models.parameters import Imu
+from ...sensors.models.parameters import ImuParameters
 from ...sensors.models.quantity import Checked, Parameter, Quantity, parameters_of
 
 
-def text_of(imu: Imu) -> str:
+def text_of(imu: ImuParameters) -> str:
     """Every parameter, those of the whole set first, then a table a sensor."""
-    parts = parameters_of(Imu)
+    parts = parameters_of(ImuParameters)
     lines = [_line(imu, one) for one in parts if one.says is not None]
     for one in parts:
         if one.says is None:

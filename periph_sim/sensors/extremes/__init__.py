@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from ...core.suggest import did_you_mean
 from ..models.counts import counts_of
-from ..models.parameters import Imu
+from ..models.parameters import ImuParameters
 from ..numeric import arithmetic_names as named
 from ..numeric.costs import Tables
 from ..numeric.costs.fpu import RTS
@@ -53,7 +53,7 @@ class Report:
     without_fastrts: what float32 costs with the compiler's library.
     """
 
-    imu: Imu
+    imu: ImuParameters
     names: tuple[str, ...]
     seed: int
     errors: dict[str, Worst]
@@ -79,7 +79,7 @@ def report(
     seed: int = 0,
     samples: int = 1000,
     only: tuple[str, ...] = (),
-    imu: Imu | None = None,
+    imu: ImuParameters | None = None,
     tables: Tables = "RAM",
 ) -> Report:
     """Every extreme, or only those named, in every named arithmetic. samples: of the search in the working range.
@@ -92,7 +92,7 @@ def report(
             raise NoSuchExtreme(f"there is no extreme {name!r}; {did_you_mean(name, known())}")
     wanted = set(only or known())
     names = tuple(dict.fromkeys(names))
-    imu = imu or Imu()
+    imu = imu or ImuParameters()
     counts = counts_of(imu)
     costs = {name: estimate(counts, named.library(name), tables) for name in names}
     errors = {name: worst(name, imu, samples, seed) for name in names if name != REFERENCE}

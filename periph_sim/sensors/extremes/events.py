@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..host_frame import ACCELERATION, ANGLE
-from ..models.parameters import Accelerometer, Gyroscope, Imu, Magnetometer
+from ..models.parameters import AccelerometerParameters, GyroscopeParameters, ImuParameters, MagnetometerParameters
 from ..models.quantity import BadParameter
 from ..numeric import arithmetic_names as named
 from ..numeric.arithmetic import Arithmetic
@@ -42,10 +42,10 @@ def lost_frames(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Fin
     The two samples together still hold the whole turn, until the double step leaves the converter's range.
     """
     rates = np.arange(1, 2001)
-    steps = np.rint(np.radians(rates) * Imu().period / ANGLE).astype(np.int64)
+    steps = np.rint(np.radians(rates) * ImuParameters().period / ANGLE).astype(np.int64)
     none, once, twice = (_rolled(steps, k) for k in (0, 1, 2))
     for name in names:
-        imu = Imu()
+        imu = ImuParameters()
         double = codes_of(named.arrays(name), imu, twice)
         sums = codes_of(named.arrays(name), imu, none).codes[ROLL] + double.codes[ROLL]
         meant = 2 * codes_of(named.arrays(REFERENCE), imu, once).codes[ROLL]
@@ -74,7 +74,7 @@ def weeks(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding]:
 
     The sensor models keep no time and no sum: what they keep is one attitude and one rate, whatever the hour.
     """
-    period = Imu().period
+    period = ImuParameters().period
     for name in names:
         a, q = named.scalar(name), named.format_of(name)
         end = MONTH if q is None else min(MONTH, 2.0 ** (31 - q.bits) - 2.0**-q.bits)
@@ -93,7 +93,7 @@ def weeks(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding]:
 
 def _first_time(a: Arithmetic[Any], end: float, holds: Callable[[float], bool]) -> float | None:
     """The first number of seconds at which something holds of what an addition of Ts adds to them."""
-    step = a.constant(Imu().period)
+    step = a.constant(ImuParameters().period)
 
     def at(seconds: float) -> bool:
         with np.errstate(all="ignore"):
@@ -117,11 +117,11 @@ def zero_period(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Fin
 def refused(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding]:
     """Parameters that are no numbers, and a Ts of 0: no arithmetic ever sees them."""
     tried: tuple[tuple[str, Callable[[], object]], ...] = (
-        ("Ts = 0", lambda: Imu(period=0.0)),
-        ("Ts infinite", lambda: Imu(period=inf)),
-        ("bias NaN", lambda: Gyroscope(bias=(0.0, nan, 0.0))),
-        ("scale infinite", lambda: Accelerometer(scale=inf)),
-        ("field NaN", lambda: Magnetometer(earth_field=(nan, 0.0, 0.0))),
+        ("Ts = 0", lambda: ImuParameters(period=0.0)),
+        ("Ts infinite", lambda: ImuParameters(period=inf)),
+        ("bias NaN", lambda: GyroscopeParameters(bias=(0.0, nan, 0.0))),
+        ("scale infinite", lambda: AccelerometerParameters(scale=inf)),
+        ("field NaN", lambda: MagnetometerParameters(earth_field=(nan, 0.0, 0.0))),
     )
     for what, make in tried:
         try:
@@ -134,15 +134,17 @@ def refused(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding
 
 def smallest_steps(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding]:
     """Codes of the accelerometer that a fine ramp through its range never shows, and the gyroscope's step a count."""
-    g = int(Accelerometer().full_scale / ACCELERATION)
+    g = int(AccelerometerParameters().full_scale / ACCELERATION)
     ramp = np.zeros((12, 2 * g + 1), dtype=np.int64)
     ramp[9] = np.arange(-g, g + 1)
-    seen = len(np.unique(codes_of(named.arrays(REFERENCE), Imu(), ramp).codes[3]))
+    seen = len(np.unique(codes_of(named.arrays(REFERENCE), ImuParameters(), ramp).codes[3]))
     turn = np.zeros((12, 1), dtype=np.int64)
     turn[6] = 1
     for name in names:
-        missing = seen - len(np.unique(codes_of(named.arrays(name), Imu(), ramp).codes[3]))
-        turned, still = (codes_of(named.arrays(name), Imu(), counts).exact[ROLL] for counts in (turn, 0 * turn))
+        missing = seen - len(np.unique(codes_of(named.arrays(name), ImuParameters(), ramp).codes[3]))
+        turned, still = (
+            codes_of(named.arrays(name), ImuParameters(), counts).exact[ROLL] for counts in (turn, 0 * turn)
+        )
         step = float((turned - still)[0])
         note = f"{missing} of {seen} accelerometer codes never shown; one count of roll is {step:.2f} LSB of rate"
         happens: Happens = "agrees" if missing <= 0 and step > 0 else "off"

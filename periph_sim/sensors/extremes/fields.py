@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from math import radians
 
-from ..models.parameters import Accelerometer, Imu, Magnetometer, Norm, Spherical
+from ..models.parameters import AccelerometerParameters, ImuParameters, MagnetometerParameters, Norm, Spherical
 from .motions import Attitude, sent
 from .sweep import Sample, Sweep
 
@@ -19,30 +19,34 @@ def still(ago: int) -> Attitude:
 
 def along_z(value: float, spherical: Spherical, vertical: float = VERTICAL) -> Sample:
     """A field whose horizontal part goes to 0; against "four-quadrant"."""
-    sensor = Magnetometer(earth_field=(value, 0.0, vertical), hard_iron=(0.0, 0.0, 0.0))
-    true = Imu(magnetometer=sensor)
-    return Sample(Imu(magnetometer=replace(sensor, spherical=spherical)), sent(still), true)
+    sensor = MagnetometerParameters(earth_field=(value, 0.0, vertical), hard_iron=(0.0, 0.0, 0.0))
+    true = ImuParameters(magnetometer=sensor)
+    return Sample(ImuParameters(magnetometer=replace(sensor, spherical=spherical)), sent(still), true)
 
 
 def turned(value: float, spherical: Spherical) -> Sample:
     """A field north and down, seen at a yaw in deg."""
-    sensor = Magnetometer(earth_field=(0.3, 0.0, 0.2), hard_iron=(0.0, 0.0, 0.0))
-    true = Imu(magnetometer=sensor)
+    sensor = MagnetometerParameters(earth_field=(0.3, 0.0, 0.2), hard_iron=(0.0, 0.0, 0.0))
+    true = ImuParameters(magnetometer=sensor)
     counts = sent(lambda ago: (0.0, 0.0, radians(value)))
-    return Sample(Imu(magnetometer=replace(sensor, spherical=spherical)), counts, true)
+    return Sample(ImuParameters(magnetometer=replace(sensor, spherical=spherical)), counts, true)
 
 
 def strong(value: float, norm: Norm) -> Sample:
     """A field of a strength in gauss, in a direction between the axes."""
     part = value / 3**0.5
-    sensor = Magnetometer(earth_field=(part, part, part), hard_iron=(0.0, 0.0, 0.0))
-    return Sample(Imu(magnetometer=replace(sensor, norm=norm)), sent(still), Imu(magnetometer=sensor))
+    sensor = MagnetometerParameters(earth_field=(part, part, part), hard_iron=(0.0, 0.0, 0.0))
+    return Sample(
+        ImuParameters(magnetometer=replace(sensor, norm=norm)), sent(still), ImuParameters(magnetometer=sensor)
+    )
 
 
 def lever(value: float, reversing: bool) -> Sample:
     """A lever arm in m on x, half on y, back on z; turning steadily, or turned round in one sample."""
-    step = radians(TURN_RATE) * Imu().period
-    imu = Imu(accelerometer=Accelerometer(lever_arm=(value, value / 2, -value), bits=16, scale=1.0, cross_axis=0.0))
+    step = radians(TURN_RATE) * ImuParameters().period
+    imu = ImuParameters(
+        accelerometer=AccelerometerParameters(lever_arm=(value, value / 2, -value), bits=16, scale=1.0, cross_axis=0.0)
+    )
 
     def moved(ago: int) -> Attitude:
         angle = (0.0 if ago == 1 else -step) if reversing else -ago * step

@@ -53,7 +53,7 @@ class Exact(Counting[T], Generic[T]):
         return x
 
 
-def codes_of(a: Arithmetic[Any], imu: parameters.Imu, counts: Any) -> Codes:
+def codes_of(a: Arithmetic[Any], imu: parameters.ImuParameters, counts: Any) -> Codes:
     """Nine codes of each of n samples. counts: int64[12, n]; or twelve ints, for arithmetics of one number.
 
     a: a new one, since a Q format remembers what has overflown.
@@ -66,7 +66,7 @@ def codes_of(a: Arithmetic[Any], imu: parameters.Imu, counts: Any) -> Codes:
         exact = model.codes(turned, _scaled(a, counts[9:12], ACCELERATION), body, body_before, model.silence)
         values, codes = [], []
         for chip, name in zip(exact, SENSORS, strict=True):
-            sensor: parameters.Sensor = getattr(imu, name)
+            sensor: parameters.SensorParameters = getattr(imu, name)
             low, high = (a.constant(limit) for limit in sensor.limits)
             values += [a.value(x) for x in chip]
             codes += [a.to_integer(a.clamp(x, low, high), sensor.rounding) for x in chip]

@@ -11,16 +11,16 @@ from math import pi, radians
 import numpy as np
 
 from ..host_frame import ACCELERATION, ANGLE
-from ..models.parameters import Gyroscope, Imu
+from ..models.parameters import GyroscopeParameters, ImuParameters
 from ..numeric.iqmath import Ints
 from .frames import counted
 from .sweep import Sample, Sweep
 
 Attitude = tuple[float, float, float]  # rad
 
-AS_BUILT = Imu()
-CORRECTED = Imu(gyroscope=Gyroscope(rates="corrected"))
-UNWRAPPED = Imu(wrap="unwrapped")
+AS_BUILT = ImuParameters()
+CORRECTED = ImuParameters(gyroscope=GyroscopeParameters(rates="corrected"))
+UNWRAPPED = ImuParameters(wrap="unwrapped")
 SLOW = radians(1)  # rad a sample: 50 deg/s
 FAST = 500.0  # deg/s
 ONE_COUNT = 5.0  # LSB of the gyroscope that one count of an angle makes, 4.1, and its cross-axis
@@ -41,7 +41,7 @@ def _acceleration(g: float) -> Ints:
     return np.full(3, round(g / ACCELERATION), dtype=np.int64)
 
 
-def pitching(value: float, imu: Imu) -> Sample:
+def pitching(value: float, imu: ImuParameters) -> Sample:
     """A body that is pitched over the top lies on its back beyond; against the pitch itself, going on beyond 90."""
 
     def level(ago: int) -> Attitude:
@@ -54,7 +54,7 @@ def pitching(value: float, imu: Imu) -> Sample:
     return Sample(imu, sent(over), imu, meant(level))
 
 
-def yawing(value: float, imu: Imu, wrapped_by_host: bool) -> Sample:
+def yawing(value: float, imu: ImuParameters, wrapped_by_host: bool) -> Sample:
     """Through 180 degrees, against a yaw that goes on beyond them."""
 
     def on(ago: int) -> Attitude:

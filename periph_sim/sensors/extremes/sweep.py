@@ -32,9 +32,9 @@ Floats = NDArray[np.float64]
 class Sample:
     """What the model gets at one value of a sweep, and what the reference gets: the same unless said."""
 
-    imu: parameters.Imu
+    imu: parameters.ImuParameters
     counts: Ints  # int64[12]
-    true_imu: parameters.Imu | None = None
+    true_imu: parameters.ImuParameters | None = None
     true_counts: Ints | None = None
 
 

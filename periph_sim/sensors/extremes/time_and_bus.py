@@ -24,7 +24,7 @@ from ...core.time import DAY, LAST_TICK, Clock, Timebase, TimeError
 from ...core.wire import Wire
 from ..models.arrays import codes_of
 from ..models.finite import NotFinite
-from ..models.parameters import Imu
+from ..models.parameters import ImuParameters
 from ..models.period import check_period
 from ..models.quantity import BadParameter
 from ..noise import AxisNoise, Gaussian, NoiseTerms
@@ -154,9 +154,9 @@ def inputs() -> Iterator[Finding]:
     still = np.zeros(10)
     wrong = still.copy()
     wrong[7] = nan
-    found = _why(lambda: codes_of(Imu(), (still, wrong, still), (still, still, still)), NotFinite)
+    found = _why(lambda: codes_of(ImuParameters(), (still, wrong, still), (still, still, still)), NotFinite)
     yield _refusal("NaN in an array", found)
-    found = _why(lambda: check_period(Imu(period=10.0), Fraction(1, 50), "once a round"), BadParameter)
+    found = _why(lambda: check_period(ImuParameters(period=10.0), Fraction(1, 50), "once a round"), BadParameter)
     yield _refusal("models' period of 10 s, rounds of 20 ms", found)
 
 

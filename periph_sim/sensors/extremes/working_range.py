@@ -46,14 +46,16 @@ def drawn(samples: int, seed: int, rate: float = 2000.0) -> Ints:
     """int64[12, n] of the working range. rate: largest of an angle, in deg/s."""
     random = np.random.default_rng(seed)
     before = random.integers(-LIMITS[:, None], LIMITS[:, None], (3, samples), endpoint=True)
-    most = int(np.radians(rate) * parameters.Imu().period / ANGLE)
+    most = int(np.radians(rate) * parameters.ImuParameters().period / ANGLE)
     last = _stepped(before, random.integers(-most, most, (3, samples), endpoint=True))
     now = _stepped(last, random.integers(-most, most, (3, samples), endpoint=True))
-    g = int(parameters.Accelerometer().full_scale / ACCELERATION)
+    g = int(parameters.AccelerometerParameters().full_scale / ACCELERATION)
     return np.concatenate([before, last, now, random.integers(-g, g, (3, samples), endpoint=True)])
 
 
-def worst(arithmetic: str, imu: parameters.Imu, samples: int = 2000, seed: int = 0, rate: float = 2000.0) -> Worst:
+def worst(
+    arithmetic: str, imu: parameters.ImuParameters, samples: int = 2000, seed: int = 0, rate: float = 2000.0
+) -> Worst:
     """The largest errors that were found. rate: largest of an angle, in deg/s."""
     counts = drawn(samples, seed, rate)
     random = np.random.default_rng(seed + 1)
@@ -70,7 +72,7 @@ def worst(arithmetic: str, imu: parameters.Imu, samples: int = 2000, seed: int =
     return Worst(arithmetic, error, at)
 
 
-def _errors(arithmetic: str, imu: parameters.Imu, counts: Ints) -> NDArray[np.float64]:
+def _errors(arithmetic: str, imu: parameters.ImuParameters, counts: Ints) -> NDArray[np.float64]:
     exact = codes_of(named.arrays(REFERENCE), imu, counts).exact
     off: NDArray[np.float64] = np.abs(codes_of(named.arrays(arithmetic), imu, counts).exact - exact)
     return np.nan_to_num(off, nan=np.inf)
@@ -79,8 +81,8 @@ def _errors(arithmetic: str, imu: parameters.Imu, counts: Ints) -> NDArray[np.fl
 def _around(at: Ints, random: np.random.Generator, samples: int, reach: int, rate: float) -> Ints:
     """Samples near one, still within the working range."""
     near = at[:, None] + random.integers(-reach, reach, (12, samples), endpoint=True)
-    most = int(np.radians(rate) * parameters.Imu().period / ANGLE)
-    g = int(parameters.Accelerometer().full_scale / ACCELERATION)
+    most = int(np.radians(rate) * parameters.ImuParameters().period / ANGLE)
+    g = int(parameters.AccelerometerParameters().full_scale / ACCELERATION)
     before = np.clip(near[0:3], -LIMITS[:, None], LIMITS[:, None])
     last = _stepped(before, np.clip(near[3:6] - before, -most, most))
     now = _stepped(last, np.clip(near[6:9] - last, -most, most))

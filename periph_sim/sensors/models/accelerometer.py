@@ -23,7 +23,7 @@ T = TypeVar("T")
 
 
 class Accelerometer(Generic[T]):
-    def __init__(self, a: Arithmetic[T], sensor: parameters.Accelerometer) -> None:
+    def __init__(self, a: Arithmetic[T], sensor: parameters.AccelerometerParameters) -> None:
         self._a = a
         self._arm = triple(a, sensor.lever_arm)
         self._per_g = a.constant(1 / parameters.STANDARD_GRAVITY)

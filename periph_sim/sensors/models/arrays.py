@@ -22,7 +22,7 @@ Int16s = NDArray[np.int16]
 
 
 def codes_of(
-    imu: parameters.Imu,
+    imu: parameters.ImuParameters,
     attitude: Triple[Floats],
     acceleration: Triple[Floats],
     noise: Noise[Floats] | None = None,

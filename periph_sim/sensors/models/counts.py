@@ -18,7 +18,7 @@ PARTS = ("frame", "derivative", "angles", "gyroscope", "accelerometer", "magneto
 FRAME = 6  # values of a host frame that are scaled
 
 
-def counts_of(imu: parameters.Imu) -> dict[str, Counter[str]]:
+def counts_of(imu: parameters.ImuParameters) -> dict[str, Counter[str]]:
     """Operations of one sample by part; `frame` is the scaling of a host frame's six values."""
     a = Counting(Float64())
     model = Imu(a, imu)

@@ -24,7 +24,7 @@ T = TypeVar("T")
 
 
 class Gyroscope(Generic[T]):
-    def __init__(self, a: Arithmetic[T], sensor: parameters.Gyroscope) -> None:
+    def __init__(self, a: Arithmetic[T], sensor: parameters.GyroscopeParameters) -> None:
         self._a = a
         self._corrected = sensor.rates == "corrected"
         self._axes = tuple((abs(int(axis)) - 1, axis < 0) for axis in sensor.mounting)

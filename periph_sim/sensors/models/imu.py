@@ -62,7 +62,7 @@ def _constants_of(part: str) -> Iterator[None]:
 class Imu(Generic[T]):
     """Keeps no state: `step` takes what the sample before left and gives what it leaves."""
 
-    def __init__(self, a: Arithmetic[T], imu: parameters.Imu) -> None:
+    def __init__(self, a: Arithmetic[T], imu: parameters.ImuParameters) -> None:
         """DoesNotFit, with the part whose constant it is, where a Q format cannot hold one."""
         self.a = a
         zero = a.constant(0.0)

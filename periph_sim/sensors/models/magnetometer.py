@@ -30,7 +30,7 @@ T = TypeVar("T")
 
 
 class Magnetometer(Generic[T]):
-    def __init__(self, a: Arithmetic[T], sensor: parameters.Magnetometer) -> None:
+    def __init__(self, a: Arithmetic[T], sensor: parameters.MagnetometerParameters) -> None:
         self._a = a
         self._earth = triple(a, sensor.earth_field)
         self._hard_iron = triple(a, sensor.hard_iron)

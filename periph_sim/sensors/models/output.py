@@ -11,13 +11,13 @@ from typing import Generic, TypeVar
 
 from ..numeric.arithmetic import Arithmetic
 from .derivative import Triple
-from .parameters import Sensor
+from .parameters import SensorParameters
 
 T = TypeVar("T")
 
 
 class Output(Generic[T]):
-    def __init__(self, a: Arithmetic[T], sensor: Sensor) -> None:
+    def __init__(self, a: Arithmetic[T], sensor: SensorParameters) -> None:
         self._a = a
         self._rows = tuple(triple(a, row) for row in sensor.matrix)
         self._low, self._high = (a.constant(limit) for limit in sensor.limits)

@@ -32,7 +32,7 @@ EITHER = "not said; nearest; Table 5.1's emulated means of this sensor lie half 
 
 
 @dataclass(frozen=True)
-class Sensor(Checked):
+class SensorParameters(Checked):
     """What the three have in common: S (scale on its diagonal, cross-axis beside it) and the converter's codes."""
 
     scale: float
@@ -53,7 +53,7 @@ class Sensor(Checked):
 
 
 @dataclass(frozen=True)
-class Accelerometer(Sensor):
+class AccelerometerParameters(SensorParameters):
     """ADXL345 (equations 4.1 to 4.4). lever_arm: d of equation 4.3."""
 
     bias: Annotated[Vector, Quantity("g", -16, 16, TABLE)] = (-0.02, 0.02, -0.00)
@@ -69,7 +69,7 @@ class Accelerometer(Sensor):
 
 
 @dataclass(frozen=True)
-class Gyroscope(Sensor):
+class GyroscopeParameters(SensorParameters):
     """ITG-3200 (equation 4.5, appendix B). mounting: which body axis, signed, each chip axis looks along; 1 is x.
 
     rates: "as built", the derivatives of the three angles, or "corrected", the body rates of appendix B.
@@ -96,7 +96,7 @@ class Gyroscope(Sensor):
 
 
 @dataclass(frozen=True)
-class Magnetometer(Sensor):
+class MagnetometerParameters(SensorParameters):
     """HMC5883L (equations 4.6 to 4.8). hard_iron: V; earth_field: H_rt; board: Incl_PCB.
 
     spherical: how H_rp is found. "four-quadrant": by azimuth and elevation with atan2, as meant; "plain": with the
@@ -121,14 +121,14 @@ class Magnetometer(Sensor):
 
 
 @dataclass(frozen=True)
-class Imu(Checked):
+class ImuParameters(Checked):
     """All three sensors, and what they share: the derivative. period: Ts.
 
     wrap: "as built", a step of nearly 360 degrees counts as one; "unwrapped", roll and yaw take the short way round.
     """
 
-    accelerometer: Accelerometer = Accelerometer()
-    gyroscope: Gyroscope = Gyroscope()
-    magnetometer: Magnetometer = Magnetometer()
+    accelerometer: AccelerometerParameters = AccelerometerParameters()
+    gyroscope: GyroscopeParameters = GyroscopeParameters()
+    magnetometer: MagnetometerParameters = MagnetometerParameters()
     period: Annotated[float, Quantity("s", 1e-6, 3600, "section 3.4: 20 ms; 0 has no derivative")] = 0.02
     wrap: Annotated[Wrap, Choice("section 4.3.2 takes plain differences")] = "as built"

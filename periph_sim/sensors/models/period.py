@@ -8,13 +8,13 @@ from __future__ import annotations
 from fractions import Fraction
 
 from ...core.time import Timebase
-from .parameters import Imu
+from .parameters import ImuParameters
 from .quantity import BadParameter
 
 TOLERANCE = Fraction(1, 1000)  # clocks of unit, controller and host may differ by 1000 ppm together
 
 
-def check_period(imu: Imu, runs: Fraction, what: str) -> None:
+def check_period(imu: ImuParameters, runs: Fraction, what: str) -> None:
     """BadParameter unless the models' period is `runs` seconds, by a thousandth. what: as in "once a round"."""
     period = Fraction(imu.period)
     if abs(period - runs) > TOLERANCE * runs:

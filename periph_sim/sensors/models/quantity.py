@@ -76,7 +76,7 @@ class Checked:
 
     def __post_init__(self) -> None:
         for one in parameters_of(type(self)):
-            _check(f"{type(self).__name__.lower()}.{one.name}", one, getattr(self, one.name))
+            _check(f"{type(self).__name__.removesuffix('Parameters').lower()}.{one.name}", one, getattr(self, one.name))
 
 
 def _check(name: str, parameter: Parameter, value: Any) -> None:

@@ -20,7 +20,7 @@ from ..numeric.float64 import Float64Arrays
 from .angles import Angles, angles
 from .derivative import Triple
 from .imu import Imu, Noise
-from .parameters import Imu as Parameters
+from .parameters import ImuParameters
 
 Floats = NDArray[np.float64]
 
@@ -37,7 +37,7 @@ class Unrounded(Float64Arrays):
 class SensedMotion:
     """imu: its parameters. motion: what the body does, from time 0 on."""
 
-    def __init__(self, imu: Parameters, motion: Motion) -> None:
+    def __init__(self, imu: ImuParameters, motion: Motion) -> None:
         corrected = replace(imu, gyroscope=replace(imu.gyroscope, rates="corrected"))
         self._motion = motion.truth
         self._period = imu.period

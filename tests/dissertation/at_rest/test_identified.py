@@ -10,12 +10,12 @@ from periph_sim.dissertation.at_rest.identified import parameters_of_axes
 from periph_sim.dissertation.at_rest.rest import SENSORS, UNITS, at_rest, expected_at_rest
 from periph_sim.sensors.identification import identify
 from periph_sim.sensors.identification.text_report import Axis
-from periph_sim.sensors.models.parameters import Imu
+from periph_sim.sensors.models.parameters import ImuParameters
 from periph_sim.sensors.models.quantity import BadParameter
 from periph_sim.sensors.noise import AXES
 
 
-def identified(imu: Imu, seed: int, samples: int = 10_000) -> dict[str, Axis]:
+def identified(imu: ImuParameters, seed: int, samples: int = 10_000) -> dict[str, Axis]:
     got = at_rest(imu, samples, seed)
     return {
         f"{sensor}_{axis}": Axis(UNITS[sensor], identify(f"{sensor}_{axis}", got[sensor][:, column], imu.period))
@@ -26,7 +26,7 @@ def identified(imu: Imu, seed: int, samples: int = 10_000) -> dict[str, Axis]:
 
 @pytest.mark.long
 def test_what_was_put_into_the_models_comes_back_within_its_error_bars_over_200_seeds():
-    imu, hits, seeds = Imu(), np.zeros((4, 9), dtype=int), 200
+    imu, hits, seeds = ImuParameters(), np.zeros((4, 9), dtype=int), 200
     for seed in range(seeds):
         axes = identified(imu, seed, 5000)
         told = parameters_of_axes(axes, hard_iron=False)
@@ -48,7 +48,7 @@ def test_what_was_put_into_the_models_comes_back_within_its_error_bars_over_200_
 
 
 def test_the_set_gives_the_same_means_again():
-    axes = identified(Imu(), 1)
+    axes = identified(ImuParameters(), 1)
     expected = expected_at_rest(parameters_of_axes(axes, hard_iron=False))
     for name, axis in axes.items():
         sensor, letter = name.split("_")
@@ -59,7 +59,7 @@ def test_the_set_gives_the_same_means_again():
 
 
 def test_hard_iron_against_a_recording_without_it():
-    imu, samples = Imu(), 5000
+    imu, samples = ImuParameters(), 5000
     with_iron, without = (at_rest(one, samples, seed)["magnetometer"] for one, seed in ((imu, 1), (plain(imu), 2)))
     axes = {
         f"magnetometer_{axis}": Axis(
@@ -73,7 +73,7 @@ def test_hard_iron_against_a_recording_without_it():
     assert parameters_of_axes(axes, hard_iron=True).gyroscope == imu.gyroscope
 
 
-def plain(imu: Imu) -> Imu:
+def plain(imu: ImuParameters) -> ImuParameters:
     from dataclasses import replace
 
     return replace(imu, magnetometer=replace(imu.magnetometer, hard_iron=(0.0, 0.0, 0.0)))
@@ -90,7 +90,7 @@ def test_slow_terms_go_into_the_set_where_they_were_found():
 
 
 def test_columns_that_are_no_sensor_lack_an_axis_or_have_another_unit_are_refused():
-    axes = identified(Imu(), 1, 1000)
+    axes = identified(ImuParameters(), 1, 1000)
     with pytest.raises(
         BadParameter, match=r"^height: it is no column of a sensor model; expected accelerometer_x, acc"
     ):

@@ -13,7 +13,7 @@ import pytest
 from periph_sim.dissertation.at_rest import published
 from periph_sim.dissertation.at_rest.rest import SENSORS, at_rest, expected_at_rest
 from periph_sim.scene.case.sensor_sets import named
-from periph_sim.sensors.models.parameters import Imu
+from periph_sim.sensors.models.parameters import ImuParameters
 
 # Dissertation, Table 5.1, rows "Accel HIL", "Gyro HIL", "Mag HIL": mean x, y, z; 3 sigma x, y, z; variance x, y, z.
 TABLE_5_1 = {
@@ -60,7 +60,7 @@ def test_eight_of_nine_means_are_within_3_2_standard_errors_of_ten_thousand_samp
 
 
 def test_table_4_1_alone_does_not_reproduce_it():
-    expected = expected_at_rest(Imu())
+    expected = expected_at_rest(ImuParameters())
     assert abs(expected["gyroscope"][2].mean - 0.0535) > 0.003
     assert abs(expected["magnetometer"][0].mean - 0.3231) > 0.1  # the samples were taken away from iron
 

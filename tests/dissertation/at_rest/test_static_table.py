@@ -12,7 +12,12 @@ from periph_sim.dissertation.at_rest.rest import at_rest, expected_at_rest
 from periph_sim.dissertation.at_rest.static_table import static_table
 from periph_sim.dissertation.at_rest.static_text import text
 from periph_sim.scene.case.sensor_sets import named
-from periph_sim.sensors.models.parameters import Accelerometer, Gyroscope, Imu, Magnetometer
+from periph_sim.sensors.models.parameters import (
+    AccelerometerParameters,
+    GyroscopeParameters,
+    ImuParameters,
+    MagnetometerParameters,
+)
 
 PUBLISHED = named("table_5_1")
 
@@ -50,22 +55,22 @@ def test_gyroscope_variances_are_shown_with_what_rounding_adds():
     assert "\n  expected before rounding   0.00250, 0.00600, 0.00200: +7 %, -4 %, -2 %\n" in shown()
 
 
-def shown(imu: Imu = PUBLISHED) -> str:
+def shown(imu: ImuParameters = PUBLISHED) -> str:
     return text(imu, static_table(imu, at_rest(imu, 1000, 1)), readings() if imu == PUBLISHED else [], 1000, 1)
 
 
 def test_without_noise_or_at_the_end_of_its_range_an_axis_has_no_standard_errors():
-    silent = Gyroscope(noise_density=(0.0, 0.0, 0.0))
-    saturated = Accelerometer(bias=(16.0, 16.0, 16.0))
-    told = shown(Imu(gyroscope=silent, accelerometer=saturated))
+    silent = GyroscopeParameters(noise_density=(0.0, 0.0, 0.0))
+    saturated = AccelerometerParameters(bias=(16.0, 16.0, 16.0))
+    told = shown(ImuParameters(gyroscope=silent, accelerometer=saturated))
     assert len(re.findall(r"^ (?:accelerometer|gyroscope) .* - +[-+]\d", told, re.MULTILINE)) == 18
     assert "  expected before rounding   0.00000, 0.00000, 0.00000: -100 %, -100 %, -100 %" in told
     assert re.search(r"^ accelerometer x, g .* 1.9961 +1.9961 ", told, re.MULTILINE)  # 511 / 256
 
 
 def test_a_field_of_which_the_plain_arctangent_makes_nan_is_expected_to_show_zeros():
-    cancelled = Magnetometer(earth_field=(0.16, -0.17, 0.02), spherical="plain")  # all that is left is 0/0
-    imu = Imu(magnetometer=cancelled)
+    cancelled = MagnetometerParameters(earth_field=(0.16, -0.17, 0.02), spherical="plain")  # all that is left is 0/0
+    imu = ImuParameters(magnetometer=cancelled)
     assert not at_rest(imu, 10, 1)["magnetometer"].any()
     assert all(axis.mean == axis.variance == 0 for axis in expected_at_rest(imu)["magnetometer"])
     assert re.search(r"^ magnetometer x, gauss .* 0.0000 +0.0000 +- ", shown(imu), re.MULTILINE)
@@ -81,4 +86,4 @@ def test_the_text_shows_every_axis_three_times_and_how_the_set_follows_from_tabl
 
 
 def test_how_the_set_follows_from_table_4_1_is_told_of_that_set_only():
-    assert "the model with" not in shown(Imu())
+    assert "the model with" not in shown(ImuParameters())

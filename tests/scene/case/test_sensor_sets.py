@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.case.sensor_sets import load
-from periph_sim.sensors.models.parameters import Imu
+from periph_sim.sensors.models.parameters import ImuParameters
 
 GOOD = """\
 period = "10 ms"
@@ -48,11 +48,11 @@ def test_a_file_changes_what_it_says_and_leaves_the_rest(tmp_path: Path) -> None
     assert imu.accelerometer.lever_arm == pytest.approx((0.1, 0.05, -0.02))
     assert imu.accelerometer.bias == pytest.approx((1.0, 0.0, 0.0))
     assert imu.magnetometer.earth_field == pytest.approx((0.2, -0.04, 0.15))
-    assert imu.gyroscope.scale == Imu().gyroscope.scale
+    assert imu.gyroscope.scale == ImuParameters().gyroscope.scale
 
 
 def test_an_empty_file_is_table_4_1(tmp_path: Path) -> None:
-    assert load(write(tmp_path, "")) == Imu()
+    assert load(write(tmp_path, "")) == ImuParameters()
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from periph_sim.sensors.extremes.frames import codes_of
 from periph_sim.sensors.extremes.motions import spinning
 from periph_sim.sensors.extremes.plot import picture
 from periph_sim.sensors.extremes.text_report import as_json, text
-from periph_sim.sensors.models.parameters import Imu
+from periph_sim.sensors.models.parameters import ImuParameters
 from periph_sim.sensors.numeric import arithmetic_names as named
 from periph_sim.sensors.numeric.arithmetic_names import NoSuchArithmetic
 from periph_sim.sensors.numeric.q import DoesNotFit
@@ -177,11 +177,11 @@ def test_only_some_and_wrong_names() -> None:
 
 
 def test_another_set_changes_costs_and_range() -> None:
-    from periph_sim.sensors.models.parameters import Magnetometer
+    from periph_sim.sensors.models.parameters import MagnetometerParameters
 
     plain, turned = (
         report(("q16",), samples=100, only=("roll rate",), imu=imu)
-        for imu in (Imu(), Imu(magnetometer=Magnetometer(spherical="rotation")))
+        for imu in (ImuParameters(), ImuParameters(magnetometer=MagnetometerParameters(spherical="rotation")))
     )
     assert turned.costs["q16"].low < plain.costs["q16"].low
     assert turned.errors["q16"].error["magnetometer"] < plain.errors["q16"].error["magnetometer"]

@@ -9,7 +9,12 @@ from hypothesis import strategies as st
 
 from periph_sim.sensors.extremes.frames import SENSORS, codes_of
 from periph_sim.sensors.extremes.working_range import LIMITS, Worst, drawn, worst
-from periph_sim.sensors.models.parameters import Accelerometer, Gyroscope, Imu, Magnetometer
+from periph_sim.sensors.models.parameters import (
+    AccelerometerParameters,
+    GyroscopeParameters,
+    ImuParameters,
+    MagnetometerParameters,
+)
 from periph_sim.sensors.numeric import arithmetic_names as named
 
 # LSB before rounding: gyroscope, accelerometer, magnetometer. What four searches of 20 000 samples found, and a tenth.
@@ -19,14 +24,17 @@ STATED = {
     "q16 saturating": (0.73, 0.016, 2.1),
     "q12": (11.5, 0.25, 13.0),
 }
-IQMAG = Imu(magnetometer=Magnetometer(norm="mag"))
-ROTATION = Imu(magnetometer=Magnetometer(spherical="rotation"))
-MOVING = Imu(gyroscope=Gyroscope(rates="corrected"), accelerometer=Accelerometer(lever_arm=(0.1, 0.05, -0.02)))
+IQMAG = ImuParameters(magnetometer=MagnetometerParameters(norm="mag"))
+ROTATION = ImuParameters(magnetometer=MagnetometerParameters(spherical="rotation"))
+MOVING = ImuParameters(
+    gyroscope=GyroscopeParameters(rates="corrected"),
+    accelerometer=AccelerometerParameters(lever_arm=(0.1, 0.05, -0.02)),
+)
 
 
 @pytest.mark.parametrize("name", STATED)
 def test_no_search_finds_more_than_is_stated(name: str) -> None:
-    found = worst(name, Imu(), samples=4000, seed=11)
+    found = worst(name, ImuParameters(), samples=4000, seed=11)
     for sensor, most in zip(SENSORS, STATED[name], strict=True):
         assert most / 3 < found.error[sensor] <= most, (
             sensor
@@ -37,7 +45,7 @@ def test_no_search_finds_more_than_is_stated(name: str) -> None:
 @given(st.integers(0, 2**32 - 1))
 def test_no_sample_is_further_off(name: str, seed: int) -> None:
     counts = drawn(64, seed)
-    reference, own = (codes_of(named.arrays(one), Imu(), counts) for one in ("float64", name))
+    reference, own = (codes_of(named.arrays(one), ImuParameters(), counts) for one in ("float64", name))
     most = np.repeat(STATED[name], 3)[:, None]
     assert (np.abs(own.exact - reference.exact) <= most).all()
     assert (np.abs(own.codes - reference.codes) <= np.floor(most) + 1).all()
@@ -45,7 +53,7 @@ def test_no_sample_is_further_off(name: str, seed: int) -> None:
 
 
 @pytest.mark.parametrize(("imu", "most"), [(IQMAG, 0.12), (ROTATION, 0.09)])
-def test_the_squares_of_the_field_are_what_q16_loses(imu: Imu, most: float) -> None:
+def test_the_squares_of_the_field_are_what_q16_loses(imu: ImuParameters, most: float) -> None:
     assert worst("q16", imu, samples=2000).error["magnetometer"] < most < STATED["q16"][2] / 20
 
 
@@ -56,7 +64,7 @@ def test_corrected_rates_and_a_lever_arm_of_10_cm_to_500_degrees_a_second() -> N
 
 
 def test_the_search_stays_in_the_working_range_and_finds_the_same_again() -> None:
-    first, again = (worst("q16", Imu(), samples=500, seed=3) for _ in range(2))
+    first, again = (worst("q16", ImuParameters(), samples=500, seed=3) for _ in range(2))
     assert first.error == again.error
     for at in first.at.values():
         assert (np.abs(at[0:9].reshape(3, 3)) <= LIMITS).all()
@@ -65,9 +73,12 @@ def test_the_search_stays_in_the_working_range_and_finds_the_same_again() -> Non
 
 
 def test_the_worst_sample_shows_its_error() -> None:
-    found = worst("q16", Imu(), samples=500, seed=3)
+    found = worst("q16", ImuParameters(), samples=500, seed=3)
     at = found.at["magnetometer"][:, None]
-    off = np.abs(codes_of(named.arrays("q16"), Imu(), at).exact - codes_of(named.arrays("float64"), Imu(), at).exact)
+    off = np.abs(
+        codes_of(named.arrays("q16"), ImuParameters(), at).exact
+        - codes_of(named.arrays("float64"), ImuParameters(), at).exact
+    )
     assert off[6:9].max() == found.error["magnetometer"]
 
 

@@ -8,8 +8,12 @@ import pytest
 from periph_sim.sensors.models.arrays import codes_of
 from periph_sim.sensors.models.counts import PARTS, counts_of
 from periph_sim.sensors.models.imu import Imu, Noise, State
-from periph_sim.sensors.models.parameters import Accelerometer, Gyroscope, Magnetometer
-from periph_sim.sensors.models.parameters import Imu as Parameters
+from periph_sim.sensors.models.parameters import (
+    AccelerometerParameters,
+    GyroscopeParameters,
+    ImuParameters,
+    MagnetometerParameters,
+)
 from periph_sim.sensors.numeric.counting import Counting
 from periph_sim.sensors.numeric.float64 import Float64
 from periph_sim.sensors.numeric.q import DoesNotFit, Q
@@ -20,16 +24,16 @@ ATTITUDE = (np.sin(T), 0.7 * np.sin(1.3 * T), np.sin(0.5 * T) * 3)
 ACCELERATION = (np.cos(T), np.sin(3 * T), 0.1 * T)
 RANDOM = np.random.default_rng(5)
 NOISE = Noise(*(tuple(RANDOM.normal(scale=s, size=LONG) for _ in range(3)) for s in (0.1, 0.03, 0.005)))
-RICH = Parameters(
-    accelerometer=Accelerometer(lever_arm=(0.1, -0.05, 0.02)),
-    gyroscope=Gyroscope(rates="corrected", mounting=(2, -1, 3)),
-    magnetometer=Magnetometer(board_azimuth=5.0, board_elevation=-3.0),
+RICH = ImuParameters(
+    accelerometer=AccelerometerParameters(lever_arm=(0.1, -0.05, 0.02)),
+    gyroscope=GyroscopeParameters(rates="corrected", mounting=(2, -1, 3)),
+    magnetometer=MagnetometerParameters(board_azimuth=5.0, board_elevation=-3.0),
     wrap="unwrapped",
 )
 
 
-@pytest.mark.parametrize("imu", [Parameters(), RICH], ids=["as built", "everything"])
-def test_arrays_and_single_samples_agree(imu: Parameters) -> None:
+@pytest.mark.parametrize("imu", [ImuParameters(), RICH], ids=["as built", "everything"])
+def test_arrays_and_single_samples_agree(imu: ImuParameters) -> None:
     model = Imu(Float64(), imu)
     state = State(tuple(float(angle[0]) for angle in ATTITUDE), (0.0, 0.0, 0.0))
     alone = []
@@ -52,23 +56,27 @@ def test_the_length_of_pieces_does_not_show(piece: int) -> None:
 def test_a_block_that_begins_at_zero_shows_a_step() -> None:
     """As Simulink's discrete derivative does, whose input before the first is 0."""
     turned = (np.full(3, 0.1), np.zeros(3), np.zeros(3))
-    first = codes_of(Parameters(), turned, (np.zeros(3),) * 3, before=(0.0, 0.0, 0.0)).gyroscope[0]
-    stood = codes_of(Parameters(), turned, (np.zeros(3),) * 3).gyroscope[0]
+    first = codes_of(ImuParameters(), turned, (np.zeros(3),) * 3, before=(0.0, 0.0, 0.0)).gyroscope[0]
+    stood = codes_of(ImuParameters(), turned, (np.zeros(3),) * 3).gyroscope[0]
     assert first[0] > 4000 and first[1] == stood[0] == stood[1]
 
 
 def test_arrays_of_different_length_are_refused_and_none_is_none() -> None:
     with pytest.raises(ValueError, match="expected the same of all"):
-        codes_of(Parameters(), ATTITUDE, (np.zeros(3),) * 3)
+        codes_of(ImuParameters(), ATTITUDE, (np.zeros(3),) * 3)
     nothing = (np.zeros(0),) * 3
-    assert all(len(axis) == 0 for chip in codes_of(Parameters(), nothing, nothing) for axis in chip)
+    assert all(len(axis) == 0 for chip in codes_of(ImuParameters(), nothing, nothing) for axis in chip)
 
 
 @pytest.mark.parametrize(
     "imu",
-    [Parameters(), RICH, *(Parameters(magnetometer=Magnetometer(spherical=way)) for way in ("plain", "rotation"))],
+    [
+        ImuParameters(),
+        RICH,
+        *(ImuParameters(magnetometer=MagnetometerParameters(spherical=way)) for way in ("plain", "rotation")),
+    ],
 )
-def test_counts_of_the_parts_are_those_of_a_whole_sample(imu: Parameters) -> None:
+def test_counts_of_the_parts_are_those_of_a_whole_sample(imu: ImuParameters) -> None:
     a = Counting(Float64())
     model = Imu(a, imu)
     model.step((0.1, 0.2, 0.3), (0.0, 0.0, 0.0), model.silence, model.at_rest)
@@ -81,7 +89,7 @@ def test_counts_of_the_parts_are_those_of_a_whole_sample(imu: Parameters) -> Non
 
 def test_what_one_sample_costs_in_operations() -> None:
     """A guard on the equations: a change of these numbers is a change of the model, or of its price."""
-    counts = counts_of(Parameters())
+    counts = counts_of(ImuParameters())
     assert {part: sum(kinds.values()) for part, kinds in counts.items()} == {
         "frame": 6,
         "derivative": 12,
@@ -97,12 +105,15 @@ def test_what_one_sample_costs_in_operations() -> None:
 @pytest.mark.parametrize(
     ("imu", "sentence"),
     [
-        (Parameters(period=1e-6), "derivative, 1 / period: 1e+06 does not fit Q16, which ends at 32768; take fewer "),
-        (Parameters(magnetometer=Magnetometer(scale=1e5)), "magnetometer: 100000 does not fit Q16"),
-        (Parameters(accelerometer=Accelerometer(scale=1e5)), "accelerometer: 100000 does not fit Q16"),
+        (
+            ImuParameters(period=1e-6),
+            "derivative, 1 / period: 1e+06 does not fit Q16, which ends at 32768; take fewer ",
+        ),
+        (ImuParameters(magnetometer=MagnetometerParameters(scale=1e5)), "magnetometer: 100000 does not fit Q16"),
+        (ImuParameters(accelerometer=AccelerometerParameters(scale=1e5)), "accelerometer: 100000 does not fit Q16"),
     ],
 )
-def test_a_constant_that_a_format_cannot_hold_is_told_with_its_part(imu: Parameters, sentence: str) -> None:
+def test_a_constant_that_a_format_cannot_hold_is_told_with_its_part(imu: ImuParameters, sentence: str) -> None:
     with pytest.raises(DoesNotFit) as caught:
         Imu(Q(16), imu)
     assert str(caught.value).startswith(sentence)

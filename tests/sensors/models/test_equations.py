@@ -17,9 +17,13 @@ from periph_sim.sensors.models.gyroscope import body_rates
 from periph_sim.sensors.models.imu import Imu, Noise, State
 from periph_sim.sensors.models.magnetometer import Magnetometer, rotated
 from periph_sim.sensors.models.output import Output
-from periph_sim.sensors.models.parameters import Accelerometer, Gyroscope, Sensor
-from periph_sim.sensors.models.parameters import Imu as Parameters
-from periph_sim.sensors.models.parameters import Magnetometer as Field
+from periph_sim.sensors.models.parameters import (
+    AccelerometerParameters,
+    GyroscopeParameters,
+    ImuParameters,
+    MagnetometerParameters,
+    SensorParameters,
+)
 from periph_sim.sensors.numeric.float64 import Float64
 
 A = Float64()
@@ -83,8 +87,8 @@ def test_yaw_through_180_degrees_as_built_and_unwrapped() -> None:
 
 @given(TRIPLE, TRIPLE, TRIPLE, st.tuples(*[st.floats(-1, 1)] * 3))
 def test_lever_arm_of_equation_4_3(acceleration: tuple, body: tuple, before: tuple, arm: tuple) -> None:
-    sensor = Accelerometer(lever_arm=arm, scale=1000.0, bits=16, cross_axis=0.0, bias=ZERO)
-    model = Imu(A, Parameters(accelerometer=sensor))
+    sensor = AccelerometerParameters(lever_arm=arm, scale=1000.0, bits=16, cross_axis=0.0, bias=ZERO)
+    model = Imu(A, ImuParameters(accelerometer=sensor))
     codes = model.codes(angles(A, ZERO), acceleration, body, before, model.silence).accelerometer
     w, change, d = np.array(body), (np.array(body) - before) / 0.02, np.array(arm)
     exact = np.array(acceleration) - [0, 0, 1] + (np.cross(w, np.cross(w, d)) + np.cross(change, d)) / 9.81
@@ -93,7 +97,7 @@ def test_lever_arm_of_equation_4_3(acceleration: tuple, body: tuple, before: tup
 
 @given(TRIPLE, st.floats(-90, 90), st.floats(-40, 40))
 def test_turning_the_field_without_angles_gives_the_same(field: tuple, azimuth: float, elevation: float) -> None:
-    by_angles = Field(board_azimuth=azimuth, board_elevation=elevation)
+    by_angles = MagnetometerParameters(board_azimuth=azimuth, board_elevation=elevation)
     x, y, z = field
     if x * x + y * y < 1e-6:
         return
@@ -118,18 +122,20 @@ def test_turning_the_field_without_angles_gives_the_same(field: tuple, azimuth: 
     ("x", "y", "same"), [(1.0, 0.5, True), (1.0, -0.5, True), (-1.0, 0.5, False), (-1.0, -0.5, False)]
 )
 def test_plain_arctangents_turn_the_left_half_plane_round(x: float, y: float, same: bool) -> None:
-    seen = Magnetometer(A, Field(spherical="plain")).on_board((x, y, 0.2))
+    seen = Magnetometer(A, MagnetometerParameters(spherical="plain")).on_board((x, y, 0.2))
     assert seen == pytest.approx((x, y, 0.2) if same else (-x, -y, 0.2))
 
 
 def test_a_field_along_z_stays_there() -> None:
     for way in ("four-quadrant", "rotation"):
-        assert Magnetometer(A, Field(spherical=way)).on_board((0.0, 0.0, -0.3)) == pytest.approx((0, 0, -0.3))
-        assert Magnetometer(A, Field(spherical=way)).on_board(ZERO) == ZERO
+        assert Magnetometer(A, MagnetometerParameters(spherical=way)).on_board((0.0, 0.0, -0.3)) == pytest.approx(
+            (0, 0, -0.3)
+        )
+        assert Magnetometer(A, MagnetometerParameters(spherical=way)).on_board(ZERO) == ZERO
 
 
-@given(TRIPLE, st.sampled_from([Accelerometer(), Gyroscope(), Field()]))
-def test_output_is_s_with_cross_axis_saturated_and_rounded(felt: tuple, sensor: Sensor) -> None:
+@given(TRIPLE, st.sampled_from([AccelerometerParameters(), GyroscopeParameters(), MagnetometerParameters()]))
+def test_output_is_s_with_cross_axis_saturated_and_rounded(felt: tuple, sensor: SensorParameters) -> None:
     s = sensor.scale * (np.eye(3) + sensor.cross_axis * (1 - np.eye(3)))
     wanted = np.clip(s @ felt, *sensor.limits)
     codes = Output(A, sensor).codes(felt)
@@ -141,7 +147,7 @@ def test_output_is_s_with_cross_axis_saturated_and_rounded(felt: tuple, sensor: 
 
 def test_at_rest_and_level() -> None:
     """Biases of Table 4.1 through S: what Table 5.1's emulated means are, within half a code."""
-    model = Imu(A, Parameters())
+    model = Imu(A, ImuParameters())
     codes, left = model.step(ZERO, ZERO, model.silence, model.at_rest)
     assert codes.gyroscope == (round(14.375 * (-3.10 + 0.02 * 3.64)), round(14.375 * (3.60 - 0.02 * 3.06)), 1)
     assert codes.accelerometer == (round(256 * (-0.02 + 0.01 * -0.98)), round(256 * (0.02 + 0.01 * -1.02)), -256)
@@ -152,8 +158,8 @@ def test_at_rest_and_level() -> None:
 
 
 def test_noise_mounting_and_g_sensitivity_come_before_s() -> None:
-    plain = replace(Gyroscope(), bias=ZERO, cross_axis=0.0, g_sens=0.5)
-    model = Imu(A, Parameters(gyroscope=replace(plain, mounting=(2, -1, 3))))
+    plain = replace(GyroscopeParameters(), bias=ZERO, cross_axis=0.0, g_sens=0.5)
+    model = Imu(A, ImuParameters(gyroscope=replace(plain, mounting=(2, -1, 3))))
     noise = Noise((1.0, 0.0, 0.0), ZERO, ZERO)
     step = (radians(10) * 0.02, radians(20) * 0.02, 0.0)
     codes, _ = model.step(step, (0.0, 0.0, 4.0), noise, model.at_rest)

@@ -10,7 +10,7 @@ import pytest
 from periph_sim.sensors.models.arrays import codes_of
 from periph_sim.sensors.models.finite import INPUTS, NotFinite
 from periph_sim.sensors.models.imu import Imu, Noise
-from periph_sim.sensors.models.parameters import Imu as Parameters
+from periph_sim.sensors.models.parameters import ImuParameters
 from periph_sim.sensors.numeric import arithmetic_names as named
 from periph_sim.sensors.numeric.q import DoesNotFit
 
@@ -33,7 +33,7 @@ def inputs(axis: int, value: float, at: int) -> tuple:
 def test_arrays_name_axis_and_sample(name: str, value: float, axis: int) -> None:
     attitude, acceleration, noise = inputs(axis, value, 17)
     with pytest.raises(NotFinite) as caught:
-        codes_of(Parameters(), attitude, acceleration, noise, arithmetic=named.arrays(name))
+        codes_of(ImuParameters(), attitude, acceleration, noise, arithmetic=named.arrays(name))
     assert str(caught.value) == f"{INPUTS[axis]}: {value} at sample 17; expected a finite number"
     assert (caught.value.axis, caught.value.index) == (INPUTS[axis], 17)
 
@@ -43,7 +43,7 @@ def test_arrays_name_axis_and_sample(name: str, value: float, axis: int) -> None
 @pytest.mark.parametrize("axis", range(15))
 def test_a_single_sample_names_the_axis(name: str, value: float, axis: int) -> None:
     a = named.scalar(name)
-    model = Imu(a, Parameters())
+    model = Imu(a, ImuParameters())
     values = [a.constant(0.0)] * 15
     values[axis] = a.constant(value)
     attitude, acceleration, *chips = (tuple(values[first : first + 3]) for first in range(0, 15, 3))
@@ -57,16 +57,16 @@ def test_the_first_sample_that_is_wrong_is_named() -> None:
     attitude, acceleration, noise = inputs(1, nan, 30)
     attitude[1][5] = inf
     with pytest.raises(NotFinite, match=r"^attitude, pitch: inf at sample 5; "):
-        codes_of(Parameters(), attitude, acceleration, noise)
+        codes_of(ImuParameters(), attitude, acceleration, noise)
     with pytest.raises(NotFinite, match=r"^attitude, pitch: inf at sample 5; "):
-        codes_of(Parameters(), attitude, acceleration)
+        codes_of(ImuParameters(), attitude, acceleration)
 
 
 @pytest.mark.parametrize("value", WRONG)
 def test_the_attitude_before_the_first_sample_too(value: float) -> None:
     still = (np.zeros(3),) * 3
     with pytest.raises(NotFinite, match=r"^attitude, yaw before the first sample: "):
-        codes_of(Parameters(), still, still, before=(0.0, 0.0, value))
+        codes_of(ImuParameters(), still, still, before=(0.0, 0.0, value))
 
 
 @pytest.mark.parametrize("value", WRONG)
@@ -84,7 +84,7 @@ def test_q_arrays_name_the_sample_that_is_no_number() -> None:
 @pytest.mark.parametrize("name", ["float64", "float32", "q16", "q16 saturating", "q12"])
 def test_finite_numbers_of_every_kind_pass(name: str) -> None:
     a = named.scalar(name)
-    model = Imu(a, Parameters())
+    model = Imu(a, ImuParameters())
     three = (a.constant(0.1), a.constant(-0.2), a.constant(0.3))
     codes, _ = model.step(three, three, model.silence, model.at_rest)
     assert all(abs(int(code)) <= 32768 for chip in codes for code in chip)

@@ -8,15 +8,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from periph_sim.sensors.models.parameters import Accelerometer, Gyroscope, Imu, Magnetometer
+from periph_sim.sensors.models.parameters import (
+    AccelerometerParameters,
+    GyroscopeParameters,
+    ImuParameters,
+    MagnetometerParameters,
+)
 from periph_sim.sensors.models.quantity import BadParameter, Quantity, described, parameters_of
 
-SETS = [Accelerometer, Gyroscope, Magnetometer, Imu]
+SETS = [AccelerometerParameters, GyroscopeParameters, MagnetometerParameters, ImuParameters]
 
 
 def test_defaults_are_table_4_1() -> None:
     """Typed in a second time, from the dissertation's page."""
-    imu = Imu()
+    imu = ImuParameters()
     assert imu.accelerometer.bias == (-0.02, 0.02, -0.00)
     assert imu.gyroscope.bias == (-3.10, 3.60, 0.04)
     assert imu.magnetometer.hard_iron == (-0.16, 0.17, -0.02)
@@ -32,7 +37,7 @@ def test_defaults_are_table_4_1() -> None:
 
 
 def test_every_parameter_has_a_source_and_every_number_a_range() -> None:
-    rows = list(described(Imu()))
+    rows = list(described(ImuParameters()))
     assert len({name for name, *_ in rows}) == len(rows) > 30
     assert all(source for *_, source in rows)
     assert ("gyroscope.bias", (-3.10, 3.60, 0.04), "deg/s", "dissertation, Table 4.1") in rows
@@ -47,7 +52,7 @@ def test_no_number_gets_by_that_is_none_or_out_of_range(kind, data) -> None:
     vector = one.kind not in (float, int)
     with pytest.raises(BadParameter) as refused:
         kind(**{one.name: (bad, bad, bad) if vector else bad})
-    assert refused.value.name.startswith(f"{kind.__name__.lower()}.{one.name}")
+    assert refused.value.name.startswith(f"{kind.__name__.removesuffix('Parameters').lower()}.{one.name}")
     if isinstance(bad, float):
         assert one.says.span in str(refused.value)
 
@@ -55,13 +60,25 @@ def test_no_number_gets_by_that_is_none_or_out_of_range(kind, data) -> None:
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: Gyroscope(bias=(1.0, 2.0)), "gyroscope.bias: expected three numbers x, y, z, but it is 2"),
-        (lambda: Gyroscope(bias=[1.0, 2.0, 3.0]), "gyroscope.bias: expected three numbers x, y, z, but it is 3"),
-        (lambda: Gyroscope(bits=15.5), "gyroscope.bits: expected a whole number, 2 to 16 bit, but it is 15.5"),
-        (lambda: Gyroscope(rates="right"), "gyroscope.rates: expected one of as built, corrected, but it is 'right'"),
-        (lambda: Gyroscope(mounting=(1, 1, 3)), "gyroscope.mounting: expected 1, 2 and 3 once each, with a sign"),
-        (lambda: Imu(period=0), "imu.period: 0 s is out of range; expected 1e-06 to 3600 s"),
-        (lambda: Imu(gyroscope=Accelerometer()), "imu.gyroscope: expected a set of parameters"),
+        (lambda: GyroscopeParameters(bias=(1.0, 2.0)), "gyroscope.bias: expected three numbers x, y, z, but it is 2"),
+        (
+            lambda: GyroscopeParameters(bias=[1.0, 2.0, 3.0]),
+            "gyroscope.bias: expected three numbers x, y, z, but it is 3",
+        ),
+        (
+            lambda: GyroscopeParameters(bits=15.5),
+            "gyroscope.bits: expected a whole number, 2 to 16 bit, but it is 15.5",
+        ),
+        (
+            lambda: GyroscopeParameters(rates="right"),
+            "gyroscope.rates: expected one of as built, corrected, but it is 'right'",
+        ),
+        (
+            lambda: GyroscopeParameters(mounting=(1, 1, 3)),
+            "gyroscope.mounting: expected 1, 2 and 3 once each, with a sign",
+        ),
+        (lambda: ImuParameters(period=0), "imu.period: 0 s is out of range; expected 1e-06 to 3600 s"),
+        (lambda: ImuParameters(gyroscope=AccelerometerParameters()), "imu.gyroscope: expected a set of parameters"),
     ],
 )
 def test_what_is_wrong_is_said_with_name_value_and_range(make, message: str) -> None:

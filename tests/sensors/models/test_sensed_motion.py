@@ -8,17 +8,22 @@ import numpy as np
 import pytest
 
 from periph_sim.sensors.models.imu import Noise
-from periph_sim.sensors.models.parameters import Accelerometer, Gyroscope, Imu, Magnetometer
+from periph_sim.sensors.models.parameters import (
+    AccelerometerParameters,
+    GyroscopeParameters,
+    ImuParameters,
+    MagnetometerParameters,
+)
 from periph_sim.sensors.models.sensed_motion import SensedMotion
 from periph_sim.sensors.motion import kinds, servo, sines
 from periph_sim.sensors.motion.pieces import Pose
 from tests.devices.aerospace import FIELD, at_rest, body_rates
 
 NONE = (0.0, 0.0, 0.0)
-IDEAL = Imu(
-    Accelerometer(bias=NONE, cross_axis=0.0),
-    Gyroscope(bias=NONE, cross_axis=0.0, g_sens=0.0),
-    Magnetometer(hard_iron=NONE, cross_axis=0.0, earth_field=tuple(FIELD.tolist())),
+IDEAL = ImuParameters(
+    AccelerometerParameters(bias=NONE, cross_axis=0.0),
+    GyroscopeParameters(bias=NONE, cross_axis=0.0, g_sens=0.0),
+    MagnetometerParameters(hard_iron=NONE, cross_axis=0.0, earth_field=tuple(FIELD.tolist())),
 )
 WAVES = tuple(
     sines.AngleWave(of, np.radians(amplitude), frequency)

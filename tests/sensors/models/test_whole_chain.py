@@ -7,7 +7,12 @@ from scipy.spatial.transform import Rotation
 
 from periph_sim.sensors.models.arrays import codes_of
 from periph_sim.sensors.models.imu import Noise
-from periph_sim.sensors.models.parameters import Accelerometer, Gyroscope, Imu, Magnetometer
+from periph_sim.sensors.models.parameters import (
+    AccelerometerParameters,
+    GyroscopeParameters,
+    ImuParameters,
+    MagnetometerParameters,
+)
 
 COUNT, PERIOD = 2000, 0.02
 T = np.arange(COUNT) * PERIOD
@@ -33,10 +38,10 @@ def body_rates() -> np.ndarray:
 
 
 def test_every_code_of_a_motion() -> None:
-    imu = Imu(
-        accelerometer=Accelerometer(lever_arm=(0.3, -0.2, 0.12)),
-        gyroscope=Gyroscope(rates="corrected", mounting=(2, -1, 3), g_sens=0.3),
-        magnetometer=Magnetometer(board_azimuth=12.0, board_elevation=-7.0),
+    imu = ImuParameters(
+        accelerometer=AccelerometerParameters(lever_arm=(0.3, -0.2, 0.12)),
+        gyroscope=GyroscopeParameters(rates="corrected", mounting=(2, -1, 3), g_sens=0.3),
+        magnetometer=MagnetometerParameters(board_azimuth=12.0, board_elevation=-7.0),
     )
     noise = Noise(*(tuple(chip.T) for chip in (GYRO, ACCEL, MAG)))
     came = codes_of(imu, (PHI, THETA, PSI), tuple(PUSHED.T), noise)
@@ -66,7 +71,10 @@ def test_corrected_rates_are_those_of_the_turned_body_and_as_built_are_not() -> 
     still = (np.zeros(COUNT),) * 3
     off = {}
     for rates in ("corrected", "as built"):
-        gyroscope = Gyroscope(rates=rates, bias=(0.0, 0.0, 0.0), cross_axis=0.0)
-        came = np.column_stack(codes_of(Imu(gyroscope=gyroscope), (PHI, THETA, PSI), still).gyroscope)[1:] / 14.375
+        gyroscope = GyroscopeParameters(rates=rates, bias=(0.0, 0.0, 0.0), cross_axis=0.0)
+        came = (
+            np.column_stack(codes_of(ImuParameters(gyroscope=gyroscope), (PHI, THETA, PSI), still).gyroscope)[1:]
+            / 14.375
+        )
         off[rates] = np.abs(came - true).max()
     assert off["corrected"] < 0.8 and off["as built"] > 30

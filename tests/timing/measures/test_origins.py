@@ -16,12 +16,14 @@ from hypothesis import strategies as st
 from periph_sim.bus.i2c.transfer import Phase, Transfer
 from periph_sim.core.time import NO_TIME
 from periph_sim.devices.model_codes import Computed, ModelCodes
-from periph_sim.sensors.models.parameters import Accelerometer, Imu
+from periph_sim.sensors.models.parameters import AccelerometerParameters, ImuParameters
 from periph_sim.timing.measures.origins import BEFORE_ANY, FrameOrigins, ModelOrigins, Origin, Origins
 
 GYROSCOPE, ACCELEROMETER, MAGNETOMETER = 0x68, 0x53, 0x1E
 CHIPS = (GYROSCOPE, ACCELEROMETER, MAGNETOMETER)
-COMPUTED = Computed(Imu(accelerometer=Accelerometer(lever_arm=(0.1, 0.0, 0.2))), "float64", noise_seed=7)
+COMPUTED = Computed(
+    ImuParameters(accelerometer=AccelerometerParameters(lever_arm=(0.1, 0.0, 0.2))), "float64", noise_seed=7
+)
 
 
 class Bus:

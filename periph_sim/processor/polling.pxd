@@ -23,7 +23,9 @@ cdef class Lease(Onlooker):
     cdef CpuTime _time
     cdef long long _first
     cdef list _polls, _values, _sockets
-    @cython.locals(operand=Operand, value=cython.longlong, place=cython.Py_ssize_t)
+    @cython.locals(operand=Operand)
+    cpdef void take(self, Spin spin)
+    @cython.locals(operand=Operand, place=cython.Py_ssize_t)
     cpdef bint broken(self, long long cycle)
     @cython.locals(socket=Socket)
     cpdef void begin(self)

@@ -90,12 +90,19 @@ class Lease(Onlooker):
 
     __slots__ = ("_first", "_polls", "_sockets", "_time", "_values")
 
-    def __init__(self, time: CpuTime, spin: Spin) -> None:
+    def __init__(self, time: CpuTime) -> None:
         self._time = time
-        self._first = time.cycle
+        self._first = 0
+        self._polls: list[Operand] = []
+        self._values: list[int] = []
+        self._sockets: list[Socket] = []
+
+    def take(self, spin: Spin) -> None:
+        """From now on it is about the pass that has ended now."""
+        self._first = self._time.cycle
         self._polls = spin.polls
         self._values = spin.values
-        self._sockets: list[Socket] = []
+        self._sockets = []
         for operand in spin.polls:
             if operand.socket not in self._sockets:
                 self._sockets.append(operand.socket)

@@ -116,7 +116,9 @@ def test_firmware_is_watched_from_its_start_and_only_while_it_runs(
     """An exception on its way to the thread ends with the firmware's turn, not in what the thread does next."""
     calls: list[tuple[str, object]] = []
     watch = SimpleNamespace(
-        add=lambda cpu: calls.append(("add", cpu.name)), leave=lambda thread: calls.append(("leave", thread))
+        add=lambda cpu: calls.append(("add", cpu.name)),
+        leave=lambda thread: calls.append(("leave", thread)),
+        has_stopped=True,
     )
     monkeypatch.setattr(python_program, "watch", watch)
     Scene(load(case_file(tmp_path, "for _ in range(3):\n        dsp.compute(1000)", limit))).run()

@@ -75,21 +75,23 @@ class FirmwareView:
 
         pass_cycles: what one pass of this loop takes in all, counted in its disassembly; else the unit's
         `code.poll_pass` and what further reads add to it. timeout: cycles, or seconds (rounded up to a cycle), from the
-        begin of the wait, service routines included; it is looked at between two passes.
+        begin of the wait, service routines included; it is looked at between two passes. The condition is asked anew
+        only where a bit that it read has another value, or an interrupt was served: nothing else may bear on it.
         """
         if not callable(condition):
             raise _no_condition("spin", condition)
-        _check_pass("spin", pass_cycles)
+        if pass_cycles is not None:
+            _check_pass("spin", pass_cycles)
         return self.cpu.spin(condition, pass_cycles, None if timeout is None else self._cycles(timeout))
 
     def spin_either(
         self, ready: Callable[[], object], over: Callable[[], object], *, pass_cycles: int | None = None
     ) -> bool:
         """`while (!ready) if (over) break;`: True if `over` ended the wait. pass_cycles: as for `spin`."""
-        for condition in (ready, over):
-            if not callable(condition):
-                raise _no_condition("spin_either", condition)
-        _check_pass("spin_either", pass_cycles)
+        if not (callable(ready) and callable(over)):
+            raise _no_condition("spin_either", over if callable(ready) else ready)
+        if pass_cycles is not None:
+            _check_pass("spin_either", pass_cycles)
         return self.cpu.spin_either(ready, over, pass_cycles)
 
     def compute(self, cost: Spread | Fraction | int, name: str = "") -> None:
@@ -166,9 +168,9 @@ def _no_condition(what: str, given: object) -> Misuse:
     return Misuse(f"dsp.{what} needs a function to call in each pass, but got {given!r}; {way}")
 
 
-def _check_pass(what: str, cycles: int | None) -> None:
+def _check_pass(what: str, cycles: int) -> None:
     """Misuse if a pass of a wait cannot take so many cycles."""
-    if cycles is not None and (type(cycles) is not int or cycles < 1):
+    if type(cycles) is not int or cycles < 1:
         raise Misuse(f"dsp.{what}: pass_cycles is {cycles!r}; expected a whole number of cycles above 0")
 
 

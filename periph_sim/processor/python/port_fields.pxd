@@ -5,13 +5,13 @@ from ..operand cimport Operand
 from .accesses cimport Accesses
 
 
-cdef class RegisterPort:
+cdef class Port:
     cdef Accesses _accesses
     cdef Bus _bus
     cdef object _place
     cdef dict _fields
     cdef list _operands
-    cdef RegisterPort _half
+    cdef Port _half
 
 
 cdef class PortField:
@@ -20,8 +20,8 @@ cdef class PortField:
     cdef object _most, _register, _field
     cdef str _where
     @cython.locals(operand=Operand)
-    cdef long long _read(self, RegisterPort port)
+    cdef long long _read(self, Port port)
     @cython.locals(operand=Operand)
-    cpdef void assign(self, RegisterPort port, object value)
-    cdef Operand _operand(self, RegisterPort port)
+    cpdef void assign(self, Port port, object value)
+    cdef Operand _operand(self, Port port)
     cdef object _fitting(self, object value)

@@ -1,7 +1,7 @@
 """Ports of registers, whichever unit they are of: `port.NAME` and `port.NAME = number` go in; accesses come out.
 
     port.XRDY      --> PortField.__get__ --> Accesses.read --> the field's number
-    port.IRS = 1   --> RegisterPort.__setattr__ --> Accesses.modify; Accesses.write where the name is whole words
+    port.IRS = 1   --> Port.__setattr__ --> Accesses.modify; Accesses.write where the name is whole words
 
 Each register has a class of ports, with a descriptor for each name; `register_view` makes it, once in a process.
 """
@@ -19,11 +19,8 @@ from ..operand import Operand
 from .accesses import Accesses
 
 
-class RegisterPort:
-    """One register of one module. Field names read and write; `all` is the whole register.
-
-    Its class has where and fields: "I2C-A.I2CSTR", and the names.
-    """
+class Port:
+    """One register of one module of a unit. where, fields: "I2C-A.I2CSTR", and the names; its class has them."""
 
     __slots__ = ("_accesses", "_bus", "_fields", "_half", "_operands", "_place")
     where = ""
@@ -34,12 +31,8 @@ class RegisterPort:
         self._bus = bus
         self._place = place
         self._fields = fields
-        self._half: RegisterPort | None = None
+        self._half: Port | None = None
         self._operands: list[Operand | None] = [None] * len(fields)  # by `PortField.number`, as they are needed
-
-    def __getattr__(self, name: str) -> int:
-        """Only for names that are not there."""
-        raise no_such_name(self.where, name, self.fields)
 
     def __setattr__(self, name: str, value: int) -> None:
         if name in STATE:
@@ -50,14 +43,14 @@ class RegisterPort:
             raise cannot_be_written(self.where, name, self.fields)
         found.assign(self, value)
 
-    def _inner(self, made: type[RegisterPort], fields: dict[str, PortField]) -> RegisterPort:
+    def _inner(self, made: type[Port], fields: dict[str, PortField]) -> Port:
         """The port of the register's halves, which is made of this class once it is asked for."""
         if self._half is None:
             self._half = made(self._accesses, self._bus, self._place, fields)
         return self._half
 
 
-STATE = frozenset(RegisterPort.__slots__)
+STATE = frozenset(Port.__slots__)
 
 
 class PortField:
@@ -76,14 +69,14 @@ class PortField:
         self._most = self._mask >> self._lsb
         self._where = where
 
-    def __get__(self, port: RegisterPort, owner: object) -> int:
+    def __get__(self, port: Port, owner: object) -> int:
         return self._read(port)
 
-    def _read(self, port: RegisterPort) -> int:
+    def _read(self, port: Port) -> int:
         operand = port._operands[self.number] or self._operand(port)
         return (port._accesses.read(operand) & self._mask) >> self._lsb
 
-    def assign(self, port: RegisterPort, value: int) -> None:
+    def assign(self, port: Port, value: int) -> None:
         if type(value) is not int or not 0 <= value <= self._most:
             value = self._fitting(value)
         operand = port._operands[self.number] or self._operand(port)
@@ -92,7 +85,7 @@ class PortField:
         else:
             port._accesses.modify(operand, value)
 
-    def _operand(self, port: RegisterPort) -> Operand:
+    def _operand(self, port: Port) -> Operand:
         operand = port._bus.operand(port._place, self._register, self._words, self._field)
         port._operands[self.number] = operand
         return operand

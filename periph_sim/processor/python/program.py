@@ -82,15 +82,15 @@ class PythonProgram(Program):
             watch.add(self)
 
     def run(self, until: int) -> Stop:
-        self._hub = getcurrent()
         assert self._greenlet is not None
-        self.thread = get_ident()
+        self._hub = getcurrent()
+        self.thread = thread = get_ident()
         try:
             stop: Stop = self._greenlet.switch()
         finally:
             self.thread = 0
-            if self.stall_limit:
-                watch.leave(get_ident())
+            if self.stall_limit and watch.has_stopped:
+                watch.leave(thread)
         return stop
 
     def give_way(self, why: Stop = Stop.WAITS) -> None:

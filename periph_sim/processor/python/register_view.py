@@ -16,7 +16,18 @@ from ...core.registers import Field, Register
 from ...core.suggest import did_you_mean
 from ...f28335.system.memory_map import BOTH, HIGH, LOW, ModuleRange
 from .cpu import Cpu
-from .port_fields import PortField, RegisterPort
+from .port_fields import Port, PortField, no_such_name
+
+
+class RegisterPort(Port):
+    """One register of one module. Field names read and write; `all` is the whole register."""
+
+    __slots__ = ()
+
+    def __getattr__(self, name: str) -> int:
+        """Only for names that are not there."""
+        raise no_such_name(self.where, name, self.fields)
+
 
 Ports = tuple[Register, type[RegisterPort], dict[str, PortField]]
 
@@ -73,7 +84,7 @@ class ModulePort:
         if name not in registers:
             near = did_you_mean(name, [r.name for r in registers])
             raise AttributeError(f"{self._place.name} has no register {name!r}; {near}")
-        port = self._made[name] = self.__dict__[name] = register_port(self._cpu, self._place, registers[name])
+        port = self._made[name] = vars(self)[name] = register_port(self._cpu, self._place, registers[name])
         return port
 
     def __setattr__(self, name: str, value: object) -> None:

@@ -16,6 +16,7 @@ cdef class Waits:
     cdef CpuInterrupts _core
     cdef Instructions _instructions
     cdef PythonProgram _program
+    cdef Lease _lease
     cdef CodeRecords _records
     cdef bint _skip_polls
     cdef CpuTime _time

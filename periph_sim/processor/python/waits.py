@@ -33,7 +33,7 @@ class Waits:
     branch: cycles of the branch back to the begin of a pass.
     """
 
-    __slots__ = ("_branch", "_bus", "_core", "_instructions", "_program", "_records", "_skip_polls", "_time")
+    __slots__ = ("_branch", "_bus", "_core", "_instructions", "_lease", "_program", "_records", "_skip_polls", "_time")
 
     def __init__(
         self,
@@ -53,6 +53,7 @@ class Waits:
         self._records = records
         self._skip_polls = skip_polls
         self._time: CpuTime = processor.time
+        self._lease = Lease(processor.time)
 
     def spin(self, condition: Callable[[], object], pass_cycles: int | None = None, timeout: int | None = None) -> bool:
         """`while (!condition()) ;` as the compiler makes it: passes of reads, their tests and the branch back.
@@ -112,7 +113,8 @@ class Waits:
         time, core = self._time, self._core
         if not spin.polls or time.lands < NEVER or core.earliest() < NEVER:
             return False
-        lease = Lease(time, spin)
+        lease = self._lease
+        lease.take(spin)
         if lease.broken(time.cycle):
             return False
         first = time.cycle

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from typing import Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer
@@ -39,12 +40,17 @@ def duration(value: object) -> Fraction:
         return value
     if not isinstance(value, str):
         raise ValueError(f'{value!r} has no unit; write for instance "{value} ms"')
+    return _length(value)
+
+
+@lru_cache(maxsize=4096)  # scenes of one case say the same lengths again and again
+def _length(text: str) -> Fraction:
     try:
-        length = seconds(value)
+        length = seconds(text)
     except TimeError as error:
         raise ValueError(str(error)) from None
     if length < 0:
-        raise ValueError(f"{value!r} is negative; a duration is 0 or more")
+        raise ValueError(f"{text!r} is negative; a duration is 0 or more")
     return length
 
 

@@ -32,6 +32,11 @@ def shipped_names() -> list[str]:
     return sorted(file.stem for file in SHIPPED.glob("*.py") if file.stem != "__init__")
 
 
+def is_shipped(name: str) -> bool:
+    """Whether there is a shipped program, or module that they share, of that name."""
+    return name.isidentifier() and name != "__init__" and (SHIPPED / f"{name}.py").is_file()
+
+
 def shipped_module(name: str) -> ModuleType:
     """The module of a shipped program, imported once."""
     package = f"{PREFIX}shipped"

@@ -18,7 +18,7 @@ from ..processor.dsp import Dsp
 from ..processor.error_origin import Misuse, defined_at, flaw_of
 from ..sensors.models.parameters import ImuParameters
 from .case.error_text import complaint, place_of
-from .firmware_files import module_of_file, shipped_module, shipped_names, why_not_imported
+from .firmware_files import is_shipped, module_of_file, shipped_module, shipped_names, why_not_imported
 
 T = TypeVar("T")
 
@@ -78,9 +78,8 @@ def _file_module(path: Path) -> ModuleType:
 
 
 def _shipped_module(name: str) -> ModuleType:
-    known = shipped_names()
-    if name not in known:
-        raise BadFirmware(f"there is no firmware {name!r}; {did_you_mean(name, known)}")
+    if not is_shipped(name):
+        raise BadFirmware(f"there is no firmware {name!r}; {did_you_mean(name, shipped_names())}")
     return shipped_module(name)
 
 

@@ -13,6 +13,7 @@ from periph_sim.scene.case import load as loading
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 from periph_sim.sensors import noise
+from periph_sim.sensors.models import counts, sensed_motion
 from periph_sim.timing.language.language import measure_of
 
 SHARED = {
@@ -21,6 +22,8 @@ SHARED = {
     "measures": measure_of,
     "routes": routes_of,
     "noise": noise._block_of,
+    "models": sensed_motion._model_of,
+    "operations": counts._counted,
 }
 CASE = """
 name = "one"

@@ -7,6 +7,7 @@ numbers do not, since the equations have no branches.
 from __future__ import annotations
 
 from collections import Counter
+from functools import lru_cache
 
 from ..numeric.counting import Counting
 from ..numeric.float64 import Float64
@@ -20,6 +21,11 @@ FRAME = 6  # values of a host frame that are scaled
 
 def counts_of(imu: parameters.ImuParameters) -> dict[str, Counter[str]]:
     """Operations of one sample by part; `frame` is the scaling of a host frame's six values."""
+    return {part: Counter(counts) for part, counts in _counted(imu).items()}
+
+
+@lru_cache(maxsize=16)
+def _counted(imu: parameters.ImuParameters) -> dict[str, Counter[str]]:
     a = Counting(Float64())
     model = Imu(a, imu)
     still = (0.0, 0.0, 0.0)

@@ -10,6 +10,7 @@ a corner, what is behind it counts.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,14 +35,19 @@ class Unrounded(Float64Arrays):
         return x
 
 
+@lru_cache(maxsize=16)
+def _model_of(imu: ImuParameters) -> Imu[Floats]:
+    """It keeps no state, so that scenes with equal parameters share it."""
+    return Imu(Unrounded(), replace(imu, gyroscope=replace(imu.gyroscope, rates="corrected")))
+
+
 class SensedMotion:
     """imu: its parameters. motion: what the body does, from time 0 on."""
 
     def __init__(self, imu: ImuParameters, motion: Motion) -> None:
-        corrected = replace(imu, gyroscope=replace(imu.gyroscope, rates="corrected"))
         self._motion = motion.truth
         self._period = imu.period
-        self._model = Imu(Unrounded(), corrected)
+        self._model = _model_of(imu)
 
     def lsb(self, times: Floats, noise: Noise[Floats] | None = None) -> dict[str, Floats]:
         """By chip, x, y, z in LSB, float64[n, 3], at times in seconds, float64[n]. noise: as `imu_noise` gives it."""

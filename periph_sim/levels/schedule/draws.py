@@ -18,11 +18,17 @@ from .clock import Ints
 WORD = 32
 
 
-def drawn(seeds: Ints, below: int, count: int, key: Callable[[int], int | str]) -> Ints:
-    """int64[count, scenarios]: `count` times `Random(key(seed)).randrange(below)` of each seed."""
-    unique, of_scenario = np.unique(seeds, return_inverse=True)
-    columns = _of_keys([key(int(seed)) for seed in unique], below, count)
-    return columns[:, of_scenario]
+class Drawn:
+    """`count` numbers of `Random(key(seed)).randrange(below)` of each seed."""
+
+    def __init__(self, seeds: Ints, below: int, count: int, key: Callable[[int], int | str]) -> None:
+        unique, self._column = np.unique(seeds, return_inverse=True)
+        self._numbers = np.ascontiguousarray(_of_keys([key(int(seed)) for seed in unique], below, count))
+
+    def row(self, number: int) -> Ints:
+        """int64[scenarios]: the number-th of each."""
+        found: Ints = self._numbers[number].take(self._column, mode="clip")
+        return found
 
 
 def _of_keys(keys: list[int | str], below: int, count: int) -> Ints:

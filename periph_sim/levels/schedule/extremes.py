@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .clock import Ints
+from .clock import IntOrInts, Ints
 
 NO_VALUE = np.iinfo(np.int64).min
 
@@ -22,3 +22,18 @@ class Extremes:
         self.worst[scenarios] = np.maximum(self.worst[scenarios], values)
         self.least[scenarios] = np.minimum(self.least[scenarios], values)
         self.count[scenarios] += 1
+
+    def take_all(self, values: IntOrInts, but: Ints) -> None:
+        """A value of each scenario but of these; what counts them is `count_all`."""
+        self.take_range(values, values, but)
+
+    def take_range(self, worst: IntOrInts, least: IntOrInts, but: Ints) -> None:
+        """The largest and the smallest of some values of each scenario but of these."""
+        kept = self.worst[but], self.least[but]
+        np.maximum(self.worst, worst, out=self.worst)
+        np.minimum(self.least, least, out=self.least)
+        self.worst[but], self.least[but] = kept
+
+    def count_all(self, times: Ints) -> None:
+        """So many values were taken of each scenario, unnamed."""
+        self.count += times

@@ -24,31 +24,32 @@ FAR = 1 << 61  # a cycle that no run reaches
 
 
 class Interrupts:
-    """Those of all scenarios of a call. latches: int64[frames + 1, scenarios], in order, the last one FAR."""
+    """Those of all scenarios of a call. latches: int64[frames + 1, scenarios], in order, the last one FAR.
+
+    One is named by its place in them, number * scenarios + scenario; the next one is `scenarios` places on.
+    """
 
     def __init__(self, latches: Ints, service: int, waits: int) -> None:
-        self._latches = latches
+        self.latches = latches.reshape(-1)
+        self.scenarios = latches.shape[1]
         self.service, self.waits = service, waits
 
-    def lanes(self, scenarios: Ints, taken: Ints) -> Lanes:
-        return Lanes(self, scenarios, taken)
-
-    def at(self, number: Ints, scenarios: Ints) -> Ints:
-        found: Ints = self._latches[number, scenarios]
-        return found
+    def lanes(self, places: Ints) -> Lanes:
+        """Of scenarios whose next interrupts are these."""
+        return Lanes(self, places)
 
 
 class Lanes:
-    """Some of the scenarios. taken: interrupts so far. next: the latch of the next one."""
+    """Some of the scenarios. places: of the next interrupt of each. next: its latch."""
 
-    def __init__(self, of: Interrupts, scenarios: Ints, taken: Ints) -> None:
-        self._of, self.scenarios = of, scenarios
-        self.taken = taken.copy()
-        self.next = of.at(taken, scenarios)
+    def __init__(self, of: Interrupts, places: Ints) -> None:
+        self._of = of
+        self.places = places.copy()
+        self.next = of.latches[places]
 
     def _take(self, hit: NDArray[np.intp]) -> None:
-        self.taken[hit] += 1
-        self.next[hit] = self._of.at(self.taken[hit], self.scenarios[hit])
+        self.places[hit] += self._of.scenarios
+        self.next[hit] = self._of.latches[self.places[hit]]
 
     def wait(self, first: Ints, flag: Ints, poll: int) -> Ints:
         """The fetch that ends the wait. first: that of its first pass."""

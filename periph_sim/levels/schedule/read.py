@@ -28,6 +28,7 @@ class Read:
 
     stop: tick of its STOP. seen: cycle at which the firmware reads SCD. again: tick of the repeated START. response,
     held: ticks. margins: of each byte, ticks. cleared: ticks from the write of I2CSTR to the edge that sets SDIR.
+    waits: (its first fetch, the cycle of its flag) of each wait, as far as no interrupt moved it.
     """
 
     hung: NDArray[np.bool_]
@@ -40,6 +41,7 @@ class Read:
     held: Ints
     margins: list[Ints]
     cleared: Ints
+    waits: list[tuple[Ints, Ints]]
 
 
 def read(terms: Terms, number: int, clock: CpuClock, lanes: Lanes, start: Ints, first: Ints) -> Read:
@@ -49,14 +51,20 @@ def read(terms: Terms, number: int, clock: CpuClock, lanes: Lanes, start: Ints, 
     def flag(tick: Ints) -> Ints:
         return clock.cycle_at(tick) + terms.seen
 
-    addressed = lanes.wait(first, flag(start + bus.aas), terms.poll)
+    waits = []
+
+    def wait(begun: Ints, there: Ints, poll: int) -> Ints:
+        waits.append((begun, there))
+        return lanes.wait(begun, there, poll)
+
+    addressed = wait(first, flag(start + bus.aas), terms.poll)
     missed = addressed >= flag(start + bus.again)
     begun, _ = lanes.code(addressed, code.pointer)
-    pointer = lanes.wait(begun, flag(start + bus.rrdy), terms.poll)
+    pointer = wait(begun, flag(start + bus.rrdy), terms.poll)
     begun, (looked, written) = lanes.code(pointer, code.clear)
     asked_at = flag(start + bus.sdir)
     hung = missed | (looked >= asked_at)
-    asked = lanes.wait(begun, asked_at, terms.poll)
+    asked = wait(begun, asked_at, terms.poll)
     begun, (landed,) = lanes.code(asked, code.first)
 
     shift = np.zeros_like(start)
@@ -72,20 +80,21 @@ def read(terms: Terms, number: int, clock: CpuClock, lanes: Lanes, start: Ints, 
             response = rise - needed
         shift = shift + rise - let_go
         held = np.maximum(held, rise - let_go)
-        ready = lanes.wait(begun, np.maximum(from_here, landed), terms.poll_two)
+        ready = wait(begun, np.maximum(from_here, landed), terms.poll_two)
         begun, (landed,) = lanes.code(ready, code.more[byte])
         writes.append(landed)
         let_gos.append(let_go)
         rises.append(rise)
     stop = start + bus.stop + shift
-    seen = lanes.wait(begun + terms.second, flag(stop), terms.poll_two)
+    seen = wait(begun + terms.second, flag(stop), terms.poll_two)
     margins = [
         _margin(terms, clock, let_gos[byte], rises[byte], writes[byte], writes[byte + 1])
         for byte in range(len(bus.needs))
     ]
     cleared = start + bus.sdir - clock.tick(written)
     held_from = start + bus.needs[0] + terms.low
-    return Read(hung, missed, held_from, stop, seen, start + bus.again, response, held, margins, cleared)
+    again = start + bus.again
+    return Read(hung, missed, held_from, stop, seen, again, response, held, margins, cleared, waits)
 
 
 def _margin(terms: Terms, clock: CpuClock, let_go: Ints, rise: Ints, write: Ints, following: Ints) -> Ints:

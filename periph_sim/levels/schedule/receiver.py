@@ -65,14 +65,27 @@ class Receiver:
     extra: int
     edge: int
 
+    def latch(self, clock: CpuClock, begin: Ints, out: Ints) -> Ints:
+        """The cycle at which the interrupt of a frame with this begin reaches the IFR. out: where it is written."""
+        np.add(begin, self.edge, out=out)
+        self._moved(clock, out)
+        out += self.extra
+        return out
+
     def moved(self, clock: CpuClock, edge: Ints) -> Ints:
         """The cycle at which a byte with this start edge is in the FIFO."""
-        sample = -((self.phase - self.sync - clock.cycle_at(edge)) // self.period)
-        return self.phase + (sample + self.due) * self.period
+        found = edge.copy()
+        self._moved(clock, found)
+        return found
 
-    def latch(self, clock: CpuClock, begin: Ints) -> Ints:
-        """The cycle at which the interrupt of a frame with this begin reaches the IFR."""
-        return self.moved(clock, begin + self.edge) + self.extra
+    def _moved(self, clock: CpuClock, edge: Ints) -> None:
+        """In place, in as few passes as can be: - cycle, - sample, the cycle again."""
+        edge *= -clock.den
+        edge //= clock.num
+        edge += self.phase - self.sync
+        edge //= self.period
+        edge *= -self.period
+        edge += self.phase + self.due * self.period
 
 
 def probe(case: Case, unit: str) -> Case:

@@ -18,11 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .clock import Ints
-from .draws import drawn
+from .draws import Drawn
 from .extremes import Extremes
-from .frames import begins, latches
+from .frames import frames
 from .inputs import Inputs
 from .lanes import Interrupts
+from .plain import plain_rounds
 from .read import Read, read
 from .result import Observable, Observables
 from .structure import Structure
@@ -36,9 +37,9 @@ class Rounds:
     def __init__(self, structure: Structure, inputs: Inputs) -> None:
         self._structure, self._inputs, self._terms = structure, inputs, structure.terms
         count = inputs.scenarios
-        self._begun = begins(structure, inputs)
-        self._interrupts = Interrupts(latches(structure, inputs, self._begun), self._terms.service, self._terms.waits)
-        self._ended = self._begun + inputs.line.end  # of each frame
+        begun, latches = frames(structure, inputs)
+        self.interrupts = Interrupts(latches, self._terms.service, self._terms.waits)
+        self.begun = begun.reshape(-1)  # when each frame does, in the order of the interrupts
         self.values = {name: Extremes(count) for name in MEASURES}
         self.held = np.zeros(count, np.int64)
         self.phases = np.zeros(count, np.int64)  # that were acknowledged
@@ -47,122 +48,136 @@ class Rounds:
         self.due = np.zeros(count, np.int64)  # rounds
         self.hung_at = np.full(count, -1, np.int64)
         self.refused = np.zeros(count, np.bool_)
-        # The firmware, of each scenario:
-        self._first = np.zeros(count, np.int64)  # the first fetch of its wait for AAS
-        self._ready = np.zeros(count, np.int64)  # the cycle in which IRS rose
-        self._off = np.zeros(count, np.int64)  # and that in which it fell before
-        self._served = np.full(count, -1, np.int64)  # the chip whose address was its own up to there
-        self._chip = np.zeros(count, np.int64)  # that it waits for
-        self._taken = np.zeros(count, np.int64)  # interrupts so far
-        self._shown = np.zeros(count, np.int64)  # frames up to the one that the chips show
-        self._models = np.zeros(count, np.int64)  # runs of the models so far
-        self._stop = np.full(count, -(1 << 40), np.int64)  # of the last transfer
         self.all = np.arange(count)
+        self.odd = np.zeros(count, np.bool_)  # waits for another chip than the first, or hangs
+        # The firmware, of each scenario:
+        self.first = np.zeros(count, np.int64)  # the first fetch of its wait for AAS
+        self.ready = np.zeros(count, np.int64)  # the cycle in which IRS rose
+        self.off = np.zeros(count, np.int64)  # and that in which it fell before
+        self.served = np.full(count, -1, np.int64)  # the chip whose address was its own up to there
+        self.chip = np.zeros(count, np.int64)  # that it waits for
+        self.next = self.all.copy()  # the place of the next interrupt
+        self.shown = self.all.copy()  # that of the first frame that the chips do not show
+        self.cost = self.all.copy()  # the place of the next run of the models in `costs`
+        self.stop = np.full(count, -(1 << 40), np.int64)  # of the last transfer
 
     @cached_property
-    def _costs(self) -> Ints:
-        """int64[runs, scenarios], cycles of each run of the models."""
+    def costs(self) -> Ints:
+        """Cycles of each run of the models, those of a scenario `scenarios` places apart."""
         least, most = self._inputs.cost
-        if np.array_equal(least, most):
-            return np.broadcast_to(least, (self._inputs.rounds + 1, self._inputs.scenarios))
-        name = self._structure.unit
-        wide = int(most[0] - least[0]) + 1
-        late = drawn(self._inputs.seeds, wide, self._inputs.rounds + 1, lambda seed: f"{seed} {name} computations")
-        return late + least
+        runs = self._inputs.rounds + 1
+        found = np.empty((runs, self._inputs.scenarios), np.int64)
+        found[:] = least
+        if not np.array_equal(least, most):
+            name, wide = self._structure.unit, int(most[0] - least[0]) + 1
+            drawn = Drawn(self._inputs.seeds, wide, runs, lambda seed: f"{seed} {name} computations")
+            for number in range(runs):
+                found[number] += drawn.row(number)
+        return found.reshape(-1)
 
     @cached_property
-    def _late(self) -> Ints:
-        """int64[rounds, scenarios], ticks by which the controller begins a round late."""
+    def _late(self) -> Drawn | None:
+        """Ticks by which the controller begins each round late; None: none."""
         jitter, rounds = self._inputs.controller_jitter, self._inputs.rounds
-        if not jitter:
-            return np.zeros((rounds, self._inputs.scenarios), np.int64)
-        return drawn(self._inputs.seeds, jitter + 1, rounds, lambda seed: seed)
+        return Drawn(self._inputs.seeds, jitter + 1, rounds, lambda seed: seed) if jitter else None
 
     # The run -----------------------------------------------------------------------
 
     def run(self) -> None:
         first = np.full(self._inputs.scenarios, self._terms.first_model, np.int64)
         self._work(self.all, first)
+        plain = plain_rounds(self, self._terms, self._inputs)
         for number in range(self._inputs.rounds):
-            self._round(number)
+            self._round(number, self.all if plain is None else plain.round(number))
+        if plain is not None:
+            plain.count()
         self._hang_on()
 
     def _work(self, who: Ints, begin: Ints) -> None:
         """The models run from this cycle on, and the firmware waits for the first chip."""
-        lanes = self._interrupts.lanes(who, self._taken[who])
-        self._shown[who] = lanes.taken
-        clock, end = self._inputs.clock.of(who), lanes.run(begin, self._costs[self._models[who], who])
+        lanes = self.interrupts.lanes(self.next[who])
+        self.shown[who] = lanes.places
+        clock, end = self._inputs.clock.of(who), lanes.run(begin, self.costs[self.cost[who]])
         first, (off, ready) = lanes.code(end, self._terms.start)
-        self._first[who], self._ready[who], self._taken[who] = first, ready, lanes.taken
-        self._off[who] = off
-        self._chip[who] = 0
-        self._models[who] += 1
+        self.first[who], self.ready[who], self.next[who] = first, ready, lanes.places
+        self.off[who] = off
+        self.chip[who] = 0
+        self.cost[who] += self._inputs.scenarios
         ended = clock.tick(end)
         within = ended <= self._inputs.end[who]
         self.values["span:model"].take(who[within], (ended - clock.tick(begin))[within])
 
-    def _round(self, number: int) -> None:
-        inputs, terms = self._inputs, self._terms
-        due = inputs.due(number)
-        begin = due + self._late[number]
-        there = begin <= inputs.end
-        busy = (self.hung_at >= 0) | (self._stop >= begin)
-        self.due += there
-        self.missed += there & busy
-        who = np.flatnonzero(there & ~busy)
-        start = np.maximum(begin, self._stop + terms.free)
-        begun, refused = start.copy(), np.zeros(inputs.scenarios, np.bool_)
+    def _round(self, number: int, who: Ints) -> None:
+        """Read by read, of these scenarios."""
+        if not who.size:
+            return
+        inputs, terms, given = self._inputs, self._terms, who
+        due = np.broadcast_to(inputs.due(number), inputs.scenarios)[who]
+        begin = due + (0 if self._late is None else self._late.row(number)[who])
+        there = begin <= inputs.end[who]
+        busy = (self.hung_at[who] >= 0) | (self.stop[who] >= begin)
+        self.due[who] += there
+        self.missed[who] += there & busy
+        goes = there & ~busy
+        who, due, begin = who[goes], due[goes], begin[goes]
+        start = np.maximum(begin, self.stop[who] + terms.free)
+        begun = np.minimum(start, due + inputs.controller_jitter)
+        refused = np.zeros(who.size, np.bool_)
         for chip in range(len(terms.names)):
-            who = who[self.hung_at[who] < 0]
-            answered = self._answers(chip, who, start[who])
-            self._refuse(chip, who[~answered], start, refused)
+            runs = self.hung_at[who] < 0
+            if not runs.all():
+                who, due, begun, start = who[runs], due[runs], begun[runs], start[runs]
+                refused = refused[runs]
+            answered = self._answers(chip, who, start)
+            refused |= ~answered
+            stop = start + terms.bus[chip].refused
+            if not answered.all():
+                self._refuse(chip, who[~answered], start[~answered], stop[~answered])
             if answered.any():
-                self._serve(chip, who[answered], start)
-            self._stop[who] = start[who]
-            start[who] += terms.gap
-        who = who[(self.hung_at[who] < 0) & (self._stop[who] <= inputs.end[who])]
+                stop[answered] = self._serve(chip, who[answered], start[answered])
+            self.stop[who] = stop
+            start = stop + terms.gap
+        over = (self.hung_at[who] < 0) & (self.stop[who] <= inputs.end[who])
+        who, due, begun, refused = who[over], due[over], begun[over], refused[over]
         self.over[who] += 1
-        self.nacked_rounds[who] += refused[who]
-        begun = np.minimum(begun, due + inputs.controller_jitter)
-        self.values["round"].take(who, self._stop[who] - begun[who])
-        self.values["slack"].take(who, (due + inputs.round_.down(1))[who] - self._stop[who])
+        self.nacked_rounds[who] += refused
+        self.values["round"].take(who, self.stop[who] - begun)
+        period = np.broadcast_to(inputs.round_.down(1), inputs.scenarios)[who]
+        self.values["slack"].take(who, due + period - self.stop[who])
+        self.odd[given] = (self.chip[given] > 0) | (self.hung_at[given] >= 0)
 
     def _answers(self, chip: int, who: Ints, start: Ints) -> NDArray[np.bool_]:
         """Which of them acknowledge a request of this chip."""
         clock = self._inputs.clock.of(who)
-        own = self._chip[who] == chip
-        mine = np.flatnonzero(own)
-        spare = start[mine] - self._inputs.clock.of(who[mine]).tick(self._first[who[mine]])
-        self.values["asked"].take(who[mine], spare)
-        heard: NDArray[np.bool_] = own & (self._ready[who] < clock.cycle_at(start) + self._terms.seen)
+        own = self.chip[who] == chip
+        spare = start - clock.tick(self.first[who])
+        self.values["asked"].take(who[own], spare[own])
+        heard: NDArray[np.bool_] = own & (self.ready[who] < clock.cycle_at(start) + self._terms.seen)
         return heard
 
-    def _refuse(self, chip: int, who: Ints, start: Ints, refused: NDArray[np.bool_]) -> None:
-        """Nobody acknowledges: a STOP behind the address. `start` becomes the STOP."""
-        bus = self._terms.bus[chip]
-        heard = self._inputs.clock.of(who).cycle_at(start[who] + bus.eighth) + self._terms.seen <= self._off[who]
-        self.refused[who] |= heard & (self._served[who] == chip)
-        start[who] += bus.refused
-        self.nacked[who] += start[who] <= self._inputs.end[who]
-        refused[who] = True
+    def _refuse(self, chip: int, who: Ints, start: Ints, stop: Ints) -> None:
+        """Nobody acknowledges: a STOP behind the address."""
+        seen = self._inputs.clock.of(who).cycle_at(start + self._terms.bus[chip].eighth) + self._terms.seen
+        self.refused[who] |= (seen <= self.off[who]) & (self.served[who] == chip)
+        self.nacked[who] += stop <= self._inputs.end[who]
 
-    def _serve(self, chip: int, who: Ints, start: Ints) -> None:
-        """A read. `start` becomes the STOP; the firmware goes on to the next chip, or to the models."""
-        lanes = self._interrupts.lanes(who, self._taken[who])
-        came = read(self._terms, chip, self._inputs.clock.of(who), lanes, start[who], self._first[who])
+    def _serve(self, chip: int, who: Ints, start: Ints) -> Ints:
+        """A read, and its STOP; the firmware goes on to the next chip, or to the models."""
+        lanes = self.interrupts.lanes(self.next[who])
+        came = read(self._terms, chip, self._inputs.clock.of(who), lanes, start, self.first[who])
         hung = came.hung
         self.hung_at[who[hung]] = came.let_go[hung]
-        start[who] = came.stop
         end, marks = lanes.code(came.seen, self._terms.reads[chip].after)
-        self._taken[who], self._served[who] = lanes.taken, chip
+        self.next[who], self.served[who] = lanes.places, chip
         self.values["SDIR rises"].take(who[~came.missed], came.cleared[~came.missed])
         self._measure(who, came, ~hung & (came.stop <= self._inputs.end[who]))
         if marks:
-            self._first[who], self._chip[who] = end, chip + 1
-            self._off[who], self._ready[who] = marks
+            self.first[who], self.chip[who] = end, chip + 1
+            self.off[who], self.ready[who] = marks
         else:
             well = ~hung
             self._work(who[well], end[well])
+        return came.stop
 
     def _measure(self, who: Ints, came: Read, over: NDArray[np.bool_]) -> None:
         """What measures take of reads that are over."""
@@ -172,9 +187,9 @@ class Rounds:
         self.values["response"].take(who, came.response[over])
         for margin in came.margins:
             self.values["margin of I2CDXR"].take(who, margin[over])
-        again, shown = came.again[over], self._shown[who]
-        since = np.where(shown > 0, self._ended[np.maximum(shown - 1, 0), who], self._ended[0, who])
-        known = self._ended[0, who] <= again
+        again, ends = came.again[over], self._inputs.line.end
+        since = self.begun[np.maximum(self.shown[who] - self._inputs.scenarios, who)] + ends
+        known = self.begun[who] + ends <= again  # the first frame
         self.values["age"].take(who[known], (again - np.minimum(since, again))[known])
 
     def _hang_on(self) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from periph_sim.levels.schedule import schedule
+from periph_sim.levels.schedule import schedule, structure_of
 from periph_sim.scene.case.load import load
 from tests.levels.schedule.scenes import compare, scene
 from tests.profiles import explores
@@ -62,3 +62,32 @@ def test_every_scenario_of_a_call_is_that_scenario_alone():
             mine = alone[name]
             of_all = values.worst[one], values.least[one], values.count[one]
             assert of_all == (mine.worst[0], mine.least[0], mine.count[0]), (one, name)
+
+
+PLAIN = {
+    "one service routine in many places": ({}, ["host.jitter=1 ms", "host.paced_by=pause"]),
+    "several a round": ({}, ["host.period=3 ms", "unit.dsp.settings.frame_cost=20 us", "unit.dsp.ppm=30"]),
+    "NACK windows": ({"unit.dsp.settings.model_cost": (1_000, 17_700_000)}, ["controller.ppm=-30"]),
+    "hang windows": ({}, ["host.period=3 ms", "unit.dsp.settings.frame_cost=300 us"]),
+    "a late first frame": ({"host.first": (0, 60_000_000)}, []),
+}
+
+
+@pytest.mark.parametrize("name", PLAIN)
+def test_rounds_by_table_come_to_what_rounds_read_by_read_come_to(name: str, monkeypatch: pytest.MonkeyPatch):
+    ranges, changes = PLAIN[name]
+    structure = structure_of(load(TIMING / "imu_hil_published.toml", changes))
+    random = np.random.default_rng(1)
+    ranges = {"host.first": (0, 22_000_000), "seed": (0, 9)} | ranges
+    given = {key: random.integers(*range_, 400) for key, range_ in ranges.items()}
+    by_table = schedule(structure, given, rounds=7)
+    monkeypatch.setattr("periph_sim.levels.schedule.rounds.plain_rounds", lambda *_: None)
+    by_read = schedule(structure, given, rounds=7)
+    assert by_table.hung_at.tolist() == by_read.hung_at.tolist()
+    assert by_table.refused.tolist() == by_read.refused.tolist()
+    for one, other in zip(by_table.values(), by_read.values(), strict=True):
+        assert one.worst.tolist() == other.worst.tolist(), one.name
+        assert one.least.tolist() == other.least.tolist(), one.name
+        assert one.count.tolist() == other.count.tolist(), one.name
+    assert bool(by_read["nacked"].worst.any()) == name.endswith("windows")
+    assert bool(by_read.hung.any()) == (name == "hang windows")

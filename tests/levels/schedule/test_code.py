@@ -76,6 +76,6 @@ def test_a_wait_with_interrupts_ends_as_pass_by_pass(poll: int):
         for latch in range(first - 1, 60):
             latches = [latch, latch + 130]
             one = Interrupts(np.array([[latch], [latch + 130], [FAR]]), service, waits)
-            lanes = one.lanes(np.array([0]), np.array([0]))
+            lanes = one.lanes(np.array([0]))
             came = lanes.wait(np.array([first]), np.array([flag]), poll)
             assert came[0] == polled(first, flag, poll, latches, service, waits), (flag, latch)

@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from periph_sim.levels.schedule.draws import drawn
+from periph_sim.levels.schedule.draws import Drawn
 
 SEEDS = st.lists(st.integers(0, 1 << 40), min_size=1, max_size=5)
 
@@ -18,12 +18,15 @@ SEEDS = st.lists(st.integers(0, 1 << 40), min_size=1, max_size=5)
 @example([3], (1 << 40) + 1, 4)  # of two words each
 @given(SEEDS, st.integers(1, 1 << 34), st.integers(1, 60))
 def test_each_number_is_the_one_that_an_edge_run_draws(seeds: list[int], below: int, count: int):
-    came = drawn(np.array(seeds), below, count, lambda seed: f"{seed} dsp computations")
+    drawn = Drawn(np.array(seeds), below, count, lambda seed: f"{seed} dsp computations")
+    came = np.array([drawn.row(number) for number in range(count)])
     draw = [Random(f"{seed} dsp computations") for seed in seeds]
     assert came.T.tolist() == [[one.randrange(below) for _ in range(count)] for one in draw]
 
 
 def test_the_draws_of_a_range_are_those_of_randint():
-    came = drawn(np.array([5]), 3001, 50, lambda seed: seed + 1)
+    drawn = Drawn(np.array([5]), 3001, 50, lambda seed: seed + 1)
     one = Random(6)
-    assert (came[:, 0] + 34_200).tolist() == [one.randint(34_200, 37_200) for _ in range(50)]
+    assert [int(drawn.row(number)[0]) + 34_200 for number in range(50)] == [
+        one.randint(34_200, 37_200) for _ in range(50)
+    ]

@@ -1,0 +1,203 @@
+"""Rounds by table: the firmware's state of all scenarios goes in; theirs behind the round comes out, and who is left.
+
+    q <= flag - enough      served while the firmware waits for the round: the phase moves by `service`
+    q in a window           the row of its wait
+    no q in the round       row 0
+    anything else           left to `rounds`, read by read: an interrupt near a flag or in code, a NACK window, a hang
+
+    begin of the models = flag + table[row, phase];  end = begin + cost, later by each interrupt in it;  first fetch ..
+
+What takes time is passing over arrays, so each is passed over as seldom as can be, and most of them in place.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+
+from .clock import CpuClock, Ints
+from .extremes import Extremes
+from .inputs import Inputs
+from .lanes import Interrupts
+from .tables import RoundTable, round_tables
+from .terms import Terms
+
+
+class State(Protocol):
+    """Of `rounds.Rounds`."""
+
+    first: Ints
+    ready: Ints
+    off: Ints
+    served: Ints
+    next: Ints
+    shown: Ints
+    cost: Ints
+    stop: Ints
+    odd: np.typing.NDArray[np.bool_]
+    due: Ints
+    over: Ints
+    phases: Ints
+    begun: Ints
+    interrupts: Interrupts
+    values: dict[str, Extremes]
+    all: Ints
+
+    @property
+    def costs(self) -> Ints: ...
+
+
+def plain_rounds(state: State, terms: Terms, inputs: Inputs) -> PlainRounds | None:
+    """None where scenarios differ in when rounds begin, or in the unit's clock: then each goes read by read."""
+    clock = inputs.clock
+    alike = inputs.controller_jitter == 0 and isinstance(clock.num, int)
+    alike &= isinstance(inputs.round_.num, int) and bool((inputs.controller_first == inputs.controller_first[0]).all())
+    if not alike or inputs.scenarios < 2:
+        return None
+    first = int(inputs.controller_first[0])
+    starts = np.array([first + int(inputs.round_.down(number)) for number in range(inputs.rounds + 1)], np.int64)
+    length = sum(bus.stop for bus in terms.bus) + terms.gap * len(terms.bus) + terms.free
+    if int(np.diff(starts).min()) <= length:
+        return None
+    return PlainRounds(state, terms, inputs, clock, starts)
+
+
+class PlainRounds:
+    def __init__(self, state: State, terms: Terms, inputs: Inputs, clock: CpuClock, starts: Ints) -> None:
+        self._state, self._terms, self._inputs, self._clock = state, terms, inputs, clock
+        self._tables = round_tables(terms, clock, starts[:-1])
+        self._dues = starts
+        self._rounds = 0
+        self._left = np.zeros(inputs.scenarios, np.int64)  # rounds that went read by read
+        buses = [sum(bus.stop + terms.gap for bus in terms.bus[:chip]) for chip in range(len(terms.bus))]
+        self._agains = [since + bus.again for since, bus in zip(buses, terms.bus, strict=True)]
+        self._stop = buses[-1] + terms.bus[-1].stop
+        self._known = int(state.begun[: inputs.scenarios].max()) + inputs.line.end  # the first frame of all is over
+
+    def round(self, number: int) -> Ints:
+        """The scenarios that are left, with the state that they had."""
+        state, terms, table = self._state, self._terms, self._tables[number]
+        latches, scenarios = state.interrupts.latches, self._inputs.scenarios
+        first, place = state.first, state.next
+        phase, place, coming = self._served_before(table, first - table.flag, place.copy())
+        phase -= phase // terms.poll * terms.poll
+        left = [np.flatnonzero(state.odd), np.flatnonzero(first >= table.heard)]
+        hit = np.flatnonzero(coming <= table.flag + table.last)
+        if hit.size:
+            at = np.searchsorted(table.windows, coming[hit] - table.flag, side="right")
+            phase[hit] += ((at >> 1) + 1) * terms.poll
+            left.append(hit[at & 1 == 0])
+            phase[left[-1]] = 0
+            place[hit] += scenarios
+            coming[hit] = latches[place[hit]]
+            left.append(hit[coming[hit] <= table.flag + table.last])
+        if not table.plain.all():
+            left.append(np.flatnonzero(~table.plain[phase]))
+        but = np.unique(np.concatenate(left))
+        self._rounds += 1
+        self._left[but] += 1
+        self._take(number, table, phase, but)
+        self._work(number, table, phase, place, coming, but)
+        return but
+
+    def _served_before(self, table: RoundTable, phase: Ints, place: Ints) -> tuple[Ints, Ints, Ints]:
+        """Interrupts that come while the firmware waits for the round: phase, place and latch of the next one."""
+        terms, latches = self._terms, self._state.interrupts.latches
+        until = table.flag - 2 * terms.poll - terms.waits - terms.service
+        coming = latches.take(place, mode="clip")
+        early = coming <= until
+        found = np.count_nonzero(early)
+        if 8 * found > early.size:  # most of them: all at once
+            phase += early * terms.service
+            place += early * self._inputs.scenarios
+            coming = latches.take(place, mode="clip")
+            early = coming <= until
+        hit = np.flatnonzero(early)
+        while hit.size:
+            phase[hit] += terms.service
+            place[hit] += self._inputs.scenarios
+            coming[hit] = latches[place[hit]]
+            hit = hit[coming[hit] <= until]
+        return phase, place, coming
+
+    def _take(self, number: int, table: RoundTable, entry: Ints, but: Ints) -> None:
+        """What measures take of the round, but for these scenarios."""
+        state, values, clock = self._state, self._state.values, self._clock
+        for name, range_ in (("margin of I2CDXR", table.margins), ("SDIR rises", table.rises), ("asked", table.asked)):
+            if range_ is not None:
+                worst, least = range_
+                values[name].take_range(worst.take(entry, mode="clip"), least.take(entry, mode="clip"), but)
+        values["asked"].take_all(table.start - clock.tick(state.first), but)
+        since = state.begun.take(np.maximum(state.shown - self._inputs.scenarios, state.all), mode="clip")
+        since += self._inputs.line.end
+        self._take_age(table, since, but)
+        stop = table.start + self._stop
+        values["slack"].take_all(self._dues[number] + int(self._inputs.round_.down(1)) - stop, but)
+
+    def _take_age(self, table: RoundTable, since: Ints, but: Ints) -> None:
+        """since: the end of the frame that the reads carry."""
+        age = self._state.values["age"]
+        agains = [table.start + again for again in self._agains]
+        if agains[0] >= self._known:
+            oldest, youngest = (again - np.minimum(since, again) for again in (agains[-1], agains[0]))
+            age.take_range(np.maximum(oldest, youngest), np.minimum(oldest, youngest), but)
+            return
+        there = np.ones(since.size, np.bool_)
+        there[but] = False
+        age.count -= len(agains) * there  # as `count` takes all rounds to have one of each read
+        first = self._state.begun[: since.size] + self._inputs.line.end
+        for again in agains:
+            who = np.flatnonzero(there & (first <= again))
+            age.take(who, again - np.minimum(since[who], again))
+
+    def _work(self, number: int, table: RoundTable, entry: Ints, place: Ints, coming: Ints, but: Ints) -> None:
+        """The models run, and the firmware waits for the first chip again."""
+        state, terms, inputs = self._state, self._terms, self._inputs
+        begin = table.begin.take(entry, mode="clip")
+        begin += table.flag
+        shown = place.copy()
+        cost = state.costs.take(state.cost, mode="clip")
+        end = begin + cost
+        start = terms.start
+        first = end + start.length
+        off, ready = (end + calm for calm, _ in start.marks)
+        hit = np.flatnonzero(coming <= end + start.last)
+        if hit.size:
+            lanes = state.interrupts.lanes(place[hit])
+            end[hit] = late = lanes.run(begin[hit], cost[hit])
+            first[hit], (off[hit], ready[hit]) = lanes.code(late, start)
+            place[hit] = lanes.places
+        ended = self._clock.tick(end)
+        lasted = ended - table.begun.take(entry, mode="clip")
+        if number + 1 < inputs.rounds or int(ended.max()) <= int(inputs.end.min()):
+            state.values["span:model"].take_all(lasted, but)
+        else:
+            cut = np.unique(np.concatenate([but, np.flatnonzero(ended > inputs.end)]))
+            state.values["span:model"].take_all(lasted, cut)
+            state.values["span:model"].count[np.setdiff1d(cut, but)] -= 1
+        stop = np.full(inputs.scenarios, table.start + self._stop, np.int64)
+        served = np.full(inputs.scenarios, len(terms.names) - 1, np.int64)
+        cost_at = state.cost + inputs.scenarios
+        for name, new in (
+            *(("first", first), ("off", off), ("ready", ready), ("next", place), ("shown", shown)),
+            *(("stop", stop), ("served", served), ("cost", cost_at)),
+        ):
+            new[but] = getattr(state, name)[but]
+            setattr(state, name, new)
+
+    def count(self) -> None:
+        """How many values all rounds by table took."""
+        state, terms = self._state, self._terms
+        times, reads = self._rounds - self._left, len(terms.names)
+        values, there = state.values, np.flatnonzero(times)
+        values["response"].take(there, np.full(there.size, terms.low, np.int64))
+        values["round"].take(there, np.full(there.size, self._stop, np.int64))
+        values["response"].count += reads * times - (times > 0)
+        values["round"].count += times - (times > 0)
+        values["margin of I2CDXR"].count += sum(len(bus.needs) for bus in terms.bus) * times
+        for name, each in (("slack", 1), ("span:model", 1), ("age", reads), ("asked", reads), ("SDIR rises", reads)):
+            values[name].count += each * times
+        state.due += times
+        state.over += times
+        state.phases += 2 * reads * times

@@ -12,7 +12,7 @@ from ..records.record_text import on_the_bus
 from .chain import Chain, Part, Step, parts_of
 from .cpu_activity import Stretch
 from .device_evidence import answering, bytes_of_device, note_of_device, sender
-from .evidence import Evidence, Phase, in_order
+from .evidence import Evidence, RecordedPhase, in_order
 from .fault_evidence import ONES, bytes_sent, deaf, is_master, own_address, refusing, released, stale, unread
 
 I2C = "I2C-A"
@@ -144,7 +144,7 @@ def a_round(evidence: Evidence, due: int, end: int) -> Chain:
     return evidence.chain(in_order(steps, [evidence.say(end, "last STOP")]), parts_of(parts))
 
 
-def _phase_parts(evidence: Evidence, phase: Phase, end: int) -> list[Stretch]:
+def _phase_parts(evidence: Evidence, phase: RecordedPhase, end: int) -> list[Stretch]:
     """The time of a phase: the bus's own, and what the firmware did while it held SCL."""
     parts: list[Stretch] = []
     at = phase.begin
@@ -215,7 +215,7 @@ def nack(evidence: Evidence) -> Chain:
     return evidence.chain(in_order(steps), (), _blamed(to_blame) or evidence.blame_at(at))
 
 
-def _unanswered(evidence: Evidence, phase: Phase) -> Chain:
+def _unanswered(evidence: Evidence, phase: RecordedPhase) -> Chain:
     at = phase.begin if phase.answered is None else phase.answered
     steps = [
         evidence.say(phase.begin, f"START, {phase}"),

@@ -14,25 +14,25 @@ from ..core.records import Kind, Record
 from ..devices.targets import eeprom
 from ..records.record_text import bus_byte
 from .chain import Part, Step
-from .evidence import Evidence, Phase
+from .evidence import Evidence, RecordedPhase
 from .fault_evidence import I2C, is_master
 
 WORD = re.compile(r"0x[0-9a-f]{4}\b")  # a word address in a note
 
 
-def sender(evidence: Evidence, phase: Phase) -> str:
+def sender(evidence: Evidence, phase: RecordedPhase) -> str:
     """The device that sends the bytes of a read to the unit; "" if a unit sends them."""
     if not phase.read or not is_master(evidence, phase.begin) or any(_answers(evidence, phase)):
         return ""
     return evidence.device_at(phase.address) or phase.name or f"the device at 0x{phase.address:02X}"
 
 
-def answering(evidence: Evidence, phase: Phase) -> Evidence:
+def answering(evidence: Evidence, phase: RecordedPhase) -> Evidence:
     """The same about the unit that a read is of, where it is not the one that is told about."""
     return next(_answers(evidence, phase), evidence)
 
 
-def _answers(evidence: Evidence, phase: Phase) -> Iterator[Evidence]:
+def _answers(evidence: Evidence, phase: RecordedPhase) -> Iterator[Evidence]:
     """Other units that have the address of a phase as their own, if no device has it."""
     if evidence.device_at(phase.address):
         return
@@ -43,7 +43,7 @@ def _answers(evidence: Evidence, phase: Phase) -> Iterator[Evidence]:
             yield other
 
 
-def bytes_of_device(evidence: Evidence, phase: Phase) -> list[Step]:
+def bytes_of_device(evidence: Evidence, phase: RecordedPhase) -> list[Step]:
     """Each byte of a read of a device: from which word of a memory, and when that was written, as far as known."""
     who = sender(evidence, phase)
     first = first_word(evidence, phase)
@@ -62,7 +62,7 @@ def bytes_of_device(evidence: Evidence, phase: Phase) -> list[Step]:
     return steps
 
 
-def note_of_device(evidence: Evidence, phase: Phase) -> tuple[list[Step], Part | None]:
+def note_of_device(evidence: Evidence, phase: RecordedPhase) -> tuple[list[Step], Part | None]:
     """The last duty that the device of a read noted as broken up to its end, and that as the cause, if it is one."""
     who = sender(evidence, phase)
     there = (*evidence.window.before, *evidence.window.records)
@@ -77,7 +77,7 @@ def note_of_device(evidence: Evidence, phase: Phase) -> tuple[list[Step], Part |
     return [evidence.say(note.tick, told)], Part("code", told, 0) if concerns else None
 
 
-def _part(evidence: Evidence, phase: Phase) -> eeprom.Part | None:
+def _part(evidence: Evidence, phase: RecordedPhase) -> eeprom.Part | None:
     """The memory that a read is of; None if it is of another device."""
     table = evidence.case.device.get(evidence.device_at(phase.address))
     if table is None or table.model not in eeprom.MODELS:
@@ -86,7 +86,7 @@ def _part(evidence: Evidence, phase: Phase) -> eeprom.Part | None:
     return part._replace(page=table.own.get("page") or part.page)
 
 
-def first_word(evidence: Evidence, phase: Phase) -> int | None:
+def first_word(evidence: Evidence, phase: RecordedPhase) -> int | None:
     """The word address of a read's first byte, where the write before it, to the same address, tells."""
     memory = _part(evidence, phase)
     before = max((p for p in evidence.phases if p.end <= phase.begin), key=lambda p: p.begin, default=None)
@@ -95,13 +95,13 @@ def first_word(evidence: Evidence, phase: Phase) -> int | None:
     return _pointer(memory, before) if len(before.data) == memory.word else None
 
 
-def _pointer(memory: eeprom.Part, phase: Phase) -> int:
+def _pointer(memory: eeprom.Part, phase: RecordedPhase) -> int:
     block = phase.address & memory.blocks - 1
     word = int.from_bytes(bytes(byte.value >> 1 & 0xFF for byte in phase.data[: memory.word]), "big")
     return ((block << 8 if memory.word == 1 else 0) + word) % memory.size
 
 
-def _writes(evidence: Evidence, read: Phase) -> Iterator[tuple[int, Record]]:
+def _writes(evidence: Evidence, read: RecordedPhase) -> Iterator[tuple[int, Record]]:
     """(word, byte on the bus) of every write to a memory before a read, going round at the end of a page as it does."""
     memory = _part(evidence, read)
     if memory is None:

@@ -25,7 +25,7 @@ MOST = 12  # service routines, spans and waits told of an occurrence: the longes
 
 
 @dataclass(frozen=True)
-class Phase:
+class RecordedPhase:
     """What the controller did from a START or repeated START to the next one or the STOP.
 
     answered: the tick of the SCL fall behind the address's ACK slot; None if the record ends before.
@@ -167,9 +167,9 @@ class Evidence:
     # Bus --------------------------------------------------------------------------
 
     @cached_property
-    def phases(self) -> list[Phase]:
+    def phases(self) -> list[RecordedPhase]:
         """All that begin in the window."""
-        found: list[Phase] = []
+        found: list[RecordedPhase] = []
         records = [r for r in self.window.records if r.kind is Kind.BUS]
         starts = [i for i, r in enumerate(records) if r.what in ("START", "repeated START")]
         for i in starts:
@@ -179,7 +179,7 @@ class Evidence:
             sent = NO_ADDRESS if address is None else bus_byte(address) or NO_ADDRESS
             end = records[over].tick if over < len(records) else self.window.kept[-1].end - 1
             found.append(
-                Phase(
+                RecordedPhase(
                     name=self._devices.get(sent.value, records[i].text),
                     begin=records[i].tick,
                     end=end,
@@ -193,7 +193,7 @@ class Evidence:
             )
         return found
 
-    def phase_at(self, tick: int) -> Phase | None:
+    def phase_at(self, tick: int) -> RecordedPhase | None:
         """The phase on the bus at a tick."""
         return next((p for p in reversed(self.phases) if p.begin <= tick <= p.end), None)
 

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from ..core.records import Kind, Record
 from ..records.record_text import bus_byte
 from .chain import Step
-from .evidence import Evidence, Phase
+from .evidence import Evidence, RecordedPhase
 
 I2C = "I2C-A"
 ONES = 0xFF  # what is read where nobody drives SDA
@@ -27,7 +27,7 @@ NEEDED = (  # fields that must be 1 for the module to answer, and what follows w
 WAITED = ("SCD", "RRDY", "NACK")  # flags that firmware waits for and that stay until they are cleared
 
 
-def bytes_sent(evidence: Evidence, phase: Phase) -> Iterator[tuple[Record, Record | None, str]]:
+def bytes_sent(evidence: Evidence, phase: RecordedPhase) -> Iterator[tuple[Record, Record | None, str]]:
     """Each byte of a read with the write that it came of, as far as anybody knows, and that in words."""
     writes = evidence.accesses(0, phase.end, "W", I2C, "I2CDXR")
     before = phase.begin if phase.answered is None else phase.answered
@@ -119,7 +119,7 @@ def is_master(evidence: Evidence, tick: int) -> bool:
     return last is not None and last.value == 1
 
 
-def stale(evidence: Evidence, phase: Phase) -> list[Step]:
+def stale(evidence: Evidence, phase: RecordedPhase) -> list[Step]:
     """Looks in a transfer at a flag that rose before it: they ended a wait at once."""
     steps = []
     for look_at in evidence.accesses(phase.begin, phase.end, "R", I2C, "I2CSTR"):

@@ -32,7 +32,7 @@ from ..core.suggest import did_you_mean
 from ..core.wire import Wire
 from ..devices.chips import chip_models
 from ..devices.targets import BadDevice, Target, TargetContext, families
-from .case.device_tables import BusParty, DeviceFault, DeviceTable, StretchTable
+from .case.device_tables import BusParty, DeviceTable, Strikes
 from .case.error_text import complaint, place_of
 from .case.origin import Place as Key
 from .context import SceneContext
@@ -98,7 +98,7 @@ def put_on_bus(context: SceneContext, name: str, table: BusParty, target: Answer
     def hold_clock(ticks: int) -> None:
         sides[0].hold_clock(ticks)
 
-    def when(number: int, of: StretchTable | DeviceFault) -> When:
+    def when(number: int, of: Strikes) -> When:
         until = None if of.until is None else context.start + context.ticks(of.until)
         return When(
             Random(f"{context.case.seed} {name} {number}"),

@@ -17,7 +17,7 @@ from periph_sim.devices.sensor_head import CHIPS
 from periph_sim.devices.targets import eeprom, families, registers
 from periph_sim.devices.targets.register_settings import Interrupt, RegisterTable, Sets
 from periph_sim.processor.dsp import MODULES
-from periph_sim.scene.case.device_tables import BusParty, DeviceFault, DeviceTable, StretchTable
+from periph_sim.scene.case.device_tables import BusParty, DeviceFault, DeviceTable, StretchTable, Strikes
 from periph_sim.scene.case.model import (
     Case,
     ChipTable,
@@ -75,8 +75,9 @@ def rows(heading: str) -> list[list[str]]:
 @pytest.mark.parametrize("heading", TABLES)
 def test_every_key_with_its_default(heading: str):
     kind = TABLES[heading]
-    names = sorted(kind.model_fields, key=lambda name: issubclass(kind, BusParty) and name in BusParty.model_fields)
-    fields = {kind.model_fields[name].alias or name: kind.model_fields[name] for name in names}  # its own ones first
+    shared = {name for base in (BusParty, Strikes) if issubclass(kind, base) for name in base.model_fields}
+    names = sorted(kind.model_fields, key=lambda name: name in shared)  # its own ones first
+    fields = {kind.model_fields[name].alias or name: kind.model_fields[name] for name in names}
     shown = {key.strip("`"): default for key, _, default in rows(heading)}
     assert list(shown) == list(fields)
     for name, default in shown.items():
@@ -94,8 +95,9 @@ def test_every_table_of_the_model_has_a_section():
     modules = {
         kind.__module__ for kind in (Case, Cable, TransceiverTable, SerialTable, Budget, DeviceTable, RegisterTable)
     }
-    kinds = {kind for kind in [*Table.__subclasses__(), *BusParty.__subclasses__()] if kind.__module__ in modules}
-    assert kinds - {BusParty, Sets} == {*TABLES.values(), Options} - {eeprom.Settings}
+    bases = (Table, BusParty, Strikes)
+    kinds = {kind for base in bases for kind in base.__subclasses__() if kind.__module__ in modules}
+    assert kinds - {BusParty, Strikes, Sets} == {*TABLES.values(), Options} - {eeprom.Settings}
 
 
 def test_every_family_of_devices_has_a_section():

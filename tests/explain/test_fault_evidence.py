@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from periph_sim.core.records import Kind, Record
-from periph_sim.explain.evidence import Evidence, Phase
+from periph_sim.explain.evidence import Evidence, RecordedPhase
 from periph_sim.explain.explain import Explained, explain
 from periph_sim.explain.fault_evidence import bytes_sent
 from periph_sim.explain.picture import text_picture
@@ -319,7 +319,7 @@ def test_a_byte_came_of_what_was_written_before_its_first_bit():
         channel_of_edges("SCL", 1, 0, np.array([30, 35, 45, 50])),
     )
     window = replace(window, records=(*window.records, *writes, byte), edges=replace(window.edges, channels=channels))
-    phase = Phase("", 0, 99, 0x50, True, True, 15, False, (byte,))
+    phase = RecordedPhase("", 0, 99, 0x50, True, True, 15, False, (byte,))
     evidence = Evidence(window, case(unit={"dsp": {"firmware": "given", "modules": ["I2C-A"]}}))
     ((_, write, said_of_it),) = bytes_sent(evidence, phase)
     assert write == writes[0] and said_of_it == "byte 1: 0x11 ACK, written 0.023 us before its end"

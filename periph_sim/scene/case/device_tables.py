@@ -15,16 +15,21 @@ PhaseNumber = Annotated[int, Field(ge=1)]
 Access = Literal["read", "write", "any"]
 
 
-class StretchTable(Table):
-    """Which bytes are stretched, and for how long. A text is a length alone: each byte, the address too."""
+class Strikes(Table):
+    """Which bytes a stretch or a fault strikes, and from when to when."""
 
-    length: DurationRange
     bytes: tuple[ByteNumber, ...] = ()
     access: Access = "any"
     phases: tuple[PhaseNumber, ...] = ()
     share: Share = Fraction(1)
     after: Duration = Fraction(0)
     until: Duration | None = None
+
+
+class StretchTable(Strikes):
+    """Which bytes are stretched, and for how long. A text is a length alone: each byte, the address too."""
+
+    length: DurationRange
 
 
 def _length_alone(value: object) -> object:
@@ -33,19 +38,13 @@ def _length_alone(value: object) -> object:
 
 STRETCH = Annotated[StretchTable, BeforeValidator(_length_alone, json_schema_input_type=DurationRange | StretchTable)]
 OWN = {"nack": (), "wrong": ("value",), "flip": ("bit",), "hold": ("length", "clocks"), "off": ()}
-STRIKES = ("bytes", "access", "phases", "share")  # what says which bytes; an outage strikes them all
+WHICH_BYTES = ("bytes", "access", "phases", "share")  # an outage strikes them all
 
 
-class DeviceFault(Table):
+class DeviceFault(Strikes):
     """A way in which a device is faulty: `kind`, when, and the keys of that kind."""
 
     kind: Literal["nack", "wrong", "flip", "hold", "off"]
-    bytes: tuple[ByteNumber, ...] = ()
-    access: Access = "any"
-    phases: tuple[PhaseNumber, ...] = ()
-    share: Share = Fraction(1)
-    after: Duration = Fraction(0)
-    until: Duration | None = None
     value: Byte | None = None
     bit: Annotated[int, Field(ge=0, le=7)] | None = None
     length: Length | None = None
@@ -55,7 +54,7 @@ class DeviceFault(Table):
     def _keys_of_its_kind(self) -> DeviceFault:
         others = {key for kind, keys in OWN.items() for key in keys} - set(OWN[self.kind])
         if self.kind == "off":
-            others |= set(STRIKES)
+            others |= set(WHICH_BYTES)
         foreign = sorted(others & self.model_fields_set)
         if foreign:
             raise ValueError(f"a fault of kind {self.kind!r} has no {' and no '.join(foreign)}; leave it out")

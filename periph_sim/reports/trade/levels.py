@@ -1,0 +1,86 @@
+"""The levels that a case can run at: a case goes in; levels, as changes of the case, come out.
+
+    fidelity                edge, the reference, and what else `fidelity` takes
+    arithmetic              where the firmware has a setting of that name
+    skip_polls, poll_pass   how waiting firmware polls
+
+A new value of `fidelity` is a level as soon as cases take it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, is_dataclass
+from typing import get_args
+
+from ...core.suggest import did_you_mean
+from ...scene.case.model import BadCase, Case
+from ...scene.firmware_loader import BadFirmware, load_firmware
+
+FIDELITIES: tuple[str, ...] = get_args(Case.model_fields["fidelity"].annotation)
+REFERENCE = "edge"
+ARITHMETICS = ("bytes", "q16", "float32", "float64")
+POLL_PASSES = (7, 21)  # the shortest and the longest pass that was counted in compiled programs (docs/fidelity.md)
+
+
+@dataclass(frozen=True)
+class Level:
+    """changes: of the case, as `--set` has them."""
+
+    name: str
+    changes: tuple[str, ...]
+
+
+def level_of(fidelity: str) -> Level:
+    return Level(fidelity, (f"fidelity={fidelity}",))
+
+
+def levels_of(case: Case) -> list[Level]:
+    """The reference first, then all others that make a difference to this case's text."""
+    others = [level_of(name) for name in FIDELITIES if name != REFERENCE]
+    return [level_of(REFERENCE), *others, *_arithmetics(case), *_poll_models(case)]
+
+
+def chosen(levels: list[Level], names: tuple[str, ...]) -> list[Level]:
+    """The reference and the levels of these names; all if none is named. BadCase for a name that is none."""
+    known = {level.name: level for level in levels}
+    for name in names:
+        if name not in known:
+            raise BadCase(f"there is no level {name!r} of this case; {did_you_mean(name, list(known))}")
+    return [level for level in levels if not names or level.name in names or level.name == REFERENCE]
+
+
+def _arithmetics(case: Case) -> Iterator[Level]:
+    """Of all units together whose firmware computes."""
+    current = {name: unit.settings.get("arithmetic", _default(unit.firmware)) for name, unit in case.unit.items()}
+    computing = {name: now for name, now in current.items() if now is not None}
+    for arithmetic in ARITHMETICS:
+        if computing and set(computing.values()) != {arithmetic}:
+            changes = (f"unit.{unit}.settings.arithmetic={arithmetic}" for unit in computing)
+            yield Level(f"arithmetic={arithmetic}", _at_edges(*changes))
+
+
+def _default(firmware: str) -> object:
+    """The arithmetic that firmware computes in where a case says nothing; None where it has no such setting."""
+    try:
+        settings = load_firmware(firmware).settings
+    except BadFirmware:
+        return None
+    if not isinstance(settings, type) or not is_dataclass(settings):
+        return None
+    return next((field.default for field in fields(settings) if field.name == "arithmetic"), None)
+
+
+def _poll_models(case: Case) -> Iterator[Level]:
+    if not case.unit:
+        return
+    if any(unit.skip_polls for unit in case.unit.values()):
+        yield Level("skip_polls=false", _at_edges(*(f"unit.{name}.skip_polls=false" for name in case.unit)))
+    for cycles in POLL_PASSES:
+        if any(unit.code.poll_pass != cycles for unit in case.unit.values()):
+            changes = (f"unit.{name}.code.poll_pass={cycles}" for name in case.unit)
+            yield Level(f"poll_pass={cycles}", _at_edges(*changes))
+
+
+def _at_edges(*changes: str) -> tuple[str, ...]:
+    return (f"fidelity={REFERENCE}", *changes)

@@ -1,0 +1,146 @@
+"""A trade for people and for programs: a `Trade` goes in; tables of 80 columns, or what `--json` prints, come out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict
+from math import inf, isinf
+
+from ...core.text_table import paragraph, text_table, together
+from .cost import TRACED, Cost
+from .errors import CYCLES, Errors
+from .levels import REFERENCE
+from .trade import Outcome, Trade
+
+INFINITE = "infinite"
+
+
+def text(found: Trade) -> str:
+    """What each level costs and how far it is off; then, level by level, each observable that is not exact."""
+    return "\n".join(_lines(found))
+
+
+def _lines(found: Trade) -> Iterator[str]:
+    part = "" if found.simulated_s >= found.duration_s else f" the first {_length(found.simulated_s)} of"
+    yield from paragraph(
+        f"{found.case}:{part} {_length(found.duration_s)}, {found.observables} observables, {found.occurrences} "
+        f"occurrences; against {REFERENCE}, in SYSCLKOUT cycles of {found.cycle_s * 1e9:.3f} ns"
+    )
+    yield ""
+    yield from _costs(found)
+    yield "CPU: seconds of processor time a simulated second, without records"
+    yield from paragraph(f"memory: most that Python had allocated in the first {_length(float(TRACED))} (tracemalloc)")
+    for outcome in found.outcomes[1:]:
+        yield ""
+        yield from _level(outcome, found)
+
+
+def _costs(found: Trade) -> list[str]:
+    rows = [_row(outcome, outcome is found.reference) for outcome in found.outcomes]
+    return text_table(("level", "CPU", "I2C bytes/s", "events/byte", "memory", "worst error"), rows, range(1, 6))
+
+
+def _row(outcome: Outcome, is_reference: bool) -> tuple[str, ...]:
+    cost = outcome.cost
+    if cost is None:
+        return (outcome.level.name, "-", "-", "-", "-", "refused")
+    worst = "reference" if is_reference else _worst(outcome)
+    speed = f"{cost.bytes_per_cpu_second:.0f}" if cost.i2c_bytes else "-"
+    events = f"{cost.events_per_byte:.1f}" if cost.events_per_byte else "-"
+    memory = f"{cost.memory / 1e6:.2f} MB"
+    return (outcome.level.name, f"{cost.cpu_per_second:.3g} s", speed, events, memory, worst)
+
+
+def _worst(outcome: Outcome) -> str:
+    """In cycles; what is no time has an error of its own."""
+    others = any(not each.exact for each in outcome.errors if each.unit != CYCLES)
+    if not outcome.worst:
+        return "values" if others else "exact"
+    return number(outcome.worst)
+
+
+def _level(outcome: Outcome, found: Trade) -> Iterator[str]:
+    name, cost = outcome.level.name, outcome.cost
+    if cost is None:
+        yield from paragraph(f"{name}: refused: {outcome.refused}")
+        return
+    wrong = [each for each in outcome.errors if not each.exact]
+    share = _byte_share(cost)
+    if not wrong:
+        yield from paragraph(f"{name}: all {len(outcome.errors)} observables exact{share}")
+        return
+    yield from paragraph(
+        f"{name}: {len(outcome.errors) - len(wrong)} of {len(outcome.errors)} observables exact{share}"
+    )
+    yield ""
+    rows = [
+        (each.name, f"{each.count}", number(each.mean), number(each.p99), number(each.worst), together(each.unit))
+        for each in sorted(wrong, key=lambda each: -each.worst)
+    ]
+    yield from text_table(("observable", "count", "mean", "p99", "worst", ""), rows, range(1, 5))
+    for each in wrong:
+        if isinf(each.worst):
+            yield from paragraph(f"{each.name}: {without_partner(each)}")
+
+
+def without_partner(each: Errors) -> str:
+    """`lacks 2, adds 1, 3 in another order`: why an error is infinite."""
+    told = [f"lacks {each.lacking}"] * bool(each.lacking) + [f"adds {each.added}"] * bool(each.added)
+    return ", ".join(told + [f"{each.disordered} in another order"] * bool(each.disordered))
+
+
+def _byte_share(cost: Cost) -> str:
+    if not cost.byte_level or not cost.i2c_bytes:
+        return ""
+    return f"; {100 * cost.byte_level / cost.i2c_bytes:.1f} % of the I2C bytes at byte level"
+
+
+def number(value: float) -> str:
+    """`infinite`, `0`, `13`, `3.75`, `93686.2`: no more digits than tell something."""
+    if isinf(value):
+        return INFINITE
+    digits = f"{value:.1f}" if value >= 100 else f"{value:.3g}"
+    return digits.rstrip("0").rstrip(".") if "." in digits and "e" not in digits else digits
+
+
+def _length(seconds: float) -> str:
+    """`60 ms`, `10 s`."""
+    return f"{seconds * 1000:g} ms" if seconds < 1 else f"{seconds:g} s"
+
+
+def as_json(found: Trade) -> dict[str, object]:
+    """Infinite errors are the text "infinite"."""
+    return {
+        "case": found.case,
+        "simulated_s": found.simulated_s,
+        "cycle_s": found.cycle_s,
+        "memory": f"most that Python had allocated in the first {_length(float(TRACED))} (tracemalloc)",
+        "levels": [_outcome_as_json(outcome) for outcome in found.outcomes],
+    }
+
+
+def _outcome_as_json(outcome: Outcome) -> dict[str, object]:
+    cost = outcome.cost
+    told: dict[str, object] = {"name": outcome.level.name, "changes": list(outcome.level.changes)}
+    if cost is None:
+        return told | {"refused": outcome.refused}
+    costs = {
+        "cpu_s_per_simulated_s": cost.cpu_per_second,
+        "i2c_bytes_per_cpu_s": cost.bytes_per_cpu_second,
+        "events_per_byte": cost.events_per_byte,
+        "events": cost.events,
+        "memory_bytes": cost.memory,
+        "byte_level_bytes": cost.byte_level,
+    }
+    return told | {
+        "cost": costs,
+        "worst_cycles": _finite(outcome.worst),
+        "observables": [
+            {key: _finite(value) if isinstance(value, float) else value for key, value in asdict(each).items()}
+            for each in outcome.errors
+        ],
+    }
+
+
+def _finite(value: float) -> float | str:
+    return INFINITE if value == inf else value

@@ -1,0 +1,95 @@
+"""All levels on one scene: what makes the case and the levels go in; a `Trade` of errors and costs comes out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from math import inf
+
+from ...core.kernel import SimulationStuck
+from ...f28335.system.memory_map import NoSuchAddress
+from ...processor.error_origin import FirmwareError
+from ...scene.case.model import BadCase, Case
+from .cost import Cost, cost_of
+from .errors import Errors, within, worst_of
+from .levels import Level
+from .observe import Observed, compare, observe
+
+REFUSED = (BadCase, SimulationStuck, NoSuchAddress, FirmwareError)
+Make = Callable[[Sequence[str]], Case]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a level. refused: why it could not be run. errors: empty of the reference."""
+
+    level: Level
+    refused: str = ""
+    cost: Cost | None = None
+    errors: tuple[Errors, ...] = ()
+
+    @property
+    def worst(self) -> float:
+        """Cycles; infinite if it could not be run."""
+        return inf if self.cost is None else worst_of(self.errors)
+
+    def holds(self, cycles: float) -> bool:
+        return self.cost is not None and within(self.errors, cycles)
+
+
+@dataclass(frozen=True)
+class Trade:
+    """outcomes: the reference first. observables: how many it has. occurrences: of all of them; moments: of those
+    that have a time. cycle_s: a cycle.
+    """
+
+    case: str
+    simulated_s: float
+    duration_s: float
+    cycle_s: float
+    observables: int
+    occurrences: int
+    moments: int
+    outcomes: tuple[Outcome, ...]
+
+    @property
+    def reference(self) -> Outcome:
+        return self.outcomes[0]
+
+
+def trade(make: Make, levels: Sequence[Level], length: Fraction, told: Callable[[float], None] | None = None) -> Trade:
+    """Run all levels for `length` seconds. levels: the reference first.
+
+    BadCase and its like where the reference cannot be run.
+    """
+    first, *others = levels
+    case = make(first.changes)
+    reference = observe(case, length)
+    itself = compare(reference, reference)
+    outcomes = [Outcome(first, "", cost_of(case, length))]
+    for number, level in enumerate(others, 1):
+        if told is not None:
+            told(number / len(levels))
+        outcomes.append(_outcome(make, level, reference, length))
+    simulated = outcomes[0].cost
+    assert simulated is not None
+    return Trade(
+        case.name,
+        simulated.simulated_s,
+        float(case.duration),
+        reference.cycle / reference.per_second,
+        len(itself),
+        sum(each.count for each in itself),
+        sum(map(len, reference.moments.values())),
+        tuple(outcomes),
+    )
+
+
+def _outcome(make: Make, level: Level, reference: Observed, length: Fraction) -> Outcome:
+    try:
+        case = make(level.changes)
+        errors = compare(reference, observe(case, length))
+        return Outcome(level, "", cost_of(case, length), tuple(errors))
+    except REFUSED as error:
+        return Outcome(level, str(error))

@@ -15,7 +15,7 @@ cdef class I2cSlaveBytes(ByteParty):
     cdef I2c _chip
     cdef Clock _clock
     cdef I2cSlave _target
-    cdef bint _calm
+    cdef bint _calm, _exact
     cdef long long _calm_for
     cdef object _hz
     @cython.locals(pin=Pin, mask=cython.longlong)
@@ -27,3 +27,7 @@ cdef class I2cSlaveBytes(ByteParty):
     cdef long long _cycles(self, long long ticks)
     @cython.locals(chip=I2c, target=I2cSlave, levels=cython.longlong)
     cpdef void stand(self, long long shown, long long bit, long long fell)
+    @cython.locals(chip=I2c, socket=Socket, cycle=cython.longlong, looks=cython.longlong, due=cython.longlong)
+    cpdef void edge(self, long long tick, long long levels)
+    cpdef bint pulls_sda(self)
+    cpdef bint holds(self)

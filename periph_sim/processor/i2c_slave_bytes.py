@@ -17,11 +17,12 @@ MARGIN = 2  # cycles: an edge between two cycles is seen with the later one
 
 
 class I2cSlaveBytes(ByteParty):
-    """socket: of the module. clock: SYSCLKOUT."""
+    """socket: of the module. clock: SYSCLKOUT. exact: bytes pass only where what it sees is what edges show."""
 
-    __slots__ = ("_calm", "_calm_for", "_chip", "_clock", "_hz", "_socket", "_target")
+    __slots__ = ("_calm", "_calm_for", "_chip", "_clock", "_exact", "_hz", "_socket", "_target")
 
-    def __init__(self, socket: Socket, chip: I2c, clock: Clock) -> None:
+    def __init__(self, socket: Socket, chip: I2c, clock: Clock, exact: bool) -> None:
+        self._exact = exact
         self._socket = socket
         self._chip = chip
         self._target = chip.target
@@ -51,6 +52,8 @@ class I2cSlaveBytes(ByteParty):
                 return False
             if target.phase == TRANSMIT and not target._shifting:
                 return False
+        if not self._exact:
+            return True
         wanted = low + 3 * high + 5 * hold + 7 * chip.filter_width + 11 * state.tm
         if wanted != self._calm_for or self._clock.hz is not self._hz:
             self._calm_for, self._hz = wanted, self._clock.hz
@@ -81,3 +84,22 @@ class I2cSlaveBytes(ByteParty):
         elif target.phase != OFF and target.phase != IGNORE:
             target.bit = bit
             target._shift = shown >> (BITS + 1 - bit)
+
+    def edge(self, tick: int, levels: int) -> None:
+        """Its effects are there at once, with the cycle in which they come behind the noise filter."""
+        chip, socket = self._chip, self._socket
+        cycle = self._clock.cycle_at(tick)
+        looks = chip.pins(cycle, levels)
+        due = chip._lines.due
+        if due < NEVER:
+            cycle = due
+            looks = max(looks, chip.wake(due))
+        if looks:
+            socket._out = socket._out & SCL | chip.out & SDA  # SDA is put on the wire by who asks
+            socket.publish(cycle, looks)
+
+    def pulls_sda(self) -> bool:
+        return not self._chip.out & SDA
+
+    def holds(self) -> bool:
+        return not self._chip.out & SCL

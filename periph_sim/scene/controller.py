@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
+from ..bus.i2c.byte_controller import ByteController
 from ..bus.i2c.controller import I2cController
 from ..bus.i2c.transfer import BusTiming, Transfer
 from ..core.suggest import did_you_mean
@@ -42,7 +43,8 @@ def build_head(context: SceneContext, table: Controller, on_stuck: Callable[[Wir
     half = Fraction(1, 2) / table.rate
     low = ticks(half if table.low is None else table.low)
     high = ticks(half if table.high is None else table.high)
-    controller = I2cController(
+    agent = I2cController if context.case.fidelity == "edge" else ByteController
+    controller = agent(
         context.kernel,
         context.recorder,
         context.wire("SCL"),

@@ -62,7 +62,7 @@ from .serial.side import SerialSide
 from .summary import result_of
 from .uart_side import UartSide
 from .unit import build_unit, options_of
-from .whole_bytes import whole_bytes_of
+from .whole_bytes import refuse_byte_level, whole_bytes_of
 
 NEEDS = {"rounds": "[controller], or [rounds] for a unit that is the master,"}
 
@@ -139,7 +139,7 @@ class Scene:
             self.head, self.requests = side.head, side.requests
             self.bus.asked = side.asked
             self.head.on_transfer.append(self._count_transfer)
-            if case.fidelity == "adaptive":
+            if case.fidelity != "edge":
                 self.whole_bytes = whole_bytes_of(context, side.controller, self.units)
         elif "SCL" in self.wires:
             self._counter = I2cByteCounter(self.wires["SCL"], self.wires["SDA"])
@@ -160,6 +160,7 @@ class Scene:
             for part in limit.parts:
                 self._check_needs(entry, part)
                 part.measure.listen(self)
+        refuse_byte_level(case, self.whole_bytes, self.wires)
 
     # Building ------------------------------------------------------------------
 

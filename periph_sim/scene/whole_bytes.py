@@ -1,28 +1,59 @@
-"""The level "adaptive": a scene's controller and units go in; they let bytes pass at once where nobody can tell."""
+"""Levels above edges: a scene's controller and units go in; bytes pass at once where nobody can tell, or all in steps.
+
+"byte" is refused where it could not be: a bus without a controller agent, recorded edges, parties that pull lines as
+they like.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
+from ..bus.i2c.byte_controller import ByteController
+from ..bus.i2c.byte_level import ByteLevel
 from ..bus.i2c.controller import I2cController
 from ..bus.i2c.whole_bytes import ByteParty, WholeBytes
 from ..core.kernel import Agent
+from ..core.wire import Wire
 from ..f28335.i2c.module import I2c
 from ..processor.dsp import Dsp
 from ..processor.i2c_slave_bytes import I2cSlaveBytes
+from .case.model import Case
 from .context import SceneContext
 
 MODULE = "I2C-A"
 
 
+LEVELS = {"adaptive": WholeBytes, "byte": ByteLevel}
+
+
 def whole_bytes_of(context: SceneContext, controller: I2cController, units: Mapping[str, Dsp]) -> WholeBytes:
     """The controller asks it from now on, byte by byte."""
+    assert isinstance(controller, ByteController)
+    level = LEVELS[context.case.fidelity]
     stand_in: dict[Agent, ByteParty] = {}
     for dsp in units.values():
         if MODULE in dsp.sockets:
             socket = dsp.socket(MODULE)
             assert isinstance(socket.chip, I2c)
-            stand_in[socket] = I2cSlaveBytes(socket, socket.chip, dsp.clock)
-    whole_bytes = WholeBytes(context.kernel, context.wire("SCL"), context.wire("SDA"), controller, stand_in)
-    controller.whole_bytes = whole_bytes
+            stand_in[socket] = I2cSlaveBytes(socket, socket.chip, dsp.clock, exact=level is WholeBytes)
+    whole_bytes = level(context.kernel, context.wire("SCL"), context.wire("SDA"), controller, stand_in)
+    controller.let_pass(whole_bytes)
     return whole_bytes
+
+
+def refuse_byte_level(case: Case, whole_bytes: WholeBytes | None, wires: Mapping[str, Wire]) -> None:
+    """BadCase where this scene, as it is built, cannot run at level "byte"."""
+    if case.fidelity != "byte":
+        return
+    strangers: list[str] = []
+    if whole_bytes is not None:  # a unit's pins become its module's as firmware routes them
+        strangers = sorted({who.partition(".")[0] for who in whole_bytes.strangers()}.difference(case.unit))
+    if whole_bytes is None:
+        what = "there is no [controller], the agent that gives whole bytes"
+    elif any(wires[name].recorded for name in ("SCL", "SDA")):
+        what = "edges of SCL and SDA are asked for, by a recording or a budget, and bytes have none"
+    elif strangers:
+        what = f"{' and '.join(strangers)} may pull SCL and SDA edge by edge"
+    else:
+        return
+    raise case.mistake(f'"byte" cannot be: {what}; use "edge", or "adaptive" with the same records', "fidelity")

@@ -9,3 +9,5 @@ cdef class I2cByteCounter(ByteParty):
     cdef bint _active
     @cython.locals(event=cython.longlong)
     cpdef void sampled(self, long long now, long long levels)
+    cpdef void edge(self, long long tick, long long levels)
+    cpdef void heard(self, long long shown, long long rise, long long low, long long high)

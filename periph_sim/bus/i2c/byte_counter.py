@@ -34,6 +34,9 @@ class I2cByteCounter(ByteParty):
             self.bytes += 1
             self._pulses = 0
 
+    def edge(self, tick: int, levels: int) -> None:
+        self.sampled(tick, levels)
+
     def heard(self, shown: int, rise: int, low: int, high: int) -> None:
         self._lines = SDA if shown & 1 else 0
         self._pulses = BITS if self._active else 0

@@ -3,14 +3,13 @@ cimport cython
 from ...core.kernel cimport Event, Kernel
 from ...core.records cimport Recorder
 from ...core.wire cimport Sampler, Wire
-from .whole_bytes cimport ByteParty, WholeBytes
+from .whole_bytes cimport ByteParty
 
 
 cdef class I2cController(ByteParty):
     cdef public str who
     cdef public object timing
     cdef public bint busy
-    cdef public WholeBytes whole_bytes
     cdef Kernel _kernel
     cdef Recorder _recorder
     cdef Wire _scl_wire, _sda_wire

@@ -21,7 +21,7 @@ from ...core.wire import Wire, watch
 from .bus_clear import BusClear
 from .line_events import EVENTS, FALL, IDLE, NOTHING, RISE, SCL, SDA, START, STOP
 from .transfer import BusTiming, Phase, Transfer
-from .whole_bytes import BITS, ONES, ByteParty, WholeBytes
+from .whole_bytes import ByteParty
 
 # What an event is for.
 BEGIN, FIRST_LOW, SDA_FOLLOWS, RELEASE, BIT_END, STOP_RISES, STUCK = range(7)
@@ -34,8 +34,7 @@ class I2cController(ByteParty):
 
     clear_after: so long after a START that was refused, since nobody let go of SDA or nobody gave the STOP that was
     due, the bus is cleared. 0: never, as where there may be other controllers. gives_up: a written byte that the target
-    refuses ends the transfer with a STOP; else the next phase of the transfer follows. whole_bytes: through which bytes
-    pass at once; None: every edge is an event.
+    refuses ends the transfer with a STOP; else the next phase of the transfer follows.
     """
 
     __slots__ = (
@@ -82,7 +81,6 @@ class I2cController(ByteParty):
         "busy",
         "timing",
         "who",
-        "whole_bytes",
     )
 
     def __init__(
@@ -102,7 +100,6 @@ class I2cController(ByteParty):
         self.timing = timing
         self._low_time, self._hold, self._filter = timing.low, timing.hold, timing.filter
         self.busy = False
-        self.whole_bytes: WholeBytes | None = None
         self._kernel = kernel
         self._recorder = recorder if recorder.wants(Kind.BUS) else None
         self._scl_wire = scl
@@ -294,12 +291,6 @@ class I2cController(ByteParty):
 
     def _release(self) -> None:
         """SCL is let go. If nobody else holds it, it rises now; else with the edge that we then wait for."""
-        if self.whole_bytes is not None and self._index != NO_BYTE:
-            if self._bit == 0:
-                if self.whole_bytes.passes(self._low_time, self._high, self._hold, RELEASE):
-                    return
-            elif self._bit == BITS:
-                self.whole_bytes.over()
         self._scl_wire.pull(self._scl_mask, 1)
         self._let_go_at = self._kernel.now
         self._rising = True
@@ -330,32 +321,6 @@ class I2cController(ByteParty):
     def _ack_level(self) -> int:
         """What a reading controller answers: 0 until the last byte."""
         return 1 if self._index + 1 >= self._phase.count else 0
-
-    # Seven bits at once ---------------------------------------------------------
-
-    def pulls(self, line: int) -> int:
-        return self._scl_mask if line == SCL else self._sda_mask
-
-    def ready(self, low: int, high: int, hold: int) -> bool:
-        """Its filter sees each level of a bit; nothing else is under way."""
-        return self._guard is None and self._filter <= min(high, hold, low - hold)
-
-    def byte(self) -> int:
-        return ONES if self._receiving else self._byte
-
-    def goes_on(self, shown: int) -> bool:
-        """Else it loses arbitration on the way."""
-        return self._receiving or shown == self._byte
-
-    def stand(self, shown: int, bit: int, fell: int) -> None:
-        level = shown >> (BITS - bit) & 1
-        self._bit, self._in = bit, shown >> (BITS + 1 - bit)
-        self._sda_level = self.byte() >> (BITS - bit) & 1
-        self._lines = SDA if level else 0
-        self._sda_seen, self._sda_event, self._sda_moved = level, NOTHING, fell + self._hold
-        self._scl_seen, self._scl_moved = SCL, fell
-        if bit and self._index == 0:
-            self._phase.answer_at = self._kernel.now
 
     # Bytes --------------------------------------------------------------------
 

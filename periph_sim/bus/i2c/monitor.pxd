@@ -19,3 +19,5 @@ cdef class I2cMonitor(ByteParty):
     cdef void _clock(self, long long now, long long before, long long levels, bint pulls)
     cdef void _bit_over(self, long long now, long long bit)
     cdef void _byte_over(self, long long now)
+    cpdef void edge(self, long long tick, long long levels)
+    cpdef void heard(self, long long shown, long long rise, long long low, long long high)

@@ -98,6 +98,9 @@ class I2cMonitor(ByteParty):
                 self._sda_seen = before >> 1
             self._sda_at = now
 
+    def edge(self, tick: int, levels: int) -> None:
+        self.sampled(tick, levels)
+
     def heard(self, shown: int, rise: int, low: int, high: int) -> None:
         eighth = rise + SEVEN * (low + high)
         self._levels = SDA if shown & 1 else 0

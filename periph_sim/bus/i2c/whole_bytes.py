@@ -52,6 +52,18 @@ class ByteParty(Agent):
         For who pulls a line: there may be a way back.
         """
 
+    def edge(self, tick: int, levels: int) -> None:
+        """From `tick` on the lines are at these levels, and who pulls them is on the wires."""
+        raise NotImplementedError
+
+    def pulls_sda(self) -> bool:
+        """Whether it does now. Not asked of the controller."""
+        return False
+
+    def holds(self) -> bool:
+        """Whether it holds SCL low. Not asked of the controller."""
+        return False
+
     def heard(self, shown: int, rise: int, low: int, high: int) -> None:
         """Seven bits have passed, the first with SCL's rise at tick `rise`: SCL is about to rise for the eighth.
 
@@ -103,34 +115,51 @@ class WholeBytes(Shortcut):
         self._eighth: Event | None = None
         self._tag = 0
 
-    def share(self, bytes_in_all: int) -> float:
-        """How much of the bus passed so, in per cent."""
-        return 100 * self.passed / bytes_in_all if bytes_in_all else 0.0
+    def whole(self) -> bool:
+        """Whether bytes go in steps of eight bits and of the ACK."""
+        return False
 
     def passes(self, low: int, high: int, hold: int, tag: int) -> bool:
         """Whether seven bits pass at once: everybody stands before the eighth then, and the controller acts on `tag`.
 
         It asks as it is about to let SCL go for the first bit. low, high, hold: ticks, as it clocks.
         """
-        scl, sda, now = self._scl, self._sda, self._kernel.now
-        if self._since == now or not scl.quiet() or not sda.quiet():
-            return False
-        if scl.version + sda.version != self._versions:
-            self._look()
-        if not self._known or scl.pulling != self._controller.pulls(SCL):
-            return False
-        self._low, self._high, shown = low, high, ONES
-        for party in self._parties:
-            if not party.ready(low, high, hold):
-                return False
-            shown &= party.byte()
-        if not self._controller.goes_on(shown):
+        now = self._kernel.now
+        shown = -1 if self._since == now else self._showing(low, high, hold)
+        if shown < 0:
             return False
         self._since, self._fell, self._shown, self._tag = now, now - low, shown, tag
         self._stand(BITS, now + BITS * (low + high) - low)
         self._eighth = self._kernel.ask(now + BITS * (low + high), self._controller, tag)
         self._kernel.shortcut = self
         return True
+
+    def _showing(self, low: int, high: int, hold: int) -> int:
+        """What the lines will show, as a byte; -1 where it must go edge by edge."""
+        scl, sda = self._scl, self._sda
+        if not scl.quiet() or not sda.quiet():
+            return -1
+        if scl.version + sda.version != self._versions:
+            self._look()
+        if not self._known or scl.pulling != self._controller.pulls(SCL):
+            return -1
+        self._low, self._high, shown = low, high, ONES
+        for party in self._parties:
+            if not party.ready(low, high, hold):
+                return -1
+            shown &= party.byte()
+        return shown if self._controller.goes_on(shown) else -1
+
+    def strangers(self) -> set[str]:
+        """Who may pull a line and is no party now, as the wires name them."""
+        self._look()
+        named: set[str] = set()
+        for wire, line in ((self._scl, SCL), (self._sda, SDA)):
+            known = 0
+            for party in self._parties:
+                known |= party.pulls(line)
+            named.update(who for place, who in enumerate(wire.parties()) if not known >> place & 1)
+        return named
 
     def over(self) -> None:
         """SCL is about to rise for the eighth bit of some byte."""
@@ -140,6 +169,18 @@ class WholeBytes(Shortcut):
             for party in self._parties:
                 party.heard(self._shown, self._since, self._low, self._high)
         self._since = NO_TIME
+
+    def eighth(self, ack: int) -> int:
+        """See `ByteLevel`."""
+        raise NotImplementedError
+
+    def ninth(self) -> int:
+        """See `ByteLevel`."""
+        raise NotImplementedError
+
+    def follows(self, level: int) -> None:
+        """See `ByteLevel`."""
+        raise NotImplementedError
 
     def catch_up(self) -> None:
         kernel, eighth = self._kernel, self._eighth

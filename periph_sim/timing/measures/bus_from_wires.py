@@ -57,6 +57,11 @@ class BusFromWires(ByteParty):
         else:
             self._sda, self._sda_pulling = 0 if pulling else 1, pulling
 
+    def edge(self, tick: int, levels: int) -> None:
+        for line, wire, known in ((SCL, self._scl_wire, self._scl_pulling), (SDA, self._sda_wire, self._sda_pulling)):
+            if wire.pulling != known:
+                self.pulled(line, tick, wire.pulling)
+
     def heard(self, shown: int, rise: int, low: int, high: int) -> None:
         self.settle()
         if self.phase_at != NO_TIME:

@@ -1,0 +1,95 @@
+"""The level "byte" of a bus: a byte that the controller begins goes in; what its edges would do comes out in two steps.
+
+    SCL  _|~|_|~|_ ... _|~|_|~|_
+          1   2         8  ^9  ^
+                     eighth    ninth
+
+The steps are where the eighth bit is over, and where the ACK's clock is. START and STOP are edges as ever, and so is a
+byte for which a slave holds SCL. Seven bits pass as in `whole_bytes`, but nothing is played again: what meddles in the
+middle of a byte finds it as it was at the last step. The edges that end it are given to each module with the cycles in
+which it would sample them; their effects can be seen from the step on, so by up to the noise filter's width early, and
+what comes with SCL's ninth rise, such as NACK, when that clock is over.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ...core.kernel import Agent, Kernel
+from ...core.time import NO_TIME
+from ...core.wire import Wire
+from .line_events import SCL, SDA
+from .whole_bytes import BITS, ByteParty, WholeBytes
+
+
+class ByteLevel(WholeBytes):
+    """passed: bytes that went in two steps."""
+
+    __slots__ = ("_acks",)
+
+    def __init__(
+        self, kernel: Kernel, scl: Wire, sda: Wire, controller: ByteParty, stand_in: Mapping[Agent, ByteParty]
+    ) -> None:
+        super().__init__(kernel, scl, sda, controller, stand_in)
+        self._acks = 1
+
+    def whole(self) -> bool:
+        return True
+
+    def passes(self, low: int, high: int, hold: int, tag: int) -> bool:
+        """Whether the byte goes in steps; the controller acts on `tag` as the eighth bit is over."""
+        shown = self._showing(low, high, hold)
+        if shown < 0:
+            return False
+        now = self._kernel.now
+        self._since, self._shown = now, shown
+        self._stand(BITS, now + BITS * (low + high) - low)
+        self._kernel.ask(now + BITS * (low + high) + high, self._controller, tag)
+        return True
+
+    def eighth(self, ack: int) -> int:
+        """The eighth bit is over: what it showed as a byte, or -1 - that where a module holds SCL now.
+
+        ack: what the controller puts on SDA for the ninth.
+        """
+        now, shown, last = self._kernel.now, self._shown, self._sda.pulling
+        for party in self._parties:
+            party.heard(shown, self._since, self._low, self._high)
+        self._edge(now - self._high, 0, last)
+        clock = self._controller.pulls(SCL)
+        self._edge(now, clock, last)
+        self._acks = ack
+        self._edge(now, clock, self._sda_pulls(ack))
+        self._since = NO_TIME
+        for party in self._parties:
+            if party.holds():
+                return -1 - shown
+        return shown
+
+    def ninth(self) -> int:
+        """The ACK's clock is over: its level."""
+        now, clock, pulls = self._kernel.now, self._controller.pulls(SCL), self._sda_pulls(self._acks)
+        self._edge(now - self._high, 0, pulls)
+        self._edge(now, clock, pulls)
+        self.passed += 1
+        return 0 if pulls else 1
+
+    def follows(self, level: int) -> None:
+        """SDA, behind the fall of SCL that ends a byte. level: what the controller puts on it."""
+        self._edge(self._kernel.now, self._controller.pulls(SCL), self._sda_pulls(level))
+
+    def _sda_pulls(self, controller: int) -> int:
+        """Who pulls SDA. controller: the level it puts there."""
+        pulling = 0 if controller else self._controller.pulls(SDA)
+        for party in self._parties:
+            if party.pulls_sda():
+                pulling |= party.pulls(SDA)
+        return pulling
+
+    def _edge(self, tick: int, scl: int, sda: int) -> None:
+        """The lines are pulled so from `tick` on, and each party hears of it."""
+        self._scl.jump(scl)
+        self._sda.jump(sda)
+        levels = (0 if scl else SCL) | (0 if sda else SDA)
+        for party in self._parties:
+            party.edge(tick, levels)

@@ -1,0 +1,155 @@
+"""The level "byte": a byte in two steps; what of it is as at edges, what is not, and where it is refused.
+
+SCL  _|~|_|~|_ ... _|~|_|~|_|~        edge
+                      ^eighth  ^ninth over
+RRDY ______________|~~~~~~~~~~~       edge: the noise filter's width behind the fall; byte: looked at from the step on
+NACK _________________|~~~~~~~~       edge: behind the ninth rise; byte: seen when that clock is over
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+
+from periph_sim.bus.i2c.transfer import Transfer
+from periph_sim.core.records import Kind
+from periph_sim.processor.dsp import Dsp
+from periph_sim.scene.case.load import load
+from periph_sim.scene.case.model import BadCase
+from periph_sim.scene.firmware_loader import Firmware
+from periph_sim.scene.result import BYTE_LEVEL, SKIPPED
+from periph_sim.scene.scene import Scene
+from tests.scene import small
+from tests.scene.runs import TIMING
+from tests.scene.test_adaptive import BUT_EDGES, meddled, run, told
+
+FIGURES_AS_EDGE = (
+    "imu_hil",
+    "imu_hil_400k",
+    "imu_hil_broken_line",
+    "imu_hil_lost_byte",
+    "imu_hil_no_sdir",
+    "imu_moving",
+    "late_model",
+    "responder",
+    "wrong_order",
+)
+
+
+@pytest.mark.parametrize("name", FIGURES_AS_EDGE)
+def test_figures_of_shipped_cases_are_those_of_edges(name: str):
+    edge, byte = (run(load(TIMING / f"{name}.toml"), level, (), "0.05")[0] for level in ("edge", "byte"))
+    edge.counts[SKIPPED] = byte.counts[SKIPPED]
+    assert told(byte) == told(edge)
+    assert byte.counts[BYTE_LEVEL] == byte.wire_bytes > 40
+    assert byte.events < edge.events / 4
+
+
+def test_waits_end_within_the_noise_filter_and_one_pass_of_where_they_end_at_edges():
+    case = load(TIMING / "responder.toml")
+    edge, byte = (run(case, level, BUT_EDGES, "0.1")[1] for level in ("edge", "byte"))
+    writes = [[r.tick for r in of if r.kind is Kind.ACCESS and r.what == "W I2C-A.I2CDXR"] for of in (edge, byte)]
+    cycle = Scene(case).timebase.per_second // 150_000_000
+    errors = [abs(b - a) // cycle for a, b in zip(*writes, strict=True)]
+    assert len(errors) == 340 and 0 < max(errors) <= 15 + 10  # the filter at IPSC = 14, and a pass of the wait
+
+
+def clocked(dsp: Dsp):
+    """The I2C module, its clock on."""
+    dsp.eallow()
+    dsp.module("SYS").PCLKCR0.I2CAENCLK = 1
+    dsp.edis()
+    return dsp.module("I2C-A")
+
+
+def nack_seen(level: str) -> int:
+    """The cycle at which firmware finds NACK set, who polls for it."""
+    seen: list[int] = []
+
+    def firmware(dsp: Dsp, settings: object) -> None:
+        i2c = clocked(dsp)
+        i2c.I2CPSC.all = 14
+        i2c.I2COAR.all = 0x50
+        i2c.I2CMDR.all = 0x4020
+        i2c.I2CDXR.all = 0x5A
+        dsp.spin(lambda: i2c.I2CSTR.NACK == 1)
+        seen.append(dsp.cpu.cycle)
+
+    table = {"rate": "100 kHz", "first": "1 ms", "rounds": 1, "request": [{"address": 0x50, "count": 1}]}
+    made = small.case(
+        unit={"dsp": {"firmware": "polls", "modules": ["I2C-A"]}}, controller=table, fidelity=level, duration="3 ms"
+    )
+    Scene(made, programs={"dsp": Firmware("polls", firmware, None)}).run()
+    return seen[0]
+
+
+def test_a_nack_is_seen_when_its_clock_is_over_and_not_with_its_rise():
+    high = 750  # cycles of SCL's high time, half of 10 us
+    late = nack_seen("byte") - nack_seen("edge")
+    assert high - 15 - 10 <= late <= high + 10
+
+
+def test_what_meddles_in_the_middle_of_a_byte_is_met_differently_and_the_same_each_time():
+    other = 0
+    for seed in range(12):
+        byte, again, edge = meddled(seed, "byte"), meddled(seed, "byte"), meddled(seed, "edge")
+        assert byte[1:] == again[1:] and told(byte[0]) == told(again[0])
+        other += byte[2] != edge[2]
+    assert other > 3
+
+
+@pytest.mark.parametrize("point", ["before_ack", "after_fall9"])
+def test_a_byte_for_which_scl_is_held_goes_by_edges_from_there_on(point: str):
+    """A receiver without room holds SCL at its second byte, until the first is read."""
+
+    def firmware(dsp: Dsp, settings: object) -> None:
+        i2c = clocked(dsp)
+        i2c.I2CPSC.all = 14
+        i2c.I2COAR.all = 0x50
+        i2c.I2CMDR.all = 0x4020
+        for _ in range(4):
+            dsp.compute(Fraction(300, 10**6))
+            got.append(i2c.I2CDRR.all)
+
+    heard = {}
+    unit = {"firmware": "slow", "modules": ["I2C-A"]}
+    for level in ("edge", "byte"):
+        got: list[int] = []
+        table = {"first": "100 us", "rounds": 1, "request": [{"address": 0x50, "count": 0, "write": "01 02 03 04"}]}
+        made = small.case(
+            unit={"dsp": {**unit, "options": {"i2c": {"rsfull_stretch_point": point}}}},
+            controller=table,
+            fidelity=level,
+            duration="3 ms",
+        )
+        scene = Scene(made, programs={"dsp": Firmware("slow", firmware, None)})
+        transfers: list[Transfer] = []
+        scene.on_transfer(transfers.append)
+        result = scene.run()
+        (transfer,) = transfers
+        phases = [(phase.data, phase.acks, phase.stretch) for phase in transfer.phases]
+        heard[level] = got, transfer.stop_at, phases, result.wire_bytes
+    assert heard["byte"] == heard["edge"] and heard["edge"][0] == [1, 2, 3, 4]
+    assert heard["edge"][2][0][2] > 0  # SCL was held
+
+
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [
+        ("two_dsps", "there is no [controller], the agent that gives whole bytes"),
+        ("imu_chips", "accelerometer and gyroscope and magnetometer may pull SCL and SDA edge by edge"),
+        ("imu_hil_spikes", "fault 0 (spike) and fault 1 (spike) may pull SCL and SDA edge by edge"),
+    ],
+)
+def test_a_bus_that_is_driven_edge_by_edge_is_refused(name: str, why: str):
+    case = load(TIMING / f"{name}.toml", ["fidelity=byte"])
+    with pytest.raises(BadCase) as refused:
+        Scene(case)
+    assert f'"byte" cannot be: {why}; use "edge", or "adaptive" with the same records' in str(refused.value)
+
+
+def test_recorded_edges_are_refused():
+    case = load(TIMING / "responder.toml", ["fidelity=byte"])
+    with pytest.raises(BadCase, match="edges of SCL and SDA are asked for, by a recording or a budget"):
+        Scene(case, lambda recorder, _: recorder.subscribe([Kind.EDGE], lambda record: None))

@@ -19,15 +19,18 @@ WORD = 32
 
 
 class Drawn:
-    """`count` numbers of `Random(key(seed)).randrange(below)` of each seed."""
+    """`count` numbers of `Random(key(seed)).randrange(below)` of each seed.
+
+    numbers: int64[count, seeds]. column: int64[scenarios], which of them.
+    """
 
     def __init__(self, seeds: Ints, below: int, count: int, key: Callable[[int], int | str]) -> None:
-        unique, self._column = np.unique(seeds, return_inverse=True)
-        self._numbers = np.ascontiguousarray(_of_keys([key(int(seed)) for seed in unique], below, count))
+        unique, self.column = np.unique(seeds, return_inverse=True)
+        self.numbers = np.ascontiguousarray(_of_keys([key(int(seed)) for seed in unique], below, count))
 
     def row(self, number: int) -> Ints:
         """int64[scenarios]: the number-th of each."""
-        found: Ints = self._numbers[number].take(self._column, mode="clip")
+        found: Ints = self.numbers[number].take(self.column, mode="clip")
         return found
 
 

@@ -23,8 +23,14 @@ class Extremes:
         self.least[scenarios] = np.minimum(self.least[scenarios], values)
         self.count[scenarios] += 1
 
+    def take_rows(self, scenarios: Ints, rows: Ints) -> None:
+        """Values of each of these scenarios, int64[values, scenarios]."""
+        self.worst[scenarios] = np.maximum(self.worst[scenarios], rows.max(axis=0))
+        self.least[scenarios] = np.minimum(self.least[scenarios], rows.min(axis=0))
+        self.count[scenarios] += len(rows)
+
     def take_all(self, values: IntOrInts, but: Ints) -> None:
-        """A value of each scenario but of these; what counts them is `count_all`."""
+        """A value of each scenario but of these, which others count."""
         self.take_range(values, values, but)
 
     def take_range(self, worst: IntOrInts, least: IntOrInts, but: Ints) -> None:
@@ -33,7 +39,3 @@ class Extremes:
         np.maximum(self.worst, worst, out=self.worst)
         np.minimum(self.least, least, out=self.least)
         self.worst[but], self.least[but] = kept
-
-    def count_all(self, times: Ints) -> None:
-        """So many values were taken of each scenario, unnamed."""
-        self.count += times

@@ -10,36 +10,33 @@ from __future__ import annotations
 
 import numpy as np
 
-from .clock import Ints
 from .draws import Drawn
 from .inputs import Inputs
 from .lanes import FAR
+from .stored import Stored
 from .structure import Structure
 
 
-def frames(structure: Structure, inputs: Inputs) -> tuple[Ints, Ints]:
-    """(begins, latches) of all frames of the longest run.
-
-    int64[frames, scenarios], ticks; int64[frames + 1, scenarios], cycles, the last of which never comes.
-    """
+def frames(structure: Structure, inputs: Inputs) -> tuple[Stored, Stored]:
+    """(begins in ticks, latches in cycles) of all frames of the longest run, and a latch that never comes."""
     pause = structure.host.paced_by == "pause"
     period = inputs.frame.down(1)
     count = max(1, int((np.max(inputs.end) - np.min(inputs.host_first)) // np.min(period)) + 2)
     late = None
     if inputs.host_jitter:
         late = Drawn(inputs.seeds, inputs.host_jitter + 1, count, lambda seed: seed + 1)
-    begun = np.empty((count, inputs.scenarios), np.int64)
-    latches = np.empty((count + 1, inputs.scenarios), np.int64)
-    before = inputs.host_first
+    longest = int(np.max(inputs.end)) + 2 * int(np.max(period)) + inputs.line.end + inputs.host_jitter * (count + 1)
+    begun = Stored(count, inputs.scenarios, longest)
+    latches = Stored(count + 1, inputs.scenarios, longest)  # cycles are no more than ticks
+    row, latch = np.zeros(inputs.scenarios, np.int64), np.empty(inputs.scenarios, np.int64)
     for number in range(count):
-        row = begun[number]
         if pause:
-            row[:] = before + period if number else before
-            before = row
+            row += period if number else inputs.host_first
         else:
             np.add(inputs.host_first, inputs.frame.down(number), out=row)
         if late is not None:
             row += late.row(number)
-        structure.receiver.latch(inputs.clock, row, latches[number])
-    latches[-1] = FAR
+        begun.put(number, row)
+        latches.put(number, structure.receiver.latch(inputs.clock, row, latch))
+    latches.put_far(count, FAR)
     return begun, latches

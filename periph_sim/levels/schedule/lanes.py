@@ -19,19 +19,17 @@ from numpy.typing import NDArray
 
 from .clock import Ints
 from .code import CodeTable
+from .stored import Stored
 
 FAR = 1 << 61  # a cycle that no run reaches
 
 
 class Interrupts:
-    """Those of all scenarios of a call. latches: int64[frames + 1, scenarios], in order, the last one FAR.
+    """Those of all scenarios of a call. latches: a row of each, in order; the last one never comes."""
 
-    One is named by its place in them, number * scenarios + scenario; the next one is `scenarios` places on.
-    """
-
-    def __init__(self, latches: Ints, service: int, waits: int) -> None:
-        self.latches = latches.reshape(-1)
-        self.scenarios = latches.shape[1]
+    def __init__(self, latches: Stored, service: int, waits: int) -> None:
+        self.latches = latches
+        self.scenarios = latches.scenarios
         self.service, self.waits = service, waits
 
     def lanes(self, places: Ints) -> Lanes:
@@ -45,18 +43,18 @@ class Lanes:
     def __init__(self, of: Interrupts, places: Ints) -> None:
         self._of = of
         self.places = places.copy()
-        self.next = of.latches[places]
+        self.next = of.latches.at(places)
 
     def _take(self, hit: NDArray[np.intp]) -> None:
         self.places[hit] += self._of.scenarios
-        self.next[hit] = self._of.latches[self.places[hit]]
+        self.next[hit] = self._of.latches.at(self.places[hit])
 
     def wait(self, first: Ints, flag: Ints, poll: int) -> Ints:
         """The fetch that ends the wait. first: that of its first pass."""
         of, first = self._of, first.copy()
         end: Ints = first + -(-np.maximum(flag - first, 0) // poll) * poll
         while True:
-            hit = np.flatnonzero(self.next <= end - of.waits)
+            hit = (self.next <= end - of.waits).nonzero()[0]
             if not hit.size:
                 return end
             passes = (self.next[hit] - first[hit] + of.waits - 1) // poll + 1
@@ -64,11 +62,44 @@ class Lanes:
             end[hit] = first[hit] + -(-np.maximum(flag[hit] - first[hit], 0) // poll) * poll
             self._take(hit)
 
+    def split(self, first: Ints, flag: Ints, poll: int, second: int, other: Ints) -> tuple[Ints, Ints, Ints]:
+        """(the fetch that ends a wait for one of two flags, lanes in which it is the other's, the places there).
+
+        The other is fetched `second` cycles behind the first in each pass. It ends the wait only where an interrupt
+        comes between the two fetches of a pass, and both flags rise in it; `other` comes later than `flag` by passes.
+        """
+        of, first = self._of, first.copy()
+        end: Ints = first + -(-np.maximum(flag - first, 0) // poll) * poll
+        by_other, places = [], []
+        going = np.ones(len(first), np.bool_)
+        while True:
+            hit = (going & (self.next <= end - of.waits)).nonzero()[0]
+            if not hit.size:
+                break
+            passes = (self.next[hit] - first[hit] + of.waits - 1) // poll
+            began = first[hit] + passes * poll
+            seen = began + second + of.service
+            ends = (self.next[hit] - began <= second - of.waits) & (seen >= other[hit]) & (passes >= 0)
+            first[hit] = began + poll + of.service
+            end[hit] = first[hit] + -(-np.maximum(flag[hit] - first[hit], 0) // poll) * poll
+            self._take(hit)
+            end[hit[ends]] = seen[ends]
+            going[hit[ends]] = False
+            by_other.append(hit[ends])
+            places.append(self.places[hit[ends]])
+        none = np.zeros(0, np.int64)
+        return end, np.concatenate([none, *by_other]), np.concatenate([none, *places])
+
+    def back(self, lanes: Ints, places: Ints) -> None:
+        """The next interrupts of these lanes are these again."""
+        self.places[lanes] = places
+        self.next[lanes] = self._of.latches.at(places)
+
     def code(self, begin: Ints, table: CodeTable) -> tuple[Ints, list[Ints]]:
         """(where it ends, each of its marks)."""
         end = begin + table.length
         marks = [begin + calm for calm, _ in table.marks]
-        hit = np.flatnonzero(self.next <= begin + table.last)
+        hit = (self.next <= begin + table.last).nonzero()[0]
         if hit.size:
             place = np.maximum(self.next[hit] - begin[hit], table.first) - table.first
             end[hit] = begin[hit] + table.lengths[place]
@@ -81,7 +112,7 @@ class Lanes:
         """The end of a computation."""
         end = begin + cycles
         while True:
-            hit = np.flatnonzero(self.next <= end)
+            hit = (self.next <= end).nonzero()[0]
             if not hit.size:
                 return end
             end[hit] += self._of.service

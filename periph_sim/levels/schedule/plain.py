@@ -20,6 +20,7 @@ from .clock import CpuClock, Ints
 from .extremes import Extremes
 from .inputs import Inputs
 from .lanes import Interrupts
+from .stored import Stored
 from .tables import RoundTable, round_tables
 from .terms import Terms
 
@@ -34,12 +35,13 @@ class State(Protocol):
     next: Ints
     shown: Ints
     cost: Ints
+    cost_step: int
     stop: Ints
     odd: np.typing.NDArray[np.bool_]
     due: Ints
     over: Ints
     phases: Ints
-    begun: Ints
+    begun: Stored
     interrupts: Interrupts
     values: dict[str, Extremes]
     all: Ints
@@ -73,7 +75,7 @@ class PlainRounds:
         buses = [sum(bus.stop + terms.gap for bus in terms.bus[:chip]) for chip in range(len(terms.bus))]
         self._agains = [since + bus.again for since, bus in zip(buses, terms.bus, strict=True)]
         self._stop = buses[-1] + terms.bus[-1].stop
-        self._known = int(state.begun[: inputs.scenarios].max()) + inputs.line.end  # the first frame of all is over
+        self._known = int(state.begun.at(state.all).max()) + inputs.line.end  # the first frame of all is over
 
     def round(self, number: int) -> Ints:
         """The scenarios that are left, with the state that they had."""
@@ -90,7 +92,7 @@ class PlainRounds:
             left.append(hit[at & 1 == 0])
             phase[left[-1]] = 0
             place[hit] += scenarios
-            coming[hit] = latches[place[hit]]
+            coming[hit] = latches.at(place[hit])
             left.append(hit[coming[hit] <= table.flag + table.last])
         if not table.plain.all():
             left.append(np.flatnonzero(~table.plain[phase]))
@@ -105,19 +107,19 @@ class PlainRounds:
         """Interrupts that come while the firmware waits for the round: phase, place and latch of the next one."""
         terms, latches = self._terms, self._state.interrupts.latches
         until = table.flag - 2 * terms.poll - terms.waits - terms.service
-        coming = latches.take(place, mode="clip")
+        coming = latches.at(place)
         early = coming <= until
         found = np.count_nonzero(early)
         if 8 * found > early.size:  # most of them: all at once
             phase += early * terms.service
             place += early * self._inputs.scenarios
-            coming = latches.take(place, mode="clip")
+            coming = latches.at(place)
             early = coming <= until
         hit = np.flatnonzero(early)
         while hit.size:
             phase[hit] += terms.service
             place[hit] += self._inputs.scenarios
-            coming[hit] = latches[place[hit]]
+            coming[hit] = latches.at(place[hit])
             hit = hit[coming[hit] <= until]
         return phase, place, coming
 
@@ -129,7 +131,7 @@ class PlainRounds:
                 worst, least = range_
                 values[name].take_range(worst.take(entry, mode="clip"), least.take(entry, mode="clip"), but)
         values["asked"].take_all(table.start - clock.tick(state.first), but)
-        since = state.begun.take(np.maximum(state.shown - self._inputs.scenarios, state.all), mode="clip")
+        since = state.begun.at(np.maximum(state.shown - self._inputs.scenarios, state.all))
         since += self._inputs.line.end
         self._take_age(table, since, but)
         stop = table.start + self._stop
@@ -146,7 +148,7 @@ class PlainRounds:
         there = np.ones(since.size, np.bool_)
         there[but] = False
         age.count -= len(agains) * there  # as `count` takes all rounds to have one of each read
-        first = self._state.begun[: since.size] + self._inputs.line.end
+        first = self._state.begun.at(self._state.all) + self._inputs.line.end
         for again in agains:
             who = np.flatnonzero(there & (first <= again))
             age.take(who, again - np.minimum(since[who], again))
@@ -178,7 +180,7 @@ class PlainRounds:
             state.values["span:model"].count[np.setdiff1d(cut, but)] -= 1
         stop = np.full(inputs.scenarios, table.start + self._stop, np.int64)
         served = np.full(inputs.scenarios, len(terms.names) - 1, np.int64)
-        cost_at = state.cost + inputs.scenarios
+        cost_at = state.cost + state.cost_step
         for name, new in (
             *(("first", first), ("off", off), ("ready", ready), ("next", place), ("shown", shown)),
             *(("stop", stop), ("served", served), ("cost", cost_at)),

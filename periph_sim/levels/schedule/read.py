@@ -5,6 +5,9 @@
     f(i)      max(b(i - 1), w(i - 1))                          I2CDXR is free for byte i: XRDY, at the first fetch there
     rise(i)   max(let go(i), tick(w(i) + release)) where w(i) >= b(i), else let go(i); held += rise(i) - let go(i)
 
+Where a service routine comes between the looks at XRDY and SCD, and lasts until the STOP, SCD ends the last wait for
+XRDY, and the zeros are not written.
+
 It hangs for ever with SCL low where AAS has fallen at the repeated START before it was read, or where I2CSTR was read
 to clear SCD when SDIR had risen already: writing it back clears SDIR, and the firmware waits for it.
 """
@@ -27,7 +30,7 @@ class Read:
     not read in time; else `cleared` counts.
 
     stop: tick of its STOP. seen: cycle at which the firmware reads SCD. again: tick of the repeated START. response,
-    held: ticks. margins: of each byte, ticks. cleared: ticks from the write of I2CSTR to the edge that sets SDIR.
+    held: ticks. margins: int64[bytes, lanes], ticks. cleared: ticks from the write of I2CSTR to the edge of SDIR.
     waits: (its first fetch, the cycle of its flag) of each wait, as far as no interrupt moved it.
     """
 
@@ -39,7 +42,7 @@ class Read:
     again: Ints
     response: Ints
     held: Ints
-    margins: list[Ints]
+    margins: Ints
     cleared: Ints
     waits: list[tuple[Ints, Ints]]
 
@@ -51,59 +54,72 @@ def read(terms: Terms, number: int, clock: CpuClock, lanes: Lanes, start: Ints, 
     def flag(tick: Ints) -> Ints:
         return clock.cycle_at(tick) + terms.seen
 
+    on_bus = np.array([bus.aas, bus.again, bus.rrdy, bus.sdir, *bus.needs, bus.stop])[:, None] + start
+    addressed_at, again_at, pointer_at, asked_at, *needed_at, stop_at = flag(on_bus)
     waits = []
 
     def wait(begun: Ints, there: Ints, poll: int) -> Ints:
         waits.append((begun, there))
         return lanes.wait(begun, there, poll)
 
-    addressed = wait(first, flag(start + bus.aas), terms.poll)
-    missed = addressed >= flag(start + bus.again)
+    addressed = wait(first, addressed_at, terms.poll)
+    missed = addressed >= again_at
     begun, _ = lanes.code(addressed, code.pointer)
-    pointer = wait(begun, flag(start + bus.rrdy), terms.poll)
+    pointer = wait(begun, pointer_at, terms.poll)
     begun, (looked, written) = lanes.code(pointer, code.clear)
-    asked_at = flag(start + bus.sdir)
     hung = missed | (looked >= asked_at)
     asked = wait(begun, asked_at, terms.poll)
     begun, (landed,) = lanes.code(asked, code.first)
 
-    shift = np.zeros_like(start)
-    held, response = shift.copy(), shift
+    shift = np.zeros_like(start)  # by how much SCL was held so far, and with it all that comes
+    moved = False
+    held, response = shift, shift + terms.low
     writes, let_gos, rises = [landed], [], []
     for byte, need in enumerate(bus.needs):
         needed = start + need + shift
-        from_here = flag(needed)
-        let_go = needed + terms.low
+        from_here = flag(needed) if moved else needed_at[byte]
+        let_go = rise = needed + terms.low
         late = landed >= from_here
-        rise = np.where(late, np.maximum(let_go, clock.tick(landed + terms.release)), let_go)
-        if not byte:
-            response = rise - needed
-        shift = shift + rise - let_go
-        held = np.maximum(held, rise - let_go)
-        ready = wait(begun, np.maximum(from_here, landed), terms.poll_two)
+        if late.any():
+            moved = True
+            rise = np.where(late, np.maximum(let_go, clock.tick(landed + terms.release)), let_go)
+            shift = shift + rise - let_go
+            held = np.maximum(held, rise - let_go)
+            if not byte:
+                response = rise - needed
+        free = np.maximum(from_here, landed)
+        if byte + 1 < len(bus.needs):
+            ready = wait(begun, free, terms.poll_two)
+        else:
+            stop = start + bus.stop + shift
+            over_at = flag(stop) if moved else stop_at
+            waits.append((begun, free))
+            ready, over, places = lanes.split(begun, free, terms.poll_two, terms.second, over_at)
         begun, (landed,) = lanes.code(ready, code.more[byte])
         writes.append(landed)
         let_gos.append(let_go)
         rises.append(rise)
-    stop = start + bus.stop + shift
-    seen = wait(begun + terms.second, flag(stop), terms.poll_two)
-    margins = [
-        _margin(terms, clock, let_gos[byte], rises[byte], writes[byte], writes[byte + 1])
-        for byte in range(len(bus.needs))
-    ]
+    seen = wait(begun + terms.second, over_at, terms.poll_two)
+    if over.size:
+        seen[over] = writes[-1][over] = ready[over]
+        lanes.back(over, places)
+    margins = _margins(terms, clock, np.array(let_gos), np.array(rises), np.array(writes))
     cleared = start + bus.sdir - clock.tick(written)
     held_from = start + bus.needs[0] + terms.low
     again = start + bus.again
     return Read(hung, missed, held_from, stop, seen, again, response, held, margins, cleared, waits)
 
 
-def _margin(terms: Terms, clock: CpuClock, let_go: Ints, rise: Ints, write: Ints, following: Ints) -> Ints:
-    """From the write to the latest instant that is soon enough.
+def _margins(terms: Terms, clock: CpuClock, let_go: Ints, rise: Ints, writes: Ints) -> Ints:
+    """From each write to the latest instant that is soon enough. writes: one more than bytes.
 
     What the module takes is counted in ticks where the measure hears of the rise of SCL: with the next record, of SCL's
     fall or the next write of I2CDXR.
     """
-    after = clock.tick(following)
-    heard = clock.cycle_at(np.where(after > rise, np.minimum(after, rise + terms.high), rise + terms.high))
+    landed = clock.tick(writes)
+    after = landed[1:]
+    fall = rise + terms.high
+    heard = clock.cycle_at(np.where(after > rise, np.minimum(after, fall), fall))
     takes = clock.tick(heard + terms.margin) - clock.tick(heard)
-    return let_go - takes - clock.tick(write)
+    found: Ints = let_go - takes - landed[:-1]
+    return found

@@ -37,9 +37,8 @@ class Rounds:
     def __init__(self, structure: Structure, inputs: Inputs) -> None:
         self._structure, self._inputs, self._terms = structure, inputs, structure.terms
         count = inputs.scenarios
-        begun, latches = frames(structure, inputs)
+        self.begun, latches = frames(structure, inputs)  # when each frame begins, in the order of the interrupts
         self.interrupts = Interrupts(latches, self._terms.service, self._terms.waits)
-        self.begun = begun.reshape(-1)  # when each frame does, in the order of the interrupts
         self.values = {name: Extremes(count) for name in MEASURES}
         self.held = np.zeros(count, np.int64)
         self.phases = np.zeros(count, np.int64)  # that were acknowledged
@@ -58,22 +57,17 @@ class Rounds:
         self.chip = np.zeros(count, np.int64)  # that it waits for
         self.next = self.all.copy()  # the place of the next interrupt
         self.shown = self.all.copy()  # that of the first frame that the chips do not show
-        self.cost = self.all.copy()  # the place of the next run of the models in `costs`
+        self.costs, self.cost, self.cost_step = self._drawn_costs()
         self.stop = np.full(count, -(1 << 40), np.int64)  # of the last transfer
 
-    @cached_property
-    def costs(self) -> Ints:
-        """Cycles of each run of the models, those of a scenario `scenarios` places apart."""
+    def _drawn_costs(self) -> tuple[Ints, Ints, int]:
+        """Cycles of the models' runs; the place of each scenario's first one; how many places on the next one is."""
         least, most = self._inputs.cost
-        runs = self._inputs.rounds + 1
-        found = np.empty((runs, self._inputs.scenarios), np.int64)
-        found[:] = least
-        if not np.array_equal(least, most):
-            name, wide = self._structure.unit, int(most[0] - least[0]) + 1
-            drawn = Drawn(self._inputs.seeds, wide, runs, lambda seed: f"{seed} {name} computations")
-            for number in range(runs):
-                found[number] += drawn.row(number)
-        return found.reshape(-1)
+        if np.array_equal(least, most):
+            return least, self.all.copy(), 0
+        name, wide = self._structure.unit, int(most[0] - least[0]) + 1
+        drawn = Drawn(self._inputs.seeds, wide, self._inputs.rounds + 1, lambda seed: f"{seed} {name} computations")
+        return drawn.numbers.reshape(-1) + least[0], drawn.column.copy(), drawn.numbers.shape[1]
 
     @cached_property
     def _late(self) -> Drawn | None:
@@ -102,7 +96,7 @@ class Rounds:
         self.first[who], self.ready[who], self.next[who] = first, ready, lanes.places
         self.off[who] = off
         self.chip[who] = 0
-        self.cost[who] += self._inputs.scenarios
+        self.cost[who] += self.cost_step
         ended = clock.tick(end)
         within = ended <= self._inputs.end[who]
         self.values["span:model"].take(who[within], (ended - clock.tick(begin))[within])
@@ -185,11 +179,10 @@ class Rounds:
         self.phases[who] += 2
         self.held[who] = np.maximum(self.held[who], came.held[over])
         self.values["response"].take(who, came.response[over])
-        for margin in came.margins:
-            self.values["margin of I2CDXR"].take(who, margin[over])
+        self.values["margin of I2CDXR"].take_rows(who, came.margins[:, over])
         again, ends = came.again[over], self._inputs.line.end
-        since = self.begun[np.maximum(self.shown[who] - self._inputs.scenarios, who)] + ends
-        known = self.begun[who] + ends <= again  # the first frame
+        since = self.begun.at(np.maximum(self.shown[who] - self._inputs.scenarios, who)) + ends
+        known = self.begun.at(who) + ends <= again  # the first frame
         self.values["age"].take(who[known], (again - np.minimum(since, again))[known])
 
     def _hang_on(self) -> None:

@@ -19,6 +19,7 @@ import numpy as np
 from .clock import CpuClock, Ints
 from .lanes import FAR, Interrupts
 from .read import Read, read
+from .stored import Stored
 from .terms import Terms
 
 
@@ -119,7 +120,8 @@ def _windows(terms: Terms, calm: _Outcome, rounds: int) -> tuple[Ints, Ints]:
 def _outcome(terms: Terms, clock: CpuClock, starts: Ints, first: Ints, latches: Ints | None) -> _Outcome:
     count = len(starts)
     none = np.full(count, FAR, np.int64)
-    of = Interrupts(np.stack([none if latches is None else latches, none]), terms.service, terms.waits)
+    rows = Stored.of(np.stack([none if latches is None else latches, none]))
+    of = Interrupts(rows, terms.service, terms.waits)
     lanes = of.lanes(np.arange(count))
     plain = np.ones(count, np.bool_)
     margins, asked, rises, waits = [], [], [], []
@@ -130,7 +132,7 @@ def _outcome(terms: Terms, clock: CpuClock, starts: Ints, first: Ints, latches: 
             asked.append(starts - clock.tick(first))
         came: Read = read(terms, chip, clock, lanes, starts, first)
         plain &= ~came.hung & (came.held == 0) & (came.response == terms.low)
-        margins += came.margins
+        margins += list(came.margins)
         rises.append(came.cleared)
         waits += came.waits
         first, marks = lanes.code(came.seen, code.after)

@@ -64,6 +64,18 @@ def test_every_scenario_of_a_call_is_that_scenario_alone():
             assert of_all == (mine.worst[0], mine.least[0], mine.count[0]), (one, name)
 
 
+FOUND = {  # by random scenes: what differed once
+    "SCD ends the last wait for XRDY": 48,
+}
+
+
+@pytest.mark.parametrize("name", FOUND)
+def test_what_random_scenes_found(name: str):
+    case, changes, rounds = scene(FOUND[name])
+    found = compare(case, rounds, changes)
+    assert not found.refused and not found.differ
+
+
 PLAIN = {
     "one service routine in many places": ({}, ["host.jitter=1 ms", "host.paced_by=pause"]),
     "several a round": ({}, ["host.period=3 ms", "unit.dsp.settings.frame_cost=20 us", "unit.dsp.ppm=30"]),

@@ -9,6 +9,7 @@ from periph_sim.f28335.cpu.compiled_code_costs import CodeCosts
 from periph_sim.f28335.system.options import SystemOptions
 from periph_sim.levels.schedule.code import Access, Code, CodeTable, CodeTiming
 from periph_sim.levels.schedule.lanes import FAR, Interrupts
+from periph_sim.levels.schedule.stored import Stored
 
 TIMING = CodeTiming(CodeCosts(between_accesses=5), SystemOptions(), service=100)
 WRITE = Access("W", "I2C-A.I2CCNT")
@@ -75,7 +76,7 @@ def test_a_wait_with_interrupts_ends_as_pass_by_pass(poll: int):
     for flag in (0, 7, 8, 40, 41, 300):
         for latch in range(first - 1, 60):
             latches = [latch, latch + 130]
-            one = Interrupts(np.array([[latch], [latch + 130], [FAR]]), service, waits)
+            one = Interrupts(Stored.of(np.array([[max(latch, 0)], [latch + 130], [FAR]])), service, waits)
             lanes = one.lanes(np.array([0]))
             came = lanes.wait(np.array([first]), np.array([flag]), poll)
             assert came[0] == polled(first, flag, poll, latches, service, waits), (flag, latch)

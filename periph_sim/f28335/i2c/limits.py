@@ -25,6 +25,7 @@ class I2cLimits:
     def __init__(self, state: I2cRegisters) -> None:
         self.sysclk_hz = Fraction(150_000_000)
         self._state = state
+        self._clock_within = (0, self.sysclk_hz)  # I2CPSC + 1 and SYSCLKOUT that gave a module clock in order
         self._within = (0, 0, self.sysclk_hz)  # phases of SCL and SYSCLKOUT that were in order
 
     def enabled(self) -> None:
@@ -33,10 +34,15 @@ class I2cLimits:
         self.own_address()
 
     def module_clock(self) -> None:
+        tm = self._state.tm
+        if tm == self._clock_within[0] and self.sysclk_hz is self._clock_within[1]:
+            return
         least, most = MODULE_CLOCK_MHZ
-        mhz = self.sysclk_hz / self._state.tm / 1_000_000
-        if not least <= mhz <= most:
-            given = f"I2CPSC = {self._state.tm - 1} gives a module clock of {_show(mhz)} MHz"
+        mhz = self.sysclk_hz / tm / 1_000_000
+        if least <= mhz <= most:
+            self._clock_within = tm, self.sysclk_hz
+        else:
+            given = f"I2CPSC = {tm - 1} gives a module clock of {_show(mhz)} MHz"
             at = f"at SYSCLKOUT = {_show(self.sysclk_hz / 1_000_000)} MHz"
             self._state.duty(f"{given} {at}; expected {least} to {most} MHz", "SPRUG03B section 1.4")
 

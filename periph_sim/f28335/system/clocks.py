@@ -78,7 +78,7 @@ def prescale(code: int) -> int:
 
 
 class SystemControl(Chip):
-    """oscclk_hz: frequency of OSCCLK, for `sysclk_hz` and the check of the PLL's limit."""
+    """oscclk_hz: frequency of OSCCLK, for the check of the PLL's limit. sysclk_hz: that of SYSCLKOUT, exact."""
 
     MAP = MAP
     INPUTS: tuple[str, ...] = ()
@@ -113,11 +113,6 @@ class SystemControl(Chip):
         self.reset(0)
 
     # What the owner asks ----------------------------------------------------
-
-    @property
-    def sysclk_hz(self) -> Fraction:
-        """SYSCLKOUT in Hz, exact."""
-        return Fraction(self.oscclk_hz * self.sysclk_numerator, self.sysclk_denominator)
 
     def enabled(self, module: str) -> bool:
         """Whether the module has its clock now. ValueError for a name that is not in MODULES."""
@@ -365,6 +360,7 @@ class SystemControl(Chip):
         common = gcd(ratio, divide)  # SYSCLKOUT = OSCCLK * numerator / denominator, in lowest terms
         self.sysclk_numerator = ratio // common
         self.sysclk_denominator = divide // common
+        self.sysclk_hz = Fraction(self.oscclk_hz * self.sysclk_numerator, self.sysclk_denominator)
         self._clock.retune(now, self.sysclk_numerator, self.sysclk_denominator)
 
     def _gates(self) -> int:

@@ -103,7 +103,8 @@ class FirmwareView:
 
     def _cycles(self, cost: Fraction | int) -> int:
         if isinstance(cost, Fraction):
-            cycles = -int(-cost * self.control.sysclk_hz // 1)
+            hz = self.control.sysclk_hz
+            cycles = -(-cost.numerator * hz.numerator // (cost.denominator * hz.denominator))
         else:
             try:
                 cycles = operator.index(cost)

@@ -5,7 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ..core.socket import Onlooker
+from ..f28335.sci.register_map import SCI_MAP
 from ..processor.dsp import Dsp
+
+SCIFFRX, SCIRXST = SCI_MAP["SCIFFRX"].offset, SCI_MAP["SCIRXST"].offset
+RXFFST, RXFFST_PLACE = SCI_MAP["SCIFFRX"]["RXFFST"].mask, SCI_MAP["SCIFFRX"]["RXFFST"].lsb
+RXFFOVF = SCI_MAP["SCIFFRX"]["RXFFOVF"].mask
+RXRDY, OE = SCI_MAP["SCIRXST"]["RXRDY"].mask, SCI_MAP["SCIRXST"]["OE"].mask
 
 
 class SciMonitor(Onlooker):
@@ -15,29 +21,24 @@ class SciMonitor(Onlooker):
     """
 
     def __init__(self, dsp: Dsp, module: str) -> None:
-        self._dsp = dsp
         self._socket = dsp.socket(module)
         self.told: list[Callable[[int, int, bool], None]] = []
         self.received: list[Callable[[int], None]] = []
-        chip_map = self._socket.chip.MAP
-        self._rx, self._status = chip_map["SCIFFRX"], chip_map["SCIRXST"]
-        self._level, self._ready = self._rx["RXFFST"], self._status["RXRDY"].mask
-        self._overruns = self._rx["RXFFOVF"].mask, self._status["OE"].mask
+        self._clock = dsp.clock
         self._words = 0
         self._waiting = 0  # words, or the one in SCIRXBUF
         self._overrun = False
         self._socket.watch(self)
 
     def look(self, cycle: int) -> None:
-        fifo = self._socket.chip.peek(cycle, self._rx.offset)
-        status = self._socket.chip.peek(cycle, self._status.offset)
-        words = self._level.of(fifo)
-        waiting = words or bool(status & self._ready)
-        in_fifo, without = self._overruns
-        overrun = bool(fifo & in_fifo or status & without)
+        fifo = self._socket.chip.peek(cycle, SCIFFRX)
+        status = self._socket.chip.peek(cycle, SCIRXST)
+        words = (fifo & RXFFST) >> RXFFST_PLACE
+        waiting = words or int(status & RXRDY > 0)
+        overrun = fifo & RXFFOVF > 0 or status & OE > 0
         if words == self._words and waiting == self._waiting and overrun == self._overrun:
             return
-        tick, lost = self._dsp.clock.tick(cycle), overrun and not self._overrun
+        tick, lost = self._clock.tick(cycle), overrun and not self._overrun
         came = max(waiting - self._waiting, int(lost))
         if words != self._words or overrun != self._overrun:
             for told in self.told:

@@ -13,8 +13,8 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import NamedTuple
 
-from ...core.kernel import Event, Kernel
-from ...core.wire import Wire
+from ...core.kernel import Agent, Event, Kernel
+from ...core.wire import Wire, watch
 from .frame_format import UartFormat
 
 Line = Callable[[], tuple[Fraction, UartFormat]]
@@ -30,8 +30,22 @@ class Heard(NamedTuple):
     address: int
 
 
-class UartReader:
+class UartReader(Agent):
     """line: the length of a bit in ticks, exact, and the format of frames; asked at each start bit."""
+
+    __slots__ = (
+        "_bit",
+        "_edges",
+        "_ending",
+        "_format",
+        "_halves",
+        "_kernel",
+        "_length",
+        "_line",
+        "_start",
+        "on_begin",
+        "on_end",
+    )
 
     def __init__(self, kernel: Kernel, wire: Wire, line: Line) -> None:
         self.on_begin: list[Callable[[int], None]] = []
@@ -39,42 +53,54 @@ class UartReader:
         self._kernel = kernel
         self._line = line
         self._start = 0
-        self._bit = Fraction(1)
+        self._bit: Fraction | None = None
         self._format = UartFormat()
-        self._edges: list[tuple[int, int]] = []  # of the frame under way, its start bit's first
+        self._length = 0  # bits of a frame
+        self._halves: list[int] = []  # ticks from the start of a frame to the begin of each half bit, and to its end
+        self._edges: list[int] = []  # of the frame under way, its start bit's first
         self._ending: Event | None = None  # the kernel's promise to end the frame under way
-        wire.watch(self._edge)
+        watch([wire], self)
 
-    def _edge(self, now: int, level: int) -> None:
-        if self._ending and not level and now >= self._at(self._format.length - Fraction(1, 2)):  # the next start bit
-            self._kernel.cancel(self._ending)
+    def act(self, tag: int) -> None:
+        self._end()
+
+    def sampled(self, now: int, levels: int) -> None:
+        ending = self._ending
+        if ending is not None and not levels and now >= self._start + self._halves[2 * self._length - 1]:
+            self._kernel.cancel(ending)  # the next start bit
             self._end()
-        if self._ending:
-            self._edges.append((now, level))
-        elif not level:
+            ending = None
+        if ending is not None:
+            self._edges.append(now)
+        elif not levels:
             self._begin(now)
 
-    def _at(self, bits: Fraction | int) -> int:
-        """The tick so many bits behind the start of the frame."""
-        return self._start + int(bits * self._bit)
-
     def _begin(self, now: int) -> None:
-        self._bit, self._format = self._line()
-        self._start, self._edges = now, [(now, 0)]
-        self._ending = self._kernel.at(self._at(self._format.length), self._end)
+        bit, form = self._line()
+        if bit != self._bit or form != self._format:
+            self._bit, self._format, self._length = bit, form, form.length
+            num, den = bit.numerator, 2 * bit.denominator
+            self._halves = [half * num // den for half in range(2 * form.length + 1)]
+        self._start, self._edges = now, [now]
+        self._ending = self._kernel.ask(now + self._halves[2 * self._length], self)
         for told in self.on_begin:
             told(now)
 
     def _end(self) -> None:
         self._ending = None
-        form = self._format
-        levels = [self._level(self._at(bit + Fraction(1, 2))) for bit in range(form.length)]
-        value = sum(level << place for place, level in enumerate(levels[1 : 1 + form.bits]))
+        form, edges = self._format, self._edges
+        levels = []
+        passed, level = 0, 1  # edges so far, and the level behind them
+        for bit in range(self._length):
+            middle = self._start + self._halves[2 * bit + 1]
+            while passed < len(edges) and edges[passed] <= middle:
+                passed += 1
+                level ^= 1
+            levels.append(level)
+        value = 0
+        for bit in range(form.bits):
+            value |= levels[1 + bit] << bit
         address = levels[1 + form.bits] if form.address else 0
         heard = Heard(self._start, self._kernel.now, value, levels == form.levels(value, address), address)
         for told in self.on_end:
             told(heard)
-
-    def _level(self, tick: int) -> int:
-        """The level at a tick of the frame under way."""
-        return next(level for at, level in reversed(self._edges) if at <= tick)

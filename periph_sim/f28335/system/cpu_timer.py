@@ -29,6 +29,7 @@ TIF = TCR["TIF"].mask
 TIE = TCR["TIE"].mask
 TRB = TCR["TRB"].mask
 TSS = TCR["TSS"].mask
+AT_TCR, AT_TIM, AT_TIMH, AT_PRD, AT_PRDH, AT_TPR, AT_TPRH = (r.offset for r in (TCR, TIM, TIMH, PRD, PRDH, TPR, TPRH))
 
 # Where the three TINT lines go (Figure 32, Table 112): a PIE group and line, or a CPU interrupt number.
 TINT0_PIE = (1, 7)
@@ -43,12 +44,12 @@ class CpuTimer(Chip):
     INPUTS: tuple[str, ...] = ()
     OUTPUTS: tuple[str, ...] = ()
     LINES: tuple[str, ...] = ("TINT",)
-    filter_width = 0
 
     def __init__(self, number: int, options: SystemOptions) -> None:
         if number not in (0, 1, 2):
             raise ValueError(f"there is no CPU timer {number!r}; there are 0, 1 and 2")
         self.base = BASES[number]
+        self.filter_width = 0
         self.next_wake = NEVER
         self.out = 0
         self.requests = 0
@@ -83,38 +84,38 @@ class CpuTimer(Chip):
         """The register's value; no register here has a read effect. 0 where there is none."""
         self._sync(now)
         self._schedule()
-        if offset == TCR.offset:
+        if offset == AT_TCR:
             return self._tcr
-        if offset == TIM.offset:
+        if offset == AT_TIM:
             return self._tim & 0xFFFF
-        if offset == TIMH.offset:
+        if offset == AT_TIMH:
             return self._tim >> 16
-        if offset == PRD.offset:
+        if offset == AT_PRD:
             return self._prd & 0xFFFF
-        if offset == PRDH.offset:
+        if offset == AT_PRDH:
             return self._prd >> 16
-        if offset == TPR.offset:
+        if offset == AT_TPR:
             return (self._psc & 0xFF) << 8 | self._tddr & 0xFF
-        if offset == TPRH.offset:
+        if offset == AT_TPRH:
             return self._psc >> 8 << 8 | self._tddr >> 8
         return 0
 
     def write(self, now: int, offset: int, value: int) -> None:
         self._sync(now)
         value &= 0xFFFF
-        if offset == TCR.offset:
+        if offset == AT_TCR:
             self._write_tcr(value)
-        elif offset == TIM.offset:
+        elif offset == AT_TIM:
             self._tim = self._tim & 0xFFFF0000 | value
-        elif offset == TIMH.offset:
+        elif offset == AT_TIMH:
             self._tim = self._tim & 0xFFFF | value << 16
-        elif offset == PRD.offset:
+        elif offset == AT_PRD:
             self._prd = self._prd & 0xFFFF0000 | value
-        elif offset == PRDH.offset:
+        elif offset == AT_PRDH:
             self._prd = self._prd & 0xFFFF | value << 16
-        elif offset == TPR.offset:
+        elif offset == AT_TPR:
             self._tddr = self._tddr & 0xFF00 | value & 0xFF
-        elif offset == TPRH.offset:
+        elif offset == AT_TPRH:
             self._tddr = self._tddr & 0xFF | (value & 0xFF) << 8
         self._schedule()
 
@@ -166,9 +167,9 @@ class CpuTimer(Chip):
         if elapsed <= self._psc:
             self._psc -= elapsed
             return
-        more, past = divmod(elapsed - self._psc - 1, self._tddr + 1)
-        self._psc = self._tddr - past
-        steps = more + 1
+        past = elapsed - self._psc - 1
+        self._psc = self._tddr - past % (self._tddr + 1)
+        steps = past // (self._tddr + 1) + 1
         if steps <= self._tim:
             self._tim -= steps
         else:

@@ -166,6 +166,20 @@ def test_a_session_of_a_long_run_has_fewer_samples_a_second(seconds: str, mhz: i
     assert rate_for(Fraction(seconds)) == mhz * 10**6
 
 
+@pytest.mark.parametrize(("sysclkout", "expected"), [(100_000_000, [7, 13]), (150_000_000, [3, 5])])
+def test_a_vcd_is_exact_where_a_tick_is_whole_nanoseconds_and_rounded_up_elsewhere(
+    tmp_path: Path, sysclkout: int, expected: list[int]
+):
+    recorder, path = Recorder(), tmp_path / "run.vcd"
+    with recording(path, {}) as (subscribe, ended_at):
+        subscribe(recorder, Timebase(sysclkout))
+        for tick, level in ((7, 0), (13, 1)):
+            recorder.emit(tick, Kind.EDGE, "SDA", "level", level)
+        ended_at(30)
+    found = formats.read(path)
+    assert (found.rate, found.channels[0].edges.tolist()) == (10**9, expected)
+
+
 @pytest.mark.skipif(shutil.which("sigrok-cli") is None, reason="sigrok-cli is not installed")
 @pytest.mark.parametrize("suffix", [".vcd", ".sr"])
 def test_sigrok_decodes_bus_and_line_of_a_recorded_run(runs: Path, suffix: str):

@@ -12,6 +12,7 @@ from firmware.python import responder as firmware
 from periph_sim.processor.dsp import Dsp
 from periph_sim.scene import unit as unit_module
 from periph_sim.scene.firmware_loader import Firmware
+from tests.profiles import examples
 from tests.scene.runs import Ran, run_case
 from tests.scene.small import case
 
@@ -94,7 +95,7 @@ def test_any_bytes_in_any_mix_of_reads_and_writes(style, rate):
     kept_patch = pytest.MonkeyPatch()
     kept = Kept(kept_patch)
 
-    @settings(max_examples=25, deadline=None)
+    @settings(max_examples=examples(15), deadline=None)
     @given(st.lists(st.tuples(st.booleans(), data_bytes), min_size=1, max_size=5))
     def holds(script: list[tuple[bool, bytes]]) -> None:
         requests = [{"count": len(d)} if read else {"count": 0, "write": d.hex(" ")} for read, d in script]

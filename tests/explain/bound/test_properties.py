@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from periph_sim.explain.bound.service_routine import ServiceRoutines
 from periph_sim.explain.bound.terms import Term
 from tests.explain.bound.cases import reported
+from tests.profiles import examples
 
 SETTINGS = {
     "host.first": st.integers(100_000, 10_100_000).map("{} ns".format),  # the start-up code is over by then
@@ -37,7 +38,7 @@ SETTINGS = {
 ONLY_WITH_FRAMES = {"age", "latency SCIRXINTA"}
 
 
-@settings(max_examples=25, phases=[Phase.explicit, Phase.generate])
+@settings(max_examples=examples(10), phases=[Phase.explicit, Phase.generate])
 @given(st.fixed_dictionaries(SETTINGS), st.sampled_from([0, 2, 10, 20]), st.integers(26, 42))
 def test_the_bound_is_never_below_what_is_seen(drawn: dict[str, str | int], frame_us: int, ms: int):
     changes = [f"{key}={value}" for key, value in drawn.items()]

@@ -7,6 +7,7 @@ from hypothesis import given, settings
 
 from periph_sim.traces.capture.capture import Capture
 from periph_sim.traces.decode.glitch_filter import without_glitches
+from tests.profiles import examples
 from tests.traces.decode.drawing import drawn
 from tests.traces.decode.random_lines import captures
 
@@ -36,7 +37,7 @@ def test_short_pulses_go_with_both_edges(before: str, shortest: int, after: str)
 
 
 @given(captures(("X",)))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 def test_no_pulse_that_is_left_is_short_and_the_end_is_the_same(capture: Capture):
     line = capture.channel("X")
     line = without_glitches(line, 4)

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from periph_sim.traces.decode import i2c
 from periph_sim.traces.decode.i2c import Ack, Address, Cut, Data, Nack, Party, RepeatedStart, Start, Stop
+from tests.profiles import examples
 from tests.traces.decode.drawing import drawn, of_bytes
 from tests.traces.formats.make_traces import read_registers
 from tests.traces.formats.writers import I2cWave
@@ -83,7 +84,7 @@ def test_the_address_is_seven_bits_and_ten_bit_addresses_are_not_joined():
 
 
 @given(st.lists(st.tuples(st.integers(0, 255), st.booleans()), min_size=1, max_size=4), st.integers(2, 9))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 def test_any_bytes_at_any_speed(content: list[tuple[int, bool]], half: int):
     bus = wave(half)
     bus.start()

@@ -12,6 +12,7 @@ from periph_sim.traces.capture.capture import Capture
 from periph_sim.traces.decode import i2c
 from periph_sim.traces.decode.i2c_objects import events_of_table
 from periph_sim.traces.decode.i2c_table import I2cRowKind, I2cTable, i2c_bits, i2c_table
+from tests.profiles import examples
 from tests.traces.decode.drawing import drawn, of_bytes
 from tests.traces.decode.random_lines import captures
 from tests.traces.formats.make_traces import read_registers
@@ -37,13 +38,13 @@ def rows(table: I2cTable) -> list[tuple[str, int, int]]:
 
 
 @given(captures(("SCL", "SDA")))
-@settings(max_examples=120, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 def test_any_lines_give_the_same_events_both_ways(capture: Capture):
     assert events_of_table(i2c_table(capture)) == i2c.events(capture)
 
 
 @given(st.lists(st.binary(min_size=1, max_size=4), min_size=1, max_size=5), st.integers(2, 9), st.integers(0, 900))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 def test_transfers_cut_anywhere_give_the_same_events_both_ways(contents: list[bytes], half: int, kept: int):
     bus = wave(half)
     for number, content in enumerate(contents):
@@ -58,7 +59,7 @@ def test_transfers_cut_anywhere_give_the_same_events_both_ways(contents: list[by
 
 
 @given(captures(("SCL", "SDA")))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 def test_every_bit_of_a_transfer_is_among_the_bits_with_its_timing(capture: Capture):
     bits = i2c_bits(capture)
     found = {
@@ -73,7 +74,7 @@ def test_every_bit_of_a_transfer_is_among_the_bits_with_its_timing(capture: Capt
 @given(
     st.lists(st.tuples(st.integers(0, 255), st.booleans()), min_size=1, max_size=5), st.randoms(use_true_random=False)
 )
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 def test_any_transfer_with_every_phase_of_another_length_comes_back(content: list[tuple[int, bool]], random: Random):
     samples = bytearray([3]) * random.randint(1, 30)
     samples += bytes([1]) * random.randint(1, 20)  # START

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from periph_sim.traces.decode import uart
 from periph_sim.traces.decode.uart import Break, CutFrame, Frame, Line, RejectedStart
+from tests.profiles import examples
 from tests.traces.decode.drawing import drawn, of_bytes
 from tests.traces.formats.writers import frame_bits, uart_wave
 
@@ -155,7 +156,7 @@ def test_an_inverted_line():
 
 
 @given(st.integers(0, 255), st.integers(30, 2000), st.integers(0, 99))
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 def test_any_byte_at_any_width_from_three_samples_and_any_phase(value: int, tenths: int, phase: int):
     width = Fraction(tenths, 10)
     begin = 20 + Fraction(phase, 100)

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from periph_sim.traces.capture.capture import Capture
 from periph_sim.traces.decode.uart_format import line_of
 from periph_sim.traces.decode.uart_guess import SHAPES, USUAL, Guess, guess
+from tests.profiles import examples
 from tests.traces.decode.drawing import drawn, of_bytes
 from tests.traces.formats.writers import frame_bits, uart_wave
 
@@ -63,7 +64,7 @@ def test_usual_shapes_and_both_polarities(shape: str, invert: bool):
 
 @given(st.integers(0, 10**6), st.integers(-250, 250), st.integers(16, 200))
 @example(17504, 250, 23)  # measured 0.5 % too fast on top of 2.5 %
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 def test_random_bytes_from_a_clock_that_is_off(seed: int, off: int, samples: int):
     values = Random(seed).randbytes(40)
     baud = 115200 * (10**4 + off) // 10**4  # up to 2.5 percent

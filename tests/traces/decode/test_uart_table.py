@@ -18,6 +18,7 @@ from periph_sim.traces.decode import uart
 from periph_sim.traces.decode.uart import PARITIES, Line
 from periph_sim.traces.decode.uart_objects import events_of_table
 from periph_sim.traces.decode.uart_table import UartRowKind, uart_table
+from tests.profiles import examples
 from tests.traces.decode.drawing import drawn, of_bytes
 from tests.traces.decode.random_lines import captures
 from tests.traces.formats.writers import frame_bits, uart_wave
@@ -41,7 +42,7 @@ FAST = st.builds(
 
 
 @given(captures(("RX",)), LINES | FAST, st.booleans())
-@settings(max_examples=120, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 def test_any_line_gives_the_same_events_both_ways(capture: Capture, line: Line, vote: bool):
     assert events_of_table(uart_table(capture, "RX", line, vote=vote)) == uart.events(capture, "RX", line, vote)
 
@@ -53,7 +54,7 @@ def test_any_line_gives_the_same_events_both_ways(capture: Capture, line: Line, 
     st.integers(0, 2000),
     st.integers(5, 9),
 )
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 def test_frames_come_back_and_cut_anywhere_never_raise(
     sent: list[tuple[int, int]], parity: str, tenths: int, kept: int, bits: int
 ):
@@ -78,7 +79,7 @@ def test_frames_come_back_and_cut_anywhere_never_raise(
     st.integers(0, 12),
     st.randoms(use_true_random=False),
 )
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 def test_frames_with_every_edge_a_little_off_come_back(sent: bytes, tenths: int, jitter: int, random: Random):
     """Two edges off by 12 percent each, and the samples they fall between, leave the middle of a bit alone."""
     width = Fraction(tenths, 10)
@@ -95,7 +96,7 @@ def test_frames_with_every_edge_a_little_off_come_back(sent: bytes, tenths: int,
 
 
 @given(st.binary(min_size=1, max_size=4), st.integers(20, 200), st.integers(1, 40), st.integers(0, 7))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 def test_time_stamps_are_read_as_the_samples_that_they_are_of(sent: bytes, tenths: int, tick: int, noise: int):
     """The same line as samples, and as ticks of a file of times: the same bytes, also with glitches."""
     width = Fraction(tenths, 10)

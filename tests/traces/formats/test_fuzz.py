@@ -17,6 +17,7 @@ from contextlib import contextmanager
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -27,6 +28,7 @@ from periph_sim.traces import formats
 from periph_sim.traces.capture.capture import channel_of_edges
 from periph_sim.traces.formats import BadCapture, Capture
 from tests.captures.where import captures
+from tests.profiles import examples
 from tests.traces.formats.test_pulseview_csv import DSVIEW
 from tests.traces.formats.test_saleae_bin import version_0, version_1
 from tests.traces.formats.test_saleae_csv import LOGIC2
@@ -175,9 +177,10 @@ CHANGE = st.one_of(
         other_number, PLACE, st.sampled_from([b"0", b"-1", b"-0.5", b"9" * 25, LONG, b"1e9", b"4294967296", b""])
     ),
 )
+APART = ".fst"  # read by a process that is started for each file
 CHANGES = st.lists(CHANGE, min_size=1, max_size=3)
 RATE = st.sampled_from([None, Fraction(10**6), Fraction(24 * 10**6), Fraction(10**7, 3)])
-FUZZED = settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+FUZZED = settings(max_examples=examples(40), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 SUFFIXES = sorted({"", *(suffix for reader in formats.readers().values() for suffix in reader.SUFFIXES)} - {"/"})
 
@@ -197,7 +200,7 @@ def test_damaged_bytes(tmp_path: Path, name: str, changes: list[Change], rate: F
 
 @pytest.mark.parametrize("name", [name for name in seeds() if name not in MADE])
 @given(changes=CHANGES, rate=RATE, salvage=st.booleans())
-@settings(FUZZED, max_examples=15)
+@settings(FUZZED, max_examples=examples(15))
 def test_damaged_captures(tmp_path: Path, name: str, changes: list[Change], rate: Fraction | None, salvage: bool):
     judge(tmp_path / name, damaged(seeds()[name], changes), rate, salvage)
 
@@ -211,10 +214,20 @@ def test_damage_behind_whole_checksums(
     judge(tmp_path / name, zip_bytes(damaged_member(MADE[name], changes, which)), rate, salvage)
 
 
-@pytest.mark.parametrize("suffix", READ_BY_WRITER)
+@pytest.mark.parametrize("suffix", [suffix for suffix in READ_BY_WRITER if suffix != APART])
 @given(changes=CHANGES, which=PLACE, inside=st.booleans(), rate=RATE, salvage=st.booleans())
 @FUZZED
-def test_damage_to_what_we_write(
+def test_damage_to_what_we_write(tmp_path: Path, suffix: str, **damage: Any):
+    judge_written(tmp_path, suffix, **damage)
+
+
+@given(changes=CHANGES, which=PLACE, inside=st.booleans(), rate=RATE, salvage=st.booleans())
+@settings(FUZZED, max_examples=examples(8))
+def test_damage_to_what_we_write_and_a_process_of_its_own_reads(tmp_path: Path, **damage: Any):
+    judge_written(tmp_path, APART, **damage)
+
+
+def judge_written(
     tmp_path: Path,
     suffix: str,
     changes: list[Change],
@@ -222,7 +235,7 @@ def test_damage_to_what_we_write(
     inside: bool,
     rate: Fraction | None,
     salvage: bool,
-):
+) -> None:
     path = tmp_path / f"made{suffix}"
     if not (tmp_path / "sound").exists():
         formats.write(small(), path)
@@ -235,7 +248,7 @@ def test_damage_to_what_we_write(
 
 
 @given(content=st.binary(max_size=300), suffix=st.sampled_from(SUFFIXES))
-@settings(FUZZED, max_examples=100)
+@settings(FUZZED, max_examples=examples(40))
 def test_any_bytes(tmp_path: Path, content: bytes, suffix: str):
     judge(tmp_path / f"any{suffix}", content, None, False)
 

@@ -17,6 +17,7 @@ from periph_sim.traces import formats
 from periph_sim.traces.capture.changes import changes
 from periph_sim.traces.decode import i2c, uart
 from periph_sim.traces.formats import Capture
+from tests.profiles import examples
 from tests.traces.formats.strategies import captures
 
 TRACES = Path(__file__).resolve().parents[3] / "traces"
@@ -40,7 +41,7 @@ def positions(states: States, per_second: Fraction, rate: Fraction) -> States:
 
 
 @given(given=captures())
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 def test_vcdvcd_reads_the_same_changes(tmp_path_factory: pytest.TempPathFactory, given: Capture):
     path = tmp_path_factory.mktemp("vcd") / "x.vcd"
     formats.write(given, path)
@@ -52,7 +53,7 @@ def test_vcdvcd_reads_the_same_changes(tmp_path_factory: pytest.TempPathFactory,
 
 
 @given(given=captures())
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 def test_wellen_reads_the_same_changes(tmp_path_factory: pytest.TempPathFactory, given: Capture):
     path = tmp_path_factory.mktemp("vcd") / "x.vcd"
     formats.write(given, path)

@@ -19,6 +19,7 @@ from periph_sim.core.records import Kind, Record
 from periph_sim.traces import formats
 from periph_sim.traces.formats import psr
 from periph_sim.traces.formats.record_table import table_of
+from tests.profiles import examples
 from tests.traces.formats.looks import edges, facts
 
 NAMES = st.sampled_from(["SCL", "SDA", "dsp.I2C-A", "", "ein Rücken", "\ud800", "a\nb"])
@@ -52,7 +53,7 @@ def saved(path: Path, records: list[Record], end: int = 0) -> Path:
 
 
 @given(runs())
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 def test_records_in_are_records_out(tmp_path_factory: pytest.TempPathFactory, records: list[Record]):
     table = psr.read_table(saved(tmp_path_factory.mktemp("psr") / "run.psr", records, 1 << 62))
     assert list(table.records()) == records
@@ -237,7 +238,7 @@ def test_an_array_that_claims_more_than_its_member_holds_is_refused(tmp_path: Pa
 
 
 @given(place=st.integers(0, 3000), byte=st.integers(0, 255), cut=st.booleans())
-@settings(max_examples=120, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 def test_damaged_bytes_are_one_sentence_or_a_sound_table(
     tmp_path_factory: pytest.TempPathFactory, place: int, byte: int, cut: bool
 ):

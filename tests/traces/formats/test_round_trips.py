@@ -10,6 +10,7 @@ from hypothesis import example, given, settings
 from periph_sim.traces import formats
 from periph_sim.traces.capture.capture import channel_of
 from periph_sim.traces.formats import Capture, Span
+from tests.profiles import examples
 from tests.traces.formats.looks import edges, facts
 from tests.traces.formats.strategies import captures
 
@@ -26,7 +27,7 @@ def states(capture: Capture) -> list[tuple[int, list[int], list[int], tuple[Span
 @given(given=captures())
 @example(given=BEGINS_UNKNOWN)
 @example(given=ENDS_UNKNOWN)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 def test_written_and_read_again(tmp_path_factory: pytest.TempPathFactory, suffix: str, given: Capture):
     path = tmp_path_factory.mktemp("trip") / f"x{suffix}"
     formats.write(given, path)
@@ -40,7 +41,7 @@ def test_written_and_read_again(tmp_path_factory: pytest.TempPathFactory, suffix
 
 
 @given(given=captures())
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 def test_psr_keeps_everything_without_being_told(tmp_path_factory: pytest.TempPathFactory, given: Capture):
     path = tmp_path_factory.mktemp("trip") / "x.psr"
     noted = Capture(given.path, given.rate, given.length, given.channels, sampled=False, notes=("a note",))

@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from periph_sim.traces.formats import BadCapture, Capture, Span, saleae_csv
+from tests.profiles import examples
 from tests.traces.formats.looks import edges, facts
 
 
@@ -57,7 +58,7 @@ def test_ticks_are_as_fine_as_the_times_need(tmp_path: Path):
 
 @pytest.mark.parametrize("rate", [24_000_000, 6_250_000, 500_000_000, 3_000_000])
 @given(st.lists(st.integers(1, 10**9), min_size=1, max_size=20), st.integers(-(10**9), 10**9))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 def test_nine_decimals_of_any_grid_and_trigger_come_back_as_samples(
     tmp_path_factory: pytest.TempPathFactory, rate: int, steps: list[int], trigger: int
 ):

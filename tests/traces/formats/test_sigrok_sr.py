@@ -20,6 +20,7 @@ from periph_sim.traces import formats
 from periph_sim.traces.capture import size_limits as limits
 from periph_sim.traces.capture.capture import channel_of_edges
 from periph_sim.traces.formats import BadCapture, Capture, Span, sigrok_sr
+from tests.profiles import examples
 from tests.traces.formats.looks import edges, facts
 from tests.traces.formats.make_traces import FOLDER
 from tests.traces.formats.sigrok import sigrok_says
@@ -90,7 +91,7 @@ def test_every_unitsize(tmp_path: Path, unitsize: int):
 
 
 @given(st.lists(st.integers(0, 2**24 - 1), min_size=1, max_size=60), st.integers(1, 7))
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 def test_any_samples_come_back(tmp_path_factory: pytest.TempPathFactory, samples: list[int], block: int):
     content = b"".join(sample.to_bytes(3, "little") for sample in samples)
     cut = len(content) // 2
@@ -401,7 +402,7 @@ PLACES = st.sets(st.integers(1, 299), max_size=40).map(sorted)
 
 
 @given(st.lists(st.tuples(st.integers(0, 1), PLACES), min_size=1, max_size=64), st.integers(3, 60))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 def test_what_is_written_reads_the_same(
     tmp_path_factory: pytest.TempPathFactory, channels: list[tuple[int, list[int]]], chunk: int
 ):

@@ -11,11 +11,12 @@ from hypothesis import strategies as st
 
 from periph_sim.traces.formats import BadCapture
 from periph_sim.traces.formats.unit_csv import line_of_row, read
+from tests.profiles import examples
 
 FINITE = st.floats(allow_nan=False, allow_infinity=False)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(40))
 @given(st.lists(st.tuples(FINITE, FINITE), min_size=1, max_size=20), st.sampled_from(["\n", "\r\n", "\n\n"]))
 def test_numbers_read_back_to_the_last_bit(tmp_path_factory, rows, end: str):
     path = tmp_path_factory.mktemp("csv") / "f.csv"
@@ -27,7 +28,7 @@ def test_numbers_read_back_to_the_last_bit(tmp_path_factory, rows, end: str):
     assert line_of_row(path, len(rows) - 1) == 1 + len(rows) * len(end.replace("\r\n", "\n"))
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(40))
 @given(st.binary(max_size=60))
 @example(b"1\n")
 @example(b"1_0\n")
@@ -52,7 +53,7 @@ def test_any_bytes_are_numbers_or_refused_in_a_sentence(tmp_path_factory, data: 
         assert len(column.values) and np.isfinite(column.values).all()
 
 
-@settings(deadline=None, max_examples=100)
+@settings(deadline=None, max_examples=examples(40))
 @given(st.binary(max_size=40))
 @example(b"")
 @example(b"\xff [s]")

@@ -13,6 +13,7 @@ from periph_sim.traces import formats
 from periph_sim.traces.capture.capture import channel_of
 from periph_sim.traces.capture.changes import changes
 from periph_sim.traces.formats import Capture
+from tests.profiles import examples
 from tests.traces.formats.strategies import captures
 
 
@@ -35,7 +36,7 @@ def test_a_short_window(tmp_path: Path):
 
 
 @given(given=captures())
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 def test_the_bricks_are_the_edges(tmp_path_factory: pytest.TempPathFactory, given: Capture):
     path = tmp_path_factory.mktemp("drom") / "x.wavedrom.json"
     try:

@@ -4,6 +4,7 @@ cdef class Chip:
     cdef public set touched
     cpdef long long pins(self, long long now, long long levels)
     cpdef long long wake(self, long long now)
+    cpdef long long next_output(self)
     cpdef long long read(self, long long now, long long offset)
     cpdef void write(self, long long now, long long offset, long long value)
     cpdef long long peek(self, long long now, long long offset)

@@ -78,6 +78,12 @@ class Chip:
         """`next_wake` has come. Returns what the owner must look at."""
         raise NotImplementedError
 
+    def next_output(self) -> int:
+        """Before this cycle `out` does not move without an input (pins, access, reset); other than `next_wake` it tells
+        nothing of registers. Where a chip does not say: with any wake-up.
+        """
+        return self.next_wake
+
     def read(self, now: int, offset: int) -> int:
         """What the CPU reads, with all that a read sets off."""
         raise NotImplementedError

@@ -11,6 +11,7 @@ cdef class I2cMaster(I2cMasterTransmitter):
     cdef long long _free_from
     cpdef void reset(self)
     cpdef void timer(self, long long now)
+    cpdef bint answers_edges(self)
     cpdef void command(self, long long now, long long written)
     cdef void _request_bus(self, long long now)
     cpdef void start_seen(self, long long now)

@@ -105,6 +105,10 @@ class I2cMaster(I2cMasterTransmitter):
         elif step == RESTART:
             self._restart_high(now)
 
+    def answers_edges(self) -> bool:
+        """True where an edge may move a line, or start a timer that does."""
+        return self.active or self._waits_for_bus
+
     # Commands -----------------------------------------------------------------------
 
     def command(self, now: int, written: int) -> None:
@@ -224,11 +228,11 @@ class I2cMaster(I2cMasterTransmitter):
         self._data_bytes = 0
         state.wanted = bool(mdr & MDR_TRX)
         state.update(now)
-        if mdr & MDR_FDF:
+        if self._addresses:
+            self._next_address(now)
+        else:
             self._kind = NO_BYTE
             self._next_data(now)
-        else:
-            self._next_address(now)
 
     def load_counter(self) -> None:
         self.counter = self.state.cnt or 65536

@@ -18,6 +18,7 @@ cdef class I2c(Chip):
     cdef public long long _frozen_pull
     cdef long long _readable
     cdef long long _looks(self)
+    cpdef long long next_output(self)
     cdef void _hear(self, long long now, long long levels)
     cdef void _lines_moved(self, long long now)
     cdef void _advance(self, long long now)

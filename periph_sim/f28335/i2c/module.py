@@ -180,6 +180,16 @@ class I2c(Chip):
             timer = self.target.due
         return self.state.code_at if self.state.code_at < timer else timer
 
+    def next_output(self) -> int:
+        """With a filtered edge that an engine answers, or a timer of theirs; an interrupt's code moves no line."""
+        if not self._clocked or not self.state.mdr & MDR_IRS:
+            return NEVER
+        timer = min(self.target.due, self.master.due)
+        if self.master.answers_edges():
+            return min(timer, self._lines.due)
+        follows = self.target.answers_falls() or self._suspended
+        return min(timer, self._lines.fall_due()) if follows else timer
+
     def _timer_due(self, now: int) -> None:
         if self.state.code_at == now:
             self.state.load_code(now)
@@ -256,12 +266,7 @@ class I2c(Chip):
             return state.fftx | len(state.tx_fifo) << 8
         if offset == at.FFRX:
             return state.ffrx | min(len(state.rx_fifo), DEPTH) << 8
-        if offset == at.EMDR:
-            state.touched.add("emdr_present")
-            if not state.emdr_written:
-                state.touched.add("bcm_reset")
-            return state.bcm if self.options.emdr_present else 0
-        return state.stored(offset)
+        return state.emdr() if offset == at.EMDR else state.stored(offset)
 
     def write(self, now: int, offset: int, value: int) -> None:
         self._advance(now)

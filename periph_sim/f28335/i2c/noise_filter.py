@@ -57,6 +57,10 @@ class I2cNoiseFilter:
         self.due = min(self._scl_due, self._sda_due)
         return self.levels
 
+    def fall_due(self) -> int:
+        """The cycle of SCL's fall, where one is on its way; or NEVER."""
+        return self._scl_due if self.levels & SCL else NEVER
+
     def settle(self, pins: int) -> None:
         """The lines have been at these levels for long."""
         self.levels = pins

@@ -225,6 +225,13 @@ class I2cRegisters(I2cFifos):
             if value & ~1:
                 self.duty("I2CEMDR bits 15 to 1 were not written 0", "SPRUG03B Table 8")
 
+    def emdr(self) -> int:
+        """What I2CEMDR shows; 0 where there is none."""
+        self.touched.add("emdr_present")
+        if not self.emdr_written:
+            self.touched.add("bcm_reset")
+        return self.bcm if self.options.emdr_present else 0
+
     def write_psc(self, value: int) -> None:
         if self.mdr & MDR_IRS:
             self.touched.add("psc_write_irs1")

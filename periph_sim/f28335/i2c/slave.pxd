@@ -3,6 +3,7 @@ from .slave_transmitter cimport I2cSlaveTransmitter
 
 cdef class I2cSlave(I2cSlaveTransmitter):
     cpdef bint follows(self)
+    cpdef bint answers_falls(self)
     cpdef void start(self, long long now)
     cpdef void stop(self, long long now)
     cpdef void rise(self, long long now, long long sda)

@@ -43,6 +43,10 @@ class I2cSlave(I2cSlaveTransmitter):
         """This transfer is, or may be, for us."""
         return OFF < self.phase < IGNORE
 
+    def answers_falls(self) -> bool:
+        """True where a fall of SCL may move a line."""
+        return self.follows() or bool(self.state.mdr & MDR_FDF)
+
     # Line events --------------------------------------------------------------------
 
     def start(self, now: int) -> None:

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from periph_sim.f28335.i2c.options import I2cOptions
 
-from ..i2c_bus import SCL, SLOT, Bench, Foreign, Target
+from ..i2c_bus import SCL, SDA, SLOT, Bench, Foreign, Target
 
 rule = pytest.mark.rule
 
@@ -101,3 +101,16 @@ def test_i2csar_0_is_no_general_call_in_the_free_data_format():
     b.send([0x12], extra="FDF")
     b.until(lambda: b.flag("ARDY"))
     assert not b.flag("NACK")
+
+
+@pytest.mark.parametrize(("before", "behind", "said"), [("FDF", "", "S 5a A P"), ("", "FDF", "S 50W A 5a A P")])
+def test_the_format_is_that_of_the_write_that_sets_stt(before: str, behind: str, said: str):
+    """I2CMDR is written anew while the START is on the wires."""
+    b = Bench(Target(free="r") if before else Target())
+    b.w("I2CCNT", 1)
+    b.w("I2CDXR", 0x5A)
+    b.mode(f"FREE MST TRX STT STP {before}")
+    b.edge(SDA, 0)
+    b.mode(f"FREE MST TRX STP {behind}")
+    b.stopped()
+    assert b.said(free=bool(before)) == said

@@ -63,6 +63,8 @@ check: $(DEV)
 
 bench: $(DEV)
 	$(BIN)/python -m tests.bench.speed
+	$(BIN)/python -m tests.bench.levels --json build/bench/levels.json --plot build/bench/levels.svg
+	$(BIN)/python -m tests.bench.growth
 	$(BIN)/python -m tests.bench.decode
 	$(BIN)/python -m tests.bench.numeric
 

@@ -5,10 +5,14 @@ load -> Scene (not timed) -> run (timed) -> Measured
 
 from __future__ import annotations
 
+import resource
+import subprocess
+import sys
 import tempfile
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
+from time import perf_counter
 
 from periph_sim.records.recording import recording
 from periph_sim.scene.case.load import load
@@ -52,6 +56,14 @@ def speed(seconds: int = 10) -> Measured:
     run_scene(1)
     runs = [run_scene(seconds) for _ in range(REPEATS)]
     return Measured(runs[-1][0], middle([time for _, time in runs]))
+
+
+def command(words: list[str]) -> Seconds:
+    """A command line of ours in a process of its own."""
+    before, wall = resource.getrusage(resource.RUSAGE_CHILDREN), perf_counter()
+    subprocess.run([sys.executable, "-m", "periph_sim", *words], capture_output=True, check=False)
+    after, wall = resource.getrusage(resource.RUSAGE_CHILDREN), perf_counter() - wall
+    return Seconds(wall, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
 
 
 def seldom(rounds: int = 20) -> Measured:

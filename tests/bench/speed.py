@@ -14,10 +14,11 @@ import platform
 from collections.abc import Iterator
 
 from . import memory, peers, scenes
-from .timed import Seconds
+from .timed import Seconds, middle
 
 Row = tuple[str, str, str, str]  # what, figure, wall, cpu
 MIB = 1 << 20
+SHORT_RUN = ["run", str(scenes.CASE.with_name("imu_hil.toml")), "--duration", "20 ms"]
 
 
 def speed_rows() -> Iterator[Row]:
@@ -48,6 +49,13 @@ def recording_rows() -> Iterator[Row]:
         size, time = scenes.recorded(suffix)
         extra = f"{time.wall / plain.wall:.2f} times as long, {size / MIB:.1f} MiB"
         yield f"the same, recorded as {suffix}", extra, *shown(time)
+
+
+def start_rows() -> Iterator[Row]:
+    """A command from the shell to its end, process start and imports included."""
+    for what, words in (("periph-sim --version", ["--version"]), ("periph-sim run, 20 ms of imu_hil", SHORT_RUN)):
+        times = [scenes.command(words) for _ in range(scenes.REPEATS)]
+        yield what, "", *shown(middle(times))
 
 
 def peer_rows() -> Iterator[Row]:
@@ -105,7 +113,7 @@ def main() -> None:
     parser.add_argument("--long", action="store_true", help="memory after 1 and 10 simulated minutes, not 1 and 2")
     long = parser.parse_args().long
     rows: list[Row] = []
-    for part in (speed_rows(), recording_rows(), peer_rows(), memory_rows(long)):
+    for part in (speed_rows(), recording_rows(), start_rows(), peer_rows(), memory_rows(long)):
         for row in part:
             print("  ".join(cell for cell in row if cell), flush=True)
             rows.append(row)

@@ -55,6 +55,7 @@ from .faults import build_faults
 from .firmware_loader import Firmware
 from .host import HostAgent
 from .read_origins import origins_of
+from .release_delay import ReleaseDelay
 from .result import Result
 from .scope import scope_of_case
 from .sensor_chips import ChipOnBus, build_chip
@@ -309,16 +310,11 @@ class Scene:
     def sysclk(self, unit: str) -> Fraction:
         return self.units[unit or next(iter(self.units))].clock.hz
 
-    def i2c_release_delay(self, unit: str) -> int:
-        """Copy to I2CXSR unless BCM does that at the write, SDA set up before SCL, pin output."""
-        given, clock = self.case.unit[unit].options, self.units[unit].clock
+    def i2c_release_delay(self, unit: str) -> ReleaseDelay:
+        given, dsp = self.case.unit[unit].options, self.units[unit]
         i2c = options_of(self.case, I2cOptions, given.i2c, unit, "i2c")
         system = options_of(self.case, SystemOptions, given.system, unit, "system")
-        module = self.value_of(f"{unit}.I2C-A", "I2CPSC.IPSC") + 1
-        copy = 0 if self.value_of(f"{unit}.I2C-A", "I2CEMDR.BCM") else module
-        cycles = copy + max(1, i2c.sda_setup_before_scl_release * module) + system.gpio_out_delay
-        now = clock.cycle_at(self.kernel.now)
-        return clock.tick(now + cycles) - clock.tick(now)
+        return ReleaseDelay(self.kernel, dsp.clock, dsp.socket("I2C-A"), i2c, system)
 
     def held_since(self) -> int:
         return self.bus.held_since

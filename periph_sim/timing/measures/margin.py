@@ -52,7 +52,7 @@ class Margin(Measure):
         return {Kind.ACCESS: {f"{self._unit}.I2C-A.I2CDXR"}, Kind.FLAG: {f"{self._unit}.I2C-A.I2CSTR"}}
 
     def listen(self, scene: SceneEvents) -> None:
-        self._scene = scene
+        self._delay = scene.i2c_release_delay(self._unit)
         self._empty = bool(scene.value_of(f"{self._unit}.I2C-A", "I2CSTR.XRDY"))
         self.bus.attach(scene.wire("SCL"), scene.wire("SDA"))
 
@@ -81,7 +81,7 @@ class Margin(Measure):
         self._copied()
         written, self._shifting = self._shifting, NO_TIME
         if written != NO_TIME:
-            self.take(let_go - self._scene.i2c_release_delay(self._unit) - written, written)
+            self.take(let_go - self._delay.ticks() - written, written)
 
     def finish(self, now: int) -> None:
         bus = self.bus

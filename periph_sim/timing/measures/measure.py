@@ -27,6 +27,11 @@ if TYPE_CHECKING:
     from .reply import Expected, Reply
 
 
+class Delay(Protocol):
+    def ticks(self) -> int:
+        """How long it is as things are set now."""
+
+
 class SceneEvents(Protocol):
     """What a scene lets a measure listen to and ask."""
 
@@ -87,8 +92,8 @@ class SceneEvents(Protocol):
     def sysclk(self, unit: str) -> Fraction:
         """SYSCLKOUT of a unit in Hz, as it is now; of the first one where none is named."""
 
-    def i2c_release_delay(self, unit: str) -> int:
-        """From a write of I2CDXR that SCL is held for to its release, in ticks, as a unit is set now."""
+    def i2c_release_delay(self, unit: str) -> Delay:
+        """From a write of I2CDXR that SCL is held for to its release."""
 
     def held_since(self) -> int:
         """Since when others hold SCL low that the master has let go of; NO_TIME if they do not."""

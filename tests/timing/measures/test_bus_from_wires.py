@@ -263,7 +263,10 @@ class Scene(Played):
         assert (place, name) == ("dsp.I2C-A", "I2CSTR.XRDY")
         return self._empty
 
-    def i2c_release_delay(self, unit: str) -> int:
+    def i2c_release_delay(self, unit: str) -> Scene:
+        return self
+
+    def ticks(self) -> int:
         return RELEASE
 
 

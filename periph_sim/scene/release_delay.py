@@ -1,0 +1,37 @@
+"""How long an I2C-A takes from a write of I2CDXR that SCL is held for to the release of SCL, as it is set now.
+
+Copy to I2CXSR unless BCM does that at the write, SDA set up before SCL, pin output: in cycles of the module clock and
+of SYSCLKOUT; ticks come out.
+"""
+
+from __future__ import annotations
+
+from ..core.kernel import Kernel
+from ..core.socket import Socket
+from ..core.time import Clock
+from ..f28335.i2c.options import I2cOptions
+from ..f28335.i2c.register_map import I2C_MAP
+from ..f28335.system.options import SystemOptions
+
+PSC, EMDR = I2C_MAP["I2CPSC"], I2C_MAP["I2CEMDR"]
+
+
+class ReleaseDelay:
+    def __init__(self, kernel: Kernel, clock: Clock, socket: Socket, i2c: I2cOptions, system: SystemOptions) -> None:
+        self._kernel = kernel
+        self._clock = clock
+        self._socket = socket
+        self._setup = i2c.sda_setup_before_scl_release
+        self._pin = system.gpio_out_delay
+
+    def ticks(self) -> int:
+        chip, clock = self._socket.chip, self._clock
+        now = clock.cycle_at(self._kernel.now)
+        touched = chip.touched.copy()
+        prescaler, emdr = chip.peek(now, PSC.offset), chip.peek(now, EMDR.offset)
+        if len(chip.touched) != len(touched):
+            chip.touched.intersection_update(touched)  # looking is not depending on them
+        module = PSC["IPSC"].of(prescaler) + 1
+        copy = 0 if EMDR["BCM"].of(emdr) else module
+        cycles = copy + max(1, self._setup * module) + self._pin
+        return clock.tick(now + cycles) - clock.tick(now)

@@ -2,7 +2,7 @@ cimport cython
 
 from .chip cimport Chip
 from .kernel cimport Agent, Event, Kernel
-from .records cimport Recorder
+from .records cimport Recorder, Topic
 from .time cimport Clock
 from .wire cimport Pin, Sampler
 
@@ -25,7 +25,7 @@ cdef class Socket(Agent):
     cdef object _on_request
     cdef long long _phase, _out, _held, _wake_cycle, _last_cause
     cdef Event _wake
-    cdef list _inputs, _watched, _upper_words, _flags, _offsets
+    cdef list _inputs, _watched
     cdef object _touched
     cdef dict _note_count
     cpdef void act(self, long long tag)
@@ -44,6 +44,18 @@ cdef class Socket(Agent):
     @cython.locals(pin=Pin, pins=list)
     cpdef object _set_pins(self, long long index, long long level)
     cpdef void reclock(self)
-    cdef list _snapshot(self, long long cycle)
+    @cython.locals(register=_WatchedRegister)
+    cdef bint _look(self, long long cycle)
+    @cython.locals(register=_WatchedRegister, field=_WatchedField, changed=cython.longlong)
     cdef void _record_flags(self, long long cycle)
     cdef void _take_notes(self, long long cycle)
+
+
+cdef class _WatchedField:
+    cdef public long long mask, lsb
+    cdef public Topic topic
+
+
+cdef class _WatchedRegister:
+    cdef public long long offset, upper, value, was
+    cdef public list fields

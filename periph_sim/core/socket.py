@@ -14,7 +14,8 @@ from typing import Protocol
 
 from .chip import ALL, NEVER, OUTPUTS, Chip, Note
 from .kernel import CHIP, Agent, Event, Kernel
-from .records import Kind, Recorder
+from .records import Kind, Recorder, Topic
+from .registers import Register
 from .time import Clock
 from .wire import BITS, Pin, Sampler
 
@@ -86,11 +87,11 @@ class Socket(Agent):
         self._last_cause = 0
         self.traces = recorder.wants(Kind.EDGE) and (recorder.wants(Kind.FLAG) or recorder.wants(Kind.ACCESS))
         self._inputs: list[tuple[int, int]] = []  # (cycle from which it has effect, record) of what the chip was given
-        self._watched = [r for r in chip.MAP if recorder.wants(Kind.FLAG, f"{name}.{r.name}")]
-        self._upper_words = [(place, r.offset + 1) for place, r in enumerate(self._watched) if r.width == 32]
-        self._offsets = [r.offset for r in self._watched]
+        wanted = [r for r in chip.MAP if recorder.wants(Kind.FLAG, f"{name}.{r.name}")]
+        self._watched = [_WatchedRegister(r, recorder, name) for r in wanted]
         self._touched: frozenset[str] = frozenset()  # what the chip had touched before the last look at it
-        self._flags = self._snapshot(clock.cycle_at(kernel.now)) if self._watched else None
+        if self._watched:
+            self._look(clock.cycle_at(kernel.now))
 
     # Inputs ------------------------------------------------------------------
 
@@ -166,7 +167,7 @@ class Socket(Agent):
         self._wake_cycle = NEVER
         chip = self.chip
         looks = chip.wake(cycle) if chip.next_wake <= cycle else OUTPUTS
-        if self._flags is None and not self.traces:
+        if not self._watched and not self.traces:
             self.publish(cycle, looks)
         else:
             outer, self._recorder.cause = self._recorder.cause, self._cause_at(cycle)
@@ -211,7 +212,7 @@ class Socket(Agent):
         if self.watchers:
             for watcher in tuple(self.watchers):
                 watcher.look(cycle)
-        if self._flags is not None:
+        if self._watched:
             self._record_flags(cycle)
         if chip.notes:
             self._take_notes(cycle)
@@ -288,33 +289,39 @@ class Socket(Agent):
 
     # Records -----------------------------------------------------------------
 
-    def _snapshot(self, cycle: int) -> list[int]:
-        """The registers that somebody wants, as a debugger reads them; looking is not depending on them."""
+    def _look(self, cycle: int) -> bool:
+        """At the registers that somebody wants, as a debugger reads them. Looking is not depending on them.
+
+        Whether any has changed.
+        """
         chip = self.chip
         touched = chip.touched
         if touched != self._touched:
             self._touched = frozenset(touched)
-        values = [chip.peek(cycle, offset) for offset in self._offsets]
-        for place, offset in self._upper_words:
-            values[place] |= chip.peek(cycle, offset) << 16
+        moved = False
+        for register in self._watched:
+            register.was = register.value
+            register.value = chip.peek(cycle, register.offset)
+            if register.upper:
+                register.value |= chip.peek(cycle, register.upper) << 16
+            if register.value != register.was:
+                moved = True
         if len(touched) != len(self._touched):
             touched.intersection_update(self._touched)
-        return values
+        return moved
 
     def _record_flags(self, cycle: int) -> None:
-        assert self._flags is not None
         if self._recorder.cause:
             self._last_cause = self._recorder.cause
-        before, self._flags = self._flags, self._snapshot(cycle)
-        if before == self._flags:
+        if not self._look(cycle):
             return
         tick = self._clock.tick(cycle)
-        for was, value, register in zip(before, self._flags, self._watched, strict=True):
-            changed = value ^ was
+        for register in self._watched:
+            changed = register.was ^ register.value
             if changed:
-                for f in register.fields:
-                    if changed & f.mask:
-                        self._recorder.emit(tick, Kind.FLAG, self.name, f"{register.name}.{f.name}", f.of(value))
+                for field in register.fields:
+                    if changed & field.mask:
+                        field.topic.emit(tick, (register.value & field.mask) >> field.lsb)
 
     def _take_notes(self, cycle: int) -> None:
         notes = tuple(self.chip.notes)
@@ -329,6 +336,34 @@ class Socket(Agent):
                 self._recorder.emit(tick, Kind.NOTE, self.name, note.code, seen + 1, f"{note.text} [{note.source}]")
             if self.on_note is not None:
                 self.on_note(cycle, note)
+
+
+class _WatchedField:
+    """A field of a register that somebody wants."""
+
+    __slots__ = ("lsb", "mask", "topic")
+
+    mask: int
+    lsb: int
+    topic: Topic
+
+
+class _WatchedRegister:
+    """A register that somebody wants. value: as it was seen last; was: before. upper: of 32 bits, the upper half's
+    offset."""
+
+    __slots__ = ("fields", "offset", "upper", "value", "was")
+
+    def __init__(self, register: Register, recorder: Recorder, name: str) -> None:
+        self.offset = register.offset
+        self.upper = register.offset + 1 if register.width == 32 else 0
+        self.value = self.was = 0
+        self.fields: list[_WatchedField] = []
+        for each in register.fields:
+            field = _WatchedField()
+            field.mask, field.lsb = each.mask, each.lsb
+            field.topic = recorder.topic(Kind.FLAG, name, f"{register.name}.{each.name}")
+            self.fields.append(field)
 
 
 def _nothing() -> None:

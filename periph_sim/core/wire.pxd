@@ -1,7 +1,7 @@
 cimport cython
 
 from .kernel cimport Agent, Kernel, Samples, Settles
-from .records cimport Recorder
+from .records cimport Recorder, Topic
 
 
 cdef class _Told(Agent):
@@ -25,7 +25,8 @@ cdef class Wire(Settles):
     cpdef void jump(self, long long pulling)
     cpdef bint quiet(self)
     cdef void _changed(self)
-    cdef long long _record(self, object kind, str what, long long level, long long cause)
+    cdef Topic _edges, _holds
+    cdef long long _record(self, Topic topic, long long level, long long cause)
 
 
 cdef class _PullWatch:

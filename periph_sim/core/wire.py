@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from .kernel import Agent, Kernel, Samples, Settles
-from .records import Kind, Recorder
+from .records import Kind, Recorder, Topic
 
 Watcher = Callable[[int, int], None]
 
@@ -49,6 +49,8 @@ class Wire(Settles):
         self.kernel = kernel
         self._records_holds = self.recorded and recorder.wants(Kind.HOLD)
         self.version = 0
+        self._edges = recorder.topic(Kind.EDGE, name, "level")
+        self._holds = recorder.topic(Kind.HOLD, name, "held")
         self.pulling = 0
         self.attached = 0
         self._pulling = 0  # the same, in an instant that is not settled yet
@@ -121,12 +123,12 @@ class Wire(Settles):
             self.level = level
             if self.recorded:
                 cause = self._released_under if level else self._pulled_under
-                self.cause = self._record(Kind.EDGE, "level", level, cause)
+                self.cause = self._record(self._edges, level, cause)
             for look in self._watches:
                 look.sampler.levels ^= look.bit
                 self.kernel.tell(look.sampler)
         elif self._records_holds and self._pulling != self._pulling_recorded:
-            self._record(Kind.HOLD, "held", level, self._pulled_under or self._released_under)
+            self._record(self._holds, level, self._pulled_under or self._released_under)
         if self.recorded:
             self._pulled_under = self._released_under = 0
 
@@ -147,14 +149,14 @@ class Wire(Settles):
         """All that are told of its level, or of who pulls it."""
         return {look.sampler.agent for look in self._watches} | {watch.agent for watch in self._pull_watches}
 
-    def _record(self, kind: Kind, what: str, level: int, cause: int) -> int:
+    def _record(self, topic: Topic, level: int, cause: int) -> int:
         recorder = self.recorder
         self._pulling_recorded = pulling = self._pulling
         names = self._names_of.get(pulling)
         if names is None:
             names = self._names_of[pulling] = ", ".join(self.held_by())
         outer, recorder.cause = recorder.cause, cause
-        number = recorder.emit(self.kernel.now, kind, self.name, what, level, names)
+        number = topic.emit(self.kernel.now, level, names)
         recorder.cause = outer
         return number
 

@@ -1,6 +1,6 @@
 cimport cython
 
-from ..core.records cimport Recorder
+from ..core.records cimport Recorder, Topic
 from ..core.time cimport Clock
 from ..f28335.cpu.interrupts cimport CpuInterrupts
 from ..f28335.system.ram cimport Ram
@@ -39,6 +39,7 @@ cdef class Bus:
     cpdef void write(self, long long at, long long address, long long value, long long width=*)
     cpdef void note_width(self, long long cycle, Operand operand)
     cpdef long long free(self, Operand operand)
+    @cython.locals(reads=Topic)
     cpdef long long fetch(self, long long at, Operand operand)
     cdef long long _read(self, long long at, Operand operand)
     cpdef long long posts_at(self, long long cycle, Operand operand)
@@ -50,4 +51,3 @@ cdef class Bus:
     cpdef void land(self)
     cpdef void forget(self)
     cdef void _met(self, long long at)
-    cdef long long _record(self, str way, long long at, Operand operand, long long value, object where)

@@ -115,7 +115,11 @@ class Bus:
 
     def operand(self, place: ModuleRange, register: Register, words: int, field: Field | None = None) -> Operand:
         """These words of a register of the map, or the field of them that a program names."""
-        return Operand(place, register, words, field, self._waits, self._wanted(register))
+        operand = Operand(place, register, words, field, self._waits, self._wanted(register))
+        if operand.recorded:
+            operand.reads = self._recorder.topic(Kind.ACCESS, self._name, f"R {operand.name}")
+            operand.writes = self._recorder.topic(Kind.ACCESS, self._name, f"W {operand.name}")
+        return operand
 
     def at(self, address: int, width: int) -> Operand:
         """The register behind an address, 32 bits from an even one on. NoSuchAddress where no register is."""
@@ -194,7 +198,9 @@ class Bus:
         recorder = self._recorder
         outer = recorder.cause
         seen = operand.see(at)  # recorded before the read, which causes what it sets off
-        recorder.cause = self._record("R", at, operand, seen, self._place())
+        reads = operand.reads
+        where = (self._place() or "") if reads.told_whole else ""
+        recorder.cause = reads.emit(self._clock.tick(at), seen, where, operand.named)
         value = seen if operand.harmless else self._read(at, operand)
         recorder.cause = outer
         return value
@@ -264,7 +270,7 @@ class Bus:
         recorder, socket = self._recorder, operand.socket
         outer, recorder.cause = recorder.cause, first.cause
         if operand.recorded:
-            recorder.cause = self._record("W", at, operand, value, first.where)
+            recorder.cause = operand.writes.emit(self._clock.tick(at), value, first.where or "", operand.named)
         self.issued_at = first.where
         self._met(at)
         if operand.words & LOW:
@@ -284,8 +290,3 @@ class Bus:
         """RuntimeError if the kernel's time is not that of an access which acts."""
         if self._time.met != at:
             raise RuntimeError(f"{self._name}: an access acts in cycle {at}; call CpuTime.meet there before")
-
-    def _record(self, way: str, at: int, operand: Operand, value: int, where: SourceLocation | None) -> int:
-        what, field = f"{way} {operand.name}", "" if operand.field is None else operand.field.name
-        tick = self._clock.tick(at)
-        return self._recorder.emit(tick, Kind.ACCESS, self._name, what, value, where or "", field)

@@ -1,4 +1,5 @@
 from ..core.chip cimport Chip
+from ..core.records cimport Topic
 from ..core.socket cimport Socket
 
 
@@ -6,7 +7,8 @@ cdef class Operand:
     cdef public object field, place, register
     cdef public Socket socket
     cdef public Chip chip
-    cdef public str name
+    cdef public str name, named
+    cdef public Topic reads, writes
     cdef public long long address, mask, offset, read_waits, shift, words, write_waits
     cdef public bint block, frame1, frame2, harmless, meets, pieack, plain, protected, recorded, steady
     cpdef long long see(self, long long cycle)

@@ -5,6 +5,7 @@ An instruction that names the same register each time is resolved once, not at e
 
 from __future__ import annotations
 
+from ..core.records import Topic
 from ..core.registers import Field, Register
 from ..f28335.cpu.pie_map import PIEACK
 from ..f28335.system.memory_map import BOTH, HIGH, LOW, WORDS_MASK, Frame, ModuleRange, WaitStates
@@ -17,6 +18,7 @@ class Operand:
     block: inside the protected block, where reads wait for writes. steady: a read has no effect, and nothing that
     counts by itself is read. meets: an access acts, or the module is told something first. plain: a read is one look at
     the chip, of which no record is made.
+    reads, writes: the records that are made, where `recorded`. named: the field, as they have it.
     """
 
     __slots__ = (
@@ -30,12 +32,14 @@ class Operand:
         "mask",
         "meets",
         "name",
+        "named",
         "offset",
         "pieack",
         "place",
         "plain",
         "protected",
         "read_waits",
+        "reads",
         "recorded",
         "register",
         "shift",
@@ -43,7 +47,11 @@ class Operand:
         "steady",
         "words",
         "write_waits",
+        "writes",
     )
+
+    reads: Topic
+    writes: Topic
 
     def __init__(
         self,
@@ -59,6 +67,7 @@ class Operand:
         self.register = register
         self.words = words
         self.field = field
+        self.named = "" if field is None else field.name
         self.socket = place.socket
         self.chip = place.socket.chip
         self.offset = register.offset

@@ -38,20 +38,30 @@ class SourceLocator:
 
     def __init__(self) -> None:
         self._known: dict[tuple[CodeType, int], SourceLocation] = {}
-        self._firmware: dict[str, bool] = {}  # whether code of a file is firmware
+        self._places: dict[int, dict[int, SourceLocation] | None] = {}  # by code, by instruction; None: no firmware
+        self._codes: list[CodeType] = []  # which those are: their ids last as long as they do
 
     def of_frame(self, frame: FrameType | None) -> SourceLocation | None:
         """The innermost frame of firmware from this one outwards; None if there is none."""
-        firmware = self._firmware
         while frame is not None:
-            file = frame.f_code.co_filename
-            found = firmware.get(file)
-            if found is None:
-                found = firmware[file] = is_firmware(file)
-            if found:
-                return self._place(frame.f_code, frame.f_lineno)
+            code = frame.f_code
+            try:
+                places = self._places[id(code)]  # a code's own hash takes longer than all else here
+            except KeyError:
+                places = self._of_code(code)
+            if places is not None:
+                place = places.get(frame.f_lasti)
+                if place is None:
+                    place = places[frame.f_lasti] = self._place(code, frame.f_lineno)
+                return place
             frame = frame.f_back
         return None
+
+    def _of_code(self, code: CodeType) -> dict[int, SourceLocation] | None:
+        """Where a code seen for the first time is to have its places."""
+        self._codes.append(code)
+        places = self._places[id(code)] = {} if is_firmware(code.co_filename) else None
+        return places
 
     def of(self, routine: Callable[[], None]) -> SourceLocation | None:
         """Where a routine begins; None if it is not written in Python."""

@@ -1,4 +1,6 @@
-from ...core.records cimport Recorder
+cimport cython
+
+from ...core.records cimport Recorder, Topic
 from ...core.time cimport Clock
 from .program cimport PythonProgram
 
@@ -11,4 +13,5 @@ cdef class CodeRecords:
     cdef Recorder _recorder
     cpdef void span(self, long long cycle, object name, long long begins)
     cpdef void wait(self, long long cycle, object what, long long begins)
+    @cython.locals(topic=Topic)
     cdef void _emit(self, object kind, long long cycle, object what, long long begins)

@@ -31,5 +31,6 @@ class CodeRecords:
             self._emit(Kind.WAIT, cycle, what, begins)
 
     def _emit(self, kind: Kind, cycle: int, what: str, begins: int) -> None:
-        where = (self._program.place() or "") if begins else ""
-        self._recorder.emit(self._clock.tick(cycle), kind, self._name, what, begins, where)
+        topic = self._recorder.topic(kind, self._name, what)
+        where = (self._program.place() or "") if begins and topic.told_whole else ""
+        topic.emit(self._clock.tick(cycle), begins, where)

@@ -121,7 +121,8 @@ class EventMeasure(Measure):
     def hear(self, tag: int, tick: int, value: int) -> None:
         if self.spans is not None and self._names[tag]:
             self.spans.add(self._names[tag])
-        for one in self._plans[tag]:
+        plan = self._plans[tag]
+        for one in plan:
             if one.groups is not None:
                 self._hear_of_group(one, tick, value)
             elif one.test is not None and one.test.fits(value):

@@ -59,7 +59,8 @@ class Load(Measure):
         if self._window:
             self._stretches.append((self._since, at))
         self._since = NO_TIME
-        self._look(at - self._window)
+        if self._window:
+            self._look(at - self._window)
 
     def _pass(self, now: int) -> None:
         """Windows that are over by now."""
@@ -70,10 +71,12 @@ class Load(Measure):
 
     def _look(self, begin: int) -> None:
         """The window that begins there, if it lies in the run."""
-        if not self._window or begin < self._began:
+        if begin < self._began:
             return
         end = begin + self._window
-        busy = sum(max(0, min(end, e) - max(begin, b)) for b, e in self._stretches)
+        busy = 0
+        for began, ended in self._stretches:
+            busy += max(0, min(end, ended) - max(begin, began))
         if self._since != NO_TIME:
             busy += max(0, end - max(begin, self._since))
         part = _millionths(busy, self._window)

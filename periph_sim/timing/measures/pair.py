@@ -14,8 +14,8 @@ nothing is proven.
 from __future__ import annotations
 
 from collections import deque
-from typing import NamedTuple
 
+from ...core.time import NO_TIME
 from ..language.events import Group, Matcher
 from .event_pairing import EventMeasure
 from .groups import Groups
@@ -25,11 +25,14 @@ PAIRINGS = ("in order", "next", "last")
 FIRST, SECOND, START, STOP = range(4)  # places of a pair's events
 
 
-class Open(NamedTuple):
+class Open:
     """A first event that waits. at: its tick. since: what the clock or the counter said then."""
 
-    at: int
-    since: int
+    __slots__ = ("at", "since")
+
+    def __init__(self, at: int, since: int) -> None:
+        self.at = at
+        self.since = since
 
 
 class Between(EventMeasure):
@@ -56,6 +59,7 @@ class Between(EventMeasure):
             self.asked = f"{group.name}s with {begin.text!r}"
             self.occasions = 0
         self._groups_paired = 0
+        self._begun_at = self._now = NO_TIME
         self._began_at, self._per_second = 0, 1
 
     @property
@@ -105,14 +109,18 @@ class Between(EventMeasure):
         if not self._begun:
             self._begun, self._begun_at = True, tick
         if self._waiting and not self.pairing and self._again is None:
-            self._again = (self._waiting[0].at, tick)
+            first = self._waiting[0]
+            self._again = (first.at, tick)
         if self.pairing == "last":
             self._waiting.clear()
         self._waiting.append(Open(tick, self.clock(tick)))
 
     def _second(self, tick: int) -> None:
         waiting, now = self._waiting, self.clock(tick)
-        for _ in range(min(1, len(waiting)) if self.pairing == "in order" else len(waiting)):
+        ended = len(waiting)
+        if ended > 1 and self.pairing == "in order":
+            ended = 1
+        for _ in range(ended):
             one = waiting.popleft()
             self._paired = True
             self.take(now - one.since, one.at)
@@ -159,16 +167,16 @@ class CountBetween(Between):
         self, counted: Matcher, begin: Matcher, end: Matcher, pairing: str, group: Group | None = None
     ) -> None:
         super().__init__(begin, end, pairing, group, (counted,))
-        self._total = 0
+        self._counted = 0
 
     def between(self) -> None:
-        self._total += 1
+        self._counted += 1
 
     def clock(self, tick: int) -> int:
-        return self._total
+        return self._counted
 
     def last_clock(self, now: int) -> int:
-        return self._total
+        return self._counted
 
 
 def _order(inside: int, extra: int) -> tuple[int, ...]:

@@ -34,6 +34,7 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "cause": ("q", "<i8"),
     "field": ("I", "<u4"),
 }
+PIECE = 8192  # records that wait in lists
 TABLES = ("kind", "where", "what", "text", "field")
 
 
@@ -129,18 +130,44 @@ class Columns(Keeper):
         self._number, self._tick, self._value, self._cause = array("q"), array("q"), array("q"), array("q")
         self._text, self._field = array("I"), array("I")
         self._texts, self._fields = Strings(), Strings()
+        self._wait()
+
+    def _wait(self) -> None:
+        """What was kept last waits in lists, to which more is added faster."""
+        self._waiting = 0
+        self._topic_waits: list[int] = []
+        self._number_waits: list[int] = []
+        self._tick_waits: list[int] = []
+        self._value_waits: list[int] = []
+        self._cause_waits: list[int] = []
+        self._text_waits: list[str] = []
+        self._field_waits: list[str] = []
+
+    def _put(self) -> None:
+        """Put what waits into the columns."""
+        self._topic.extend(array("I", self._topic_waits))
+        self._number.extend(array("q", self._number_waits))
+        self._tick.extend(array("q", self._tick_waits))
+        self._value.extend(array("q", self._value_waits))
+        self._cause.extend(array("q", self._cause_waits))
+        self._text.extend(array("I", map(self._texts.__getitem__, self._text_waits)))
+        self._field.extend(array("I", map(self._fields.__getitem__, self._field_waits)))
+        self._wait()
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
         return self._topics.setdefault((kind, where, what), len(self._topics))
 
     def keep(self, tag: int, number: int, tick: int, value: int, text: str, cause: int, field: str) -> None:
-        self._topic.append(tag)
-        self._number.append(number)
-        self._tick.append(tick)
-        self._value.append(value)
-        self._text.append(self._texts[text])
-        self._cause.append(cause)
-        self._field.append(self._fields[field])
+        self._topic_waits.append(tag)
+        self._number_waits.append(number)
+        self._tick_waits.append(tick)
+        self._value_waits.append(value)
+        self._cause_waits.append(cause)
+        self._text_waits.append(text)
+        self._field_waits.append(field)
+        self._waiting += 1
+        if self._waiting == PIECE:
+            self._put()
 
     def add(self, record: Record) -> None:
         """One that was made elsewhere."""
@@ -148,9 +175,10 @@ class Columns(Keeper):
         self.keep(self.tag_of(kind, where, what), number, tick, value, text, cause, field)
 
     def __len__(self) -> int:
-        return len(self._tick)
+        return len(self._tick) + self._waiting
 
     def table(self, per_second: Fraction, end: int, modules: dict[str, tuple[str, ...]]) -> RecordTable:
+        self._put()
         topic = np.frombuffer(self._topic, np.uint32)
         kind, where, what, names = self._of_topics(topic)
         kept = {"number": self._number, "tick": self._tick, "value": self._value, "text": self._text}

@@ -13,6 +13,7 @@ from fractions import Fraction
 
 from ..core.time import NO_TIME
 from ..core.wire import Wire
+from .uart.frame_format import UartFormat
 from .uart.reader import Line
 
 
@@ -22,6 +23,8 @@ class UartCounter:
     def __init__(self, wire: Wire, line: Line) -> None:
         self.told: list[Callable[[int], None]] = []
         self._line = line
+        self._as: tuple[Fraction, UartFormat] | None = None  # how the last one was sent,
+        self._lasted = self._taken = 0  # how long it was, and until the middle of its last stop bit
         self._begun_at = NO_TIME
         self._over_at = 0  # the end of the last stop bit,
         self._free_at = 0  # and the middle of it, from which on a fall is a start bit
@@ -31,9 +34,12 @@ class UartCounter:
         if level or now < self._free_at:
             return
         self._tell()
-        bit, form = self._line()
+        line = self._line()
+        if line != self._as:
+            self._as, (bit, form) = line, line
+            self._lasted, self._taken = int(form.length * bit), int((form.length - Fraction(1, 2)) * bit)
         self._begun_at = now
-        self._over_at, self._free_at = now + int(form.length * bit), now + int((form.length - Fraction(1, 2)) * bit)
+        self._over_at, self._free_at = now + self._lasted, now + self._taken
 
     def finish(self, now: int) -> None:
         """The run is over; a character that it cuts off is none."""

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 
 from ..bus.i2c.transfer import Phase, Transfer
@@ -213,7 +213,7 @@ def asked_for(transfer: Transfer, request: Transfer) -> Transfer:
         del phase.got[asked.count :]
     for asked in request.phases[len(phases) :]:
         phases.append(Phase(asked.address, asked.read, asked.data, asked.count, asked.expect))
-    return replace(transfer, name=request.name, phases=phases)
+    return Transfer(request.name, phases, transfer.stop_at, transfer.lost)
 
 
 def _place(transfer: Transfer, requests: Sequence[Transfer]) -> int | None:

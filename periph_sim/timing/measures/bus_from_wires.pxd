@@ -1,8 +1,8 @@
-from ...core.kernel cimport Agent
+from ...bus.i2c.whole_bytes cimport ByteParty
 from ...core.wire cimport Wire
 
 
-cdef class BusFromWires(Agent):
+cdef class BusFromWires(ByteParty):
     cdef public long long address, index, phase_at, others_held_until
     cdef public bint read, ours
     cdef str _unit
@@ -11,6 +11,7 @@ cdef class BusFromWires(Agent):
     cdef long long _bits, _in
     cdef bint _settled, _acked
     cpdef void pulled(self, long long line, long long now, long long pulling)
+    cpdef void heard(self, long long shown, long long rise, long long low, long long high)
     cpdef void settle_before(self, long long tick)
     cpdef void settle(self)
     cpdef bint held_by_us_alone(self)

@@ -16,6 +16,7 @@ from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import combinations_with_replacement
 from typing import NamedTuple, Protocol
 
@@ -168,7 +169,9 @@ class ModelOrigins(Origins):
         longer: dict[tuple[int, int], Chain] = {}
         for chain in self._chains:
             for sent in reversed([sent for sent in run.sent if sent.number >= chain.sent.number][-PASSED_OVER - 1 :]):
-                longer.setdefault((sent.number, chain.sent.number), self._chain(run.number, sent, chain.state))
+                key = sent.number, chain.sent.number
+                if key not in longer:
+                    longer[key] = self._chain(run.number, sent, chain.state)
         return list(longer.values())[:MOST]
 
     def _anew(self) -> Iterator[Chain]:
@@ -200,6 +203,7 @@ def _nearest(got: bytes, candidates: Iterable[tuple[Sent, bytes]]) -> Origin:
     return Origin(None, NO_TIME, best) if found is None else Origin(found.number, found.ended, best)
 
 
+@lru_cache(maxsize=3 * RECENT)
 def _numbers(address: int, values: tuple[int, ...]) -> bytes:
     """The register bytes of the chip with this address where it shows the numbers of a frame."""
     name, chip = next((name, chip) for name, chip in CHIPS.items() if chip.address == address)

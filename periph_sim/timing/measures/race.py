@@ -1,6 +1,6 @@
 """Races and lost flags as measures: accesses and flag changes are kept, and looked through when the run is over.
 
-    records --Kept--> insight.Run --> distances in cycles, flags lost to read-modify-writes
+    records --Kept, AroundWrites--> insight.Run --> distances in cycles, flags lost to read-modify-writes
 
 What counts is what `periph-sim races` shows of a recorded run (`records/races.py`, `records/lost_flags.py`).
 """
@@ -24,10 +24,8 @@ from ...records.register_maps import is_status, one_clears
 from ...records.run import NotInRun, Run
 from ...traces.formats.record_table import Columns, RecordTable
 from ..language.scope import MAPS, BadEvent, Scope, scope_of_table
+from .around_writes import CLEARABLE, CLEARING, AroundWrites
 from .measure import Measure, SceneEvents
-
-CLEARABLE = [f"{module}.{r.name}" for module, registers in MAPS.items() for r in registers if one_clears(r)]
-CLEARING = {f"W {register}" for register in CLEARABLE}
 
 
 @dataclass(frozen=True)
@@ -117,6 +115,17 @@ class Kept(Columns):
         return super().tag_of(kind, where, what) if self._watched.concerns(kind, where, what) else UNHEARD
 
 
+class KeptAroundWrites(AroundWrites):
+    """Of these, those around writes that clear flags."""
+
+    def __init__(self, watched: Watched) -> None:
+        super().__init__()
+        self._watched = watched
+
+    def tag_of(self, kind: Kind, where: str, what: str) -> int:
+        return super().tag_of(kind, where, what) if self._watched.concerns(kind, where, what) else UNHEARD
+
+
 class RegisterMeasure(Measure, ABC):
     """Keeps the records that concern a register, to look at them as a recorded run."""
 
@@ -125,7 +134,7 @@ class RegisterMeasure(Measure, ABC):
     def __init__(self, watched: Watched) -> None:
         super().__init__()
         self.watched = watched
-        self._kept_records = Kept(watched)
+        self._kept_records: Columns = Kept(watched)
 
     @property
     def subjects(self) -> Subjects:
@@ -192,6 +201,15 @@ class LostFlags(RegisterMeasure):
 
     unit = "flags"
     series = False
+
+    def __init__(self, watched: Watched) -> None:
+        super().__init__(watched)
+        self._around = KeptAroundWrites(watched)
+        self._kept_records = self._around
+
+    def listen(self, scene: SceneEvents) -> None:
+        super().listen(scene)
+        self._around.cycle_is(Fraction(self._per_second) / self._sysclk)
 
     @property
     def subjects(self) -> Subjects:

@@ -1,0 +1,68 @@
+"""A slave whose firmware meddles with its I2C module in the middle of a byte, a set time behind the first START.
+
+    START --(after)--> act --> the other bytes, one by one
+                       clear: a flag by a bit field, so that the whole of I2CSTR is read and written back
+                       gate:  the module's clock off for `length`, so that it misses edges
+                       look:  at the level of SDA's pad; a pin shows it from then on
+                       reset: IRS = 0, IRS = 1
+
+Each byte is waited for with a time-out, as firmware does that once lost a flag.
+
+Source: SPRUG03B sections 5.3 (I2CSTR: write 1 to clear) and 5.9 (IRS); SPRUFB0D section 5.1 (PCLKCR0).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Literal
+
+from periph_sim.core.settings import Duration
+from periph_sim.firmware import start_i2c, start_pin
+from periph_sim.processor.dsp import Dsp
+
+
+@dataclass
+class Settings:
+    """What a case may change."""
+
+    address: int = 0x50
+    act: Literal["clear", "gate", "look", "reset", "nothing"] = "nothing"
+    after: Duration = Fraction(0)  # from the START to what it does
+    length: Duration = Fraction(10, 1_000_000)  # of a gated clock
+    patience: Duration = Fraction(150, 1_000_000)  # for one byte
+    pin: int = 0
+
+
+def meddle(dsp: Dsp, settings: Settings) -> None:
+    i2c = dsp.module("I2C-A")
+    dsp.compute(settings.after)
+    if settings.act == "clear":
+        i2c.I2CSTR.NACK = 1
+    elif settings.act == "reset":
+        i2c.I2CMDR.IRS = 0
+        i2c.I2CMDR.IRS = 1
+    elif settings.act == "look":
+        if dsp.module("GPIO").GPBDAT.GPIO32 == 1:  # SDAA
+            dsp.set_pin(settings.pin)
+    elif settings.act == "gate":
+        clocks = dsp.module("SYS")
+        dsp.eallow()
+        clocks.PCLKCR0.I2CAENCLK = 0
+        dsp.compute(settings.length)
+        clocks.PCLKCR0.I2CAENCLK = 1
+        dsp.edis()
+
+
+def main(dsp: Dsp, settings: Settings) -> None:
+    start_pin(dsp, settings.pin)
+    start_i2c(dsp, settings.address)
+    i2c = dsp.module("I2C-A")
+    i2c.I2CMDR.IRS = 1
+    received = bytearray()
+    dsp.spin(lambda: i2c.I2CSTR.BB == 1)
+    if settings.act != "nothing":
+        meddle(dsp, settings)
+    while True:
+        if dsp.spin(lambda: i2c.I2CSTR.RRDY == 1, timeout=settings.patience):
+            received.append(i2c.I2CDRR.all)

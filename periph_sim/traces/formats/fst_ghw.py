@@ -13,7 +13,6 @@ VCD is not read this way: the library loses the end of a capture, and declared r
 
 from __future__ import annotations
 
-import io
 import json
 import re
 import struct
@@ -100,11 +99,15 @@ def _signals(path: Path) -> tuple[dict[str, Any], list[tuple[np.ndarray[Any, Any
         said = ERROR.findall(done.stderr.decode(errors="replace"))
         found = f"what makes its reader stop ({said[-1] if said else 'aborted'})"
         _bad(path, "the file", found, "an undamaged waveform of kinds that it knows", "dump it again, or as VCD")
-    out = io.BytesIO(done.stdout)
-    head = json.loads(out.readline())
+    first, _, _ = done.stdout.partition(b"\n")
+    head = json.loads(first)
     signals = []
+    begin = len(first) + 1
     for _ in range(head["signals"]):
-        at, letters = np.lib.format.read_array(out), np.lib.format.read_array(out)
+        count, width = map(int, np.frombuffer(done.stdout, np.uint64, 2, begin))
+        at = np.frombuffer(done.stdout, np.uint64, count, begin + 16)
+        letters = np.frombuffer(done.stdout, np.uint8, count * width, begin + 16 + 8 * count).reshape(count, width)
+        begin += 16 + (8 + width) * count
         if len(at) and (int(at.max()) > MOST_TICKS or (np.diff(at.astype(np.int64)) < 0).any()):
             _bad(path, "its times", "a time that falls or is too late", "times that rise", "dump it again")
         signals.append((at.astype(np.int64), letters))

@@ -1,22 +1,20 @@
 """The work of a process of its own: a waveform file goes in, the states of its lines come out on standard output.
 
-    python -m periph_sim.traces.formats.wellen_worker FILE --> head (JSON), then arrays: positions, states, a line each
+    python -m periph_sim.traces.formats.wellen_worker FILE --> head (JSON), a line; then of each signal
+        number of changes, width (8 bytes each, as this machine has them), positions (8 bytes each), states (letters)
 
 A damaged file can make the reader ask for any memory and abort, which nobody can catch; so it may not happen in the
-process of the user. Only this file knows the library.
+process of the user. Only this file knows the library. It imports nothing that takes long: it is started for each file.
 """
 
 from __future__ import annotations
 
-import io
 import json
 import os
 import sys
 from array import array
 from collections.abc import Iterator
 from typing import IO, Any
-
-import numpy as np
 
 MEMORY = 4 << 30  # bytes of address space
 SECONDS = 300  # of processor time
@@ -75,11 +73,8 @@ def main(path: str) -> None:
     }
     out.write(json.dumps(head).encode() + b"\n")
     for changes in collected(wave, places, variables):
-        at = np.frombuffer(changes.at, np.uint64)
-        for values in (at, np.frombuffer(changes.letters, np.uint8).reshape(len(at), changes.width)):
-            packed = io.BytesIO()  # numpy asks a file for its position, which a pipe has not
-            np.lib.format.write_array(packed, values, allow_pickle=False)
-            out.write(packed.getbuffer())
+        for part in (array("Q", (len(changes.at), changes.width)), changes.at, changes.letters):
+            out.write(part)
     out.close()
 
 

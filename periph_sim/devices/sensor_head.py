@@ -228,7 +228,8 @@ class SensorHead(Agent):
         current = self._round
         assert current is not None
         current.transfers += 1
-        current.nacked += not transfer.acked
+        if not transfer.acked:
+            current.nacked += 1
         for told in self.on_transfer:
             told(transfer)
         if self._left:

@@ -113,11 +113,16 @@ class UartSender(Agent):
 
     def _measure(self, frames: int, gap: Fraction) -> None:
         """When the bits of so many frames begin, and when each frame ends."""
-        if gap != self._gap:
-            self._gap, self._begins = gap, []
+        known = len(self._begins) // (self._length + 1)
+        if gap is not self._gap and gap != self._gap:
+            self._begins = []
+            known = 0
+        self._gap = gap
+        if known >= frames:
+            return
         parts, pause = gap.denominator, gap.numerator  # a bit has `parts` parts, so that every instant is whole
         num, den = self._bit.numerator, self._bit.denominator * parts
-        for frame in range(len(self._begins) // (self._length + 1), frames):
+        for frame in range(known, frames):
             at = frame * (self._length * parts + pause)
             self._begins += [(at + bit * parts) * num // den for bit in range(self._length + 1)]
 

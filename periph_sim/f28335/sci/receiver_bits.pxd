@@ -28,6 +28,7 @@ cdef class SciRxBits:
     cdef void _finish(self)
     cdef void _read_word(self, long long votes, long long stop, SciFormat frame)
     cdef void _after_missing_stop(self, long long stop, long long start, SciFormat frame)
+    @cython.locals(t=cython.longlong, passed=cython.longlong)
     cdef void _drop(self, long long tick)
     cdef void _resume(self, long long tick)
     @cython.locals(end=cython.longlong, due=cython.longlong)

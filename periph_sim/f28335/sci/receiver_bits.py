@@ -261,9 +261,14 @@ class SciRxBits:
     def _drop(self, tick: int) -> None:
         """Take the toggles up to `tick` as past."""
         toggles = self._toggles
-        while toggles and toggles[0] <= tick:
-            toggles.pop(0)
-            self._level ^= 1
+        passed = 0
+        for t in toggles:
+            if t > tick:
+                break
+            passed += 1
+        if passed:
+            del toggles[:passed]
+            self._level ^= passed & 1
 
     def _resume(self, tick: int) -> None:
         """Search from sample `tick` on."""

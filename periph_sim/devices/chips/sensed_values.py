@@ -12,7 +12,7 @@ from itertools import pairwise
 
 from .register_chip import Source
 
-ZERO = (Fraction(0), Fraction(0), Fraction(0))
+ZERO: Sequence[Fraction] = (Fraction(0), Fraction(0), Fraction(0))
 
 
 def held(ticks: Sequence[int], rows: Sequence[Sequence[float | Fraction]]) -> Source:
@@ -30,15 +30,30 @@ def held(ticks: Sequence[int], rows: Sequence[Sequence[float | Fraction]]) -> So
 
 def numbered(first: int, period: int, values: Callable[[int], Sequence[int]]) -> Source:
     """`values(n)` from first + n * period on, zeros before: values that change as a host's frames do."""
+    kept, axes = -1, ZERO  # the frame asked for last: a chip samples several times a frame
 
     def at(tick: int) -> Sequence[Fraction]:
+        nonlocal kept, axes
         if tick < first:
             return ZERO
-        return tuple(Fraction(value) for value in values((tick - first) // period))
+        number = (tick - first) // period
+        if number != kept:
+            kept, axes = number, tuple(Fraction(value) for value in values(number))
+        return axes
 
     return at
 
 
 def scaled(source: Source, lsb_per_unit: Fraction) -> Source:
     """A source in LSB as one in the chip's physical unit, exactly."""
-    return lambda tick: tuple(Fraction(value) / lsb_per_unit for value in source(tick))
+    kept: Sequence[float | Fraction] | None = None  # what the source gave last, and what came of it
+    axes: Sequence[Fraction] = ZERO
+
+    def at(tick: int) -> Sequence[Fraction]:
+        nonlocal kept, axes
+        given = source(tick)
+        if given is not kept:
+            kept, axes = given, tuple(Fraction(value) / lsb_per_unit for value in given)
+        return axes
+
+    return at

@@ -44,3 +44,11 @@ def test_numbers_change_every_period_and_are_zero_before_the_first():
 def test_lsb_become_units_exactly():
     source = scaled(lambda tick: (115, -1, 0), Fraction(115, 8))
     assert source(0) == (8, Fraction(-8, 115), 0)
+
+
+def test_a_frame_is_worked_out_once_however_often_it_is_sampled_in_a_row():
+    asked: list[int] = []
+    source = scaled(numbered(0, 10, lambda n: (asked.append(n), (n, 0, 2 * n))[1]), Fraction(2))
+    ticks = (0, 4, 9, 10, 11, 5, 19)
+    assert [source(tick) for tick in ticks] == [(Fraction(n, 2), 0, n) for n in (0, 0, 0, 1, 1, 0, 1)]
+    assert asked == [0, 1, 0, 1]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
@@ -10,8 +9,8 @@ from contextlib import ExitStack, contextmanager
 from fractions import Fraction
 from multiprocessing import get_context
 from pathlib import Path
+from typing import Any
 
-import greenlet
 import numpy as np
 import pytest
 
@@ -233,24 +232,19 @@ def test_firmware_of_a_module_goes_to_other_processes(case: Path) -> None:
 
 
 def test_firmware_that_waits_for_ever_ends_in_the_thread_that_ran_it(case: Path) -> None:
-    def waiting() -> int:
-        found = [one for one in gc.get_objects() if isinstance(one, greenlet.greenlet)]
-        return sum(one.parent is not None and bool(one) for one in found)  # a thread's own has no parent
+    ended: list[bool] = []
 
-    gc.collect()
-    before = waiting()
-    ended = threading.Event()
+    def waiting(dsp: Any, settings: Any) -> None:
+        began = threading.get_ident()
+        try:
+            dsp.spin(lambda: False)
+        finally:
+            ended.append(threading.get_ident() == began)
 
-    def work() -> None:
-        with ThreadPoolExecutor(2) as threads:
-            sweep(case, {WORK: LENGTHS}, executor=threads)
-        ended.set()
-
-    thread = threading.Thread(target=work)
-    thread.start()
-    thread.join()
-    gc.collect()
-    assert ended.is_set() and waiting() == before
+    case.write_text(CASE.replace("mine.py", "given").replace('[unit.dsp.settings]\nwork = "10 us"\n', ""))
+    with ThreadPoolExecutor(2) as threads:
+        sweep(case, {"seed": range(6)}, programs={"dsp": waiting}, executor=threads)
+        assert ended == [True] * 6  # before the threads end, or anybody looks for garbage
 
 
 @pytest.mark.parametrize(

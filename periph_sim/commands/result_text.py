@@ -18,9 +18,14 @@ from .tables import WIDTH, plain_table, say
 STYLES = {PASS: "", FAIL: "red", NOT_JUDGED: "yellow"}
 
 
-def show(console: Console, result: Result, case: Case, guaranteed: bool = False, verbose: bool = False) -> None:
-    """guaranteed: what is not proven has failed. verbose: list what the run assumed, and tell what it skipped."""
-    say(console, f"{result.case}: {title(result, guaranteed)}", style="bold")
+def show(
+    console: Console, result: Result, case: Case, guaranteed: bool = False, verbose: bool = False, chosen: str = ""
+) -> None:
+    """guaranteed: what is not proven has failed. verbose: list what the run assumed, and tell what it skipped.
+
+    chosen: how its level was chosen, for the line of the verdict.
+    """
+    say(console, f"{result.case}: {title(result, guaranteed)}{chosen}", style="bold")
     console.print(budget_table(result.budgets))
     for line in legend(result.budgets):
         say(console, line)

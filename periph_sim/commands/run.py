@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ..core.text_table import paragraph
 from ..explain.bound.verdict_proof import prove_verdicts
 from ..records.recording import recording
 from ..scene.case.load import load
@@ -19,6 +20,7 @@ from ..scene.scene import Scene
 from ..timing.verdict import EVERY_PHASE
 from ..traces.formats.atomic_write import atomic_write
 from .command_line import command_line
+from .fidelity_choice import fidelity_given
 from .input_options import GUARANTEED, apart, length_given
 from .json_output import print_json
 from .progress import progress
@@ -28,6 +30,7 @@ from .usage_error import usage_errors_in_one_sentence
 
 if TYPE_CHECKING:
     from ..explain.chain import Chain
+    from ..reports.trade.auto import Choice
 
 SECTION = "run"
 EXAMPLE = "periph-sim run timing/imu_hil.toml --seconds 1 --explain"
@@ -37,6 +40,8 @@ EXAMPLE = "periph-sim run timing/imu_hil.toml --seconds 1 --explain"
 @click.argument("case", type=click.Path(path_type=Path))
 @click.option("--seconds", type=str, help="Simulate this long instead of the case's duration; 10 or '10 s'.")
 @click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
+@click.option("--fidelity", metavar="LEVEL", help="edge, adaptive, byte; auto: the cheapest within --max-error.")
+@click.option("--max-error", metavar="TIME", help="How far times may be off with --fidelity auto, as '1 us'.")
 @click.option("--record", type=click.Path(path_type=Path), help="Write the run to a file; its suffix says the format.")
 @click.option("--html", type=click.Path(path_type=Path), help="Write a report with plots and timelines to this file.")
 @GUARANTEED
@@ -49,6 +54,8 @@ def run(
     case: Path,
     seconds: str | None,
     changes: tuple[str, ...],
+    fidelity: str | None,
+    max_error: str | None,
     record: Path | None,
     html: Path | None,
     guaranteed: bool | None,
@@ -63,13 +70,22 @@ def run(
     apart(record=record, html=html)
     with usage_errors_in_one_sentence(), ExitStack() as outputs:
         needed = project_of(Path()).settings.guaranteed if guaranteed is None else guaranteed
+        level, bound = fidelity_given(fidelity, max_error, record)
+        changes += tuple(level)
         loaded = load(case, list(changes))
         length = None if seconds is None else length_given(seconds)
         unfinished = None if html is None else outputs.enter_context(atomic_write(html))
         subscribe, ended_at = outputs.enter_context(recording(record, loaded.recorded_modules))
-        scene = Scene(loaded, subscribe, keep_values=html is not None)
+        choice: Choice | None = None
         with progress(loaded.name) as told:
-            result = scene.run(length, told)
+            if bound is None:
+                scene = Scene(loaded, subscribe, keep_values=html is not None)
+                result = scene.run(length, told)
+            else:
+                from ..reports.trade.auto import run_within
+
+                made = run_within(lambda more: load(case, [*changes, *more]), bound, length, html is not None, told)
+                scene, result, choice = made
         ended_at(scene.kernel.now)
         prove_verdicts(scene, result.budgets)
         chains = _chains(scene, result, length) if explain else {}
@@ -82,9 +98,12 @@ def run(
             report = case_report(loaded, result, values, scene.typical(), per_second, length, changes)
             unfinished.write_text(page([report], loaded.name, command_line()), encoding="utf-8")
     if as_json:
-        print_json("run", _object(result, chains if explain else None))
+        told_of_choice = {} if choice is None else {"choice": choice.as_json()}
+        print_json("run", _object(result, chains if explain else None) | told_of_choice)
     else:
-        show(terminal(), result, loaded, needed, verbose)
+        show(terminal(), result, loaded, needed, verbose, "" if choice is None else choice.heading())
+        if choice is not None:
+            click.echo("\n".join(paragraph(choice.sentence())))
         if chains:
             from ..explain.text_report import text
 

@@ -225,3 +225,33 @@ def test_what_holds_for_every_phase_is_guaranteed(periph_sim: Run, tmp_path: Pat
     told = json.loads(periph_sim("run", str(tmp_path / "it.toml"), "--seconds", "0.05", "--json").out)
     (budget,) = told["budgets"]
     assert (told["proof"], budget["proof"], budget["bound"], budget["unbounded"]) == ("every phase",) * 2 + (5.0, "")
+
+
+def test_a_level_is_chosen_by_a_bound_and_told_with_the_verdict(periph_sim: Run):
+    responder = str(Path(__file__).resolve().parents[2] / "timing" / "responder.toml")
+    came = periph_sim("run", responder, "--fidelity", "auto", "--max-error", "1 us")
+    first = came.out.partition("\n")[0]
+    assert first == "responder: PASS, as seen in this run; byte by measure on 60 ms, used for 100 ms"
+    assert "within 1 us: byte is the cheapest, " in came.out and "measuring took" in came.out
+    told = json.loads(periph_sim("run", responder, "--fidelity", "auto", "--max-error", "1 ns", "--json").out)
+    assert told["choice"]["level"] == told["choice"]["used"] == told["fidelity"] == "adaptive"
+
+
+def test_a_level_may_be_given_as_an_option(periph_sim: Run):
+    responder = str(Path(__file__).resolve().parents[2] / "timing" / "responder.toml")
+    assert "at adaptive fidelity, 100.0 %" in periph_sim("run", responder, "--fidelity", "adaptive").out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--fidelity", "auto"), "--fidelity auto needs --max-error"),
+        (("--fidelity", "auto", "--max-error", "1"), "--max-error: '1' has no unit; write for instance"),
+        (("--max-error", "1 us"), "--max-error belongs to --fidelity auto"),
+        (("--fidelity", "auto", "--max-error", "1 us", "--record", "x.psr"), "--record writes edges"),
+        (("--fidelity", "edges"), "fidelity: "),
+    ],
+)
+def test_mistakes_about_levels_are_one_sentence(periph_sim: Run, desk: Path, arguments: tuple[str, ...], message: str):
+    came = periph_sim("run", "small.toml", *arguments)
+    assert (came.status, came.out) == (2, "") and message in came.err and "Traceback" not in came.err

@@ -47,17 +47,16 @@ class Cost:
         return self.events / count if count else 0.0
 
 
-def cost_of(case: Case, length: Fraction) -> Cost:
-    """Two runs: one timed, and the begin of one traced."""
+def cost_of(case: Case, length: Fraction, traced: bool = True) -> Cost:
+    """Two runs: one timed, and the begin of one traced, where memory is asked for; else it is 0."""
     scene = Scene(case)
     gc.collect()
     began = process_time()
     result = scene.run(length)
     cpu = process_time() - began
+    memory = _memory(case, length) if traced else 0
     passed = result.counts.get(BYTE_LEVEL, 0)
-    return Cost(
-        result.simulated_s, cpu, result.events, result.wire_bytes, result.sci_bytes, passed, _memory(case, length)
-    )
+    return Cost(result.simulated_s, cpu, result.events, result.wire_bytes, result.sci_bytes, passed, memory)
 
 
 def _memory(case: Case, length: Fraction) -> int:

@@ -19,6 +19,7 @@ from ...scene.firmware_loader import BadFirmware, load_firmware
 
 FIDELITIES: tuple[str, ...] = get_args(Case.model_fields["fidelity"].annotation)
 REFERENCE = "edge"
+EQUAL = (REFERENCE, "adaptive")  # levels with the same records in every scene (tests/scene/test_adaptive.py)
 ARITHMETICS = ("bytes", "q16", "float32", "float64")
 POLL_PASSES = (7, 21)  # the shortest and the longest pass that was counted in compiled programs (docs/fidelity.md)
 

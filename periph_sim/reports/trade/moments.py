@@ -32,11 +32,22 @@ class Label:
     value: int = 0
 
 
+Topic = tuple[Kind, str, str]
+Met = dict[Topic, frozenset[int]]
+
+
+def sort_of(kind: Kind, what: str, value: int) -> int:
+    """Which of its sorts a record is: of bytes on the bus ACK 0 and NACK 1, of flags 0 and set, of interrupts both."""
+    if kind is Kind.BUS:
+        return value & 1 if what in ON_BUS else 0
+    return 0 if kind is Kind.NOTE else min(value, 1)
+
+
 class MomentListener(Listener):
     """Keeps time and value of every record of its kinds, 16 bytes each."""
 
     def __init__(self) -> None:
-        self._topics: list[tuple[Kind, str, str]] = []
+        self._topics: list[Topic] = []
         self._kept: list[tuple[array[int], array[int]]] = []
 
     def subscribe(self, recorder: Recorder) -> None:
@@ -71,6 +82,13 @@ class MomentListener(Listener):
             else:
                 found[Label(stream, what)] = at
         return {label: at for label, at in found.items() if len(at)}
+
+    def met(self) -> Met:
+        """What sorts of each record there were."""
+        found: dict[Topic, frozenset[int]] = {}
+        for (kind, where, what), (_, values) in zip(self._topics, self._kept, strict=True):
+            found[kind, where, what] = frozenset(sort_of(kind, what, value) for value in set(values))
+        return found
 
     def data(self) -> dict[str, Ints]:
         """Bytes by where they were seen: on the bus with their ACKs, and in each register of data, as it changed."""

@@ -21,7 +21,7 @@ from ...scene.scene import Scene
 from ...timing.budget_schema import Budget
 from ...timing.measures.measure import MILLIONTHS, Measure
 from .errors import CYCLES, Errors, errors_of
-from .moments import Ints, Label, MomentListener
+from .moments import Ints, Label, Met, MomentListener
 from .pairing import Paired, pair, pair_moments
 
 OBSERVED: dict[str, str | int] = {  # beside a case's own budgets; with a limit, as every budget must have one
@@ -45,7 +45,7 @@ NOMINAL = 150_000_000  # SYSCLKOUT in Hz, where a scene has no unit
 @dataclass(frozen=True, eq=False)
 class Observed:
     """What came of a run. values: by measure, its unit and int64[n] as they came. cycle: ticks of a SYSCLKOUT cycle of
-    the case's first unit. per_second: ticks.
+    the case's first unit. per_second: ticks. met: the sorts of records that there were.
     """
 
     moments: dict[Label, Ints]
@@ -53,6 +53,7 @@ class Observed:
     values: dict[str, tuple[str, Ints]]
     cycle: float
     per_second: int
+    met: Met
 
 
 def observe(case: Case, length: Fraction) -> Observed:
@@ -69,7 +70,9 @@ def observe(case: Case, length: Fraction) -> Observed:
     for limit in scene.limits:
         values.setdefault(limit.budget.measure, (limit.measure.unit, _taken(limit.measure)))
     moments = {label: at - scene.start for label, at in listener.moments().items()}
-    return Observed(moments, listener.data(), values, float(_cycle(case, scene.timebase)), scene.timebase.per_second)
+    return Observed(
+        moments, listener.data(), values, float(_cycle(case, scene.timebase)), scene.timebase.per_second, listener.met()
+    )
 
 
 def _more(case: Case) -> Iterator[Budget]:

@@ -41,7 +41,7 @@ class Outcome:
 @dataclass(frozen=True)
 class Trade:
     """outcomes: the reference first. observables: how many it has. occurrences: of all of them; moments: of those
-    that have a time. cycle_s: a cycle.
+    that have a time. observed: at the reference. cycle_s: a cycle.
     """
 
     case: str
@@ -51,6 +51,7 @@ class Trade:
     observables: int
     occurrences: int
     moments: int
+    observed: Observed
     outcomes: tuple[Outcome, ...]
 
     @property
@@ -58,8 +59,14 @@ class Trade:
         return self.outcomes[0]
 
 
-def trade(make: Make, levels: Sequence[Level], length: Fraction, told: Callable[[float], None] | None = None) -> Trade:
-    """Run all levels for `length` seconds. levels: the reference first.
+def trade(
+    make: Make,
+    levels: Sequence[Level],
+    length: Fraction,
+    told: Callable[[float], None] | None = None,
+    traced: bool = True,
+) -> Trade:
+    """Run all levels for `length` seconds. levels: the reference first. traced: memory, too.
 
     BadCase and its like where the reference cannot be run.
     """
@@ -67,11 +74,11 @@ def trade(make: Make, levels: Sequence[Level], length: Fraction, told: Callable[
     case = make(first.changes)
     reference = observe(case, length)
     itself = compare(reference, reference)
-    outcomes = [Outcome(first, "", cost_of(case, length))]
+    outcomes = [Outcome(first, "", cost_of(case, length, traced))]
     for number, level in enumerate(others, 1):
         if told is not None:
             told(number / len(levels))
-        outcomes.append(_outcome(make, level, reference, length))
+        outcomes.append(_outcome(make, level, reference, length, traced))
     simulated = outcomes[0].cost
     assert simulated is not None
     return Trade(
@@ -82,14 +89,15 @@ def trade(make: Make, levels: Sequence[Level], length: Fraction, told: Callable[
         len(itself),
         sum(each.count for each in itself),
         sum(map(len, reference.moments.values())),
+        reference,
         tuple(outcomes),
     )
 
 
-def _outcome(make: Make, level: Level, reference: Observed, length: Fraction) -> Outcome:
+def _outcome(make: Make, level: Level, reference: Observed, length: Fraction, traced: bool) -> Outcome:
     try:
         case = make(level.changes)
         errors = compare(reference, observe(case, length))
-        return Outcome(level, "", cost_of(case, length), tuple(errors))
+        return Outcome(level, "", cost_of(case, length, traced), tuple(errors))
     except REFUSED as error:
         return Outcome(level, str(error))

@@ -33,6 +33,7 @@ class DevicePin:
 
     @property
     def level(self) -> int:
+        self._wire.kernel.catch_up()
         return self._wire.level
 
     def drive(self, level: int) -> None:

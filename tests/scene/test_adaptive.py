@@ -29,8 +29,8 @@ from tests.scene.runs import TIMING
 
 CASES = sorted(path.stem for path in TIMING.glob("*.toml"))
 BUT_EDGES = tuple(kind for kind in Kind if kind not in (Kind.EDGE, Kind.HOLD))
-# At byte level, where an agent is the controller and nothing but F28335s answers; not where faults can pull a line.
-WHOLLY = ("imu_hil", "imu_hil_400k", "imu_hil_lost_byte", "imu_moving", "responder")
+# At byte level, where an agent is the controller; not where faults can pull a line.
+WHOLLY = ("imu_chips", "imu_hil", "imu_hil_400k", "imu_hil_lost_byte", "imu_moving", "real_chips", "responder")
 
 
 def run(case: Case, level: str, kinds: tuple[Kind, ...], seconds: str, programs: dict[str, Firmware] | None = None):
@@ -166,6 +166,43 @@ def test_meddling_in_the_middle_of_a_byte_gives_what_edges_give(seed: int):
     assert adaptive[2] == edge[2]
     assert adaptive[1] == edge[1]
     assert told(adaptive[0]) == told(edge[0])
+
+
+def beside_devices(seed: int, level: str):
+    """The meddler, an EEPROM and a register map, which stretch, refuse and lose their power as a seed says."""
+    random = Random(seed)
+    off = random.randrange(1_000, 15_000) // 2_000 * 2_000 + 1_700 + random.randrange(600)  # late in a round
+    faults = [
+        {"kind": "off", "after": f"{off} us", "until": f"{off + random.randrange(1, 900)} us"},
+        {"kind": "nack", "share": "10 %"},
+        {"kind": "flip", "share": "20 %"},
+    ]
+    stretch = {"length": "1 us to 30 us", "share": random.choice(["0.1 %", "20 %"])}
+    register = [{"name": f"DATA{n}", "at": n, "reset": 0x25} for n in range(8)]
+    devices = {
+        "eeprom": {"model": "24lc64", "address": 0x52, "fault": faults, "stretch": stretch},
+        "map": {"model": "registers", "address": 0x48, "register": register, "fault": faults[:1]},
+    }
+    requests = [
+        {"address": 0x50, "count": 3},
+        {"address": 0x52, "write": "00 10 55", "count": 0},
+        {"address": 0x52, "write": "00 10", "count": 2},
+        {"address": 0x48, "pointer": 0, "count": 8},
+    ]
+    table = {"rate": random.choice(["100 kHz", "400 kHz"]), "first": "1 ms", "period": "2 ms", "request": requests}
+    unit = {"dsp": {"firmware": "meddler", "modules": ["I2C-A", "GPIO"]}}
+    meddler = Meddler(seed)
+    made = small.case(unit=unit, controller=table, device=devices, seed=seed)
+    return *run(made, level, BUT_EDGES, "0.02", {"dsp": Firmware("meddler", meddler, None)}), meddler.seen
+
+
+@pytest.mark.parametrize("seed", range(200) if explores() else range(15))
+def test_devices_that_stretch_refuse_and_lose_their_power_give_what_edges_give(seed: int):
+    edge, adaptive = beside_devices(seed, "edge"), beside_devices(seed, "adaptive")
+    assert adaptive[2] == edge[2]
+    assert adaptive[1] == edge[1]
+    assert told(adaptive[0]) == told(edge[0])
+    assert adaptive[0].counts[BYTE_LEVEL] > 0
 
 
 def test_the_meddling_is_seen_in_the_middle_of_bytes_that_had_passed(monkeypatch: pytest.MonkeyPatch):

@@ -1,10 +1,11 @@
 cimport cython
 
-from ...core.kernel cimport Agent, Kernel
+from ...core.kernel cimport Kernel
 from ...core.wire cimport Pin
+from .whole_bytes cimport ByteParty
 
 
-cdef class TargetSide(Agent):
+cdef class TargetSide(ByteParty):
     cdef public str who
     cdef Kernel _kernel
     cdef public Pin _sda, _scl
@@ -21,3 +22,8 @@ cdef class TargetSide(Agent):
     cdef long long _ninth(self)
     cdef void _byte_over(self)
     cdef void _put(self, long long level)
+    cpdef long long pulls(self, long long line)
+    cpdef bint ready(self, long long low, long long high, long long hold)
+    cpdef bint steps(self)
+    cpdef long long byte(self)
+    cpdef void stand(self, long long shown, long long bit, long long fell)

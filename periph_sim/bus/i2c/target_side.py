@@ -14,9 +14,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Protocol
 
-from ...core.kernel import Agent, Kernel
+from ...core.kernel import Kernel
 from ...core.wire import Wire, watch
-from .line_events import EVENTS, FALL, IDLE, RISE, SDA, START
+from .line_events import EVENTS, FALL, IDLE, RISE, SCL, SDA, START
+from .whole_bytes import BITS, ONES, ByteParty
 
 # What the target does: nothing, since it is not meant or no START has come; the rest is as it says.
 NOT_MEANT, HEARS_ADDRESS, HEARS_DATA, SENDS_DATA = range(4)
@@ -51,7 +52,7 @@ def _ignore(stop: bool, whole: bool) -> None:
     """Nobody asked for ends."""
 
 
-class TargetSide(Agent):
+class TargetSide(ByteParty):
     """answer: given the address byte, R/W included. hold: ticks from SCL's fall to its change of SDA.
 
     on_end: told when a phase that `answer` acknowledged ends, by a STOP or else by another START; whole: not in the
@@ -139,6 +140,7 @@ class TargetSide(Agent):
 
     def power(self, on: bool) -> None:
         """Off: both lines are let go at once, and no START is seen until power comes back."""
+        self._kernel.catch_up()
         self._powered = on
         if not on:
             self._does, self._taken = NOT_MEANT, False
@@ -186,6 +188,29 @@ class TargetSide(Agent):
             self._put(self._out >> 7)
         else:
             self._put(1)
+
+    # Seven bits at once ---------------------------------------------------------
+
+    def pulls(self, line: int) -> int:
+        return self._scl.mask if line == SCL else self._sda.mask
+
+    def ready(self, low: int, high: int, hold: int) -> bool:
+        """It stretches nothing, and moves SDA as far from SCL's edges as the controller does."""
+        if self._does == NOT_MEANT:
+            return True
+        return not self._bit and not self._stretches and hold <= self._hold <= low - hold
+
+    def steps(self) -> bool:
+        return False
+
+    def byte(self) -> int:
+        return self._out & ONES if self._does == SENDS_DATA else ONES
+
+    def stand(self, shown: int, bit: int, fell: int) -> None:
+        self._lines = SDA if shown >> (BITS - bit) & 1 else 0
+        if self._does != NOT_MEANT:
+            self._bit, self._in = bit, shown >> (BITS + 1 - bit)
+            self._level = self.byte() >> (BITS - bit) & 1
 
     def _put(self, level: int) -> None:
         if level != self._level:

@@ -7,6 +7,7 @@ from ...core.wire cimport Wire
 cdef class ByteParty(Agent):
     cpdef long long pulls(self, long long line)
     cpdef bint ready(self, long long low, long long high, long long hold)
+    cpdef bint steps(self)
     cpdef long long byte(self)
     cpdef bint goes_on(self, long long shown)
     cpdef void stand(self, long long shown, long long bit, long long fell)

@@ -38,6 +38,10 @@ class ByteParty(Agent):
         """
         return True
 
+    def steps(self) -> bool:
+        """Whether it knows `edge`, for whole bytes in steps."""
+        return True
+
     def byte(self) -> int:
         """What it shifts out, 0xFF where it lets SDA go."""
         return ONES
@@ -206,7 +210,7 @@ class WholeBytes(Shortcut):
         self._versions = scl.version + sda.version
         agents = scl.listeners() | sda.listeners()
         found = [agent if isinstance(agent, ByteParty) else self._stand_in.get(agent) for agent in agents]
-        self._parties = [party for party in found if party is not None]
+        self._parties = [party for party in found if party is not None and (party.steps() or not self.whole())]
         self._known = len(self._parties) == len(found) and all(
             sum(party.pulls(line) for party in self._parties) == (1 << wire.attached) - 1
             for wire, line in ((scl, SCL), (sda, SDA))

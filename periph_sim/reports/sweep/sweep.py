@@ -150,7 +150,8 @@ def _by_processes(job: Job, parts: Sequence[Texts], jobs: int) -> Iterator[list[
                     done += 1
                 return
             except BrokenProcessPool:
-                pass
+                if not _begins():
+                    raise BadCase(NO_WORKER) from None
         yield [row for text in parts[done] for row in _apart(job, text)]
         done += 1
 
@@ -163,7 +164,17 @@ def _apart(job: Job, text: list[str]) -> list[Row]:
             return [Row(ERROR, DIED)]
 
 
-DIED = (
-    "its process died before it was done; where all do, a script lacks its `if __name__ == '__main__':`, "
-    "else periph-sim run shows how far it comes"
+def _begins() -> bool:
+    """Whether a process can do anything: it imports the script that runs here, which may begin all over again."""
+    with processes(1) as pool:
+        try:
+            return pool.submit(os.getpid).result() > 0
+        except BrokenProcessPool:
+            return False
+
+
+DIED = "its process died before it was done; periph-sim run shows how far it comes"
+NO_WORKER = (
+    "no process can be started for the runs: a script that calls sweep needs `if __name__ == '__main__':` around what "
+    "it does, since each process imports it; or give jobs=1"
 )

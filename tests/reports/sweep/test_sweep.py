@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
@@ -212,7 +214,7 @@ def test_a_worker_that_dies_loses_only_its_run(case: Path) -> None:
     case.write_text(CASE.replace("mine.py", "given").replace('[unit.dsp.settings]\nwork = "10 us"\n', ""))
     dies = {"dsp": programs.dying, "other": programs.pausing}
     case.write_text(case.read_text() + '\n[unit.other]\nfirmware = "given"\nmodules = []\n')
-    with pytest.raises(BadCase, match=r"its process died before it was done; .* periph-sim run shows"):
+    with pytest.raises(BadCase, match="its process died before it was done; periph-sim run shows"):
         sweep(case, {"seed": [1, 2]}, programs=dies, jobs=2)  # every run
     (case.parent / "mine.py").write_text(
         "import os\nfrom dataclasses import dataclass\n\n\n@dataclass\nclass Settings:\n    work: str\n\n\n"
@@ -289,3 +291,20 @@ def test_a_mistake_is_a_sentence(case: Path, call: Callable[[Path], object], sen
 def test_firmware_that_cannot_be_sent_to_a_process_is_told(case: Path) -> None:
     with pytest.raises(BadCase, match=r"programs: .* cannot be sent to another process; .* a module.* or give jobs=1"):
         sweep(case, {"seed": [1, 2]}, programs={"dsp": lambda dsp, settings: None}, jobs=2)
+
+
+def test_a_script_without_its_guard_is_told_so_at_once(case: Path) -> None:
+    """Each process imports the script, which would begin all over again."""
+    script = case.with_name("script.py")
+    script.write_text(
+        "import periph_sim\n"
+        "try:\n"
+        "    periph_sim.sweep('small.toml', {'seed': range(1000)}, jobs=2)\n"
+        "except periph_sim.BadCase as error:\n"
+        "    print(error)\n"
+    )
+    came = subprocess.run([sys.executable, script.name], cwd=case.parent, capture_output=True, text=True, check=False)
+    assert came.stdout.endswith("; or give jobs=1\n") and came.stdout.startswith(
+        "no process can be started for the runs"
+    )
+    assert came.returncode == 0

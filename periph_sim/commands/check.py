@@ -20,7 +20,7 @@ from .progress import progress
 from .usage_error import usage_errors_in_one_sentence
 
 if TYPE_CHECKING:
-    from rich.table import Table
+    from .tables import PlainTable
 
 SECTION = "run"
 EXAMPLE = "periph-sim check timing --junit results.xml"
@@ -196,7 +196,7 @@ def _show(checks: list[CaseCheck], refused: list[RejectedCase]) -> None:
 LEGEND = "columns count budgets; must break: named in `breaks`; baseline: changed figures"
 
 
-def _table(checks: list[CaseCheck], refused: list[RejectedCase]) -> Table:
+def _table(checks: list[CaseCheck], refused: list[RejectedCase]) -> PlainTable:
     """A row a case: how many budgets have each verdict, and what the baseline says."""
     from ..timing.verdict import BROKEN, EVERY_PHASE, NOT_JUDGED, SEEN
     from .tables import plain_table

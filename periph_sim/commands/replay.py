@@ -10,6 +10,7 @@ from pathlib import Path
 import click
 from rich.console import Console
 
+from ..core.text_table import columns
 from ..records.recording import recording
 from ..replay.channels import ALL, channel_map, serial_channel
 from ..replay.compare import Change, Divergence
@@ -238,11 +239,8 @@ def _address(text: str) -> int:
 def show(console: Console, report: Report, case: Case, verbose: bool) -> None:
     """The report as a person reads it. verbose: list what the run assumed."""
     say(console, f"{report.case}, {report.capture}: {headline(report)}", style="bold")
-    table = plain_table()
-    table.show_header = False
-    for name, value in rows(report):
-        table.add_row(name, value)
-    console.print(table)
+    for line in ["", *columns(rows(report), indent=" "), ""]:
+        say(console, line)
     if report.budgets:
         console.print(budget_table(report.budgets))
         for line in legend(report.budgets):

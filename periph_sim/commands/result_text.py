@@ -6,14 +6,13 @@ from collections.abc import Mapping, Sequence
 from textwrap import wrap
 
 from rich.console import Console
-from rich.table import Table
 
 from ..scene.case.model import Case
 from ..scene.result import BYTE_LEVEL, SKIPPED, Result
 from ..timing.format_value import broken, figure, limit, simulated
 from ..timing.verdict import EVERY_PHASE, FAIL, NOT_JUDGED, PASS, SEEN, Verdict
 from .assumptions import assumptions
-from .tables import WIDTH, plain_table, say
+from .tables import WIDTH, PlainTable, plain_table, say
 
 STYLES = {PASS: "", FAIL: "red", NOT_JUDGED: "yellow"}
 
@@ -84,7 +83,7 @@ def title(result: Result, guaranteed: bool) -> str:
     return "FAIL, since not every budget is proven" if guaranteed else "PASS, as seen in this run"
 
 
-def budget_table(budgets: Sequence[Verdict]) -> Table:
+def budget_table(budgets: Sequence[Verdict]) -> PlainTable:
     """A row a budget; red where it is broken, yellow where it is not judged. Only names may take two lines."""
     table = plain_table()
     table.add_column("budget")

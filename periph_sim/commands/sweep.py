@@ -15,9 +15,8 @@ from .json_output import print_json
 from .usage_error import usage_errors_in_one_sentence
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from ..reports.sweep import BudgetColumns, Sweep
+    from .tables import PlainTable
 
 SECTION = "run"
 EXAMPLE = "periph-sim sweep timing/imu_hil.toml --vary 'seed=1, 2, 3' --seconds 0.1"
@@ -167,7 +166,7 @@ def _why(came: Sweep, row: int) -> str:
     return "".join(f"; {name} {word}" for name, word in words.items() if word in ("broken", "not judged"))
 
 
-def _table(came: Sweep) -> tuple[Table, list[int]]:
+def _table(came: Sweep) -> tuple[PlainTable, list[int]]:
     """A row a budget; and the runs that it names."""
     import numpy as np
 

@@ -98,7 +98,7 @@ def _broken(cell: str, width: int) -> list[str]:
     for line in cell.split("\n"):
         start = line[: len(line) - len(line.lstrip())]
         then = start + GAP if width >= ROOM else start
-        lines += wrap(line, width, subsequent_indent=then, break_on_hyphens=False) or [""]
+        lines += wrap(line, max(width, 1), subsequent_indent=then, break_on_hyphens=False) or [""]
     return lines
 
 

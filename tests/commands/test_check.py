@@ -65,7 +65,7 @@ def test_the_table_counts_budgets_by_verdict_and_its_columns_are_explained(perip
     never = '[[budget]]\nname = "never"\nmeasure = "period of bus address 0x11 read"\nmax = "1 s"\n'
     (cases / "mute.toml").write_text(text + never, encoding="utf-8")
     lines = periph_sim("check", "--jobs", "1").out.splitlines()
-    at = lines.index("        every                   not   must                 ")
+    at = lines.index("        every                   not   must")
     assert [line.split() for line in lines[at + 1 : at + 5]] == [
         ["case", "phase", "seen", "broken", "judged", "break", "baseline"],
         ["─" * len(lines[at + 2].strip())],

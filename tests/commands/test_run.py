@@ -28,7 +28,7 @@ def test_budgets_that_hold_give_0_and_a_table(periph_sim: Run, desk: Path):
 def test_a_broken_budget_gives_1_and_says_which(periph_sim: Run, desk: Path):
     came = periph_sim("run", "small.toml", "--set", "budget.rounds in time.max=100 us")
     assert (came.status, came.err) == (1, "")
-    assert "small: FAIL" in came.out and " broken " in came.out
+    assert "small: FAIL" in came.out and "  broken\n" in came.out
     assert "rounds in time: 105.000 us is over its limit of 100.000 us, at 0.005000 s" in came.out
 
 

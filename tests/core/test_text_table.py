@@ -72,3 +72,11 @@ def test_no_word_is_lost_and_no_line_is_longer_than_80(rows):
     given_letters = "".join(part for row in rows for part in row).replace(" ", "")
     assert sorted(told.replace("─", "")) == sorted(given_letters)
     assert all(row[2] in "\n".join(lines) for row in rows)
+
+
+def test_a_column_with_nothing_in_it_has_no_width() -> None:
+    assert text_table(("name", "", "count"), [("a", "", "3")], {2}) == [
+        " name    count",
+        " ─────────────",
+        " a           3",
+    ]

@@ -209,7 +209,7 @@ def test_ambiguous_frames_are_no_failure_unless_strict(call, tmp_path):
 def test_an_i2c_trace_against_a_firmware(call):
     status, out, err = call("replay", IMU_ROUND, "--case", RESPONDER)
     assert (status, err) == (0, "")
-    assert "PASS" in out and "63 of 63" in out and re.search(r"answered by the firmware +address 68 ", out)
+    assert "PASS" in out and "63 of 63" in out and re.search(r"answered by the firmware +address 68\n", out)
     assert "note: an agent answers for 1E, 53, as captured" in out
     assert re.search(r"^assumes \d+ undocumented behaviours \(-v lists them\)$", out, re.MULTILINE)
 

@@ -67,6 +67,7 @@ bench: $(DEV)
 	$(BIN)/python -m tests.bench.growth
 	$(BIN)/python -m tests.bench.decode
 	$(BIN)/python -m tests.bench.numeric
+	$(BIN)/python -m tests.bench.schedule
 
 # Compiles the core beside its sources; without a C compiler, or after a change of them, the sources run. JOBS=1: one at a time.
 core: $(CORE)

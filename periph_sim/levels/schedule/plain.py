@@ -3,7 +3,9 @@
     q <= flag - enough      served while the firmware waits for the round: the phase moves by `service`
     q in a window           the row of its wait
     no q in the round       row 0
-    anything else           left to `rounds`, read by read: an interrupt near a flag or in code, a NACK window, a hang
+    START comes too early   refused, all of the round; the firmware waits on
+    it hangs                missed
+    anything else           left to `rounds`, read by read: an interrupt near a flag or in code
 
     begin of the models = flag + table[row, phase];  end = begin + cost, later by each interrupt in it;  first fetch ..
 
@@ -15,6 +17,7 @@ from __future__ import annotations
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .clock import CpuClock, Ints
 from .extremes import Extremes
@@ -37,17 +40,20 @@ class State(Protocol):
     cost: Ints
     cost_step: int
     stop: Ints
-    odd: np.typing.NDArray[np.bool_]
+    odd: NDArray[np.bool_]
+    refused: NDArray[np.bool_]
+    hung_at: Ints
     due: Ints
     over: Ints
+    missed: Ints
+    nacked: Ints
+    nacked_rounds: Ints
     phases: Ints
     begun: Stored
     interrupts: Interrupts
     values: dict[str, Extremes]
     all: Ints
-
-    @property
-    def costs(self) -> Ints: ...
+    costs: Ints
 
 
 def plain_rounds(state: State, terms: Terms, inputs: Inputs) -> PlainRounds | None:
@@ -78,13 +84,17 @@ class PlainRounds:
         self._known = int(state.begun.at(state.all).max()) + inputs.line.end  # the first frame of all is over
 
     def round(self, number: int) -> Ints:
-        """The scenarios that are left, with the state that they had."""
+        """The scenarios that are left, with the state that they had: they go read by read."""
         state, terms, table = self._state, self._terms, self._tables[number]
         latches, scenarios = state.interrupts.latches, self._inputs.scenarios
         first, place = state.first, state.next
         phase, place, coming = self._served_before(table, first - table.flag, place.copy())
         phase -= phase // terms.poll * terms.poll
-        left = [np.flatnonzero(state.odd), np.flatnonzero(first >= table.heard)]
+        busy = state.odd | (state.stop > table.start - terms.free)
+        late = np.flatnonzero((first >= table.heard) & ~busy)
+        deaf = state.ready[late] >= table.heard
+        refused, hung = late[deaf], np.flatnonzero(state.hung_at >= 0)
+        left = [np.flatnonzero(busy), late[~deaf]]
         hit = np.flatnonzero(coming <= table.flag + table.last)
         if hit.size:
             at = np.searchsorted(table.windows, coming[hit] - table.flag, side="right")
@@ -96,12 +106,41 @@ class PlainRounds:
             left.append(hit[coming[hit] <= table.flag + table.last])
         if not table.plain.all():
             left.append(np.flatnonzero(~table.plain[phase]))
-        but = np.unique(np.concatenate(left))
+        apart = np.zeros(self._inputs.scenarios, np.bool_)
+        for some in left:
+            apart[some] = True
+        apart[refused] = apart[hung] = False
+        but = np.flatnonzero(apart)
+        apart[refused] = apart[hung] = True
+        others = np.flatnonzero(apart)
         self._rounds += 1
-        self._left[but] += 1
-        self._take(number, table, phase, but)
-        self._work(number, table, phase, place, coming, but)
+        self._left[others] += 1
+        self._take(number, table, phase, others)
+        self._work(number, table, phase, place, coming, others)
+        self._refuse(number, table, refused)
+        state.due[hung] += 1
+        state.missed[hung] += 1
+        state.next[hung] = state.interrupts.latches.last_row + hung  # nobody looks at their interrupts any more
         return but
+
+    def _refuse(self, number: int, table: RoundTable, who: Ints) -> None:
+        """Nobody hears the first START, and so nobody acknowledges in this round; the firmware waits on."""
+        if not who.size:
+            return
+        state, terms, values, start = self._state, self._terms, self._state.values, table.start
+        values["asked"].take(who, start - self._clock.tick(state.first[who]))
+        stop = start
+        for chip, bus in enumerate(terms.bus):
+            stop = start + bus.refused
+            seen = int(self._clock.cycle_at(np.array([start + bus.eighth]))[0]) + terms.seen
+            state.refused[who] |= (seen <= state.off[who]) & (state.served[who] == chip)
+            start = stop + terms.gap
+        for counted, by in ((state.due, 1), (state.over, 1), (state.nacked, len(terms.bus)), (state.nacked_rounds, 1)):
+            counted[who] += by
+        values["round"].take(who, np.full(who.size, stop - table.start, np.int64))
+        slack = self._dues[number] + int(self._inputs.round_.down(1)) - stop
+        values["slack"].take(who, np.full(who.size, slack, np.int64))
+        state.stop[who] = stop
 
     def _served_before(self, table: RoundTable, phase: Ints, place: Ints) -> tuple[Ints, Ints, Ints]:
         """Interrupts that come while the firmware waits for the round: phase, place and latch of the next one."""

@@ -48,7 +48,7 @@ class Rounds:
         self.hung_at = np.full(count, -1, np.int64)
         self.refused = np.zeros(count, np.bool_)
         self.all = np.arange(count)
-        self.odd = np.zeros(count, np.bool_)  # waits for another chip than the first, or hangs
+        self.odd = np.zeros(count, np.bool_)  # waits for another chip than the first
         # The firmware, of each scenario:
         self.first = np.zeros(count, np.int64)  # the first fetch of its wait for AAS
         self.ready = np.zeros(count, np.int64)  # the cycle in which IRS rose
@@ -138,7 +138,7 @@ class Rounds:
         self.values["round"].take(who, self.stop[who] - begun)
         period = np.broadcast_to(inputs.round_.down(1), inputs.scenarios)[who]
         self.values["slack"].take(who, due + period - self.stop[who])
-        self.odd[given] = (self.chip[given] > 0) | (self.hung_at[given] >= 0)
+        self.odd[given] = self.chip[given] > 0
 
     def _answers(self, chip: int, who: Ints, start: Ints) -> NDArray[np.bool_]:
         """Which of them acknowledge a request of this chip."""

@@ -161,7 +161,8 @@ def accesses_in(records: Sequence[tuple[int, str, str]], begin: int, end: int, l
 class CodeTable:
     """A code's path for each cycle in which an interrupt may be latched, as arrays to be indexed.
 
-    length: without one. first, last: the latches, in cycles from the begin, that meet this code. lengths: of the path
+    length: without one. first, last: the latches, in cycles from the begin, that meet this code; a later one finds no
+    boundary any more, as where the first read of the next wait waits for a write. lengths: of the path
     by latch less `first`. marks: of what the reader names: without an interrupt, and by latch.
     """
 
@@ -171,7 +172,8 @@ class CodeTable:
         calm = code.path()
         self.length = calm.length
         self.first = 1 - waits if code.behind_wait else 1
-        self.last = self.length - waits if code.into_wait else self.length
+        boundaries = range(self.length - waits if code.into_wait else self.length, self.first - 1, -1)
+        self.last = next(latch for latch in boundaries if code.path(latch).length != self.length)
         paths = [code.path(latch) for latch in range(self.first, self.last + 1)]
         self.lengths = np.array([path.length for path in paths], np.int64)
         self.marks: list[tuple[int, NDArray[np.int64]]] = [

@@ -4,8 +4,8 @@
 
                e = r + ceil(max(0, f - r) / P) * P
 
-           unless an interrupt latched at q <= e - waits comes before: behind fetch m = floor((q - r + waits - 1) / P),
-           and the passes begin anew at r + (m + 1) P + service
+           unless an interrupt latched at q <= e - waits comes before: behind fetch
+           m = max(0, floor((q - r + waits - 1) / P)), and the passes begin anew at r + (m + 1) P + service
     code   CodeTable, at q - e
     run    work of c cycles from b on: each interrupt latched up to its end makes it longer by `service`
 
@@ -49,16 +49,22 @@ class Lanes:
         self.places[hit] += self._of.scenarios
         self.next[hit] = self._of.latches.at(self.places[hit])
 
-    def wait(self, first: Ints, flag: Ints, poll: int) -> Ints:
-        """The fetch that ends the wait. first: that of its first pass."""
+    def wait(self, first: Ints, flag: Ints, poll: int, fetched: int = 0) -> Ints:
+        """The fetch that ends the wait. first: that of its first pass.
+
+        fetched: 1 where the pass has fetched another flag before, behind which an interrupt may be taken; else the code
+        before has taken each that comes before the first fetch.
+        """
         of, first = self._of, first.copy()
         end: Ints = first + -(-np.maximum(flag - first, 0) // poll) * poll
         while True:
             hit = (self.next <= end - of.waits).nonzero()[0]
+            if not fetched:
+                hit = hit[end[hit] > first[hit]]
             if not hit.size:
                 return end
-            passes = (self.next[hit] - first[hit] + of.waits - 1) // poll + 1
-            first[hit] += passes * poll + of.service
+            passes = (self.next[hit] - first[hit] + of.waits - 1) // poll
+            first[hit] += (np.maximum(passes, -fetched) + 1) * poll + of.service
             end[hit] = first[hit] + -(-np.maximum(flag[hit] - first[hit], 0) // poll) * poll
             self._take(hit)
 
@@ -73,13 +79,13 @@ class Lanes:
         by_other, places = [], []
         going = np.ones(len(first), np.bool_)
         while True:
-            hit = (going & (self.next <= end - of.waits)).nonzero()[0]
+            hit = (going & (end > first) & (self.next <= end - of.waits)).nonzero()[0]
             if not hit.size:
                 break
-            passes = (self.next[hit] - first[hit] + of.waits - 1) // poll
+            passes = np.maximum((self.next[hit] - first[hit] + of.waits - 1) // poll, 0)
             began = first[hit] + passes * poll
             seen = began + second + of.service
-            ends = (self.next[hit] - began <= second - of.waits) & (seen >= other[hit]) & (passes >= 0)
+            ends = (self.next[hit] - began <= second - of.waits) & (seen >= other[hit])
             first[hit] = began + poll + of.service
             end[hit] = first[hit] + -(-np.maximum(flag[hit] - first[hit], 0) // poll) * poll
             self._take(hit)

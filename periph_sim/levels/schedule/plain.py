@@ -180,6 +180,9 @@ class PlainRounds:
         """since: the end of the frame that the reads carry."""
         age = self._state.values["age"]
         agains = [table.start + again for again in self._agains]
+        if agains[0] >= self._known and int(since.max()) <= agains[0]:
+            age.take_range(agains[-1] - since, agains[0] - since, but)
+            return
         if agains[0] >= self._known:
             oldest, youngest = (again - np.minimum(since, again) for again in (agains[-1], agains[0]))
             age.take_range(np.maximum(oldest, youngest), np.minimum(oldest, youngest), but)
@@ -217,15 +220,15 @@ class PlainRounds:
             cut = np.unique(np.concatenate([but, np.flatnonzero(ended > inputs.end)]))
             state.values["span:model"].take_all(lasted, cut)
             state.values["span:model"].count[np.setdiff1d(cut, but)] -= 1
-        stop = np.full(inputs.scenarios, table.start + self._stop, np.int64)
-        served = np.full(inputs.scenarios, len(terms.names) - 1, np.int64)
-        cost_at = state.cost + state.cost_step
-        for name, new in (
-            *(("first", first), ("off", off), ("ready", ready), ("next", place), ("shown", shown)),
-            *(("stop", stop), ("served", served), ("cost", cost_at)),
-        ):
+        news = ("first", first), ("off", off), ("ready", ready), ("next", place), ("shown", shown)
+        for name, new in news:
             new[but] = getattr(state, name)[but]
             setattr(state, name, new)
+        kept = state.stop[but], state.served[but], state.cost[but]
+        state.stop.fill(table.start + self._stop)
+        state.served.fill(len(terms.names) - 1)
+        state.cost += state.cost_step
+        state.stop[but], state.served[but], state.cost[but] = kept
 
     def count(self) -> None:
         """How many values all rounds by table took."""

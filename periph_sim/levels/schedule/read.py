@@ -26,8 +26,7 @@ from .terms import Terms
 
 @dataclass
 class Read:
-    """Of each lane. hung: it never ends; then only `let_go` counts, from when on SCL is held. missed: since AAS was
-    not read in time; else `cleared` counts.
+    """Of each lane. hung: it never ends; then only `let_go` counts, from when on SCL is held, and `cleared`.
 
     stop: tick of its STOP. seen: cycle at which the firmware reads SCD. again: tick of the repeated START. response,
     held: ticks. margins: int64[bytes, lanes], ticks. cleared: ticks from the write of I2CSTR to the edge of SDIR.
@@ -35,7 +34,6 @@ class Read:
     """
 
     hung: NDArray[np.bool_]
-    missed: NDArray[np.bool_]
     let_go: Ints
     stop: Ints
     seen: Ints
@@ -58,12 +56,14 @@ def read(terms: Terms, number: int, clock: CpuClock, lanes: Lanes, start: Ints, 
     addressed_at, again_at, pointer_at, asked_at, *needed_at, stop_at = flag(on_bus)
     waits = []
 
-    def wait(begun: Ints, there: Ints, poll: int) -> Ints:
+    def wait(begun: Ints, there: Ints, poll: int, fetched: int = 0) -> Ints:
         waits.append((begun, there))
-        return lanes.wait(begun, there, poll)
+        return lanes.wait(begun, there, poll, fetched)
 
     addressed = wait(first, addressed_at, terms.poll)
     missed = addressed >= again_at
+    if missed.any():  # AAS rises again with the read address, and SDIR with it
+        addressed = lanes.wait(addressed, np.where(missed, asked_at, addressed), terms.poll)
     begun, _ = lanes.code(addressed, code.pointer)
     pointer = wait(begun, pointer_at, terms.poll)
     begun, (looked, written) = lanes.code(pointer, code.clear)
@@ -99,7 +99,7 @@ def read(terms: Terms, number: int, clock: CpuClock, lanes: Lanes, start: Ints, 
         writes.append(landed)
         let_gos.append(let_go)
         rises.append(rise)
-    seen = wait(begun + terms.second, over_at, terms.poll_two)
+    seen = wait(begun + terms.second, over_at, terms.poll_two, fetched=1)
     if over.size:
         seen[over] = writes[-1][over] = ready[over]
         lanes.back(over, places)
@@ -107,7 +107,7 @@ def read(terms: Terms, number: int, clock: CpuClock, lanes: Lanes, start: Ints, 
     cleared = start + bus.sdir - clock.tick(written)
     held_from = start + bus.needs[0] + terms.low
     again = start + bus.again
-    return Read(hung, missed, held_from, stop, seen, again, response, held, margins, cleared, waits)
+    return Read(hung, held_from, stop, seen, again, response, held, margins, cleared, waits)
 
 
 def _margins(terms: Terms, clock: CpuClock, let_go: Ints, rise: Ints, writes: Ints) -> Ints:

@@ -163,7 +163,7 @@ class Rounds:
         self.hung_at[who[hung]] = came.let_go[hung]
         end, marks = lanes.code(came.seen, self._terms.reads[chip].after)
         self.next[who], self.served[who] = lanes.places, chip
-        self.values["SDIR rises"].take(who[~came.missed], came.cleared[~came.missed])
+        self.values["SDIR rises"].take(who, came.cleared)
         self._measure(who, came, ~hung & (came.stop <= self._inputs.end[who]))
         if marks:
             self.first[who], self.chip[who] = end, chip + 1

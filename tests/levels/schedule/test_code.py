@@ -45,7 +45,8 @@ def test_an_interrupt_delays_what_comes_behind_its_boundary(latch: int, lands: i
 def test_the_table_has_each_latch_that_meets_the_code():
     code = Code((WRITE, FIELD), TIMING)
     table = CodeTable(code, [("lands", 0), ("read", 1)])
-    assert (table.first, table.last) == (-1, table.length - 2)
+    assert (table.first, table.last) == (-1, 19)  # the boundary behind the field; then the first read waits for it
+    assert [code.path(latch).length - table.length for latch in (19, 20, table.length)] == [97, 0, 0]
     for latch in range(table.first, table.last + 1):
         path, place = code.path(latch), latch - table.first
         assert table.lengths[place] == path.length

@@ -25,7 +25,7 @@ cdef class Lease(Onlooker):
     cdef list _polls, _values, _sockets
     @cython.locals(operand=Operand)
     cpdef void take(self, Spin spin)
-    @cython.locals(operand=Operand, place=cython.Py_ssize_t)
+    @cython.locals(operand=Operand, place=cython.Py_ssize_t, seen=cython.longlong, value=cython.longlong)
     cpdef bint broken(self, long long cycle)
     @cython.locals(socket=Socket)
     cpdef void begin(self)

@@ -110,8 +110,9 @@ class Lease(Onlooker):
     def broken(self, cycle: int) -> bool:
         """Whether a pass begun at `cycle` could come out otherwise."""
         for place, operand in enumerate(self._polls):
+            seen = self._values[place]
             value = operand.chip.see(cycle, operand.offset) if operand.plain else operand.see(cycle)
-            if (value ^ self._values[place]) & operand.mask:
+            if (value ^ seen) & operand.mask:
                 return True
         return False
 

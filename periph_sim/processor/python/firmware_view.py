@@ -21,6 +21,7 @@ from ..error_origin import Misuse, flaw_of
 from .cpu import Cpu
 from .register_view import ModulePort
 
+LONGEST = 1 << 47  # cycles of one wait or computation: ten days at 150 MHz, and far from where ticks would not fit
 End = Literal["drawn", "least", "most"]  # which value of a `Spread` a computation takes
 
 
@@ -113,6 +114,8 @@ class FirmwareView:
                 raise Misuse(f"a time of {cost!r} is no exact number; {way}") from None
         if cycles < 0:
             raise Misuse(f"a time of {cycles} cycles is negative; expected 0 or more")
+        if cycles > LONGEST:
+            raise Misuse(f"a time of more than {LONGEST} cycles is longer than any run")
         return cycles
 
     def _drawn(self, spread: Spread) -> int:
@@ -173,6 +176,8 @@ def _check_pass(what: str, cycles: int) -> None:
     """Misuse if a pass of a wait cannot take so many cycles."""
     if type(cycles) is not int or cycles < 1:
         raise Misuse(f"dsp.{what}: pass_cycles is {cycles!r}; expected a whole number of cycles above 0")
+    if cycles > LONGEST:
+        raise Misuse(f"dsp.{what}: pass_cycles is more than {LONGEST}, longer than any run")
 
 
 def _routine(name: str, handler: Callable[[], None]) -> None:

@@ -151,10 +151,11 @@ class Waits:
             if not operand.plain or cycle < self._bus.free(operand):
                 break
             cycle += operand.read_waits
+            before = spin.values[place]
             if cycle >= spin.live_from:
                 if cycle >= time.lease:
                     instructions.go_to(cycle)
-                if (operand.chip.see(cycle, operand.offset) ^ spin.values[place]) & operand.mask:
+                if (operand.chip.see(cycle, operand.offset) ^ before) & operand.mask:
                     break
             cycle += 1
             if not self._passes(cycle):

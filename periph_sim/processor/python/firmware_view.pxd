@@ -1,0 +1,11 @@
+from .cpu cimport Cpu
+
+
+cdef class FirmwareView:
+    cdef public object name, memory, control
+    cdef public Cpu cpu
+    cdef public dict _sockets
+    cdef object _end, _random
+    cdef dict _ports
+    cpdef object _drawn(self, object spread)
+    cpdef object _cycles(self, object cost)

@@ -13,7 +13,9 @@ from ..f28335.i2c.options import I2cOptions
 from ..f28335.i2c.register_map import I2C_MAP
 from ..f28335.system.options import SystemOptions
 
-PSC, EMDR = I2C_MAP["I2CPSC"], I2C_MAP["I2CEMDR"]
+I2CPSC, I2CEMDR = I2C_MAP["I2CPSC"].offset, I2C_MAP["I2CEMDR"].offset
+IPSC, BCM = I2C_MAP["I2CPSC"]["IPSC"].mask, I2C_MAP["I2CEMDR"]["BCM"].mask
+IPSC_PLACE = I2C_MAP["I2CPSC"]["IPSC"].lsb
 
 
 class ReleaseDelay:
@@ -28,10 +30,10 @@ class ReleaseDelay:
         chip, clock = self._socket.chip, self._clock
         now = clock.cycle_at(self._kernel.now)
         touched = chip.touched.copy()
-        prescaler, emdr = chip.peek(now, PSC.offset), chip.peek(now, EMDR.offset)
+        prescaler, emdr = chip.peek(now, I2CPSC), chip.peek(now, I2CEMDR)
         if len(chip.touched) != len(touched):
             chip.touched.intersection_update(touched)  # looking is not depending on them
-        module = PSC["IPSC"].of(prescaler) + 1
-        copy = 0 if EMDR["BCM"].of(emdr) else module
+        module = ((prescaler & IPSC) >> IPSC_PLACE) + 1
+        copy = 0 if emdr & BCM else module
         cycles = copy + max(1, self._setup * module) + self._pin
         return clock.tick(now + cycles) - clock.tick(now)

@@ -83,8 +83,11 @@ class AroundWrites(Columns):
             return
         unit = self._unit_of[tag]
         recent = unit.recent
-        while recent and tick - recent[0].tick > self._back:
-            old = recent.popleft()
+        while recent:
+            old = recent[0]
+            if tick - old.tick <= self._back:
+                break
+            recent.popleft()
             if self._roles[old.tag] == READ:
                 unit.last[old.tag, old.field] = old
         recent.append(Access(tag, number, tick, value, text, cause, field))

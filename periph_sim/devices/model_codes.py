@@ -43,6 +43,7 @@ class ModelCodes:
         self._a = named.scalar(computed.arithmetic)
         self._model: Imu[Any] = Imu(self._a, computed.parameters)
         self._noise = None if computed.noise_seed is None else ImuNoise(computed.parameters, computed.noise_seed)
+        self._last_noise: tuple[int, Noise[Any]] | None = None  # of the run worked out last; it may have several frames
         self.at_rest: ModelState = self._model.at_rest
 
     def run(self, number: int, values: tuple[int, ...], before: ModelState) -> Shown:
@@ -58,8 +59,11 @@ class ModelCodes:
     def _added(self, number: int) -> Noise[Any]:
         if self._noise is None:
             return self._model.silence
-        constant = self._a.constant
-        return Noise(*((constant(x), constant(y), constant(z)) for x, y, z in self._noise.at(number)))
+        if self._last_noise is None or self._last_noise[0] != number:
+            constant = self._a.constant
+            added = Noise(*((constant(x), constant(y), constant(z)) for x, y, z in self._noise.at(number)))
+            self._last_noise = number, added
+        return self._last_noise[1]
 
 
 def register_bytes(chip: ChipData, xyz: tuple[Any, Any, Any]) -> bytes:

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import replace
 from fractions import Fraction
+from typing import Final
 
 import numpy as np
 
@@ -30,19 +31,10 @@ FLAG, READ, WRITE, OTHER = range(4)  # what a record is here
 SEVERAL = 4  # times as far back as a write's read may be
 
 
-class Access:
-    """One that may stay."""
-
-    __slots__ = ("cause", "field", "number", "tag", "text", "tick", "value")
-
-    def __init__(self, tag: int, number: int, tick: int, value: int, text: str, cause: int, field: str) -> None:
-        self.tag = tag
-        self.number = number
-        self.tick = tick
-        self.value = value
-        self.text = text
-        self.cause = cause
-        self.field = field
+Access = tuple[int, int, int, int, str, int, str]  # one that may stay: tag, number, tick, value, text, cause, field
+TAG: Final = 0  # places in it
+TICK: Final = 2
+FIELD: Final = 6
 
 
 class UnitAccesses:
@@ -69,7 +61,7 @@ class AroundWrites(Columns):
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
         if kind is Kind.FLAG and (where.partition(".")[2], what) not in FLAGS:
             return UNHEARD
-        tag = super().tag_of(kind, where, what)
+        tag = Columns.tag_of(self, kind, where, what)
         if tag == len(self._roles):
             role = FLAG if kind is Kind.FLAG else READ if what in READING else WRITE if what in CLEARING else OTHER
             self._roles.append(role)
@@ -85,15 +77,16 @@ class AroundWrites(Columns):
         recent = unit.recent
         while recent:
             old = recent[0]
-            if tick - old.tick <= self._back:
+            if tick - old[TICK] <= self._back:
                 break
             recent.popleft()
-            if self._roles[old.tag] == READ:
-                unit.last[old.tag, old.field] = old
-        recent.append(Access(tag, number, tick, value, text, cause, field))
+            if self._roles[old[TAG]] == READ:
+                unit.last[old[TAG], old[FIELD]] = old
+        recent.append((tag, number, tick, value, text, cause, field))
         if role == WRITE:
             for one in (*unit.last.values(), *recent):
-                Columns.keep(self, one.tag, one.number, one.tick, one.value, one.text, one.cause, one.field)
+                of, made, at, found, told, under, named = one
+                Columns.keep(self, of, made, at, found, told, under, named)
             unit.last.clear()
             recent.clear()
 

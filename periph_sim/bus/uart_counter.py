@@ -11,13 +11,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from fractions import Fraction
 
+from ..core.kernel import Agent
 from ..core.time import NO_TIME
-from ..core.wire import Wire
+from ..core.wire import Wire, watch
 from .uart.frame_format import UartFormat
 from .uart.reader import Line
 
 
-class UartCounter:
+class UartCounter(Agent):
     """line: as of a `UartReader`. told: each character's start bit, when the next one begins or as the run ends."""
 
     def __init__(self, wire: Wire, line: Line) -> None:
@@ -28,14 +29,14 @@ class UartCounter:
         self._begun_at = NO_TIME
         self._over_at = 0  # the end of the last stop bit,
         self._free_at = 0  # and the middle of it, from which on a fall is a start bit
-        wire.watch(self._edge)
+        watch([wire], self)
 
-    def _edge(self, now: int, level: int) -> None:
-        if level or now < self._free_at:
+    def sampled(self, now: int, levels: int) -> None:
+        if levels or now < self._free_at:
             return
         self._tell()
         line = self._line()
-        if line != self._as:
+        if line is not self._as and line != self._as:
             self._as, (bit, form) = line, line
             self._lasted, self._taken = int(form.length * bit), int((form.length - Fraction(1, 2)) * bit)
         self._begun_at = now

@@ -45,7 +45,7 @@ class HostAgent:
             self.frames = self._settings("motion", frames)
         self.truth = self._truth(table, sensors)
         bit = context.timebase.per_second / (Fraction(table.baud) * (1 + table.error / 100))
-        self._bit = bit
+        self._line = bit, UartFormat()
         peer = UartSender(context.kernel, context.recorder, context.wire("RX"), bit)
         seed = context.case.seed + 1
         self.host = Host(context.kernel, peer, self._schedule(table), self.values, seed, encoding.byte_order)
@@ -77,7 +77,7 @@ class HostAgent:
 
     def line(self) -> tuple[Fraction, UartFormat]:
         """Ticks of a bit on its line, and how its characters are made."""
-        return self._bit, UartFormat()
+        return self._line
 
     def values(self, number: int) -> tuple[int, ...]:
         """Six numbers of a frame."""

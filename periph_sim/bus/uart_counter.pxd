@@ -1,0 +1,9 @@
+from ..core.kernel cimport Agent
+
+
+cdef class UartCounter(Agent):
+    cdef public list told
+    cdef object _line, _as
+    cdef long long _lasted, _taken, _begun_at, _over_at, _free_at
+    cpdef void finish(self, long long now)
+    cdef void _tell(self)

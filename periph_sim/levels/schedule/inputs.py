@@ -60,11 +60,17 @@ class Inputs:
     host_first: Ints
     frame: Ratio
     host_jitter: int
+    paced_by_pause: bool
     controller_first: Ints
     round_: Ratio
     controller_jitter: int
     cost: tuple[Ints, Ints]
     end: Ints
+
+    @property
+    def frames_apart(self) -> int:
+        """Ticks between two frames of the host, at least."""
+        return int(np.min(self.frame.down(1))) - (0 if self.paced_by_pause else self.host_jitter)
 
     def due(self, number: int) -> Ints:
         """When a round is due."""
@@ -115,6 +121,7 @@ def inputs_of(structure: Structure, changes: Mapping[str, Any], rounds: int) -> 
         np.broadcast_to(of_host.nearest(host_first), scenarios),
         frames,
         jitter,
+        host.paced_by == "pause",
         controller_first,
         round_,
         int(of_controller.nearest(_nanoseconds("controller.jitter", controller.jitter))),
@@ -197,8 +204,7 @@ def _cost(structure: Structure, given: Mapping[str, NDArray[Any]], scenarios: in
 def _check_frames(structure: Structure, made: Inputs) -> None:
     """Frames may neither overlap nor come so close that two interrupts meet one piece of code."""
     terms, case = structure.terms, structure.case
-    period = int(np.min(made.frame.down(1)))
-    apart = period - (made.host_jitter if structure.host.paced_by == "schedule" else 0)
+    apart = made.frames_apart
     longest = max(table.length for code in terms.reads for table in (code.clear, code.after, *code.more))
     busy = (terms.service + max(longest, terms.start.length) + terms.poll_two) * terms.cycle
     if apart <= made.line.end + 1:

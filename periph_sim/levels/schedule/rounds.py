@@ -17,9 +17,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ...timing.measures.origins import RECENT
 from .clock import Ints
 from .draws import Drawn
-from .extremes import Extremes
+from .extremes import NO_VALUE, Extremes
 from .frames import frames
 from .inputs import Inputs
 from .lanes import Interrupts
@@ -193,9 +194,17 @@ class Rounds:
         self.held[who] = np.maximum(self.held[who], lasted)
         self.values["margin of I2CDXR"].take(who, -lasted)
 
+    def _forget_ages(self) -> None:
+        """Where so many frames may follow the one that is read that `age` on edges knows it no more, it is not told."""
+        age, inputs = self.values["age"], self._inputs
+        longest = max(bus.stop for bus in self._terms.bus)
+        forgotten = age.worst + longest >= (RECENT - 1) * inputs.frames_apart
+        age.worst[forgotten], age.count[forgotten] = NO_VALUE, 0
+
     # What it came to ------------------------------------------------------------------
 
     def observables(self) -> Observables:
+        self._forget_ages()
         found = {name: Observable.of(name, values) for name, values in self.values.items()}
         found["stretch"] = Observable("stretch", "ticks", self.held, np.zeros_like(self.held), self.phases)
         found["missed rounds"] = Observable.counter("missed rounds", self.missed, self.due)

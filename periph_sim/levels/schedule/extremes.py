@@ -29,6 +29,15 @@ class Extremes:
         self.least[scenarios] = np.minimum(self.least[scenarios], rows.min(axis=0))
         self.count[scenarios] += len(rows)
 
+    def take_unfinished(self, scenarios: Ints, values: Ints) -> None:
+        """What each has come to as the run ends: it counts where it is more than any before, and is no least value."""
+        more = values > self.worst[scenarios]
+        who, values = scenarios[more], values[more]
+        alone = self.least[who] == np.iinfo(np.int64).max
+        self.worst[who] = values
+        self.least[who[alone]] = values[alone]
+        self.count[who] += 1
+
     def take_all(self, values: IntOrInts, but: Ints) -> None:
         """A value of each scenario but of these, which others count."""
         self.take_range(values, values, but)

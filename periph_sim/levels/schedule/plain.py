@@ -219,7 +219,10 @@ class PlainRounds:
         else:
             cut = np.unique(np.concatenate([but, np.flatnonzero(ended > inputs.end)]))
             state.values["span:model"].take_all(lasted, cut)
-            state.values["span:model"].count[np.setdiff1d(cut, but)] -= 1
+            cut = np.setdiff1d(cut, but)
+            state.values["span:model"].count[cut] -= 1  # as `count` takes all of them to have one
+            began = table.begun[entry[cut]]
+            state.values["span:model"].take_unfinished(cut, inputs.end[cut] - began)
         news = ("first", first), ("off", off), ("ready", ready), ("next", place), ("shown", shown)
         for name, new in news:
             new[but] = getattr(state, name)[but]

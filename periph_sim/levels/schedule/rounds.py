@@ -100,7 +100,10 @@ class Rounds:
         self.cost[who] += self.cost_step
         ended = clock.tick(end)
         within = ended <= self._inputs.end[who]
-        self.values["span:model"].take(who[within], (ended - clock.tick(begin))[within])
+        began = clock.tick(begin)
+        self.values["span:model"].take(who[within], (ended - began)[within])
+        cut = ~within & (began <= self._inputs.end[who])
+        self.values["span:model"].take_unfinished(who[cut], (self._inputs.end[who] - began)[cut])
 
     def _round(self, number: int, who: Ints) -> None:
         """Read by read, of these scenarios."""

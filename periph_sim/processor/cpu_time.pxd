@@ -11,6 +11,7 @@ cdef class CpuTime:
     cdef Event _wake
     cdef long long _until, _wake_cycle, _wake_tick
     cpdef tuple instant(self)
+    cpdef long long left(self)
     cpdef bint advance(self, long long cycle)
     cpdef long long renew(self)
     cpdef bint rest(self, long long cycle)

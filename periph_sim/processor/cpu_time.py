@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from ..core.chip import NEVER
 from ..core.kernel import CPU, Agent, Event, Kernel
-from ..core.time import Clock
+from ..core.time import LAST_TICK, Clock
 
 
 class CpuTime:
@@ -61,6 +61,10 @@ class CpuTime:
     def waits_for_input(self) -> bool:
         """Asleep, and no cycle is known at which this CPU goes on: a watched register or an interrupt must come."""
         return self.asleep and self._wake is None
+
+    def left(self) -> int:
+        """Cycles from here to the last tick that there is."""
+        return self._clock.cycle_at(LAST_TICK) - self.cycle
 
     # Moving on ---------------------------------------------------------------
 

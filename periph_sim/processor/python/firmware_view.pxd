@@ -9,3 +9,5 @@ cdef class FirmwareView:
     cdef dict _ports
     cpdef object _drawn(self, object spread)
     cpdef object _cycles(self, object cost)
+    cpdef object _fitting(self, object cycles, object what)
+    cpdef object _pass(self, object what, object cycles)

@@ -21,7 +21,7 @@ from ..error_origin import Misuse, flaw_of
 from .cpu import Cpu
 from .register_view import ModulePort
 
-LONGEST = 1 << 47  # cycles of one wait or computation: ten days at 150 MHz, and far from where ticks would not fit
+LONG = 1 << 31  # cycles: less surely fits whatever is made of it
 End = Literal["drawn", "least", "most"]  # which value of a `Spread` a computation takes
 
 
@@ -82,7 +82,7 @@ class FirmwareView:
         if not callable(condition):
             raise _no_condition("spin", condition)
         if pass_cycles is not None:
-            _check_pass("spin", pass_cycles)
+            pass_cycles = self._pass("spin", pass_cycles)
         return self.cpu.spin(condition, pass_cycles, None if timeout is None else self._cycles(timeout))
 
     def spin_either(
@@ -92,8 +92,14 @@ class FirmwareView:
         if not (callable(ready) and callable(over)):
             raise _no_condition("spin_either", over if callable(ready) else ready)
         if pass_cycles is not None:
-            _check_pass("spin_either", pass_cycles)
+            pass_cycles = self._pass("spin_either", pass_cycles)
         return self.cpu.spin_either(ready, over, pass_cycles)
+
+    def _pass(self, what: str, cycles: int) -> int:
+        """Misuse if a pass of a wait cannot take so many cycles."""
+        if type(cycles) is not int or cycles < 1:
+            raise Misuse(f"dsp.{what}: pass_cycles is {cycles!r}; expected a whole number of cycles above 0")
+        return self._fitting(cycles, f"dsp.{what}: pass_cycles = {cycles}") if cycles > LONG else cycles
 
     def compute(self, cost: Spread | Fraction | int, name: str = "") -> None:
         """Work that takes `cost`: a whole number of cycles, or seconds (rounded up to a cycle).
@@ -114,9 +120,15 @@ class FirmwareView:
                 raise Misuse(f"a time of {cost!r} is no exact number; {way}") from None
         if cycles < 0:
             raise Misuse(f"a time of {cycles} cycles is negative; expected 0 or more")
-        if cycles > LONGEST:
-            raise Misuse(f"a time of more than {LONGEST} cycles is longer than any run")
-        return cycles
+        return self._fitting(cycles, f"a time of {cycles} cycles") if cycles > LONG else cycles
+
+    def _fitting(self, cycles: int, what: str) -> int:
+        """So many, but not beyond the last tick. Misuse where not even a run from the first tick on has them."""
+        time = self.cpu.time
+        left = time.left()
+        if cycles > left + time.cycle:
+            raise Misuse(f"{what} is longer than any run, which has {left + time.cycle} at most")
+        return min(cycles, left)
 
     def _drawn(self, spread: Spread) -> int:
         least, most = self._cycles(spread.least), self._cycles(spread.most)
@@ -170,14 +182,6 @@ class FirmwareView:
 def _no_condition(what: str, given: object) -> Misuse:
     way = "write dsp.spin(lambda: ...), so that each pass looks again"
     return Misuse(f"dsp.{what} needs a function to call in each pass, but got {given!r}; {way}")
-
-
-def _check_pass(what: str, cycles: int) -> None:
-    """Misuse if a pass of a wait cannot take so many cycles."""
-    if type(cycles) is not int or cycles < 1:
-        raise Misuse(f"dsp.{what}: pass_cycles is {cycles!r}; expected a whole number of cycles above 0")
-    if cycles > LONGEST:
-        raise Misuse(f"dsp.{what}: pass_cycles is more than {LONGEST}, longer than any run")
 
 
 def _routine(name: str, handler: Callable[[], None]) -> None:

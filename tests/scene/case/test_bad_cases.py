@@ -293,7 +293,7 @@ def test_a_wrong_change_is_told_as_it_was_typed(case_file: Path, change: str, se
         "unit.dsp.ppm=-1000000",
         "unit.dsp.pins.X=88",
         "unit.dsp.options.i2c.answer=1.5",
-        "fidelity=byte",
+        "fidelity=bytes",
         "seed=x",
         "unit=3",
         "budget.0=3",

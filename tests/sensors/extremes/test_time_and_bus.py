@@ -48,8 +48,10 @@ def test_the_longest_run_begins_to_be_refused_where_ticks_end() -> None:
 
 
 def test_a_clock_that_drifts_would_be_seen(monkeypatch: pytest.MonkeyPatch) -> None:
-    rounded = Clock._period
-    monkeypatch.setattr(Clock, "_period", lambda self, hz: (rounded(self, hz)[0] // rounded(self, hz)[1], 1))
+    def whole_ticks(base: Timebase, hz: Fraction) -> Clock:
+        return Clock(base, Fraction(base.per_second, int(base.per_second / hz)))
+
+    monkeypatch.setattr(beside, "Clock", whole_ticks)
     assert {one.happens for one in beside.clocks()} == {"off"}
 
 

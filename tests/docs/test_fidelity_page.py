@@ -1,10 +1,14 @@
-"""docs/fidelity.md names tests: each file and each function must be there."""
+"""docs/fidelity.md names tests: each file and function must be there. Its table of scenes says what was measured."""
 
 from __future__ import annotations
 
 import re
 
+import pytest
+
+from periph_sim.reports.trade.text_report import number
 from tests.docs.pages import ROOT
+from tests.reports.trade.test_scenes import NAMES, outcome
 
 PAGE = (ROOT / "docs" / "fidelity.md").read_text(encoding="utf-8")
 
@@ -21,3 +25,25 @@ def test_every_test_that_the_page_names_is_there():
     named = [name for name in re.findall(r"`(test_\w+(?:\.py)?)`", PAGE) if name not in files]
     assert len(named) >= 2
     assert [name for name in named if f"def {name}(" not in sources] == []
+
+
+SCENES = dict(re.findall(r"^\| (\w+) \| (exact|refused|infinite|[\d.]+) \|", PAGE, re.MULTILINE))
+
+
+def test_the_page_has_every_scene_of_timing_trade():
+    assert sorted(SCENES) == NAMES
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_scene_is_off_by_no_more_than_the_page_says(name: str):
+    found = outcome(name, "byte")
+    if found.refused:
+        assert SCENES[name] == "refused"
+    else:
+        assert SCENES[name] == (number(found.worst) if found.worst else "exact")
+        assert (SCENES[name] == "exact") == all(each.exact for each in found.errors)
+
+
+def test_each_file_that_the_page_names_as_a_case_is_there():
+    named = re.findall(r"`(timing/[\w/]+\.toml)`", PAGE)
+    assert named and [path for path in named if not (ROOT / path).exists()] == []

@@ -88,7 +88,8 @@ def observe_handlers(case: Case, unit: str, firmware: Mapping[str, Firmware] | N
     length, controller = host.first + (FRAMES + 1) * host.period, case.controller
     if controller is not None:  # it stays, since models may run at its pace, but asks when all is over
         controller = controller.model_copy(update={"first": 2 * length, "initialise": None})
-    quiet = case.model_copy(update={"controller": controller, "host": host, "budget": (), "breaks": ()})
+    plainest = {"controller": controller, "host": host, "budget": (), "breaks": (), "fidelity": "edge"}
+    quiet = case.model_copy(update=plainest)
     listener = _Listener(unit)
     kinds = (Kind.IRQ, Kind.ACCESS, Kind.SPAN)
     scene = Scene(quiet, lambda recorder, _: recorder.subscribe(kinds, listener.hear), firmware, end="most")

@@ -170,6 +170,7 @@ def observe(case: Case, firmware: Mapping[str, Firmware] | None = None) -> Undis
             "host": None,
             "budget": (),
             "breaks": (),
+            "fidelity": "edge",  # bounds are of edges, whatever a case runs at
             "controller": controller.model_copy(update={"jitter": Fraction(0), "rounds": 2}),
         }
     )

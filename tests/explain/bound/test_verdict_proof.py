@@ -35,6 +35,12 @@ def limited(measure: str, *changes: str, **limits: Any) -> Verdict:
     return judged(imu_hil(*changes).model_copy(update={"budget": (budget,), "breaks": ()}))["it"]
 
 
+@pytest.mark.parametrize("level", ["adaptive", "byte"])
+def test_the_bound_of_a_run_at_another_level_is_that_of_edges(level: str):
+    edges, other = (limited("age", f"fidelity={each}", max="41 ms") for each in ("edge", level))
+    assert edges.bound is not None and (other.bound, other.word) == (edges.bound, edges.word)
+
+
 def test_a_budget_holds_for_every_phase_in_what_was_seen_or_is_broken():
     kept, luck, broken = (limited("age", f"host.first={first} ms", max=f"{ms} ms") for first, ms in COMBINED)
     assert (kept.word, kept.unbounded) == ("every phase", "")

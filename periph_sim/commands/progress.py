@@ -1,6 +1,6 @@
 """A progress bar on standard error where that is a terminal; after a long interpreted run, a line how it is quicker.
 
-seconds, form --> "interpreted, in 12 s; compiled, a run takes a third to a tenth of that: make core", or nothing
+seconds, form --> "interpreted, in 12 s; compiled, a run takes a fifth to a fourteenth of that: make core", or nothing
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import click
 from .. import form
 
 LONG = 5  # seconds
-SHARE = "a third to a tenth"  # of the shipped cases' CPU time, by `python -m tests.bench.forms` in both forms
+SHARE = "a fifth to a fourteenth"  # of the shipped cases' CPU time, by `python -m tests.bench.forms` in both forms
 
 
 @contextmanager

@@ -69,6 +69,7 @@ def test_what_byte_makes_of_it(name: str):
         assert expected in found.refused
     else:
         assert not found.refused and found.worst == expected
+        assert all(each.exact for each in found.errors) == (not expected)
 
 
 def test_a_flag_that_byte_loses_is_one_that_edges_keep():

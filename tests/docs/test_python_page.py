@@ -2,26 +2,20 @@
 
 from __future__ import annotations
 
-import doctest
 from pathlib import Path
 
 import pytest
 
 import periph_sim
 from periph_sim.processor.python.firmware_view import FirmwareView
-from tests.docs.pages import ROOT, scratch
+from tests.docs.examples import run_examples
+from tests.docs.pages import ROOT
 
 PAGE = ROOT / "docs" / "python_api.md"
 
 
 def test_every_example_gives_what_the_page_shows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    text = PAGE.read_text(encoding="utf-8")
-    scratch(text, tmp_path)
-    monkeypatch.chdir(tmp_path)
-    page = doctest.DocTestParser().get_doctest(text, {}, PAGE.name, str(PAGE), 0)
-    said: list[str] = []
-    results = doctest.DocTestRunner(verbose=False).run(page, out=said.append)
-    assert results.attempted > 15 and not results.failed, "".join(said)
+    assert run_examples(PAGE, tmp_path, monkeypatch) > 15
 
 
 def test_every_public_name_is_on_the_page():

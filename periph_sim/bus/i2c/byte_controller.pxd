@@ -1,9 +1,11 @@
+from .byte_level cimport ByteLevel
 from .controller cimport I2cController
 from .whole_bytes cimport WholeBytes
 
 
 cdef class ByteController(I2cController):
     cdef public WholeBytes whole_bytes
+    cdef ByteLevel _steps
     cdef bint _in_steps
     cpdef object let_pass(self, WholeBytes whole_bytes)
     cdef void _eighth_over(self)

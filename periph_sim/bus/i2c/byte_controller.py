@@ -7,6 +7,7 @@ RELEASE --edge by edge--> BIT_END ...
 
 from __future__ import annotations
 
+from .byte_level import ByteLevel
 from .controller import NO_BYTE, RELEASE, STUCK, I2cController
 from .line_events import NOTHING, SCL, SDA
 from .whole_bytes import BITS, ONES, WholeBytes
@@ -15,16 +16,18 @@ EIGHTH, NINTH = STUCK + 1, STUCK + 2
 
 
 class ByteController(I2cController):
-    """whole_bytes: what lets bytes pass; None: every edge is an event."""
+    """whole_bytes: what lets bytes pass. It is given before the first transfer."""
 
-    __slots__ = ("_in_steps", "whole_bytes")
+    __slots__ = ("_in_steps", "_steps", "whole_bytes")
 
-    whole_bytes: WholeBytes | None
+    whole_bytes: WholeBytes
+    _steps: ByteLevel | None
     _in_steps: bool
 
     def let_pass(self, whole_bytes: WholeBytes) -> None:
         """From now on it is asked about each byte."""
         self.whole_bytes = whole_bytes
+        self._steps = whole_bytes if isinstance(whole_bytes, ByteLevel) else None
         self._in_steps = False  # behind a byte that went in steps: SDA follows without an edge
 
     def act(self, tag: int) -> None:
@@ -36,10 +39,9 @@ class ByteController(I2cController):
             I2cController.act(self, tag)
 
     def _release(self) -> None:
-        assert self.whole_bytes is not None
         if self._index != NO_BYTE:
             if self._bit == 0:
-                tag = EIGHTH if self.whole_bytes.whole() else RELEASE
+                tag = RELEASE if self._steps is None else EIGHTH
                 if self.whole_bytes.passes(self._low_time, self._high, self._hold, tag):
                     return
             elif self._bit == BITS:
@@ -50,9 +52,9 @@ class ByteController(I2cController):
         if not self._in_steps:
             I2cController._low(self, sda)
             return
-        assert self.whole_bytes is not None
+        assert self._steps is not None
         self._sda_level = sda
-        self.whole_bytes.follows(sda)
+        self._steps.follows(sda)
         self._then(self._kernel.now + self._low_time, RELEASE)
 
     # As a party ------------------------------------------------------------------
@@ -92,9 +94,9 @@ class ByteController(I2cController):
     # A byte in two steps ------------------------------------------------------------
 
     def _eighth_over(self) -> None:
-        assert self.whole_bytes is not None
+        assert self._steps is not None
         own = self._ack_level() if self._receiving else 1
-        shown = self.whole_bytes.eighth(own)
+        shown = self._steps.eighth(own)
         self._bit, self._in, self._sda_level = BITS + 1, shown if shown >= 0 else -1 - shown, own
         if shown < 0:  # SCL is held: the rest goes by edges
             self._then(self._kernel.now + self._low_time, RELEASE)
@@ -102,7 +104,7 @@ class ByteController(I2cController):
             self._then(self._kernel.now + self._low_time + self._high, NINTH)
 
     def _ninth_over(self) -> None:
-        assert self.whole_bytes is not None
+        assert self._steps is not None
         self._in_steps = True
-        self._byte_end(self.whole_bytes.ninth() == 0)
+        self._byte_end(self._steps.ninth() == 0)
         self._in_steps = False

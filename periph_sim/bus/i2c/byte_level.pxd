@@ -5,6 +5,7 @@ from .whole_bytes cimport ByteParty, WholeBytes
 
 cdef class ByteLevel(WholeBytes):
     cdef long long _acks
+    cdef bint _takes(self, ByteParty party)
     @cython.locals(shown=cython.longlong, now=cython.longlong)
     cpdef bint passes(self, long long low, long long high, long long hold, long long tag)
     @cython.locals(party=ByteParty, shown=cython.longlong, now=cython.longlong, last=cython.longlong, clock=cython.longlong)

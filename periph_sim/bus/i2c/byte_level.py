@@ -33,8 +33,8 @@ class ByteLevel(WholeBytes):
         super().__init__(kernel, scl, sda, controller, stand_in)
         self._acks = 1
 
-    def whole(self) -> bool:
-        return True
+    def _takes(self, party: ByteParty) -> bool:
+        return party.steps()
 
     def passes(self, low: int, high: int, hold: int, tag: int) -> bool:
         """Whether the byte goes in steps; the controller acts on `tag` as the eighth bit is over."""

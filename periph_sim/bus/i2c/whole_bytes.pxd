@@ -27,16 +27,13 @@ cdef class WholeBytes(Shortcut):
     cdef bint _known
     cdef long long _versions, _since, _fell, _shown, _tag, _low, _high
     cdef Event _eighth
-    cpdef bint whole(self)
     cpdef bint passes(self, long long low, long long high, long long hold, long long tag)
     @cython.locals(party=ByteParty, shown=cython.longlong)
     cdef long long _showing(self, long long low, long long high, long long hold)
     @cython.locals(party=ByteParty)
     cpdef void over(self)
     cpdef void catch_up(self)
-    cpdef long long eighth(self, long long ack)
-    cpdef long long ninth(self)
-    cpdef void follows(self, long long level)
     @cython.locals(party=ByteParty, pulling=cython.longlong)
     cdef void _stand(self, long long bit, long long fell)
+    cdef bint _takes(self, ByteParty party)
     cdef void _look(self)

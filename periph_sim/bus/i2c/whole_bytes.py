@@ -119,10 +119,6 @@ class WholeBytes(Shortcut):
         self._eighth: Event | None = None
         self._tag = 0
 
-    def whole(self) -> bool:
-        """Whether bytes go in steps of eight bits and of the ACK."""
-        return False
-
     def passes(self, low: int, high: int, hold: int, tag: int) -> bool:
         """Whether seven bits pass at once: everybody stands before the eighth then, and the controller acts on `tag`.
 
@@ -174,18 +170,6 @@ class WholeBytes(Shortcut):
                 party.heard(self._shown, self._since, self._low, self._high)
         self._since = NO_TIME
 
-    def eighth(self, ack: int) -> int:
-        """See `ByteLevel`."""
-        raise NotImplementedError
-
-    def ninth(self) -> int:
-        """See `ByteLevel`."""
-        raise NotImplementedError
-
-    def follows(self, level: int) -> None:
-        """See `ByteLevel`."""
-        raise NotImplementedError
-
     def catch_up(self) -> None:
         kernel, eighth = self._kernel, self._eighth
         assert eighth is not None
@@ -204,13 +188,17 @@ class WholeBytes(Shortcut):
             party.stand(self._shown, bit, fell)
         self._sda.jump(pulling)
 
+    def _takes(self, party: ByteParty) -> bool:
+        """Whether it is a party at this level."""
+        return True
+
     def _look(self) -> None:
         """Who is on the lines now: all that listen, and all that can pull, must be parties."""
         scl, sda = self._scl, self._sda
         self._versions = scl.version + sda.version
         agents = scl.listeners() | sda.listeners()
         found = [agent if isinstance(agent, ByteParty) else self._stand_in.get(agent) for agent in agents]
-        self._parties = [party for party in found if party is not None and (party.steps() or not self.whole())]
+        self._parties = [party for party in found if party is not None and self._takes(party)]
         self._known = len(self._parties) == len(found) and all(
             sum(party.pulls(line) for party in self._parties) == (1 << wire.attached) - 1
             for wire, line in ((scl, SCL), (sda, SDA))

@@ -143,6 +143,11 @@ class Topic:
         self.heard = True
         self.told_whole = bool(self._pens or self._sinks)
 
+    def close(self) -> None:
+        """Nobody is told any more."""
+        self._ears, self._pens, self._sinks = [], [], []
+        self.heard = self.told_whole = False
+
     def emit(self, tick: int, value: int = 0, text: str = "", field: str = "") -> int:
         """The number of the new record; its cause is the record being worked under."""
         recorder = self._recorder
@@ -191,6 +196,13 @@ class Recorder:
             for (of, _, _), topic in self._topics.items():
                 if of is kind:
                     topic.add(party)
+
+    def close(self) -> None:
+        """Nobody is told of anything any more."""
+        for parties in self._parties.values():
+            parties.clear()
+        for topic in self._topics.values():
+            topic.close()
 
     def wants(self, kind: Kind, subject: str | None = None) -> bool:
         """Whether anybody wants records of this kind; of this subject, if one is given."""

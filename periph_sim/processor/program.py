@@ -72,6 +72,9 @@ class Program:
     def restore(self, words: Sequence[int]) -> None:
         """The context that IRET brought back."""
 
+    def let_go(self) -> None:
+        """Nobody will run it again: what it holds is free."""
+
     def kill(self, how: type[BaseException]) -> None:
         """It ends where it stands. how: what is raised in it, if that is how it ends."""
         self.spin = None

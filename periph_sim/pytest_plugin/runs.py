@@ -205,7 +205,7 @@ def run_plan(plan: Plan, told: Told, *, keep_edges: bool = False, record: bool =
         timebase=scene.timebase,
         start=scene.start,
         records=columns.table(per_second, now, plan.case.recorded_modules) if record else None,
-        hangs=(*scene.deadlocks(), *(scene.stuck_lines[-1:] if scene.hangs() else ())),
+        hangs=(*scene.deadlocks(), *(scene.stuck.sentences[-1:] if scene.stuck.hangs() else ())),
         _transfers=transfers,
         _edges=None if log is None else _named(log.capture(scene.timebase, now), result.case),
         _typical=scene.typical(),

@@ -24,10 +24,13 @@ import numpy as np
 
 from ..bus.edge_player import EdgePlayer
 from ..bus.one_way import OneWayWire
+from ..core.kernel import Kernel
+from ..core.records import Recorder
 from ..core.wire import Wire
 from ..records.recording import Subscribe
 from ..scene.case.model import Case
 from ..scene.scene import Scene
+from ..scene.wires import Wires
 from ..traces.capture.capture import Capture, Channel
 from ..traces.decode import i2c as decode
 from .compare import TIMING, Divergence, compare
@@ -47,13 +50,15 @@ STEPS = 100  # of progress
 Position = int | Fraction  # in a capture; between two samples where nobody knows in which one it was
 
 
+class _OpenWires(Wires):
+    def made(self, kernel: Kernel, name: str, recorder: Recorder) -> Wire:
+        return (OneWayWire if name in ("SCL", "SDA") else Wire)(kernel, name, recorder)
+
+
 class OpenScene(Scene):
     """A scene whose SCL and SDA do not hear the units on them."""
 
-    def wire(self, name: str) -> Wire:
-        if name in ("SCL", "SDA") and name not in self.wires:
-            self.wires[name] = OneWayWire(self.kernel, name, self.recorder)
-        return super().wire(name)
+    WIRES = _OpenWires
 
 
 @dataclass(frozen=True)

@@ -52,7 +52,7 @@ class SessionScene(Scene):
         self._checks = checks
         self.frame_told: list[FrameTold] = []
         super().__init__(case, subscribe)
-        self.on_transfer(self._count_transfer)
+        self.on_transfer(self.bus.count)
 
     def _check_needs(self, entry: int, limit: BudgetJudge) -> None:
         """The capture has both, controller and host; and the unit has SCI-A."""
@@ -73,8 +73,7 @@ class SessionScene(Scene):
             told(number, values, tick)
 
     def tell_stuck(self) -> None:
-        for told in self._stuck_told:
-            told(self.kernel.now)
+        self.stuck.tell()
 
 
 class SessionReplay(I2cReplay):

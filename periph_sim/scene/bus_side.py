@@ -21,11 +21,15 @@ SPIKE = Fraction(50, 10**9)  # UM10204 Table 10, tSP: what lasts less on SDA is 
 
 
 class BusSide:
-    """asked: what the master asks, None where nobody knows. spike: ticks. before: given each transfer first."""
+    """asked: what the master asks, None where nobody knows. spike: ticks. before: given each transfer first.
+
+    wire_bytes, nacked: of the transfers that were counted.
+    """
 
     def __init__(self, wires: Mapping[str, Wire], spike: int) -> None:
         self.asked: Asked | None = None
         self.before: list[Callable[[Transfer], None]] = []
+        self.wire_bytes = self.nacked = 0
         self._wires = wires
         self._spike = spike
         self._watch: I2cMonitor | None = None
@@ -50,6 +54,11 @@ class BusSide:
     def held_since(self) -> int:
         """Since when others hold SCL low that the master has let go of; NO_TIME if they do not, or nobody listens."""
         return NO_TIME if self._watch is None else self._watch.held_since
+
+    def count(self, transfer: Transfer) -> None:
+        """Of those that make up the figures of the run."""
+        self.wire_bytes += transfer.wire_bytes
+        self.nacked += not transfer.acked
 
     def finish(self, now: int) -> None:
         """The run is over."""

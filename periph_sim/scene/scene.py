@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 from functools import partial
 from time import perf_counter
+from weakref import finalize, proxy
 
 from ..bus.i2c.byte_counter import I2cByteCounter
 from ..bus.i2c.event_recorder import BusRecorder
@@ -60,22 +61,28 @@ from .result import Result
 from .scope import scope_of_case
 from .sensor_chips import ChipOnBus, build_chip
 from .serial.side import SerialSide
+from .stuck_lines import StuckLines, doing
 from .summary import result_of
 from .uart_side import UartSide
 from .unit import build_unit, options_of
 from .whole_bytes import refuse_byte_level, whole_bytes_of
+from .wires import Wires
 
 NEEDS = {"rounds": "[controller], or [rounds] for a unit that is the master,"}
 
 
 class Scene:
-    """subscribe: called while the scene is built, before anything runs; recorders subscribe there.
+    """What is built, as long as somebody holds the scene itself: when it is let go, its firmware ends where it stands.
+
+    subscribe: called while the scene is built, before anything runs; recorders subscribe there.
 
     programs: firmware given as Python functions, by unit; of these units the case's `firmware` is only a name.
     keep_values: of measures that take one value after the other, for `timing.values`.
     sources: what chips feel, given as functions of the tick, by chip; they stand in for the case's `values`.
     end: which value of a `Spread` computations take, instead of one drawn each time.
     """
+
+    WIRES = Wires
 
     def __init__(
         self,
@@ -104,8 +111,10 @@ class Scene:
         if subscribe is not None:
             subscribe(self.recorder, self.timebase)
         self.kernel = Kernel(self.start)
-        self.wires: dict[str, Wire] = {}
+        self.wires = self.WIRES(self.kernel, self.recorder)
         self.units: dict[str, Dsp] = {}
+        # What is built holds no scene: firmware that waits, whose stack no garbage collection sees, would keep it.
+        finalize(self, _let_go, self.recorder, self.units).atexit = False
         self.firmware: dict[str, Firmware] = {}  # by unit
         self.chips: dict[str, ChipOnBus] = {}
         self.devices: dict[str, DeviceOnBus] = {}
@@ -118,17 +127,13 @@ class Scene:
         self.computed: Computed | None = None  # and how it computes them
         self._origins: Origins | None = None  # of what is read, as soon as a measure asks
         self.frames: MotionFrames | None = None  # what the host sends, where it is no ramp
-        self.wire_bytes = 0  # by the controller agent
         self.whole_bytes: WholeBytes | None = None  # through which bytes pass at once
         self._counter: I2cByteCounter | None = None  # where there is none
         self.bus = BusSide(self.wires, self._ticks(SPIKE))
-        self.nacked = 0
-        self.stuck_lines: list[str] = []
+        self.stuck = StuckLines(self.kernel, self.timebase, self.start, self.units)
         self.stalled = ""  # by what the run ended before its time
-        self._stuck_wire: Wire | None = None  # the line last reported stuck, and how many rounds were over then
-        self._stuck_after_rounds = 0
-        self._stuck_told: list[Callable[[int], None]] = []
-        context = SceneContext(case, self.kernel, self.recorder, self.timebase, self.wire, wiring_of(case), self.start)
+        wire = self.wires.wire
+        context = SceneContext(case, self.kernel, self.recorder, self.timebase, wire, wiring_of(case), self.start)
         for name, unit in case.unit.items():
             built = build_unit(context, name, unit, (programs or {}).get(name), end)
             self.units[name], self.firmware[name] = built.dsp, built.firmware
@@ -136,10 +141,11 @@ class Scene:
             self.computed = self.computed or built.computed
         self._build_targets(context, sources or {})
         if case.controller is not None:
-            side = build_head(context, case.controller, self._stuck)
+            side = build_head(context, case.controller, self.stuck.report)
             self.head, self.requests = side.head, side.requests
+            self.stuck.head = side.head
             self.bus.asked = side.asked
-            self.head.on_transfer.append(self._count_transfer)
+            self.head.on_transfer.append(self.bus.count)
             if case.fidelity != "edge":
                 self.whole_bytes = whole_bytes_of(context, side.controller, self.units)
         elif "SCL" in self.wires:
@@ -153,14 +159,14 @@ class Scene:
             self.host = self._host_side.host
             self.frames, self.truth = self._host_side.frames, self._host_side.truth
         for transceiver in case.transceiver:
-            self.wire(transceiver.pair)
+            self.wires.wire(transceiver.pair)
         build_faults(context, self.wires, self.units)
         host_line = None if self._host_side is None else self._host_side.line
         self._uart = UartSide(context, self.wires, self.units, host_line, serial, self)
         for entry, limit in enumerate(self.limits):
             for part in limit.parts:
                 self._check_needs(entry, part)
-                part.measure.listen(self)
+                part.measure.listen(proxy(self))
         refuse_byte_level(case, self.whole_bytes, self.wires)
 
     # Building ------------------------------------------------------------------
@@ -199,9 +205,7 @@ class Scene:
             raise self.case.mistake(what, "budget", entry, "measure")
 
     def wire(self, name: str) -> Wire:
-        if name not in self.wires:
-            self.wires[name] = Wire(self.kernel, name, self.recorder)
-        return self.wires[name]
+        return self.wires.wire(name)
 
     def _build_targets(self, context: SceneContext, sources: Mapping[str, Source]) -> None:
         """Sensor chips and other devices on SCL and SDA."""
@@ -215,7 +219,7 @@ class Scene:
             self.stalled = str(stalled)
         if self.case.strict:
             for name, log in self.note_logs().items():
-                log.on_note = partial(self._noted, name)
+                log.on_note = partial(_insist, self.units, name)
 
     def note_logs(self) -> dict[str, NoteLog]:
         """What each chip and device noted."""
@@ -246,11 +250,11 @@ class Scene:
 
     def on_stuck(self, told: Callable[[int], None]) -> None:
         """By the controller agent, or as the wires are watched where there is none."""
-        if self.head is None and not self._stuck_told:
+        if self.head is None and not self.stuck.told:
             length = STUCK_AFTER if self.case.rounds is None else self.case.rounds.stuck_after
             for name in ("SCL", "SDA"):
-                StuckWatch(self.kernel, self.recorder, self.wires[name], self._ticks(length), self._stuck)
-        self._stuck_told.append(told)
+                StuckWatch(self.kernel, self.recorder, self.wires[name], self._ticks(length), self.stuck.report)
+        self.stuck.told.append(told)
 
     def on_sci(self, told: Callable[[int, int, bool], None]) -> None:
         self._uart.on_sci(told)
@@ -343,35 +347,13 @@ class Scene:
 
     def bytes_on_bus(self) -> int:
         """By the controller agent, or as they were counted on the wires where there is none."""
-        return self.wire_bytes if self._counter is None else self._counter.bytes
-
-    def _count_transfer(self, transfer: Transfer) -> None:
-        self.wire_bytes += transfer.wire_bytes
-        self.nacked += not transfer.acked
-
-    def _stuck(self, wire: Wire) -> None:
-        who = " and ".join(wire.held_by()) or "nobody"
-        at = self.timebase.show(self.kernel.now - self.start)
-        doing = "; ".join(f"{name} {self.doing(dsp)}" for name, dsp in self.units.items())
-        self.stuck_lines.append(f"{wire.name} is held low by {who} at {at}: {doing}")
-        if self.head is not None:
-            self._stuck_wire, self._stuck_after_rounds = wire, self.head.rounds
-        for told in self._stuck_told:
-            told(self.kernel.now)
+        return self.bus.wire_bytes if self._counter is None else self._counter.bytes
 
     # Running --------------------------------------------------------------------
 
     def doing(self, dsp: Dsp) -> str:
         """What a unit's firmware does now, as a phrase."""
-        if dsp.program.returned_at is not None:
-            return "has returned from main"
-        spin = dsp.program.spin
-        if spin is None:
-            where = dsp.processor.stands_at()
-            at = "" if where is None else f" at {where.for_people()}"
-            return f"waits in IDLE for an interrupt{at}" if dsp.core.idlestat else f"computes{at}"
-        since = self.timebase.show(dsp.clock.tick(spin.since) - self.start)
-        return f"waits for {spin.waits_for()} since {since}"
+        return doing(dsp, self.timebase, self.start)
 
     def run(self, duration: Fraction | None = None, progress: Callable[[float], None] | None = None) -> Result:
         """Run for `duration` seconds (the case's own if None) and sum up. progress: told the part done, 0 to 1.
@@ -432,14 +414,15 @@ class Scene:
             passive.add("controller")
         return any(who.partition(".")[0] not in passive for who in parties)
 
-    def hangs(self) -> bool:
-        """A line that was reported stuck is still held by somebody else than the controller, in the same round."""
-        wire, head = self._stuck_wire, self.head
-        if wire is None or head is None or head.at_rest or head.rounds != self._stuck_after_rounds:
-            return False
-        return any(who != head.who for who in wire.held_by())
 
-    def _noted(self, name: str, note: Note) -> None:
-        """With `strict`: it is firmware that speaks to a chip or device and breaks its duties."""
-        for dsp in self.units.values():
-            dsp.processor.notes.insist(note, name)
+def _insist(units: Mapping[str, Dsp], name: str, note: Note) -> None:
+    """With `strict`: it is firmware that speaks to a chip or device and breaks its duties."""
+    for dsp in units.values():
+        dsp.processor.notes.insist(note, name)
+
+
+def _let_go(recorder: Recorder, units: Mapping[str, Dsp]) -> None:
+    """Nobody runs these any more, or hears of them."""
+    recorder.close()
+    for dsp in units.values():
+        dsp.program.let_go()

@@ -19,9 +19,9 @@ def result_of(scene: Scene, length: int, wall: float) -> Result:
     """What a run of `length` ticks came to, which took `wall` seconds."""
     verdicts = [limit.verdict(scene.start) for limit in scene.limits]
     deadlocks = scene.deadlocks()
-    stuck = [*scene.stuck_lines[:10], *deadlocks]
-    failed = not all(v.passed for v in verdicts) or bool(deadlocks) or scene.hangs()
-    counts = {"rounds": 0, "missed": 0, "nacked": scene.nacked, "frames": 0, "stuck": len(scene.stuck_lines)}
+    stuck = [*scene.stuck.sentences[:10], *deadlocks]
+    failed = not all(v.passed for v in verdicts) or bool(deadlocks) or scene.stuck.hangs()
+    counts = {"rounds": 0, "missed": 0, "nacked": scene.bus.nacked, "frames": 0, "stuck": len(scene.stuck.sentences)}
     if scene.head is not None:
         counts |= {"rounds": scene.head.rounds, "missed": scene.head.missed}
     if scene.host is not None:

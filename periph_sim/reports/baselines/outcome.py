@@ -118,8 +118,8 @@ def _outcome(path: Path, case: Case, changes: tuple[str, ...], keep_values: bool
     result = scene.run()
     prove_verdicts(scene, result.budgets)
     trouble = scene.deadlocks()
-    if scene.hangs() and not trouble:
-        trouble = scene.stuck_lines[-1:]
+    if scene.stuck.hangs() and not trouble:
+        trouble = scene.stuck.sentences[-1:]
     figures = baseline_of(scene, result).model_copy(update={"digest": digests[0].text})
     return Outcome(
         path=path,

@@ -11,8 +11,6 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
 
-from greenlet import GreenletExit
-
 from ...core.kernel import SimulationStuck
 from ...explain.bound.verdict_proof import prove_verdicts
 from ...f28335.system.memory_map import NoSuchAddress
@@ -64,12 +62,9 @@ def rows_of(job: Job, runs: Sequence[Sequence[str]]) -> list[Row]:
 def _row(job: Job, changes: Sequence[str]) -> Row:
     try:
         scene = Scene(load(job.file, list(changes)), None, job.programs)
-        try:
-            result = scene.run(job.length)
-            if job.proven:
-                prove_verdicts(scene, result.budgets)
-        finally:
-            _end(scene)
+        result = scene.run(job.length)
+        if job.proven:
+            prove_verdicts(scene, result.budgets)
     except REFUSED as error:
         return Row(ERROR, _as_named(job, str(error)))
     return Row(
@@ -82,12 +77,6 @@ def _row(job: Job, changes: Sequence[str]) -> Row:
         budgets=result.budgets,
         counts=result.counts,
     )
-
-
-def _end(scene: Scene) -> None:
-    """Firmware that still waits ends here, in the thread that ran it; another could not stop it."""
-    for dsp in scene.units.values():
-        dsp.program.kill(GreenletExit)
 
 
 def _as_named(job: Job, text: str) -> str:

@@ -1,0 +1,62 @@
+"""Lines of the bus that stay low: a wire that was reported goes in; a sentence, and whether the run hangs, come out.
+
+controller agent, or StuckWatch where there is none --wire--> StuckLines --> sentences; measures are told
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from ..core.kernel import Kernel
+from ..core.time import Timebase
+from ..core.wire import Wire
+from ..devices.sensor_head import SensorHead
+from ..processor.dsp import Dsp
+
+
+class StuckLines:
+    """told: with the tick, each time that a line is reported. head: the controller agent, where there is one."""
+
+    def __init__(self, kernel: Kernel, timebase: Timebase, start: int, units: Mapping[str, Dsp]) -> None:
+        self.sentences: list[str] = []
+        self.told: list[Callable[[int], None]] = []
+        self.head: SensorHead | None = None
+        self._kernel = kernel
+        self._timebase = timebase
+        self._start = start
+        self._units = units
+        self._wire: Wire | None = None  # the line last reported, and how many rounds were over then
+        self._after_rounds = 0
+
+    def report(self, wire: Wire) -> None:
+        who = " and ".join(wire.held_by()) or "nobody"
+        at = self._timebase.show(self._kernel.now - self._start)
+        each = "; ".join(f"{name} {doing(dsp, self._timebase, self._start)}" for name, dsp in self._units.items())
+        self.sentences.append(f"{wire.name} is held low by {who} at {at}: {each}")
+        if self.head is not None:
+            self._wire, self._after_rounds = wire, self.head.rounds
+        self.tell()
+
+    def tell(self) -> None:
+        for told in self.told:
+            told(self._kernel.now)
+
+    def hangs(self) -> bool:
+        """A line that was reported is still held by somebody else than the controller, in the same round."""
+        wire, head = self._wire, self.head
+        if wire is None or head is None or head.at_rest or head.rounds != self._after_rounds:
+            return False
+        return any(who != head.who for who in wire.held_by())
+
+
+def doing(dsp: Dsp, timebase: Timebase, start: int) -> str:
+    """What a unit's firmware does now, as a phrase. start: the tick from which its times are counted."""
+    if dsp.program.returned_at is not None:
+        return "has returned from main"
+    spin = dsp.program.spin
+    if spin is None:
+        where = dsp.processor.stands_at()
+        at = "" if where is None else f" at {where.for_people()}"
+        return f"waits in IDLE for an interrupt{at}" if dsp.core.idlestat else f"computes{at}"
+    since = timebase.show(dsp.clock.tick(spin.since) - start)
+    return f"waits for {spin.waits_for()} since {since}"

@@ -1,0 +1,131 @@
+"""A scene that nobody holds any more: its firmware ends where it waits, unheard, and all of it is free."""
+
+from __future__ import annotations
+
+import gc
+from collections.abc import Callable
+from fractions import Fraction
+from threading import Thread
+from typing import Any
+from weakref import ref
+
+import pytest
+
+from periph_sim.core.records import Kind, Record
+from periph_sim.processor.dsp import Dsp
+from periph_sim.scene.case.load import load
+from periph_sim.scene.firmware_loader import Firmware
+from periph_sim.scene.scene import Scene
+from tests.scene.runs import TIMING
+from tests.scene.small import case
+
+CASES = sorted(path.name for path in TIMING.glob("*.toml"))
+SOON = Fraction(1, 1000)
+
+
+def scene_of(firmware: Callable[[Dsp, Any], None], heard: list[Record] | None = None) -> Scene:
+    def subscribe(recorder: Any, _: object) -> None:
+        if heard is not None:
+            recorder.subscribe([Kind.SPAN, Kind.WAIT], heard.append)
+
+    small = case(unit={"dsp": {"firmware": "given", "modules": ["I2C-A"]}})
+    return Scene(small, subscribe, {"dsp": Firmware("given", firmware, None)})
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_what_a_case_builds_does_not_hold_its_scene(name: str) -> None:
+    scene = Scene(load(TIMING / name), keep_values=True)
+    units, gone = list(scene.units.values()), ref(scene)
+    scene.run(SOON)
+    assert gone() is scene
+    del scene
+    gc.collect()
+    assert gone() is None
+    assert [dsp.program.place() for dsp in units] == [None] * len(units)
+
+
+def test_its_firmware_ends_where_it_waits_and_nobody_hears_of_it() -> None:
+    ended: list[int] = []
+    heard: list[Record] = []
+
+    def waiting(dsp: Dsp, settings: object) -> None:
+        try:
+            with dsp.span("work"):
+                dsp.spin(lambda: False)
+        finally:
+            ended.append(dsp.processor.time.cycle)
+            dsp.compute(1000)  # no time passes any more
+            ended.append(-1)
+
+    scene = scene_of(waiting, heard)
+    scene.run(SOON)
+    told = len(heard)
+    assert told and not ended
+    now = scene.units["dsp"].clock.cycle_at(scene.kernel.now)
+    del scene
+    assert len(ended) == 1 and ended[0] <= now
+    assert len(heard) == told
+
+
+def test_firmware_that_will_not_end_is_left_behind() -> None:
+    tried: list[int] = []
+
+    def stubborn(dsp: Dsp, settings: object) -> None:
+        while True:
+            try:
+                dsp.spin(lambda: False)
+            except BaseException:
+                tried.append(1)
+                if len(tried) > 3:
+                    raise
+
+    scene = scene_of(stubborn)
+    scene.run(SOON)
+    del scene  # comes back
+    assert tried
+
+
+def test_it_may_be_let_go_of_in_the_middle_of_another_ones_run() -> None:
+    ended: list[str] = []
+
+    def waiting(dsp: Dsp, settings: object) -> None:
+        try:
+            dsp.spin(lambda: False)
+        finally:
+            ended.append("first")
+
+    def dropping(dsp: Dsp, settings: object) -> None:
+        dsp.compute(1000)
+        held.clear()
+        dsp.compute(1000)
+        ended.append("second")
+
+    held = [scene_of(waiting)]
+    held[0].run(SOON)
+    scene_of(dropping).run(SOON)
+    assert ended == ["first", "second"]
+
+
+def test_in_another_thread_it_cannot_be_ended_and_nothing_else_happens() -> None:
+    ended: list[int] = []
+
+    def waiting(dsp: Dsp, settings: object) -> None:
+        try:
+            dsp.spin(lambda: False)
+        finally:
+            ended.append(1)
+
+    held: list[Scene] = []
+
+    def build() -> None:
+        held.append(scene_of(waiting))
+        held[0].run(SOON)
+        other = Thread(target=held.clear)
+        other.start()
+        other.join()
+        assert not ended
+
+    thread = Thread(target=build)
+    thread.start()
+    thread.join()
+    assert not held

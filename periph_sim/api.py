@@ -14,6 +14,7 @@ from pydantic import ValidationError
 
 from .core.settings import duration
 from .explain.bound.verdict_proof import prove_verdicts
+from .levels.judged import judged, refuse_record
 from .records.recording import recording
 from .scene.case.load import apply, load, refusal
 from .scene.case.model import BadCase, Case
@@ -67,10 +68,12 @@ def run(
     firmware = {unit: _firmware(unit, program) for unit, program in (programs or {}).items()}
     for unit in firmware.keys() - case.unit.keys():
         raise BadCase(f"programs: case {case.name} has no unit {unit!r}; it has {', '.join(case.unit) or 'none'}")
+    refuse_record(case, record)
     with recording(None if record is None else Path(record), case.recorded_modules) as (subscribe, ended_at):
-        scene = Scene(case, subscribe, firmware)
+        scene = judged(case, subscribe, firmware)
         result = scene.run(length)
-        ended_at(scene.kernel.now)
+        if isinstance(scene, Scene):
+            ended_at(scene.kernel.now)
     prove_verdicts(scene, result.budgets)
     return result
 

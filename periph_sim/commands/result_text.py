@@ -8,7 +8,7 @@ from textwrap import wrap
 from rich.console import Console
 
 from ..scene.case.model import Case
-from ..scene.result import BYTE_LEVEL, SKIPPED, Result
+from ..scene.result import AT_ANOTHER_LEVEL, BYTE_LEVEL, SKIPPED, Result
 from ..timing.format_value import broken, figure, limit, simulated
 from ..timing.verdict import EVERY_PHASE, FAIL, NOT_JUDGED, PASS, SEEN, Verdict
 from .assumptions import assumptions
@@ -24,7 +24,7 @@ def show(
 
     chosen: how its level was chosen, for the line of the verdict.
     """
-    say(console, f"{result.case}: {title(result, guaranteed)}{chosen}", style="bold")
+    say(console, f"{result.case}: {title(result, guaranteed)}{chosen}{terms(result)}", style="bold")
     console.print(budget_table(result.budgets))
     for line in legend(result.budgets):
         say(console, line)
@@ -35,9 +35,8 @@ def show(
     )
     for line in _counts(result.counts, verbose):
         say(console, line)
-    for verdict in result.budgets:
-        if verdict.found and not verdict.broken:
-            say(console, f"{verdict.name}: {verdict.found}")
+    for line in found_lines(result.budgets):
+        say(console, line)
     if result.first_wrong:
         say(console, f"first wrong: {result.first_wrong}")
     for place, times in list(result.wrong.items())[:12]:
@@ -56,6 +55,24 @@ def byte_share(result: Result) -> str:
     if passed is None or not result.wire_bytes:
         return ""
     return f", {100 * passed / result.wire_bytes:.1f} % of the I2C bytes at byte level"
+
+
+def found_lines(budgets: Sequence[Verdict]) -> list[str]:
+    """What there is to say of budgets that are not broken; what a level does not tell once for all that it is of."""
+    told = [each for each in budgets if each.found and not each.broken]
+    lines = [f"{each.name}: {each.found}" for each in told if not each.found.endswith(AT_ANOTHER_LEVEL)]
+    of: dict[str, list[str]] = {}
+    for each in told:
+        if each.found.endswith(AT_ANOTHER_LEVEL):
+            of.setdefault(each.found, []).append(each.name)
+    for found, names in of.items():
+        lines += wrap(f"{', '.join(names)}: {found}", WIDTH, subsequent_indent="  ")
+    return lines
+
+
+def terms(result: Result) -> str:
+    """What the terms of level "schedule" were measured on, for the line of the verdict."""
+    return f"; terms measured on {simulated(result.terms_s)} of edges" if result.terms_s else ""
 
 
 def _counts(counts: Mapping[str, int], verbose: bool) -> list[str]:
@@ -128,8 +145,11 @@ def legend(budgets: Sequence[Verdict]) -> list[str]:
     if EVERY_PHASE in words:
         lines.append("every phase: bound within limit, so proven for the stated code costs")
     lines += _unproven(budgets, bounded)
-    if NOT_JUDGED in words:
+    silent = [each for each in budgets if each.word == NOT_JUDGED]
+    if any(not each.found.endswith(AT_ANOTHER_LEVEL) for each in silent):
         lines.append("not judged: too little was measured; no pass")
+    elif silent:
+        lines.append("not judged: this level does not tell it; no pass")
     return lines
 
 

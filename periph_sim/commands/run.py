@@ -12,6 +12,7 @@ import click
 
 from ..core.text_table import paragraph
 from ..explain.bound.verdict_proof import prove_verdicts
+from ..levels.judged import Judged, judged, refuse_record
 from ..records.recording import recording
 from ..scene.case.load import load
 from ..scene.project import project_of
@@ -40,7 +41,7 @@ EXAMPLE = "periph-sim run timing/imu_hil.toml --seconds 1 --explain"
 @click.argument("case", type=click.Path(path_type=Path))
 @click.option("--seconds", type=str, help="Simulate this long instead of the case's duration; 10 or '10 s'.")
 @click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
-@click.option("--fidelity", metavar="LEVEL", help="edge, adaptive, byte; auto: the cheapest within --max-error.")
+@click.option("--fidelity", metavar="LEVEL", help="edge, adaptive, byte, schedule; auto: cheapest within --max-error.")
 @click.option("--max-error", metavar="TIME", help="How far times may be off with --fidelity auto, as '1 us'.")
 @click.option("--record", type=click.Path(path_type=Path), help="Write the run to a file; its suffix says the format.")
 @click.option("--html", type=click.Path(path_type=Path), help="Write a report with plots and timelines to this file.")
@@ -73,20 +74,23 @@ def run(
         level, bound = fidelity_given(fidelity, max_error, record)
         changes += tuple(level)
         loaded = load(case, list(changes))
+        refuse_record(loaded, record)
         length = None if seconds is None else length_given(seconds)
         unfinished = None if html is None else outputs.enter_context(atomic_write(html))
         subscribe, ended_at = outputs.enter_context(recording(record, loaded.recorded_modules))
         choice: Choice | None = None
+        scene: Judged
         with progress(loaded.name) as told:
             if bound is None:
-                scene = Scene(loaded, subscribe, keep_values=html is not None)
+                scene = judged(loaded, subscribe, keep_values=html is not None)
                 result = scene.run(length, told)
             else:
                 from ..reports.trade.auto import run_within
 
                 made = run_within(lambda more: load(case, [*changes, *more]), bound, length, html is not None, told)
                 scene, result, choice = made
-        ended_at(scene.kernel.now)
+        if isinstance(scene, Scene):
+            ended_at(scene.kernel.now)
         prove_verdicts(scene, result.budgets)
         chains = _chains(scene, result, length) if explain else {}
         if unfinished is not None:
@@ -112,7 +116,7 @@ def run(
     return status(result, needed)
 
 
-def _chains(scene: Scene, result: Result, length: Fraction | None) -> dict[str, Chain]:
+def _chains(scene: Judged, result: Result, length: Fraction | None) -> dict[str, Chain]:
     from ..explain.explain import explain
 
     found = explain(scene.case, result.budgets, scene.typical(), length)

@@ -8,12 +8,16 @@ from ..timing.verdict import EVERY_PHASE, SEEN, Proof, Verdict
 
 # Counts that tell of the simulator, not of the case.
 SKIPPED = "polls_skipped"
+AT_ANOTHER_LEVEL = '"edge" and "adaptive" do'  # how `found` of a verdict ends where its level does not tell it
 BYTE_LEVEL = "byte_level"  # I2C bytes of which seven bits passed at once, where fidelity is "adaptive"
 
 
 @dataclass
 class Result:
-    """What a run came to. wall_s: the run alone, building apart."""
+    """What a run came to. wall_s: the run alone, building apart.
+
+    terms_s: seconds of edge runs that the terms of level "schedule" were measured in; their time is in wall_s.
+    """
 
     case: str
     verdict: str
@@ -30,6 +34,7 @@ class Result:
     stuck: list[str]
     wrong: dict[str, int] = field(default_factory=dict)
     first_wrong: str = ""
+    terms_s: float = 0.0
 
     @property
     def proof(self) -> Proof:

@@ -37,9 +37,7 @@ from ..processor.error_origin import FirmwareStalled
 from ..processor.python.firmware_view import End
 from ..sensors.host_frame import MotionFrames
 from ..sensors.models.parameters import ImuParameters
-from ..timing.budget_schema import Budget
-from ..timing.budgets import BadBudget, BudgetJudge
-from ..timing.language.scope import Scope
+from ..timing.budgets import BudgetJudge
 from ..timing.measures.origins import Origins
 from ..timing.measures.reply import Expected, Reply
 from ..timing.measures.value import ValueDeviation
@@ -55,6 +53,7 @@ from .devices import DeviceOnBus, NoteLog, build_devices, put_on_bus
 from .faults import build_faults
 from .firmware_loader import Firmware
 from .host import HostAgent
+from .limits import limits_of
 from .read_origins import origins_of
 from .release_delay import ReleaseDelay
 from .result import Result
@@ -65,7 +64,7 @@ from .stuck_lines import StuckLines, doing
 from .summary import result_of
 from .uart_side import UartSide
 from .unit import build_unit, options_of
-from .whole_bytes import refuse_byte_level, whole_bytes_of
+from .whole_bytes import refuse_byte_level, refuse_schedule, whole_bytes_of
 from .wires import Wires
 
 NEEDS = {"rounds": "[controller], or [rounds] for a unit that is the master,"}
@@ -96,12 +95,13 @@ class Scene:
     ) -> None:
         if not (case.unit or case.chip or case.device or case.controller or case.host):
             raise case.mistake("there is nothing to run; give it a [unit.NAME] with its firmware", "unit")
+        refuse_schedule(case)
         self.case = case
         self.timebase = Timebase(*(int(unit.oscclk * unit.pll / 2) for unit in case.unit.values()))
         self.recorder = Recorder()
         scope = scope_of_case(case)
         self.start = self.timebase.ticks(case.start, "nearest")
-        self.limits = [self._limit(i, budget, scope) for i, budget in enumerate(case.budget)]
+        self.limits = limits_of(case, scope, self.timebase, self.start)
         for limit in self.limits:
             if keep_values and limit.measure.series:
                 limit.measure.keep()
@@ -170,15 +170,6 @@ class Scene:
         refuse_byte_level(case, self.whole_bytes, self.wires)
 
     # Building ------------------------------------------------------------------
-
-    def _limit(self, entry: int, budget: Budget, scope: Scope) -> BudgetJudge:
-        if any(other.name == budget.name for other in self.case.budget[:entry]):
-            what = f"there are two budgets {budget.name!r}; verdicts are known by name, so give one another name"
-            raise self.case.mistake(what, "budget", entry, "name")
-        try:
-            return BudgetJudge(budget, self.timebase, scope, self.start)
-        except BadBudget as error:
-            raise self.case.mistake(str(error), "budget", entry, *error.place) from None
 
     def _check_needs(self, entry: int, limit: BudgetJudge) -> None:
         """A budget on what this scene cannot have would always hold: it is a mistake, not a pass."""

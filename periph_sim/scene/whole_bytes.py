@@ -41,6 +41,13 @@ def whole_bytes_of(context: SceneContext, controller: I2cController, units: Mapp
     return whole_bytes
 
 
+def refuse_schedule(case: Case) -> None:
+    """BadCase for a case of level "schedule", which has neither wires nor records: levels.schedule knows it."""
+    if case.fidelity == "schedule":
+        what = '"schedule" has neither wires nor records: it is for run, sweep and trade'
+        raise case.mistake(f'{what}; here use "edge", or "adaptive" with the same records', "fidelity")
+
+
 def refuse_byte_level(case: Case, whole_bytes: WholeBytes | None, wires: Mapping[str, Wire]) -> None:
     """BadCase where this scene, as it is built, cannot run at level "byte"."""
     if case.fidelity != "byte":

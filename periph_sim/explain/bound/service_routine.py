@@ -33,7 +33,7 @@ FRAMES = 2
 class ServiceRoutines:
     """cost: ticks that one interrupt takes away, its terms. per_frame: interrupts a host frame. period, jitter: ticks
     of the host's frames, the period rounded down. bit: a bit of the host's line. vectors: of the interrupts. receiver:
-    the FIFO that they serve; None where they serve none."""
+    the FIFO that they serve; None where they serve none. seconds, events: of the run they were measured in."""
 
     terms: tuple[Term, ...]
     per_frame: int
@@ -42,6 +42,8 @@ class ServiceRoutines:
     bit: int
     vectors: tuple[str, ...] = ()
     receiver: Receiver | None = None
+    seconds: Fraction = Fraction(0)
+    events: int = 0
 
     @property
     def cost(self) -> int:
@@ -124,7 +126,8 @@ def observe_handlers(case: Case, unit: str, firmware: Mapping[str, Firmware] | N
     if vectors == (VECTOR,):
         reads = [routine.reads for routine in routines]
         receiver = receiver_of(scene.units[unit], scene.kernel.now, reads, scene.timebase.per_second)
-    return ServiceRoutines(terms, per_frame, period, jitter, -int(-bit // 1), vectors, receiver)
+    events = scene.kernel.events
+    return ServiceRoutines(terms, per_frame, period, jitter, -int(-bit // 1), vectors, receiver, length, events)
 
 
 def in_ticks(length: Fraction, ppm: Fraction, timebase: Timebase) -> Fraction:

@@ -94,6 +94,8 @@ class UndisturbedRun:
     changes: dict[str, list[tuple[int, int]]] = field(default_factory=dict)
     accesses: list[tuple[int, str, str]] = field(default_factory=list)
     code_terms: dict[tuple[int, int, str, int], Term] = field(default_factory=dict)  # of chains, made once each
+    seconds: Fraction = Fraction(0)  # of this run
+    events: int = 0  # that it took
     _unproven: dict[tuple[int, int], str] = field(default_factory=dict)  # what `unproven` found out already
 
     def unproven(self, begin: int, end: int) -> str:
@@ -184,7 +186,8 @@ def observe(case: Case, firmware: Mapping[str, Firmware] | None = None) -> Undis
     scene.head.on_transfer.append(transfers.append)
     scene.head.on_round.append(rounds.append)
     schedule = scene.head.schedule
-    scene.run((schedule.first + 2 * Fraction(schedule.period)) / scene.timebase.per_second)
+    seconds = (schedule.first + 2 * Fraction(schedule.period)) / scene.timebase.per_second
+    scene.run(seconds)
     if len(rounds) < 2:
         what = "even without a host the second round is not over when the third one is due"
         raise BadBound(f"case {case.name}: {what}; lengthen controller.period or shorten what the firmware does")
@@ -211,6 +214,8 @@ def observe(case: Case, firmware: Mapping[str, Firmware] | None = None) -> Undis
         decisions,
         transfers=transfers,
         rounds=rounds,
+        seconds=seconds,
+        events=scene.kernel.events,
     )
     return listener.fill(calm, plan.i2c.noise_filter_cycles)
 

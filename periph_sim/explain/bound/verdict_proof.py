@@ -5,15 +5,15 @@ case --two short runs--> bounds --beside limits and what was seen--> every phase
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Protocol
 
 from ...core.kernel import SimulationStuck
 from ...f28335.system.memory_map import NoSuchAddress
 from ...processor.error_origin import FirmwareError
 from ...scene.case.model import BadCase, Case
 from ...scene.firmware_loader import Firmware
-from ...scene.scene import Scene
 from ...timing.budgets import PER_MILLE, BudgetJudge
 from ...timing.format_value import in_words
 from ...timing.verdict import EVERY_PHASE, SEEN, Verdict
@@ -24,7 +24,23 @@ from .program import Program
 from .terms import BadBound, Bound
 
 
-def prove_verdicts(scene: Scene, verdicts: Iterable[Verdict]) -> None:
+class Judged(Protocol):
+    """What has been run and judged. case, firmware: of which bounds are. stalled: why it ended before its time."""
+
+    @property
+    def case(self) -> Case: ...
+
+    @property
+    def firmware(self) -> Mapping[str, Firmware]: ...
+
+    @property
+    def limits(self) -> Sequence[BudgetJudge]: ...
+
+    @property
+    def stalled(self) -> str: ...
+
+
+def prove_verdicts(scene: Judged, verdicts: Iterable[Verdict]) -> None:
     """Say of each verdict of a scene's budgets, in their order, what is bounded and what a pass proves.
 
     Firmware that let no time pass would do so again in the runs for its terms, so none is made.

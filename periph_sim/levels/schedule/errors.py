@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from ...scene.case.model import BadCase
 
-class BadSchedule(ValueError):
+
+class BadSchedule(BadCase):
     """A case or a change that the level does not know; one sentence, with the way out."""
 
 

@@ -87,8 +87,11 @@ def names_of(structure: Structure) -> tuple[str, ...]:
     return ("seed", *DURATIONS, "host.ppm", f"unit.{structure.unit}.ppm", *models)
 
 
-def inputs_of(structure: Structure, changes: Mapping[str, Any], rounds: int) -> Inputs:
-    """BadSchedule for a name that no scenario can change, or arrays that do not fit."""
+def inputs_of(structure: Structure, changes: Mapping[str, Any], rounds: int, end: int | None = None) -> Inputs:
+    """BadSchedule for a name that no scenario can change, or arrays that do not fit.
+
+    end: the tick at which all runs end; None: a tick before one more round is due.
+    """
     if type(rounds) is not int or rounds < 1:
         raise BadSchedule(f"rounds is {rounds!r}; expected a whole number above 0")
     given, scenarios = _arrays(structure, changes)
@@ -110,7 +113,7 @@ def inputs_of(structure: Structure, changes: Mapping[str, Any], rounds: int) -> 
     longest = min(cycle.longest, *((NEVER - 1) // int(np.max(ratio.den)) for ratio in (round_, frames)))
     most = int(np.max(controller_first)) + (rounds + 1) * (int(np.max(round_.num)) // int(np.min(round_.den)) + 1)
     check_length(most, longest, per_second)
-    end = controller_first + round_.down(rounds) - 1
+    ends = controller_first + round_.down(rounds) - 1 if end is None else np.full(scenarios, end, np.int64)
     jitter = int(np.max(of_host.nearest(_nanoseconds("host.jitter", host.jitter))))
     made = Inputs(
         scenarios,
@@ -126,7 +129,7 @@ def inputs_of(structure: Structure, changes: Mapping[str, Any], rounds: int) -> 
         round_,
         int(of_controller.nearest(_nanoseconds("controller.jitter", controller.jitter))),
         _cost(structure, given, scenarios),
-        end,
+        ends,
     )
     _check_frames(structure, made)
     return made

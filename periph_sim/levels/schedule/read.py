@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.chip import NEVER
 from .clock import CpuClock, Ints
 from .lanes import Lanes
 from .terms import Terms
@@ -30,6 +31,7 @@ class Read:
 
     stop: tick of its STOP. seen: cycle at which the firmware reads SCD. again: tick of the repeated START. response,
     held: ticks. margins: int64[bytes, lanes], ticks. cleared: ticks from the write of I2CSTR to the edge of SDIR.
+    let_gos, rises: ticks of each byte, as SCL is let go and as it rises for its first bit. landed: of its write.
     waits: (its first fetch, the cycle of its flag) of each wait, as far as no interrupt moved it.
     """
 
@@ -42,6 +44,9 @@ class Read:
     held: Ints
     margins: Ints
     cleared: Ints
+    let_gos: list[Ints]
+    rises: list[Ints]
+    landed: Ints
     waits: list[tuple[Ints, Ints]]
 
 
@@ -103,22 +108,22 @@ def read(terms: Terms, number: int, clock: CpuClock, lanes: Lanes, start: Ints, 
     if over.size:
         seen[over] = writes[-1][over] = ready[over]
         lanes.back(over, places)
-    margins = _margins(terms, clock, np.array(let_gos), np.array(rises), np.array(writes))
+    landed = clock.tick(np.array(writes))
+    margins = margins_of(terms, clock, np.array(let_gos), np.array(rises), landed)
     cleared = start + bus.sdir - clock.tick(written)
     held_from = start + bus.needs[0] + terms.low
     again = start + bus.again
-    return Read(hung, held_from, stop, seen, again, response, held, margins, cleared, waits)
+    return Read(hung, held_from, stop, seen, again, response, held, margins, cleared, let_gos, rises, landed, waits)
 
 
-def _margins(terms: Terms, clock: CpuClock, let_go: Ints, rise: Ints, writes: Ints) -> Ints:
-    """From each write to the latest instant that is soon enough. writes: one more than bytes.
+def margins_of(terms: Terms, clock: CpuClock, let_go: Ints, rise: Ints, landed: Ints, end: int = NEVER) -> Ints:
+    """From each write to the latest instant that is soon enough. landed: ticks of writes, one more than bytes.
 
     What the module takes is counted in ticks where the measure hears of the rise of SCL: with the next record, of SCL's
-    fall or the next write of I2CDXR.
+    fall or the next write of I2CDXR, or as the run ends.
     """
-    landed = clock.tick(writes)
     after = landed[1:]
-    fall = rise + terms.high
+    fall = np.minimum(rise + terms.high, end)
     heard = clock.cycle_at(np.where(after > rise, np.minimum(after, fall), fall))
     takes = clock.tick(heard + terms.margin) - clock.tick(heard)
     found: Ints = let_go - takes - landed[:-1]

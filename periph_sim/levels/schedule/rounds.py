@@ -17,12 +17,14 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.chip import NEVER
 from ...timing.measures.origins import RECENT
 from .clock import Ints
 from .draws import Drawn
 from .extremes import NO_VALUE, Extremes
 from .frames import frames
 from .inputs import Inputs
+from .journal import Journal, Made
 from .lanes import Interrupts
 from .plain import plain_rounds
 from .read import Read, read
@@ -33,10 +35,11 @@ MEASURES = ("response", "round", "slack", "age", "margin of I2CDXR", "span:model
 
 
 class Rounds:
-    """All scenarios of one call, or of a part of it."""
+    """All scenarios of one call, or of a part of it. journal: told what happens, where there is one scenario."""
 
-    def __init__(self, structure: Structure, inputs: Inputs) -> None:
+    def __init__(self, structure: Structure, inputs: Inputs, journal: Journal | None = None) -> None:
         self._structure, self._inputs, self._terms = structure, inputs, structure.terms
+        self._journal = journal
         count = inputs.scenarios
         self.begun, latches = frames(structure, inputs)  # when each frame begins, in the order of the interrupts
         self.interrupts = Interrupts(latches, self._terms.service, self._terms.waits)
@@ -101,6 +104,8 @@ class Rounds:
         ended = clock.tick(end)
         within = ended <= self._inputs.end[who]
         began = clock.tick(begin)
+        if self._journal is not None and who.size:
+            self._journal.models.append((int(began[0]), int(ended[0])))
         self.values["span:model"].take(who[within], (ended - began)[within])
         cut = ~within & (began <= self._inputs.end[who])
         self.values["span:model"].take_unfinished(who[cut], (self._inputs.end[who] - began)[cut])
@@ -158,6 +163,8 @@ class Rounds:
         seen = self._inputs.clock.of(who).cycle_at(start + self._terms.bus[chip].eighth) + self._terms.seen
         self.refused[who] |= (seen <= self.off[who]) & (self.served[who] == chip)
         self.nacked[who] += stop <= self._inputs.end[who]
+        if self._journal is not None:
+            self._journal.made.append(Made(chip, int(start[0]), int(stop[0])))
 
     def _serve(self, chip: int, who: Ints, start: Ints) -> Ints:
         """A read, and its STOP; the firmware goes on to the next chip, or to the models."""
@@ -168,6 +175,8 @@ class Rounds:
         end, marks = lanes.code(came.seen, self._terms.reads[chip].after)
         self.next[who], self.served[who] = lanes.places, chip
         self.values["SDIR rises"].take(who, came.cleared)
+        if self._journal is not None:
+            self._journal.made.append(self._made(chip, int(start[0]), came))
         self._measure(who, came, ~hung & (came.stop <= self._inputs.end[who]))
         if marks:
             self.first[who], self.chip[who] = end, chip + 1
@@ -176,6 +185,16 @@ class Rounds:
             well = ~hung
             self._work(who[well], end[well])
         return came.stop
+
+    def _made(self, chip: int, start: int, came: Read) -> Made:
+        """Of the one scenario that there is."""
+        stop = NEVER if came.hung[0] else int(came.stop[0])
+        let_go, rise = (tuple(int(byte[0]) for byte in each) for each in (came.let_gos, came.rises))
+        if came.hung[0]:
+            let_go = rise = (int(came.let_go[0]),)
+        landed = tuple(int(write[0]) for write in came.landed)
+        frame = int(self.shown[0]) - 1
+        return Made(chip, start, stop, frame, int(came.again[0]), int(came.held[0]), let_go, rise, landed)
 
     def _measure(self, who: Ints, came: Read, over: NDArray[np.bool_]) -> None:
         """What measures take of reads that are over."""

@@ -16,11 +16,11 @@ NARROW = np.iinfo(np.uint32).max
 
 
 class Stored:
-    """scenarios: numbers in a row. last_row: the first place of the last one."""
+    """rows: of them. scenarios: numbers in a row. last_row: the first place of the last one."""
 
     def __init__(self, rows: int, scenarios: int, most: int) -> None:
         """most: a number that none reaches, and none is negative. `put_far` puts one beyond."""
-        self.scenarios, self.last_row = scenarios, (rows - 1) * scenarios
+        self.rows, self.scenarios, self.last_row = rows, scenarios, (rows - 1) * scenarios
         kind: type[np.integer[Any]] = np.uint32 if most < NARROW else np.int64
         self._values: NDArray[np.integer[Any]] = np.empty((rows, scenarios), kind)
         self._flat = self._values.reshape(-1)

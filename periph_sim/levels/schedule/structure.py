@@ -25,6 +25,7 @@ from ...f28335.sci.options import SciOptions
 from ...f28335.system.options import SystemOptions
 from ...scene.case.model import Case, Controller, HostTable, Unit
 from ...scene.firmware_loader import BadFirmware, BadSetting, load_firmware, settings_for
+from ...timing.rounds import Asked
 from .errors import BadSchedule, refuse
 from .receiver import Receiver, receiver
 from .terms import Terms, measured
@@ -39,7 +40,10 @@ KNOWN_OPTIONS = {  # of which a term counts every answer
 
 @dataclass(frozen=True)
 class Structure:
-    """A case that the level knows. cost: of a run of the models. origin: the tick at which the run begins."""
+    """A case that the level knows. cost: of a run of the models. asked: what the controller asks in a round.
+
+    edge_seconds, edge_events: of the edge runs that its terms were measured in.
+    """
 
     case: Case
     unit: str
@@ -51,10 +55,14 @@ class Structure:
     sysclk: Fraction
     per_second: int
     closed: ClosedForm
+    asked: Asked
+    edge_seconds: Fraction
+    edge_events: int
 
 
 def structure_of(case: Case) -> Structure:
     """BadSchedule for a case of another structure."""
+    case = case.model_copy(update={"fidelity": "edge"})  # of which its terms are
     for what in _others(case):
         raise refuse(case.name, what)
     assert case.controller is not None and case.host is not None
@@ -69,13 +77,27 @@ def structure_of(case: Case) -> Structure:
     for what in _of_firmware(closed):
         raise refuse(case.name, what)
     found, scene = receiver(case, calm.unit)
-    assert scene.head is not None
+    assert scene.head is not None and scene.bus.asked is not None
     timing: BusTiming = scene.head.controller.timing
     modules = dict.fromkeys(unit.modules, True)
     terms = measured(case, calm, handlers, timing, scene.head.schedule.gap, modules)
     nominal = Fraction(scene.units[calm.unit].control.sysclk_hz)
+    seconds = calm.seconds + handlers.seconds + scene.case.duration
+    events = calm.events + handlers.events + scene.kernel.events
     return Structure(
-        case, calm.unit, case.controller, case.host, terms, found, cost, nominal, scene.timebase.per_second, closed
+        case,
+        calm.unit,
+        case.controller,
+        case.host,
+        terms,
+        found,
+        cost,
+        nominal,
+        scene.timebase.per_second,
+        closed,
+        scene.bus.asked,
+        seconds,
+        events,
     )
 
 

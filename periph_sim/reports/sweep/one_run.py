@@ -14,11 +14,11 @@ from pathlib import Path
 from ...core.kernel import SimulationStuck
 from ...explain.bound.verdict_proof import prove_verdicts
 from ...f28335.system.memory_map import NoSuchAddress
+from ...levels.judged import judged
 from ...processor.error_origin import FirmwareError
 from ...scene.case.load import load
 from ...scene.case.model import BadCase
 from ...scene.firmware_loader import Firmware
-from ...scene.scene import Scene
 from ...timing.verdict import Verdict
 
 REFUSED = (BadCase, SimulationStuck, NoSuchAddress, FirmwareError)
@@ -61,7 +61,7 @@ def rows_of(job: Job, runs: Sequence[Sequence[str]]) -> list[Row]:
 
 def _row(job: Job, changes: Sequence[str]) -> Row:
     try:
-        scene = Scene(load(job.file, list(changes)), None, job.programs)
+        scene = judged(load(job.file, list(changes)), None, job.programs)
         result = scene.run(job.length)
         if job.proven:
             prove_verdicts(scene, result.budgets)

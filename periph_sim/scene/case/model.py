@@ -230,7 +230,7 @@ class Case(Table):
     duration: Duration
     start: Duration = Fraction(0)
     seed: int = 0
-    fidelity: Literal["edge", "adaptive", "byte"] = "edge"
+    fidelity: Literal["edge", "adaptive", "byte", "schedule"] = "edge"
     strict: bool = False
     stall_limit: Duration = Fraction(10)
     unit: dict[str, Unit] = {}

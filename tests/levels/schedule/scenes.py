@@ -105,8 +105,7 @@ def compare(case: Case, rounds: int, changes: list[str]) -> Compared:
     for name, values in at_edges(case, structure, quick).items():
         one = quick[name]
         mine = int(one.worst[0]), int(one.least[0]), int(one.count[0])
-        if name == "age" and not one.count[0]:
-            assert values[0] > FORGOTTEN
+        if name == "age" and not one.count[0] and values[0] > FORGOTTEN:
             continue
         if name in COUNTED:  # whose occasions the measures count otherwise
             values, mine = (values[0], 0, 0), (mine[0], 0, 0)
@@ -184,7 +183,7 @@ def main() -> None:
         if one.refused:
             tally[one.refused[:110]] += 1
         if one.differ:
-            print(seed, rounds, case.name, changes, *one.differ, sep="\n    ")
+            print(seed, rounds, case.name, changes, *one.differ, sep="\n    ", flush=True)
     print(dict(tally))
 
 

@@ -1,0 +1,163 @@
+"""A case run at level "schedule": a case goes in; its budgets' verdicts come out, as those of a `Scene`.
+
+    case --structure_of--> terms --Rounds, one scenario--> Journal --> transfers, frames, spans of the models
+                                                                          '--> the measures of its budgets --> Result
+
+Budgets on what the level does not tell are not judged, each with the level that tells it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from fractions import Fraction
+from time import perf_counter
+
+from ...core.time import Timebase, TimeError
+from ...devices.host_pc import FRAME_BYTES
+from ...scene.case.model import Case
+from ...scene.firmware_loader import load_firmware
+from ...scene.limits import limits_of
+from ...scene.result import AT_ANOTHER_LEVEL, Result
+from ...scene.scope import scope_of_case
+from ...timing.budgets import BudgetJudge
+from ...timing.measures.age import Age
+from ...timing.measures.bus import Nacked, Response, Stretch
+from ...timing.measures.margin import Margin
+from ...timing.measures.measure import Measure
+from ...timing.measures.round import MissedRounds, NackedRounds, RoundTime, Slack
+from ...timing.measures.span import SpanTime
+from ...timing.verdict import FAIL, NOT_JUDGED, PASS, Verdict
+from .errors import refuse
+from .inputs import Inputs, inputs_of
+from .journal import Journal
+from .rounds import Rounds
+from .structure import structure_of
+from .told import Told
+
+ANSWERED: tuple[type[Measure], ...] = (
+    Response,
+    Stretch,
+    RoundTime,
+    Slack,
+    Age,
+    Margin,
+    SpanTime,
+    MissedRounds,
+    NackedRounds,
+    Nacked,
+)
+IN_WORDS = "response, stretch, round, slack, age, margin of I2CDXR, span:NAME, missed rounds, nacked rounds, nacked"
+FORGOTTEN = 'level "schedule" does not tell an age that so many frames may follow'
+
+
+class ScheduledScene:
+    """case: as it is on edges. limits, start, timebase, firmware, stalled: as those of a `Scene`.
+
+    BadCase where the case has another structure, or no budget that the level tells.
+    """
+
+    start = 0  # another begin is another structure
+    stalled = ""
+
+    def __init__(self, case: Case, *, keep_values: bool = False) -> None:
+        began = perf_counter()
+        self._structure = structure_of(case)
+        self.case = self._structure.case
+        unit = self._structure.unit
+        self.firmware = {unit: load_firmware(case.unit[unit].firmware)}
+        self.timebase = Timebase(*(int(each.oscclk * each.pll / 2) for each in case.unit.values()))
+        self.limits = limits_of(case, scope_of_case(case), self.timebase, self.start)
+        self._lacks = {limit.budget.name: _lacking(limit) for limit in self.limits}
+        if self.limits and all(self._lacks.values()):
+            what = f'the level "schedule" tells none of these; it tells {IN_WORDS}'
+            raise case.mistake(f'{what}; use fidelity = "edge", or "adaptive", which tell all', "budget")
+        if keep_values:
+            for limit in self.limits:
+                if limit.measure.series and not self._lacks[limit.budget.name]:
+                    limit.measure.keep()
+        self._built = perf_counter() - began
+
+    def run(self, duration: Fraction | None = None, progress: Callable[[float], None] | None = None) -> Result:
+        """Run for `duration` seconds (the case's own if None) and sum up. progress: told as all is done."""
+        wall = perf_counter()
+        try:
+            end = self.timebase.end_of_run(self.start, self.case.duration if duration is None else duration)
+        except TimeError as error:
+            raise self.case.mistake(str(error), "duration") from None
+        inputs, journal = self._inputs(end), Journal()
+        rounds = Rounds(self._structure, inputs, journal)
+        rounds.run()
+        if rounds.refused[0]:
+            raise refuse(self.case.name, "the module answers for firmware that is still elsewhere")
+        told = Told(self._structure, inputs, rounds, journal)
+        told.tell([part.measure for limit in self._judged() for part in limit.parts])
+        for limit in self._judged():
+            limit.finish(end)
+        verdicts = [self._verdict(limit, told.forgotten) for limit in self.limits]
+        if progress is not None:
+            progress(1.0)
+        return self._result(end, told, rounds, verdicts, self._built + perf_counter() - wall)
+
+    def typical(self) -> list[Verdict]:
+        """As `Scene.typical`. After `run`."""
+        found = (limit.typical(self.start) for limit in self._judged())
+        return [verdict for verdict in found if verdict is not None]
+
+    def _judged(self) -> Iterator[BudgetJudge]:
+        return (limit for limit in self.limits if not self._lacks[limit.budget.name])
+
+    def _inputs(self, end: int) -> Inputs:
+        """Of as many rounds as are due by the end."""
+        one = inputs_of(self._structure, {}, 1, end)
+        due = int(one.controller_first[0])
+        rounds = max(end - due, 0) // int(one.round_.down(1)) + 1
+        return inputs_of(self._structure, {}, rounds, end)
+
+    def _verdict(self, limit: BudgetJudge, forgotten: bool) -> Verdict:
+        lacking = self._lacks[limit.budget.name]
+        if lacking:
+            what = f'level "schedule" does not tell it; {AT_ANOTHER_LEVEL}'
+        elif forgotten and any(isinstance(part.measure, Age) for part in limit.parts):
+            what = f"{FORGOTTEN}; {AT_ANOTHER_LEVEL}"
+        else:
+            return limit.verdict(self.start)
+        unknown = limit.verdict(self.start)
+        at_none = replace(unknown, worst=None, margin=None, at_s=None, count=0, measured=0, occasions=None)
+        return replace(at_none, verdict=NOT_JUDGED, found=what, until_s=None)
+
+    def _result(self, end: int, told: Told, rounds: Rounds, verdicts: list[Verdict], wall: float) -> Result:
+        stuck = []
+        hung_at = int(rounds.hung_at[0])
+        if 0 <= hung_at < end:
+            what = f"SCL is held from {self.timebase.show(hung_at)} on, as the firmware waits for what cannot come"
+            stuck.append(f'{self._structure.unit}: {what}; fidelity = "edge" tells where')
+        failed = bool(stuck) or any(verdict.broken for verdict in verdicts)
+        all_pass = bool(verdicts) and all(verdict.passed for verdict in verdicts)
+        return Result(
+            case=self.case.name,
+            verdict=FAIL if failed else PASS if all_pass else NOT_JUDGED,
+            fidelity="schedule",
+            simulated_s=float(self.timebase.seconds(end)),
+            wall_s=round(wall, 6),
+            events=self._structure.edge_events,
+            wire_bytes=told.i2c_bytes,
+            sci_bytes=told.frames * FRAME_BYTES,
+            budgets=verdicts,
+            counts={
+                "rounds": told.rounds,
+                "missed": int(rounds.missed[0]),
+                "nacked": int(rounds.nacked[0]),
+                "frames": told.frames,
+                "stuck": len(stuck),
+            },
+            unknowns=[],
+            notes=[],
+            stuck=stuck,
+            terms_s=float(self._structure.edge_seconds),
+        )
+
+
+def _lacking(limit: BudgetJudge) -> str:
+    """What a budget asks that the level does not tell; empty if it tells all."""
+    return next((part.budget.measure for part in limit.parts if not isinstance(part.measure, ANSWERED)), "")

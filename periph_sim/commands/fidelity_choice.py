@@ -28,5 +28,5 @@ def fidelity_given(fidelity: str | None, max_error: str | None, record: Path | N
     if max_error is None:
         raise click.ClickException("--fidelity auto needs --max-error, how far times may be off, for instance '1 us'")
     if record is not None:
-        raise click.ClickException("--record writes edges, which only --fidelity edge has all of; leave out auto")
+        raise click.ClickException("--record writes edges, which edge and adaptive have; give one of them, not auto")
     return [], error_given(max_error)

@@ -40,7 +40,7 @@ cdef class Kernel:
     cdef list _queue
     cdef Settles _unsettled
     cdef Samples _sampling, _sampling_last
-    cdef long long _horizon, _number, _ranks
+    cdef long long _horizon, _number, _ranks, _phase
     cdef bint _stop, _settling
     cpdef long long rank(self)
     cpdef Event at(self, long long time, object action, long long phase=*)
@@ -64,7 +64,7 @@ cdef class Kernel:
     @cython.locals(wire=Settles, next_wire=Settles, party=Samples, next_party=Samples)
     cpdef void settle(self)
     cpdef void run_until(self, long long time)
-    @cython.locals(event=Event)
-    cdef void _do(self, long long time)
+    @cython.locals(event=Event, last=cython.longlong)
+    cdef void _do(self, long long time, long long before)
     cpdef void catch_up(self)
     cpdef void replay(self, long long since, Agent agent, long long tag)

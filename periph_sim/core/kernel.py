@@ -21,6 +21,7 @@ from operator import attrgetter
 from .chip import NEVER
 
 TIMER, PADS, CHIP, CPU, PROBE = range(5)
+_BEHIND = PROBE + 1  # all phases of an instant
 _NUMBERS = 1 << 56  # so many events before a number would reach the phase beside it
 
 STORM = 100_000  # so many events inside one tick is a loop, not a design
@@ -128,6 +129,7 @@ class Kernel:
         self._sampling: Samples | None = None  # who is to be told of it: by rank, and then in the order of wires
         self._sampling_last: Samples | None = None
         self._settling = False  # the wires take their levels
+        self._phase = TIMER  # of the event done last
         self._horizon = start
         self._number = 0
         self._queue: list[Event] = []  # the next one last
@@ -281,14 +283,14 @@ class Kernel:
             raise ValueError(f"asked to run until t={time}, but it is already t={self.now}")
         self._horizon = time
         self._stop = False
-        self._do(time)
+        self._do(time, _BEHIND)
         if not self._stop:
-            self.now = time
+            self.now, self._phase = time, _BEHIND
         self.catch_up()
 
-    def _do(self, time: int) -> None:
-        """Everything that is due up to `time`; nothing is unsettled behind it."""
-        queue = self._queue
+    def _do(self, time: int, before: int) -> None:
+        """Everything that is due up to `time`, there before this phase; nothing is unsettled behind it."""
+        queue, last = self._queue, before * _NUMBERS
         at, phase, in_this_tick = -1, 0, 0  # of the event done last
         while not self._stop:
             if self._unsettled is not None or self._sampling is not None:
@@ -302,12 +304,12 @@ class Kernel:
             elif not queue:
                 break
             event = queue[-1]
-            if event.time > time:
+            if event.time >= time and (event.time > time or event.rank >= last):
                 break
             queue.pop()
             event.queued = False
             self.events += 1
-            phase = event.phase
+            self._phase = phase = event.phase
             if event.time != self.now:
                 in_this_tick = 0
             else:
@@ -326,15 +328,18 @@ class Kernel:
             self.shortcut.catch_up()
 
     def replay(self, since: int, agent: Agent, tag: int) -> None:
-        """Go back to `since`, where `agent.act(tag)` was due, and do all that comes of it up to now."""
-        now, stop, queue = self.now, self._stop, self._queue
+        """Go back to `since`, where `agent.act(tag)` was due, and do all that comes of it up to now.
+
+        Of now itself the phases before the present one: what comes in this one does so beside who asked.
+        """
+        now, phase, stop, queue = self.now, self._phase, self._stop, self._queue
         self.settle()
         later = queue[:]
         queue.clear()
         self.now, self._stop = since, False
         self.ask(since, agent, tag)
-        self._do(now)
-        self.now, self._stop = now, stop
+        self._do(now, phase)
+        self.now, self._phase, self._stop = now, phase, stop
         queue.extend([event for event in later if event.queued and event not in queue])
         queue.sort(key=_order, reverse=True)
 

@@ -41,6 +41,8 @@ cdef class Socket(Agent):
     cpdef void publish(self, long long cycle, long long looks=*)
     cdef void _plan(self, long long cycle)
     cdef void _drive(self, long long cycle)
+    cdef void _move(self, long long cycle, long long index, long long level)
+    cpdef void move(self, long long cycle, long long index, long long level)
     @cython.locals(pin=Pin, pins=list)
     cpdef object _set_pins(self, long long index, long long level)
     cpdef void reclock(self)

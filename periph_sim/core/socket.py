@@ -240,23 +240,33 @@ class Socket(Agent):
             recorder.cause = self.marks.out_mark or outer
         changed = self._out ^ self.chip.out
         self._out = self.chip.out
-        tick = self._clock.tick(cycle + self.out_delay)
-        later = tick > self._kernel.now  # also where an edge fell between two cycles: the answer comes with the cycle
         index = 0
         out = self._out
         while changed:
             if changed & 1:
-                level = out & 1
-                if not later:
-                    self._set_pins(index, level)
-                elif recorder.cause:
-                    self.later(tick, partial(self._set_pins, index, level))
-                else:
-                    self._kernel.ask(tick, self, ((index + 1) << 1) | level)
+                self._move(cycle, index, out & 1)
             changed >>= 1
             out >>= 1
             index += 1
         recorder.cause = outer
+
+    def _move(self, cycle: int, index: int, level: int) -> None:
+        """An output has this level from `cycle` on; its pins later by the delay."""
+        tick = self._clock.tick(cycle + self.out_delay)
+        if tick <= self._kernel.now:
+            self._set_pins(index, level)
+        elif self._recorder.cause:  # also where an edge fell between two cycles: the answer comes with the cycle
+            self.later(tick, partial(self._set_pins, index, level))
+        else:
+            self._kernel.ask(tick, self, ((index + 1) << 1) | level)
+
+    def move(self, cycle: int, index: int, level: int) -> None:
+        """What its chip would do in a wake-up at `cycle`: an output has this level from then on."""
+        outer = self._recorder.cause
+        if self._watched or self.traces:
+            self._recorder.cause = self._cause_at(cycle)
+        self._move(cycle, index, level)
+        self._recorder.cause = outer
 
     def _set_pins(self, index: int, level: int) -> None:
         pins = self.pins[index]

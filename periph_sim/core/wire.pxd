@@ -18,18 +18,24 @@ cdef class Wire(Settles):
     cdef long long _pulling, _pulling_recorded, _pulled_under, _released_under
     cdef list _parties, _watches, _pull_watches
     cdef dict _names_of
+    cdef public Tape tape
     cpdef void pull(self, long long mask, long long level)
-    @cython.locals(watch=_PullWatch, look=_Watch)
+    @cython.locals(watch=PullWatch, look=_Watch)
     cpdef void settle(self)
     @cython.locals(watch=_Watch)
     cpdef void jump(self, long long pulling)
     cpdef bint quiet(self)
     cdef void _changed(self)
     cdef Topic _edges, _holds
+    @cython.locals(tape=Tape)
     cdef long long _record(self, Topic topic, long long level, long long cause)
 
 
-cdef class _PullWatch:
+cdef class Tape:
+    cdef public list numbers, again
+
+
+cdef class PullWatch:
     cdef public Agent agent
     cdef public long long line
 

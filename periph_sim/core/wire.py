@@ -36,7 +36,7 @@ class Wire(Settles):
     """cause: the record of the last edge. recorded: somebody wants each edge, and perhaps who holds a low one.
 
     pulling: who pulls it low in the settled state; bit i is party i. attached: how many parties there are. version:
-    another one whenever a party comes, or one who listens comes or goes.
+    another one whenever a party comes, or one who listens comes or goes. tape: keeps the numbers of its records.
     """
 
     def __init__(self, kernel: Kernel, name: str, recorder: Recorder) -> None:
@@ -57,8 +57,9 @@ class Wire(Settles):
         self._pulling_recorded = 0  # the same when it was recorded last
         self._parties: list[str] = []
         self._names_of: dict[int, str] = {}  # of those who pull, as records tell them
+        self.tape: Tape | None = None
         self._watches: list[_Watch] = []  # who is told
-        self._pull_watches: list[_PullWatch] = []
+        self._pull_watches: list[PullWatch] = []
         self._queued = False
         self._pulled_under = self._released_under = 0  # the last records under which that was done in this instant
 
@@ -79,7 +80,7 @@ class Wire(Settles):
 
     def watch_pulls(self, agent: Agent, line: int = 0) -> None:
         """`agent.pulled(line, ...)` in each instant in which others pull the wire than before, whatever its level."""
-        watch = _PullWatch()
+        watch = PullWatch()
         watch.agent, watch.line = agent, line
         self._changed()
         self._pull_watches.append(watch)
@@ -142,22 +143,26 @@ class Wire(Settles):
                 watch.sampler.jump(watch.bit)
 
     def quiet(self) -> bool:
-        """No edge is recorded, and no pull is unsettled."""
-        return not self.recorded and self._pulling == self.pulling
+        """No pull is unsettled."""
+        return self._pulling == self.pulling
 
-    def listeners(self) -> set[Agent]:
-        """All that are told of its level, or of who pulls it."""
-        return {look.sampler.agent for look in self._watches} | {watch.agent for watch in self._pull_watches}
+    def ears(self) -> list[Sampler | PullWatch]:
+        """Through which those are told who look at its level, or at who pulls it."""
+        return [*(look.sampler for look in self._watches), *self._pull_watches]
 
     def _record(self, topic: Topic, level: int, cause: int) -> int:
-        recorder = self.recorder
+        recorder, tape = self.recorder, self.tape
         self._pulling_recorded = pulling = self._pulling
+        if tape is not None and tape.again:
+            return tape.again.pop(0)
         names = self._names_of.get(pulling)
         if names is None:
             names = self._names_of[pulling] = ", ".join(self.held_by())
         outer, recorder.cause = recorder.cause, cause
         number = topic.emit(self.kernel.now, level, names)
         recorder.cause = outer
+        if tape is not None:
+            tape.numbers.append(number)
         return number
 
     def add(self, sampler: Sampler, bit: int) -> None:
@@ -179,7 +184,17 @@ class Wire(Settles):
         self.version += 1
 
 
-class _PullWatch:
+class Tape:
+    """numbers: of the records made of some wires. again: of those that come once more, as what was is played again."""
+
+    __slots__ = ("again", "numbers")
+
+    def __init__(self) -> None:
+        self.numbers: list[int] = []
+        self.again: list[int] = []
+
+
+class PullWatch:
     """Who is told of who pulls a wire, and what that wire is to it."""
 
     __slots__ = ("agent", "line")

@@ -1,5 +1,6 @@
 cimport cython
 
+from ..bus.i2c.edge_play cimport SdaFollows
 from ..bus.i2c.whole_bytes cimport ByteParty
 from ..core.socket cimport Socket
 from ..core.time cimport Clock
@@ -10,7 +11,15 @@ from ..f28335.i2c.registers cimport I2cRegisters
 from ..f28335.i2c.slave cimport I2cSlave
 
 
+cdef class I2cSlaveEdges(SdaFollows):
+    cdef Socket _socket
+    cdef I2c _chip
+    cdef Clock _clock
+    cdef long long _cycle
+
+
 cdef class I2cSlaveBytes(ByteParty):
+    cdef I2cSlaveEdges _mover
     cdef Socket _socket
     cdef I2c _chip
     cdef Clock _clock
@@ -28,6 +37,7 @@ cdef class I2cSlaveBytes(ByteParty):
     @cython.locals(chip=I2c, target=I2cSlave, levels=cython.longlong)
     cpdef void stand(self, long long shown, long long bit, long long fell)
     @cython.locals(chip=I2c, socket=Socket, cycle=cython.longlong, looks=cython.longlong, due=cython.longlong)
+    cpdef SdaFollows meanwhile(self)
     cpdef void edge(self, long long tick, long long levels)
     cpdef bint pulls_sda(self)
     cpdef bint holds(self)

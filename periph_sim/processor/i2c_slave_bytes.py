@@ -5,23 +5,53 @@ See `bus.i2c.whole_bytes`. Only a slave, or one who is not meant: as a master it
 
 from __future__ import annotations
 
-from ..bus.i2c.whole_bytes import BITS, ONES, ByteParty
+from ..bus.i2c.edge_play import BITS, SdaFollows
+from ..bus.i2c.whole_bytes import ONES, ByteParty
 from ..core.chip import NEVER
+from ..core.kernel import CHIP, Kernel
 from ..core.socket import Socket
 from ..core.time import Clock
+from ..core.wire import Wire
 from ..f28335.i2c.module import I2c
 from ..f28335.i2c.register_map import MDR_DLB, MDR_FDF, SCL, SDA
 from ..f28335.i2c.slave_transmitter import IGNORE, OFF, TRANSMIT
 
+SDA_INDEX = 1  # among the module's outputs
 MARGIN = 2  # cycles: an edge between two cycles is seen with the later one
+
+
+class I2cSlaveEdges(SdaFollows):
+    """Moves the module's SDA as the module would, and tells its socket what it would work under."""
+
+    __slots__ = ("_chip", "_clock", "_cycle", "_socket")
+
+    def __init__(self, kernel: Kernel, socket: Socket, chip: I2c, clock: Clock, sda: Wire) -> None:
+        SdaFollows.__init__(self, kernel, sda, 0, 0)
+        self._socket = socket
+        self._chip = chip
+        self._clock = clock
+        self._cycle = 0  # in which it answers the fall
+
+    def sampled(self, now: int, levels: int) -> None:
+        if self._socket.traces:
+            self._socket.given(self._clock.cycle_at(now) + self._chip.filter_width)
+        SdaFollows.sampled(self, now, levels)
+
+    def follow(self, now: int, level: int) -> None:
+        self._cycle = self._clock.cycle_at(now) + self._chip.filter_width
+        self.then(self._clock.tick(self._cycle), level, CHIP)
+
+    def act(self, tag: int) -> None:
+        self._socket.move(self._cycle, SDA_INDEX, tag)
 
 
 class I2cSlaveBytes(ByteParty):
     """socket: of the module. clock: SYSCLKOUT. exact: bytes pass only where what it sees is what edges show."""
 
-    __slots__ = ("_calm", "_calm_for", "_chip", "_clock", "_exact", "_hz", "_socket", "_target")
+    __slots__ = ("_calm", "_calm_for", "_chip", "_clock", "_exact", "_hz", "_mover", "_socket", "_target")
 
-    def __init__(self, socket: Socket, chip: I2c, clock: Clock, exact: bool) -> None:
+    def __init__(self, kernel: Kernel, socket: Socket, chip: I2c, clock: Clock, sda: Wire, exact: bool) -> None:
+        self._mover = I2cSlaveEdges(kernel, socket, chip, clock, sda)
         self._exact = exact
         self._socket = socket
         self._chip = chip
@@ -43,11 +73,13 @@ class I2cSlaveBytes(ByteParty):
     def ready(self, low: int, high: int, hold: int) -> bool:
         chip, target = self._chip, self._target
         lines, state = chip._lines, chip.state
-        if chip._suspended or chip.master.active or state.mdr & (MDR_DLB | MDR_FDF) or self._socket.traces:
+        if chip._suspended or chip.master.active or state.mdr & (MDR_DLB | MDR_FDF):
             return False
         if chip._pins & SCL or lines.due != NEVER or lines.levels != chip._pins or self._socket._out != chip.out:
             return False
         if target.phase != OFF and target.phase != IGNORE:
+            if not chip._clocked:
+                return False  # it stands still in the middle of a transfer
             if target.bit or target._n != BITS + 1 or target.due != NEVER or target.pulls & SCL:
                 return False
             if target.phase == TRANSMIT and not target._shifting:
@@ -84,6 +116,13 @@ class I2cSlaveBytes(ByteParty):
         elif target.phase != OFF and target.phase != IGNORE:
             target.bit = bit
             target._shift = shown >> (BITS + 1 - bit)
+
+    def meanwhile(self) -> SdaFollows | None:
+        sends = self._target.phase == TRANSMIT
+        if not sends and not self._socket.traces:
+            return None
+        self._mover.begin(self.byte())
+        return self._mover
 
     def edge(self, tick: int, levels: int) -> None:
         """Its effects are there at once, with the cycle in which they come behind the noise filter."""

@@ -30,13 +30,16 @@ def whole_bytes_of(context: SceneContext, controller: I2cController, units: Mapp
     """The controller asks it from now on, byte by byte."""
     assert isinstance(controller, ByteController)
     level = LEVELS[context.case.fidelity]
+    scl, sda = context.wire("SCL"), context.wire("SDA")
     stand_in: dict[Agent, ByteParty] = {}
     for dsp in units.values():
         if MODULE in dsp.sockets:
             socket = dsp.socket(MODULE)
             assert isinstance(socket.chip, I2c)
-            stand_in[socket] = I2cSlaveBytes(socket, socket.chip, dsp.clock, exact=level is WholeBytes)
-    whole_bytes = level(context.kernel, context.wire("SCL"), context.wire("SDA"), controller, stand_in)
+            stand_in[socket] = I2cSlaveBytes(
+                context.kernel, socket, socket.chip, dsp.clock, sda, exact=level is WholeBytes
+            )
+    whole_bytes = level(context.kernel, scl, sda, controller, stand_in)
     controller.let_pass(whole_bytes)
     return whole_bytes
 

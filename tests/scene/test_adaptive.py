@@ -29,6 +29,7 @@ from tests.scene.runs import TIMING
 
 CASES = sorted(path.stem for path in TIMING.glob("*.toml"))
 BUT_EDGES = tuple(kind for kind in Kind if kind not in (Kind.EDGE, Kind.HOLD))
+RECORDED = pytest.mark.parametrize("kinds", [BUT_EDGES, tuple(Kind)], ids=["but edges", "edges, too"])
 # At byte level, where an agent is the controller; not where faults can pull a line.
 WHOLLY = ("imu_chips", "imu_hil", "imu_hil_400k", "imu_hil_lost_byte", "imu_moving", "real_chips", "responder")
 
@@ -47,10 +48,11 @@ def told(result: Result) -> dict[str, object]:
     return asdict(replace(result, wall_s=0.0, events=0, fidelity="", counts=counts))
 
 
+@RECORDED
 @pytest.mark.parametrize("name", CASES)
-def test_every_case_gives_the_same_records_of_all_but_edges(name: str):
+def test_every_case_gives_the_same_records(name: str, kinds: tuple[Kind, ...]):
     case = load(TIMING / f"{name}.toml")
-    edge, adaptive = (run(case, level, BUT_EDGES, "0.05") for level in ("edge", "adaptive"))
+    edge, adaptive = (run(case, level, kinds, "0.05") for level in ("edge", "adaptive"))
     assert told(adaptive[0]) == told(edge[0])
     assert adaptive[1] == edge[1] and len(edge[1]) > 20
 
@@ -63,11 +65,22 @@ def test_where_nobody_can_tell_every_byte_is_at_byte_level(name: str):
     assert BYTE_LEVEL not in edge.counts and told(adaptive) == told(edge)
 
 
-def test_recorded_edges_keep_the_bus_at_edges():
-    case = load(TIMING / "imu_hil.toml")
-    edge, adaptive = (run(case, level, tuple(Kind), "0.05") for level in ("edge", "adaptive"))
-    assert adaptive[1] == edge[1]
-    assert adaptive[0].counts[BYTE_LEVEL] == 0 and adaptive[0].events == edge[0].events
+@pytest.mark.parametrize("wires", [("SCL", "SDA"), ("SCL",), ("SDA",)])
+@pytest.mark.parametrize("name", ["imu_hil", "imu_chips", "responder"])
+def test_recorded_edges_are_made_of_bytes_that_pass_at_once(name: str, wires: tuple[str, ...]):
+    case = load(TIMING / f"{name}.toml")
+    told: list[tuple[list[Record], Result]] = []
+    for level in ("edge", "adaptive"):
+        records: list[Record] = []
+        scene = Scene(
+            case.model_copy(update={"fidelity": level}),
+            lambda recorder, _, to=records: recorder.subscribe([Kind.EDGE, Kind.HOLD], to.append, {Kind.EDGE: wires}),
+        )
+        told.append((records, scene.run(Fraction("0.05"))))
+    (edges, edge), (rebuilt, adaptive) = told
+    assert rebuilt == edges and {record.where for record in edges} == set(wires) and len(edges) > 300
+    assert adaptive.counts[BYTE_LEVEL] == adaptive.wire_bytes > 40
+    assert adaptive.events < edge.events or name == "imu_chips"
 
 
 @pytest.mark.parametrize("name", ["imu_hil_spikes", "imu_hil_stuck_sda", "imu_hil_glitches"])
@@ -157,18 +170,19 @@ def meddled(seed: int, level: str, kinds: tuple[Kind, ...] = BUT_EDGES):
     return *run(small.case(unit=unit, controller=table), level, kinds, "0.02", program), meddler.seen
 
 
-SEEDS = range(200) if explores() else [*range(24), 95]
+SEEDS = range(200) if explores() else [*range(26), 95]
 
 
+@RECORDED
 @pytest.mark.parametrize("seed", SEEDS)
-def test_meddling_in_the_middle_of_a_byte_gives_what_edges_give(seed: int):
-    edge, adaptive = meddled(seed, "edge"), meddled(seed, "adaptive")
+def test_meddling_in_the_middle_of_a_byte_gives_what_edges_give(seed: int, kinds: tuple[Kind, ...]):
+    edge, adaptive = meddled(seed, "edge", kinds), meddled(seed, "adaptive", kinds)
     assert adaptive[2] == edge[2]
     assert adaptive[1] == edge[1]
     assert told(adaptive[0]) == told(edge[0])
 
 
-def beside_devices(seed: int, level: str):
+def beside_devices(seed: int, level: str, kinds: tuple[Kind, ...]):
     """The meddler, an EEPROM and a register map, which stretch, refuse and lose their power as a seed says."""
     random = Random(seed)
     off = random.randrange(1_000, 15_000) // 2_000 * 2_000 + 1_700 + random.randrange(600)  # late in a round
@@ -193,12 +207,13 @@ def beside_devices(seed: int, level: str):
     unit = {"dsp": {"firmware": "meddler", "modules": ["I2C-A", "GPIO"]}}
     meddler = Meddler(seed)
     made = small.case(unit=unit, controller=table, device=devices, seed=seed)
-    return *run(made, level, BUT_EDGES, "0.02", {"dsp": Firmware("meddler", meddler, None)}), meddler.seen
+    return *run(made, level, kinds, "0.02", {"dsp": Firmware("meddler", meddler, None)}), meddler.seen
 
 
-@pytest.mark.parametrize("seed", range(200) if explores() else range(15))
-def test_devices_that_stretch_refuse_and_lose_their_power_give_what_edges_give(seed: int):
-    edge, adaptive = beside_devices(seed, "edge"), beside_devices(seed, "adaptive")
+@RECORDED
+@pytest.mark.parametrize("seed", range(200) if explores() else [*range(15), 134])
+def test_devices_that_stretch_refuse_and_lose_their_power_give_what_edges_give(seed: int, kinds: tuple[Kind, ...]):
+    edge, adaptive = beside_devices(seed, "edge", kinds), beside_devices(seed, "adaptive", kinds)
     assert adaptive[2] == edge[2]
     assert adaptive[1] == edge[1]
     assert told(adaptive[0]) == told(edge[0])

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 from .byte_level import ByteLevel
 from .controller import NO_BYTE, RELEASE, STUCK, I2cController
+from .edge_play import BITS
 from .line_events import NOTHING, SCL, SDA
-from .whole_bytes import BITS, ONES, WholeBytes
+from .whole_bytes import ONES, WholeBytes
 
 EIGHTH, NINTH = STUCK + 1, STUCK + 2
 

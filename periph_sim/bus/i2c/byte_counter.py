@@ -6,8 +6,9 @@ For scenes in which no agent is the controller and so nobody else counts.
 from __future__ import annotations
 
 from ...core.wire import Wire, watch
+from .edge_play import BITS
 from .line_events import EVENTS, FALL, IDLE, RISE, SDA, START, STOP
-from .whole_bytes import BITS, ByteParty
+from .whole_bytes import ByteParty
 
 PULSES = 9  # eight bits and the acknowledge
 

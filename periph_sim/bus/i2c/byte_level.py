@@ -18,8 +18,9 @@ from collections.abc import Mapping
 from ...core.kernel import Agent, Kernel
 from ...core.time import NO_TIME
 from ...core.wire import Wire
+from .edge_play import BITS
 from .line_events import SCL, SDA
-from .whole_bytes import BITS, ByteParty, WholeBytes
+from .whole_bytes import ByteParty, WholeBytes
 
 
 class ByteLevel(WholeBytes):

@@ -16,9 +16,9 @@ from collections.abc import Callable, Mapping
 
 from ...core.time import NO_TIME
 from ...core.wire import Wire, watch
+from .edge_play import BITS as SEVEN
 from .line_events import SCL, SDA
 from .transfer import Phase, Transfer
-from .whole_bytes import BITS as SEVEN
 from .whole_bytes import ByteParty
 
 BITS = 9  # of a byte, its ACK included

@@ -2,6 +2,7 @@ cimport cython
 
 from ...core.kernel cimport Kernel
 from ...core.wire cimport Pin
+from .edge_play cimport SdaFollows
 from .whole_bytes cimport ByteParty
 
 
@@ -11,6 +12,7 @@ cdef class TargetSide(ByteParty):
     cdef public Pin _sda, _scl
     cdef object _answer, _reply, _on_end
     cdef dict _stretches
+    cdef SdaFollows _mover
     cdef long long _does, _lines, _hold, _bit, _in, _out, _byte, _level, _held_until
     cdef bint _refused, _taken, _powered
     cpdef void act(self, long long tag)
@@ -26,4 +28,5 @@ cdef class TargetSide(ByteParty):
     cpdef bint ready(self, long long low, long long high, long long hold)
     cpdef bint steps(self)
     cpdef long long byte(self)
+    cpdef SdaFollows meanwhile(self)
     cpdef void stand(self, long long shown, long long bit, long long fell)

@@ -16,8 +16,9 @@ from typing import Protocol
 
 from ...core.kernel import Kernel
 from ...core.wire import Wire, watch
+from .edge_play import BITS, SdaFollows
 from .line_events import EVENTS, FALL, IDLE, RISE, SCL, SDA, START
-from .whole_bytes import BITS, ONES, ByteParty
+from .whole_bytes import ONES, ByteParty
 
 # What the target does: nothing, since it is not meant or no START has come; the rest is as it says.
 NOT_MEANT, HEARS_ADDRESS, HEARS_DATA, SENDS_DATA = range(4)
@@ -89,6 +90,7 @@ class TargetSide(ByteParty):
         self._taken = False  # the phase under way is acknowledged
         self._held_until = 0
         self._powered = True
+        self._mover = SdaFollows(kernel, sda, self._sda.mask, hold)
         watch([scl, sda], self)
 
     def act(self, tag: int) -> None:
@@ -205,6 +207,12 @@ class TargetSide(ByteParty):
 
     def byte(self) -> int:
         return self._out & ONES if self._does == SENDS_DATA else ONES
+
+    def meanwhile(self) -> SdaFollows | None:
+        if self._does != SENDS_DATA:
+            return None
+        self._mover.begin(self.byte())
+        return self._mover
 
     def stand(self, shown: int, bit: int, fell: int) -> None:
         self._lines = SDA if shown >> (BITS - bit) & 1 else 0

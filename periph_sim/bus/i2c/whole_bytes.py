@@ -5,8 +5,9 @@
           ^ asked here               ^ goes on here
 
 Nothing but the wires shows of these seven bits: flags, FIFOs, interrupts and ACKs move at the eighth rise or later. So
-nobody can tell, unless somebody records edges, holds a line, or meddles in the middle. Where one of those
-could be, the byte passes edge by edge; where one comes after all, it is played again up to now (`catch_up`).
+nobody can tell, unless somebody records edges, holds a line, or meddles in the middle. Recorded edges are made for the
+records alone (`edge_play`); where a line may be held, the byte passes edge by edge; where somebody meddles, it is
+played again up to now (`catch_up`).
 """
 
 from __future__ import annotations
@@ -15,10 +16,10 @@ from collections.abc import Mapping
 
 from ...core.kernel import Agent, Event, Kernel, Shortcut
 from ...core.time import NO_TIME
-from ...core.wire import Wire
+from ...core.wire import PullWatch, Sampler, Tape, Wire
+from .edge_play import BITS, Deaf, EdgePlay, SdaFollows
 from .line_events import SCL, SDA
 
-BITS = 7  # that pass at once
 ONES = 0xFF
 
 
@@ -56,6 +57,10 @@ class ByteParty(Agent):
         For who pulls a line: there may be a way back.
         """
 
+    def meanwhile(self) -> SdaFollows | None:
+        """Who moves SDA for it where each edge of these bits is recorded, told of them in its place; if anybody."""
+        return None
+
     def edge(self, tick: int, levels: int) -> None:
         """From `tick` on the lines are at these levels, and who pulls them is on the wires."""
         raise NotImplementedError
@@ -83,19 +88,26 @@ class WholeBytes(Shortcut):
 
     __slots__ = (
         "_controller",
+        "_deaf",
         "_eighth",
         "_fell",
         "_high",
         "_kernel",
         "_known",
         "_low",
+        "_movers",
         "_parties",
+        "_play",
+        "_pull_watches",
+        "_samplers",
         "_scl",
         "_sda",
         "_shown",
         "_since",
         "_stand_in",
         "_tag",
+        "_tape",
+        "_told",
         "_versions",
         "passed",
     )
@@ -118,6 +130,15 @@ class WholeBytes(Shortcut):
         self._low = self._high = 0
         self._eighth: Event | None = None
         self._tag = 0
+        self._play: EdgePlay | None = None  # where edges are recorded
+        self._tape = Tape()
+        self._deaf = Deaf()
+        self._movers: list[SdaFollows] = []  # of this byte
+        self._samplers: list[Sampler] = []  # through which the parties are told,
+        self._pull_watches: list[PullWatch] = []  # and through these,
+        self._told: list[Agent] = []  # each of them
+        if scl.recorded or sda.recorded:
+            self._play = EdgePlay(kernel, scl, sda, controller.pulls(SCL), controller.pulls(SDA))
 
     def passes(self, low: int, high: int, hold: int, tag: int) -> bool:
         """Whether seven bits pass at once: everybody stands before the eighth then, and the controller acts on `tag`.
@@ -129,10 +150,36 @@ class WholeBytes(Shortcut):
         if shown < 0:
             return False
         self._since, self._fell, self._shown, self._tag = now, now - low, shown, tag
+        if self._play is not None:
+            self._begin_play(self._play, hold)
         self._stand(BITS, now + BITS * (low + high) - low)
         self._eighth = self._kernel.ask(now + BITS * (low + high), self._controller, tag)
         self._kernel.shortcut = self
         return True
+
+    def _begin_play(self, play: EdgePlay, hold: int) -> None:
+        """The edges are made, and those who are told of them else are told nothing."""
+        self._tape.numbers.clear()
+        self._scl.tape = self._sda.tape = self._tape
+        movers = {party: party.meanwhile() for party in self._parties}
+        self._movers = [mover for mover in movers.values() if mover is not None]
+        self._told = [sampler.agent for sampler in self._samplers] + [watch.agent for watch in self._pull_watches]
+        for sampler in self._samplers:
+            sampler.agent = movers.get(self._party(sampler.agent)) or self._deaf
+        for watch in self._pull_watches:
+            watch.agent = self._deaf
+        play.begin(self._controller.byte(), self._low, self._high, hold)
+
+    def _end_play(self) -> None:
+        """They are told again."""
+        for place, sampler in enumerate(self._samplers):
+            sampler.agent = self._told[place]
+        for place, watch in enumerate(self._pull_watches, len(self._samplers)):
+            watch.agent = self._told[place]
+        self._scl.tape = self._sda.tape = None
+
+    def _party(self, agent: Agent) -> ByteParty:
+        return agent if isinstance(agent, ByteParty) else self._stand_in[agent]
 
     def _showing(self, low: int, high: int, hold: int) -> int:
         """What the lines will show, as a byte; -1 where it must go edge by edge."""
@@ -166,6 +213,8 @@ class WholeBytes(Shortcut):
         if self._kernel.shortcut is self:
             self._kernel.shortcut = None
             self.passed += 1
+            if self._play is not None:
+                self._end_play()
             for party in self._parties:
                 party.heard(self._shown, self._since, self._low, self._high)
         self._since = NO_TIME
@@ -177,8 +226,22 @@ class WholeBytes(Shortcut):
             return  # it acts in this very tick, from where everybody stands
         kernel.shortcut = None
         kernel.cancel(eighth)
+        if self._play is None:
+            self._stand(0, self._fell)
+            kernel.replay(self._since, self._controller, self._tag)
+            return
+        self._play.stop()
+        for mover in self._movers:
+            mover.stop()
+        self._end_play()
         self._stand(0, self._fell)
+        self._scl.jump(self._controller.pulls(SCL))
+        again = self._tape.again
+        again[:] = self._tape.numbers
+        self._scl.tape = self._sda.tape = self._tape
         kernel.replay(self._since, self._controller, self._tag)
+        again.clear()
+        self._scl.tape = self._sda.tape = None
 
     def _stand(self, bit: int, fell: int) -> None:
         pulling = 0
@@ -186,7 +249,8 @@ class WholeBytes(Shortcut):
             if not party.byte() >> (BITS - bit) & 1:
                 pulling |= party.pulls(SDA)
             party.stand(self._shown, bit, fell)
-        self._sda.jump(pulling)
+        if self._play is None or not bit:
+            self._sda.jump(pulling)
 
     def _takes(self, party: ByteParty) -> bool:
         """Whether it is a party at this level."""
@@ -196,7 +260,10 @@ class WholeBytes(Shortcut):
         """Who is on the lines now: all that listen, and all that can pull, must be parties."""
         scl, sda = self._scl, self._sda
         self._versions = scl.version + sda.version
-        agents = scl.listeners() | sda.listeners()
+        ears = [*scl.ears(), *sda.ears()]
+        self._samplers = list({id(ear): ear for ear in ears if isinstance(ear, Sampler)}.values())
+        self._pull_watches = [ear for ear in ears if isinstance(ear, PullWatch)]
+        agents = {ear.agent for ear in ears}
         found = [agent if isinstance(agent, ByteParty) else self._stand_in.get(agent) for agent in agents]
         self._parties = [party for party in found if party is not None and self._takes(party)]
         self._known = len(self._parties) == len(found) and all(

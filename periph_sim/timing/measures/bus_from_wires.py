@@ -10,7 +10,7 @@ Source: UM10204 sections 3.1.4 to 3.1.10.
 
 from __future__ import annotations
 
-from ...bus.i2c.whole_bytes import BITS as SEVEN
+from ...bus.i2c.edge_play import BITS as SEVEN
 from ...bus.i2c.whole_bytes import ByteParty
 from ...core.time import NO_TIME
 from ...core.wire import Wire

@@ -88,6 +88,23 @@ def test_nothing_observed_is_no_bound_kept(periph_sim: Run):
     assert came.status == 1 and "nothing happened in 0 s, so no error is known" in came.out
 
 
+def test_schedule_lacks_what_has_no_arithmetic_and_is_exact_in_all_else(periph_sim: Run):
+    published = str(TIMING / "imu_hil_published.toml")
+    came = periph_sim("trade", published, "--seconds", "0.05", "--level", "schedule")
+    said = " ".join(came.out.split())
+    assert "schedule: 13 of 90 observables exact; its terms took " in said
+    assert "events on 169 ms of edges; 1000 scenarios in a call: " in said
+    assert "lacks altogether, each an infinite error: wrong bytes, fifo high-water, overruns, " in said
+    told = json.loads(periph_sim("trade", published, "--seconds", "0.05", "--level", "schedule", "--json").out)
+    edge, schedule = told["levels"]
+    assert schedule["worst_cycles"] == "infinite" and schedule["cost"]["terms_events"] > 1000
+    assert edge["cost"]["terms_events"] == 0 and schedule["cost"]["memory_bytes"] > 0
+    exact = [each["name"] for each in schedule["observables"] if each["worst"] == 0]
+    assert exact[:3] == ["span:model", "response", "stretch"] and "age" in exact and "margin of I2CDXR" in exact
+    others = [each for each in schedule["observables"] if each["worst"] != 0]
+    assert {each["worst"] for each in others} == {"infinite"} and all(each["lacking"] for each in others)
+
+
 def test_a_refused_level_says_why(periph_sim: Run):
     came = periph_sim("trade", str(TIMING / "imu_hil.toml"), "--seconds", "0.01", "--level", "arithmetic=bytes")
     assert came.status == 0 and "refused" in came.out

@@ -1,4 +1,4 @@
-"""docs/fidelity.md names tests: each file and function must be there. Its table of scenes says what was measured."""
+"""docs/fidelity.md names tests: each file and function must be there. Its table of scenes is made anew."""
 
 from __future__ import annotations
 
@@ -6,9 +6,10 @@ import re
 
 import pytest
 
-from periph_sim.reports.trade.text_report import number
+from periph_sim.scene.case.load import load
+from tests.docs import scene_table
 from tests.docs.pages import ROOT
-from tests.reports.trade.test_scenes import BYTE, NAMES
+from tests.docs.scene_table import LEVELS, SCENES, refreshed_table, rows
 
 PAGE = (ROOT / "docs" / "fidelity.md").read_text(encoding="utf-8")
 
@@ -27,21 +28,16 @@ def test_every_test_that_the_page_names_is_there():
     assert [name for name in named if f"def {name}(" not in sources] == []
 
 
-SCENES = dict(re.findall(r"^\| (\w+) \| (exact|refused|infinite|[\d.]+) \|", PAGE, re.MULTILINE))
-
-
-def test_the_page_has_every_scene_of_timing_trade():
-    assert sorted(SCENES) == NAMES
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_the_page_says_of_a_scene_what_its_test_measures(name: str):
-    """`test_what_byte_makes_of_it` holds these figures to what is measured."""
-    measured = BYTE[name]
-    if isinstance(measured, str):
-        assert SCENES[name] == "refused"
-    else:
-        assert SCENES[name] == (number(measured) if measured else "exact")
+def test_the_table_of_scenes_is_made_anew_with_what_people_wrote_of_each(monkeypatch: pytest.MonkeyPatch):
+    """That its figures are those of a measurement is `tests/reports/trade/test_scenes.py`."""
+    monkeypatch.setattr(scene_table, "cell", lambda found: "measured")
+    monkeypatch.setattr(scene_table, "outcome", lambda name, level: None)
+    first = next(iter(rows(PAGE)))
+    fresh = rows(refreshed_table(re.sub(rf"^\\| {first} .*\n", "", PAGE, flags=re.MULTILINE)))
+    assert list(fresh) == list(rows(PAGE))
+    assert all(cells[:-1] == ["measured"] * len(LEVELS) for cells in fresh.values())
+    assert [cells[-1] for cells in fresh.values()][1:] == [cells[-1] for cells in rows(PAGE).values()][1:]
+    assert fresh[first][-1] == load(SCENES / f"{first}.toml").about
 
 
 def test_each_file_that_the_page_names_as_a_case_is_there():

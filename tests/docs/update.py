@@ -1,4 +1,4 @@
-"""Run the commands of README and docs, write their outputs into the pages and draw their pictures:
+"""Run the commands of README and docs, write their outputs and what is measured into the pages, draw their pictures:
 `python -m tests.docs.update [PAGE ...]`.
 
 A page is named by its stem: `python -m tests.docs.update README why`. Without a name: all of them.
@@ -13,6 +13,7 @@ from pathlib import Path
 from tests.docs.pages import PAGES, ROOT, refreshed
 from tests.docs.photographs import digest, digest_in, photographs, taken, written
 from tests.docs.pictures import draw, pictures
+from tests.docs.scene_table import refreshed_table
 
 
 def main(names: list[str]) -> None:
@@ -24,7 +25,7 @@ def main(names: list[str]) -> None:
             continue
         text = page.read_text(encoding="utf-8")
         with tempfile.TemporaryDirectory() as folder:
-            fresh = refreshed(text, Path(folder))
+            fresh = refreshed_table(refreshed(text, Path(folder)))
         if fresh != text:
             page.write_text(fresh, encoding="utf-8")
             print(f"{page.relative_to(ROOT)}: rewritten")

@@ -20,6 +20,7 @@ from ...scene.firmware_loader import load_firmware
 from ...scene.limits import limits_of
 from ...scene.result import AT_ANOTHER_LEVEL, Result
 from ...scene.scope import scope_of_case
+from ...timing.budget_schema import Budget
 from ...timing.budgets import BudgetJudge
 from ...timing.measures.age import Age
 from ...timing.measures.bus import Nacked, Response, Stretch
@@ -51,8 +52,18 @@ IN_WORDS = "response, stretch, round, slack, age, margin of I2CDXR, span:NAME, m
 FORGOTTEN = 'level "schedule" does not tell an age that so many frames may follow'
 
 
+def tells(case: Case, budget: Budget) -> bool:
+    """Whether the level gives a budget's verdict. BadCase for one that is none."""
+    timebase = Timebase(*(int(each.oscclk * each.pll / 2) for each in case.unit.values()))
+    (limit,) = limits_of(case.model_copy(update={"budget": (budget,)}), scope_of_case(case), timebase, 0)
+    return not _lacking(limit)
+
+
 class ScheduledScene:
     """case: as it is on edges. limits, start, timebase, firmware, stalled: as those of a `Scene`.
+
+    structure: measured. happened: after `run`, what is no plain round: "a NACK", "a missed round", "a stretched byte",
+    "a hang".
 
     BadCase where the case has another structure, or no budget that the level tells.
     """
@@ -62,9 +73,10 @@ class ScheduledScene:
 
     def __init__(self, case: Case, *, keep_values: bool = False) -> None:
         began = perf_counter()
-        self._structure = structure_of(case)
-        self.case = self._structure.case
-        unit = self._structure.unit
+        self.structure = structure_of(case)
+        self.happened: frozenset[str] = frozenset()
+        self.case = self.structure.case
+        unit = self.structure.unit
         self.firmware = {unit: load_firmware(case.unit[unit].firmware)}
         self.timebase = Timebase(*(int(each.oscclk * each.pll / 2) for each in case.unit.values()))
         self.limits = limits_of(case, scope_of_case(case), self.timebase, self.start)
@@ -86,14 +98,21 @@ class ScheduledScene:
         except TimeError as error:
             raise self.case.mistake(str(error), "duration") from None
         inputs, journal = self._inputs(end), Journal()
-        rounds = Rounds(self._structure, inputs, journal)
+        rounds = Rounds(self.structure, inputs, journal)
         rounds.run()
         if rounds.refused[0]:
             raise refuse(self.case.name, "the module answers for firmware that is still elsewhere")
-        told = Told(self._structure, inputs, rounds, journal)
+        told = Told(self.structure, inputs, rounds, journal)
         told.tell([part.measure for limit in self._judged() for part in limit.parts])
         for limit in self._judged():
             limit.finish(end)
+        told_of = {
+            "a NACK": rounds.nacked[0],
+            "a missed round": rounds.missed[0],
+            "a stretched byte": rounds.held[0],
+            "a hang": rounds.hung_at[0] >= 0,
+        }
+        self.happened = frozenset(what for what, there in told_of.items() if there)
         verdicts = [self._verdict(limit, told.forgotten) for limit in self.limits]
         if progress is not None:
             progress(1.0)
@@ -109,10 +128,10 @@ class ScheduledScene:
 
     def _inputs(self, end: int) -> Inputs:
         """Of as many rounds as are due by the end."""
-        one = inputs_of(self._structure, {}, 1, end)
+        one = inputs_of(self.structure, {}, 1, end)
         due = int(one.controller_first[0])
         rounds = max(end - due, 0) // int(one.round_.down(1)) + 1
-        return inputs_of(self._structure, {}, rounds, end)
+        return inputs_of(self.structure, {}, rounds, end)
 
     def _verdict(self, limit: BudgetJudge, forgotten: bool) -> Verdict:
         lacking = self._lacks[limit.budget.name]
@@ -131,7 +150,7 @@ class ScheduledScene:
         hung_at = int(rounds.hung_at[0])
         if 0 <= hung_at < end:
             what = f"SCL is held from {self.timebase.show(hung_at)} on, as the firmware waits for what cannot come"
-            stuck.append(f'{self._structure.unit}: {what}; fidelity = "edge" tells where')
+            stuck.append(f'{self.structure.unit}: {what}; fidelity = "edge" tells where')
         failed = bool(stuck) or any(verdict.broken for verdict in verdicts)
         all_pass = bool(verdicts) and all(verdict.passed for verdict in verdicts)
         return Result(
@@ -140,7 +159,7 @@ class ScheduledScene:
             fidelity="schedule",
             simulated_s=float(self.timebase.seconds(end)),
             wall_s=round(wall, 6),
-            events=self._structure.edge_events,
+            events=self.structure.edge_events,
             wire_bytes=told.i2c_bytes,
             sci_bytes=told.frames * FRAME_BYTES,
             budgets=verdicts,
@@ -154,7 +173,7 @@ class ScheduledScene:
             unknowns=[],
             notes=[],
             stuck=stuck,
-            terms_s=float(self._structure.edge_seconds),
+            terms_s=float(self.structure.edge_seconds),
         )
 
 

@@ -5,7 +5,8 @@
 
 The bound is measured and not proven: it holds for what the first part showed. So a level that is not equal to edges by
 construction is watched: a flag that is set, an interrupt, a NACK, lost arbitration, a note or a stretched byte that was
-not met there ends the run, and all of it is made again on edges.
+not met there ends the run, and all of it is made again on edges. Of "schedule", which has no records, a NACK, a missed
+round, a stretched byte, a hang, or that it does not know what came.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from time import process_time
 from ...bus.i2c.transfer import Transfer
 from ...core.records import UNHEARD, Kind, Listener, Recorder
 from ...core.time import Timebase
+from ...levels.judged import SCHEDULE, Judged
 from ...scene.case.model import BadCase, Case
 from ...scene.result import Result
 from ...scene.scene import Scene
@@ -101,7 +103,7 @@ def run_within(
     keep_values: bool = False,
     told: Callable[[float], None] | None = None,
     levels: tuple[Level, ...] = tuple(map(level_of, FIDELITIES)),
-) -> tuple[Scene, Result, Choice]:
+) -> tuple[Judged, Result, Choice]:
     """Measure, choose and run. levels: to choose from, the reference first.
 
     BadCase where no level is known to be within the bound.
@@ -111,13 +113,20 @@ def run_within(
     whole = case.duration if length is None else length
     part = min(PART, whole)
     found = trade(make, levels, part, traced=False)
-    best = best_within(found, bound_s)
+    best = best_within(found, bound_s, float(whole))
     if best.level is None:
         raise BadCase(f"case {case.name}: no level within {bound_s * 1e6:g} us: {best.why}")
     cpu = process_time() - began
     chosen = make(best.level.changes)
     unmet = ""
-    if best.level.name in EQUAL or whole == part:
+    scene: Judged
+    if best.level.name == SCHEDULE:
+        scene, came, unmet = _scheduled(chosen, part, whole, keep_values, told)
+        if came is None:
+            scene = Scene(case, keep_values=keep_values)
+            came = scene.run(whole, told)
+        result = came
+    elif best.level.name in EQUAL or whole == part:
         scene = Scene(chosen, keep_values=keep_values)
         result = scene.run(whole, told)
     else:
@@ -133,6 +142,25 @@ def run_within(
         result = came
     level = REFERENCE if unmet else best.level.name
     return scene, result, Choice(best, level, unmet, float(part), float(whole), cpu)
+
+
+def _scheduled(
+    case: Case, part: Fraction, length: Fraction, keep_values: bool, told: Callable[[float], None] | None
+) -> tuple[Judged, Result | None, str]:
+    """The run, and what was not met in its first part; None for its result if something was not."""
+    from ...levels.schedule.scheduled_scene import ScheduledScene
+
+    scene = ScheduledScene(case, keep_values=keep_values)
+    try:
+        result = scene.run(length, told)
+    except BadCase as error:  # it knew the first part
+        return scene, None, str(error)
+    first = ScheduledScene(case)
+    first.run(part)
+    unmet = sorted(scene.happened - first.happened)
+    if unmet:
+        return scene, None, f"{unmet[0]}, which the measured part has not"
+    return scene, result, ""
 
 
 def _watched(

@@ -1,6 +1,6 @@
 """The cheapest level within a bound: a `Trade` and seconds go in; a level, or why there is none, comes out.
 
-Cheapest is what takes the fewest events: CPU time differs from run to run, and the choice must not.
+Cheapest is what takes the fewest events, over the whole run: CPU time differs from run to run, and the choice must not.
 """
 
 from __future__ import annotations
@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ...core.text_table import paragraph
+from .errors import worst_of
 from .levels import Level
 from .text_report import INFINITE, number
 from .trade import Outcome, Trade
@@ -28,8 +29,13 @@ class Best:
         return {"bound_s": self.bound_s, "level": None if self.level is None else self.level.name, "why": self.why}
 
 
-def best_within(found: Trade, bound_s: float) -> Best:
-    """The cheapest level whose times are off by no more, and which is exact in all that is no time."""
+def best_within(found: Trade, bound_s: float, whole_s: float | None = None) -> Best:
+    """The cheapest level whose times are off by no more, and which is exact in all that is no time.
+
+    whole_s: of the run that it is chosen for; the case's own length if None.
+    """
+    whole = found.duration_s if whole_s is None else whole_s
+    times = whole / found.simulated_s if found.simulated_s else 1.0
     bound = f"{bound_s * 1e6:g} us"
     cycles = bound_s / found.cycle_s
     if not found.moments:
@@ -38,29 +44,40 @@ def best_within(found: Trade, bound_s: float) -> Best:
     if not others:
         return Best(None, bound_s, f"there is no level beside {found.reference.level.name} to choose from")
     fitting = [outcome for outcome in found.outcomes if outcome.holds(cycles)]
-    best = min(fitting, key=_events)
+    best = min(fitting, key=lambda outcome: _events(outcome, times))
     if best is found.reference:
-        told = "; ".join(_reason(outcome, cycles, found) for outcome in others)
+        told = "; ".join(_reason(outcome, cycles, found, times) for outcome in others)
         return Best(best.level, bound_s, f"within {bound}: {best.level.name} alone is to be had: {told}")
-    against = f"{_events(best)} events against {_events(found.reference)} of {found.reference.level.name}"
-    worst = "all observables exact" if not best.worst else f"worst error {number(best.worst)} of {cycles:g} cycles"
+    assert found.reference.cost is not None
+    against = f"{_told(best)} against {found.reference.cost.events} of {found.reference.level.name}"
+    off = worst_of(best.bounded)
+    what = "all observables" if best.asked is None else "what the budgets measure"
+    worst = f"{what} exact" if not off else f"worst error {number(off)} of {cycles:g} cycles"
     return Best(best.level, bound_s, f"within {bound}: {best.level.name} is the cheapest, {against}; {worst}")
 
 
-def _events(outcome: Outcome) -> int:
+def _events(outcome: Outcome, times: float) -> float:
+    """Of a run that is so many times as long as the one that was measured."""
     assert outcome.cost is not None
-    return outcome.cost.events
+    return outcome.cost.once_events + times * outcome.cost.events
 
 
-def _reason(outcome: Outcome, cycles: float, found: Trade) -> str:
+def _told(outcome: Outcome) -> str:
+    assert outcome.cost is not None
+    cost = outcome.cost
+    return f"{cost.once_events} events for its terms" if cost.once_events else f"{cost.events} events"
+
+
+def _reason(outcome: Outcome, cycles: float, found: Trade, times: float) -> str:
     """Why a level was not taken."""
     name = outcome.level.name
     if outcome.cost is None:
         return f"{name} was refused"
     if outcome.holds(cycles):
-        return f"{name} takes {_events(outcome)} events, no fewer than {_events(found.reference)}"
-    worst = max(outcome.errors, key=lambda each: (each.worst > 0, each.worst))
-    if outcome.worst <= cycles:
-        worst = next(each for each in outcome.errors if not each.exact and each.unit != "cycles")
+        assert found.reference.cost is not None
+        return f"{name} takes {_told(outcome)}, no fewer than {found.reference.cost.events}"
+    worst = max(outcome.bounded, key=lambda each: (each.worst > 0, each.worst))
+    if worst_of(outcome.bounded) <= cycles:
+        worst = next(each for each in outcome.bounded if not each.exact and each.unit != "cycles")
     how = "infinitely" if number(worst.worst) == INFINITE else f"by {number(worst.worst)} {worst.unit}"
     return f"{name} is off {how} ({worst.name})"

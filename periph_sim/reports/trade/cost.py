@@ -11,10 +11,14 @@ from dataclasses import dataclass
 from fractions import Fraction
 from time import process_time
 
+import numpy as np
+
+from ...levels.judged import SCHEDULE, judged
 from ...scene.case.model import Case
 from ...scene.result import BYTE_LEVEL
 from ...scene.scene import Scene
 
+TOGETHER, ROUNDS = 1000, 50  # scenarios of so many rounds, where a level runs many in a call
 TRACED = Fraction(2, 100)  # seconds of the scene in which allocations are traced: tracing takes several times as long
 
 
@@ -22,6 +26,9 @@ TRACED = Fraction(2, 100)  # seconds of the scene in which allocations are trace
 class Cost:
     """cpu_s: of the run, building apart. memory: bytes that Python had allocated at most, by tracemalloc, from before
     the scene was built to the end of the first TRACED seconds. byte_level: I2C bytes that passed at byte level.
+
+    once_cpu_s, once_events: of measuring terms, on `once_s` seconds of edges, however long the run. together_s: CPU of
+    a simulated second where many scenarios are run in a call.
     """
 
     simulated_s: float
@@ -31,6 +38,10 @@ class Cost:
     sci_bytes: int
     byte_level: int
     memory: int
+    once_cpu_s: float = 0.0
+    once_events: int = 0
+    once_s: float = 0.0
+    together_s: float = 0.0
 
     @property
     def cpu_per_second(self) -> float:
@@ -49,6 +60,8 @@ class Cost:
 
 def cost_of(case: Case, length: Fraction, traced: bool = True) -> Cost:
     """Two runs: one timed, and the begin of one traced, where memory is asked for; else it is 0."""
+    if case.fidelity == SCHEDULE:
+        return _of_schedule(case, length, traced)
     scene = Scene(case)
     gc.collect()
     began = process_time()
@@ -59,11 +72,39 @@ def cost_of(case: Case, length: Fraction, traced: bool = True) -> Cost:
     return Cost(result.simulated_s, cpu, result.events, result.wire_bytes, result.sci_bytes, passed, memory)
 
 
+def _of_schedule(case: Case, length: Fraction, traced: bool) -> Cost:
+    from ...levels.schedule import schedule
+    from ...levels.schedule.scheduled_scene import ScheduledScene, tells
+
+    case = case.model_copy(update={"budget": tuple(each for each in case.budget if tells(case, each)), "breaks": ()})
+    began = process_time()
+    scene = ScheduledScene(case)
+    built = process_time()
+    result = scene.run(length)
+    ran = process_time()
+    many = schedule(scene.structure, {"seed": np.arange(TOGETHER)}, rounds=ROUNDS)
+    together = (process_time() - ran) / TOGETHER / (many.seconds(many.end).mean())
+    memory = _memory(case, length) if traced else 0
+    return Cost(
+        result.simulated_s,
+        ran - built,
+        0,
+        result.wire_bytes,
+        result.sci_bytes,
+        0,
+        memory,
+        built - began,
+        result.events,
+        result.terms_s,
+        float(together),
+    )
+
+
 def _memory(case: Case, length: Fraction) -> int:
     gc.collect()
     tracemalloc.start()
     try:
-        Scene(case).run(min(length, TRACED))
+        judged(case).run(min(length, TRACED))
         return tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()

@@ -8,7 +8,7 @@ begin, in ticks.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -16,9 +16,11 @@ import numpy as np
 
 from ...core.records import Recorder
 from ...core.time import Timebase
+from ...levels.judged import SCHEDULE
 from ...scene.case.model import BadCase, Case
 from ...scene.scene import Scene
 from ...timing.budget_schema import Budget
+from ...timing.budgets import BudgetJudge
 from ...timing.measures.measure import MILLIONTHS, Measure
 from .errors import CYCLES, Errors, errors_of
 from .moments import Ints, Label, Met, MomentListener
@@ -58,6 +60,8 @@ class Observed:
 
 def observe(case: Case, length: Fraction) -> Observed:
     """Run `case` for `length` seconds, recorded. BadCase and its like where it cannot be run."""
+    if case.fidelity == SCHEDULE:
+        return _by_schedule(case, length)
     watched = case.model_copy(update={"budget": (*case.budget, *_more(case)), "breaks": ()})
     listener = MomentListener()
 
@@ -66,13 +70,30 @@ def observe(case: Case, length: Fraction) -> Observed:
 
     scene = Scene(watched, subscribe, keep_values=True)
     scene.run(length)
-    values: dict[str, tuple[str, Ints]] = {}
-    for limit in scene.limits:
-        values.setdefault(limit.budget.measure, (limit.measure.unit, _taken(limit.measure)))
+    values = _values(scene.limits)
     moments = {label: at - scene.start for label, at in listener.moments().items()}
     return Observed(
         moments, listener.data(), values, float(_cycle(case, scene.timebase)), scene.timebase.per_second, listener.met()
     )
+
+
+def _by_schedule(case: Case, length: Fraction) -> Observed:
+    """Of the measures that the level tells: it has no records."""
+    from ...levels.schedule.scheduled_scene import ScheduledScene, tells
+
+    edge = case.model_copy(update={"fidelity": "edge"})
+    budgets = tuple(budget for budget in (*case.budget, *_more(edge)) if tells(edge, budget))
+    scene = ScheduledScene(case.model_copy(update={"budget": budgets, "breaks": ()}), keep_values=True)
+    scene.run(length)
+    timebase = scene.timebase
+    return Observed({}, {}, _values(scene.limits), float(_cycle(case, timebase)), timebase.per_second, {})
+
+
+def _values(limits: Iterable[BudgetJudge]) -> dict[str, tuple[str, Ints]]:
+    found: dict[str, tuple[str, Ints]] = {}
+    for limit in limits:
+        found.setdefault(limit.budget.measure, (limit.measure.unit, _taken(limit.measure)))
+    return found
 
 
 def _more(case: Case) -> Iterator[Budget]:

@@ -7,7 +7,7 @@ from dataclasses import asdict
 from math import inf, isinf
 
 from ...core.text_table import paragraph, text_table, together
-from .cost import TRACED, Cost
+from .cost import TOGETHER, TRACED, Cost
 from .errors import CYCLES, Errors
 from .levels import REFERENCE
 from .trade import Outcome, Trade
@@ -65,22 +65,36 @@ def _level(outcome: Outcome, found: Trade) -> Iterator[str]:
         yield from paragraph(f"{name}: refused: {outcome.refused}")
         return
     wrong = [each for each in outcome.errors if not each.exact]
-    share = _byte_share(cost)
+    share = _byte_share(cost) + _once(cost)
     if not wrong:
         yield from paragraph(f"{name}: all {len(outcome.errors)} observables exact{share}")
         return
     yield from paragraph(
         f"{name}: {len(outcome.errors) - len(wrong)} of {len(outcome.errors)} observables exact{share}"
     )
-    yield ""
-    rows = [
-        (each.name, f"{each.count}", number(each.mean), number(each.p99), number(each.worst), together(each.unit))
-        for each in sorted(wrong, key=lambda each: -each.worst)
-    ]
-    yield from text_table(("observable", "count", "mean", "p99", "worst", ""), rows, range(1, 5))
-    for each in wrong:
+    without_records = bool(cost.once_events)  # then lists of what it lacks are long
+    there = [each for each in wrong if each.lacking < each.count or not without_records]
+    if there:
+        yield ""
+        rows = [
+            (each.name, f"{each.count}", number(each.mean), number(each.p99), number(each.worst), together(each.unit))
+            for each in sorted(there, key=lambda each: -each.worst)
+        ]
+        yield from text_table(("observable", "count", "mean", "p99", "worst", ""), rows, range(1, 5))
+    for each in there:
         if isinf(each.worst):
             yield from paragraph(f"{each.name}: {without_partner(each)}")
+    lacks = [each.name for each in wrong if each not in there]
+    if lacks:
+        yield from paragraph(f"lacks altogether, each an infinite error: {', '.join(lacks)}")
+
+
+def _once(cost: Cost) -> str:
+    if not cost.once_events:
+        return ""
+    terms = f"{cost.once_cpu_s:.2g} s of CPU and {cost.once_events} events on {_length(cost.once_s)} of edges"
+    many = f"{TOGETHER} scenarios in a call: {number(cost.together_s * 1e6)} us of CPU a simulated second"
+    return f"; its terms took {terms}; {many}"
 
 
 def without_partner(each: Errors) -> str:
@@ -131,6 +145,10 @@ def _outcome_as_json(outcome: Outcome) -> dict[str, object]:
         "events": cost.events,
         "memory_bytes": cost.memory,
         "byte_level_bytes": cost.byte_level,
+        "terms_cpu_s": cost.once_cpu_s,
+        "terms_events": cost.once_events,
+        "terms_s": cost.once_s,
+        "cpu_s_per_simulated_s_of_many": cost.together_s,
     }
     return told | {
         "cost": costs,

@@ -1,49 +1,20 @@
-"""The scenes of timing/trade: right on edges, and what the level "byte" makes of each of them."""
+"""The scenes of timing/trade: right on edges, and what other levels make of each of them, as docs/fidelity.md says."""
 
 from __future__ import annotations
 
-from functools import cache
-from math import inf
-from pathlib import Path
-
 import pytest
 
-from periph_sim.reports.trade.levels import REFERENCE, level_of
-from periph_sim.reports.trade.trade import Outcome, Trade, trade
-from periph_sim.scene.case.discover import cases_below
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
+from tests.docs.pages import ROOT
+from tests.docs.scene_table import LEVELS, NAMES, SCENES, cell, outcome, rows
 
-SCENES = Path(__file__).resolve().parents[3] / "timing" / "trade"
-NAMES = sorted(path.stem for path in cases_below(SCENES))
-
-# The worst error in cycles at level "byte"; where it is refused, why.
-BYTE: dict[str, float | str] = {
-    "arbitration": 0,  # edge by edge: the F28335 that is a master takes no whole bytes
-    "clock_gate": inf,
-    "lost_flag": inf,
-    "nack_interrupt": 748,
-    "noise_spike": "fault 0 (spike) may pull SCL and SDA edge by edge",
-    "pad_look": inf,
-    "reset_in_byte": 1617,
-    "sci_grid": 0,  # SCI frames are edges at every level but `schedule`
-    "stop_in_byte": "fault 0 (condition) may pull SCL and SDA edge by edge",
-    "zero_hold": 0,
+SHOWN = rows((ROOT / "docs" / "fidelity.md").read_text(encoding="utf-8"))
+REFUSED = {  # why
+    ("noise_spike", "byte"): "fault 0 (spike) may pull SCL and SDA edge by edge",
+    ("stop_in_byte", "byte"): "fault 0 (condition) may pull SCL and SDA edge by edge",
+    ("nack_interrupt", "schedule"): "it has no [host] or no [controller]",
 }
-
-
-@cache
-def traded(name: str) -> Trade:
-    path = SCENES / f"{name}.toml"
-    return trade(
-        lambda more: load(path, list(more)),
-        [level_of(REFERENCE), level_of("adaptive"), level_of("byte")],
-        load(path).duration,
-    )
-
-
-def outcome(name: str, level: str) -> Outcome:
-    return next(each for each in traded(name).outcomes if each.level.name == level)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -58,18 +29,20 @@ def test_adaptive_is_exact_in_each(name: str):
     assert all(each.exact for each in outcome(name, "adaptive").errors)
 
 
-def test_every_scene_says_what_byte_makes_of_it():
-    assert sorted(BYTE) == NAMES
+def test_the_page_has_every_scene():
+    assert sorted(SHOWN) == NAMES
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_what_byte_makes_of_it(name: str):
-    found, expected = outcome(name, "byte"), BYTE[name]
-    if isinstance(expected, str):
-        assert expected in found.refused
-    else:
-        assert not found.refused and found.worst == expected
-        assert all(each.exact for each in found.errors) == (not expected)
+@pytest.mark.parametrize("level", LEVELS)
+def test_what_a_level_makes_of_it_is_what_the_page_says(name: str, level: str):
+    """`python -m tests.docs.update fidelity` measures it anew."""
+    assert SHOWN[name][LEVELS.index(level)] == cell(outcome(name, level))
+
+
+@pytest.mark.parametrize(("name", "level"), REFUSED)
+def test_a_level_refuses_a_scene_with_the_reason(name: str, level: str):
+    assert REFUSED[name, level] in outcome(name, level).refused
 
 
 def test_a_flag_that_byte_loses_is_one_that_edges_keep():
@@ -78,5 +51,7 @@ def test_a_flag_that_byte_loses_is_one_that_edges_keep():
     assert lost["count of access R I2C-A.I2CDRR"].worst == 1
 
 
-def test_at_least_six_scenes_make_byte_wrong_or_are_refused():
-    assert sum(BYTE[name] != 0 for name in NAMES) >= 6
+def test_at_least_six_scenes_make_a_level_wrong_that_runs_them():
+    """A table in which all is exact is no result."""
+    wrong = {name for name in NAMES for level in LEVELS if cell(outcome(name, level)) not in ("exact", "refused")}
+    assert len(wrong) >= 6

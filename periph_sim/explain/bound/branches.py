@@ -16,7 +16,7 @@ from pathlib import Path
 from types import CodeType
 
 from .code_trace import Ran
-from .data_dependence import WAITS, Function, Kind, Module, called, own_nodes
+from .data_dependence import WAITS, Function, Kind, Module, called
 from .program import BUILTINS, MACHINE, METHODS, Program
 
 SHOWN = 40  # characters of source that a message repeats
@@ -59,17 +59,17 @@ class Decisions:
             what = f"the source of {code.co_name} cannot be read"
             yield Decision(code.co_filename, code.co_firstlineno, what)
             return
-        for module, part in self._program.called_from([(at[0], _part(at[1], begin, end))]):
+        for module, part in self._program.called_from([(at[0], _part(*at, begin, end))]):
             if part not in self._known:
                 self._known[part] = tuple(_Reader(self._program, module).found(part))
             yield from self._known[part]
 
 
-def _part(function: Function, begin: int, end: int) -> ast.AST:
+def _part(module: Module, function: Function, begin: int, end: int) -> ast.AST:
     """What of a function can run between two of its lines: its outermost loop around both, or all of it."""
     around = [
         node
-        for node in own_nodes(function)
+        for node in module.own_nodes(function)
         if isinstance(node, Loop) and all(node.lineno <= line <= (node.end_lineno or 0) for line in (begin, end))
     ]
     return min(around, key=lambda loop: loop.lineno, default=function)
@@ -84,7 +84,7 @@ class _Reader:
         self._file = next((path for path, one in program.modules.items() if one is module), "")
 
     def found(self, part: ast.AST) -> Iterator[Decision]:
-        for node in (part, *own_nodes(part)):
+        for node in (part, *self._module.own_nodes(part)):
             what = self._open(node)
             if what:
                 yield Decision(self._file, getattr(node, "lineno", 0), what)
@@ -153,7 +153,7 @@ class _Reader:
 
     def _leaves(self, part: ast.AST) -> bool:
         """True if it leaves the function, or a loop around it whose passes take time."""
-        for node in ast.walk(part):
+        for node in self._module.walk(part):
             if isinstance(node, ast.Return):
                 return True
             if isinstance(node, ast.Break | ast.Continue):

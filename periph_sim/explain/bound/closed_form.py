@@ -64,6 +64,7 @@ class ClosedForm:
             for length in (controller.period, controller.jitter, controller.first)
         )
         self._options = options
+        self._interrupts: dict[int, Term] = {}  # what `preempted` made already, by how many
         if any(fell not in self._reading for fell, _ in calm.stretches):
             what = "the unit holds SCL elsewhere than before the data of a read, and no term counts that"
             raise BadBound(f"case {case.name}: {what}; see `stretch` of a run with --explain for where and why")
@@ -129,7 +130,7 @@ class ClosedForm:
             candidates: list[Write] = []
             for chain in chains(calm, waits, point, "I2CDXR"):
                 before = Term(f"edge to the end of {which}", calm.bus(chain.edge) - calm.bus(need), "controller.rate")
-                length = total((*chain.terms, *self.release))
+                length = chain.length + total(self.release)
                 interrupts = self.preempted(length)
                 alone = length + before.ticks
                 writes = sum(chain.edge < tick <= point for tick in calm.writes)
@@ -146,10 +147,13 @@ class ClosedForm:
     def preempted(self, length: int) -> Term:
         """What interrupts add to something of so many ticks."""
         count = self.handlers.within(length)
-        cost = f"{self.handlers.cost / float(self.calm.cycle):.0f} cycles each"
-        source = f"{cost}, see service routine"
-        unproven = reasons(self.handlers.terms) if count else ""
-        return Term(f"interrupts by host frames: {count}", count * self.handlers.cost, source, unproven)
+        if count not in self._interrupts:
+            cost = f"{self.handlers.cost / float(self.calm.cycle):.0f} cycles each"
+            source = f"{cost}, see service routine"
+            unproven = reasons(self.handlers.terms) if count else ""
+            taken = count * self.handlers.cost
+            self._interrupts[count] = Term(f"interrupts by host frames: {count}", taken, source, unproven)
+        return self._interrupts[count]
 
     # Bounds --------------------------------------------------------------------
 
@@ -232,7 +236,7 @@ class ClosedForm:
         assert last.edge is not None
         flag = last.flag.rpartition(".")[2]
         for chain in chains(calm, waits, point, "I2CDXR"):
-            interrupts = self.preempted(total(chain.terms))
+            interrupts = self.preempted(chain.length)
             if chain.edge == last.edge:
                 yield (*chain.terms[1:], interrupts)
             else:
@@ -298,7 +302,7 @@ class ClosedForm:
             sums = []
             for chain in chains(calm, waits, made[0], "I2COAR"):
                 since = Term("edge to STOP", calm.bus(chain.edge) - calm.bus(before.stop_at), "controller.rate")
-                sums.append((*chain.terms, self.preempted(total(chain.terms)), since))
+                sums.append((*chain.terms, self.preempted(chain.length), since))
             if not sums:
                 return []
             each.append(max(sums, key=total))

@@ -45,6 +45,7 @@ class CodeTrace:
 
     def __init__(self, depth: int = 0) -> None:
         self.marks: list[Mark] = []
+        self._ticks: list[int] = []  # of the marks
         self._depth = depth
         self._uneven: dict[int, str] = {}  # a mark's number -> what is not constant about the code before it
         self._last: Stack = []
@@ -56,12 +57,14 @@ class CodeTrace:
         """
         stack = firmware_stack()[self._depth :]
         self.marks.append(Mark(tick, what, waited, between(self._last, stack)))
+        self._ticks.append(tick)
         self._last = stack
 
     def amend(self, tick: int) -> None:
         """The last mark was not the last of its kind: it moves to `tick`."""
         last, stack = self.marks[-1], firmware_stack()[self._depth :]
         self.marks[-1] = Mark(tick, last.what, last.waited, last.ran | between(self._last, stack))
+        self._ticks[-1] = tick
         self._last = stack
 
     def forget(self) -> None:
@@ -99,7 +102,7 @@ class CodeTrace:
 
     def _inside(self, begin: int, end: int) -> range:
         """The marks behind `begin`, up to the first that is not before `end`."""
-        ticks = [mark.tick for mark in self.marks]
+        ticks = self._ticks
         return range(bisect_right(ticks, begin), min(bisect_left(ticks, end) + 1, len(ticks)))
 
 

@@ -22,6 +22,10 @@ from typing import NamedTuple
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 Scope = Function | ast.Lambda | ast.Module
+Apart = Scope | ast.ClassDef  # what has names of its own
+Bare = ast.expr_context | ast.operator | ast.boolop | ast.unaryop | ast.cmpop  # parts of nodes that hold nothing
+Loop = ast.For | ast.AsyncFor | ast.comprehension
+Named = ast.ExceptHandler | ast.MatchAs | ast.MatchStar
 
 WAITS = frozenset({"spin", "spin_either"})
 PURE = frozenset(
@@ -58,9 +62,11 @@ class Module:
         return _module(path.read_text(encoding="utf-8"))
 
     def __init__(self, tree: ast.Module) -> None:
-        nodes = list(ast.walk(tree))
         self.tree = tree
-        self.parents = {child: parent for parent in nodes for child in ast.iter_child_nodes(parent)}
+        self.parents: dict[ast.AST, ast.AST] = {}
+        self._children: dict[ast.AST, list[ast.AST]] = {}
+        self._scopes: dict[ast.AST, Scope] = {tree: tree}
+        nodes = self._taken_apart()
         self.functions: dict[str, list[Function]] = defaultdict(list)
         self.classes = {node.name: node for node in nodes if isinstance(node, ast.ClassDef)}
         self._calls: dict[str, list[ast.Call]] = defaultdict(list)
@@ -68,6 +74,7 @@ class Module:
         self._names: dict[tuple[Scope, str], list[Assigned]] = defaultdict(list)
         self._attributes: dict[str, list[Assigned]] = defaultdict(list)
         self._kinds: dict[ast.AST, Kind] = {}
+        self._from_outside: dict[Scope, dict[str, Scope]] = {}  # names that `global` and `nonlocal` fetch, and whence
         for node in nodes:
             if isinstance(node, Function):
                 self.functions[node.name].append(node)
@@ -77,12 +84,38 @@ class Module:
                 self._passed_on.add(node.id if isinstance(node, ast.Name) else node.attr)
             self._keep_assignments(node)
 
+    def _taken_apart(self) -> list[ast.AST]:
+        """All nodes, the outer ones first; each gets its children, its parent and its scope."""
+        nodes: list[ast.AST] = [self.tree]
+        for node in nodes:  # which grows meanwhile
+            scope = node if isinstance(node, Scope) else self._scopes[node]
+            found = [child for child in ast.iter_child_nodes(node) if not isinstance(child, Bare)]
+            for child in found:
+                self.parents[child] = node
+                self._scopes[child] = scope
+            self._children[node] = found
+            nodes += found
+        return nodes
+
     def scope(self, node: ast.AST) -> Scope:
         """The function, lambda or module that a node belongs to."""
-        parent = self.parents.get(node)
-        while parent is not None and not isinstance(parent, Scope):
-            parent = self.parents.get(parent)
-        return self.tree if parent is None else parent
+        return self._scopes[node]
+
+    def walk(self, node: ast.AST) -> Iterator[ast.AST]:
+        """A node and all that is in it, the outer ones first."""
+        nodes = [node]
+        for inner in nodes:  # which grows meanwhile
+            yield inner
+            nodes += self._children[inner]
+
+    def own_nodes(self, scope: ast.AST) -> Iterator[ast.AST]:
+        """The nodes of a function without those of functions, lambdas and classes in it."""
+        waiting = list(self._children[scope])
+        while waiting:
+            node = waiting.pop()
+            yield node
+            if not isinstance(node, Apart):
+                waiting += self._children[node]
 
     # Assignments -----------------------------------------------------------------
 
@@ -94,14 +127,14 @@ class Module:
             self._assign(node.target, node.value)
         elif isinstance(node, ast.AugAssign):
             self._assign(node.target, None)
-        elif isinstance(node, ast.For | ast.AsyncFor | ast.comprehension):
+        elif isinstance(node, Loop):
             self._assign(node.target, node.iter, part=True)
         elif isinstance(node, ast.withitem) and node.optional_vars is not None:
             self._assign(node.optional_vars, None)
         elif isinstance(node, ast.Delete):
             for target in node.targets:
                 self._assign(target, None)
-        elif isinstance(node, ast.ExceptHandler | ast.MatchAs | ast.MatchStar) and node.name:
+        elif isinstance(node, Named) and node.name:
             self._names[self.scope(node), node.name].append(Assigned(node, None))
         elif isinstance(node, ast.MatchMapping) and node.rest:
             self._names[self.scope(node), node.rest].append(Assigned(node, None))
@@ -123,21 +156,31 @@ class Module:
     def _owner(self, name: ast.Name) -> Scope:
         """The scope of a name that is assigned here."""
         scope = self.scope(name)
-        if isinstance(scope, ast.Module):
-            return scope
-        for node in own_nodes(scope):
-            if isinstance(node, ast.Global) and name.id in node.names:
-                return self.tree
-            if isinstance(node, ast.Nonlocal) and name.id in node.names:
-                return self._around(scope, name.id)
-        return scope
+        if scope not in self._from_outside:
+            self._from_outside[scope] = self._fetched(scope)
+        return self._from_outside[scope].get(name.id, scope)
+
+    def _fetched(self, scope: Scope) -> dict[str, Scope]:
+        """What a function declares global or nonlocal, and where that is at home."""
+        found: dict[str, Scope] = {}
+        for node in self.own_nodes(scope):
+            if isinstance(node, ast.Global):
+                found |= dict.fromkeys(node.names, self.tree)
+            elif isinstance(node, ast.Nonlocal):
+                found |= {name: self._around(scope, name) for name in node.names}
+        return found
 
     def _around(self, scope: Scope, name: str) -> Scope:
         """The function around this one in which a name is at home."""
         outer = self.scope(scope)
-        while not isinstance(outer, ast.Module) and name not in _local(outer):
+        while not isinstance(outer, ast.Module) and name not in self._local(outer):
             outer = self.scope(outer)
         return outer
+
+    def _local(self, scope: Scope) -> set[str]:
+        """Names that a function assigns, or takes."""
+        stored = {n.id for n in self.own_nodes(scope) if isinstance(n, ast.Name) and not isinstance(n.ctx, ast.Load)}
+        return stored | set(parameters(scope))
 
     def _is_passed_on(self, node: ast.Name | ast.Attribute) -> bool:
         if not isinstance(node.ctx, ast.Load):
@@ -275,7 +318,7 @@ class Module:
             return False
         parent = self.parents.get(node)
         while parent is not None and parent is not scope:
-            if isinstance(parent, ast.For | ast.AsyncFor | ast.While | ast.comprehension):
+            if isinstance(parent, Loop | ast.While):
                 return False
             parent = self.parents.get(parent)
         return True
@@ -308,27 +351,11 @@ def called(node: ast.Call) -> str:
     return func.id if isinstance(func, ast.Name) else func.attr if isinstance(func, ast.Attribute) else ""
 
 
-def own_nodes(scope: ast.AST) -> Iterator[ast.AST]:
-    """The nodes of a function without those of functions, lambdas and classes in it."""
-    waiting = list(ast.iter_child_nodes(scope))
-    while waiting:
-        node = waiting.pop()
-        yield node
-        if not isinstance(node, Scope | ast.ClassDef):
-            waiting += ast.iter_child_nodes(node)
-
-
 def parameters(scope: Scope) -> list[str]:
     if isinstance(scope, ast.Module):
         return []
     of = scope.args
     return [arg.arg for arg in (*of.posonlyargs, *of.args, *of.kwonlyargs, *filter(None, (of.vararg, of.kwarg)))]
-
-
-def _local(scope: Scope) -> set[str]:
-    """Names that a function assigns, or takes."""
-    stored = {n.id for n in own_nodes(scope) if isinstance(n, ast.Name) and not isinstance(n.ctx, ast.Load)}
-    return stored | set(parameters(scope))
 
 
 def _argument(call: ast.Call, name: str, place: int) -> ast.expr | None:

@@ -9,6 +9,7 @@ flag --> poll pass                                   before it falls again, or a
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 from ...bus.i2c.transfer import Transfer
 from ...core.registers import OnWrite
@@ -20,14 +21,27 @@ from .terms import BadBound, Bound, Term, total
 
 def deadlines(closed: ClosedForm) -> list[Bound]:
     """The spare time before each deadline, at its least; negative where it may be missed."""
-    tightest: dict[str, Bound] = {}
-    for bound in (*_ready(closed), *_cleared(closed), *_seen(closed)):
-        if bound.name not in tightest or bound.ticks < tightest[bound.name].ticks:
-            tightest[bound.name] = bound
-    return list(tightest.values())
+    tightest: dict[str, Deadline] = {}
+    for deadline in (*_ready(closed), *_cleared(closed), *_seen(closed)):
+        name = deadline.name
+        if name not in tightest or deadline.spare < tightest[name].spare:
+            tightest[name] = deadline
+    return [deadline.bound() for deadline in tightest.values()]
 
 
-def _ready(closed: ClosedForm) -> Iterator[Bound]:
+class Deadline(NamedTuple):
+    """there: what makes up the time until then. cost: what has to be done before."""
+
+    name: str
+    spare: int
+    there: tuple[Term, ...]
+    cost: tuple[Term, ...]
+
+    def bound(self) -> Bound:
+        return Bound(self.name, "", (*self.there, *(term.taken_off() for term in self.cost)), least=True)
+
+
+def _ready(closed: ClosedForm) -> Iterator[Deadline]:
     """Back in its wait when the next transfer begins."""
     calm = closed.calm
     for before, after in zip([None, *calm.transfers], calm.transfers, strict=False):
@@ -44,7 +58,7 @@ def _ready(closed: ClosedForm) -> Iterator[Bound]:
             continue
         for chain in chains(calm, waits_between(calm, before.phases[0].start_at, begins), wait.first, wait.place):
             there = _until(closed, chain, before, after)
-            yield _spare(f"{after.name} asked", there, (*chain.terms, closed.preempted(total(chain.terms))))
+            yield _spare(f"{after.name} asked", there, (*chain.terms, closed.preempted(chain.length)))
 
 
 def _until(closed: ClosedForm, chain: LatestChain, before: Transfer, after: Transfer) -> tuple[Term, ...]:
@@ -57,7 +71,7 @@ def _until(closed: ClosedForm, chain: LatestChain, before: Transfer, after: Tran
     return stop, Term("slack", closed.slack.ticks, "its own bound")
 
 
-def _cleared(closed: ClosedForm) -> Iterator[Bound]:
+def _cleared(closed: ClosedForm) -> Iterator[Deadline]:
     """I2CSTR written before a flag rises that the write would clear, and that is waited for afterwards."""
     calm = closed.calm
     clearable = {f"I2C-A.I2CSTR.{f.name}" for f in I2C_MAP["I2CSTR"].fields if f.on_write is OnWrite.ONE_CLEARS}
@@ -70,11 +84,11 @@ def _cleared(closed: ClosedForm) -> Iterator[Bound]:
             flag = later.flag.rpartition(".")[2]
             for chain in chains(calm, waits_between(calm, begin, written), written, f"I2CSTR in {place}"):
                 there = Term(f"edge to {flag}", calm.bus(later.edge) - calm.bus(chain.edge), "controller.rate")
-                cost = (*chain.terms, closed.preempted(total(chain.terms)))
+                cost = (*chain.terms, closed.preempted(chain.length))
                 yield _spare(f"{flag} of {transfer.name} rises", (there,), cost)
 
 
-def _seen(closed: ClosedForm) -> Iterator[Bound]:
+def _seen(closed: ClosedForm) -> Iterator[Deadline]:
     """A wait sees its flag before the bus makes it fall, or makes another flag rise that would end it another way."""
     calm = closed.calm
     for transfer in calm.transfers:
@@ -94,9 +108,8 @@ def _seen(closed: ClosedForm) -> Iterator[Bound]:
             for chain in chains(calm, waits_between(calm, begin, wait.end), wait.end, f"a read of {flag}"):
                 left = calm.bus(min(ends)) - calm.bus(chain.edge) - calm.ticks(1) - calm.rounding
                 there = Term("edge to the flag's next change", left, "controller.rate")
-                yield _spare(f"{flag} seen in time", (there,), (*chain.terms, closed.preempted(total(chain.terms))))
+                yield _spare(f"{flag} seen in time", (there,), (*chain.terms, closed.preempted(chain.length)))
 
 
-def _spare(name: str, there: tuple[Term, ...], cost: tuple[Term, ...]) -> Bound:
-    taken = tuple(term.taken_off() for term in cost)
-    return Bound(name, "", (*there, *taken), least=True)
+def _spare(name: str, there: tuple[Term, ...], cost: tuple[Term, ...]) -> Deadline:
+    return Deadline(name, total(there) - total(cost), there, cost)

@@ -10,6 +10,8 @@ against another instant of the bus.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 
 from .terms import Term, total
 from .undisturbed_run import UndisturbedRun, Wait
@@ -22,21 +24,38 @@ class LatestChain:
     edge: int
     terms: tuple[Term, ...]
 
+    @cached_property
+    def length(self) -> int:
+        """Ticks of its terms."""
+        return total(self.terms)
+
     @property
     def end(self) -> int:
         """When the point is reached, counted in the calm run's ticks."""
-        return self.edge + total(self.terms)
+        return self.edge + self.length
 
 
 def chains(calm: UndisturbedRun, waits: list[Wait], point: int, name: str) -> list[LatestChain]:
     """The chains of these waits, which are in order, to the code at `point`; name: what is done there."""
-    found = []
-    for k, wait in enumerate(waits):
-        if wait.edge is None:
-            continue
+    if not waits:
+        return []
+    last = waits[-1]
+    codes = [_code(calm, one.end, of.first, f"{one.place} to {of.place}", of.into) for one, of in pairwise(waits)]
+    codes.append(_code(calm, last.end, point, f"{last.place} to {name}"))
+    return [
+        LatestChain(wait.edge, (*_noticed(calm, wait), *codes[k:]))
+        for k, wait in enumerate(waits)
+        if wait.edge is not None
+    ]
+
+
+def _noticed(calm: UndisturbedRun, wait: Wait) -> tuple[Term, Term]:
+    """From an edge on the bus to the end of the wait for its flag; a wait is part of many chains."""
+    if wait.first not in calm.wait_terms:
         flags = " or ".join(field.rpartition(".")[2] for field in wait.fields)
         length = "poll_pass" if wait.pass_cycles is None else "pass_cycles"
-        terms = [
+        reads = f"{wait.reads} read{'s' * (wait.reads > 1)} a pass"
+        calm.wait_terms[wait.first] = (
             Term(
                 f"{flags} behind its edge",
                 calm.longest_delay(wait),
@@ -45,16 +64,10 @@ def chains(calm: UndisturbedRun, waits: list[Wait], point: int, name: str) -> li
             Term(
                 f"poll pass for {flags}",
                 calm.ticks(calm.pass_cycles(wait) - 1),
-                f"{length} less 1, {wait.reads} read{'s' * (wait.reads > 1)} a pass; {wait.place}",
+                f"{length} less 1, {reads}; {wait.place}",
             ),
-        ]
-        at, place = wait.end, wait.place
-        for later in waits[k + 1 :]:
-            terms.append(_code(calm, at, later.first, f"{place} to {later.place}", later.into))
-            at, place = later.end, later.place
-        terms.append(_code(calm, at, point, f"{place} to {name}"))
-        found.append(LatestChain(wait.edge, tuple(terms)))
-    return found
+        )
+    return calm.wait_terms[wait.first]
 
 
 def _code(calm: UndisturbedRun, begin: int, end: int, what: str, into: int = 0) -> Term:

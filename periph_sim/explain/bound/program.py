@@ -29,6 +29,7 @@ GIVEN_A_NAME = {"setattr", "getattr"}  # an access where they are given a module
 BUILTINS = {name for name in vars(builtins) if not name.startswith("_")} - GIVEN_A_NAME
 DATA = (bytes, bytearray, dict, list, set, str, tuple, int, float)
 METHODS = {name for kind in DATA for name in vars(kind) if not name.startswith("_")}
+PLAIN = BUILTINS | METHODS
 
 
 class Program:
@@ -60,13 +61,13 @@ class Program:
             if part in found:
                 continue
             found[part] = module
-            waiting += self._called_in(part)
+            waiting += self._called_in(module, part)
         return [(module, part) for part, module in found.items()]
 
-    def _called_in(self, part: ast.AST) -> list[tuple[Module, Function]]:
+    def _called_in(self, module: Module, part: ast.AST) -> list[tuple[Module, Function]]:
         """The functions that a part calls itself, as far as they may take time."""
         if part not in self._callees:
-            calls = (node for node in ast.walk(part) if isinstance(node, ast.Call))
+            calls = (node for node in module.walk(part) if isinstance(node, ast.Call))
             self._callees[part] = [(m, f) for call in calls for m, f in self._may_call(call) if self.pays(m, f)]
         return self._callees[part]
 
@@ -87,7 +88,7 @@ class Program:
             for module in self.modules.values()
             for named in module.functions.values()
             for function in named
-            if any(isinstance(node, ast.Yield | ast.YieldFrom) for node in ast.walk(function))
+            if any(isinstance(node, ast.Yield | ast.YieldFrom) for node in module.walk(function))
         ]
 
     def pays(self, module: Module, *nodes: ast.AST) -> bool:
@@ -97,7 +98,7 @@ class Program:
     def _pays(self, module: Module, node: ast.AST) -> bool:
         if node not in self._paying:
             self._paying[node] = False  # a function that calls itself: what else is in it decides
-            self._paying[node] = any(self._takes_time(module, inner) for inner in ast.walk(node))
+            self._paying[node] = any(self._takes_time(module, inner) for inner in module.walk(node))
         return self._paying[node]
 
     def _takes_time(self, module: Module, node: ast.AST) -> bool:
@@ -110,7 +111,7 @@ class Program:
             return name not in FREE
         if any(self._pays(m, f) for m, f in self._may_call(node)):
             return True
-        if name in BUILTINS | METHODS:
+        if name in PLAIN:
             return False
         given = [*node.args, *(key.value for key in node.keywords)]
         return any(isinstance(arg, ast.Lambda) or module.kind(arg) is Kind.HANDLE for arg in given)

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cached_property
 from itertools import pairwise
 from math import ceil
 from types import CodeType
@@ -45,7 +46,7 @@ class ServiceRoutines:
     seconds: Fraction = Fraction(0)
     events: int = 0
 
-    @property
+    @cached_property
     def cost(self) -> int:
         return total(self.terms)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 
 
@@ -24,7 +24,7 @@ class Term:
     unproven: str = ""
 
     def taken_off(self) -> Term:
-        return replace(self, ticks=-self.ticks)
+        return Term(self.what, -self.ticks, self.source, self.unproven)
 
 
 @dataclass(frozen=True)

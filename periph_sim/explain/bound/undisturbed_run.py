@@ -96,6 +96,7 @@ class UndisturbedRun:
     code_terms: dict[tuple[int, int, str, int], Term] = field(default_factory=dict)  # of chains, made once each
     seconds: Fraction = Fraction(0)  # of this run
     events: int = 0  # that it took
+    wait_terms: dict[int, tuple[Term, Term]] = field(default_factory=dict)  # of waits, by their first read
     _unproven: dict[tuple[int, int], str] = field(default_factory=dict)  # what `unproven` found out already
 
     def unproven(self, begin: int, end: int) -> str:

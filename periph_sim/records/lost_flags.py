@@ -12,7 +12,7 @@ import numpy as np
 from ..core.registers import Field
 from .read_modify_write import read_modify_writes
 from .register_maps import one_clears
-from .run import Group, Rows, Run
+from .run import Group, Rows, Run, among
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ def modifies(run: Run, group: Group) -> list[ReadModifyWrite]:
     reads, writes = pairs(run, group)
     found = []
     for place, some in run.by_place(writes):
-        of_place = np.isin(writes, some)
+        of_place = among(writes, some)
         found.append(_judged(run, group, place, reads[of_place], writes[of_place], fields))
     return found
 
@@ -71,7 +71,7 @@ def modifies(run: Run, group: Group) -> list[ReadModifyWrite]:
 def pairs(run: Run, group: Group) -> tuple[Rows, Rows]:
     """Reads and writes, row by row, of the read-modify-writes among a group of writes."""
     found = read_modify_writes(run, group.unit)
-    ours = np.isin(found.writes, group.rows)
+    ours = among(found.writes, group.rows)
     return found.reads[ours], found.writes[ours]
 
 
@@ -87,9 +87,12 @@ def _judged(
     if named:
         meant = [f for f in fields if f.name in named]
     doubt = ones if not meant and not named else []
-    plain = np.setdiff1d(run.accesses_of(group.unit, "R", group.module, group.register.name), reads)
+    every = np.sort(run.accesses_of(group.unit, "R", group.module, group.register.name))
+    plain = every[~among(every, reads)]
     flags = [
-        _lost(run, group, f, reads, writes, run.looking_at(plain, f), f not in meant and f not in doubt) for f in fields
+        _lost(run, group, f, reads, writes, run.looking_at(plain, f), f not in meant and f not in doubt)
+        for f in fields
+        if len(run.changes(group.unit, group.module, group.register, f))  # what never changed was never lost
     ]
     return ReadModifyWrite(
         group.unit,
@@ -109,7 +112,7 @@ def _lost(run: Run, group: Group, f: Field, reads: Rows, writes: Rows, plain: Ro
     changes = run.changes(group.unit, group.module, group.register, f)
     rises, falls = changes[table.value[changes] != 0], changes[table.value[changes] == 0]
     rose = np.searchsorted(rises, writes) > np.searchsorted(rises, reads)
-    cleared = np.isin(writes, run.made_by(falls))
+    cleared = among(writes, run.made_by(falls))
     along = cleared & ~rose & (table.value[reads] & f.mask != 0) & other
     place = np.searchsorted(rises, reads) - 1
     last_rise = np.append(rises, -1)[place]

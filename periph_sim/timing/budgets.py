@@ -57,7 +57,8 @@ class BudgetJudge:
         self._timebase = timebase
         self._found = ""
         self._coverage_of = budget.coverage
-        self._limits = {key: self._limit(key, given) for key, given in budget.limits().items()}
+        self._given = budget.limits()
+        self._limits = {key: self._limit(key, given) for key, given in self._given.items()}
         self._check()
         if budget.after is not None:
             if not self.measure.series:
@@ -129,7 +130,7 @@ class BudgetJudge:
 
     def _check(self) -> None:
         """Refuse limits that no run can keep, or of which one says all that another says."""
-        limits, given = self._limits, self.budget.limits()
+        limits, given = self._limits, self._given
         others = [key for key in limits if key != "exactly"]
         if "exactly" in limits and others:
             raise BadBudget(f"exactly says all that {' and '.join(others)} could; leave one of them out", "exactly")
@@ -215,13 +216,13 @@ class BudgetJudge:
             margin=None if silent else self.show(nearest.slack),
             count=measure.counted,
             verdict=FAIL if nearest.slack < 0 or measure.refuted else NOT_JUDGED if silent or not enough else PASS,
-            at_s=None if at < 0 else float(self._timebase.seconds(at - start)),
+            at_s=None if at < 0 else (at - start) / self._timebase.per_second,
             why=self.budget.why,
             which=nearest.which,
             found=found,
             measured=measure.measured,
             occasions=measure.occasions,
-            until_s=None if until < 0 else float(self._timebase.seconds(until - start)),
+            until_s=None if until < 0 else (until - start) / self._timebase.per_second,
         )
 
     def _can_judge(self, which: str, limit: int) -> bool:
@@ -254,7 +255,7 @@ class BudgetJudge:
         if verdict.unit == "us" and verdict.worst is not None:
             value = self._timebase.show(round(verdict.worst * self._timebase.per_second / 1_000_000))
         at = "" if verdict.at_s is None else f" at {verdict.at_s:.6f} s"
-        return f"{self.budget.measure} {value}{at} ({verdict.which} {self.budget.limits()[verdict.which]})"
+        return f"{self.budget.measure} {value}{at} ({verdict.which} {self._given[verdict.which]})"
 
     def _beside(self, which: str, limit: int) -> _Seen:
         measure = self.measure
@@ -273,12 +274,13 @@ class BudgetJudge:
     def show(self, value: int) -> float | int:
         """A value of the measure in the unit of verdicts."""
         if self.measure.unit == "%":
-            return float(Fraction(value * 100, MILLIONTHS))
+            return value * 100 / MILLIONTHS
         if self.measure.unit == "LSB":
-            return float(Fraction(value, MILLIONTHS))
+            return value / MILLIONTHS
         if self.measure.unit != "time":
             return value
-        return float(round(Fraction(value * 1_000_000, self._timebase.per_second), 4))
+        tenths = Fraction(value * 10_000_000_000, self._timebase.per_second)  # of a nanosecond
+        return round(tenths) / 10_000
 
 
 def _measure(text: str, scope: Scope) -> Measure:

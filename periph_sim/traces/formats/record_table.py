@@ -86,7 +86,10 @@ class RecordTable:
         for column, name in (("kind", kind.value if kind else None), ("where", where), ("what", what)):
             if name is not None:
                 places = [place for place, known in enumerate(self.names[column]) if known == name]
-                wanted &= np.isin(self.columns[column], places)
+                if len(places) == 1:
+                    wanted &= self.columns[column] == places[0]
+                else:
+                    wanted &= np.isin(self.columns[column], places)
         return np.flatnonzero(wanted)
 
     def texts(self, column: str, rows: NDArray[np.int64] | None = None) -> list[str]:
@@ -193,8 +196,10 @@ class Columns(Keeper):
         wheres, whats = Strings(), Strings()
         places = np.zeros((3, len(self._topics)), np.uint32)
         known = list(self._topics)
-        used, first = np.unique(topic, return_index=True)
-        for tag in used[np.argsort(first)].tolist():
+        first = np.full(len(known), len(topic))
+        first[topic[::-1]] = np.arange(len(topic))[::-1]  # where a topic comes several times, its first place is put last
+        used = np.flatnonzero(first < len(topic))
+        for tag in used[np.argsort(first[used])].tolist():
             kind, where, what = known[tag]
             places[:, tag] = NUMBER_OF[kind], wheres[where], whats[what]
         kinds = places[0].astype(COLUMNS["kind"][1])

@@ -197,7 +197,7 @@ class Columns(Keeper):
         places = np.zeros((3, len(self._topics)), np.uint32)
         known = list(self._topics)
         first = np.full(len(known), len(topic))
-        first[topic[::-1]] = np.arange(len(topic))[::-1]  # where a topic comes several times, its first place is put last
+        first[topic[::-1]] = np.arange(len(topic))[::-1]  # of a topic's places its first one is put last
         used = np.flatnonzero(first < len(topic))
         for tag in used[np.argsort(first[used])].tolist():
             kind, where, what = known[tag]

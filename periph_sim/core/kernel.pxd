@@ -13,7 +13,7 @@ cdef class Call(Agent):
 
 cdef class Event:
     cdef public long long time, phase, rank, tag
-    cdef public bint queued
+    cdef public bint queued, plain
     cdef public Agent agent
 
 
@@ -37,12 +37,15 @@ cdef class Shortcut:
 cdef class Kernel:
     cdef public long long now, events
     cdef public Shortcut shortcut
+    cdef public object fault, helper, home
+    cdef public bint released
     cdef list _queue
     cdef Settles _unsettled
     cdef Samples _sampling, _sampling_last
-    cdef long long _horizon, _number, _ranks, _phase
+    cdef long long _at, _bound, _bound_rank, _horizon, _in_this_tick, _number, _phase, _ranks
     cdef bint _stop, _settling
     cpdef long long rank(self)
+    @cython.locals(event=Event)
     cpdef Event at(self, long long time, object action, long long phase=*)
     @cython.locals(event=Event)
     cpdef Event ask(self, long long time, Agent agent, long long tag=*, long long phase=*)
@@ -64,7 +67,10 @@ cdef class Kernel:
     @cython.locals(wire=Settles, next_wire=Settles, party=Samples, next_party=Samples)
     cpdef void settle(self)
     cpdef void run_until(self, long long time)
-    @cython.locals(event=Event, last=cython.longlong)
+    cpdef bint help(self, object helper)
+    @cython.locals(bound=cython.longlong, rank=cython.longlong, at=cython.longlong, in_this_tick=cython.longlong)
     cdef void _do(self, long long time, long long before)
+    @cython.locals(event=Event)
+    cdef bint _next(self, bint at_home)
     cpdef void catch_up(self)
     cpdef void replay(self, long long since, Agent agent, long long tag)

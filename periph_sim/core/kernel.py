@@ -9,6 +9,9 @@ scene are equal. What an answer moves in the same tick settles after it.
 A CPU that runs ahead of the queue asks `quiet_until` how far it may go: up to that time,
 not including it, nothing else can happen (a lease), so it may move `now` by itself.
 
+Who has to wait in the middle of its turn, as firmware does, may do what is due from there (`help`): its turn goes on as
+soon as `released` says so. A plain function is never called from there: it may do anything, end that very turn, too.
+
 What nobody can tell from its end may pass at once, without its events (`Shortcut`). Who could tell after all, since it
 looks or meddles in the middle, says so before (`catch_up`): the events are then done up to now, in their order.
 """
@@ -66,9 +69,12 @@ class Call(Agent):
 
 
 class Event:
-    """What an agent asked for. rank: orders what comes at one time, by phase, then by number. queued: still to come."""
+    """What an agent asked for. rank: orders what comes at one time, by phase, then by number. queued: still to come.
 
-    __slots__ = ("agent", "phase", "queued", "rank", "tag", "time")
+    plain: the agent calls a function.
+    """
+
+    __slots__ = ("agent", "phase", "plain", "queued", "rank", "tag", "time")
 
     time: int
     phase: int
@@ -76,6 +82,7 @@ class Event:
     agent: Agent
     tag: int
     queued: bool
+    plain: bool
 
 
 class Settles:
@@ -119,18 +126,29 @@ class Shortcut:
 class Kernel:
     """shortcut: what passes at once now, if anything does. events: how many were done, cancelled ones not counted; the
     measure of cost.
+    helper: in whose turn events are done now; None: in nobody's. released: its turn goes on after the present event.
+    home: where the events are done that no helper does, for those who know the way there. fault: raised in a helper's
+    turn, and not its own: to be raised at home.
     """
 
     def __init__(self, start: int = 0) -> None:
         self.now = start
         self.events = 0
         self.shortcut: Shortcut | None = None
+        self.helper: object = None
+        self.released = False
+        self.home: object = None
+        self.fault: BaseException | None = None
         self._unsettled: Settles | None = None  # what moved in the present phase, by rank: the first of a chain
         self._sampling: Samples | None = None  # who is to be told of it: by rank, and then in the order of wires
         self._sampling_last: Samples | None = None
         self._settling = False  # the wires take their levels
         self._phase = TIMER  # of the event done last
         self._horizon = start
+        self._bound = start  # what is due up to then is done now,
+        self._bound_rank = 0  # and of that time itself what is below this rank
+        self._at = -1  # of the event done last
+        self._in_this_tick = 0  # how many came before it
         self._number = 0
         self._queue: list[Event] = []  # the next one last
         self._stop = False
@@ -143,7 +161,9 @@ class Kernel:
 
     def at(self, time: int, action: Action, phase: int = TIMER) -> Event:
         """Promise to call `action` at `time` (ticks). Returns the promise. ValueError if that is past."""
-        return self.ask(time, Call(action), 0, phase)
+        event = self.ask(time, Call(action), 0, phase)
+        event.plain = True
+        return event
 
     def ask(self, time: int, agent: Agent, tag: int = 0, phase: int = TIMER) -> Event:
         """Promise to call `agent.act(tag)` at `time` (ticks). Returns the promise. ValueError if that is past."""
@@ -151,6 +171,7 @@ class Kernel:
         event.agent = agent
         event.phase = phase
         event.queued = False
+        event.plain = False
         self.renew(event, time, tag)
         return event
 
@@ -288,39 +309,64 @@ class Kernel:
             self.now, self._phase = time, _BEHIND
         self.catch_up()
 
+    def help(self, helper: object) -> bool:
+        """Do what is due in the middle of `helper`'s turn. True when that goes on.
+
+        False: the rest is done at home, since nothing is left, or it is a plain function's turn.
+        """
+        self.helper = helper
+        self.released = False
+        while self._next(False):
+            if self.released:
+                self.helper = None
+                return True
+        self.helper = None
+        return False
+
     def _do(self, time: int, before: int) -> None:
         """Everything that is due up to `time`, there before this phase; nothing is unsettled behind it."""
-        queue, last = self._queue, before * _NUMBERS
-        at, phase, in_this_tick = -1, 0, 0  # of the event done last
-        while not self._stop:
-            if self._unsettled is not None or self._sampling is not None:
-                if not queue:
-                    self.settle()  # may ask for something in this tick
-                    continue
-                event = queue[-1]
-                if event.time > at or event.phase > phase:
-                    self.settle()
-                    continue
-            elif not queue:
-                break
-            event = queue[-1]
-            if event.time >= time and (event.time > time or event.rank >= last):
-                break
-            queue.pop()
-            event.queued = False
-            self.events += 1
-            self._phase = phase = event.phase
-            if event.time != self.now:
-                in_this_tick = 0
-            else:
-                in_this_tick += 1
-                if in_this_tick > STORM:
-                    raise SimulationStuck(
-                        f"{STORM} events at t={self.now} without time passing; the last: {describe(event.agent)}"
-                    )
-            self.now = at = event.time
-            event.agent.act(event.tag)
+        bound, rank, at, in_this_tick = self._bound, self._bound_rank, self._at, self._in_this_tick
+        self._bound, self._bound_rank, self._at, self._in_this_tick = time, before * _NUMBERS, -1, 0
+        while self._next(True):
+            pass
         self.settle()
+        self._bound, self._bound_rank, self._at, self._in_this_tick = bound, rank, at, in_this_tick
+
+    def _next(self, at_home: bool) -> bool:
+        """What is to be done next: let the wires settle, or one event. False if there is nothing, not here at least."""
+        if self._stop:
+            return False
+        queue = self._queue
+        if self._unsettled is not None or self._sampling is not None:
+            if not queue:
+                self.settle()  # may ask for something in this tick
+                return True
+            event = queue[-1]
+            if event.time > self._at or event.phase > self._phase:
+                self.settle()
+                return True
+        elif not queue:
+            return False
+        event = queue[-1]
+        if event.time >= self._bound and (event.time > self._bound or event.rank >= self._bound_rank):
+            return False
+        if event.plain and not at_home:
+            return False
+        queue.pop()
+        event.queued = False
+        self.events += 1
+        self._phase = event.phase
+        if event.time != self.now:
+            self._in_this_tick = 0
+        else:
+            self._in_this_tick += 1
+            if self._in_this_tick > STORM:
+                raise SimulationStuck(
+                    f"{STORM} events at t={self.now} without time passing; the last: {describe(event.agent)}"
+                )
+        self.now = self._at = event.time
+        event.agent.act(event.tag)
+        return True
 
     def catch_up(self) -> None:
         """Before somebody looks at what a shortcut left out, or meddles with it."""
@@ -333,6 +379,7 @@ class Kernel:
         Of now itself the phases before the present one: what comes in this one does so beside who asked.
         """
         now, phase, stop, queue = self.now, self._phase, self._stop, self._queue
+        helper, home, self.helper = self.helper, self.home, None
         self.settle()
         later = queue[:]
         queue.clear()
@@ -340,6 +387,7 @@ class Kernel:
         self.ask(since, agent, tag)
         self._do(now, phase)
         self.now, self._phase, self._stop = now, phase, stop
+        self.helper, self.home = helper, home
         queue.extend([event for event in later if event.queued and event not in queue])
         queue.sort(key=_order, reverse=True)
 

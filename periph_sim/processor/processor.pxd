@@ -1,4 +1,4 @@
-from ..core.kernel cimport Agent
+from ..core.kernel cimport Agent, Kernel
 from ..core.records cimport Recorder
 from .bus cimport Bus
 from .cpu_time cimport CpuTime
@@ -9,6 +9,7 @@ from .program cimport Program
 
 cdef class Processor(Agent):
     cdef public str name
+    cdef public Kernel kernel
     cdef public object stopped
     cdef public CpuTime time
     cdef public FirmwareNotes notes
@@ -16,12 +17,14 @@ cdef class Processor(Agent):
     cdef public Interrupts interrupts
     cdef Recorder _recorder
     cdef Program _program
-    cdef long long _cause, _goal, _under_way, _vector
+    cdef long long _cause, _goal, _outer, _under_way, _vector
     cpdef void start(self, Program program, long long delay=*)
     cpdef void kill(self, object how)
+    cdef void _forget(self)
     cpdef object stands_at(self)
     cpdef object _place(self)
     cpdef void act(self, long long tag)
+    cpdef void stops(self, object why)
     cpdef bint reach(self, long long cycle)
     cpdef bint rest(self, long long cycle)
     cpdef bint take(self, long long number)

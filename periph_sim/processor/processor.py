@@ -1,7 +1,7 @@
 """One CPU: its time, bus and interrupts, and the program that runs on them.
 
     kernel --wake-up--> Processor --run--> Program --> Bus, Interrupts, CpuTime
-                            ^--- reach, rest, take, iret: what the program has to wait for
+                            ^--- reach, rest, take, iret: what the program has to wait for; stops
 
 What takes time is asked for here. The answer True says that it is done, and the program goes on in the same call; after
 False it stops, the rest is done when the kernel wakes this CPU, and then the program is run again.
@@ -33,12 +33,14 @@ class Processor(Agent):
     __slots__ = (
         "_cause",
         "_goal",
+        "_outer",
         "_program",
         "_recorder",
         "_under_way",
         "_vector",
         "bus",
         "interrupts",
+        "kernel",
         "name",
         "notes",
         "stopped",
@@ -59,6 +61,7 @@ class Processor(Agent):
         strict: bool = False,
     ) -> None:
         self.name = name
+        self.kernel = kernel
         self.stopped: Stop | None = None
         self.time = CpuTime(kernel, clock, self)
         self.notes = FirmwareNotes(kernel, clock, recorder, name, strict, self.stands_at)
@@ -68,6 +71,7 @@ class Processor(Agent):
         self._program: Program | None = None
         self._cause = 0  # under which record the program goes on
         self._goal = 0  # the cycle that it is to reach
+        self._outer = 0  # under which record the kernel gave it its turn
         self._under_way = NONE
         self._vector = 0
 
@@ -87,13 +91,18 @@ class Processor(Agent):
 
     def kill(self, how: type[BaseException]) -> None:
         """Stop the program where it stands; what it posted does not land. how: raised in it, if it is Python."""
+        self._forget()
+        if self._program is not None:
+            self._program.kill(how)
+            self._forget()  # what it still asked for as it ended
+
+    def _forget(self) -> None:
+        """Nothing that the program is waiting for will come."""
         self.time.stop()
         self.bus.forget()
         self.interrupts.forget()
         self._under_way = NONE
         self._goal = 0
-        if self._program is not None:
-            self._program.kill(how)
 
     def stands_at(self) -> SourceLocation | None:
         """The statement to blame for what happens now: of the write that lands, or the one that runs or goes on next.
@@ -109,11 +118,20 @@ class Processor(Agent):
         """The cycle has come for which a wake-up was promised."""
         time, recorder = self.time, self._recorder
         time.arrive()
-        outer, recorder.cause = recorder.cause, self._cause
+        self._outer, recorder.cause = recorder.cause, self._cause
+        why = self.stopped
         if (time.cycle >= self._goal or self.reach(self._goal)) and (not self._under_way or self._go_on()):
             assert self._program is not None
-            self.stopped = self._program.run(time.renew())
-        self._cause, recorder.cause = recorder.cause, outer
+            why = self._program.run(time.renew())
+            if why is None:
+                return
+        self.stops(why)
+
+    def stops(self, why: Stop | None) -> None:
+        """The program's turn is over, for this reason."""
+        recorder = self._recorder
+        self.stopped = why
+        self._cause, recorder.cause = recorder.cause, self._outer
 
     # What takes time ------------------------------------------------------------
 

@@ -45,8 +45,8 @@ class Program:
         """Main has returned."""
         return self.returned_at is not None
 
-    def run(self, until: int) -> Stop:
-        """Go on from where it stopped, and say why it stops again.
+    def run(self, until: int) -> Stop | None:
+        """Go on from where it stopped, and say why it stops again; None where it does so itself (`Processor.stops`).
 
         until: before this cycle nothing else can act: the lease as it is now. An access that acts ends it
         (`CpuTime.lease`); `Processor.reach`, `rest`, `take` and `iret` say whether it is the cycle asked for already.

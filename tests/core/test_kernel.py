@@ -229,3 +229,58 @@ def test_a_storm_inside_one_tick_is_told():
     kernel.at(1, again)
     with pytest.raises(SimulationStuck, match=rf"{STORM} events at t=1 without time passing.*again"):
         kernel.run_until(2)
+
+
+class Waits(Agent):
+    """Waits in the middle of its turn for the turn that it asks for at `until`, and notes how that came out."""
+
+    def __init__(self, kernel: Kernel, until: int) -> None:
+        self.kernel, self.until = kernel, until
+        self.came: list[tuple[bool, int]] = []
+
+    def act(self, tag: int) -> None:
+        if tag:
+            self.kernel.released = True
+        else:
+            self.kernel.ask(self.until, self, 1)
+            helped = self.kernel.help(self)
+            self.came.append((helped, self.kernel.now))
+
+
+def test_who_waits_in_the_middle_of_a_turn_does_what_is_due_until_it_is_released():
+    kernel = Kernel()
+    waits, diary = Waits(kernel, 20), Diary(kernel)
+    kernel.ask(10, waits)
+    for time in (12, 20, 25):
+        kernel.ask(time, diary, time)
+    kernel.run_until(30)
+    assert waits.came == [(True, 20)] and diary.notes == [(12, 12), (20, 20), (25, 25)]
+    assert kernel.events == 5 and kernel.helper is None
+
+
+def test_what_is_due_after_the_end_of_the_run_is_left_by_a_helper():
+    kernel = Kernel()
+    waits = Waits(kernel, 40)
+    kernel.ask(10, waits)
+    kernel.run_until(30)
+    assert waits.came == [(False, 10)] and kernel.next_time() == 40 and kernel.now == 30
+
+
+def test_a_plain_function_is_not_called_in_the_turn_of_a_helper():
+    kernel, log = Kernel(), []
+    waits = Waits(kernel, 20)
+    kernel.ask(10, waits)
+    kernel.at(15, lambda: log.append(kernel.helper))
+    kernel.run_until(30)
+    assert waits.came == [(False, 10)] and log == [None]
+
+
+def test_events_of_one_instant_keep_their_order_whoever_does_them():
+    """What an event moves settles before those of a later phase, also where a helper did the one and not the other."""
+    kernel = Kernel()
+    waits, diary = Waits(kernel, 10), Diary(kernel)
+    for tag, phase in ((3, PROBE), (2, CPU), (1, PADS)):
+        kernel.ask(10, diary, tag, phase)
+    kernel.ask(10, waits)
+    kernel.run_until(10)
+    assert diary.notes == [(10, 1), (10, 2), (10, 3)] and waits.came == [(True, 10)]

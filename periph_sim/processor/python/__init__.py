@@ -2,8 +2,9 @@
 
     firmware --> Cpu --> Waits, Accesses --> Instructions --> Processor: time, bus, interrupts
                                                   |     <-- enter(vector)
-                                            FirmwareThread: a greenlet; gives way, and goes on there
+                                            PythonProgram: a greenlet; gives way, and goes on there
 
 The firmware calls; each call makes its accesses and lets their cycles pass. Where the processor says that something
-else may act first, the greenlet gives way to the kernel. A service routine is called on the firmware's own stack.
+else may act first, the program gives way: the kernel does on the firmware's own stack what is due, up to its next turn.
+A service routine is called on that stack, too.
 """

@@ -1,3 +1,6 @@
+cimport cython
+
+from ...core.kernel cimport Kernel
 from ..processor cimport Processor
 from ..program cimport Program
 
@@ -7,12 +10,19 @@ cdef class PythonProgram(Program):
     cdef public dict handlers
     cdef public double stall_limit
     cdef public object thread
+    cdef Kernel _kernel
     cdef Processor _processor
     cdef dict _code
-    cdef object _places, _greenlet, _hub
+    cdef object _places, _greenlet, _watched
     cdef object __weakref__
     cpdef object run(self, long long until)
+    cdef object _switch(self)
+    @cython.locals(goes_on=cython.bint)
     cpdef object give_way(self, object why=*)
+    cdef object _home(self)
+    cdef object _goes_on(self)
+    cdef object _waits(self)
+    cdef object _end(self)
     cpdef void kill(self, object how)
     cpdef tuple instant(self)
     cpdef void _land(self)

@@ -1,6 +1,10 @@
 """A Python function as a program: the function goes in; it runs in a greenlet, until it must wait or is over.
 
-    Processor.run --> greenlet --> firmware --> instructions --> give_way --> back in run, with the reason
+    Processor.act --> run --> greenlet --> firmware --> instructions --> give_way --> Kernel.help, until it is run again
+
+A program that gives way does what is due meanwhile from where it stands: nobody changes stacks until another program is
+to go on, or the run is over. What comes of that is no concern of the firmware: an exception is raised at home, where
+the kernel was asked to run.
 
 Service routines have code addresses of their own, so that their vectors are words in the PIE's table as any others.
 """
@@ -15,6 +19,7 @@ from threading import get_ident
 from greenlet import GreenletExit, getcurrent, greenlet
 
 from ...core.chip import NEVER
+from ...core.kernel import Kernel
 from ...f28335.cpu.pie_map import VECTORS
 from ..error_origin import FirmwareError, FirmwareStalled, Misuse, raised_at
 from ..processor import Processor
@@ -41,11 +46,12 @@ class PythonProgram(Program):
         self.entered: Handler | None = None
         self.stall_limit = 0.0
         self.thread = 0
+        self._kernel: Kernel = processor.kernel
         self._processor = processor
         self._code: dict[int, Handler] = {}  # service routines by their code address
         self._places = SourceLocator()
         self._greenlet: greenlet | None = None
-        self._hub: greenlet | None = None
+        self._watched = 0  # the thread that runs the firmware
 
     # Life --------------------------------------------------------------------
 
@@ -56,65 +62,125 @@ class PythonProgram(Program):
         """
         self.returned_at = None
 
-        def body() -> Stop:
+        def body() -> None:
             try:
-                firmware()
-                self._land()
-            except NoProgress as stopped:
-                self._processor.time.meet()  # the run ends now
-                at, limit = raised_at(stopped), f"{self.stall_limit:g} s of CPU time"
-                text = f"{self.name} let no simulated time pass for {limit} at {at}; give it an access, compute or spin"
-                raise FirmwareStalled(text) from None
-            except Misuse as error:
-                at = raised_at(error)
-                raise FirmwareError(f"{self.name}{f', {at}' if at else ''}: {error}") from error
-            except Exception as error:
-                blamed = raised_at(error)
-                if not blamed or isinstance(error, FirmwareError):
-                    raise
-                text = str(error.args[0]) if error.args else "no message"
-                raise FirmwareError(f"{self.name}: {type(error).__name__} at {blamed}: {text}") from error
-            self.returned_at = self._processor.time.cycle
-            after_main()
-            return Stop.ENDED
+                self._execute(firmware, after_main)
+            except GreenletExit:
+                raise
+            except BaseException:
+                self._end()
+                raise
+            self._end()
 
         self._greenlet = greenlet(body)
         if self.stall_limit:
             watch.add(self)
 
-    def run(self, until: int) -> Stop:
-        assert self._greenlet is not None
-        self._hub = getcurrent()
-        self.thread = thread = get_ident()
+    def _execute(self, firmware: Callable[[], None], after_main: Callable[[], None]) -> None:
+        """All that the program does. FirmwareError, where it is the firmware's fault."""
+        self._watched = get_ident()
+        self._goes_on()
         try:
-            stop: Stop = self._greenlet.switch()
-        finally:
-            self.thread = 0
-            if self.stall_limit and watch.has_stopped:
-                watch.leave(thread)
-        return stop
+            firmware()
+            self._land()
+        except NoProgress as stopped:
+            self._processor.time.meet()  # the run ends now
+            at, limit = raised_at(stopped), f"{self.stall_limit:g} s of CPU time"
+            text = f"{self.name} let no simulated time pass for {limit} at {at}; give it an access, compute or spin"
+            raise FirmwareStalled(text) from None
+        except Misuse as error:
+            at = raised_at(error)
+            raise FirmwareError(f"{self.name}{f', {at}' if at else ''}: {error}") from error
+        except Exception as error:
+            blamed = raised_at(error)
+            if not blamed or isinstance(error, FirmwareError):
+                raise
+            text = str(error.args[0]) if error.args else "no message"
+            raise FirmwareError(f"{self.name}: {type(error).__name__} at {blamed}: {text}") from error
+        self.returned_at = self._processor.time.cycle
+        after_main()
+
+    def _end(self) -> None:
+        """The firmware is over, if it was not killed: whoever is at home goes on."""
+        self._waits()
+        if self._greenlet is not None:
+            self._processor.stops(Stop.ENDED)
+            self._greenlet.parent = self._home()
+
+    # Turns -------------------------------------------------------------------
+
+    def run(self, until: int) -> None:
+        """It is this program's turn. Its stops are told by `give_way`: here another program may come back."""
+        kernel = self._kernel
+        kernel.released = True
+        if kernel.helper is not self:
+            self._switch()
+
+    def _switch(self) -> None:
+        kernel, program = self._kernel, self._greenlet
+        assert program is not None
+        here = getcurrent()
+        if here is program:
+            raise RuntimeError(f"{self.name} was to go on in the middle of something that it had begun itself")
+        if kernel.helper is None:
+            kernel.home = here
+        kernel.helper = None
+        program.switch()
+        fault, kernel.fault = kernel.fault, None
+        if fault is not None:
+            try:
+                raise fault
+            finally:
+                del fault
 
     def give_way(self, why: Stop = Stop.WAITS) -> None:
-        """Stop here; returns when the program is run again."""
-        assert self._hub is not None, "firmware calls the CPU only from inside a run"
-        self._hub.switch(why)
+        """Stop here; returns when the program is run again. What is due meanwhile is done from here."""
+        kernel, program = self._kernel, self._greenlet
+        if program is None:  # it was killed, and never goes on
+            ender = getcurrent().parent
+            assert ender is not None
+            ender.switch()
+            raise GreenletExit
+        self._processor.stops(why)
+        self._waits()
+        try:
+            goes_on = kernel.help(self)
+        except BaseException as error:
+            if isinstance(error, GreenletExit) or self._greenlet is not program:
+                raise
+            kernel.helper, kernel.fault = None, error
+            goes_on = False
+        if not goes_on:
+            self._home().switch()
+        self._goes_on()
+
+    def _home(self) -> greenlet:
+        home = self._kernel.home
+        assert isinstance(home, greenlet), "firmware calls the CPU only from inside a run"
+        return home
+
+    def _goes_on(self) -> None:
+        """From here on the firmware is watched."""
+        self.thread = self._watched
+
+    def _waits(self) -> None:
+        """Nothing that comes up to here is of the firmware."""
+        self.thread = 0
+        if self.stall_limit and watch.has_stopped:
+            watch.leave(self._watched)
 
     def kill(self, how: type[BaseException]) -> None:
         """`how` is raised in the firmware, so that its `finally` blocks run."""
         Program.kill(self, how)
         dying, self._greenlet = self._greenlet, None
         if dying is not None and not dying.dead:
+            dying.parent = getcurrent()  # goes on here, and this for good if it has to wait
             dying.throw(how)
 
     def let_go(self) -> None:
         """Its `finally` blocks run, and no simulated time passes in them; what goes wrong there concerns nobody."""
-        Program.kill(self, GreenletExit)
-        dying, self._greenlet = self._greenlet, None
-        if dying is None or dying.dead:
-            return
         with suppress(Exception):  # the other way: that it is let go of in a thread that cannot end it
-            dying.parent = self._hub = getcurrent()
-            dying.throw(GreenletExit)
+            self.kill(GreenletExit)
 
     def instant(self) -> tuple[int, int]:
         """What changes with simulated time."""

@@ -30,7 +30,7 @@ from ..core.wire import Wire
 from ..records.recording import Subscribe
 from ..scene.case.model import Case
 from ..scene.scene import Scene
-from ..scene.wires import Wires
+from ..scene.wires import SceneWires
 from ..traces.capture.capture import Capture, Channel
 from ..traces.decode import i2c as decode
 from .compare import TIMING, Divergence, compare
@@ -50,7 +50,7 @@ STEPS = 100  # of progress
 Position = int | Fraction  # in a capture; between two samples where nobody knows in which one it was
 
 
-class _OpenWires(Wires):
+class _OpenWires(SceneWires):
     def made(self, kernel: Kernel, name: str, recorder: Recorder) -> Wire:
         return (OneWayWire if name in ("SCL", "SDA") else Wire)(kernel, name, recorder)
 

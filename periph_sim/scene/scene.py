@@ -54,6 +54,7 @@ from .faults import build_faults
 from .firmware_loader import Firmware
 from .host import HostAgent
 from .limits import limits_of
+from .outside_wires import check_outside, not_run
 from .read_origins import origins_of
 from .release_delay import ReleaseDelay
 from .result import Result
@@ -65,7 +66,7 @@ from .summary import result_of
 from .uart_side import UartSide
 from .unit import build_unit, options_of
 from .whole_bytes import refuse_byte_level, refuse_schedule, whole_bytes_of
-from .wires import Wires
+from .wires import SceneWires
 
 NEEDS = {"rounds": "[controller], or [rounds] for a unit that is the master,"}
 
@@ -81,7 +82,7 @@ class Scene:
     end: which value of a `Spread` computations take, instead of one drawn each time.
     """
 
-    WIRES = Wires
+    WIRES = SceneWires
 
     def __init__(
         self,
@@ -132,6 +133,7 @@ class Scene:
         self.bus = BusSide(self.wires, self._ticks(SPIKE))
         self.stuck = StuckLines(self.kernel, self.timebase, self.start, self.units)
         self.stalled = ""  # by what the run ended before its time
+        self._wall = 0.0  # seconds that it has taken
         wire = self.wires.wire
         context = SceneContext(case, self.kernel, self.recorder, self.timebase, wire, wiring_of(case), self.start)
         for name, unit in case.unit.items():
@@ -168,6 +170,7 @@ class Scene:
                 self._check_needs(entry, part)
                 part.measure.listen(proxy(self))
         refuse_byte_level(case, self.whole_bytes, self.wires)
+        check_outside(case, self.wires)
 
     # Building ------------------------------------------------------------------
 
@@ -349,31 +352,43 @@ class Scene:
     def run(self, duration: Fraction | None = None, progress: Callable[[float], None] | None = None) -> Result:
         """Run for `duration` seconds (the case's own if None) and sum up. progress: told the part done, 0 to 1.
 
-        BadCase, before anything runs, for a run longer than there are ticks.
+        BadCase, before anything runs, for a run longer than there are ticks, and for a case that others drive.
         """
+        if self.case.outside is not None:
+            raise not_run(self.case)
         began = self.kernel.now
         try:
             end = self.timebase.end_of_run(began, self.case.duration if duration is None else duration)
         except TimeError as error:
             raise self.case.mistake(str(error), "duration") from None
-        length = 0 if self.stalled else end - began
-        wall = perf_counter()
+        length = end - began
         steps = 100 if progress is not None else 1
+        for step in range(1, steps + 1):
+            self.advance(began + length * step // steps)
+            if progress is not None and not self.stalled:
+                progress(step / steps)
+        return self.finish(length)
+
+    def advance(self, until: int) -> None:
+        """Do all up to and including tick `until`; nothing more once firmware has let no time pass."""
+        if self.stalled:
+            return
+        wall = perf_counter()
         try:
-            for step in range(1, steps + 1) if not self.stalled else ():
-                self.kernel.run_until(began + length * step // steps)
-                if progress is not None:
-                    progress(step / steps)
+            self.kernel.run_until(until)
         except FirmwareStalled as stalled:
             self.stalled = str(stalled)
-            length = self.kernel.now - began
+        self._wall += perf_counter() - wall
+
+    def finish(self, length: int) -> Result:
+        """What it came to in so many ticks; where firmware let no time pass, up to there."""
+        length = min(length, self.kernel.now - self.start) if self.stalled else length
         self.kernel.catch_up()
-        wall = perf_counter() - wall
         self.bus.finish(self.kernel.now)
         self._uart.finish(self.kernel.now)
         for limit in self.limits:
             limit.finish(self.kernel.now)
-        return result_of(self, length, wall)
+        return result_of(self, length, self._wall)
 
     def typical(self) -> list[Verdict]:
         """Of each budget that took several values, the one furthest from its limit, as a verdict. After `run`."""

@@ -7,7 +7,7 @@ from ..core.records import Recorder
 from ..core.wire import Wire
 
 
-class Wires(dict[str, Wire]):
+class SceneWires(dict[str, Wire]):
     def __init__(self, kernel: Kernel, recorder: Recorder) -> None:
         super().__init__()
         self._kernel = kernel

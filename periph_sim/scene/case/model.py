@@ -177,6 +177,12 @@ class ChipTable(BusParty):
     options: dict[str, Answer] = {}
 
 
+class OutsideTable(Table):
+    """wires: those that others move, by `periph_sim.outside.Session`: a simulator, a serial port, a driver."""
+
+    wires: Annotated[tuple[str, ...], Field(min_length=1)]
+
+
 class HostTable(Table):
     """The host that sends frames over the UART. ppm: error of the clock that schedules them; error: of its bit rate.
 
@@ -242,6 +248,7 @@ class Case(Table):
     rounds: RoundsTable | None = None
     host: HostTable | None = None
     serial: SerialTable | None = None
+    outside: OutsideTable | None = None
     fault: tuple[dict[str, object], ...] = ()
     budget: Annotated[tuple[Budget, ...], AfterValidator(with_replies), Field(validate_default=True)] = ()
     breaks: tuple[Annotated[str, AfterValidator(_named_budget)], ...] = ()

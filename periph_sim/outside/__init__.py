@@ -1,0 +1,14 @@
+"""Parties that nobody here wrote: a session without input and output of its own goes between them and a case.
+
+simulator, serial port, driver --apply--> Session --advance--> what our pins did, and when
+                                             `--log--> replay --> the same run once more
+"""
+
+from __future__ import annotations
+
+from .door import Change
+from .errors import OutsideError
+from .replay import replay
+from .session import Session
+
+__all__ = ["Change", "OutsideError", "Session", "replay"]

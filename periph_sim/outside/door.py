@@ -1,0 +1,83 @@
+"""The wires of a scene that lead outside: levels with their ticks go in; how our own hold on each wire moves comes out.
+
+    put(tick, levels) --event of that tick--> pins --> wires <-- units, chips
+                       told of each instant <--'        '--our hold--> changes
+
+All lines of an instant move together, whoever said them first. What the outside holds is not shown back to it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import NamedTuple
+
+from ..core.kernel import Agent, Event, Kernel
+from ..core.wire import Wire
+
+WHO = "outside"  # in records, and where somebody asks who holds a line
+
+
+class Change(NamedTuple):
+    """Our side let go of a line (1) or pulled it low (0), with the tick."""
+
+    at: int
+    line: str
+    level: int
+
+
+class Door(Agent):
+    """told: with each instant in which the outside moved lines, in order of time: tick, levels by line."""
+
+    def __init__(
+        self, kernel: Kernel, wires: Mapping[str, Wire], told: Callable[[int, Mapping[str, int]], None]
+    ) -> None:
+        self._kernel = kernel
+        self._wires = dict(wires)
+        self._names = list(wires)
+        self._pins = {name: wire.attach(WHO) for name, wire in wires.items()}
+        self._told = told
+        self._put: dict[int, dict[str, int]] = {}
+        self._event: Event | None = None  # for the first of them
+        self._levels = {name: self.held(name) for name in wires}
+        self._changes: list[Change] = []
+        for line, wire in enumerate(wires.values()):
+            wire.watch_pulls(self, line)
+
+    def put(self, at: int, levels: Iterable[tuple[str, int]]) -> None:
+        """The lines move at tick `at`, which is not past. What was put later for one line and tick counts."""
+        self._put.setdefault(at, {}).update(levels)
+        if self._event is not None and self._event.time > at:
+            self._kernel.cancel(self._event)
+            self._event = None
+        if self._event is None:
+            self._event = self._kernel.ask(at, self)
+
+    def act(self, tag: int) -> None:
+        now = self._kernel.now
+        levels = self._put.pop(now)
+        self._told(now, levels)
+        for name, level in levels.items():
+            self._pins[name].drive(level)
+        self._event = self._kernel.ask(min(self._put), self) if self._put else None
+
+    def held(self, name: str) -> int:
+        """The level of our own hold on a line."""
+        return int(not self._wires[name].pulling & ~self._pins[name].mask)
+
+    def pulled(self, line: int, now: int, pulling: int) -> None:
+        name = self._names[line]
+        level = int(not pulling & ~self._pins[name].mask)
+        if level != self._levels[name]:
+            self._levels[name] = level
+            self._changes.append(Change(now, name, level))
+
+    def changes(self) -> list[Change]:
+        """Since this was asked last, in order of time; a level that did not outlast its instant is none."""
+        found, self._changes = self._changes, []
+        last: dict[tuple[int, str], Change] = {(change.at, change.line): change for change in found}
+        if len(last) == len(found):
+            return found
+        moves: dict[tuple[int, str], int] = {}
+        for change in found:
+            moves[change.at, change.line] = moves.get((change.at, change.line), 0) + 1
+        return [change for place, change in last.items() if moves[place] % 2]

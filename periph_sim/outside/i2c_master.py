@@ -1,0 +1,195 @@
+"""An I2C controller at a session's SDA and SCL, one call after the other: bytes go in, ACKs and bytes come out.
+
+    start(0x68, read=False)   write(0x3B)        start(0x68, read=True)      read(ack=False)      stop()
+    SDA --|__ A6..A0 W [ack]  D7..D0 [ack]    --|__ A6..A0 R [ack]        [D7..D0] N            __|--
+    SCL held low between calls, as adapters do
+
+Every call moves the session's time on by what it takes on the wires; SCL that others hold low is waited for.
+
+Source: UM10204 sections 3.1.4 to 3.1.10 and Table 10.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from ..core.settings import frequency
+from .errors import OutsideError
+
+if TYPE_CHECKING:
+    from .session import Session
+
+LINES = ("SDA", "SCL")
+HOLD = Fraction(300, 10**9)  # of SDA behind a fall of SCL: what a controller has to give (UM10204 Table 10, note 3)
+PATIENCE = Fraction(25, 1000)  # that SCL or the bus may be held: SMBus section 3.1.1.3
+
+
+class Master:
+    """rate: of SCL, where nobody stretches it; half of a period low, half high.
+
+    OutsideError where SDA and SCL do not lead outside, where a call comes in the wrong order, where others hold a line
+    for more than 25 ms, and where another controller wins the bus.
+    """
+
+    def __init__(self, session: Session) -> None:
+        missing = [line for line in LINES if line not in session.lines]
+        if missing:
+            raise OutsideError(f"{' and '.join(missing)} of case {session.case.name} does not lead outside; name both")
+        self._session = session
+        self._fell = 0  # the tick of SCL's last fall, while it is held
+        self._held = False  # SCL, by us, between two calls
+        self._reads = False  # the present transfer
+        self.rate = "100 kHz"
+
+    @property
+    def rate(self) -> str:
+        return self._rate
+
+    @rate.setter
+    def rate(self, text: str) -> None:
+        try:
+            half = self._session.ticks_per_second / (2 * frequency(text))
+        except (ValueError, ZeroDivisionError):
+            raise OutsideError(f"rate {text!r}: expected a frequency above 0, as in '400 kHz'") from None
+        self._half = max(1, round(half))
+        self._hold = min(round(HOLD * self._session.ticks_per_second), self._half // 2)
+        self._rate = text
+
+    # Calls --------------------------------------------------------------------------
+
+    def start(self, address: int, read: bool = False) -> bool:
+        """Whether somebody acknowledged the address. START, or repeated START within a transfer."""
+        if not 0 <= address < 0x80:
+            raise OutsideError(f"address {address:#x}: expected 0 to 0x7f")
+        if self._held:
+            self._put_sda(1)
+            self._rise()
+            self._wait(self._half)
+        else:
+            self._wait_for_idle()
+        if not self._session.level("SDA"):
+            raise OutsideError("START cannot be: SDA is low, held by another party")
+        self._move("SDA", 0)
+        self._wait(self._half)
+        self._fall()
+        self._reads = read
+        return self._byte(address << 1 | read)
+
+    def write(self, *values: int) -> bool:
+        """Whether all these bytes were acknowledged; behind the first that is not, nothing is sent."""
+        if not self._held or self._reads:
+            raise OutsideError("write: there is no transfer to write in; begin one with start(address)")
+        for value in values:
+            if not 0 <= value <= 0xFF:
+                raise OutsideError(f"write: {value} is no byte")
+        return all(self._byte(value) for value in values)
+
+    def read(self, ack: bool) -> int:
+        """The next byte, which we acknowledge or, as the last one, do not."""
+        if not self._held or not self._reads:
+            raise OutsideError("read: there is no transfer to read in; begin one with start(address, read=True)")
+        value = 0
+        for _ in range(8):
+            value = value << 1 | self._bit(1)
+        self._bit(0 if ack else 1)
+        return value
+
+    def stop(self) -> None:
+        """Ends the transfer; the bus is free behind it."""
+        if not self._held:
+            raise OutsideError("stop: there is no transfer to end")
+        self._put_sda(0)
+        self._rise()
+        self._wait(self._half)
+        self._move("SDA", 1)
+        self._wait(self._half)
+        self._held = False
+        if not self._session.level("SDA"):
+            raise OutsideError("STOP cannot be: SDA is low, held by another party")
+
+    def transfer(self, address: int, data: Sequence[int] = b"", count: int = 0) -> bytes | None:
+        """Write data, if there is any, then read so many bytes by repeated START. None where one was not acknowledged.
+
+        With neither, the address alone is asked.
+        """
+        acked = True
+        if data or not count:
+            acked = self.start(address) and self.write(*data)
+        got = bytearray()
+        if acked and count:
+            acked = self.start(address, read=True)
+            got.extend(self.read(ack=n + 1 < count) for n in range(count if acked else 0))
+        self.stop()
+        return bytes(got) if acked else None
+
+    # Bits ---------------------------------------------------------------------------
+
+    def _byte(self, value: int) -> bool:
+        for place in range(7, -1, -1):
+            sent = value >> place & 1
+            if self._bit(sent) != sent:
+                self._release()
+                raise OutsideError("another controller has won the bus; begin again when it is free")
+        return not self._bit(1)
+
+    def _bit(self, level: int) -> int:
+        """SDA at the end of SCL's high time."""
+        self._put_sda(level)
+        self._rise()
+        self._wait(self._half)
+        seen = self._session.level("SDA")
+        self._fall()
+        return seen
+
+    def _put_sda(self, level: int) -> None:
+        """Behind SCL's fall, or now if that is later."""
+        session = self._session
+        at = max(self._fell + self._hold, session.now)
+        session.apply(at, {"SDA": level})
+        session.advance(at + 1)
+
+    def _rise(self) -> None:
+        """SCL is let go after its low time, and is high when this returns."""
+        session = self._session
+        at = max(self._fell + self._half, session.now)
+        session.apply(at, {"SCL": 1})
+        session.advance(at + 1)
+        self._wait_high("SCL")
+
+    def _fall(self) -> None:
+        self._fell = self._session.now
+        self._held = True
+        self._move("SCL", 0)
+
+    def _move(self, line: str, level: int) -> None:
+        session = self._session
+        session.apply(session.now, {line: level})
+        session.advance(session.now + 1)
+
+    def _release(self) -> None:
+        session = self._session
+        session.apply(session.now, dict.fromkeys(LINES, 1))
+        session.advance(session.now + 1)
+        self._held = False
+
+    def _wait(self, ticks: int) -> None:
+        """So long after the last edge, which was in the tick before."""
+        self._session.advance(self._session.now + ticks - 1)
+
+    def _wait_high(self, line: str) -> None:
+        session = self._session
+        limit = session.now + round(PATIENCE * session.ticks_per_second)
+        while not session.level(line):
+            due = session.next_output()
+            if due is None or due > limit:
+                session.advance(limit)
+                who = " and ".join(session.scene.wires[line].held_by()) or "nobody"
+                self._release()
+                raise OutsideError(f"{line} is held low by {who} for more than 25 ms; the bus was let go")
+            session.advance(due + 1)
+
+    def _wait_for_idle(self) -> None:
+        for line in LINES:
+            self._wait_high(line)

@@ -1,0 +1,38 @@
+"""A session once more: its case and its log go in, the same run comes out, records and all."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from ..records.recording import Subscribe
+from ..scene.case.load import load
+from ..scene.case.model import Case
+from ..scene.firmware_loader import Firmware
+from ..scene.result import Result
+from .errors import OutsideError
+from .log import LogReader
+from .session import Session
+
+
+def replay(
+    case: Case | str | Path,
+    log: str | Path,
+    *,
+    subscribe: Subscribe | None = None,
+    programs: Mapping[str, Firmware] | None = None,
+) -> Result:
+    """What the case comes to as the log's session drove it. OutsideError for a damaged log, or one of other clocks."""
+    case = case if isinstance(case, Case) else load(Path(case))
+    reader = LogReader(Path(log))
+    with Session(case, reader.head.wires, subscribe=subscribe, programs=programs) as session:
+        if reader.head.ticks_per_second != session.ticks_per_second:
+            found = f"case {reader.head.case} with {reader.head.ticks_per_second} ticks a second"
+            other = f"case {case.name} has {session.ticks_per_second}"
+            raise OutsideError(f"{log}: it is the log of {found}, and {other}; replay it with the case it is of")
+        for tick, levels in reader.instants():
+            session.apply(tick, levels)
+            session.advance(tick + 1)
+        if reader.end > session.now:
+            session.advance(reader.end)
+        return session.finish()

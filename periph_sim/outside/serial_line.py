@@ -1,0 +1,133 @@
+"""What is at the other end of an SCI's lines: bytes go in, bytes come out, as of a serial port.
+
+    write --queue--> frames, bit by bit --apply--> RX --> SCI
+    read  <--bytes-- decoder <----------- TX <-- SCI
+
+The client's rate and format are the wire's bit times, so that a mismatch is one on the wire, too: framing errors and
+breaks, as between two real ports. Frames are put on the line as time reaches them; what waits is bytes, not edges.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import deque
+from fractions import Fraction
+from typing import TYPE_CHECKING, Literal
+
+from ..bus.uart.frame_format import UartFormat
+from ..bus.uart.reader import Heard, UartReader
+from ..scene.case.model import BadCase
+from ..scene.case.wiring import sci_named
+from .errors import OutsideError
+
+if TYPE_CHECKING:
+    from .session import Session
+
+PARITIES = {"n": "none", "o": "odd", "e": "even"}
+PORT = re.compile(r"sci-?([abc])", re.IGNORECASE)
+
+Wrong = Literal["", "parity", "stop"]
+
+
+class SerialLine:
+    """received: frames that came with a wrong parity or stop bit are counted in `wrong`, and their bytes kept.
+
+    waiting: bytes that are not on the line yet.
+    """
+
+    def __init__(self, session: Session, rx: str, tx: str, baud: int, form: str) -> None:
+        self._session = session
+        self._rx = rx
+        self.wrong = 0
+        self._got = bytearray()
+        self._queue: deque[tuple[bytes, Wrong]] = deque()
+        self._place = 0  # in the first of them
+        self._free = Fraction(0)  # the tick from which the line may carry the next frame
+        self.set(baud, form)
+        reader = UartReader(session.scene.kernel, session.scene.wire(tx), lambda: (self._bit, self._format))
+        reader.on_end.append(self._heard)
+
+    def set(self, baud: int, form: str = "8n1") -> None:
+        """From the next frame on. OutsideError for what is no rate or format."""
+        match = re.fullmatch(r"([5-8])([noe])([12])", form.strip().lower())
+        if match is None:
+            raise OutsideError(f"format {form!r}: expected data bits 5 to 8, n, o or e, and 1 or 2 stop bits: 8n1")
+        if baud < 1 or baud > self._session.ticks_per_second:
+            raise OutsideError(f"{baud} baud: expected 1 or more, and no bit shorter than a tick")
+        self._bit = Fraction(self._session.ticks_per_second, baud)
+        self._format = UartFormat(int(match[1]), PARITIES[match[2]], int(match[3]))
+
+    @property
+    def waiting(self) -> int:
+        return sum(len(data) for data, _ in self._queue) - self._place
+
+    def write(self, data: bytes, wrong: Wrong = "") -> None:
+        """Sent from now on, behind what waits already. wrong: with its parity bit, or its stop bit, inverted."""
+        if wrong == "parity" and self._format.parity == "none":
+            raise OutsideError("wrong parity: the format has none; set one, as in 8e1")
+        if data:
+            self._queue.append((bytes(data), wrong))
+
+    def send_break(self, length: str) -> None:
+        """RX is low for so long, "1 ms", now. OutsideError while bytes wait."""
+        session = self._session
+        if self._queue or self._free > session.now:
+            raise OutsideError("a break cannot begin: bytes are on their way; advance first")
+        end = session.now + session.ticks(length)
+        session.apply(session.now, {self._rx: 0})
+        session.apply(end, {self._rx: 1})
+        self._free = end + self._bit
+
+    def read(self, count: int | None = None) -> bytes:
+        """Up to so many of the bytes that came; all of them if None."""
+        count = len(self._got) if count is None else count
+        got = bytes(self._got[:count])
+        del self._got[:count]
+        return got
+
+    def feed(self, until: int) -> None:
+        """Frames that begin before tick `until` go on the line. The session calls it before it advances."""
+        while self._queue:
+            begin = max(self._free, Fraction(self._session.now))
+            if begin >= until:
+                return
+            data, wrong = self._queue[0]
+            self._frame(begin, data[self._place], wrong)
+            self._place += 1
+            if self._place == len(data):
+                self._queue.popleft()
+                self._place = 0
+
+    def _frame(self, begin: Fraction, byte: int, wrong: Wrong) -> None:
+        form = self._format
+        levels = form.levels(byte)
+        if wrong == "parity":
+            levels[-1 - form.stop] ^= 1
+        elif wrong == "stop":
+            levels[-form.stop :] = [0] * form.stop
+        before = 1
+        for bit, level in enumerate(levels):
+            if level != before:
+                self._session.apply(int(begin + bit * self._bit), {self._rx: level})
+                before = level
+        self._free = begin + len(levels) * self._bit
+        if not before:  # a stop bit that was low: the line is free a bit later
+            self._session.apply(int(self._free), {self._rx: 1})
+            self._free += self._bit
+
+    def _heard(self, heard: Heard) -> None:
+        self._got.append(heard.value)
+        self.wrong += not heard.good
+
+
+def serial_line(session: Session, port: str, baud: int, form: str) -> tuple[str, SerialLine]:
+    """The SCI that a port names, and its other end. OutsideError where there is none, or RX does not lead outside."""
+    plain = PORT.fullmatch(port)
+    try:
+        sci = sci_named(session.case, f"SCI-{plain[1].upper()}" if plain else port, "outside")
+    except BadCase as error:
+        raise OutsideError(str(error)) from None
+    if sci.rx not in session.lines:
+        who = f"{sci.rx} of {sci.unit}.{sci.module}"
+        raise OutsideError(f"{who} does not lead outside; give it to the session: outside=({sci.rx!r}, ...)")
+    return f"{sci.unit}.{sci.module}", SerialLine(session, sci.rx, sci.tx, baud, form)

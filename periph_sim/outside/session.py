@@ -1,0 +1,177 @@
+"""One case, stepped from outside: lines and ticks go in, what our pins do comes out; no input or output of its own.
+
+    apply(at, levels) --> Door --> wires of the scene <-- units, chips, agents of the case
+    advance(until)    --> kernel runs what is before `until` --> changes of our own hold
+    finish()          --> Result, as of a run
+
+`now` is the tick that comes next: nothing of it is done yet, so that whatever is applied at it acts in it. The same
+calls of `apply` give the same records, however time was stepped in between.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+
+from ..core.chip import NEVER
+from ..core.settings import duration
+from ..core.suggest import did_you_mean
+from ..records.recording import Subscribe
+from ..scene.case.load import load
+from ..scene.case.model import BadCase, Case, OutsideTable
+from ..scene.firmware_loader import Firmware
+from ..scene.result import Result
+from ..scene.scene import Scene
+from .door import Change, Door
+from .errors import OutsideError
+from .i2c_master import Master
+from .log import LogWriter
+from .serial_line import SerialLine, serial_line
+
+
+class Session:
+    """Steps a case whose lines `outside` are moved by others.
+
+    case: of `load` or `make_case`, or a file. outside: names of wires, instead of those that its [outside] gives.
+    log: a file for what the outside does, from which `replay` makes the same run. subscribe, programs: as a Scene has
+    them. BadCase for a case that cannot be built or has no such wires; OutsideError for a log that cannot be written.
+
+    Times are ticks (`ticks_per_second`), counted from the begin of the case. A session is a context manager; left
+    without `finish`, its log has no end.
+    """
+
+    def __init__(
+        self,
+        case: Case | str | Path,
+        outside: Sequence[str] | None = None,
+        *,
+        log: str | Path | None = None,
+        subscribe: Subscribe | None = None,
+        programs: Mapping[str, Firmware] | None = None,
+    ) -> None:
+        case = case if isinstance(case, Case) else load(Path(case))
+        if outside is not None:
+            case = case.model_copy(update={"outside": OutsideTable(wires=tuple(outside))})
+        if case.outside is None:
+            raise BadCase(f"case {case.name}: nobody is outside; name the wires: Session(case, outside=('SDA', 'SCL'))")
+        self.case = case
+        self.scene = Scene(case, subscribe, programs)
+        self.lines = case.outside.wires
+        self.ticks_per_second = self.scene.timebase.per_second
+        self._kernel = self.scene.kernel
+        self._start = self.scene.start
+        self._door = Door(self._kernel, {name: self.scene.wire(name) for name in self.lines}, self._acted)
+        self._log = None if log is None else LogWriter(Path(log), case.name, self.ticks_per_second, self.lines)
+        self._now = 0
+        self._master: Master | None = None
+        self._serial: dict[str, SerialLine] = {}
+        self._result: Result | None = None
+        self._fed: list[Callable[[int], None]] = []
+
+    def __enter__(self) -> Session:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        if self._log is not None and self._result is None:
+            self._log.close()
+
+    # Time ------------------------------------------------------------------------
+
+    @property
+    def now(self) -> int:
+        """The tick that comes next; all before it is done."""
+        return self._now
+
+    def ticks(self, length: str) -> int:
+        """A length of time, "5 us", in ticks to the nearest. ValueError if it is none."""
+        return self.scene.timebase.ticks(duration(length), "nearest")
+
+    def advance(self, until: int) -> list[Change]:
+        """Do what comes before tick `until`; how our own hold on lines moved meanwhile. OutsideError for the past."""
+        self._open()
+        if until < self._now:
+            raise OutsideError(f"{self._at(until)} is past: the session is at {self._at(self._now)}")
+        for feed in self._fed:
+            feed(until)
+        if until > self._now:
+            self.scene.advance(self._start + until - 1)
+            self._now = until
+        return [change._replace(at=change.at - self._start) for change in self._door.changes()]
+
+    def next_output(self) -> int | None:
+        """Before this tick none of our pins moves unless `apply` is called; None if never again."""
+        self._open()
+        due = self._kernel.next_time()
+        return None if due >= NEVER else max(due - self._start, self._now)
+
+    # Lines -----------------------------------------------------------------------
+
+    def apply(self, at: int, levels: Mapping[str, int]) -> None:
+        """The outside pulls lines low (0) or lets go (1) at tick `at`, all of them together.
+
+        For one line and tick the last call counts. OutsideError for the past, for a line that does not lead outside,
+        for a level that is neither: nothing of such a call is done.
+        """
+        self._open()
+        if at < self._now:
+            raise OutsideError(f"lines cannot move at {self._at(at)}: the session is at {self._at(self._now)} already")
+        for name, level in levels.items():
+            if name not in self.lines:
+                known = did_you_mean(name, self.lines)
+                raise OutsideError(f"line {name!r} does not lead outside of case {self.case.name}; {known}")
+            if level not in (0, 1):
+                raise OutsideError(f"{name} at {self._at(at)}: found {level!r}, expected 0, pulled low, or 1, let go")
+        if levels:
+            self._door.put(self._start + at, [(name, int(level)) for name, level in levels.items()])
+
+    def pulls(self, line: str) -> bool:
+        """Whether our side pulls a line low, whatever the outside does. OutsideError for a line that is not outside."""
+        if line not in self.lines:
+            raise OutsideError(f"line {line!r} does not lead outside; {did_you_mean(line, self.lines)}")
+        return not self._door.held(line)
+
+    def level(self, line: str) -> int:
+        """The level of a wire of the case, with what both sides hold, at the end of the last tick that is done."""
+        if line not in self.scene.wires:
+            raise OutsideError(f"there is no wire {line!r}; {did_you_mean(line, self.scene.wires)}")
+        return self.scene.wires[line].level
+
+    # Whole transfers and characters ---------------------------------------------------
+
+    @property
+    def i2c(self) -> Master:
+        """A controller on SDA and SCL, at 100 kHz unless its `rate` is set."""
+        if self._master is None:
+            self._master = Master(self)
+        return self._master
+
+    def serial(self, port: str, baud: int = 115_200, form: str = "8n1") -> SerialLine:
+        """What is at the other end of an SCI's lines: "scia", "SCI-A" or "dsp.SCI-A". OutsideError if there is none."""
+        name, line = serial_line(self, port, baud, form)
+        if name in self._serial:
+            raise OutsideError(f"{name} has its other end already; use that, or close the session")
+        self._serial[name] = line
+        self._fed.append(line.feed)
+        return line
+
+    # The end -----------------------------------------------------------------------
+
+    def finish(self) -> Result:
+        """What the time stepped came to, judged by the case's budgets. The session is over."""
+        if self._result is None:
+            self._result = self.scene.finish(self._now)
+            if self._log is not None:
+                self._log.end(self._now)
+        return self._result
+
+    def _open(self) -> None:
+        if self._result is not None:
+            raise OutsideError("the session is finished; begin another one")
+
+    def _acted(self, tick: int, levels: Mapping[str, int]) -> None:
+        if self._log is not None:
+            self._log.instant(tick - self._start, levels)
+
+    def _at(self, tick: int) -> str:
+        return f"tick {tick} ({self.scene.timebase.show(tick)})"

@@ -1,0 +1,35 @@
+"""The wires that a case's [outside] names: refused where there is no such wire, or somebody else drives it already."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ..core.suggest import did_you_mean
+from ..core.wire import Wire
+from .case.model import BadCase, Case
+
+
+def check_outside(case: Case, wires: Mapping[str, Wire]) -> None:
+    """BadCase, with its line."""
+    if case.outside is None:
+        return
+    names = case.outside.wires
+    for entry, name in enumerate(names):
+        if name not in wires:
+            what = f"there is no wire {name!r}; {did_you_mean(name, wires) if wires else 'the case has none'}"
+        elif name in names[:entry]:
+            what = f"{name} is named twice; once is enough"
+        elif name == "RX" and case.host is not None:
+            what = "RX is what the [host] sends on, and two would drive it; leave one of them out"
+        else:
+            continue
+        raise case.mistake(what, "outside", "wires")
+
+
+def not_run(case: Case) -> BadCase:
+    """Why a case that is driven from outside is not run like others."""
+    assert case.outside is not None
+    wires = " and ".join(case.outside.wires)
+    what = f"{wires} {'is' if len(case.outside.wires) == 1 else 'are'} moved from outside, and in a run nobody is there"
+    way_out = "step it with periph_sim.outside.Session, or leave [outside] out and give it a [controller] or a [host]"
+    return case.mistake(f"{what}; {way_out}", "outside")

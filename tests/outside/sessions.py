@@ -1,0 +1,38 @@
+"""Small sessions for tests: shipped firmware and a few lines of case, with nobody on the wires but the outside."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from periph_sim.api import make_case
+from periph_sim.core.records import Kind, Record, Recorder
+from periph_sim.core.time import Timebase
+from periph_sim.outside.session import Session
+from periph_sim.scene.case.model import Case
+
+FIRMWARE = Path(__file__).parents[2] / "firmware" / "python"
+BUS = ("SDA", "SCL")
+
+
+def case(firmware: str = "responder", modules: tuple[str, ...] = ("I2C-A",), **more: Any) -> Case:
+    unit = {"dsp": {"firmware": str(FIRMWARE / f"{firmware}.py"), "modules": list(modules)}}
+    return make_case(name="mine", duration="1 s", **({"unit": unit} | more))
+
+
+class Records:
+    """All records of a session."""
+
+    def __init__(self) -> None:
+        self.kept: list[Record] = []
+
+    def subscribe(self, recorder: Recorder, _: Timebase) -> None:
+        recorder.subscribe(list(Kind), self.kept.append)
+
+
+def bus(**more: Any) -> tuple[Session, Records]:
+    """A session of the responder (address 0x50, bytes 1, 2, 3 ...) on SDA and SCL, its start-up done."""
+    records = Records()
+    session = Session(case(), BUS, subscribe=records.subscribe, **more)
+    session.advance(session.ticks("1 ms"))
+    return session, records

@@ -1,0 +1,78 @@
+"""A controller at a session's bus, call by call: what it asks, what is answered, and who else is on the wires."""
+
+from __future__ import annotations
+
+import pytest
+
+from periph_sim.outside import OutsideError
+from periph_sim.outside.session import Session
+from tests.outside.sessions import BUS, bus, case
+
+
+def test_call_by_call_as_drivers_do() -> None:
+    """S 50W A 00 A  Sr 50R A c1 A c2 N P"""
+    session, _ = bus()
+    master = session.i2c
+    assert master.start(0x50)
+    assert session.level("SCL") == 0
+    assert master.write(0)
+    session.advance(session.now + session.ticks("3 ms"))  # nothing happens while SCL is held
+    assert master.start(0x50, read=True)
+    assert [master.read(ack=True), master.read(ack=False)] == [1, 2]
+    master.stop()
+    assert session.level("SCL") == session.level("SDA") == 1
+
+
+def test_a_transfer_and_who_does_not_answer() -> None:
+    session, _ = bus()
+    assert session.i2c.transfer(0x50, b"\x00", 5) == bytes([1, 2, 3, 4, 5])
+    assert session.i2c.transfer(0x33, b"\x00", 5) is None
+    assert session.i2c.transfer(0x33) is None
+    assert session.i2c.transfer(0x50) == b""
+    assert session.i2c.transfer(0x50, b"\x00", 1) == b"\x01"
+
+
+@pytest.mark.parametrize(("rate", "least", "most"), [("100 kHz", 390, 600), ("400 kHz", 97, 300)])
+def test_its_rate_is_that_of_scl(rate: str, least: int, most: int) -> None:
+    """Four bytes and their ACKs, START, STOP: 39 periods at least, and what the chip stretches."""
+    session, _ = bus()
+    session.i2c.rate = rate
+    begin = session.now
+    assert session.i2c.transfer(0x50, b"\x00", 1) == b"\x01"
+    assert least <= (session.now - begin) * 1_000_000 / session.ticks_per_second <= most
+
+
+@pytest.mark.parametrize("rate", ["0 Hz", "fast", "-1 Hz"])
+def test_a_rate_that_is_none_is_refused(rate: str) -> None:
+    with pytest.raises(OutsideError, match=f"rate '{rate}': expected a frequency above 0, as in '400 kHz'"):
+        bus()[0].i2c.rate = rate
+
+
+def test_calls_in_the_wrong_order_are_refused() -> None:
+    master = bus()[0].i2c
+    with pytest.raises(OutsideError, match="stop: there is no transfer to end"):
+        master.stop()
+    with pytest.raises(OutsideError, match="write: there is no transfer to write in"):
+        master.write(1)
+    assert master.start(0x50)
+    with pytest.raises(OutsideError, match="read: there is no transfer to read in"):
+        master.read(ack=True)
+    with pytest.raises(OutsideError, match="write: 256 is no byte"):
+        master.write(1, 256)
+    with pytest.raises(OutsideError, match="address 0x80: expected 0 to 0x7f"):
+        master.start(0x80)
+
+
+def test_a_line_that_others_hold_is_told_with_their_names() -> None:
+    held = {"kind": "hold", "wire": "SCL", "at": "2 ms", "length": "100 ms"}
+    session = Session(case(fault=[held]), BUS)
+    session.advance(session.ticks("2 ms") + 10)
+    with pytest.raises(OutsideError, match=r"SCL is held low by .* for more than 25 ms; the bus was let go"):
+        session.i2c.start(0x50)
+    session.advance(session.ticks("110 ms"))
+    assert session.i2c.transfer(0x50, b"\x00", 1) == b"\x01"
+
+
+def test_wires_that_do_not_lead_outside_have_no_controller() -> None:
+    with pytest.raises(OutsideError, match="SCL of case mine does not lead outside; name both"):
+        _ = Session(case(), ("SDA",)).i2c

@@ -1,0 +1,258 @@
+"""A case stepped from outside: what is applied when, what our pins do, and that nothing else makes a difference."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from random import Random
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from periph_sim.outside import OutsideError
+from periph_sim.outside.door import Change
+from periph_sim.outside.log import LogReader
+from periph_sim.outside.replay import replay
+from periph_sim.outside.session import Session
+from periph_sim.scene.case.load import load
+from periph_sim.scene.case.model import BadCase
+from tests.outside.sessions import BUS, Records, bus, case
+
+Applied = list[tuple[int, dict[str, int]]]
+
+
+def test_a_transfer_bit_by_bit_and_when_our_pins_answer() -> None:
+    """SDA --|__1_0_1_0_0_0_0_W_[ack]; SCL falls behind it: the ACK begins a filter's width and a bit later."""
+    session, _ = bus()
+    half = session.ticks("5 us")
+    at = session.now
+    changes: list[Change] = []
+    assert [session.pulls(line) for line in BUS] == [False, False]
+    session.apply(at, {"SDA": 0})
+    for bit in (*map(int, f"{0x50 << 1:08b}"), 1):
+        at += half
+        session.apply(at, {"SCL": 0})
+        session.apply(at + half // 4, {"SDA": bit})
+        at += half
+        session.apply(at, {"SCL": 1})
+        changes += session.advance(at + half // 2)
+    assert session.pulls("SDA") and not session.level("SDA")
+    answer = [change for change in changes if change.line == "SDA"]
+    assert [change.level for change in answer] == [0]
+    eighth_fall = at - half
+    assert 0 < answer[0].at - eighth_fall < half // 2
+    session.apply(at + half, {"SCL": 0})
+    changes = session.advance(at + 3 * half)
+    assert [(change.line, change.level) for change in changes] == [("SDA", 1)] or ("SCL", 0) in [
+        (change.line, change.level) for change in changes
+    ]
+
+
+def played(applied: Applied, steps: list[int], seed: int = 0) -> list[object]:
+    """Records of these moves, where time is stepped by these lengths between them, and lines are given in any order."""
+    draw = Random(seed)
+    session, records = bus()
+    begin = session.now
+    for at, levels in applied:
+        while steps and session.now + steps[0] <= begin + at:
+            session.advance(session.now + steps.pop(0))
+        order = list(levels.items())
+        draw.shuffle(order)
+        if draw.random() < 0.5:
+            session.apply(begin + at, dict(order))
+        else:
+            for line, level in order:
+                session.apply(begin + at, {line: level})
+    for step in steps:
+        session.advance(max(session.now, min(session.now + step, begin + 10_000_000)))
+    session.advance(begin + 10_000_000)
+    session.finish()
+    return [tuple(record) for record in records.kept]
+
+
+@given(
+    st.lists(
+        st.tuples(
+            st.integers(1, 60_000), st.dictionaries(st.sampled_from(BUS), st.integers(0, 1), min_size=1, max_size=2)
+        ),
+        max_size=60,
+    ),
+    st.lists(st.integers(0, 400_000), max_size=30),
+    st.integers(0, 1000),
+)
+@settings(max_examples=30)
+def test_the_same_moves_give_the_same_records_however_time_is_stepped(
+    moves: Applied, steps: list[int], seed: int
+) -> None:
+    applied, at = [], 0
+    for pause, levels in moves:
+        at += pause
+        applied.append((at, levels))
+    assert played(applied, [], 0) == played(applied, list(steps), seed)
+
+
+def test_what_the_outside_did_is_done_again_from_its_log(tmp_path: Path) -> None:
+    log = tmp_path / "live.jsonl"
+    session, live = bus(log=log)
+    assert session.i2c.transfer(0x50, b"\x00", 4) == b"\x01\x02\x03\x04"
+    assert session.i2c.transfer(0x51, b"\x00", 4) is None
+    session.advance(session.now + session.ticks("1 ms"))
+    result = session.finish()
+    again = Records()
+    replayed = replay(case(), log, subscribe=again.subscribe)
+    assert live.kept == again.kept and len(live.kept) > 200
+    assert (replayed.simulated_s, replayed.counts, replayed.wire_bytes) == (
+        result.simulated_s,
+        result.counts,
+        result.wire_bytes,
+    )
+    assert result.wire_bytes == 1 + 1 + 1 + 4 + 1
+
+
+def test_a_log_without_an_end_is_replayed_to_its_last_whole_line(tmp_path: Path) -> None:
+    log = tmp_path / "live.jsonl"
+    with bus(log=log)[0] as session:
+        session.i2c.transfer(0x50, b"\x00", 2)
+        last = session.now
+    log.write_text(log.read_text() + '[99999999, {"SC')
+    assert 0 < replay(case(), log).simulated_s <= last / session.ticks_per_second
+    assert replay(case(), log).wire_bytes == 5
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("", "line 1: found no head, expected the log of a session"),
+        ("[]\n", "line 1: found no head"),
+        ("{HEAD}\n[2, {}]\n[1, {}]\n", "line 3: found tick 1 behind tick 2, expected instants in order of time"),
+        ('{HEAD}\n{"end": 5}\n[6, {}]\n', "line 3: found something behind the end, expected nothing more"),
+        ("{HEAD}\n7\n", "line 2: found 7, expected an instant"),
+        ("{HEAD}\n[1, {\n", "line 2: found a damaged line, expected JSON"),
+        ('{HEAD}\n[1, {"RX": 0}]\n', "line 'RX' does not lead outside of case mine; it has SDA, SCL"),
+        ('{HEAD}\n[1, {"SDA": 2}]\n', "SDA at tick 1 .*: found 2, expected 0, pulled low, or 1, let go"),
+    ],
+)
+def test_a_damaged_log_is_refused_with_its_line(text: str, sentence: str, tmp_path: Path) -> None:
+    log = tmp_path / "live.jsonl"
+    bus(log=log)[0].finish()
+    head = log.read_text().splitlines()[0]
+    log.write_text(text.replace("{HEAD}", head))
+    with pytest.raises(OutsideError, match=sentence):
+        replay(case(), log)
+
+
+def test_a_log_of_another_version_or_clock_is_refused(tmp_path: Path) -> None:
+    log = tmp_path / "live.jsonl"
+    bus(log=log)[0].finish()
+    head = json.loads(log.read_text().splitlines()[0])
+    for key, value, sentence in (
+        ("version", 2, "found version 2, expected version 1"),
+        ("ticks_per_second", 5, "it is the log of case mine with 5 ticks a second, and case mine has 3000000000"),
+    ):
+        log.write_text(json.dumps(head | {key: value}) + "\n")
+        with pytest.raises(OutsideError, match=sentence):
+            replay(case(), log)
+    with pytest.raises(OutsideError, match=r"nowhere.jsonl: No such file or directory; give the log of a session"):
+        replay(case(), tmp_path / "nowhere.jsonl")
+    with pytest.raises(OutsideError, match="give the log another place"):
+        Session(case(), BUS, log=tmp_path / "no" / "folder.jsonl")
+
+
+def test_the_past_is_refused_with_both_times_and_the_present_is_not() -> None:
+    session, _ = bus()
+    session.apply(session.now, {"SDA": 0})
+    with pytest.raises(
+        OutsideError, match=r"lines cannot move at tick 5 \(.*\): the session is at tick 3000000 \(1000.000 us\)"
+    ):
+        session.apply(5, {"SDA": 0})
+    with pytest.raises(OutsideError, match=r"tick 5 \(.*\) is past: the session is at tick 3000000 \(1000.000 us\)"):
+        session.advance(5)
+    assert session.level("SDA") == 1
+    session.advance(session.now + 1)
+    assert session.level("SDA") == 0
+
+
+def test_a_call_that_is_refused_does_nothing() -> None:
+    session, _ = bus()
+    for levels, sentence in (
+        ({"SDA": 0, "SDL": 0}, "line 'SDL' does not lead outside of case mine; did you mean SDA?"),
+        ({"SDA": 0, "SCL": "x"}, "SCL at tick .*: found 'x', expected 0, pulled low, or 1, let go"),
+    ):
+        with pytest.raises(OutsideError, match=sentence):
+            session.apply(session.now, levels)  # type: ignore[arg-type]
+    session.advance(session.now + 100)
+    assert session.level("SDA") == session.level("SCL") == 1
+    with pytest.raises(OutsideError, match="there is no wire 'TX'"):
+        session.level("TX")
+    with pytest.raises(OutsideError, match="line 'TX' does not lead outside"):
+        session.pulls("TX")
+    session.finish()
+    with pytest.raises(OutsideError, match="the session is finished; begin another one"):
+        session.apply(session.now, {"SDA": 0})
+
+
+def test_before_next_output_no_pin_moves(tmp_path: Path) -> None:
+    log = tmp_path / "live.jsonl"
+    with bus(log=log)[0] as session:
+        assert session.i2c.transfer(0x50, b"\x00", 3) == b"\x01\x02\x03"
+    with Session(case(), BUS) as session:
+        moved = 0
+        for at, levels in LogReader(log).instants():
+            while session.now < at:
+                due = session.next_output()
+                changes = session.advance(min(at, session.now + 3_000))
+                moved += len(changes)
+                assert all(due is not None and change.at >= due for change in changes)
+            session.apply(at, levels)
+        assert moved > 8
+
+
+@pytest.mark.parametrize(
+    ("wires", "sentence"),
+    [
+        (("SDA", "SLC"), "outside.wires: there is no wire 'SLC'; did you mean SCL?"),
+        (("SDA", "SDA"), "outside.wires: SDA is named twice; once is enough"),
+    ],
+)
+def test_wires_that_are_not_there_are_refused(wires: tuple[str, ...], sentence: str) -> None:
+    with pytest.raises(BadCase, match=sentence):
+        Session(case(), wires)
+
+
+def test_a_case_says_itself_who_is_outside_and_is_not_run(tmp_path: Path) -> None:
+    path = tmp_path / "case.toml"
+    unit = case().unit["dsp"]
+    path.write_text(
+        f'name = "mine"\nduration = "1 ms"\n[unit.dsp]\nfirmware = "{unit.firmware}"\nmodules = ["I2C-A"]\n'
+        '[outside]\nwires = ["SDA", "SCL"]\n'
+    )
+    session = Session(path)
+    session.advance(session.ticks("1 ms"))
+    assert session.i2c.transfer(0x50, b"\x00", 1) == b"\x01"
+    from periph_sim.api import run
+
+    with pytest.raises(BadCase, match=r"case.toml, line 6: outside: SDA and SCL are moved from outside, and in a run"):
+        run(load(path))
+    with pytest.raises(BadCase, match="nobody is outside; name the wires"):
+        Session(case())
+    with pytest.raises(BadCase, match=r"RX is what the \[host\] sends on, and two would drive it"):
+        Session(case("uart_logger", ("SCI-A",), host={}), ("RX",))
+
+
+def test_waiting_for_the_outside_is_no_deadlock() -> None:
+    session, _ = bus()
+    session.advance(session.ticks("100 ms"))
+    assert session.finish().verdict == "not judged"
+
+
+@pytest.mark.parametrize(("address", "verdicts"), [(0x50, ["pass", "pass"]), (0x22, ["not judged", "fail"])])
+def test_budgets_of_the_bus_are_judged_by_what_is_on_it(address: int, verdicts: list[str]) -> None:
+    budgets = [
+        {"name": "stretch", "measure": "stretch", "max": "50 us"},
+        {"name": "nacked", "measure": "nacked", "max": 0},
+    ]
+    session = Session(case(budget=budgets), BUS)
+    session.advance(session.ticks("1 ms"))
+    session.i2c.transfer(address, b"\x00", 2)
+    assert [verdict.verdict for verdict in session.finish().budgets] == verdicts

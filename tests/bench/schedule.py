@@ -4,8 +4,8 @@ python -m tests.bench.schedule [--scenarios 100000] [--rounds 50]
 
 The shipped case timing/imu_hil.toml with all that it has: three clocks that are off, a host that drifts through all
 phases, drawn costs; NACK windows, hangs, stretches and margins are told of each scenario. Then the published case where
-many scenarios lie in such a window. One core. Draws are those of Python's generator, so that each seed costs its
-seeding: scenarios that share seeds share that.
+many scenarios lie in such a window. One core. Draws are those of Python's generator, made for many seeds at once, but
+each seed costs its seeding: scenarios that share seeds share that.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """The numbers that edge runs draw: seeds and a range go in; for each seed the same draws in the same order come out.
 
-    Random(seed).randrange(n):  words of k bits, k = n.bit_length(), until one is below n       (CPython's random)
-    getrandbits(32 * words)     the same words, lowest first, of which the upper k bits count
+    Random(seed).randrange(n):  words of 32 bits, of which the upper k = n.bit_length() count, until one is below n
 
-So that a call of Python draws many numbers at once; the rejection is arithmetic over arrays. Each seed is drawn once.
+The words are those of `mersenne`, of many seeds at once, and the rejection is arithmetic over arrays. Few seeds are
+left to Python's own generator, which takes less time for them. Each seed is drawn once.
 """
 
 from __future__ import annotations
@@ -14,9 +14,11 @@ from random import Random
 import numpy as np
 
 from .clock import Ints
+from .mersenne import Generators, same_length
 
 WORD = 32
-TOGETHER = 1024  # seeds whose words stay in the CPU's cache
+TOGETHER = 8192  # seeds: with fewer the calls cost more than what they do, more do not fit the CPU's cache
+FEW = 200  # seeds that are drawn one by one in the time that all calls of numpy take
 
 
 class Drawn:
@@ -27,6 +29,7 @@ class Drawn:
 
     def __init__(self, seeds: Ints, below: int, count: int, key: Callable[[int], int | str]) -> None:
         unique, self.column = np.unique(seeds, return_inverse=True)
+        self._in_order = np.array_equal(unique, seeds)
         keys = [key(seed) for seed in unique.tolist()]
         self.numbers = np.empty((count, len(keys)), np.int64)
         for first in range(0, len(keys), TOGETHER):
@@ -35,32 +38,34 @@ class Drawn:
 
     def row(self, number: int) -> Ints:
         """int64[scenarios]: the number-th of each."""
-        found: Ints = self.numbers[number].take(self.column, mode="clip")
-        return found
+        found: Ints = self.numbers[number]
+        return found if self._in_order else found.take(self.column, mode="clip")
 
 
 def _of_keys(keys: list[int | str], below: int, count: int) -> Ints:
     bits = below.bit_length()
-    if bits > WORD:
+    if bits > WORD or len(keys) < FEW:
         return _one_by_one(keys, below, count)
-    share = below / (1 << bits)
-    words = int(count / share + 6 * (count * (1 - share)) ** 0.5 / share) + 8
     found = np.empty((count, len(keys)), np.int64)
-    one = Random(0)  # seeded anew for each: making another would seed it twice
-    drawn = []
-    for key in keys:
-        one.seed(key)
-        drawn.append(one.getrandbits(WORD * words).to_bytes(WORD // 8 * words, "little"))
-    raw = b"".join(drawn)
-    numbers = np.frombuffer(raw, "<u4").reshape(len(keys), words) >> np.uint32(WORD - bits)
-    fits = numbers < below
-    rank = np.cumsum(fits, axis=1, dtype=np.int32)
-    enough = rank[:, -1] >= count
-    fits &= (rank <= count) & enough[:, None]
-    found[:, enough] = numbers[fits].reshape(-1, count).T
-    for column in np.flatnonzero(~enough):
-        found[:, column] = _one_by_one([keys[column]], below, count)[:, 0]
+    for places, words in same_length(keys):
+        found[:, places] = _drawn(Generators(words), len(places), bits, below, count)
     return found
+
+
+def _drawn(generators: Generators, keys: int, bits: int, below: int, count: int) -> Ints:
+    """Each word goes where the next number of its key belongs, and stays there if it is below."""
+    found = np.empty((count + 1, keys), np.uint32)
+    flat, last = found.reshape(-1), count * keys + np.arange(keys)
+    place = np.arange(keys)
+    left = count
+    while left > 0:  # as many words as are wanted at least
+        for _ in range(left):
+            numbers = generators.word() >> np.uint32(WORD - bits)
+            flat[place] = numbers
+            place += keys * (numbers < below)
+            np.minimum(place, last, out=place)
+        left = count - int(place.min()) // keys
+    return found[:count].astype(np.int64)
 
 
 def _one_by_one(keys: list[int | str], below: int, count: int) -> Ints:

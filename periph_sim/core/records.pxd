@@ -8,6 +8,7 @@ cdef class Listener:
 
 cdef class Keeper:
     cpdef long long tag_of(self, object kind, str where, str what)
+    cpdef long long places(self, long long tag)
     cpdef void keep(self, long long tag, long long number, long long tick, long long value, object text, long long cause, object field)
 
 
@@ -23,6 +24,7 @@ cdef class _Pen:
 
 cdef class Topic:
     cdef public bint heard, told_whole
+    cdef public long long places
     cdef Recorder _recorder
     cdef object _kind
     cdef str _where, _what

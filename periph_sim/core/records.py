@@ -58,6 +58,7 @@ Subjects = Mapping[Kind, Collection[str]]
 
 
 UNHEARD = -1  # instead of a tag: there is no use for such records
+NOWHERE, OF_MODIFIES, EVERYWHERE = range(3)  # of which accesses a keeper wants the place in the firmware
 
 
 class Listener:
@@ -82,6 +83,13 @@ class Keeper:
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
         """As a listener's."""
         raise NotImplementedError
+
+    def places(self, tag: int) -> int:
+        """Which of the records with this tag it wants with their place in the firmware.
+
+        OF_MODIFIES: accesses that may be one half of a read-modify-write, so not a field that is only read.
+        """
+        return EVERYWHERE
 
     def keep(self, tag: int, number: int, tick: int, value: int, text: str, cause: int, field: str) -> None:
         """A record was made of what got this tag."""
@@ -109,13 +117,15 @@ class _Pen:
 class Topic:
     """All records of one kind, place and thing.
 
-    heard: anybody is told of them. told_whole: somebody looks at more of them than time and value.
+    heard: anybody is told of them. told_whole: somebody looks at more of them than time and value. places: of which
+    of them somebody wants the place in the firmware, whose working out costs more than all else.
     """
 
-    __slots__ = ("_ears", "_kind", "_pens", "_recorder", "_sinks", "_what", "_where", "heard", "told_whole")
+    __slots__ = ("_ears", "_kind", "_pens", "_recorder", "_sinks", "_what", "_where", "heard", "places", "told_whole")
 
     def __init__(self, recorder: Recorder, kind: Kind, where: str, what: str) -> None:
         self.heard = self.told_whole = False
+        self.places = NOWHERE
         self._recorder = recorder
         self._kind = kind
         self._where = where
@@ -138,8 +148,10 @@ class Topic:
             if pen.tag == UNHEARD:
                 return
             self._pens.append(pen)
+            self.places = max(self.places, party.places(pen.tag))
         else:
             self._sinks.append(party)
+            self.places = EVERYWHERE
         self.heard = True
         self.told_whole = bool(self._pens or self._sinks)
 
@@ -147,6 +159,7 @@ class Topic:
         """Nobody is told any more."""
         self._ears, self._pens, self._sinks = [], [], []
         self.heard = self.told_whole = False
+        self.places = NOWHERE
 
     def emit(self, tick: int, value: int = 0, text: str = "", field: str = "") -> int:
         """The number of the new record; its cause is the record being worked under."""

@@ -1,6 +1,6 @@
 cimport cython
 
-from ..core.records cimport Recorder, Topic
+from ..core.records cimport Recorder
 from ..core.time cimport Clock
 from ..f28335.cpu.interrupts cimport CpuInterrupts
 from ..f28335.system.ram cimport Ram
@@ -25,7 +25,7 @@ cdef class Bus:
     cdef FirmwareNotes _notes
     cdef Recorder _recorder
     cdef CpuTime _time
-    cdef object _name, _place, _recorded, _waits
+    cdef object _name, _place, _subjects, _waits
     cdef bint _records_access
     cdef dict _operands
     cdef list _posted
@@ -39,13 +39,14 @@ cdef class Bus:
     cpdef void write(self, long long at, long long address, long long value, long long width=*)
     cpdef void note_width(self, long long cycle, Operand operand)
     cpdef long long free(self, Operand operand)
-    @cython.locals(reads=Topic)
     cpdef long long fetch(self, long long at, Operand operand)
+    cdef long long _recorded(self, long long at, Operand operand, object where)
     cdef long long _read(self, long long at, Operand operand)
     cpdef long long posts_at(self, long long cycle, Operand operand)
     cpdef void store(self, long long at, Operand operand, long long value)
     cpdef void modify(self, long long at, Operand operand, long long number)
-    cdef void _post(self, long long at, Operand operand, long long value)
+    cdef bint _wants_place(self, Operand operand)
+    cdef void _post(self, long long at, Operand operand, long long value, object where)
     cdef void _ignored(self, long long cycle, str what)
     @cython.locals(first=Posted, after=Posted)
     cpdef void land(self)

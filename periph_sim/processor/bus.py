@@ -20,7 +20,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ..core.chip import NEVER, Note
-from ..core.records import Kind, Recorder
+from ..core.records import NOWHERE, OF_MODIFIES, Kind, Recorder
 from ..core.registers import Field, Register
 from ..core.time import Clock
 from ..f28335.cpu.interrupts import CpuInterrupts
@@ -64,9 +64,9 @@ class Bus:
         "_pf1_after_pf1",
         "_place",
         "_posted",
-        "_recorded",
         "_recorder",
         "_records_access",
+        "_subjects",
         "_time",
         "_waits",
         "free_from",
@@ -103,7 +103,7 @@ class Bus:
         self._place = place
         self._records_access = recorder.wants(Kind.ACCESS)
         wanted = recorder.subjects(Kind.ACCESS)
-        self._recorded = None if wanted is None else frozenset(subject.rpartition(".")[2] for subject in wanted)
+        self._subjects = None if wanted is None else frozenset(subject.rpartition(".")[2] for subject in wanted)
         self._waits = WaitStates(options)
         self._pf1_after_pf1 = self._waits.pf1_after_pf1
         self._lands_after = options.write_lands
@@ -136,7 +136,7 @@ class Bus:
         """True if any subscriber records accesses to this register."""
         if not self._records_access:
             return False
-        return self._recorded is None or register.name in self._recorded or register.upper in self._recorded
+        return self._subjects is None or register.name in self._subjects or register.upper in self._subjects
 
     # By address ----------------------------------------------------------------
 
@@ -195,12 +195,15 @@ class Bus:
         """The value of these words of the register in cycle `at`, each in its place."""
         if not operand.recorded:
             return operand.see(at) if operand.harmless else self._read(at, operand)
+        wanted = operand.reads.places > (OF_MODIFIES if operand.field is not None else NOWHERE)
+        return self._recorded(at, operand, self._place() if wanted else None)
+
+    def _recorded(self, at: int, operand: Operand, where: SourceLocation | None) -> int:
+        """The same of a read that is recorded, before what it sets off. where: None where nobody wants to know."""
         recorder = self._recorder
         outer = recorder.cause
-        seen = operand.see(at)  # recorded before the read, which causes what it sets off
-        reads = operand.reads
-        where = (self._place() or "") if reads.told_whole else ""
-        recorder.cause = reads.emit(self._clock.tick(at), seen, where, operand.named)
+        seen = operand.see(at)
+        recorder.cause = operand.reads.emit(self._clock.tick(at), seen, where or "", operand.named)
         value = seen if operand.harmless else self._read(at, operand)
         recorder.cause = outer
         return value
@@ -225,7 +228,7 @@ class Bus:
 
         Ignored where EALLOW protects the register.
         """
-        self._post(at, operand, value)
+        self._post(at, operand, value, self._place() if self._wants_place(operand) else None)
         if operand.pieack:
             self._core.wrote_pieack(at)
 
@@ -236,16 +239,21 @@ class Bus:
         """
         named = operand.field
         assert named is not None
-        self._post(at, operand, named.put(self.fetch(at, operand), number))
+        where = self._place() if self._wants_place(operand) else None
+        value = self._recorded(at, operand, where) if operand.recorded else self.fetch(at, operand)
+        self._post(at, operand, named.put(value, number), where)
 
-    def _post(self, at: int, operand: Operand, value: int) -> None:
+    def _wants_place(self, operand: Operand) -> bool:
+        """Of a write, or a read for one: whether anybody wants to know where in the firmware it is made."""
+        return self._notes.strict or (operand.recorded and operand.reads.places + operand.writes.places > NOWHERE)
+
+    def _post(self, at: int, operand: Operand, value: int, where: SourceLocation | None) -> None:
         lands = at + self._lands_after
         if operand.frame1:
             self._last_pf1_write = at
         if operand.protected and not self._core.eallow:
             self._ignored(at, f"{operand.register.name} of {operand.place.name}")
         else:
-            where = self._place() if operand.recorded or self._notes.strict else None
             self._posted.append(Posted(lands, operand, value, where, self._recorder.cause))
             self._time.limit(lands)
         free = max(at + 1 + WRITE_TO_READ, lands + 1)

@@ -21,7 +21,7 @@ def limits_of(case: Case, scope: Scope, timebase: Timebase, start: int) -> list[
             raise case.mistake(what, "budget", entry, "name")
         names.add(budget.name)
         try:
-            found.append(BudgetJudge(budget, timebase, scope, start))
+            found.append(BudgetJudge(budget, timebase, scope, start, found))
         except BadBudget as error:
             raise case.mistake(str(error), "budget", entry, *error.place) from None
     return found

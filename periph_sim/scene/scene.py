@@ -106,8 +106,8 @@ class Scene:
         for limit in self.limits:
             if keep_values and limit.measure.series:
                 limit.measure.keep()
-            for part in limit.parts:
-                part.measure.subscribe(self.recorder)
+            for measure in limit.own_measures:
+                measure.subscribe(self.recorder)
         serial = None if case.serial is None else SerialSide(case, case.serial, scope, self.recorder)
         if subscribe is not None:
             subscribe(self.recorder, self.timebase)
@@ -168,7 +168,8 @@ class Scene:
         for entry, limit in enumerate(self.limits):
             for part in limit.parts:
                 self._check_needs(entry, part)
-                part.measure.listen(proxy(self))
+            for measure in limit.own_measures:
+                measure.listen(proxy(self))
         refuse_byte_level(case, self.whole_bytes, self.wires)
         check_outside(case, self.wires)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
@@ -49,9 +50,17 @@ class BudgetJudge:
     """One budget with its measure; `verdict` after the run. scope: what a measure of events may name.
 
     start: the tick at which the run begins. parts: this one, and one for each condition that is joined to it.
+    others: of the same scene. same_as: the one of these whose measure it looks at, too.
     """
 
-    def __init__(self, budget: Budget, timebase: Timebase, scope: Scope | None = None, start: int = 0) -> None:
+    def __init__(
+        self,
+        budget: Budget,
+        timebase: Timebase,
+        scope: Scope | None = None,
+        start: int = 0,
+        others: Sequence[BudgetJudge] = (),
+    ) -> None:
         self.budget = budget
         self.measure = _measure(budget.measure, scope or Scope())
         self._timebase = timebase
@@ -70,6 +79,16 @@ class BudgetJudge:
         if len(self.parts) > 1:
             for part in self.parts:
                 part.measure.keep()
+        self.same_as = next((other for other in others if self._measures_as(other)), None)
+        if self.same_as is not None:
+            if self.measure.kept is not None:
+                self.same_as.measure.keep()
+            self.measure = self.same_as.measure
+
+    def _measures_as(self, other: BudgetJudge) -> bool:
+        """Whether both measure the same, so that one does it for both. Conditions that are joined choose values."""
+        alone = other.same_as is None and len(self.parts) == len(other.parts) == 1
+        return alone and (self.budget.measure, self.budget.after) == (other.budget.measure, other.budget.after)
 
     def _joined(self, entry: int, timebase: Timebase, scope: Scope | None, start: int) -> BudgetJudge:
         """A condition as a budget of its own."""
@@ -86,6 +105,11 @@ class BudgetJudge:
                 joinable = "age, model age, stretch and value error are"
                 raise BadBudget(f"{what}{joinable}", *(("measure",) if each is self else ("and", entry, "measure")))
         return part
+
+    @property
+    def own_measures(self) -> list[Measure]:
+        """Those that it, and no other budget, has listen to a run."""
+        return [part.measure for part in self.parts] if self.same_as is None else []
 
     @property
     def limits(self) -> dict[str, int]:
@@ -161,6 +185,9 @@ class BudgetJudge:
 
     def finish(self, now: int) -> None:
         """The run is over: what is not over counts with what it has come to."""
+        if self.same_as is not None:
+            self._found = self.same_as._found
+            return
         for part in self.parts:
             part.measure.finish(now)
             part._found = part.measure.close(now)

@@ -6,7 +6,7 @@ import linecache
 from fractions import Fraction
 from pathlib import Path
 
-from periph_sim.core.records import Kind, Record
+from periph_sim.core.records import OF_MODIFIES, Keeper, Kind, Record
 from periph_sim.processor.source_location import SourceLocation
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
@@ -18,6 +18,22 @@ def records(*kinds: Kind, seconds: Fraction = Fraction(8, 1000)) -> list[Record]
     found: list[Record] = []
     Scene(CASE, lambda recorder, _: recorder.subscribe(kinds, found.append)).run(seconds)
     return found
+
+
+class OfModifies(Keeper):
+    """Keeps what is said of the places of accesses to I2CSTR by who needs them of read-modify-writes only."""
+
+    def __init__(self) -> None:
+        self.said: list[tuple[str, str, str]] = []  # R or W, the field, the place
+
+    def tag_of(self, kind: Kind, where: str, what: str) -> int:
+        return ("R I2C-A.I2CSTR", "W I2C-A.I2CSTR").index(what) if what.endswith("I2CSTR") else -1
+
+    def places(self, tag: int) -> int:
+        return OF_MODIFIES
+
+    def keep(self, tag: int, number: int, tick: int, value: int, text: str, cause: int, field: str) -> None:
+        self.said.append(("RW"[tag], field, text))
 
 
 def source(record: Record) -> str:
@@ -78,3 +94,13 @@ def test_what_happens_while_a_routine_computes_is_not_its_doing():
     of_it = {r.kind for r in inside if r.cause == entered.number}
     assert of_it == {Kind.ACCESS, Kind.SPAN}
     assert sum(r.kind is Kind.EDGE for r in inside) > 20
+
+
+def test_the_place_of_a_field_that_is_only_read_is_not_worked_out_for_who_wants_those_of_modifies():
+    keeper = OfModifies()
+    Scene(CASE, lambda recorder, _: recorder.subscribe([Kind.ACCESS], keeper)).run(Fraction(8, 1000))
+    modified = [(way, field) for way, field, place in keeper.said if place]
+    assert {field for _, field in modified} == {"SCD"} and len({place for _, _, place in keeper.said if place}) == 1
+    assert modified.count(("R", "SCD")) == modified.count(("W", "SCD")) > 0
+    polls = [place for way, field, place in keeper.said if field in ("AAS", "RRDY", "XRDY")]
+    assert len(polls) > 20 and not any(polls)

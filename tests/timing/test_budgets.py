@@ -7,6 +7,7 @@ import pytest
 from periph_sim.core.time import Timebase
 from periph_sim.timing.budget_schema import Budget
 from periph_sim.timing.budgets import BadBudget, BudgetJudge
+from periph_sim.timing.language.scope import Scope
 from periph_sim.timing.measures.measure import Counter
 from periph_sim.timing.verdict import Verdict
 
@@ -21,6 +22,49 @@ def judged(of: BudgetJudge, *values_us: float) -> Verdict:
     for n, value in enumerate(values_us):
         of.measure.take(round(value * US), n * 1_000_000 * US)  # one a second
     return of.verdict()
+
+
+def alike(one: dict[str, str | int], other: dict[str, str | int]) -> tuple[BudgetJudge, BudgetJudge]:
+    """Two budgets of one scene, on time of the same."""
+    text, more = "from edge SCL fall to edge SCL rise", Scope(wires=("SCL",))
+    budgets = [Budget(name=name, measure=text, **limits) for name, limits in (("a", one), ("b", other))]
+    first = BudgetJudge(budgets[0], Timebase(150_000_000), more)
+    return first, BudgetJudge(budgets[1], Timebase(150_000_000), more, 0, [first])
+
+
+def test_budgets_on_the_same_have_one_measure_and_each_its_verdict():
+    first, second = alike({"max": "3 us"}, {"p50": "1 us"})
+    assert second.measure is first.measure and first.own_measures and not second.own_measures
+    for n, value in enumerate((1, 2, 2)):
+        first.measure.take(value * US, n * US)
+    for of in (first, second):
+        of.finish(10 * US)
+    assert [(v.verdict, v.worst, v.count) for v in (first.verdict(), second.verdict())] == [
+        ("pass", 2.0, 3),
+        ("fail", 2.0, 3),
+    ]
+
+
+def test_what_the_end_cut_off_counts_once_for_budgets_on_the_same():
+    first, second = alike({"max": "3 us"}, {"max": "9 us"})
+    first.measure.happened(0, US, 0)
+    for of in (first, second):
+        of.finish(6 * US)
+    assert [(v.verdict, v.worst, v.count) for v in (first.verdict(), second.verdict())] == [
+        ("fail", 5.0, 1),
+        ("pass", 5.0, 1),
+    ]
+    assert first.verdict().found == second.verdict().found != ""
+
+
+@pytest.mark.parametrize(
+    "other", [{"max": "9 us", "after": "1 ms"}, {"max": "9 us", "measure": "period of edge SCL fall"}]
+)
+def test_budgets_on_other_things_have_their_own_measures(other):
+    budget = Budget(**{"name": "b", "measure": "from edge SCL fall to edge SCL rise", **other})
+    first, _ = alike({"max": "3 us"}, {"max": "3 us"})
+    second = BudgetJudge(budget, Timebase(150_000_000), Scope(wires=("SCL",)), 0, [first])
+    assert second.measure is not first.measure and second.own_measures == [second.measure]
 
 
 @pytest.mark.parametrize(

@@ -103,7 +103,7 @@ class ScheduledScene:
         if rounds.refused[0]:
             raise refuse(self.case.name, "the module answers for firmware that is still elsewhere")
         told = Told(self.structure, inputs, rounds, journal)
-        told.tell([part.measure for limit in self._judged() for part in limit.parts])
+        told.tell([measure for limit in self._judged() for measure in limit.own_measures])
         for limit in self._judged():
             limit.finish(end)
         told_of = {

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from ...core.records import Kind, Recorder
+from ...core.records import Kind, Recorder, Topic
 from ...core.time import Clock
+from ..operand import Operand
+from ..polling import Spin
 from .program import PythonProgram
 
 
 class CodeRecords:
     """spans, waits: whether anybody wants records of them."""
 
-    __slots__ = ("_clock", "_name", "_program", "_recorder", "spans", "waits")
+    __slots__ = ("_clock", "_name", "_program", "_recorder", "_waited_for", "spans", "waits")
 
     def __init__(self, clock: Clock, recorder: Recorder, program: PythonProgram) -> None:
         self.spans = recorder.wants(Kind.SPAN)
@@ -19,18 +21,28 @@ class CodeRecords:
         self._recorder = recorder
         self._name = program.name
         self._program = program
+        self._waited_for: dict[tuple[Operand, ...], Topic] = {}  # by what a pass polls
 
     def span(self, cycle: int, name: str, begins: int) -> None:
         """A named stretch begins (1) or ends (0) at this cycle."""
         if self.spans:
-            self._emit(Kind.SPAN, cycle, name, begins)
+            self.tell(self._recorder.topic(Kind.SPAN, self._name, name), cycle, begins)
 
     def wait(self, cycle: int, what: str, begins: int) -> None:
         """A wait for `what` begins (1) or ends (0)."""
         if self.waits:
-            self._emit(Kind.WAIT, cycle, what, begins)
+            self.tell(self._recorder.topic(Kind.WAIT, self._name, what), cycle, begins)
 
-    def _emit(self, kind: Kind, cycle: int, what: str, begins: int) -> None:
-        topic = self._recorder.topic(kind, self._name, what)
-        where = (self._program.place() or "") if begins and topic.told_whole else ""
+    def waited_for(self, spin: Spin) -> Topic:
+        """The records of waits that poll what this one does."""
+        polls = tuple(spin.polls)
+        topic = self._waited_for.get(polls)
+        if topic is None:
+            topic = self._recorder.topic(Kind.WAIT, self._name, spin.waits_for() or "nothing")
+            self._waited_for[polls] = topic
+        return topic
+
+    def tell(self, topic: Topic, cycle: int, begins: int) -> None:
+        """A record of this topic."""
+        where = (self._program.place() or "") if begins and topic.places else ""
         topic.emit(self._clock.tick(cycle), begins, where)

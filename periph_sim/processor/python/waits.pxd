@@ -1,5 +1,6 @@
 cimport cython
 
+from ...core.records cimport Topic
 from ...f28335.cpu.interrupts cimport CpuInterrupts
 from ..bus cimport Bus
 from ..cpu_time cimport CpuTime
@@ -22,6 +23,7 @@ cdef class Waits:
     cdef CpuTime _time
     cpdef bint spin(self, object condition, object pass_cycles=*, object timeout=*)
     cpdef bint spin_either(self, object ready, object over, object pass_cycles=*)
+    @cython.locals(waited=Topic)
     cdef long long _wait(self, object ready, object over, object pass_cycles, object timeout)
     cdef bint _skip(self, Spin spin)
     @cython.locals(operand=Operand, start=cython.longlong, cycle=cython.longlong, place=cython.Py_ssize_t, before=cython.longlong)

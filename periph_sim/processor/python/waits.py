@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ...core.chip import NEVER
+from ...core.records import Topic
 from ...f28335.cpu import instruction_costs as cpu_costs
 from ..bus import Bus
 from ..cpu_time import CpuTime
@@ -80,7 +81,7 @@ class Waits:
         time, program, instructions, records = self._time, self._program, self._instructions, self._records
         spin = Spin(time.cycle, pass_cycles, NEVER if timeout is None else time.cycle + timeout)
         outer, program.spin = program.spin, spin
-        polled = ""
+        waited: Topic | None = None
         came, again = NEITHER, False
         while True:
             if not again or not self._repeats(spin):
@@ -92,15 +93,15 @@ class Waits:
                 if came:
                     break
                 spin.take_length(time.cycle)
-                if records.waits and not polled:
-                    polled = spin.waits_for() or "nothing"
-                    records.wait(spin.since, polled, 1)
+                if records.waits and waited is None:
+                    waited = records.waited_for(spin)
+                    records.tell(waited, spin.since, 1)
             instructions.instruction(spin.rest(time.cycle, self._branch))
             again = self._skip_polls and spin.pure and time.cycle < spin.ends and self._skip(spin)
             if time.cycle >= spin.ends:
                 break
-        if polled:
-            records.wait(time.cycle, polled, 0)
+        if waited is not None:
+            records.tell(waited, time.cycle, 0)
         instructions.instruction(cpu_costs.SB_NOT_TAKEN)
         program.spin = outer
         return came

@@ -10,14 +10,13 @@ whether firmware had looked at a flag is the last read before; so the last one o
 
 from __future__ import annotations
 
-from collections import deque
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
-from typing import Final
 
 import numpy as np
 
-from ...core.records import UNHEARD, Kind
+from ...core.records import NOWHERE, OF_MODIFIES, UNHEARD, Kind
 from ...records.read_modify_write import MODIFY
 from ...records.register_maps import one_clears
 from ...traces.formats.record_table import Columns, RecordTable
@@ -31,64 +30,103 @@ FLAG, READ, WRITE, OTHER = range(4)  # what a record is here
 SEVERAL = 4  # times as far back as a write's read may be
 
 
-Access = tuple[int, int, int, int, str, int, str]  # one that may stay: tag, number, tick, value, text, cause, field
-TAG: Final = 0  # places in it
-TICK: Final = 2
-FIELD: Final = 6
+class Access:
+    """One that may stay."""
+
+    __slots__ = ("cause", "field", "number", "tag", "text", "tick", "value")
+
+    def __init__(self, tag: int, number: int, tick: int, value: int, text: str, cause: int, field: str) -> None:
+        self.tag = tag
+        self.number = number
+        self.tick = tick
+        self.value = value
+        self.text = text
+        self.cause = cause
+        self.field = field
 
 
 class UnitAccesses:
-    """Those of one unit that no write has made stay yet. last: of each register and field the last read before
-    `recent`, those of the last cycles."""
+    """Those of one unit that no write has made stay yet. recent: those of the last cycles. last: of each register that
+    is read, and each field of it, the last read before these."""
+
+    __slots__ = ("last", "recent")
 
     def __init__(self) -> None:
-        self.recent: deque[Access] = deque()
-        self.last: dict[tuple[int, str], Access] = {}
+        self.recent: list[Access] = []
+        self.last: list[dict[str, Access]] = []
+
+
+class Topic:
+    """All accesses of one kind. last: where the reads among them are, of those of the unit."""
+
+    __slots__ = ("last", "role", "unit")
+
+    def __init__(self, role: int, unit: UnitAccesses) -> None:
+        self.role = role
+        self.unit = unit
+        self.last: dict[str, Access] = {}
+        if role == READ:
+            unit.last.append(self.last)
 
 
 class AroundWrites(Columns):
-    def __init__(self) -> None:
+    """concerns: whether records of a kind, place and thing are to be looked at; None: all are."""
+
+    def __init__(self, concerns: Callable[[Kind, str, str], bool] | None = None) -> None:
         super().__init__()
+        self._concerns = concerns
         self._back = 0  # ticks
-        self._roles: list[int] = []  # by tag
         self._units: dict[str, UnitAccesses] = {}
-        self._unit_of: list[UnitAccesses] = []  # by tag
+        self._of: list[Topic] = []  # by tag
 
     def cycle_is(self, ticks: Fraction) -> None:
         """How long a cycle is: a write's read is a few of them before it."""
         self._back = int(SEVERAL * MODIFY * ticks)
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
+        if self._concerns is not None and not self._concerns(kind, where, what):
+            return UNHEARD
         if kind is Kind.FLAG and (where.partition(".")[2], what) not in FLAGS:
             return UNHEARD
         tag = Columns.tag_of(self, kind, where, what)
-        if tag == len(self._roles):
+        if tag == len(self._of):
             role = FLAG if kind is Kind.FLAG else READ if what in READING else WRITE if what in CLEARING else OTHER
-            self._roles.append(role)
-            self._unit_of.append(self._units.setdefault(where, UnitAccesses()))
+            self._of.append(Topic(role, self._units.setdefault(where, UnitAccesses())))
         return tag
 
+    def places(self, tag: int) -> int:
+        """Of a read and a write of one statement it has to be the same."""
+        return OF_MODIFIES if self._of[tag].role in (READ, WRITE) else NOWHERE
+
     def keep(self, tag: int, number: int, tick: int, value: int, text: str, cause: int, field: str) -> None:
-        role = self._roles[tag]
-        if role == FLAG:
+        topic = self._of[tag]
+        if topic.role == FLAG:
             Columns.keep(self, tag, number, tick, value, text, cause, field)
             return
-        unit = self._unit_of[tag]
+        unit = topic.unit
         recent = unit.recent
-        while recent:
-            old = recent[0]
-            if tick - old[TICK] <= self._back:
+        passed = 0
+        for old in recent:
+            if tick - old.tick <= self._back:
                 break
-            recent.popleft()
-            if self._roles[old[TAG]] == READ:
-                unit.last[old[TAG], old[FIELD]] = old
-        recent.append((tag, number, tick, value, text, cause, field))
-        if role == WRITE:
-            for one in (*unit.last.values(), *recent):
-                of, made, at, found, told, under, named = one
-                Columns.keep(self, of, made, at, found, told, under, named)
-            unit.last.clear()
+            passed += 1
+            of = self._of[old.tag]
+            if of.role == READ:
+                of.last[old.field] = old
+        if passed:
+            del recent[:passed]
+        recent.append(Access(tag, number, tick, value, text, cause, field))
+        if topic.role == WRITE:
+            for last in unit.last:
+                for one in last.values():
+                    self._stays(one)
+                last.clear()
+            for one in recent:
+                self._stays(one)
             recent.clear()
+
+    def _stays(self, one: Access) -> None:
+        Columns.keep(self, one.tag, one.number, one.tick, one.value, one.text, one.cause, one.field)
 
     def table(self, per_second: Fraction, end: int, modules: dict[str, tuple[str, ...]]) -> RecordTable:
         """In the order in which they were made."""

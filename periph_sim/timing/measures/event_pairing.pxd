@@ -21,14 +21,16 @@ cdef class Hearing:
 
 
 cdef class EventMeasure(Measure):
-    cdef public object matchers, spans
+    cdef public object kinds, matchers, spans
     cdef public list seen, _plans, _names
     cdef object _order, _needed, _queue
     cdef list _groups
     cdef dict _newest
+    cdef bint _queued
     cpdef long long tag_of(self, object kind, str where, str what)
     @cython.locals(one=Hearing, plan=list)
     cpdef void hear(self, long long tag, long long tick, long long value)
+    cdef void _counts(self, long long place, long long tick, long long value)
     @cython.locals(groups=Groups)
     cdef void _hear_of_group(self, Hearing one, long long tick, long long value)
     @cython.locals(newest=_Seen)

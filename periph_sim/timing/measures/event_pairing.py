@@ -82,6 +82,7 @@ class EventMeasure(Measure):
         self._order = order or range(len(matchers))
         self._groups = [None if m.group is None else Groups(m.group, m.nth) for m in matchers]
         self._queue: deque[_Seen] = deque()
+        self._queued = False  # something waits in it
         self._newest: dict[int, _Seen] = {}  # the last of its group so far, by place
         starts = [one for groups in self._groups if groups is not None for one in groups.matchers]
         each = [one for m in (*matchers, *starts) for one in m.each]
@@ -126,13 +127,17 @@ class EventMeasure(Measure):
             if one.groups is not None:
                 self._hear_of_group(one, tick, value)
             elif one.test is not None and one.test.fits(value):
-                self.seen[one.place] += 1
-                if self._queue:
-                    self._queue.append(_Seen(one.place, tick, value, 1))
-                else:
-                    self.happened(one.place, tick, value)
-        if self._queue:
+                self._counts(one.place, tick, value)
+        if self._queued:
             self._drain()
+
+    def _counts(self, place: int, tick: int, value: int) -> None:
+        """An event of the measure, behind those that wait."""
+        self.seen[place] += 1
+        if self._queued:
+            self._queue.append(_Seen(place, tick, value, 1))
+        else:
+            self.happened(place, tick, value)
 
     def _hear_of_group(self, one: Hearing, tick: int, value: int) -> None:
         """A record that may begin or end the group of an event, or be the event in it that counts."""
@@ -148,12 +153,9 @@ class EventMeasure(Measure):
             if groups.inside:
                 self._newest[place] = _Seen(place, tick, value, WAITS)
                 self._queue.append(self._newest[place])
+                self._queued = True
         elif groups.is_nth():
-            self.seen[place] += 1
-            if self._queue:
-                self._queue.append(_Seen(place, tick, value, 1))
-            else:
-                self.happened(place, tick, value)
+            self._counts(place, tick, value)
 
     def _settle(self, place: int, counts: int) -> None:
         """No later one of its group can take the place of the last one that was seen, or one does."""
@@ -168,6 +170,7 @@ class EventMeasure(Measure):
             seen = queue.popleft()
             if seen.counts:
                 self.happened(seen.place, seen.tick, seen.value)
+        self._queued = bool(queue)
 
     def happened(self, place: int, tick: int, value: int) -> None:
         """Called for each of its events, in order. What only wants their counts leaves it as it is."""

@@ -2,7 +2,6 @@ from ...core.records cimport Listener
 
 
 cdef class Measure(Listener):
-    cdef dict __dict__
     cdef public long long count, worst, least, worst_at, least_at, cut_off, not_before
     cdef public object total, occasions, tap
     cdef public object _kept

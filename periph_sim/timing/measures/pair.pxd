@@ -9,20 +9,21 @@ cdef class Open:
 
 
 cdef class Between(EventMeasure):
-    cdef public str pairing
+    cdef public str asked, pairing
     cdef Groups _rule
     cdef str _rule_text
-    cdef object _waiting, _again
-    cdef bint _stopped, _begun, _paired
+    cdef object _again
+    cdef list _waiting
+    cdef bint _stopped, _begun, _paired, _unsaid, _only_last, _in_order
     cdef long long _extra, _begun_at, _groups_paired, _began_at, _per_second, _now
     cpdef long long clock(self, long long tick)
     cpdef void happened(self, long long place, long long tick, long long value)
     cpdef void between(self)
     cdef void _started(self, long long tick)
     cdef void _group_over(self)
-    @cython.locals(first=Open)
+    @cython.locals(first=Open, waiting=list)
     cdef void _first(self, long long tick)
-    @cython.locals(one=Open, now=cython.longlong, ended=cython.longlong)
+    @cython.locals(one=Open, now=cython.longlong, waiting=list, ended=list)
     cdef void _second(self, long long tick)
 
 

@@ -13,8 +13,6 @@ nothing is proven.
 
 from __future__ import annotations
 
-from collections import deque
-
 from ...core.time import NO_TIME
 from ..language.events import Group, Matcher
 from .event_pairing import EventMeasure
@@ -52,11 +50,12 @@ class Between(EventMeasure):
         self._rule = None if group is None else Groups(group, 0)
         self._rule_text = "" if group is None else f" in the same {group.name}"
         self._stopped = True
-        self._waiting: deque[Open] = deque()
+        self._unsaid, self._only_last, self._in_order = (pairing == one for one in ("", "last", "in order"))
+        self._waiting: list[Open] = []
         self._again: tuple[int, int] | None = None
         self._begun = self._paired = False  # in the group under way
+        self.asked = "" if group is None else f"{group.name}s with {begin.text!r}"
         if group is not None:
-            self.asked = f"{group.name}s with {begin.text!r}"
             self.occasions = 0
         self._groups_paired = 0
         self._begun_at = self._now = NO_TIME
@@ -108,21 +107,23 @@ class Between(EventMeasure):
     def _first(self, tick: int) -> None:
         if not self._begun:
             self._begun, self._begun_at = True, tick
-        if self._waiting and not self.pairing and self._again is None:
-            first = self._waiting[0]
-            self._again = (first.at, tick)
-        if self.pairing == "last":
-            self._waiting.clear()
-        self._waiting.append(Open(tick, self.clock(tick)))
+        waiting = self._waiting
+        if waiting:
+            if self._only_last:
+                waiting.clear()
+            elif self._unsaid and self._again is None:
+                first = waiting[0]
+                self._again = (first.at, tick)
+        waiting.append(Open(tick, self.clock(tick)))
 
     def _second(self, tick: int) -> None:
-        waiting, now = self._waiting, self.clock(tick)
-        ended = len(waiting)
-        if ended > 1 and self.pairing == "in order":
-            ended = 1
-        for _ in range(ended):
-            one = waiting.popleft()
-            self._paired = True
+        waiting = self._waiting
+        if not waiting:
+            return
+        now, self._paired = self.clock(tick), True
+        ended = waiting[:1] if self._in_order else waiting[:]
+        del waiting[: len(ended)]
+        for one in ended:
             self.take(now - one.since, one.at)
 
     def finish(self, now: int) -> None:

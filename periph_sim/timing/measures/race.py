@@ -115,17 +115,6 @@ class Kept(Columns):
         return super().tag_of(kind, where, what) if self._watched.concerns(kind, where, what) else UNHEARD
 
 
-class KeptAroundWrites(AroundWrites):
-    """Of these, those around writes that clear flags."""
-
-    def __init__(self, watched: Watched) -> None:
-        super().__init__()
-        self._watched = watched
-
-    def tag_of(self, kind: Kind, where: str, what: str) -> int:
-        return super().tag_of(kind, where, what) if self._watched.concerns(kind, where, what) else UNHEARD
-
-
 class RegisterMeasure(Measure, ABC):
     """Keeps the records that concern a register, to look at them as a recorded run."""
 
@@ -204,7 +193,7 @@ class LostFlags(RegisterMeasure):
 
     def __init__(self, watched: Watched) -> None:
         super().__init__(watched)
-        self._around = KeptAroundWrites(watched)
+        self._around = AroundWrites(watched.concerns)
         self._kept_records = self._around
 
     def listen(self, scene: SceneEvents) -> None:

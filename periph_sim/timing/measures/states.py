@@ -8,7 +8,6 @@ the end of the run, it counts with that.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 from ...core.records import Kind
@@ -37,7 +36,7 @@ class State:
         return first.kind is Kind.BUS and first.what == "STOP"  # no START yet: the bus is free
 
 
-class _InState(EventMeasure, ABC):
+class _InState(EventMeasure):
     """Hears when the state begins and ends."""
 
     def __init__(self, state: State) -> None:
@@ -48,28 +47,33 @@ class _InState(EventMeasure, ABC):
 
     def listen(self, scene: SceneEvents) -> None:
         if self._state.holds(scene):
-            self.begins(scene.began(), seen=False)
+            self.begins(scene.began(), False)
 
     def hear(self, tag: int, tick: int, value: int) -> None:
         """What is both, enters it. Its events are of no group."""
         if self.spans is not None and self._names[tag]:
             self.spans.add(self._names[tag])
-        fitting = [one.place for one in self._plans[tag] if one.test is not None and one.test.fits(value)]
-        if not fitting:
-            return
-        if min(fitting) < self._enters:
+        plan = self._plans[tag]
+        enters = leaves = False
+        for one in plan:
+            if one.test is not None and one.test.fits(value):
+                if one.place < self._enters:
+                    enters = True
+                else:
+                    leaves = True
+        if enters:
             if self._since == NO_TIME:
-                self.begins(tick, seen=True)
-        elif self._since != NO_TIME:
+                self.begins(tick, True)
+        elif leaves and self._since != NO_TIME:
             self.ends(tick)
             self._since = NO_TIME
 
     def begins(self, at: int, seen: bool) -> None:
         self._since = at
 
-    @abstractmethod
     def ends(self, at: int) -> None:
         """The state was left, or the run ended in it."""
+        raise NotImplementedError
 
     def missing(self) -> str:
         if self._state.enters[0].free:
@@ -88,7 +92,7 @@ class TimeIn(_InState):
         return self._state.enters[0].free and not self.count
 
     def begins(self, at: int, seen: bool) -> None:
-        super().begins(at, seen)
+        _InState.begins(self, at, seen)
         if not self.count:
             self.worst_at = self.least_at = at
         self.count += 1
@@ -110,7 +114,7 @@ class EachTimeIn(_InState):
         self._whole = False  # the begin of the present time was seen
 
     def begins(self, at: int, seen: bool) -> None:
-        super().begins(at, seen)
+        _InState.begins(self, at, seen)
         self._whole = seen
 
     def ends(self, at: int) -> None:

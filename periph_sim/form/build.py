@@ -27,6 +27,7 @@ from subprocess import run
 
 from . import BUILT, MANIFEST, PACKAGE, SUFFIX, digest, sources, usable
 from .fold import declared, folded
+from .outcome import resultless, returning, telling
 
 DIRECTIVES = {
     "language_level": "3",
@@ -73,16 +74,17 @@ def jobs() -> int:
 
 
 def shadow(package: Path, modules: list[str], folder: Path) -> None:
-    """The sources as they are compiled, with their constants in place, in `folder`."""
+    """The sources as they are compiled, in `folder`: with their constants in place, and results that tell of errors."""
     for module in modules:
         names = vars(import_module(f"{package.name}.{module}"))
         source, types = sources(package, [module])
         pxd = types.read_text("utf-8")
         text = folded(source.read_text("utf-8"), names, CLASS.findall(pxd))
+        text = returning(text, resultless(types_of(module, package).values()))
         copy = folder / package.name / source.relative_to(package)
         copy.parent.mkdir(parents=True, exist_ok=True)
         copy.write_text(text, "utf-8")
-        copy.with_suffix(".pxd").write_text(declared(text, pxd), "utf-8")
+        copy.with_suffix(".pxd").write_text(telling(declared(text, pxd)), "utf-8")
     for room in [folder / package.name, *(path for path in (folder / package.name).rglob("*") if path.is_dir())]:
         (room / "__init__.py").touch()
 

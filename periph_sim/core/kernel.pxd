@@ -11,10 +11,13 @@ cdef class Call(Agent):
     cdef public object action
 
 
+@cython.final
+@cython.trashcan(True)  # a chain of many may be let go of at once
 cdef class Event:
     cdef public long long time, phase, rank, tag
     cdef public bint queued, plain
     cdef public Agent agent
+    cdef public Event following
 
 
 cdef class Settles:
@@ -25,7 +28,9 @@ cdef class Settles:
 
 cdef class Samples:
     cdef public long long rank
-    cdef public bint due
+    cdef public bint due, plain
+    cdef public Agent agent
+    cdef public long long levels
     cdef public Samples following
     cpdef void tell(self, long long now)
 
@@ -34,12 +39,13 @@ cdef class Shortcut:
     cpdef void catch_up(self)
 
 
+@cython.final
 cdef class Kernel:
     cdef public long long now, events
     cdef public Shortcut shortcut
     cdef public object fault, helper, home
     cdef public bint released
-    cdef list _queue
+    cdef Event _first, _latest
     cdef Settles _unsettled
     cdef Samples _sampling, _sampling_last
     cdef long long _at, _bound, _bound_rank, _horizon, _in_this_tick, _number, _phase, _ranks
@@ -49,13 +55,12 @@ cdef class Kernel:
     cpdef Event at(self, long long time, object action, long long phase=*)
     @cython.locals(event=Event)
     cpdef Event ask(self, long long time, Agent agent, long long tag=*, long long phase=*)
-    @cython.locals(other=Event)
+    @cython.locals(first=Event, before=Event, after=Event)
     cpdef void renew(self, Event event, long long time, long long tag)
-    @cython.locals(other=Event)
-    cdef Py_ssize_t _place(self, long long time, long long rank)
+    @cython.locals(before=Event)
     cpdef void cancel(self, Event event)
-    @cython.locals(event=Event)
     cpdef long long next_time(self)
+    @cython.locals(event=Event)
     cpdef long long quiet_until(self)
     cpdef void stop(self)
     @cython.locals(before=Settles, after=Settles)
@@ -73,4 +78,7 @@ cdef class Kernel:
     @cython.locals(event=Event)
     cdef bint _next(self, bint at_home)
     cpdef void catch_up(self)
+    @cython.locals(event=Event)
     cpdef void replay(self, long long since, Agent agent, long long tag)
+    @cython.locals(event=Event)
+    cdef list _taken_out(self)

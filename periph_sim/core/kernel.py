@@ -71,10 +71,10 @@ class Call(Agent):
 class Event:
     """What an agent asked for. rank: orders what comes at one time, by phase, then by number. queued: still to come.
 
-    plain: the agent calls a function.
+    plain: the agent calls a function. following: what comes next after it.
     """
 
-    __slots__ = ("agent", "phase", "plain", "queued", "rank", "tag", "time")
+    __slots__ = ("agent", "following", "phase", "plain", "queued", "rank", "tag", "time")
 
     time: int
     phase: int
@@ -83,6 +83,7 @@ class Event:
     tag: int
     queued: bool
     plain: bool
+    following: Event | None
 
 
 class Settles:
@@ -101,12 +102,18 @@ class Settles:
 
 
 class Samples:
-    """Who is told of the settled levels. due: to be told. following: who is told after it."""
+    """Who is told of the settled levels. due: to be told. following: who is told after it.
 
-    __slots__ = ("due", "following", "rank")
+    plain: all there is to it is that its agent is told `levels`, its lines as they have settled; else `tell` tells.
+    """
+
+    __slots__ = ("agent", "due", "following", "levels", "plain", "rank")
 
     rank: int
     due: bool
+    plain: bool
+    agent: Agent
+    levels: int
     following: Samples | None
 
     def tell(self, now: int) -> None:
@@ -150,7 +157,8 @@ class Kernel:
         self._at = -1  # of the event done last
         self._in_this_tick = 0  # how many came before it
         self._number = 0
-        self._queue: list[Event] = []  # the next one last
+        self._first: Event | None = None  # what is still to come, in order: the first of a chain
+        self._latest: Event | None = None  # asked for last; the next one often comes behind it
         self._stop = False
         self._ranks = 0
 
@@ -172,6 +180,7 @@ class Kernel:
         event.phase = phase
         event.queued = False
         event.plain = False
+        event.following = None
         self.renew(event, time, tag)
         return event
 
@@ -187,49 +196,48 @@ class Kernel:
         event.time = time
         event.rank = rank = event.phase * _NUMBERS + self._number
         event.tag = tag
-        event.queued = True
-        queue = self._queue
-        if not queue:
-            queue.append(event)
-            return
-        other = queue[-1]
-        if other.time > time or (other.time == time and other.rank > rank):
-            queue.append(event)
+        first = self._first
+        if first is None or first.time > time or (first.time == time and first.rank > rank):
+            event.following, self._first = first, event
         else:
-            queue.insert(self._place(time, rank), event)
-
-    def _place(self, time: int, rank: int) -> int:
-        """Where in the queue an event of this time and rank is, or would be."""
-        queue = self._queue
-        low, high = 0, len(queue)
-        while low < high:
-            middle = (low + high) >> 1
-            other = queue[middle]
-            if other.time > time or (other.time == time and other.rank > rank):
-                low = middle + 1
-            else:
-                high = middle
-        return low
+            before = self._latest
+            if before is None or not before.queued or before.time > time:
+                before = first
+            elif before.time == time and before.rank > rank:
+                before = first
+            after = before.following
+            while after is not None and (after.time < time or (after.time == time and after.rank < rank)):
+                before, after = after, after.following
+            event.following, before.following = after, event
+        event.queued = True
+        self._latest = event
 
     def cancel(self, event: Event) -> None:
         """Take back a promise; one that was kept stays kept."""
-        if event.queued:
-            event.queued = False
-            place = self._place(event.time, event.rank)
-            if place < len(self._queue) and self._queue[place] is event:  # else it waits behind a replay
-                del self._queue[place]
+        if not event.queued:
+            return
+        event.queued = False
+        before = self._first
+        if before is event:
+            self._first = event.following
+        else:
+            while before is not None and before.following is not event:
+                before = before.following
+            if before is not None:  # else it waits behind a replay
+                before.following = event.following
+        event.following = None
 
     def next_time(self) -> int:
         """When the next event is due (ticks), or NEVER."""
-        return self._queue[-1].time if self._queue else NEVER
+        return NEVER if self._first is None else self._first.time
 
     def quiet_until(self) -> int:
         """The first tick at which something else than the caller may act, or the end of this run."""
         if self._unsettled is not None or self._sampling is not None or self._stop:
             return self.now
         end = self._horizon + 1
-        due = self.next_time()
-        return due if due < end else end
+        event = self._first
+        return end if event is None or event.time > end else event.time
 
     def stop(self) -> None:
         """End the present `run_until` after the event that runs now."""
@@ -292,7 +300,10 @@ class Kernel:
             while party is not None:
                 next_party = party.following
                 party.due = False
-                party.tell(self.now)
+                if party.plain:
+                    party.agent.sampled(self.now, party.levels)
+                else:
+                    party.tell(self.now)
                 party = next_party
             steps += 1
             if steps > STORM:
@@ -336,23 +347,18 @@ class Kernel:
         """What is to be done next: let the wires settle, or one event. False if there is nothing, not here at least."""
         if self._stop:
             return False
-        queue = self._queue
+        event = self._first
         if self._unsettled is not None or self._sampling is not None:
-            if not queue:
+            if event is None or event.time > self._at or event.phase > self._phase:
                 self.settle()  # may ask for something in this tick
                 return True
-            event = queue[-1]
-            if event.time > self._at or event.phase > self._phase:
-                self.settle()
-                return True
-        elif not queue:
+        elif event is None:
             return False
-        event = queue[-1]
         if event.time >= self._bound and (event.time > self._bound or event.rank >= self._bound_rank):
             return False
         if event.plain and not at_home:
             return False
-        queue.pop()
+        self._first, event.following = event.following, None
         event.queued = False
         self.events += 1
         self._phase = event.phase
@@ -378,18 +384,30 @@ class Kernel:
 
         Of now itself the phases before the present one: what comes in this one does so beside who asked.
         """
-        now, phase, stop, queue = self.now, self._phase, self._stop, self._queue
+        now, phase, stop = self.now, self._phase, self._stop
         helper, home, self.helper = self.helper, self.home, None
         self.settle()
-        later = queue[:]
-        queue.clear()
+        later = self._taken_out()
         self.now, self._stop = since, False
         self.ask(since, agent, tag)
         self._do(now, phase)
         self.now, self._phase, self._stop = now, phase, stop
         self.helper, self.home = helper, home
-        queue.extend([event for event in later if event.queued and event not in queue])
-        queue.sort(key=_order, reverse=True)
+        came = self._taken_out()
+        came.extend([event for event in later if event.queued and event not in came])
+        came.sort(key=_order, reverse=True)
+        for event in came:
+            event.following, self._first = self._first, event
+
+    def _taken_out(self) -> list[Event]:
+        """All events that are still to come; the kernel has none of them any more."""
+        events: list[Event] = []
+        event = self._first
+        while event is not None:
+            events.append(event)
+            event = event.following
+        self._first = self._latest = None
+        return events
 
 
 def describe(agent: Agent) -> str:

@@ -12,16 +12,19 @@ cdef class Keeper:
     cpdef void keep(self, long long tag, long long number, long long tick, long long value, object text, long long cause, object field)
 
 
+@cython.final
 cdef class _Ear:
     cdef public Listener listener
     cdef public long long tag
 
 
+@cython.final
 cdef class _Pen:
     cdef public Keeper keeper
     cdef public long long tag
 
 
+@cython.final
 cdef class Topic:
     cdef public bint heard, told_whole
     cdef public long long places
@@ -34,6 +37,7 @@ cdef class Topic:
     cpdef long long emit(self, long long tick, long long value=*, object text=*, object field=*)
 
 
+@cython.final
 cdef class Recorder:
     cdef public long long cause, number
     cdef dict _topics, _parties, _subjects

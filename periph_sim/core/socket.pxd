@@ -11,6 +11,7 @@ cdef class Onlooker:
     cpdef void look(self, long long cycle)
 
 
+@cython.final
 cdef class Socket(Agent):
     cdef public str name
     cdef public Chip chip
@@ -28,8 +29,6 @@ cdef class Socket(Agent):
     cdef list _inputs, _watched
     cdef object _touched
     cdef dict _note_count
-    cpdef void act(self, long long tag)
-    cpdef void sampled(self, long long now, long long levels)
     cpdef long long read(self, long long cycle, long long offset)
     cpdef long long peek(self, long long cycle, long long offset)
     cpdef long long see(self, long long cycle, long long offset)
@@ -53,11 +52,13 @@ cdef class Socket(Agent):
     cdef void _take_notes(self, long long cycle)
 
 
+@cython.final
 cdef class _WatchedField:
     cdef public long long mask, lsb
     cdef public Topic topic
 
 
+@cython.final
 cdef class _WatchedRegister:
     cdef public long long offset, upper, value, was
     cdef public list fields

@@ -218,7 +218,7 @@ class Socket(Agent):
             self._take_notes(cycle)
 
     def _plan(self, cycle: int) -> None:
-        if self._wake is not None:
+        if self._wake is not None and self._wake.queued:
             self._kernel.cancel(self._wake)
         wake = self.chip.next_wake
         if wake < cycle:

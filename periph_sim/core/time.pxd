@@ -1,3 +1,7 @@
+cimport cython
+
+
+@cython.final
 cdef class Clock:
     cdef public object timebase, hz
     cdef object _exact

@@ -16,15 +16,26 @@ cdef class Wire(Settles):
     cdef public Kernel kernel
     cdef bint _records_holds, _queued
     cdef long long _pulling, _pulling_recorded, _pulled_under, _released_under
-    cdef list _parties, _watches, _pull_watches
+    cdef list _parties
+    cdef _Watch _watches
+    cdef PullWatch _pull_watches
     cdef dict _names_of
     cdef public Tape tape
+    cpdef void tell_pulls(self, Sampler sampler)
+    @cython.locals(last=PullWatch)
+    cdef void _add_pull_watch(self, PullWatch watch)
     cpdef void pull(self, long long mask, long long level)
     @cython.locals(watch=PullWatch, look=_Watch)
     cpdef void settle(self)
-    @cython.locals(watch=_Watch)
+    @cython.locals(look=_Watch)
     cpdef void jump(self, long long pulling)
     cpdef bint quiet(self)
+    @cython.locals(look=_Watch, watch=PullWatch)
+    cpdef list ears(self)
+    @cython.locals(last=_Watch)
+    cpdef void add(self, Sampler sampler, long long bit)
+    @cython.locals(before=_Watch, watch=_Watch)
+    cpdef void remove(self, Sampler sampler, long long bit)
     cdef void _changed(self)
     cdef Topic _edges, _holds
     @cython.locals(tape=Tape)
@@ -35,16 +46,22 @@ cdef class Tape:
     cdef public list numbers, again
 
 
+@cython.final
 cdef class PullWatch:
     cdef public Agent agent
-    cdef public long long line
+    cdef Sampler sampler
+    cdef long long line
+    cdef PullWatch following
 
 
+@cython.final
 cdef class _Watch:
-    cdef public Sampler sampler
-    cdef public long long bit
+    cdef Sampler sampler
+    cdef long long bit
+    cdef _Watch following
 
 
+@cython.final
 cdef class Pin:
     cdef public Wire wire
     cdef public long long mask
@@ -52,11 +69,8 @@ cdef class Pin:
 
 
 cdef class Sampler(Samples):
-    cdef public long long levels
     cdef Kernel _kernel
     cdef Recorder _recorder
-    cdef public Agent agent
-    cdef bint _under
     cdef dict _wires
     cdef long long _put_under, _seen
     cpdef void listen(self, long long line, Wire wire)

@@ -58,8 +58,8 @@ class Wire(Settles):
         self._parties: list[str] = []
         self._names_of: dict[int, str] = {}  # of those who pull, as records tell them
         self.tape: Tape | None = None
-        self._watches: list[_Watch] = []  # who is told
-        self._pull_watches: list[PullWatch] = []
+        self._watches: _Watch | None = None  # who is told: the first of a chain
+        self._pull_watches: PullWatch | None = None
         self._queued = False
         self._pulled_under = self._released_under = 0  # the last records under which that was done in this instant
 
@@ -80,10 +80,21 @@ class Wire(Settles):
 
     def watch_pulls(self, agent: Agent, line: int = 0) -> None:
         """`agent.pulled(line, ...)` in each instant in which others pull the wire than before, whatever its level."""
-        watch = PullWatch()
-        watch.agent, watch.line = agent, line
+        self._add_pull_watch(PullWatch(agent, line, None))
+
+    def tell_pulls(self, sampler: Sampler) -> None:
+        """`sampler`, which listens to the wire, is told in each such instant, too."""
+        self._add_pull_watch(PullWatch(sampler.agent, 0, sampler))
+
+    def _add_pull_watch(self, watch: PullWatch) -> None:
         self._changed()
-        self._pull_watches.append(watch)
+        if self._pull_watches is None:
+            self._pull_watches = watch
+        else:
+            last = self._pull_watches
+            while last.following is not None:
+                last = last.following
+            last.following = watch
 
     def of(self, prefix: str) -> int:
         """The mask of the parties whose names begin with this."""
@@ -118,16 +129,24 @@ class Wire(Settles):
         level = 0 if self._pulling else 1
         if self._pulling != self.pulling:
             self.pulling = self._pulling
-            for watch in self._pull_watches:
-                watch.agent.pulled(watch.line, self.kernel.now, self.pulling)
+            watch = self._pull_watches
+            while watch is not None:
+                if watch.sampler is not None:
+                    self.kernel.tell(watch.sampler)
+                else:
+                    watch.agent.pulled(watch.line, self.kernel.now, self.pulling)
+                watch = watch.following
         if level != self.level:
             self.level = level
             if self.recorded:
                 cause = self._released_under if level else self._pulled_under
                 self.cause = self._record(self._edges, level, cause)
-            for look in self._watches:
+            look = self._watches
+            while look is not None:
                 look.sampler.levels ^= look.bit
-                self.kernel.tell(look.sampler)
+                if not look.sampler.due:
+                    self.kernel.tell(look.sampler)
+                look = look.following
         elif self._records_holds and self._pulling != self._pulling_recorded:
             self._record(self._holds, level, self._pulled_under or self._released_under)
         if self.recorded:
@@ -139,8 +158,10 @@ class Wire(Settles):
         level = 0 if pulling else 1
         if level != self.level:
             self.level = level
-            for watch in self._watches:
-                watch.sampler.jump(watch.bit)
+            look = self._watches
+            while look is not None:
+                look.sampler.jump(look.bit)
+                look = look.following
 
     def quiet(self) -> bool:
         """No pull is unsettled."""
@@ -148,7 +169,16 @@ class Wire(Settles):
 
     def ears(self) -> list[Sampler | PullWatch]:
         """Through which those are told who look at its level, or at who pulls it."""
-        return [*(look.sampler for look in self._watches), *self._pull_watches]
+        ears: list[Sampler | PullWatch] = []
+        look, watch = self._watches, self._pull_watches
+        while look is not None:
+            ears.append(look.sampler)
+            look = look.following
+        while watch is not None:
+            if watch.sampler is None:  # else it is among those already
+                ears.append(watch)
+            watch = watch.following
+        return ears
 
     def _record(self, topic: Topic, level: int, cause: int) -> int:
         recorder, tape = self.recorder, self.tape
@@ -167,16 +197,27 @@ class Wire(Settles):
 
     def add(self, sampler: Sampler, bit: int) -> None:
         """From now on this wire's level is this bit of the sampler's levels."""
-        watch = _Watch()
-        watch.sampler, watch.bit = sampler, bit
         self._changed()
-        self._watches.append(watch)
+        watch = _Watch(sampler, bit)
+        if self._watches is None:
+            self._watches = watch
+        else:
+            last = self._watches
+            while last.following is not None:
+                last = last.following
+            last.following = watch
 
     def remove(self, sampler: Sampler, bit: int) -> None:
         """No longer."""
-        place = next(i for i, watch in enumerate(self._watches) if watch.sampler is sampler and watch.bit == bit)
         self._changed()
-        del self._watches[place]
+        before, watch = None, self._watches
+        while watch is not None and not (watch.sampler is sampler and watch.bit == bit):
+            before, watch = watch, watch.following
+        assert watch is not None
+        if before is None:
+            self._watches = watch.following
+        else:
+            before.following = watch.following
 
     def _changed(self) -> None:
         """There are others on the wire than before: what passes at once does so for those only whom it knows."""
@@ -195,21 +236,26 @@ class Tape:
 
 
 class PullWatch:
-    """Who is told of who pulls a wire, and what that wire is to it."""
+    """Who is told of who pulls a wire, and what that wire is to it; or its sampler. following: the next one."""
 
-    __slots__ = ("agent", "line")
+    __slots__ = ("agent", "following", "line", "sampler")
 
-    agent: Agent
-    line: int
+    def __init__(self, agent: Agent, line: int, sampler: Sampler | None) -> None:
+        self.agent = agent
+        self.line = line
+        self.sampler = sampler
+        self.following: PullWatch | None = None
 
 
 class _Watch:
-    """One party's look at a wire: which bit of its levels the wire is."""
+    """One party's look at a wire: which bit of its levels the wire is. following: the next one's."""
 
-    __slots__ = ("bit", "sampler")
+    __slots__ = ("bit", "following", "sampler")
 
-    sampler: Sampler
-    bit: int
+    def __init__(self, sampler: Sampler, bit: int) -> None:
+        self.sampler = sampler
+        self.bit = bit
+        self.following: _Watch | None = None
 
 
 class Pin:
@@ -233,7 +279,7 @@ class Sampler(Samples):
     `levels`, under the record of the first of the lines that moved.
     """
 
-    __slots__ = ("_kernel", "_put_under", "_recorder", "_seen", "_under", "_wires", "agent", "levels")
+    __slots__ = ("_kernel", "_put_under", "_recorder", "_seen", "_wires")
 
     def __init__(self, kernel: Kernel, recorder: Recorder, agent: Agent | Watcher, levels: int = 0) -> None:
         self.levels = levels
@@ -242,7 +288,7 @@ class Sampler(Samples):
         self._kernel = kernel
         self._recorder = recorder
         self.agent = agent if isinstance(agent, Agent) else _Told(agent)
-        self._under = False  # there may be a record to work under
+        self.plain = True  # there is no record to work under
         self._wires: dict[int, Wire] = {}
         self._put_under = 0  # the record under which a level was put last
         self._seen = levels
@@ -254,7 +300,7 @@ class Sampler(Samples):
         self._leave(line)
         self._wires[line] = wire
         if wire.recorded:
-            self._under = True
+            self.plain = False
         wire.add(self, BITS[line])
         self._set(line, wire.level)
 
@@ -263,7 +309,7 @@ class Sampler(Samples):
         self._leave(line)
         self._put_under = self._recorder.cause
         if self._put_under:
-            self._under = True
+            self.plain = False
         self._set(line, level)
 
     def jump(self, bits: int) -> None:
@@ -276,9 +322,6 @@ class Sampler(Samples):
         self._kernel.tell(self)
 
     def tell(self, now: int) -> None:
-        if not self._under:
-            self.agent.sampled(now, self.levels)
-            return
         moved = self.levels ^ self._seen
         self._seen = self.levels
         recorder = self._recorder

@@ -123,7 +123,7 @@ class Party(Samples):
     """Notes its rank when told, and what else it then asks for."""
 
     def __init__(self, kernel: Kernel, log: list[int]) -> None:
-        self.due = False
+        self.due = self.plain = False
         self.rank = kernel.rank()
         self.log = log
         self.then: list[Party] = []

@@ -76,6 +76,7 @@ class I2cController(ByteParty):
         "_sda_moved",
         "_sda_seen",
         "_sda_wire",
+        "_stretch",
         "_stuck_after",
         "_transfer",
         "busy",
@@ -120,6 +121,7 @@ class I2cController(ByteParty):
         self._done: Callable[[Transfer], None] = lambda transfer: None
         self._phase = Phase(0, False)
         self._phase_index = 0
+        self._stretch = 0  # the longest of the phase
         self._byte = 0  # being sent, or 0xFF while receiving
         self._bit = 0  # 0..8; 8 is the ACK
         self._in = 0  # bits read so far
@@ -191,6 +193,7 @@ class I2cController(ByteParty):
         self._refused_since = NO_TIME
         phase = self._phase = self._transfer.phases[self._phase_index]
         phase.start_at = now
+        self._stretch = phase.stretch
         self._set_sda(0)
         self._mark("START" if self._phase_index == 0 else "repeated START", 0)
         byte = phase.address << 1 | phase.read if phase.address_byte is None else phase.address_byte
@@ -236,7 +239,9 @@ class I2cController(ByteParty):
             if levels & SCL:
                 self._rising = False
                 self._calm()
-                self._phase.stretch = max(self._phase.stretch, now - self._let_go_at)
+                stretch = now - self._let_go_at
+                if stretch > self._stretch:
+                    self._stretch = self._phase.stretch = stretch
                 self._rose(now)
             else:
                 self._watch_stuck()

@@ -53,6 +53,7 @@ class I2cMonitor(ByteParty):
         self._pulled_at = self._clock_length = 0  # the master's last pull of SCL, and from the one before to it
         self._transfer = Transfer("", [])
         self._phase = Phase(0, False)
+        self._stretch = 0  # the longest of the phase
         self._index = -1  # -1: address byte, else the number of the data byte
         self._bits = 0
         self._in = 0
@@ -61,9 +62,8 @@ class I2cMonitor(ByteParty):
         self._sda_seen = 1  # what SDA was before it moved last, spikes left out
         sampler = watch([scl, sda], self)
         self._levels = sampler.levels
-        self._sampler = sampler
         for wire in (scl, sda):
-            wire.watch_pulls(self)
+            wire.tell_pulls(sampler)
 
     @property
     def held_since(self) -> int:
@@ -74,9 +74,6 @@ class I2cMonitor(ByteParty):
     def begun_at(self) -> int:
         """The START of the transfer under way; NO_TIME if there is none."""
         return self._began_at if self._scl_mask else NO_TIME
-
-    def pulled(self, line: int, now: int, pulling: int) -> None:
-        self._sampler.ask()
 
     def sampled(self, now: int, levels: int) -> None:
         before, self._levels = self._levels, levels
@@ -147,6 +144,7 @@ class I2cMonitor(ByteParty):
 
     def _phase_begins(self, at: int) -> None:
         self._phase = Phase(0, False, start_at=at)
+        self._stretch = 0
         self._index, self._bits, self._in = -1, 0, 0
         self._first = True
 
@@ -173,9 +171,9 @@ class I2cMonitor(ByteParty):
         self._pulls_scl = pulls
         self._pulls_sda = bool(self._sda.pulling & self._sda_mask)
         if levels & SCL and self._let_go_at != NO_TIME:
-            phase, stretch = self._phase, now - self._let_go_at
-            if stretch > phase.stretch:
-                phase.stretch = stretch
+            stretch = now - self._let_go_at
+            if stretch > self._stretch:
+                self._stretch = self._phase.stretch = stretch
             self._rose_at, self._let_go_at = now, NO_TIME
 
     def _bit_over(self, now: int, bit: int) -> None:

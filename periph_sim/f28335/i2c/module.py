@@ -201,8 +201,9 @@ class I2c(Chip):
             self.target.timer(now)
 
     def _levels(self) -> int:
-        on = self._clocked and self.state.mdr & MDR_IRS
-        return BOTH & ~(self.target.pulls | self.master.pulls) if on else BOTH
+        if not self._clocked or not self.state.mdr & MDR_IRS:
+            return BOTH
+        return BOTH & ~(self.target.pulls | self.master.pulls)
 
     def _plan(self) -> None:
         """After an access, or what clock, debugger and reset do: timers may have been set or stopped."""

@@ -1,3 +1,7 @@
+cimport cython
+
+
+@cython.final
 cdef class I2cNoiseFilter:
     cdef public long long levels, due
     cdef bint _together

@@ -1,6 +1,9 @@
+cimport cython
+
 from .slave_transmitter cimport I2cSlaveTransmitter
 
 
+@cython.final
 cdef class I2cSlave(I2cSlaveTransmitter):
     cpdef bint follows(self)
     cpdef bint answers_falls(self)

@@ -201,9 +201,12 @@ class Kernel:
             event.following, self._first = first, event
         else:
             before = self._latest
-            if before is None or not before.queued or before.time > time:
-                before = first
-            elif before.time == time and before.rank > rank:
+            if (
+                before is None
+                or not before.queued
+                or before.time > time
+                or (before.time == time and before.rank > rank)
+            ):
                 before = first
             after = before.following
             while after is not None and (after.time < time or (after.time == time and after.rank < rank)):

@@ -12,7 +12,7 @@ import click
 
 from ..core.text_table import paragraph
 from ..explain.bound.verdict_proof import prove_verdicts
-from ..levels.judged import Judged, judged, refuse_record
+from ..levels.judged import SCHEDULE, Judged, judged, refuse_record
 from ..records.recording import recording
 from ..scene.case.load import load
 from ..scene.project import project_of
@@ -99,7 +99,8 @@ def run(
 
             values = values_of(scene.limits, scene.start)
             per_second = scene.timebase.per_second
-            report = case_report(loaded, result, values, scene.typical(), per_second, length, changes)
+            told_from = scene.case if loaded.fidelity == SCHEDULE else loaded  # why something was so, records tell
+            report = case_report(told_from, result, values, scene.typical(), per_second, length, changes)
             unfinished.write_text(page([report], loaded.name, command_line()), encoding="utf-8")
     if as_json:
         told_of_choice = {} if choice is None else {"choice": choice.as_json()}

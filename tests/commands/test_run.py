@@ -242,6 +242,17 @@ def test_a_level_may_be_given_as_an_option(periph_sim: Run):
     assert "at adaptive fidelity, 100.0 %" in periph_sim("run", responder, "--fidelity", "adaptive").out
 
 
+def test_a_report_of_a_case_that_is_judged_by_arithmetic(periph_sim: Run, desk: Path):
+    published = str(TIMING / "imu_hil_published.toml")
+    came = periph_sim(
+        "run", published, "--fidelity", "schedule", "--seconds", "0.1", "--html", "page.html", "--explain"
+    )
+    assert (came.status, came.err) == (1, "")
+    assert "response 5.000 us, at most 10.000 us allowed, at 0.005290 s" in came.out  # told from edges
+    page = (desk / "page.html").read_text(encoding="utf-8")
+    assert "schedule" in page and "data age" in page
+
+
 def test_a_case_is_judged_by_arithmetic_with_terms_of_edges(periph_sim: Run):
     """What the level does not tell is not judged, so that all is no pass."""
     published = str(TIMING / "imu_hil_published.toml")

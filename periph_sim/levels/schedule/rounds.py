@@ -12,6 +12,7 @@ Models work on the last frame whose service routine has begun when they do; read
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
@@ -81,12 +82,16 @@ class Rounds:
 
     # The run -----------------------------------------------------------------------
 
-    def run(self) -> None:
+    def run(self, progress: Callable[[float], None] | None = None) -> None:
+        """progress: told the part done, 0 to 1."""
         first = np.full(self._inputs.scenarios, self._terms.first_model, np.int64)
         self._work(self.all, first)
         plain = plain_rounds(self, self._terms, self._inputs)
+        step = -(-self._inputs.rounds // 100)
         for number in range(self._inputs.rounds):
             self._round(number, self.all if plain is None else plain.round(number))
+            if progress is not None and (number + 1) % step == 0:
+                progress((number + 1) / self._inputs.rounds)
         if plain is not None:
             plain.count()
         self._hang_on()

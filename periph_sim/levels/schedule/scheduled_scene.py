@@ -9,7 +9,6 @@ Budgets on what the level does not tell are not judged, each with the level that
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from fractions import Fraction
 from time import perf_counter
 
@@ -84,14 +83,15 @@ class ScheduledScene:
         if self.limits and all(self._lacks.values()):
             what = f'the level "schedule" tells none of these; it tells {IN_WORDS}'
             raise case.mistake(f'{what}; use fidelity = "edge", or "adaptive", which tell all', "budget")
-        if keep_values:
-            for limit in self.limits:
-                if limit.measure.series and not self._lacks[limit.budget.name]:
-                    limit.measure.keep()
+        for limit in self.limits:
+            if self._lacks[limit.budget.name]:
+                limit.parts = [limit]  # nobody tells them anything, so none can be the one that is shown
+            elif keep_values and limit.measure.series:
+                limit.measure.keep()
         self._built = perf_counter() - began
 
     def run(self, duration: Fraction | None = None, progress: Callable[[float], None] | None = None) -> Result:
-        """Run for `duration` seconds (the case's own if None) and sum up. progress: told as all is done."""
+        """As `Scene.run`."""
         wall = perf_counter()
         try:
             end = self.timebase.end_of_run(self.start, self.case.duration if duration is None else duration)
@@ -99,7 +99,7 @@ class ScheduledScene:
             raise self.case.mistake(str(error), "duration") from None
         inputs, journal = self._inputs(end), Journal()
         rounds = Rounds(self.structure, inputs, journal)
-        rounds.run()
+        rounds.run(progress)
         if rounds.refused[0]:
             raise refuse(self.case.name, "the module answers for firmware that is still elsewhere")
         told = Told(self.structure, inputs, rounds, journal)
@@ -114,8 +114,6 @@ class ScheduledScene:
         }
         self.happened = frozenset(what for what, there in told_of.items() if there)
         verdicts = [self._verdict(limit, told.forgotten) for limit in self.limits]
-        if progress is not None:
-            progress(1.0)
         return self._result(end, told, rounds, verdicts, self._built + perf_counter() - wall)
 
     def typical(self) -> list[Verdict]:
@@ -141,9 +139,11 @@ class ScheduledScene:
             what = f"{FORGOTTEN}; {AT_ANOTHER_LEVEL}"
         else:
             return limit.verdict(self.start)
-        unknown = limit.verdict(self.start)
-        at_none = replace(unknown, worst=None, margin=None, at_s=None, count=0, measured=0, occasions=None)
-        return replace(at_none, verdict=NOT_JUDGED, found=what, until_s=None)
+        which, least = next(iter(limit.limits.items()))
+        unit = "us" if limit.measure.unit == "time" else limit.measure.unit
+        budget = limit.budget
+        about = budget.name, budget.measure, unit, None, limit.show(least), None, 0
+        return Verdict(*about, NOT_JUDGED, None, why=budget.why, which=which, found=what)
 
     def _result(self, end: int, told: Told, rounds: Rounds, verdicts: list[Verdict], wall: float) -> Result:
         stuck = []

@@ -6,6 +6,7 @@ from fractions import Fraction
 
 import pytest
 
+from periph_sim.explain.bound.verdict_proof import prove_verdicts
 from periph_sim.levels.judged import judged as judged_case
 from periph_sim.levels.schedule import BadSchedule, structure_of
 from periph_sim.levels.schedule.inputs import inputs_of
@@ -16,6 +17,7 @@ from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.firmware_loader import load_firmware
 from periph_sim.scene.scene import Scene
+from periph_sim.timing.values import values_of
 from periph_sim.timing.verdict import FAIL, NOT_JUDGED, PASS
 from tests.levels.schedule.judged import cut, judged
 from tests.profiles import explores
@@ -78,6 +80,22 @@ def test_what_the_level_does_not_tell_is_not_judged_and_says_which_level_does():
     assert len(others) == 8 and all(one == other for one, other in others)
     assert (result.verdict, result.fidelity, edge.verdict) == (NOT_JUDGED, "schedule", PASS)
     assert (result.wire_bytes, result.sci_bytes) == (edge.wire_bytes, edge.sci_bytes)
+
+
+@pytest.mark.parametrize("name", ["imu_moving", "imu_models", "imu_hil_drift", "imu_hil_400k"])
+def test_a_shipped_case_has_the_verdicts_of_edges_joined_conditions_too(name: str):
+    case = load(TIMING / f"{name}.toml")
+    scene = judged_case(case.model_copy(update={"fidelity": "schedule"}), keep_values=True)
+    result, edge = scene.run(Fraction(1, 10)), Scene(case).run(Fraction(1, 10))
+    lacking = {verdict.name for verdict in result.budgets if verdict.found.endswith('"edge" and "adaptive" do')}
+    told = [(one, other) for one, other in zip(result.budgets, edge.budgets, strict=True) if one.name not in lacking]
+    assert told and all(one == other for one, other in told)
+    assert ("fresh and right" in lacking) == (name == "imu_moving")
+    kept = dict(zip((limit.budget.name for limit in scene.limits), values_of(scene.limits, scene.start), strict=True))
+    assert all(kept[budget] is None for budget in lacking)
+    assert any(values is not None for values in kept.values()) == (name != "imu_moving")  # there, counts alone
+    prove_verdicts(scene, result.budgets)
+    assert any(verdict.proof for verdict in result.budgets)
 
 
 def test_a_case_of_budgets_that_the_level_tells_passes_and_says_what_its_terms_are_of():

@@ -15,7 +15,7 @@ from pydantic import ValidationError
 from .core.settings import duration
 from .explain.bound.verdict_proof import prove_verdicts
 from .levels.judged import judged, refuse_record
-from .records.recording import recording
+from .records.if_recorded import if_recorded
 from .scene.case.load import apply, load, refusal
 from .scene.case.model import BadCase, Case
 from .scene.case.origin import Source
@@ -69,7 +69,7 @@ def run(
     for unit in firmware.keys() - case.unit.keys():
         raise BadCase(f"programs: case {case.name} has no unit {unit!r}; it has {', '.join(case.unit) or 'none'}")
     refuse_record(case, record)
-    with recording(None if record is None else Path(record), case.recorded_modules) as (subscribe, ended_at):
+    with if_recorded(None if record is None else Path(record), case.recorded_modules) as (subscribe, ended_at):
         scene = judged(case, subscribe, firmware)
         result = scene.run(length)
         if isinstance(scene, Scene):

@@ -19,7 +19,8 @@ from ..traces.capture.gaps import gap_notes
 from ..traces.decode.event_rows import Rows, i2c_rows, no_rows, uart_rows
 from ..traces.decode.i2c_table import i2c_table
 from ..traces.decode.sampling_rate import impossible_rate
-from ..traces.decode.uart_format import line_of, width_of
+from ..traces.decode.uart_format import width_of
+from ..traces.decode.uart_line import line_of
 from ..traces.decode.uart_table import uart_table
 
 UART_LINES = ("rx", "tx")

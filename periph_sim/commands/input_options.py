@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import click
 
 from ..core.time import TimeError, seconds
-from ..traces import formats
 
 if TYPE_CHECKING:
     from ..records.run import Run
+    from ..traces.capture.capture import Capture
 
 RATE = click.option("--rate", metavar="RATE", help="Samples a second, where the file does not say: '4 MHz'.")
 SALVAGE = click.option(
@@ -25,15 +25,19 @@ RUN_FILE = click.argument("run", type=click.Path(path_type=Path))
 SYSCLK = click.option("--sysclk", metavar="RATE", help="SYSCLKOUT, where RUN does not show it: '150 MHz'.")
 
 
-def read_capture(path: Path, rate: str | None, salvage: bool = False, option: str = "--rate") -> formats.Capture:
+def read_capture(path: Path, rate: str | None, salvage: bool = False, option: str = "--rate") -> Capture:
     """The capture in a file; BadCapture if it cannot be read. option: how the rate was given, for messages."""
+    from ..traces import formats
+
     return formats.read(path, None if rate is None else rate_given(option, rate), salvage=salvage)
 
 
 def rate_given(option: str, text: str) -> Fraction:
     """Samples a second, above 0."""
+    from ..traces.capture.capture import rate_of
+
     try:
-        rate = formats.rate_of(text)
+        rate = rate_of(text)
     except ValueError as error:
         raise click.ClickException(f"{option}: {error}") from None
     if not rate:

@@ -13,13 +13,12 @@ import click
 from ..core.text_table import paragraph
 from ..explain.bound.verdict_proof import prove_verdicts
 from ..levels.judged import SCHEDULE, Judged, judged, refuse_record
-from ..records.recording import recording
+from ..records.if_recorded import if_recorded
 from ..scene.case.load import load
 from ..scene.project import project_of
 from ..scene.result import Result
 from ..scene.scene import Scene
 from ..timing.verdict import EVERY_PHASE
-from ..traces.formats.atomic_write import atomic_write
 from .command_line import command_line
 from .fidelity_choice import fidelity_given
 from .input_options import GUARANTEED, apart, length_given
@@ -76,8 +75,12 @@ def run(
         loaded = load(case, list(changes))
         refuse_record(loaded, record)
         length = None if seconds is None else length_given(seconds)
-        unfinished = None if html is None else outputs.enter_context(atomic_write(html))
-        subscribe, ended_at = outputs.enter_context(recording(record, loaded.recorded_modules))
+        unfinished = None
+        if html is not None:
+            from ..traces.formats.atomic_write import atomic_write
+
+            unfinished = outputs.enter_context(atomic_write(html))
+        subscribe, ended_at = outputs.enter_context(if_recorded(record, loaded.recorded_modules))
         choice: Choice | None = None
         scene: Judged
         with progress(loaded.name) as told:

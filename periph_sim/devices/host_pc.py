@@ -14,11 +14,13 @@ from dataclasses import dataclass
 from fractions import Fraction
 from random import Random
 from struct import Struct, error
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from ..bus.uart.sender import UartSender
 from ..core.kernel import Agent, Kernel
-from ..sensors.host_frame import ByteOrder
+
+if TYPE_CHECKING:
+    from ..sensors.host_frame import ByteOrder
 
 VALUES = 6
 FRAME_BYTES = 2 * VALUES

@@ -17,7 +17,7 @@ from ..sensors.imu_noise import ImuNoise
 from ..sensors.models.imu import Imu, Noise, State
 from ..sensors.models.parameters import ImuParameters
 from ..sensors.numeric import arithmetic_names as named
-from .sensor_head import CHIPS, ChipData
+from .sensor_rounds import CHIPS, ChipData
 
 ModelState = State[Any]
 

@@ -15,7 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..bus.i2c.transfer import Transfer
 from ..sensors.rotations import Floats
-from .sensor_head import CHIPS, ChipData, Round, SensorHead
+from .sensor_head import SensorHead
+from .sensor_rounds import CHIPS, ChipData, Round
 
 
 @dataclass(frozen=True)

@@ -13,11 +13,11 @@ from ..core.records import Kind
 from ..scene.case.model import Case
 from ..scene.firmware_loader import Firmware
 from ..scene.scope import scope_of_case
+from ..timing.budget_schema import REPLY, SPAN
 from ..timing.language.events import EVERYTHING, Matcher, matcher
 from ..timing.language.language import is_form, measure_of
 from ..timing.measures.factory import make_of_events
 from ..timing.measures.race import RegisterMeasure
-from ..timing.measures.registry import REPLY, SPAN
 from ..timing.verdict import Verdict
 from ..traces.capture.capture import Span
 from ..traces.drawing.capture_lanes import bit_of

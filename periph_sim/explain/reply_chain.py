@@ -12,7 +12,7 @@ from dataclasses import replace
 from ..core.records import Kind, Record
 from ..scene.case.serial import ExpectTable, SerialTable
 from ..scene.serial.content import content_of
-from ..timing.measures.registry import REPLY
+from ..timing.budget_schema import REPLY
 from .chain import Chain, Part, Step
 from .event_chain import between
 from .evidence import Evidence, in_order

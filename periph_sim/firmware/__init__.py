@@ -5,10 +5,15 @@ from periph_sim.firmware import Duration, start_i2c, start_pie
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+from ..core.lazy_names import lazy_names
 from ..core.settings import Duration, DurationRange, Frequency, HexBytes, Share, Spread
 from ..processor.dsp import Dsp
-from .sci import start_sci
 from .startup import sci_fifo_receiver, start_i2c, start_pie, start_pin
+
+if TYPE_CHECKING:
+    from .sci import start_sci
 
 __all__ = [
     "Dsp",
@@ -24,3 +29,4 @@ __all__ = [
     "start_pin",
     "start_sci",
 ]
+__getattr__ = lazy_names("periph_sim.firmware", {"sci": ("start_sci",)})

@@ -5,7 +5,8 @@ Source: SPRUFB0D sections 5.1 (PCLKCR) and 6 (GPIO); SPRUFZ5A chapter 2.
 
 from __future__ import annotations
 
-from ..processor.dsp import PIN_OF, Dsp
+from ..f28335.unit_modules import PIN_OF
+from ..processor.dsp import Dsp
 from ..processor.python.register_view import ModulePort
 
 MUX = {"SCI-A": 1, "SCI-B": 2, "SCI-C": 1}  # of GPIO28 and 29, 19 and 18, 62 and 63

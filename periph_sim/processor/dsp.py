@@ -14,6 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
+from typing import TYPE_CHECKING
 
 from greenlet import GreenletExit
 
@@ -24,53 +25,40 @@ from ..core.socket import Socket
 from ..core.suggest import did_you_mean
 from ..core.time import Clock, Timebase
 from ..core.wire import Wire
-from ..f28335.cpu import pie_map, xint_map
+from ..f28335.cpu import pie_map
 from ..f28335.cpu.compiled_code_costs import CodeCosts
 from ..f28335.cpu.interrupts import CpuInterrupts, int13_source
 from ..f28335.cpu.pie import Pie
-from ..f28335.cpu.xint import Xint
-from ..f28335.gpio import register_map as gpio_map
-from ..f28335.gpio.module import Gpio
-from ..f28335.i2c import register_map as i2c_map
-from ..f28335.i2c.module import I2c
-from ..f28335.i2c.options import I2cOptions
-from ..f28335.sci import register_map as sci_map
-from ..f28335.sci.module import Sci
-from ..f28335.sci.options import SciOptions
 from ..f28335.system import clocks_map
-from ..f28335.system import cpu_timer_map as timer_map
 from ..f28335.system.clocks import WDRST_CYCLES, SystemControl
-from ..f28335.system.cpu_timer import TINT0_PIE, TINT1_CPU, TINT2_CPU, CpuTimer
+from ..f28335.system.cpu_timer_map import TINT0_PIE, TINT1_CPU, TINT2_CPU
 from ..f28335.system.memory_map import AddressMap, Frame, ModuleRange
 from ..f28335.system.options import SystemOptions
-from .pin_router import Pads, Port, Router
+from ..f28335.unit_modules import MODULES, PIN_OF, SCIS
 from .processor import Processor
 from .program import Program
 from .python.cpu import Cpu
 from .python.firmware_view import End, FirmwareView
 
-MODULES = (*sci_map.BASES, "I2C-A", "GPIO", "XINT", "TIMER0", "TIMER1", "TIMER2")
+if TYPE_CHECKING:
+    from ..f28335.gpio.module import Gpio
+    from ..f28335.i2c.module import I2c
+    from ..f28335.i2c.options import I2cOptions
+    from ..f28335.sci.module import Sci
+    from ..f28335.sci.options import SciOptions
+    from ..f28335.system.cpu_timer import CpuTimer
+    from .pin_router import Port, Router
+
 
 WATCHDOG_OFF = 0x68  # WDCR: WDDIS with its check bits
-
-# The pins that TI's start-up code gives to each signal; used for wires when no GPIO module is in the scene.
-PIN_OF = {
-    "SDAA": 32,
-    "SCLA": 33,
-    "SCIRXDA": 28,
-    "SCITXDA": 29,
-    "SCIRXDB": 19,
-    "SCITXDB": 18,
-    "SCIRXDC": 62,
-    "SCITXDC": 63,
-}
 
 
 @dataclass
 class DspPlan:
     """What a unit consists of. wires: GPIO number -> wire. ppm: error of its crystal. pulled_down: GPIO numbers.
 
-    seed: of the values drawn from spreads. end: the value that is taken instead, in runs for bounds.
+    seed: of the values drawn from spreads. end: the value that is taken instead, in runs for bounds. i2c, sci: None for
+    the modules' defaults.
     """
 
     name: str
@@ -88,8 +76,8 @@ class DspPlan:
     pulled_down: frozenset[int] = frozenset()
     code: CodeCosts = field(default_factory=CodeCosts)
     system: SystemOptions = field(default_factory=SystemOptions)
-    i2c: I2cOptions = field(default_factory=I2cOptions)
-    sci: SciOptions = field(default_factory=SciOptions)
+    i2c: I2cOptions | None = None
+    sci: SciOptions | None = None
 
 
 class Dsp(FirmwareView):
@@ -110,6 +98,10 @@ class Dsp(FirmwareView):
         self._firmware: Callable[[], None] = _nothing
         self._gates = self.control.gates
         self._lspclk = (self.control.lspclk_divider, self.control.lspclk_phase)
+        self._scis: dict[str, Sci] = {}
+        self._timers: dict[str, CpuTimer] = {}
+        self._i2c: I2c | None = None
+        self._gpio: Gpio | None = None
         self.resets = 0
         self.on_reset: list[Callable[[], None]] = []
         for name in plan.modules:
@@ -161,23 +153,56 @@ class Dsp(FirmwareView):
         self._sockets["SYS"].after = self._follow_control
         self._sockets["PIE"].after = self._follow_pie
         for name in plan.modules:
-            requests = self._lines_of(name)
-            if name in sci_map.BASES:
-                sci = Sci(name, plan.sci)
-                self._add(name, sci, sci_map.BASES[name], 16, Frame.PF2, requests)
-                self._sockets[name].marks = sci.marks
-                sci.set_lspclk(self.clock.cycle_at(self._kernel.now), *self._lspclk)
+            if name in SCIS:
+                self._add_sci(name, plan)
             elif name == "I2C-A":
-                i2c = I2c(plan.i2c)
-                i2c.set_sysclk(0, self.control.sysclk_hz)
-                self._add(name, i2c, i2c_map.BASE, 0x40, Frame.PF2, requests)
+                self._add_i2c(name, plan)
             elif name == "GPIO":
-                self._add(name, Gpio(plan.system), gpio_map.BASE, 0x80, Frame.PF1, requests)
+                self._add_gpio(name, plan)
             elif name == "XINT":
-                self._add(name, Xint(), xint_map.BASE, 0x10, Frame.PF2, requests)
+                self._add_xint(name)
             else:
-                number = int(name[-1])
-                self._add(name, CpuTimer(number, plan.system), timer_map.BASES[number], 8, Frame.PF0, requests)
+                self._add_timer(name, plan)
+
+    # Each module is imported with the first unit that has it.
+
+    def _add_sci(self, name: str, plan: DspPlan) -> None:
+        from ..f28335.sci.module import Sci
+        from ..f28335.sci.register_map import BASES
+
+        sci = self._scis[name] = Sci(name) if plan.sci is None else Sci(name, plan.sci)
+        self._add(name, sci, BASES[name], 16, Frame.PF2, self._lines_of(name))
+        self._sockets[name].marks = sci.marks
+        sci.set_lspclk(self.clock.cycle_at(self._kernel.now), *self._lspclk)
+
+    def _add_i2c(self, name: str, plan: DspPlan) -> None:
+        from ..f28335.i2c.module import I2c
+        from ..f28335.i2c.register_map import BASE
+
+        i2c = self._i2c = I2c() if plan.i2c is None else I2c(plan.i2c)
+        i2c.set_sysclk(0, self.control.sysclk_hz)
+        self._add(name, i2c, BASE, 0x40, Frame.PF2, self._lines_of(name))
+
+    def _add_gpio(self, name: str, plan: DspPlan) -> None:
+        from ..f28335.gpio.module import Gpio
+        from ..f28335.gpio.register_map import BASE
+
+        gpio = self._gpio = Gpio(plan.system)
+        self._add(name, gpio, BASE, 0x80, Frame.PF1, self._lines_of(name))
+
+    def _add_xint(self, name: str) -> None:
+        from ..f28335.cpu.xint import Xint
+        from ..f28335.cpu.xint_map import BASE
+
+        self._add(name, Xint(), BASE, 0x10, Frame.PF2, self._lines_of(name))
+
+    def _add_timer(self, name: str, plan: DspPlan) -> None:
+        from ..f28335.system.cpu_timer import CpuTimer
+        from ..f28335.system.cpu_timer_map import BASES
+
+        number = int(name[-1])
+        timer = self._timers[name] = CpuTimer(number, plan.system)
+        self._add(name, timer, BASES[number], 8, Frame.PF0, self._lines_of(name))
 
     def _add(
         self, name: str, chip: Chip, base: int, size: int, frame: Frame, on_request: Callable[[int, int], None]
@@ -239,19 +264,15 @@ class Dsp(FirmwareView):
             for socket in self._sockets.values():
                 socket.reclock()
             self.processor.time.reclock()
-            if "I2C-A" in self._sockets:
-                i2c = self._sockets["I2C-A"].chip
-                assert isinstance(i2c, I2c)
-                i2c.set_sysclk(cycle, control.sysclk_hz)
+            if self._i2c is not None:
+                self._i2c.set_sysclk(cycle, control.sysclk_hz)
                 self._sockets["I2C-A"].publish(cycle)
         lspclk = (control.lspclk_divider, control.lspclk_phase)
         if lspclk != self._lspclk:
             self._lspclk = lspclk
-            for name in sci_map.BASES:
-                if name in self._sockets:
-                    sci = self._sockets[name].chip
-                    assert isinstance(sci, Sci)
-                    sci.set_lspclk(cycle, *lspclk)
+            for name in SCIS:
+                if name in self._scis:
+                    self._scis[name].set_lspclk(cycle, *lspclk)
                     self._sockets[name].publish(cycle)
         if control.gates != self._gates:
             self._gates = control.gates
@@ -262,12 +283,12 @@ class Dsp(FirmwareView):
     def gate(self, cycle: int) -> None:
         """Every module's clock on or off, as PCLKCR says."""
         for name, socket in self._sockets.items():
-            chip = socket.chip
-            if isinstance(chip, Sci | I2c | CpuTimer):
-                chip.gate(cycle, self.control.enabled(name))
+            gated = self._i2c if name == "I2C-A" else self._scis.get(name) or self._timers.get(name)
+            if gated is not None:
+                gated.gate(cycle, self.control.enabled(name))
                 socket.publish(cycle)
-            elif isinstance(chip, Gpio):
-                chip.gpioin_enabled(cycle, self.control.enabled("GPIOIN"))
+            elif self._gpio is not None and name == "GPIO":
+                self._gpio.gpioin_enabled(cycle, self.control.enabled("GPIOIN"))
                 socket.publish(cycle)
 
     def _route(self, plan: DspPlan) -> Router | None:
@@ -277,17 +298,17 @@ class Dsp(FirmwareView):
             if name == "I2C-A":
                 inputs |= {"SCLA": (socket, 0), "SDAA": (socket, 1)}
                 outputs |= {"SCLA": (socket, 0), "SDAA": (socket, 1)}
-            elif name in sci_map.BASES:
+            elif name in SCIS:
                 inputs[f"SCIRXD{name[-1]}"] = (socket, 0)
                 outputs[f"SCITXD{name[-1]}"] = (socket, 0)
-        if "GPIO" in self._sockets:
+        if self._gpio is not None:
+            from .pin_router import Pads, Router
+
             socket = self._sockets["GPIO"]
-            gpio = socket.chip
-            assert isinstance(gpio, Gpio)
             xint = self._sockets.get("XINT")
             kernel, clock, recorder = self._kernel, self.clock, self.recorder
             pads = Pads(plan.wires, plan.pulled_down)
-            return Router(kernel, clock, recorder, gpio, socket, plan.name, pads, inputs, outputs, xint)
+            return Router(kernel, clock, recorder, self._gpio, socket, plan.name, pads, inputs, outputs, xint)
         for signal, (socket, index) in inputs.items():
             wire = plan.wires.get(PIN_OF[signal])
             if wire is not None:
@@ -348,7 +369,7 @@ def pie_lines(module: str) -> tuple[tuple[int, int], ...]:
     """Group and line of each of a module's interrupt lines, in the order of its LINES."""
     if module == "TIMER0":
         return (TINT0_PIE,)
-    if module in sci_map.BASES:
+    if module in SCIS:
         return (pie_map.LINES[f"SCIRXINT{module[-1]}"], pie_map.LINES[f"SCITXINT{module[-1]}"])
     if module == "I2C-A":
         return (pie_map.LINES["I2CINT1A"], pie_map.LINES["I2CINT2A"])

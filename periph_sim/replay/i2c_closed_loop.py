@@ -14,11 +14,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from time import perf_counter
+from typing import TYPE_CHECKING
 
 from ..bus.i2c.player import I2cPlayer
 from ..bus.i2c.scripted_target import ScriptedTarget
 from ..core.time import NO_TIME
-from ..records.recording import Subscribe
 from ..scene.case.model import Case
 from ..scene.scene import Scene
 from ..traces.capture.capture import Capture
@@ -35,6 +35,9 @@ from .scene_setup import alone, taken
 from .tolerance import tolerance_of
 from .verdict import verdict_of
 from .wire_log import WireLog
+
+if TYPE_CHECKING:
+    from ..records.recording import Subscribe
 
 
 class I2cReplay:

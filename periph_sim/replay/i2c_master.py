@@ -13,11 +13,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from fractions import Fraction
 from time import perf_counter
+from typing import TYPE_CHECKING
 
 from ..bus.i2c.scripted_target import ScriptedTarget
 from ..core.chip import NEVER
 from ..core.time import Timebase
-from ..records.recording import Subscribe
 from ..scene.case.model import Case
 from ..scene.scene import Scene
 from ..traces.capture.capture import Capture
@@ -34,6 +34,9 @@ from .report import Report
 from .scene_setup import alone, settings_of, taken, unit_with
 from .verdict import verdict_of
 from .wire_log import WireLog
+
+if TYPE_CHECKING:
+    from ..records.recording import Subscribe
 
 MODULE_HZ = 10_000_000  # that TI's start-up code sets; I2CCLKL and I2CCLKH count it
 D = 5  # cycles that the module adds to each (SPRUG03B Table 15)

@@ -19,6 +19,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from time import perf_counter
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,7 +28,6 @@ from ..bus.one_way import OneWayWire
 from ..core.kernel import Kernel
 from ..core.records import Recorder
 from ..core.wire import Wire
-from ..records.recording import Subscribe
 from ..scene.case.model import Case
 from ..scene.scene import Scene
 from ..scene.wires import SceneWires
@@ -44,6 +44,9 @@ from .scene_setup import alone, taken
 from .tolerance import tolerance_of
 from .verdict import verdict_of
 from .wire_log import WireLog
+
+if TYPE_CHECKING:
+    from ..records.recording import Subscribe
 
 STEPS = 100  # of progress
 

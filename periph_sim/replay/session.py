@@ -17,11 +17,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
+from typing import TYPE_CHECKING
 
 from ..bus.edge_player import EdgePlayer
 from ..bus.i2c.transfer import Transfer
 from ..devices.host_pc import FRAME_BYTES, VALUES
-from ..records.recording import Subscribe
 from ..scene.case.model import Case, Controller, RoundsTable
 from ..scene.scene import Scene
 from ..scene.uart_lines import line_of
@@ -38,6 +38,9 @@ from .report import Report
 from .scene_setup import alone, unit_with
 from .time_base import check_length, rate_of
 from .uart import LineFormat, ticks_of
+
+if TYPE_CHECKING:
+    from ..records.recording import Subscribe
 
 OF_ROUNDS = ("round", "missed rounds", "nacked rounds", "slack")
 PAUSE = 2  # characters: a longer one on RX ends a frame

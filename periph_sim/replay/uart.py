@@ -15,13 +15,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from time import perf_counter
+from typing import TYPE_CHECKING
 
 from ..bus.edge_player import EdgePlayer
 from ..core.records import Kind, Record, Recorder
 from ..core.time import Timebase
 from ..f28335.sci.register_map import SCI_MAP
 from ..processor.dsp import Dsp
-from ..records.recording import Subscribe
 from ..scene.case.model import Case
 from ..scene.scene import Scene
 from ..scene.uart_lines import line_of
@@ -38,6 +38,9 @@ from .report import Report
 from .scene_setup import alone, settings_of, unit_with
 from .time_base import check_length, rate_of
 from .verdict import verdict_of
+
+if TYPE_CHECKING:
+    from ..records.recording import Subscribe
 
 LEAD = Fraction(1, 1000)  # the firmware starts this long before the capture begins
 TAKEN = Fraction(100, 10**6)  # for the firmware to take the last word

@@ -9,13 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
-from ..bus.i2c.monitor import I2cMonitor
-from ..bus.i2c.transfer import Transfer
 from ..core.time import NO_TIME
-from ..core.wire import Wire
-from ..devices.sensor_head import CHIPS
+from ..devices.sensor_rounds import CHIPS
 from ..timing.rounds import Asked, BusRounds
+
+if TYPE_CHECKING:
+    from ..bus.i2c.monitor import I2cMonitor
+    from ..bus.i2c.transfer import Transfer
+    from ..core.wire import Wire
 
 SPIKE = Fraction(50, 10**9)  # UM10204 Table 10, tSP: what lasts less on SDA is not read
 
@@ -41,6 +44,8 @@ class BusSide:
         if self._rounds is None:
             self._rounds = BusRounds(self.asked, self._begun_at)
             if "SCL" in self._wires:
+                from ..bus.i2c.monitor import I2cMonitor
+
                 names = {chip.address: name for name, chip in CHIPS.items()}
                 self._watch = I2cMonitor(self._wires["SCL"], self._wires["SDA"], self._heard, names, self._spike)
         return self._rounds

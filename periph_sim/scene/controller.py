@@ -9,16 +9,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
-from ..bus.i2c.byte_controller import ByteController
 from ..bus.i2c.controller import I2cController
 from ..bus.i2c.transfer import BusTiming, Transfer
 from ..core.suggest import did_you_mean
-from ..core.wire import Wire
-from ..devices.sensor_head import CHIPS, Request, Schedule, SensorHead
+from ..devices.sensor_head import SensorHead
+from ..devices.sensor_rounds import CHIPS, Request, Schedule
 from ..timing.rounds import Asked
 from .case.model import Controller, RequestTable, RoundsTable
 from .context import SceneContext
+
+if TYPE_CHECKING:
+    from ..core.wire import Wire
 
 
 @dataclass(frozen=True)
@@ -29,6 +32,14 @@ class ControllerAgent:
     head: SensorHead
     requests: list[Request]
     asked: Asked
+
+
+def _agent_of(fidelity: str) -> type[I2cController]:
+    if fidelity == "edge":
+        return I2cController
+    from ..bus.i2c.byte_controller import ByteController
+
+    return ByteController
 
 
 def build_head(context: SceneContext, table: Controller, on_stuck: Callable[[Wire], None]) -> ControllerAgent:
@@ -43,8 +54,7 @@ def build_head(context: SceneContext, table: Controller, on_stuck: Callable[[Wir
     half = Fraction(1, 2) / table.rate
     low = ticks(half if table.low is None else table.low)
     high = ticks(half if table.high is None else table.high)
-    agent = I2cController if context.case.fidelity == "edge" else ByteController
-    controller = agent(
+    controller = _agent_of(context.case.fidelity)(
         context.kernel,
         context.recorder,
         context.wire("SCL"),

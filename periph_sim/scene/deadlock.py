@@ -10,16 +10,18 @@ An agent whose schedule is over could have gone on: who waits for more of it is 
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING, cast
 
 from ..core.chip import NEVER
 from ..core.wire import Wire
-from ..f28335.gpio.module import Gpio
-from ..f28335.i2c.module import I2c
 from ..f28335.i2c.register_map import STR_NACK
-from ..f28335.sci.module import Sci
-from ..f28335.system.cpu_timer import CpuTimer
-from ..processor.dsp import PIN_OF, Dsp
-from ..processor.polling import Spin
+from ..f28335.unit_modules import GATED, PIN_OF
+
+if TYPE_CHECKING:
+    from ..f28335.gpio.module import Gpio
+    from ..f28335.i2c.module import I2c
+    from ..processor.dsp import Dsp
+    from ..processor.polling import Spin
 
 INPUTS = {
     "I2C-A": ("SDAA", "SCLA"),
@@ -60,10 +62,9 @@ def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], insta
 
 def refused(dsp: Dsp, instant: Callable[[int], str]) -> str:
     """That I2CSTR.NACK is set, as a clause with since when and why; empty if it is not. It ended the transfer."""
-    chip = dsp.socket("I2C-A").chip
-    if not isinstance(chip, I2c) or not chip.state.str & STR_NACK:
+    state = cast("I2c", dsp.socket("I2C-A").chip).state
+    if not state.str & STR_NACK:
         return ""
-    state = chip.state
     since = f"I2CSTR.NACK is set since {instant(dsp.clock.tick(state.nack_since))}"
     return f"{since}: {state.nack_of} was not acknowledged" if state.nack_of else since
 
@@ -71,7 +72,7 @@ def refused(dsp: Dsp, instant: Callable[[int], str]) -> str:
 def outputs(dsp: Dsp) -> list[str]:
     """Wires at pins that the unit itself drives as general-purpose outputs."""
     socket = dsp.sockets.get("GPIO")
-    driven = socket.chip.driven if socket is not None and isinstance(socket.chip, Gpio) else 0
+    driven = 0 if socket is None else cast("Gpio", socket.chip).driven
     return [wire.name for pin, wire in dsp.plan.wires.items() if driven >> pin & 1]
 
 
@@ -85,7 +86,7 @@ def signals_behind(dsp: Dsp, spin: Spin) -> list[str]:
 
 
 def has_clock(dsp: Dsp, module: str) -> bool:
-    return not isinstance(dsp.socket(module).chip, Sci | I2c | CpuTimer) or dsp.control.enabled(module)
+    return module not in GATED or dsp.control.enabled(module)
 
 
 def wires_into(dsp: Dsp, module: str) -> list[Wire]:

@@ -30,13 +30,11 @@ from ..core.records import Kind
 from ..core.settings import Table
 from ..core.suggest import did_you_mean
 from ..core.wire import Wire
-from ..devices.chips import chip_models
 from ..devices.targets import BadDevice, Target, TargetContext, families
 from .case.device_tables import BusParty, DeviceTable, Strikes
 from .case.error_text import complaint, place_of
 from .case.origin import Place as Key
 from .context import SceneContext
-from .device_file import device_of_file
 
 ACCESS = {"read": 1, "write": 0, "any": None}
 
@@ -163,8 +161,12 @@ def build_devices(context: SceneContext, known: Mapping[str, Wire], taken: Mappi
 def _target(context: SceneContext, name: str, table: DeviceTable, place: TargetContext) -> Target:
     case, model = context.case, table.model
     if model.endswith(".py"):
+        from .device_file import device_of_file
+
         return device_of_file(context, name, table, place)
     if model not in families():
+        from ..devices.chips import chip_models
+
         if model in chip_models():
             raise case.mistake(f"{model} is a sensor chip; give it a [chip.{name}] table", "device", name, "model")
         known = [*families(), "a path that ends in .py"]

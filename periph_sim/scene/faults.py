@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from random import Random
+from typing import TYPE_CHECKING
 
 from ..bus.faults import FaultContext, FaultKind, kinds
 from ..core.suggest import did_you_mean
-from ..core.wire import Wire
-from ..processor.dsp import Dsp
 from .context import SceneContext
 from .firmware_loader import BadSetting, filled
 from .module_reset import ModuleReset
+
+if TYPE_CHECKING:
+    from ..core.wire import Wire
+    from ..processor.dsp import Dsp
 
 RESET = ".XRS"  # a unit's reset pin, as a wire
 MODULE_RESET = ".IRS"  # a unit's I2CMDR.IRS, as one

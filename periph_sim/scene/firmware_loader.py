@@ -8,17 +8,19 @@ from dataclasses import dataclass, is_dataclass
 from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
-from typing import Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from pydantic import TypeAdapter, ValidationError
 
 from ..core.suggest import did_you_mean
-from ..devices.model_codes import Computed
-from ..processor.dsp import Dsp
 from ..processor.error_origin import Misuse, defined_at, flaw_of
-from ..sensors.models.parameters import ImuParameters
 from .case.error_text import complaint, place_of
 from .firmware_files import is_shipped, module_of_file, shipped_module, shipped_names, why_not_imported
+
+if TYPE_CHECKING:
+    from ..devices.model_codes import Computed
+    from ..processor.dsp import Dsp
+    from ..sensors.models.parameters import ImuParameters
 
 T = TypeVar("T")
 
@@ -96,6 +98,10 @@ def settings_for(firmware: Firmware, given: dict[str, object]) -> object:
 def sensors_of(settings: object) -> ImuParameters | None:
     """The sensors that firmware stands for, by its settings' `sensors`; None where it computes none."""
     sensors = getattr(settings, "sensors", None)
+    if sensors is None:
+        return None
+    from ..sensors.models.parameters import ImuParameters
+
     return sensors if isinstance(sensors, ImuParameters) else None
 
 
@@ -104,6 +110,8 @@ def computed_by(settings: object) -> Computed | None:
     sensors, arithmetic = sensors_of(settings), getattr(settings, "arithmetic", None)
     if sensors is None or not isinstance(arithmetic, str):
         return None
+    from ..devices.model_codes import Computed
+
     return Computed(sensors, arithmetic, getattr(settings, "noise_seed", None))
 
 

@@ -11,8 +11,7 @@ from .case.model import BadCase, Case
 
 def check_outside(case: Case, wires: Mapping[str, Wire]) -> None:
     """BadCase, with its line."""
-    if case.outside is None:
-        return
+    assert case.outside is not None
     names = case.outside.wires
     for entry, name in enumerate(names):
         if name not in wires:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
-from ..core.wire import Wire
-from ..devices.model_codes import Computed
-from ..processor.dsp import Dsp
-from ..sensors.models.parameters import ImuParameters
 from ..timing.measures.origins import FrameOrigins, ModelOrigins, Origins, Sources
-from .case.model import Case
+
+if TYPE_CHECKING:
+    from ..core.wire import Wire
+    from ..devices.model_codes import Computed
+    from ..processor.dsp import Dsp
+    from ..sensors.models.parameters import ImuParameters
+    from .case.model import Case
 
 MODEL_PIN = "MODEL"  # what a case calls the pin that firmware raises while its models run
 PLACE = ("controller", "check")

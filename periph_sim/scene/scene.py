@@ -12,61 +12,52 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 from functools import partial
 from time import perf_counter
+from typing import TYPE_CHECKING
 from weakref import finalize, proxy
 
-from ..bus.i2c.byte_counter import I2cByteCounter
-from ..bus.i2c.event_recorder import BusRecorder
-from ..bus.i2c.stuck_watch import STUCK_AFTER, StuckWatch
-from ..bus.i2c.transfer import Transfer
-from ..bus.i2c.whole_bytes import WholeBytes
 from ..core.chip import NEVER, Note
 from ..core.kernel import Kernel
 from ..core.records import Kind, Recorder
 from ..core.suggest import did_you_mean
 from ..core.time import Timebase, TimeError
-from ..core.wire import Wire
-from ..devices.chips.register_chip import Source
-from ..devices.host_pc import Host
-from ..devices.model_codes import Computed
-from ..devices.sensor_head import Request, Round, SensorHead
-from ..devices.truth import Axes, Truth
-from ..f28335.i2c.options import I2cOptions
-from ..f28335.system.options import SystemOptions
-from ..processor.dsp import Dsp
 from ..processor.error_origin import FirmwareStalled
-from ..processor.python.firmware_view import End
-from ..sensors.host_frame import MotionFrames
-from ..sensors.models.parameters import ImuParameters
-from ..timing.budgets import BudgetJudge
-from ..timing.measures.origins import Origins
-from ..timing.measures.reply import Expected, Reply
-from ..timing.measures.value import ValueDeviation
-from ..timing.rounds import Asked
-from ..timing.verdict import Verdict
+from . import parts
 from .bus_side import SPIKE, BusSide
 from .case.model import Case, RoundsTable
 from .case.wiring import wiring_of
 from .context import SceneContext
-from .controller import build_head, rounds_of
-from .deadlock import deadlock_reason
-from .devices import DeviceOnBus, NoteLog, build_devices, put_on_bus
-from .faults import build_faults
-from .firmware_loader import Firmware
-from .host import HostAgent
-from .limits import limits_of
-from .outside_wires import check_outside, not_run
-from .read_origins import origins_of
-from .release_delay import ReleaseDelay
 from .result import Result
 from .scope import scope_of_case
-from .sensor_chips import ChipOnBus, build_chip
-from .serial.side import SerialSide
 from .stuck_lines import StuckLines, doing
 from .summary import result_of
 from .uart_side import UartSide
-from .unit import build_unit, options_of
-from .whole_bytes import refuse_byte_level, refuse_schedule, whole_bytes_of
 from .wires import SceneWires
+
+if TYPE_CHECKING:
+    from ..bus.i2c.byte_counter import I2cByteCounter
+    from ..bus.i2c.transfer import Transfer
+    from ..bus.i2c.whole_bytes import WholeBytes
+    from ..core.wire import Wire
+    from ..devices.chips.register_chip import Source
+    from ..devices.host_pc import Host
+    from ..devices.model_codes import Computed
+    from ..devices.sensor_head import SensorHead
+    from ..devices.sensor_rounds import Request, Round
+    from ..devices.truth import Axes, Truth
+    from ..processor.dsp import Dsp
+    from ..processor.python.firmware_view import End
+    from ..sensors.host_frame import MotionFrames
+    from ..sensors.models.parameters import ImuParameters
+    from ..timing.budgets import BudgetJudge
+    from ..timing.measures.origins import Origins
+    from ..timing.measures.reply import Expected, Reply
+    from ..timing.rounds import Asked
+    from ..timing.verdict import Verdict
+    from .devices import DeviceOnBus, NoteLog
+    from .firmware_loader import Firmware
+    from .host import HostAgent
+    from .release_delay import ReleaseDelay
+    from .sensor_chips import ChipOnBus
 
 NEEDS = {"rounds": "[controller], or [rounds] for a unit that is the master,"}
 
@@ -96,19 +87,20 @@ class Scene:
     ) -> None:
         if not (case.unit or case.chip or case.device or case.controller or case.host):
             raise case.mistake("there is nothing to run; give it a [unit.NAME] with its firmware", "unit")
-        refuse_schedule(case)
+        if case.fidelity == "schedule":
+            parts.refuse_schedule(case)
         self.case = case
         self.timebase = Timebase(*(int(unit.oscclk * unit.pll / 2) for unit in case.unit.values()))
         self.recorder = Recorder()
         scope = scope_of_case(case)
         self.start = self.timebase.ticks(case.start, "nearest")
-        self.limits = limits_of(case, scope, self.timebase, self.start)
+        self.limits = parts.limits_of(case, scope, self.timebase, self.start) if case.budget else []
         for limit in self.limits:
             if keep_values and limit.measure.series:
                 limit.measure.keep()
             for measure in limit.own_measures:
                 measure.subscribe(self.recorder)
-        serial = None if case.serial is None else SerialSide(case, case.serial, scope, self.recorder)
+        serial = None if case.serial is None else parts.SerialSide(case, case.serial, scope, self.recorder)
         if subscribe is not None:
             subscribe(self.recorder, self.timebase)
         self.kernel = Kernel(self.start)
@@ -137,32 +129,33 @@ class Scene:
         wire = self.wires.wire
         context = SceneContext(case, self.kernel, self.recorder, self.timebase, wire, wiring_of(case), self.start)
         for name, unit in case.unit.items():
-            built = build_unit(context, name, unit, (programs or {}).get(name), end)
+            built = parts.build_unit(context, name, unit, (programs or {}).get(name), end)
             self.units[name], self.firmware[name] = built.dsp, built.firmware
             self.sensors = self.sensors or built.sensors
             self.computed = self.computed or built.computed
         self._build_targets(context, sources or {})
         if case.controller is not None:
-            side = build_head(context, case.controller, self.stuck.report)
+            side = parts.build_head(context, case.controller, self.stuck.report)
             self.head, self.requests = side.head, side.requests
             self.stuck.head = side.head
             self.bus.asked = side.asked
             self.head.on_transfer.append(self.bus.count)
             if case.fidelity != "edge":
-                self.whole_bytes = whole_bytes_of(context, side.controller, self.units)
+                self.whole_bytes = parts.whole_bytes_of(context, side.controller, self.units)
         elif "SCL" in self.wires:
-            self._counter = I2cByteCounter(self.wires["SCL"], self.wires["SDA"])
+            self._counter = parts.I2cByteCounter(self.wires["SCL"], self.wires["SDA"])
             if self.recorder.wants(Kind.BUS):
-                BusRecorder(self.kernel, self.recorder, self.wires["SCL"], self.wires["SDA"])
+                parts.BusRecorder(self.kernel, self.recorder, self.wires["SCL"], self.wires["SDA"])
         if case.rounds is not None:
             self.bus.asked = self._asked_by_master(context, case.rounds)
         if case.host is not None:
-            self._host_side = HostAgent(context, case.host, self.sensors)
+            self._host_side = parts.HostAgent(context, case.host, self.sensors)
             self.host = self._host_side.host
             self.frames, self.truth = self._host_side.frames, self._host_side.truth
         for transceiver in case.transceiver:
             self.wires.wire(transceiver.pair)
-        build_faults(context, self.wires, self.units)
+        if case.fault:
+            parts.build_faults(context, self.wires, self.units)
         host_line = None if self._host_side is None else self._host_side.line
         self._uart = UartSide(context, self.wires, self.units, host_line, serial, self)
         for entry, limit in enumerate(self.limits):
@@ -170,8 +163,10 @@ class Scene:
                 self._check_needs(entry, part)
             for measure in limit.own_measures:
                 measure.listen(proxy(self))
-        refuse_byte_level(case, self.whole_bytes, self.wires)
-        check_outside(case, self.wires)
+        if case.fidelity == "byte":
+            parts.refuse_byte_level(case, self.whole_bytes, self.wires)
+        if case.outside is not None:
+            parts.check_outside(case, self.wires)
 
     # Building ------------------------------------------------------------------
 
@@ -192,10 +187,10 @@ class Scene:
             what = f"{measure!r} needs {NEEDS.get(needs, needs)} in the scene, which has none"
             raise self.case.mistake(what, "budget", entry, "measure")
         expected = [] if self.case.serial is None else [one.name for one in self.case.serial.expect]
-        if isinstance(limit.measure, Reply) and limit.measure.name not in expected:
+        if isinstance(limit.measure, parts.Reply) and limit.measure.name not in expected:
             what = f"no reply {limit.measure.name!r} is expected; {did_you_mean(limit.measure.name, expected)}"
             raise self.case.mistake(what, "budget", entry, "measure")
-        if isinstance(limit.measure, ValueDeviation) and self.truth is None:
+        if self.truth is None and needs == "host" and isinstance(limit.measure, parts.ValueDeviation):
             what = f"{limit.budget.measure!r} of sensor models needs a motion to compare with; give [host.motion]"
             raise self.case.mistake(what, "budget", entry, "measure")
 
@@ -205,16 +200,20 @@ class Scene:
     def _build_targets(self, context: SceneContext, sources: Mapping[str, Source]) -> None:
         """Sensor chips and other devices on SCL and SDA."""
         for name, table in self.case.chip.items():
-            chip = self.chips[name] = build_chip(context, name, sources.get(name))
-            put_on_bus(context, name, table, chip)
-        taken = {address: name for name, chip in self.chips.items() for address in chip.addresses}
-        try:
-            self.devices = build_devices(context, self.wires, taken)
-        except FirmwareStalled as stalled:  # in a user's file: the run ends as it begins
-            self.stalled = str(stalled)
+            chip = self.chips[name] = parts.build_chip(context, name, sources.get(name))
+            parts.put_on_bus(context, name, table, chip)
+        if self.case.device:
+            self._build_devices(context)
         if self.case.strict:
             for name, log in self.note_logs().items():
                 log.on_note = partial(_insist, self.units, name)
+
+    def _build_devices(self, context: SceneContext) -> None:
+        taken = {address: name for name, chip in self.chips.items() for address in chip.addresses}
+        try:
+            self.devices = parts.build_devices(context, self.wires, taken)
+        except FirmwareStalled as stalled:  # in a user's file: the run ends as it begins
+            self.stalled = str(stalled)
 
     def note_logs(self) -> dict[str, NoteLog]:
         """What each chip and device noted."""
@@ -237,7 +236,7 @@ class Scene:
             raise self.case.mistake("[controller] says its rounds already; leave one of them out", "rounds")
         if "SCL" not in self.wires:
             raise self.case.mistake("it needs a bus, and no unit has I2C-A", "rounds")
-        return rounds_of(context, table)
+        return parts.rounds_of(context, table)
 
     def on_frame(self, told: Callable[[int, tuple[int, ...], int], None]) -> None:
         if self.host is not None:
@@ -246,9 +245,9 @@ class Scene:
     def on_stuck(self, told: Callable[[int], None]) -> None:
         """By the controller agent, or as the wires are watched where there is none."""
         if self.head is None and not self.stuck.told:
-            length = STUCK_AFTER if self.case.rounds is None else self.case.rounds.stuck_after
+            length = parts.STUCK_AFTER if self.case.rounds is None else self.case.rounds.stuck_after
             for name in ("SCL", "SDA"):
-                StuckWatch(self.kernel, self.recorder, self.wires[name], self._ticks(length), self.stuck.report)
+                parts.StuckWatch(self.kernel, self.recorder, self.wires[name], self._ticks(length), self.stuck.report)
         self.stuck.told.append(told)
 
     def on_sci(self, told: Callable[[int, int, bool], None]) -> None:
@@ -263,7 +262,7 @@ class Scene:
     def origins(self) -> Origins:
         """Which host frame the bytes of a read come from. BadCase where the scene does not tell."""
         if self._origins is None:
-            self._origins = origins_of(self)
+            self._origins = parts.origins_of(self)
         return self._origins
 
     def checks_host(self) -> bool:
@@ -311,9 +310,9 @@ class Scene:
 
     def i2c_release_delay(self, unit: str) -> ReleaseDelay:
         given, dsp = self.case.unit[unit].options, self.units[unit]
-        i2c = options_of(self.case, I2cOptions, given.i2c, unit, "i2c")
-        system = options_of(self.case, SystemOptions, given.system, unit, "system")
-        return ReleaseDelay(self.kernel, dsp.clock, dsp.socket("I2C-A"), i2c, system)
+        i2c = parts.options_of(self.case, parts.I2cOptions, given.i2c, unit, "i2c")
+        system = parts.options_of(self.case, parts.SystemOptions, given.system, unit, "system")
+        return parts.ReleaseDelay(self.kernel, dsp.clock, dsp.socket("I2C-A"), i2c, system)
 
     def held_since(self) -> int:
         return self.bus.held_since
@@ -356,7 +355,7 @@ class Scene:
         BadCase, before anything runs, for a run longer than there are ticks, and for a case that others drive.
         """
         if self.case.outside is not None:
-            raise not_run(self.case)
+            raise parts.not_run(self.case)
         began = self.kernel.now
         try:
             end = self.timebase.end_of_run(began, self.case.duration if duration is None else duration)
@@ -405,7 +404,7 @@ class Scene:
             return [self.stalled]
         told = []
         for name, dsp in self.units.items():
-            why = deadlock_reason(dsp, self._may_move, lambda tick: self.timebase.show(tick - self.start))
+            why = parts.deadlock_reason(dsp, self._may_move, lambda tick: self.timebase.show(tick - self.start))
             if why:
                 told.append(f"{name} {self.doing(dsp)} and would for ever: {why}")
         return told

@@ -6,12 +6,14 @@ controller agent, or StuckWatch where there is none --wire--> StuckLines --> sen
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
 
-from ..core.kernel import Kernel
-from ..core.time import Timebase
-from ..core.wire import Wire
-from ..devices.sensor_head import SensorHead
-from ..processor.dsp import Dsp
+if TYPE_CHECKING:
+    from ..core.kernel import Kernel
+    from ..core.time import Timebase
+    from ..core.wire import Wire
+    from ..devices.sensor_head import SensorHead
+    from ..processor.dsp import Dsp
 
 
 class StuckLines:

@@ -5,13 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..core.chip import joined
-from ..devices.chips.register_chip import RegisterChip
-from ..processor.dsp import Dsp
-from ..timing.measures.bus import WrongBytes
 from ..timing.verdict import FAIL, NOT_JUDGED, PASS
 from .result import BYTE_LEVEL, SKIPPED, Result
 
 if TYPE_CHECKING:
+    from ..devices.chips.register_chip import RegisterChip
+    from ..processor.dsp import Dsp
     from .scene import Scene
 
 
@@ -37,11 +36,7 @@ def result_of(scene: Scene, length: int, wall: float) -> Result:
         **scene.units,
         **{name: on_bus.chip for name, on_bus in scene.chips.items()},
     }
-    wrong: dict[str, int] = {}
-    first_wrong = ""
-    for limit in scene.limits:
-        if isinstance(limit.measure, WrongBytes):
-            wrong, first_wrong = limit.measure.where, limit.measure.first
+    wrong, first_wrong = wrong_bytes(scene)
     return Result(
         case=scene.case.name,
         verdict=FAIL if failed else PASS if verdicts else NOT_JUDGED,
@@ -59,6 +54,18 @@ def result_of(scene: Scene, length: int, wall: float) -> Result:
         wrong=wrong,
         first_wrong=first_wrong,
     )
+
+
+def wrong_bytes(scene: Scene) -> tuple[dict[str, int], str]:
+    """Which bytes were wrong how often, and the first of them in a sentence, where a budget looks at them."""
+    found: tuple[dict[str, int], str] = {}, ""
+    if scene.limits:
+        from ..timing.measures.bus import WrongBytes
+
+        for limit in scene.limits:
+            if isinstance(limit.measure, WrongBytes):
+                found = limit.measure.where, limit.measure.first
+    return found
 
 
 def notes_of(scene: Scene) -> list[str]:

@@ -18,7 +18,7 @@ from ..core.records import Kind
 from ..core.wire import Wire
 from ..f28335.sci.register_map import SCI_MAP
 from ..processor.dsp import Dsp
-from ..traces.decode import uart_format as uart_line
+from ..traces.decode import uart_line
 from .case.wiring import sci_lines
 from .context import SceneContext
 

@@ -8,18 +8,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import partial
+from typing import TYPE_CHECKING
 
-from ..bus.uart.reader import Line
-from ..core.wire import Wire
-from ..processor.dsp import Dsp
-from ..timing.measures.measure import SceneEvents
-from ..timing.measures.reply import Expected, Reply
 from .case.wiring import sci_lines
 from .context import SceneContext
-from .pairs import Pairs
-from .sci_monitor import SciMonitor
-from .serial.side import SerialSide
-from .uart_lines import UartLines, sci_line
+
+if TYPE_CHECKING:
+    from ..bus.uart.reader import Line
+    from ..core.wire import Wire
+    from ..processor.dsp import Dsp
+    from ..timing.measures.measure import SceneEvents
+    from ..timing.measures.reply import Expected, Reply
+    from .pairs import Pairs
+    from .sci_monitor import SciMonitor
+    from .serial.side import SerialSide
+    from .uart_lines import UartLines
 
 
 class UartSide:
@@ -38,13 +41,27 @@ class UartSide:
         self._serial = serial
         self._scis = sci_lines(context.case, context.wiring)
         self._monitors: list[SciMonitor] = []
-        self._pairs = Pairs(context, lambda unit, module: partial(sci_line, context, units[unit], module))
+        self._pairs: Pairs | None = None
+        self._lines: UartLines | None = None
         senders = {} if host is None else {"RX": host}
-        if serial is not None:
+        if serial is not None or context.case.transceiver:
+            self._pairs = self._pairs_of(context)
+        if serial is not None and self._pairs is not None:
             serial.attach(context, self._pairs)
             serial.listen(events)
             senders |= serial.lines()
-        self._lines = UartLines(context, wires, units, {**senders, **self._pairs.lines()})
+        if self._pairs is not None:
+            senders |= self._pairs.lines()
+        if self._scis or senders:
+            from .uart_lines import UartLines
+
+            self._lines = UartLines(context, wires, units, senders)
+
+    def _pairs_of(self, context: SceneContext) -> Pairs:
+        from .pairs import Pairs
+        from .uart_lines import sci_line
+
+        return Pairs(context, lambda unit, module: partial(sci_line, context, self._units[unit], module))
 
     @property
     def has_sci(self) -> bool:
@@ -57,18 +74,21 @@ class UartSide:
 
     def notes(self) -> list[str]:
         """What went wrong on pairs, and what was to be sent and never was."""
-        return self._pairs.notes() + ([] if self._serial is None else self._serial.notes())
+        told = [] if self._pairs is None else self._pairs.notes()
+        return told + ([] if self._serial is None else self._serial.notes())
 
     def finish(self, now: int) -> None:
         """The run is over."""
-        self._lines.finish(now)
+        if self._lines is not None:
+            self._lines.finish(now)
 
     def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
         assert self._serial is not None
         return self._serial.on_reply(reply)
 
     def on_character(self, told: Callable[[int], None]) -> None:
-        self._lines.on_character(told)
+        if self._lines is not None:
+            self._lines.on_character(told)
 
     def on_sci(self, told: Callable[[int, int, bool], None]) -> None:
         for monitor in self._receivers():
@@ -79,6 +99,8 @@ class UartSide:
             monitor.received.append(told)
 
     def _receivers(self) -> list[SciMonitor]:
-        if not self._monitors:
+        if not self._monitors and self._scis:
+            from .sci_monitor import SciMonitor
+
             self._monitors = [SciMonitor(self._units[sci.unit], sci.module) for sci in self._scis]
         return self._monitors

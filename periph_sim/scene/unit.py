@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from ..core.options import Value, options_from
 from ..core.suggest import did_you_mean
-from ..devices.model_codes import Computed
 from ..f28335.cpu.compiled_code_costs import CodeCosts
-from ..f28335.i2c.options import I2cOptions
-from ..f28335.sci.options import SciOptions
 from ..f28335.system.options import SystemOptions
-from ..processor.dsp import MODULES, Dsp, DspPlan
+from ..f28335.unit_modules import MODULES, SCIS
+from ..processor.dsp import Dsp, DspPlan
 from ..processor.python.firmware_view import End
-from ..sensors.models.parameters import ImuParameters
 from .case.model import Case, Unit
 from .case.transceiver import pulled_down
 from .context import SceneContext
@@ -29,7 +26,12 @@ from .firmware_loader import (
     sensors_of,
     settings_for,
 )
-from .sensor_period import check_sensor_period
+
+if TYPE_CHECKING:
+    from ..devices.model_codes import Computed
+    from ..f28335.i2c.options import I2cOptions
+    from ..f28335.sci.options import SciOptions
+    from ..sensors.models.parameters import ImuParameters
 
 T = TypeVar("T")
 
@@ -67,8 +69,8 @@ def build_unit(context: SceneContext, name: str, unit: Unit, program: Firmware |
         pulled_down=pulled_down(case, name),
         code=CodeCosts(**unit.code.model_dump()),
         system=options_of(case, SystemOptions, unit.options.system, name, "system"),
-        i2c=options_of(case, I2cOptions, unit.options.i2c, name, "i2c"),
-        sci=options_of(case, SciOptions, unit.options.sci, name, "sci"),
+        i2c=_i2c_options(case, name, unit),
+        sci=_sci_options(case, name, unit),
     )
     dsp = Dsp(context.kernel, context.timebase, context.recorder, plan)
     try:
@@ -82,9 +84,29 @@ def build_unit(context: SceneContext, name: str, unit: Unit, program: Firmware |
         raise case.mistake(str(error), "unit", name, "settings", *inside) from None
     sensors = sensors_of(settings)
     if sensors is not None:
+        from .sensor_period import check_sensor_period
+
         check_sensor_period(case, name, settings, sensors)
     dsp.start(partial(run_main, firmware, dsp, settings))
     return BuiltUnit(dsp, firmware, sensors, computed_by(settings))
+
+
+def _i2c_options(case: Case, name: str, unit: Unit) -> I2cOptions | None:
+    """None where no module needs them and nothing is given that would have to be checked."""
+    if "I2C-A" not in unit.modules and not unit.options.i2c:
+        return None
+    from ..f28335.i2c.options import I2cOptions
+
+    return options_of(case, I2cOptions, unit.options.i2c, name, "i2c")
+
+
+def _sci_options(case: Case, name: str, unit: Unit) -> SciOptions | None:
+    """The same of the SCIs."""
+    if not set(SCIS).intersection(unit.modules) and not unit.options.sci:
+        return None
+    from ..f28335.sci.options import SciOptions
+
+    return options_of(case, SciOptions, unit.options.sci, name, "sci")
 
 
 def options_of(case: Case, kind: type[T], given: dict[str, Value], unit: str, group: str) -> T:

@@ -21,6 +21,8 @@ def _limit(value: object) -> object:
 
 Extent = Annotated[str | int, BeforeValidator(_limit)]
 
+SPAN = "span:"  # measures of a name: "span:models"
+REPLY = "reply:"
 LIMITS = ("max", "min", "exactly", "p50", "p95", "p99", "p99_9")  # keys of a budget
 
 

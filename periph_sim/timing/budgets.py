@@ -10,7 +10,6 @@ from ..core.settings import duration, share
 from ..core.time import NO_TIME, Timebase
 from .budget_schema import Budget
 from .language.scope import BadEvent, Scope
-from .measures.combined import combine
 from .measures.event import EventCount
 from .measures.factory import measure_named
 from .measures.measure import MILLIONTHS, Measure
@@ -192,6 +191,8 @@ class BudgetJudge:
             part.measure.finish(now)
             part._found = part.measure.close(now)
         if len(self.parts) > 1:
+            from .measures.combined import combine
+
             lacking = combine([part.measure for part in self.parts])
             for part, lacks in zip(self.parts, lacking, strict=True):
                 if lacks:

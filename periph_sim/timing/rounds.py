@@ -22,7 +22,7 @@ from fractions import Fraction
 
 from ..bus.i2c.transfer import Phase, Transfer
 from ..core.time import NO_TIME
-from ..devices.sensor_head import Round
+from ..devices.sensor_rounds import Round
 
 
 @dataclass(frozen=True)

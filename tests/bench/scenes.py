@@ -14,7 +14,7 @@ from fractions import Fraction
 from pathlib import Path
 from time import perf_counter
 
-from periph_sim.records.recording import recording
+from periph_sim.records.if_recorded import if_recorded
 from periph_sim.scene.case.load import load
 from periph_sim.scene.result import Result
 from periph_sim.scene.scene import Scene
@@ -78,7 +78,7 @@ def recorded(suffix: str | None, seconds: int = 1) -> tuple[int, Seconds]:
         case = load(CASE)
 
         def run() -> None:
-            with recording(path, case.recorded_modules) as (subscribe, ended_at):
+            with if_recorded(path, case.recorded_modules) as (subscribe, ended_at):
                 scene = Scene(case, subscribe)
                 scene.run(Fraction(seconds))
                 ended_at(scene.kernel.now)

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim.timing.budget_schema import SPAN
 from periph_sim.timing.language.language import FORMS
-from periph_sim.timing.measures.registry import MEASURES, SPAN
+from periph_sim.timing.measures.registry import MEASURES
 from tests.commands.conftest import Came, Run
 
 BROKEN = {  # of what cannot be less: more than that

@@ -11,7 +11,7 @@ import pytest
 from periph_sim.devices.attitude import errors, estimate
 from periph_sim.devices.chips.sensed_values import held
 from periph_sim.devices.samples import SampleLog, Samples, in_units
-from periph_sim.devices.sensor_head import CHIPS
+from periph_sim.devices.sensor_rounds import CHIPS
 from periph_sim.scene.scene import Scene
 from periph_sim.sensors.rotations import quaternions
 from tests.devices.aerospace import FIELD, at_rest, body_rates

@@ -8,7 +8,8 @@ from functools import partial
 import pytest
 
 from periph_sim.bus.i2c.transfer import Transfer
-from periph_sim.devices.sensor_head import CHIPS, Request, Round, Schedule, SensorHead
+from periph_sim.devices.sensor_head import SensorHead
+from periph_sim.devices.sensor_rounds import CHIPS, Request, Round, Schedule
 from tests.bus.i2c_rig import TIMING, UNIT, I2cRig
 
 NACKED = 40 * UNIT  # a transfer that nobody acknowledges

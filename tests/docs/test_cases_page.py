@@ -13,7 +13,7 @@ from pydantic import TypeAdapter
 from periph_sim.bus.faults import kinds
 from periph_sim.bus.faults.when import When
 from periph_sim.core.settings import Table
-from periph_sim.devices.sensor_head import CHIPS
+from periph_sim.devices.sensor_rounds import CHIPS
 from periph_sim.devices.targets import eeprom, families, registers
 from periph_sim.devices.targets.register_settings import Interrupt, RegisterTable, Sets
 from periph_sim.processor.dsp import MODULES
@@ -34,8 +34,8 @@ from periph_sim.scene.case.model import (
 from periph_sim.scene.case.serial import ExpectTable, SendTable, SerialTable
 from periph_sim.scene.case.transceiver import TransceiverTable
 from periph_sim.scene.case.wiring import Cable
-from periph_sim.timing.budget_schema import Budget
-from periph_sim.timing.measures.registry import MEASURES, REPLY, SPAN, make
+from periph_sim.timing.budget_schema import REPLY, SPAN, Budget
+from periph_sim.timing.measures.registry import MEASURES, make
 from tests.docs.pages import ROOT
 
 PAGE = (ROOT / "docs" / "cases.md").read_text(encoding="utf-8")

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from periph_sim.devices.sensor_head import CHIPS
+from periph_sim.devices.sensor_rounds import CHIPS
 from periph_sim.timing.measures.age import Age
 from periph_sim.timing.measures.factory import make_of_events
 from periph_sim.timing.verdict import Verdict

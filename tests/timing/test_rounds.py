@@ -12,7 +12,7 @@ import pytest
 from periph_sim.bus.i2c.transfer import Phase, Transfer
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import NO_TIME, Timebase
-from periph_sim.devices.sensor_head import Request, Round
+from periph_sim.devices.sensor_rounds import Request, Round
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.scene import Scene

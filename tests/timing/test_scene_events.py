@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from periph_sim.bus.i2c.transfer import Phase, Transfer
 from periph_sim.core.records import Kind, Record
 from periph_sim.core.time import NO_TIME
-from periph_sim.devices.sensor_head import CHIPS, Round
+from periph_sim.devices.sensor_rounds import CHIPS, Round
 from periph_sim.timing.measures.bus import Stretch, WrongBytes, begin_of
 from periph_sim.timing.measures.factory import make_of_events
 from periph_sim.timing.measures.measure import MILLIONTHS

@@ -16,7 +16,7 @@ from ...core.records import Kind, Record, Recorder
 from ...core.time import Timebase
 from ...devices.chips.register_chip import Source
 from ...devices.samples import SampleLog
-from ...devices.sensor_head import CHIPS, Round
+from ...devices.sensor_rounds import CHIPS, Round
 from ...scene.case.model import ChipTable
 from ...scene.scene import Scene
 from ...sensors.imu_noise import ImuNoise

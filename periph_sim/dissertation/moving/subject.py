@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from ...devices.sensor_head import CHIPS
+from ...devices.sensor_rounds import CHIPS
 from ...scene.case.model import Case, Controller, HostTable
 from ...scene.scene import Scene
 from ...sensors.host_frame import MotionFrames

@@ -18,8 +18,7 @@ from math import ceil, floor
 
 from ...bus.i2c.transfer import Phase, Transfer
 from ...core.time import Timebase
-from ...devices.host_pc import FRAME_BYTES
-from ...devices.sensor_head import CHIPS, Round
+from ...devices.sensor_rounds import CHIPS, Round
 from ...f28335.cpu import instruction_costs as cpu_costs
 from ...f28335.i2c.options import I2cOptions
 from ...f28335.system.memory_map import WRITE_TO_READ
@@ -392,6 +391,8 @@ class ClosedForm:
     @property
     def _dropped(self) -> str:
         """What is wrong where a host may leave a frame out, or one is not served as a whole; empty if neither."""
+        from ...devices.host_pc import FRAME_BYTES  # of a host that is there
+
         host, receiver = self.case.host, self.handlers.receiver
         assert host is not None
         lasts = (FRAME_BYTES * (10 + host.gap)) * self.handlers.bit

@@ -15,12 +15,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil, floor
+from typing import TYPE_CHECKING
 
-from ...f28335.sci.receiver import DEPTH, RXFFIENA, RXFFIL
 from ...f28335.sci.register_map import SCI_MAP
-from ...processor.dsp import Dsp
-from ...scene.uart_lines import line_of
 from .terms import Bound, Term, reasons, total
+
+if TYPE_CHECKING:
+    from ...processor.dsp import Dsp
 
 SCI, VECTOR = "SCI-A", "SCIRXINTA"
 READ = f"R {SCI}.SCIRXBUF"
@@ -57,13 +58,17 @@ class Receiver:
 
 def receiver_of(dsp: Dsp, now: int, reads: Sequence[Sequence[int]], ticks_per_second: int) -> Receiver | None:
     """The receiver of a unit whose routines read at these instants; None if no FIFO interrupt serves it."""
+    from ...f28335.sci.options import SciOptions  # what this unit has, or nobody would ask
+    from ...f28335.sci.receiver import RXFFIENA, RXFFIL
+    from ...scene.uart_lines import line_of
+
     socket, cycle = dsp.socket(SCI), dsp.clock.cycle_at(now)
     fifo_on = SCI_MAP["SCIFFTX"]["SCIFFENA"].of(socket.peek(cycle, SCI_MAP["SCIFFTX"].offset))
     settings = socket.peek(cycle, SCI_MAP["SCIFFRX"].offset)
     level = settings & RXFFIL
     if not fifo_on or not settings & RXFFIENA or not level:
         return None
-    line, options = line_of(dsp, now), dsp.plan.sci
+    line, options = line_of(dsp, now), dsp.plan.sci or SciOptions()
     bit = ticks_per_second / Fraction(line.baud)
     count = min(map(len, reads))
     latest = tuple(max(times[k] for times in reads) for k in range(count))
@@ -75,6 +80,8 @@ def receiver_of(dsp: Dsp, now: int, reads: Sequence[Sequence[int]], ticks_per_se
 
 def fifo_bounds(receiver: Receiver, latency: Sequence[Term], routine: int) -> list[Bound]:
     """latency: of the service routine. routine: its length in ticks."""
+    from ...f28335.sci.receiver import DEPTH
+
     late = total(latency)
     why = reasons(latency)
     if not receiver.keeps_up(late, routine):

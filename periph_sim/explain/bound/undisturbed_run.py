@@ -17,9 +17,10 @@ from itertools import pairwise
 
 from ...bus.i2c.transfer import Transfer
 from ...core.records import Kind, Record
-from ...devices.sensor_head import Round
+from ...devices.sensor_rounds import Round
 from ...f28335.cpu import instruction_costs as cpu_costs
 from ...f28335.cpu.compiled_code_costs import CodeCosts
+from ...f28335.i2c.options import I2cOptions
 from ...f28335.i2c.register_map import I2C_MAP
 from ...f28335.system.options import SystemOptions
 from ...processor.dsp import Dsp
@@ -218,7 +219,7 @@ def observe(case: Case, firmware: Mapping[str, Firmware] | None = None) -> Undis
         seconds=seconds,
         events=scene.kernel.events,
     )
-    return listener.fill(calm, plan.i2c.noise_filter_cycles)
+    return listener.fill(calm, (plan.i2c or I2cOptions()).noise_filter_cycles)
 
 
 @dataclass

@@ -31,11 +31,6 @@ TRB = TCR["TRB"].mask
 TSS = TCR["TSS"].mask
 AT_TCR, AT_TIM, AT_TIMH, AT_PRD, AT_PRDH, AT_TPR, AT_TPRH = (r.offset for r in (TCR, TIM, TIMH, PRD, PRDH, TPR, TPRH))
 
-# Where the three TINT lines go (Figure 32, Table 112): a PIE group and line, or a CPU interrupt number.
-TINT0_PIE = (1, 7)
-TINT1_CPU = 13
-TINT2_CPU = 14
-
 
 class CpuTimer(Chip):
     """number: 0, 1 or 2. Runs from reset, as the hardware does."""

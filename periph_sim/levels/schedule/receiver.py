@@ -116,7 +116,7 @@ def receiver(case: Case, unit: str, scene_of: Mapping[str, Firmware] | None = No
     dsp, per_second = scene.units[unit], scene.timebase.per_second
     if not dsp.has(SCI) or not ends:
         raise refuse(case.name, "no host frame reaches the unit's SCI-A")
-    bits, options = line(quiet.host, per_second), dsp.plan.sci
+    bits, options = line(quiet.host, per_second), dsp.plan.sci or SciOptions()
     hz, sci = dsp.clock.hz, line_of(dsp, scene.kernel.now)
     nominal = Fraction(dsp.control.sysclk_hz) / (8 * Fraction(sci.baud))
     exact = per_second / hz

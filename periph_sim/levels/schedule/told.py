@@ -18,7 +18,7 @@ import numpy as np
 from ...bus.i2c.transfer import Phase, Transfer
 from ...core.records import Kind
 from ...core.time import NO_TIME
-from ...devices.sensor_head import Round
+from ...devices.sensor_rounds import Round
 from ...timing.measures.margin import Margin
 from ...timing.measures.measure import MODEL, Measure, SceneEvents
 from ...timing.measures.origins import BEFORE_ANY, Origin, Origins

@@ -70,15 +70,12 @@ def format_of(path: Path) -> RecordingFormat | None:
 
 
 @contextmanager
-def recording(path: Path | None, modules: dict[str, tuple[str, ...]]) -> Iterator[tuple[Subscribe, EndedAt]]:
+def recording(path: Path, modules: dict[str, tuple[str, ...]]) -> Iterator[tuple[Subscribe, EndedAt]]:
     """Gives two functions: one that a scene calls to be recorded, one to be told the last tick of the run.
 
     modules: unit -> its modules. BadRecording when the suffix is unknown or the place
     cannot be written to.
     """
-    if path is None:
-        yield (lambda recorder, timebase: None), (lambda tick: None)
-        return
     chosen = _chosen(path)
     writers: list[Writer] = []
     with _opened(path, chosen) as file:

@@ -14,8 +14,7 @@ from pydantic import Field, ValidationInfo, model_validator
 
 from ...bus.uart.frame_format import UartFormat
 from ...core.settings import Duration, HexBytes, Table
-from ...timing.budget_schema import Budget
-from ...timing.measures.registry import REPLY
+from ...timing.budget_schema import REPLY, Budget
 from .scalars import Byte, Length, Ppm
 
 Baud = Annotated[int, Field(ge=1, le=10_000_000)]

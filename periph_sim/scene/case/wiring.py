@@ -20,7 +20,7 @@ from pydantic import Field
 
 from ...core.settings import Table
 from ...core.suggest import did_you_mean
-from ...processor.dsp import PIN_OF
+from ...f28335.unit_modules import PIN_OF
 
 if TYPE_CHECKING:
     from .model import BadCase, Case

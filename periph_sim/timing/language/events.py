@@ -26,16 +26,18 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import NamedTuple
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, NamedTuple
 
 from ...core.records import Kind, Record
 from ...core.suggest import did_you_mean
-from ...traces.formats.record_table import RecordTable
 from .scope import LINES, BadEvent, Scope, scope_of_table
 from .tokens import Words
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from ...traces.formats.record_table import RecordTable
 
 EVERYTHING = -1  # all bits of a value
 CHANGES = ("rise", "fall", "change")
@@ -140,10 +142,14 @@ class Matcher:
             raise BadEvent(
                 f"{self.text!r}: over a recorded run every one is found; leave first, last or the number out"
             )
+        import numpy as np  # of a recorded run only
+
         rows: NDArray[np.int64] = np.unique(np.concatenate([one._rows(table) for one in self.each]))
         return rows
 
     def _rows(self, table: RecordTable) -> NDArray[np.int64]:
+        import numpy as np
+
         wanted = (
             _named(table, "kind", frozenset((self.kind.value,)))
             & _named(table, "what", frozenset((self.what,)))
@@ -155,6 +161,8 @@ class Matcher:
 
 
 def _named(table: RecordTable, column: str, names: frozenset[str] | None) -> NDArray[np.bool_]:
+    import numpy as np
+
     if names is None:
         return np.ones(len(table), bool)
     known = np.array([name in names for name in table.names[column]], bool)

@@ -40,7 +40,7 @@ from fractions import Fraction
 from functools import lru_cache
 
 from ...core.settings import duration
-from ...devices.sensor_head import CHIPS
+from ...devices.sensor_rounds import CHIPS
 from .events import EVENTS, Event, read_event
 from .scope import BadEvent
 from .tokens import Words

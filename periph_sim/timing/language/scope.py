@@ -8,6 +8,7 @@ It knows what could happen there, not what did: a name it lets through is a name
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from ...core.records import Kind
 from ...core.registers import Field, Register, RegisterMap
@@ -18,7 +19,9 @@ from ...f28335.i2c import register_map as i2c_map
 from ...f28335.sci import register_map as sci_map
 from ...f28335.system import clocks_map
 from ...f28335.system import cpu_timer_map as timer_map
-from ...traces.formats.record_table import RecordTable
+
+if TYPE_CHECKING:
+    from ...traces.formats.record_table import RecordTable
 
 MAPS: dict[str, RegisterMap] = {
     **{f"SCI-{letter}": sci_map.SCI_MAP for letter in "ABC"},

@@ -15,7 +15,7 @@ from abc import ABC, abstractmethod
 from ...bus.i2c.transfer import Phase, Transfer
 from ...core.records import UNHEARD, Kind
 from ...core.time import NO_TIME
-from ...devices.sensor_head import CHIPS
+from ...devices.sensor_rounds import CHIPS
 from .bus import begin_of
 from .measure import MODEL, READ, Measure, SceneEvents
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from ...bus.i2c.transfer import Phase, Transfer
 from ...core.time import NO_TIME
+from ...devices.sensor_rounds import ADDRESSES
 from .measure import READ, Counter, Measure, SceneEvents
-from .origins import ADDRESSES
 
 
 def begin_of(transfer: Transfer, phase: Phase) -> int:

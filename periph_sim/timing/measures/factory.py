@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 from ...core.suggest import did_you_mean
 from ...f28335.cpu.pie_map import LINES
+from ..budget_schema import REPLY, SPAN
 from ..language.events import OF_AGENT, Event, Group, matcher, stretch_of
 from ..language.language import FORMS, Said, is_form, measure_of, name_text, near_form
 from ..language.scope import BadEvent, Scope
@@ -19,11 +20,9 @@ from .load import BusLoad, CpuLoad
 from .margin import HeldPerTransfer, Margin
 from .measure import Measure
 from .pair import Between, CountBetween
-from .race import ClearedAlong, LostFlags, Race, clearing, losing, raced
-from .registry import MEASURES, REPLY, SPAN, make
+from .registry import MEASURES, make
 from .round import Slack
 from .states import EachTimeIn, State, TimeIn
-from .value import ValueDeviation
 
 
 def measure_named(text: str, scope: Scope) -> Measure:
@@ -126,6 +125,23 @@ def _state(said: Said, scope: Scope) -> State:
     return State(said.state.text, tuple(enters), tuple(leaves))
 
 
+def _of_a_race(said: Said, scope: Scope) -> Measure:
+    """Of flags around writes. They work on recorded runs, too, which no other measure needs imported."""
+    from .race import ClearedAlong, LostFlags, Race, clearing, losing, raced
+
+    if said.form == "race":
+        return Race(raced(said.unit, said.name, scope))
+    if said.form == "cleared":
+        return ClearedAlong(clearing(said.unit, said.name, scope))
+    return LostFlags(losing(said.unit, said.name, scope))
+
+
+def _value(said: Said, scope: Scope) -> Measure:
+    from .value import ValueDeviation  # and with it the sensor models
+
+    return ValueDeviation(said.name, said.instant == "frame")
+
+
 _MADE: dict[str, Callable[[Said, Scope], Measure]] = {
     "from": _between,
     "period": lambda said, scope: Period(matcher(said.events[0], scope)),
@@ -142,10 +158,10 @@ _MADE: dict[str, Callable[[Said, Scope], Measure]] = {
     "cpu": lambda said, scope: CpuLoad(scope.unit(said.unit), said.window),
     "bus": lambda said, scope: BusLoad(said.window),
     "slack": lambda said, scope: Slack(),
-    "race": lambda said, scope: Race(raced(said.unit, said.name, scope)),
-    "cleared": lambda said, scope: ClearedAlong(clearing(said.unit, said.name, scope)),
+    "race": _of_a_race,
+    "cleared": _of_a_race,
     "age": lambda said, scope: Age(said.name),
     "model": lambda said, scope: ModelAge(said.name),
-    "value": lambda said, scope: ValueDeviation(said.name, said.instant == "frame"),
-    "lost": lambda said, scope: LostFlags(losing(said.unit, said.name, scope)),
+    "value": _value,
+    "lost": _of_a_race,
 }

@@ -12,18 +12,18 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import TYPE_CHECKING, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
-from ...bus.i2c.transfer import Transfer
 from ...core.records import UNHEARD, Kind, Listener, Recorder, Subjects
 from ...core.time import NO_TIME
-from ...core.wire import Wire
-from ...devices.sensor_head import Round
-from ...devices.truth import Axes
-from .origins import Origins
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from ...bus.i2c.transfer import Transfer
+    from ...core.wire import Wire
+    from ...devices.sensor_rounds import Round
+    from ...devices.truth import Axes
+    from .origins import Origins
     from .reply import Expected, Reply
 
 
@@ -197,6 +197,8 @@ class Measure(Listener):
         """(values, when each was), both int64[count], as they came; None where `keep` was not asked for."""
         if self._kept is None:
             return None
+        import numpy as np  # with the first percentile: most runs need none
+
         values, at = self._kept
         return np.array(values, np.int64), np.array(at, np.int64)
 
@@ -216,6 +218,8 @@ class Measure(Listener):
 
     def percentile(self, per_mille: int) -> tuple[int, int]:
         """(value, when first): the least value that so many of a thousand do not exceed (nearest rank)."""
+        import numpy as np
+
         values, at = self.all_kept()
         rank = -(-per_mille * len(values) // 1000) - 1
         value = np.partition(values, rank)[rank]

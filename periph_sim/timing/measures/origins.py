@@ -23,7 +23,7 @@ from typing import NamedTuple, Protocol
 from ...bus.i2c.transfer import Phase, Transfer
 from ...core.time import NO_TIME
 from ...devices.model_codes import Computed, ModelCodes, ModelState, register_bytes
-from ...devices.sensor_head import CHIPS
+from ...devices.sensor_rounds import ADDRESSES, CHIPS
 from ...devices.truth import shown
 
 BEFORE_ANY = -1  # instead of a frame's number: what firmware shows before a frame has come
@@ -93,9 +93,6 @@ class Origins(ABC):
 
     @abstractmethod
     def _origin(self, address: int, got: bytes) -> Origin: ...
-
-
-ADDRESSES = frozenset(chip.address for chip in CHIPS.values())
 
 
 class FrameOrigins(Origins):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ..budget_schema import REPLY, SPAN
 from .age import Age, ModelAge
 from .bus import Nacked, Response, Stretch, Stuck, WrongBytes
 from .measure import Measure
@@ -9,9 +10,6 @@ from .reply import Reply
 from .round import MissedRounds, NackedRounds, RoundTime
 from .sci import FifoHighWater, Overruns
 from .span import SpanTime
-
-SPAN = "span:"
-REPLY = "reply:"
 
 MEASURES: dict[str, type[Measure]] = {
     "response": Response,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 
-from ...devices.sensor_head import Round
+from ...devices.sensor_rounds import Round
 from .measure import Counter, Measure, SceneEvents
 
 

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from math import ceil
 
 from ...bus.i2c.transfer import Transfer
-from ...devices.sensor_head import CHIPS
+from ...devices.sensor_rounds import CHIPS
 from ...devices.truth import Axes, distance
 from .bus import begin_of
 from .measure import MILLIONTHS, READ, Measure, SceneEvents

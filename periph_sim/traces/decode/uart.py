@@ -29,7 +29,8 @@ import numpy as np
 
 from ..capture.capture import Capture, Channel
 from ..capture.sampling import sample_step
-from .uart_format import PARITIES, Line, longest_glitch, sample_point_step, sample_points_of, width_of, windows_of
+from .uart_format import longest_glitch, sample_point_step, sample_points_of, width_of, windows_of
+from .uart_line import PARITIES, Line
 
 __all__ = ["PARITIES", "Break", "CutFrame", "Event", "Frame", "Line", "RejectedStart", "events"]
 

@@ -20,7 +20,8 @@ from numpy.typing import NDArray
 from ..capture.capture import Capture, Channel, Span
 from ..capture.sampling import sample_step
 from .glitch_filter import without_glitches
-from .uart_format import Line, line_of, sample_point_step
+from .uart_format import sample_point_step
+from .uart_line import Line, line_of
 from .uart_table import UartRowKind, breaks_of, frames_of
 
 Pulses = NDArray[np.int64]

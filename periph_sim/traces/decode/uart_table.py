@@ -20,7 +20,8 @@ from numpy.typing import NDArray
 from ..capture.capture import Capture, Channel, Positions
 from ..capture.sampling import sample_step
 from .glitch_filter import without_glitches
-from .uart_format import Line, longest_glitch, sample_point_step, sample_points_of, width_of, windows_of
+from .uart_format import longest_glitch, sample_point_step, sample_points_of, width_of, windows_of
+from .uart_line import Line
 
 
 class UartRowKind(IntEnum):

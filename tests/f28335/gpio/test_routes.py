@@ -7,7 +7,7 @@ import pytest
 from periph_sim.core.chip import joined
 from periph_sim.f28335.gpio.pin_mux_table import FUNCTIONS, INPUTS, OUTPUTS
 from periph_sim.f28335.gpio.routes import module_of, note_for
-from periph_sim.processor.dsp import PIN_OF
+from periph_sim.f28335.unit_modules import PIN_OF
 
 
 def test_every_signal_that_is_not_modelled_has_a_module():

@@ -10,8 +10,21 @@ from hypothesis import strategies as st
 
 from periph_sim.core.chip import NEVER
 from periph_sim.core.options import options_from
-from periph_sim.f28335.system.cpu_timer import TINT0_PIE, TINT1_CPU, TINT2_CPU, CpuTimer
-from periph_sim.f28335.system.cpu_timer_map import BASES, MAP, PRD, PRDH, TCR, TIM, TIMH, TPR, TPRH
+from periph_sim.f28335.system.cpu_timer import CpuTimer
+from periph_sim.f28335.system.cpu_timer_map import (
+    BASES,
+    MAP,
+    PRD,
+    PRDH,
+    TCR,
+    TIM,
+    TIMH,
+    TINT0_PIE,
+    TINT1_CPU,
+    TINT2_CPU,
+    TPR,
+    TPRH,
+)
 from periph_sim.f28335.system.options import SystemOptions
 from tests.waves import play, tidy
 

@@ -15,7 +15,7 @@ from unittest.mock import patch
 
 from periph_sim.bus.i2c.transfer import Transfer
 from periph_sim.core.records import Kind, Record
-from periph_sim.devices.sensor_head import Request
+from periph_sim.devices.sensor_rounds import Request
 from periph_sim.levels.schedule import BadSchedule, ScheduleResult, Structure, schedule, structure_of
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import Case

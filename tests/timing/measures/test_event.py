@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from periph_sim import timing
 from periph_sim.core.records import Kind, Record
 from periph_sim.core.time import NO_TIME
-from periph_sim.devices.sensor_head import Round
+from periph_sim.devices.sensor_rounds import Round
 from periph_sim.timing.language.language import FORMS
 from periph_sim.timing.language.scope import BadEvent, Scope
 from periph_sim.timing.measures.factory import make_of_events

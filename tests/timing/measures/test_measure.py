@@ -10,7 +10,7 @@ from periph_sim.bus.i2c.transfer import Phase, Transfer
 from periph_sim.core.records import Kind, Record
 from periph_sim.core.time import NO_TIME
 from periph_sim.devices.host_pc import ramp
-from periph_sim.devices.sensor_head import Round
+from periph_sim.devices.sensor_rounds import Round
 from periph_sim.timing.measures.bus import WrongBytes
 from periph_sim.timing.measures.measure import Counter, Measure
 from periph_sim.timing.measures.origins import RECENT, FrameOrigins, Origins

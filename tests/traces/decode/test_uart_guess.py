@@ -10,8 +10,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from periph_sim.traces.capture.capture import Capture
-from periph_sim.traces.decode.uart_format import line_of
 from periph_sim.traces.decode.uart_guess import SHAPES, USUAL, Guess, guess
+from periph_sim.traces.decode.uart_line import line_of
 from tests.profiles import examples
 from tests.traces.decode.drawing import drawn, of_bytes
 from tests.traces.formats.writers import frame_bits, uart_wave

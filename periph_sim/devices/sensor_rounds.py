@@ -1,0 +1,128 @@
+"""What a sensor head asks, and of whom: requests, the three chips it knows, its schedule, and what came of a round.
+
+Source: the dissertation's Figure A.2 (order), Table 3.1 (scales); data sheets of ITG-3200 (registers 0x1D to 0x22),
+ADXL345 (0x32 to 0x37), HMC5883L (0x03 to 0x08).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from ..bus.i2c.transfer import Phase, Transfer
+
+
+@dataclass(frozen=True)
+class Request:
+    """One read or write of a round. pointer None: no pointer is written. write: bytes after the pointer.
+
+    Without pointer, write and count it is an address alone: whether anybody acknowledges.
+    """
+
+    name: str
+    address: int
+    pointer: int | None
+    count: int
+    write: bytes = b""
+    expect: bytes | None = None
+
+    def transfers(self, by_stop: bool) -> list[Transfer]:
+        """The transfers that make it: one with a repeated START, or two."""
+        head = b"" if self.pointer is None else bytes([self.pointer])
+        phases: list[Phase] = []
+        if head or self.write or not self.count:
+            phases.append(Phase(self.address, read=False, data=head + self.write))
+        if self.count:
+            phases.append(Phase(self.address, read=True, count=self.count, expect=self.expect))
+        if by_stop:
+            return [Transfer(self.name, [phase]) for phase in phases]
+        return [Transfer(self.name, phases)]
+
+
+@dataclass(frozen=True)
+class ChipData:
+    """Where a sensor keeps its three values. big: high byte first. order: which axis comes when.
+
+    lsb_per_unit: of a deg/s, a g or a gauss, as `startup` sets the chip up. overflow: counts that stand for no value.
+    startup: what its driver does before the first round.
+    """
+
+    address: int
+    pointer: int
+    big: bool
+    order: tuple[int, int, int] = (0, 1, 2)
+    lsb_per_unit: Fraction = Fraction(1)
+    overflow: int | None = None
+    startup: tuple[Request, ...] = ()
+
+    def values(self, data: bytes) -> tuple[int, ...]:
+        """The values x, y, z of six bytes read, signed 16-bit."""
+        words = [int.from_bytes(data[i : i + 2], "big" if self.big else "little", signed=True) for i in (0, 2, 4)]
+        return tuple(words[self.order.index(axis)] for axis in range(3))
+
+
+def driver(name: str, address: int, who: tuple[int, str], writes: tuple[tuple[int, int], ...]) -> tuple[Request, ...]:
+    """A driver's start: read the identification (register, bytes that are right), then write register by register."""
+    pointer, right = who[0], bytes.fromhex(who[1])
+    identify = Request(f"{name} identification", address, pointer, len(right), expect=right)
+    return (identify, *(Request(f"{name} set-up", address, to, 0, bytes([value])) for to, value in writes))
+
+
+CHIPS: dict[str, ChipData] = {
+    "gyroscope": ChipData(
+        0x68,
+        0x1D,
+        big=True,
+        lsb_per_unit=Fraction(115, 8),
+        # PLL with the x gyroscope, 1 kHz, full scale 2000 deg/s and 42 Hz
+        startup=driver("gyroscope", 0x68, (0x00, "68"), ((0x3E, 0x01), (0x15, 0x00), (0x16, 0x1B))),
+    ),
+    "accelerometer": ChipData(
+        0x53,
+        0x32,
+        big=False,
+        lsb_per_unit=Fraction(256),
+        # 100 Hz, full resolution and 2 g, measure
+        startup=driver("accelerometer", 0x53, (0x00, "e5"), ((0x2C, 0x0A), (0x31, 0x08), (0x2D, 0x08))),
+    ),
+    "magnetometer": ChipData(
+        0x1E,
+        0x03,
+        big=True,
+        order=(0, 2, 1),
+        lsb_per_unit=Fraction(660),
+        overflow=-4096,
+        # 75 Hz, 2.5 gauss, continuous
+        startup=driver("magnetometer", 0x1E, (0x0A, "48 34 33"), ((0x00, 0x18), (0x01, 0x60), (0x02, 0x00))),
+    ),
+}
+
+
+ADDRESSES = frozenset(chip.address for chip in CHIPS.values())
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """All in ticks, the period exact. jitter: each round begins up to this much late, evenly spread.
+
+    ahead: how long before `first` the chips are set up, if they are.
+    """
+
+    first: int
+    period: Fraction | int
+    gap: int  # between two transfers of a round, on top of the bus-free time
+    jitter: int = 0
+    rounds: int | None = None  # None: as long as the run lasts
+    ahead: int = 0
+
+
+@dataclass
+class Round:
+    """What came of one round. number: from 1; the start-up is 0. due: when the schedule wanted it; end: last STOP."""
+
+    number: int
+    due: int
+    start: int
+    end: int = 0
+    nacked: int = 0  # requests whose address was not acknowledged
+    transfers: int = 0

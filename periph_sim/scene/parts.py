@@ -1,0 +1,85 @@
+"""What a scene is built of, each part imported when a case first names it: what is not named costs no import.
+
+from . import parts;  parts.build_head(...)  --> periph_sim.scene.controller is imported now
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..core.lazy_names import lazy_names
+
+if TYPE_CHECKING:
+    from ..bus.i2c.byte_counter import I2cByteCounter
+    from ..bus.i2c.event_recorder import BusRecorder
+    from ..bus.i2c.stuck_watch import STUCK_AFTER, StuckWatch
+    from ..f28335.i2c.options import I2cOptions
+    from ..f28335.system.options import SystemOptions
+    from ..timing.measures.reply import Reply
+    from ..timing.measures.value import ValueDeviation
+    from .controller import build_head, rounds_of
+    from .deadlock import deadlock_reason
+    from .devices import build_devices, put_on_bus
+    from .faults import build_faults
+    from .host import HostAgent
+    from .limits import limits_of
+    from .outside_wires import check_outside, not_run
+    from .read_origins import origins_of
+    from .release_delay import ReleaseDelay
+    from .sensor_chips import build_chip
+    from .serial.side import SerialSide
+    from .unit import build_unit, options_of
+    from .whole_bytes import refuse_byte_level, refuse_schedule, whole_bytes_of
+
+_HOMES = {
+    "bus.i2c.byte_counter": ("I2cByteCounter",),
+    "bus.i2c.event_recorder": ("BusRecorder",),
+    "bus.i2c.stuck_watch": ("STUCK_AFTER", "StuckWatch"),
+    "f28335.i2c.options": ("I2cOptions",),
+    "f28335.system.options": ("SystemOptions",),
+    "timing.measures.reply": ("Reply",),
+    "timing.measures.value": ("ValueDeviation",),
+    "scene.controller": ("build_head", "rounds_of"),
+    "scene.deadlock": ("deadlock_reason",),
+    "scene.devices": ("build_devices", "put_on_bus"),
+    "scene.faults": ("build_faults",),
+    "scene.host": ("HostAgent",),
+    "scene.limits": ("limits_of",),
+    "scene.outside_wires": ("check_outside", "not_run"),
+    "scene.read_origins": ("origins_of",),
+    "scene.release_delay": ("ReleaseDelay",),
+    "scene.sensor_chips": ("build_chip",),
+    "scene.serial.side": ("SerialSide",),
+    "scene.unit": ("build_unit", "options_of"),
+    "scene.whole_bytes": ("refuse_byte_level", "refuse_schedule", "whole_bytes_of"),
+}
+__all__ = [
+    "STUCK_AFTER",
+    "BusRecorder",
+    "HostAgent",
+    "I2cByteCounter",
+    "I2cOptions",
+    "ReleaseDelay",
+    "Reply",
+    "SerialSide",
+    "StuckWatch",
+    "SystemOptions",
+    "ValueDeviation",
+    "build_chip",
+    "build_devices",
+    "build_faults",
+    "build_head",
+    "build_unit",
+    "check_outside",
+    "deadlock_reason",
+    "limits_of",
+    "not_run",
+    "options_of",
+    "origins_of",
+    "put_on_bus",
+    "refuse_byte_level",
+    "refuse_schedule",
+    "rounds_of",
+    "whole_bytes_of",
+]
+__getattr__ = lazy_names("periph_sim", _HOMES)

@@ -1,0 +1,60 @@
+"""How the frames of a serial line are made: a rate and a shape, or their text, go in; a Line comes out."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from fractions import Fraction
+
+from ...core.shorten import shorten
+from ...core.suggest import did_you_mean
+
+PARITIES = ("none", "odd", "even", "mark", "space")
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """How frames are made. invert: True where idle is low on the wire."""
+
+    baud: Fraction | int
+    bits: int = 8
+    parity: str = "none"
+    stop: Fraction | int = 1
+    invert: bool = False
+
+    def __post_init__(self) -> None:
+        if self.baud <= 0:
+            raise ValueError(f"baud is {self.baud}; expected more than 0")
+        if not 1 <= self.bits <= 16:
+            raise ValueError(f"{self.bits} data bits; expected 1 to 16")
+        if self.parity not in PARITIES:
+            raise ValueError(f"parity {self.parity!r}; {did_you_mean(self.parity, PARITIES)}")
+        if self.stop not in (1, Fraction(3, 2), 2):
+            raise ValueError(f"{self.stop} stop bits; expected 1, 3/2 or 2")
+
+    @property
+    def shape(self) -> str:
+        """Data bits, first letter of the parity, stop bits: 8n1."""
+        return f"{self.bits}{self.parity[0]}{float(self.stop):g}"
+
+    @property
+    def frame(self) -> Fraction:
+        """Bit times from the start edge to the end of the last stop bit."""
+        return 1 + self.bits + (self.parity != "none") + Fraction(self.stop)
+
+
+def line_of(baud: str, shape: str = "8n1", invert: bool = False) -> Line:
+    """A line from text: `115200` or `31250.5` baud; data bits, first letter of the parity, stop bits: `8n1`, `7e1.5`.
+
+    ValueError says what was expected.
+    """
+    match = re.fullmatch(r"(\d\d?)([a-z])(1|1\.5|2)", shape.strip().casefold())
+    parity = [name for name in PARITIES if match and name[0] == match[2]]
+    if not match or not parity:
+        raise ValueError(
+            f"{shorten(repr(shape))} is no frame; expected data bits, one of n, o, e, m, s, and stop bits: 8n1, 7e1.5"
+        )
+    if not re.fullmatch(r"\d{1,18}(\.\d{1,18})?", baud.strip()):
+        raise ValueError(f"{shorten(repr(baud))} is no baud rate; expected a number, or auto")
+    rate = Fraction(baud.strip())
+    return Line(rate.numerator if rate.denominator == 1 else rate, int(match[1]), parity[0], Fraction(match[3]), invert)

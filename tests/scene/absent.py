@@ -1,0 +1,247 @@
+"""What a scene does not name costs nothing: the list of what can be absent, and a census of what a scene has.
+
+    python -m tests.scene.absent SCENE  -->  JSON: modules imported, events, instances, before and after all else ran
+
+A process of its own builds and runs one of BARE, then a scene of each row of ROWS, then the first one again. What a
+row's rooms are is said once, here: the test and the bench take it from here.
+"""
+
+from __future__ import annotations
+
+import gc
+import json
+import os
+import sys
+import tempfile
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+from types import BuiltinFunctionType, CodeType, FrameType, FunctionType, ModuleType
+from typing import Any
+
+OURS = "periph_sim."
+SECONDS = Fraction(1, 100)
+
+SLAVE = {"firmware": "responder", "modules": ["I2C-A"]}
+LOGGER = {"firmware": "uart_logger", "modules": ["SCI-A"]}
+HEAD = {"period": "5 ms", "request": [{"name": "read", "address": 0x50, "count": 2, "expect": "01 02"}]}
+REGISTERS = {"model": "registers", "address": 0x51, "register": [{"name": "DATA", "at": 0, "reset": 0x5A}]}
+BUDGET = {"name": "bytes", "measure": "wrong bytes", "max": 0}
+HOST = {"baud": 115200, "period": "20 ms"}
+IMU = {"firmware": "imu_hil", "modules": ["I2C-A", "SCI-A", "GPIO"], "settings": {"arithmetic": "float64"}}
+
+# Scenes that lack most things, as tables of a case: a slave that is asked, an SCI alone, a bus of agents.
+BARE: dict[str, dict[str, Any]] = {
+    "slave": {"unit": {"dsp": SLAVE}, "controller": HEAD, "budget": [BUDGET]},
+    "sci": {"unit": {"dsp": LOGGER}},
+    "bus": {"device": {"d": REGISTERS}, "controller": HEAD},
+}
+
+
+@dataclass(frozen=True)
+class Row:
+    """rooms: modules that nothing else needs, and packages ("f28335.i2c.") with all in them but tables of names.
+
+    named: tables of a case that has it. present: the scenes of BARE that have it. record: a file of it.
+    """
+
+    rooms: tuple[str, ...]
+    named: Mapping[str, Any] = field(default_factory=dict)
+    present: tuple[str, ...] = ()
+    record: str = ""
+
+
+def of_slave(**more: Any) -> dict[str, Any]:
+    return {**BARE["slave"], **more}
+
+
+def with_modules(*names: str) -> dict[str, Any]:
+    return of_slave(unit={"dsp": {**SLAVE, "modules": ["I2C-A", *names]}})
+
+
+def with_budget(measure: str, **limits: Any) -> dict[str, Any]:
+    return of_slave(budget=[{"name": "one", "measure": measure, **limits}])
+
+
+SPIKE = {"kind": "spike", "wire": "SCL", "at": "1 ms", "every": "1 ms", "width": "40 ns"}
+DE = {"on": "dsp.SCI-A", "de": "dsp.GPIO34"}
+CHIP = {"gyroscope": {"model": "itg3200", "values": {"fixed": [1, 2, 3]}}}
+
+ROWS: dict[str, Row] = {
+    "an F28335": Row(
+        (
+            *("processor.dsp", "processor.processor", "processor.bus", "processor.interrupts", "processor.python."),
+            *("f28335.cpu.pie", "f28335.cpu.interrupts", "f28335.system.clocks", "f28335.system.ram", "scene.unit"),
+        ),
+        present=("slave", "sci"),
+    ),
+    "I2C-A": Row(("f28335.i2c.",), present=("slave",)),
+    "SCI": Row(("f28335.sci.", "scene.uart_lines"), present=("sci",)),
+    "GPIO": Row(("f28335.gpio.", "processor.pin_router"), with_modules("GPIO")),
+    "XINT": Row(("f28335.cpu.xint",), with_modules("XINT")),
+    "CPU timers": Row(("f28335.system.cpu_timer",), with_modules("TIMER0")),
+    "controller": Row(
+        ("bus.i2c.controller", "bus.i2c.bus_clear", "devices.sensor_head", "scene.controller"),
+        present=("slave", "bus"),
+    ),
+    "host": Row(("devices.host_pc", "bus.uart.sender", "scene.host"), {"unit": {"dsp": LOGGER}, "host": HOST}),
+    "motion of a host": Row(
+        ("sensors.motion.", "scene.host_motion"),
+        {"unit": {"dsp": LOGGER}, "host": {**HOST, "motion": {"kind": "static"}}},
+    ),
+    "sensor models": Row(
+        ("sensors.models.imu", "sensors.numeric.", "devices.model_codes"),
+        {"unit": {"dsp": IMU}, "host": HOST, "controller": {**HEAD, "period": "20 ms"}},
+    ),
+    "sensor chip": Row(
+        ("devices.chips.", "devices.register_pointer", "scene.sensor_chips"), {"chip": CHIP, "controller": HEAD}
+    ),
+    "device": Row(
+        ("devices.targets.", "scene.devices", "bus.i2c.target_side", "bus.i2c.disturbed_target"), present=("bus",)
+    ),
+    "device in Python": Row(
+        ("scene.device_file", "devices.python_target", "devices.device_bus", "devices.hook_guard"),
+        {"device": {"d": {"model": "mine.py", "address": 0x51}}, "controller": HEAD},
+    ),
+    "fault on a wire": Row(("bus.faults.", "scene.faults"), of_slave(fault=[SPIKE])),
+    "serial": Row(
+        ("scene.serial.", "bus.uart.burst_sender"),
+        {"unit": {"dsp": LOGGER}, "serial": {"send": [{"to": "dsp.SCI-A", "text": "ok", "at": "1 ms"}]}},
+    ),
+    "RS-485": Row(
+        ("bus.uart.rs485", "scene.pairs"),
+        {"unit": {"dsp": {**LOGGER, "modules": ["SCI-A", "GPIO"]}}, "transceiver": [DE]},
+    ),
+    "level adaptive or byte": Row(
+        ("bus.i2c.byte_controller", "bus.i2c.byte_level", "processor.i2c_slave_bytes", "scene.whole_bytes"),
+        of_slave(fidelity="byte"),
+    ),
+    "budgets": Row(("timing.budgets", "timing.measures."), present=("slave",)),
+    "budgets on flag races": Row(
+        (
+            "timing.measures.race",
+            "timing.measures.around_writes",
+            "records.lost_flags",
+            "records.races",
+            "traces.formats.",
+        ),
+        with_budget("lost flags", max=0),
+    ),
+    "budgets on values": Row(
+        ("timing.measures.value",),
+        {
+            "unit": {"dsp": {**IMU, "settings": {"arithmetic": "bytes"}}},
+            "host": HOST,
+            "controller": {**HEAD, "period": "20 ms"},
+            "budget": [{"name": "one", "measure": "value error of gyroscope", "max": "2 LSB"}],
+        },
+    ),
+    "recording": Row(("records.recording.", "traces.formats."), BARE["slave"], record="run.psr"),
+}
+
+# What stands in front of scenes, or beside them: rooms of the package, and of others. No scene needs one of them.
+DOORS = (
+    *("__main__", "api", "cli", "outside.", "commands.", "pytest_plugin.", "reports.", "explain.", "replay."),
+    *("dissertation.", "levels.schedule.", "traces.formats.", "traces.compliance.", "traces.diff.", "traces.drawing."),
+)
+OTHERS = (
+    *("numpy", "click", "rich", "jinja2", "drawsvg", "pywellen", "pylibfst", "vcd", "zlib_ng", "matplotlib", "scipy"),
+    *("ahrs", "distributed", "pytest", "hypothesis", "multiprocessing", "concurrent", "sqlite3", "asyncio"),
+)
+DATA = ("register_map", "_map", "pin_mux_table")  # ends of names: tables that words of a case are looked up in
+
+DEVICE = """
+class Device:
+    def __init__(self, bus):
+        self.bus = bus
+
+    def on_read(self):
+        return 0
+"""
+
+
+def in_room(module: str, rooms: tuple[str, ...]) -> bool:
+    """Whether a module, without "periph_sim.", is one of these or in one of these packages, and no table of names."""
+    return not module.endswith(DATA) and any(
+        module.startswith(room) if room.endswith(".") else module == room for room in rooms
+    )
+
+
+def run(tables: Mapping[str, Any], record: str = "") -> Any:
+    """The scene of these tables, run."""
+    from periph_sim.scene.case.model import Case
+    from periph_sim.scene.scene import Scene
+
+    case = Case.model_validate({"name": "absent", "duration": "1 s", "unit": {}, **tables})
+    if not record:
+        scene = Scene(case)
+        scene.run(SECONDS)
+        return scene
+    from periph_sim.records.recording import recording
+
+    with recording(Path(record), case.recorded_modules) as (subscribe, ended_at):
+        scene = Scene(case, subscribe)
+        scene.run(SECONDS)
+        ended_at(scene.kernel.now)
+    return scene
+
+
+PASSED_BY = (ModuleType, type, CodeType, FrameType, BuiltinFunctionType)
+
+
+def census(scene: object) -> Counter[str]:
+    """How many instances of each class of ours can be reached from a scene: {"core.wire.Wire": 2, ...}."""
+    found: Counter[str] = Counter()
+    seen = {id(scene)}
+    left = [scene]
+    while left:
+        one = left.pop()
+        kind = type(one)
+        while not kind.__name__.isidentifier():  # made of a register: "I2C-A.I2CSTR"
+            kind = kind.__base__
+        if kind.__module__.startswith(OURS):
+            found[f"{kind.__module__.removeprefix(OURS)}.{kind.__qualname__}"] += 1
+        if isinstance(one, FunctionType):
+            more: list[object] = [*(one.__closure__ or ()), *(one.__defaults__ or ())]
+        elif type(one).__name__ == "cython_function_or_method":
+            more = []
+        else:
+            more = gc.get_referents(one)
+        for other in more:
+            if id(other) not in seen and not isinstance(other, PASSED_BY):
+                seen.add(id(other))
+                left.append(other)
+    return found
+
+
+def loaded() -> list[str]:
+    """Modules of ours, without "periph_sim.", and the packages of others."""
+    return sorted(
+        {name.removeprefix(OURS) if name.startswith(OURS) else name.partition(".")[0] for name in sys.modules}
+    )
+
+
+def report(name: str) -> dict[str, Any]:
+    """What `python -m tests.scene.absent` prints."""
+    before = set(loaded())
+    scene = run(BARE[name])
+    told: dict[str, Any] = {"modules": sorted(set(loaded()) - before), "events": scene.kernel.events}
+    told["objects"] = census(scene)
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        Path("mine.py").write_text(DEVICE, "utf-8")
+        told["named"] = {}
+        for what, row in ROWS.items():
+            having = row.named or BARE[row.present[0]]
+            other = run(having, row.record)
+            told["named"][what] = {"objects": census(other), "events": other.kernel.events}
+        os.chdir("/")
+    told["all modules"] = loaded()
+    again = run(BARE[name])
+    return {**told, "events again": again.kernel.events, "objects again": census(again)}
+
+
+if __name__ == "__main__":
+    print(json.dumps(report(sys.argv[1])))

@@ -23,5 +23,8 @@ cdef class PortField:
     cdef long long _read(self, Port port)
     @cython.locals(operand=Operand)
     cpdef void assign(self, Port port, object value)
+    cpdef object condition(self, Port port, object number)
+    cpdef object masked(self, Port port, object mask, object value)
+    cdef object _whole(self, object what, object value, object most)
     cdef Operand _operand(self, Port port)
     cdef object _fitting(self, object value)

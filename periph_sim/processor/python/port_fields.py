@@ -1,7 +1,8 @@
 """Ports of registers, whichever unit they are of: `port.NAME` and `port.NAME = number` go in; accesses come out.
 
-    port.XRDY      --> PortField.__get__ --> Accesses.read --> the field's number
-    port.IRS = 1   --> Port.__setattr__ --> Accesses.modify; Accesses.write where the name is whole words
+    port.XRDY           --> PortField.__get__ --> Accesses.read --> the field's number
+    port.IRS = 1        --> Port.__setattr__ --> Accesses.modify; Accesses.write where the name is whole words
+    port.when(XRDY=1)   --> Condition, for a wait to read and compare: no access yet
 
 Each register has a class of ports, with a descriptor for each name; `register_view` makes it, once in a process.
 """
@@ -17,6 +18,7 @@ from ..bus import Bus
 from ..error_origin import Misuse
 from ..operand import Operand
 from .accesses import Accesses
+from .conditions import Condition
 
 
 class Port:
@@ -42,6 +44,18 @@ class Port:
         if found is None:
             raise cannot_be_written(self.where, name, self.fields)
         found.assign(self, value)
+
+    def when(self, *, mask: object = None, value: object = None, **wanted: object) -> Condition:
+        """The condition that a field has a number, when(XRDY=1), or that register & mask == value."""
+        if len(wanted) + (mask is not None or value is not None) != 1 or (mask is None) != (value is None):
+            raise Misuse(f"{self.where}.when needs a field and its number, when(NAME=1), or a mask= and a value=")
+        for name, number in wanted.items():
+            if name not in self._fields:
+                raise no_such_name(self.where, name, self.fields)
+            return self._fields[name].condition(self, number)
+        if "all" not in self._fields:
+            raise no_such_name(self.where, "all", self.fields)
+        return self._fields["all"].masked(self, mask, value)
 
     def _inner(self, made: type[Port], fields: dict[str, PortField]) -> Port:
         """The port of the register's halves, which is made of this class once it is asked for."""
@@ -84,6 +98,35 @@ class PortField:
             port._accesses.write(operand, value << self._lsb)
         else:
             port._accesses.modify(operand, value)
+
+    def condition(self, port: Port, number: object) -> Condition:
+        """That this field has a number, of which Misuse is raised where it cannot have it."""
+        if type(number) is not int or not 0 <= number <= self._most:
+            number = self._whole(f"{self._where} == {number!r} never holds", number, self._most)
+        return Condition(
+            port._accesses, port._operands[self.number] or self._operand(port), self._mask, number << self._lsb
+        )
+
+    def masked(self, port: Port, mask: object, value: object) -> Condition:
+        """That these bits have this value. Misuse where they cannot."""
+        where = f"{self._where}.when(mask={mask!r}, value={value!r})"
+        bits = self._whole(f"{where}: the mask does not fit", mask, self._most)
+        wanted = self._whole(f"{where}: the value does not fit", value, self._most)
+        if not bits:
+            raise Misuse(f"{where} looks at no bit; expected a mask of 1 to {self._most:#x}")
+        if wanted & ~bits:
+            raise Misuse(f"{where} never holds: {wanted & ~bits:#x} is outside of the mask {bits:#x}")
+        return Condition(port._accesses, port._operands[self.number] or self._operand(port), bits, wanted)
+
+    def _whole(self, what: str, value: object, most: int) -> int:
+        """The value as a number of Python's. Misuse if it is none, or larger than these bits can be."""
+        try:
+            number = index(value)  # type: ignore[arg-type]
+        except TypeError:
+            number = -1
+        if not 0 <= number <= most:
+            raise Misuse(f"{what}; expected a whole number from 0 to {most:#x}")
+        return number
 
     def _operand(self, port: Port) -> Operand:
         operand = port._bus.operand(port._place, self._register, self._words, self._field)

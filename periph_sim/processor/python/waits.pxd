@@ -7,6 +7,7 @@ from ..cpu_time cimport CpuTime
 from ..operand cimport Operand
 from ..polling cimport Lease, Spin
 from .code_records cimport CodeRecords
+from .conditions cimport Condition
 from .instructions cimport Instructions
 from .program cimport PythonProgram
 
@@ -23,7 +24,7 @@ cdef class Waits:
     cdef CpuTime _time
     cpdef bint spin(self, object condition, object pass_cycles=*, object timeout=*)
     cpdef bint spin_either(self, object ready, object over, object pass_cycles=*)
-    @cython.locals(waited=Topic)
+    @cython.locals(asked=Condition, asked_else=Condition, waited=Topic)
     cdef long long _wait(self, object ready, object over, object pass_cycles, object timeout)
     cdef bint _skip(self, Spin spin)
     @cython.locals(operand=Operand, start=cython.longlong, cycle=cython.longlong, place=cython.Py_ssize_t, before=cython.longlong)

@@ -6,6 +6,8 @@ Waiting is skipped: a pass of a spin whose reads have no side effect is made onc
 register that it read changes or an interrupt is due. At that moment the pass in progress is made from its start, reads
 that lie in the past answering with what was read before. As long as the reads bring what they brought, nobody asks the
 condition. So a spin ends at the cycle at which polling pass by pass would have ended, at the cost of one event.
+
+A condition is a function, or a `Condition` on one register, which makes its passes without Python.
 """
 
 from __future__ import annotations
@@ -21,6 +23,7 @@ from ..polling import Lease, Spin
 from ..processor import Processor
 from ..program import Stop
 from .code_records import CodeRecords
+from .conditions import Condition
 from .instructions import Instructions
 from .program import PythonProgram
 
@@ -81,14 +84,16 @@ class Waits:
         time, program, instructions, records = self._time, self._program, self._instructions, self._records
         spin = Spin(time.cycle, pass_cycles, NEVER if timeout is None else time.cycle + timeout)
         outer, program.spin = program.spin, spin
+        asked = ready if isinstance(ready, Condition) else None
+        asked_else = over if isinstance(over, Condition) else None
         waited: Topic | None = None
         came, again = NEITHER, False
         while True:
             if not again or not self._repeats(spin):
                 spin.begin_pass(time.cycle)
-                if ready():
+                if asked.holds() if asked is not None else ready():
                     came = READY
-                elif over is not None and over():
+                elif over is not None and (asked_else.holds() if asked_else is not None else over()):
                     came = OVER
                 if came:
                     break

@@ -1,0 +1,9 @@
+from ..operand cimport Operand
+from .accesses cimport Accesses
+
+
+cdef class Condition:
+    cdef Accesses _accesses
+    cdef Operand _operand
+    cdef long long _mask, _value, _test
+    cpdef bint holds(self)

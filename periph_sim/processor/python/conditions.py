@@ -1,0 +1,42 @@
+"""What a wait asks a register for, declared: bits and their value go in; each pass reads and compares, without Python.
+
+i2c.I2CSTR.when(XRDY=1)                 i2c.I2CSTR.XRDY == 1
+i2c.I2CSTR.when(mask=0x18, value=0x8)   i2c.I2CSTR.all & 0x18 == 0x8
+"""
+
+from __future__ import annotations
+
+from ..error_origin import Misuse
+from ..operand import Operand
+from .accesses import Accesses
+
+EQUAL, UNEQUAL, BELOW, ABOVE = range(4)  # how the bits compare with the value
+
+
+class Condition:
+    """Bits of a register that compare with a value: `holds` makes the read that a pass of a wait makes."""
+
+    __slots__ = ("_accesses", "_mask", "_operand", "_test", "_value")
+
+    def __init__(self, accesses: Accesses, operand: Operand, mask: int, value: int, test: int = EQUAL) -> None:
+        """mask, value: in place, as they stand in the register."""
+        self._accesses = accesses
+        self._operand = operand
+        self._mask = mask
+        self._value = value
+        self._test = test
+
+    def holds(self) -> bool:
+        """Read the register; its cycles pass."""
+        bits, test = self._accesses.read(self._operand) & self._mask, self._test
+        if test == EQUAL:
+            return bits == self._value
+        if test == UNEQUAL:
+            return bits != self._value
+        return bits < self._value if test == BELOW else bits > self._value
+
+    def __call__(self) -> bool:
+        return self.holds()
+
+    def __bool__(self) -> bool:
+        raise Misuse(f"a condition on {self._operand} has no value by itself; give it to dsp.spin, or call it")

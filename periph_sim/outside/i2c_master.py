@@ -27,7 +27,7 @@ PATIENCE = Fraction(25, 1000)  # that SCL or the bus may be held: SMBus section 
 
 
 class Master:
-    """rate: of SCL, where nobody stretches it; half of a period low, half high.
+    """rate: of SCL, where nobody stretches it; half of a period low, half high. held: SCL is, between two calls.
 
     OutsideError where SDA and SCL do not lead outside, where a call comes in the wrong order, where others hold a line
     for more than 25 ms, and where another controller wins the bus.
@@ -39,7 +39,7 @@ class Master:
             raise OutsideError(f"{' and '.join(missing)} of case {session.case.name} does not lead outside; name both")
         self._session = session
         self._fell = 0  # the tick of SCL's last fall, while it is held
-        self._held = False  # SCL, by us, between two calls
+        self.held = False
         self._reads = False  # the present transfer
         self.rate = "100 kHz"
 
@@ -63,7 +63,7 @@ class Master:
         """Whether somebody acknowledged the address. START, or repeated START within a transfer."""
         if not 0 <= address < 0x80:
             raise OutsideError(f"address {address:#x}: expected 0 to 0x7f")
-        if self._held:
+        if self.held:
             self._put_sda(1)
             self._rise()
             self._wait(self._half)
@@ -79,7 +79,7 @@ class Master:
 
     def write(self, *values: int) -> bool:
         """Whether all these bytes were acknowledged; behind the first that is not, nothing is sent."""
-        if not self._held or self._reads:
+        if not self.held or self._reads:
             raise OutsideError("write: there is no transfer to write in; begin one with start(address)")
         for value in values:
             if not 0 <= value <= 0xFF:
@@ -88,7 +88,7 @@ class Master:
 
     def read(self, ack: bool) -> int:
         """The next byte, which we acknowledge or, as the last one, do not."""
-        if not self._held or not self._reads:
+        if not self.held or not self._reads:
             raise OutsideError("read: there is no transfer to read in; begin one with start(address, read=True)")
         value = 0
         for _ in range(8):
@@ -98,14 +98,14 @@ class Master:
 
     def stop(self) -> None:
         """Ends the transfer; the bus is free behind it."""
-        if not self._held:
+        if not self.held:
             raise OutsideError("stop: there is no transfer to end")
         self._put_sda(0)
         self._rise()
         self._wait(self._half)
         self._move("SDA", 1)
         self._wait(self._half)
-        self._held = False
+        self.held = False
         if not self._session.level("SDA"):
             raise OutsideError("STOP cannot be: SDA is low, held by another party")
 
@@ -160,7 +160,7 @@ class Master:
 
     def _fall(self) -> None:
         self._fell = self._session.now
-        self._held = True
+        self.held = True
         self._move("SCL", 0)
 
     def _move(self, line: str, level: int) -> None:
@@ -172,7 +172,7 @@ class Master:
         session = self._session
         session.apply(session.now, dict.fromkeys(LINES, 1))
         session.advance(session.now + 1)
-        self._held = False
+        self.held = False
 
     def _wait(self, ticks: int) -> None:
         """So long after the last edge, which was in the tick before."""

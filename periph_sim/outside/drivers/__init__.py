@@ -1,0 +1,8 @@
+"""What sensor drivers talk to, instead of hardware: a session goes in; objects and files that drivers know come out."""
+
+from __future__ import annotations
+
+from .busio_i2c import I2C
+from .i2c_dev import i2c_dev
+
+__all__ = ["I2C", "i2c_dev"]

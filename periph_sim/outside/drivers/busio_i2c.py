@@ -1,0 +1,103 @@
+"""A session's bus as CircuitPython's `busio.I2C`: calls of a driver go in, transfers on the wires and bytes come out.
+
+Source: CircuitPython 9.2, shared-bindings, busio.I2C.
+"""
+
+from __future__ import annotations
+
+import errno
+from types import TracebackType
+
+from ..errors import OutsideError
+from ..session import Session
+
+Buffer = bytearray | memoryview
+ADDRESSES = range(0x08, 0x78)  # those that are not reserved
+
+
+class I2C:
+    """frequency: of SCL, Hz. pause: the time that passes before each call, since a driver's `time.sleep` moves none.
+
+    OSError, as of hardware: ENODEV where nobody acknowledges the address, EIO where a byte is refused, ETIMEDOUT where
+    the bus is held.
+    """
+
+    def __init__(self, session: Session, frequency: int = 100_000, pause: str = "100 us") -> None:
+        self._session = session
+        self._master = session.i2c
+        self._master.rate = f"{frequency} Hz"
+        self._pause = session.ticks(pause)
+        self._locked = False
+
+    def __enter__(self) -> I2C:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self.deinit()
+
+    def deinit(self) -> None:
+        self._locked = False
+
+    def try_lock(self) -> bool:
+        """True if nobody had it; it is the caller's then."""
+        if self._locked:
+            return False
+        self._locked = True
+        return True
+
+    def unlock(self) -> None:
+        self._locked = False
+
+    def scan(self) -> list[int]:
+        """The addresses that are acknowledged."""
+        return [address for address in ADDRESSES if self._asks(address)]
+
+    def writeto(self, address: int, buffer: bytes | Buffer, *, start: int = 0, end: int | None = None) -> None:
+        self._transfer(address, bytes(buffer[start:end]), None)
+
+    def readfrom_into(self, address: int, buffer: Buffer, *, start: int = 0, end: int | None = None) -> None:
+        self._transfer(address, None, memoryview(buffer)[start:end])
+
+    def writeto_then_readfrom(
+        self,
+        address: int,
+        out_buffer: bytes | Buffer,
+        in_buffer: Buffer,
+        *,
+        out_start: int = 0,
+        out_end: int | None = None,
+        in_start: int = 0,
+        in_end: int | None = None,
+    ) -> None:
+        """With a repeated START between the two."""
+        self._transfer(address, bytes(out_buffer[out_start:out_end]), memoryview(in_buffer)[in_start:in_end])
+
+    def _asks(self, address: int) -> bool:
+        try:
+            self._transfer(address, b"", None)
+        except OSError:
+            return False
+        return True
+
+    def _transfer(self, address: int, data: bytes | None, into: memoryview | None) -> None:
+        session, master = self._session, self._master
+        session.advance(session.now + self._pause)
+        try:
+            if data is not None and not master.start(address):
+                refused = errno.ENODEV
+            elif data and not master.write(*data):
+                refused = errno.EIO
+            elif into is not None and not master.start(address, read=True):
+                refused = errno.ENODEV
+            else:
+                refused = 0
+                for place in range(len(into or b"")):
+                    assert into is not None
+                    into[place] = master.read(ack=place + 1 < len(into))
+            master.stop()
+        except OutsideError as error:
+            raise OSError(errno.ETIMEDOUT, str(error)) from None
+        if refused == errno.ENODEV:
+            raise OSError(refused, f"no I2C device at {address:#04x}")
+        if refused:
+            raise OSError(refused, f"a byte was not acknowledged at {address:#04x}")

@@ -1,0 +1,217 @@
+"""`/dev/i2c-N` for code that opens it by number, as smbus2 does: a session a number goes in; within the block, files.
+
+    os.open("/dev/i2c-1") --number that no file has--> ioctl: address, SMBus transfer, messages --> Master --> wires
+                                                       read, write: plain transfers
+
+Only within the block, and only for these numbers: any other file is as it was.
+
+Source: Linux 6.6 Documentation/i2c/dev-interface.rst, smbus-protocol.rst and fault-codes.rst; include/uapi/linux/i2c.h
+and i2c-dev.h.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import errno
+import os
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from typing import Any
+from unittest.mock import patch
+
+from ..errors import OutsideError
+from ..i2c_master import Master
+from ..session import Session
+
+SLAVE, TENBIT, FUNCS, SLAVE_FORCE, RDWR, PEC, SMBUS = 0x703, 0x704, 0x705, 0x706, 0x707, 0x708, 0x720
+QUICK, BYTE, BYTE_DATA, WORD_DATA, PROC_CALL, BLOCK_DATA, BLOCK_PROC_CALL, I2C_BLOCK = 0, 1, 2, 3, 4, 5, 7, 8
+FUNCTIONS = 0x1 | 0x0EFF_0000 | 0x8000  # plain I2C; SMBus of all kinds, without PEC; block process call
+READS = 1  # read_write of an SMBus transfer; the same bit of a message's flags
+MOST_BLOCK = 32  # bytes of an SMBus block
+FIRST_FILE = 1 << 20  # no process has so many files
+
+
+class _SmbusTransfer(ctypes.Structure):
+    _fields_ = [
+        ("read_write", ctypes.c_uint8),
+        ("command", ctypes.c_uint8),
+        ("size", ctypes.c_uint32),
+        ("data", ctypes.POINTER(ctypes.c_uint8 * (MOST_BLOCK + 2))),
+    ]
+
+
+class _Message(ctypes.Structure):
+    _fields_ = [
+        ("address", ctypes.c_uint16),
+        ("flags", ctypes.c_uint16),
+        ("length", ctypes.c_uint16),
+        ("data", ctypes.POINTER(ctypes.c_uint8)),
+    ]
+
+
+class _Messages(ctypes.Structure):
+    _fields_ = [("messages", ctypes.POINTER(_Message)), ("count", ctypes.c_uint32)]
+
+
+class Adapter:
+    """One open file. pause: ticks that pass before each transfer."""
+
+    def __init__(self, session: Session, pause: int) -> None:
+        self._session = session
+        self._pause = pause
+        self._address = -1
+
+    def ioctl(self, request: int, argument: Any) -> int:
+        if request in (SLAVE, SLAVE_FORCE):
+            if not 0 <= int(argument) < 0x80:
+                raise OSError(errno.EINVAL, f"address {argument}: expected 0 to 0x7f")
+            self._address = int(argument)
+        elif request == FUNCS:
+            ctypes.memmove(ctypes.addressof(argument), FUNCTIONS.to_bytes(4, sys.byteorder), 4)
+        elif request in (TENBIT, PEC):
+            if int(argument):
+                raise OSError(errno.EINVAL, "ten-bit addresses and PEC are not what this adapter can do")
+        elif request == SMBUS:
+            self._on_bus(self._smbus, _SmbusTransfer.from_address(ctypes.addressof(argument)))
+        elif request == RDWR:
+            self._on_bus(self._messages, _Messages.from_address(ctypes.addressof(argument)))
+        else:
+            raise OSError(errno.ENOTTY, f"no request of an I2C adapter: {request:#x}")
+        return 0
+
+    def write(self, data: bytes) -> int:
+        self._on_bus(lambda master, _: _sent(master, self._address, data), None)
+        return len(data)
+
+    def read(self, count: int) -> bytes:
+        got = bytearray()
+        self._on_bus(lambda master, _: got.extend(_got(master, self._address, count)), None)
+        return bytes(got)
+
+    def _on_bus(self, transfer: Callable[[Master, Any], object], argument: Any) -> None:
+        """STOP ends what was begun, whatever became of it."""
+        session = self._session
+        if self._address < 0 and argument is None:
+            raise OSError(errno.EINVAL, "no address was given")
+        session.advance(session.now + self._pause)
+        try:
+            try:
+                transfer(session.i2c, argument)
+            finally:
+                if session.i2c.held:
+                    session.i2c.stop()
+        except OutsideError as error:
+            raise OSError(errno.ETIMEDOUT, str(error)) from None
+
+    def _smbus(self, master: Master, asked: _SmbusTransfer) -> None:
+        address, reads, command = self._address, asked.read_write == READS, asked.command
+        data = asked.data.contents if asked.data else (ctypes.c_uint8 * (MOST_BLOCK + 2))()
+        size = asked.size
+        if size == QUICK:
+            _begin(master, address, reads)
+        elif size == BYTE and reads:
+            data[0] = _got(master, address, 1)[0]
+        elif size == BYTE:
+            _sent(master, address, bytes([command]))
+        elif size in (BYTE_DATA, WORD_DATA, PROC_CALL):
+            length = 1 if size == BYTE_DATA else 2
+            _sent(master, address, bytes([command, *(data[:length] if not reads or size == PROC_CALL else [])]))
+            if reads or size == PROC_CALL:
+                data[:length] = list(_got(master, address, length))
+        elif size in (BLOCK_DATA, BLOCK_PROC_CALL, I2C_BLOCK):
+            self._block(master, size, command, reads, data)
+        else:
+            raise OSError(errno.EOPNOTSUPP, f"no SMBus transfer: {size}")
+
+    def _block(self, master: Master, size: int, command: int, reads: bool, data: Any) -> None:
+        length = data[0]
+        if (not reads or size != BLOCK_DATA) and not 1 <= length <= MOST_BLOCK:
+            raise OSError(errno.EINVAL, f"a block of {length} bytes; expected 1 to {MOST_BLOCK}")
+        sends = not reads or size == BLOCK_PROC_CALL
+        counted = [length] if size != I2C_BLOCK else []
+        _sent(master, self._address, bytes([command, *(counted + data[1 : 1 + length] if sends else [])]))
+        if size == I2C_BLOCK and reads:
+            data[1 : 1 + length] = list(_got(master, self._address, length))
+        elif reads or size == BLOCK_PROC_CALL:
+            _begin(master, self._address, read=True)
+            data[0] = length = master.read(ack=True)
+            if not 1 <= length <= MOST_BLOCK:
+                master.read(ack=False)
+                raise OSError(errno.EPROTO, f"a block of {length} bytes came; expected 1 to {MOST_BLOCK}")
+            for place in range(length):
+                data[1 + place] = master.read(ack=place + 1 < length)
+
+    def _messages(self, master: Master, asked: _Messages) -> None:
+        for message in asked.messages[: asked.count]:
+            if message.flags & ~READS:
+                raise OSError(errno.EOPNOTSUPP, f"flags {message.flags:#x} of a message; only reading is one here")
+            if message.flags & READS:
+                for place, byte in enumerate(_got(master, message.address, message.length)):
+                    message.data[place] = byte
+            else:
+                _sent(master, message.address, bytes(message.data[: message.length]))
+
+
+def _begin(master: Master, address: int, read: bool) -> None:
+    if not master.start(address, read):
+        raise OSError(errno.ENXIO, f"nobody acknowledges address {address:#04x}")
+
+
+def _sent(master: Master, address: int, data: bytes) -> None:
+    _begin(master, address, read=False)
+    if data and not master.write(*data):
+        raise OSError(errno.EIO, f"a byte was not acknowledged at {address:#04x}")
+
+
+def _got(master: Master, address: int, count: int) -> bytes:
+    _begin(master, address, read=True)
+    return bytes([master.read(ack=place + 1 < count) for place in range(count)])
+
+
+@contextmanager
+def i2c_dev(sessions: Mapping[int, Session], pause: str = "100 us") -> Iterator[None]:
+    """Within the block `/dev/i2c-N` is the bus of the session with that number. For Linux, where such code runs.
+
+    pause: the time that passes before each transfer, since `time.sleep` moves none. OSError as of a kernel: ENXIO where
+    nobody acknowledges the address, EIO where a byte is refused, ETIMEDOUT where the bus is held, ENOENT for a number
+    that is not given.
+    """
+    import fcntl
+
+    adapters: dict[int, Adapter] = {}
+    real_open, real_close, real_read, real_write, real_ioctl = os.open, os.close, os.read, os.write, fcntl.ioctl
+
+    def opened(path: Any, *more: Any, **named: Any) -> int:
+        text = os.fspath(path) if isinstance(path, str | os.PathLike) else ""
+        if not (isinstance(text, str) and text.startswith("/dev/i2c-")):
+            return real_open(path, *more, **named)
+        number = text.removeprefix("/dev/i2c-")
+        if not number.isdecimal() or int(number) not in sessions:
+            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), text)
+        session = sessions[int(number)]
+        file = FIRST_FILE + len(adapters)
+        adapters[file] = Adapter(session, session.ticks(pause))
+        return file
+
+    def ioctl(file: Any, request: int, argument: Any = 0, *more: Any) -> Any:
+        adapter = adapters.get(file) if isinstance(file, int) else None
+        return adapter.ioctl(request, argument) if adapter else real_ioctl(file, request, argument, *more)
+
+    def closed(file: int) -> None:
+        if file not in adapters:
+            real_close(file)
+
+    def read(file: int, count: int) -> bytes:
+        return adapters[file].read(count) if file in adapters else real_read(file, count)
+
+    def write(file: int, data: Any) -> int:
+        return adapters[file].write(bytes(data)) if file in adapters else real_write(file, data)
+
+    importers = [module for module in list(sys.modules.values()) if getattr(module, "ioctl", None) is real_ioctl]
+    with ExitStack() as patches:
+        for name, stands_in in (("open", opened), ("close", closed), ("read", read), ("write", write)):
+            patches.enter_context(patch.object(os, name, stands_in))
+        for module in importers:
+            patches.enter_context(patch.object(module, "ioctl", ioctl))
+        yield

@@ -1,0 +1,58 @@
+"""`busio.I2C` as drivers call it, on a session's bus."""
+
+from __future__ import annotations
+
+import errno
+
+import pytest
+
+from periph_sim.outside.drivers import I2C
+from periph_sim.outside.session import Session
+from tests.outside.test_register_slave import slave
+
+
+def bus() -> I2C:
+    return I2C(slave(registers="e5 02 03", address=0x53))
+
+
+def test_what_drivers_call() -> None:
+    i2c = bus()
+    assert i2c.try_lock() and not i2c.try_lock()
+    i2c.unlock()
+    assert i2c.try_lock()
+    assert i2c.scan() == [0x53]
+    got = bytearray(4)
+    i2c.writeto(0x53, b"\x00", end=1)
+    i2c.readfrom_into(0x53, got, start=1, end=3)
+    assert got == b"\x00\xe5\x02\x00"
+    i2c.writeto(0x53, b"\xff\x02\x77\x88", start=1)
+    i2c.writeto_then_readfrom(0x53, b"\x02\x01", got, out_end=1, in_start=2)
+    assert got == b"\x00\xe5\x77\x88"
+
+
+def test_who_does_not_answer_is_an_oserror() -> None:
+    with bus() as i2c:
+        for call in (lambda: i2c.writeto(0x20, b"\x00"), lambda: i2c.readfrom_into(0x20, bytearray(1))):
+            with pytest.raises(OSError, match="no I2C device at 0x20") as refused:
+                call()
+            assert refused.value.errno == errno.ENODEV
+        got = bytearray(1)
+        i2c.writeto_then_readfrom(0x53, b"\x00", got)
+        assert got == b"\xe5"
+
+
+def test_a_held_bus_is_a_timeout(monkeypatch: pytest.MonkeyPatch) -> None:
+    session = slave()
+    i2c = I2C(session)
+    session.scene.wire("SCL").attach("stranger").drive(0)
+    with pytest.raises(OSError, match="SCL is held low by stranger for more than 25 ms") as refused:
+        i2c.writeto(0x50, b"\x00")
+    assert refused.value.errno == errno.ETIMEDOUT
+
+
+def test_time_passes_between_calls() -> None:
+    session: Session = slave()
+    i2c = I2C(session, frequency=400_000, pause="3 ms")
+    before = session.now
+    i2c.writeto(0x50, b"\x00")
+    assert session.ticks("3 ms") < session.now - before < session.ticks("3.2 ms")

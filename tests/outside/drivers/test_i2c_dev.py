@@ -1,0 +1,98 @@
+"""`/dev/i2c-N` opened by number: smbus2 as it comes from the registry, and plain files, on a session's bus."""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import os
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from periph_sim.outside.drivers import i2c_dev
+from periph_sim.outside.drivers.i2c_dev import SLAVE
+from tests.outside.test_register_slave import slave
+
+smbus2 = pytest.importorskip("smbus2", reason="smbus2 is not installed: the extra dev has it")
+
+
+@pytest.fixture
+def number_1() -> Any:
+    with i2c_dev({1: slave(address=0x20, registers="01 02 03 04 05 06")}):
+        yield smbus2.SMBus(1)
+
+
+def test_bytes_words_and_blocks(number_1: Any) -> None:
+    bus = number_1
+    assert bus.read_byte_data(0x20, 2) == 3
+    bus.write_byte_data(0x20, 0x10, 0xA5)
+    assert bus.read_byte_data(0x20, 0x10) == 0xA5
+    assert bus.read_word_data(0x20, 0) == 0x0201
+    bus.write_word_data(0x20, 0x12, 0xBEEF)
+    assert bus.read_i2c_block_data(0x20, 0x12, 2) == [0xEF, 0xBE]
+    bus.write_i2c_block_data(0x20, 0x20, [3, 7, 8, 9])
+    assert bus.read_block_data(0x20, 0x20) == [7, 8, 9]
+    bus.write_block_data(0x20, 0x30, [5, 6])
+    assert bus.read_i2c_block_data(0x20, 0x30, 3) == [2, 5, 6]
+    bus.write_byte(0x20, 4)
+    assert [bus.read_byte(0x20), bus.read_byte(0x20)] == [5, 6]
+    assert bus.process_call(0x20, 0x40, 0x1234) == 0
+    bus.write_quick(0x20)
+    assert bus.block_process_call(0x20, 0x20, [9]) == [9, 0, 0, 0, 0, 0, 0, 0]
+
+
+def test_messages_with_repeated_starts(number_1: Any) -> None:
+    write, read = smbus2.i2c_msg.write(0x20, [1]), smbus2.i2c_msg.read(0x20, 3)
+    number_1.i2c_rdwr(write, read)
+    assert list(read) == [2, 3, 4]
+
+
+@pytest.mark.parametrize(
+    ("call", "code"),
+    [
+        (lambda bus: bus.read_byte_data(0x33, 0), errno.ENXIO),
+        (lambda bus: bus.write_byte_data(0x33, 0, 0), errno.ENXIO),
+        (lambda bus: bus.i2c_rdwr(smbus2.i2c_msg.read(0x33, 1)), errno.ENXIO),
+        (lambda bus: bus.read_block_data(0x20, 0x70), errno.EPROTO),  # it says that 0 bytes come
+    ],
+)
+def test_what_goes_wrong_is_the_kernel_s_error_and_the_bus_is_free(
+    call: Callable[[Any], object], code: int, number_1: Any
+) -> None:
+    with pytest.raises(OSError) as refused:
+        call(number_1)
+    assert refused.value.errno == code
+    assert number_1.read_byte_data(0x20, 0) == 1
+
+
+def test_plain_files_and_their_refusals() -> None:
+    with i2c_dev({3: slave(registers="0a 0b")}):
+        file = os.open("/dev/i2c-3", os.O_RDWR)
+        with pytest.raises(OSError, match="no address was given"):
+            os.read(file, 1)
+        fcntl.ioctl(file, SLAVE, 0x50)
+        assert os.write(file, b"\x00") == 1
+        assert os.read(file, 2) == b"\x0a\x0b"
+        for request, argument, code in (
+            (SLAVE, 0x80, errno.EINVAL),
+            (0x708, 1, errno.EINVAL),
+            (0x1234, 0, errno.ENOTTY),
+        ):
+            with pytest.raises(OSError) as refused:
+                fcntl.ioctl(file, request, argument)
+            assert refused.value.errno == code
+        os.close(file)
+        with pytest.raises(FileNotFoundError):
+            os.open("/dev/i2c-4", os.O_RDWR)
+
+
+def test_other_files_are_as_they_were(tmp_path: Any) -> None:
+    opened, ioctl = os.open, fcntl.ioctl
+    with i2c_dev({}):
+        file = os.open(tmp_path / "a", os.O_RDWR | os.O_CREAT)
+        os.write(file, b"abc")
+        os.lseek(file, 0, os.SEEK_SET)
+        assert os.read(file, 3) == b"abc"
+        os.close(file)
+    assert (os.open, fcntl.ioctl) == (opened, ioctl)

@@ -1,0 +1,90 @@
+"""The register slave beside a dictionary: random writes and reads, in any order, at both rates of the bus."""
+
+from __future__ import annotations
+
+from random import Random
+
+import pytest
+
+from periph_sim.api import make_case
+from periph_sim.outside import Session
+from periph_sim.scene.case.model import BadCase
+from tests.outside.sessions import BUS, case
+
+
+def slave(**settings: object) -> Session:
+    given = case("register_slave").unit["dsp"].model_dump() | {"settings": settings}
+    session = Session(
+        make_case(
+            name="mine", duration="1 s", unit={"dsp": {k: given[k] for k in ("firmware", "modules", "settings")}}
+        ),
+        BUS,
+    )
+    session.advance(session.ticks("1 ms"))
+    return session
+
+
+def test_pointer_data_repeated_start_and_going_on() -> None:
+    """S 50W 10 A1 A2 P   S 50W 10 Sr 50R A1 P   S 50R A2 P   S 50R 00 P"""
+    master = slave().i2c
+    assert master.transfer(0x50, b"\x10\xa1\xa2") == b""
+    assert master.transfer(0x50, b"\x10", 1) == b"\xa1"
+    assert master.transfer(0x50, count=1) == b"\xa2"
+    assert master.transfer(0x50, count=1) == b"\x00"
+
+
+def test_what_was_loaded_too_early_is_read_as_it_is_later() -> None:
+    """The byte behind a read lies in I2CDXR already when it is written anew."""
+    master = slave(registers="01 02 03").i2c
+    assert master.transfer(0x50, b"\x00", 1) == b"\x01"
+    assert master.transfer(0x50, b"\x01\x99") == b""
+    assert master.transfer(0x50, b"\x01", 2) == b"\x99\x03"
+
+
+@pytest.mark.parametrize(("registers", "size"), [("01 02 03", 3), ("01 02 03", 2)])
+def test_its_registers_wrap_and_must_fit(registers: str, size: int) -> None:
+    if size < 3:
+        with pytest.raises(BadCase, match="registers has 3 bytes, and there are 2 registers"):
+            slave(registers=registers, size=size)
+        return
+    master = slave(registers=registers, size=size).i2c
+    assert master.transfer(0x50, b"\x02", 4) == b"\x03\x01\x02\x03"
+    with pytest.raises(BadCase, match="size is 257; a pointer of one byte has 1 to 256 registers"):
+        slave(size=257)
+
+
+def random_transfers(rate: str, number: int) -> None:
+    draw = Random(rate)
+    master = slave(address=0x2A).i2c
+    master.rate = rate
+    registers, pointer = bytearray(256), 0
+    for _ in range(number):
+        length = draw.randrange(1, 6)
+        kind = draw.choice(("write", "read", "go on", "other", "pointer"))
+        if kind == "go on":
+            expected = bytes(registers[(pointer + n) % 256] for n in range(length))
+            assert master.transfer(0x2A, count=length) == expected
+            pointer = (pointer + length) % 256
+        elif kind == "other":
+            assert master.transfer(0x2B, b"\x01", length) is None
+        else:
+            pointer = draw.randrange(256)
+            data = bytes(draw.randrange(256) for _ in range(length)) if kind == "write" else b""
+            count = length if kind == "read" else 0
+            expected = bytes(registers[(pointer + n) % 256] for n in range(count))
+            assert master.transfer(0x2A, bytes([pointer]) + data, count) == expected
+            for byte in data:
+                registers[pointer] = byte
+                pointer = (pointer + 1) % 256
+            pointer = (pointer + count) % 256
+
+
+@pytest.mark.parametrize("rate", ["100 kHz", "400 kHz"])
+def test_it_stands_random_transfers_beside_a_dictionary(rate: str) -> None:
+    random_transfers(rate, 60)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("rate", ["100 kHz", "400 kHz"])
+def test_it_stands_a_thousand(rate: str) -> None:
+    random_transfers(rate, 1000)

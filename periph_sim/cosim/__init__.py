@@ -1,0 +1,30 @@
+"""A case in a Verilog or VHDL simulator, by cocotb: signals go in, what our pins do comes out on signals.
+
+dut.scl, dut.sda, dut.rx --> F28335 --> dut.dsp_scl, dut.dsp_sda, dut.tx
+simulate(sources, ...)   --> a run of the simulator, as a test of pytest
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ..outside.errors import OutsideError
+from .simulate import simulate
+
+if TYPE_CHECKING:
+    from .f28335 import F28335
+
+__all__ = ["F28335", "OutsideError", "simulate"]
+
+
+def __getattr__(name: str) -> Any:
+    """`F28335` wants cocotb, and is imported where it is used; `simulate` is called where there is no simulator yet."""
+    if name != "F28335":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    try:
+        from .f28335 import F28335
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] != "cocotb":
+            raise
+        raise OutsideError("F28335 needs cocotb 2; pip install 'periph-sim[cosim]'") from None
+    return F28335

@@ -1,0 +1,50 @@
+"""Two integer axes of time: steps of a simulator and ticks of a session; each goes into the other without drift.
+
+    step --floor--> tick      an edge of the simulator is in the tick that has begun
+    tick --ceil --> step      an edge of ours is shown with the first step that is not before it
+
+A step is at most a tick long, so that tick -> step -> tick is the same tick again.
+"""
+
+from __future__ import annotations
+
+from ..outside.errors import OutsideError
+
+UNITS = {12: "1ps", 13: "100fs", 14: "10fs", 15: "1fs"}
+
+
+class Axis:
+    """begin: the step at which the session's time begins. OutsideError where a step is longer than a tick."""
+
+    def __init__(self, steps_per_second: int, ticks_per_second: int, begin: int = 0) -> None:
+        if steps_per_second < ticks_per_second:
+            finer = next((text for power, text in UNITS.items() if 10**power >= ticks_per_second), None)
+            if finer is None:
+                raise OutsideError(
+                    f"a tick is shorter than 1 fs ({ticks_per_second} a second): no simulator has such steps"
+                )
+            raise OutsideError(
+                f"the simulator's precision is {_length(steps_per_second)}, and a tick of this case is"
+                f" {1e12 / ticks_per_second:.3g} ps; write `timescale 1ns/{finer} into the Verilog,"
+                f' or give the runner timescale=("1ns", "{finer}")'
+            )
+        self._steps = steps_per_second
+        self._ticks = ticks_per_second
+        self._begin = begin
+
+    def tick(self, step: int) -> int:
+        """The tick that has begun by this step."""
+        return (step - self._begin) * self._ticks // self._steps
+
+    def step(self, tick: int) -> int:
+        """The first step that is not before this tick."""
+        return self._begin - (-tick * self._steps // self._ticks)
+
+
+def _length(per_second: int) -> str:
+    """A step, as timescales have it."""
+    power = len(str(per_second)) - 1  # simulators have powers of ten
+    for unit, of in (("s", 0), ("ms", 3), ("us", 6), ("ns", 9), ("ps", 12), ("fs", 15)):
+        if power <= of:
+            return f"{10 ** (of - power)} {unit}"
+    return f"1e-{power} s"

@@ -1,0 +1,236 @@
+"""A case as a part in a simulator, in the manner of the cocotbext packages: lines go in, our own pulls come out.
+
+    scl, sda (resolved), rx --value change--> apply(floor)   Session   changes --ceil--> scl_o, sda_o, tx
+                                                     next_output --> one timer that waits
+
+The simulator is woken where a line moves and where one of our pins may; a line has one task for the whole run, and the
+timer has its own. A pin of ours that moves at a tick is shown with the first step not before it. A line of the
+simulator moves ours in the tick that has begun by its step, all lines of the step together; what is an answer to our
+own pin in that very step moves it a tick later. The level of a resolved line is applied as it is, our own pull
+included, so that a line that others hold beside us never shows a rise that was not there.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping
+from contextlib import ExitStack
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import cocotb
+from cocotb.simtime import get_sim_time
+from cocotb.triggers import Event, ReadWrite, Timer
+from cocotb.utils import get_sim_steps
+
+from ..core.suggest import did_you_mean
+from ..outside.errors import OutsideError
+from ..outside.session import Session
+from ..records.if_recorded import if_recorded
+from ..scene.case.load import load
+from ..scene.case.model import Case
+from ..scene.firmware_loader import Firmware
+from ..scene.result import Result
+from .axis import Axis
+from .registers import peek
+
+NEVER = 2**62
+WAYS_OUT = {
+    "z": "nothing drives it; give it a pull-up, as `tri1` has",
+    "x": "two drivers disagree, or one has no value yet; give registers an initial value",
+}
+
+
+class F28335:
+    """A case whose wires are signals of `dut`, from the present time of the simulation on.
+
+    case: of `load` or `make_case`, or a file. scl, sda: the resolved lines, which are read; scl_o, sda_o: our own
+    drive, 0 pulls and 1 lets go. rx is read and tx driven. wires: of other units, name -> (read, driven), either None.
+    Each is a signal or its name in `dut`. log: a file of what the lines did, for `periph_sim.outside.replay`. record:
+    a file for the records, on the simulator's axis of time. programs: firmware as functions, by unit.
+
+    OutsideError for signals that are missing or have no level, and for a precision that is too coarse.
+    """
+
+    def __init__(
+        self,
+        dut: Any,
+        case: Case | str | Path,
+        *,
+        scl: Any = None,
+        scl_o: Any = None,
+        sda: Any = None,
+        sda_o: Any = None,
+        rx: Any = None,
+        tx: Any = None,
+        wires: Mapping[str, tuple[Any, Any]] | None = None,
+        log: str | Path | None = None,
+        record: str | Path | None = None,
+        programs: Mapping[str, Firmware] | None = None,
+    ) -> None:
+        self.log = logging.getLogger(f"cocotb.{dut._path}.f28335")
+        for name, read, driven in (("scl", scl, scl_o), ("sda", sda, sda_o)):
+            if (read is None) != (driven is None):
+                raise OutsideError(
+                    f"{name} and {name}_o go together: the resolved line, and a register of our own that pulls it,"
+                    f" as in assign {name} = {name}_o ? 1'bz : 1'b0"
+                )
+        pairs = {"SCL": (scl, scl_o), "SDA": (sda, sda_o), "RX": (rx, None), "TX": (None, tx), **(wires or {})}
+        read = {name: _signal(dut, name, one) for name, (one, _) in pairs.items() if one is not None}
+        self._driven = {name: _signal(dut, name, one) for name, (_, one) in pairs.items() if one is not None}
+        if not read and not self._driven:
+            raise OutsideError("no line is given; give scl, scl_o, sda, sda_o, rx or tx")
+        begin = get_sim_time("step")
+        per_second = get_sim_steps(1, "sec")
+        case = case if isinstance(case, Case) else load(Path(case))
+        if begin:  # records count from the simulator's zero, too
+            case = case.model_copy(update={"start": case.start + Fraction(begin, per_second)})
+        self._files = ExitStack()
+        subscribe, self._ended_at = self._files.enter_context(
+            if_recorded(None if record is None else Path(record), case.recorded_modules)
+        )
+        outside = tuple(dict.fromkeys((*read, *self._driven)))
+        self.session = Session(case, outside, log=log, subscribe=subscribe, programs=programs)
+        self.case = self.session.case
+        self._axis = Axis(per_second, self.session.ticks_per_second, begin)
+        self._end = self.session.scene.timebase.ticks(case.duration, "up")
+        self._result: Result | None = None
+        self.wakes = 0  # of the timer
+        self._free: list[_Alarm] = []
+        self._due = NEVER  # the first step at which an alarm is set
+        self._alarms: set[int] = set()
+        for signal in self._driven.values():
+            signal.value = 1
+        cocotb.start_soon(self._begin(read))
+        for name, signal in read.items():
+            cocotb.start_soon(self._watch(name, signal))
+        self.log.info("F28335: case %s, lines %s", case.name, ", ".join(outside))
+
+    # The test bench -------------------------------------------------------------------
+
+    @property
+    def result(self) -> Result:
+        """What the run came to, judged by the case's budgets; the first to ask ends it now."""
+        if self._result is None:
+            session = self.session
+            until = min(self._axis.tick(get_sim_time("step")), max(self._end, session.now))
+            if until > session.now:
+                self._show(session.advance(until))
+            self._result = session.finish()
+            self._ended_at(session.scene.kernel.now)
+            self._files.close()
+        return self._result
+
+    async def finished(self) -> Result:
+        """Waits until the case's duration is over. The Result."""
+        left = self._axis.step(self._end) - get_sim_time("step")
+        if self._result is None and left > 0:
+            await Timer(left, "step")
+        return self.result
+
+    def peek(self, place: str) -> int:
+        """What a debugger reads now: "I2C-A.I2CSTR", "I2C-A.I2CSTR.SCD", "dsp.SCI-A.SCIRXST". Nothing moves by it.
+
+        OutsideError for a place that is none.
+        """
+        if self._result is None:
+            tick = self._axis.tick(get_sim_time("step"))
+            if tick > self.session.now:
+                self._show(self.session.advance(tick))
+        return peek(self.session.scene, place)
+
+    # Lines ----------------------------------------------------------------------------
+
+    async def _begin(self, read: Mapping[str, Any]) -> None:
+        """The levels that lines have once what runs at the beginning has run."""
+        await ReadWrite()
+        for name, signal in read.items():
+            self._moved(name, signal)
+        self._plan()
+
+    async def _watch(self, name: str, signal: Any) -> None:
+        changed = signal.value_change
+        while True:
+            await changed
+            self._moved(name, signal)
+
+    def _moved(self, name: str, signal: Any) -> None:
+        if self._result is not None:
+            return
+        level = str(signal.value)
+        session = self.session
+        tick = max(self._axis.tick(get_sim_time("step")), session.now)
+        if level == "1" or level == "0":
+            session.apply(tick, {name: int(level)})
+            self._plan()
+            return
+        way_out = WAYS_OUT.get(level.lower(), "it has to be 0 or 1")
+        at = session.scene.timebase.show(tick)
+        raise OutsideError(f"{signal._path} (line {name}) is {level.lower()} at {at}: {way_out}")
+
+    def _show(self, changes: list[Any]) -> None:
+        for change in changes:
+            signal = self._driven.get(change.line)
+            if signal is not None:
+                signal.value = change.level
+
+    # Time -----------------------------------------------------------------------------
+
+    def _plan(self) -> None:
+        """An alarm for the next move of a pin, unless one comes before it."""
+        due = self.session.next_output()
+        if due is None:
+            return
+        step = self._axis.step(due)
+        if step >= self._due:
+            return
+        alarm = self._free.pop() if self._free else _Alarm(self)
+        self._due = step
+        self._alarms.add(step)
+        alarm.set(step)
+
+    def woken(self, step: int, alarm: _Alarm) -> None:
+        """The step of an alarm has come; perhaps in vain, since it was set for what came otherwise."""
+        self._alarms.discard(step)
+        self._free.append(alarm)
+        if self._result is not None:
+            return
+        self.wakes += 1
+        self._due = min(self._alarms, default=NEVER)
+        until = self._axis.tick(step) + 1
+        if until > self.session.now:
+            self._show(self.session.advance(until))
+        self._plan()
+
+
+class _Alarm:
+    """A task that waits for one step after the other. Setting another one beside it is cheaper than stopping it."""
+
+    def __init__(self, part: F28335) -> None:
+        self._part = part
+        self._is_set = Event()
+        self._step = 0
+        cocotb.start_soon(self._run())
+
+    def set(self, step: int) -> None:
+        self._step = step
+        self._is_set.set()
+
+    async def _run(self) -> None:
+        while True:
+            await self._is_set.wait()
+            self._is_set.clear()
+            await Timer(max(1, self._step - get_sim_time("step")), "step")
+            self._part.woken(self._step, self)
+
+
+def _signal(dut: Any, line: str, given: Any) -> Any:
+    """The signal that is meant: itself, or its name in `dut`."""
+    if not isinstance(given, str):
+        return given
+    try:
+        return getattr(dut, given)
+    except AttributeError:
+        known = did_you_mean(given, [one._name for one in dut])
+        raise OutsideError(f"{line}: {dut._path} has no signal {given!r}; {known}") from None

@@ -1,0 +1,39 @@
+"""What a debugger reads of a scene's registers: "I2C-A.I2CSTR.SCD" goes in, a value comes out, and nothing moves."""
+
+from __future__ import annotations
+
+from ..core.suggest import did_you_mean
+from ..outside.errors import OutsideError
+from ..scene.scene import Scene
+
+
+def peek(scene: Scene, place: str) -> int:
+    """MODULE.REGISTER[.FIELD], with the unit's name in front where there are several. OutsideError if it is none."""
+    parts = place.split(".")
+    if parts[0] not in scene.units:
+        if len(scene.units) > 1:
+            raise OutsideError(f"{place}: say of which unit; {did_you_mean(parts[0], scene.units)}")
+        parts.insert(0, next(iter(scene.units), ""))
+    if len(parts) not in (3, 4):
+        raise OutsideError(f"{place!r}: expected MODULE.REGISTER or MODULE.REGISTER.FIELD, as I2C-A.I2CSTR.SCD")
+    unit, module, name = parts[:3]
+    modules = scene.case.unit[unit].modules
+    if module not in modules:
+        raise OutsideError(f"{place}: {unit} has no module {module!r}; {did_you_mean(module, modules)}")
+    socket = scene.units[unit].socket(module)
+    registers = {register.name: register for register in socket.chip.MAP}
+    if name not in registers:
+        raise OutsideError(f"{place}: {module} has no register {name!r}; {did_you_mean(name, registers)}")
+    register = registers[name]
+    cycle = scene.units[unit].clock.cycle_at(scene.kernel.now)
+    touched = frozenset(socket.chip.touched)
+    value = socket.peek(cycle, register.offset)
+    if register.width == 32:
+        value |= socket.peek(cycle, register.offset + 1) << 16
+    socket.chip.touched.intersection_update(touched)  # looking is not depending on them
+    if len(parts) == 3:
+        return value
+    fields = {field.name: field for field in register.fields}
+    if parts[3] not in fields:
+        raise OutsideError(f"{place}: {name} has no field {parts[3]!r}; {did_you_mean(parts[3], fields)}")
+    return fields[parts[3]].of(value)

@@ -1,0 +1,100 @@
+"""A simulator, built and run as a test does it: sources and a module of cocotb tests go in, a log comes out.
+
+    simulate(["bus.v"], "bus", "test_bus", folder=tmp_path)
+
+Made for pytest: a failed cocotb test is an AssertionError that ends in what the simulator printed.
+"""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from ..outside.errors import OutsideError
+
+PROGRAMS = {"icarus": ("iverilog", "vvp"), "verilator": ("verilator",), "ghdl": ("ghdl",), "nvc": ("nvc",)}
+PRINTED = 30  # lines of a log that a message ends in
+
+
+def missing(simulator: str = "icarus") -> str:
+    """What is not there that `simulate` needs, and how to get it; "" if all is there."""
+    try:
+        import cocotb_tools.runner  # noqa: F401
+    except ModuleNotFoundError:
+        return "cocotb is not installed; pip install 'periph-sim[cosim]'"
+    if simulator not in PROGRAMS:
+        return f"simulator {simulator!r} is not known here; it is one of {', '.join(PROGRAMS)}"
+    absent = [program for program in PROGRAMS[simulator] if shutil.which(program) is None]
+    return f"{', '.join(absent)} is not on the path; install the simulator {simulator}" if absent else ""
+
+
+def simulate(
+    sources: Sequence[str | Path],
+    toplevel: str,
+    module: str,
+    *,
+    folder: str | Path,
+    simulator: str = "icarus",
+    timescale: tuple[str, str] = ("1ns", "1ps"),
+    parameters: Mapping[str, object] | None = None,
+    environment: Mapping[str, str] | None = None,
+    build_args: Sequence[str] = (),
+    tests: str | None = None,
+    waves: bool = False,
+) -> Path:
+    """The log of the run, in `folder`. AssertionError with its end for a cocotb test that failed.
+
+    module: imported by the simulator, from where this program imports. tests: a regular expression for names of tests
+    in it. folder: for what is built, logs and waves. OutsideError where something is missing or cannot be built.
+    """
+    lack = missing(simulator)
+    if lack:
+        raise OutsideError(lack)
+    from cocotb_tools.check_results import get_results
+    from cocotb_tools.runner import get_runner
+
+    folder = Path(folder).resolve()
+    folder.mkdir(parents=True, exist_ok=True)
+    built, log, results = folder / "build.log", folder / "run.log", folder / "results.xml"
+    for source in sources:
+        if not Path(source).is_file():
+            raise OutsideError(f"{source}: there is no such source")
+    runner = get_runner(simulator)
+    try:
+        runner.build(
+            sources=[Path(source).resolve() for source in sources],
+            hdl_toplevel=toplevel,
+            build_dir=folder / "build",
+            timescale=timescale,
+            parameters=dict(parameters or {}),
+            build_args=list(build_args),
+            waves=waves,
+            log_file=built,
+        )
+    except (Exception, SystemExit) as error:  # the runner leaves by SystemExit where a tool fails
+        raise OutsideError(f"{toplevel} was not built by {simulator}: {error}\n{_end(built)}") from None
+    try:
+        runner.test(
+            test_module=module,
+            hdl_toplevel=toplevel,
+            build_dir=folder / "build",
+            test_dir=folder,
+            test_filter=tests,
+            extra_env=dict(environment or {}),
+            waves=waves,
+            timescale=timescale,
+            results_xml=str(results),
+            log_file=log,
+        )
+        count, failed = get_results(results)
+    except (Exception, SystemExit) as error:
+        raise AssertionError(f"{module} failed in {simulator}: {error}\n{_end(log)}") from None
+    if failed or not count:
+        raise AssertionError(f"{module}: {failed} of {count} tests failed in {simulator}\n{_end(log)}")
+    return log
+
+
+def _end(log: Path) -> str:
+    """What was printed last."""
+    return "\n".join(log.read_text(errors="replace").splitlines()[-PRINTED:]) if log.exists() else ""

@@ -66,7 +66,7 @@ class Chip:
     filter_width: int  # cycles from an input's change to its first effect
     notes: list[Note]  # since the owner last cleared it
     touched: set[str]  # open questions on whose option the run depended
-    mid_byte: int = -1  # offset of the register a write to which may change what becomes of a byte in the middle
+    mid_byte: tuple[int, ...] = ()  # registers a write to which may change what becomes of a byte in the middle
 
     def pins(self, now: int, levels: int) -> int:
         """The inputs as sampled in cycle `now`; bit i is INPUTS[i]. Returns what the owner must look at: NOTHING,

@@ -7,6 +7,10 @@ from .time cimport Clock
 from .wire cimport Pin, Sampler
 
 
+cdef class Release:
+    cpdef bint holds_back(self)
+
+
 cdef class Onlooker:
     cpdef void look(self, long long cycle)
 
@@ -17,6 +21,7 @@ cdef class Socket(Agent):
     cdef public Chip chip
     cdef public list pins, watchers, notes
     cdef public Sampler inputs
+    cdef public Release release
     cdef public object marks, before, after, on_held, on_watch, on_note
     cdef public long long out_delay
     cdef public bint traces

@@ -33,6 +33,16 @@ class Marks(Protocol):
     out_mark: int
 
 
+class Release:
+    """Who may keep a pin low for longer than its module's first output says: who clocks a bus, as bits pass at once."""
+
+    __slots__ = ()
+
+    def holds_back(self) -> bool:
+        """The pin is about to be let go: whether it stays as it is for now."""
+        raise NotImplementedError
+
+
 class Onlooker:
     """Who looks at a chip after each of its inputs."""
 
@@ -71,6 +81,7 @@ class Socket(Agent):
         self.after: Callable[[int], None] | None = None  # the owner's look at the chip after each input
         self.on_held: Callable[[int, int], None] | None = None  # told (cycle, mask) when the lines held change
         self._held = 0
+        self.release: Release | None = None
         self.watchers: list[Onlooker] = []
         self.on_watch: Callable[[], None] = _nothing  # called when `watchers` has changed
         self.notes: list[tuple[int, Note]] = []
@@ -139,7 +150,7 @@ class Socket(Agent):
         return self.chip.see(cycle, offset)
 
     def write(self, cycle: int, offset: int, value: int) -> None:
-        if self._kernel.shortcut is not None and offset == self.chip.mid_byte:
+        if self._kernel.shortcut is not None and offset in self.chip.mid_byte:
             self._kernel.catch_up()
         if self.before is not None:
             self.before(cycle)
@@ -269,6 +280,8 @@ class Socket(Agent):
         self._recorder.cause = outer
 
     def _set_pins(self, index: int, level: int) -> None:
+        if level and not index and self.release is not None and self.release.holds_back():
+            return
         pins = self.pins[index]
         for pin in pins:
             pin.wire.pull(pin.mask, level)

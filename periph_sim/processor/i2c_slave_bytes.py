@@ -1,6 +1,6 @@
 """An F28335's I2C module as seven bits pass at once: its socket goes in; where it stands before and behind comes out.
 
-See `bus.i2c.whole_bytes`. Only a slave, or one who is not meant: as a master it clocks the bus itself.
+See `bus.i2c.whole_bytes`. A slave, or one who is not meant; what it is as the master is in `i2c_master_bytes`.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from ..core.wire import Wire
 from ..f28335.i2c.module import I2c
 from ..f28335.i2c.register_map import MDR_DLB, MDR_FDF, SCL, SDA
 from ..f28335.i2c.slave_transmitter import IGNORE, OFF, TRANSMIT
+from .i2c_master_bytes import SDA_INDEX, I2cMasterBytes
 
-SDA_INDEX = 1  # among the module's outputs
 MARGIN = 2  # cycles: an edge between two cycles is seen with the later one
 
 
@@ -48,9 +48,12 @@ class I2cSlaveEdges(SdaFollows):
 class I2cSlaveBytes(ByteParty):
     """socket: of the module. clock: SYSCLKOUT. exact: bytes pass only where what it sees is what edges show."""
 
-    __slots__ = ("_calm", "_calm_for", "_chip", "_clock", "_exact", "_hz", "_mover", "_socket", "_target")
+    __slots__ = ("_calm", "_calm_for", "_chip", "_clock", "_exact", "_hz", "_mover", "_socket", "_target", "master")
 
-    def __init__(self, kernel: Kernel, socket: Socket, chip: I2c, clock: Clock, sda: Wire, exact: bool) -> None:
+    def __init__(
+        self, kernel: Kernel, socket: Socket, chip: I2c, clock: Clock, scl: Wire, sda: Wire, exact: bool
+    ) -> None:
+        self.master = I2cMasterBytes(kernel, scl, sda, socket, chip, clock, self)
         self._mover = I2cSlaveEdges(kernel, socket, chip, clock, sda)
         self._exact = exact
         self._socket = socket
@@ -67,13 +70,35 @@ class I2cSlaveBytes(ByteParty):
             mask |= pin.mask
         return mask
 
+    def act(self, tag: int) -> None:
+        self.master.again()
+
     def byte(self) -> int:
+        if self._chip.master.active:
+            return self.master.byte()
         return self._chip.state.xsr & ONES if self._target.phase == TRANSMIT else ONES
 
-    def ready(self, low: int, high: int, hold: int) -> bool:
+    def goes_on(self, shown: int) -> bool:
+        return self.master.goes_on(shown)
+
+    def follow_at(self, fall: int) -> int:
+        if self._chip.master.active:
+            return self.master.follow_at(fall)
+        return self._clock.tick(self._clock.cycle_at(fall) + self._chip.filter_width + self._socket.out_delay)
+
+    def apart(self, fall: int, moved: int) -> bool:
+        """Else it takes them for one (option `unequal_arrival`)."""
+        return self._clock.cycle_at(moved) - self._clock.cycle_at(fall) >= self._chip.state.tm
+
+    def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
         chip, target = self._chip, self._target
         lines, state = chip._lines, chip.state
-        if chip._suspended or chip.master.active or state.mdr & (MDR_DLB | MDR_FDF):
+        if chip.master.active:
+            if not self.master.asks:
+                return False
+        elif chip.master.due != NEVER:
+            return False
+        if chip._suspended or state.mdr & (MDR_DLB | MDR_FDF):
             return False
         if chip._pins & SCL or lines.due != NEVER or lines.levels != chip._pins or self._socket._out != chip.out:
             return False
@@ -86,19 +111,21 @@ class I2cSlaveBytes(ByteParty):
                 return False
         if not self._exact:
             return True
-        wanted = low + 3 * high + 5 * hold + 7 * chip.filter_width + 11 * state.tm
+        wanted = each + 2 * low + 3 * high + 5 * hold + 7 * chip.filter_width + 11 * state.tm
         if wanted != self._calm_for or self._clock.hz is not self._hz:
             self._calm_for, self._hz = wanted, self._clock.hz
-            self._calm = self._is_calm(low, high, hold)
+            self._calm = self._is_calm(low, high, hold, each)
         return self._calm
 
-    def _is_calm(self, low: int, high: int, hold: int) -> bool:
+    def _is_calm(self, low: int, high: int, hold: int, each: bool) -> bool:
         """Each level outlasts the noise filter, and SDA moves apart from SCL, also where this module moves it."""
         width, module_clock = self._chip.filter_width, self._chip.state.tm
         apart = max(width, module_clock) + MARGIN
         low, high, hold = self._cycles(low), self._cycles(high), self._cycles(hold)
         own = width + self._socket.out_delay + MARGIN
-        return width > 0 and hold >= module_clock + MARGIN and min(high, low - hold, low - own) >= apart
+        if width <= 0 or (not each and hold < module_clock + MARGIN):
+            return False
+        return min(high, low - hold, low - own) >= apart
 
     def _cycles(self, ticks: int) -> int:
         """Whole cycles in so long a time, rounded down."""
@@ -116,12 +143,14 @@ class I2cSlaveBytes(ByteParty):
         elif target.phase != OFF and target.phase != IGNORE:
             target.bit = bit
             target._shift = shown >> (BITS + 1 - bit)
+        if chip.master.active:
+            self.master.stand(shown, bit)
 
     def meanwhile(self) -> SdaFollows | None:
         sends = self._target.phase == TRANSMIT
         if not sends and not self._socket.traces:
             return None
-        self._mover.begin(self.byte())
+        self._mover.begin(self.byte() if sends else ONES)
         return self._mover
 
     def edge(self, tick: int, levels: int) -> None:

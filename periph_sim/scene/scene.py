@@ -146,6 +146,8 @@ class Scene:
             self._counter = parts.I2cByteCounter(self.wires["SCL"], self.wires["SDA"])
             if self.recorder.wants(Kind.BUS):
                 parts.BusRecorder(self.kernel, self.recorder, self.wires["SCL"], self.wires["SDA"])
+            if case.fidelity != "edge":
+                self.whole_bytes = parts.whole_bytes_of(context, None, self.units)
         if case.rounds is not None:
             self.bus.asked = self._asked_by_master(context, case.rounds)
         if case.host is not None:
@@ -247,7 +249,8 @@ class Scene:
         if self.head is None and not self.stuck.told:
             length = parts.STUCK_AFTER if self.case.rounds is None else self.case.rounds.stuck_after
             for name in ("SCL", "SDA"):
-                parts.StuckWatch(self.kernel, self.recorder, self.wires[name], self._ticks(length), self.stuck.report)
+                wire, limit = self.wires[name], self._ticks(length)
+                parts.StuckWatch(self.kernel, self.recorder, wire, limit, self.stuck.report, self.whole_bytes)
         self.stuck.told.append(told)
 
     def on_sci(self, told: Callable[[int, int, bool], None]) -> None:

@@ -16,6 +16,7 @@ from ..core.kernel import Agent
 from ..core.wire import Wire
 from ..f28335.i2c.module import I2c
 from ..processor.dsp import Dsp
+from ..processor.i2c_master_bytes import I2cMasterBytes
 from ..processor.i2c_slave_bytes import I2cSlaveBytes
 from .case.model import Case
 from .context import SceneContext
@@ -26,21 +27,29 @@ MODULE = "I2C-A"
 LEVELS = {"adaptive": WholeBytes, "byte": ByteLevel}
 
 
-def whole_bytes_of(context: SceneContext, controller: I2cController, units: Mapping[str, Dsp]) -> WholeBytes:
-    """The controller asks it from now on, byte by byte."""
-    assert isinstance(controller, ByteController)
-    level = LEVELS[context.case.fidelity]
+def whole_bytes_of(context: SceneContext, controller: I2cController | None, units: Mapping[str, Dsp]) -> WholeBytes:
+    """Who clocks asks it from now on, byte by byte: the agent, where there is one, else whichever unit is the master.
+
+    Bytes of a unit pass as at "adaptive" at "byte", too.
+    """
+    level = WholeBytes if controller is None else LEVELS[context.case.fidelity]
+    exact = level is WholeBytes
     scl, sda = context.wire("SCL"), context.wire("SDA")
     stand_in: dict[Agent, ByteParty] = {}
+    masters: list[I2cMasterBytes] = []
     for dsp in units.values():
         if MODULE in dsp.sockets:
             socket = dsp.socket(MODULE)
             assert isinstance(socket.chip, I2c)
-            stand_in[socket] = I2cSlaveBytes(
-                context.kernel, socket, socket.chip, dsp.clock, sda, exact=level is WholeBytes
-            )
+            stand_in[socket] = module = I2cSlaveBytes(context.kernel, socket, socket.chip, dsp.clock, scl, sda, exact)
+            masters.append(module.master)
     whole_bytes = level(context.kernel, scl, sda, controller, stand_in)
-    controller.let_pass(whole_bytes)
+    if controller is None:
+        for master in masters:
+            master.let_pass(whole_bytes)
+    else:
+        assert isinstance(controller, ByteController)
+        controller.let_pass(whole_bytes)
     return whole_bytes
 
 
@@ -59,7 +68,7 @@ def refuse_byte_level(case: Case, whole_bytes: WholeBytes | None, wires: Mapping
     if whole_bytes is not None:  # a unit's pins become its module's as firmware routes them
         strangers = sorted({who.partition(".")[0] for who in whole_bytes.strangers()}.difference(case.unit))
     if whole_bytes is None:
-        what = "there is no [controller], the agent that gives whole bytes"
+        what = "there is no I2C bus"
     elif any(wires[name].recorded for name in ("SCL", "SDA")):
         what = "edges of SCL and SDA are asked for, by a recording or a budget, and bytes have none"
     elif strangers:

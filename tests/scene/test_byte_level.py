@@ -137,7 +137,7 @@ def test_a_byte_for_which_scl_is_held_goes_by_edges_from_there_on(point: str):
 @pytest.mark.parametrize(
     ("name", "why"),
     [
-        ("two_dsps", "there is no [controller], the agent that gives whole bytes"),
+        ("uart_logger", "there is no I2C bus"),
         ("imu_chips", "accelerometer and gyroscope and magnetometer may pull SCL and SDA edge by edge"),
         ("imu_hil_spikes", "fault 0 (spike) and fault 1 (spike) may pull SCL and SDA edge by edge"),
     ],
@@ -147,6 +147,14 @@ def test_a_bus_that_is_driven_edge_by_edge_is_refused(name: str, why: str):
     with pytest.raises(BadCase) as refused:
         Scene(case)
     assert f'"byte" cannot be: {why}; use "edge", or "adaptive" with the same records' in str(refused.value)
+
+
+@pytest.mark.parametrize("name", ["two_dsps", "eeprom_log"])
+def test_bytes_of_a_unit_that_is_the_master_pass_as_at_adaptive(name: str):
+    case = load(TIMING / f"{name}.toml")
+    (edge, records), (byte, same) = (run(case, level, BUT_EDGES, "0.05") for level in ("edge", "byte"))
+    assert told(byte) == told(edge) and same == records
+    assert byte.counts[BYTE_LEVEL] >= 0.99 * byte.wire_bytes > 50
 
 
 def test_recorded_edges_are_refused():

@@ -14,7 +14,7 @@ cdef class ByteController(I2cController):
     cdef void _release(self)
     cdef void _low(self, long long sda)
     cpdef long long pulls(self, long long line)
-    cpdef bint ready(self, long long low, long long high, long long hold)
+    cpdef bint ready(self, long long low, long long high, long long hold, bint each)
     cpdef long long byte(self)
     cpdef bint goes_on(self, long long shown)
     cpdef void stand(self, long long shown, long long bit, long long fell)

@@ -63,7 +63,7 @@ class ByteController(I2cController):
     def pulls(self, line: int) -> int:
         return self._scl_mask if line == SCL else self._sda_mask
 
-    def ready(self, low: int, high: int, hold: int) -> bool:
+    def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
         """Its filter sees each level of a bit; nothing else is under way."""
         return self._guard is None and self._filter <= min(high, hold, low - hold)
 

@@ -1,5 +1,6 @@
 cimport cython
 
+from .bit_times cimport BitTimes
 from .whole_bytes cimport ByteParty
 
 
@@ -10,4 +11,4 @@ cdef class I2cByteCounter(ByteParty):
     @cython.locals(event=cython.longlong)
     cpdef void sampled(self, long long now, long long levels)
     cpdef void edge(self, long long tick, long long levels)
-    cpdef void heard(self, long long shown, long long rise, long long low, long long high)
+    cpdef void heard(self, long long shown, BitTimes times)

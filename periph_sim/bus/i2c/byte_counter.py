@@ -6,6 +6,7 @@ For scenes in which no agent is the controller and so nobody else counts.
 from __future__ import annotations
 
 from ...core.wire import Wire, watch
+from .bit_times import BitTimes
 from .edge_play import BITS
 from .line_events import EVENTS, FALL, IDLE, RISE, SDA, START, STOP
 from .whole_bytes import ByteParty
@@ -38,6 +39,6 @@ class I2cByteCounter(ByteParty):
     def edge(self, tick: int, levels: int) -> None:
         self.sampled(tick, levels)
 
-    def heard(self, shown: int, rise: int, low: int, high: int) -> None:
+    def heard(self, shown: int, times: BitTimes) -> None:
         self._lines = SDA if shown & 1 else 0
         self._pulses = BITS if self._active else 0

@@ -29,7 +29,7 @@ class ByteLevel(WholeBytes):
     __slots__ = ("_acks",)
 
     def __init__(
-        self, kernel: Kernel, scl: Wire, sda: Wire, controller: ByteParty, stand_in: Mapping[Agent, ByteParty]
+        self, kernel: Kernel, scl: Wire, sda: Wire, controller: ByteParty | None, stand_in: Mapping[Agent, ByteParty]
     ) -> None:
         super().__init__(kernel, scl, sda, controller, stand_in)
         self._acks = 1
@@ -39,13 +39,17 @@ class ByteLevel(WholeBytes):
 
     def passes(self, low: int, high: int, hold: int, tag: int) -> bool:
         """Whether the byte goes in steps; the controller acts on `tag` as the eighth bit is over."""
-        shown = self._showing(low, high, hold)
+        controller = self._controller
+        assert controller is not None
+        shown = self._showing(controller, low, high, hold, False)
         if shown < 0:
             return False
         now = self._kernel.now
         self._since, self._shown = now, shown
+        times = self._steady
+        times.since, times.low, times.high = now, low, high
         self._stand(BITS, now + BITS * (low + high) - low)
-        self._kernel.ask(now + BITS * (low + high) + high, self._controller, tag)
+        self._kernel.ask(now + BITS * (low + high) + high, controller, tag)
         return True
 
     def eighth(self, ack: int) -> int:
@@ -53,10 +57,11 @@ class ByteLevel(WholeBytes):
 
         ack: what the controller puts on SDA for the ninth.
         """
-        now, shown, last = self._kernel.now, self._shown, self._sda.pulling
+        now, shown, last, high = self._kernel.now, self._shown, self._sda.pulling, self._steady.high
+        assert self._controller is not None
         for party in self._parties:
-            party.heard(shown, self._since, self._low, self._high)
-        self._edge(now - self._high, 0, last)
+            party.heard(shown, self._steady)
+        self._edge(now - high, 0, last)
         clock = self._controller.pulls(SCL)
         self._edge(now, clock, last)
         self._acks = ack
@@ -69,18 +74,21 @@ class ByteLevel(WholeBytes):
 
     def ninth(self) -> int:
         """The ACK's clock is over: its level."""
+        assert self._controller is not None
         now, clock, pulls = self._kernel.now, self._controller.pulls(SCL), self._sda_pulls(self._acks)
-        self._edge(now - self._high, 0, pulls)
+        self._edge(now - self._steady.high, 0, pulls)
         self._edge(now, clock, pulls)
         self.passed += 1
         return 0 if pulls else 1
 
     def follows(self, level: int) -> None:
         """SDA, behind the fall of SCL that ends a byte. level: what the controller puts on it."""
+        assert self._controller is not None
         self._edge(self._kernel.now, self._controller.pulls(SCL), self._sda_pulls(level))
 
     def _sda_pulls(self, controller: int) -> int:
         """Who pulls SDA. controller: the level it puts there."""
+        assert self._controller is not None
         pulling = 0 if controller else self._controller.pulls(SDA)
         for party in self._parties:
             if party.pulls_sda():

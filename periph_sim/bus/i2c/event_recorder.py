@@ -9,16 +9,19 @@ Source: UM10204 sections 3.1.4 to 3.1.10.
 
 from __future__ import annotations
 
-from ...core.kernel import Agent, Kernel
+from ...core.kernel import Kernel
 from ...core.records import Kind, Recorder
 from ...core.wire import Wire, watch
+from .bit_times import BitTimes
+from .edge_play import BITS as SEVEN
+from .whole_bytes import ByteParty
 
 SCL, SDA = 1, 2  # bits of the sampled levels
 BITS = 9
 WHO = "bus"
 
 
-class BusRecorder(Agent):
+class BusRecorder(ByteParty):
     """text of its records: the address of the phase, "0x68"."""
 
     def __init__(self, kernel: Kernel, recorder: Recorder, scl: Wire, sda: Wire) -> None:
@@ -41,6 +44,11 @@ class BusRecorder(Agent):
             self._in = self._in << 1 | levels >> 1
         elif self._busy and self._bits == BITS:
             self._byte_over()
+
+    def heard(self, shown: int, times: BitTimes) -> None:
+        self._levels = SDA if shown & 1 else 0
+        self._bits += SEVEN
+        self._in = self._in << SEVEN | shown >> 1
 
     def _condition(self, stop: bool) -> None:
         if stop:

@@ -16,6 +16,7 @@ from collections.abc import Callable, Mapping
 
 from ...core.time import NO_TIME
 from ...core.wire import Wire, watch
+from .bit_times import BitTimes
 from .edge_play import BITS as SEVEN
 from .line_events import SCL, SDA
 from .transfer import Phase, Transfer
@@ -98,17 +99,16 @@ class I2cMonitor(ByteParty):
     def edge(self, tick: int, levels: int) -> None:
         self.sampled(tick, levels)
 
-    def heard(self, shown: int, rise: int, low: int, high: int) -> None:
-        eighth = rise + SEVEN * (low + high)
+    def heard(self, shown: int, times: BitTimes) -> None:
         self._levels = SDA if shown & 1 else 0
         self._sda_seen = shown & 1
         if not self._scl_mask:
             return
         if self._index == 0 and self._phase.acked:
-            self._phase.answer_at = rise
+            self._phase.answer_at = times.rise(0)
         self._bits, self._in = SEVEN, shown >> 1
-        self._pulled_at, self._clock_length = eighth - low, low + high
-        self._rose_at = eighth - low - high
+        self._pulled_at, self._clock_length = times.fall(SEVEN), times.fall(SEVEN) - times.fall(SEVEN - 1)
+        self._rose_at = times.rise(SEVEN - 1)
         self._pulls_sda = bool(self._sda.pulling & self._sda_mask)
 
     # START and STOP ----------------------------------------------------------------

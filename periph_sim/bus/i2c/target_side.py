@@ -196,11 +196,15 @@ class TargetSide(ByteParty):
     def pulls(self, line: int) -> int:
         return self._scl.mask if line == SCL else self._sda.mask
 
-    def ready(self, low: int, high: int, hold: int) -> bool:
+    def follow_at(self, fall: int) -> int:
+        return fall + self._hold
+
+    def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
         """It stretches nothing, and moves SDA as far from SCL's edges as the controller does."""
         if self._does == NOT_MEANT:
             return True
-        return not self._bit and not self._stretches and hold <= self._hold <= low - hold
+        least = self._hold if each else hold
+        return not self._bit and not self._stretches and hold <= self._hold <= low - least
 
     def steps(self) -> bool:
         return False

@@ -17,6 +17,7 @@ from collections.abc import Mapping
 from ...core.kernel import Agent, Event, Kernel, Shortcut
 from ...core.time import NO_TIME
 from ...core.wire import PullWatch, Sampler, Tape, Wire
+from .bit_times import BitTimes
 from .edge_play import BITS, Deaf, EdgePlay, SdaFollows
 from .line_events import SCL, SDA
 
@@ -32,11 +33,19 @@ class ByteParty(Agent):
         """Its hold on a line, SCL or SDA, as a mask of the wire's parties; 0 if it has none."""
         return 0
 
-    def ready(self, low: int, high: int, hold: int) -> bool:
+    def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
         """Whether it waits for the first bit of a byte, and nothing of its own comes in between.
 
-        low, high, hold: ticks, as the controller clocks.
+        low, high, hold: ticks, as the controller clocks. each: it will be asked `apart` of each move of SDA.
         """
+        return True
+
+    def follow_at(self, fall: int) -> int:
+        """The tick at which it moves SDA behind a fall of SCL at tick `fall`, if it does."""
+        return fall
+
+    def apart(self, fall: int, moved: int) -> bool:
+        """Whether SCL's fall and SDA's move, by somebody else, are two events to it."""
         return True
 
     def steps(self) -> bool:
@@ -73,15 +82,16 @@ class ByteParty(Agent):
         """Whether it holds SCL low. Not asked of the controller."""
         return False
 
-    def heard(self, shown: int, rise: int, low: int, high: int) -> None:
-        """Seven bits have passed, the first with SCL's rise at tick `rise`: SCL is about to rise for the eighth.
+    def heard(self, shown: int, times: BitTimes) -> None:
+        """Seven bits have passed: SCL is about to rise for the eighth.
 
         For who only listens: it is told as they are over.
         """
 
 
 class WholeBytes(Shortcut):
-    """Of one bus and its controller. stand_in: for agents that are no party themselves, who knows it of them.
+    """Of one bus. controller: the agent that clocks it, if it is one. stand_in: for agents that are no party, who knows
+    it of them.
 
     passed: how many bytes have passed so.
     """
@@ -90,11 +100,10 @@ class WholeBytes(Shortcut):
         "_controller",
         "_deaf",
         "_eighth",
+        "_ends",
         "_fell",
-        "_high",
         "_kernel",
         "_known",
-        "_low",
         "_movers",
         "_parties",
         "_play",
@@ -105,21 +114,23 @@ class WholeBytes(Shortcut):
         "_shown",
         "_since",
         "_stand_in",
+        "_steady",
         "_tag",
         "_tape",
+        "_times",
         "_told",
         "_versions",
         "passed",
     )
 
     def __init__(
-        self, kernel: Kernel, scl: Wire, sda: Wire, controller: ByteParty, stand_in: Mapping[Agent, ByteParty]
+        self, kernel: Kernel, scl: Wire, sda: Wire, controller: ByteParty | None, stand_in: Mapping[Agent, ByteParty]
     ) -> None:
         self.passed = 0
         self._kernel = kernel
         self._scl = scl
         self._sda = sda
-        self._controller = controller
+        self._controller = controller  # who clocks this byte, if somebody does
         self._stand_in = dict(stand_in)
         self._parties: list[ByteParty] = []
         self._known = False  # every party of the lines is one of these
@@ -127,7 +138,9 @@ class WholeBytes(Shortcut):
         self._since = NO_TIME  # when the seven bits that pass just now began
         self._fell = NO_TIME
         self._shown = ONES
-        self._low = self._high = 0
+        self._steady = BitTimes()
+        self._times = self._steady  # of this byte
+        self._ends = 0  # from here on everybody is where edges would have him
         self._eighth: Event | None = None
         self._tag = 0
         self._play: EdgePlay | None = None  # where edges are recorded
@@ -137,7 +150,7 @@ class WholeBytes(Shortcut):
         self._samplers: list[Sampler] = []  # through which the parties are told,
         self._pull_watches: list[PullWatch] = []  # and through these,
         self._told: list[Agent] = []  # each of them
-        if scl.recorded or sda.recorded:
+        if controller is not None and (scl.recorded or sda.recorded):
             self._play = EdgePlay(kernel, scl, sda, controller.pulls(SCL), controller.pulls(SDA))
 
     def passes(self, low: int, high: int, hold: int, tag: int) -> bool:
@@ -145,20 +158,45 @@ class WholeBytes(Shortcut):
 
         It asks as it is about to let SCL go for the first bit. low, high, hold: ticks, as it clocks.
         """
-        now = self._kernel.now
-        shown = -1 if self._since == now else self._showing(low, high, hold)
+        now, controller = self._kernel.now, self._controller
+        assert controller is not None
+        shown = -1 if self._since == now else self._showing(controller, low, high, hold, False)
         if shown < 0:
             return False
-        self._since, self._fell, self._shown, self._tag = now, now - low, shown, tag
+        times = self._steady
+        times.since, times.low, times.high = now, low, high
+        self._begin(times, shown, now - low, tag)
         if self._play is not None:
-            self._begin_play(self._play, hold)
-        self._stand(BITS, now + BITS * (low + high) - low)
-        self._eighth = self._kernel.ask(now + BITS * (low + high), self._controller, tag)
-        self._kernel.shortcut = self
+            self._play.begin(controller.byte(), low, high, hold)
+        self._ends = times.rise(BITS)
+        self._eighth = self._kernel.ask(self._ends, controller, tag)
         return True
 
-    def _begin_play(self, play: EdgePlay, hold: int) -> None:
-        """The edges are made, and those who are told of them else are told nothing."""
+    def pass_of(self, party: ByteParty, times: BitTimes, fell: int, ends: int, play: EdgePlay | None) -> bool:
+        """The same of one who clocks in cycles and not in ticks; it sees itself to what comes at `ends`.
+
+        fell: the tick at which SCL fell last. Where edges are recorded, and so there is a `play`, it begins that now.
+        """
+        if self._since == self._kernel.now:
+            return False
+        low, high = times.rise(1) - times.fall(1) - 1, times.fall(1) - times.rise(0) - 1
+        shown = self._showing(party, low, high, 0, True)
+        if shown < 0 or not self._apart(times):
+            return False
+        self._controller, self._eighth, self._play = party, None, play
+        self._begin(times, shown, fell, 0)
+        self._ends = ends
+        return True
+
+    def _begin(self, times: BitTimes, shown: int, fell: int, tag: int) -> None:
+        self._times, self._since, self._fell, self._shown, self._tag = times, self._kernel.now, fell, shown, tag
+        if self._play is not None:
+            self._deafen()
+        self._stand(BITS, times.fall(BITS))
+        self._kernel.shortcut = self
+
+    def _deafen(self) -> None:
+        """Those who are told of edges are told nothing."""
         self._tape.numbers.clear()
         self._scl.tape = self._sda.tape = self._tape
         movers = {party: party.meanwhile() for party in self._parties}
@@ -168,7 +206,6 @@ class WholeBytes(Shortcut):
             sampler.agent = movers.get(self._party(sampler.agent)) or self._deaf
         for watch in self._pull_watches:
             watch.agent = self._deaf
-        play.begin(self._controller.byte(), self._low, self._high, hold)
 
     def _end_play(self) -> None:
         """They are told again."""
@@ -181,21 +218,42 @@ class WholeBytes(Shortcut):
     def _party(self, agent: Agent) -> ByteParty:
         return agent if isinstance(agent, ByteParty) else self._stand_in[agent]
 
-    def _showing(self, low: int, high: int, hold: int) -> int:
+    def _showing(self, controller: ByteParty, low: int, high: int, hold: int, each: bool) -> int:
         """What the lines will show, as a byte; -1 where it must go edge by edge."""
         scl, sda = self._scl, self._sda
         if not scl.quiet() or not sda.quiet():
             return -1
         if scl.version + sda.version != self._versions:
             self._look()
-        if not self._known or scl.pulling != self._controller.pulls(SCL):
+        if not self._known or scl.pulling != controller.pulls(SCL):
             return -1
-        self._low, self._high, shown = low, high, ONES
+        shown = ONES
         for party in self._parties:
-            if not party.ready(low, high, hold):
+            if not party.ready(low, high, hold, each):
                 return -1
             shown &= party.byte()
-        return shown if self._controller.goes_on(shown) else -1
+        return shown if controller.goes_on(shown) else -1
+
+    def _apart(self, times: BitTimes) -> bool:
+        """Whether each party tells the moves of SDA, by others, from the falls of SCL before them."""
+        for sender in self._parties:
+            byte = sender.byte()
+            for number in range(1, BITS + 1):
+                if 0 < byte >> (BITS - number) & 3 < 3:
+                    fall = times.fall(number)
+                    moved = sender.follow_at(fall)
+                    for party in self._parties:
+                        if party is not sender and not party.apart(fall, moved):
+                            return False
+        return True
+
+    def sda_fell(self) -> int:
+        """The tick at which SDA fell last in these bits; NO_TIME where it did not."""
+        for number in range(BITS, 0, -1):
+            if self._shown >> (BITS - number) & 3 == 2:
+                fall = self._times.fall(number)
+                return min(p.follow_at(fall) for p in self._parties if not p.byte() >> (BITS - number) & 1)
+        return NO_TIME
 
     def strangers(self) -> set[str]:
         """Who may pull a line and is no party now, as the wires name them."""
@@ -216,32 +274,40 @@ class WholeBytes(Shortcut):
             if self._play is not None:
                 self._end_play()
             for party in self._parties:
-                party.heard(self._shown, self._since, self._low, self._high)
+                party.heard(self._shown, self._times)
         self._since = NO_TIME
 
     def catch_up(self) -> None:
-        kernel, eighth = self._kernel, self._eighth
-        assert eighth is not None
-        if eighth.time <= kernel.now:
-            return  # it acts in this very tick, from where everybody stands
+        kernel, controller = self._kernel, self._controller
+        if self._ends <= kernel.now:
+            return  # the controller acts in this very tick, or has, from where everybody stands
+        assert controller is not None
         kernel.shortcut = None
-        kernel.cancel(eighth)
+        if self._eighth is not None:
+            kernel.cancel(self._eighth)
         if self._play is None:
             self._stand(0, self._fell)
-            kernel.replay(self._since, self._controller, self._tag)
+            self._replay(controller)
             return
         self._play.stop()
         for mover in self._movers:
             mover.stop()
         self._end_play()
         self._stand(0, self._fell)
-        self._scl.jump(self._controller.pulls(SCL))
+        self._scl.jump(controller.pulls(SCL))
         again = self._tape.again
         again[:] = self._tape.numbers
         self._scl.tape = self._sda.tape = self._tape
-        kernel.replay(self._since, self._controller, self._tag)
+        self._replay(controller)
         again.clear()
         self._scl.tape = self._sda.tape = None
+
+    def _replay(self, controller: ByteParty) -> None:
+        """Nothing of it is an effect of what is being worked under now."""
+        recorder = self._scl.recorder
+        outer, recorder.cause = recorder.cause, 0
+        self._kernel.replay(self._since, controller, self._tag)
+        recorder.cause = outer
 
     def _stand(self, bit: int, fell: int) -> None:
         pulling = 0

@@ -52,7 +52,7 @@ class I2c(Chip):
     INPUTS: tuple[str, ...] = ("SCL", "SDA")
     OUTPUTS: tuple[str, ...] = ("SCL", "SDA")
     LINES: tuple[str, ...] = ("I2CINT1A", "I2CINT2A")
-    mid_byte = at.MDR
+    mid_byte: tuple[int, ...] = (at.MDR, at.CLKL, at.CLKH)
 
     def __init__(self, options: I2cOptions = I2cOptions()) -> None:  # noqa: B008 (frozen)
         self.options = options

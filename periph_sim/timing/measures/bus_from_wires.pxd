@@ -1,3 +1,4 @@
+from ...bus.i2c.bit_times cimport BitTimes
 from ...bus.i2c.whole_bytes cimport ByteParty
 from ...core.wire cimport Wire
 
@@ -11,7 +12,7 @@ cdef class BusFromWires(ByteParty):
     cdef long long _bits, _in
     cdef bint _settled, _acked
     cpdef void pulled(self, long long line, long long now, long long pulling)
-    cpdef void heard(self, long long shown, long long rise, long long low, long long high)
+    cpdef void heard(self, long long shown, BitTimes times)
     cpdef void settle_before(self, long long tick)
     cpdef void settle(self)
     cpdef bint held_by_us_alone(self)

@@ -10,6 +10,7 @@ Source: UM10204 sections 3.1.4 to 3.1.10.
 
 from __future__ import annotations
 
+from ...bus.i2c.bit_times import BitTimes
 from ...bus.i2c.edge_play import BITS as SEVEN
 from ...bus.i2c.whole_bytes import ByteParty
 from ...core.time import NO_TIME
@@ -62,13 +63,14 @@ class BusFromWires(ByteParty):
             if wire.pulling != known:
                 self.pulled(line, tick, wire.pulling)
 
-    def heard(self, shown: int, rise: int, low: int, high: int) -> None:
+    def heard(self, shown: int, times: BitTimes) -> None:
         self.settle()
         if self.phase_at != NO_TIME:
-            for at in range(rise, rise + SEVEN * (low + high), low + high):
+            for number in range(SEVEN):
+                at = times.rise(number)
                 self.held(at, at)
-            if self.index >= 0 and self._acked:
-                self.first_bit(rise, rise)
+                if not number and self.index >= 0 and self._acked:
+                    self.first_bit(at, at)
             self._bits, self._in = SEVEN, shown >> 1
         self._sda = self._sda_before = shown & 1
         self._sda_pulling = self._sda_wire.pulling

@@ -1,0 +1,44 @@
+"""When SCL moves in seven bits that pass at once: how it is clocked goes in; the tick of each rise and fall comes out.
+
+SCL  _|~|_|~|_ ... _|~|_
+      0   1    rises   7, the eighth bit's
+        1   2  falls  7
+"""
+
+from __future__ import annotations
+
+from ...core.time import NO_TIME, Clock
+
+
+class BitTimes:
+    """Of one who clocks in whole ticks: since the first rise, high and low for so many."""
+
+    __slots__ = ("high", "low", "since")
+
+    def __init__(self) -> None:
+        self.since = NO_TIME
+        self.low = self.high = 0
+
+    def rise(self, number: int) -> int:
+        """The tick of this rise: 0 to 7."""
+        return self.since + number * (self.low + self.high)
+
+    def fall(self, number: int) -> int:
+        """The tick of this fall: 1 to 7."""
+        return self.rise(number - 1) + self.high
+
+
+class CycleTimes(BitTimes):
+    """Of one who clocks in cycles of its own: since, low and high are such."""
+
+    __slots__ = ("_clock",)
+
+    def __init__(self, clock: Clock) -> None:
+        BitTimes.__init__(self)
+        self._clock = clock
+
+    def rise(self, number: int) -> int:
+        return self._clock.tick(self.since + number * (self.low + self.high))
+
+    def fall(self, number: int) -> int:
+        return self._clock.tick(self.since + (number - 1) * (self.low + self.high) + self.high)

@@ -1,0 +1,185 @@
+"""At the level "adaptive" bytes of an F28335 that is the master pass at once, too, with the records of "edge".
+
+    head (master) --SCL, SDA--> unit, EEPROM: each on a clock of its own
+
+Firmware of both units commands transfers and meddles with its module at any time; two may want to be master at once.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from random import Random
+
+import pytest
+
+from periph_sim.core.records import Kind, Record
+from periph_sim.processor.dsp import Dsp
+from periph_sim.scene.case.load import load
+from periph_sim.scene.firmware_loader import Firmware
+from periph_sim.scene.result import BYTE_LEVEL
+from periph_sim.scene.scene import Scene
+from tests.profiles import explores
+from tests.scene import small
+from tests.scene.runs import TIMING
+from tests.scene.test_adaptive import BUT_EDGES, RECORDED, run, told
+
+
+class MeddlingMaster:
+    """Firmware of a unit: transfers as master and, at times drawn by a seed, what shows in the middle of a byte."""
+
+    def __init__(self, seed: str, pads: bool, own: int, master: float) -> None:
+        self.random = Random(seed)
+        self.pads, self.own, self.master = pads, own, master
+        self.seen: list[tuple[str, int, int]] = []  # what was done, at which cycle, what was seen
+
+    def __call__(self, dsp: Dsp, settings: object) -> None:
+        i2c, draw = dsp.module("I2C-A"), self.random
+        self.start(dsp)
+        doings = {
+            "look at flags": lambda: i2c.I2CSTR.all,
+            "write a byte": lambda: self.put(i2c.I2CDXR, draw.randrange(256)),
+            "read a byte": lambda: i2c.I2CDRR.all,
+            "clear flags": lambda: self.put(i2c.I2CSTR, 0x003F),
+            "reset the module": lambda: self.off_and_on(dsp),
+            "change SCL": lambda: self.put(draw.choice((i2c.I2CCLKL, i2c.I2CCLKH)), draw.choice((30, 45, 60))),
+            "stop the clock": lambda: self.gate(dsp),
+            "stop": lambda: self.put(i2c.I2CMDR, 0x4C20),
+        }
+        if self.pads:
+            doings["look at the pads"] = lambda: dsp.module("GPIO").GPBDAT.all & 3
+        while True:
+            dsp.compute(draw.choice((40, 700, 5_000, 30_000)) + draw.randrange(1_000))
+            if draw.random() < self.master:
+                self.seen.append(("transfer", dsp.cpu.cycle, self.command(dsp)))
+                continue
+            what = draw.choice(list(doings))
+            seen = doings[what]()
+            self.seen.append((what, dsp.cpu.cycle, int(seen or 0)))
+
+    def command(self, dsp: Dsp) -> int:
+        """Bytes to somebody, or from there."""
+        i2c, draw = dsp.module("I2C-A"), self.random
+        i2c.I2CSAR.all = draw.choice((0x50, 0x51, 0x51, 0x52, 0x31))
+        i2c.I2CCNT.all = draw.randrange(1, 6)
+        i2c.I2CDXR.all = draw.randrange(256)
+        i2c.I2CMDR.all = mdr = draw.choice((0x6E20, 0x6E20, 0x6C20, 0x6C20, 0x6620, 0x6EA0))
+        got = 0
+        for _ in range(draw.randrange(8)):
+            dsp.compute(13_500 + draw.randrange(3_000))
+            if mdr & 0x0200:
+                i2c.I2CDXR.all = draw.choice((0, 255, draw.randrange(256)))
+            else:
+                got = got << 8 | i2c.I2CDRR.all
+        if i2c.I2CSTR.NACK:
+            i2c.I2CMDR.all = 0x4C20  # STP
+            i2c.I2CSTR.all = 0x0002
+        return got << 16 | i2c.I2CSTR.all
+
+    def start(self, dsp: Dsp) -> None:
+        i2c = dsp.module("I2C-A")
+        dsp.eallow()
+        dsp.module("SYS").PCLKCR0.I2CAENCLK = 1
+        if self.pads:
+            gpio = dsp.module("GPIO")
+            gpio.GPBPUD.all = 0
+            gpio.GPBQSEL1.all = 0xF
+            gpio.GPBMUX1.all = 5
+        dsp.edis()
+        self.settings(dsp)
+        i2c.I2CMDR.all = 0x4020
+
+    def settings(self, dsp: Dsp) -> None:
+        i2c = dsp.module("I2C-A")
+        i2c.I2CPSC.all = 14
+        i2c.I2CCLKL.all = i2c.I2CCLKH.all = 45
+        i2c.I2COAR.all = self.own
+
+    @staticmethod
+    def put(register, value: int) -> None:
+        register.all = value
+
+    def off_and_on(self, dsp: Dsp) -> None:
+        dsp.module("I2C-A").I2CMDR.all = 0
+        self.settings(dsp)
+        dsp.module("I2C-A").I2CMDR.all = 0x4020
+
+    def gate(self, dsp: Dsp) -> None:
+        system = dsp.module("SYS")
+        dsp.eallow()
+        system.PCLKCR0.I2CAENCLK = 0
+        dsp.compute(self.random.randrange(3_000))
+        system.PCLKCR0.I2CAENCLK = 1
+        dsp.edis()
+        self.off_and_on(dsp)
+
+
+def meddled(seed: int, level: str, kinds: tuple[Kind, ...]):
+    random = Random(seed)
+    units, programs, meddlers = {}, {}, []
+    for name, own, master in (("head", 0x50, 0.7), ("imu", 0x51, random.choice((0.0, 0.2)))):
+        pads = random.random() < 0.5
+        modules = ["I2C-A", "GPIO"] if pads else ["I2C-A"]
+        units[name] = {"firmware": name, "modules": modules, "ppm": random.choice((0, 0, 50, -50, 20))}
+        meddler = MeddlingMaster(f"{name} {seed}", pads, own, master)
+        meddlers.append(meddler)
+        programs[name] = Firmware(name, meddler, None)
+    eeprom = {"model": "24lc64", "address": 0x52, "write_time": "100 us to 2 ms"}
+    made = small.case(unit=units, device={"eeprom": eeprom}, seed=seed)
+    return *run(made, level, kinds, "0.03", programs), [meddler.seen for meddler in meddlers]
+
+
+@RECORDED
+@pytest.mark.parametrize("seed", range(200) if explores() else range(20))
+def test_masters_that_meddle_give_what_edges_give(seed: int, kinds: tuple[Kind, ...]):
+    edge, adaptive = meddled(seed, "edge", kinds), meddled(seed, "adaptive", kinds)
+    assert adaptive[2] == edge[2]
+    assert adaptive[1] == edge[1]
+    assert told(adaptive[0]) == told(edge[0])
+
+
+def test_bytes_of_the_masters_above_have_passed_at_once():
+    """Else the test above would prove nothing."""
+    results = [meddled(seed, "adaptive", ())[0] for seed in range(10)]
+    passed, bytes_ = sum(result.counts[BYTE_LEVEL] for result in results), sum(result.wire_bytes for result in results)
+    assert bytes_ > 150 and passed > bytes_ // 2
+
+
+@pytest.mark.parametrize("name", ["two_dsps", "eeprom_log", "eeprom_overrun"])
+def test_bytes_of_shipped_masters_pass_at_once(name: str):
+    edge, adaptive = (run(load(TIMING / f"{name}.toml"), level, (), "0.1")[0] for level in ("edge", "adaptive"))
+    assert adaptive.counts[BYTE_LEVEL] >= 0.99 * adaptive.wire_bytes > 100
+    assert adaptive.events < 0.7 * edge.events
+    assert told(adaptive) == told(edge)
+
+
+def test_a_line_that_stays_low_is_told_at_the_same_tick():
+    """SDA is held from the middle of a byte on: who watches for it has not seen the edges of that byte."""
+
+    def firmware(dsp: Dsp, settings: object) -> None:
+        master = MeddlingMaster("", False, 0x50, 0)
+        master.start(dsp)
+        i2c = dsp.module("I2C-A")
+        i2c.I2CSAR.all = 0x51
+        i2c.I2CCNT.all = 3
+        i2c.I2CDXR.all = 0xA0
+        i2c.I2CMDR.all = 0x6E20
+        dsp.compute(Fraction(12, 1000))  # the second byte is never written: SCL is held low
+
+    def silent(dsp: Dsp, settings: object) -> None:
+        MeddlingMaster("", False, 0x51, 0).start(dsp)
+
+    came: list[list[Record]] = []
+    for level in ("edge", "adaptive"):
+        records: list[Record] = []
+        case = small.case(
+            unit={name: {"firmware": name, "modules": ["I2C-A"]} for name in ("head", "imu")},
+            rounds={"period": "10 ms", "stuck_after": "2 ms", "request": [{"address": 0x51, "count": 1}]},
+            budget=[{"name": "stuck", "measure": "stuck", "max": 9}],
+            fidelity=level,
+        )
+        programs = {"head": Firmware("head", firmware, None), "imu": Firmware("imu", silent, None)}
+        scene = Scene(case, lambda recorder, _, to=records: recorder.subscribe(BUT_EDGES, to.append), programs)
+        scene.run()
+        came.append(records)
+    assert came[0] == came[1]
+    assert [record.what for record in came[0] if record.what == "stuck"] == ["stuck"]

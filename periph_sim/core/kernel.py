@@ -188,10 +188,8 @@ class Kernel:
         """Promise the agent of `event`, which was kept or taken back, another one: an agent with one at a time needs
         no further object. ValueError if `time` is past, or the event is still to come.
         """
-        if time < self.now:
-            raise ValueError(f"{describe(event.agent)}: asked for t={time}, but it is already t={self.now}")
-        if event.queued:
-            raise ValueError(f"{describe(event.agent)}: asked for t={time} by an event that comes at t={event.time}")
+        if time < self.now or event.queued:
+            self._refuse(event, time)
         self._number += 1
         event.time = time
         event.rank = rank = event.phase * _NUMBERS + self._number
@@ -214,6 +212,12 @@ class Kernel:
             event.following, before.following = after, event
         event.queued = True
         self._latest = event
+
+    def _refuse(self, event: Event, time: int) -> None:
+        who = describe(event.agent)
+        if time < self.now:
+            raise ValueError(f"{who}: asked for t={time}, but it is already t={self.now}")
+        raise ValueError(f"{who}: asked for t={time} by an event that comes at t={event.time}")
 
     def cancel(self, event: Event) -> None:
         """Take back a promise; one that was kept stays kept."""
@@ -310,7 +314,10 @@ class Kernel:
                 party = next_party
             steps += 1
             if steps > STORM:
-                raise SimulationStuck(f"wires did not come to rest at t={self.now} after {STORM} steps")
+                self._stuck(f"wires did not come to rest at t={self.now} after {STORM} steps")
+
+    def _stuck(self, why: str) -> None:
+        raise SimulationStuck(why)
 
     def run_until(self, time: int) -> None:
         """Do everything due up to and including `time`; then it is `time` (earlier after `stop`)."""
@@ -370,9 +377,8 @@ class Kernel:
         else:
             self._in_this_tick += 1
             if self._in_this_tick > STORM:
-                raise SimulationStuck(
-                    f"{STORM} events at t={self.now} without time passing; the last: {describe(event.agent)}"
-                )
+                last = describe(event.agent)
+                self._stuck(f"{STORM} events at t={self.now} without time passing; the last: {last}")
         self.now = self._at = event.time
         event.agent.act(event.tag)
         return True

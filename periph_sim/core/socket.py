@@ -208,16 +208,26 @@ class Socket(Agent):
         chip = self.chip
         if chip.out != self._out:
             self._drive(cycle)
+        if chip.requests or chip.held != self._held:
+            self._request(cycle)
+        if chip.next_wake < self._wake_cycle:
+            self._plan(cycle)
+        if looks != OUTPUTS:
+            self._show(cycle)
+
+    def _request(self, cycle: int) -> None:
+        """Interrupts that the chip asks for, or the lines that it holds."""
+        chip = self.chip
         if chip.requests:
             asked, chip.requests = chip.requests, 0
             self._on_request(cycle, asked)
         if chip.held != self._held and self.on_held is not None:
             self._held = chip.held
             self.on_held(cycle, chip.held)
-        if chip.next_wake < self._wake_cycle:
-            self._plan(cycle)
-        if looks == OUTPUTS:
-            return
+
+    def _show(self, cycle: int) -> None:
+        """What may be read of the chip has changed."""
+        chip = self.chip
         if self.after is not None:
             self.after(cycle)
         if self.watchers:

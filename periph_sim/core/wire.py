@@ -115,42 +115,55 @@ class Wire(Settles):
             return
         self._pulling = pulling
         if self.recorded:
-            if level:
-                self._released_under = max(self._released_under, self.recorder.cause)
-            else:
-                self._pulled_under = max(self._pulled_under, self.recorder.cause)
+            self._under(level)
         if not self._queued:
             self._queued = True
             self.kernel.moved(self)
 
+    def _under(self, level: int) -> None:
+        """A pull or release (1) under the present record."""
+        if level:
+            self._released_under = max(self._released_under, self.recorder.cause)
+        else:
+            self._pulled_under = max(self._pulled_under, self.recorder.cause)
+
     def settle(self) -> None:
         """Take the level that results from all pulls, and have those told who sample it."""
         self._queued = False
-        level = 0 if self._pulling else 1
         if self._pulling != self.pulling:
             self.pulling = self._pulling
-            watch = self._pull_watches
-            while watch is not None:
-                if watch.sampler is not None:
-                    self.kernel.tell(watch.sampler)
-                else:
-                    watch.agent.pulled(watch.line, self.kernel.now, self.pulling)
-                watch = watch.following
-        if level != self.level:
-            self.level = level
-            if self.recorded:
-                cause = self._released_under if level else self._pulled_under
-                self.cause = self._record(self._edges, level, cause)
+            if self._pull_watches is not None:
+                self._tell_pulled(self._pull_watches)
+        level = 0 if self.pulling else 1
+        moved = level != self.level
+        self.level = level
+        if self.recorded:
+            self._record_settled(moved)
+        if moved:
             look = self._watches
             while look is not None:
                 look.sampler.levels ^= look.bit
                 if not look.sampler.due:
                     self.kernel.tell(look.sampler)
                 look = look.following
+
+    def _tell_pulled(self, first: PullWatch) -> None:
+        watch: PullWatch | None = first
+        while watch is not None:
+            if watch.sampler is None:
+                watch.agent.pulled(watch.line, self.kernel.now, self.pulling)
+            elif not watch.sampler.due:
+                self.kernel.tell(watch.sampler)
+            watch = watch.following
+
+    def _record_settled(self, moved: bool) -> None:
+        """An edge, if its level has moved; else perhaps that others hold it."""
+        if moved:
+            cause = self._released_under if self.level else self._pulled_under
+            self.cause = self._record(self._edges, self.level, cause)
         elif self._records_holds and self._pulling != self._pulling_recorded:
-            self._record(self._holds, level, self._pulled_under or self._released_under)
-        if self.recorded:
-            self._pulled_under = self._released_under = 0
+            self._record(self._holds, self.level, self._pulled_under or self._released_under)
+        self._pulled_under = self._released_under = 0
 
     def jump(self, pulling: int) -> None:
         """It was settled on these pulls before anybody looks again; nobody is told, and it is not recorded."""

@@ -41,7 +41,7 @@ DIRECTIVES = {
 CLASS = re.compile(r"^cdef class (\w+)", re.MULTILINE)
 CIMPORT = re.compile(r"^from (\.+)([\w.]*) cimport", re.MULTILINE)
 NOTHING_TO_DO = "all modules are built already"
-FLAGS = ("-O2", "-fPIC", "-shared", "-fwrapv", "-fno-strict-aliasing", "-w")
+FLAGS = ("-O2", "-DNDEBUG", "-fPIC", "-shared", "-fwrapv", "-fno-strict-aliasing", "-w")
 
 
 class NoBuild(Exception):

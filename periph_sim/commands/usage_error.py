@@ -27,6 +27,7 @@ MISTAKES = {
     "periph_sim.sensors.numeric.q.DoesNotFit",
     "periph_sim.records.recording.BadRecording",
     "periph_sim.replay.BadReplay",
+    "periph_sim.outside.errors.OutsideError",
 }
 
 

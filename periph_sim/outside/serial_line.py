@@ -32,13 +32,13 @@ Wrong = Literal["", "parity", "stop"]
 class SerialLine:
     """received: frames that came with a wrong parity or stop bit are counted in `wrong`, and their bytes kept.
 
-    waiting: bytes that are not on the line yet.
+    waiting: bytes that are not on the line yet; sent: those that were put there.
     """
 
     def __init__(self, session: Session, rx: str, tx: str, baud: int, form: str) -> None:
         self._session = session
         self._rx = rx
-        self.wrong = 0
+        self.wrong = self.sent = 0
         self._got = bytearray()
         self._queue: deque[tuple[bytes, Wrong]] = deque()
         self._place = 0  # in the first of them
@@ -111,6 +111,7 @@ class SerialLine:
                 self._session.apply(int(begin + bit * self._bit), {self._rx: level})
                 before = level
         self._free = begin + len(levels) * self._bit
+        self.sent += 1
         if not before:  # a stop bit that was low: the line is free a bit later
             self._session.apply(int(self._free), {self._rx: 1})
             self._free += self._bit
@@ -120,11 +121,16 @@ class SerialLine:
         self.wrong += not heard.good
 
 
+def module_of(port: str) -> str:
+    """The module that a port names: SCI-A of "scia"; any other name is one already."""
+    plain = PORT.fullmatch(port)
+    return f"SCI-{plain[1].upper()}" if plain else port
+
+
 def serial_line(session: Session, port: str, baud: int, form: str) -> tuple[str, SerialLine]:
     """The SCI that a port names, and its other end. OutsideError where there is none, or RX does not lead outside."""
-    plain = PORT.fullmatch(port)
     try:
-        sci = sci_named(session.case, f"SCI-{plain[1].upper()}" if plain else port, "outside")
+        sci = sci_named(session.case, module_of(port), "outside")
     except BadCase as error:
         raise OutsideError(str(error)) from None
     if sci.rx not in session.lines:

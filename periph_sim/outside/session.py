@@ -160,6 +160,7 @@ class Session:
     def finish(self) -> Result:
         """What the time stepped came to, judged by the case's budgets. The session is over."""
         if self._result is None:
+            self.scene.outside_bytes = sum(line.sent for line in self._serial.values())
             self._result = self.scene.finish(self._now)
             if self._log is not None:
                 self._log.end(self._now)

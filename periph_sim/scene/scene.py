@@ -125,6 +125,7 @@ class Scene:
         self.bus = BusSide(self.wires, self._ticks(SPIKE))
         self.stuck = StuckLines(self.kernel, self.timebase, self.start, self.units)
         self.stalled = ""  # by what the run ended before its time
+        self.outside_bytes = 0  # that a session sent to SCIs
         self._wall = 0.0  # seconds that it has taken
         wire = self.wires.wire
         context = SceneContext(case, self.kernel, self.recorder, self.timebase, wire, wiring_of(case), self.start)
@@ -336,7 +337,7 @@ class Scene:
     def sci_bytes(self) -> int:
         """Characters that were sent to SCIs from outside."""
         sent = 0 if self.host is None else self.host.bytes
-        return sent + self._uart.characters
+        return sent + self._uart.characters + self.outside_bytes
 
     def serial_notes(self) -> list[str]:
         """What went wrong on serial lines, or was to be sent and never went out."""

@@ -1,0 +1,127 @@
+"""`periph-sim serve CASE --pty`: a case that runs in real time, with an SCI as a serial port that programs can open."""
+
+from __future__ import annotations
+
+import signal
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .input_options import time_given
+from .json_output import print_json
+from .usage_error import usage_errors_in_one_sentence
+
+if TYPE_CHECKING:
+    from ..outside.live.port_door import PortDoor
+    from ..outside.live.pty_door import PtyDoor
+    from ..outside.serial_line import SerialLine
+
+SECTION = "run"
+EXAMPLE = "periph-sim serve timing/imu_hil.toml --pty /tmp/dsp --for '10 s'"
+
+
+@click.command()
+@click.argument("case", type=click.Path(path_type=Path))
+@click.option("--pty", "link", is_flag=False, flag_value="", metavar="[LINK]", help="A pseudo-terminal; LINK names it.")
+@click.option("--port", "real", metavar="PORT", help="A real serial port instead: /dev/ttyUSB0.")
+@click.option("--sci", default="scia", show_default=True, help="Which SCI: scia, or UNIT.SCI-A.")
+@click.option("--baud", default=115_200, show_default=True, help="Until the client of a pseudo-terminal sets another.")
+@click.option("--format", "form", default="8n1", show_default=True, help="Data bits, parity n, o or e, stop bits.")
+@click.option(
+    "--pace", default="1", show_default=True, metavar="N", help="Simulated seconds a second; 0: at full speed."
+)
+@click.option(
+    "--when-late",
+    type=click.Choice(["slip", "catch-up", "stop"]),
+    default="slip",
+    show_default=True,
+    help="What becomes of more than 50 ms of lateness.",
+)
+@click.option("--for", "length", metavar="TIME", help="End after so much simulated time; else with Ctrl-C.")
+@click.option("--warm-up", default="0 s", show_default=True, metavar="TIME", help="Simulated before the clock starts.")
+@click.option("--log", type=click.Path(path_type=Path), help="Write what came from outside, for a replay.")
+@click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object at the end.")
+def serve(
+    case: Path,
+    link: str | None,
+    real: str | None,
+    sci: str,
+    baud: int,
+    form: str,
+    pace: str,
+    when_late: Any,
+    length: str | None,
+    warm_up: str,
+    log: Path | None,
+    changes: tuple[str, ...],
+    as_json: bool,
+) -> int:
+    """Run CASE in real time, with one of its SCIs as a serial port.
+
+    The [host] of the case gives way to whoever opens the port. Ends with Ctrl-C, and prints what it came to: exit
+    status 0 where the budgets hold, 1 where not.
+    """
+    from ..outside.live.case_for_line import case_for_line
+    from ..outside.live.loop import Loop
+    from ..outside.live.pacing import Pacer
+    from ..outside.session import Session
+
+    if (link is None) == (real is None):
+        raise click.UsageError("give --pty or --port, where programs find the SCI")
+    with usage_errors_in_one_sentence():
+        ready = case_for_line(case, sci, changes)
+        with Session(ready.case, ready.wires, log=log) as session:
+            line = session.serial(sci, baud, form)
+            door = _door(line, link, real, baud, form)
+            try:
+                session.advance(session.ticks(_time("--warm-up", warm_up)))
+                pacer = Pacer(session.ticks_per_second, _pace(pace), when_late)
+                loop = Loop(session, pacer, [door])
+                for name in ready.left_out:
+                    click.echo(f"budget {name!r} speaks of the case's host, and is left out", err=True)
+                click.echo(getattr(door, "path", real), err=as_json)
+                for number in (signal.SIGINT, signal.SIGTERM):
+                    signal.signal(number, lambda *_: loop.stop())
+                end = None if length is None else session.now + session.ticks(_time("--for", length))
+                loop.run(end)
+            finally:
+                door.close()
+            result = session.finish()
+    if as_json:
+        print_json("serve", {"verdict": result.verdict, "counts": result.counts, "lateness": _lateness(pacer)})
+    else:
+        from .result_text import show
+        from .tables import terminal
+
+        show(terminal(), result, ready.case)
+        click.echo("\n".join(pacer.text()))
+    return 0 if result.verdict != "fail" else 1
+
+
+def _door(line: SerialLine, link: str | None, real: str | None, baud: int, form: str) -> PtyDoor | PortDoor:
+    if real is not None:
+        from ..outside.live.port_door import PortDoor
+
+        return PortDoor(line, real, baud, form)
+    from ..outside.live.pty_door import PtyDoor
+
+    return PtyDoor(line, baud, form, Path(link) if link else None)
+
+
+def _time(option: str, text: str) -> str:
+    time_given(option, text)
+    return text
+
+
+def _pace(text: str) -> Fraction:
+    try:
+        return Fraction(text)
+    except (ValueError, ZeroDivisionError):
+        raise click.UsageError(f"--pace {text!r}: expected a number, as in 1 or 0.5") from None
+
+
+def _lateness(pacer: Any) -> dict[str, object]:
+    return {"worst_s": pacer.worst, "p99_s": pacer.percentile(0.99), "late": pacer.late, "slips": pacer.slips}

@@ -1,0 +1,48 @@
+"""A case made ready for a host that is outside: the case's file and an SCI go in; who gives way to it is left out.
+
+The [host] of a case is what a live client stands for: it is left out, with the budgets that speak of its frames.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from ...scene.case.load import load
+from ...scene.case.model import BadCase, Case
+from ...scene.case.wiring import sci_named
+from ...scene.scene import Scene
+from ..errors import OutsideError
+from ..serial_line import module_of
+
+
+@dataclass(frozen=True)
+class Ready:
+    """wires: that lead outside. left_out: names of budgets that need the host."""
+
+    case: Case
+    wires: tuple[str, ...]
+    left_out: tuple[str, ...]
+
+
+def case_for_line(path: str | Path, port: str, changes: tuple[str, ...] = ()) -> Ready:
+    """OutsideError, or BadCase, one sentence, for a case that cannot be had or has no such SCI."""
+    if not str(path):
+        raise OutsideError("no case was given; f28335://PATH/OF/CASE.toml?port=scia")
+    case = load(Path(path), list(changes))
+    left_out: tuple[str, ...] = ()
+    if case.host is not None:
+        scene = Scene(case.model_copy(update={"outside": None}))
+        left_out = tuple(one.budget.name for one in scene.limits if any(p.measure.needs == "host" for p in one.parts))
+        kept = tuple(budget for budget in case.budget if budget.name not in left_out)
+        breaks = tuple(name for name in case.breaks if name not in left_out)
+        update: dict[str, object] = {"host": None, "budget": kept, "breaks": breaks}
+        if case.controller is not None and case.controller.check == "host":
+            update["controller"] = case.controller.model_copy(update={"check": "expect"})
+        case = case.model_copy(update=update)
+    try:
+        sci = sci_named(case, module_of(port), "outside")
+    except BadCase as error:
+        raise OutsideError(str(error)) from None
+    named = () if case.outside is None else case.outside.wires
+    return Ready(case, tuple(dict.fromkeys((*named, sci.rx))), left_out)

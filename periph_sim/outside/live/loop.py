@@ -1,0 +1,65 @@
+"""The one thread that owns a session: it steps time as a pacer says; between two steps its doors hand bytes over.
+
+doors --turn--> session --advance a step--> doors --turn--> ...      until `stop`, or a tick
+"""
+
+from __future__ import annotations
+
+import select
+from collections.abc import Sequence
+from typing import Protocol
+
+from ..session import Session
+from .pacing import Pacer
+
+STEP = "1 ms"  # of simulated time: as late as a byte may be noticed
+
+
+class Door(Protocol):
+    """What hands bytes in and out. files: whose input ends a wait; it may change."""
+
+    def files(self) -> Sequence[int]: ...
+
+    def turn(self) -> None:
+        """Hand over what came, both ways. Called in the session's thread only, between two steps."""
+
+
+class Loop:
+    """step: of simulated time between two turns of the doors."""
+
+    def __init__(self, session: Session, pacer: Pacer, doors: Sequence[Door], step: str = STEP) -> None:
+        self._session = session
+        self._pacer = pacer
+        self._doors = doors
+        self._step = max(1, session.ticks(step))
+        self._stopped = False
+
+    def stop(self) -> None:
+        """Ends `run` behind the present step; from any thread, or a signal."""
+        self._stopped = True
+
+    def run(self, until: int | None = None) -> None:
+        """Until tick `until`, or until it is stopped."""
+        session = self._session
+        while not self._stopped and (until is None or session.now < until):
+            due = session.now + self._step
+            due = due if until is None else min(due, until)
+            self._wait(due)
+            self._turn()
+            session.advance(due)
+            self._pacer.reached(due)
+        self._turn()
+
+    def _wait(self, due: int) -> None:
+        """Input of a door is taken as soon as it comes; its place in simulated time is that of the next step."""
+        left = self._pacer.wait(due)
+        while left > 0 and not self._stopped:
+            files = [file for door in self._doors for file in door.files()]
+            ready, _, _ = select.select(files, [], [], left)
+            if ready:
+                self._turn()
+            left = self._pacer.wait(due)
+
+    def _turn(self) -> None:
+        for door in self._doors:
+            door.turn()

@@ -1,0 +1,94 @@
+"""How simulated time keeps up with a clock: ticks and the clock go in; how long to wait, and how late it was, come out.
+
+    due(tick) = when the tick is to be reached; lateness = how long after that it was
+
+Lateness is of this computer: nothing in the simulation depends on it.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Literal
+
+from ..errors import OutsideError
+
+WhenLate = Literal["slip", "catch-up", "stop"]
+TOLERATED = 0.050  # seconds: later than that is late
+STEPS = (0.0001, 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.010, 0.020, 0.050, 0.100, 1.0)
+
+
+class Pacer:
+    """pace: simulated seconds a second; 0: as fast as it can. when_late: what becomes of more than 50 ms of lateness.
+
+    "slip": simulated time stays behind by that; "catch-up": it runs without waiting until it is there; "stop":
+    OutsideError. worst: seconds. late: how often it was more than tolerated.
+    """
+
+    def __init__(
+        self,
+        ticks_per_second: int,
+        pace: Fraction = Fraction(1),
+        when_late: WhenLate = "slip",
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        if pace < 0:
+            raise OutsideError(f"pace {pace}: expected 0, as fast as it can, or more")
+        self.when_late = when_late
+        self.late = self.slips = 0
+        self.worst = 0.0
+        self.counts = [0] * (len(STEPS) + 1)  # of lateness up to each step, and beyond the last
+        self._per_second = float(ticks_per_second * pace)
+        self._clock = clock
+        self._origin: float | None = None
+
+    def wait(self, tick: int) -> float:
+        """Seconds until this tick is due, 0 if it is. The clock starts with the first call."""
+        if not self._per_second:
+            return 0.0
+        now = self._clock()
+        if self._origin is None:
+            self._origin = now - tick / self._per_second
+        return max(0.0, self._origin + tick / self._per_second - now)
+
+    def reached(self, tick: int) -> None:
+        """The simulation is at this tick now. OutsideError if that is too late and it is to stop then."""
+        if not self._per_second or self._origin is None:
+            return
+        lateness = self._clock() - (self._origin + tick / self._per_second)
+        self.worst = max(self.worst, lateness)
+        self.counts[sum(lateness > step for step in STEPS)] += 1
+        if lateness > TOLERATED:
+            self.late += 1
+            if self.when_late == "stop":
+                raise OutsideError(f"simulated time is {lateness * 1000:.1f} ms late, and --when-late is stop")
+            if self.when_late == "slip":
+                self._origin += lateness
+                self.slips += 1
+
+    def percentile(self, share: float) -> float:
+        """The step of the histogram below which so much of the steps was, in seconds; `worst` beyond the last."""
+        wanted, passed = share * sum(self.counts), 0
+        for step, count in zip(STEPS, self.counts, strict=False):
+            passed += count
+            if passed >= wanted:
+                return step
+        return self.worst
+
+    def text(self) -> list[str]:
+        """What it came to, a line each; none at full speed."""
+        total = sum(self.counts)
+        if not total:
+            return []
+        lines = [f"lateness: 99 % of {total} steps within {_ms(self.percentile(0.99))}, worst {_ms(self.worst)}"]
+        shares = zip((*(f"up to {_ms(step)}" for step in STEPS), f"beyond {_ms(STEPS[-1])}"), self.counts, strict=True)
+        lines += [f"  {count:>8}  {name}" for name, count in shares if count]
+        if self.late:
+            told = {"slip": f"{self.slips} slips", "catch-up": "caught up", "stop": "stopped"}[self.when_late]
+            lines.append(f"later than {_ms(TOLERATED)}: {self.late} times, {told}")
+        return lines
+
+
+def _ms(seconds: float) -> str:
+    return f"{seconds * 1000:.3g} ms"

@@ -1,0 +1,58 @@
+"""A serial line as a real port of this computer: what comes in there goes to an SCI, what the SCI sends goes out there.
+
+    SCI <--bits--> SerialLine <--bytes--> /dev/ttyUSB0 <--> a board, a host
+
+Needs pyserial. A character that comes with a wrong parity or stop bit is not told apart by the port's driver.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from ..errors import OutsideError
+from ..serial_line import SerialLine
+
+
+class PortDoor:
+    """OutsideError for a port that cannot be opened, or is open elsewhere."""
+
+    def __init__(self, line: SerialLine, port: str, baud: int, form: str) -> None:
+        try:
+            import serial
+        except ImportError:
+            raise OutsideError("a real port needs pyserial: pip install 'periph-sim[live]'") from None
+        self._line = line
+        try:
+            self._port: Any = serial.Serial(
+                port,
+                baud,
+                bytesize=int(form[0]),
+                parity=form[1].upper(),
+                stopbits=int(form[2]),
+                timeout=0,
+                write_timeout=0,
+                exclusive=True,
+            )
+        except (serial.SerialException, ValueError) as error:
+            raise OutsideError(f"{port}: {error}") from None
+        self._back = b""
+
+    def close(self) -> None:
+        self._port.close()
+
+    def files(self) -> Sequence[int]:
+        return [self._port.fileno()]
+
+    def turn(self) -> None:
+        import serial
+
+        try:
+            waiting = self._port.in_waiting
+            if waiting:
+                self._line.write(self._port.read(waiting))
+            self._back += self._line.read()
+            if self._back:
+                self._back = self._back[self._port.write(self._back) :]
+        except (serial.SerialException, OSError) as error:
+            raise OutsideError(f"{self._port.port}: {error}; it was unplugged, or another program took it") from None

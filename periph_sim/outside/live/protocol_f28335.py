@@ -1,0 +1,267 @@
+"""pyserial's handler of `f28335://CASE?port=scia&pace=1`: calls of a client go in, bytes of the case's SCI come out.
+
+    client's thread --write--> queue --.                        .--> SerialLine --> RX
+                    <--read--  queue <-- loop, in a thread of its own <--        TX
+
+pace: simulated seconds a second. With 0 there is no such thread: time passes while the client reads or flushes, as fast
+as it can, and its time-outs are simulated.
+
+Source: pyserial 3.5, serial.serialutil.SerialBase, and its protocol handlers.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Any
+from urllib.parse import parse_qs, urlsplit
+
+from serial import PortNotOpenError, SerialBase, SerialException
+
+from ...scene.result import Result
+from ..errors import OutsideError
+from ..serial_line import SerialLine
+from ..session import Session
+from .case_for_line import case_for_line
+from .loop import Loop
+from .pacing import Pacer
+
+KEYS = ("port", "pace", "log")
+FOREVER = 3600  # simulated seconds that a read without time-out waits for at most, at full speed
+
+
+class _Queue:
+    """A door whose other side is a thread of the client's."""
+
+    def __init__(self, line: SerialLine) -> None:
+        self._line: SerialLine | None = line
+        self._to_line = bytearray()
+        self._came = bytearray()
+        self.changed = threading.Condition()
+
+    def files(self) -> Sequence[int]:
+        return []
+
+    def turn(self) -> None:
+        with self.changed:
+            assert self._line is not None
+            self._line.write(bytes(self._to_line))
+            self._to_line.clear()
+            got = self._line.read()
+            if got:
+                self._came += got
+                self.changed.notify_all()
+
+    def put(self, data: bytes) -> None:
+        with self.changed:
+            self._to_line += data
+
+    def take(self, count: int) -> bytes:
+        with self.changed:
+            got = bytes(self._came[:count])
+            del self._came[:count]
+            return got
+
+    def waits(self) -> int:
+        with self.changed:
+            return len(self._to_line) + (0 if self._line is None else self._line.waiting)
+
+    def set(self, baud: int, form: str) -> None:
+        with self.changed:
+            if self._line is not None:
+                self._line.set(baud, form)
+
+    def send_break(self, length: str) -> None:
+        assert self._line is not None
+        self._line.send_break(length)
+
+    def leave(self) -> None:
+        with self.changed:
+            self._line = None
+
+    def here(self) -> int:
+        return len(self._came)
+
+
+class Serial(SerialBase):  # type: ignore[misc]
+    """As `serial.Serial`; the port is a case."""
+
+    is_open: bool
+    _loop: Loop | None
+    _thread: threading.Thread | None
+
+    def open(self) -> None:
+        if self._port is None:
+            raise SerialException("no port was given; give f28335://CASE?port=scia")
+        if self.is_open:
+            raise SerialException("the port is open already")
+        try:
+            self._begin(str(self._port))
+        except (OutsideError, ValueError) as error:
+            raise SerialException(str(error)) from None
+        self.is_open = True
+
+    def _begin(self, url: str) -> None:
+        asked = urlsplit(url)
+        given = {key: values[-1] for key, values in parse_qs(asked.query, keep_blank_values=True).items()}
+        if unknown := [key for key in given if key not in KEYS]:
+            raise OutsideError(f"{url}: there is no {unknown[0]!r} in such a URL; it has {', '.join(KEYS)}")
+        try:
+            pace = Fraction(given.get("pace", "1"))
+        except (ValueError, ZeroDivisionError):
+            raise OutsideError(f"{url}: pace {given['pace']!r}: expected a number, as in pace=1") from None
+        path, port = asked.netloc + asked.path, given.get("port", "scia")
+        self.result: Result | None = None  # once the port is closed
+        self._failed = ""
+        self._thread = None
+        if not pace:
+            self._build(path, port, pace, given.get("log"))
+            return
+        built = threading.Event()
+        mistakes: list[Exception] = []
+
+        def live() -> None:
+            """Builds, runs and ends the session: firmware stays in the thread that began it."""
+            try:
+                self._build(path, port, pace, given.get("log"))
+            except Exception as error:  # the client is told, in its own thread
+                mistakes.append(error)
+                return
+            finally:
+                built.set()
+            try:
+                assert self._loop is not None
+                self._loop.run()
+            except Exception as error:
+                self._failed = str(error)
+                with self._queue.changed:
+                    self._queue.changed.notify_all()
+            self._end()
+
+        self._thread = threading.Thread(target=live, daemon=True)
+        self._thread.start()
+        built.wait()
+        if mistakes:
+            raise mistakes[0]
+
+    def _build(self, path: str, port: str, pace: Fraction, log: str | None) -> None:
+        ready = case_for_line(path, port)
+        self._session = Session(ready.case, ready.wires, log=log)
+        self._queue = _Queue(self._session.serial(port, self._baudrate, self._form()))
+        self._loop = Loop(self._session, Pacer(self._session.ticks_per_second, pace), [self._queue])
+
+    def _end(self) -> None:
+        """Nothing holds the session any more when this returns, in the thread that ran it."""
+        self.result = self._session.finish()
+        self._queue.leave()
+        self._loop = None
+        del self._session
+
+    def close(self) -> None:
+        if not self.is_open:
+            return
+        self.is_open = False
+        if self._thread is None:
+            self._end()
+            return
+        loop = self._loop
+        if loop is not None:
+            loop.stop()
+        del loop
+        self._thread.join()
+
+    # What a client calls -----------------------------------------------------------
+
+    @property
+    def in_waiting(self) -> int:
+        self._must_be_open()
+        if self._thread is None:
+            self._queue.turn()
+        return self._queue.here()
+
+    @property
+    def out_waiting(self) -> int:
+        self._must_be_open()
+        return self._queue.waits()
+
+    def read(self, size: int = 1) -> bytes:
+        self._must_be_open()
+        if self._thread is None:
+            self._step_until(lambda: self._queue.here() >= size, self._timeout)
+        else:
+            with self._queue.changed:
+                self._queue.changed.wait_for(lambda: self._queue.here() >= size or self._failed, self._timeout)
+        return self._queue.take(size)
+
+    def write(self, data: Any) -> int:
+        self._must_be_open()
+        sent = bytes(data)
+        self._queue.put(sent)
+        return len(sent)
+
+    def flush(self) -> None:
+        """Until what was written is on the line."""
+        self._must_be_open()
+        if self._thread is None:
+            self._step_until(lambda: not self._queue.waits(), None)
+        else:
+            while self._queue.waits() and not self._failed:
+                with self._queue.changed:
+                    self._queue.changed.wait(0.001)
+
+    def reset_input_buffer(self) -> None:
+        self._must_be_open()
+        self._queue.take(self._queue.here())
+
+    def reset_output_buffer(self) -> None:
+        """Of a line, nothing that was written can be taken back."""
+        self._must_be_open()
+
+    def _step_until(self, over: Any, timeout: float | None) -> None:
+        session = self._session
+        end = session.now + int((FOREVER if timeout is None else timeout) * session.ticks_per_second)
+        step = session.ticks("100 us")
+        self._queue.turn()
+        while not over() and session.now < end:
+            session.advance(min(session.now + step, end))
+            self._queue.turn()
+
+    def _must_be_open(self) -> None:
+        if not self.is_open:
+            raise PortNotOpenError
+        if self._failed:
+            raise SerialException(self._failed)
+
+    # What pyserial asks of a port ------------------------------------------------------
+
+    def _form(self) -> str:
+        return f"{self._bytesize}{str(self._parity).lower()}{self._stopbits:g}"
+
+    def _reconfigure_port(self, *_: Any, **__: Any) -> None:
+        if self.is_open:
+            try:
+                self._queue.set(self._baudrate, self._form())
+            except OutsideError as error:
+                raise ValueError(str(error)) from None
+
+    def _update_break_state(self) -> None:
+        raise SerialException("a break is given with send_break(duration)")
+
+    def send_break(self, duration: float = 0.25) -> None:
+        self._must_be_open()
+        self.flush()
+        if self._thread is not None:
+            raise SerialException("a break is for pace=0; at another pace the line belongs to its own thread")
+        self._step_until(lambda: False, 0.001)
+        self._queue.send_break(f"{duration * 1e6:.0f} us")
+
+    def _update_rts_state(self) -> None:
+        """An SCI has no such lines."""
+
+    _update_dtr_state = _update_rts_state
+    cts = dsr = ri = cd = property(lambda self: False)
+
+
+def serial_class_for_url(url: str) -> tuple[str, type[Serial]]:
+    return url, Serial

@@ -1,0 +1,83 @@
+"""`periph-sim serve`: a case as a serial port of this computer, from the first line to what it came to."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from tests.outside.live.echo import written
+
+serial = pytest.importorskip("serial", reason="pyserial is not installed: the extra live has it")
+
+
+def serve(*arguments: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, "-m", "periph_sim", "serve", *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def test_a_plain_script_talks_to_it_until_ctrl_c(tmp_path: Path) -> None:
+    link, log = tmp_path / "dsp", tmp_path / "live.jsonl"
+    served = serve(str(written(tmp_path)), "--pty", str(link), "--log", str(log), "--warm-up", "5 ms")
+    assert served.stdout is not None
+    assert served.stdout.readline().startswith("/dev/")
+    for data, answer in ((b"hello", b"ifmmp"), (b"abc", b"bcd")):
+        with serial.Serial(str(link), 115_200, timeout=30) as port:
+            port.write(data)
+            assert port.read(len(data)) == answer
+    served.send_signal(signal.SIGINT)
+    said, mistakes = served.communicate(timeout=60)
+    assert served.returncode == 0, mistakes
+    assert "echo: NOT JUDGED" in said and "8 SCI bytes" in said and "lateness: 99 % of " in said
+    assert not link.is_symlink()
+    assert json.loads(log.read_text().splitlines()[-1]).keys() == {"end"}
+
+
+def test_a_real_port_is_served_like_a_pseudo_terminal(tmp_path: Path) -> None:
+    ours, port = os.openpty()  # as a cable to another computer
+    served = serve(str(written(tmp_path)), "--port", os.ttyname(port), "--json")
+    assert served.stderr is not None
+    assert served.stderr.readline().strip() == os.ttyname(port)
+    time.sleep(0.1)
+    os.write(ours, b"hello")
+    got = b""
+    while len(got) < 5:
+        got += os.read(ours, 100)
+    assert got == b"ifmmp"
+    served.send_signal(signal.SIGINT)
+    said, _ = served.communicate(timeout=60)
+    told = json.loads(said)
+    assert told["verdict"] == "not judged" and set(told["lateness"]) == {"worst_s", "p99_s", "late", "slips"}
+
+
+@pytest.mark.parametrize(
+    ("more", "status", "sentence"),
+    [
+        ((), 2, "give --pty or --port, where programs find the SCI"),
+        (("--pty", "--port", "/dev/ttyS0"), 2, "give --pty or --port"),
+        (("--port", "/dev/none"), 2, "/dev/none"),
+        (("--pty", "{taken}"), 2, "File exists; give the link another name"),
+        (("--pty", "--pace", "fast"), 2, "--pace 'fast': expected a number, as in 1 or 0.5"),
+        (("--pty", "--for", "10 parsec"), 2, "--for: '10 parsec'"),
+        (("--pty", "--sci", "scib"), 2, "there is no SCI 'SCI-B'; it has dsp.SCI-A"),
+        (("--pty", "--format", "9n1"), 2, "format '9n1': expected data bits 5 to 8"),
+        (("--pty", "--pace", "0", "--for", "10 ms"), 0, ""),
+    ],
+)
+def test_what_it_refuses(more: tuple[str, ...], status: int, sentence: str, tmp_path: Path) -> None:
+    taken = tmp_path / "taken"
+    taken.touch()
+    served = serve(str(written(tmp_path)), *(part.format(taken=taken) for part in more))
+    _, mistakes = served.communicate(timeout=60)
+    assert served.returncode == status, mistakes
+    assert sentence in mistakes.replace("\n", " ") and "Traceback" not in mistakes

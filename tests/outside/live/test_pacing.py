@@ -1,0 +1,75 @@
+"""Keeping up with a clock, by a clock of the test's own."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+import pytest
+
+from periph_sim.outside import OutsideError
+from periph_sim.outside.live.pacing import Pacer
+
+
+class Clock:
+    def __init__(self) -> None:
+        self.now = 100.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+def paced(pace: str = "1", when_late: Any = "slip") -> tuple[Pacer, Clock]:
+    clock = Clock()
+    pacer = Pacer(1000, Fraction(pace), when_late, clock)
+    assert pacer.wait(0) == 0.0  # the clock starts
+    return pacer, clock
+
+
+@pytest.mark.parametrize(("pace", "wait"), [("1", 2.0), ("2", 1.0), ("0.5", 4.0), ("0", 0.0)])
+def test_how_long_to_wait(pace: str, wait: float) -> None:
+    pacer, clock = paced(pace)
+    assert pacer.wait(2000) == pytest.approx(wait)
+    clock.now += 0.25
+    assert pacer.wait(2000) == pytest.approx(max(0.0, wait - 0.25))
+    clock.now += 10
+    assert pacer.wait(2000) == 0.0
+
+
+def late_by(pacer: Pacer, clock: Clock, tick: int, lateness: float) -> None:
+    clock.now += pacer.wait(tick) + lateness
+    pacer.reached(tick)
+
+
+def test_lateness_is_counted_never_silent() -> None:
+    pacer, clock = paced()
+    for tick, lateness in enumerate([0.0, 0.00015, 0.0015, 0.0015, 0.030], start=1):
+        late_by(pacer, clock, 100 * tick, lateness)
+    assert pacer.worst == pytest.approx(0.030)
+    assert (pacer.late, pacer.slips, sum(pacer.counts)) == (0, 0, 5)
+    assert (pacer.percentile(0.2), pacer.percentile(0.8), pacer.percentile(0.99)) == (0.0001, 0.002, 0.05)
+    assert pacer.text()[0] == "lateness: 99 % of 5 steps within 50 ms, worst 30 ms"
+    assert len(pacer.text()) == 1 + 4
+
+
+def test_slip_leaves_it_behind_and_catch_up_does_not() -> None:
+    for when_late, wait in (("slip", 0.1), ("catch-up", 0.0)):
+        pacer, clock = paced("1", when_late)
+        late_by(pacer, clock, 100, 0.200)
+        assert pacer.wait(200) == pytest.approx(wait)
+        assert (pacer.late, pacer.slips) == (1, int(when_late == "slip"))
+        assert pacer.text()[-1].startswith("later than 50 ms: 1 times, ")
+
+
+def test_stop_ends_it() -> None:
+    pacer, clock = paced("1", "stop")
+    with pytest.raises(OutsideError, match=r"simulated time is 200.0 ms late, and --when-late is stop"):
+        late_by(pacer, clock, 100, 0.200)
+
+
+def test_full_speed_is_never_late_and_a_pace_below_0_is_none() -> None:
+    pacer, clock = paced("0")
+    late_by(pacer, clock, 100, 5.0)
+    assert (pacer.text(), pacer.worst) == ([], 0.0)
+    with pytest.raises(OutsideError, match="pace -1: expected 0, as fast as it can, or more"):
+        Pacer(1000, Fraction(-1))

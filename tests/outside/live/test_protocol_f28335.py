@@ -1,0 +1,109 @@
+"""pyserial's `serial_for_url` on a case: as a port behaves, and what is no such port."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+serial = pytest.importorskip("serial", reason="pyserial is not installed: the extra live has it")
+
+import periph_sim.live  # noqa: E402
+from periph_sim.outside import replay  # noqa: E402
+from tests.outside.live.echo import written  # noqa: E402
+
+
+def port(folder: Path, more: str = "&pace=0", **given: Any) -> Any:
+    assert periph_sim.live.PACKAGE in serial.protocol_handler_packages
+    return serial.serial_for_url(
+        f"f28335://{written(folder)}?port=scia{more}", **{"timeout": 0.01, "baudrate": 115_200, **given}
+    )
+
+
+def test_a_plain_script_at_full_speed(tmp_path: Path) -> None:
+    with port(tmp_path) as line:
+        assert line.write(b"hello") == 5
+        assert line.out_waiting == 5
+        assert line.read(5) == b"ifmmp"
+        assert (line.read(1), line.in_waiting) == (b"", 0)  # after ten simulated milliseconds
+        line.write(b"a")
+        line.flush()
+        assert line.out_waiting == 0
+        assert line.read() == b"b"
+        assert line.read_until(b"x") == b""
+    assert 0.02 < line.result.simulated_s < 0.03
+    assert line.result.sci_bytes == 6
+
+
+def test_at_the_pace_of_a_clock(tmp_path: Path) -> None:
+    line = port(tmp_path, "&pace=1", timeout=30)
+    line.write(b"hello")
+    assert line.read(5) == b"ifmmp"
+    line.flush()
+    line.close()
+    line.close()
+    assert line.result.sci_bytes == 5
+
+
+def test_it_is_opened_again_and_what_was_live_replays(tmp_path: Path) -> None:
+    log = tmp_path / "live.jsonl"
+    line = port(tmp_path, f"&pace=0&log={log}")
+    line.write(b"abc")
+    assert line.read(3) == b"bcd"
+    line.close()
+    live = line.result
+    again = replay(tmp_path / "echo.toml", log)
+    assert (again.counts, again.simulated_s) == (live.counts, live.simulated_s)
+    line.open()
+    assert line.read(1) == b""
+    line.close()
+    assert line.result.sci_bytes == 0
+
+
+def test_another_rate_is_a_mismatch_and_may_be_mended(tmp_path: Path) -> None:
+    with port(tmp_path, baudrate=9600) as line:
+        line.write(b"a")
+        assert line.read(9) != b"b"
+        line.baudrate = 115_200
+        line.reset_input_buffer()
+        line.send_break(0.0001)
+        assert line.cts is False
+
+
+@pytest.mark.parametrize(
+    ("url", "sentence"),
+    [
+        ("f28335://", r"no case was given; f28335://PATH/OF/CASE.toml\?port=scia"),
+        ("f28335://{}/no.toml", "no.toml: cannot be read"),
+        ("f28335://{}/echo.toml?prot=scia", "there is no 'prot' in such a URL; it has port, pace, log"),
+        ("f28335://{}/echo.toml?pace=fast", "pace 'fast': expected a number, as in pace=1"),
+        ("f28335://{}/echo.toml?pace=-1", "pace -1: expected 0, as fast as it can, or more"),
+        ("f28335://{}/echo.toml?port=scib", "there is no SCI 'SCI-B'; it has dsp.SCI-A"),
+        ("f28335://{}/echo.toml?port=usb&pace=0", "there is no SCI 'usb'"),
+    ],
+)
+def test_what_is_no_port_is_refused_in_a_sentence(url: str, sentence: str, tmp_path: Path) -> None:
+    written(tmp_path)
+    with pytest.raises(serial.SerialException, match=sentence):
+        serial.serial_for_url(url.format(tmp_path))
+
+
+def test_a_closed_port_is_told_as_pyserial_does(tmp_path: Path) -> None:
+    line = port(tmp_path)
+    with pytest.raises(serial.SerialException, match="open already"):
+        line.open()
+    line.close()
+    for call in (line.read, line.flush, lambda: line.write(b"a"), lambda: line.in_waiting):
+        with pytest.raises(serial.PortNotOpenError):
+            call()
+
+
+def test_firmware_that_fails_is_told_to_the_client(tmp_path: Path) -> None:
+    case = written(tmp_path)
+    (tmp_path / "echo_firmware.py").write_text("def main(dsp, settings):\n    dsp.compute(1000)\n    1 / 0\n")
+    line = serial.serial_for_url(f"f28335://{case}?pace=1", timeout=30)
+    with pytest.raises(serial.SerialException, match=r"ZeroDivisionError at line 3 of echo_firmware.py"):
+        line.read(1)  # ends with the firmware, if that has not failed yet
+        line.read(1)
+    line.close()

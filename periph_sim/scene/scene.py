@@ -167,7 +167,7 @@ class Scene:
             for measure in limit.own_measures:
                 measure.listen(proxy(self))
         if case.fidelity == "byte":
-            parts.refuse_byte_level(case, self.whole_bytes, self.wires)
+            parts.refuse_byte_level(case, self.whole_bytes, self.wires, self.limits)
         if case.outside is not None:
             parts.check_outside(case, self.wires)
 

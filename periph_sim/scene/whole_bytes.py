@@ -6,22 +6,25 @@ they like.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from ..bus.i2c.byte_controller import ByteController
 from ..bus.i2c.byte_level import ByteLevel
 from ..bus.i2c.controller import I2cController
 from ..bus.i2c.whole_bytes import ByteParty, WholeBytes
 from ..core.kernel import Agent
+from ..core.records import Kind, Recorder
 from ..core.wire import Wire
 from ..f28335.i2c.module import I2c
 from ..processor.dsp import Dsp
 from ..processor.i2c_master_bytes import I2cMasterBytes
 from ..processor.i2c_slave_bytes import I2cSlaveBytes
+from ..timing.budgets import BudgetJudge
 from .case.model import Case
 from .context import SceneContext
 
 MODULE = "I2C-A"
+LINES = ("SCL", "SDA")
 
 
 LEVELS = {"adaptive": WholeBytes, "byte": ByteLevel}
@@ -60,8 +63,10 @@ def refuse_schedule(case: Case) -> None:
         raise case.mistake(f'{what}; here use "edge", or "adaptive" with the same records', "fidelity")
 
 
-def refuse_byte_level(case: Case, whole_bytes: WholeBytes | None, wires: Mapping[str, Wire]) -> None:
-    """BadCase where this scene, as it is built, cannot run at level "byte"."""
+def refuse_byte_level(
+    case: Case, whole_bytes: WholeBytes | None, wires: Mapping[str, Wire], limits: Sequence[BudgetJudge]
+) -> None:
+    """BadCase where this scene, as it is built, cannot run at level "byte". limits: its budgets."""
     if case.fidelity != "byte":
         return
     strangers: list[str] = []
@@ -69,10 +74,21 @@ def refuse_byte_level(case: Case, whole_bytes: WholeBytes | None, wires: Mapping
         strangers = sorted({who.partition(".")[0] for who in whole_bytes.strangers()}.difference(case.unit))
     if whole_bytes is None:
         what = "there is no I2C bus"
-    elif any(wires[name].recorded for name in ("SCL", "SDA")):
-        what = "edges of SCL and SDA are asked for, by a recording or a budget, and bytes have none"
+    elif any(wires[name].recorded for name in LINES):
+        what = f"{_who_wants_edges(limits)}, and bytes have none"
     elif strangers:
         what = f"{' and '.join(strangers)} may pull SCL and SDA edge by edge"
     else:
         return
     raise case.mistake(f'"byte" cannot be: {what}; use "edge", or "adaptive" with the same records', "fidelity")
+
+
+def _who_wants_edges(limits: Sequence[BudgetJudge]) -> str:
+    """A budget, or else whoever records this run."""
+    for limit in limits:
+        asked = Recorder()
+        for measure in limit.own_measures:
+            measure.subscribe(asked)
+        if any(asked.wants(Kind.EDGE, name) for name in LINES):
+            return f"budget {limit.budget.name!r} looks at edges of SCL and SDA"
+    return "edges of SCL and SDA are recorded (--record, worst and others do)"

@@ -159,5 +159,24 @@ def test_bytes_of_a_unit_that_is_the_master_pass_as_at_adaptive(name: str):
 
 def test_recorded_edges_are_refused():
     case = load(TIMING / "responder.toml", ["fidelity=byte"])
-    with pytest.raises(BadCase, match="edges of SCL and SDA are asked for, by a recording or a budget"):
+    with pytest.raises(BadCase) as refused:
         Scene(case, lambda recorder, _: recorder.subscribe([Kind.EDGE], lambda record: None))
+    told_why = "edges of SCL and SDA are recorded (--record, worst and others do), and bytes have none"
+    assert f'{told_why}; use "edge", or "adaptive" with the same records' in str(refused.value)
+
+
+def test_a_budget_on_edges_is_refused_by_its_name():
+    table = {"first": "100 us", "rounds": 1, "request": [{"address": 0x50, "count": 1}]}
+    budget = [{"name": "flags", "measure": "nacked rounds", "max": 1}]
+    budget.append({"name": "clock", "measure": "period of edge SCL fall", "max": "20 ms"})
+    unit = {"dsp": {"firmware": "silent", "modules": ["I2C-A"]}}
+    programs = {"dsp": Firmware("silent", lambda dsp, settings: None, None)}
+    for level in ("edge", "adaptive", "byte"):
+        case = small.case(unit=unit, controller=table, budget=budget, fidelity=level)
+        if level != "byte":
+            assert Scene(case, programs=programs).run().budgets[1].verdict == "pass"
+            continue
+        with pytest.raises(BadCase) as refused:
+            Scene(case, programs=programs)
+        what = "budget 'clock' looks at edges of SCL and SDA, and bytes have none"
+        assert f'"byte" cannot be: {what}; use "edge", or "adaptive"' in str(refused.value)

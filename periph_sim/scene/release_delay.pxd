@@ -11,5 +11,6 @@ cdef class ReleaseDelay:
     cdef Clock _clock
     cdef Socket _socket
     cdef long long _setup, _pin
+    cdef frozenset _touched
     @cython.locals(chip=Chip, clock=Clock, now=cython.longlong, prescaler=cython.longlong, emdr=cython.longlong, module=cython.longlong, copy=cython.longlong, cycles=cython.longlong)
     cpdef long long ticks(self)

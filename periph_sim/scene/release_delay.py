@@ -25,14 +25,17 @@ class ReleaseDelay:
         self._socket = socket
         self._setup = i2c.sda_setup_before_scl_release
         self._pin = system.gpio_out_delay
+        self._touched: frozenset[str] = frozenset()  # what the chip had touched before the last look at it
 
     def ticks(self) -> int:
         chip, clock = self._socket.chip, self._clock
         now = clock.cycle_at(self._kernel.now)
-        touched = chip.touched.copy()
+        touched = chip.touched
+        if len(touched) != len(self._touched):
+            self._touched = frozenset(touched)
         prescaler, emdr = chip.peek(now, I2CPSC), chip.peek(now, I2CEMDR)
-        if len(chip.touched) != len(touched):
-            chip.touched.intersection_update(touched)  # looking is not depending on them
+        if len(touched) != len(self._touched):
+            touched.intersection_update(self._touched)  # looking is not depending on them
         module = ((prescaler & IPSC) >> IPSC_PLACE) + 1
         copy = 0 if emdr & BCM else module
         cycles = copy + max(1, self._setup * module) + self._pin

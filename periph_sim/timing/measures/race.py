@@ -1,6 +1,7 @@
-"""Races and lost flags as measures: accesses and flag changes are kept, and looked through when the run is over.
+"""Races and lost flags as measures: accesses and flag changes go in, distances and what was lost come out.
 
-    records --Kept, AroundWrites--> insight.Run --> distances in cycles, flags lost to read-modify-writes
+    records --Kept--> records.Run, when the run is over --> distances in cycles
+        '---Modifies--------------------------------------> flags lost to read-modify-writes
 
 What counts is what `periph-sim races` shows of a recorded run (`records/races.py`, `records/lost_flags.py`).
 """
@@ -18,14 +19,14 @@ from numpy.typing import NDArray
 from ...core.records import UNHEARD, Kind, Record, Recorder, Subjects
 from ...core.suggest import did_you_mean
 from ...core.time import NO_TIME
-from ...records.lost_flags import LostFlag, ReadModifyWrite
+from ...records.lost_flags import ReadModifyWrite
 from ...records.races import distances, modifies_of
 from ...records.register_maps import is_status, one_clears
 from ...records.run import NotInRun, Run
 from ...traces.formats.record_table import Columns, RecordTable
 from ..language.scope import MAPS, BadEvent, Scope, scope_of_table
-from .around_writes import CLEARABLE, CLEARING, AroundWrites
 from .measure import Measure, SceneEvents
+from .modifies import CLEARABLE, Modifies
 
 
 @dataclass(frozen=True)
@@ -181,7 +182,7 @@ class Race(RegisterMeasure):
         return f"no read of {self.watched.text} had a change to be compared with"
 
 
-class LostFlags(RegisterMeasure):
+class LostFlags(Measure):
     """Flags that a read-modify-write cleared unmeant, and that firmware had not looked at since they rose.
 
     worst is how many were lost, count how many writes there were, of which a plain one clears what it means to: with
@@ -190,37 +191,36 @@ class LostFlags(RegisterMeasure):
 
     unit = "flags"
     series = False
+    kinds = frozenset({Kind.ACCESS, Kind.FLAG})
 
     def __init__(self, watched: Watched) -> None:
-        super().__init__(watched)
-        self._around = AroundWrites(watched.concerns)
-        self._kept_records = self._around
-
-    def listen(self, scene: SceneEvents) -> None:
-        super().listen(scene)
-        self._around.cycle_is(Fraction(self._per_second) / self._sysclk)
+        super().__init__()
+        self.watched = watched
+        self.modifies = Modifies(watched.concerns, watched.is_about, not watched.register)
 
     @property
     def subjects(self) -> Subjects:
-        if self.watched.register:
-            return super().subjects
-        return {Kind.FLAG: {f"{unit}.{register}" for unit in self.watched.units for register in CLEARABLE}}
+        watched = self.watched
+        if watched.register:
+            return {Kind.FLAG: {f"{watched.unit}.{watched.module}.{watched.register}"}}
+        return {Kind.FLAG: {f"{unit}.{register}" for unit in watched.units for register in CLEARABLE}}
 
-    def tag_of(self, kind: Kind, where: str, what: str) -> int:
-        clears = kind is Kind.ACCESS and what in CLEARING
-        return 0 if clears and self.watched.is_about(kind, where, what) else UNHEARD
+    def listen(self, scene: SceneEvents) -> None:
+        self.modifies.cycle_is(Fraction(scene.ticks_per_second()) / scene.sysclk(self.watched.unit))
 
-    def hear(self, tag: int, tick: int, value: int) -> None:
-        self.count += 1
+    def subscribe(self, recorder: Recorder) -> None:
+        recorder.subscribe(self.kinds, self.modifies, self.subjects)
 
-    def look(self, run: Run) -> None:
-        modifies = _modifies(run, self.watched)
-        gone = sorted(tick for modify in modifies for flag in modify.flags for tick in self.ticks(flag))
+    def finish(self, now: int) -> None:
+        self.modifies.finish()
+        gone = self.gone()
+        self.count = self.modifies.writes
         self.worst = self.least = len(gone)
         self.worst_at = self.least_at = gone[0] if gone else NO_TIME
 
-    def ticks(self, flag: LostFlag) -> tuple[int, ...]:
-        return flag.lost
+    def gone(self) -> list[int]:
+        """The ticks at which one was, in order."""
+        return self.modifies.lost()
 
     def missing(self) -> str:
         what = self.watched.text or "a register with flags that writing 1 clears"
@@ -233,8 +233,8 @@ class ClearedAlong(LostFlags):
     This is for a flag that is waited for afterwards, and that no other write may take.
     """
 
-    def ticks(self, flag: LostFlag) -> tuple[int, ...]:
-        return flag.cleared if flag.flag == self.watched.field else ()
+    def gone(self) -> list[int]:
+        return self.modifies.cleared(self.watched.field)
 
 
 def _modifies(run: Run, watched: Watched) -> tuple[ReadModifyWrite, ...]:

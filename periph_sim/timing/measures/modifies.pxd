@@ -1,0 +1,80 @@
+cimport cython
+
+from ...core.records cimport Keeper
+
+
+cdef class ClearedRegister
+
+
+@cython.final
+cdef class Modify:
+    cdef public long long number, tick, written, cleared
+    cdef public object place
+    cdef public list rose
+
+
+@cython.final
+cdef class Access:
+    cdef public long long number, tick, value, cause
+    cdef public bint reads
+    cdef public object text
+    cdef public str field
+    cdef public ClearedRegister register
+    cdef public Modify modify
+
+
+@cython.final
+cdef class Flag:
+    cdef public str name
+    cdef public long long mask, rose
+    cdef public ClearedRegister register
+
+
+@cython.final
+cdef class Place:
+    cdef public long long proven, always
+    cdef public set named
+    cdef public dict between, along, unseen
+
+
+@cython.final
+cdef class ClearedRegister:
+    cdef public list flags
+    cdef public bint status
+    cdef public dict looked, modified, places
+    cdef public Modify last
+    @cython.locals(last=cython.longlong)
+    cpdef long long looked_at(self, Flag flag, object place)
+
+
+@cython.final
+cdef class Topic:
+    cdef public bint reads
+    cdef public list recent
+    cdef public ClearedRegister register
+    cdef public Flag flag
+
+
+cdef class Modifies(Keeper):
+    cdef public long long writes
+    cdef object _concerns, _is_about
+    cdef bint _status
+    cdef long long _longest
+    cdef list _topics
+    cdef public dict recent
+    cdef dict _registers
+    cpdef long long tag_of(self, object kind, str where, str what)
+    cpdef long long places(self, long long tag)
+    @cython.locals(topic=Topic, register=ClearedRegister, recent=list, one=Access)
+    cpdef void keep(self, long long tag, long long number, long long tick, long long value, object text, long long cause, object field)
+    @cython.locals(last=Modify)
+    cdef void _moved(self, Flag flag, long long number, long long tick, long long value, long long cause)
+    @cython.locals(one=Access, made=Modify, passed=cython.Py_ssize_t, place=cython.Py_ssize_t)
+    cdef void _landed(self, Access write, ClearedRegister register, list recent)
+    @cython.locals(one=Access, made=Modify, register=ClearedRegister, old=cython.Py_ssize_t)
+    cdef void _forget(self, list recent, long long before)
+    @cython.locals(place=Place, flag=Flag, number=cython.Py_ssize_t)
+    cdef void _judge(self, ClearedRegister register, Access read, Modify made)
+
+
+cdef bint _alike(Access read, Access write)

@@ -1,0 +1,304 @@
+"""Read-modify-writes as a run makes them: accesses and flag changes go in; which flags each cleared unmeant comes out.
+
+    R . . R x W      W lands: its read is the nearest of the same statement, a few cycles before. What rose in between?
+          '---'
+                F    a flag falls by it: was it meant? had the firmware looked at it since it rose?
+
+It is judged as its read is too old for any other write: what was looked at before is known then. What firmware means at
+a place is known at the end. A poll that no write follows is forgotten, so that memory does not grow with the run but
+with the flags that may have been lost.
+
+What is told is what `records/lost_flags.py` finds in the recording of a whole run, at a fraction of its cost.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+
+from ...core.records import NOWHERE, OF_MODIFIES, UNHEARD, Keeper, Kind
+from ...core.registers import Field, Register
+from ...records.read_modify_write import MODIFY, OVERTAKEN
+from ...records.register_maps import is_status, one_clears
+from ..language.scope import MAPS
+
+CLEARABLE = {f"{module}.{r.name}": r for module, registers in MAPS.items() for r in registers if one_clears(r)}
+NEVER_YET = -1  # instead of a record's number
+
+
+class Access:
+    """One of the last cycles. register: None if no write of 1 clears its flags. modify: the write it was made for."""
+
+    __slots__ = ("cause", "field", "modify", "number", "reads", "register", "text", "tick", "value")
+
+    number: int
+    tick: int
+    value: int
+    cause: int
+    reads: bool
+    text: str
+    field: str
+    register: ClearedRegister | None
+    modify: Modify | None
+
+
+class Modify:
+    """A write with its read. rose: when each flag had risen last as it landed. cleared: mask of what fell by it."""
+
+    __slots__ = ("cleared", "number", "place", "rose", "tick", "written")
+
+    number: int
+    tick: int
+    written: int
+    cleared: int
+    place: str
+    rose: list[int]
+
+
+class Flag:
+    """rose: the record of its last rise."""
+
+    __slots__ = ("mask", "name", "register", "rose")
+
+    def __init__(self, field: Field, register: ClearedRegister) -> None:
+        self.name = field.name
+        self.mask = field.mask
+        self.register = register
+        self.rose = NEVER_YET
+
+
+class Place:
+    """What the writes of one place have in common, and what they cleared.
+
+    proven: bits that were written as 1 and not read as 1. always: those that were written as 1 each time. By flag, the
+    ticks of writes that cleared it: between: it rose after the read. along: it had been read as 1. unseen: of these,
+    the firmware had not looked at it since it rose.
+    """
+
+    __slots__ = ("along", "always", "between", "named", "proven", "unseen")
+
+    def __init__(self) -> None:
+        self.proven = 0
+        self.always = -1
+        self.named: set[str] = set()
+        self.between: dict[str, list[int]] = {}
+        self.along: dict[str, list[int]] = {}
+        self.unseen: dict[str, list[int]] = {}
+
+    def meant(self, flags: list[Flag]) -> set[str]:
+        """The flags that firmware may have meant to clear here."""
+        if self.named:
+            return self.named
+        ones = {flag.name for flag in flags if self.always & flag.mask}
+        return {flag.name for flag in flags if self.proven & flag.mask} or ones
+
+
+class ClearedRegister:
+    """One with flags that writing 1 clears. status: hardware sets flags of it. last: its last read-modify-write.
+
+    looked: the last plain read of each field, "" for all of them. modified: the same of reads for a write, by place.
+    """
+
+    __slots__ = ("flags", "last", "looked", "modified", "places", "status")
+
+    def __init__(self, register: Register) -> None:
+        self.flags = [Flag(field, self) for field in one_clears(register)]
+        self.status = is_status(register)
+        self.looked: dict[str, int] = {}
+        self.modified: dict[str, dict[str, int]] = {}
+        self.places: dict[str, Place] = {}
+        self.last: Modify | None = None
+
+    def flag(self, name: str) -> Flag | None:
+        return next((flag for flag in self.flags if flag.name == name), None)
+
+    def looked_at(self, flag: Flag, place: str) -> int:
+        """The record of the last read that showed this flag to anybody but the writes of a place."""
+        last = NEVER_YET
+        for at, fields in ((None, self.looked), *self.modified.items()):
+            if at != place:
+                last = max(last, fields.get("", NEVER_YET), fields.get(flag.name, NEVER_YET))
+        return last
+
+
+class Topic:
+    """All records of one kind, place and thing. flag: None of accesses. register: None of accesses to others.
+
+    recent: the accesses of the unit in the last cycles.
+    """
+
+    __slots__ = ("flag", "reads", "recent", "register")
+
+    def __init__(self, recent: list[Access], register: ClearedRegister | None, reads: bool, flag: Flag | None) -> None:
+        self.recent = recent
+        self.register = register
+        self.reads = reads
+        self.flag = flag
+
+
+class Modifies(Keeper):
+    """concerns: whether records of a kind, place and thing are looked at. is_about: of accesses, whether their
+    register is one whose flags may be lost; of others it counts only that they were made. status: of status registers
+    only. writes: of such registers, with a read or without. recent: accesses of the last cycles, by unit."""
+
+    def __init__(
+        self, concerns: Callable[[Kind, str, str], bool], is_about: Callable[[Kind, str, str], bool], status: bool
+    ) -> None:
+        self.writes = 0
+        self._status = status
+        self._concerns = concerns
+        self._is_about = is_about
+        self._longest = 0  # ticks
+        self._topics: list[Topic] = []  # by tag
+        self.recent: dict[str, list[Access]] = {}
+        self._registers: dict[tuple[str, str], ClearedRegister] = {}  # by unit and name
+
+    def cycle_is(self, ticks: Fraction) -> None:
+        """How long a cycle is: a write's read is a few of them before it."""
+        self._longest = int(MODIFY * ticks)
+
+    def tag_of(self, kind: Kind, where: str, what: str) -> int:
+        if not self._concerns(kind, where, what):
+            return UNHEARD
+        if kind is Kind.FLAG:
+            unit, _, module = where.partition(".")
+            name, _, field = what.partition(".")
+            register = self._register(unit, f"{module}.{name}")
+            flag = None if register is None else register.flag(field)
+            if flag is None:
+                return UNHEARD
+            topic = Topic([], register, False, flag)
+        else:
+            register = self._register(where, what[2:]) if self._is_about(kind, where, what) else None
+            topic = Topic(self.recent.setdefault(where, []), register, what.startswith("R "), None)
+        self._topics.append(topic)
+        return len(self._topics) - 1
+
+    def _register(self, unit: str, name: str) -> ClearedRegister | None:
+        register = CLEARABLE.get(name)
+        if register is None:
+            return None
+        key = unit, name
+        if key not in self._registers:
+            self._registers[key] = ClearedRegister(register)
+        return self._registers[key]
+
+    def places(self, tag: int) -> int:
+        """Of a read and a write of one statement it has to be the same."""
+        topic = self._topics[tag]
+        return NOWHERE if topic.register is None or topic.flag is not None else OF_MODIFIES
+
+    def keep(self, tag: int, number: int, tick: int, value: int, text: str, cause: int, field: str) -> None:
+        topic = self._topics[tag]
+        if topic.flag is not None:
+            self._moved(topic.flag, number, tick, value, cause)
+            return
+        recent, register = topic.recent, topic.register
+        self._forget(recent, tick - self._longest)
+        one = Access()
+        one.number, one.tick, one.value, one.cause = number, tick, value, cause
+        one.reads, one.text, one.field = topic.reads, text, field
+        one.register, one.modify = register, None
+        if register is not None and not topic.reads:
+            self.writes += 1
+            self._landed(one, register, recent)
+        recent.append(one)
+
+    def _moved(self, flag: Flag, number: int, tick: int, value: int, cause: int) -> None:
+        """A flag rises, or falls."""
+        if value:
+            flag.rose = number
+            return
+        last = flag.register.last
+        if last is not None and cause == last.number and tick == last.tick:
+            last.cleared |= flag.mask
+
+    def _landed(self, write: Access, register: ClearedRegister, recent: list[Access]) -> None:
+        """A write: the nearest read of the same statement is its own, if there is one."""
+        passed, place = 0, len(recent)
+        while place and passed < OVERTAKEN:
+            place -= 1
+            one = recent[place]
+            if one.cause == write.cause:  # of the same routine
+                passed += 1
+                if one.reads and one.register is register and one.modify is None and _alike(one, write):
+                    made = Modify()
+                    made.number, made.tick, made.written, made.cleared = write.number, write.tick, write.value, 0
+                    made.place = write.text
+                    made.rose = [flag.rose for flag in register.flags]
+                    one.modify = register.last = made
+                    return
+
+    def _forget(self, recent: list[Access], before: int) -> None:
+        """Accesses that no write can belong to any more. What they were is told for good."""
+        old = 0
+        for one in recent:
+            if one.tick >= before:
+                break
+            old += 1
+            register, made = one.register, one.modify
+            if register is not None and one.reads:
+                if made is None:
+                    register.looked[one.field] = one.number
+                else:
+                    self._judge(register, one, made)
+                    register.modified.setdefault(made.place, {})[one.field] = one.number
+        if old:
+            del recent[:old]
+
+    def _judge(self, register: ClearedRegister, read: Access, made: Modify) -> None:
+        """A read-modify-write, of which all is known but what its place means to clear."""
+        place = register.places.get(made.place)
+        if place is None:
+            place = register.places[made.place] = Place()
+        place.proven |= made.written & ~read.value
+        place.always &= made.written
+        if read.field:
+            place.named.add(read.field)
+        for number, flag in enumerate(register.flags):
+            if made.cleared & flag.mask:
+                if made.rose[number] > read.number:
+                    place.between.setdefault(flag.name, []).append(made.tick)
+                elif read.value & flag.mask and read.field != flag.name:
+                    place.along.setdefault(flag.name, []).append(made.tick)
+                    if register.looked_at(flag, made.place) < made.rose[number]:
+                        place.unseen.setdefault(flag.name, []).append(made.tick)
+
+    def finish(self) -> None:
+        """The run is over."""
+        for recent in self.recent.values():
+            if recent:
+                self._forget(recent, recent[-1].tick + 1)
+
+    def lost(self) -> list[int]:
+        """The ticks at which a flag was cleared unmeant that the firmware had not seen; in order."""
+        found = [
+            tick
+            for register, place in self._places()
+            for flag in register.flags
+            for tick in (*place.between.get(flag.name, ()), *self._unmeant(place.unseen, flag, place, register))
+        ]
+        return sorted(found)
+
+    def cleared(self, name: str) -> list[int]:
+        """The ticks at which a flag of this name was cleared unmeant, seen or not; in order."""
+        found = [
+            tick
+            for register, place in self._places()
+            for flag in register.flags
+            if flag.name == name
+            for tick in (*place.between.get(name, ()), *self._unmeant(place.along, flag, place, register))
+        ]
+        return sorted(found)
+
+    def _places(self) -> list[tuple[ClearedRegister, Place]]:
+        chosen = [register for register in self._registers.values() if register.status or not self._status]
+        return [(register, place) for register in chosen for place in register.places.values()]
+
+    def _unmeant(self, ticks: dict[str, list[int]], flag: Flag, place: Place, register: ClearedRegister) -> list[int]:
+        return [] if flag.name in place.meant(register.flags) else ticks.get(flag.name, [])
+
+
+def _alike(read: Access, write: Access) -> bool:
+    """Whether both are of one place, and name the same field."""
+    return read.text == write.text and read.field == write.field

@@ -1,0 +1,182 @@
+"""Read-modify-writes as they are made clear the same flags as a recording of the whole run tells of them."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from periph_sim.core.records import Kind, Recorder
+from periph_sim.records.lost_flags import LostFlag
+from periph_sim.records.races import modifies_of
+from periph_sim.records.run import NotInRun, Run
+from periph_sim.timing.measures.modifies import Modifies
+from periph_sim.traces.formats.record_table import Columns
+
+CYCLE = 20  # ticks
+HZ = Fraction(150_000_000)
+KINDS = (Kind.ACCESS, Kind.FLAG)
+ACCESSES = (
+    "R I2C-A.I2CSTR",
+    "R I2C-A.I2CSTR",
+    "W I2C-A.I2CSTR",
+    "R PIE.PIEACK",
+    "W PIE.PIEACK",
+    "R I2C-A.I2CMDR",
+    "W I2C-A.I2CDXR",
+)
+FIELDS = ("", "SCD", "NACK")
+
+PLACES = ("f:1", "g:9")
+STATUS = st.sampled_from([0x00, 0x02, 0x20, 0x22])
+
+# Cycles behind the access before, what, its place, the field that it names, what is read or written.
+access = st.tuples(
+    st.integers(0, 30), st.sampled_from(ACCESSES), st.sampled_from(PLACES), st.sampled_from(FIELDS), STATUS
+)
+few = st.lists(access, max_size=3)
+flags = st.sets(st.sampled_from(["SCD", "NACK", "XRDY"]))
+gap = st.sampled_from([1, 40])
+# Rises, accesses, cycles; a read and a write that belong together, with what comes between them; what that clears.
+modify = st.tuples(flags, few, gap, st.sampled_from(PLACES), st.sampled_from(FIELDS), flags, few, flags)
+
+
+def every(kind: Kind, where: str, what: str) -> bool:
+    return True
+
+
+class Both:
+    """All records of a run, and what is made of them as they come."""
+
+    def __init__(self) -> None:
+        self.all, self.made, self.recorder = Columns(), Modifies(every, every, True), Recorder()
+        self.made.cycle_is(Fraction(CYCLE))
+        for party in (self.all, self.made):
+            self.recorder.subscribe(KINDS, party)
+        self.now = 0
+
+    def access(self, what: str, value: int, place: str, field: str) -> int:
+        return self.recorder.emit(self.now, Kind.ACCESS, "dsp", what, value, place, field)
+
+    def accesses(self, of: list[tuple[int, str, str, str, int]], step: int) -> None:
+        for later, what, place, field, value in of:
+            self.now += later * step
+            self.access(what, value, place, field)
+
+    def flag(self, name: str, value: int, cause: int = 0) -> None:
+        self.recorder.cause = cause
+        self.recorder.emit(self.now, Kind.FLAG, "dsp.I2C-A", f"I2CSTR.{name}", value)
+        self.recorder.cause = 0
+
+    def flags(self) -> list[LostFlag]:
+        """As the recording tells them."""
+        table = self.all.table(Fraction(HZ * CYCLE), self.now, {"dsp": ("I2C-A",)})
+        try:
+            return [flag for modify in modifies_of(Run(table, sysclk=HZ)) for flag in modify.flags]
+        except NotInRun:
+            return []
+
+    def lost(self) -> list[int]:
+        return sorted(tick for flag in self.flags() for tick in flag.lost)
+
+    def cleared(self, name: str) -> list[int]:
+        return sorted(tick for flag in self.flags() if flag.flag == name for tick in flag.cleared)
+
+
+@settings(max_examples=400)
+@given(st.lists(modify, max_size=6))
+def test_of_every_write_the_same_is_told_as_by_a_recording(of: list[Any]):
+    both = Both()
+    for rises, before, cycles, place, field, late, between, cleared in of:
+        for name in rises:
+            both.flag(name, 1)
+        both.accesses(before, CYCLE)
+        both.now += cycles * CYCLE
+        both.access("R I2C-A.I2CSTR", 0x22, place, field)
+        for name in late:
+            both.flag(name, 1)
+        both.accesses(between, 1)
+        both.now += 2 * CYCLE
+        wrote = both.access("W I2C-A.I2CSTR", 0x22, place, field)
+        for name in cleared:
+            both.flag(name, 0, wrote)
+    both.made.finish()
+    assert both.made.lost() == both.lost()
+    for name in ("SCD", "NACK"):
+        assert both.made.cleared(name) == both.cleared(name)
+
+
+def along(routine: int = 0, field: str = "") -> Both:
+    """SCD is cleared by writing back all that was read; NACK rose before, and nobody has looked at it."""
+    both = Both()
+    both.flag("NACK", 1)
+    both.now += 100 * CYCLE
+    both.access("R I2C-A.I2CSTR", 0x22, "f:1", field)
+    both.now += 2 * CYCLE
+    both.recorder.cause = routine
+    wrote = both.access("W I2C-A.I2CSTR", 0x22, "f:1", field)
+    both.recorder.cause = 0
+    both.flag("NACK", 0, wrote)
+    return both
+
+
+def test_a_flag_that_goes_along_with_the_one_that_was_named_is_lost_and_the_one_named_is_not():
+    both = along(field="SCD")
+    both.flag("SCD", 0, both.recorder.number - 1)
+    both.made.finish()
+    assert both.made.lost() == both.lost() == [102 * CYCLE] == both.made.cleared("NACK")
+    assert both.made.cleared("SCD") == both.cleared("SCD") == []
+
+
+def test_the_read_of_a_write_at_the_same_place_is_no_look_at_a_flag_and_that_of_another_is():
+    both = along()
+    both.flag("NACK", 1)
+    for place in ("f:1", "f:1"):  # the first does not clear it, and has read it
+        both.now += 100 * CYCLE
+        both.access("R I2C-A.I2CSTR", 0x22, place, "")
+        both.now += 2 * CYCLE
+        wrote = both.access("W I2C-A.I2CSTR", 0x20, place, "")
+    both.flag("NACK", 0, wrote)
+    both.now += 100 * CYCLE
+    both.access("R I2C-A.I2CSTR", 0x00, "f:1", "")
+    both.now += 2 * CYCLE
+    both.access("W I2C-A.I2CSTR", 0x20, "f:1", "")  # SCD alone is what this place means
+    both.made.finish()
+    assert both.made.lost() == both.lost() == [102 * CYCLE, 306 * CYCLE]
+
+
+@pytest.mark.parametrize(("later", "by_the_write"), [(1, True), (0, False)])
+def test_a_flag_that_falls_later_or_by_something_else_is_not_cleared_by_the_write(later: int, by_the_write: bool):
+    both = Both()
+    both.flag("NACK", 1)
+    both.access("R I2C-A.I2CSTR", 0x22, "f:1", "SCD")
+    wrote = both.access("W I2C-A.I2CSTR", 0x22, "f:1", "SCD")
+    both.now += later
+    both.flag("NACK", 0, wrote if by_the_write else 0)
+    both.made.finish()
+    assert both.made.lost() == both.lost() == []
+
+
+def test_a_write_of_another_routine_is_none_of_the_read():
+    both = along(routine=7, field="SCD")
+    both.made.finish()
+    assert both.made.lost() == both.lost() == []
+
+
+def test_nothing_is_kept_of_polls_that_no_write_follows():
+    both = Both()
+    for _ in range(1000):
+        both.now += 100 * CYCLE
+        both.access("R I2C-A.I2CSTR", 0, "f:1", "SCD")
+    assert len(both.made.recent["dsp"]) == 1
+
+
+def test_writes_are_counted_with_a_read_or_without():
+    both = along()
+    both.now += 50 * CYCLE
+    both.access("W I2C-A.I2CSTR", 0x20, "f:2", "")
+    both.access("W I2C-A.I2CDXR", 0x20, "f:3", "")
+    assert both.made.writes == 2

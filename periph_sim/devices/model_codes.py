@@ -7,19 +7,25 @@ The way of the bytes is the controller's (`sensor_head.CHIPS`), so that firmware
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..sensors.host_frame import ACCELERATION, ANGLE
 from ..sensors.imu_noise import ImuNoise
+from ..sensors.models.finite import check_sample
 from ..sensors.models.imu import Imu, Noise, State
 from ..sensors.models.parameters import ImuParameters
 from ..sensors.numeric import arithmetic_names as named
+from ..sensors.numeric.float32 import Float32
 from .sensor_rounds import CHIPS, ChipData
 
 ModelState = State[Any]
+BY_ADDRESS = {chip.address: (name, chip) for name, chip in CHIPS.items()}
 
 
 @dataclass(frozen=True)
@@ -31,10 +37,23 @@ class Computed:
     noise_seed: int | None = None
 
 
+class ChipBytes(dict[int, bytes]):
+    """What the chips show, by address: each worked out when it is first asked for, as often one is enough to tell."""
+
+    def __init__(self, codes_of: Callable[[str], tuple[Any, Any, Any]]) -> None:
+        super().__init__()
+        self._codes_of = codes_of
+
+    def __missing__(self, address: int) -> bytes:
+        name, chip = BY_ADDRESS[address]
+        self[address] = found = register_bytes(chip, self._codes_of(name))
+        return found
+
+
 class Shown(NamedTuple):
     """What the chips show after a run of the models, by address, and what that run leaves to the next."""
 
-    data: dict[int, bytes]
+    data: ChipBytes
     state: ModelState
 
 
@@ -42,6 +61,9 @@ class ModelCodes:
     def __init__(self, computed: Computed) -> None:
         self._a = named.scalar(computed.arithmetic)
         self._model: Imu[Any] = Imu(self._a, computed.parameters)
+        # numpy's arithmetic warns of x/0, and says itself what that gives; Python's does not
+        self._quietly: Callable[[], AbstractContextManager[Any]]
+        self._quietly = partial(np.errstate, all="ignore") if isinstance(self._a, Float32) else nullcontext
         self._noise = None if computed.noise_seed is None else ImuNoise(computed.parameters, computed.noise_seed)
         self._last_noise: tuple[int, Noise[Any]] | None = None  # of the run worked out last; it may have several frames
         self.at_rest: ModelState = self._model.at_rest
@@ -52,9 +74,16 @@ class ModelCodes:
         roll, pitch, yaw, x, y, z = values
         attitude = scaled(roll, ANGLE), scaled(pitch, ANGLE), scaled(yaw, ANGLE)
         pushed = scaled(x, ACCELERATION), scaled(y, ACCELERATION), scaled(z, ACCELERATION)
-        with np.errstate(all="ignore"):  # the arithmetic says itself what x/0 gives
-            codes, state = self._model.step(attitude, pushed, self._added(number), before)
-        return Shown({chip.address: register_bytes(chip, getattr(codes, name)) for name, chip in CHIPS.items()}, state)
+        noise, model = self._added(number), self._model
+        check_sample(attitude, pushed, noise)
+        with self._quietly():
+            turned, body = model.motion(attitude, before.attitude)
+
+        def codes_of(chip: str) -> tuple[Any, Any, Any]:
+            with self._quietly():
+                return model.codes_of(chip, turned, pushed, body, before.body, noise)
+
+        return Shown(ChipBytes(codes_of), State(attitude, body))
 
     def _added(self, number: int) -> Noise[Any]:
         if self._noise is None:

@@ -87,12 +87,25 @@ class Imu(Generic[T]):
         self, turned: Angles[T], acceleration: Triple[T], body: Triple[T], body_before: Triple[T], noise: Noise[T]
     ) -> Codes[T]:
         """Nine LSB. acceleration: linear, in g; body, body_before: p, q, r of this sample and the last, in rad/s."""
+        g, a, m = (self.codes_of(chip, turned, acceleration, body, body_before, noise) for chip in Codes._fields)
+        return Codes(g, a, m)
+
+    def codes_of(
+        self,
+        chip: str,
+        turned: Angles[T],
+        acceleration: Triple[T],
+        body: Triple[T],
+        body_before: Triple[T],
+        noise: Noise[T],
+    ) -> Triple[T]:
+        """Those of one chip, by its name in Codes; the rest as for `codes`."""
+        if chip == "gyroscope":
+            return self.gyroscope.codes(body, acceleration, noise.gyroscope)
+        if chip == "magnetometer":
+            return self.magnetometer.codes(turned, noise.magnetometer)
         change = self.derivative.change(body, body_before)
-        return Codes(
-            self.gyroscope.codes(body, acceleration, noise.gyroscope),
-            self.accelerometer.codes(turned, acceleration, body, change, noise.accelerometer),
-            self.magnetometer.codes(turned, noise.magnetometer),
-        )
+        return self.accelerometer.codes(turned, acceleration, body, change, noise.accelerometer)
 
     def step(
         self, attitude: Triple[T], acceleration: Triple[T], noise: Noise[T], before: State[T]

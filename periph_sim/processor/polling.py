@@ -53,8 +53,11 @@ class Spin:
         self.live_from = 0
 
     def begin_pass(self, cycle: int) -> None:
-        self.polls = []
-        self.values = []
+        self.polls.clear()
+        if self.replay is self.values:
+            self.values = []
+        else:
+            self.values.clear()
         self.pure = True
         self.start = cycle
         self.held_up = 0
@@ -102,7 +105,7 @@ class Lease(Onlooker):
         self._first = self._time.cycle
         self._polls = spin.polls
         self._values = spin.values
-        self._sockets = []
+        self._sockets.clear()
         for operand in spin.polls:
             if operand.socket not in self._sockets:
                 self._sockets.append(operand.socket)

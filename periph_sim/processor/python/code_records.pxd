@@ -7,7 +7,7 @@ from .program cimport PythonProgram
 
 
 cdef class CodeRecords:
-    cdef public bint spans, waits
+    cdef public bint kept, spans, waits
     cdef Clock _clock
     cdef object _name
     cdef PythonProgram _program

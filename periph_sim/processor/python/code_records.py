@@ -10,13 +10,16 @@ from .program import PythonProgram
 
 
 class CodeRecords:
-    """spans, waits: whether anybody wants records of them."""
+    """spans, waits: whether anybody wants records of them. kept: whether anybody who does, or is told of accesses, may
+    keep a wait.
+    """
 
-    __slots__ = ("_clock", "_name", "_program", "_recorder", "_waited_for", "spans", "waits")
+    __slots__ = ("_clock", "_name", "_program", "_recorder", "_waited_for", "kept", "spans", "waits")
 
     def __init__(self, clock: Clock, recorder: Recorder, program: PythonProgram) -> None:
         self.spans = recorder.wants(Kind.SPAN)
         self.waits = recorder.wants(Kind.WAIT)
+        self.kept = self.waits or recorder.wants(Kind.ACCESS)
         self._clock = clock
         self._recorder = recorder
         self._name = program.name

@@ -5,6 +5,10 @@ from ..operand cimport Operand
 from .accesses cimport Accesses
 
 
+cdef class Registers:
+    pass
+
+
 cdef class Port:
     cdef Accesses _accesses
     cdef Bus _bus
@@ -24,6 +28,8 @@ cdef class PortField:
     @cython.locals(operand=Operand)
     cpdef void assign(self, Port port, object value)
     cpdef object condition(self, Port port, object number)
+    @cython.locals(operand=Operand)
+    cpdef object asked(self, Port port, object number, long long test)
     cpdef object masked(self, Port port, object mask, object value)
     cdef object _whole(self, object what, object value, object most)
     cdef Operand _operand(self, Port port)

@@ -21,6 +21,12 @@ from .accesses import Accesses
 from .conditions import Condition
 
 
+class Registers:
+    """One module's registers by name, each a `Port` that stays: what it has in its `vars`."""
+
+    __slots__ = ()
+
+
 class Port:
     """One register of one module of a unit. where, fields: "I2C-A.I2CSTR", and the names; its class has them."""
 
@@ -56,6 +62,11 @@ class Port:
         if "all" not in self._fields:
             raise no_such_name(self.where, "all", self.fields)
         return self._fields["all"].masked(self, mask, value)
+
+    def asked(self, name: str, number: int, test: int) -> Condition | None:
+        """The condition that a field compares so with a number; None where `PortField.asked` has none."""
+        found = self._fields.get(name)
+        return None if found is None else found.asked(self, number, test)
 
     def _inner(self, made: type[Port], fields: dict[str, PortField]) -> Port:
         """The port of the register's halves, which is made of this class once it is asked for."""
@@ -106,6 +117,14 @@ class PortField:
         return Condition(
             port._accesses, port._operands[self.number] or self._operand(port), self._mask, number << self._lsb
         )
+
+    def asked(self, port: Port, number: int, test: int) -> Condition | None:
+        """That this field compares so with a number that it can have. None where reads of it are recorded, or are more
+        than a look at the chip."""
+        operand = port._operands[self.number] or self._operand(port)
+        if not operand.plain or not 0 <= number <= self._most:
+            return None
+        return Condition(port._accesses, operand, self._mask, number << self._lsb, test)
 
     def masked(self, port: Port, mask: object, value: object) -> Condition:
         """That these bits have this value. Misuse where they cannot."""

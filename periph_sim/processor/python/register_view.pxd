@@ -1,7 +1,8 @@
 from .cpu cimport Cpu
+from .port_fields cimport Registers
 
 
-cdef class ModulePort:
+cdef class ModulePort(Registers):
     cdef Cpu _cpu
     cdef object _place
     cdef dict _made

@@ -16,7 +16,7 @@ from ...core.registers import Field, Register
 from ...core.suggest import did_you_mean
 from ...f28335.system.memory_map import BOTH, HIGH, LOW, ModuleRange
 from .cpu import Cpu
-from .port_fields import Port, PortField, no_such_name
+from .port_fields import Port, PortField, Registers, no_such_name
 
 
 class RegisterPort(Port):
@@ -70,7 +70,7 @@ def _class(where: str, names: tuple[str, ...], ports: Mapping[str, object]) -> t
     return type(where, (RegisterPort,), {"__slots__": (), "where": where, "fields": names, **ports})
 
 
-class ModulePort:
+class ModulePort(Registers):
     """One module's registers by name. A port is made as it is first named: firmware uses a few of a hundred."""
 
     def __init__(self, cpu: Cpu, place: ModuleRange) -> None:

@@ -10,6 +10,7 @@ from .code_records cimport CodeRecords
 from .conditions cimport Condition
 from .instructions cimport Instructions
 from .program cimport PythonProgram
+from .recognised cimport Recogniser
 
 
 cdef class Waits:
@@ -21,11 +22,15 @@ cdef class Waits:
     cdef Lease _lease
     cdef CodeRecords _records
     cdef bint _skip_polls
+    cdef Recogniser _recogniser
+    cdef Spin _spare
     cdef CpuTime _time
     cpdef bint spin(self, object condition, object pass_cycles=*, object timeout=*)
     cpdef bint spin_either(self, object ready, object over, object pass_cycles=*)
     @cython.locals(asked=Condition, asked_else=Condition, waited=Topic)
     cdef long long _wait(self, object ready, object over, object pass_cycles, object timeout)
+    @cython.locals(spin=Spin)
+    cdef Spin _begun(self, object pass_cycles, long long ends)
     cdef bint _skip(self, Spin spin)
     @cython.locals(operand=Operand, start=cython.longlong, cycle=cython.longlong, place=cython.Py_ssize_t, before=cython.longlong)
     cdef bint _repeats(self, Spin spin)

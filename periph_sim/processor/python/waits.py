@@ -7,7 +7,8 @@ register that it read changes or an interrupt is due. At that moment the pass in
 that lie in the past answering with what was read before. As long as the reads bring what they brought, nobody asks the
 condition. So a spin ends at the cycle at which polling pass by pass would have ended, at the cost of one event.
 
-A condition is a function, or a `Condition` on one register, which makes its passes without Python.
+A condition is a function, or a `Condition` on one register, which makes its passes without Python; a function that was
+recognised as one is taken for it.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from .code_records import CodeRecords
 from .conditions import Condition
 from .instructions import Instructions
 from .program import PythonProgram
+from .recognised import Recogniser
 
 NEITHER, READY, OVER = range(3)  # what ended a wait
 SLEEPS = Stop.SLEEPS
@@ -37,7 +39,19 @@ class Waits:
     branch: cycles of the branch back to the begin of a pass.
     """
 
-    __slots__ = ("_branch", "_bus", "_core", "_instructions", "_lease", "_program", "_records", "_skip_polls", "_time")
+    __slots__ = (
+        "_branch",
+        "_bus",
+        "_core",
+        "_instructions",
+        "_lease",
+        "_program",
+        "_recogniser",
+        "_records",
+        "_skip_polls",
+        "_spare",
+        "_time",
+    )
 
     def __init__(
         self,
@@ -58,6 +72,8 @@ class Waits:
         self._skip_polls = skip_polls
         self._time: CpuTime = processor.time
         self._lease = Lease(processor.time)
+        self._recogniser = Recogniser()
+        self._spare: Spin | None = None  # of a wait that is over
 
     def spin(self, condition: Callable[[], object], pass_cycles: int | None = None, timeout: int | None = None) -> bool:
         """`while (!condition()) ;` as the compiler makes it: passes of reads, their tests and the branch back.
@@ -82,10 +98,11 @@ class Waits:
     ) -> int:
         """Which of the conditions ended the wait: READY, OVER or, after a timeout, neither."""
         time, program, instructions, records = self._time, self._program, self._instructions, self._records
-        spin = Spin(time.cycle, pass_cycles, NEVER if timeout is None else time.cycle + timeout)
+        spin = self._begun(pass_cycles, NEVER if timeout is None else time.cycle + timeout)
         outer, program.spin = program.spin, spin
-        asked = ready if isinstance(ready, Condition) else None
-        asked_else = over if isinstance(over, Condition) else None
+        recogniser = self._recogniser
+        asked = ready if isinstance(ready, Condition) else recogniser.condition(ready)
+        asked_else = over if over is None or isinstance(over, Condition) else recogniser.condition(over)
         waited: Topic | None = None
         came, again = NEITHER, False
         while True:
@@ -109,7 +126,20 @@ class Waits:
             records.tell(waited, time.cycle, 0)
         instructions.instruction(cpu_costs.SB_NOT_TAKEN)
         program.spin = outer
+        self._spare = None if records.kept else spin
         return came
+
+    def _begun(self, pass_cycles: int | None, ends: int) -> Spin:
+        """A wait that begins now: the object of an earlier one that is over, unless somebody may have kept that."""
+        spin, self._spare = self._spare, None
+        if spin is None:
+            return Spin(self._time.cycle, pass_cycles, ends)
+        spin.since = self._time.cycle
+        spin.pass_cycles = pass_cycles
+        spin.ends = ends
+        spin.bare = False
+        spin.replayed = spin.live_from = 0
+        return spin
 
     def _skip(self, spin: Spin) -> bool:
         """Sleep over the passes that must come out as this one did, and set up the replay of the one in progress.

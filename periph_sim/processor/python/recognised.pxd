@@ -1,0 +1,20 @@
+cimport cython
+
+from .conditions cimport Condition
+
+
+cdef class Question:
+    cdef object code, field, number, register
+    cdef bint known
+    cdef Py_ssize_t place
+    cdef long long test
+    cdef object module
+    cdef Condition condition
+    cdef object take_apart(self)
+    cdef Condition about(self, object module)
+
+
+cdef class Recogniser:
+    cdef dict _questions
+    @cython.locals(question=Question)
+    cpdef Condition condition(self, object function)

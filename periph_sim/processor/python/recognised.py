@@ -1,0 +1,89 @@
+"""Functions that ask what a condition could: one of the firmware goes in; the condition comes out, where it is one.
+
+    lambda: i2c.I2CSTR.XRDY == 1   --seen before--> its code: i2c, I2CSTR, XRDY, ==, 1 --> Condition
+
+The first wait calls the function. Recognised is only a field of a register of a module beside a number: nothing that
+firmware could give another meaning. Not where the read is recorded: records name the function that makes it.
+"""
+
+from __future__ import annotations
+
+import sys
+from dis import get_instructions
+from types import CodeType, FunctionType
+
+from .conditions import ABOVE, BELOW, EQUAL, UNEQUAL, Condition
+from .port_fields import Port, Registers
+
+TESTS = {"==": EQUAL, "!=": UNEQUAL, "<": BELOW, ">": ABOVE}
+NOTHING = frozenset(("RESUME", "COPY_FREE_VARS", "NOP", "CACHE", "PRECALL"))  # opcodes that do nothing here
+FORM = ("LOAD_DEREF", "LOAD_ATTR", "LOAD_ATTR", "LOAD_CONST", "COMPARE_OP", "RETURN_VALUE")
+
+
+class Question:
+    """What a code asks. condition: about the module that the function named last."""
+
+    __slots__ = ("code", "condition", "field", "known", "module", "number", "place", "register", "test")
+
+    def __init__(self, code: CodeType) -> None:
+        self.code = code  # kept, so that its id is nobody else's
+        self.known = False  # it was taken apart
+        self.place = (
+            -1
+        )  # of the module among the variables that the function takes from around it; -1: it asks otherwise
+        self.register = self.field = ""
+        self.test = EQUAL
+        self.number = 0
+        self.module: Registers | None = None
+        self.condition: Condition | None = None
+
+    def take_apart(self) -> None:
+        self.known = True
+        code = self.code
+        if code.co_argcount or code.co_kwonlyargcount or code.co_flags & 0x0C or sys.gettrace() is not None:
+            return
+        steps = [step for step in get_instructions(code) if step.opname not in NOTHING]
+        names = ["LOAD_CONST" if step.opname == "LOAD_SMALL_INT" else step.opname for step in steps]
+        if tuple(names) != FORM:
+            return
+        module, register, field, number, test, _ = [step.argval for step in steps]
+        if test in TESTS and type(number) is int and module in code.co_freevars:
+            self.place = code.co_freevars.index(module)
+            self.register, self.field, self.number, self.test = register, field, number, TESTS[test]
+
+    def about(self, module: object) -> Condition | None:
+        """The condition on this module's register; None where there is none."""
+        self.module = self.condition = None
+        if isinstance(module, Registers):
+            port = vars(module).get(self.register)
+            if isinstance(port, Port):
+                self.module, self.condition = module, port.asked(self.field, self.number, self.test)
+        return self.condition
+
+
+class Recogniser:
+    """One CPU's: what was seen of its firmware's functions."""
+
+    __slots__ = ("_questions",)
+
+    def __init__(self) -> None:
+        self._questions: dict[int, Question] = {}
+
+    def condition(self, function: object) -> Condition | None:
+        """What the function asks, if it was seen before and asks it so."""
+        if type(function) is not FunctionType:
+            return None
+        code = function.__code__
+        question = self._questions.get(id(code))
+        if question is None:
+            self._questions[id(code)] = Question(code)
+            return None
+        if not question.known:
+            question.take_apart()
+        if question.place < 0:
+            return None
+        try:
+            module = function.__closure__[question.place].cell_contents  # type: ignore[index]
+        except ValueError:  # nothing is there yet
+            return None
+        return question.condition if module is question.module else question.about(module)

@@ -1,0 +1,132 @@
+"""A function that asks one field beside a number is made without Python from its second wait on; nobody can tell."""
+
+from __future__ import annotations
+
+from functools import partial
+from types import SimpleNamespace
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from periph_sim.core.records import Kind, Recorder
+from periph_sim.processor.python.recognised import Recogniser
+from tests.processor.bench import Bench
+
+flag_changes = st.lists(
+    st.tuples(st.integers(1, 800), st.integers(0, 7), st.sampled_from([-1, -1, -1, 0])), min_size=1, max_size=20
+)
+
+
+def run_of(changes, lead, form, interrupts, timeout, kinds):
+    """form: what a condition is wrapped in; what is no plain function is not recognised."""
+    recorder, found = Recorder(), []
+    if kinds:
+        recorder.subscribe(kinds, lambda r: found.append((r.tick, r.kind, r.what, r.value, r.cause, str(r.text))))
+    bench = Bench(list(changes), recorder=recorder)
+    flags, cpu = bench.flags, bench.cpu
+
+    def isr() -> None:
+        cpu.compute(9)
+        cpu.spin(form(lambda: flags.STATUS.A != 1), timeout=30)
+        bench.pie_regs.PIEACK.all = 1
+        bench.note("served")
+
+    cpu.handle("SEQ1INT", isr)
+    if interrupts:
+        bench.enable()
+
+    def main() -> None:
+        cpu.compute(lead)
+        while True:
+            cpu.spin(form(lambda: flags.STATUS.A == 1), timeout=timeout)
+            bench.note("A")
+            cpu.spin_either(form(lambda: flags.STATUS.B > 0), form(lambda: flags.STATUS.A < 1))
+            bench.note("B")
+            cpu.spin(form(lambda: flags.STATUS.all == 4), timeout=timeout)
+            flags.STATUS.C = 1
+
+    log = bench.run(main, 1200)
+    return log, bench.kernel.events, cpu.program.polls_skipped, found
+
+
+@settings(max_examples=120, deadline=None)
+@given(
+    changes=flag_changes,
+    lead=st.integers(0, 40),
+    interrupts=st.booleans(),
+    timeout=st.sampled_from([21, 40, 100]),
+    kinds=st.sampled_from([(), (Kind.WAIT, Kind.FLAG), (Kind.ACCESS, Kind.WAIT, Kind.IRQ)]),
+)
+def test_recognised_or_called_in_each_pass_it_comes_out_the_same(changes, lead, interrupts, timeout, kinds):
+    recognised, called = (run_of(changes, lead, form, interrupts, timeout, kinds) for form in (lambda f: f, partial))
+    assert recognised == called
+
+
+def second_wait(function, bench: Bench):
+    """What is made of a function that was seen once, its register named once."""
+    recogniser = Recogniser()
+    assert recogniser.condition(function) is None
+    bench.flags.STATUS, bench.flags.COUNT  # noqa: B018
+    return recogniser.condition(function)
+
+
+def test_what_is_recognised():
+    bench = Bench([])
+    flags = bench.flags
+    for function in (
+        lambda: flags.STATUS.A == 1,
+        lambda: flags.STATUS.A != 0,
+        lambda: flags.STATUS.B < 1,
+        lambda: flags.STATUS.B > 0,
+        lambda: flags.STATUS.all == 7,
+    ):
+        assert second_wait(function, bench) is not None
+
+
+def test_what_is_not():
+    bench = Bench([])
+    flags, other, seen = bench.flags, SimpleNamespace(STATUS=bench.flags.STATUS), []
+    for function in (
+        lambda: flags.STATUS.A,
+        lambda: flags.STATUS.A == 1 or flags.STATUS.B == 1,
+        lambda: 1 == flags.STATUS.A,  # noqa: SIM300
+        lambda: flags.STATUS.A >= 1,
+        lambda: flags.STATUS.A == True,  # noqa: E712
+        lambda: flags.STATUS.A == 2,  # never holds: Python may say so
+        lambda: flags.STATUS.nothing == 1,
+        lambda: flags.COUNT.N == 1,  # its read clears it
+        lambda: other.STATUS.A == 1,
+        lambda: (seen.append(1), flags.STATUS.A == 1)[1],
+        lambda level=1: level == flags.STATUS.A,
+        bench.flags.STATUS.when(A=1),
+    ):
+        assert second_wait(function, bench) is None
+
+
+def test_the_module_is_the_one_that_the_function_names_now():
+    one, two = Bench([]), Bench([])
+    recogniser, found = Recogniser(), []
+
+    def asks(flags):
+        return lambda: flags.STATUS.A == 1
+
+    for bench in (one, two, two, one):
+        bench.flags.STATUS  # noqa: B018
+        found.append(recogniser.condition(asks(bench.flags)))
+    assert found[0] is None and found[1] is found[2] is not None and found[3] is not found[1]
+
+
+def test_a_variable_without_a_value_is_left_to_python():
+    recogniser = Recogniser()
+
+    def asks():
+        function = lambda: flags.STATUS.A == 1  # noqa: E731
+        assert recogniser.condition(function) is None
+        assert recogniser.condition(function) is None
+        with pytest.raises(NameError):
+            function()
+        flags = Bench([]).flags
+        return flags
+
+    asks()

@@ -183,3 +183,44 @@ def test_a_line_that_stays_low_is_told_at_the_same_tick():
         came.append(records)
     assert came[0] == came[1]
     assert [record.what for record in came[0] if record.what == "stuck"] == ["stuck"]
+
+
+def test_a_reset_as_scl_is_let_go_for_the_eighth_bit_leaves_nobody_deaf():
+    """Between output and pin: the bits have passed, and SCL never rises for the one that is due."""
+
+    def resetting(delay: int, level: str) -> list[Record]:
+        def firmware(dsp: Dsp, settings: object) -> None:
+            master = MeddlingMaster("", True, 0x50, 0)
+            master.start(dsp)
+            i2c = dsp.module("I2C-A")
+            for wait in (delay, 40_000):
+                master.off_and_on(dsp)
+                dsp.compute(Fraction(100, 10**6))
+                i2c.I2CSAR.all = 0x51
+                i2c.I2CCNT.all = 1
+                i2c.I2CDXR.all = 0xA5
+                i2c.I2CMDR.all = 0x6E20
+                dsp.compute(wait)
+                i2c.I2CMDR.all = 0
+
+        records: list[Record] = []
+        options = {"i2c": {"stt_while_busy": "always_repeated_start"}}  # a reset leaves BB set
+        unit = {"dsp": {"firmware": "resetting", "modules": ["I2C-A", "GPIO"], "options": options}}
+        case = small.case(unit=unit, fidelity=level, duration="1 ms")
+        programs = {"dsp": Firmware("resetting", firmware, None)}
+        Scene(case, lambda recorder, _: recorder.subscribe(tuple(Kind), records.append), programs).run()
+        return records
+
+    def rises(records: list[Record]) -> list[int]:
+        return [record.tick for record in records if record.where == "SCL" and record.value]
+
+    whole = resetting(40_000, "edge")
+    command = next(r.tick for r in whole if r.what == "W I2C-A.I2CMDR" and r.value == 0x6E20)
+    eighth = (rises(whole)[7] - command) // 20  # ticks in a cycle
+    lost = 0
+    for delay in range(eighth - 16, eighth + 8):
+        edge, adaptive = resetting(delay, "edge"), resetting(delay, "adaptive")
+        assert adaptive == edge, delay
+        lost += rises(edge)[7] != rises(whole)[7]  # it is the reset that lets go
+        assert len(rises(edge)) > 16
+    assert 0 < lost < 24

@@ -280,7 +280,8 @@ class WholeBytes(Shortcut):
     def catch_up(self) -> None:
         kernel, controller = self._kernel, self._controller
         if self._ends <= kernel.now:
-            return  # the controller acts in this very tick, or has, from where everybody stands
+            self.over()  # the controller acts in this very tick, or has, from where everybody stands
+            return
         assert controller is not None
         kernel.shortcut = None
         if self._eighth is not None:

@@ -1,6 +1,8 @@
 """The wheel: what is in it, and that it works in a repository that has a package `firmware` of its own.
 
-Two kinds: the pure one, and one with the compiled core, packed where a core is compiled of these sources already.
+Two kinds: the pure one, and one with the compiled core, packed where a core is compiled of these sources already. Each
+is installed by pip in an environment of its own, with what it needs at run time alone: no Cython, no compiler on the
+path, and not these sources.
 """
 
 from __future__ import annotations
@@ -11,10 +13,14 @@ import re
 import shutil
 import subprocess
 import sys
+import venv
 import zipfile
+from importlib.metadata import distribution, requires
 from pathlib import Path
+from subprocess import CompletedProcess
 
 import pytest
+from packaging.requirements import Requirement
 
 import periph_sim
 from periph_sim.form import BUILT, COMPILED, MANIFEST, PACKAGE, SUFFIX, VARIABLE, usable
@@ -58,11 +64,30 @@ def built(folder: Path, **variables: str) -> Path:
     return file
 
 
-def unpacked(wheel: Path, folder: Path) -> Path:
-    """A folder for PYTHONPATH with the wheel alone in it; its dependencies are those of the tests."""
-    with zipfile.ZipFile(wheel) as archive:
-        archive.extractall(folder)
-    return folder
+def installed_in(folder: Path, wheel: Path) -> Path:
+    """The site-packages of a new environment that has the wheel, and links to the packages that it needs to run."""
+    venv.create(folder, with_pip=False)
+    (site,) = folder.glob("lib/python3*/site-packages")
+    for name in needed("periph-sim"):
+        files = distribution(name).files or []
+        for top in {file.parts[0] for file in files} - {"..", "__pycache__"}:
+            (site / top).symlink_to(distribution(name).locate_file(top))
+    pip = [sys.executable, "-m", "pip", "--python", str(folder), "install", "--no-index", "--no-deps", str(wheel)]
+    subprocess.run(pip, check=True, capture_output=True)
+    return site
+
+
+def needed(name: str) -> set[str]:
+    """What a package needs to run, and what that needs, by name; no extras."""
+    found: set[str] = set()
+    left = [name]
+    while left:
+        for text in requires(left.pop()) or []:
+            one = Requirement(text)
+            if one.name not in found and (one.marker is None or one.marker.evaluate({"extra": ""})):
+                found.add(one.name)
+                left.append(one.name)
+    return found
 
 
 @pytest.fixture(scope="module")
@@ -72,7 +97,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return unpacked(wheel, tmp_path_factory.mktemp("site"))
+    return installed_in(tmp_path_factory.mktemp("pure"), wheel)
 
 
 @pytest.fixture(scope="module")
@@ -84,7 +109,7 @@ def compiled_wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def compiled(compiled_wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return unpacked(compiled_wheel, tmp_path_factory.mktemp("compiled_site"))
+    return installed_in(tmp_path_factory.mktemp("compiled"), compiled_wheel)
 
 
 @pytest.fixture
@@ -99,13 +124,24 @@ def repository(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def command(installed: Path, repository: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    """Run where no compiler is found; a wheel in the form that it has, the clone in that of the other tests."""
-    environment = {**os.environ, "PYTHONPATH": str(installed), "PYTHONDONTWRITEBYTECODE": "", "PATH": ""}
-    if installed != ROOT:
+def python_of(site: Path) -> Path:
+    """Of the environment of a wheel."""
+    return site.parents[2] / "bin" / "python"
+
+
+def command(site: Path, repository: Path, *arguments: str, changed: Path | None = None) -> CompletedProcess[str]:
+    """Run where no compiler is found; a wheel in the form that it has, the clone in that of the other tests.
+
+    changed: a folder that is looked into first.
+    """
+    environment = {**os.environ, "PYTHONDONTWRITEBYTECODE": "", "PATH": ""}
+    environment.pop("PYTHONPATH", None)
+    if site != ROOT:
         environment.pop(VARIABLE, None)
+    if site == ROOT or changed is not None:
+        environment["PYTHONPATH"] = str(changed or ROOT)
     return subprocess.run(
-        [sys.executable, "-m", "periph_sim", *arguments],
+        [sys.executable if site == ROOT else python_of(site), "-m", "periph_sim", *arguments],
         cwd=repository,
         env=environment,
         capture_output=True,
@@ -135,6 +171,25 @@ def test_a_wheel_of_one_platform_carries_the_compiled_core_besides(wheel: Path, 
     assert {name for name in more if ".dist-info/" not in name} == expected
 
 
+LOOK = """
+import importlib.util, json, sys, periph_sim
+absent = [name for name in ("Cython", "pytest", "hatchling", "pip") if importlib.util.find_spec(name) is None]
+print(json.dumps([periph_sim.__file__, sys.path, absent]))
+"""
+
+
+def test_an_environment_has_neither_sources_nor_tools(installed: Path, compiled: Path, repository: Path) -> None:
+    for site in (installed, compiled):
+        environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+        look = [python_of(site), "-c", LOOK]
+        came = subprocess.run(look, cwd=repository, env=environment, capture_output=True, text=True, check=True)
+        file, path, absent = json.loads(came.stdout)
+        assert Path(file).parent == site / "periph_sim" and not Path(file).is_symlink()
+        assert absent == ["Cython", "pytest", "hatchling", "pip"]
+        assert [one for one in path if one and Path(one).resolve() == ROOT] == []
+        assert (site.parents[2] / "bin" / "periph-sim").is_file()
+
+
 def test_the_compiled_core_runs_from_its_wheel_and_records_the_same(
     installed: Path, compiled: Path, repository: Path
 ) -> None:
@@ -153,7 +208,7 @@ def test_a_source_changed_in_place_leaves_its_core_alone_and_is_told(
     changed = shutil.copytree(compiled / "periph_sim", tmp_path / "changed" / "periph_sim")
     with (changed / "core" / "fifo.py").open("a") as source:
         source.write("# changed by a user\n")
-    came = command(changed.parent, repository, "--version")
+    came = command(compiled, repository, "--version", changed=changed.parent)
     assert came.stdout.endswith(", interpreted\n")
     assert came.stderr == (
         "the compiled core was built of other sources or for another Python, so it is left alone and this run is "

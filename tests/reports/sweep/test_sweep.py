@@ -96,7 +96,7 @@ class Backwards(Executor):
 @contextmanager
 def dask_executor() -> Iterator[Executor]:
     """Of a local cluster of two processes."""
-    distributed = pytest.importorskip("distributed")
+    distributed = pytest.importorskip("distributed", reason="the extra dask is not there: pip install -e '.[dask]'")
     with (
         distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
         distributed.Client(cluster) as client,

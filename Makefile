@@ -61,13 +61,12 @@ check: $(DEV)
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
 
+# All parts into build/bench/bench.json and bench.svg. Others beside it: pip install -e '.[bench]', and iverilog.
+# Then python -m tests.bench.readme build/bench/bench.json writes README's figures. Growth to an hour: make bench LONG=--long
+LONG ?=
 bench: $(DEV)
-	$(BIN)/python -m tests.bench.speed
-	$(BIN)/python -m tests.bench.levels --json build/bench/levels.json --plot build/bench/levels.svg
-	$(BIN)/python -m tests.bench.growth
-	$(BIN)/python -m tests.bench.decode
-	$(BIN)/python -m tests.bench.numeric
-	$(BIN)/python -m tests.bench.schedule
+	@$(MAKE) --no-print-directory try-core
+	$(BIN)/python -m tests.bench $(LONG)
 
 # Compiles the core beside its sources; without a C compiler, or after a change of them, the sources run. JOBS=1: one at a time.
 core: $(CORE)

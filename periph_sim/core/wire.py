@@ -20,6 +20,10 @@ MOST = 62  # parties of a wire, lines of a sampler: their masks are C integers o
 BITS = tuple(1 << place for place in range(MOST))
 
 
+class TooManyParties(ValueError):
+    """One more party than a wire can have; one sentence."""
+
+
 class _Told(Agent):
     """Hands what is sampled to a function."""
 
@@ -64,10 +68,10 @@ class Wire(Settles):
         self._pulled_under = self._released_under = 0  # the last records under which that was done in this instant
 
     def attach(self, who: str) -> Pin:
-        """A new party's hold on the line, released. ValueError for one too many."""
+        """A new party's hold on the line, released. TooManyParties for one too many."""
         place = len(self._parties)
         if place >= MOST:
-            raise ValueError(f"wire {self.name}: {who} would be party {place + 1}; a wire has up to {MOST}")
+            raise TooManyParties(f"wire {self.name}: {who} would be party {place + 1}; a wire has up to {MOST}")
         self._parties.append(who)
         self.attached += 1
         self._changed()

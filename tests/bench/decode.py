@@ -1,14 +1,11 @@
 """`make bench`, decoding: the whole command beside sigrok-cli on the same files, and beside unzipping them alone.
 
-python -m tests.bench.decode [--folder FOLDER] [--repeats N]
-
 Each command is a fresh process with its output to nowhere; commands take turns, so that all meet the same other
 work on the machine; medians are shown. cpu far below wall means that others had the processor, or the disk did.
 """
 
 from __future__ import annotations
 
-import argparse
 import os
 import shutil
 import subprocess
@@ -17,11 +14,14 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from time import perf_counter
+from typing import Any
 
 from . import big_captures
 from .timed import Seconds, middle
 
-REPEATS = 5
+Row = dict[str, Any]
+
+OURS = "periph-sim decode"
 
 # What each is asked for: the same protocol rows.
 ROWS = {
@@ -52,7 +52,7 @@ NUMPY = "import numpy"
 def commands(name: str, file: Path) -> Iterator[tuple[str, list[str]]]:
     """(who, command line) for one file."""
     ours, theirs = ROWS[name]
-    yield "periph-sim decode", [*_ours(), "decode", str(file), *ours]
+    yield OURS, [*_ours(), "decode", str(file), *ours]
     if found := shutil.which("sigrok-cli"):
         yield "sigrok-cli", [found, "-i", str(file), *theirs]
     yield "unzip alone, Python's zlib", [sys.executable, "-c", UNZIP, str(file)]
@@ -76,37 +76,26 @@ def spent(command: Sequence[str]) -> Seconds:
     return Seconds(wall, cpu)
 
 
-def rows(folder: Path, repeats: int) -> Iterator[tuple[str, str, str, str]]:
-    """(what, wall, cpu, times as long as ours) for each file and command."""
-    for name, file in big_captures.write(folder).items():
-        asked = list(commands(name, file))
-        times: dict[str, list[Seconds]] = {who: [] for who, _ in asked}
-        for _ in range(repeats):
-            for who, command in asked:
-                times[who].append(spent(command))
-        ours = middle(times["periph-sim decode"])
-        yield f"{name}: {WHAT[name]}", "", "", ""
-        for who, taken in times.items():
-            each = middle(taken)
-            yield f"  {who}", f"{each.wall:.3f} s", f"{each.cpu:.3f} s", f"{each.wall / ours.wall:.2f}"
-        if "sigrok-cli" not in times:
-            yield "  sigrok-cli", "is not installed", "", ""
+def rows(repeat: int) -> Iterator[Row]:
+    """Each file and command."""
+    with tempfile.TemporaryDirectory() as folder:
+        for name, file in big_captures.write(Path(folder)).items():
+            asked = list(commands(name, file))
+            times: dict[str, list[Seconds]] = {who: [] for who, _ in asked}
+            for _ in range(repeat):
+                for who, command in asked:
+                    times[who].append(spent(command))
+            ours = middle(times[OURS])
+            for who, taken in times.items():
+                each = middle(taken)
+                row = {"file": f"{name}: {WHAT[name]}", "who": who, "cpu_s": each.cpu, "wall_s": each.wall}
+                yield row | {"times_as_long": each.cpu / ours.cpu}
+            if "sigrok-cli" not in times:
+                yield {"file": f"{name}: {WHAT[name]}", "who": "sigrok-cli", "skipped": "sigrok-cli is not installed"}
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(prog="python -m tests.bench.decode", description="How fast captures are decoded.")
-    parser.add_argument("--folder", type=Path, help="where the files are kept; else they are made and thrown away")
-    parser.add_argument("--repeats", type=int, default=REPEATS)
-    given = parser.parse_args()
-    with tempfile.TemporaryDirectory() as own:
-        folder = given.folder or Path(own)
-        folder.mkdir(parents=True, exist_ok=True)
-        line = "| {:<58} | {:>16} | {:>9} | {:>12} |"
-        print(line.format("file and command, median of " + str(given.repeats), "wall", "cpu", "ours is 1"))
-        print(line.format("-" * 58, "-" * 16, "-" * 9, "-" * 12))
-        for row in rows(folder, given.repeats):
-            print(line.format(*row), flush=True)
-
-
-if __name__ == "__main__":
-    main()
+def line(row: Row) -> str:
+    head = f"{row['file']:54} {row['who']:28}"
+    if "skipped" in row:
+        return f"{head} skipped: {row['skipped']}"
+    return f"{head} {row['cpu_s']:.3f} s of cpu, {row['wall_s']:.3f} s of wall, {row['times_as_long']:.2f} times ours"

@@ -1,72 +1,81 @@
-"""How a run's cost grows: with the devices on the bus, and with the length of the run.
+"""How a run's cost grows: with the slaves on the bus, and with the length of the run.
 
-python -m tests.bench.growth [--long]
+    N slaves on one bus, of which one is asked --> CPU seconds a simulated second, events a byte, memory
+    imu_hil for 1 s, 10 s, 60 s (long: 600 s, 3600 s) --> the same
 
-    N EEPROMs on one bus, of which one is asked --> CPU seconds a simulated second, events a byte, memory
-    imu_hil for 1 s, 10 s, 60 s (--long: 600 s, 3600 s) --> the same
+A wire has up to 62 parties, since who pulls it is a mask in a C integer; the controller is one of them. A scene with
+more is refused, and so are 100 slaves: their row says with which sentence.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
 import resource
-import subprocess
-import sys
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
-from pathlib import Path
-from time import process_time
+from typing import Any
 
+from periph_sim import form
+from periph_sim.core.wire import TooManyParties
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import Case
 from periph_sim.scene.scene import Scene
 
-TIMING = Path(__file__).parents[2] / "timing"
-DEVICES = (1, 10, 60)  # a wire has up to 62 parties
+from .child import TIMING, in_form
+from .timed import timed
+
+Row = dict[str, Any]
+
+SLAVES = (1, 3, 10, 30, 61, 100)
 LENGTHS = ("1", "10", "60")
 LONG = (*LENGTHS, "600", "3600")
 FIRST = 0x08  # of the addresses that are free for devices
+REGISTERS = [{"name": "DATA", "at": 0, "reset": 0x5A}]
 
 
-def with_devices(number: int) -> Case:
+def with_slaves(number: int) -> Case:
     """A controller and so many register devices, of which it asks the first."""
     devices = {f"d{n}": {"model": "registers", "address": FIRST + n, "register": REGISTERS} for n in range(number)}
     asks = {"period": "5 ms", "request": [{"address": FIRST, "pointer": 0, "count": 8}]}
     return Case.model_validate({"name": "growth", "unit": {}, "device": devices, "controller": asks, "duration": "1 s"})
 
 
-REGISTERS = [{"name": "DATA", "at": 0, "reset": 0x5A}]
+def rows(forms: Sequence[str], long: bool) -> Iterator[Row]:
+    for number in SLAVES:
+        for which in forms:
+            yield in_form(which, "growth", "slaves", number)
+    for seconds in LONG if long else LENGTHS:
+        yield in_form(forms[-1], "growth", "length", seconds)
 
 
-def measured(case: Case, seconds: str) -> dict[str, float]:
+def slaves(number: int) -> Row:
+    row = {"slaves": number, "form": form.running}
+    try:
+        return row | measured(with_slaves(number), "1" if form.running == form.COMPILED else "0.2")
+    except TooManyParties as refused:
+        return row | {"refused": str(refused)}
+
+
+def length(seconds: str) -> Row:
+    return {"seconds": int(seconds), "form": form.running} | measured(load(TIMING / "imu_hil.toml"), seconds)
+
+
+def measured(case: Case, seconds: str) -> Row:
+    """One run, since it is a process's only one: its memory is this run's."""
     scene = Scene(case)
-    began = process_time()
-    result = scene.run(Fraction(seconds))
-    cpu = process_time() - began
+    result, time = timed(lambda: scene.run(Fraction(seconds)))
     return {
-        "cpu_s_per_s": cpu / float(Fraction(seconds)),
+        "cpu_s_per_s": time.cpu / float(Fraction(seconds)),
+        "bytes_per_s": result.wire_bytes / time.cpu,
         "events_per_byte": result.events / result.wire_bytes,
-        "memory_mib": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+        "process_mib": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
     }
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(prog="python -m tests.bench.growth", description="How cost grows.")
-    parser.add_argument("--long", action="store_true", help="runs of 10 minutes and an hour, too")
-    parser.add_argument("--one", nargs=2, metavar=("KIND", "VALUE"), help="one point, of this very process")
-    given = parser.parse_args()
-    if given.one:
-        kind, value = given.one
-        case = with_devices(int(value)) if kind == "devices" else load(TIMING / "imu_hil.toml")
-        print(json.dumps(measured(case, "1" if kind == "devices" else value)))
-        return
-    for kind, values in (("devices", map(str, DEVICES)), ("seconds", LONG if given.long else LENGTHS)):
-        for value in values:
-            command = [sys.executable, "-m", "tests.bench.growth", "--one", kind, value]
-            found = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
-            figures = ", ".join(f"{name} {figure:,.4g}" for name, figure in found.items())
-            print(f"{value:>5} {kind:8} {figures}", flush=True)
-
-
-if __name__ == "__main__":
-    main()
+def line(row: Row) -> str:
+    what = f"{row['slaves']} slaves" if "slaves" in row else f"{row['seconds']} s of imu_hil"
+    if "refused" in row:
+        return f"{what:18} {row['form']:12} refused: {row['refused']}"
+    return (
+        f"{what:18} {row['form']:12} {row['cpu_s_per_s']:8.4f} s/s {row['bytes_per_s']:10,.0f} bytes/s "
+        f"{row['events_per_byte']:6.1f} events/byte {row['process_mib']:6.1f} MiB"
+    )

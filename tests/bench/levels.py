@@ -1,126 +1,129 @@
-"""Every shipped case in both forms and at each level: I2C bytes per second of CPU time, events and memory.
+"""Every shipped case in both forms and at each level: I2C bytes per second of CPU time, events, set-up and memory.
 
-python -m tests.bench.levels [--seconds 1] [--repeat 3] [--json FILE] [--plot FILE] [CASE ...]
+    case, form --> a process of its own: load, build, run at each level in turn, again and again --> rows of medians
 
-    case, form, level --> a process of its own: load, build (not timed), run (CPU time) --> Point --> table, JSON, plot
-
-A level that a case refuses is named with the reason. A form that is not built is left out, which is said. Medians; the
-forms of one level come one after the other, so that a busy machine slows both.
+Levels take turns, so that a busy machine slows all alike. A level that a case refuses is named with the reason. The
+first run of each level is short and not counted: it imports what the level needs.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
-import os
 import resource
-import statistics
-import subprocess
-import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
 from fractions import Fraction
 from pathlib import Path
+from statistics import median
 from time import process_time
+from typing import Any
 
 from periph_sim import form
+from periph_sim.levels.judged import judged
+from periph_sim.levels.schedule.errors import BadSchedule
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
-from periph_sim.scene.scene import Scene
 
-TIMING = Path(__file__).parents[2] / "timing"
-FORMS = (form.INTERPRETED, form.COMPILED)
-LEVELS = ("edge", "adaptive", "byte")
-VARIANTS = {"responder_declared": ("responder", "unit.dsp.firmware=responder_declared")}  # shipped cases, changed
+from .child import TIMING, in_form
+from .timed import timed
 
+Row = dict[str, Any]
 
-@dataclass(frozen=True)
-class Point:
-    """One case in one form at one level. cpu: seconds per simulated second. refused: why there is nothing."""
-
-    case: str
-    form: str
-    level: str
-    bytes_per_s: float = 0.0
-    cpu: float = 0.0
-    build: float = 0.0  # CPU seconds of load and build, imports apart
-    events_per_byte: float = 0.0
-    byte_level: float = 0.0  # per cent of the I2C bytes
-    memory_mib: float = 0.0
-    refused: str = ""
+LEVELS = ("edge", "adaptive", "byte", "schedule")
+BYTES = tuple(f"unit.dsp.settings.{key}" for key in ("arithmetic=bytes", "model_cost=250 us", "beyond_estimate=0 us"))
+VARIANTS: dict[str, tuple[str, tuple[str, ...]]] = {  # shipped cases, changed
+    "imu_hil, arithmetic = bytes": ("imu_hil", BYTES),
+    "responder, waits declared": ("responder", ("unit.dsp.firmware=responder_declared",)),
+}
+SECONDS = {form.COMPILED: "1", form.INTERPRETED: "0.25"}  # of scene: figures are per byte and per second of it
+WARM = Fraction(1, 50)
 
 
-def one(name: str, level: str, seconds: str) -> Point:
+def cases() -> dict[str, tuple[str, tuple[str, ...]]]:
+    """By what they are called: file, changes."""
+    return {path.stem: (path.stem, ()) for path in sorted(TIMING.glob("*.toml"))} | VARIANTS
+
+
+def rows(forms: Sequence[str], repeat: int) -> Iterator[Row]:
+    for name, (file, changes) in cases().items():
+        for which in forms:
+            yield from in_form(which, "levels", "measured", name, file, changes, SECONDS[which], repeat)
+
+
+def measured(name: str, file: str, changes: Sequence[str], seconds: str, repeat: int) -> list[Row]:
     """In this process, in the form that it has."""
+    found: list[Row] = []
+    path = TIMING / f"{file}.toml"
+    runs: dict[str, list[tuple[float, float, Any]]] = {}
+    for level in LEVELS:
+        try:
+            run(path, [*changes, f"fidelity={level}"], WARM)
+            runs[level] = []
+        except (BadCase, BadSchedule) as refused:
+            found.append({"case": name, "form": form.running, "level": level, "refused": reason(str(refused))})
+    for _ in range(repeat):
+        for level, done in list(runs.items()):
+            try:
+                done.append(run(path, [*changes, f"fidelity={level}"], Fraction(seconds)))
+            except BadSchedule as refused:  # by what happened on the way
+                del runs[level]
+                found.append({"case": name, "form": form.running, "level": level, "refused": reason(str(refused))})
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    for level, done in runs.items():
+        cpu, build, result = median(one[0] for one in done), median(one[1] for one in done), done[0][2]
+        per_byte = 1 / result.wire_bytes if result.wire_bytes else 0.0
+        found.append(
+            {
+                "case": name,
+                "form": form.running,
+                "level": level,
+                "bytes_per_s": result.wire_bytes / cpu,
+                "cpu_s_per_s": cpu / result.simulated_s,
+                "build_s": build,
+                "events_per_byte": result.events * per_byte,
+                "byte_level_percent": 100 * result.counts.get("byte_level", 0) * per_byte,
+                "process_mib": memory,  # of the process that ran all levels
+            }
+        )
+    return found
+
+
+def run(path: Path, changes: Sequence[str], seconds: Fraction) -> tuple[float, float, Any]:
+    """CPU seconds of the run, and of what comes before it; the result."""
     began = process_time()
-    try:
-        file, *changes = VARIANTS.get(name, (name,))
-        scene = Scene(load(TIMING / f"{file}.toml", [f"fidelity={level}", *changes]))
-    except BadCase as refused:
-        return Point(name, form.running, level, refused=str(refused).partition("cannot be: ")[2].partition(";")[0])
+    scene = judged(load(path, list(changes)))
     build = process_time() - began
-    began = process_time()
-    result = scene.run(Fraction(seconds))
-    cpu = process_time() - began
-    passed = result.counts.get("byte_level", 0)
-    per_byte = 1 / result.wire_bytes if result.wire_bytes else 0.0
-    return Point(
-        name,
-        form.running,
-        level,
-        bytes_per_s=result.wire_bytes / cpu,
-        cpu=cpu / result.simulated_s,
-        build=build,
-        events_per_byte=result.events * per_byte,
-        byte_level=100 * passed * per_byte,
-        memory_mib=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
-    )
+    result, time = timed(lambda: scene.run(seconds))
+    return time.cpu, build, result
 
 
-def in_a_child(name: str, which: str, level: str, seconds: str) -> Point:
-    """The same in a process of its own, in the form that is asked for."""
-    command = [sys.executable, "-m", "tests.bench.levels", "--one", name, level, "--seconds", seconds]
-    environment = {**os.environ, form.VARIABLE: which}
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
-    return Point(**json.loads(done.stdout.splitlines()[-1]))
+def reason(message: str) -> str:
+    """Why a level cannot be, of the sentence that refuses it."""
+    return (message.partition("cannot be: ")[2] or message.partition(": ")[2]).partition(";")[0]
 
 
-def points(names: Sequence[str], forms: Sequence[str], seconds: str, repeat: int) -> Iterator[Point]:
-    """The median run of each, by its CPU time."""
-    for name in names:
-        for level in LEVELS:
-            runs: dict[str, list[Point]] = {which: [] for which in forms}
-            for _ in range(repeat):
-                for which in forms:
-                    runs[which].append(in_a_child(name, which, level, seconds))
-            for which in forms:
-                middle = statistics.median_low(point.cpu for point in runs[which])
-                yield next(point for point in runs[which] if point.cpu == middle)
-
-
-def line(point: Point) -> str:
-    if point.refused:
-        return f"{point.case:22} {point.level:9} {point.form:12} refused: {point.refused}"
+def line(row: Row) -> str:
+    head = f"{row['case']:28} {row['form']:12} {row['level']:9}"
+    if "refused" in row:
+        return f"{head} refused: {row['refused']}"
     return (
-        f"{point.case:22} {point.level:9} {point.form:12} {point.bytes_per_s:9,.0f} bytes/s {point.cpu:8.4f} s/s "
-        f"{point.events_per_byte:6.1f} events/byte {point.byte_level:5.1f} % {point.memory_mib:5.0f} MiB"
+        f"{head} {row['bytes_per_s']:10,.0f} bytes/s {row['cpu_s_per_s']:8.4f} s/s {row['build_s'] * 1e3:7.2f} ms "
+        f"set-up {row['events_per_byte']:6.1f} events/byte {row['byte_level_percent']:5.1f} % at byte level"
     )
 
 
-def plot(found: Sequence[Point], path: Path) -> None:
+def plot(found: Sequence[Row], path: Path) -> None:
     """Bars of bytes per second, logarithmic: a group a case, a bar a form and level."""
     import matplotlib
 
     matplotlib.use("svg")
     from matplotlib import pyplot
 
-    shown = [point for point in found if point.bytes_per_s]
-    names = list(dict.fromkeys(point.case for point in shown))
-    kinds = list(dict.fromkeys((point.form, point.level) for point in shown))
-    figure, axes = pyplot.subplots(figsize=(10, 0.5 + 0.45 * len(names)))
+    shown = [row for row in found if row.get("bytes_per_s")]
+    names = list(dict.fromkeys(row["case"] for row in shown))
+    kinds = sorted({(row["form"], row["level"]) for row in shown})
+    figure, axes = pyplot.subplots(figsize=(10, 0.5 + 0.6 * len(names)))
     height = 0.8 / len(kinds)
     for place, kind in enumerate(kinds):
-        of = {point.case: point.bytes_per_s for point in shown if (point.form, point.level) == kind}
+        of = {row["case"]: row["bytes_per_s"] for row in shown if (row["form"], row["level"]) == kind}
         at = [names.index(name) + place * height for name in of]
         axes.barh(at, list(of.values()), height, label=f"{kind[1]}, {kind[0]}")
     axes.set_xscale("log")
@@ -130,34 +133,3 @@ def plot(found: Sequence[Point], path: Path) -> None:
     axes.legend(fontsize="small")
     figure.tight_layout()
     figure.savefig(path)
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(prog="python -m tests.bench.levels", description="Each case, form and level.")
-    parser.add_argument("--seconds", default="1")
-    parser.add_argument("--repeat", type=int, default=3)
-    parser.add_argument("--json", type=Path)
-    parser.add_argument("--plot", type=Path)
-    parser.add_argument("--one", nargs=2, metavar=("CASE", "LEVEL"), help="print one point of this very process")
-    parser.add_argument("cases", nargs="*")
-    given = parser.parse_args()
-    if given.one:
-        print(json.dumps(asdict(one(*given.one, given.seconds))))
-        return
-    forms = FORMS if form.running == form.COMPILED else FORMS[:1]
-    if len(forms) == 1:
-        print(f"interpreted only: {form.note or 'the core is not compiled; `make core` does'}")
-    names = given.cases or sorted([*(path.stem for path in TIMING.glob("*.toml")), *VARIANTS])
-    found: list[Point] = []
-    for point in points(names, forms, given.seconds, given.repeat):
-        print(line(point), flush=True)
-        found.append(point)
-    if given.json:
-        given.json.parent.mkdir(parents=True, exist_ok=True)
-        given.json.write_text(json.dumps([asdict(point) for point in found], indent=1) + "\n", "utf-8")
-    if given.plot:
-        plot(found, given.plot)
-
-
-if __name__ == "__main__":
-    main()

@@ -1,16 +1,14 @@
 """`make bench`, sensor models: samples a second over arrays and one by one, in each arithmetic. Nothing is asserted.
 
-python -m tests.bench.numeric [--samples N]
-
 A sample is one time step of all nine axes; three axes of one chip are a triplet, so a sample is three of those. One
 core; the best of many short runs, since others share the machine.
 """
 
 from __future__ import annotations
 
-import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from struct import pack
+from typing import Any
 
 import numpy as np
 
@@ -23,6 +21,8 @@ from periph_sim.sensors.numeric import arithmetic_names as named
 
 from .timed import Seconds, timed
 
+Row = dict[str, Any]
+
 RUNS = 20
 WAYS = ("four-quadrant", "plain", "rotation")
 
@@ -33,7 +33,7 @@ def best(work: Callable[[], object]) -> Seconds:
     return Seconds(min(time.wall for time in times), min(time.cpu for time in times))
 
 
-def over_arrays(samples: int) -> None:
+def over_arrays(samples: int) -> Iterator[Row]:
     random = np.random.default_rng(0)
     attitude = tuple(random.normal(scale=0.5, size=samples) for _ in range(3))
     acceleration = tuple(random.normal(scale=0.5, size=samples) for _ in range(3))
@@ -41,7 +41,7 @@ def over_arrays(samples: int) -> None:
     for way in WAYS:
         imu = ImuParameters(magnetometer=MagnetometerParameters(spherical=way))
         time = best(lambda imu=imu: codes_of(imu, attitude, acceleration, noise))
-        print(row(f"float64 over arrays, {way}", samples, time))
+        yield row(f"float64 over arrays, {way}", samples, time)
 
 
 def frames_of(samples: int) -> list[bytes]:
@@ -53,27 +53,23 @@ def frames_of(samples: int) -> list[bytes]:
     return [pack("<6h", *frame) for frame in counts.astype(int).T.tolist()]
 
 
-def one_by_one(samples: int) -> None:
+def one_by_one(samples: int) -> Iterator[Row]:
     frames = frames_of(samples)
     for name in ("float64", "q16", "q16 rounded", "q16 saturating"):
         models = Models(name, ImuParameters())
         time = best(lambda models=models: [models.chips(frame) for frame in frames])
-        print(row(f"{named.scalar(name).name}, frame by frame", samples, time))
+        yield row(f"{named.scalar(name).name}, frame by frame", samples, time)
 
 
-def row(what: str, samples: int, time: Seconds) -> str:
-    a_second = samples / time.cpu
-    wall = samples / time.wall
-    return f"{what:36} {a_second:12,.0f} samples/s of cpu {3 * a_second:12,.0f} triplets/s {wall:12,.0f} /s of wall"
+def row(what: str, samples: int, time: Seconds) -> Row:
+    return {"what": what, "samples_per_s": samples / time.cpu, "triplets_per_s": 3 * samples / time.cpu}
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(prog="python -m tests.bench.numeric", description="How fast the models run here.")
-    parser.add_argument("--samples", type=int, default=200_000, help="over arrays; a hundredth of them one by one")
-    samples = parser.parse_args().samples
-    over_arrays(samples)
-    one_by_one(samples // 100)
+def line(row: Row) -> str:
+    return f"{row['what']:36} {row['samples_per_s']:12,.0f} samples/s {row['triplets_per_s']:12,.0f} triplets/s of cpu"
 
 
-if __name__ == "__main__":
-    main()
+def rows(samples: int = 200_000) -> Iterator[Row]:
+    """samples: over arrays; a hundredth of them one by one."""
+    yield from over_arrays(samples)
+    yield from one_by_one(samples // 100)

@@ -1,6 +1,9 @@
 """What others need for like work, on this machine, in this hour: a heap, SimPy, cocotb with Icarus Verilog.
 
-Each function gives a `Rate`, or a sentence that says why it could not be measured.
+    events that do nothing: heapq, our kernel in both forms, SimPy --> events a second of CPU time
+    bytes on an I2C bus:    cocotb + Icarus Verilog + cocotbext-i2c --> bytes a second of CPU time, and what it lacks
+
+Who is not installed has a row with the reason, and nothing else fails.
 """
 
 from __future__ import annotations
@@ -9,12 +12,19 @@ import importlib.util
 import json
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from heapq import heappop, heappush
 from pathlib import Path
+from typing import Any
 
+from periph_sim import form
+from periph_sim.core.kernel import Agent, Kernel
+
+from .child import in_form
 from .timed import Seconds, median_of, middle
+
+Row = dict[str, Any]
 
 REPEATS = 5
 PENDING = 8  # promises that wait at a time; the sensor-head scene has about as many
@@ -47,7 +57,60 @@ class Rate:
 
     @property
     def per_second(self) -> float:
-        return self.count / self.time.wall
+        return self.count / self.time.cpu
+
+
+BUS_OF_OTHERS = "cocotb + Icarus Verilog + cocotbext-i2c: a master asks a memory"
+LACKS = (
+    "a master and a memory on two wires, in Python: no registers, flags, FIFOs or interrupts of a chip, no firmware "
+    "and no cycles of a CPU, no SCI, no records, no budgets; levels change without noise filters or clocks that are off"
+)
+
+
+def rows(forms: Sequence[str]) -> Iterator[Row]:
+    yield row("heapq: push and pop, nothing between", "events", heap())
+    for which in forms:
+        yield in_form(which, "peers", "own_kernel")
+    yield row("SimPy: timeouts", "events", simpy_timeouts())
+    yield row(BUS_OF_OTHERS, "I2C bytes", cocotb_i2c()) | {"lacks": LACKS}
+
+
+def row(what: str, counted: str, found: Rate | str) -> Row:
+    if isinstance(found, str):
+        return {"what": what, "counted": counted, "skipped": found}
+    return {"what": what, "counted": counted, "per_s": found.per_second, "cpu_s": found.time.cpu}
+
+
+def line(row: Row) -> str:
+    head = f"{row['what']:64}"
+    if "skipped" in row:
+        return f"{head} skipped: {row['skipped']}"
+    told = f"{head} {row['per_s']:12,.0f} {row['counted']}/s"
+    return f"{told}\n  not modelled there: {row['lacks']}" if "lacks" in row else told
+
+
+class Waiter(Agent):
+    """Does nothing but ask for the next event."""
+
+    def __init__(self, kernel: Kernel) -> None:
+        self.kernel = kernel
+
+    def act(self, tag: int) -> None:
+        self.kernel.ask(self.kernel.now + PENDING, self)
+
+
+def own_kernel(count: int = 200_000) -> Row:
+    """Events of our kernel that do nothing, by agents written in Python, in the form that this process has."""
+
+    def run() -> None:
+        kernel = Kernel()
+        for first in range(PENDING):
+            kernel.ask(first + 1, Waiter(kernel))
+        kernel.run_until(count)
+
+    return row(
+        f"this kernel, {form.running}: events of Python agents", "events", Rate(count, median_of(REPEATS, run)[1])
+    )
 
 
 def heap(count: int = 1_000_000) -> Rate:

@@ -1,7 +1,5 @@
 """How many scenarios of the level `schedule` a second of CPU time makes, by what differs between them.
 
-python -m tests.bench.schedule [--scenarios 100000] [--rounds 50]
-
 The shipped case timing/imu_hil.toml with all that it has: three clocks that are off, a host that drifts through all
 phases, drawn costs; NACK windows, hangs, stretches and margins are told of each scenario. Then the published case where
 many scenarios lie in such a window. One core. Draws are those of Python's generator, made for many seeds at once, but
@@ -10,8 +8,8 @@ each seed costs its seeding: scenarios that share seeds share that.
 
 from __future__ import annotations
 
-import argparse
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,9 +17,12 @@ from numpy.typing import NDArray
 from periph_sim.levels.schedule import Structure, schedule, structure_of
 from periph_sim.scene.case.load import load
 
-from .scenes import CASE
+from .child import TIMING
 from .timed import median_of
 
+Row = dict[str, Any]
+
+CASE = TIMING / "imu_hil_published.toml"
 SHARED = 1000  # seeds that scenarios share
 APART = 20  # the part of the scenarios that is run where each goes read by read
 
@@ -52,24 +53,22 @@ def windows(scenarios: int) -> dict[str, tuple[list[str], Mapping[str, NDArray[n
     }
 
 
-def report(structure: Structure, changed: Mapping[str, Mapping[str, NDArray[np.int64]]], rounds: int) -> None:
+def rows(scenarios: int = 100_000, rounds: int = 50) -> Iterator[Row]:
+    structure, time = median_of(3, lambda: structure_of(load(CASE.with_name("imu_hil.toml"))))
+    yield {"what": "terms measured on edges", "cpu_s": time.cpu}
+    yield from report(structure, changes(scenarios), rounds)
+    for name, (changed, given) in windows(scenarios).items():
+        yield from report(structure_of(load(CASE, changed)), {name: given}, rounds)
+
+
+def report(structure: Structure, changed: Mapping[str, Mapping[str, NDArray[np.int64]]], rounds: int) -> Iterator[Row]:
     for name, given in changed.items():
         found, time = median_of(3, lambda given=given: schedule(structure, given, rounds=rounds))
         each = found.scenarios / time.cpu
-        print(f"{name:32} {found.scenarios:7} scenarios of {rounds} rounds: {each:10,.0f} /s of cpu")
+        yield {"what": name, "scenarios": found.scenarios, "rounds": rounds, "per_s": each, "cpu_s": time.cpu}
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(prog="python -m tests.bench.schedule", description="Scenarios a second.")
-    parser.add_argument("--scenarios", type=int, default=100_000)
-    parser.add_argument("--rounds", type=int, default=50)
-    given = parser.parse_args()
-    structure, time = median_of(3, lambda: structure_of(load(CASE.with_name("imu_hil.toml"))))
-    print(f"terms measured on edges: {time.cpu * 1e3:.0f} ms of cpu")
-    report(structure, changes(given.scenarios), given.rounds)
-    for name, (changed, scenarios) in windows(given.scenarios).items():
-        report(structure_of(load(CASE, changed)), {name: scenarios}, given.rounds)
-
-
-if __name__ == "__main__":
-    main()
+def line(row: Row) -> str:
+    if "per_s" not in row:
+        return f"{row['what']:32} {row['cpu_s'] * 1e3:.0f} ms of cpu"
+    return f"{row['what']:32} {row['scenarios']:7} scenarios of {row['rounds']} rounds: {row['per_s']:10,.0f} /s of cpu"

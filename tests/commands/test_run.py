@@ -287,3 +287,13 @@ def test_a_case_is_judged_by_arithmetic_with_terms_of_edges(periph_sim: Run):
 def test_mistakes_about_levels_are_one_sentence(periph_sim: Run, desk: Path, arguments: tuple[str, ...], message: str):
     came = periph_sim("run", "small.toml", *arguments)
     assert (came.status, came.out) == (2, "") and message in came.err and "Traceback" not in came.err
+
+
+def test_more_parties_than_a_wire_can_have_are_refused_in_one_sentence(periph_sim: Run, tmp_path: Path):
+    device = '[device.d{0}]\nmodel = "registers"\naddress = {1}\nregister = [{{ name = "DATA", at = 0, reset = 1 }}]\n'
+    devices = "".join(device.format(number, 8 + number) for number in range(63))
+    asks = '[controller]\nperiod = "5 ms"\n[[controller.request]]\naddress = 8\ncount = 2\n'
+    (tmp_path / "many.toml").write_text(f'name = "many"\nduration = "10 ms"\n{asks}{devices}', "utf-8")
+    came = periph_sim("run", str(tmp_path / "many.toml"))
+    assert came.status == 2 and came.out == ""
+    assert came.err == "Error: wire SDA: d62 would be party 63; a wire has up to 62\n"

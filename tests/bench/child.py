@@ -1,0 +1,50 @@
+"""A function of the bench in a process of its own, in the form asked for: arguments go in, its JSON comes out.
+
+python -m tests.bench.child MODULE FUNCTION JSON-ARGUMENTS
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from periph_sim import form
+
+ROOT = Path(__file__).parents[2]
+TIMING = ROOT / "timing"
+
+
+def forms() -> list[str]:
+    """Interpreted; and compiled, where a core is built of these sources."""
+    built = form.usable(form.PACKAGE, form.BUILT)[0]
+    return [form.INTERPRETED, form.COMPILED] if built else [form.INTERPRETED]
+
+
+def environment(which: str) -> dict[str, str]:
+    """For a process in this form."""
+    kept = {key: value for key, value in os.environ.items() if key != form.VARIABLE}
+    return {**kept, form.VARIABLE: form.INTERPRETED} if which == form.INTERPRETED else kept
+
+
+def in_form(which: str, module: str, function: str, *arguments: object) -> Any:
+    """What tests.bench.MODULE.FUNCTION(*arguments) gives in a fresh process."""
+    command = [sys.executable, "-m", "tests.bench.child", module, function, json.dumps(arguments)]
+    done = subprocess.run(command, cwd=ROOT, env=environment(which), capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise RuntimeError(f"{' '.join(command)} failed:\n{done.stderr}")
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def main(arguments: Sequence[str]) -> None:
+    module, function, given = arguments
+    print(json.dumps(getattr(import_module(f"tests.bench.{module}"), function)(*json.loads(given))))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,89 @@
+"""What a scene does not name, and what naming it would cost: imports, objects and events, memory; zero of each without.
+
+    scenes of tests/scene/absent.py, form --> a process a scene --> a row for each thing that can be absent
+
+Counts without it are held to zero by tests/scene/test_absent.py; here they stand beside what they would be with it.
+"""
+
+from __future__ import annotations
+
+import tempfile
+import tracemalloc
+from collections.abc import Iterator, Sequence
+from contextlib import chdir
+from pathlib import Path
+from typing import Any
+
+from periph_sim import form
+from tests.scene import absent
+
+from .child import in_form
+
+Row = dict[str, Any]
+
+
+def rows(forms: Sequence[str]) -> Iterator[Row]:
+    for which in forms:
+        bare = in_form(which, "nothing", "without")
+        for what, row in absent.ROWS.items():
+            if row.present:
+                continue
+            having = in_form(which, "nothing", "having", what)
+            lacking = bare["modules"], bare["objects"]
+            yield {
+                "absent": what,
+                "form": which,
+                "imports": len(in_rooms(lacking[0], row.rooms)),
+                "objects": sum(instances(lacking[1], row.rooms).values()),
+                "imports_with_it": len(in_rooms(having["modules"], row.rooms)),
+                "objects_with_it": sum(instances(having["objects"], row.rooms).values()),
+                "events": bare["events"],
+                "events_with_it": having["events"],
+                "kib": bare["kib"],
+                "kib_with_it": having["kib"],
+            }
+
+
+def without() -> Row:
+    """The slave of `BARE`, with nothing besides; in this process."""
+    return told(absent.BARE["slave"], "")
+
+
+def having(what: str) -> Row:
+    """The scene that has it."""
+    row = absent.ROWS[what]
+    return told(row.named, row.record)
+
+
+def told(tables: Any, record: str) -> Row:
+    with tempfile.TemporaryDirectory() as folder, chdir(folder):
+        Path("mine.py").write_text(absent.DEVICE, "utf-8")
+        tracemalloc.start()
+        scene = absent.run(tables, record)
+        kib = tracemalloc.get_traced_memory()[0] / 1024  # imports included
+        tracemalloc.stop()
+    found = absent.census(scene)
+    return {
+        "modules": absent.loaded(),
+        "objects": found,
+        "events": scene.kernel.events,
+        "kib": kib,
+        "form": form.running,
+    }
+
+
+def in_rooms(names: Sequence[str], rooms: tuple[str, ...]) -> list[str]:
+    return [name for name in names if absent.in_room(name, rooms)]
+
+
+def instances(objects: dict[str, int], rooms: tuple[str, ...]) -> dict[str, int]:
+    return {name: count for name, count in objects.items() if absent.in_room(name.rpartition(".")[0], rooms)}
+
+
+def line(row: Row) -> str:
+    return (
+        f"without {row['absent']:24} {row['form']:12} {row['imports']} imports, {row['objects']} objects; with it "
+        f"{row['imports_with_it']:3} and {row['objects_with_it']:3}, "
+        f"events {row['events']} and {row['events_with_it']}, "
+        f"memory {row['kib']:,.0f} and {row['kib_with_it']:,.0f} KiB"
+    )

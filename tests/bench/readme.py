@@ -1,0 +1,117 @@
+"""The figures that README shows: a bench's JSON goes in; docs/bench.json, which is kept, and README's table come out.
+
+    python -m tests.bench.readme build/bench/bench.json    keeps the figures of that bench, and writes README's table
+    python -m tests.bench.readme                           writes README's table of those that are kept
+
+build/bench/bench.json --figures--> docs/bench.json --table--> README.md, between its marks
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from textwrap import fill
+from typing import Any
+
+from periph_sim.form import COMPILED, INTERPRETED
+
+from .child import ROOT
+from .peers import BUS_OF_OTHERS
+from .start import COMMANDS, SHORT
+from .targets import BYTES, DECLARED, cell, recorded, speed
+
+README, KEPT = ROOT / "README.md", ROOT / "docs" / "bench.json"
+MARKS = re.compile(r"(?<=<!-- speed: python -m tests\.bench\.readme -->\n).*?(?=<!-- end of speed -->)", re.DOTALL)
+RUN = next(what for what in COMMANDS if "imu_hil" in what)
+
+Read = Callable[[Mapping[str, Sequence[dict[str, Any]]], str], float | None]
+
+
+def per_second(case: str, level: str) -> Read:
+    return lambda parts, form: speed(parts, case, level, form)
+
+
+def times(what: str) -> Read:
+    return lambda parts, form: cell(parts, "start", "cpu_s", what=what, form=form)
+
+
+# What README calls it, how it is read of a bench, and how it is shown.
+ROWS: tuple[tuple[str, Read, str], ...] = (
+    ("`imu_hil` with all its budgets", per_second("imu_hil", "edge"), "rate"),
+    ('`imu_hil`, `arithmetic = "bytes"`', per_second(BYTES, "edge"), "rate"),
+    ('the same, `fidelity = "adaptive"`', per_second(BYTES, "adaptive"), "rate"),
+    ("`responder`", per_second("responder", "edge"), "rate"),
+    ('the same, `fidelity = "byte"`', per_second("responder", "byte"), "rate"),
+    ("the same, its waits declared", per_second(DECLARED, "byte"), "rate"),
+    ("`two_dsps`", per_second("two_dsps", "edge"), "rate"),
+    ("`imu_hil` with its flags recorded", recorded("flags, kept"), "factor"),
+    ("`imu_hil` recorded as `.psr`", recorded(".psr"), "factor"),
+    ("10 ms of `imu_hil` from Python, set-up included", times(SHORT), "time"),
+    ("`periph-sim run`, 20 ms of `imu_hil`, all included", times(RUN), "time"),
+)
+
+
+def figures(told: Mapping[str, Any]) -> dict[str, Any]:
+    """What is kept of a bench: its machine, README's figures, and those of the bus of others."""
+    parts = told["parts"]
+    rows = [
+        {"what": what, "shown": shown} | {form: rounded(read(parts, form)) for form in (COMPILED, INTERPRETED)}
+        for what, read, shown in ROWS
+    ]
+    others = next((row for row in parts.get("peers", ()) if row["what"] == BUS_OF_OTHERS), {})
+    kept = {"what": BUS_OF_OTHERS, "per_s": rounded(others.get("per_s")), "lacks": others.get("lacks", "")}
+    return {"machine": told["machine"], "rows": rows, "others": kept}
+
+
+def rounded(figure: float | None) -> float | None:
+    """To three digits: the fourth is another one in the next hour."""
+    return None if figure is None else float(f"{figure:.3g}")
+
+
+def table(kept: Mapping[str, Any]) -> str:
+    """Markdown, as README has it."""
+    machine = kept["machine"]
+    lines = ["", "| what runs | compiled | interpreted |", "|---|---|---|"]
+    lines += [
+        f"| {row['what']} | {cell_of(row[COMPILED], row['shown'])} | {cell_of(row[INTERPRETED], row['shown'])} |"
+        for row in kept["rows"]
+    ]
+    busy = f", beside other work (load {machine['load']:.0f})" if machine["load"] >= 1 else ""
+    told = (
+        f"{machine['date']}, one core of {machine['processor']}, {machine['python']}{busy}: "
+        "I2C bytes per second of CPU time, medians. `make bench` measures these, all cases and levels, and growth."
+    )
+    if kept["others"]["per_s"] is not None:
+        rate, of = f"{kept['others']['per_s']:,.0f}", kept["others"]["lacks"].partition(";")[0]
+        told += f" Beside it cocotb 2 with Icarus Verilog and cocotbext-i2c: {rate} bytes/s of {of}."
+    lines += ["", fill(told, 120, break_on_hyphens=False)]
+    return "\n".join([*lines, "", ""])
+
+
+def cell_of(figure: float | None, shown: str) -> str:
+    if figure is None:
+        return "-"
+    if shown == "rate":
+        return f"{figure:,.0f} bytes/s"
+    return f"{figure:.2f} times as long" if shown == "factor" else f"{figure * 1e3:.3g} ms"
+
+
+def with_table(readme: str, kept: Mapping[str, Any]) -> str:
+    """README with this table between its marks."""
+    if len(MARKS.findall(readme)) != 1:
+        raise ValueError("README.md has no marks of the speed table, or several")
+    return MARKS.sub(lambda found: table(kept), readme)
+
+
+def main(arguments: Sequence[str]) -> None:
+    if arguments:
+        told = json.loads(Path(arguments[0]).read_text("utf-8"))
+        KEPT.write_text(json.dumps(figures(told), indent=1) + "\n", "utf-8")
+    README.write_text(with_table(README.read_text("utf-8"), json.loads(KEPT.read_text("utf-8"))), "utf-8")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

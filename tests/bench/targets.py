@@ -1,0 +1,78 @@
+"""The speeds that are to be reached, beside those of a bench: rows of all parts go in, a row a target comes out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+from periph_sim.form import COMPILED, INTERPRETED
+
+from .recorded import FLAGS
+from .start import SHORT
+
+Row = dict[str, Any]
+Parts = Mapping[str, Sequence[Row]]
+BYTES, DECLARED = "imu_hil, arithmetic = bytes", "responder, waits declared"
+
+
+def cell(parts: Parts, part: str, key: str, **wanted: str) -> float | None:
+    """The figure of the one row that has these values; None where it was not measured."""
+    for row in parts.get(part, ()):
+        if all(row.get(name) == value for name, value in wanted.items()):
+            found = row.get(key)
+            return None if found is None else float(found)
+    return None
+
+
+def speed(parts: Parts, case: str, level: str, form: str) -> float | None:
+    return cell(parts, "levels", "bytes_per_s", case=case, level=level, form=form)
+
+
+def over_edge(parts: Parts, form: str) -> float | None:
+    adaptive, edge = (speed(parts, BYTES, level, form) for level in ("adaptive", "edge"))
+    return adaptive / edge if adaptive and edge else None
+
+
+def recorded(way: str) -> Callable[[Parts, str], float | None]:
+    return lambda parts, form: cell(parts, "recorded", "times_as_long", case="imu_hil", recorded=way, form=form)
+
+
+def scenarios(parts: Parts, form: str) -> float | None:
+    """The least of all ways to differ in which scenarios share their work; each seed anew is told apart."""
+    return cell(parts, "schedule", "per_s", what="phases, 1000 seeds") if form == COMPILED else None
+
+
+# What it is, how it is read, its unit; compiled, interpreted: at least, or at most where the unit is a time or a factor
+# of it ("x as long"), None where there is no target.
+TARGETS: tuple[tuple[str, Callable[[Parts, str], float | None], str, float | None, float | None], ...] = (
+    (f"{BYTES}, edge", lambda p, f: speed(p, BYTES, "edge", f), "bytes/s", 100_000, 3_500),
+    ("imu_hil as it ships, edge", lambda p, f: speed(p, "imu_hil", "edge", f), "bytes/s", 60_000, 3_000),
+    ("responder, edge", lambda p, f: speed(p, "responder", "edge", f), "bytes/s", 150_000, 4_000),
+    ("two_dsps, edge", lambda p, f: speed(p, "two_dsps", "edge", f), "bytes/s", 50_000, 1_700),
+    (f"{BYTES}, adaptive over edge", over_edge, "times", 1.3, 2.0),
+    ("responder, byte", lambda p, f: speed(p, "responder", "byte", f), "bytes/s", 250_000, None),
+    (f"{DECLARED}, byte", lambda p, f: speed(p, DECLARED, "byte", f), "bytes/s", 400_000, None),
+    ("imu_hil, flags recorded", recorded(FLAGS), "x as long", 1.3, 1.3),
+    ("imu_hil, .psr recorded", recorded(".psr"), "x as long", 2.0, 2.0),
+    (SHORT, lambda p, f: cell(p, "start", "cpu_s", what=SHORT, form=f), "s", 0.003, 0.015),
+    ("scenarios of 50 rounds, schedule", scenarios, "scenarios/s", 200_000, None),
+)
+LESS_IS_BETTER = ("x as long", "s")
+
+
+def rows(parts: Parts) -> Iterator[Row]:
+    for what, read, unit, *wanted in TARGETS:
+        for form, target in zip((COMPILED, INTERPRETED), wanted, strict=True):
+            found = read(parts, form)
+            if target is None or found is None:
+                continue
+            part = target / found if unit in LESS_IS_BETTER else found / target
+            yield {"what": what, "form": form, "unit": unit, "target": target, "found": found, "part": part}
+
+
+def line(row: Row) -> str:
+    digits = ",.0f" if row["target"] >= 100 else ".4g"
+    met = "reached" if row["part"] >= 1 else f"{row['part']:.2f} of it"
+    sign = "<=" if row["unit"] in LESS_IS_BETTER else ">="
+    found, target = (f"{row[which]:{digits}}" for which in ("found", "target"))
+    return f"{row['what']:48} {row['form']:12} {found} {row['unit']}, {sign} {target}: {met}"

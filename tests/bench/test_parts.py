@@ -1,0 +1,56 @@
+"""Parts of the bench give rows of what they name. How long anything takes is nobody's test."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from periph_sim.form import INTERPRETED
+from tests.bench import growth, levels, nothing
+from tests.bench.__main__ import kept
+from tests.bench.child import in_form
+
+
+def test_every_shipped_case_and_the_one_without_arithmetic_is_measured() -> None:
+    assert {"imu_hil", "two_dsps", "imu_moving", *levels.VARIANTS} <= set(levels.cases())
+    assert len(levels.cases()) == len(list(levels.TIMING.glob("*.toml"))) + len(levels.VARIANTS)
+
+
+def test_a_case_has_a_row_for_each_level_or_the_reason_why_not() -> None:
+    rows = in_form(INTERPRETED, "levels", "measured", "responder", "responder", [], "0.01", 1)
+    assert {row["level"] for row in rows} == set(levels.LEVELS)
+    assert {row["form"] for row in rows} == {INTERPRETED}
+    events = {row["level"]: row.get("events_per_byte") for row in rows}
+    assert events["edge"] > events["adaptive"] > events["byte"] > 0
+    (refused,) = (row for row in rows if "refused" in row)
+    assert refused["level"] == "schedule" and refused["refused"] and "refused: " in levels.line(refused)
+
+
+def test_a_bus_takes_61_slaves_besides_the_controller_and_refuses_100_in_a_sentence() -> None:
+    most, more = growth.slaves(61), growth.slaves(100)
+    assert most["bytes_per_s"] > 0 and "refused" not in most
+    assert more["refused"] == "wire SDA: d62 would be party 63; a wire has up to 62"
+
+
+def test_slaves_that_are_not_asked_have_no_byte_of_their_own() -> None:
+    """Each hears the address, and no more: events per byte grow by a fraction of an event a slave."""
+    few, many = (growth.slaves(number)["events_per_byte"] for number in (1, 11))
+    assert 0 <= (many - few) / 10 < 1
+
+
+def test_what_is_absent_is_counted_beside_what_it_would_be(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(nothing.absent, "ROWS", {"GPIO": nothing.absent.ROWS["GPIO"]})
+    (row,) = nothing.rows([INTERPRETED])
+    assert (row["imports"], row["objects"]) == (0, 0)
+    assert row["imports_with_it"] > 4 and row["objects_with_it"] >= 3 and row["events_with_it"] >= row["events"]
+
+
+def test_parts_of_another_day_or_machine_are_not_kept(tmp_path: Path) -> None:
+    here = {"date": "2026-01-02", "processor": "p", "python": "3", "forms": ["compiled"], "periph_sim": "1"}
+    file = tmp_path / "bench.json"
+    assert kept(file, here) == {}
+    file.write_text(json.dumps({"machine": here, "parts": {"start": [1]}}), "utf-8")
+    assert kept(file, here) == {"start": [1]}
+    assert kept(file, {**here, "date": "2026-01-03"}) == {}

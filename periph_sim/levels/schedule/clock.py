@@ -42,6 +42,10 @@ class CpuClock:
         assert not isinstance(self.den, int)
         return CpuClock(self.num[scenarios], self.den[scenarios])
 
+    def most(self, cycles: int) -> int:
+        """No fewer ticks than so many cycles take on any of the clocks, as Python's integers."""
+        return cycles * (int(np.max(self.num / np.asarray(self.den))) + 1)
+
     @property
     def longest(self) -> int:
         """Ticks of the longest run whose products fit 62 bits."""

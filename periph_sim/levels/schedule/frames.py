@@ -25,7 +25,9 @@ def frames(structure: Structure, inputs: Inputs) -> tuple[Stored, Stored]:
     late = None
     if inputs.host_jitter:
         late = Drawn(inputs.seeds, inputs.host_jitter + 1, count, lambda seed: seed + 1)
-    longest = int(np.max(inputs.end)) + 2 * int(np.max(period)) + inputs.line.end + inputs.host_jitter * (count + 1)
+    last = max(int(np.max(inputs.end)), int(np.max(inputs.host_first)))  # the first frame is there in any case
+    last += inputs.clock.most(int(inputs.cost[1].max()))  # models that are begun are worked out to their end
+    longest = last + 2 * int(np.max(period)) + inputs.line.end + inputs.host_jitter * (count + 1)
     begun = Stored(count, inputs.scenarios, longest)
     latches = Stored(count + 1, inputs.scenarios, longest)  # cycles are no more than ticks
     row, latch = np.zeros(inputs.scenarios, np.int64), np.empty(inputs.scenarios, np.int64)

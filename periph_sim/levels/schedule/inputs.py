@@ -112,7 +112,12 @@ def inputs_of(structure: Structure, changes: Mapping[str, Any], rounds: int, end
     controller_first = np.broadcast_to(of_controller.nearest(first), scenarios)
     longest = min(cycle.longest, *((NEVER - 1) // int(np.max(ratio.den)) for ratio in (round_, frames)))
     most = int(np.max(controller_first)) + (rounds + 1) * (int(np.max(round_.num)) // int(np.min(round_.den)) + 1)
-    check_length(most, longest, per_second)
+    host_first = np.broadcast_to(of_host.nearest(host_first), scenarios)
+    cost = _cost(structure, given, scenarios)
+    models = cycle.most(int(cost[1].max()))
+    check_length(max(most, int(np.max(host_first))) + models, longest, per_second)
+    if abs(structure.case.seed) >= NEVER:
+        raise BadSchedule(f"seed is {structure.case.seed}; expected less than 2^62")
     ends = controller_first + round_.down(rounds) - 1 if end is None else np.full(scenarios, end, np.int64)
     jitter = int(np.max(of_host.nearest(_nanoseconds("host.jitter", host.jitter))))
     made = Inputs(
@@ -121,14 +126,14 @@ def inputs_of(structure: Structure, changes: Mapping[str, Any], rounds: int, end
         cycle,
         np.broadcast_to(np.asarray(given.get("seed", structure.case.seed), np.int64), scenarios),
         line(host, per_second),
-        np.broadcast_to(of_host.nearest(host_first), scenarios),
+        host_first,
         frames,
         jitter,
         host.paced_by == "pause",
         controller_first,
         round_,
         int(of_controller.nearest(_nanoseconds("controller.jitter", controller.jitter))),
-        _cost(structure, given, scenarios),
+        cost,
         ends,
     )
     _check_frames(structure, made)
@@ -145,6 +150,8 @@ def _arrays(structure: Structure, changes: Mapping[str, Any]) -> tuple[dict[str,
         if array.ndim != 1 or not array.size or array.dtype.kind not in ("iuf" if ppm else "iu"):
             kind = "numbers" if ppm else "whole numbers (of nanoseconds, where it is a time)"
             raise BadSchedule(f"changes[{name!r}] is {array.dtype} of shape {array.shape}; expected one row of {kind}")
+        if not ppm and array.max() >= NEVER:
+            raise BadSchedule(f"changes[{name!r}] holds {array.max()}; expected less than 2^62")
         if name != "seed" and not ppm and array.min() < 0:
             raise BadSchedule(f"changes[{name!r}] holds {array.min()}; expected 0 ns or more")
         given[name] = array if ppm else array.astype(np.int64)
@@ -197,6 +204,8 @@ def _cost(structure: Structure, given: Mapping[str, NDArray[Any]], scenarios: in
     name = f"unit.{structure.unit}.settings.model_cost"
     hz = structure.sysclk
     if name in given:
+        most = int(given[name].max())
+        check_length(most, (NEVER - 1) // hz.numerator, GHZ)
         cycles = -(-given[name] * hz.numerator // (GHZ * hz.denominator))
         one = np.broadcast_to(cycles, scenarios)
         return one, one

@@ -80,6 +80,13 @@ def test_what_random_scenes_found(name: str):
     assert not found.refused and not found.differ
 
 
+@pytest.mark.parametrize("first", ["1432 ms", "1500 ms", "20 s"])
+def test_a_first_frame_behind_the_end_of_the_run_never_comes(first: str):
+    """Of 32 bits of ticks, 1431.66 ms long, and of more than one such length."""
+    found = compare(load(TIMING / "imu_hil_published.toml", [f"host.first={first}"]), 5, [])
+    assert not found.refused and not found.differ
+
+
 PLAIN = {
     "one service routine in many places": ({}, ["host.jitter=1 ms", "host.paced_by=pause"]),
     "several a round": ({}, ["host.period=3 ms", "unit.dsp.settings.frame_cost=20 us", "unit.dsp.ppm=30"]),

@@ -50,6 +50,41 @@ def test_a_change_that_cannot_be_is_a_sentence(name: str, value: object):
     assert CHANGES[name, value] in str(error.value)
 
 
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"seed": np.array([2**63, 1], np.uint64)}, "holds 9223372036854775808; expected less than 2^62"),
+        ({"host.first": np.array([2**64 - 1], np.uint64)}, "holds 18446744073709551615; expected less than 2^62"),
+        ({"unit.dsp.settings.model_cost": [1, 10**12]}, "a run of "),
+        ({"unit.dsp.settings.model_cost": [1, 10**18]}, "a run of "),
+        ({"unit.dsp.ppm": 0.001, "unit.dsp.settings.model_cost": 10**9}, "a run of "),
+        ({"seed": [2**61]}, ""),
+    ],
+)
+def test_numbers_that_int64_does_not_hold_are_refused_and_never_wrap(changes: dict[str, object], said: str):
+    structure = structure_of(load(TIMING / "imu_hil_published.toml"))
+    if said:
+        with pytest.raises(BadSchedule) as error:
+            schedule(structure, changes, rounds=2)  # type: ignore[arg-type]
+        assert said in str(error.value)
+    else:
+        assert schedule(structure, changes, rounds=2)["response"].count.tolist() == [6]  # type: ignore[arg-type]
+
+
+def test_models_that_take_more_cycles_than_32_bits_hold():
+    """29 s: the run ends long before they do, and no interrupt is taken for one that never comes."""
+    structure = structure_of(load(TIMING / "imu_hil_published.toml"))
+    found = schedule(structure, {"unit.dsp.settings.model_cost": [250_000, 29 * 10**9]}, rounds=2)
+    assert found["response"].count.tolist() == [6, 0] and found["nacked"].worst.tolist() == [0, 6]
+    assert found.seconds(found["span:model"].worst).tolist() == pytest.approx([250e-6, 0.044999], abs=1e-5)
+
+
+def test_a_seed_of_the_case_that_int64_does_not_hold_is_refused():
+    structure = structure_of(load(TIMING / "imu_hil_published.toml", [f"seed={10**20}"]))
+    with pytest.raises(BadSchedule, match=r"seed is 100000000000000000000; expected less than 2\^62"):
+        schedule(structure, rounds=2)
+
+
 def test_arrays_of_different_length_and_rounds_that_are_none():
     structure = structure_of(load(TIMING / "imu_hil_published.toml"))
     with pytest.raises(BadSchedule, match=r"different numbers of scenarios \(seed: 2, host.first: 3\)"):
@@ -62,6 +97,8 @@ def test_a_run_whose_ticks_do_not_fit_is_refused_with_the_longest():
     structure = structure_of(load(TIMING / "imu_hil.toml"))
     with pytest.raises(BadSchedule, match=r"a run of .* takes numbers beyond 2\^62; .* the longest is .* s; ask for"):
         schedule(structure, {"unit.dsp.ppm": [0.000001, 1.0]}, rounds=1000)
+    with pytest.raises(BadSchedule, match=r"a run of .* takes numbers beyond 2\^62; .* the longest is .* s; ask for"):
+        schedule(structure, {"host.ppm": 0, "unit.dsp.ppm": 0.001, "host.first": [10**12, 10**15]}, rounds=2)
     longest = CpuClock(2_000_000, 100_003).longest
     check_length(longest, longest, 3_000_000_000)
     with pytest.raises(BadSchedule):

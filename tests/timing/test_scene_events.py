@@ -17,7 +17,7 @@ from periph_sim.timing.measures.factory import make_of_events
 from periph_sim.timing.measures.measure import MILLIONTHS
 from periph_sim.timing.measures.round import Slack
 from periph_sim.timing.measures.span import SpanTime
-from periph_sim.timing.measures.states import State
+from periph_sim.timing.measures.states import TimeIn
 from periph_sim.timing.measures.value import RECENT, ValueDeviation
 from tests.timing.events_by_hand import ONE, records, tell
 from tests.timing.measures.test_measure import GYRO, OTHER, Told, read, wrote
@@ -147,8 +147,9 @@ def test_a_span_that_is_not_over_counts_with_what_it_has_lasted_unit_by_unit():
     ],
 )
 def test_which_states_hold_before_anything_has_happened(text: str, there: dict[str, int], holds: bool):
-    state: State = make_of_events(f"time in {text}", ONE)._state  # type: ignore[attr-defined]
-    assert state.holds(Scene(**there)) == holds  # type: ignore[arg-type]
+    measure = make_of_events(f"time in {text}", ONE)
+    assert isinstance(measure, TimeIn)
+    assert measure.state.holds(Scene(**there)) == holds  # type: ignore[arg-type]
 
 
 def test_a_sum_is_one_number_and_begins_where_the_state_did_first():

@@ -4,7 +4,7 @@ from .event_pairing cimport EventMeasure, Hearing
 
 
 cdef class _InState(EventMeasure):
-    cdef object _state
+    cdef public object state
     cdef long long _enters, _since
     @cython.locals(plan=list, one=Hearing, enters=cython.bint, leaves=cython.bint)
     cpdef void hear(self, long long tag, long long tick, long long value)

@@ -41,12 +41,12 @@ class _InState(EventMeasure):
 
     def __init__(self, state: State) -> None:
         super().__init__(*state.enters, *state.leaves)
-        self._state = state
+        self.state = state
         self._enters = len(state.enters)  # the first ones of `matchers`
         self._since = NO_TIME
 
     def listen(self, scene: SceneEvents) -> None:
-        if self._state.holds(scene):
+        if self.state.holds(scene):
             self.begins(scene.began(), False)
 
     def hear(self, tag: int, tick: int, value: int) -> None:
@@ -76,9 +76,9 @@ class _InState(EventMeasure):
         raise NotImplementedError
 
     def missing(self) -> str:
-        if self._state.enters[0].free:
-            return self.unmatched(list(self._state.enters[:1]))
-        return f"{self._state.text!r} was never entered and left"
+        if self.state.enters[0].free:
+            return self.unmatched(list(self.state.enters[:1]))
+        return f"{self.state.text!r} was never entered and left"
 
 
 class TimeIn(_InState):
@@ -89,7 +89,7 @@ class TimeIn(_InState):
     @property
     def silent(self) -> bool:
         """A state that can be checked may have lasted no time at all; a span's name may be a slip."""
-        return self._state.enters[0].free and not self.count
+        return self.state.enters[0].free and not self.count
 
     def begins(self, at: int, seen: bool) -> None:
         _InState.begins(self, at, seen)
@@ -125,4 +125,4 @@ class EachTimeIn(_InState):
         return [] if self._since == NO_TIME else [(now - self._since, self._since)]
 
     def unfinished_text(self) -> str:
-        return f"{self._state.text!r} still lasted when the run ended"
+        return f"{self.state.text!r} still lasted when the run ended"

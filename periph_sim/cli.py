@@ -116,6 +116,7 @@ def cli() -> None:
 def main() -> None:
     """Entry point of `periph-sim`."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # no matrices here: numpy need not start threads for them
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # cases need none: it need not look through packages
     if form.note:
         click.echo(form.note, err=True)
     try:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cache
 from struct import Struct
 from typing import Annotated, Any, Literal
 
@@ -34,6 +35,7 @@ NOTHING = Spread(Fraction(0), Fraction(0))
 BYTES = "bytes"  # no models: the chips show the values of the frame
 
 
+@cache
 def _known(name: str) -> str:
     if name != BYTES:
         Imu(named.scalar(name), ImuParameters())  # says what is wrong with a name or a format

@@ -8,6 +8,14 @@ from collections.abc import Iterable
 from types import ModuleType
 
 
+def module_with(attribute: str, package: str, path: Iterable[str], name: str) -> ModuleType | None:
+    """The module of that name alone, the others not imported; None where there is none that has the attribute."""
+    if all(entry.name != name for entry in pkgutil.iter_modules(path)):
+        return None
+    module = importlib.import_module(f"{package}.{name}")
+    return module if hasattr(module, attribute) else None
+
+
 def modules_with(attribute: str, package: str, path: Iterable[str]) -> dict[str, ModuleType]:
     """The modules that have an attribute, in order of their names. package, path: its `__name__`, `__path__`."""
     names = sorted(entry.name for entry in pkgutil.iter_modules(path))

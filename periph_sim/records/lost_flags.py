@@ -5,6 +5,7 @@ i2c.I2CSTR.SCD = 1   read, SCD put in, written back: whatever else was read as 1
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,6 +67,12 @@ def modifies(run: Run, group: Group) -> list[ReadModifyWrite]:
         of_place = among(writes, some)
         found.append(_judged(run, group, place, reads[of_place], writes[of_place], fields))
     return found
+
+
+def modifies_of(run: Run, groups: Iterable[Group]) -> tuple[ReadModifyWrite, ...]:
+    """Of several groups, those that lost most first."""
+    found = [modify for group in groups for modify in modifies(run, group)]
+    return tuple(sorted(found, key=lambda modify: -modify.lost))
 
 
 def pairs(run: Run, group: Group) -> tuple[Rows, Rows]:

@@ -15,12 +15,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ..core.registers import Field
-from ..core.suggest import did_you_mean
-from .lost_flags import ReadModifyWrite, modifies
+from .lost_flags import ReadModifyWrite, modifies_of
 from .polls import NDBool, Polls, skipped_polls
 from .read_modify_write import read_modify_writes
-from .register_maps import is_status
-from .run import Group, NotInRun, Rows, Run
+from .register_choice import groups_of
+from .run import Group, Rows, Run
 
 DECADES = 6  # below 1 cycle, 1 to 9, 10 to 99, up to 1000, up to 10 000, more
 NEVER = np.iinfo(np.int64).max
@@ -86,40 +85,10 @@ def races(run: Run, register: str | None = None) -> Races:
 
     NotInRun where the firmware never accessed such a register, or there is none.
     """
-    chosen = _chosen(run, register)
+    chosen = groups_of(run, register)
     places = [place for group, f in chosen if group.way == "R" for place in _places(run, group, f)]
     places.sort(key=lambda place: (NEVER if place.closest is None else place.closest, place.register, place.place))
-    return Races(run, tuple(places), _modifies(run, chosen))
-
-
-def modifies_of(run: Run, register: str | None = None) -> tuple[ReadModifyWrite, ...]:
-    """The read-modify-writes alone, those that lost most first. NotInRun as for `races`."""
-    return _modifies(run, _chosen(run, register))
-
-
-def _modifies(run: Run, chosen: list[tuple[Group, Field | None]]) -> tuple[ReadModifyWrite, ...]:
-    found = [modify for group, _ in chosen for modify in modifies(run, group)]
-    return tuple(sorted(found, key=lambda modify: -modify.lost))
-
-
-def _named(run: Run, name: str) -> list[tuple[Group, Field | None]]:
-    wanted = _folded(name)
-    known: dict[str, list[tuple[Group, Field | None]]] = {}
-    for group in run.accesses:
-        for unit in ("", f"{group.unit}."):
-            text = f"{unit}{group.module}.{group.register.name}"
-            known.setdefault(text, []).append((group, None))
-            for f in group.register.fields:
-                known.setdefault(f"{text}.{f.name}", []).append((group, f))
-    for text, found in known.items():
-        if _folded(text) == wanted:
-            return found
-    registers = [text for text in known if text.count(".") == min(max(name.count("."), 1), 2)]
-    raise NotInRun(f"{run.name}: the firmware never accessed {name!r}; {did_you_mean(name, registers)}")
-
-
-def _folded(name: str) -> str:
-    return name.casefold().replace("-", "")
+    return Races(run, tuple(places), modifies_of(run, [group for group, _ in chosen]))
 
 
 def distances(run: Run, register: str | None = None) -> tuple[Rows, Rows, int]:
@@ -128,7 +97,7 @@ def distances(run: Run, register: str | None = None) -> tuple[Rows, Rows, int]:
     could not be put back. NotInRun as for `races`."""
     unplaced = 0
     cycles, ticks = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)]
-    for group, f in _chosen(run, register):
+    for group, f in groups_of(run, register):
         for place in _reads_by_place(run, group) if group.way == "R" else ():
             beside = _beside(run, group, f, place)
             unplaced += beside.unplaced
@@ -138,12 +107,6 @@ def distances(run: Run, register: str | None = None) -> tuple[Rows, Rows, int]:
     when = np.concatenate(ticks)
     order = np.argsort(when, kind="stable")
     return np.concatenate(cycles)[order], when[order], unplaced
-
-
-def _chosen(run: Run, register: str | None) -> list[tuple[Group, Field | None]]:
-    if register is not None:
-        return _named(run, register)
-    return [(group, None) for group in run.accesses if is_status(group.register)]
 
 
 def _places(run: Run, group: Group, f: Field | None) -> list[PlaceRaces]:

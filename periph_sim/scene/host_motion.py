@@ -6,7 +6,7 @@ from fractions import Fraction
 
 from ..core.suggest import did_you_mean
 from ..sensors.host_frame import Encoding, MotionFrames
-from ..sensors.motion import BadMotion, kinds
+from ..sensors.motion import BadMotion, kind_named, kinds
 from ..traces.formats import BadCapture
 from .firmware_loader import BadSetting, filled
 
@@ -22,9 +22,9 @@ def frames_of(given: dict[str, object], encoding: Encoding, first: Fraction, per
     name = settings.pop("kind", None)
     if name is None:
         raise BadSetting(f"it has no kind; the kinds are {', '.join(kinds())}", "kind")
-    if name not in kinds():
+    kind = kind_named(str(name))
+    if kind is None:
         raise BadSetting(f"there is no motion {name!r}; {did_you_mean(str(name), kinds())}", "kind")
-    kind = kinds()[str(name)]
     try:
         motion = kind.motion(filled(kind.Settings, settings, f"motion {name}"))
     except (BadMotion, BadCapture) as error:

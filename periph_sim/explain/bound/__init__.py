@@ -9,7 +9,17 @@ A bound takes its figures from the case and from straight-line code measured und
 
 from __future__ import annotations
 
-from .compare_with_run import BoundWithRun, Report, report
-from .terms import BadBound, Bound, Term
+from typing import TYPE_CHECKING
+
+from ...core.lazy_names import lazy_names
+
+if TYPE_CHECKING:
+    from .compare_with_run import BoundWithRun, Report, report
+    from .terms import BadBound, Bound, Term
 
 __all__ = ["BadBound", "Bound", "BoundWithRun", "Report", "Term", "report"]
+
+__getattr__ = lazy_names(
+    __name__,
+    {"compare_with_run": ("BoundWithRun", "Report", "report"), "terms": ("BadBound", "Bound", "Term")},
+)

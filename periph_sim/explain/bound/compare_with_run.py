@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 
-from ...core.options import options_from
 from ...core.time import Timebase
-from ...f28335.i2c.options import I2cOptions
 from ...scene.case.model import Case
-from ...scene.firmware_loader import Firmware
 from ...scene.scene import Scene
 from ...timing.budget_schema import Budget
 from ...timing.measures.measure import Measure
-from .closed_form import ClosedForm
 from .deadlines import deadlines
+from .form_of_case import closed_form
 from .limits import LimitCheck, compare_with_limits
-from .service_routine import ServiceRoutines, observe_handlers
-from .terms import BadBound, Bound
-from .undisturbed_run import observe, serving_unit
+from .service_routine import ServiceRoutines
+from .terms import Bound
 
 ANYTHING = "1000000 s"
 MANY = 10**18
@@ -93,33 +89,6 @@ class Report:
     def passed(self) -> bool:
         """The bounds hold and are proven, and none is beyond a limit of the case."""
         return self.holds and not self.beyond and not self.unproven
-
-
-def closed_form(case: Case, firmware: Mapping[str, Firmware] | None = None) -> ClosedForm:
-    """The closed form of a case. firmware: by unit, where it is loaded already. BadBound if it has none."""
-    unit = serving_unit(case)
-    if case.fault:
-        raise BadBound(f"case {case.name}: the case has faults, which no bound counts; judge them by what a run shows")
-    disturbed = [name for name, chip in case.chip.items() if chip.stretch is not None or chip.fault]
-    tables = (
-        ("[[cable]]", case.cable),
-        ("[[transceiver]]", case.transceiver),
-        ("[serial]", case.serial),
-        ("[device.NAME]", case.device),
-        ("stretch or fault in [chip.NAME]", disturbed),
-    )
-    for table, given in tables:
-        if given:
-            what = f"the case has {table}, which no bound counts; judge it by what a run shows"
-            raise BadBound(f"case {case.name}: {what}")
-    if case.host is not None and case.host.twice:
-        raise BadBound(
-            f"case {case.name}: some frames are sent twice (host.twice), which no bound counts; leave host.twice out"
-        )
-    calm = observe(case, firmware)
-    timebase = Timebase(*(int(each.oscclk * each.pll / 2) for each in case.unit.values()))
-    options = options_from(I2cOptions, case.unit[unit].options.i2c)
-    return ClosedForm(case, calm, observe_handlers(case, unit, firmware), timebase, options)
 
 
 def report(case: Case, seconds: Fraction | None = None, progress: Callable[[float], None] | None = None) -> Report:

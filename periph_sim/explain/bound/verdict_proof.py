@@ -17,8 +17,8 @@ from ...scene.firmware_loader import Firmware
 from ...timing.budgets import PER_MILLE, BudgetJudge
 from ...timing.format_value import in_words
 from ...timing.verdict import EVERY_PHASE, SEEN, Verdict
-from .compare_with_run import closed_form
 from .deadlines import deadlines
+from .form_of_case import closed_form
 from .limits import LimitCheck, compare_with_limits, fitting_bound
 from .program import Program
 from .terms import BadBound, Bound

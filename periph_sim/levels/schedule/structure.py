@@ -17,8 +17,8 @@ from ...core.options import options_from
 from ...core.settings import Spread
 from ...devices.host_pc import FRAME_BYTES
 from ...explain.bound.closed_form import ClosedForm
-from ...explain.bound.compare_with_run import closed_form
 from ...explain.bound.fifo_bound import VECTOR
+from ...explain.bound.form_of_case import closed_form
 from ...explain.bound.terms import BadBound, reasons
 from ...f28335.i2c.options import I2cOptions
 from ...f28335.sci.options import SciOptions

@@ -42,6 +42,8 @@ class OnPair:
 
 def on_pairs(case: Case) -> list[OnPair]:
     """Every SCI that is on a pair. BadCase, with its line, for a transceiver that cannot be."""
+    if not case.transceiver:
+        return []
     wiring = wiring_of(case)
     lines = sci_lines(case, wiring)
     found: list[OnPair] = []

@@ -232,6 +232,7 @@ class _Names:
     def __init__(self, case: Case, joints: _Joints) -> None:
         self._case = case
         self._joints = joints
+        self._usual = {unit: module_pins(case, unit) for unit in case.unit}
         self._owners = {module: [n for n, unit in case.unit.items() if module in unit.modules] for module in SIGNALS}
 
     def of(self, node: Pin) -> str:
@@ -244,9 +245,9 @@ class _Names:
             if begin in group and isinstance(begin, tuple):
                 return self._pin(*begin)
         unit, pin = node
-        if pin not in module_pins(self._case, unit):
+        if pin not in self._usual[unit]:
             return self._pin(unit, pin)
-        module, signal = module_pins(self._case, unit)[pin]
+        module, signal = self._usual[unit][pin]
         alone = len(self._owners[module]) == 1
         if module == "SCI-A" and (alone or (signal == "RX" and self._case.host is not None)):
             return signal
@@ -254,5 +255,5 @@ class _Names:
 
     def _pin(self, unit: str, pin: int) -> str:
         """A pin in full."""
-        module, signal = module_pins(self._case, unit).get(pin, ("", ""))
+        module, signal = self._usual[unit].get(pin, ("", ""))
         return f"{unit}.{module}.{signal}" if module else f"{unit}.GPIO{pin}"

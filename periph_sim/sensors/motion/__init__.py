@@ -17,7 +17,7 @@ from typing import Protocol, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.discover import modules_with
+from ...core.discover import module_with, modules_with
 from .quantities import ACCELERATION_RANGE, ANGLE_RANGE, shown
 
 Floats = NDArray[np.float64]
@@ -66,6 +66,11 @@ class MotionKind(Protocol):
 def kinds() -> dict[str, MotionKind]:
     """Every kind of motion, by the name of its file."""
     return {name: cast(MotionKind, module) for name, module in modules_with("motion", __name__, __path__).items()}
+
+
+def kind_named(name: str) -> MotionKind | None:
+    """The kind of motion of that name; None where there is none."""
+    return cast("MotionKind | None", module_with("motion", __name__, __path__, name))
 
 
 def sampled(motion: Motion, times: Floats) -> Floats:

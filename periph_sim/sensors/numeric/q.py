@@ -10,6 +10,7 @@ IQdiv, IQsqrt, IQmag always saturate; x/0 is the largest number, also for 0/0 an
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import floor, frexp, isnan, ldexp
 from typing import Literal
 
@@ -26,6 +27,7 @@ class DoesNotFit(ValueError):
     """A constant that the format cannot hold; one sentence."""
 
 
+@lru_cache(maxsize=4096)  # scenes of one case make the same ones again
 def constant_in(value: float, bits: int) -> int:
     """The raw number nearest to a value. DoesNotFit if there is none."""
     if isnan(value):

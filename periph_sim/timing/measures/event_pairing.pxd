@@ -24,6 +24,7 @@ cdef class EventMeasure(Measure):
     cdef public object kinds, matchers, spans
     cdef public list seen, _plans, _names
     cdef object _order, _needed, _queue
+    cdef set _wanted
     cdef list _groups
     cdef dict _newest
     cdef bint _queued

@@ -87,6 +87,7 @@ class EventMeasure(Measure):
         starts = [one for groups in self._groups if groups is not None for one in groups.matchers]
         each = [one for m in (*matchers, *starts) for one in m.each]
         self.kinds = frozenset(one.kind for one in each)
+        self._wanted = {(one.kind, one.what) for one in each}
         self._needed = subjects_of([*matchers, *starts])
         self._plans: list[list[Hearing]] = []  # by tag
         self._names: list[str] = []  # by tag, of a span; else ""
@@ -103,6 +104,8 @@ class EventMeasure(Measure):
             scene.on_stuck(lambda at: None)  # so that the wires are watched; the record says it
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
+        if self.spans is None and (kind, what) not in self._wanted:
+            return UNHEARD
         plan = [one for place in self._order if (one := self._hearing(place, kind, where, what)) is not None]
         name = what if self.spans is not None and kind is Kind.SPAN else ""
         if not plan and not name:

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from ...core.records import UNHEARD, Kind, Record, Recorder, Subjects
 from ...core.suggest import did_you_mean
 from ...core.time import NO_TIME
-from ...records.lost_flags import ReadModifyWrite
-from ...records.races import distances, modifies_of
+from ...records.lost_flags import ReadModifyWrite, modifies_of
+from ...records.register_choice import groups_of
 from ...records.register_maps import is_status, one_clears
 from ...records.run import NotInRun, Run
 from ...traces.formats.record_table import Columns, RecordTable
@@ -166,6 +166,8 @@ class Race(RegisterMeasure):
         return not self.count or self._unplaced > 0
 
     def look(self, run: Run) -> None:
+        from ...records.races import distances  # which lost flags need not
+
         try:
             cycles, ticks, self._unplaced = distances(run, self.watched.name)
         except NotInRun:  # never accessed: nothing was measured, and `missing` says so
@@ -239,7 +241,7 @@ class ClearedAlong(LostFlags):
 
 def _modifies(run: Run, watched: Watched) -> tuple[ReadModifyWrite, ...]:
     try:
-        return modifies_of(run, watched.name)
+        return modifies_of(run, [group for group, _ in groups_of(run, watched.name)])
     except NotInRun:
         return ()
 
@@ -257,6 +259,8 @@ def races(table: RecordTable, name: str, sysclk: Fraction | None = None) -> Dist
     name: "I2C-A.I2CSTR", "imu:I2C-A.I2CSTR.XRDY". sysclk: in Hz; None takes what the records show. BadEvent if the
     run can have no such register; NotInRun if the firmware never accessed it.
     """
+    from ...records.races import distances
+
     unit, _, text = name.rpartition(":")
     cycles, tick, _ = distances(Run(table, sysclk=sysclk), raced(unit, text, scope_of_table(table)).name)
     return Distances(cycles, tick)

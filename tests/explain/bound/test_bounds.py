@@ -9,8 +9,8 @@ import pytest
 
 from periph_sim.core.records import Kind, Record
 from periph_sim.explain.bound import BadBound, Report, report
-from periph_sim.explain.bound.compare_with_run import closed_form
 from periph_sim.explain.bound.deadlines import deadlines
+from periph_sim.explain.bound.form_of_case import closed_form
 from periph_sim.explain.bound.limits import LimitCheck
 from periph_sim.explain.bound.terms import Bound, Term
 from periph_sim.explain.bound.text_report import text

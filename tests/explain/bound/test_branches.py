@@ -8,8 +8,8 @@ import pytest
 
 from periph_sim.explain.bound.branches import Decisions
 from periph_sim.explain.bound.code_trace import Ran
-from periph_sim.explain.bound.compare_with_run import closed_form
 from periph_sim.explain.bound.deadlines import deadlines
+from periph_sim.explain.bound.form_of_case import closed_form
 from periph_sim.explain.bound.program import Program
 from periph_sim.scene.firmware_loader import load_firmware
 from tests.explain.bound.cases import imu_hil

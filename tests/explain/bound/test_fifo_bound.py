@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from periph_sim.explain.bound.compare_with_run import closed_form
 from periph_sim.explain.bound.fifo_bound import Receiver, fifo_bounds
+from periph_sim.explain.bound.form_of_case import closed_form
 from periph_sim.explain.bound.terms import Bound, Term
 from tests.explain.bound.cases import imu_hil
 from tests.explain.bound.test_terms import SOURCE

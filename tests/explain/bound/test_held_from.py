@@ -11,7 +11,7 @@ from fractions import Fraction
 
 import pytest
 
-from periph_sim.explain.bound.compare_with_run import closed_form
+from periph_sim.explain.bound.form_of_case import closed_form
 from periph_sim.scene.case.load import load
 from tests.explain.bound.cases import imu_hil
 from tests.scene.late_code import WRITE, kept, late

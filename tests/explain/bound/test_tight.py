@@ -15,8 +15,8 @@ from typing import NamedTuple
 import pytest
 
 from periph_sim.core.records import Kind, Record
-from periph_sim.explain.bound.compare_with_run import closed_form
 from periph_sim.explain.bound.deadlines import deadlines
+from periph_sim.explain.bound.form_of_case import closed_form
 from periph_sim.explain.bound.terms import Bound
 from periph_sim.explain.bound.undisturbed_run import UndisturbedRun
 from periph_sim.scene.case.model import Case

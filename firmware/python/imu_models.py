@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cache
+from functools import cache, lru_cache
 from struct import Struct
 from typing import Annotated, Any, Literal
 
@@ -141,6 +141,7 @@ def _swapped(x: Any, y: Any, z: Any) -> bytes:
     return BIG.pack(int(x), int(z), int(y))
 
 
+@lru_cache(maxsize=16)
 def estimated(arithmetic: str, parameters: ImuParameters) -> Fraction:
     """Seconds at 150 MHz that the equations take; not for "bytes", which computes none."""
     return estimate(counts_of(parameters), named.library(arithmetic)).seconds()

@@ -262,7 +262,8 @@ class BudgetJudge:
 
     def _measured_enough(self) -> bool:
         measure = self.measure
-        return measure.occasions is None or measure.measured >= self._coverage_of * measure.occasions
+        part = self._coverage_of
+        return measure.occasions is None or measure.measured * part.denominator >= part.numerator * measure.occasions
 
     def _coverage(self) -> str:
         return f"{float(100 * self._coverage_of):g} %"

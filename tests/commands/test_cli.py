@@ -52,6 +52,21 @@ def test_help_shows_the_first_sentence_of_each(periph_sim: Run):
     assert " ".join(came.out.split()).find("run Run CASE and say whether its budgets hold") > 0
 
 
+UNUSED = (  # by a run of imu_hil
+    "numpy.ma",
+    "periph_sim.explain.bound.compare_with_run",
+    "periph_sim.records.races",
+    "periph_sim.sensors.motion.flight",
+)
+
+
+def test_a_run_imports_what_it_uses():
+    case = Path(__file__).parents[2] / "timing" / "imu_hil.toml"
+    loaded = imported_by("run", str(case), "--seconds", "5 ms")
+    assert "periph_sim.sensors.motion.sines" in loaded and "numpy" in loaded
+    assert not set(UNUSED) & set(loaded)
+
+
 COMMANDS = cli.list_commands(None)  # type: ignore[arg-type]
 
 

@@ -68,6 +68,7 @@ def kinds() -> dict[str, MotionKind]:
     return {name: cast(MotionKind, module) for name, module in modules_with("motion", __name__, __path__).items()}
 
 
+@cache
 def kind_named(name: str) -> MotionKind | None:
     """The kind of motion of that name; None where there is none."""
     return cast("MotionKind | None", module_with("motion", __name__, __path__, name))

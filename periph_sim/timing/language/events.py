@@ -26,6 +26,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 from ...core.records import Kind, Record
@@ -169,6 +170,7 @@ def _named(table: RecordTable, column: str, names: frozenset[str] | None) -> NDA
     return known[table.columns[column]] if len(known) else np.zeros(len(table), bool)
 
 
+@lru_cache(maxsize=1024)  # scenes of one case name the same again and again
 def event_of(text: str) -> Event:
     """The event that a text names. BadEvent otherwise."""
     words = Words(text)

@@ -308,8 +308,9 @@ class BudgetJudge:
             return value / MILLIONTHS
         if self.measure.unit != "time":
             return value
-        tenths = Fraction(value * 10_000_000_000, self._timebase.per_second)  # of a nanosecond
-        return round(tenths) / 10_000
+        tenths, rest = divmod(value * 10_000_000_000, self._timebase.per_second)  # of a nanosecond
+        middle = 2 * rest - self._timebase.per_second
+        return (tenths + (middle > 0 or (middle == 0 and tenths % 2))) / 10_000  # a half goes to the even one
 
 
 def _measure(text: str, scope: Scope) -> Measure:

@@ -124,7 +124,7 @@ ROWS: dict[str, Row] = {
             "timing.measures.race",
             "timing.measures.around_writes",
             "records.lost_flags",
-            "records.races",
+            "records.register_choice",
             "traces.formats.",
         ),
         with_budget("lost flags", max=0),

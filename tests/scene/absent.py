@@ -122,7 +122,7 @@ ROWS: dict[str, Row] = {
     "budgets on flag races": Row(
         (
             "timing.measures.race",
-            "timing.measures.around_writes",
+            "timing.measures.modifies",
             "records.lost_flags",
             "records.register_choice",
             "traces.formats.",

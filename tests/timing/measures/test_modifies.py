@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from periph_sim.core.records import Kind, Recorder
-from periph_sim.records.lost_flags import LostFlag
-from periph_sim.records.races import modifies_of
+from periph_sim.records.lost_flags import LostFlag, modifies_of
+from periph_sim.records.register_choice import groups_of
 from periph_sim.records.run import NotInRun, Run
 from periph_sim.timing.measures.modifies import Modifies
 from periph_sim.traces.formats.record_table import Columns
@@ -75,7 +75,9 @@ class Both:
         """As the recording tells them."""
         table = self.all.table(Fraction(HZ * CYCLE), self.now, {"dsp": ("I2C-A",)})
         try:
-            return [flag for modify in modifies_of(Run(table, sysclk=HZ)) for flag in modify.flags]
+            run = Run(table, sysclk=HZ)
+            of_status = [group for group, _ in groups_of(run, None)]
+            return [flag for modify in modifies_of(run, of_status) for flag in modify.flags]
         except NotInRun:
             return []
 

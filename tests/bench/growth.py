@@ -9,7 +9,6 @@ more is refused, and so are 100 slaves: their row says with which sentence.
 
 from __future__ import annotations
 
-import resource
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import Any
@@ -21,7 +20,7 @@ from periph_sim.scene.case.model import Case
 from periph_sim.scene.scene import Scene
 
 from .child import TIMING, in_form
-from .timed import timed
+from .timed import peak_mib, timed
 
 Row = dict[str, Any]
 
@@ -67,7 +66,7 @@ def measured(case: Case, seconds: str) -> Row:
         "cpu_s_per_s": time.cpu / float(Fraction(seconds)),
         "bytes_per_s": result.wire_bytes / time.cpu,
         "events_per_byte": result.events / result.wire_bytes,
-        "process_mib": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+        "process_mib": peak_mib(),
     }
 
 

@@ -8,7 +8,6 @@ first run of each level is short and not counted: it imports what the level need
 
 from __future__ import annotations
 
-import resource
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -23,7 +22,7 @@ from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 
 from .child import TIMING, in_form
-from .timed import timed
+from .timed import peak_mib, timed
 
 Row = dict[str, Any]
 
@@ -66,7 +65,7 @@ def measured(name: str, file: str, changes: Sequence[str], seconds: str, repeat:
             except BadSchedule as refused:  # by what happened on the way
                 del runs[level]
                 found.append({"case": name, "form": form.running, "level": level, "refused": reason(str(refused))})
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    memory = peak_mib()
     for level, done in runs.items():
         cpu, build, result = median(one[0] for one in done), median(one[1] for one in done), done[0][2]
         per_byte = 1 / result.wire_bytes if result.wire_bytes else 0.0

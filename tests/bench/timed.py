@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import gc
+import resource
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from statistics import median
 from time import perf_counter, process_time
 from typing import TypeVar
 
 T = TypeVar("T")
+
+STATUS = Path("/proc/self/status")
 
 
 @dataclass(frozen=True)
@@ -37,3 +41,10 @@ def median_of(count: int, work: Callable[[], T]) -> tuple[T, Seconds]:
     """The last result and the median time of `count` runs of `work`."""
     results, times = zip(*(timed(work) for _ in range(count)), strict=True)
     return results[-1], middle(list(times))
+
+
+def peak_mib() -> float:
+    """The most memory that this process had: what getrusage says of it begins with what its parent had."""
+    lines = STATUS.read_text("ascii").splitlines() if STATUS.exists() else []
+    told = [line.split()[1] for line in lines if line.startswith("VmHWM")]
+    return int(told[0] if told else resource.getrusage(resource.RUSAGE_SELF).ru_maxrss) / 1024

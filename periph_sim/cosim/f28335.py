@@ -82,6 +82,9 @@ class F28335:
         if not read and not self._driven:
             raise OutsideError("no line is given; give scl, scl_o, sda, sda_o, rx or tx")
         begin = get_sim_time("step")
+        if begin:  # before, what runs at the beginning has not run yet
+            for name, signal in read.items():
+                _level(name, signal, "the beginning")
         per_second = get_sim_steps(1, "sec")
         case = case if isinstance(case, Case) else load(Path(case))
         if begin:  # records count from the simulator's zero, too
@@ -158,16 +161,10 @@ class F28335:
     def _moved(self, name: str, signal: Any) -> None:
         if self._result is not None:
             return
-        level = str(signal.value)
         session = self.session
         tick = max(self._axis.tick(get_sim_time("step")), session.now)
-        if level == "1" or level == "0":
-            session.apply(tick, {name: int(level)})
-            self._plan()
-            return
-        way_out = WAYS_OUT.get(level.lower(), "it has to be 0 or 1")
-        at = session.scene.timebase.show(tick)
-        raise OutsideError(f"{signal._path} (line {name}) is {level.lower()} at {at}: {way_out}")
+        session.apply(tick, {name: _level(name, signal, session.scene.timebase.show(tick))})
+        self._plan()
 
     def _show(self, changes: list[Any]) -> None:
         for change in changes:
@@ -223,6 +220,15 @@ class _Alarm:
             self._is_set.clear()
             await Timer(max(1, self._step - get_sim_time("step")), "step")
             self._part.woken(self._step, self)
+
+
+def _level(name: str, signal: Any, at: str) -> int:
+    """0 or 1. OutsideError, with the way out, for what is neither."""
+    level = str(signal.value).lower()
+    if level == "0" or level == "1":
+        return int(level)
+    way_out = WAYS_OUT.get(level, "it has to be 0 or 1")
+    raise OutsideError(f"{signal._path} (line {name}) is {level} at {at}: {way_out}")
 
 
 def _signal(dut: Any, line: str, given: Any) -> Any:

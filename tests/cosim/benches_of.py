@@ -1,41 +1,161 @@
-"""Test benches that run inside a simulator; tests of pytest choose one by its name."""
+"""Test benches that run inside a simulator, one after the other; tests of pytest look at what each of them found."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from typing import Any
 
 import cocotb
-from cocotb.triggers import Timer
+from cocotb.simtime import get_sim_time
+from cocotb.triggers import RisingEdge, Timer
+from cocotbext.i2c import I2cMaster, I2cMemory
+from cocotbext.uart import UartSink, UartSource
 
-from periph_sim.cosim import F28335
-from tests.cosim.benches import case, told
+from periph_sim.cosim import F28335, OutsideError
+from tests.cosim.benches import CASES, echo, told
 
 
-@cocotb.test()
-async def i2c_master(dut: Any) -> None:
-    """cocotbext-i2c's master asks the responder, at all phases of what else runs."""
-    from cocotbext.i2c import I2cMaster
+def part(dut: Any, bench: str, *, bus: bool = True, serial: bool = False, **more: Any) -> F28335:
+    """The case of this bench on the bus, on the serial line or on both; its log and records in the bench's folder."""
+    folder = told()[0] / bench
+    folder.mkdir(exist_ok=True)
+    lines = {"scl": dut.scl, "scl_o": "dsp_scl", "sda": dut.sda, "sda_o": dut.dsp_sda} if bus else {}
+    lines |= {"rx": dut.rx, "tx": dut.tx} if serial else {}
+    return F28335(dut, CASES[bench], log=folder / "outside.jsonl", record=folder / "live.jsonl", **lines, **more)
 
-    folder, settings = told()
-    dsp = F28335(
-        dut,
-        case(),
-        scl=dut.scl,
-        scl_o=dut.dsp_scl,
-        sda=dut.sda,
-        sda_o=dut.dsp_sda,
-        log=folder / "outside.jsonl",
-        record=folder / "live.jsonl",
-    )
-    master = I2cMaster(sda=dut.sda, sda_o=dut.other_sda, scl=dut.scl, scl_o=dut.other_scl, speed=settings["speed"])
+
+def tell(bench: str, begin: int, dsp: F28335, **found: Any) -> None:
+    """What a bench found; `begin` is the step at which its part was made."""
+    result = dsp.result
+    found |= {"begin_ps": begin, "wire_bytes": result.wire_bytes, "nacked": result.counts["nacked"], "wakes": dsp.wakes}
+    (told()[0] / bench / "found.json").write_text(json.dumps(found))
+
+
+async def read_rounds(dut: Any, bench: str, addresses: tuple[int, ...], count: int, speed: float) -> None:
+    """A foreign master reads by these addresses, round by round, each later in its millisecond than the one before."""
+    _, settings = told()
+    begin = get_sim_time("step")
+    dsp = part(dut, bench)
+    master = I2cMaster(sda=dut.sda, sda_o=dut.other_sda, scl=dut.scl, scl_o=dut.other_scl, speed=speed)
     await Timer(1, "ms")
     got = []
-    for _ in range(settings["rounds"]):
-        await master.write(0x50, b"\x00")
-        got.append(list(await master.read(0x50, 4)))
-        await master.send_stop()
+    for number in range(settings["rounds"]):
+        await Timer(1_000_000 + number * 7_919, "ns")
+        for address in addresses:
+            await master.write(address, b"\x00")
+            got.append(list(await master.read(address, count)))
+            await master.send_stop()
+            await Timer(60, "us")
+    tell(bench, begin, dsp, got=got)
+
+
+@cocotb.test(timeout_time=300, timeout_unit="ms")
+async def foreign_master(dut: Any) -> None:
+    await read_rounds(dut, "foreign_master", (0x50,), 4, 200e3)
+
+
+@cocotb.test(timeout_time=300, timeout_unit="ms")
+async def foreign_master_400k(dut: Any) -> None:
+    await read_rounds(dut, "foreign_master_400k", (0x50,), 4, 800e3)
+
+
+@cocotb.test(timeout_time=300, timeout_unit="ms")
+async def three_chips_and_a_host(dut: Any) -> None:
+    await read_rounds(dut, "three_chips_and_a_host", (0x68, 0x53, 0x1E), 6, 200e3)
+
+
+@cocotb.test(timeout_time=300, timeout_unit="ms")
+async def foreign_memory(dut: Any) -> None:
+    """Our firmware is the master, cocotbext-i2c's memory answers."""
+    begin = get_sim_time("step")
+    memory = I2cMemory(sda=dut.sda, sda_o=dut.other_sda, scl=dut.scl, scl_o=dut.other_scl, addr=0x53)
+    memory.write_mem(0x32, bytes(range(0x40, 0x46)))
+    dsp = part(dut, "foreign_memory")
+    await dsp.finished()
+    tell("foreign_memory", begin, dsp)
+
+
+@cocotb.test(timeout_time=300, timeout_unit="ms")
+async def slave_in_logic(dut: Any) -> None:
+    """Our firmware is the master; a slave in logic stretches SCL behind each byte."""
+    begin = get_sim_time("step")
+    dut.run.value = 1
+    dsp = part(dut, "slave_in_logic")
+    await dsp.finished()
+    dut.run.value = 0
+    tell("slave_in_logic", begin, dsp)
+
+
+async def until(when: Callable[[], bool], clock: Any, cycles: int = 200_000) -> None:
+    for _ in range(cycles // 100):
+        if when():
+            return
+        await Timer(2, "us")
+    raise AssertionError("the masters in logic did not come to an end")
+
+
+@cocotb.test(timeout_time=300, timeout_unit="ms")
+async def masters_in_logic(dut: Any) -> None:
+    """Both masters want the bus at once; the one with the lower pointer wins it first."""
+    begin = get_sim_time("step")
+    dut.run.value = 1
+    dsp = part(dut, "masters_in_logic")
+    await Timer(200, "us")
+    dut.pointer_a.value, dut.pointer_b.value = 0x10, 0x08
+    dut.go_a.value = dut.go_b.value = 1
+    await RisingEdge(dut.clk)
+    await RisingEdge(dut.clk)
+    dut.go_a.value = dut.go_b.value = 0
+    await until(lambda: int(dut.rounds_a.value) > 0 and int(dut.rounds_b.value) > 0, dut.clk)
+    await Timer(20, "us")
+    dut.run.value = 0
+    names = ("data_a", "data_b", "losses_a", "losses_b", "nacks_a", "nacks_b")
+    tell("masters_in_logic", begin, dsp, **{name: int(getattr(dut, name).value) for name in names})
+
+
+@cocotb.test(timeout_time=300, timeout_unit="ms")
+async def serial_line(dut: Any) -> None:
+    """Characters of a foreign UART come back plus one."""
+    begin = get_sim_time("step")
+    dsp = part(dut, "serial_line", bus=False, serial=True, programs={"dsp": echo()})
+    source, sink = UartSource(dut.rx, baud=115_200), UartSink(dut.tx, baud=115_200)
     await Timer(1, "ms")
-    (folder / "found.json").write_text(
-        json.dumps({"got": got, "wire_bytes": dsp.result.wire_bytes, "nacked": dsp.result.counts["nacked"]})
-    )
+    await source.write(bytes(range(40, 80)))
+    await dsp.finished()
+    tell("serial_line", begin, dsp, got=list(sink.read_nowait()), framing=dsp.peek("SCI-A.SCIRXST.FE"))
+
+
+@cocotb.test(timeout_time=300, timeout_unit="ms")
+async def refusals(dut: Any) -> None:
+    """What cannot be, each with its sentence."""
+    case = CASES["foreign_master"]
+    lines = {"scl": dut.scl, "scl_o": dut.dsp_scl, "sda": dut.sda, "sda_o": dut.dsp_sda}
+    sentences = {}
+    for name, given in (
+        ("no line", {}),
+        ("half", {"scl": dut.scl}),
+        ("no signal", lines | {"sda_o": "dsp_sdb"}),
+        ("no wire", lines | {"wires": {"SDC": (dut.rx, None)}}),
+        ("no file", lines | {"log": "/nowhere/log.jsonl"}),
+    ):
+        try:
+            F28335(dut, case, **given)
+        except ValueError as error:
+            sentences[name] = str(error)
+    dsp = F28335(dut, case, **lines)
+    for place in ("I2C-A.I2CSTR.SCD", "I2C-A.I2CSTX", "I2C-B.I2CSTR", "I2C-A", "I2C-A.I2CSTR.XYZ"):
+        try:
+            sentences[place] = str(dsp.peek(place))
+        except OutsideError as error:
+            sentences[place] = str(error)
+    await Timer(1, "us")
+    for level in "xz":
+        dut.rx.value = level
+        await Timer(1, "ns")
+        try:
+            F28335(dut, CASES["serial_line"], rx=dut.rx)
+        except OutsideError as error:
+            sentences[level] = str(error)
+    dut.rx.value = 1
+    (told()[0] / "refusals.json").write_text(json.dumps(sentences))

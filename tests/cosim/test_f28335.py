@@ -1,16 +1,69 @@
-"""A case in Icarus Verilog: what foreign masters ask and get, and that the run without a simulator is the same."""
+"""A case in Icarus Verilog, with parties that nobody here wrote: what they get, and the same run without it."""
 
 from __future__ import annotations
 
+import json
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from tests.cosim.benches import case, replayed, run
+from tests.cosim.benches import CASES, found, replayed, run_benches
+
+pytestmark = pytest.mark.uncounted
+CHIPS = [list(range(first, first + 6)) for first in (0x11, 0x21, 0x31)]
 
 
-@pytest.mark.uncounted
-def test_a_foreign_master_reads_what_the_firmware_serves(tmp_path: Path) -> None:
-    found = run(tmp_path, "i2c_master", rounds=5, speed=200e3)
-    assert found == {"got": [[1, 2, 3, 4]] * 5, "wire_bytes": 5 * 7, "nacked": 0}
-    assert replayed(tmp_path, case())
+@pytest.fixture(scope="module")
+def benches(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """All benches, run once."""
+    folder = tmp_path_factory.mktemp("benches")
+    run_benches(folder, rounds=5)
+    yield folder
+
+
+def read_by_us(folder: Path, bench: str) -> list[str]:
+    """The bytes of the first read by our master, as the monitor of the bus has them."""
+    records = [json.loads(line) for line in (folder / bench / "live.jsonl").read_text().splitlines()]
+    told = [record[4:6] for record in records if isinstance(record, list) and record[2] == "bus"]
+    begin = told.index(["repeated START", None])
+    return [text for what, text in told[begin : begin + 8] if what == "byte"]
+
+
+def test_masters_memories_logic_and_uarts_and_the_same_without_a_simulator(benches: Path) -> None:
+    found_of: dict[str, dict[str, Any]] = {bench: found(benches, bench) for bench in CASES}
+    for bench in ("foreign_master", "foreign_master_400k"):
+        assert found_of[bench]["got"] == [[1, 2, 3, 4]] * 5
+        assert (found_of[bench]["wire_bytes"], found_of[bench]["nacked"]) == (5 * 7, 0)
+    assert found_of["three_chips_and_a_host"]["got"] == CHIPS * 5
+    assert found_of["three_chips_and_a_host"]["nacked"] == 0
+    masters = found_of["masters_in_logic"]  # the lower pointer wins, and the other one comes behind it
+    assert (masters["losses_a"], masters["losses_b"]) == (1, 0)
+    assert (masters["data_a"], masters["data_b"]) == (0x05060708, 0x01020304)
+    assert (masters["nacks_a"], masters["nacks_b"], masters["wire_bytes"]) == (0, 0, 14)
+    assert found_of["serial_line"]["got"] == list(range(41, 81))
+    assert found_of["serial_line"]["framing"] == 0
+    assert found_of["foreign_memory"]["wire_bytes"] >= 5 * 9
+    assert found_of["slave_in_logic"]["wire_bytes"] == 2 * 9
+    values = [f"0x{value:02X} {'NACK' if value % 8 == 5 else 'ACK'}" for value in range(0x40, 0x46)]
+    assert read_by_us(benches, "foreign_memory") == values
+    values = [f"0x{value:02X} {'NACK' if value == 0x32 else 'ACK'}" for value in range(0x2D, 0x33)]
+    assert read_by_us(benches, "slave_in_logic") == values
+    assert [bench for bench in CASES if not replayed(benches, bench)] == []
+
+
+def test_what_cannot_be_is_refused_in_a_sentence(benches: Path) -> None:
+    said = json.loads((benches / "refusals.json").read_text())
+    assert said["no line"] == "no line is given; give scl, scl_o, sda, sda_o, rx or tx"
+    assert said["half"].startswith("scl and scl_o go together: the resolved line, and a register of our own that pulls")
+    assert said["no signal"] == "SDA: bus has no signal 'dsp_sdb'; did you mean dsp_sda or dsp_scl?"
+    assert "there is no wire 'SDC'; did you mean SDA or SCL?" in said["no wire"]
+    assert said["no file"] == "/nowhere/log.jsonl: No such file or directory; give the log another place"
+    assert said["x"].startswith("bus.rx (line RX) is x at the beginning: two drivers disagree, or one has no value yet")
+    assert said["z"].startswith("bus.rx (line RX) is z at the beginning: nothing drives it; give it a pull-up")
+    assert said["I2C-A.I2CSTR.SCD"] == "0"
+    assert said["I2C-A.I2CSTX"].startswith("I2C-A.I2CSTX: I2C-A has no register 'I2CSTX'; did you mean I2CSTR")
+    assert said["I2C-B.I2CSTR"] == "I2C-B.I2CSTR: dsp has no module 'I2C-B'; did you mean I2C-A?"
+    assert "expected MODULE.REGISTER or MODULE.REGISTER.FIELD" in said["I2C-A"]
+    assert said["I2C-A.I2CSTR.XYZ"].startswith("I2C-A.I2CSTR.XYZ: I2CSTR has no field 'XYZ'")

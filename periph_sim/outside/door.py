@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import NamedTuple
 
+from ..core.chip import NEVER
 from ..core.kernel import Agent, Event, Kernel
 from ..core.wire import Wire
 
@@ -46,11 +47,25 @@ class Door(Agent):
     def put(self, at: int, levels: Iterable[tuple[str, int]]) -> None:
         """The lines move at tick `at`, which is not past. What was put later for one line and tick counts."""
         self._put.setdefault(at, {}).update(levels)
-        if self._event is not None and self._event.time > at:
+
+    def first(self) -> int:
+        """When the first of what was put is due, or NEVER."""
+        return min(self._put, default=NEVER)
+
+    def plan(self) -> None:
+        """Time goes on: what was put moves its lines. Before, the kernel knows of none of it."""
+        first = self.first()
+        if self._event is not None and self._event.time > first:
             self._kernel.cancel(self._event)
             self._event = None
-        if self._event is None:
-            self._event = self._kernel.ask(at, self)
+        if self._event is None and first < NEVER:
+            self._event = self._kernel.ask(first, self)
+
+    def withdraw(self) -> None:
+        """Time stands: the kernel's next event is one of the case's own."""
+        if self._event is not None:
+            self._kernel.cancel(self._event)
+            self._event = None
 
     def act(self, tag: int) -> None:
         now = self._kernel.now

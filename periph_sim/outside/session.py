@@ -27,6 +27,7 @@ from .door import Change, Door
 from .errors import OutsideError
 from .i2c_master import Master
 from .log import LogWriter
+from .reaction import Reaction
 from .serial_line import SerialLine, serial_line
 
 
@@ -63,6 +64,7 @@ class Session:
         self._start = self.scene.start
         self._door = Door(self._kernel, {name: self.scene.wire(name) for name in self.lines}, self._acted)
         self._log = None if log is None else LogWriter(Path(log), case.name, self.ticks_per_second, self.lines)
+        self._reaction = Reaction(self.scene, self.lines)
         self._now = 0
         self._master: Master | None = None
         self._serial: dict[str, SerialLine] = {}
@@ -95,7 +97,9 @@ class Session:
         for feed in self._fed:
             feed(until)
         if until > self._now:
+            self._door.plan()
             self.scene.advance(self._start + until - 1)
+            self._door.withdraw()
             self._now = until
         return [change._replace(at=change.at - self._start) for change in self._door.changes()]
 
@@ -103,6 +107,9 @@ class Session:
         """Before this tick none of our pins moves unless `apply` is called; None if never again."""
         self._open()
         due = self._kernel.next_time()
+        put = self._door.first()
+        if put < due:
+            due = min(due, self._reaction.after(put))
         return None if due >= NEVER else max(due - self._start, self._now)
 
     # Lines -----------------------------------------------------------------------

@@ -208,6 +208,39 @@ def test_before_next_output_no_pin_moves(tmp_path: Path) -> None:
         assert moved > 8
 
 
+def silent_up_to_what_was_said(session: Session, moves: Applied) -> int:
+    """How many changes of ours came, none of them before `next_output`, which was asked behind each `apply`."""
+    moved = 0
+    for at, levels in moves:
+        while session.now < at:
+            due = session.next_output()
+            quiet = at if due is None else min(due, at)
+            assert session.advance(quiet) == []
+            moved += len(session.advance(min(quiet + 1, at)))
+        session.apply(at, levels)
+    return moved
+
+
+@pytest.mark.parametrize("rate", ["100 kHz", "400 kHz"])
+def test_what_was_put_is_answered_no_sooner_than_next_output_says(tmp_path: Path, rate: str) -> None:
+    log = tmp_path / "live.jsonl"
+    with bus(log=log)[0] as session:
+        session.i2c.rate = rate
+        assert session.i2c.transfer(0x50, b"\x00", 3) == b"\x01\x02\x03"
+    moves = list(LogReader(log).instants())
+    with Session(case(), BUS) as session:
+        assert silent_up_to_what_was_said(session, moves) > 8
+
+
+def test_an_edge_is_answered_behind_the_noise_filter_and_not_at_once() -> None:
+    session, _ = bus()
+    session.advance(session.now + session.ticks("1 ms"))
+    begin = session.now
+    session.apply(begin, {"SDA": 0})
+    due = session.next_output()
+    assert due is not None and begin + 20 < due < begin + session.ticks("1 us")
+
+
 @pytest.mark.parametrize(
     ("wires", "sentence"),
     [

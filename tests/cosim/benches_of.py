@@ -50,22 +50,22 @@ async def read_rounds(dut: Any, bench: str, addresses: tuple[int, ...], count: i
     tell(bench, begin, dsp, got=got)
 
 
-@cocotb.test(timeout_time=300, timeout_unit="ms")
+@cocotb.test(timeout_time=3, timeout_unit="sec")
 async def foreign_master(dut: Any) -> None:
     await read_rounds(dut, "foreign_master", (0x50,), 4, 200e3)
 
 
-@cocotb.test(timeout_time=300, timeout_unit="ms")
+@cocotb.test(timeout_time=3, timeout_unit="sec")
 async def foreign_master_400k(dut: Any) -> None:
     await read_rounds(dut, "foreign_master_400k", (0x50,), 4, 800e3)
 
 
-@cocotb.test(timeout_time=300, timeout_unit="ms")
+@cocotb.test(timeout_time=3, timeout_unit="sec")
 async def three_chips_and_a_host(dut: Any) -> None:
     await read_rounds(dut, "three_chips_and_a_host", (0x68, 0x53, 0x1E), 6, 200e3)
 
 
-@cocotb.test(timeout_time=300, timeout_unit="ms")
+@cocotb.test(timeout_time=3, timeout_unit="sec")
 async def foreign_memory(dut: Any) -> None:
     """Our firmware is the master, cocotbext-i2c's memory answers."""
     begin = get_sim_time("step")
@@ -76,7 +76,7 @@ async def foreign_memory(dut: Any) -> None:
     tell("foreign_memory", begin, dsp)
 
 
-@cocotb.test(timeout_time=300, timeout_unit="ms")
+@cocotb.test(timeout_time=3, timeout_unit="sec")
 async def slave_in_logic(dut: Any) -> None:
     """Our firmware is the master; a slave in logic stretches SCL behind each byte."""
     begin = get_sim_time("step")
@@ -95,7 +95,7 @@ async def until(when: Callable[[], bool], clock: Any, cycles: int = 200_000) -> 
     raise AssertionError("the masters in logic did not come to an end")
 
 
-@cocotb.test(timeout_time=300, timeout_unit="ms")
+@cocotb.test(timeout_time=3, timeout_unit="sec")
 async def masters_in_logic(dut: Any) -> None:
     """Both masters want the bus at once; the one with the lower pointer wins it first."""
     begin = get_sim_time("step")
@@ -114,7 +114,7 @@ async def masters_in_logic(dut: Any) -> None:
     tell("masters_in_logic", begin, dsp, **{name: int(getattr(dut, name).value) for name in names})
 
 
-@cocotb.test(timeout_time=300, timeout_unit="ms")
+@cocotb.test(timeout_time=3, timeout_unit="sec")
 async def serial_line(dut: Any) -> None:
     """Characters of a foreign UART come back plus one."""
     begin = get_sim_time("step")
@@ -126,7 +126,7 @@ async def serial_line(dut: Any) -> None:
     tell("serial_line", begin, dsp, got=list(sink.read_nowait()), framing=dsp.peek("SCI-A.SCIRXST.FE"))
 
 
-@cocotb.test(timeout_time=300, timeout_unit="ms")
+@cocotb.test(timeout_time=3, timeout_unit="sec")
 async def refusals(dut: Any) -> None:
     """What cannot be, each with its sentence."""
     case = CASES["foreign_master"]

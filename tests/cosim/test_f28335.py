@@ -67,3 +67,13 @@ def test_what_cannot_be_is_refused_in_a_sentence(benches: Path) -> None:
     assert said["I2C-B.I2CSTR"] == "I2C-B.I2CSTR: dsp has no module 'I2C-B'; did you mean I2C-A?"
     assert "expected MODULE.REGISTER or MODULE.REGISTER.FIELD" in said["I2C-A"]
     assert said["I2C-A.I2CSTR.XYZ"].startswith("I2C-A.I2CSTR.XYZ: I2CSTR has no field 'XYZ'")
+
+
+@pytest.mark.long
+def test_two_hundred_rounds_of_each_foreign_master(tmp_path: Path) -> None:
+    """Each later by 8 us in its millisecond, so that they meet all phases of the host's frames."""
+    run_benches(tmp_path, rounds=200)
+    for bench in ("foreign_master", "foreign_master_400k"):
+        assert found(tmp_path, bench)["got"] == [[1, 2, 3, 4]] * 200
+    assert found(tmp_path, "three_chips_and_a_host")["got"] == CHIPS * 200
+    assert [bench for bench in CASES if not replayed(tmp_path, bench)] == []

@@ -61,6 +61,7 @@ COMMANDS = [
     ("worst", case("imu_hil_drift"), "--seconds", "0.43", "--set", "unit.dsp.settings.frame_cost=200 us"),
     ("trade", case("imu_hil"), "--seconds", "0.04", *LEVELS),
     ("trade", case("uart_logger"), "--seconds", "0.01", *LEVELS),
+    ("serve", case("uart_logger"), "--pty", "--pace", "0", "--for", "100 ms"),
     ("races", "run.psr"),
     ("races", "run.psr", "--register", "I2C-A.I2CSTR"),
     ("why", "run.psr", "I2C-A.I2CDXR.DATA@33.3ms"),

@@ -128,7 +128,7 @@ def table(result: pytest.RunResult) -> list[str]:
         (('max = "60 us"', 'maks = "60 us"'), r"small.toml, line \d+: there is no key 'budget.response.maks'; "
          r".* max.*"),
         (('"responder"', '"respnder"'), r"small.toml, line \d+: unit.dsp.firmware: there is no firmware 'respnder'; "
-         r"did you mean responder\?"),
+         r"did you mean responder or responder_declared\?"),
         (("[unit.dsp]", "[unit.dsp"), r"small.toml: it is not TOML: .*"),
     ],
 )  # fmt: skip

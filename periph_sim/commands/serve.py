@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -70,8 +72,17 @@ def serve(
     from ..outside.session import Session
 
     if (link is None) == (real is None):
-        raise click.UsageError("give --pty or --port, where programs find the SCI")
-    with usage_errors_in_one_sentence():
+        both = "" if link is None else ", not both"
+        raise click.UsageError(f"give --pty or --port, where programs find the SCI{both}")
+    loops: list[Loop] = []
+    asked: list[int] = []
+
+    def end_it(number: int, _: object) -> None:
+        asked.append(number)
+        for loop in loops:
+            loop.stop()
+
+    with usage_errors_in_one_sentence(), _signals(end_it):
         ready = case_for_line(case, sci, changes)
         with Session(ready.case, ready.wires, log=log) as session:
             line = session.serial(sci, baud, form)
@@ -79,13 +90,14 @@ def serve(
             try:
                 session.advance(session.ticks(_time("--warm-up", warm_up)))
                 pacer = Pacer(session.ticks_per_second, _pace(pace), when_late)
+                end = None if length is None else session.now + session.ticks(_time("--for", length))
                 loop = Loop(session, pacer, [door])
+                loops.append(loop)
+                if asked:
+                    loop.stop()
                 for name in ready.left_out:
                     click.echo(f"budget {name!r} speaks of the case's host, and is left out", err=True)
                 click.echo(getattr(door, "path", real), err=as_json)
-                for number in (signal.SIGINT, signal.SIGTERM):
-                    signal.signal(number, lambda *_: loop.stop())
-                end = None if length is None else session.now + session.ticks(_time("--for", length))
                 loop.run(end)
             finally:
                 door.close()
@@ -99,6 +111,17 @@ def serve(
         show(terminal(), result, ready.case)
         click.echo("\n".join(pacer.text()))
     return 0 if result.verdict != "fail" else 1
+
+
+@contextmanager
+def _signals(told: Callable[[int, Any], None]) -> Iterator[None]:
+    """Ctrl-C and TERM are told instead; a shell starts a command in the background with the first one ignored."""
+    before = {number: signal.signal(number, told) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _door(line: SerialLine, link: str | None, real: str | None, baud: int, form: str) -> PtyDoor | PortDoor:

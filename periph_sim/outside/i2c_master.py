@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 LINES = ("SDA", "SCL")
 HOLD = Fraction(300, 10**9)  # of SDA behind a fall of SCL: what a controller has to give (UM10204 Table 10, note 3)
+FASTEST = 5_000_000  # Hz: of Ultra Fast-mode
 PATIENCE = Fraction(25, 1000)  # that SCL or the bus may be held: SMBus section 3.1.1.3
 
 
@@ -36,7 +37,8 @@ class Master:
     def __init__(self, session: Session) -> None:
         missing = [line for line in LINES if line not in session.lines]
         if missing:
-            raise OutsideError(f"{' and '.join(missing)} of case {session.case.name} does not lead outside; name both")
+            who = f"{' and '.join(missing)} of case {session.case.name}"
+            raise OutsideError(f"{who} {'do' if len(missing) > 1 else 'does'} not lead outside; name both")
         self._session = session
         self._fell = 0  # the tick of SCL's last fall, while it is held
         self.held = False
@@ -50,9 +52,12 @@ class Master:
     @rate.setter
     def rate(self, text: str) -> None:
         try:
-            half = self._session.ticks_per_second / (2 * frequency(text))
-        except (ValueError, ZeroDivisionError):
-            raise OutsideError(f"rate {text!r}: expected a frequency above 0, as in '400 kHz'") from None
+            rate = frequency(text)
+        except ValueError:
+            rate = Fraction(0)
+        if not 0 < rate <= FASTEST:
+            raise OutsideError(f"rate {text!r}: expected a frequency above 0 and up to 5 MHz, as in '400 kHz'")
+        half = self._session.ticks_per_second / (2 * rate)
         self._half = max(1, round(half))
         self._hold = min(round(HOLD * self._session.ticks_per_second), self._half // 2)
         self._rate = text
@@ -61,8 +66,9 @@ class Master:
 
     def start(self, address: int, read: bool = False) -> bool:
         """Whether somebody acknowledged the address. START, or repeated START within a transfer."""
-        if not 0 <= address < 0x80:
-            raise OutsideError(f"address {address:#x}: expected 0 to 0x7f")
+        if type(address) is not int or not 0 <= address < 0x80:
+            shown = f"{address:#x}" if type(address) is int else repr(address)
+            raise OutsideError(f"address {shown}: expected 0 to 0x7f")
         if self.held:
             self._put_sda(1)
             self._rise()
@@ -82,8 +88,8 @@ class Master:
         if not self.held or self._reads:
             raise OutsideError("write: there is no transfer to write in; begin one with start(address)")
         for value in values:
-            if not 0 <= value <= 0xFF:
-                raise OutsideError(f"write: {value} is no byte")
+            if type(value) is not int or not 0 <= value <= 0xFF:
+                raise OutsideError(f"write: {value!r} is no byte")
         return all(self._byte(value) for value in values)
 
     def read(self, ack: bool) -> int:
@@ -114,9 +120,15 @@ class Master:
 
         With neither, the address alone is asked.
         """
+        if type(count) is not int or count < 0:
+            raise OutsideError(f"count {count!r}: expected how many bytes to read, 0 or more")
+        try:
+            sent = bytes(data)
+        except (TypeError, ValueError):
+            raise OutsideError(f"data {data!r}: expected bytes, as in b'\\x00' or [0]") from None
         acked = True
-        if data or not count:
-            acked = self.start(address) and self.write(*data)
+        if sent or not count:
+            acked = self.start(address) and self.write(*sent)
         got = bytearray()
         if acked and count:
             acked = self.start(address, read=True)

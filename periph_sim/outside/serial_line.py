@@ -27,6 +27,7 @@ PARITIES = {"n": "none", "o": "odd", "e": "even"}
 PORT = re.compile(r"sci-?([abc])", re.IGNORECASE)
 
 Wrong = Literal["", "parity", "stop"]
+WRONG = ("", "parity", "stop")
 
 
 class SerialLine:
@@ -63,6 +64,10 @@ class SerialLine:
 
     def write(self, data: bytes, wrong: Wrong = "") -> None:
         """Sent from now on, behind what waits already. wrong: with its parity bit, or its stop bit, inverted."""
+        if not isinstance(data, bytes | bytearray | memoryview):
+            raise OutsideError(f"{data!r} is no bytes; b'abc' is, or 'abc'.encode()")
+        if wrong not in WRONG:
+            raise OutsideError(f"wrong={wrong!r}: expected {' or '.join(map(repr, WRONG[1:]))}")
         if wrong == "parity" and self._format.parity == "none":
             raise OutsideError("wrong parity: the format has none; set one, as in 8e1")
         if data:

@@ -92,6 +92,7 @@ class Session:
     def advance(self, until: int) -> list[Change]:
         """Do what comes before tick `until`; how our own hold on lines moved meanwhile. OutsideError for the past."""
         self._open()
+        self._check_tick(until)
         if until < self._now:
             raise OutsideError(f"{self._at(until)} is past: the session is at {self._at(self._now)}")
         for feed in self._fed:
@@ -121,6 +122,7 @@ class Session:
         for a level that is neither: nothing of such a call is done.
         """
         self._open()
+        self._check_tick(at)
         if at < self._now:
             raise OutsideError(f"lines cannot move at {self._at(at)}: the session is at {self._at(self._now)} already")
         for name, level in levels.items():
@@ -172,6 +174,10 @@ class Session:
             if self._log is not None:
                 self._log.end(self._now)
         return self._result
+
+    def _check_tick(self, tick: object) -> None:
+        if type(tick) is not int:
+            raise OutsideError(f"{tick!r} is no tick: expected a whole number, as session.ticks('5 us') gives it")
 
     def _open(self) -> None:
         if self._result is not None:

@@ -158,9 +158,9 @@ class BusRounds:
     def finish(self, now: int) -> None:
         """The run is over: rounds that were due since the last one were missed, but for one that is cut off."""
         begun_at = self._begun_at()
-        if self._round is None and begun_at != NO_TIME and not self._startup:
-            self._begin(begun_at)
         if self._schedule is not None:
+            if self._round is None and begun_at != NO_TIME and not self._startup:
+                self._begin(begun_at)
             over = None if self._round is not None or self._startup else self._over
             self._told_missed(self._schedule.missed_by(now, over))
 

@@ -64,7 +64,7 @@ def test_a_real_port_is_served_like_a_pseudo_terminal(tmp_path: Path) -> None:
     ("more", "status", "sentence"),
     [
         ((), 2, "give --pty or --port, where programs find the SCI"),
-        (("--pty", "--port", "/dev/ttyS0"), 2, "give --pty or --port"),
+        (("--pty", "{taken}", "--port", "/dev/ttyS0"), 2, "where programs find the SCI, not both"),
         (("--port", "/dev/none"), 2, "/dev/none"),
         (("--pty", "{taken}"), 2, "File exists; give the link another name"),
         (("--pty", "--pace", "fast"), 2, "--pace 'fast': expected a number, as in 1 or 0.5"),
@@ -81,3 +81,11 @@ def test_what_it_refuses(more: tuple[str, ...], status: int, sentence: str, tmp_
     _, mistakes = served.communicate(timeout=60)
     assert served.returncode == status, mistakes
     assert sentence in mistakes.replace("\n", " ") and "Traceback" not in mistakes
+
+
+def test_the_host_of_a_case_gives_way_with_its_budgets() -> None:
+    case = Path(__file__).parents[2] / "timing" / "imu_hil.toml"
+    said, mistakes = serve(str(case), "--pty", "--pace", "0", "--for", "30 ms").communicate(timeout=60)
+    assert "budget 'data age' speaks of the case's host, and is left out" in mistakes
+    assert "budget 'wrong bytes' speaks of the case's host" in mistakes
+    assert "wrong bytes" not in said

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
 from periph_sim.outside import OutsideError
@@ -42,9 +44,9 @@ def test_its_rate_is_that_of_scl(rate: str, least: int, most: int) -> None:
     assert least <= (session.now - begin) * 1_000_000 / session.ticks_per_second <= most
 
 
-@pytest.mark.parametrize("rate", ["0 Hz", "fast", "-1 Hz"])
+@pytest.mark.parametrize("rate", ["0 Hz", "fast", "-1 Hz", "10 GHz"])
 def test_a_rate_that_is_none_is_refused(rate: str) -> None:
-    with pytest.raises(OutsideError, match=f"rate '{rate}': expected a frequency above 0, as in '400 kHz'"):
+    with pytest.raises(OutsideError, match=f"rate '{rate}': expected a frequency above 0 and up to 5 MHz"):
         bus()[0].i2c.rate = rate
 
 
@@ -61,6 +63,22 @@ def test_calls_in_the_wrong_order_are_refused() -> None:
         master.write(1, 256)
     with pytest.raises(OutsideError, match="address 0x80: expected 0 to 0x7f"):
         master.start(0x80)
+
+
+@pytest.mark.parametrize(
+    ("asked", "sentence"),
+    [
+        ((0x50, b"", -1), "count -1: expected how many bytes to read, 0 or more"),
+        ((0x50, "ab"), "data 'ab': expected bytes"),
+        ((0x50, [300]), r"data \[300\]: expected bytes"),
+        (("0x50",), "address '0x50': expected 0 to 0x7f"),
+    ],
+)
+def test_a_transfer_that_is_none_leaves_the_bus_alone(asked: tuple[Any, ...], sentence: str) -> None:
+    session, _ = bus()
+    with pytest.raises(OutsideError, match=sentence):
+        session.i2c.transfer(*asked)
+    assert session.i2c.transfer(0x50, b"\x00", 1) == b"\x01"
 
 
 def test_a_line_that_others_hold_is_told_with_their_names() -> None:

@@ -88,6 +88,16 @@ def test_wrong_bits_reach_the_status(wrong: Any, bit: int) -> None:
     assert [word & 0xFF for word in firmware.words] == [0x55, 0x56]
 
 
+@pytest.mark.parametrize(
+    ("data", "wrong", "sentence"), [("abc", "", "is no bytes"), (b"a", "foo", "wrong='foo': expected")]
+)
+def test_what_cannot_be_sent_is_refused(data: Any, wrong: Any, sentence: str) -> None:
+    _, line, _ = echo()
+    with pytest.raises(OutsideError, match=sentence):
+        line.write(data, wrong)
+    assert line.waiting == 0
+
+
 def test_another_rate_is_a_mismatch_on_the_wire() -> None:
     session, line, firmware = echo(baud=57_600)
     later(session, "1 ms")

@@ -289,3 +289,26 @@ def test_budgets_of_the_bus_are_judged_by_what_is_on_it(address: int, verdicts: 
     session.advance(session.ticks("1 ms"))
     session.i2c.transfer(address, b"\x00", 2)
     assert [verdict.verdict for verdict in session.finish().budgets] == verdicts
+
+
+def test_a_transfer_that_never_ends_is_judged_too(tmp_path: Path) -> None:
+    log = tmp_path / "live.jsonl"
+    budgets = [{"name": "stretch", "measure": "stretch", "max": "50 us"}]
+    session = Session(case(budget=budgets), BUS, log=log)
+    session.advance(session.ticks("1 ms"))
+    assert session.i2c.start(0x50)
+    session.advance(session.now + session.ticks("1 ms"))
+    result = session.finish()
+    assert session.finish() is result
+    assert replay(case(budget=budgets), log).budgets == result.budgets
+
+
+@pytest.mark.parametrize("tick", [5e6, "1 ms", None, True])
+def test_a_tick_is_a_whole_number(tick: object) -> None:
+    session, _ = bus()
+    for call in (lambda: session.advance(tick), lambda: session.apply(tick, {"SDA": 1})):  # type: ignore[arg-type]
+        with pytest.raises(
+            OutsideError, match=r"is no tick: expected a whole number, as session.ticks\('5 us'\) gives it"
+        ):
+            call()
+    session.finish()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from functools import partial
 from types import SimpleNamespace
 
@@ -12,6 +13,13 @@ from hypothesis import strategies as st
 from periph_sim.core.records import Kind, Recorder
 from periph_sim.processor.python.recognised import Recogniser
 from tests.processor.bench import Bench
+
+
+@pytest.fixture(autouse=True)
+def untraced(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where lines are counted or a debugger steps, each pass is called, so that it can be seen."""
+    monkeypatch.setattr(sys, "gettrace", lambda: None)
+
 
 flag_changes = st.lists(
     st.tuples(st.integers(1, 800), st.integers(0, 7), st.sampled_from([-1, -1, -1, 0])), min_size=1, max_size=20

@@ -33,7 +33,12 @@ def case_for_line(path: str | Path, port: str, changes: tuple[str, ...] = ()) ->
     left_out: tuple[str, ...] = ()
     if case.host is not None:
         scene = Scene(case.model_copy(update={"outside": None}))
-        left_out = tuple(one.budget.name for one in scene.limits if any(p.measure.needs == "host" for p in one.parts))
+        compared = "wrong bytes" if case.controller is not None and case.controller.check == "host" else ""
+        left_out = tuple(
+            one.budget.name
+            for one in scene.limits
+            if one.budget.measure == compared or any(part.measure.needs == "host" for part in one.parts)
+        )
         kept = tuple(budget for budget in case.budget if budget.name not in left_out)
         breaks = tuple(name for name in case.breaks if name not in left_out)
         update: dict[str, object] = {"host": None, "budget": kept, "breaks": breaks}

@@ -5,9 +5,8 @@ case --two short runs--> bounds --beside limits and what was seen--> every phase
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Protocol
 
 from ...core.kernel import SimulationStuck
 from ...f28335.system.memory_map import NoSuchAddress
@@ -19,28 +18,13 @@ from ...timing.format_value import in_words
 from ...timing.verdict import EVERY_PHASE, SEEN, Verdict
 from .deadlines import deadlines
 from .form_of_case import closed_form
+from .judged_run import JudgedRun
 from .limits import LimitCheck, compare_with_limits, fitting_bound
 from .program import Program
 from .terms import BadBound, Bound
 
 
-class Judged(Protocol):
-    """What has been run and judged. case, firmware: of which bounds are. stalled: why it ended before its time."""
-
-    @property
-    def case(self) -> Case: ...
-
-    @property
-    def firmware(self) -> Mapping[str, Firmware]: ...
-
-    @property
-    def limits(self) -> Sequence[BudgetJudge]: ...
-
-    @property
-    def stalled(self) -> str: ...
-
-
-def prove_verdicts(scene: Judged, verdicts: Iterable[Verdict]) -> None:
+def prove_verdicts(scene: JudgedRun, verdicts: Iterable[Verdict]) -> None:
     """Say of each verdict of a scene's budgets, in their order, what is bounded and what a pass proves.
 
     Firmware that let no time pass would do so again in the runs for its terms, so none is made.

@@ -1,4 +1,7 @@
-"""`periph-sim serve CASE --pty`: a case that runs in real time, with an SCI as a serial port that programs can open."""
+"""`periph-sim serve CASE --pty`: a case that runs in real time, with an SCI as a serial port that programs can open.
+
+Options go in; the place of the port is printed, then, once it ends, verdicts, and how late it was.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,7 @@ import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +22,7 @@ from .usage_error import usage_errors_in_one_sentence
 if TYPE_CHECKING:
     from ..outside.live.port_door import PortDoor
     from ..outside.live.pty_door import PtyDoor
+    from ..outside.live.rfc2217_door import Rfc2217Door
     from ..outside.serial_line import SerialLine
 
 SECTION = "run"
@@ -28,8 +33,9 @@ EXAMPLE = "periph-sim serve timing/imu_hil.toml --pty /tmp/dsp --for '10 s'"
 @click.argument("case", type=click.Path(path_type=Path))
 @click.option("--pty", "link", is_flag=False, flag_value="", metavar="[LINK]", help="A pseudo-terminal; LINK names it.")
 @click.option("--port", "real", metavar="PORT", help="A real serial port instead: /dev/ttyUSB0.")
+@click.option("--rfc2217", "tcp", metavar="[ADDRESS:]PORT", help="Over TCP, on this computer if no ADDRESS is given.")
 @click.option("--sci", default="scia", show_default=True, help="Which SCI: scia, or UNIT.SCI-A.")
-@click.option("--baud", default=115_200, show_default=True, help="Until the client of a pseudo-terminal sets another.")
+@click.option("--baud", default=115_200, show_default=True, help="Until a client sets another.")
 @click.option("--format", "form", default="8n1", show_default=True, help="Data bits, parity n, o or e, stop bits.")
 @click.option(
     "--pace", default="1", show_default=True, metavar="N", help="Simulated seconds a second; 0: at full speed."
@@ -50,6 +56,7 @@ def serve(
     case: Path,
     link: str | None,
     real: str | None,
+    tcp: str | None,
     sci: str,
     baud: int,
     form: str,
@@ -71,9 +78,8 @@ def serve(
     from ..outside.live.pacing import Pacer
     from ..outside.session import Session
 
-    if (link is None) == (real is None):
-        both = "" if link is None else ", not both"
-        raise click.UsageError(f"give --pty or --port, where programs find the SCI{both}")
+    if sum(place is not None for place in (link, real, tcp)) != 1:
+        raise click.UsageError("give one of --pty, --rfc2217 and --port, where programs find the SCI")
     loops: list[Loop] = []
     asked: list[int] = []
 
@@ -86,7 +92,7 @@ def serve(
         ready = case_for_line(case, sci, changes)
         with Session(ready.case, ready.wires, log=log) as session:
             line = session.serial(sci, baud, form)
-            door = _door(line, link, real, baud, form)
+            door = _door(line, (link, real, tcp), baud, form)
             try:
                 session.advance(session.ticks(_time("--warm-up", warm_up)))
                 pacer = Pacer(session.ticks_per_second, _pace(pace), when_late)
@@ -97,10 +103,12 @@ def serve(
                     loop.stop()
                 for name in ready.left_out:
                     click.echo(f"budget {name!r} speaks of the case's host, and is left out", err=True)
-                click.echo(getattr(door, "path", real), err=as_json)
+                click.echo(door.path, err=as_json)
                 loop.run(end)
             finally:
                 door.close()
+            for sentence in _not_handed_over(line, door):
+                click.echo(sentence, err=True)
             result = session.finish()
     if as_json:
         print_json("serve", {"verdict": result.verdict, "counts": result.counts, "lateness": _lateness(pacer)})
@@ -124,14 +132,35 @@ def _signals(told: Callable[[int, Any], None]) -> Iterator[None]:
             signal.signal(number, handler)
 
 
-def _door(line: SerialLine, link: str | None, real: str | None, baud: int, form: str) -> PtyDoor | PortDoor:
+def _door(line: SerialLine, places: tuple[str | None, ...], baud: int, form: str) -> PtyDoor | PortDoor | Rfc2217Door:
+    link, real, tcp = places
     if real is not None:
         from ..outside.live.port_door import PortDoor
 
         return PortDoor(line, real, baud, form)
+    if tcp is not None:
+        from ..outside.live.rfc2217_door import LOOPBACK, Rfc2217Door
+
+        address, _, port = tcp.rpartition(":")
+        if not port.isdecimal() or int(port) > 65535:
+            raise click.UsageError(
+                f"--rfc2217 {tcp!r}: expected a port up to 65535, or ADDRESS:PORT; 0 is any free port"
+            )
+        told = partial(click.echo, err=True)
+        return Rfc2217Door(line, baud, form, int(port), address.strip("[]") or LOOPBACK, told)
     from ..outside.live.pty_door import PtyDoor
 
     return PtyDoor(line, baud, form, Path(link) if link else None)
+
+
+def _not_handed_over(line: SerialLine, door: PtyDoor | PortDoor | Rfc2217Door) -> Iterator[str]:
+    """What there is to say of bytes that waited as it ended, and of those that nobody came for."""
+    if line.waiting:
+        yield f"{line.waiting} bytes for the SCI were not sent yet"
+    if len(door.back):
+        yield f"{len(door.back)} bytes of the SCI were not read"
+    if door.back.lost:
+        yield f"{door.back.lost} bytes of the SCI were given up: nobody read them, and a megabyte waited already"
 
 
 def _time(option: str, text: str) -> str:

@@ -33,16 +33,19 @@ WRONG = ("", "parity", "stop")
 class SerialLine:
     """received: frames that came with a wrong parity or stop bit are counted in `wrong`, and their bytes kept.
 
-    waiting: bytes that are not on the line yet; sent: those that were put there.
+    waiting: bytes that are not on the line yet; sent: those that were put there. broken: RX is low for a break, or
+    will be once what waits is sent.
     """
 
     def __init__(self, session: Session, rx: str, tx: str, baud: int, form: str) -> None:
         self._session = session
         self._rx = rx
         self.wrong = self.sent = 0
+        self.waiting = 0
         self._got = bytearray()
-        self._queue: deque[tuple[bytes, Wrong]] = deque()
+        self._queue: deque[tuple[bytes, Wrong] | int] = deque()  # bytes, or the level that a break gives RX
         self._place = 0  # in the first of them
+        self.broken = False
         self._free = Fraction(0)  # the tick from which the line may carry the next frame
         self.set(baud, form)
         reader = UartReader(session.scene.kernel, session.scene.wire(tx), lambda: (self._bit, self._format))
@@ -50,17 +53,17 @@ class SerialLine:
 
     def set(self, baud: int, form: str = "8n1") -> None:
         """From the next frame on. OutsideError for what is no rate or format."""
+        self._bit, self._format = self.checked(baud, form)
+
+    def checked(self, baud: int, form: str) -> tuple[Fraction, UartFormat]:
+        """A bit in ticks, and the frame's format. OutsideError for what is no rate or format."""
         match = re.fullmatch(r"([5-8])([noe])([12])", form.strip().lower())
         if match is None:
             raise OutsideError(f"format {form!r}: expected data bits 5 to 8, n, o or e, and 1 or 2 stop bits: 8n1")
         if baud < 1 or baud > self._session.ticks_per_second:
             raise OutsideError(f"{baud} baud: expected 1 or more, and no bit shorter than a tick")
-        self._bit = Fraction(self._session.ticks_per_second, baud)
-        self._format = UartFormat(int(match[1]), PARITIES[match[2]], int(match[3]))
-
-    @property
-    def waiting(self) -> int:
-        return sum(len(data) for data, _ in self._queue) - self._place
+        form_of_frames = UartFormat(int(match[1]), PARITIES[match[2]], int(match[3]))
+        return Fraction(self._session.ticks_per_second, baud), form_of_frames
 
     def write(self, data: bytes, wrong: Wrong = "") -> None:
         """Sent from now on, behind what waits already. wrong: with its parity bit, or its stop bit, inverted."""
@@ -71,7 +74,15 @@ class SerialLine:
         if wrong == "parity" and self._format.parity == "none":
             raise OutsideError("wrong parity: the format has none; set one, as in 8e1")
         if data:
+            self.hold_break(False)
             self._queue.append((bytes(data), wrong))
+            self.waiting += len(data)
+
+    def hold_break(self, on: bool) -> None:
+        """RX goes low behind what waits, until this is called once more or bytes are written."""
+        if on != self.broken:
+            self.broken = on
+            self._queue.append(0 if on else 1)
 
     def send_break(self, length: str) -> None:
         """RX is low for so long, "1 ms", now. OutsideError while bytes wait."""
@@ -96,9 +107,16 @@ class SerialLine:
             begin = max(self._free, Fraction(self._session.now))
             if begin >= until:
                 return
-            data, wrong = self._queue[0]
+            first = self._queue[0]
+            if isinstance(first, int):
+                self._session.apply(int(begin), {self._rx: first})
+                self._free = begin + self._bit  # that long it lasts at least, and so is what parts it from a frame
+                self._queue.popleft()
+                continue
+            data, wrong = first
             self._frame(begin, data[self._place], wrong)
             self._place += 1
+            self.waiting -= 1
             if self._place == len(data):
                 self._queue.popleft()
                 self._place = 0

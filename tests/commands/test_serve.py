@@ -63,15 +63,16 @@ def test_a_real_port_is_served_like_a_pseudo_terminal(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("more", "status", "sentence"),
     [
-        ((), 2, "give --pty or --port, where programs find the SCI"),
-        (("--pty", "{taken}", "--port", "/dev/ttyS0"), 2, "where programs find the SCI, not both"),
+        ((), 2, "give one of --pty, --rfc2217 and --port, where programs find the SCI"),
+        (("--pty", "{taken}", "--port", "/dev/ttyS0"), 2, "give one of --pty, --rfc2217 and --port"),
+        (("--rfc2217", "localhost"), 2, "--rfc2217 'localhost': expected a port up to 65535, or ADDRESS:PORT"),
         (("--port", "/dev/none"), 2, "/dev/none"),
         (("--pty", "{taken}"), 2, "File exists; give the link another name"),
         (("--pty", "--pace", "fast"), 2, "--pace 'fast': expected a number, as in 1 or 0.5"),
         (("--pty", "--for", "10 parsec"), 2, "--for: '10 parsec'"),
         (("--pty", "--sci", "scib"), 2, "there is no SCI 'SCI-B'; it has dsp.SCI-A"),
         (("--pty", "--format", "9n1"), 2, "format '9n1': expected data bits 5 to 8"),
-        (("--pty", "--pace", "0", "--for", "10 ms"), 0, ""),
+        (("--rfc2217", "0", "--pace", "0", "--for", "10 ms"), 0, ""),
     ],
 )
 def test_what_it_refuses(more: tuple[str, ...], status: int, sentence: str, tmp_path: Path) -> None:

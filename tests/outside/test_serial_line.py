@@ -121,6 +121,21 @@ def test_a_break_is_one() -> None:
     assert (firmware.breaks, firmware.words) == (1, [FE << 8])
 
 
+def test_a_break_lasts_until_it_is_ended_or_bytes_follow() -> None:
+    session, line, firmware = echo()
+    later(session, "1 ms")
+    line.write(b"a")
+    line.hold_break(True)
+    line.hold_break(True)
+    assert line.broken and line.waiting == 1
+    later(session, "2 ms")
+    assert (firmware.words[:2], session.level("RX")) == ([ord("a"), FE << 8], 0)
+    assert firmware.breaks > 1  # it is there again whenever the module begins anew
+    line.write(b"b")
+    later(session, "1 ms")
+    assert (line.broken, line.waiting, line.sent, session.level("RX")) == (False, 0, 2, 1)
+
+
 def test_much_that_waits_is_bytes_and_no_events() -> None:
     session, line, _ = echo()
     later(session, "1 ms")

@@ -12,6 +12,7 @@ from typing import Any
 
 from ..errors import OutsideError
 from ..serial_line import SerialLine
+from .backlog import MOST, Backlog
 
 
 class PortDoor:
@@ -36,23 +37,26 @@ class PortDoor:
             )
         except (serial.SerialException, ValueError) as error:
             raise OutsideError(f"{port}: {error}") from None
-        self._back = b""
+        self.back = Backlog()
+
+    @property
+    def path(self) -> str:
+        return str(self._port.port)
 
     def close(self) -> None:
         self._port.close()
 
     def files(self) -> Sequence[int]:
-        return [self._port.fileno()]
+        return [self._port.fileno()] if self._line.waiting < MOST else []
 
     def turn(self) -> None:
         import serial
 
         try:
             waiting = self._port.in_waiting
-            if waiting:
+            if waiting and self._line.waiting < MOST:
                 self._line.write(self._port.read(waiting))
-            self._back += self._line.read()
-            if self._back:
-                self._back = self._back[self._port.write(self._back) :]
+            self.back.add(self._line.read())
+            self.back.give(self._port.write)
         except (serial.SerialException, OSError) as error:
             raise OutsideError(f"{self._port.port}: {error}; it was unplugged, or another program took it") from None

@@ -37,6 +37,8 @@ class _Queue:
     def __init__(self, line: SerialLine) -> None:
         self._line: SerialLine | None = line
         self._to_line = bytearray()
+        self._setting: tuple[int, str] | None = None  # asked for, and not the line's yet
+        self._breaks: list[bool] = []
         self._came = bytearray()
         self.changed = threading.Condition()
 
@@ -48,6 +50,12 @@ class _Queue:
             assert self._line is not None
             self._line.write(bytes(self._to_line))
             self._to_line.clear()
+            if self._setting is not None:
+                self._line.set(*self._setting)
+                self._setting = None
+            for on in self._breaks:
+                self._line.hold_break(on)
+            self._breaks.clear()
             got = self._line.read()
             if got:
                 self._came += got
@@ -68,9 +76,15 @@ class _Queue:
             return len(self._to_line) + (0 if self._line is None else self._line.waiting)
 
     def set(self, baud: int, form: str) -> None:
+        """From the next turn on. OutsideError for what is no rate or format."""
         with self.changed:
             if self._line is not None:
-                self._line.set(baud, form)
+                self._line.checked(baud, form)
+                self._setting = baud, form
+
+    def hold_break(self, on: bool) -> None:
+        with self.changed:
+            self._breaks.append(on)
 
     def send_break(self, length: str) -> None:
         assert self._line is not None
@@ -246,13 +260,15 @@ class Serial(SerialBase):  # type: ignore[misc]
                 raise ValueError(str(error)) from None
 
     def _update_break_state(self) -> None:
-        raise SerialException("a break is given with send_break(duration)")
+        self._must_be_open()
+        self._queue.hold_break(self._break_state)
 
     def send_break(self, duration: float = 0.25) -> None:
-        self._must_be_open()
+        """Behind what was written. With pace=0 its length is simulated."""
         self.flush()
         if self._thread is not None:
-            raise SerialException("a break is for pace=0; at another pace the line belongs to its own thread")
+            super().send_break(duration)
+            return
         self._step_until(lambda: False, 0.001)
         self._queue.send_break(f"{duration * 1e6:.0f} us")
 

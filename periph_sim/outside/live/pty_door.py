@@ -18,14 +18,16 @@ from pathlib import Path
 
 from ..errors import OutsideError
 from ..serial_line import SerialLine
+from .backlog import AT_ONCE, MOST, Backlog
 
-AT_ONCE = 4096  # bytes
-MOST_WAITING = 1 << 20  # bytes that a client may be ahead: then it waits, as of a port with flow control
 RATES = {value: int(name[1:]) for name, value in vars(termios).items() if name[0] == "B" and name[1:].isdecimal()}
 
 
 class PtyDoor:
-    """path: what clients open. link: a name for it, made as a symbolic link. OutsideError if that is taken."""
+    """path: what clients open. link: a name for it, made as a symbolic link. OutsideError if that is taken.
+
+    A client that is a megabyte ahead of the line waits, as of a port with flow control. back: what it has not read.
+    """
 
     def __init__(self, line: SerialLine, baud: int, form: str, link: Path | None = None) -> None:
         self._line = line
@@ -35,7 +37,7 @@ class PtyDoor:
         os.set_blocking(self._file, False)
         self.path = os.ttyname(self._kept)
         self._link = link
-        self._back = b""  # from the SCI, not read by the client yet
+        self.back = Backlog()
         self._set_rate(baud)
         if link is not None:
             try:
@@ -52,17 +54,17 @@ class PtyDoor:
         os.close(self._kept)
 
     def files(self) -> Sequence[int]:
-        return [self._file] if self._line.waiting < MOST_WAITING else []
+        return [self._file] if self._line.waiting < MOST else []
 
     def turn(self) -> None:
         self._follow_rate()
-        while self._line.waiting < MOST_WAITING:
+        while self._line.waiting < MOST:
             data = self._read()
             if not data:
                 break
             self._line.write(data)
-        self._back += self._line.read()
-        self._give()
+        self.back.add(self._line.read())
+        self.back.give(lambda data: os.write(self._file, data))
 
     def _read(self) -> bytes:
         try:
@@ -73,14 +75,6 @@ class PtyDoor:
             if error.errno != errno.EIO:  # nobody has it open
                 raise
             return b""
-
-    def _give(self) -> None:
-        """What the client has no room for waits here: nothing that was sent is lost."""
-        while self._back:
-            try:
-                self._back = self._back[os.write(self._file, self._back[:AT_ONCE]) :]
-            except BlockingIOError:
-                return
 
     def _set_rate(self, baud: int) -> None:
         code = next((value for value, rate in RATES.items() if rate == baud), None)

@@ -68,6 +68,9 @@ def test_another_rate_is_a_mismatch_and_may_be_mended(tmp_path: Path) -> None:
         line.baudrate = 115_200
         line.reset_input_buffer()
         line.send_break(0.0001)
+        line.break_condition = True
+        line.write(b"a")
+        line.flush()
         assert line.cts is False
 
 

@@ -1,0 +1,260 @@
+"""A serial line over TCP, as RFC 2217 has it: a client anywhere on this computer sets rate and format, and is heard.
+
+    client, rfc2217://127.0.0.1:4000 --TCP--> PortManager --bytes--> SerialLine --bits--> RX
+                                              baud, format, break --^
+
+pyserial's PortManager speaks Telnet. One client at a time: the next one is told who is there, and turned away. One that
+sends what is no Telnet is let go, and what it sent before stays. A program that speaks no RFC 2217, such as netcat, has
+the line as it was made.
+
+Source: RFC 2217; RFC 854; pyserial 3.5, serial.rfc2217.PortManager.
+"""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from ..errors import OutsideError
+from ..serial_line import SerialLine
+from .backlog import AT_ONCE, MOST, Backlog
+
+LOOPBACK = "127.0.0.1"
+LONGEST_OPTION = 256  # bytes of a subnegotiation; those of RFC 2217 have at most seven
+KEEPALIVE = {"TCP_KEEPIDLE": 10, "TCP_KEEPINTVL": 5, "TCP_KEEPCNT": 3}  # a client whose computer went is let go in 25 s
+
+
+class Rfc2217Door:
+    """port: 0 for any that is free. told: of clients that come and go, in a sentence. OutsideError for a port that is
+    taken, and where pyserial is missing.
+    """
+
+    def __init__(
+        self,
+        line: SerialLine,
+        baud: int,
+        form: str,
+        port: int,
+        address: str = LOOPBACK,
+        told: Callable[[str], None] = lambda sentence: None,
+    ) -> None:
+        try:
+            import serial.rfc2217
+        except ImportError:
+            raise OutsideError("RFC 2217 needs pyserial: pip install 'periph-sim[live]'") from None
+        self._manager_of = serial.rfc2217.PortManager
+        self._line = line
+        self._port = Port(line, baud, form, self)
+        self._told = told
+        self.back = Backlog()
+        self._client: Client | None = None
+        try:
+            self._listener = socket.create_server((address, port))
+        except (OSError, OverflowError) as error:
+            what = str(getattr(error, "strerror", None) or error).partition(" (while ")[0]
+            raise OutsideError(f"port {port} of {address}: {what}; give another one") from None
+        self._listener.setblocking(False)
+        self.path = "rfc2217://{}:{}".format(*self._listener.getsockname()[:2])
+
+    def close(self) -> None:
+        if self._client is not None:
+            self._client.close()
+        self._listener.close()
+
+    def files(self) -> Sequence[int]:
+        listens = [self._listener.fileno()]
+        hears = self._client is not None and self._line.waiting < MOST
+        return [*listens, self._client.file] if self._client is not None and hears else listens
+
+    def turn(self) -> None:
+        self._welcome()
+        self.back.add(self._line.read())
+        client = self._client
+        if client is None:
+            return
+        try:
+            while self._line.waiting < MOST and client.hear():
+                pass
+            client.tell(self.back)
+        except Gone as gone:
+            self._told(f"{client.name} {gone}")
+            client.close()
+            self._client = None
+            self._line.hold_break(False)
+
+    def _welcome(self) -> None:
+        try:
+            connection, address = self._listener.accept()
+        except BlockingIOError:
+            return
+        except OSError as error:
+            self._told(f"a client could not be let in: {error.strerror}")
+            return
+        name = f"client {address[0]}:{address[1]}"
+        connection.setblocking(False)
+        if self._client is not None:
+            with connection:
+                said = f"this SCI has a client already, {self._client.name.removeprefix('client ')}; close that first"
+                _try_to_send(connection, f"{said}\r\n".encode())
+            self._told(f"{name} was turned away: {self._client.name} has the line")
+            return
+        self._client = Client(connection, name, self._line, self._port, self._manager_of)
+        self._told(f"{name} came")
+
+
+class Gone(Exception):
+    """Why a client is there no more, behind its name."""
+
+
+class Client:
+    """One connection."""
+
+    def __init__(self, connection: socket.socket, name: str, line: SerialLine, port: Port, manager_of: Any) -> None:
+        self.name = name
+        self.file = connection.fileno()
+        self._connection = connection
+        self._line = line
+        self._out = bytearray()  # Telnet, on its way
+        self._data = bytearray()  # that came, without Telnet
+        port.before = self._put
+        connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        for option, value in KEEPALIVE.items():
+            if hasattr(socket, option):
+                connection.setsockopt(socket.IPPROTO_TCP, getattr(socket, option), value)
+        self._manager = manager_of(port, self)
+
+    def close(self) -> None:
+        self._connection.close()
+
+    def write(self, data: bytes) -> None:
+        """For the PortManager: what Telnet answers."""
+        self._out += data
+
+    def hear(self) -> bool:
+        """True if anything came. What of it is no command goes on the line. Gone where there will be no more."""
+        try:
+            came = self._connection.recv(AT_ONCE)
+        except BlockingIOError:
+            return False
+        except OSError as error:
+            raise Gone(f"vanished: {error.strerror}") from None
+        if not came:
+            raise Gone("left")
+        try:
+            for byte in self._manager.filter(came):
+                self._data += byte
+        except Exception as error:  # pyserial raises what its parsing happens to run into
+            raise Gone(f"sent what is no RFC 2217 ({error!r}), and was let go") from None
+        finally:
+            self._put()
+        if len(self._manager.suboption or b"") > LONGEST_OPTION:
+            raise Gone(f"sent a Telnet option of more than {LONGEST_OPTION} bytes, and was let go")
+        if len(self._out) > MOST:
+            raise Gone("asked for more Telnet options than it heard answers of, and was let go")
+        return True
+
+    def _put(self) -> None:
+        """What came goes on the line, in front of what a command does to it."""
+        self._line.write(bytes(self._data))
+        self._data.clear()
+
+    def tell(self, back: Backlog) -> None:
+        """Answers of Telnet first; then what the SCI sent, as far as the client takes it."""
+        back.give(self._escaped)
+        self._send()
+
+    def _escaped(self, data: bytes) -> int:
+        if self._out:
+            self._send()
+        if self._out:
+            return 0
+        self._out += b"".join(self._manager.escape(data))
+        return len(data)
+
+    def _send(self) -> None:
+        try:
+            while self._out:
+                del self._out[: self._connection.send(self._out[:AT_ONCE])]
+        except BlockingIOError:
+            return
+        except OSError as error:
+            raise Gone(f"vanished: {error.strerror}") from None
+
+
+class Port:
+    """What a PortManager sets and asks of a port. ValueError, by the line, for a rate or format that it cannot have.
+
+    An SCI has no modem lines, and TCP holds a client back that is ahead: those are as they are.
+    """
+
+    xonxoff = rtscts = cts = dsr = ri = cd = False
+    rts = dtr = True
+
+    def __init__(self, line: SerialLine, baud: int, form: str, door: Rfc2217Door) -> None:
+        self.before: Callable[[], None] = lambda: None  # it is told of a command
+        self._line = line
+        self._door = door
+        self._baud = baud
+        self._form: list[Any] = [int(form[0]), form[1].upper(), int(form[2])]
+
+    def _set(self, baud: int, form: Sequence[Any]) -> None:
+        self.before()
+        self._line.set(baud, "{}{}{:g}".format(*form))
+        self._baud, self._form = baud, list(form)
+
+    @property
+    def baudrate(self) -> int:
+        return self._baud
+
+    @baudrate.setter
+    def baudrate(self, baud: int) -> None:
+        self._set(baud, self._form)
+
+    @property
+    def bytesize(self) -> int:
+        return int(self._form[0])
+
+    @bytesize.setter
+    def bytesize(self, bits: int) -> None:
+        self._set(self._baud, [bits, *self._form[1:]])
+
+    @property
+    def parity(self) -> str:
+        return str(self._form[1])
+
+    @parity.setter
+    def parity(self, letter: str) -> None:
+        self._set(self._baud, [self._form[0], letter, self._form[2]])
+
+    @property
+    def stopbits(self) -> float:
+        return int(self._form[2])
+
+    @stopbits.setter
+    def stopbits(self, bits: float) -> None:
+        self._set(self._baud, [*self._form[:2], bits])
+
+    @property
+    def break_condition(self) -> bool:
+        return self._line.broken
+
+    @break_condition.setter
+    def break_condition(self, on: bool) -> None:
+        self.before()
+        self._line.hold_break(on)
+
+    def reset_input_buffer(self) -> None:
+        self._door.back.add(self._line.read())
+        self._door.back.clear()
+
+    def reset_output_buffer(self) -> None:
+        """What was written is on its way to the line: none of it is taken back."""
+
+
+def _try_to_send(connection: socket.socket, data: bytes) -> None:
+    try:
+        connection.send(data)
+    except OSError:
+        return  # it is gone already

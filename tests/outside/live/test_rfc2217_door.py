@@ -1,0 +1,184 @@
+"""A serial line over TCP: clients of pyserial and bare sockets, those that vanish, come second, or send garbage."""
+
+from __future__ import annotations
+
+import socket
+import struct
+import threading
+from collections.abc import Iterator
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+from periph_sim.outside import OutsideError, Session
+from periph_sim.outside.live.backlog import Backlog
+from periph_sim.outside.live.loop import Loop
+from periph_sim.outside.live.pacing import Pacer
+from tests.outside.live.echo import written
+
+serial = pytest.importorskip("serial", reason="pyserial is not installed: the extra live has it")
+
+from periph_sim.outside.live.rfc2217_door import Rfc2217Door  # noqa: E402
+
+
+class Served:
+    """A case with a TCP port, stepped by the test, or by a thread while a client that blocks is at work."""
+
+    def __init__(self, folder: Path) -> None:
+        self.said: list[str] = []
+        self.session = Session(written(folder), ("RX", "TX"))
+        self.line = self.session.serial("scia")
+        self.door = Rfc2217Door(self.line, 115_200, "8n1", 0, told=self.said.append)
+        self.address = ("127.0.0.1", int(self.door.path.rpartition(":")[2]))
+
+    def passes(self, length: str) -> None:
+        pacer = Pacer(self.session.ticks_per_second, Fraction(0))
+        Loop(self.session, pacer, [self.door]).run(self.session.now + self.session.ticks(length))
+
+    def client(self) -> socket.socket:
+        """Of a program that knows no Telnet; what Telnet asks it is read."""
+        came = socket.create_connection(self.address)
+        self.passes("2 ms")
+        assert came.recv(100).startswith(b"\xff")
+        came.setblocking(False)
+        return came
+
+
+@pytest.fixture
+def served(tmp_path: Path) -> Iterator[Served]:
+    one = Served(tmp_path)
+    yield one
+    one.door.close()
+
+
+def test_the_client_s_rate_and_format_are_the_line_s(tmp_path: Path) -> None:
+    ended, ready = threading.Event(), threading.Event()
+    made: list[Served] = []
+
+    def serve() -> None:
+        """Firmware stays in the thread that began it."""
+        made.append(Served(tmp_path))
+        ready.set()
+        while not ended.wait(0.0005):
+            made[0].passes("1 ms")
+        made[0].passes("2 ms")
+        made[0].door.close()
+
+    thread = threading.Thread(target=serve)
+    thread.start()
+    try:
+        assert ready.wait(30)
+        with serial.serial_for_url(made[0].door.path, 115_200, timeout=30) as port:
+            port.write(b"hello\xff")
+            assert port.read(6) == b"ifmmp\x00"
+            port.baudrate = 9600
+            port.parity, port.stopbits = "E", 2
+            assert made[0].line._bit == Fraction(made[0].session.ticks_per_second, 9600)
+            assert (made[0].line._format.parity, made[0].line._format.stop) == ("even", 2)
+            with pytest.raises(ValueError, match="mark"):
+                port.parity = "mark"
+            port.baudrate, port.parity, port.stopbits = 115_200, "N", 1
+            port.write(b"a")
+            assert port.read() == b"b"
+            port.break_condition = True
+            port.break_condition = False
+    finally:
+        ended.set()
+        thread.join()
+    assert [sentence.split()[-1] for sentence in made[0].said] == ["came", "left"]
+    assert made[0].session.level("RX") == 1
+    assert made[0].session.scene.value_of("dsp.SCI-A", "SCIRXST.BRKDT") == 1
+
+
+def test_a_program_without_telnet_has_the_line_as_it_was_made(served: Served) -> None:
+    with served.client() as client:
+        client.send(b"abc\xff\xff")
+        served.passes("5 ms")
+        assert client.recv(100) == b"bcd\x00"
+    served.passes("2 ms")
+    assert [sentence.split()[-1] for sentence in served.said] == ["came", "left"]
+
+
+def test_a_second_client_is_told_who_is_there(served: Served) -> None:
+    with served.client() as first, socket.create_connection(served.address) as second:
+        served.passes("2 ms")
+        name = "{}:{}".format(*first.getsockname())
+        assert second.recv(100).decode() == f"this SCI has a client already, {name}; close that first\r\n"
+        assert second.recv(100) == b""
+        first.send(b"a")
+        served.passes("2 ms")
+        assert first.recv(10) == b"b"
+    served.passes("2 ms")
+    with served.client() as third:
+        third.send(b"x")
+        served.passes("2 ms")
+        assert third.recv(10) == b"y"
+
+
+@pytest.mark.parametrize("garbage", [b"\xff\xf0", b"\xff\xfa\x2c\x03\x77\xff\xf0", b"\xff\xfa" + b"x" * 300])
+def test_garbage_ends_its_client_and_nothing_else(served: Served, garbage: bytes) -> None:
+    with served.client() as client:
+        client.send(b"ab" + garbage)
+        served.passes("5 ms")
+        assert "was let go" in served.said[-1]
+        with pytest.raises(ConnectionError):
+            while client.recv(100):
+                pass
+            raise ConnectionError
+    assert served.line.sent == 2
+    with served.client() as client:
+        client.send(b"c")
+        served.passes("2 ms")
+        assert client.recv(10).endswith(b"d")
+
+
+def test_a_client_that_vanishes_in_mid_frame_leaves_what_it_sent(served: Served) -> None:
+    client = served.client()
+    client.send(b"abcdefghijkl" + b"\xff\xfa\x2c\x05\x05\xff\xf0")  # and a break that it never ends
+    served.passes("0.2 ms")
+    client.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+    client.close()  # by a reset
+    served.passes("10 ms")
+    assert "vanished" in served.said[-1]
+    assert served.line.sent == 12 and not served.line.waiting
+    assert served.session.level("RX") == 1
+    with socket.create_connection(served.address) as other:
+        served.passes("1 ms")
+        assert b"defghijklm" in other.recv(100)  # nobody had read them
+
+
+def test_who_is_a_megabyte_ahead_waits(served: Served) -> None:
+    sent = 0
+    with served.client() as client:
+        for _ in range(20):
+            try:
+                while True:
+                    sent += client.send(bytes(1 << 16))
+            except BlockingIOError:
+                served.passes("1 ms")
+        held = served.line.waiting
+        assert sent > held and 1 << 20 <= held <= (1 << 20) + 4096
+
+
+def test_what_nobody_reads_is_kept_up_to_a_megabyte() -> None:
+    back = Backlog(10)
+    back.add(b"0123456789ab")
+    assert (len(back), back.lost) == (10, 2)
+    got: list[bytes] = []
+
+    def take(data: bytes) -> int:
+        if got:
+            raise BlockingIOError
+        got.append(data[:3])
+        return 3
+
+    back.give(take)
+    assert (got, len(back)) == ([b"234"], 7)
+
+
+def test_a_port_that_is_taken_is_refused(served: Served, tmp_path: Path) -> None:
+    with pytest.raises(OutsideError, match=r"port \d+ of 127.0.0.1: Address already in use; give another one"):
+        Rfc2217Door(served.line, 115_200, "8n1", served.address[1])
+    with pytest.raises(OutsideError, match=r"port 0 of 192.0.2.1: Cannot assign requested address; give another one"):
+        Rfc2217Door(served.line, 115_200, "8n1", 0, "192.0.2.1")  # of RFC 5737, which is nobody's

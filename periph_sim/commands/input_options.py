@@ -56,6 +56,14 @@ def time_given(option: str, text: str) -> Fraction:
     return length
 
 
+def pace_given(text: str) -> Fraction:
+    """Simulated seconds a second."""
+    try:
+        return Fraction(text)
+    except (ValueError, ZeroDivisionError):
+        raise click.UsageError(f"--pace {text!r}: expected a number, as in 1 or 0.5") from None
+
+
 def length_given(text: str) -> Fraction:
     """Seconds to simulate, 0 or more: 10 or '10 s'."""
     from ..core.settings import duration

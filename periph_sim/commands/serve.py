@@ -8,14 +8,13 @@ from __future__ import annotations
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from fractions import Fraction
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from .input_options import time_given
+from .input_options import pace_given, time_given
 from .json_output import print_json
 from .usage_error import usage_errors_in_one_sentence
 
@@ -95,7 +94,7 @@ def serve(
             door = _door(line, (link, real, tcp), baud, form)
             try:
                 session.advance(session.ticks(_time("--warm-up", warm_up)))
-                pacer = Pacer(session.ticks_per_second, _pace(pace), when_late)
+                pacer = Pacer(session.ticks_per_second, pace_given(pace), when_late)
                 end = None if length is None else session.now + session.ticks(_time("--for", length))
                 loop = Loop(session, pacer, [door])
                 loops.append(loop)
@@ -166,13 +165,6 @@ def _not_handed_over(line: SerialLine, door: PtyDoor | PortDoor | Rfc2217Door) -
 def _time(option: str, text: str) -> str:
     time_given(option, text)
     return text
-
-
-def _pace(text: str) -> Fraction:
-    try:
-        return Fraction(text)
-    except (ValueError, ZeroDivisionError):
-        raise click.UsageError(f"--pace {text!r}: expected a number, as in 1 or 0.5") from None
 
 
 def _lateness(pacer: Any) -> dict[str, object]:

@@ -57,13 +57,10 @@ class SerialLine:
 
     def checked(self, baud: int, form: str) -> tuple[Fraction, UartFormat]:
         """A bit in ticks, and the frame's format. OutsideError for what is no rate or format."""
-        match = re.fullmatch(r"([5-8])([noe])([12])", form.strip().lower())
-        if match is None:
-            raise OutsideError(f"format {form!r}: expected data bits 5 to 8, n, o or e, and 1 or 2 stop bits: 8n1")
+        bits, parity, stop = parts_of_format(form)
         if baud < 1 or baud > self._session.ticks_per_second:
             raise OutsideError(f"{baud} baud: expected 1 or more, and no bit shorter than a tick")
-        form_of_frames = UartFormat(int(match[1]), PARITIES[match[2]], int(match[3]))
-        return Fraction(self._session.ticks_per_second, baud), form_of_frames
+        return Fraction(self._session.ticks_per_second, baud), UartFormat(bits, PARITIES[parity], stop)
 
     def write(self, data: bytes, wrong: Wrong = "") -> None:
         """Sent from now on, behind what waits already. wrong: with its parity bit, or its stop bit, inverted."""
@@ -142,6 +139,14 @@ class SerialLine:
     def _heard(self, heard: Heard) -> None:
         self._got.append(heard.value)
         self.wrong += not heard.good
+
+
+def parts_of_format(form: str) -> tuple[int, str, int]:
+    """Data bits, parity as a letter, stop bits of "8n1". OutsideError for what is no format."""
+    match = re.fullmatch(r"([5-8])([noe])([12])", form.strip().lower())
+    if match is None:
+        raise OutsideError(f"format {form!r}: expected data bits 5 to 8, n, o or e, and 1 or 2 stop bits: 8n1")
+    return int(match[1]), match[2], int(match[3])
 
 
 def module_of(port: str) -> str:

@@ -40,6 +40,7 @@ PRINTS_NO_TABLE = {
     "convert": "a line that names the file written",
     "new": "a line a file, and what to do next",
     "schema": "JSON",
+    "terminal": "what is typed and answered, then what `run` prints",
     "watch": "what `run` prints, again and again",
 }
 

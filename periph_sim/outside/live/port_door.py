@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from ..errors import OutsideError
-from ..serial_line import SerialLine
+from ..serial_line import SerialLine, parts_of_format
 from .backlog import MOST, Backlog
 
 
@@ -24,13 +24,14 @@ class PortDoor:
         except ImportError:
             raise OutsideError("a real port needs pyserial: pip install 'periph-sim[live]'") from None
         self._line = line
+        bits, parity, stop = parts_of_format(form)
         try:
             self._port: Any = serial.Serial(
                 port,
                 baud,
-                bytesize=int(form[0]),
-                parity=form[1].upper(),
-                stopbits=int(form[2]),
+                bytesize=bits,
+                parity=parity.upper(),
+                stopbits=stop,
                 timeout=0,
                 write_timeout=0,
                 exclusive=True,

@@ -23,11 +23,11 @@ from ...scene.result import Result
 from ..errors import OutsideError
 from ..serial_line import SerialLine
 from ..session import Session
-from .case_for_line import case_for_line
+from .case_for_line import Ready, case_for_line
 from .loop import Loop
 from .pacing import Pacer
 
-KEYS = ("port", "pace", "log")
+KEYS = ("port", "pace", "log", "set")
 FOREVER = 3600  # simulated seconds that a read without time-out waits for at most, at full speed
 
 
@@ -99,9 +99,15 @@ class _Queue:
 
 
 class Serial(SerialBase):  # type: ignore[misc]
-    """As `serial.Serial`; the port is a case."""
+    """As `serial.Serial`; the port is a case. result: once the port is closed. pacer: says how late it was.
+
+    A URL's `set` changes a key of the case, and may be there several times.
+    """
 
     is_open: bool
+    result: Result | None
+    ready: Ready
+    pacer: Pacer
     _loop: Loop | None
     _thread: threading.Thread | None
 
@@ -118,7 +124,8 @@ class Serial(SerialBase):  # type: ignore[misc]
 
     def _begin(self, url: str) -> None:
         asked = urlsplit(url)
-        given = {key: values[-1] for key, values in parse_qs(asked.query, keep_blank_values=True).items()}
+        every = parse_qs(asked.query, keep_blank_values=True)
+        given = {key: values[-1] for key, values in every.items()}
         if unknown := [key for key in given if key not in KEYS]:
             raise OutsideError(f"{url}: there is no {unknown[0]!r} in such a URL; it has {', '.join(KEYS)}")
         try:
@@ -126,11 +133,12 @@ class Serial(SerialBase):  # type: ignore[misc]
         except (ValueError, ZeroDivisionError):
             raise OutsideError(f"{url}: pace {given['pace']!r}: expected a number, as in pace=1") from None
         path, port = asked.netloc + asked.path, given.get("port", "scia")
-        self.result: Result | None = None  # once the port is closed
+        changes = tuple(every.get("set", ()))
+        self.result = None
         self._failed = ""
         self._thread = None
         if not pace:
-            self._build(path, port, pace, given.get("log"))
+            self._build(path, port, pace, given.get("log"), changes)
             return
         built = threading.Event()
         mistakes: list[Exception] = []
@@ -138,7 +146,7 @@ class Serial(SerialBase):  # type: ignore[misc]
         def live() -> None:
             """Builds, runs and ends the session: firmware stays in the thread that began it."""
             try:
-                self._build(path, port, pace, given.get("log"))
+                self._build(path, port, pace, given.get("log"), changes)
             except Exception as error:  # the client is told, in its own thread
                 mistakes.append(error)
                 return
@@ -159,11 +167,12 @@ class Serial(SerialBase):  # type: ignore[misc]
         if mistakes:
             raise mistakes[0]
 
-    def _build(self, path: str, port: str, pace: Fraction, log: str | None) -> None:
-        ready = case_for_line(path, port)
-        self._session = Session(ready.case, ready.wires, log=log)
+    def _build(self, path: str, port: str, pace: Fraction, log: str | None, changes: tuple[str, ...]) -> None:
+        self.ready = case_for_line(path, port, changes)
+        self._session = Session(self.ready.case, self.ready.wires, log=log)
         self._queue = _Queue(self._session.serial(port, self._baudrate, self._form()))
-        self._loop = Loop(self._session, Pacer(self._session.ticks_per_second, pace), [self._queue])
+        self.pacer = Pacer(self._session.ticks_per_second, pace)
+        self._loop = Loop(self._session, self.pacer, [self._queue])
 
     def _end(self) -> None:
         """Nothing holds the session any more when this returns, in the thread that ran it."""

@@ -17,7 +17,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from ..errors import OutsideError
-from ..serial_line import SerialLine
+from ..serial_line import SerialLine, parts_of_format
 from .backlog import AT_ONCE, MOST, Backlog
 
 LOOPBACK = "127.0.0.1"
@@ -197,7 +197,8 @@ class Port:
         self._line = line
         self._door = door
         self._baud = baud
-        self._form: list[Any] = [int(form[0]), form[1].upper(), int(form[2])]
+        bits, parity, stop = parts_of_format(form)
+        self._form: list[Any] = [bits, parity.upper(), stop]
 
     def _set(self, baud: int, form: Sequence[Any]) -> None:
         self.before()

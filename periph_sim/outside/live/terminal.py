@@ -1,0 +1,51 @@
+"""pyserial's miniterm on a case: keys go to an SCI, what the SCI sends is shown; what ended it is kept as a sentence.
+
+Source: pyserial 3.5, serial.tools.miniterm.
+"""
+
+from __future__ import annotations
+
+from serial import SerialException
+from serial.tools.miniterm import TRANSFORMATIONS, Miniterm
+
+from .protocol_f28335 import Serial
+
+FILTERS = tuple(TRANSFORMATIONS)
+
+
+class Terminal(Miniterm):  # type: ignore[misc]
+    """failed: why the session ended before the user did; "" if it did not."""
+
+    def __init__(self, port: Serial, echo: bool, eol: str, shown: str, encoding: str) -> None:
+        super().__init__(port, echo, eol, (shown,))
+        self.failed = ""
+        self.set_rx_encoding(encoding)
+        self.set_tx_encoding(encoding)
+
+    def talk(self, greeting: str) -> None:
+        """Until Ctrl-], or the end of the session. greeting: shown once keys are heard."""
+        self.start()
+        self.console.write(f"{greeting}\r\n")
+        try:
+            self.join(True)
+        except KeyboardInterrupt:
+            self.stop()
+        finally:
+            self.console.cleanup()
+        self.join()
+
+    def reader(self) -> None:
+        try:
+            super().reader()
+        except (
+            SerialException,
+            OSError,
+        ) as error:  # OSError: a kernel that lets nobody end another one's wait for a key
+            self.failed = str(error.__context__ or error)
+            self.console.write("\r\nthe session has ended; press a key\r\n")
+
+    def writer(self) -> None:
+        try:
+            super().writer()
+        except SerialException as error:
+            self.failed = self.failed or str(error)

@@ -8,10 +8,10 @@ stored value; this file says what an access makes of it.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
 
+from .lazy_dataclass import dataclass
 from .suggest import did_you_mean
 
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
 from fractions import Fraction
 from random import Random
 from struct import Struct, error
@@ -18,6 +17,7 @@ from typing import TYPE_CHECKING, Literal
 
 from ..bus.uart.sender import UartSender
 from ..core.kernel import Agent, Kernel
+from ..core.lazy_dataclass import dataclass
 
 if TYPE_CHECKING:
     from ..sensors.host_frame import ByteOrder

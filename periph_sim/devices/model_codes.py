@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..core.lazy_dataclass import dataclass
 from ..sensors.host_frame import ACCELERATION, ANGLE
 from ..sensors.imu_noise import ImuNoise
 from ..sensors.models.finite import check_sample

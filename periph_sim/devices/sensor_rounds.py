@@ -6,10 +6,10 @@ ADXL345 (0x32 to 0x37), HMC5883L (0x03 to 0x08).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from fractions import Fraction
 
 from ..bus.i2c.transfer import Phase, Transfer
+from ..core.lazy_dataclass import dataclass
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ System control, PIE and the CPU's interrupt logic belong to every unit.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from fractions import Fraction
 from functools import partial
 from typing import TYPE_CHECKING
@@ -20,6 +20,7 @@ from greenlet import GreenletExit
 
 from ..core.chip import Chip, Note
 from ..core.kernel import CHIP, PADS, Kernel
+from ..core.lazy_dataclass import dataclass
 from ..core.records import Recorder
 from ..core.socket import Socket
 from ..core.suggest import did_you_mean

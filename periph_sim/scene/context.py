@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from fractions import Fraction
 
 from ..core.kernel import Kernel
+from ..core.lazy_dataclass import dataclass
 from ..core.records import Recorder
 from ..core.time import Timebase, round_ratio
 from ..core.wire import Wire

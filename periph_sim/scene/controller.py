@@ -7,12 +7,13 @@ the nearest tick is taken.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from ..bus.i2c.controller import I2cController
 from ..bus.i2c.transfer import BusTiming, Transfer
+from ..core.lazy_dataclass import dataclass
 from ..core.suggest import did_you_mean
 from ..devices.sensor_head import SensorHead
 from ..devices.sensor_rounds import CHIPS, Request, Schedule

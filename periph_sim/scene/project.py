@@ -14,12 +14,12 @@ from __future__ import annotations
 
 import os
 import tomllib
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
 from pydantic import ConfigDict, Field, ValidationError
 
+from ..core.lazy_dataclass import dataclass
 from ..core.settings import Table
 from ..core.suggest import did_you_mean
 from .case.discover import is_searched

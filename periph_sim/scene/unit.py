@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
+from ..core.lazy_dataclass import dataclass
 from ..core.options import Value, options_from
 from ..core.suggest import did_you_mean
 from ..f28335.cpu.compiled_code_costs import CodeCosts

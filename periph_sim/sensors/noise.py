@@ -14,13 +14,14 @@ Terms as in IEEE Std 952 annex C: N (white), B (bias instability), K (random wal
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from hashlib import blake2b
 from math import isfinite, log, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ..core.lazy_dataclass import dataclass
 
 Floats = NDArray[np.float64]
 

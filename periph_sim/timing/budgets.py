@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 
+from ..core.lazy_dataclass import dataclass
 from ..core.settings import duration, share
 from ..core.time import NO_TIME, Timebase
 from .budget_schema import Budget

@@ -17,10 +17,10 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 
 from ..bus.i2c.transfer import Phase, Transfer
+from ..core.lazy_dataclass import dataclass
 from ..core.time import NO_TIME
 from ..devices.sensor_rounds import Round
 

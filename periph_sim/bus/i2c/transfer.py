@@ -6,8 +6,9 @@ Transfer --> Phases       START to STOP, and what lies between two STARTs
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from ...core.lazy_dataclass import dataclass
 from ...core.time import NO_TIME
 
 

@@ -5,7 +5,7 @@ start  data, LSB first  [address]  [parity]  stop [stop]
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from ...core.lazy_dataclass import dataclass
 
 
 @dataclass(frozen=True)

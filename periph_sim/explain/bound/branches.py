@@ -11,10 +11,10 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from types import CodeType
 
+from ...core.lazy_dataclass import dataclass
 from .code_trace import Ran
 from .data_dependence import WAITS, Function, Kind, Module, called
 from .program import BUILTINS, MACHINE, METHODS, Program

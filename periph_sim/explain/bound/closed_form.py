@@ -10,13 +10,14 @@ Source of the form: SPRUG03B sections 2 and 3 (XRDY, stretching), the busy windo
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
 from math import ceil, floor
 
 from ...bus.i2c.transfer import Phase, Transfer
+from ...core.lazy_dataclass import dataclass
 from ...core.time import Timebase
 from ...devices.sensor_rounds import CHIPS, Round
 from ...f28335.cpu import instruction_costs as cpu_costs

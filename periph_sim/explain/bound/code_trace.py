@@ -10,11 +10,11 @@ from __future__ import annotations
 
 import sys
 from bisect import bisect_left, bisect_right
-from dataclasses import dataclass
 from fractions import Fraction
 from types import CodeType, FrameType
 from typing import NamedTuple
 
+from ...core.lazy_dataclass import dataclass
 from ...processor.source_location import is_ours
 
 

@@ -12,11 +12,11 @@ Source: SPRUFZ5A sections 1.2.5 and 1.2.10.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil, floor
 from typing import TYPE_CHECKING
 
+from ...core.lazy_dataclass import dataclass
 from ...f28335.sci.register_map import SCI_MAP
 from .terms import Bound, Term, reasons, total
 

@@ -9,10 +9,10 @@ against another instant of the bus.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
+from ...core.lazy_dataclass import dataclass
 from .terms import Term, total
 from .undisturbed_run import UndisturbedRun, Wait
 

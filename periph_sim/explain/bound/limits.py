@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 
+from ...core.lazy_dataclass import dataclass
 from ...timing.budget_schema import Budget, Condition
 from ...timing.budgets import PER_MILLE, BudgetJudge
 from .terms import Bound

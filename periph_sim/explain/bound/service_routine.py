@@ -8,13 +8,14 @@ The routine is straight-line code, so its cost in a run in which nothing else ha
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
 from math import ceil
 from types import CodeType
 
+from ...core.lazy_dataclass import dataclass
 from ...core.records import Kind, Record
 from ...core.time import Timebase
 from ...f28335.cpu.instruction_costs import IFR_DELAY

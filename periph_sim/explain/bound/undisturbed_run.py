@@ -11,11 +11,12 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections import defaultdict
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from fractions import Fraction
 from itertools import pairwise
 
 from ...bus.i2c.transfer import Transfer
+from ...core.lazy_dataclass import dataclass
 from ...core.records import Kind, Record
 from ...devices.sensor_rounds import Round
 from ...f28335.cpu import instruction_costs as cpu_costs

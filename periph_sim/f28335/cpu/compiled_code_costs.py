@@ -8,7 +8,7 @@ Source: SPRU430F chapter 6 (cycles of instructions), SPRUEO2A (FPU), SPRS439M Ta
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from ...core.lazy_dataclass import dataclass
 
 
 @dataclass(frozen=True)

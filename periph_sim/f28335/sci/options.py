@@ -7,8 +7,7 @@ questions; the last three were met while the model was written.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from ...core.lazy_dataclass import dataclass
 from ...core.options import choice, number
 
 

@@ -6,10 +6,10 @@ EALLOW), section 7.4 (block protection).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import IntEnum
 from functools import cached_property
 
+from ...core.lazy_dataclass import dataclass
 from ...core.registers import Register
 from ...core.socket import Socket
 from ...core.suggest import did_you_mean

@@ -7,8 +7,7 @@ to its `touched` set.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from ...core.lazy_dataclass import dataclass
 from ...core.options import choice, number
 
 

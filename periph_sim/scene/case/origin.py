@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
+
+from ...core.lazy_dataclass import dataclass
 
 Place = tuple[str | int, ...]  # keys and entry numbers from the top of a case down
 

@@ -7,9 +7,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
+from ...core.lazy_dataclass import dataclass
 from ...core.settings import Table
 from .wiring import Pin, SciLines, node_of, sci_lines, sci_named, wiring_of
 

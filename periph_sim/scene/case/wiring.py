@@ -13,11 +13,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from pydantic import Field
 
+from ...core.lazy_dataclass import dataclass
 from ...core.settings import Table
 from ...core.suggest import did_you_mean
 from ...f28335.unit_modules import PIN_OF

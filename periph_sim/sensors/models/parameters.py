@@ -5,9 +5,9 @@ Table 4.1 of the dissertation is the default. Where it gives no value the source
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Annotated, Literal
 
+from ...core.lazy_dataclass import dataclass
 from ..numeric.arithmetic import Rounding
 from .quantity import BadParameter, Checked, Choice, Quantity, Vector
 

@@ -8,9 +8,11 @@ A set checks itself when it is made: BadParameter names the parameter, the value
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from math import isfinite
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
+
+from ...core.lazy_dataclass import dataclass
 
 Vector = tuple[float, float, float]  # x, y, z
 

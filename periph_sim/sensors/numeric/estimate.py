@@ -10,9 +10,9 @@ noise, conversions between blocks, function prologues, interrupts.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from fractions import Fraction
 
+from ...core.lazy_dataclass import dataclass
 from .costs import OPERANDS, Library, Tables
 
 SYSCLK = 150_000_000  # Hz: the dissertation's board

@@ -25,10 +25,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
+from ...core.lazy_dataclass import dataclass
 from ...core.records import Kind, Record
 from ...core.suggest import did_you_mean
 from .scope import LINES, BadEvent, Scope, scope_of_table

@@ -34,11 +34,12 @@ where its first word is one that begins another state.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from difflib import get_close_matches
 from fractions import Fraction
 from functools import lru_cache
 
+from ...core.lazy_dataclass import dataclass
 from ...core.settings import duration
 from ...devices.sensor_rounds import CHIPS
 from .events import EVENTS, Event, read_event

@@ -15,12 +15,12 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
 from functools import lru_cache
 from itertools import combinations_with_replacement
 from typing import NamedTuple, Protocol
 
 from ...bus.i2c.transfer import Phase, Transfer
+from ...core.lazy_dataclass import dataclass
 from ...core.time import NO_TIME
 from ...devices.model_codes import Computed, ModelCodes, ModelState, register_bytes
 from ...devices.sensor_rounds import ADDRESSES, CHIPS

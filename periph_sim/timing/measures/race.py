@@ -9,13 +9,13 @@ What counts is what `periph-sim races` shows of a recorded run (`records/races.p
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.lazy_dataclass import dataclass
 from ...core.records import UNHEARD, Kind, Record, Recorder, Subjects
 from ...core.suggest import did_you_mean
 from ...core.time import NO_TIME

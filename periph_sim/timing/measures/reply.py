@@ -9,8 +9,9 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from ...core.lazy_dataclass import dataclass
 from ...core.time import NO_TIME
 from .measure import Measure, SceneEvents
 

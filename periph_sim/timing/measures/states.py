@@ -8,8 +8,7 @@ the end of the run, it counts with that.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from ...core.lazy_dataclass import dataclass
 from ...core.records import Kind
 from ...core.time import NO_TIME
 from ..language.events import EVERYTHING, Matcher

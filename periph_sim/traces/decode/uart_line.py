@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from fractions import Fraction
 
+from ...core.lazy_dataclass import dataclass
 from ...core.shorten import shorten
 from ...core.suggest import did_you_mean
 

@@ -8,8 +8,10 @@ one: what that adds is listed apart. Loading operands and storing results is lis
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal
+
+from ....core.lazy_dataclass import dataclass
 
 Tables = Literal["RAM", "boot ROM"]
 

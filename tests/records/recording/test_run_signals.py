@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import pywellen
-from vcdvcd import VCDVCD
 
 from periph_sim.core.records import Kind, Recorder
 from periph_sim.core.time import Timebase
@@ -22,6 +21,7 @@ from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 from periph_sim.traces import formats
 from periph_sim.traces.decode import i2c, uart
+from tests.records.vcdvcd_reader import VCDVCD
 from tests.traces.decode.drawing import drawn
 from tests.traces.formats.sigrok import sigrok_says
 

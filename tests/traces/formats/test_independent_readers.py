@@ -11,13 +11,13 @@ from pathlib import Path
 import pytest
 import pywellen
 from hypothesis import given, settings
-from vcdvcd import VCDVCD
 
 from periph_sim.traces import formats
 from periph_sim.traces.capture.changes import changes
 from periph_sim.traces.decode import i2c, uart
 from periph_sim.traces.formats import Capture
 from tests.profiles import examples
+from tests.records.vcdvcd_reader import VCDVCD
 from tests.traces.formats.strategies import captures
 
 TRACES = Path(__file__).resolve().parents[3] / "traces"

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 try:
-    import serial
+    from .outside.live.pyserial_urls import PACKAGE, register
 except ImportError:
     raise ImportError("periph_sim.live needs pyserial: pip install 'periph-sim[live]'") from None
 
-PACKAGE = "periph_sim.outside.live"
+__all__ = ["PACKAGE"]
 
-if PACKAGE not in serial.protocol_handler_packages:
-    serial.protocol_handler_packages.append(PACKAGE)
+register()

@@ -56,6 +56,14 @@ def time_given(option: str, text: str) -> Fraction:
     return length
 
 
+def address_given(option: str, text: str) -> tuple[str, int]:
+    """(address, port) of "[ADDRESS:]PORT": this computer's own where none is given."""
+    address, _, port = text.rpartition(":")
+    if not port.isdecimal() or int(port) > 65535:
+        raise click.UsageError(f"{option} {text!r}: expected a port up to 65535, or ADDRESS:PORT; 0 is any free port")
+    return address.strip("[]") or "127.0.0.1", int(port)
+
+
 def pace_given(text: str) -> Fraction:
     """Simulated seconds a second."""
     try:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .input_options import pace_given, time_given
+from .input_options import address_given, pace_given, time_given
 from .json_output import print_json
 from .usage_error import usage_errors_in_one_sentence
 
@@ -138,15 +138,10 @@ def _door(line: SerialLine, places: tuple[str | None, ...], baud: int, form: str
 
         return PortDoor(line, real, baud, form)
     if tcp is not None:
-        from ..outside.live.rfc2217_door import LOOPBACK, Rfc2217Door
+        from ..outside.live.rfc2217_door import Rfc2217Door
 
-        address, _, port = tcp.rpartition(":")
-        if not port.isdecimal() or int(port) > 65535:
-            raise click.UsageError(
-                f"--rfc2217 {tcp!r}: expected a port up to 65535, or ADDRESS:PORT; 0 is any free port"
-            )
-        told = partial(click.echo, err=True)
-        return Rfc2217Door(line, baud, form, int(port), address.strip("[]") or LOOPBACK, told)
+        address, port = address_given("--rfc2217", tcp)
+        return Rfc2217Door(line, baud, form, port, address, partial(click.echo, err=True))
     from ..outside.live.pty_door import PtyDoor
 
     return PtyDoor(line, baud, form, Path(link) if link else None)

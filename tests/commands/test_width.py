@@ -38,6 +38,7 @@ SENTENCES = {
 
 PRINTS_NO_TABLE = {
     "convert": "a line that names the file written",
+    "host-unit": "how many frames went out, and how late",
     "new": "a line a file, and what to do next",
     "schema": "JSON",
     "terminal": "what is typed and answered, then what `run` prints",

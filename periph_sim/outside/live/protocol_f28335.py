@@ -12,8 +12,10 @@ Source: pyserial 3.5, serial.serialutil.SerialBase, and its protocol handlers.
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Sequence
 from fractions import Fraction
+from math import ceil
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
@@ -169,6 +171,7 @@ class Serial(SerialBase):  # type: ignore[misc]
 
     def _build(self, path: str, port: str, pace: Fraction, log: str | None, changes: tuple[str, ...]) -> None:
         self.ready = case_for_line(path, port, changes)
+        self._pace = pace
         self._session = Session(self.ready.case, self.ready.wires, log=log)
         self._queue = _Queue(self._session.serial(port, self._baudrate, self._form()))
         self.pacer = Pacer(self._session.ticks_per_second, pace)
@@ -193,6 +196,12 @@ class Serial(SerialBase):  # type: ignore[misc]
             loop.stop()
         del loop
         self._thread.join()
+
+    def clock(self) -> float:
+        """Seconds as this port counts them: simulated ones."""
+        if self._thread is None:
+            return self._session.now / self._session.ticks_per_second
+        return time.monotonic() * float(self._pace)
 
     # What a client calls -----------------------------------------------------------
 
@@ -243,7 +252,7 @@ class Serial(SerialBase):  # type: ignore[misc]
 
     def _step_until(self, over: Any, timeout: float | None) -> None:
         session = self._session
-        end = session.now + int((FOREVER if timeout is None else timeout) * session.ticks_per_second)
+        end = session.now + ceil((FOREVER if timeout is None else timeout) * session.ticks_per_second)
         step = session.ticks("100 us")
         self._queue.turn()
         while not over() and session.now < end:

@@ -6,7 +6,6 @@ import dataclasses
 from textwrap import wrap
 
 import click
-from rich.console import Console
 
 from ..core.options import allowed
 from ..core.registers import Register, RegisterMap
@@ -18,7 +17,7 @@ from ..f28335.sci import register_map as sci_map
 from ..f28335.system import clocks_map
 from ..f28335.system import cpu_timer_map as timer_map
 from .option_groups import OPTIONS
-from .tables import WIDTH, plain_table, say, terminal
+from .tables import WIDTH, Screen, plain_table, say, terminal
 
 MAPS: dict[str, tuple[int, RegisterMap]] = {
     **{name: (base, sci_map.SCI_MAP) for name, base in sci_map.BASES.items()},
@@ -58,14 +57,14 @@ def regs(name: str | None, want_options: bool) -> None:
             raise click.ClickException(f"{module} has no register {register!r}; {hint}")
 
 
-def show_modules(console: Console) -> None:
+def show_modules(console: Screen) -> None:
     table = plain_table("module", "base", "registers", "source")
     for module, (base, registers) in MAPS.items():
         table.add_row(module, f"{base:#06x}", str(len(registers.registers)), registers.source)
     console.print(table)
 
 
-def show_map(console: Console, module: str, base: int, registers: RegisterMap) -> None:
+def show_map(console: Screen, module: str, base: int, registers: RegisterMap) -> None:
     say(console, module, "bold")
     table = plain_table("address", "register", "reset", "source")
     for register in registers:
@@ -73,11 +72,11 @@ def show_map(console: Console, module: str, base: int, registers: RegisterMap) -
     console.print(table)
 
 
-def show_register(console: Console, module: str, base: int, register: Register) -> None:
+def show_register(console: Screen, module: str, base: int, register: Register) -> None:
     title = f"{module}.{register.name}  {base + register.offset:#06x}  reset {reset_of(register)}  [{register.source}]"
     say(console, title)
     if register.protected:
-        console.print("writes need EALLOW")
+        say(console, "writes need EALLOW")
     table = plain_table("bits", "field", "access", "reset", "what it is")
     for f in register.fields:
         table.add_row(f.bits, f.name, f.access, f"{f.reset:#x}" if f.reset > 9 else str(f.reset), f.doc)
@@ -88,7 +87,7 @@ def reset_of(register: Register) -> str:
     return f"{register.reset:#0{2 + register.width // 4}x}"
 
 
-def show_options(console: Console, name: str | None) -> None:
+def show_options(console: Screen, name: str | None) -> None:
     """An option with its values, the default first, and its question below."""
     if name is not None and name not in OPTIONS:
         raise click.ClickException(f"there are no options for {name!r}; {did_you_mean(name, OPTIONS)}")

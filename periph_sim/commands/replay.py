@@ -8,7 +8,6 @@ from fractions import Fraction
 from pathlib import Path
 
 import click
-from rich.console import Console
 
 from ..core.text_table import columns
 from ..records.if_recorded import if_recorded
@@ -30,7 +29,7 @@ from .input_options import RATE, SALVAGE, read_capture, time_given
 from .json_output import print_json
 from .progress import progress
 from .result_text import budget_table, legend
-from .tables import plain_table, say, terminal
+from .tables import Screen, plain_table, say, terminal
 from .usage_error import usage_errors_in_one_sentence
 
 FIRST = {
@@ -236,7 +235,7 @@ def _address(text: str) -> int:
     return address
 
 
-def show(console: Console, report: Report, case: Case, verbose: bool) -> None:
+def show(console: Screen, report: Report, case: Case, verbose: bool) -> None:
     """The report as a person reads it. verbose: list what the run assumed."""
     say(console, f"{report.case}, {report.capture}: {headline(report)}", style="bold")
     for line in ["", *columns(rows(report), indent=" "), ""]:
@@ -299,7 +298,7 @@ def _replayed_times(report: Report) -> list[tuple[str, str]]:
     ]
 
 
-def show_history(console: Console, divergence: Divergence) -> None:
+def show_history(console: Screen, divergence: Divergence) -> None:
     """What the chip did around a divergence: the last changes before it, and the first behind it."""
     if not divergence.history:
         return

@@ -5,20 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from textwrap import wrap
 
-from rich.console import Console
-
 from ..scene.case.model import Case
 from ..scene.result import AT_ANOTHER_LEVEL, BYTE_LEVEL, SKIPPED, Result
 from ..timing.format_value import broken, figure, limit, simulated
 from ..timing.verdict import EVERY_PHASE, FAIL, NOT_JUDGED, PASS, SEEN, Verdict
 from .assumptions import assumptions
-from .tables import WIDTH, PlainTable, plain_table, say
+from .tables import WIDTH, PlainTable, Screen, plain_table, say
 
 STYLES = {PASS: "", FAIL: "red", NOT_JUDGED: "yellow"}
 
 
 def show(
-    console: Console, result: Result, case: Case, guaranteed: bool = False, verbose: bool = False, chosen: str = ""
+    console: Screen, result: Result, case: Case, guaranteed: bool = False, verbose: bool = False, chosen: str = ""
 ) -> None:
     """guaranteed: what is not proven has failed. verbose: list what the run assumed, and tell what it skipped.
 

@@ -1,30 +1,75 @@
 """One style of tables and lines for all commands: titles go in; what fits 80 columns with every word comes out.
 
-Tables are those of `core.text_table`, as wide as the terminal, with a style for each row.
+Tables are those of `core.text_table`, as wide as the terminal, with a style for each row. In a pipe or a file, where
+nobody would see styles, the same lines come without rich, which takes longer to import than they to print.
 """
 
 from __future__ import annotations
 
+import os
+import sys
 from collections.abc import Iterator
-from typing import Literal
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from rich.console import Console, ConsoleOptions
-from rich.text import Text
+import click
 
 from ..core.text_table import WIDTH, table_rows, together
 
-__all__ = ["WIDTH", "PlainTable", "plain_table", "say", "terminal"]
+if TYPE_CHECKING:
+    from rich.console import Console, ConsoleOptions
+    from rich.text import Text
+
+__all__ = ["WIDTH", "Piped", "PlainTable", "Screen", "plain_table", "say", "terminal"]
+
+STYLED = ("FORCE_COLOR", "TTY_COMPATIBLE")  # by these a person may ask rich for styles in a pipe, too
+UNSEEN = dict.fromkeys((7, 8, 11, 12, 13))  # control codes that rich leaves out
+TAB = 8
 
 
-def terminal() -> Console:
+class Piped:
+    """Standard output that is no terminal."""
+
+    def __init__(self, width: int) -> None:
+        self.width = width
+
+    def print(self, table: PlainTable) -> None:
+        for line, _ in table.lines(self.width):
+            self.say(line)
+
+    def say(self, text: str) -> None:
+        for line in text.split("\n"):
+            click.echo(line.translate(UNSEEN).expandtabs(TAB), color=True)  # True: as it is
+
+
+Screen: TypeAlias = "Console | Piped"
+
+
+def terminal() -> Screen:
     """Standard output. Below 80 columns the terminal may break lines, but no table loses words."""
+    if not sys.stdout.isatty() and not any(name in os.environ for name in STYLED):
+        return Piped(max(_columns(), WIDTH))
+    from rich.console import Console
+
     console = Console()
     console.width = max(console.width, WIDTH)
     return console
 
 
+def _columns() -> int:
+    """How wide it is to be: what COLUMNS says, or the terminal that the command was given in; 0 if there is none."""
+    said = os.environ.get("COLUMNS", "")
+    if said.isdecimal():
+        return int(said)
+    for stream in (sys.__stdin__, sys.__stdout__, sys.__stderr__):
+        try:
+            return 0 if stream is None else os.get_terminal_size(stream.fileno()).columns
+        except (ValueError, OSError):  # closed, or no terminal
+            pass
+    return 0
+
+
 class PlainTable:
-    """A table with a line under its titles and none between its rows; for `Console.print`."""
+    """A table with a line under its titles and none between its rows; for `Screen.print`."""
 
     def __init__(self) -> None:
         self._titles: list[str] = []
@@ -45,20 +90,23 @@ class PlainTable:
         self._rows.append([together(cell) if n in self._whole else cell for n, cell in enumerate(cells)])
         self._styles.append(style)
 
-    def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[Text]:
+    def lines(self, width: int) -> Iterator[tuple[str, str]]:
+        """Each line with its style."""
         lowest = max(title.count("\n") for title in self._titles)
         titles = ["\n" * (lowest - title.count("\n")) + title for title in self._titles]
-        head, *rows = table_rows(titles, self._rows, self._right, options.max_width)
-        yield _whole("")
-        yield from (_whole(line, "bold") for line in head[:-1])
-        yield _whole(head[-1])
+        head, *rows = table_rows(titles, self._rows, self._right, width)
+        yield "", ""
+        yield from ((line, "bold") for line in head[:-1])
+        yield head[-1], ""
         for lines, style in zip(rows, self._styles, strict=True):
-            yield from (_whole(line, style) for line in lines)
-        yield _whole("")
+            yield from ((line, style) for line in lines)
+        yield "", ""
 
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[Text]:
+        from rich.text import Text
 
-def _whole(line: str, style: str = "") -> Text:
-    return Text(line, style=style, no_wrap=True, overflow="ignore")
+        for line, style in self.lines(options.max_width):
+            yield Text(line, style=style, no_wrap=True, overflow="ignore")
 
 
 def plain_table(*columns: str) -> PlainTable:
@@ -68,6 +116,9 @@ def plain_table(*columns: str) -> PlainTable:
     return table
 
 
-def say(console: Console, line: str, style: str = "") -> None:
+def say(screen: Screen, line: str, style: str = "") -> None:
     """One line as it is: whole, so that it can be searched for, and without colours or markup of its own."""
-    console.print(line, style=style, highlight=False, markup=False, soft_wrap=True)
+    if isinstance(screen, Piped):
+        screen.say(line)
+    else:
+        screen.print(line, style=style, highlight=False, markup=False, emoji=False, soft_wrap=True)

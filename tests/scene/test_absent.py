@@ -110,8 +110,8 @@ PROOF = ("explain.bound", "explain.bound.")  # whoever tells a verdict tells wha
 COMMAND = "import sys; sys.argv[1:] = {}; from periph_sim.cli import main; main()"
 OPENED: dict[str, tuple[str, tuple[str, ...], set[str]]] = {
     "from Python": ("import periph_sim; periph_sim.run('small.toml')", ("api", *PROOF), set()),
-    "run": (COMMAND.format(["run", "small.toml"]), ("cli", "commands.", *PROOF), {"click", "rich"}),
-    "run --json": (COMMAND.format(["run", "small.toml", "--json"]), ("cli", "commands.", *PROOF), {"click", "rich"}),
+    "run": (COMMAND.format(["run", "small.toml"]), ("cli", "commands.", *PROOF), {"click"}),
+    "run --json": (COMMAND.format(["run", "small.toml", "--json"]), ("cli", "commands.", *PROOF), {"click"}),
     "recorded": (
         "import periph_sim; periph_sim.run('small.toml', record='run.jsonl')",
         ("api", *PROOF, "traces.formats."),

@@ -102,6 +102,17 @@ class Master:
         self._bit(0 if ack else 1)
         return value
 
+    def bits(self, *levels: int) -> list[int]:
+        """Clock single bits, to break off in a byte: SDA at each of them, let go (1) or pulled low (0) by us.
+
+        START or STOP may follow behind any number of them; the target counts on.
+        """
+        if not self.held:
+            raise OutsideError("bits: there is no transfer to clock bits in; begin one with start(address)")
+        if any(level not in (0, 1) for level in levels):
+            raise OutsideError(f"bits: found {levels}, expected 0, pulled low, or 1, let go")
+        return [self._bit(level) for level in levels]
+
     def stop(self) -> None:
         """Ends the transfer; the bus is free behind it."""
         if not self.held:

@@ -10,6 +10,7 @@ import pytest
 from periph_sim.api import make_case
 from periph_sim.outside import Session
 from periph_sim.outside.drivers import I2C
+from tests.outside.test_any_order import pins
 from tests.outside.test_register_slave import slave
 
 WHY = "Adafruit's drivers are not installed: the extra drivers has them"
@@ -56,6 +57,14 @@ def test_firmware_is_driven_as_the_chip() -> None:
     assert sensor.acceleration == pytest.approx((100 * 0.004 * G, -50 * 0.004 * G, 256 * 0.004 * G), abs=1e-6)
     sensor.data_rate = adxl34x.DataRate.RATE_100_HZ
     assert sensor.data_rate == adxl34x.DataRate.RATE_100_HZ
+
+
+def test_firmware_that_does_i2c_by_software_is_driven_as_the_chip() -> None:
+    """The emulator by pins: six data bytes of zeros, since no frame came, and registers that the driver writes."""
+    sensor = adxl34x.ADXL345(I2C(pins()))
+    assert sensor.acceleration == (0, 0, 0)
+    sensor.range = adxl34x.Range.RANGE_8_G
+    assert sensor.range == adxl34x.Range.RANGE_8_G
 
 
 def test_nobody_at_the_address_is_what_the_driver_says_of_hardware() -> None:

@@ -1,0 +1,79 @@
+"""A slave on the I2C module by interrupts: a target goes in, and is told of what the bus asks of it.
+
+    I2CINT1A --code--> AAS: a read loads the first byte anew; RRDY: a byte came; XRDY: the next byte; SCD: it is over
+
+The module asks for each byte of a read while the one before is sent, so that one more than was read is in I2CDXR at the
+end (SPRUG03B Figure 17). It was not sent: the next read loads it as it is then.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from periph_sim.firmware import Dsp, start_i2c
+
+AAS_CODE, SCD_CODE, XRDY_CODE, RRDY_CODE, NACK_CODE = 7, 6, 5, 4, 2  # I2CISRC
+I2CINT1A_ACK = 0x80  # PIEACK: group 8
+
+
+class Target(Protocol):
+    """What a slave is for, whether a module serves it or pins do."""
+
+    def addressed(self, reads: bool) -> None:
+        """The address was acknowledged; a read begins, or a write."""
+
+    def received(self, byte: int) -> None:
+        """A byte of a write, which is acknowledged."""
+
+    def byte(self) -> int:
+        """The byte that a read sends next."""
+
+    def step(self) -> None:
+        """That byte is on its way; another one is next."""
+
+    def over(self) -> None:
+        """A STOP ended the transfer."""
+
+
+class SlaveModule:
+    """I2C-A with one own address."""
+
+    def __init__(self, dsp: Dsp, target: Target) -> None:
+        self.dsp = dsp
+        self.i2c = dsp.module("I2C-A")
+        self.target = target
+
+    def start(self, address: int) -> None:
+        i2c = self.i2c
+        start_i2c(self.dsp, address)
+        i2c.I2CMDR.IRS = 1
+        i2c.I2CIER.all = 0x6A  # AAS, SCD, RRDY, NACK; XRDY while a read is served
+
+    def interrupt(self) -> None:
+        """I2CINT1A: one code after the other until none is left."""
+        i2c, target = self.i2c, self.target
+        code = i2c.I2CISRC.INTCODE
+        while code:
+            if code == AAS_CODE:
+                self.addressed()
+            elif code == RRDY_CODE:
+                target.received(i2c.I2CDRR.all)
+            elif code == XRDY_CODE:
+                target.step()
+                i2c.I2CDXR.all = target.byte()
+            elif code in (SCD_CODE, NACK_CODE):
+                i2c.I2CIER.XRDY = 0
+                if code == SCD_CODE:
+                    target.over()
+            code = i2c.I2CISRC.INTCODE
+        self.dsp.module("PIE").PIEACK.all = I2CINT1A_ACK
+
+    def addressed(self) -> None:
+        i2c, target = self.i2c, self.target
+        reads = i2c.I2CSTR.SDIR == 1
+        target.addressed(reads)
+        if reads:
+            i2c.I2CDXR.all = target.byte()
+            i2c.I2CIER.XRDY = 1
+        else:
+            i2c.I2CIER.XRDY = 0

@@ -1,0 +1,39 @@
+"""docs/any_order.md: its examples, and the figures of its table."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.docs import limits_table
+from tests.docs.examples import run_examples
+from tests.docs.limits_table import HIGHEST, RATES, TABLE, USUAL, figures, refreshed_limits
+from tests.docs.pages import ROOT
+from tests.profiles import explores
+
+PAGE = ROOT / "docs" / "any_order.md"
+ROWS = [
+    [cell.strip() for cell in line.strip("|").split("|")] for line in TABLE.findall(PAGE.read_text())[0].splitlines()
+]
+
+
+def test_every_example_gives_what_the_page_shows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert run_examples(PAGE, tmp_path, monkeypatch) == 4
+
+
+@pytest.mark.uncounted
+@pytest.mark.parametrize("rate", RATES if explores() else ("400 kHz",))
+def test_the_table_says_what_is_measured(rate: str) -> None:
+    found = {row[0]: row[1:] for row in ROWS}
+    assert figures(rate, HIGHEST) == found[rate][4:]
+    if explores():
+        assert figures(rate, USUAL) == found[rate][:4]
+
+
+def test_the_table_is_made_anew_rate_by_rate(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(limits_table, "figures", lambda rate, code: ["measured"] * 4)
+    fresh = TABLE.findall(refreshed_limits(PAGE.read_text()))[0].splitlines()
+    assert fresh == [f"| {rate} | {' | '.join(['measured'] * 8)} |" for rate in RATES]
+    assert [row[0] for row in ROWS] == list(RATES)
+    assert refreshed_limits("no table") == "no table"

@@ -1,0 +1,168 @@
+"""The emulator whose three addresses answer in any order, by pins and as three units: what a bus may do to a slave."""
+
+from __future__ import annotations
+
+from itertools import permutations
+from struct import pack
+from typing import Any
+
+import pytest
+
+from periph_sim.outside import OutsideError, Session
+from periph_sim.outside.serial_line import SerialLine
+from periph_sim.scene.case.load import load
+from periph_sim.scene.case.model import BadCase
+from tests.outside.sessions import BUS, case
+from tests.scene.runs import TIMING
+
+GYROSCOPE, ACCELEROMETER, MAGNETOMETER = 0x68, 0x53, 0x1E
+DATA_AT = {GYROSCOPE: 0x1D, ACCELEROMETER: 0x32, MAGNETOMETER: 0x03}
+FORMS = {"pins": "imu_any_order", "units": "any_order_units"}
+ALONE = ["host", "controller", "budget"]  # tables that a session has no use for
+
+
+def emulator(form: str) -> tuple[Session, SerialLine]:
+    """A shipped case without its head and host, which are outside; its models are done."""
+    shipped = load(TIMING / f"{FORMS[form]}.toml")
+    alone = shipped.model_copy(update={"host": None, "controller": None, "budget": ()})
+    session = Session(alone, (*BUS, "RX"))
+    line = session.serial("SCI-A" if form == "pins" else "gyroscope.SCI-A")
+    session.advance(session.ticks("1 ms"))
+    return session, line
+
+
+def pins(**settings: object) -> Session:
+    """The emulator on two pins, nobody on its serial line."""
+    unit: dict[str, Any] = {
+        "firmware": case("imu_any_order").unit["dsp"].firmware,
+        "modules": ["GPIO", "XINT"],
+        "pins": {"SDA": 32, "SCL": 33},
+        "settings": settings,
+    }
+    session = Session(case(unit={"dsp": unit}), BUS)
+    session.advance(session.ticks("1 ms"))
+    return session
+
+
+def chips_of(frame: tuple[int, int, int, int, int, int]) -> dict[int, bytes]:
+    """What the chips show of a frame: angles, accelerations, angles with z before y."""
+    roll, pitch, yaw, x, y, z = frame
+    return {
+        GYROSCOPE: pack(">3h", roll, pitch, yaw),
+        ACCELEROMETER: pack("<3h", x, y, z),
+        MAGNETOMETER: pack(">3h", roll, yaw, pitch),
+    }
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_chips_are_read_in_any_order(form: str) -> None:
+    session, line = emulator(form)
+    frame = (100, -200, 300, -4, 5, -6)
+    line.write(pack("<6h", *frame))
+    session.advance(session.now + session.ticks("2 ms"))
+    shown = chips_of(frame)
+    for order in list(permutations(DATA_AT))[1::2]:
+        for chip in order:
+            assert session.i2c.transfer(chip, bytes([DATA_AT[chip]]), 6) == shown[chip]
+
+
+@pytest.mark.parametrize("rate", ["100 kHz", "400 kHz"])
+def test_a_frame_that_comes_during_a_read_does_not_tear_it(rate: str) -> None:
+    """Frames follow each other without a pause, so that a service routine falls into every read."""
+    session, line = emulator("pins")
+    session.i2c.rate = rate
+    frames = [tuple(range(n, n + 6)) for n in range(0x100, 0x106)]
+    line.write(b"".join(pack("<6h", *frame) for frame in frames))
+    possible = {chip: [chips_of((0,) * 6)[chip], *(chips_of(frame)[chip] for frame in frames)] for chip in DATA_AT}
+    seen, last = 0, dict.fromkeys(DATA_AT, 0)
+    while seen < len(frames) and session.now < session.ticks("15 ms"):
+        for chip, at in DATA_AT.items():
+            got = session.i2c.transfer(chip, bytes([at]), 6)
+            assert got is not None
+            seen = possible[chip].index(got)
+            assert seen >= last[chip], "of an older frame than before"
+            last[chip] = seen
+    assert seen == len(frames)
+
+
+def test_nobody_answers_what_is_not_for_the_three() -> None:
+    master = pins().i2c
+    for address in (0x00, 0x52, 0x69, 0x7F):
+        assert master.transfer(address, b"\x06") is None
+        assert master.transfer(address, count=1) is None
+    assert master.transfer(GYROSCOPE, b"\x00", 1) == b"\x68"
+
+
+def test_registers_are_written_and_read_behind_a_pointer() -> None:
+    """S 53W 2C 0A 08 P   S 53W 2C Sr 53R 0A 08 00 P   S 53R 00 P   S 1EW 0A P   S 1ER 48 34 33 P"""
+    master = pins().i2c
+    assert master.transfer(ACCELEROMETER, b"\x2c\x0a\x08") == b""
+    assert master.transfer(ACCELEROMETER, b"\x2c", 3) == b"\x0a\x08\x00"
+    assert master.transfer(ACCELEROMETER, b"\x2d", 1) == b"\x08"
+    assert master.transfer(ACCELEROMETER, count=1) == b"\x00"
+    assert master.transfer(MAGNETOMETER, b"\x0a") == b""
+    assert master.transfer(MAGNETOMETER, count=3) == b"H43"
+
+
+@pytest.mark.parametrize("number", [1, 4, 7])
+@pytest.mark.parametrize("ends", ["STOP", "repeated START"])
+def test_a_byte_that_breaks_off_is_none(ends: str, number: int) -> None:
+    """In an address, in a written byte and in one that is read; the next transfer is as if it had not been."""
+    master = pins().i2c
+
+    def broken_off() -> None:
+        if ends == "STOP":
+            master.stop()
+        assert master.start(ACCELEROMETER, read=True)
+        assert master.read(ack=False) == 0xE5
+        master.stop()
+
+    master.start(0x50)  # nobody: the rest is as in the middle of anything
+    master.start(ACCELEROMETER)
+    master.write(0x00)
+    master.bits(*[0, 1, 1, 0, 1, 0, 1][:number])
+    broken_off()
+    master.start(ACCELEROMETER)
+    master.write(0x00)
+    master.start(ACCELEROMETER, read=True)
+    assert master.bits(1, 1) == [1, 1]  # of 0xE5: behind the third one a 0 is out
+    broken_off()
+
+
+def test_clocks_free_the_bus_where_a_read_was_given_up_at_a_0() -> None:
+    """UM10204 section 3.1.16: SDA let go by the master, which was reset, and up to nine clocks."""
+    session = pins()
+    master = session.i2c
+    assert master.start(ACCELEROMETER, read=True)
+    assert master.bits(1, 1, 1) == [1, 1, 1]
+    with pytest.raises(OutsideError, match="STOP cannot be: SDA is low, held by another party"):
+        master.stop()
+    assert session.pulls("SDA")
+    for level in [0, 1] * 9:
+        session.apply(session.now, {"SCL": level})
+        session.advance(session.now + session.ticks("5 us"))
+    assert not session.pulls("SDA")
+    assert master.transfer(ACCELEROMETER, b"\x00", 1) == b"\xe5"
+
+
+def test_a_unit_without_the_module_answers_as_fast_mode_asks() -> None:
+    """At 400 kHz, code costs on: SCL is held at a byte's end for less than a bit."""
+    session = pins()
+    session.i2c.rate = "400 kHz"
+    began = session.now
+    assert session.i2c.transfer(ACCELEROMETER, b"\x00", 6) == b"\xe5" + bytes(5)
+    bare = session.ticks("2.5 us") * (9 * 9 + 3)
+    assert session.now - began < bare + 9 * session.ticks("2.5 us")
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"addresses": [0x68, 0x20]}, "addresses has 0x20; the chips are at 0x68, 0x53 and 0x1e"),
+        ({"bus": "module"}, "an I2C module has one own address, and addresses has 3"),
+        ({"models_run": "round"}, "nobody knows a round where any order may come; leave models_run out"),
+    ],
+)
+def test_settings_that_cannot_be_are_refused(settings: dict[str, object], message: str) -> None:
+    with pytest.raises(BadCase, match=message):
+        pins(**settings)

@@ -29,6 +29,7 @@ MISTAKES = {
     "periph_sim.records.recording.BadRecording",
     "periph_sim.replay.BadReplay",
     "periph_sim.outside.errors.OutsideError",
+    "periph_sim.image.model.BadImage",
 }
 
 

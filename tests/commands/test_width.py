@@ -12,7 +12,9 @@ import click
 import pytest
 
 from periph_sim.cli import cli
+from periph_sim.image.write_coff2 import write
 from tests.commands.conftest import Run
+from tests.image.own_images import image
 
 ROOT = Path(__file__).resolve().parents[2]
 ROUND, NACK, FRAMES, SESSION = (
@@ -71,6 +73,8 @@ COMMANDS = [
     ("why", "run.psr", "SCL@33.3ms"),
     ("lint", "run.psr"),
     ("regs",),
+    ("image", "own.out"),
+    ("image", "own.out", "-v"),
     ("regs", "I2C-A"),
     ("regs", "I2C-A.I2CSTR"),
     ("regs", "--options"),
@@ -100,8 +104,10 @@ def test_every_command_is_measured_or_prints_no_table():
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Where `run.psr` and `rest.csv` are left for the commands that read them."""
-    return tmp_path_factory.mktemp("width")
+    """Where `run.psr` and `rest.csv` are left for the commands that read them; `own.out` is there."""
+    folder = tmp_path_factory.mktemp("width")
+    (folder / "own.out").write_bytes(write(image()))
+    return folder
 
 
 def made(periph_sim: Run, wanted: tuple[str, ...]) -> None:

@@ -1,0 +1,99 @@
+"""Decode program memory: words go in; instructions come out, and what is none.
+
+With OBJMODE = 1, AMODE = 0 and PAGE0 = 0, as C code of this chip runs. Words that belong to no form, a 32-bit operand
+@SP and reserved FPU conditions are no instructions [SPRU430F 3.6, Table 5-1; SPRUEO2A].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import cache
+from typing import NamedTuple
+
+from .encodings import Encoding, encodings
+from .operands import parts_of
+
+SP_FIELD = 0xAD  # @SP, which has no 32-bit meaning
+FPU_CONDITIONS = frozenset((0, 1, 2, 3, 4, 5, 10, 11, 12, 13, 14, 15))
+
+
+class Instruction(NamedTuple):
+    """address: of its first word. pair: first word << 16 | second word, which counts only where it has one."""
+
+    address: int
+    pair: int
+    encoding: Encoding
+
+    @property
+    def words(self) -> int:
+        return self.encoding.words
+
+    @property
+    def values(self) -> dict[str, int]:
+        """The number in each field of the form."""
+        return self.encoding.values(self.pair)
+
+    @property
+    def text(self) -> str:
+        """As the assembler takes it; branches name the address they go to."""
+        values = self.values
+        return "".join(part.show(values, self.address) for part in parts_of(self.encoding)).rstrip()
+
+    def __str__(self) -> str:
+        return self.text
+
+
+def decode(first: int, second: int) -> Encoding | None:
+    """The form that these two words begin with; None if they are no instruction."""
+    pair = first << 16 | second
+    for encoding in _candidates()[first >> 8]:
+        if encoding.matches(pair):
+            return encoding if _is_legal(encoding, pair) else None
+    return None
+
+
+def decode_at(address: int, first: int, second: int) -> Instruction | None:
+    """The instruction that stands at an address; None if these words are none."""
+    encoding = decode(first, second)
+    return None if encoding is None else Instruction(address, first << 16 | second, encoding)
+
+
+def sweep(address: int, words: Sequence[int]) -> Iterator[Instruction | int]:
+    """One instruction behind the other from the first word on; of a word that begins none, its address."""
+    at = 0
+    while at < len(words):
+        second = words[at + 1] if at + 1 < len(words) else 0
+        found = decode_at(address + at, words[at], second)
+        if found is None or at + found.words > len(words):
+            yield address + at
+            at += 1
+        else:
+            yield found
+            at += found.words
+
+
+@cache
+def _candidates() -> tuple[tuple[Encoding, ...], ...]:
+    """The forms of OBJMODE 1 that may have a first word, by its upper byte; without aliases."""
+    table: list[list[Encoding]] = [[] for _ in range(256)]
+    for encoding in encodings():
+        if encoding.objmode == "0" or encoding.alias_of:
+            continue
+        mask, value = encoding.mask >> 24, encoding.value >> 24
+        for upper in range(256):
+            if upper & mask == value:
+                table[upper].append(encoding)
+    return tuple(tuple(row) for row in table)
+
+
+def _is_legal(encoding: Encoding, pair: int) -> bool:
+    values = encoding.values(pair)
+    if "w" in values and values["w"] not in FPU_CONDITIONS:
+        return False
+    if "l" not in values:
+        return True
+    if "loc32" in encoding.syntax:
+        return values["l"] != SP_FIELD
+    if "mem" in encoding.syntax:  # memory modes only [SPRUEO2A Table 4-1]
+        return not 0xA0 <= values["l"] <= SP_FIELD
+    return True

@@ -1,0 +1,403 @@
+"""The text of instructions: a syntax goes in; parts that show and read the numbers of its fields come out.
+
+    "MOV loc16,#16"  ->  "MOV " | loc16 | "," | "#" number
+    show  {l: 0x41, c: 7}  ->  "MOV *-SP[1],#7"
+    read  "*-SP[1]" | "7"  ->  {l: 0x41} | {c: 7}
+
+A branch shows and takes the address that it goes to, and its field holds the distance.
+
+Source: SPRU430F chapter 6, SPRUEO2A chapter 4 (syntax); the operand kinds are those of `encodings.toml`.
+"""
+
+from __future__ import annotations
+
+import re
+import struct
+from collections.abc import Callable, Mapping
+from functools import cache
+from typing import NamedTuple
+
+from . import operand_field
+from .encodings import Encoding
+
+Values = Mapping[str, int]
+Evaluate = Callable[[str], int]  # an expression of the programmer's as a number
+
+CONDITIONS = ["NEQ", "EQ", "GT", "GEQ", "LT", "LEQ", "HI", "HIS", "LO", "LOS", "NOV", "OV", "NTC", "TC", "NBIO", "UNC"]
+CONDITION_NAMES = {name: code for code, name in enumerate(CONDITIONS)} | {"C": 7, "NC": 8}
+FPU_CONDITIONS = {"NEQ": 0, "EQ": 1, "GT": 2, "GEQ": 3, "LT": 4, "LEQ": 5, "TF": 10, "NTF": 11, "LU": 12, "LV": 13}
+FPU_CONDITIONS |= {"UNC": 14, "UNCF": 15}
+FPU_CONDITION_NAMES = {code: name for name, code in FPU_CONDITIONS.items()}
+STATUS_BITS = ["SXM", "OVM", "TC", "C", "INTM", "DBGM", "PAGE0", "VMAP"]  # of SETC and CLRC, bit 0 first
+STF_BITS = {"LVF": 0, "LUF": 1, "NF": 2, "ZF": 3, "NI": 4, "ZI": 5, "TF": 6, "RNDF32": 9}
+MOVST0_BITS = {"LVF": 0, "LUF": 1, "NF": 2, "NI": 3, "ZF": 4, "ZI": 5, "TF": 7}
+PRODUCT_SHIFTS = ("+1", "0", "-1", "-2", "-3", "-4", "-5", "-6")
+INTERRUPTS = [f"INT{n}" for n in range(1, 15)] + ["DLOGINT", "RTOSINT"]
+UNCF = 15
+PMA_PAGE = 0x3F_0000  # the program page of C2xLP addresses
+REGISTER_FIELDS = dict(zip("abcdef", "pqrtuv", strict=True))  # RaH to RfH
+
+
+class BadOperand(ValueError):
+    """Text that is no operand of this kind, in one sentence."""
+
+
+class Part(NamedTuple):
+    """show: the text, of the fields and the instruction's address. pattern: of what `read` takes, "" for literals."""
+
+    show: Callable[[Values, int], str]
+    pattern: str
+    read: Callable[[str, int, Evaluate], dict[str, int]] | None = None
+    literal: str = ""
+
+
+@cache
+def parts_of(encoding: Encoding) -> tuple[Part, ...]:
+    """The syntax of a form, part by part."""
+    parts = [_literal(encoding.mnemonic)]
+    rest = encoding.syntax.removeprefix(encoding.mnemonic)
+    while rest:
+        for token, make in _TOKENS:
+            found = token.match(rest)
+            part = None if found is None else make(found.group(), encoding)
+            if found is not None and part is not None:
+                parts.append(part)
+                rest = rest[found.end() :]
+                break
+        else:
+            parts.append(_literal(rest[0]))
+            rest = rest[1:]
+    return tuple(_joined(parts))
+
+
+def _joined(parts: list[Part]) -> list[Part]:
+    joined: list[Part] = []
+    for part in parts:
+        if part.literal and joined and joined[-1].literal:
+            joined[-1] = _literal(joined[-1].literal + part.literal)
+        else:
+            joined.append(part)
+    return joined
+
+
+def _literal(text: str) -> Part:
+    return Part(lambda values, at: text, "", None, text)
+
+
+# Registers, modes and conditions ------------------------------------------------------------------------------------
+
+
+def _operand(token: str, encoding: Encoding) -> Part:
+    wide = token in operand_field.WIDE
+
+    def read(text: str, at: int, evaluate: Evaluate) -> dict[str, int]:
+        spaceless = "".join(text.split())
+        found = operand_field.fixed(wide).get(spaceless.upper())
+        if found is not None:
+            return {"l": found}
+        if spaceless.startswith("@"):  # an address: the word of its data page
+            return {"l": evaluate(spaceless[1:]) & 0x3F}
+        stack = re.fullmatch(r"\*-SP\[(.+)\]", spaceless, re.I)
+        if stack:
+            return {"l": 0x40 | _ranged(evaluate(stack[1]), 0, 63, text)}
+        indexed = re.fullmatch(r"\*\+XAR([0-7])\[(.+)\]", spaceless, re.I)
+        if indexed:
+            return {"l": 0xC0 | _ranged(evaluate(indexed[2]), 0, 7, text) << 3 | int(indexed[1])}
+        raise BadOperand(f"{text!r} is no operand in memory or register")
+
+    return Part(lambda values, at: operand_field.show(values["l"], wide), r"\*\s*,\s*ARP[0-7]|[^,|<#]+?", read)
+
+
+def _optional_operand(token: str, encoding: Encoding) -> Part:
+    """The operand of NOP, which `NOP` alone leaves out."""
+    inner = _operand("loc16", encoding)
+
+    def read(text: str, at: int, evaluate: Evaluate) -> dict[str, int]:
+        assert inner.read is not None
+        return inner.read(text, at, evaluate) if text.strip() else {"l": 0}
+
+    return Part(lambda values, at: inner.show(values, at) if values["l"] else "", f"|{inner.pattern}", read)
+
+
+def _numbered(prefix: str, field: str, suffix: str = "") -> Part:
+    """A register whose name has its number: AR3, ARP3, R3H."""
+    return Part(
+        lambda values, at: f"{prefix}{values[field]}{suffix}",
+        rf"{prefix}[0-7]{suffix}",
+        lambda text, at, evaluate: {field: int(text[len(prefix)])},
+    )
+
+
+def _accumulator_half(token: str, encoding: Encoding) -> Part:
+    return Part(
+        lambda values, at: "AH" if values["x"] else "AL",
+        "AL|AH",
+        lambda text, at, evaluate: {"x": int(text.upper() == "AH")},
+    )
+
+
+def _one_of(field: str, names: Mapping[str, int], shown: Callable[[int], str]) -> Part:
+    pattern = "|".join(re.escape(name) for name in sorted(names, key=len, reverse=True))
+    return Part(
+        lambda values, at: shown(values[field]), pattern, lambda text, at, evaluate: {field: names[text.upper()]}
+    )
+
+
+def _condition(token: str, encoding: Encoding) -> Part:
+    return _one_of("k", CONDITION_NAMES, CONDITIONS.__getitem__)
+
+
+def _fpu_condition(token: str, encoding: Encoding) -> Part:
+    return _one_of("w", FPU_CONDITIONS, FPU_CONDITION_NAMES.__getitem__)
+
+
+def _optional_fpu_condition(token: str, encoding: Encoding) -> Part:
+    """`,CNDF`, where nothing means UNCF."""
+    names = "|".join(FPU_CONDITIONS)
+    return Part(
+        lambda values, at: "" if values["w"] == UNCF else f",{FPU_CONDITION_NAMES[values['w']]}",
+        rf"|\s*,\s*(?:{names})",
+        lambda text, at, evaluate: {"w": FPU_CONDITIONS[text.strip(" ,\t").upper() or "UNCF"]},
+    )
+
+
+def _product_shift(token: str, encoding: Encoding) -> Part:
+    names = {text: code for code, text in enumerate(PRODUCT_SHIFTS)} | {"1": 0}
+    return _one_of("s", names, PRODUCT_SHIFTS.__getitem__)
+
+
+def _interrupt(token: str, encoding: Encoding) -> Part:
+    return _one_of("c", {name: code for code, name in enumerate(INTERRUPTS)}, INTERRUPTS.__getitem__)
+
+
+def _status_bits(token: str, encoding: Encoding) -> Part:
+    """Bits of SETC and CLRC by their names."""
+    return _bit_names("y", {name: bit for bit, name in enumerate(STATUS_BITS)})
+
+
+def _movst0_flags(token: str, encoding: Encoding) -> Part:
+    return _bit_names("g", MOVST0_BITS)
+
+
+def _bit_names(field: str, bits: Mapping[str, int]) -> Part:
+    """A mask as names, "NF,ZF"; bits without a name as one number, "0x40"."""
+
+    def show(values: Values, at: int) -> str:
+        names = [name for name, bit in bits.items() if values[field] >> bit & 1]
+        rest = values[field] & ~sum(1 << bit for bit in bits.values())
+        return ",".join([*names, *([f"{rest:#x}"] if rest or not names else [])])
+
+    def read(text: str, at: int, evaluate: Evaluate) -> dict[str, int]:
+        mask = 0
+        for name in text.split(","):
+            bit = bits.get(name.strip().upper())
+            mask |= evaluate(name) if bit is None else 1 << bit
+        return {field: mask}
+
+    return Part(show, r"[^|#]+?", read)
+
+
+def _flags_and_values(token: str, encoding: Encoding) -> Part:
+    """Flags of STF with what they become, "RNDF32=1,TF=0"; other bits by their number, "8=1"."""
+
+    def show(values: Values, at: int) -> str:
+        named = {bit: name for name, bit in STF_BITS.items()}
+        chosen = [bit for bit in range(11) if (values["g"] | values["h"]) >> bit & 1]
+        return ",".join(
+            f"{named.get(bit, bit)}={values['h'] >> bit & 1}{'' if values['g'] >> bit & 1 else '?'}" for bit in chosen
+        )
+
+    def read(text: str, at: int, evaluate: Evaluate) -> dict[str, int]:
+        mask = value = 0
+        for pair in filter(None, (one.strip() for one in text.split(","))):
+            name, equals, number = pair.partition("=")
+            one = number.strip().rstrip("?")
+            if not equals or one not in ("0", "1"):
+                raise BadOperand(f"{pair!r} is no flag of STF with its value, such as RNDF32=1")
+            bit = STF_BITS.get(name.strip().upper())
+            bit = _ranged(evaluate(name), 0, 10, pair) if bit is None else bit
+            mask |= (not number.strip().endswith("?")) << bit
+            value |= int(one) << bit
+        return {"g": mask, "h": value}
+
+    return Part(show, r"[^|#]*?", read)
+
+
+# Numbers ------------------------------------------------------------------------------------------------------------
+
+
+def _number(token: str, encoding: Encoding) -> Part | None:
+    """An immediate "#16s", "#RC" or "#0..31" of field c; no part of a form without one."""
+    if "c" not in encoding.fields:
+        return None
+    mask = encoding.fields["c"].mask
+    signed = token.endswith("s")
+    least = -(mask + 1 >> 1) if signed or token == "#16" else 0
+    most = mask >> 1 if token == "#8s" else mask
+
+    def show(values: Values, at: int) -> str:
+        number = values["c"]
+        if signed:
+            return f"#{number - mask - 1 if number > mask >> 1 else number}"
+        return f"#{number}" if number < 10 else f"#{number:#x}"
+
+    return Part(show, r"#[^,|<]+?", lambda text, at, evaluate: {"c": _immediate(text, evaluate, least, most) & mask})
+
+
+def _shift(token: str, encoding: Encoding) -> Part | None:
+    """A shift "#1..16" or "<<2..8" of field s."""
+    if "s" not in encoding.fields:
+        return None
+    prefix = token.rstrip("0123456789.")
+    bias, mask = encoding.shift_bias, encoding.fields["s"].mask
+    return Part(
+        lambda values, at: f"{prefix}{values['s'] + bias}",
+        rf"{re.escape(prefix)}[^,|<]+?",
+        lambda text, at, evaluate: {
+            "s": _ranged(evaluate(text[len(prefix) :]), bias + _least(encoding), mask + bias, text) - bias
+        },
+    )
+
+
+def _least(encoding: Encoding) -> int:
+    return dict(encoding.at_least).get("s", 0)
+
+
+def _bit(token: str, encoding: Encoding) -> Part:
+    return Part(
+        lambda values, at: f"#{values['b']}",
+        r"#[^,|<]+?",
+        lambda text, at, evaluate: {"b": _immediate(text, evaluate, 0, 15)},
+    )
+
+
+def _half_float(token: str, encoding: Encoding) -> Part:
+    """The upper half of a float32 as a number; as bits, "#0x7FC0h", where it is none."""
+
+    def show(values: Values, at: int) -> str:
+        number = float_of(values["i"])
+        return f"#{number!r}" if number - number == 0 else f"#{values['i']:#06x}"
+
+    def read(text: str, at: int, evaluate: Evaluate) -> dict[str, int]:
+        return {"i": half_of(text, evaluate)}
+
+    return Part(show, r"#[^,|<]+?", read)
+
+
+def float_of(upper: int) -> float:
+    """The float32 whose lower half is 0."""
+    number: float = struct.unpack("<f", struct.pack("<I", upper << 16))[0]
+    return number
+
+
+def half_of(text: str, evaluate: Evaluate) -> int:
+    """The upper half of the float32 that "#2.5" names, or the bits of "#0x4020"."""
+    inner = text.strip().lstrip("#").strip()
+    if re.fullmatch(r"[-+]?(\d+\.\d*|\.\d+|\d+)(e[-+]?\d+)?", inner, re.I) and not re.fullmatch(r"0x.*", inner, re.I):
+        try:
+            bits = int(struct.unpack("<I", struct.pack("<f", float(inner)))[0])
+        except OverflowError:
+            raise BadOperand(f"{inner} is too large for a float32") from None
+        if bits & 0xFFFF:
+            raise BadOperand(f"{inner} needs more than the upper half of a float32")
+        return bits >> 16
+    return _ranged(evaluate(inner), 0, 0xFFFF, text)
+
+
+def _half(token: str, encoding: Encoding) -> Part:
+    return Part(
+        lambda values, at: f"#{values['i']:#06x}",
+        r"#[^,|<]+?",
+        lambda text, at, evaluate: {"i": _immediate(text, evaluate, 0, 0xFFFF)},
+    )
+
+
+def _immediate(text: str, evaluate: Evaluate, least: int, most: int) -> int:
+    return _ranged(evaluate(text.strip().lstrip("#")), least, most, text)
+
+
+def _ranged(number: int, least: int, most: int, text: str) -> int:
+    if not least <= number <= most:
+        raise BadOperand(f"{text.strip()!r} is {number}, outside {least} to {most}")
+    return number
+
+
+# Addresses ----------------------------------------------------------------------------------------------------------
+
+
+def _branch(token: str, encoding: Encoding) -> Part:
+    """off8, off16: the address that a relative branch goes to."""
+    mask = encoding.fields["c"].mask
+    half = mask + 1 >> 1
+
+    def show(values: Values, at: int) -> str:
+        return f"{at + ((values['c'] ^ half) - half) & 0x3F_FFFF:#08x}"
+
+    def read(text: str, at: int, evaluate: Evaluate) -> dict[str, int]:
+        distance = evaluate(text) - at
+        if not -half <= distance < half:
+            raise BadOperand(f"{text.strip()!r} is {distance} words away; this branch reaches {-half} to {half - 1}")
+        return {"c": distance & mask}
+
+    return Part(show, r"[^,|]+?", read)
+
+
+def _block_end(token: str, encoding: Encoding) -> Part:
+    """label of RPTB: the address behind the block, which begins behind the two words of RPTB."""
+    return Part(
+        lambda values, at: f"{at + 2 + values['z']:#08x}",
+        r"[^,|]+?",
+        lambda text, at, evaluate: {"z": _ranged(evaluate(text) - at - 2, 0, 127, text)},
+    )
+
+
+def _address(page: int) -> Callable[[str, Encoding], Part]:
+    """16 bits of an address, whose upper bits are this page's."""
+
+    def make(token: str, encoding: Encoding) -> Part:
+        prefix = token.rstrip("16pmaPA")
+        return Part(
+            lambda values, at: f"{prefix}{page | values['c']:#x}",
+            rf"{re.escape(prefix)}[^,|()]+?",
+            lambda text, at, evaluate: {
+                "c": _ranged(evaluate(text[len(prefix) :]), page, page | 0xFFFF, text) & 0xFFFF
+            },
+        )
+
+    return make
+
+
+_TOKENS: tuple[tuple[re.Pattern[str], Callable[[str, Encoding], Part | None]], ...] = tuple(
+    (re.compile(token), make)
+    for token, make in (
+        (r"(loc|mem)(16|32)", _operand),
+        (r"\{\*ind\}", _optional_operand),
+        (r"\{,CNDF\}", _optional_fpu_condition),
+        (r"CNDF", _fpu_condition),
+        (r"COND", _condition),
+        (r"AX", _accumulator_half),
+        (r"ARPn", lambda token, encoding: _numbered("ARP", "n")),
+        (r"ARn", lambda token, encoding: _numbered("AR", "n")),
+        (r"ARm", lambda token, encoding: _numbered("AR", "m")),
+        (r"R[a-f]H", lambda token, encoding: _numbered("R", REGISTER_FIELDS[token[1]], "H")),
+        (r"mode", _status_bits),
+        (r"FLAG,VALUE", _flags_and_values),
+        (r"FLAG", _movst0_flags),
+        (r"INTx", _interrupt),
+        (r"<<#16", lambda token, encoding: _literal(token)),
+        (r"#0\.0", lambda token, encoding: _literal(token)),
+        (r"#16F(Hi|Lo)Hex", _half),
+        (r"#16FHi", _half_float),
+        (r"#bit", _bit),
+        (r"#0\.\.31", _number),
+        (r"#\d+\.\.\d+", _shift),
+        (r"<<\d\.\.8", _shift),
+        (r"#(RC|8s|16s|8|16|7|10|22)", _number),
+        (r"off(8|16)", _branch),
+        (r"label", _block_end),
+        (r"0:(16|pma)", _address(0)),
+        (r"PA", _address(0)),
+        (r"pma", _address(PMA_PAGE)),
+        (r"pm", _product_shift),
+    )
+)

@@ -1,0 +1,83 @@
+"""What the F28335 has at each address: an address goes in; memory that may hold code or data comes out, or registers.
+
+Of the chip as it is, whatever a scene names of it; `memory_map` has the modules that a scene named. Words of 16 bits.
+
+Source: SPRS439M Figure 3-2, Tables 3-1, 3-5, 3-8 to 3-11.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from enum import Enum
+from typing import NamedTuple
+
+from .ram import BLOCKS
+
+
+class Content(Enum):
+    RAM = "memory"
+    FLASH = "flash"
+    OTP = "one-time programmable memory"
+    EXTERNAL = "external memory, if the board has it"
+    ROM = "ROM"
+    REGISTERS = "peripheral registers"
+
+
+class Area(NamedTuple):
+    name: str
+    base: int
+    size: int
+    content: Content
+
+    @property
+    def end(self) -> int:
+        return self.base + self.size
+
+
+AREAS = tuple(
+    sorted(
+        (
+            *(
+                Area(block.name, block.base, block.size, Content.REGISTERS if block.protected else Content.RAM)
+                for block in BLOCKS
+            ),
+            Area("peripheral frame 0", 0x000800, 0x500, Content.REGISTERS),
+            Area("peripheral frame 0", 0x000E00, 0x1200, Content.REGISTERS),
+            Area("XINTF zone 0", 0x004000, 0x1000, Content.EXTERNAL),
+            Area("peripheral frame 3", 0x005000, 0x1000, Content.REGISTERS),
+            Area("peripheral frame 1", 0x006000, 0x1000, Content.REGISTERS),
+            Area("peripheral frame 2", 0x007000, 0x1000, Content.REGISTERS),
+            Area("XINTF zone 6", 0x100000, 0x100000, Content.EXTERNAL),
+            Area("XINTF zone 7", 0x200000, 0x100000, Content.EXTERNAL),
+            Area("flash", 0x300000, 0x40000, Content.FLASH),
+            Area("ADC calibration", 0x380080, 0x10, Content.ROM),
+            Area("PARTID", 0x380090, 1, Content.ROM),
+            Area("user OTP", 0x380400, 0x400, Content.OTP),
+            Area("L0 to L3 again", 0x3F8000, 0x4000, Content.RAM),
+            Area("boot ROM", 0x3FE000, 0x2000, Content.ROM),
+        ),
+        key=lambda area: area.base,
+    )
+)
+_BASES = [area.base for area in AREAS]
+
+LOADABLE = frozenset((Content.RAM, Content.FLASH, Content.OTP, Content.EXTERNAL))
+
+
+def area_at(address: int) -> Area | None:
+    """The area that an address lies in; None where the chip has nothing."""
+    at = bisect_right(_BASES, address) - 1
+    return AREAS[at] if at >= 0 and address < AREAS[at].end else None
+
+
+def not_loadable(base: int, size: int) -> str:
+    """Why words cannot be loaded at these addresses, as the end of a sentence; "" if they can."""
+    address = base
+    while address < base + size:
+        area = area_at(address)
+        if area is None:
+            return f"at {address:#08x}, where the F28335 has nothing"
+        if area.content not in LOADABLE:
+            return f"at {address:#08x}, over {area.content.value} ({area.name})"
+        address = area.end
+    return ""

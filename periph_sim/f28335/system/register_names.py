@@ -1,0 +1,80 @@
+"""Every peripheral register of the F28335 by its address: an address goes in, "I2C-A.I2CMDR" or "ADC + 0x01" comes out.
+
+Registers of modules that are modelled have their names; of the others only the module is known, and the offset in it.
+
+Source: SPRS439M Tables 3-8 to 3-11, SPRUFB0D Tables 86 to 96; the bases of the linker command files that TI ships.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ...core.registers import RegisterMap
+from ..cpu import pie_map, xint_map
+from ..gpio import register_map as gpio_map
+from ..i2c import register_map as i2c_map
+from ..sci import register_map as sci_map
+from . import clocks_map, cpu_timer_map
+
+
+class Module(NamedTuple):
+    """registers: None where the module is not modelled."""
+
+    name: str
+    base: int
+    size: int
+    registers: RegisterMap | None = None
+
+
+MODELLED = (
+    Module("SYS", clocks_map.BASE, 0x20, clocks_map.MAP),
+    Module("PIE", pie_map.BASE, 0x20, pie_map.MAP),
+    Module("GPIO", gpio_map.BASE, 0x80, gpio_map.GPIO),
+    Module("XINT", xint_map.BASE, 0x10, xint_map.XINT),
+    Module("I2C-A", i2c_map.BASE, 0x40, i2c_map.I2C_MAP),
+    *(Module(name, base, 0x10, sci_map.SCI_MAP) for name, base in sci_map.BASES.items()),
+    *(Module(f"TIMER{number}", base, 8, cpu_timer_map.MAP) for number, base in enumerate(cpu_timer_map.BASES)),
+)
+
+NOT_MODELLED = (
+    Module("device emulation", 0x0880, 0x180),
+    Module("flash control", 0x0A80, 0x60),
+    Module("CSM", 0x0AE0, 0x10),
+    Module("ADC results", 0x0B00, 0x10),
+    Module("XINTF", 0x0B20, 0x20),
+    Module("DMA", 0x1000, 0x200),
+    Module("McBSP-A", 0x5000, 0x40),
+    Module("McBSP-B", 0x5040, 0x40),
+    Module("eCAN-A", 0x6000, 0x200),
+    Module("eCAN-B", 0x6200, 0x200),
+    *(Module(f"ePWM{number}", 0x6800 + 0x40 * (number - 1), 0x40) for number in range(1, 7)),
+    *(Module(f"eCAP{number}", 0x6A00 + 0x20 * (number - 1), 0x20) for number in range(1, 7)),
+    Module("eQEP1", 0x6B00, 0x40),
+    Module("eQEP2", 0x6B40, 0x40),
+    Module("SPI-A", 0x7040, 0x10),
+    Module("ADC", 0x7100, 0x20),
+)
+
+MODULES = tuple(sorted((*MODELLED, *NOT_MODELLED), key=lambda module: module.base))
+VECTORS = "PIE vectors"
+
+
+def module_at(address: int) -> Module | None:
+    """The module that has an address among its registers."""
+    return next((module for module in MODULES if 0 <= address - module.base < module.size), None)
+
+
+def register_name(address: int) -> tuple[str, str]:
+    """(module, register) at an address; "+0x01" for a register without a name, ("", "0x000900") outside all modules."""
+    if address in pie_map.VECTOR_TABLE:
+        return VECTORS, f"+{address - pie_map.VECTOR_TABLE.start:#04x}"
+    module = module_at(address)
+    if module is None:
+        return "", f"{address:#08x}"
+    offset = address - module.base
+    if module.registers is not None:
+        for back in (0, 1):
+            register = module.registers.at(offset - back)
+            if register is not None and register.width > 16 * back:
+                return module.name, register.name
+    return module.name, f"+{offset:#04x}"

@@ -1,0 +1,197 @@
+"""TI COFF2 as the C2000 linker writes it: bytes go in; an image comes out.
+
+    file header 22 | optional header 28 | section headers 48 each | raw data | symbols 18 each | strings
+
+Contents are loaded at a section header's *virtual* address and run at its *physical* one.
+
+Source: SPRAAO8; which sections are loaded, and that COPY sections other than text and data count bytes, as seen in
+linked images.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+from .model import BadImage, Image, Section, Symbol
+
+VERSIONS = {0xC0: "COFF0", 0xC1: "COFF1", 0xC2: "COFF2"}
+COFF2 = 0xC2
+C28X = 0x009D
+TARGETS = {
+    0x0092: "TMS320C1x, C2x, C2xx or C5x",
+    0x0097: "TMS470",
+    0x0098: "TMS320C54x",
+    0x0099: "TMS320C6000",
+    0x009C: "TMS320C55x",
+    0x00A0: "MSP430",
+    0x00A1: "TMS320C55x+",
+}
+EXECUTABLE = 0x0002
+
+FILE_HEADER = struct.Struct("<HHiIIHHH")
+OPTIONAL_HEADER = struct.Struct("<HHIIIIII")
+SECTION_HEADER = struct.Struct("<8sIIIIIIIIIHH")
+SYMBOL = struct.Struct("<8sIhHBB")
+
+DSECT, NOLOAD, COPY, TEXT, DATA, BSS = 0x01, 0x02, 0x10, 0x20, 0x40, 0x80
+LOADED_IF_NONE_OF = DSECT | NOLOAD | COPY | BSS
+
+EXTERNAL, STATIC, LABEL = 2, 3, 6
+SYMBOL_CLASSES = (EXTERNAL, STATIC, LABEL)
+
+
+class SectionHeader(NamedTuple):
+    """run, load: the fields named physical and virtual address."""
+
+    name: str
+    run: int
+    load: int
+    size: int
+    raw: int
+    relocations: int
+    flags: int
+
+    @property
+    def loaded(self) -> bool:
+        return bool(self.raw and self.size and not self.flags & LOADED_IF_NONE_OF)
+
+    @property
+    def size_in_bytes(self) -> int:
+        counts_bytes = self.flags & COPY and not self.flags & (TEXT | DATA)
+        return self.size if counts_bytes else 2 * self.size
+
+
+def is_coff(data: bytes) -> bool:
+    """True for any version of TI's COFF, of any target."""
+    return len(data) >= 2 and struct.unpack_from("<H", data)[0] in VERSIONS
+
+
+def read(data: bytes) -> Image:
+    """The image in a COFF2 file of a C28x. BadImage where it is none."""
+    version, section_count, _, symbols_at, symbol_count, optional, flags, target = _unpack(
+        FILE_HEADER, data, 0, "header"
+    )
+    _check_target(version, target, flags, optional)
+    _, tool_version, *_, entry, _, _ = _unpack(OPTIONAL_HEADER, data, FILE_HEADER.size, "optional header")
+    strings = _Strings(data, symbols_at + SYMBOL.size * symbol_count if symbol_count else len(data))
+    first = FILE_HEADER.size + optional
+    headers = [_header(data, first + SECTION_HEADER.size * n, strings) for n in range(section_count)]
+    return Image(
+        kind="TI COFF2",
+        entry=entry,
+        sections=tuple(_section(header, data) for header in headers),
+        symbols=tuple(_symbols(data, symbols_at, symbol_count, headers, strings)),
+        initial=tuple(_initial(headers, data)),
+        debug={
+            header.name: _raw(header, data)
+            for header in headers
+            if header.name.startswith(".debug") and header.flags & COPY and header.raw
+        },
+        tool_version=tool_version,
+    )
+
+
+def _check_target(version: int, target: int, flags: int, optional: int) -> None:
+    if version != COFF2 or target != C28X:
+        named = TARGETS.get(target, f"target {target:#06x}") if version == COFF2 else "C24x or an older target"
+        raise BadImage(f"it is {VERSIONS[version]} for {named}; the F28335 runs COFF2 for C28x")
+    if not flags & EXECUTABLE:
+        raise BadImage("it is an object file or partly linked; link it into an executable .out")
+    if optional != OPTIONAL_HEADER.size:
+        raise BadImage(f"its optional header has {optional} bytes; an executable .out has {OPTIONAL_HEADER.size}")
+
+
+def _unpack(layout: struct.Struct, data: bytes, at: int, what: str) -> tuple[Any, ...]:
+    if at + layout.size > len(data):
+        raise BadImage(f"it is truncated: its {what} needs byte {at + layout.size - 1}, the file has {len(data)} bytes")
+    return layout.unpack_from(data, at)
+
+
+class _Strings:
+    """Names of more than 8 characters. It begins with its own size."""
+
+    def __init__(self, data: bytes, at: int) -> None:
+        self._table = b""
+        if at + 4 <= len(data):
+            size = struct.unpack_from("<I", data, at)[0]
+            self._table = data[at : at + size]
+
+    def name(self, field: bytes) -> str:
+        """A name of at most 8 characters, or zero and the place of a longer one."""
+        zero, offset = struct.unpack("<II", field)
+        if zero or not offset:
+            return field.rstrip(b"\0").decode("latin-1")
+        end = self._table.find(b"\0", offset)
+        if offset < 4 or end < 0:
+            raise BadImage(f"it is truncated: a name lies at byte {offset} of its string table of {len(self._table)}")
+        return self._table[offset:end].decode("latin-1")
+
+
+def _header(data: bytes, at: int, strings: _Strings) -> SectionHeader:
+    name, run, load, size, raw, _, _, relocations, _, flags, _, _ = _unpack(SECTION_HEADER, data, at, "section table")
+    return SectionHeader(strings.name(name), run, load, size, raw, relocations, flags)
+
+
+def _raw(header: SectionHeader, data: bytes) -> bytes:
+    end = header.raw + header.size_in_bytes
+    if end > len(data):
+        raise BadImage(
+            f"it is truncated: section {header.name} ends at byte {end}, and the file has {len(data)}; fetch it again"
+        )
+    return data[header.raw : end]
+
+
+def _section(header: SectionHeader, data: bytes) -> Section:
+    if header.relocations:
+        raise BadImage(f"section {header.name} has relocations: it is partly linked; link it into an executable .out")
+    raw = _raw(header, data) if header.loaded else b""
+    return Section(
+        name=header.name,
+        address=header.load,
+        run=header.run,
+        size=header.size,
+        words=_words(raw),
+        allocated=bool(header.size) and not header.flags & (DSECT | NOLOAD | COPY),
+        code=bool(header.flags & TEXT),
+    )
+
+
+def _initial(headers: list[SectionHeader], data: bytes) -> Iterator[tuple[int, tuple[int, ...]]]:
+    """The records of a .cinit that the loader applies (--ram_model): (address, words).
+
+    n words follow one word of address, -n words two, the lower one first; a record of no words is the last.
+    """
+    for header in headers:
+        if header.name != ".cinit" or not header.size or header.flags & (COPY | DATA) != COPY | DATA:
+            continue
+        words = _words(_raw(header, data))
+        at = 0
+        while at < len(words) and words[at]:
+            count = (words[at] ^ 0x8000) - 0x8000
+            first = at + (2 if count > 0 else 3)
+            at = first + abs(count)
+            if at > len(words):
+                raise BadImage("it is truncated: a record of .cinit ends behind its section")
+            yield words[first - 1] << 16 | words[first - 2] if count < 0 else words[first - 1], words[first:at]
+
+
+def _words(raw: bytes) -> tuple[int, ...]:
+    return struct.unpack(f"<{len(raw) // 2}H", raw)
+
+
+def _symbols(data: bytes, at: int, count: int, headers: list[SectionHeader], strings: _Strings) -> list[Symbol]:
+    found = []
+    index = 0
+    while index < count:
+        name, value, section, _, kind, auxiliary = _unpack(SYMBOL, data, at + SYMBOL.size * index, "symbol table")
+        index += 1 + auxiliary
+        if kind not in SYMBOL_CLASSES or section == 0 or section < -1 or section > len(headers):
+            continue
+        where = headers[section - 1].name if section > 0 else ""
+        text = strings.name(name)
+        if text == where or text.startswith(f"{where}:"):
+            continue  # the section itself, or what one object file gave to it
+        found.append(Symbol(text, value, where, kind == EXTERNAL, kind == LABEL))
+    return found

@@ -1,0 +1,145 @@
+"""What code addresses by constants: instructions go in, one behind the other; accesses with their addresses come out.
+
+    MOVW DP,#0x1C5        DP = 0x1C5
+    MOVL XAR4,#0x0085F0   XAR4 = 0x0085F0
+    MOVL @0x2,XAR4        write of 0x0085F0 to 0x1C5 << 6 | 2
+
+Followed are DP and XAR0 to XAR7, along one function and over its forward branches, as compilers use them; what comes
+from memory, an argument or arithmetic is not known, and accesses by it are not told.
+
+Source: SPRU430F chapter 5 (addresses).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
+
+from ..c28x import flow, operand_field
+from ..c28x.decoder import Instruction
+
+PAGE = 6  # bits of an address within a data page
+FPU_REGISTERS = range(0x0F00, 0x0F30)  # of moves that name an address; not memory
+XAR = re.compile(r"X?AR([0-7])")
+
+
+class Access(NamedTuple):
+    """how: "r", "w" or "rw". value: what is written, where it is a known address register; else None."""
+
+    address: int
+    width: int
+    how: str
+    value: int | None
+    instruction: Instruction
+
+
+class _Known:
+    """Constants in registers; None where a value is not known."""
+
+    def __init__(self, dp: int | None = None, xar: Iterable[int | None] = (None,) * 8) -> None:
+        self.dp = dp
+        self.xar = list(xar)
+
+    def copy(self) -> _Known:
+        return _Known(self.dp, self.xar)
+
+
+def accesses(instructions: Iterable[Instruction | int], functions: frozenset[int]) -> Iterator[Access]:
+    """Every access of known address. functions: where one begins, with nothing known."""
+    known = _Known()
+    waiting: dict[int, _Known] = {}  # what is known at the target of a forward branch
+    reached = False
+    for instruction in instructions:
+        if isinstance(instruction, int) or instruction.address in functions:
+            known, reached = _Known(), True
+            waiting.clear()
+            if isinstance(instruction, int):
+                continue
+        arrived = waiting.pop(instruction.address, None)
+        if not reached:
+            known = arrived or _Known()
+        yield from _accesses(instruction, known)
+        _follow(instruction, known)
+        goal = flow.target(instruction)
+        if flow.is_call(instruction):
+            known = _Known()
+        elif goal is not None and goal > instruction.address:
+            waiting.setdefault(goal, known.copy())
+        reached = flow.goes_on(instruction)
+
+
+def _accesses(instruction: Instruction, known: _Known) -> Iterator[Access]:
+    encoding, values = instruction.encoding, instruction.values
+    if "l" in values and encoding.accesses:
+        address = _address(values["l"], known, _width(instruction))
+        if address is not None:
+            value = _stored(instruction, known)
+            yield Access(address, _width(instruction), encoding.accesses, value, instruction)
+    if "*(0:16)" in encoding.syntax and values["c"] not in FPU_REGISTERS:
+        written = encoding.syntax.partition(" ")[2].startswith("*(0:16)")
+        yield Access(values["c"], _width(instruction), "w" if written else "r", None, instruction)
+
+
+def _width(instruction: Instruction) -> int:
+    return 32 if any(wide in instruction.encoding.syntax for wide in operand_field.WIDE) else 16
+
+
+def _address(field: int, known: _Known, width: int) -> int | None:
+    """The address of an operand field; None where it is a register or is not known."""
+    if field in operand_field.DIRECT:
+        return None if known.dp is None else known.dp << PAGE | field
+    if field in operand_field.INDEXED:
+        base = known.xar[field & 7]
+        return None if base is None else base + (field >> 3 & 7)
+    if field in range(0x80, 0xA0):
+        base, mode = known.xar[field & 7], field >> 3 & 3
+        if base is None or mode == 0:
+            return base
+        if mode == 1:
+            return base - width // 16
+        index = known.xar[mode - 2]
+        return None if index is None else base + (index & 0xFFFF)
+    return None
+
+
+def _stored(instruction: Instruction, known: _Known) -> int | None:
+    source = XAR.fullmatch(instruction.encoding.syntax.rpartition(",")[2])
+    return known.xar[int(source[1])] if source and instruction.encoding.mnemonic == "MOVL" else None
+
+
+def _follow(instruction: Instruction, known: _Known) -> None:
+    """What is known after an instruction."""
+    encoding, values, xar = instruction.encoding, instruction.values, known.xar
+    field = values.get("l", -1)
+    if field in range(0x80, 0x90):
+        base, step = xar[field & 7], _width(instruction) // 16
+        xar[field & 7] = None if base is None else base + (step if field < 0x88 else -step)
+    elif field in range(0xA0, 0xA8) and "w" in encoding.accesses:
+        xar[field & 7] = None
+    changed = [_register(place.partition("@")[0], values) for place in encoding.writes]
+    constants = {"MOVL": "#22", "MOVB": "#8"}
+    operand = encoding.syntax.rpartition(",")[2]
+    for number in (register for register in changed if isinstance(register, int)):
+        before = xar[number]
+        if constants.get(encoding.mnemonic) == operand:
+            xar[number] = values["c"]
+        elif encoding.id in ("ADDB_XARn_7", "SUBB_XARn_7") and before is not None:
+            xar[number] = before + (values["c"] if encoding.mnemonic == "ADDB" else -values["c"])
+        else:
+            xar[number] = None
+    if "XAR[ARP]" in changed:
+        known.xar = [None] * 8
+    if "DP" in changed:
+        if encoding.id in ("MOVW_DP_16", "MOVZ_DP_10"):
+            known.dp = values["c"]
+        else:
+            known.dp = known.dp & ~0x3FF | values["c"] if encoding.id == "MOV_DP_10" and known.dp is not None else None
+
+
+def _register(place: str, values: dict[str, int]) -> int | str:
+    """The number of an address register that a form writes; other places by their name."""
+    if place in ("XARn", "ARn"):
+        return values["n"]
+    found = XAR.fullmatch(place)
+    return int(found[1]) if found else place

@@ -1,0 +1,170 @@
+"""What is in an image: an image goes in; sections, vectors, registers, unknown words and functions come out.
+
+Found by reading, not by running: a register that code reaches through a pointer from memory is not among them, nor a
+vector that a loop copies from a table.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+from ..c28x.decoder import Instruction, sweep
+from ..f28335.cpu.pie_map import CPU_VECTORS, LINES, VECTOR_TABLE, cpu_vector, line_vector
+from ..f28335.system.address_space import Content, area_at
+from ..f28335.system.register_names import register_name
+from .constants import Access, accesses
+from .debug_info import DebugInfo, SourceLine
+from .model import Image, Section
+
+VECTOR_NAMES = {cpu_vector(number): name for name, number in CPU_VECTORS.items()} | {
+    line_vector(group, line): name for name, (group, line) in LINES.items()
+}
+
+
+class Function(NamedTuple):
+    """address: where it runs. size: in words. source: of its first instruction; None where nothing tells it."""
+
+    name: str
+    address: int
+    size: int
+    section: str
+    source: SourceLine | None
+
+
+class Vector(NamedTuple):
+    """What is stored into the PIE's vector table. handler: the function's name, or its address."""
+
+    name: str
+    address: int
+    handler: str
+    stored_in: str
+
+
+class Unknown(NamedTuple):
+    """A word of code that begins no instruction of this CPU."""
+
+    address: int
+    word: int
+    function: str
+
+
+class Register(NamedTuple):
+    """A register that code names. how: "r", "w", "rw" in one instruction, or several of them. functions: which do."""
+
+    module: str
+    name: str
+    address: int
+    reads: int
+    writes: int
+    functions: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Inspection:
+    """instructions: how many there are in code sections. words: of code."""
+
+    image: Image
+    functions: tuple[Function, ...]
+    vectors: tuple[Vector, ...]
+    registers: tuple[Register, ...]
+    unknown: tuple[Unknown, ...]
+    instructions: int
+    words: int
+    debug_damaged: str
+
+    def function_at(self, address: int) -> str:
+        """The name of the function that runs at an address; the address itself where there is none."""
+        return _function_at(self.functions, address)
+
+
+def inspect(image: Image) -> Inspection:
+    """Read all code of an image once."""
+    debug = DebugInfo(image)
+    functions = tuple(_functions(image, debug))
+    starts = frozenset(function.address for function in functions)
+    named: list[tuple[Access, str]] = []
+    unknown: list[Unknown] = []
+    instructions = 0
+    for section in image.code:
+        code = list(sweep(section.run, section.words))
+        for found in code:
+            if isinstance(found, Instruction):
+                instructions += 1
+            else:
+                word = section.words[found - section.run]
+                unknown.append(Unknown(found, word, _function_at(functions, found)))
+        named += [(access, _function_at(functions, access.instruction.address)) for access in accesses(code, starts)]
+    return Inspection(
+        image=image,
+        functions=functions,
+        vectors=tuple(_vectors(image, named)),
+        registers=tuple(_registers(named)),
+        unknown=tuple(unknown),
+        instructions=instructions,
+        words=sum(len(section.words) for section in image.code),
+        debug_damaged=debug.damaged,
+    )
+
+
+def _functions(image: Image, debug: DebugInfo) -> Iterator[Function]:
+    """Those of the debug data, and in what they leave over those that symbols begin."""
+    for section in image.code:
+        told = {function.address: function for function in debug.functions if section.runs_at(function.address)}
+        covered = [range(function.address, function.end) for function in told.values()]
+        symbols = {
+            symbol.address: symbol.name
+            for symbol in sorted(image.symbols, key=lambda symbol: (symbol.external, symbol.name), reverse=True)
+            if symbol.section == section.name and not symbol.label and section.runs_at(symbol.address)
+        }
+        starts = sorted({*told, *(at for at in symbols if not any(at in where for where in covered))})
+        for at, after in pairwise([*starts, section.run + section.size]):
+            name = told[at].name if at in told else symbols[at]
+            end = min(told[at].end, section.run + section.size) if at in told else after
+            yield Function(name, at, end - at, section.name, debug.line_at(at))
+
+
+def _function_at(functions: tuple[Function, ...], address: int) -> str:
+    for function in functions:
+        if 0 <= address - function.address < function.size:
+            return function.name
+    return f"{address:#08x}"
+
+
+def _vectors(image: Image, named: list[tuple[Access, str]]) -> Iterator[Vector]:
+    found = {}
+    for access, function in named:
+        if access.address in VECTOR_TABLE and access.value is not None and "w" in access.how:
+            name = VECTOR_NAMES.get(access.address, f"+{access.address - VECTOR_TABLE.start:#04x}")
+            handler = image.symbol_at.get(access.value, f"{access.value:#08x}")
+            found[access.address, handler] = Vector(name, access.address, handler, function)
+    yield from sorted(found.values(), key=lambda vector: vector.address)
+
+
+def _registers(named: list[tuple[Access, str]]) -> Iterator[Register]:
+    touched: dict[tuple[str, str], list[tuple[Access, str]]] = {}
+    for access, function in named:
+        area = area_at(access.address)
+        if area is not None and area.content is Content.REGISTERS and access.address not in VECTOR_TABLE:
+            touched.setdefault(register_name(access.address), []).append((access, function))
+    for (module, name), made in sorted(touched.items(), key=lambda item: item[1][0][0].address):
+        yield Register(
+            module=module,
+            name=name,
+            address=min(access.address for access, _ in made),
+            reads=sum("r" in access.how for access, _ in made),
+            writes=sum("w" in access.how for access, _ in made),
+            functions=tuple(dict.fromkeys(function for _, function in made)),
+        )
+
+
+def contents_of(section: Section) -> str:
+    """What a section is for the chip, in a word."""
+    if section.loaded:
+        return "code" if section.code else "data"
+    if not section.allocated:
+        return ""
+    area = area_at(section.run)
+    return "registers" if area is not None and area.content is Content.REGISTERS else "reserved"

@@ -1,0 +1,75 @@
+"""Load a linker's output file: a path goes in; an image that fits the F28335 comes out, or one sentence why not.
+
+Checked: no two loaded sections overlap, each lies in memory that can be loaded, the entry is in loaded code.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+
+from ..core.shorten import shorten
+from ..f28335.system.address_space import not_loadable
+from . import coff2
+from .model import BadImage, Image, Section
+
+OTHER_PARTS = {"Cla1": "a part with a CLA (F2803x, F2806x or F2837x)"}  # by how names of sections begin
+ELF_MAGIC = b"\x7fELF"
+LONGEST_NAME = 60
+
+
+def load(path: Path) -> Image:
+    """The image in a file. BadImage, which names the file, where it is none of the F28335."""
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise BadImage(f"{path}: {error.strerror}") from None
+    try:
+        return parse(data)
+    except BadImage as error:
+        raise BadImage(f"{path}: {error}") from None
+
+
+def parse(data: bytes) -> Image:
+    """The image in the bytes of a file. BadImage where it is none of the F28335."""
+    if coff2.is_coff(data):
+        image = coff2.read(data)
+    elif data.startswith(ELF_MAGIC):
+        from . import elf  # its library is imported for files of that format only
+
+        image = elf.read(data)
+    else:
+        raise BadImage("it is neither TI COFF nor ELF; give the linker's .out file")
+    _check(image)
+    return image
+
+
+def _check(image: Image) -> None:
+    for section in image.sections:
+        for beginning, part in OTHER_PARTS.items():
+            if section.name.startswith(beginning) and section.size:
+                raise BadImage(f"section {_named(section)} is of {part}, not of the F28335")
+    loaded = sorted(image.loaded, key=lambda section: section.address)
+    if not loaded:
+        raise BadImage("no section of it is loaded, so there is nothing to run")
+    for section in loaded:
+        for address in {section.address, section.run}:
+            why = not_loadable(address, section.size)
+            if why:
+                raise BadImage(f"section {_named(section)} lies {why}")
+    for before, after in pairwise(loaded):
+        if after.address < before.end:
+            raise BadImage(
+                f"sections {_named(before)} and {_named(after)} overlap at {after.address:#08x}; "
+                "each word can be loaded once"
+            )
+    for address, words in image.initial:
+        why = not_loadable(address, len(words))
+        if why:
+            raise BadImage(f".cinit initialises {len(words)} words {why}")
+    if not any(section.address <= image.entry < section.end for section in image.code):
+        raise BadImage(f"its entry {image.entry:#08x} lies in no loaded code section; link it with an entry point")
+
+
+def _named(section: Section) -> str:
+    return f"{shorten(section.name, LONGEST_NAME)!r}"

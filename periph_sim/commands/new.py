@@ -1,4 +1,6 @@
-"""`periph-sim new KIND [NAME]`: a firmware and its case, ready to run; with `--example` a shipped case to change."""
+"""`periph-sim new KIND [NAME]`: a firmware and its case, ready to run; with `--example` a shipped case to change,
+with `--live` what was live as a case.
+"""
 
 from __future__ import annotations
 
@@ -30,6 +32,9 @@ REPLAY = "replay"
     shell_complete=lambda ctx, param, begun: _beginning(_examples(), begun),
     help="Copy a shipped case with its firmware instead: imu_hil.",
 )
+@click.option(
+    "--live", type=click.Path(path_type=Path), metavar="LOG", help="Make a case of what was live: serve --log."
+)
 @click.option("--from", "capture", type=click.Path(path_type=Path), metavar="CAPTURE", help="What replay begins with.")
 @click.option("--map", "mapping", metavar="LINE=CHANNEL,...", help="Of --from: scl=0,sda=1, where names do not say it.")
 @RATE
@@ -37,6 +42,7 @@ def new(
     kind: str | None,
     name: str | None,
     example: str | None,
+    live: Path | None,
     capture: Path | None,
     mapping: str | None,
     rate: str | None,
@@ -52,12 +58,21 @@ def new(
                   or a small capture that is written beside it
 
     NAME is that of the files, and may begin with a folder: bench/thermometer. With --example it is
-    the folder that the copy goes to. No file that is there already is written over.
+    the folder that the copy goes to. With --live the case is that which was live, driven by its log
+    instead of its [host], with its budgets; or, where it has none, with what the session came to as
+    budgets. No file that is there already is written over.
     """
     from . import new_files
 
     with usage_errors_in_one_sentence():
-        if example is not None:
+        if live is not None:
+            if name is not None or capture is not None or example is not None:
+                raise click.UsageError("--live takes at most the name of the case")
+            from . import live_case
+
+            files, case = live_case.files_of(live, kind)
+            following = None
+        elif example is not None:
             if name is not None or capture is not None:
                 raise click.UsageError("--example takes at most the folder that the copy goes to")
             folder = Path(kind or ".")

@@ -9,9 +9,9 @@ from ..records.recording import Subscribe
 from ..scene.case.load import load
 from ..scene.case.model import Case
 from ..scene.firmware_loader import Firmware
+from ..scene.outside_log import BadLog, LogReader
 from ..scene.result import Result
 from .errors import OutsideError
-from .log import LogReader
 from .session import Session
 
 
@@ -24,7 +24,15 @@ def replay(
 ) -> Result:
     """What the case comes to as the log's session drove it. OutsideError for a damaged log, or one of other clocks."""
     case = case if isinstance(case, Case) else load(Path(case))
-    reader = LogReader(Path(log))
+    try:
+        return _replayed(case, LogReader(Path(log)), str(log), subscribe, programs)
+    except BadLog as error:
+        raise OutsideError(str(error)) from None
+
+
+def _replayed(
+    case: Case, reader: LogReader, log: str, subscribe: Subscribe | None, programs: Mapping[str, Firmware] | None
+) -> Result:
     with Session(case, reader.head.wires, subscribe=subscribe, programs=programs) as session:
         if reader.head.ticks_per_second != session.ticks_per_second:
             found = f"case {reader.head.case} with {reader.head.ticks_per_second} ticks a second"
@@ -35,4 +43,5 @@ def replay(
             session.advance(tick + 1)
         if reader.end > session.now:
             session.advance(reader.end)
+        session.scene.outside_bytes = reader.sci_bytes
         return session.finish()

@@ -52,18 +52,19 @@ class Session:
         programs: Mapping[str, Firmware] | None = None,
     ) -> None:
         case = case if isinstance(case, Case) else load(Path(case))
-        if outside is not None:
-            case = case.model_copy(update={"outside": OutsideTable(wires=tuple(outside))})
-        if case.outside is None:
+        if outside is None and case.outside is not None:
+            outside = case.outside.wires
+        if outside is None:
             raise BadCase(f"case {case.name}: nobody is outside; name the wires: Session(case, outside=('SDA', 'SCL'))")
+        case = case.model_copy(update={"outside": OutsideTable(wires=tuple(outside))})
         self.case = case
         self.scene = Scene(case, subscribe, programs)
-        self.lines = case.outside.wires
+        self.lines = tuple(outside)
         self.ticks_per_second = self.scene.timebase.per_second
         self._kernel = self.scene.kernel
         self._start = self.scene.start
         self._door = Door(self._kernel, {name: self.scene.wire(name) for name in self.lines}, self._acted)
-        self._log = None if log is None else LogWriter(Path(log), case.name, self.ticks_per_second, self.lines)
+        self._log = None if log is None else LogWriter(Path(log), case, self.ticks_per_second, self.lines)
         self._reaction = Reaction(self.scene, self.lines)
         self._now = 0
         self._master: Master | None = None
@@ -169,10 +170,10 @@ class Session:
     def finish(self) -> Result:
         """What the time stepped came to, judged by the case's budgets. The session is over."""
         if self._result is None:
-            self.scene.outside_bytes = sum(line.sent for line in self._serial.values())
+            self.scene.outside_bytes += sum(line.sent for line in self._serial.values())
             self._result = self.scene.finish(self._now)
             if self._log is not None:
-                self._log.end(self._now)
+                self._log.end(self._now, self.scene.outside_bytes)
         return self._result
 
     def _check_tick(self, tick: object) -> None:

@@ -30,5 +30,5 @@ def not_run(case: Case) -> BadCase:
     assert case.outside is not None
     wires = " and ".join(case.outside.wires)
     what = f"{wires} {'is' if len(case.outside.wires) == 1 else 'are'} moved from outside, and in a run nobody is there"
-    way_out = "step it with periph_sim.outside.Session, or leave [outside] out and give it a [controller] or a [host]"
+    way_out = "step it with periph_sim.outside.Session, or give its log, a [controller] or a [host]"
     return case.mistake(f"{what}; {way_out}", "outside")

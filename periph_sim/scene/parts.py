@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from .faults import build_faults
     from .host import HostAgent
     from .limits import limits_of
+    from .logged_outside import logged_outside
     from .outside_wires import check_outside, not_run
     from .read_origins import origins_of
     from .release_delay import ReleaseDelay
@@ -45,6 +46,7 @@ _HOMES = {
     "scene.faults": ("build_faults",),
     "scene.host": ("HostAgent",),
     "scene.limits": ("limits_of",),
+    "scene.logged_outside": ("logged_outside",),
     "scene.outside_wires": ("check_outside", "not_run"),
     "scene.read_origins": ("origins_of",),
     "scene.release_delay": ("ReleaseDelay",),
@@ -73,6 +75,7 @@ __all__ = [
     "check_outside",
     "deadlock_reason",
     "limits_of",
+    "logged_outside",
     "not_run",
     "options_of",
     "origins_of",

@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 
 from periph_sim.outside import OutsideError
 from periph_sim.outside.door import Change
-from periph_sim.outside.log import LogReader
 from periph_sim.outside.replay import replay
 from periph_sim.outside.session import Session
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
+from periph_sim.scene.outside_log import LogReader
 from tests.outside.sessions import BUS, Records, bus, case
 
 Applied = list[tuple[int, dict[str, int]]]

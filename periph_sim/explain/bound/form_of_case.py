@@ -29,6 +29,7 @@ def closed_form(case: Case, firmware: Mapping[str, Firmware] | None = None) -> C
         ("[[cable]]", case.cable),
         ("[[transceiver]]", case.transceiver),
         ("[serial]", case.serial),
+        ("[outside]", case.outside),
         ("[device.NAME]", case.device),
         ("stretch or fault in [chip.NAME]", disturbed),
     )

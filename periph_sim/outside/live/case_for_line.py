@@ -30,24 +30,29 @@ def case_for_line(path: str | Path, port: str, changes: tuple[str, ...] = ()) ->
     if not str(path):
         raise OutsideError("no case was given; f28335://PATH/OF/CASE.toml?port=scia")
     case = load(Path(path), list(changes))
-    left_out: tuple[str, ...] = ()
-    if case.host is not None:
-        scene = Scene(case.model_copy(update={"outside": None}))
-        compared = "wrong bytes" if case.controller is not None and case.controller.check == "host" else ""
-        left_out = tuple(
-            one.budget.name
-            for one in scene.limits
-            if one.budget.measure == compared or any(part.measure.needs == "host" for part in one.parts)
-        )
-        kept = tuple(budget for budget in case.budget if budget.name not in left_out)
-        breaks = tuple(name for name in case.breaks if name not in left_out)
-        update: dict[str, object] = {"host": None, "budget": kept, "breaks": breaks}
-        if case.controller is not None and case.controller.check == "host":
-            update["controller"] = case.controller.model_copy(update={"check": "expect"})
-        case = case.model_copy(update=update)
+    case, left_out = without_host(case)
     try:
         sci = sci_named(case, module_of(port), "outside")
     except BadCase as error:
         raise OutsideError(str(error)) from None
     named = () if case.outside is None else case.outside.wires
     return Ready(case, tuple(dict.fromkeys((*named, sci.rx))), left_out)
+
+
+def without_host(case: Case) -> tuple[Case, tuple[str, ...]]:
+    """The case without its [host], and the names of the budgets that went with it."""
+    if case.host is None:
+        return case, ()
+    scene = Scene(case.model_copy(update={"outside": None}))
+    compared = "wrong bytes" if case.controller is not None and case.controller.check == "host" else ""
+    left_out = tuple(
+        one.budget.name
+        for one in scene.limits
+        if one.budget.measure == compared or any(part.measure.needs == "host" for part in one.parts)
+    )
+    kept = tuple(budget for budget in case.budget if budget.name not in left_out)
+    breaks = tuple(name for name in case.breaks if name not in left_out)
+    update: dict[str, object] = {"host": None, "budget": kept, "breaks": breaks}
+    if case.controller is not None and case.controller.check == "host":
+        update["controller"] = case.controller.model_copy(update={"check": "expect"})
+    return case.model_copy(update=update), left_out

@@ -33,6 +33,15 @@ def load(path: Path | str, changes: list[str] | None = None) -> Case:
         raise refusal(source, error, tree) from None
 
 
+def case_of(tree: dict[str, Any], path: Path) -> Case:
+    """The case that a tree says, as if it stood in a file there. BadCase with one sentence if it says none."""
+    source = Source(path, "")
+    try:
+        return _located(Case.model_validate(_copy(tree)), path.parent).from_source(source)
+    except ValidationError as error:
+        raise refusal(source, error, tree) from None
+
+
 def refusal(source: Source, error: ValidationError, tree: object) -> BadCase:
     """What is wrong with a case, as an error to raise."""
     kind = UnknownKey if any(one["type"] == "extra_forbidden" for one in error.errors()) else BadCase

@@ -178,9 +178,13 @@ class ChipTable(BusParty):
 
 
 class OutsideTable(Table):
-    """wires: those that others move, by `periph_sim.outside.Session`: a simulator, a serial port, a driver."""
+    """wires: those that others move, by `periph_sim.outside.Session`: a simulator, a serial port, a driver.
+
+    log: of such a session, from the case's folder: a run moves them again as they were moved there.
+    """
 
     wires: Annotated[tuple[str, ...], Field(min_length=1)]
+    log: str | None = None
 
 
 class HostTable(Table):
@@ -263,6 +267,16 @@ class Case(Table):
     def folder(self) -> Path:
         """The folder of its file, from which paths in it count; the present one if it came from no file."""
         return Path() if self._source is None else self._source.path.parent
+
+    @property
+    def file(self) -> Path | None:
+        """Its file; None if it came from none."""
+        return None if self._source is None else self._source.path
+
+    @property
+    def changes(self) -> tuple[str, ...]:
+        """The `key=value` texts that were applied to its file."""
+        return () if self._source is None else tuple(change for change, _ in self._source.changes)
 
     @property
     def recorded_modules(self) -> dict[str, tuple[str, ...]]:

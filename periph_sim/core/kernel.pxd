@@ -55,6 +55,8 @@ cdef class Kernel:
     cpdef Event at(self, long long time, object action, long long phase=*)
     @cython.locals(event=Event)
     cpdef Event ask(self, long long time, Agent agent, long long tag=*, long long phase=*)
+    @cython.locals(event=Event)
+    cpdef Event event(self, Agent agent, long long phase=*)
     @cython.locals(first=Event, before=Event, after=Event)
     cpdef void renew(self, Event event, long long time, long long tag)
     cdef void _refuse(self, Event event, long long time)

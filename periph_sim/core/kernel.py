@@ -175,18 +175,23 @@ class Kernel:
 
     def ask(self, time: int, agent: Agent, tag: int = 0, phase: int = TIMER) -> Event:
         """Promise to call `agent.act(tag)` at `time` (ticks). Returns the promise. ValueError if that is past."""
+        event = self.event(agent, phase)
+        self.renew(event, time, tag)
+        return event
+
+    def event(self, agent: Agent, phase: int = TIMER) -> Event:
+        """What `renew` makes a promise of."""
         event = Event.__new__(Event)
         event.agent = agent
         event.phase = phase
         event.queued = False
         event.plain = False
         event.following = None
-        self.renew(event, time, tag)
         return event
 
     def renew(self, event: Event, time: int, tag: int) -> None:
-        """Promise the agent of `event`, which was kept or taken back, another one: an agent with one at a time needs
-        no further object. ValueError if `time` is past, or the event is still to come.
+        """Promise the agent of `event`, which is new, was kept or taken back, another one: an agent with one at a time
+        needs no further object. ValueError if `time` is past, or the event is still to come.
         """
         if time < self.now or event.queued:
             self._refuse(event, time)

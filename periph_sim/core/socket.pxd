@@ -29,7 +29,7 @@ cdef class Socket(Agent):
     cdef Clock _clock
     cdef Recorder _recorder
     cdef object _on_request
-    cdef long long _phase, _out, _held, _wake_cycle, _last_cause
+    cdef long long _out, _held, _wake_cycle, _last_cause
     cdef Event _wake
     cdef list _inputs, _watched
     cdef object _touched

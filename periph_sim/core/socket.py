@@ -91,10 +91,9 @@ class Socket(Agent):
         self._clock = clock
         self._recorder = recorder
         self._on_request = on_request
-        self._phase = phase
         self._out = chip.out
         self._wake_cycle = NEVER
-        self._wake: Event | None = None  # what promises that wake-up
+        self._wake: Event = kernel.event(self, phase)  # what promises that wake-up
         self._last_cause = 0
         self.traces = recorder.wants(Kind.EDGE) and (recorder.wants(Kind.FLAG) or recorder.wants(Kind.ACCESS))
         self._inputs: list[tuple[int, int]] = []  # (cycle from which it has effect, record) of what the chip was given
@@ -239,8 +238,7 @@ class Socket(Agent):
             self._take_notes(cycle)
 
     def _plan(self, cycle: int) -> None:
-        if self._wake is not None and self._wake.queued:
-            self._kernel.cancel(self._wake)
+        self._kernel.cancel(self._wake)
         wake = self.chip.next_wake
         if wake < cycle:
             wake = cycle
@@ -249,10 +247,7 @@ class Socket(Agent):
             tick, now = self._clock.tick(wake), self._kernel.now
             if tick < now:
                 tick = now
-            if self._wake is None:
-                self._wake = self._kernel.ask(tick, self, WAKE, self._phase)
-            else:
-                self._kernel.renew(self._wake, tick, WAKE)
+            self._kernel.renew(self._wake, tick, WAKE)
 
     def _drive(self, cycle: int) -> None:
         recorder = self._recorder

@@ -2,9 +2,11 @@
 
     cpdef void act(self, long long tag)      cpdef bint act(self, long long tag) except -1
     return                                   return False
+    cdef bint quiet(self)                    cdef bint quiet(self) except -1
+    cpdef long long tick(self)               cpdef long long tick(self) except? PERIPH_SIM_RAISED
 
-Behind a call of a function without a result Python would have to be asked whether there is an exception. Whoever
-overrides such a method in Python returns None as ever, which is no truth either.
+Behind a call of another function Python would have to be asked each time whether there is an exception. Whoever
+overrides a method without a result in Python returns None as ever, which is no truth either.
 """
 
 from __future__ import annotations
@@ -14,6 +16,18 @@ import re
 from collections.abc import Collection, Iterable, Iterator
 
 VOID = re.compile(r"^( *)(cp?def) void (\w+)\(([^()]*)\) *$", re.MULTILINE)
+TRUTH = re.compile(r"^ *cp?def bint \w+\([^()]*\)(?= *$)", re.MULTILINE)
+NUMBER = re.compile(r"^ *cp?def long long \w+\([^()]*\)(?= *$)", re.MULTILINE)
+
+# A number that no function gives, or hardly: then Python is asked.
+RAISED = '''\
+cdef extern from *:
+    """
+    #define PERIPH_SIM_RAISED (-0x7EDCBA9876543210LL)
+    """
+    const long long PERIPH_SIM_RAISED
+
+'''
 
 
 def resultless(pxds: Iterable[str]) -> set[str]:
@@ -22,8 +36,10 @@ def resultless(pxds: Iterable[str]) -> set[str]:
 
 
 def telling(pxd: str) -> str:
-    """The .pxd file with a result of each of those."""
-    return VOID.sub(r"\1\2 bint \3(\4) except -1", pxd)
+    """The .pxd file with a result of each function that is a truth or a number, or that says whether it raised."""
+    telling_truths = TRUTH.sub(r"\g<0> except -1", VOID.sub(r"\1\2 bint \3(\4)", pxd))
+    text, numbers = NUMBER.subn(r"\g<0> except? PERIPH_SIM_RAISED", telling_truths)
+    return RAISED + text if numbers else text
 
 
 def returning(source: str, names: Collection[str]) -> str:

@@ -1,11 +1,10 @@
-from ..core.kernel cimport Agent, Event, Kernel
+from ..core.kernel cimport Event, Kernel
 from ..core.time cimport Clock
 
 
 cdef class CpuTime:
     cdef public long long cycle, lease, lands, met
     cdef public bint asleep
-    cdef Agent _agent
     cdef Clock _clock
     cdef Kernel _kernel
     cdef Event _wake
@@ -24,4 +23,3 @@ cdef class CpuTime:
     cpdef void resume_by(self, long long cycle)
     cpdef void reclock(self)
     cpdef void stop(self)
-    cdef void _cancel(self)

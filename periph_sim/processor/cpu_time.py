@@ -24,7 +24,6 @@ class CpuTime:
     """
 
     __slots__ = (
-        "_agent",
         "_clock",
         "_kernel",
         "_until",
@@ -47,8 +46,7 @@ class CpuTime:
         self.asleep = False
         self._kernel = kernel
         self._clock = clock
-        self._agent = agent
-        self._wake: Event | None = None  # the promise by which this CPU is woken
+        self._wake: Event = kernel.event(agent, CPU)  # the promise by which this CPU is woken
         self._wake_tick = 0
         self._wake_cycle = 0
         self._until = NEVER  # a sleeping CPU's time does not pass beyond this cycle
@@ -60,7 +58,7 @@ class CpuTime:
     @property
     def waits_for_input(self) -> bool:
         """Asleep, and no cycle is known at which this CPU goes on: a watched register or an interrupt must come."""
-        return self.asleep and self._wake is None
+        return self.asleep and not self._wake.queued
 
     def left(self) -> int:
         """Cycles from here to the last tick that there is."""
@@ -130,7 +128,6 @@ class CpuTime:
 
     def arrive(self) -> None:
         """The wake-up that was promised has come."""
-        self._wake = None
         self.lease = 0
         if self.asleep:
             self.asleep = False
@@ -145,27 +142,22 @@ class CpuTime:
         tick, now = self._clock.tick(cycle), self._kernel.now
         self._wake_cycle = cycle
         self._wake_tick = tick = tick if tick > now else now
-        self._wake = self._kernel.ask(tick, self._agent, 0, CPU)
+        self._kernel.renew(self._wake, tick, 0)
 
     def resume_by(self, cycle: int) -> None:
         """Be woken at `cycle`, or sooner if that is promised already."""
-        if self._wake is None or self._wake_tick > self._clock.tick(cycle):
-            self._cancel()
+        if not self._wake.queued or self._wake_tick > self._clock.tick(cycle):
+            self._kernel.cancel(self._wake)
             self.wake_at(cycle)
 
     def reclock(self) -> None:
         """The clock was retuned: a wake-up promised for a cycle moves to that cycle's new tick."""
-        if self._wake is not None:
+        if self._wake.queued:
             self._kernel.cancel(self._wake)
             self.wake_at(self._wake_cycle)
 
     def stop(self) -> None:
         """No wake-up, no landing: the program is over."""
-        self._cancel()
+        self._kernel.cancel(self._wake)
         self.lands = NEVER
         self.asleep = False
-
-    def _cancel(self) -> None:
-        if self._wake is not None:
-            self._kernel.cancel(self._wake)
-            self._wake = None

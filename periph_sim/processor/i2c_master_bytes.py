@@ -37,6 +37,7 @@ class MasterPlay(EdgePlay):
 
     def __init__(self, kernel: Kernel, scl: Wire, sda: Wire, socket: Socket, clock: Clock) -> None:
         EdgePlay.__init__(self, kernel, scl, sda, 0, 0)
+        self._next = kernel.event(self, CHIP)
         self._socket = socket
         self._clock = clock
         self._cycle = 0
@@ -70,11 +71,7 @@ class MasterPlay(EdgePlay):
 
     def _next_at(self, cycle: int, tag: int) -> None:
         self._cycle = cycle
-        tick = self._clock.tick(cycle)
-        if self._next is None:
-            self._next = self._kernel.ask(tick, self, tag, CHIP)
-        else:
-            self._kernel.renew(self._next, tick, tag)
+        self._kernel.renew(self._next, self._clock.tick(cycle), tag)
 
 
 class I2cMasterBytes(Release):

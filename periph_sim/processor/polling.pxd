@@ -5,14 +5,26 @@ from .cpu_time cimport CpuTime
 from .operand cimport Operand
 
 
+@cython.final
+cdef class Poll:
+    cdef public Operand operand
+    cdef public long long value, before
+
+
+@cython.final
 cdef class Spin:
-    cdef public long long since, ends, start, held_up, replayed, live_from
+    cdef public long long since, ends, start, held_up, made, live_from
     cdef public object pass_cycles
-    cdef public list polls, values, replay
+    cdef public list reads
     cdef public bint bare, pure
     cpdef void begin_pass(self, long long cycle)
-    @cython.locals(operand=Operand)
+    @cython.locals(place=cython.Py_ssize_t, read=Poll)
     cpdef void take_length(self, long long cycle)
+    @cython.locals(read=Poll)
+    cpdef void note(self, Operand operand, long long value)
+    @cython.locals(read=Poll)
+    cpdef long long answer(self)
+    @cython.locals(read=Poll)
     cpdef void answer_before(self, long long cycle)
     cpdef void hold_up(self, long long cycles)
     cpdef long long rest(self, long long cycle, long long branch)
@@ -22,10 +34,11 @@ cdef class Spin:
 cdef class Lease(Onlooker):
     cdef CpuTime _time
     cdef long long _first
-    cdef list _polls, _values, _sockets
-    @cython.locals(operand=Operand)
+    cdef Spin _spin
+    cdef list _sockets
+    @cython.locals(place=cython.Py_ssize_t, read=Poll)
     cpdef void take(self, Spin spin)
-    @cython.locals(operand=Operand, place=cython.Py_ssize_t, seen=cython.longlong, value=cython.longlong)
+    @cython.locals(place=cython.Py_ssize_t, read=Poll, operand=Operand, value=cython.longlong)
     cpdef bint broken(self, long long cycle)
     @cython.locals(socket=Socket)
     cpdef void begin(self)

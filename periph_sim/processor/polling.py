@@ -12,15 +12,25 @@ from .cpu_time import CpuTime
 from .operand import Operand
 
 
+class Poll:
+    """A read of a pass: of what, and the value that came. before: the value that came in the pass that is replayed."""
+
+    __slots__ = ("before", "operand", "value")
+
+    operand: Operand
+    value: int
+    before: int
+
+
 class Spin:
-    """A wait in progress. since: the cycle at which it began. polls, values: what the present pass read, what came.
+    """A wait in progress. since: the cycle at which it began. made: reads that the present pass has made.
 
     pass_cycles: what a pass takes in all; None: its reads, their tests and the branch back of the unit's code.
     ends: the cycle from which on it has timed out.
     pure: no write, no read with a side effect, no interrupt, no stall in this pass.
     start: cycle at which the present pass began. held_up: cycles of it that interrupts and stalls took.
     bare: its present pass took nothing but its reads and their tests.
-    live_from: reads before this cycle are answered by the values of `replay`, of which `replayed` have been.
+    live_from: reads before this cycle are answered by what came before.
     """
 
     __slots__ = (
@@ -28,50 +38,65 @@ class Spin:
         "ends",
         "held_up",
         "live_from",
+        "made",
         "pass_cycles",
-        "polls",
         "pure",
-        "replay",
-        "replayed",
+        "reads",
         "since",
         "start",
-        "values",
     )
 
     def __init__(self, since: int, pass_cycles: int | None = None, ends: int = NEVER) -> None:
         self.since = since
         self.pass_cycles = pass_cycles
         self.ends = ends
-        self.polls: list[Operand] = []
-        self.values: list[int] = []
+        self.made = 0
+        self.reads: list[Poll] = []  # those made, in order; behind them, of earlier passes, those to come
         self.pure = True
         self.bare = False
         self.start = 0
         self.held_up = 0
-        self.replay: list[int] = []
-        self.replayed = 0
         self.live_from = 0
 
+    @property
+    def polls(self) -> list[Operand]:
+        """What the present pass has read."""
+        return [read.operand for read in self.reads[: self.made]]
+
     def begin_pass(self, cycle: int) -> None:
-        self.polls.clear()
-        if self.replay is self.values:
-            self.values = []
-        else:
-            self.values.clear()
+        self.made = 0
         self.pure = True
         self.start = cycle
         self.held_up = 0
 
     def take_length(self, cycle: int) -> None:
         """The reads of the present pass are over at this cycle."""
-        for operand in self.polls:
-            cycle -= operand.read_waits + 1
-        self.bare = cycle == self.start + (len(self.polls) - 1) * cpu_costs.SB_NOT_TAKEN
+        for place in range(self.made):
+            read = self.reads[place]
+            cycle -= read.operand.read_waits + 1
+        self.bare = cycle == self.start + (self.made - 1) * cpu_costs.SB_NOT_TAKEN
+
+    def note(self, operand: Operand, value: int) -> None:
+        """The present pass has read this."""
+        if self.made == len(self.reads):
+            self.reads.append(Poll())
+        read = self.reads[self.made]
+        read.operand, read.value = operand, value
+        self.made += 1
+        if not operand.steady:
+            self.pure = False
+
+    def answer(self) -> int:
+        """What the next read of the present pass brings, as it is a replay."""
+        read = self.reads[self.made]
+        return read.before
 
     def answer_before(self, cycle: int) -> None:
         """The next pass is a replay of the present one as far as its reads lie before this cycle."""
-        self.replay = self.values
-        self.replayed = 0
+        if self.made < len(self.reads):
+            del self.reads[self.made :]
+        for read in self.reads:
+            read.before = read.value
         if cycle > self.live_from:
             self.live_from = cycle
 
@@ -91,31 +116,33 @@ class Spin:
 class Lease(Onlooker):
     """As long as no bit that a pass looked at has changed, every further pass comes out the same."""
 
-    __slots__ = ("_first", "_polls", "_sockets", "_time", "_values")
+    __slots__ = ("_first", "_sockets", "_spin", "_time")
 
     def __init__(self, time: CpuTime) -> None:
         self._time = time
         self._first = 0
-        self._polls: list[Operand] = []
-        self._values: list[int] = []
+        self._spin: Spin | None = None
         self._sockets: list[Socket] = []
 
     def take(self, spin: Spin) -> None:
         """From now on it is about the pass that has ended now."""
         self._first = self._time.cycle
-        self._polls = spin.polls
-        self._values = spin.values
+        self._spin = spin
         self._sockets.clear()
-        for operand in spin.polls:
-            if operand.socket not in self._sockets:
-                self._sockets.append(operand.socket)
+        for place in range(spin.made):
+            read = spin.reads[place]
+            if read.operand.socket not in self._sockets:
+                self._sockets.append(read.operand.socket)
 
     def broken(self, cycle: int) -> bool:
         """Whether a pass begun at `cycle` could come out otherwise."""
-        for place, operand in enumerate(self._polls):
-            seen = self._values[place]
+        spin = self._spin
+        assert spin is not None
+        for place in range(spin.made):
+            read = spin.reads[place]
+            operand = read.operand
             value = operand.chip.see(cycle, operand.offset) if operand.plain else operand.see(cycle)
-            if (value ^ seen) & operand.mask:
+            if (value ^ read.value) & operand.mask:
                 return True
         return False
 

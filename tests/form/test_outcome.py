@@ -10,6 +10,8 @@ cdef class Box(Agent):
     cpdef void act(self, long long tag)
     cdef void _open(self, long long by=*)
     cpdef long long weigh(self)
+    cdef bint empty(self)
+    cdef list all(self)
 """
 
 SOURCE = """\
@@ -27,13 +29,17 @@ class Box(Agent):
 """
 
 
-def test_functions_without_a_result_get_one():
+def test_a_result_tells():
     assert resultless([TYPES]) == {"act", "_open"}
-    assert telling(TYPES).splitlines()[2:] == [
+    raised, told = telling(TYPES).split("cdef class")
+    assert told.splitlines()[2:] == [
         "    cpdef bint act(self, long long tag) except -1",
         "    cdef bint _open(self, long long by=*) except -1",
-        "    cpdef long long weigh(self)",
+        "    cpdef long long weigh(self) except? PERIPH_SIM_RAISED",
+        "    cdef bint empty(self) except -1",
+        "    cdef list all(self)",
     ]
+    assert "const long long PERIPH_SIM_RAISED" in raised
 
 
 def test_their_bare_returns_name_it_and_no_others():

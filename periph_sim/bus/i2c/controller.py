@@ -109,7 +109,7 @@ class I2cController(ByteParty):
         self._sda_mask = sda.attach(who).mask
         self._stuck_after = stuck_after
         self._on_stuck = on_stuck
-        self._next: Event | None = None  # what comes next of a transfer: one thing at a time
+        self._next: Event = kernel.event(self)  # what comes next of a transfer: one thing at a time
         self._guard: Event | None = None  # the promise to report a line held too long
         self._sda_level = 1
         self._rising = False  # SCL is let go and has not risen yet
@@ -270,10 +270,7 @@ class I2cController(ByteParty):
         return self._sda_seen
 
     def _then(self, time: int, tag: int) -> None:
-        if self._next is None:
-            self._next = self._kernel.ask(time, self, tag)
-        else:
-            self._kernel.renew(self._next, time, tag)
+        self._kernel.renew(self._next, time, tag)
 
     # Bits ---------------------------------------------------------------------
 

@@ -53,7 +53,7 @@ class EdgePlay(Agent):
         self._scl, self._sda = scl, sda
         self._scl_mask, self._sda_mask = scl_mask, sda_mask
         self._byte = self._bit = self._low = self._high = self._hold = 0
-        self._next: Event | None = None
+        self._next: Event = kernel.event(self)
 
     def begin(self, byte: int, low: int, high: int, hold: int) -> None:
         """SCL rises for the first bit of `byte`, which SDA shows. low, high, hold: ticks, as the controller clocks."""
@@ -83,14 +83,10 @@ class EdgePlay(Agent):
 
     def stop(self) -> None:
         """The rest is done by the controller itself."""
-        if self._next is not None:
-            self._kernel.cancel(self._next)
+        self._kernel.cancel(self._next)
 
     def _then(self, time: int, tag: int) -> None:
-        if self._next is None:
-            self._next = self._kernel.ask(time, self, tag)
-        else:
-            self._kernel.renew(self._next, time, tag)
+        self._kernel.renew(self._next, time, tag)
 
 
 class SdaFollows(Agent):

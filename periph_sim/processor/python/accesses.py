@@ -37,15 +37,14 @@ class Accesses:
         time, instructions, spin = self._time, self._instructions, self._program.spin
         if spin is None:
             instructions.run(self._between)
-        elif spin.polls:
+        elif spin.made:
             instructions.instruction(cpu_costs.SB_NOT_TAKEN)  # the test of the value before, in the same pass
         bus = self._bus
         if time.cycle < (bus.free_from if operand.block else bus.free_of.get(operand.address, 0)):
             self._wait_for_writes(operand, spin)
         at = time.cycle + operand.read_waits
         if spin is not None and at < spin.live_from:
-            value = spin.replay[spin.replayed]
-            spin.replayed += 1
+            value = spin.answer()
             time.cycle = at
         else:
             if at < time.lease:
@@ -57,10 +56,7 @@ class Accesses:
             else:
                 value = self._fetch(operand)
         if spin is not None:
-            spin.polls.append(operand)
-            spin.values.append(value)
-            if not operand.steady:
-                spin.pure = False
+            spin.note(operand, value)
         instructions.instruction(1)
         return value
 

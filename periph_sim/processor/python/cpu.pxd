@@ -17,5 +17,8 @@ cdef class Cpu:
     cdef Instructions _instructions
     cdef CodeRecords _records
     cdef Waits _waits
+    cpdef bint spin(self, object condition, object pass_cycles=*, object timeout=*)
+    cpdef bint spin_either(self, object ready, object over, object pass_cycles=*)
+    cpdef void compute(self, long long cycles, object name=*)
     cpdef void mark_span(self, str name, long long begins)
     cdef void _tell_and_pass(self, long long cycles)

@@ -17,6 +17,8 @@ from ..processor import Processor
 from ..program import Stop
 from .program import PythonProgram
 
+SLEEPS = Stop.SLEEPS
+
 
 class Instructions:
     """busy_cycles: spent in computations and service routines, not in waits."""
@@ -87,7 +89,7 @@ class Instructions:
     def _rest_until(self, cycle: int) -> None:
         """Sleep to `cycle`, or to the boundary at which an interrupt can be taken."""
         if not self._processor.rest(cycle):
-            self._program.give_way(Stop.SLEEPS)
+            self._program.give_way(SLEEPS)
 
     def serve(self) -> None:
         """Take every interrupt that can be taken at this instruction boundary."""

@@ -16,6 +16,8 @@ cdef class Port:
     cdef dict _fields
     cdef list _operands
     cdef Port _half
+    @cython.locals(field=PortField)
+    cdef object _assign(self, object name, object value)
 
 
 cdef class PortField:

@@ -45,11 +45,14 @@ class Port:
     def __setattr__(self, name: str, value: int) -> None:
         if name in STATE:
             object.__setattr__(self, name, value)  # compiled, they are no attributes for Python
-            return
-        found = self._fields.get(name)
-        if found is None:
+        else:
+            self._assign(name, value)
+
+    def _assign(self, name: str, value: int) -> None:
+        field = self._fields.get(name)
+        if field is None:
             raise cannot_be_written(self.where, name, self.fields)
-        found.assign(self, value)
+        field.assign(self, value)
 
     def when(self, *, mask: object = None, value: object = None, **wanted: object) -> Condition:
         """The condition that a field has a number, when(XRDY=1), or that register & mask == value."""

@@ -5,7 +5,7 @@ from ...f28335.cpu.interrupts cimport CpuInterrupts
 from ..bus cimport Bus
 from ..cpu_time cimport CpuTime
 from ..operand cimport Operand
-from ..polling cimport Lease, Spin
+from ..polling cimport Lease, Poll, Spin
 from .code_records cimport CodeRecords
 from .conditions cimport Condition
 from .instructions cimport Instructions
@@ -32,6 +32,6 @@ cdef class Waits:
     @cython.locals(spin=Spin)
     cdef Spin _begun(self, object pass_cycles, long long ends)
     cdef bint _skip(self, Spin spin)
-    @cython.locals(operand=Operand, start=cython.longlong, cycle=cython.longlong, place=cython.Py_ssize_t, before=cython.longlong)
+    @cython.locals(place=cython.Py_ssize_t, read=Poll, operand=Operand, start=cython.longlong, cycle=cython.longlong)
     cdef bint _repeats(self, Spin spin)
     cdef bint _passes(self, long long cycle)

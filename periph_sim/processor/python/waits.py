@@ -138,7 +138,7 @@ class Waits:
         spin.pass_cycles = pass_cycles
         spin.ends = ends
         spin.bare = False
-        spin.replayed = spin.live_from = 0
+        spin.live_from = 0
         return spin
 
     def _skip(self, spin: Spin) -> bool:
@@ -147,7 +147,7 @@ class Waits:
         True if nothing but reads can make the next pass come out otherwise.
         """
         time, core = self._time, self._core
-        if not spin.polls or time.lands < NEVER or core.earliest() < NEVER:
+        if not spin.made or time.lands < NEVER or core.earliest() < NEVER:
             return False
         lease = self._lease
         lease.take(spin)
@@ -179,7 +179,9 @@ class Waits:
         """
         time, instructions = self._time, self._instructions
         start = cycle = time.cycle
-        for place, operand in enumerate(spin.polls):
+        for place in range(spin.made):
+            read = spin.reads[place]
+            operand = read.operand
             if place:
                 cycle += cpu_costs.SB_NOT_TAKEN  # the test of the value before, in the same pass
                 if not self._passes(cycle):
@@ -187,11 +189,10 @@ class Waits:
             if not operand.plain or cycle < self._bus.free(operand):
                 break
             cycle += operand.read_waits
-            before = spin.values[place]
             if cycle >= spin.live_from:
                 if cycle >= time.lease:
                     instructions.go_to(cycle)
-                if (operand.chip.see(cycle, operand.offset) ^ before) & operand.mask:
+                if (operand.chip.see(cycle, operand.offset) ^ read.value) & operand.mask:
                     break
             cycle += 1
             if not self._passes(cycle):

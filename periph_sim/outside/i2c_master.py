@@ -62,6 +62,15 @@ class Master:
         self._hold = min(round(HOLD * self._session.ticks_per_second), self._half // 2)
         self._rate = text
 
+    @property
+    def reads(self) -> bool:
+        """A transfer is under way, and reads."""
+        return self.held and self._reads
+
+    @property
+    def writes(self) -> bool:
+        return self.held and not self._reads
+
     # Calls --------------------------------------------------------------------------
 
     def start(self, address: int, read: bool = False) -> bool:
@@ -85,7 +94,7 @@ class Master:
 
     def write(self, *values: int) -> bool:
         """Whether all these bytes were acknowledged; behind the first that is not, nothing is sent."""
-        if not self.held or self._reads:
+        if not self.writes:
             raise OutsideError("write: there is no transfer to write in; begin one with start(address)")
         for value in values:
             if type(value) is not int or not 0 <= value <= 0xFF:
@@ -94,7 +103,7 @@ class Master:
 
     def read(self, ack: bool) -> int:
         """The next byte, which we acknowledge or, as the last one, do not."""
-        if not self.held or not self._reads:
+        if not self.reads:
             raise OutsideError("read: there is no transfer to read in; begin one with start(address, read=True)")
         value = 0
         for _ in range(8):
@@ -126,6 +135,30 @@ class Master:
         if not self._session.level("SDA"):
             raise OutsideError("STOP cannot be: SDA is low, held by another party")
 
+    def clear(self) -> bool:
+        """Nine clocks with SDA let go, and a STOP: a target that sends a 0 lets go of SDA. Whether both lines are high.
+
+        Whatever was under way is over. Source: UM10204 section 3.1.16.
+        """
+        self.let_go()
+        if not self._session.level("SCL"):
+            return False
+        self._fall()
+        try:
+            for _ in range(9):
+                self._bit(1)
+            self.stop()
+        except OutsideError:
+            self.let_go()
+        return all(self._session.level(line) for line in LINES)
+
+    def let_go(self) -> None:
+        """Both lines, whatever is under way; without a STOP."""
+        session = self._session
+        session.apply(session.now, dict.fromkeys(LINES, 1))
+        session.advance(session.now + 1)
+        self.held = False
+
     def transfer(self, address: int, data: Sequence[int] = b"", count: int = 0) -> bytes | None:
         """Write data, if there is any, then read so many bytes by repeated START. None where one was not acknowledged.
 
@@ -153,7 +186,7 @@ class Master:
         for place in range(7, -1, -1):
             sent = value >> place & 1
             if self._bit(sent) != sent:
-                self._release()
+                self.let_go()
                 raise OutsideError("another controller has won the bus; begin again when it is free")
         return not self._bit(1)
 
@@ -191,12 +224,6 @@ class Master:
         session.apply(session.now, {line: level})
         session.advance(session.now + 1)
 
-    def _release(self) -> None:
-        session = self._session
-        session.apply(session.now, dict.fromkeys(LINES, 1))
-        session.advance(session.now + 1)
-        self.held = False
-
     def _wait(self, ticks: int) -> None:
         """So long after the last edge, which was in the tick before."""
         self._session.advance(self._session.now + ticks - 1)
@@ -209,7 +236,7 @@ class Master:
             if due is None or due > limit:
                 session.advance(limit)
                 who = " and ".join(session.scene.wires[line].held_by()) or "nobody"
-                self._release()
+                self.let_go()
                 raise OutsideError(f"{line} is held low by {who} for more than 25 ms; the bus was let go")
             session.advance(due + 1)
 

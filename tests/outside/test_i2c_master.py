@@ -94,3 +94,21 @@ def test_a_line_that_others_hold_is_told_with_their_names() -> None:
 def test_wires_that_do_not_lead_outside_have_no_controller() -> None:
     with pytest.raises(OutsideError, match="SCL of case mine does not lead outside; name both"):
         _ = Session(case(), ("SDA",)).i2c
+
+
+def test_single_bits_break_off_in_a_byte_and_a_clear_frees_the_bus() -> None:
+    session, _ = bus()
+    master = session.i2c
+    assert master.start(0x50, read=True)
+    assert master.bits(1, 1, 1) == [0, 0, 0]  # of 0x01
+    assert session.pulls("SDA")
+    assert master.clear() and not session.pulls("SDA")
+    assert master.transfer(0x50, count=1) is not None
+    with pytest.raises(OutsideError, match="bits: there is no transfer to clock bits in"):
+        master.bits(1)
+    master.start(0x50)
+    with pytest.raises(OutsideError, match=r"bits: found \(1, 2\), expected 0, pulled low, or 1, let go"):
+        master.bits(1, 2)
+    assert (master.reads, master.writes) == (False, True)
+    session.scene.wire("SCL").attach("stranger").drive(0)
+    assert not master.clear()

@@ -4,5 +4,6 @@ from __future__ import annotations
 
 from .busio_i2c import I2C
 from .i2c_dev import i2c_dev
+from .i2cdriver_port import I2cDriverPort
 
-__all__ = ["I2C", "i2c_dev"]
+__all__ = ["I2C", "I2cDriverPort", "i2c_dev"]

@@ -1,0 +1,266 @@
+"""The I2CDriver's serial protocol, without a port: bytes of its client go in; what it answers comes out.
+
+    client --'s' 0xD0, 0xC0 0x00, 'p' ...--> I2cDriver --start, write, stop--> Master --> SDA, SCL
+           <--report: '0' | timeout, ACK----
+
+An adapter with a serial port for a PC (i2cdriver.com). Its programs run on it unmodified.
+
+    s ADDRESS+R/W    START: report              e BYTE    the same byte             ?   status, 80 characters
+    0xC0+n-1 DATA    n bytes written: report    1, 4      100, 400 kHz              J   introspection, 80 characters
+    0x80+n-1         n bytes, the last NACKed   u MASK    pull-ups, stored          c   capture until a byte comes
+    a N              n bytes, all ACKed         x         bus reset: '0', SDA, SCL  b   bits, until '@'
+    r DEV REG N      register read, with STOP   d         112 reports of a scan     m   monitor until a byte comes
+    p                STOP                       i, _      lines let go; also boot   @   nothing; nor does any other
+
+Source: the I2CDriver's firmware (github.com/jamesbowman/i2cdriver, firmware/main.fs and capture.fs).
+
+Chosen: 5 V, 0 mA, 25 degrees. The checksum is of each byte of the bus once, addresses included. A line that bits would
+drive high is let go: the bus is open drain. 'v' and 'w', which weigh pull-ups, are nothing. A line that is held for more
+than 25 ms is a time-out in the next report, and so is arbitration that is lost.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator
+
+from ...bus.i2c.monitor import I2cMonitor
+from ...bus.i2c.transfer import Transfer
+from ..errors import OutsideError
+from ..i2c_master import Master
+from ..session import Session
+
+Service = Generator[None, int, None]  # is sent the bytes of its client
+
+ACK, TIMEOUT = 1, 2  # of a report
+SCAN = range(0x08, 0x78)
+MOST = 64  # bytes of a command
+NOBODY = 0xFF  # read where no transfer is
+INFORMATION = 80  # characters between brackets
+A_BYTE = "10 us"  # at 1 Mbaud
+START, STOP, BITS = 1, 2, 8  # tokens of a capture: three bits of a byte's nine in each of the last
+WIRES = ("SDA", "SCL")
+
+
+class I2cDriver:
+    """pause: ticks that pass before each START, since a client's own pauses move no simulated time."""
+
+    def __init__(self, session: Session, pause: int) -> None:
+        self._session = session
+        self._master: Master = session.i2c
+        self._pause = pause
+        self._said = bytearray()
+        self._simple: dict[int, Callable[[], object]] = {
+            ord("1"): lambda: self._set_rate(100),
+            ord("4"): lambda: self._set_rate(400),
+            ord("?"): lambda: self._say_text(self._status()),
+            ord("J"): lambda: self._say_text(" ".join(["0"] * 18)),
+            ord("d"): self._scan,
+            ord("i"): self._let_go,
+            ord("p"): self._stop,
+            ord("x"): self._reset,
+            ord("_"): self._boot,
+        }
+        self._heard: list[Transfer] = []
+        self._monitor: I2cMonitor | None = None
+        self.capturing = False
+        self._boot()
+        self._service = self._serve()
+        next(self._service)
+
+    def take(self, data: bytes) -> bytes:
+        """What it answers to these bytes of its client."""
+        for byte in data:
+            self._service.send(byte)
+        said, self._said = bytes(self._said), bytearray()
+        return said
+
+    def captured(self) -> bytes:
+        """The bus since this was asked last, as a capture tells it; b"" outside of one."""
+        tokens = [token for transfer in self._heard for token in _tokens(transfer)]
+        self._heard.clear()
+        tokens += [0] * (len(tokens) % 2)
+        return bytes(high << 4 | low for high, low in zip(tokens[::2], tokens[1::2], strict=True))
+
+    # Commands -------------------------------------------------------------------------
+
+    def _serve(self) -> Service:
+        while True:
+            command = yield
+            count = (command & MOST - 1) + 1
+            if command >= 0xC0:
+                data = bytearray()
+                while len(data) < count:
+                    data.append((yield))
+                self._report([self._write(byte) for byte in data][-1])
+            elif command >= 0x80:
+                self._say(*(self._read(ack=place + 1 < count) for place in range(count)))
+            elif command == ord("s"):
+                self._report(self._start((yield)))
+            elif command == ord("a"):
+                count = (yield) or 256
+                self._say(*(self._read(ack=True) for _ in range(count)))
+            elif command == ord("r"):
+                self._read_register((yield), (yield), (yield) or 256)
+            elif command == ord("e"):
+                self._say((yield))
+            elif command == ord("u"):
+                self._pull_ups = (yield) & 0x3F
+            elif command == ord("b"):
+                yield from self._bang()
+            elif command == ord("c"):
+                yield from self._capture()
+            elif command == ord("m"):
+                yield  # nobody sees its display
+            elif command in self._simple:
+                self._simple[command]()
+
+    def _boot(self) -> None:
+        self._let_go()
+        self._set_rate(100)
+        self._pull_ups = 0b100100
+        self._checksum = 0xFFFF
+        self._timed_out = False
+        self._mode = "I"
+
+    def _set_rate(self, rate: int) -> None:
+        self._rate = rate
+        self._master.rate = f"{rate} kHz"
+
+    def _scan(self) -> None:
+        for address in SCAN:
+            self._report(self._start(address << 1))
+            self._stop()
+
+    def _read_register(self, device: int, register: int, count: int) -> None:
+        self._start(device << 1)
+        self._write(register)
+        self._start(device << 1 | 1)
+        self._say(*(self._read(ack=place + 1 < count) for place in range(count)))
+        self._stop()
+
+    def _reset(self) -> None:
+        self._timed_out = False
+        self._master.clear()
+        self._say(0x30 | self._lines())
+
+    def _bang(self) -> Service:
+        """Each byte: SDA driven, its level, SCL driven, its level, the lines are to be told."""
+        session = self._session
+        self._let_go()
+        self._mode = "B"
+        while (bits := (yield)) != ord("@"):
+            session.apply(session.now, {"SDA": bits >> 1 & 1, "SCL": bits >> 3 & 1})
+            session.advance(session.now + session.ticks(A_BYTE))
+            if bits & 0x10:
+                self._say(self._level("SCL") << 1 | self._level("SDA"))
+        self._let_go()
+        self._mode = "I"
+
+    def _capture(self) -> Service:
+        self._let_go()
+        if self._monitor is None:
+            wires = self._session.scene.wires
+            self._monitor = I2cMonitor(wires["SCL"], wires["SDA"], self._hear, {})
+        self.capturing = True
+        yield
+        self.capturing = False
+        self._heard.clear()
+
+    def _hear(self, transfer: Transfer) -> None:
+        if self.capturing:
+            self._heard.append(transfer)
+
+    # On the bus ---------------------------------------------------------------------------
+
+    def _start(self, byte: int) -> bool:
+        session, master = self._session, self._master
+        session.advance(session.now + self._pause)
+        self._timed_out = False
+        try:
+            acked = master.start(byte >> 1, bool(byte & 1))
+        except OutsideError:
+            self._lost()
+            return False
+        self._count(byte)
+        return acked
+
+    def _write(self, byte: int) -> bool:
+        if not self._master.writes:
+            return False
+        try:
+            acked = self._master.write(byte)
+        except OutsideError:
+            self._lost()
+            return False
+        self._count(byte)
+        return acked
+
+    def _read(self, ack: bool) -> int:
+        if not self._master.reads:
+            return NOBODY
+        try:
+            byte = self._master.read(ack)
+        except OutsideError:
+            self._lost()
+            return NOBODY
+        self._count(byte)
+        return byte
+
+    def _stop(self) -> None:
+        if self._master.held:
+            try:
+                self._master.stop()
+            except OutsideError:
+                self._lost()
+
+    def _lost(self) -> None:
+        """A line was held for too long, or another controller won: the client is told with the next report."""
+        self._timed_out = True
+        self._let_go()
+
+    def _let_go(self) -> None:
+        self._master.let_go()
+
+    def _level(self, line: str) -> int:
+        return self._session.level(line)
+
+    def _lines(self) -> int:
+        return self._level("SDA") << 1 | self._level("SCL")
+
+    # To the client ------------------------------------------------------------------------
+
+    def _say(self, *values: int) -> None:
+        self._said += bytes(values)
+
+    def _say_text(self, text: str) -> None:
+        self._said += f"[{text.ljust(INFORMATION - 2)}]".encode("ascii")
+
+    def _report(self, acked: bool) -> None:
+        self._say(0x30 | TIMEOUT * self._timed_out | ACK * acked)
+
+    def _status(self) -> str:
+        seconds = self._session.now // self._session.ticks_per_second
+        lines = f"{self._level('SDA')} {self._level('SCL')}"
+        return (
+            f"i2cdriver1 F28335 {seconds:09d} 5.000 000 25.0 {self._mode} {lines} {self._rate} {self._pull_ups:02x}"
+            f" {self._checksum:04x}"
+        )
+
+    def _count(self, byte: int) -> None:
+        """CRC-16/CCITT, first bit first."""
+        crc = self._checksum ^ byte << 8
+        for _ in range(8):
+            crc = crc << 1 ^ (0x1021 if crc & 0x8000 else 0)
+        self._checksum = crc & 0xFFFF
+
+
+def _tokens(transfer: Transfer) -> list[int]:
+    tokens: list[int] = []
+    for phase in transfer.phases:
+        tokens.append(START)
+        bytes_and_acks = [(phase.address << 1 | phase.read, phase.acked)]
+        bytes_and_acks += zip(phase.got if phase.read else phase.data, phase.acks, strict=True)
+        for byte, acked in bytes_and_acks:
+            nine = byte << 1 | (not acked)
+            tokens += [BITS | nine >> 6, BITS | nine >> 3 & 7, BITS | nine & 7]
+    return [*tokens, STOP]

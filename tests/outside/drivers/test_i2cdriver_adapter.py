@@ -1,0 +1,115 @@
+"""The I2CDriver's protocol, byte by byte, on a session's bus: no port, no program."""
+
+from __future__ import annotations
+
+from binascii import crc_hqx
+from random import Random
+
+import pytest
+
+from periph_sim.outside import Session
+from periph_sim.outside.drivers.i2cdriver_adapter import I2cDriver
+from periph_sim.scene.case.load import load
+from tests.outside.sessions import BUS
+from tests.outside.test_register_slave import slave
+from tests.scene.runs import TIMING
+
+ACKED, REFUSED, TIMED_OUT = b"1", b"0", b"2"
+WRITE, READ = b"s\xa0", b"s\xa1"  # START with address 0x50
+
+
+def adapter(session: Session | None = None) -> I2cDriver:
+    session = session or slave(registers="0a 0b 0c 0d")
+    return I2cDriver(session, session.ticks("100 us"))
+
+
+@pytest.mark.parametrize(
+    ("sent", "said"),
+    [
+        (b"e\x00e\xff", b"\x00\xff"),
+        (b"@" * 64 + b"1478fvw", b""),
+        (WRITE + b"\xc0\x01" + READ + b"\x82p", ACKED * 3 + b"\x0b\x0c\x0d"),
+        (WRITE + b"\xc2\x10\xaa\xbb" + b"p" + b"r\x50\x10\x03", ACKED * 2 + b"\xaa\xbb\x00"),
+        (b"r\x50\x02\x01" + READ + b"a\x02\x80p", b"\x0c" + ACKED + b"\x0d\x00\x00"),
+        (b"s\x40\xc1\x01\x02p", REFUSED + REFUSED),
+        (b"s\x41\x81p" + b"r\x20\x00\x02", REFUSED + b"\xff" * 4),
+        (b"\x83\xc0\x00p", b"\xff" * 4 + REFUSED),  # no START: nobody to read of, nothing to write to
+        (b"s\xa1\xc0\x00\x80p", ACKED + REFUSED + b"\x0a"),
+        (WRITE + b"x" + b"r\x50\x00\x01", ACKED + b"3\x0a"),
+        (b"b\x0a\x1a\x02\x12\x0a@e!", b"\x03\x01!"),  # SCL and SDA high, SCL low
+    ],
+)
+def test_what_is_answered(sent: bytes, said: bytes) -> None:
+    assert adapter().take(sent) == said
+    slowly = adapter()
+    assert b"".join(slowly.take(bytes([byte])) for byte in sent) == said
+
+
+def test_register_reads_of_0_are_of_256() -> None:
+    assert adapter().take(b"r\x50\x00\x00") == b"\x0a\x0b\x0c\x0d" + bytes(252)
+
+
+def test_a_scan_reports_each_address() -> None:
+    reports = adapter().take(b"d")
+    assert len(reports) == 112
+    assert [address for address, report in enumerate(reports, 8) if report == ACKED[0]] == [0x50]
+
+
+def test_the_status_says_rate_lines_pull_ups_and_checksum() -> None:
+    driver = adapter()
+    booted = driver.take(b"?")
+    assert booted == b"[i2cdriver1 F28335 000000000 5.000 000 25.0 I 1 1 100 24 ffff".ljust(79) + b"]"
+    driver.take(b"4u\x09" + WRITE + b"\xc0\x31p")
+    checksum = f"{crc_hqx(bytes([0xA0, 0x31]), 0xFFFF):04x}"
+    assert driver.take(b"?").split()[9:12] == [b"400", b"09", checksum.encode()]
+    assert driver.take(b"_?") == booted
+    assert len(driver.take(b"J")) == 80
+
+
+def test_a_held_line_is_a_timeout_and_a_reset_says_which() -> None:
+    session = slave(registers="0a")
+    driver = adapter(session)
+    stranger = session.scene.wire("SCL").attach("stranger")
+    stranger.drive(0)
+    assert driver.take(WRITE + b"\xc0\x00p") == TIMED_OUT + b"2"
+    assert driver.take(b"x") == b"2"  # SDA is high
+    stranger.drive(1)
+    session.advance(session.now + 1)
+    assert driver.take(b"x" + WRITE + b"p") == b"3" + ACKED
+
+
+def test_a_bus_that_was_left_in_a_read_is_free_behind_a_reset() -> None:
+    session = slave(registers="00")
+    driver = adapter(session)
+    assert driver.take(READ) == ACKED  # and the first bit, a 0
+    assert session.pulls("SDA")
+    assert driver.take(b"x") == b"3"
+    assert not session.pulls("SDA")
+    assert driver.take(b"r\x50\x01\x01") == b"\x00"
+
+
+def test_a_capture_is_what_others_do_on_the_bus() -> None:
+    """One F28335 reads another one's chips: 68W 1D, 68R 11 12 ..., in tokens of three bits and an ACK."""
+    case = load(TIMING / "two_dsps.toml").model_copy(update={"budget": ()})
+    session = Session(case, BUS)
+    driver = adapter(session)
+    assert driver.take(b"c") == b"" and driver.capturing
+    session.advance(session.ticks("25 ms"))
+    got = driver.captured()
+    nibbles = [nibble for byte in got for nibble in (byte >> 4, byte & 15)]
+    # START, 0xD0 ACK = 110 100 000, 0x1D ACK = 000 111 010; START, 0xD1 ACK = 110 100 010, 0x11 ACK = 000 100 010
+    assert nibbles[:14] == [1, 14, 12, 8, 8, 15, 10, 1, 14, 12, 10, 8, 12, 10]
+    assert [nibbles.count(token) for token in (1, 2)] == [6, 3]
+    assert driver.take(b"@") == b"" and not driver.capturing
+    session.advance(session.ticks("45 ms"))
+    assert driver.captured() == b"" and driver.take(b"e@") == b"@"
+
+
+def test_garbage_is_stood_and_forgotten() -> None:
+    draw = Random(12)
+    driver = adapter()
+    for _ in range(12):
+        driver.take(bytes(draw.choice([*range(32), *b"srpaxubcm@", 0x82, 0xC1]) for _ in range(30)))
+        driver.take(b"@" * 256)
+        assert driver.take(b"x") == b"3"
+        assert driver.take(b"e\x42") == b"\x42"

@@ -1,0 +1,70 @@
+"""The package `i2cdriver` as it comes from the registry, on a port whose other end is a case."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from periph_sim.outside import OutsideError, replay
+from periph_sim.outside.drivers import I2cDriverPort
+from periph_sim.scene.case.load import load
+from periph_sim.scene.case.model import BadCase
+from tests.outside.sessions import BUS, case
+from tests.scene.runs import TIMING
+
+i2cdriver = pytest.importorskip("i2cdriver", reason="i2cdriver is not installed: the extra drivers has it")
+
+
+def test_an_unmodified_program_reads_writes_and_scans(tmp_path: Path) -> None:
+    link, log = tmp_path / "i2c", tmp_path / "log"
+    chip = case("register_slave")
+    with I2cDriverPort(chip, BUS, link=link, log=log) as port:
+        assert port.path == str(link)
+        driver = i2cdriver.I2CDriver(port.path)
+        assert driver.scan(silent=True) == [0x50]
+        assert driver.regwr(0x50, 4, [1, 2, 3])
+        assert driver.regrd(0x50, 4, "<H") == 0x0201
+        assert not driver.regwr(0x51, 4, 1)
+        driver.setspeed(400)
+        data = bytes(range(130))  # three commands
+        assert driver.start(0x50, 0) and driver.write(b"\x10" + data)
+        assert driver.start(0x50, 0) and driver.write([0x10]) and driver.start(0x50, 1)
+        assert driver.read(130) == data
+        driver.stop()
+        driver.getstatus()
+        assert (driver.product, driver.speed, driver.mode) == ("i2cdriver1", 400, "I")
+        driver.ser.close()
+        again = i2cdriver.I2CDriver(port.path)
+        assert again.regrd(0x50, 0x10, 2) == b"\x00\x01"
+        again.ser.close()
+    assert not link.exists()
+    assert replay(chip, log).wire_bytes == port.result.wire_bytes > 300
+
+
+def test_a_program_sees_what_others_do_on_the_bus() -> None:
+    heads = load(TIMING / "two_dsps.toml").model_copy(update={"budget": ()})
+    with I2cDriverPort(heads, BUS) as port:
+        driver = i2cdriver.I2CDriver(port.path, reset="never")
+        events = driver.capture_start()()
+        seen = [next(events) for _ in range(3)]
+        driver.ser.close()
+    assert seen == [i2cdriver.START(0x68, 0, True), i2cdriver.BYTE(0x1D, 0, True), i2cdriver.START(0x68, 1, True)]
+
+
+def test_what_cannot_be_is_said_before_a_program_opens_it(tmp_path: Path) -> None:
+    taken = tmp_path / "taken"
+    taken.write_text("mine")
+    before = len(os.listdir("/proc/self/fd"))
+    with (
+        pytest.raises(OutsideError, match="taken: File exists; give the link another name"),
+        I2cDriverPort(case(), BUS, link=taken),
+    ):
+        pass
+    with pytest.raises(OutsideError, match="SCL of case mine does not lead outside"), I2cDriverPort(case(), ["SDA"]):
+        pass
+    with pytest.raises(BadCase, match="nobody is outside"), I2cDriverPort(case()):
+        pass
+    assert taken.read_text() == "mine"
+    assert len(os.listdir("/proc/self/fd")) == before

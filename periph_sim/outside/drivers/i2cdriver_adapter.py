@@ -15,8 +15,8 @@ An adapter with a serial port for a PC (i2cdriver.com). Its programs run on it u
 Source: the I2CDriver's firmware (github.com/jamesbowman/i2cdriver, firmware/main.fs and capture.fs).
 
 Chosen: 5 V, 0 mA, 25 degrees. The checksum is of each byte of the bus once, addresses included. A line that bits would
-drive high is let go: the bus is open drain. 'v' and 'w', which weigh pull-ups, are nothing. A line that is held for more
-than 25 ms is a time-out in the next report, and so is arbitration that is lost.
+drive high is let go: the bus is open drain. 'v' and 'w', which weigh pull-ups, are nothing. A line that is held for
+more than 25 ms is a time-out in the next report, and so is arbitration that is lost.
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ All lines of an instant move together, whoever said them first. What the outside
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 from ..core.chip import NEVER
@@ -44,9 +44,9 @@ class Door(Agent):
         for line, wire in enumerate(wires.values()):
             wire.watch_pulls(self, line)
 
-    def put(self, at: int, levels: Iterable[tuple[str, int]]) -> None:
-        """The lines move at tick `at`, which is not past. What was put later for one line and tick counts."""
-        self._put.setdefault(at, {}).update(levels)
+    def put(self, at: int, name: str, level: int) -> None:
+        """A line moves at tick `at`, which is not past. What was put later for one line and tick counts."""
+        self._put.setdefault(at, {})[name] = level
 
     def first(self) -> int:
         """When the first of what was put is due, or NEVER."""

@@ -1,54 +1,221 @@
-"""How soon a case may answer what the outside does to its lines: a tick goes in, the first one of an answer comes out.
+"""How soon a case may answer: what its kernel will do and edges put but not done yet go in, a tick comes out.
 
-An I2C module that is no master knows of an edge only behind its noise filter, and an SCI behind its synchroniser: until
-then no pin of theirs moves by it. Whoever else listens is taken to answer at once.
+    events of the kernel            --+--> the first tick at which a pin of ours may move
+    edges: at once, or behind a filter'
+
+An I2C module that is no master knows of an edge only behind its noise filter, and an SCI behind its synchroniser. In
+the middle of a byte nobody can tell even then that an edge came: the module says of how many that is so, and as long as
+they come far enough apart, and SDA moves as SCL is low, there is no answer to them. Whoever else listens is taken to
+answer at once. What a program does moves a pin once a write of it has reached a register.
 """
 
 from __future__ import annotations
 
+from bisect import insort
 from collections.abc import Sequence
+from operator import itemgetter
 
-from ..core.socket import Socket
-from ..core.wire import Sampler
+from ..core.chip import NEVER
+from ..core.kernel import Agent, Event
+from ..core.socket import WAKE, Socket
+from ..core.time import Clock
+from ..core.wire import Pin, Sampler
 from ..f28335.i2c.module import I2c
+from ..f28335.i2c.register_map import SCL
 from ..f28335.sci.module import Sci
+from ..processor.pin_router import BETWEEN, Router
+from ..processor.processor import Processor
 from ..scene.scene import Scene
 
+LONG_AGO = -NEVER
+MARGIN = 2  # cycles: an edge between two cycles is seen with the later one
+_tick = itemgetter(0)
 
-class Reaction:
+
+class Reaction(Agent):
+    """Ticks are the kernel's. lines: that lead outside."""
+
     def __init__(self, scene: Scene, lines: Sequence[str]) -> None:
         case = scene.case
         self._others = bool(case.chip or case.device or case.controller or case.fault or case.transceiver)
+        self._kernel = scene.kernel
+        self._mark = scene.kernel.ask(scene.kernel.now, self)
+        scene.kernel.cancel(self._mark)
         self._wires = [scene.wires[name] for name in lines]
         self._versions = [-1] * len(self._wires)
-        self._clocks = {id(socket): dsp.clock for dsp in scene.units.values() for socket in dsp.sockets.values()}
-        self._known = [socket for dsp in scene.units.values() for socket in dsp.sockets.values()]
-        self._behind_filter: list[Socket] = []
+        self._clocks = {socket: dsp.clock for dsp in scene.units.values() for socket in dsp.sockets.values()}
+        self._cpu_clocks = {dsp.processor: dsp.clock for dsp in scene.units.values()}
+        self._chips = {
+            dsp.processor: [socket.chip for socket in dsp.sockets.values() if isinstance(socket.chip, I2c)]
+            for dsp in scene.units.values()
+        }
+        self._direct: list[Socket] = []  # modules that listen, but for those behind synchronised pads:
+        self._routers: list[Router] = []
+        self._listening: list[Socket] = []  # all who listen, if each of them does so behind a filter
+        self._modules: list[tuple[Socket, I2c]] = []  # those that are I2C modules
+        self._pins: list[list[Pin]] = []  # of SCL and SDA of each
+        self._scl = self._sda = ""  # their lines; "" if there are none, or several
         self._at_once = True
+        self._now = scene.kernel.now  # the tick that comes next
+        self._levels = dict.fromkeys(lines, 1)  # as they were put, up to then
+        self._put: list[tuple[int, str, int]] = []  # from then on, in order of time
+        self._fresh = False  # what follows is of now:
+        self._due = NEVER
+        self._silent = -1  # further edges of SCL of which nobody can tell; -1: of any edge somebody can
+        self._widest = 0  # ticks: edges of SCL that are no further apart are not counted on
+        self._seen: dict[str, int] = {}  # levels behind all that was put
+        self._scl_moved = LONG_AGO  # behind all that was put,
+        self._scl_done = LONG_AGO  # and up to now
 
-    def after(self, tick: int) -> int:
-        """Lines move at `tick`: before the tick that is given no pin of ours moves by it."""
-        if self._others:
-            return tick
+    def put(self, tick: int, line: str, level: int) -> None:
+        """The outside moves a line at `tick`."""
+        if self._put and tick < self._put[-1][0]:
+            insort(self._put, (tick, line, level), key=_tick)
+            self._fresh = False
+            return
+        self._put.append((tick, line, level))
+        if self._fresh:
+            self._weigh(tick, line, level)
+
+    def advanced(self, now: int) -> None:
+        """All before tick `now` is done."""
+        self._now = now
+        self._fresh = False
+
+    def due(self) -> int:
+        """Before this tick no pin of ours moves if nothing more is put; or NEVER."""
+        if not self._fresh:
+            self._look()
+        return self._due
+
+    def _look(self) -> None:
+        self._fresh = True
+        done = 0
+        for tick, line, level in self._put:
+            if tick >= self._now:
+                break
+            done += 1
+            if line == self._scl and level != self._levels[line]:
+                self._scl_done = tick
+            self._levels[line] = level
+        del self._put[:done]
+        self._listeners()
+        self._lines()
+        self._due = self._first_event()
+        if not self._scl or self._routes():
+            self._silent = -1
+        else:
+            self._silent = min(chip.silent_edges() for _, chip in self._modules)
+        self._widest = max(
+            (self._ticks(socket, chip.filter_width + MARGIN) for socket, chip in self._modules), default=0
+        )
+        self._seen = self._levels.copy()
+        self._scl_moved = self._scl_done
+        for tick, line, level in self._put:
+            self._weigh(tick, line, level)
+
+    def _listeners(self) -> None:
+        """Who listens now: pins are routed anew as firmware sets them up."""
         versions = [wire.version for wire in self._wires]
         if versions != self._versions:
             self._versions = versions
-            self._look()
+            agents = [ear.agent for wire in self._wires for ear in wire.ears() if isinstance(ear, Sampler)]
+            self._direct = [socket for socket in self._clocks if any(agent is socket for agent in agents)]
+            self._routers = [agent for agent in dict.fromkeys(agents) if isinstance(agent, Router)]
+        elif not self._routers:
+            return
+        fed = [router.fed() for router in self._routers]
+        sockets = [*self._direct, *(socket for some in fed for socket in some or ())]
+        self._listening = [socket for socket in dict.fromkeys(sockets) if isinstance(socket.chip, (I2c, Sci))]
+        self._at_once = self._others or None in fed or len(self._listening) < len(set(sockets)) or not sockets
+        self._modules = [(socket, socket.chip) for socket in self._listening if isinstance(socket.chip, I2c)]
+
+    def _lines(self) -> None:
+        """Which lines the modules' pins are on now."""
+        pins = [socket.pins[line] for socket, _ in self._modules for line in (0, 1)]
+        if len(pins) != len(self._pins) or any(one is not other for one, other in zip(pins, self._pins, strict=True)):
+            self._pins = pins
+            scl, sda = ({pin.wire.name for some in pins[line::2] for pin in some} for line in (0, 1))
+            self._scl, self._sda = (scl.pop(), sda.pop()) if len(scl) == len(sda) == 1 else ("", "")
+
+    def _first_event(self) -> int:
+        """The kernel's first that may move a pin; a module's wake-up of which nobody can tell is none."""
+        due = NEVER
+        event = self._events()
+        while event is not None and event.time < due:
+            due = min(due, max(event.time, self._effect(event)))
+            event = event.following
+        return due
+
+    def _events(self) -> Event | None:
+        """The kernel's first event; the others follow it."""
+        kernel = self._kernel
+        kernel.renew(self._mark, kernel.now, 0)  # what is due now is done: it is the first of all
+        event = self._mark.following
+        kernel.cancel(self._mark)
+        return event
+
+    def _routes(self) -> bool:
+        """An edge is on its way from a pad to a module."""
+        if not self._routers:
+            return False
+        event = self._events()
+        while event is not None and not isinstance(event.agent, Router):
+            event = event.following
+        return event is not None
+
+    def _effect(self, event: Event) -> int:
+        """Before this tick no pin moves by an event."""
+        agent = event.agent
+        if isinstance(agent, Socket):
+            if event.tag == WAKE and isinstance(agent.chip, I2c):
+                return _tick_of(self._clocks[agent], agent.chip.next_output() + agent.out_delay)
+        elif isinstance(agent, Processor):
+            if not any(
+                chip.target.pulls & SCL or chip.master.active for chip in self._chips[agent]
+            ):  # a read ends that
+                clock = self._cpu_clocks[agent]
+                return _tick_of(clock, agent.next_output(clock.cycle_at(event.time)))
+        elif isinstance(agent, Router) and event.tag == BETWEEN and not self._at_once:
+            return self._answer(event.time)
+        return event.time
+
+    def _weigh(self, tick: int, line: str, level: int) -> None:
+        """What was put may be answered, or not."""
+        if level == self._seen[line]:
+            return
+        self._seen[line] = level
         if self._at_once:
-            return tick
-        first = -1
-        for socket in self._behind_filter:
+            self._due = min(self._due, tick)
+            return
+        if self._silent >= 0:
+            if line == self._scl:
+                before, self._scl_moved = self._scl_moved, tick
+                if tick - before <= self._widest:
+                    tick = max(before, self._now)  # a pulse that the filter may swallow: SDA moved as SCL was high
+                elif self._silent:
+                    self._silent -= 1
+                    return
+                self._silent = -1
+            elif line == self._sda and not self._seen[self._scl] and tick != self._scl_moved:
+                return
+        self._due = min(self._due, self._answer(tick))
+
+    def _ticks(self, socket: Socket, cycles: int) -> int:
+        clock = self._clocks[socket]
+        return clock.tick(cycles) - clock.tick(0)
+
+    def _answer(self, tick: int) -> int:
+        """The first tick at which a line that moves at `tick` is answered."""
+        first = NEVER
+        for socket in self._listening:
             chip = socket.chip
             if isinstance(chip, I2c) and chip.master.active:
                 return tick
-            clock = self._clocks[id(socket)]
-            at = clock.tick(clock.cycle_at(tick) + chip.filter_width)
-            first = at if first < 0 else min(first, at)
+            clock = self._clocks[socket]
+            first = min(first, clock.tick(clock.cycle_at(tick) + chip.filter_width + socket.out_delay))
         return max(tick, first)
 
-    def _look(self) -> None:
-        """Who listens now: pins are routed anew as firmware sets them up."""
-        agents = [ear.agent for wire in self._wires for ear in wire.ears() if isinstance(ear, Sampler)]
-        sockets = [socket for socket in self._known if any(agent is socket for agent in agents)]
-        self._behind_filter = [socket for socket in sockets if isinstance(socket.chip, (I2c, Sci))]
-        self._at_once = len(self._behind_filter) < len(sockets) or not sockets
+
+def _tick_of(clock: Clock, cycle: int) -> int:
+    return clock.tick(cycle) if cycle < NEVER else NEVER

@@ -103,15 +103,13 @@ class Session:
             self.scene.advance(self._start + until - 1)
             self._door.withdraw()
             self._now = until
+            self._reaction.advanced(self._start + until)
         return [change._replace(at=change.at - self._start) for change in self._door.changes()]
 
     def next_output(self) -> int | None:
         """Before this tick none of our pins moves unless `apply` is called; None if never again."""
         self._open()
-        due = self._kernel.next_time()
-        put = self._door.first()
-        if put < due:
-            due = min(due, self._reaction.after(put))
+        due = self._reaction.due()
         return None if due >= NEVER else max(due - self._start, self._now)
 
     # Lines -----------------------------------------------------------------------
@@ -132,8 +130,10 @@ class Session:
                 raise OutsideError(f"line {name!r} does not lead outside of case {self.case.name}; {known}")
             if level not in (0, 1):
                 raise OutsideError(f"{name} at {self._at(at)}: found {level!r}, expected 0, pulled low, or 1, let go")
-        if levels:
-            self._door.put(self._start + at, [(name, int(level)) for name, level in levels.items()])
+        tick = self._start + at
+        for name, level in levels.items():
+            self._door.put(tick, name, int(level))
+            self._reaction.put(tick, name, int(level))
 
     def pulls(self, line: str) -> bool:
         """Whether our side pulls a line low, whatever the outside does. OutsideError for a line that is not outside."""

@@ -138,6 +138,11 @@ class Bus:
             return False
         return self._subjects is None or register.name in self._subjects or register.upper in self._subjects
 
+    @property
+    def lands_after(self) -> int:
+        """Cycles from a write to its effect."""
+        return self._lands_after
+
     # By address ----------------------------------------------------------------
 
     def reads_at(self, cycle: int, address: int, width: int = 16) -> int:

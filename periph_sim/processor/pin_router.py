@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from ..core.chip import NEVER
 from ..core.kernel import Agent, Kernel
 from ..core.records import Recorder
 from ..core.socket import Socket
@@ -119,6 +120,14 @@ class Router(Agent):
                 return
             begin = self._clock.tick(cycle + 1)  # a synchronised input shows it then
         self._plan_between(begin)
+
+    def fed(self) -> list[Socket] | None:
+        """The peripherals that synchronised pads feed, if nobody else can tell that one of the pads has moved."""
+        if self._gpio_socket.watchers or self._gpio.watched:
+            return None
+        if any(self._gpio.seen_at(0, n, exact=True) == NEVER for n in self._heard):
+            return None
+        return [socket for socket, _ in self._feeds.values()]
 
     def _plan_between(self, begin: int) -> None:
         if begin != self._between_at:

@@ -155,6 +155,13 @@ class Processor(Agent):
         self._goal = 0
         return self.time.rest(min(cycle, max(now, self.interrupts.core.earliest())))
 
+    def next_output(self, cycle: int) -> int:
+        """Before this cycle nothing that the program writes reaches a register. cycle: of the next wake-up."""
+        first = max(cycle, self._goal)
+        if self._under_way == FETCHES:
+            first = max(first, self.interrupts.core.ready)
+        return min(self.time.lands, first + self.bus.lands_after)
+
     def take(self, number: int) -> bool:
         """Take this interrupt at the present boundary: context, vector, and the program enters its routine."""
         self.interrupts.take(self.time.cycle, number, self.program.context())

@@ -36,8 +36,6 @@ from .register_map import (
     MDR_STT,
     SCL,
     SDA,
-    STR_RRDY,
-    STR_SDIR,
     STR_XRDY,
 )
 from .registers import I2cRegisters
@@ -181,14 +179,16 @@ class I2c(Chip):
         return self.state.code_at if self.state.code_at < timer else timer
 
     def next_output(self) -> int:
-        """With a filtered edge that an engine answers, or a timer of theirs; an interrupt's code moves no line."""
-        if not self._clocked or not self.state.mdr & MDR_IRS:
-            return NEVER
-        timer = min(self.target.due, self.master.due)
-        if self.master.answers_edges():
-            return min(timer, self._lines.due)
-        follows = self.target.answers_falls() or self._suspended
-        return min(timer, self._lines.fall_due()) if follows else timer
+        """With a timer, or with a filtered edge that does more than to shift a bit."""
+        return min(self._timer, self._lines.sign_due(self.silent_edges(behind_filter=True)))
+
+    def silent_edges(self, behind_filter: bool = False) -> int:
+        """So many further edges of SCL, apart by more than the filter's width, move no line and nothing that can be read,
+        nor do edges of SDA as SCL is low; -1: any edge may."""
+        if self.state.mdr & MDR_DLB or self._suspended or self.master.answers_edges():
+            return -1
+        silent = self.target.silent_edges(bool(self._lines.levels & SCL))
+        return silent - 1 if silent > 0 and not behind_filter and self._lines.scl_moves() else silent
 
     def _timer_due(self, now: int) -> None:
         if self.state.code_at == now:
@@ -336,7 +336,7 @@ class I2c(Chip):
 
     def _write_str(self, now: int, value: int) -> None:
         state = self.state
-        if value & state.str & STR_RRDY:
+        if value & state.str & at.STR_RRDY:
             state.rrdy_cleared()
         state.str, _ = I2CSTR.write(state.str, value)
         if value & state.str & STR_XRDY:
@@ -369,7 +369,7 @@ class I2c(Chip):
             if self.options.irs_write1_releases_bus:
                 self.target.release_bus()
         if value & MDR_DLB:
-            state.clear(now, STR_SDIR)
+            state.clear(now, at.STR_SDIR)
             self.limits.loopback(begins=not old & MDR_DLB)
         if value & MDR_IRS:
             if not value & MDR_MST and self.master.active and not value & MDR_DLB:

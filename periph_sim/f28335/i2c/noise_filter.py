@@ -57,9 +57,21 @@ class I2cNoiseFilter:
         self.due = min(self._scl_due, self._sda_due)
         return self.levels
 
-    def fall_due(self) -> int:
-        """The cycle of SCL's fall, where one is on its way; or NEVER."""
-        return self._scl_due if self.levels & SCL else NEVER
+    def scl_moves(self) -> bool:
+        """An edge of SCL is on its way."""
+        return self._scl_due < NEVER
+
+    def sign_due(self, silent: int) -> int:
+        """The cycle of the first change on its way by which anything can be told, or NEVER.
+
+        Nothing can by so many edges of SCL, and by those of SDA as SCL is low; with -1, by none.
+        """
+        scl, sda = self._scl_due, self._sda_due
+        if silent < 0:
+            return self.due
+        first = NEVER if silent else scl
+        high = bool(self.levels & SCL) != (scl < sda)  # SCL, as SDA moves
+        return min(first, sda) if high and scl != sda else first
 
     def settle(self, pins: int) -> None:
         """The lines have been at these levels for long."""

@@ -6,7 +6,7 @@ from .slave_transmitter cimport I2cSlaveTransmitter
 @cython.final
 cdef class I2cSlave(I2cSlaveTransmitter):
     cpdef bint follows(self)
-    cpdef bint answers_falls(self)
+    cpdef long long silent_edges(self, bint high)
     cpdef void start(self, long long now)
     cpdef void stop(self, long long now)
     cpdef void rise(self, long long now, long long sda)

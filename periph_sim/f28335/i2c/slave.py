@@ -35,6 +35,8 @@ from .register_map import (
 )
 from .slave_transmitter import ADDRESS, ADDRESS_LOW, IGNORE, OFF, RECEIVE, TRANSMIT, I2cSlaveTransmitter
 
+MANY = 1 << 30  # edges of a bus whose bytes are for others
+
 
 class I2cSlave(I2cSlaveTransmitter):
     """pulls: mask of the lines held low. due: when it must be called by itself (`timer`), or NEVER."""
@@ -43,9 +45,37 @@ class I2cSlave(I2cSlaveTransmitter):
         """This transfer is, or may be, for us."""
         return OFF < self.phase < IGNORE
 
-    def answers_falls(self) -> bool:
-        """True where a fall of SCL may move a line."""
-        return self.follows() or bool(self.state.mdr & MDR_FDF)
+    def silent_edges(self, high: bool) -> int:
+        """So many edges of SCL to come, of which the first finds it high or low, do no more than to shift a bit."""
+        phase, bit, n = self.phase, self.bit, self._n
+        if phase in (OFF, IGNORE):
+            return MANY
+        if self.pulls & SCL or bit > n:
+            return 0
+        if bit == n:
+            return 0 if high else self._silent_answer()
+        loud = n  # the fall of this bit, or its rise
+        if phase == TRANSMIT:
+            if not self._shifting or (high and not bit):
+                return 0
+            last = 0 if self.pulls & SDA else 1
+            loud = bit if high else bit + 1
+            while loud < n and self.state.xsr >> (n - 1 - loud) & 1 == last:
+                loud += 1
+        edges = 2 * (loud - bit) - (not high)
+        judged = phase != RECEIVE and phase != TRANSMIT and self.state.options.aas_sdir_point == "rise8"
+        return edges - 1 if judged else edges
+
+    def _silent_answer(self) -> int:
+        """The rise in the acknowledge slot, of which SCL is low: 1 where nothing comes of it."""
+        options = self.state.options
+        if self.phase == TRANSMIT:
+            return 0
+        if not self._ack:
+            return 1
+        if self.phase == RECEIVE:
+            return int(options.rrdy_point != "rise9")
+        return int(not self._address.read or options.dxr_to_xsr_copy_point != "ack_rise9")
 
     # Line events --------------------------------------------------------------------
 

@@ -1,0 +1,160 @@
+"""`Session.next_output`: no pin of ours moves before it, whatever is on the bus; who steps by it alone loses none."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from random import Random
+from typing import Any
+
+import pytest
+
+from periph_sim.firmware import start_i2c
+from periph_sim.outside.session import Session
+from periph_sim.scene.case.model import Case
+from periph_sim.scene.firmware_loader import Firmware
+from tests.outside.sessions import BUS, Records, case
+
+Moves = list[tuple[int, dict[str, int]]]
+
+REGISTERS = {"address": 0x50, "registers": "5A 00 FF 81 7E 33"}
+TABLE = {"table": {"0x68": "11 22 33 44 55 66", "0x53": "00 FF 00 FF 00 FF", "0x1E": "A5 5A A5 5A A5 5A"}}
+
+
+def with_settings(firmware: str, modules: tuple[str, ...], settings: dict[str, Any], **more: Any) -> Case:
+    plain = case(firmware, modules)
+    unit = plain.unit["dsp"].model_copy(update={"settings": settings})
+    return case(firmware, modules, unit={"dsp": unit}, **more)
+
+
+def restless() -> Firmware:
+    """Sends zeros, and in the middle of its bits leaves the bus and comes back, or wants to be the master."""
+
+    def main(dsp: Any, settings: Any) -> None:
+        draw, i2c = Random(1), dsp.module("I2C-A")
+        start_i2c(dsp, 0x50)
+        while True:
+            i2c.I2CMDR.all = 0x0020  # IRS
+            for _ in range(draw.randint(1, 4)):
+                i2c.I2CDXR.all = 0
+                dsp.compute(draw.randint(1, 3_000))
+            if draw.random() < 0.2:
+                i2c.I2CMDR.all = 0x2620  # MST, TRX, STT
+                dsp.compute(draw.randint(1, 3_000))
+            i2c.I2CMDR.IRS = 0
+
+    return Firmware("restless", main, None)
+
+
+PROGRAMS = {"restless": restless}
+CASES = {
+    "restless": lambda: case(),
+    "polling": lambda: case(),
+    "interrupts": lambda: with_settings("register_slave", ("I2C-A",), REGISTERS),
+    "synchronised pins and frames": lambda: with_settings(
+        "imu_hil", ("I2C-A", "SCI-A", "GPIO"), TABLE, host={"period": "400 us"}, seed=1
+    ),
+}
+
+
+def traffic(addresses: tuple[int, ...], seed: int, end: int, half: int) -> Moves:
+    """Transfers to addresses that are ours and others, some cut short, with edges that a bus should not have."""
+    draw, moves = Random(seed), []
+    at, levels = 3_000_000, {"SCL": 1, "SDA": 1}
+
+    def move(line: str, level: int, pause: int) -> None:
+        nonlocal at
+        at += pause
+        if levels[line] != level:
+            levels[line] = level
+            moves.append((at, {line: level}))
+        if draw.random() < 0.02:  # a pulse, and perhaps the other line moves in it
+            other = draw.choice(BUS)
+            moves.append((at := at + draw.randint(1, 700), {other: 1 - levels[other]}))
+            inside = BUS[1 - BUS.index(other)]
+            if draw.random() < 0.5:
+                levels[inside] = 1 - levels[inside]
+                moves.append((at := at + draw.randint(1, 200), {inside: levels[inside]}))
+            moves.append((at := at + draw.randint(1, 700), {other: levels[other]}))
+
+    def bit(level: int) -> None:
+        hold = draw.choice((1, 300, 900, 3_000))
+        move("SDA", level, hold)
+        move("SCL", 1, half - hold)
+        move("SCL", 0, half)
+
+    def transfer(address: int) -> None:
+        """A pointer and what is written behind it, or read by a repeated START; or only a part of that."""
+        count = draw.randint(1, 6)
+        data = [(0, draw.choice((0, 2, 0x80)))] if draw.random() < 0.8 else [(1, 0xFF)] * count
+        parts = [data, [(1, 0xFF)] * count] if draw.random() < 0.7 else [data]
+        for part in parts:
+            move("SDA", 1, draw.choice((400, 2_000)))
+            move("SCL", 1, half)
+            move("SDA", 0, half)
+            move("SCL", 0, half)
+            for number, (reads, byte) in enumerate([(0, address << 1 | part[0][0]), *part]):
+                for place in range(7, -1, -1):
+                    if draw.random() < 0.001:
+                        break
+                    bit(byte >> place & 1)
+                bit(0 if reads and number < len(part) else 1)
+        move("SDA", 0, 900)
+        move("SCL", 1, half)
+        move("SDA", 1, half)
+
+    turn = 0
+    while at < end:
+        own = draw.random() < 0.8
+        transfer(addresses[turn % len(addresses)] if own else draw.choice((0, 0x22, 0x7A)))
+        turn += own
+        at += draw.choice((half, 20 * half, 200_000))
+    together: dict[int, dict[str, int]] = {}
+    for tick, line in moves:
+        together.setdefault(tick, {}).update(line)
+    return sorted(together.items())
+
+
+def stepped(name: str, moves: Moves, end: int, *, finely: bool) -> tuple[list[object], int, int]:
+    """Records; how often our pins moved, and time was stepped: as `next_output` says alone, or also to each move."""
+    records = Records()
+    steps = moved = 0
+    of, programs = CASES[name](), {"dsp": PROGRAMS[name]()} if name in PROGRAMS else None
+    with Session(of, BUS, subscribe=records.subscribe, programs=programs) as session:
+        for at, levels in [*moves, (end, {})]:
+            due = session.next_output()
+            while due is not None and due < at:
+                assert session.advance(due) == []
+                moved += len(session.advance(due + 1))
+                steps += 1
+                due = session.next_output()
+            if finely:
+                assert session.advance(at) == []
+            session.apply(at, levels)
+        session.advance(end)
+        session.finish()
+    return [tuple(record) for record in records.kept], moved, steps
+
+
+@pytest.mark.parametrize("half", [15_000, 3_750])  # of a period: 100 and 400 kHz
+@pytest.mark.parametrize("name", CASES)
+def test_no_pin_moves_before_next_output_and_nothing_is_lost_by_waiting_for_it(name: str, half: int) -> None:
+    check(name, half, 1, 3_000_000 + 900 * half)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(2, 12))
+@pytest.mark.parametrize("half", [15_000, 3_750, 1_000])
+@pytest.mark.parametrize("name", CASES)
+def test_the_same_of_much_traffic(name: str, half: int, seed: int) -> None:
+    check(name, half, seed, 40_000_000)
+
+
+def check(name: str, half: int, seed: int, end: int) -> None:
+    addresses = (0x68, 0x53, 0x1E) if "pins" in name else (0x50,)
+    moves = traffic(addresses, seed, end, half)
+    end = moves[-1][0] + 100_000
+    lazily, moved, steps = stepped(name, moves, end, finely=False)
+    finely, again, _ = stepped(name, moves, end, finely=True)
+    assert lazily == finely and moved == again > 5
+    assert all(one[0] < other[0] for one, other in pairwise(moves))
+    assert moved <= steps < 4 * len(moves)

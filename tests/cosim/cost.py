@@ -10,13 +10,9 @@ from __future__ import annotations
 
 import argparse
 import json
-import logging
-import os
 import tempfile
 from pathlib import Path
 from statistics import median
-from time import process_time
-from typing import Any
 
 from periph_sim.scene.case.model import Case
 from tests.cosim.benches import RTL, TABLE, TOLD, case

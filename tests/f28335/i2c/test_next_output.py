@@ -1,4 +1,4 @@
-"""`next_output`: before it, without an input, no line moves and nothing that can be read; and by as many edges of SCL as
+"""`next_output`: before it, without an input, no line moves and nothing that can be read; nor by as many edges of SCL as
 `silent_edges` says neither. Whatever the module does and however it is built.
 """
 

@@ -183,8 +183,8 @@ class I2c(Chip):
         return min(self._timer, self._lines.sign_due(self.silent_edges(behind_filter=True)))
 
     def silent_edges(self, behind_filter: bool = False) -> int:
-        """By so many further edges of SCL, wider apart than the filter, no line moves and nothing that can be read, nor by
-        edges of SDA as SCL is low; -1: by any edge."""
+        """By so many further edges of SCL, wider apart than the filter, no line moves and nothing that can be read, nor
+        by edges of SDA as SCL is low; -1: by any edge."""
         if self.state.mdr & MDR_DLB or self._suspended or self.master.answers_edges():
             return -1
         silent = self.target.silent_edges(bool(self._lines.levels & SCL))

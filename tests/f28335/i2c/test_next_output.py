@@ -1,5 +1,5 @@
-"""`next_output`: before it, without an input, no line moves and nothing that can be read. Nor by `silent_edges` edges of
-SCL. Whatever the module does and however it is built.
+"""`next_output`: before it, without an input, no line moves and nothing that can be read. Nor by as many edges of SCL
+as `silent_edges` says. Whatever the module does and however it is built.
 """
 
 from __future__ import annotations

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from tests.cosim.benches import CASES, found, replayed, run_benches
+from tests.profiles import explores
 
 pytestmark = pytest.mark.uncounted
 CHIPS = [list(range(first, first + 6)) for first in (0x11, 0x21, 0x31)]
@@ -69,7 +70,7 @@ def test_what_cannot_be_is_refused_in_a_sentence(benches: Path) -> None:
     assert said["I2C-A.I2CSTR.XYZ"].startswith("I2C-A.I2CSTR.XYZ: I2CSTR has no field 'XYZ'")
 
 
-@pytest.mark.long
+@pytest.mark.skipif(not explores(), reason="in `make explore`")
 def test_two_hundred_rounds_of_each_foreign_master(tmp_path: Path) -> None:
     """Each later by 8 us in its millisecond, so that they meet all phases of the host's frames."""
     run_benches(tmp_path, rounds=200)

@@ -39,6 +39,7 @@ SENTENCES = {
 }
 
 PRINTS_NO_TABLE = {
+    "assemble": "a line of the file written",
     "convert": "a line that names the file written",
     "host-unit": "how many frames went out, and how late",
     "new": "a line a file, and what to do next",

@@ -1,0 +1,104 @@
+"""Assemble instructions: one line of source goes in; the form that it is comes out, and its words.
+
+Every syntax of `encodings.toml` is taken as it stands there, without regard to case, with spaces where one likes them.
+Where several forms fit, the shortest is taken, as TI's assembler does: `MOV @AL,#0` has one word.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from functools import cache
+from typing import NamedTuple
+
+from ..core.suggest import did_you_mean
+from .encodings import Encoding, encodings
+from .expressions import BadExpression, Undefined, evaluate
+from .operands import BadOperand, Part, parts_of
+
+
+class BadInstruction(ValueError):
+    """Source that is no instruction, in one sentence."""
+
+
+class Parsed(NamedTuple):
+    """A form, and the text of each operand that it reads."""
+
+    encoding: Encoding
+    operands: tuple[tuple[Part, str], ...]
+
+    def words(self, address: int, symbols: Mapping[str, int]) -> tuple[int, ...]:
+        """The words at an address. BadInstruction where an operand does not fit."""
+        pair = self.encoding.pair(self._values(address, symbols))
+        return (pair >> 16, pair & 0xFFFF)[: self.encoding.words]
+
+    def fits(self, address: int, symbols: Mapping[str, int]) -> bool:
+        """True if every operand fits its field, as far as it is known already."""
+        values: dict[str, int] = {}
+        for part, text in self.operands:
+            assert part.read is not None
+            try:
+                values |= part.read(text, address, lambda expression: evaluate(expression, symbols, address))
+            except Undefined:
+                continue
+            except (BadOperand, BadExpression):
+                return False
+        return all(values.get(name, least) >= least for name, least in self.encoding.at_least) and all(
+            values.get(name, most) <= most for name, most in self.encoding.at_most
+        )
+
+    def _values(self, address: int, symbols: Mapping[str, int]) -> dict[str, int]:
+        values: dict[str, int] = {}
+        for part, text in self.operands:
+            assert part.read is not None
+            try:
+                values |= part.read(text, address, lambda expression: evaluate(expression, symbols, address))
+            except (BadOperand, BadExpression) as error:
+                raise BadInstruction(str(error)) from None
+        return values
+
+
+def parse(source: str, address: int, symbols: Mapping[str, int]) -> Parsed:
+    """The shortest form that a line of source is. symbols: those known so far; others are taken to fit."""
+    text = " ".join(source.split())
+    mnemonic = text.partition(" ")[0].upper()
+    forms = _forms().get(mnemonic)
+    if forms is None:
+        raise BadInstruction(f"there is no instruction {mnemonic!r}; {did_you_mean(mnemonic, sorted(_forms()))}")
+    matched = []
+    for encoding in forms:
+        found = _pattern(encoding).fullmatch(text)
+        if found is None:
+            continue
+        reading = [part for part in parts_of(encoding) if part.read is not None]
+        parsed = Parsed(encoding, tuple(zip(reading, found.groups(), strict=True)))
+        if parsed.fits(address, symbols):
+            return parsed
+        matched.append(parsed)
+    if matched:  # says which operand does not fit
+        matched[-1].words(address, symbols)
+    known = ", ".join(dict.fromkeys(encoding.syntax for encoding in forms))
+    raise BadInstruction(f"{text!r} has none of the operands of {mnemonic}: {known}")
+
+
+@cache
+def _forms() -> Mapping[str, tuple[Encoding, ...]]:
+    """The forms of OBJMODE 1 by mnemonic, shorter ones first; aliases behind the forms they stand for."""
+    forms: dict[str, list[Encoding]] = {}
+    for encoding in encodings():
+        if encoding.objmode != "0":
+            forms.setdefault(encoding.mnemonic, []).append(encoding)
+    return {name: tuple(sorted(rows, key=lambda row: (row.words, bool(row.alias_of)))) for name, rows in forms.items()}
+
+
+@cache
+def _pattern(encoding: Encoding) -> re.Pattern[str]:
+    """What a line of this form looks like, with a group for each operand that is read."""
+    pieces = [_flexible(part.literal) if part.read is None else f"({part.pattern})" for part in parts_of(encoding)]
+    return re.compile(r"\s*".join(pieces), re.IGNORECASE)
+
+
+def _flexible(literal: str) -> str:
+    """The pattern of a literal, with spaces where one likes them."""
+    pieces = re.findall(r"\w+|\s+|\|\||<<|\S", literal)
+    return r"\s*".join(re.escape(piece) for piece in pieces if piece.strip())

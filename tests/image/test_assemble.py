@@ -1,0 +1,116 @@
+"""Source of a program, and the image that it is or the line that is wrong."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from periph_sim.c28x.decoder import sweep
+from periph_sim.image.assemble import assemble, assemble_file
+from periph_sim.image.inspection import inspect
+from periph_sim.image.load import load
+from periph_sim.image.model import BadImage
+from tests.commands.conftest import Run, periph_sim  # noqa: F401
+
+ROOT = Path(__file__).resolve().parents[2]
+ECHO = ROOT / "firmware" / "c28x" / "sci_echo.asm"
+BEGUN = '.sect ".text", 0x8000\n_c_int00: NOP\n'
+
+
+def words(source: str) -> tuple[int, ...]:
+    return tuple(assemble(BEGUN + source).sections[0].words[1:])
+
+
+def test_sections_stand_where_the_source_says():
+    found = assemble(
+        BEGUN
+        + '.sect "ramfuncs", 0x9000, 0x320000\nLRETR\n.sect ".econst", 0xA000\n.word 1\n.reserve ".bss", 0x400, 9\n'
+    )
+    assert [(one.name, one.run, one.address, one.size, one.code) for one in found.sections] == [
+        (".text", 0x8000, 0x8000, 1, True),
+        ("ramfuncs", 0x9000, 0x320000, 1, True),
+        (".econst", 0xA000, 0xA000, 1, False),
+        (".bss", 0x400, 0x400, 9, False),
+    ]
+
+
+def test_data():
+    assert words(".word 1, -1, 'A', 0x10 + 2") == (1, 0xFFFF, 65, 0x12)
+    assert words(".long 0x12345678, -2") == (0x5678, 0x1234, 0xFFFE, 0xFFFF)
+    assert words('.string "a;b", "c"  ; a comment') == (97, 59, 98, 99)
+    assert words(".space 3") == (0, 0, 0)
+
+
+def test_labels_before_and_behind_their_use():
+    assert words("a: SB b,EQ\n SB a,UNC\nb: LRETR") == (0x6102, 0x6FFF, 0x0006)
+    assert words("MOVL XAR4,#table\ntable: .long table") == (0x8F00, 0x8003, 0x8003, 0)
+
+
+def test_alignment_is_filled_with_nops():
+    assert words(".align 4\nLRETR") == (0x7700, 0x7700, 0x7700, 0x0006)
+
+
+def test_repeat_on_one_line_or_on_two():
+    assert words("RPT #9 || NOP") == words("RPT #9\n || NOP") == (0xF609, 0x7700)
+
+
+def test_functions_are_what_is_global_and_the_entry():
+    found = assemble(BEGUN + "wait: NOP\n_f: LRETR\n .global _f\nSIZE .set 3\n")
+    assert [(one.name, one.external, one.label, one.section) for one in found.symbols] == [
+        ("_c_int00", True, False, ".text"),
+        ("wait", False, True, ".text"),
+        ("_f", True, False, ".text"),
+        ("SIZE", False, False, ""),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("source", "sentence"),
+    [
+        ("NOP", "line 1: no section has begun"),
+        ('.sect ".text"', 'line 1: .sect ".text" is not .sect'),
+        (BEGUN + "MOVE AL,AH", "line 3: there is no instruction 'MOVE'"),
+        (BEGUN + "SB nowhere,EQ", "line 3: 'nowhere' is not defined"),
+        (BEGUN + ".space 200\nSB _c_int00,EQ", "line 4: '_c_int00' is -201 words away"),
+        (BEGUN + "_c_int00: NOP", "line 3: '_c_int00' is defined twice"),
+        (BEGUN + ".word 0x10000", "line 3: '0x10000' is 65536, which 16 bits"),
+        (BEGUN + ".space -1", "no number of words"),
+        (BEGUN + ".space 1 << 40", "no number of words"),
+        (BEGUN + ".string x", "no text in double quotes"),
+        (BEGUN + ".pragma x", "line 3: there is no directive '.pragma'"),
+        (BEGUN + ".global _g", "'_g' is .global, but not defined"),
+        (BEGUN + ".entry main", "its entry 'main' is not defined"),
+        (BEGUN + '.sect ".text", 0x9000', "line 3: section '.text' has begun already"),
+        (BEGUN + '.sect ".d", 0x8000\n.word 1', "overlap at 0x008000"),
+        (BEGUN + '.sect ".d", 0x7900\n.word 1', "over peripheral registers"),
+    ],
+)
+def test_refused_in_one_sentence(tmp_path: Path, source: str, sentence: str):
+    file = tmp_path / "x.asm"
+    file.write_text(source)
+    with pytest.raises(BadImage) as error:
+        assemble_file(file)
+    assert sentence in str(error.value)
+    assert str(error.value).startswith(f"{file}: ")
+
+
+def test_the_shipped_program_is_written_and_read_back(periph_sim: Run, tmp_path: Path):  # noqa: F811
+    came = periph_sim("assemble", str(ECHO), str(tmp_path / "echo.out"))
+    assert (came.status, came.out) == (0, f"{tmp_path / 'echo.out'}: 55 words in 1 section, entry 0x009000\n")
+    found = inspect(load(tmp_path / "echo.out"))
+    assert [one.name for one in found.functions] == ["_c_int00", "_echo", "_start_sci"]
+    assert {"SCIRXBUF", "SCITXBUF", "PLLCR"} <= {one.name for one in found.registers}
+    source = assemble_file(ECHO)[0].sections[0]
+    assert [str(one) for one in sweep(0x9000, source.words)][:4] == [
+        "MOV @SP,#0x400", "EALLOW", "MOVW DP,#0x1c0", "MOV @0x29,#0x68"
+    ]  # fmt: skip
+
+
+def test_bad_source_is_one_sentence_and_status_2(periph_sim: Run, tmp_path: Path):  # noqa: F811
+    (tmp_path / "x.asm").write_bytes(b"\xff\xfe")
+    for source in ("x.asm", "none.asm"):
+        came = periph_sim("assemble", str(tmp_path / source), str(tmp_path / "x.out"))
+        assert came.status == 2
+        assert came.err.startswith(f"Error: {tmp_path / source}: ") and came.err.count("\n") == 1
+        assert not (tmp_path / "x.out").exists()

@@ -15,7 +15,7 @@ from struct import Struct
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import AfterValidator, BeforeValidator
+from pydantic import AfterValidator, BeforeValidator, InstanceOf
 
 from periph_sim.core.settings import DurationRange, Spread
 from periph_sim.scene.case.sensor_sets import named as parameter_set
@@ -47,7 +47,7 @@ def _parameters(value: object) -> object:
 
 
 ArithmeticName = Annotated[str, AfterValidator(_known)]
-ParameterFile = Annotated[ImuParameters, BeforeValidator(_parameters)]
+ParameterFile = Annotated[InstanceOf[ImuParameters], BeforeValidator(_parameters)]
 
 
 @dataclass

@@ -11,7 +11,8 @@ from collections.abc import Iterator
 from enum import Enum
 from functools import cached_property
 
-from .lazy_dataclass import dataclass
+from msgspec import Struct
+
 from .suggest import did_you_mean
 
 
@@ -63,8 +64,7 @@ ACCESS: dict[str, tuple[Cpu, OnRead, OnWrite]] = {
 }
 
 
-@dataclass(frozen=True)
-class Field:
+class Field(Struct, frozen=True, dict=True):
     name: str
     msb: int
     lsb: int
@@ -113,8 +113,7 @@ def field(
     return Field(name, int(msb), int(lsb or msb), access, reset, tie, doc)
 
 
-@dataclass(frozen=True)
-class Register:
+class Register(Struct, frozen=True, dict=True):
     """offset: in 16-bit words from the module's base. source: document and section."""
 
     name: str
@@ -207,8 +206,7 @@ class Register:
         return f"{self.name}={value:#06x} ({' '.join(parts) or 'all zero'})"
 
 
-@dataclass(frozen=True)
-class RegisterMap:
+class RegisterMap(Struct, frozen=True, dict=True):
     """All registers of one kind of module. source: the document the map was typed from."""
 
     name: str

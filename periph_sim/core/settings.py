@@ -7,13 +7,13 @@ since its unit would be a guess. `DurationRange` takes "240 us to 260 us" and gi
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 from typing import Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer
 
-from .lazy_dataclass import dataclass
 from .time import UNITS as TIMES
 from .time import TimeError, seconds
 

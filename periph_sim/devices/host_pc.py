@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
+from dataclasses import dataclass
 from fractions import Fraction
 from random import Random
 from struct import Struct, error
@@ -17,7 +18,6 @@ from typing import TYPE_CHECKING, Literal
 
 from ..bus.uart.sender import UartSender
 from ..core.kernel import Agent, Kernel
-from ..core.lazy_dataclass import dataclass
 
 if TYPE_CHECKING:
     from ..sensors.host_frame import ByteOrder

@@ -13,8 +13,8 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
+from msgspec import Struct
 
-from ..core.lazy_dataclass import dataclass
 from ..sensors.host_frame import ACCELERATION, ANGLE
 from ..sensors.imu_noise import ImuNoise
 from ..sensors.models.finite import check_sample
@@ -28,8 +28,7 @@ ModelState = State[Any]
 BY_ADDRESS = {chip.address: (name, chip) for name, chip in CHIPS.items()}
 
 
-@dataclass(frozen=True)
-class Computed:
+class Computed(Struct, frozen=True):
     """The sensors that firmware computes. noise_seed: of their noise, whose sample n goes into run n; None for none."""
 
     parameters: ImuParameters

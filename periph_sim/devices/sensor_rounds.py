@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from fractions import Fraction
 
+from msgspec import Struct
+
 from ..bus.i2c.transfer import Phase, Transfer
-from ..core.lazy_dataclass import dataclass
 
 
-@dataclass(frozen=True)
-class Request:
+class Request(Struct, frozen=True):
     """One read or write of a round. pointer None: no pointer is written. write: bytes after the pointer.
 
     Without pointer, write and count it is an address alone: whether anybody acknowledges.
@@ -39,8 +39,7 @@ class Request:
         return [Transfer(self.name, phases)]
 
 
-@dataclass(frozen=True)
-class ChipData:
+class ChipData(Struct, frozen=True):
     """Where a sensor keeps its three values. big: high byte first. order: which axis comes when.
 
     lsb_per_unit: of a deg/s, a g or a gauss, as `startup` sets the chip up. overflow: counts that stand for no value.
@@ -101,8 +100,7 @@ CHIPS: dict[str, ChipData] = {
 ADDRESSES = frozenset(chip.address for chip in CHIPS.values())
 
 
-@dataclass(frozen=True)
-class Schedule:
+class Schedule(Struct, frozen=True):
     """All in ticks, the period exact. jitter: each round begins up to this much late, evenly spread.
 
     ahead: how long before `first` the chips are set up, if they are.
@@ -116,8 +114,7 @@ class Schedule:
     ahead: int = 0
 
 
-@dataclass
-class Round:
+class Round(Struct):
     """What came of one round. number: from 1; the start-up is 0. due: when the schedule wanted it; end: last STOP."""
 
     number: int

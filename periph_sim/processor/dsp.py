@@ -11,16 +11,15 @@ System control, PIE and the CPU's interrupt logic belong to every unit.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import field
 from fractions import Fraction
 from functools import partial
 from typing import TYPE_CHECKING
 
 from greenlet import GreenletExit
+from msgspec import Struct, field
 
 from ..core.chip import Chip, Note
 from ..core.kernel import CHIP, PADS, Kernel
-from ..core.lazy_dataclass import dataclass
 from ..core.records import Recorder
 from ..core.socket import Socket
 from ..core.suggest import did_you_mean
@@ -54,8 +53,7 @@ if TYPE_CHECKING:
 WATCHDOG_OFF = 0x68  # WDCR: WDDIS with its check bits
 
 
-@dataclass
-class DspPlan:
+class DspPlan(Struct):
     """What a unit consists of. wires: GPIO number -> wire. ppm: error of its crystal. pulled_down: GPIO numbers.
 
     seed: of the values drawn from spreads. end: the value that is taken instead, in runs for bounds. i2c, sci: None for

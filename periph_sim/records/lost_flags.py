@@ -6,10 +6,10 @@ i2c.I2CSTR.SCD = 1   read, SCD put in, written back: whatever else was read as 1
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
 
-from ..core.lazy_dataclass import dataclass
 from ..core.registers import Field
 from .read_modify_write import read_modify_writes
 from .register_maps import one_clears

@@ -6,6 +6,7 @@ RecordTable --> Run: rows of a field, its value at a tick, accesses with place a
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from math import gcd
@@ -15,7 +16,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.lazy_dataclass import dataclass
 from ..core.records import Kind, Record
 from ..core.registers import Field, Register
 from ..traces.formats.psr import holds_run, read_table, recognises

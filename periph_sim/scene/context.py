@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from fractions import Fraction
 
+from msgspec import Struct
+
 from ..core.kernel import Kernel
-from ..core.lazy_dataclass import dataclass
 from ..core.records import Recorder
 from ..core.time import Timebase, round_ratio
 from ..core.wire import Wire
@@ -14,8 +15,7 @@ from .case.model import Case
 from .case.wiring import Wiring
 
 
-@dataclass(frozen=True)
-class SceneContext:
+class SceneContext(Struct, frozen=True):
     """wire: the wire of a name, made when it is asked for first. wiring: the names of the wires on each unit's pins.
 
     start: the tick at which the run begins.

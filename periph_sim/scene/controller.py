@@ -7,13 +7,14 @@ the nearest tick is taken.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from msgspec import Struct
+from msgspec.structs import replace
+
 from ..bus.i2c.controller import I2cController
 from ..bus.i2c.transfer import BusTiming, Transfer
-from ..core.lazy_dataclass import dataclass
 from ..core.suggest import did_you_mean
 from ..devices.sensor_head import SensorHead
 from ..devices.sensor_rounds import CHIPS, Request, Schedule
@@ -25,8 +26,7 @@ if TYPE_CHECKING:
     from ..core.wire import Wire
 
 
-@dataclass(frozen=True)
-class ControllerAgent:
+class ControllerAgent(Struct, frozen=True):
     """requests: of each round. asked: what of it is to be seen on the bus."""
 
     controller: I2cController

@@ -10,9 +10,9 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
+from msgspec import Struct
 from pydantic import TypeAdapter, ValidationError
 
-from ..core.lazy_dataclass import dataclass
 from ..core.suggest import did_you_mean
 from ..processor.error_origin import Misuse, defined_at, flaw_of
 from .case.error_text import complaint, place_of
@@ -26,8 +26,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 
-@dataclass(frozen=True)
-class Firmware:
+class Firmware(Struct, frozen=True):
     """A program: its main function, and the dataclass of what a case may set, if it has one."""
 
     name: str

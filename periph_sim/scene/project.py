@@ -17,9 +17,9 @@ import tomllib
 from pathlib import Path
 from typing import Annotated
 
+from msgspec import Struct
 from pydantic import ConfigDict, Field, ValidationError
 
-from ..core.lazy_dataclass import dataclass
 from ..core.settings import Table
 from ..core.suggest import did_you_mean
 from .case.discover import is_searched
@@ -46,8 +46,7 @@ class Settings(Table):
 NOTHING = Settings()
 
 
-@dataclass(frozen=True)
-class Project:
+class Project(Struct, frozen=True):
     """folder: of the pyproject.toml; the present one where there is none."""
 
     folder: Path

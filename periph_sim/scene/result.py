@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 
-from ..core.lazy_dataclass import dataclass
 from ..timing.verdict import EVERY_PHASE, SEEN, Proof, Verdict
 
 # Counts that tell of the simulator, not of the case.

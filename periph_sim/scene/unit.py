@@ -5,7 +5,8 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
-from ..core.lazy_dataclass import dataclass
+from msgspec import Struct
+
 from ..core.options import Value, options_from
 from ..core.suggest import did_you_mean
 from ..f28335.cpu.compiled_code_costs import CodeCosts
@@ -36,8 +37,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 
-@dataclass(frozen=True)
-class BuiltUnit:
+class BuiltUnit(Struct, frozen=True):
     """sensors, computed: whose values the firmware computes, and how, where it has models."""
 
     dsp: Dsp

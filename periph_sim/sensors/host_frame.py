@@ -8,6 +8,7 @@ The dissertation leaves the encoding open (section 3.4.1), so it is a named sett
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import dataclass
 from fractions import Fraction
 from math import lcm
 from typing import Literal
@@ -15,7 +16,6 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.lazy_dataclass import dataclass
 from .motion import VALUES, BadMotion, Floats, Motion, sampled
 from .motion.quantities import Acceleration, Angle
 

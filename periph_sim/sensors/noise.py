@@ -19,9 +19,9 @@ from hashlib import blake2b
 from math import isfinite, log, pi, sqrt
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import asdict
 from numpy.typing import NDArray
-
-from ..core.lazy_dataclass import dataclass
 
 Floats = NDArray[np.float64]
 
@@ -74,8 +74,7 @@ def _block_of(key: int, block: int) -> Sequence[float]:
     return _drawn(key, block).tolist()  # type: ignore[no-any-return]
 
 
-@dataclass(frozen=True)
-class NoiseTerms:
+class NoiseTerms(Struct, frozen=True):
     """One axis. density in unit**2 s (N squared), bias_instability in unit (B), random_walk in unit/sqrt(s) (K)."""
 
     density: float
@@ -83,7 +82,7 @@ class NoiseTerms:
     random_walk: float = 0.0
 
     def __post_init__(self) -> None:
-        for name, value in vars(self).items():
+        for name, value in asdict(self).items():
             if not isfinite(value) or value < 0:
                 raise BadNoise(f"noise: {name} is {value}; expected a finite number of 0 or more")
 

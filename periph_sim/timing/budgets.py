@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 
-from ..core.lazy_dataclass import dataclass
+from msgspec import Struct
+
 from ..core.settings import duration, share
 from ..core.time import NO_TIME, Timebase
 from .budget_schema import Budget
@@ -35,8 +36,7 @@ class BadBudget(ValueError):
         return self.place[-1]
 
 
-@dataclass(frozen=True)
-class _Seen:
+class _Seen(Struct, frozen=True):
     """A limit, and what the run has beside it."""
 
     which: str

@@ -19,14 +19,14 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 
+from msgspec import Struct
+
 from ..bus.i2c.transfer import Phase, Transfer
-from ..core.lazy_dataclass import dataclass
 from ..core.time import NO_TIME
 from ..devices.sensor_rounds import Round
 
 
-@dataclass(frozen=True)
-class Asked:
+class Asked(Struct, frozen=True):
     """What a master asks for. Times are ticks.
 
     startup: transfers before the first round. requests: those of each round. first: when the first round is due, None

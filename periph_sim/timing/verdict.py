@@ -5,9 +5,8 @@ Needs no other module, so that what only shows verdicts need not load what measu
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Final, Literal
-
-from ..core.lazy_dataclass import dataclass
 
 Word = Literal["pass", "fail", "not judged"]
 

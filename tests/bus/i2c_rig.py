@@ -5,8 +5,9 @@ One column is UNIT ticks; the controller's times are whole columns.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
+
+from msgspec.structs import replace
 
 from periph_sim.bus.i2c.controller import I2cController
 from periph_sim.bus.i2c.transfer import BusTiming, Phase, Transfer

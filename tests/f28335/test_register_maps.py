@@ -7,9 +7,8 @@ wins against a write of the same cycle. "A1 to A9 x2" are fields of two bits eac
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
+from msgspec.structs import replace
 
 from periph_sim.core.registers import Field, Register, RegisterMap, Tie
 from periph_sim.f28335.cpu import pie_map, xint_map

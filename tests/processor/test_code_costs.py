@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import pairwise
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from periph_sim.f28335.cpu.compiled_code_costs import BARE, CodeCosts
 from periph_sim.f28335.system.memory_map import Frame

@@ -7,11 +7,11 @@ is when it has issued everything. A read in the column of a landing comes before
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Kind, Record, Recorder

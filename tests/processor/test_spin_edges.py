@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
+from msgspec.structs import replace
 
 from periph_sim.f28335.cpu.compiled_code_costs import BARE
 from periph_sim.f28335.system.options import SystemOptions

@@ -6,14 +6,12 @@ Transfer --> Phases       START to STOP, and what lies between two STARTs
 
 from __future__ import annotations
 
-from dataclasses import field
+from msgspec import Struct, field
 
-from ...core.lazy_dataclass import dataclass
 from ...core.time import NO_TIME
 
 
-@dataclass(frozen=True)
-class BusTiming:
+class BusTiming(Struct, frozen=True):
     """All in ticks; each what the controller does, not a limit. filter: a level of SDA that lasts less is not seen."""
 
     low: int  # SCL let go this long after it fell
@@ -26,8 +24,7 @@ class BusTiming:
     filter: int = 0
 
 
-@dataclass
-class Phase:
+class Phase(Struct):
     """One addressed part of a transfer: START or repeated START, address, bytes.
 
     address: the 7-bit address, right-aligned. data: the bytes to write, or what is
@@ -50,8 +47,7 @@ class Phase:
     stretch: int = 0  # longest time the other side held SCL low beyond `low`
 
 
-@dataclass
-class Transfer:
+class Transfer(Struct):
     """What happens between a START and its STOP, and what came of it."""
 
     name: str

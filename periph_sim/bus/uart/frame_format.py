@@ -5,11 +5,10 @@ start  data, LSB first  [address]  [parity]  stop [stop]
 
 from __future__ import annotations
 
-from ...core.lazy_dataclass import dataclass
+from msgspec import Struct
 
 
-@dataclass(frozen=True)
-class UartFormat:
+class UartFormat(Struct, frozen=True):
     """bits: 1 to 8. parity: "none", "even" or "odd". stop: stop bits, 1 or 2. address: an address bit behind the data.
 
     The parity is that of the data and the address bit.

@@ -6,9 +6,11 @@ Each reading takes one thing more into account than the one before it; the last 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import hypot, sqrt
 from typing import Any
+
+from msgspec.structs import replace
 
 from ...sensors.models.parameters import NONE, ImuParameters
 from ...sensors.noise import AXES

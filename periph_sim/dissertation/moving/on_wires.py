@@ -11,6 +11,7 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
+from msgspec import structs
 
 from ...core.records import Kind, Record, Recorder
 from ...core.time import Timebase
@@ -147,7 +148,7 @@ def _arrays(noise: Noise[float]) -> Noise[Floats]:
 
 def _read(scene: Scene, subject: EmulatorUnderTest, scales: dict[str, Fraction], progress: Progress | None) -> Readings:
     assert scene.head is not None
-    known = {name: replace(CHIPS[name], lsb_per_unit=scale) for name, scale in scales.items()}
+    known = {name: structs.replace(CHIPS[name], lsb_per_unit=scale) for name, scale in scales.items()}
     log = SampleLog(scene.head, scene.start, scene.timebase.per_second, known)
     scene.run(subject.duration, progress)
     return Readings(log.samples().seconds, log.counts(), {name: float(scale) for name, scale in scales.items()})

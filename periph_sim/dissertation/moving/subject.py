@@ -8,6 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
+from msgspec import structs
+
 from ...devices.sensor_rounds import CHIPS
 from ...scene.case.model import Case, Controller, HostTable
 from ...scene.scene import Scene
@@ -37,7 +39,7 @@ class EmulatorUnderTest:
 
     def with_rates(self, rates: Rates) -> EmulatorUnderTest:
         """The same with a gyroscope as built, or corrected."""
-        sensors = replace(self.sensors, gyroscope=replace(self.sensors.gyroscope, rates=rates))
+        sensors = structs.replace(self.sensors, gyroscope=structs.replace(self.sensors.gyroscope, rates=rates))
         unit = self.case.unit[self.unit]
         unit = unit.model_copy(update={"settings": {**unit.settings, "parameters": sensors}})
         case = self.case.model_copy(update={"unit": {**self.case.unit, self.unit: unit}})

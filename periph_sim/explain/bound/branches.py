@@ -14,7 +14,8 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from types import CodeType
 
-from ...core.lazy_dataclass import dataclass
+from msgspec import Struct
+
 from .code_trace import Ran
 from .data_dependence import WAITS, Function, Kind, Module, called
 from .program import BUILTINS, MACHINE, METHODS, Program
@@ -24,8 +25,7 @@ Comprehension = ast.ListComp | ast.SetComp | ast.DictComp | ast.GeneratorExp
 Loop = ast.For | ast.AsyncFor | ast.While
 
 
-@dataclass(frozen=True, order=True)
-class Decision:
+class Decision(Struct, frozen=True, order=True):
     """A place at which data or phase may decide what runs, or what it costs."""
 
     file: str

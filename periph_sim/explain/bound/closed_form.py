@@ -10,14 +10,15 @@ Source of the form: SPRUG03B sections 2 and 3 (XRDY, stretching), the busy windo
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
 from math import ceil, floor
 
+from msgspec import Struct
+from msgspec.structs import replace
+
 from ...bus.i2c.transfer import Phase, Transfer
-from ...core.lazy_dataclass import dataclass
 from ...core.time import Timebase
 from ...devices.sensor_rounds import CHIPS, Round
 from ...f28335.cpu import instruction_costs as cpu_costs
@@ -33,8 +34,7 @@ from .undisturbed_run import UndisturbedRun, Wait
 MEASURED = "measured in a run without host"
 
 
-@dataclass(frozen=True)
-class Write:
+class Write(Struct, frozen=True):
     """A write of I2CDXR at its latest, interrupts included. before: what of the chain lies before the SCL fall behind
     which its first bit stands, as a term to be taken off. late: ticks from that fall to the release of SCL.
 

@@ -14,7 +14,8 @@ from fractions import Fraction
 from types import CodeType, FrameType
 from typing import NamedTuple
 
-from ...core.lazy_dataclass import dataclass
+from msgspec import Struct
+
 from ...processor.source_location import is_ours
 
 
@@ -30,8 +31,7 @@ class Ran(NamedTuple):
 Stack = list[tuple[FrameType, int]]  # frames and their lines, the outermost first
 
 
-@dataclass(frozen=True)
-class Mark:
+class Mark(Struct, frozen=True):
     """waited: the time up to here was a wait's. ran: what ran since the mark before."""
 
     tick: int

@@ -16,7 +16,8 @@ from fractions import Fraction
 from math import ceil, floor
 from typing import TYPE_CHECKING
 
-from ...core.lazy_dataclass import dataclass
+from msgspec import Struct
+
 from ...f28335.sci.register_map import SCI_MAP
 from .terms import Bound, Term, reasons, total
 
@@ -27,8 +28,7 @@ SCI, VECTOR = "SCI-A", "SCIRXINTA"
 READ = f"R {SCI}.SCIRXBUF"
 
 
-@dataclass(frozen=True)
-class Receiver:
+class Receiver(Struct, frozen=True):
     """level: words at which the FIFO asks for service. reads: of a routine, in ticks from its entry on.
 
     character: ticks between two that are received, at least: its stop bit may be cut short. delay: from the last word

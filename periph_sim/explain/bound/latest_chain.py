@@ -12,13 +12,13 @@ from __future__ import annotations
 from functools import cached_property
 from itertools import pairwise
 
-from ...core.lazy_dataclass import dataclass
+from msgspec import Struct
+
 from .terms import Term, total
 from .undisturbed_run import UndisturbedRun, Wait
 
 
-@dataclass(frozen=True)
-class LatestChain:
+class LatestChain(Struct, frozen=True, dict=True):
     """The latest chain to a point. edge: where it begins. terms: from there on, without interrupts."""
 
     edge: int

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
 
-from ...core.lazy_dataclass import dataclass
+from msgspec import Struct
+
 from ...timing.budget_schema import Budget, Condition
 from ...timing.budgets import PER_MILLE, BudgetJudge
 from .terms import Bound
@@ -16,8 +17,7 @@ OTHER_SIDE = {False: "it is bounded from above only", True: "it is bounded from 
 OF_DATA = {"wrong bytes": "bytes are data, which no sum of times bounds"}
 
 
-@dataclass(frozen=True)
-class LimitCheck:
+class LimitCheck(Struct, frozen=True):
     """One limit of a budget, `key` being its key, and what bounds it. bound: None where nothing does, `reason` is why.
 
     limit: in ticks, or as the budget counts. unproven: there is a closed form, with a term that is no bound.

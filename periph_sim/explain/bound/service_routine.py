@@ -8,14 +8,14 @@ The routine is straight-line code, so its cost in a run in which nothing else ha
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import field
 from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
 from math import ceil
 from types import CodeType
 
-from ...core.lazy_dataclass import dataclass
+from msgspec import Struct, field
+
 from ...core.records import Kind, Record
 from ...core.time import Timebase
 from ...f28335.cpu.instruction_costs import IFR_DELAY
@@ -31,8 +31,7 @@ from .terms import BadBound, Term, total
 FRAMES = 2
 
 
-@dataclass(frozen=True)
-class ServiceRoutines:
+class ServiceRoutines(Struct, frozen=True, dict=True):
     """cost: ticks that one interrupt takes away, its terms. per_frame: interrupts a host frame. period, jitter: ticks
     of the host's frames, the period rounded down. bit: a bit of the host's line. vectors: of the interrupts. receiver:
     the FIFO that they serve; None where they serve none. seconds, events: of the run they were measured in."""
@@ -137,8 +136,7 @@ def in_ticks(length: Fraction, ppm: Fraction, timebase: Timebase) -> Fraction:
     return length * timebase.per_second / (1 + ppm / 1_000_000)
 
 
-@dataclass
-class _Routine:
+class _Routine(Struct):
     """One run of a service routine."""
 
     vector: str
@@ -161,8 +159,7 @@ class _Routine:
         return [tick for tick, what in self.steps if what.endswith(READ)]
 
 
-@dataclass
-class _Listener:
+class _Listener(Struct):
     """Hears the records of a unit's service routines, none of which interrupts another."""
 
     unit: str

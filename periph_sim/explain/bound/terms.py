@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from fractions import Fraction
 
-from ...core.lazy_dataclass import dataclass
+from msgspec import Struct
 
 
 class BadBound(ValueError):
     """A case for which there is no closed form; one sentence."""
 
 
-@dataclass(frozen=True)
-class Term:
+class Term(Struct, frozen=True):
     """A part of a sum. ticks: negative where it is taken off. source: the parameter or document it comes from.
 
     unproven: why it is no bound on what it stands for; empty if it is one.
@@ -28,8 +27,7 @@ class Term:
         return Term(self.what, -self.ticks, self.source, self.unproven)
 
 
-@dataclass(frozen=True)
-class Bound:
+class Bound(Struct, frozen=True):
     """The worst case of one measure: the sum of its terms, but never less than `floor`.
 
     measure: as a budget names it. least: it is the smallest value that is bounded, from below. counted: its terms are

@@ -11,12 +11,12 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections import defaultdict
 from collections.abc import Mapping
-from dataclasses import field
 from fractions import Fraction
 from itertools import pairwise
 
+from msgspec import Struct, field
+
 from ...bus.i2c.transfer import Transfer
-from ...core.lazy_dataclass import dataclass
 from ...core.records import Kind, Record
 from ...devices.sensor_rounds import Round
 from ...f28335.cpu import instruction_costs as cpu_costs
@@ -39,8 +39,7 @@ DXR, STR, OAR = "W I2C-A.I2CDXR", "W I2C-A.I2CSTR", "W I2C-A.I2COAR"
 RECEIVING = ("W SCI-A.", "W PIE.")  # what the start-up of a receiver writes
 
 
-@dataclass
-class Wait:
+class Wait(Struct):
     """A loop that waits for flags. first, end: its first read and the one that ended it. reads: in a pass.
 
     pass_cycles: of a pass, where the wait says it. into: ticks from the begin of a pass to the read that ended it.
@@ -61,8 +60,7 @@ class Wait:
     delay: int = 0
 
 
-@dataclass
-class UndisturbedRun:
+class UndisturbedRun(Struct):
     """All times in ticks.
 
     cycle: length of one of SYSCLKOUT. low: the controller's SCL low time. module: cycles of the I2C module clock.
@@ -223,8 +221,7 @@ def observe(case: Case, firmware: Mapping[str, Firmware] | None = None) -> Undis
     return listener.fill(calm, (plan.i2c or I2cOptions()).noise_filter_cycles)
 
 
-@dataclass
-class _Reading:
+class _Reading(Struct):
     spin: Spin
     place: str
     first: int

@@ -8,11 +8,10 @@ Source: SPRU430F chapter 6 (cycles of instructions), SPRUEO2A (FPU), SPRS439M Ta
 
 from __future__ import annotations
 
-from ...core.lazy_dataclass import dataclass
+from msgspec import Struct
 
 
-@dataclass(frozen=True)
-class CodeCosts:
+class CodeCosts(Struct, frozen=True):
     """Cycles. The defaults are the median or the most frequent case; the comments tell the range found.
 
     between_accesses: what runs before an access: addresses, data, tests, branches. poll_pass: a pass of a wait that

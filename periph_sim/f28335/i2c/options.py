@@ -12,7 +12,8 @@ default `any_ack_fall9` gives both with the default `rrdy_point`, and so does
 
 from __future__ import annotations
 
-from ...core.lazy_dataclass import dataclass
+from dataclasses import dataclass
+
 from ...core.options import choice, number
 
 

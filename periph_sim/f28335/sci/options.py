@@ -7,7 +7,8 @@ questions; the last three were met while the model was written.
 
 from __future__ import annotations
 
-from ...core.lazy_dataclass import dataclass
+from dataclasses import dataclass
+
 from ...core.options import choice, number
 
 

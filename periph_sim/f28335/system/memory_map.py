@@ -9,7 +9,8 @@ from __future__ import annotations
 from enum import IntEnum
 from functools import cached_property
 
-from ...core.lazy_dataclass import dataclass
+from msgspec import Struct
+
 from ...core.registers import Register
 from ...core.socket import Socket
 from ...core.suggest import did_you_mean
@@ -32,8 +33,7 @@ LOW, HIGH, BOTH = 0b01, 0b10, 0b11  # 16-bit words of a register that an access 
 WORDS_MASK = (0, 0xFFFF, 0xFFFF_0000, 0xFFFF_FFFF)  # their bits in the register's value
 
 
-@dataclass(frozen=True)
-class ModuleRange:
+class ModuleRange(Struct, frozen=True, dict=True):
     """Where a module lives: `base` is the address of its offset 0."""
 
     name: str

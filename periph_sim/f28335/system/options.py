@@ -7,7 +7,8 @@ to its `touched` set.
 
 from __future__ import annotations
 
-from ...core.lazy_dataclass import dataclass
+from dataclasses import dataclass
+
 from ...core.options import choice, number
 
 

@@ -9,11 +9,11 @@ What is not over as the run ends is told as far as it has come.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import replace
 from fractions import Fraction
 from typing import cast
 
 import numpy as np
+from msgspec.structs import replace
 
 from ...bus.i2c.transfer import Phase, Transfer
 from ...core.records import Kind

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ...core.lazy_dataclass import dataclass
+from msgspec import Struct
 
 Place = tuple[str | int, ...]  # keys and entry numbers from the top of a case down
 
 
-@dataclass(frozen=True)
-class Source:
+class Source(Struct, frozen=True):
     """text: the file as it was read. changes: the `key=value` texts applied to it since, and what each changed."""
 
     path: Path

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Literal
 
-from ...core.lazy_dataclass import dataclass
+from msgspec import Struct
+
 from ...core.settings import Table
 from .wiring import Pin, SciLines, node_of, sci_lines, sci_named, wiring_of
 
@@ -30,8 +31,7 @@ class TransceiverTable(Table):
     pull: Literal["down", "up"] = "down"
 
 
-@dataclass(frozen=True)
-class OnPair:
+class OnPair(Struct, frozen=True):
     """An SCI behind a transceiver. de: the GPIO number of its driver's pin, and the wire there."""
 
     table: TransceiverTable

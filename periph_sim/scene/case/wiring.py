@@ -15,9 +15,9 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
+from msgspec import Struct
 from pydantic import Field
 
-from ...core.lazy_dataclass import dataclass
 from ...core.settings import Table
 from ...core.suggest import did_you_mean
 from ...f28335.unit_modules import PIN_OF
@@ -45,8 +45,7 @@ class Cable(Table):
     to: str
 
 
-@dataclass(frozen=True)
-class Wiring:
+class Wiring(Struct, frozen=True):
     """pins: by unit, the wire of each GPIO number that has one."""
 
     pins: Mapping[str, Mapping[int, str]]
@@ -82,8 +81,7 @@ def wiring_of(case: Case) -> Wiring:
     return Wiring(pins)
 
 
-@dataclass(frozen=True)
-class SciLines:
+class SciLines(Struct, frozen=True):
     """An SCI and the wires of its pins."""
 
     unit: str

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from math import radians
+
+from msgspec.structs import replace
 
 from ..models.parameters import AccelerometerParameters, ImuParameters, MagnetometerParameters, Norm, Spherical
 from .motions import Attitude, sent

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from ...core.lazy_dataclass import dataclass
 from ..numeric.arithmetic import Rounding
 from .quantity import BadParameter, Checked, Choice, Quantity, Vector
 
@@ -31,8 +30,7 @@ NEAREST = "not said; nearest, which Table 5.1's emulated means of the gyroscope 
 EITHER = "not said; nearest; Table 5.1's emulated means of this sensor lie half an LSB lower, where a floor has them"
 
 
-@dataclass(frozen=True)
-class SensorParameters(Checked):
+class SensorParameters(Checked, frozen=True):
     """What the three have in common: S (scale on its diagonal, cross-axis beside it) and the converter's codes."""
 
     scale: float
@@ -52,8 +50,7 @@ class SensorParameters(Checked):
         return -(1 << (self.bits - 1)), (1 << (self.bits - 1)) - 1
 
 
-@dataclass(frozen=True)
-class AccelerometerParameters(SensorParameters):
+class AccelerometerParameters(SensorParameters, frozen=True):
     """ADXL345 (equations 4.1 to 4.4). lever_arm: d of equation 4.3."""
 
     bias: Annotated[Vector, Quantity("g", -16, 16, TABLE)] = (-0.02, 0.02, -0.00)
@@ -68,8 +65,7 @@ class AccelerometerParameters(SensorParameters):
     random_walk: Annotated[Vector, Quantity("g/s^0.5", 0, 16, OFF)] = NONE
 
 
-@dataclass(frozen=True)
-class GyroscopeParameters(SensorParameters):
+class GyroscopeParameters(SensorParameters, frozen=True):
     """ITG-3200 (equation 4.5, appendix B). mounting: which body axis, signed, each chip axis looks along; 1 is x.
 
     rates: "as built", the derivatives of the three angles, or "corrected", the body rates of appendix B.
@@ -95,8 +91,7 @@ class GyroscopeParameters(SensorParameters):
             raise BadParameter("gyroscope.mounting", f"expected 1, 2 and 3 once each, with a sign, but it is {found}")
 
 
-@dataclass(frozen=True)
-class MagnetometerParameters(SensorParameters):
+class MagnetometerParameters(SensorParameters, frozen=True):
     """HMC5883L (equations 4.6 to 4.8). hard_iron: V; earth_field: H_rt; board: Incl_PCB.
 
     spherical: how H_rp is found. "four-quadrant": by azimuth and elevation with atan2, as meant; "plain": with the
@@ -120,8 +115,7 @@ class MagnetometerParameters(SensorParameters):
     random_walk: Annotated[Vector, Quantity("gauss/s^0.5", 0, 8, OFF)] = NONE
 
 
-@dataclass(frozen=True)
-class ImuParameters(Checked):
+class ImuParameters(Checked, frozen=True):
     """All three sensors, and what they share: the derivative. period: Ts.
 
     wrap: "as built", a step of nearly 360 degrees counts as one; "unwrapped", roll and yaw take the short way round.

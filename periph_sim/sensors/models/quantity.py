@@ -1,4 +1,4 @@
-"""Parameters that say what they are: a frozen dataclass whose annotations carry unit, range and source.
+"""Parameters that say what they are: a frozen struct whose annotations carry unit, range and source.
 
     bias: Annotated[Vector, Quantity("g", -16, 16, "Table 4.1")] = (-0.02, 0.02, 0.0)
 
@@ -8,11 +8,10 @@ A set checks itself when it is made: BadParameter names the parameter, the value
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import fields
 from math import isfinite
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
-from ...core.lazy_dataclass import dataclass
+from msgspec import Struct
 
 Vector = tuple[float, float, float]  # x, y, z
 
@@ -26,8 +25,7 @@ class BadParameter(ValueError):
         self.what = what
 
 
-@dataclass(frozen=True)
-class Quantity:
+class Quantity(Struct, frozen=True):
     """What a number, or each of a vector's three, means. low, high: both are allowed."""
 
     unit: str
@@ -40,15 +38,13 @@ class Quantity:
         return f"{self.low:g} to {self.high:g} {self.unit}".rstrip()
 
 
-@dataclass(frozen=True)
-class Choice:
+class Choice(Struct, frozen=True):
     """What decides for one of several named ways."""
 
     source: str
 
 
-@dataclass(frozen=True)
-class Parameter:
+class Parameter(Struct, frozen=True):
     """One entry of a set, as its annotation declares it. kind: Vector, float, int, a Literal or a set itself."""
 
     name: str
@@ -64,16 +60,15 @@ def parameters_of(kind: type[Checked]) -> tuple[Parameter, ...]:
     if kind not in _known:
         hints = get_type_hints(kind, include_extras=True)
         found = []
-        for one in fields(kind):
-            hint = hints[one.name]
+        for name in kind.__struct_fields__:
+            hint = hints[name]
             annotated = get_origin(hint) is Annotated
-            found.append(Parameter(one.name, *(get_args(hint) if annotated else (hint, None))))
+            found.append(Parameter(name, *(get_args(hint) if annotated else (hint, None))))
         _known[kind] = tuple(found)
     return _known[kind]
 
 
-@dataclass(frozen=True)
-class Checked:
+class Checked(Struct, frozen=True):
     """A set of parameters that looks at itself when it is made. BadParameter if a value is not what it should be."""
 
     def __post_init__(self) -> None:

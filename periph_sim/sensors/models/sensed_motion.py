@@ -9,10 +9,10 @@ a corner, what is behind it counts.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from ..motion import Motion

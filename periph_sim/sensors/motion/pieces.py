@@ -5,11 +5,12 @@ Before the first time and behind the last the values hold. Parts of `flight`, `s
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import ConfigDict
 
-from ...core.lazy_dataclass import dataclass
 from .quantities import Acceleration, Angle
 
 Floats = NDArray[np.float64]

@@ -12,7 +12,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from fractions import Fraction
 
-from ...core.lazy_dataclass import dataclass
+from msgspec import Struct
+
 from .costs import OPERANDS, Library, Tables
 
 SYSCLK = 150_000_000  # Hz: the dissertation's board
@@ -23,8 +24,7 @@ class NoCost(ValueError):
     """An operation that a library has no figure for; one sentence."""
 
 
-@dataclass(frozen=True)
-class Line:
+class Line(Struct, frozen=True):
     """One kind of operation in one part of the model. low, high: cycles of all of them, operands: on top."""
 
     part: str
@@ -35,8 +35,7 @@ class Line:
     operands: int
 
 
-@dataclass(frozen=True)
-class Estimate:
+class Estimate(Struct, frozen=True):
     library: Library
     tables: Tables
     lines: tuple[Line, ...]

@@ -25,11 +25,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
-from ...core.lazy_dataclass import dataclass
+from msgspec import Struct
+from msgspec.structs import replace
+
 from ...core.records import Kind, Record
 from ...core.suggest import did_you_mean
 from .scope import LINES, BadEvent, Scope, scope_of_table
@@ -53,8 +54,7 @@ NTH = re.compile(r"(\d+)(st|nd|rd|th)")
 GROUPS = ("transfer", "round", "burst")
 
 
-@dataclass(frozen=True)
-class Event:
+class Event(Struct, frozen=True):
     """kind: the event's first word. name: what it is about. how: which change or way. number: a value, if given.
 
     others: events that are as good, "or" between them. nth, group: which one of a transfer, round or burst counts; -1
@@ -72,8 +72,7 @@ class Event:
     group: str = ""
 
 
-@dataclass(frozen=True)
-class Group:
+class Group(Struct, frozen=True):
     """A stretch of a run in which events are counted: a name of GROUPS.
 
     begin, end: START and STOP; of a burst a frame's begin and end.
@@ -84,8 +83,7 @@ class Group:
     end: Matcher
 
 
-@dataclass(frozen=True)
-class Matcher:
+class Matcher(Struct, frozen=True):
     """where: the places it may happen at; None for any. others: matchers that are as good, "or" between them.
 
     nth, group: which one counts, 1 for the first, -1 for the last, where not every one does.

@@ -34,12 +34,13 @@ where its first word is one that begins another state.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from fractions import Fraction
 from functools import lru_cache
 
-from ...core.lazy_dataclass import dataclass
+from msgspec import Struct
+
 from ...core.settings import duration
 from ...devices.sensor_rounds import CHIPS
 from .events import EVENTS, Event, read_event
@@ -73,8 +74,7 @@ LEVELS = ("high", "low")
 BUS_STATES = ("busy", "free")
 
 
-@dataclass(frozen=True)
-class During:
+class During(Struct, frozen=True):
     """A state: it begins with one of `enters` and is over with one of `leaves` that is none of `enters`."""
 
     text: str

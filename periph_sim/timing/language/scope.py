@@ -7,10 +7,9 @@ It knows what could happen there, not what did: a name it lets through is a name
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from ...core.lazy_dataclass import dataclass
 from ...core.records import Kind
 from ...core.registers import Field, Register, RegisterMap
 from ...core.suggest import did_you_mean

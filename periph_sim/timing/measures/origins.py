@@ -19,8 +19,9 @@ from functools import lru_cache
 from itertools import combinations_with_replacement
 from typing import NamedTuple, Protocol
 
+from msgspec import Struct
+
 from ...bus.i2c.transfer import Phase, Transfer
-from ...core.lazy_dataclass import dataclass
 from ...core.time import NO_TIME
 from ...devices.model_codes import Computed, ModelCodes, ModelState, register_bytes
 from ...devices.sensor_rounds import ADDRESSES, CHIPS
@@ -110,8 +111,7 @@ class Chain(NamedTuple):
     state: ModelState
 
 
-@dataclass
-class Run:
+class Run(Struct):
     """A run of the models that is over. sent: the frames that it may have taken, oldest first."""
 
     number: int

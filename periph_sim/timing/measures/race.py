@@ -13,9 +13,9 @@ from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
-from ...core.lazy_dataclass import dataclass
 from ...core.records import UNHEARD, Kind, Record, Recorder, Subjects
 from ...core.suggest import did_you_mean
 from ...core.time import NO_TIME
@@ -29,8 +29,7 @@ from .measure import Measure, SceneEvents
 from .modifies import CLEARABLE, Modifies
 
 
-@dataclass(frozen=True)
-class Watched:
+class Watched(Struct, frozen=True):
     """A status register, or one field of it. unit, module, register: empty for all of the scene's, with its units."""
 
     text: str

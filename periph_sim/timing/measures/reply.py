@@ -9,17 +9,16 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
-from dataclasses import field
 
-from ...core.lazy_dataclass import dataclass
+from msgspec import Struct, field
+
 from ...core.time import NO_TIME
 from .measure import Measure, SceneEvents
 
 BAD = 0x100  # added to a character with a wrong parity or without a stop bit
 
 
-@dataclass(frozen=True)
-class Expected:
+class Expected(Struct, frozen=True):
     """What must come. show: characters as messages have them. within: ticks. anywhere: others may come before."""
 
     characters: tuple[int, ...]
@@ -29,8 +28,7 @@ class Expected:
     anywhere: bool
 
 
-@dataclass
-class _Occasion:
+class _Occasion(Struct):
     """One time that the reply was asked for. since: from when its time counts; NO_TIME as long as that is to come."""
 
     window: int

@@ -8,7 +8,8 @@ the end of the run, it counts with that.
 
 from __future__ import annotations
 
-from ...core.lazy_dataclass import dataclass
+from msgspec import Struct
+
 from ...core.records import Kind
 from ...core.time import NO_TIME
 from ..language.events import EVERYTHING, Matcher
@@ -16,8 +17,7 @@ from .event_pairing import EventMeasure
 from .measure import SceneEvents
 
 
-@dataclass(frozen=True)
-class State:
+class State(Struct, frozen=True):
     """enters: what begins it. leaves: what ends it, unless that is one of `enters`, too."""
 
     text: str

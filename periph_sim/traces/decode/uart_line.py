@@ -5,15 +5,15 @@ from __future__ import annotations
 import re
 from fractions import Fraction
 
-from ...core.lazy_dataclass import dataclass
+from msgspec import Struct
+
 from ...core.shorten import shorten
 from ...core.suggest import did_you_mean
 
 PARITIES = ("none", "odd", "even", "mark", "space")
 
 
-@dataclass(frozen=True, slots=True)
-class Line:
+class Line(Struct, frozen=True):
     """How frames are made. invert: True where idle is low on the wire."""
 
     baud: Fraction | int

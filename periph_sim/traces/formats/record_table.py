@@ -10,14 +10,13 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Iterable, Iterator
-from dataclasses import field
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.lazy_dataclass import dataclass
 from ...core.records import Keeper, Kind, Record
 
 KINDS = tuple(Kind)

@@ -74,7 +74,7 @@ def test_hard_iron_against_a_recording_without_it():
 
 
 def plain(imu: ImuParameters) -> ImuParameters:
-    from dataclasses import replace
+    from msgspec.structs import replace
 
     return replace(imu, magnetometer=replace(imu.magnetometer, hard_iron=(0.0, 0.0, 0.0)))
 

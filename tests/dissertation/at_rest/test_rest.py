@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import scipy
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from periph_sim.dissertation.at_rest.rest import SENSORS, at_rest, expected_at_rest, sensed_at_rest
 from periph_sim.dissertation.at_rest.static_table import static_table

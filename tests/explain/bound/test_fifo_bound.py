@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from periph_sim.explain.bound.fifo_bound import Receiver, fifo_bounds
 from periph_sim.explain.bound.form_of_case import closed_form

@@ -6,6 +6,7 @@ from dataclasses import replace
 from fractions import Fraction
 
 import pytest
+from msgspec import structs
 
 from periph_sim.core.text_table import paragraph
 from periph_sim.core.time import Timebase
@@ -21,7 +22,7 @@ CODE, POLL = Term("code", 100 * CYCLE, "its code"), Term("poll pass", 50 * CYCLE
 ENTRY = Term("interrupt entry", 17 * CYCLE, "int_latency 17")
 RESPONSE = Bound("response", "response", (CODE, POLL))
 HELD = Bound("stretch", "stretch", (Term("reaction", 30 * CYCLE, "response"), Term("bit", -CYCLE // 2, "rate")))
-FLOORED = replace(HELD, floor=Term("none is shorter", US, "the bus"))
+FLOORED = structs.replace(HELD, floor=Term("none is shorter", US, "the bus"))
 LEAST = Bound("margin", "I2CDXR margin", (Term("nine bits", 9 * US, "rate"), CODE.taken_off()), least=True)
 COUNTED = Bound("FIFO", "SCI FIFO high-water", (Term("words", 12, "the frame"),), counted=True)
 OPEN = Bound("age", "age", (Term("model", 3 * US, "measured", "'if x' decides what runs"),))

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
 import pytest
+from msgspec.structs import replace
 
 from periph_sim.explain.bound import verdict_proof
 from periph_sim.explain.bound.verdict_proof import prove_verdicts

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from periph_sim.scene.case.sensor_sets import load
 from periph_sim.scene.case.sensor_sets_text import text_of

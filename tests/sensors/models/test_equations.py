@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from math import cos, degrees, pi, radians, sin
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from periph_sim.sensors.models.accelerometer import gravity
 from periph_sim.sensors.models.angles import angles

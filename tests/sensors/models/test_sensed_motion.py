@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from periph_sim.sensors.models.imu import Noise
 from periph_sim.sensors.models.parameters import (

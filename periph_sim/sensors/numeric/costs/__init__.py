@@ -8,10 +8,9 @@ one: what that adds is listed apart. Loading operands and storing results is lis
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field
 from typing import Literal
 
-from ....core.lazy_dataclass import dataclass
+from msgspec import Struct, field
 
 Tables = Literal["RAM", "boot ROM"]
 
@@ -36,8 +35,7 @@ OPERANDS = {
 }
 
 
-@dataclass(frozen=True)
-class Cost:
+class Cost(Struct, frozen=True):
     """SYSCLKOUT cycles, from low to high. guessed: no published figure is behind it, only experience."""
 
     low: int
@@ -59,8 +57,7 @@ def guessed(low: int, high: int, source: str) -> Cost:
     return Cost(low, high, source, guessed=True)
 
 
-@dataclass(frozen=True)
-class Library:
+class Library(Struct, frozen=True):
     """rom: what tables in the boot ROM add. with_operands: operations whose figure has loads and stores in it."""
 
     name: str

@@ -13,7 +13,7 @@ from ..records.cause_trace.causes import walk_back
 from ..records.record_text import happened
 from ..records.run import Run
 from ..timing.language.events import Matcher
-from ..timing.measures.race import Watched
+from ..timing.measures.watched import Watched
 from ..traces.formats.record_table import Columns
 from .bus_chain import nack
 from .chain import Chain, Part, Step, parts_of

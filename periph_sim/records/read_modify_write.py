@@ -11,10 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .modify_window import MODIFY, OVERTAKEN
 from .run import Rows, Run
-
-MODIFY = 4  # cycles: most between read and write of one read-modify-write
-OVERTAKEN = 3  # accesses: the write is among so many behind its read
 
 
 class Pairs(NamedTuple):

@@ -119,15 +119,13 @@ ROWS: dict[str, Row] = {
         of_slave(fidelity="byte"),
     ),
     "budgets": Row(("timing.budgets", "timing.measures."), present=("slave",)),
-    "budgets on flag races": Row(
-        (
-            "timing.measures.race",
-            "timing.measures.modifies",
-            "records.lost_flags",
-            "records.register_choice",
-            "traces.formats.",
-        ),
+    "budgets on lost flags": Row(
+        ("timing.measures.lost_flags", "timing.measures.watched", "timing.measures.modifies", "records.modify_window"),
         with_budget("lost flags", max=0),
+    ),
+    "budgets on races": Row(
+        ("timing.measures.race", "records.lost_flags", "records.register_choice", "records.run", "traces.formats."),
+        with_budget("race I2C-A.I2CSTR.XRDY", min=1),
     ),
     "budgets on values": Row(
         ("timing.measures.value",),

@@ -126,11 +126,15 @@ def _state(said: Said, scope: Scope) -> State:
 
 
 def _of_a_race(said: Said, scope: Scope) -> Measure:
-    """Of flags around writes. They work on recorded runs, too, which no other measure needs imported."""
-    from .race import ClearedAlong, LostFlags, Race, clearing, losing, raced
+    """Of flags around writes."""
+    from .watched import clearing, losing, raced
 
     if said.form == "race":
+        from .race import Race  # works on recorded runs, too, which no other measure needs imported
+
         return Race(raced(said.unit, said.name, scope))
+    from .lost_flags import ClearedAlong, LostFlags
+
     if said.form == "cleared":
         return ClearedAlong(clearing(said.unit, said.name, scope))
     return LostFlags(losing(said.unit, said.name, scope))

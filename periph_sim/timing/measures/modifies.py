@@ -18,7 +18,7 @@ from fractions import Fraction
 
 from ...core.records import NOWHERE, OF_MODIFIES, UNHEARD, Keeper, Kind
 from ...core.registers import Field, Register
-from ...records.read_modify_write import MODIFY, OVERTAKEN
+from ...records.modify_window import MODIFY, OVERTAKEN
 from ...records.register_maps import is_status, one_clears
 from ..language.scope import MAPS
 

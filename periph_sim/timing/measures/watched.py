@@ -1,0 +1,85 @@
+"""Which register a measure of races or lost flags is about: what a budget names goes in; a Watched comes out."""
+
+from __future__ import annotations
+
+from msgspec import Struct
+
+from ...core.records import Kind, Record
+from ...core.suggest import did_you_mean
+from ...records.register_maps import is_status, one_clears
+from ..language.scope import MAPS, BadEvent, Scope
+
+
+class Watched(Struct, frozen=True):
+    """A status register, or one field of it. unit, module, register: empty for all of the scene's, with its units."""
+
+    text: str
+    unit: str = ""
+    module: str = ""
+    register: str = ""
+    field: str = ""
+    units: tuple[str, ...] = ()
+
+    @property
+    def name(self) -> str | None:
+        """As `insight` calls it."""
+        return ".".join(filter(None, (self.unit, self.module, self.register, self.field))) or None
+
+    def shows(self, record: Record) -> bool:
+        """Whether a record is an access to the register, or a change of what is watched of it."""
+        return self.is_about(record.kind, record.where, record.what)
+
+    def is_about(self, kind: Kind, where: str, what: str) -> bool:
+        """The same, of all records of one kind, place and thing."""
+        if kind is Kind.ACCESS:
+            place = f"{self.module}.{self.register}" if self.register else what[2:]
+            return self.concerns(kind, where, what) and what[2:] == place
+        field = f"{self.register}.{self.field}" if self.field else what
+        return kind is Kind.FLAG and self.concerns(kind, where, what) and what == field
+
+    def concerns(self, kind: Kind, where: str, what: str) -> bool:
+        if kind is Kind.ACCESS:
+            return where == self.unit or not self.unit
+        if not self.unit:
+            return True
+        return where == f"{self.unit}.{self.module}" and what.startswith(f"{self.register}.")
+
+
+def raced(unit: str, text: str, scope: Scope) -> Watched:
+    """What "I2C-A.I2CSTR.XRDY" or "I2C-A.I2CSTR" names. BadEvent unless hardware changes flags of that register."""
+    if text.count(".") == 2:
+        owner, module, register, f = scope.field(unit, text)
+        field = f.name
+    else:
+        owner, module, register = scope.register(unit, text)
+        field = ""
+    if not is_status(register):
+        flags = [r.name for r in MAPS[module] if is_status(r)]
+        raise BadEvent(
+            f"{register.name} is no status register: hardware sets no flag in it; {did_you_mean(register.name, flags)}"
+        )
+    return Watched(text, owner, module, register.name, field)
+
+
+def losing(unit: str, text: str, scope: Scope) -> Watched:
+    """The register whose flags may be lost; all of the scene's where none is named. BadEvent if none can be."""
+    if not text:
+        if not scope.units:
+            raise BadEvent("the scene has no unit")
+        return Watched("", units=tuple(scope.units))
+    owner, module, register = scope.register(unit, text)
+    if not one_clears(register):
+        flags = [r.name for r in MAPS[module] if one_clears(r)]
+        raise BadEvent(
+            f"writing 1 clears no flag of {register.name}, so none can be lost; {did_you_mean(register.name, flags)}"
+        )
+    return Watched(text, owner, module, register.name)
+
+
+def clearing(unit: str, text: str, scope: Scope) -> Watched:
+    """The one flag that a write may clear along with another. BadEvent if writing 1 does not clear it."""
+    owner, module, register, f = scope.field(unit, text)
+    clearable = [each.name for each in one_clears(register)]
+    if f.name not in clearable:
+        raise BadEvent(f"writing 1 does not clear {text}; {did_you_mean(f.name, clearable)}")
+    return Watched(text, owner, module, register.name, f.name)

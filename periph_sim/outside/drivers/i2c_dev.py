@@ -1,7 +1,7 @@
 """`/dev/i2c-N` for code that opens it by number, as smbus2 does: a session a number goes in; within the block, files.
 
-    os.open("/dev/i2c-1") --number that no file has--> ioctl: address, SMBus transfer, messages --> Master --> wires
-                                                       read, write: plain transfers
+    os.open, open --number that no file has--> ioctl: address, SMBus transfer, messages --> Master --> SDA, SCL
+                                               read, write: plain transfers
 
 Only within the block, and only for these numbers: any other file is as it was.
 
@@ -11,8 +11,10 @@ and i2c-dev.h.
 
 from __future__ import annotations
 
+import builtins
 import ctypes
 import errno
+import io
 import os
 import sys
 from collections.abc import Callable, Iterator, Mapping
@@ -23,12 +25,13 @@ from unittest.mock import patch
 from ..errors import OutsideError
 from ..i2c_master import Master
 from ..session import Session
+from .smbus import MOST_BLOCK, SmbusTransfer
 
+RETRIES, TIMEOUT = 0x701, 0x702
 SLAVE, TENBIT, FUNCS, SLAVE_FORCE, RDWR, PEC, SMBUS = 0x703, 0x704, 0x705, 0x706, 0x707, 0x708, 0x720
 QUICK, BYTE, BYTE_DATA, WORD_DATA, PROC_CALL, BLOCK_DATA, BLOCK_PROC_CALL, I2C_BLOCK = 0, 1, 2, 3, 4, 5, 7, 8
-FUNCTIONS = 0x1 | 0x0EFF_0000 | 0x8000  # plain I2C; SMBus of all kinds, without PEC; block process call
+FUNCTIONS = 0x1 | 0x8 | 0x8000 | 0x0EFF_0000  # plain I2C; PEC; block process call; SMBus of all kinds
 READS = 1  # read_write of an SMBus transfer; the same bit of a message's flags
-MOST_BLOCK = 32  # bytes of an SMBus block
 FIRST_FILE = 1 << 20  # no process has so many files
 
 
@@ -61,6 +64,7 @@ class Adapter:
         self._session = session
         self._pause = pause
         self._address = -1
+        self._checks = False  # PEC
 
     def ioctl(self, request: int, argument: Any) -> int:
         if request in (SLAVE, SLAVE_FORCE):
@@ -68,10 +72,15 @@ class Adapter:
                 raise OSError(errno.EINVAL, f"address {argument}: expected 0 to 0x7f")
             self._address = int(argument)
         elif request == FUNCS:
-            ctypes.memmove(ctypes.addressof(argument), FUNCTIONS.to_bytes(4, sys.byteorder), 4)
-        elif request in (TENBIT, PEC):
+            size = ctypes.sizeof(argument)  # of an unsigned long; programs give an int, too
+            ctypes.memmove(ctypes.addressof(argument), FUNCTIONS.to_bytes(size, sys.byteorder), size)
+        elif request == TENBIT:
             if int(argument):
-                raise OSError(errno.EINVAL, "ten-bit addresses and PEC are not what this adapter can do")
+                raise OSError(errno.EINVAL, "ten-bit addresses are not what this adapter can do")
+        elif request == PEC:
+            self._checks = bool(int(argument))
+        elif request in (RETRIES, TIMEOUT):
+            pass  # of arbitration that is lost, and of a bus that is held: 25 ms here
         elif request == SMBUS:
             self._on_bus(self._smbus, _SmbusTransfer.from_address(ctypes.addressof(argument)))
         elif request == RDWR:
@@ -81,18 +90,18 @@ class Adapter:
         return 0
 
     def write(self, data: bytes) -> int:
-        self._on_bus(lambda master, _: _sent(master, self._address, data), None)
+        self._on_bus(lambda master, _: SmbusTransfer(master, self._address).send(data), None)
         return len(data)
 
     def read(self, count: int) -> bytes:
         got = bytearray()
-        self._on_bus(lambda master, _: got.extend(_got(master, self._address, count)), None)
+        self._on_bus(lambda master, _: got.extend(SmbusTransfer(master, self._address).got(count)), None)
         return bytes(got)
 
     def _on_bus(self, transfer: Callable[[Master, Any], object], argument: Any) -> None:
         """STOP ends what was begun, whatever became of it."""
         session = self._session
-        if self._address < 0 and argument is None:
+        if self._address < 0 and not isinstance(argument, _Messages):
             raise OSError(errno.EINVAL, "no address was given")
         session.advance(session.now + self._pause)
         try:
@@ -105,68 +114,72 @@ class Adapter:
             raise OSError(errno.ETIMEDOUT, str(error)) from None
 
     def _smbus(self, master: Master, asked: _SmbusTransfer) -> None:
-        address, reads, command = self._address, asked.read_write == READS, asked.command
+        reads, command, size = asked.read_write == READS, asked.command, asked.size
+        bus = SmbusTransfer(master, self._address, self._checks and size not in (QUICK, I2C_BLOCK))
         data = asked.data.contents if asked.data else (ctypes.c_uint8 * (MOST_BLOCK + 2))()
-        size = asked.size
         if size == QUICK:
-            _begin(master, address, reads)
+            bus.begin(reads)
         elif size == BYTE and reads:
-            data[0] = _got(master, address, 1)[0]
+            data[0] = bus.got(1)[0]
         elif size == BYTE:
-            _sent(master, address, bytes([command]))
+            bus.send([command])
         elif size in (BYTE_DATA, WORD_DATA, PROC_CALL):
             length = 1 if size == BYTE_DATA else 2
-            _sent(master, address, bytes([command, *(data[:length] if not reads or size == PROC_CALL else [])]))
-            if reads or size == PROC_CALL:
-                data[:length] = list(_got(master, address, length))
+            answered = reads or size == PROC_CALL
+            bus.send([command, *(data[:length] if not reads or size == PROC_CALL else [])], answered)
+            if answered:
+                data[:length] = list(bus.got(length))
         elif size in (BLOCK_DATA, BLOCK_PROC_CALL, I2C_BLOCK):
-            self._block(master, size, command, reads, data)
+            self._block(bus, size, command, reads, data)
         else:
             raise OSError(errno.EOPNOTSUPP, f"no SMBus transfer: {size}")
 
-    def _block(self, master: Master, size: int, command: int, reads: bool, data: Any) -> None:
+    def _block(self, bus: SmbusTransfer, size: int, command: int, reads: bool, data: Any) -> None:
         length = data[0]
         if (not reads or size != BLOCK_DATA) and not 1 <= length <= MOST_BLOCK:
             raise OSError(errno.EINVAL, f"a block of {length} bytes; expected 1 to {MOST_BLOCK}")
-        sends = not reads or size == BLOCK_PROC_CALL
+        sends, answered = not reads or size == BLOCK_PROC_CALL, reads or size == BLOCK_PROC_CALL
         counted = [length] if size != I2C_BLOCK else []
-        _sent(master, self._address, bytes([command, *(counted + data[1 : 1 + length] if sends else [])]))
-        if size == I2C_BLOCK and reads:
-            data[1 : 1 + length] = list(_got(master, self._address, length))
-        elif reads or size == BLOCK_PROC_CALL:
-            _begin(master, self._address, read=True)
-            data[0] = length = master.read(ack=True)
-            if not 1 <= length <= MOST_BLOCK:
-                master.read(ack=False)
-                raise OSError(errno.EPROTO, f"a block of {length} bytes came; expected 1 to {MOST_BLOCK}")
-            for place in range(length):
-                data[1 + place] = master.read(ack=place + 1 < length)
+        bus.send([command, *(counted + data[1 : 1 + length] if sends else [])], answered)
+        if answered:
+            got = bus.got(length) if size == I2C_BLOCK else bus.got_block()
+            data[: 1 + len(got)] = [len(got), *got]
 
     def _messages(self, master: Master, asked: _Messages) -> None:
         for message in asked.messages[: asked.count]:
             if message.flags & ~READS:
                 raise OSError(errno.EOPNOTSUPP, f"flags {message.flags:#x} of a message; only reading is one here")
+            bus = SmbusTransfer(master, message.address)
             if message.flags & READS:
-                for place, byte in enumerate(_got(master, message.address, message.length)):
+                for place, byte in enumerate(bus.got(message.length)):
                     message.data[place] = byte
             else:
-                _sent(master, message.address, bytes(message.data[: message.length]))
+                bus.send(message.data[: message.length])
 
 
-def _begin(master: Master, address: int, read: bool) -> None:
-    if not master.start(address, read):
-        raise OSError(errno.ENXIO, f"nobody acknowledges address {address:#04x}")
+class _Opened(io.RawIOBase):
+    """An open file as `open` gives it, unbuffered."""
 
+    def __init__(self, number: int, adapter: Adapter) -> None:
+        self._number = number
+        self._adapter = adapter
 
-def _sent(master: Master, address: int, data: bytes) -> None:
-    _begin(master, address, read=False)
-    if data and not master.write(*data):
-        raise OSError(errno.EIO, f"a byte was not acknowledged at {address:#04x}")
+    def fileno(self) -> int:
+        return self._number
 
+    def readable(self) -> bool:
+        return True
 
-def _got(master: Master, address: int, count: int) -> bytes:
-    _begin(master, address, read=True)
-    return bytes([master.read(ack=place + 1 < count) for place in range(count)])
+    def writable(self) -> bool:
+        return True
+
+    def readinto(self, buffer: Any) -> int:
+        got = self._adapter.read(len(buffer))
+        buffer[:] = got
+        return len(got)
+
+    def write(self, data: Any) -> int:
+        return self._adapter.write(bytes(data))
 
 
 @contextmanager
@@ -181,11 +194,15 @@ def i2c_dev(sessions: Mapping[int, Session], pause: str = "100 us") -> Iterator[
 
     adapters: dict[int, Adapter] = {}
     real_open, real_close, real_read, real_write, real_ioctl = os.open, os.close, os.read, os.write, fcntl.ioctl
+    real_builtin = builtins.open
+
+    def ours(path: Any) -> bool:
+        return isinstance(path, str | os.PathLike) and str(os.fspath(path)).startswith("/dev/i2c-")
 
     def opened(path: Any, *more: Any, **named: Any) -> int:
-        text = os.fspath(path) if isinstance(path, str | os.PathLike) else ""
-        if not (isinstance(text, str) and text.startswith("/dev/i2c-")):
+        if not ours(path):
             return real_open(path, *more, **named)
+        text = str(os.fspath(path))
         number = text.removeprefix("/dev/i2c-")
         if not number.isdecimal() or int(number) not in sessions:
             raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), text)
@@ -194,8 +211,15 @@ def i2c_dev(sessions: Mapping[int, Session], pause: str = "100 us") -> Iterator[
         adapters[file] = Adapter(session, session.ticks(pause))
         return file
 
+    def opened_by_python(path: Any, *more: Any, **named: Any) -> Any:
+        if not ours(path):
+            return real_builtin(path, *more, **named)
+        number = opened(path)
+        return _Opened(number, adapters[number])
+
     def ioctl(file: Any, request: int, argument: Any = 0, *more: Any) -> Any:
-        adapter = adapters.get(file) if isinstance(file, int) else None
+        number = file.fileno() if isinstance(file, _Opened) else file
+        adapter = adapters.get(number) if isinstance(number, int) else None
         return adapter.ioctl(request, argument) if adapter else real_ioctl(file, request, argument, *more)
 
     def closed(file: int) -> None:
@@ -208,10 +232,13 @@ def i2c_dev(sessions: Mapping[int, Session], pause: str = "100 us") -> Iterator[
     def write(file: int, data: Any) -> int:
         return adapters[file].write(bytes(data)) if file in adapters else real_write(file, data)
 
+    openers = [module for module in (builtins, io) if getattr(module, "open", None) is real_builtin]
     importers = [module for module in list(sys.modules.values()) if getattr(module, "ioctl", None) is real_ioctl]
     with ExitStack() as patches:
         for name, stands_in in (("open", opened), ("close", closed), ("read", read), ("write", write)):
             patches.enter_context(patch.object(os, name, stands_in))
+        for module in openers:
+            patches.enter_context(patch.object(module, "open", opened_by_python))
         for module in importers:
             patches.enter_context(patch.object(module, "ioctl", ioctl))
         yield

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from periph_sim.outside.drivers import i2c_dev
-from periph_sim.outside.drivers.i2c_dev import SLAVE
+from periph_sim.outside.drivers.i2c_dev import RETRIES, SLAVE, TENBIT, TIMEOUT
 from tests.outside.test_register_slave import slave
 
 smbus2 = pytest.importorskip("smbus2", reason="smbus2 is not installed: the extra dev has it")
@@ -76,12 +76,14 @@ def test_plain_files_and_their_refusals() -> None:
         assert os.read(file, 2) == b"\x0a\x0b"
         for request, argument, code in (
             (SLAVE, 0x80, errno.EINVAL),
-            (0x708, 1, errno.EINVAL),
+            (TENBIT, 1, errno.EINVAL),
             (0x1234, 0, errno.ENOTTY),
         ):
             with pytest.raises(OSError) as refused:
                 fcntl.ioctl(file, request, argument)
             assert refused.value.errno == code
+        for request in (TENBIT, RETRIES, TIMEOUT):
+            assert fcntl.ioctl(file, request, 0) == 0
         os.close(file)
         with pytest.raises(FileNotFoundError):
             os.open("/dev/i2c-4", os.O_RDWR)
@@ -96,3 +98,56 @@ def test_other_files_are_as_they_were(tmp_path: Any) -> None:
         assert os.read(file, 3) == b"abc"
         os.close(file)
     assert (os.open, fcntl.ioctl) == (opened, ioctl)
+
+
+def code_of(*data: int) -> int:
+    """CRC-8 by division of polynomials, as SMBus 3.2 section 6.4.1.3 has it."""
+    rest = int.from_bytes(bytes(data), "big") << 8
+    while rest.bit_length() > 8:
+        rest ^= 0x107 << rest.bit_length() - 9
+    return rest
+
+
+def test_packet_error_codes_are_sent_and_checked() -> None:
+    """The chip knows of none: it stores the code that comes, and sends what lies behind the data."""
+    read, word = code_of(0x40, 0x00, 0x41, 0xAB), code_of(0x40, 0x04, 0x41, 0x12, 0x34)
+    block = code_of(0x40, 0x08, 0x41, 2, 7, 8)
+    registers = bytes([0xAB, read, 0, 0, 0x12, 0x34, word, 0, 2, 7, 8, block]).hex(" ")
+    with i2c_dev({1: slave(address=0x20, registers=registers)}), smbus2.SMBus(1) as bus:
+        assert bus.funcs & smbus2.I2cFunc.SMBUS_PEC
+        bus.pec = 1
+        assert bus.read_byte_data(0x20, 0) == 0xAB
+        assert bus.read_word_data(0x20, 4) == 0x3412
+        assert bus.read_block_data(0x20, 8) == [7, 8]
+        bus.write_byte_data(0x20, 0x40, 0x99)
+        bus.write_block_data(0x20, 0x50, [5, 6])
+        assert bus.read_i2c_block_data(0x20, 0x40, 2) == [0x99, code_of(0x40, 0x40, 0x99)]  # has none by itself
+        assert bus.read_i2c_block_data(0x20, 0x50, 4) == [2, 5, 6, code_of(0x40, 0x50, 2, 5, 6)]
+        bus.write_quick(0x20)
+        right = code_of(0x40, 0x20, 0x41, 0)
+        with pytest.raises(OSError, match=f"error code 0x00 came; {right:#04x} is that of what came") as refused:
+            bus.read_byte_data(0x20, 0x20)
+        assert refused.value.errno == errno.EBADMSG
+        bus.pec = 0
+        assert bus.read_byte_data(0x20, 0x20) == 0
+
+
+def test_files_that_python_opens_are_the_adapter_too() -> None:
+    """As Blinka's pure Python SMBus does it."""
+    pureio = pytest.importorskip(
+        "Adafruit_PureIO.smbus", reason="Adafruit-PureIO is not installed: see the extra drivers"
+    )
+    with i2c_dev({1: slave(address=0x20, registers="01 02 03 04")}):
+        bus = pureio.SMBus(1)
+        assert bus.read_byte_data(0x20, 2) == 3
+        bus.write_byte_data(0x20, 2, 0x33)
+        bus.write_byte(0x20, 1)
+        assert bytes(bus.read_bytes(0x20, 2)) == b"\x02\x33"
+        bus.close()
+        with pytest.raises(FileNotFoundError):
+            pureio.SMBus(7)
+        with open("/dev/i2c-1", "r+b", buffering=0) as file:
+            with pytest.raises(OSError, match="no address was given"):
+                file.write(b"\x00")
+            assert fcntl.ioctl(file, SLAVE, 0x20) == 0
+            assert file.write(b"\x03") == 1 and file.read(1) == b"\x04"

@@ -14,11 +14,11 @@ read has begun.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import chain, repeat
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from periph_sim.core.settings import Duration, HexBytes
 from periph_sim.firmware import start_i2c, start_pie
@@ -53,8 +53,8 @@ class Responder:
         self._busy = iter(settings.busy)
         self._last = settings.replies[-1] if settings.replies else b""
         self._bytes: Iterator[int] = iter(())
-        self._writing = False  # interrupt style: the last address asked to write
-        self._stored = False  # a STOP has ended that write
+        self._writing = self._stored = False  # interrupt style: the last address asked to write; a STOP ended that
+        self.waits = self.conditions()
 
     def configure(self) -> None:
         i2c, settings = self.i2c, self.settings
@@ -84,7 +84,7 @@ class Responder:
     def poll(self) -> None:
         i2c, dsp = self.i2c, self.dsp
         while True:
-            dsp.spin(lambda: i2c.I2CSTR.AAS == 1)
+            dsp.spin(self.waits.addressed)
             if i2c.I2CSTR.SDIR == 1:
                 self.send()
             else:
@@ -98,11 +98,11 @@ class Responder:
             i2c.I2CFFTX.TXFFRST = 1
             while True:
                 i2c.I2CDXR.all = next(data)
-                if dsp.spin_either(lambda: i2c.I2CFFTX.TXFFST < 4, lambda: i2c.I2CSTR.AAS == 0):
+                if dsp.spin_either(lambda: i2c.I2CFFTX.TXFFST < 4, self.waits.over):
                     return
         while True:
             i2c.I2CDXR.all = next(data)
-            if dsp.spin_either(lambda: i2c.I2CSTR.XRDY == 1, lambda: i2c.I2CSTR.AAS == 0):
+            if dsp.spin_either(self.waits.wants_byte, self.waits.over):
                 return
 
     def receive(self) -> None:
@@ -110,13 +110,22 @@ class Responder:
         taken = bytearray()
         self.received.append(taken)
         if self.settings.fifo:
-            while not dsp.spin_either(lambda: i2c.I2CFFRX.RXFFST > 0, lambda: i2c.I2CSTR.AAS == 0):
+            while not dsp.spin_either(lambda: i2c.I2CFFRX.RXFFST > 0, self.waits.over):
                 taken.append(i2c.I2CDRR.all)
         else:
-            while not dsp.spin_either(lambda: i2c.I2CSTR.RRDY == 1, lambda: i2c.I2CSTR.AAS == 0):
+            while not dsp.spin_either(self.waits.has_byte, self.waits.over):
                 taken.append(i2c.I2CDRR.all)
         if i2c.I2CSTR.BB == 0:  # a STOP, not a repeated START, ended the write
             self.be_busy()
+
+    def conditions(self) -> Waits:
+        i2c = self.i2c
+        return Waits(
+            addressed=lambda: i2c.I2CSTR.AAS == 1,
+            over=lambda: i2c.I2CSTR.AAS == 0,
+            wants_byte=lambda: i2c.I2CSTR.XRDY == 1,
+            has_byte=lambda: i2c.I2CSTR.RRDY == 1,
+        )
 
     # Interrupt-driven ----------------------------------------------------------
 
@@ -191,6 +200,15 @@ class Responder:
             if self._stored:
                 self._stored = False
                 self.be_busy()
+
+
+class Waits(NamedTuple):
+    """What the polled style waits for, without FIFO."""
+
+    addressed: Callable[[], object]
+    over: Callable[[], object]
+    wants_byte: Callable[[], object]
+    has_byte: Callable[[], object]
 
 
 def main(dsp: Dsp, settings: Settings) -> None:

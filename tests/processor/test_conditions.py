@@ -182,7 +182,12 @@ WRONG = {
     ),
     "flags.STATUS.when(mask=1)": NEEDS,
     "flags.STATUS.when()": NEEDS,
-    "flags.STATUS.when(A=1, B=1)": NEEDS,
+    "flags.STATUS.when(A=1, B=0, C=1)": (
+        "{}: FLAGS.STATUS.when(A=1, B=0, C=1): a wait reads one field; give when(mask=0x7, value=0x5)"
+    ),
+    "flags.STATUS.when(A=1, D=1)": "AttributeError at line {}: FLAGS.STATUS has no field 'D'; it has A, B, C",
+    "flags.STATUS.when(A=1, B=2)": "{}: FLAGS.STATUS.B == 2 never holds; expected a whole number from 0 to 0x1",
+    "flags.STATUS.when(A=1, mask=1, value=1)": NEEDS,
     "bool(flags.STATUS.when(A=1))": (
         "{}: a condition on FLAGS.STATUS.A has no value by itself; give it to dsp.spin, or call it"
     ),

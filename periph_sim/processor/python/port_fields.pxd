@@ -30,6 +30,7 @@ cdef class PortField:
     @cython.locals(operand=Operand)
     cpdef void assign(self, Port port, object value)
     cpdef object condition(self, Port port, object number)
+    cpdef object in_place(self, object number)
     @cython.locals(operand=Operand)
     cpdef object asked(self, Port port, object number, long long test)
     cpdef object masked(self, Port port, object mask, object value)

@@ -56,6 +56,8 @@ class Port:
 
     def when(self, *, mask: object = None, value: object = None, **wanted: object) -> Condition:
         """The condition that a field has a number, when(XRDY=1), or that register & mask == value."""
+        if len(wanted) > 1 and mask is None and value is None:
+            raise self._one_at_a_time(wanted)
         if len(wanted) + (mask is not None or value is not None) != 1 or (mask is None) != (value is None):
             raise Misuse(f"{self.where}.when needs a field and its number, when(NAME=1), or a mask= and a value=")
         for name, number in wanted.items():
@@ -65,6 +67,23 @@ class Port:
         if "all" not in self._fields:
             raise no_such_name(self.where, "all", self.fields)
         return self._fields["all"].masked(self, mask, value)
+
+    def _one_at_a_time(self, wanted: dict[str, object]) -> Exception:
+        """Why several fields are no condition: what is wrong with one of them, else the mask that asks all of them."""
+        mask = value = 0
+        for name, number in wanted.items():
+            if name not in self._fields:
+                return no_such_name(self.where, name, self.fields)
+            field = self._fields[name]
+            try:
+                value |= field.in_place(number)
+            except Misuse as error:
+                return error
+            mask |= field.mask
+        given = ", ".join(f"{name}={number}" for name, number in wanted.items())
+        return Misuse(
+            f"{self.where}.when({given}): a wait reads one field; give when(mask={mask:#x}, value={value:#x})"
+        )
 
     def asked(self, name: str, number: int, test: int) -> Condition | None:
         """The condition that a field compares so with a number; None where `PortField.asked` has none."""
@@ -115,11 +134,16 @@ class PortField:
 
     def condition(self, port: Port, number: object) -> Condition:
         """That this field has a number, of which Misuse is raised where it cannot have it."""
-        if type(number) is not int or not 0 <= number <= self._most:
-            number = self._whole(f"{self._where} == {number!r} never holds", number, self._most)
-        return Condition(
-            port._accesses, port._operands[self.number] or self._operand(port), self._mask, number << self._lsb
-        )
+        value = self.in_place(number)
+        return Condition(port._accesses, port._operands[self.number] or self._operand(port), self._mask, value)
+
+    @property
+    def mask(self) -> int:
+        return self._mask
+
+    def in_place(self, number: object) -> int:
+        """The number as it stands in the register. Misuse where the field cannot have it."""
+        return self._whole(f"{self._where} == {number!r} never holds", number, self._most) << self._lsb
 
     def asked(self, port: Port, number: int, test: int) -> Condition | None:
         """That this field compares so with a number that it can have. None where reads of it are recorded, or are more

@@ -24,7 +24,7 @@ from periph_sim.core.settings import Duration, HexBytes
 from periph_sim.firmware import start_i2c, start_pie
 from periph_sim.processor.dsp import Dsp
 
-AAS_CODE, SCD_CODE, XRDY_CODE, RRDY_CODE, NACK_CODE = 7, 6, 5, 4, 2  # I2CISRC
+from .slave_module import SlaveInterrupt
 
 
 @dataclass
@@ -41,7 +41,7 @@ class Settings:
     ten_bit: bool = False
 
 
-class Responder:
+class Responder(SlaveInterrupt):
     """received: the bytes of each write, in order."""
 
     def __init__(self, dsp: Dsp, settings: Settings) -> None:
@@ -129,23 +129,15 @@ class Responder:
 
     # Interrupt-driven ----------------------------------------------------------
 
-    def interrupt(self) -> None:
-        """I2CINT1A: one code after the other until none is left."""
-        i2c = self.i2c
-        code = i2c.I2CISRC.INTCODE
-        while code:
-            if code == AAS_CODE:
-                self.addressed()
-            elif code == XRDY_CODE:
-                i2c.I2CDXR.all = next(self._bytes)
-            elif code == RRDY_CODE:
-                self.received[-1].append(i2c.I2CDRR.all)
-            elif code in (SCD_CODE, NACK_CODE):
-                i2c.I2CIER.XRDY = 0
-                if code == SCD_CODE and self._writing:
-                    self._writing, self._stored = False, True
-            code = i2c.I2CISRC.INTCODE
-        self.dsp.module("PIE").PIEACK.all = 0x80
+    def next_byte(self) -> int:
+        return next(self._bytes)
+
+    def take(self, byte: int) -> None:
+        self.received[-1].append(byte)
+
+    def over(self) -> None:
+        if self._writing:
+            self._writing, self._stored = False, True
 
     def addressed(self) -> None:
         i2c = self.i2c

@@ -11,6 +11,7 @@ from __future__ import annotations
 from typing import Protocol
 
 from periph_sim.firmware import Dsp, start_i2c
+from periph_sim.processor.python.register_view import ModulePort
 
 AAS_CODE, SCD_CODE, XRDY_CODE, RRDY_CODE, NACK_CODE = 7, 6, 5, 4, 2  # I2CISRC
 I2CINT1A_ACK = 0x80  # PIEACK: group 8
@@ -35,8 +36,49 @@ class Target(Protocol):
         """A STOP ended the transfer."""
 
 
-class SlaveModule:
-    """I2C-A with one own address."""
+class SlaveInterrupt:
+    """I2CINT1A of a slave; whose it is says what each code asks for."""
+
+    dsp: Dsp
+    i2c: ModulePort
+
+    def interrupt(self) -> None:
+        """One code after the other until none is left."""
+        i2c = self.i2c
+        code = i2c.I2CISRC.INTCODE
+        while code:
+            if code == AAS_CODE:
+                self.addressed()
+            elif code == XRDY_CODE:
+                i2c.I2CDXR.all = self.next_byte()
+            elif code == RRDY_CODE:
+                self.take(i2c.I2CDRR.all)
+            elif code in (SCD_CODE, NACK_CODE):
+                i2c.I2CIER.XRDY = 0
+                if code == SCD_CODE:
+                    self.over()
+            code = i2c.I2CISRC.INTCODE
+        self.dsp.module("PIE").PIEACK.all = I2CINT1A_ACK
+
+    def addressed(self) -> None:
+        """A read wants its first byte; a write begins."""
+        raise NotImplementedError
+
+    def next_byte(self) -> int:
+        """What is sent behind the byte that is on its way."""
+        raise NotImplementedError
+
+    def take(self, byte: int) -> None:
+        """It was received."""
+        raise NotImplementedError
+
+    def over(self) -> None:
+        """A STOP."""
+        raise NotImplementedError
+
+
+class SlaveModule(SlaveInterrupt):
+    """I2C-A with one own address, for a target."""
 
     def __init__(self, dsp: Dsp, target: Target) -> None:
         self.dsp = dsp
@@ -49,25 +91,6 @@ class SlaveModule:
         i2c.I2CMDR.IRS = 1
         i2c.I2CIER.all = 0x6A  # AAS, SCD, RRDY, NACK; XRDY while a read is served
 
-    def interrupt(self) -> None:
-        """I2CINT1A: one code after the other until none is left."""
-        i2c, target = self.i2c, self.target
-        code = i2c.I2CISRC.INTCODE
-        while code:
-            if code == AAS_CODE:
-                self.addressed()
-            elif code == RRDY_CODE:
-                target.received(i2c.I2CDRR.all)
-            elif code == XRDY_CODE:
-                target.step()
-                i2c.I2CDXR.all = target.byte()
-            elif code in (SCD_CODE, NACK_CODE):
-                i2c.I2CIER.XRDY = 0
-                if code == SCD_CODE:
-                    target.over()
-            code = i2c.I2CISRC.INTCODE
-        self.dsp.module("PIE").PIEACK.all = I2CINT1A_ACK
-
     def addressed(self) -> None:
         i2c, target = self.i2c, self.target
         reads = i2c.I2CSTR.SDIR == 1
@@ -77,3 +100,13 @@ class SlaveModule:
             i2c.I2CIER.XRDY = 1
         else:
             i2c.I2CIER.XRDY = 0
+
+    def next_byte(self) -> int:
+        self.target.step()
+        return self.target.byte()
+
+    def take(self, byte: int) -> None:
+        self.target.received(byte)
+
+    def over(self) -> None:
+        self.target.over()

@@ -14,6 +14,7 @@ from periph_sim.firmware import Dsp, start_i2c
 from periph_sim.processor.python.register_view import ModulePort
 
 AAS_CODE, SCD_CODE, XRDY_CODE, RRDY_CODE, NACK_CODE = 7, 6, 5, 4, 2  # I2CISRC
+SDIR, AD0 = 1 << 14, 1 << 8  # I2CSTR
 I2CINT1A_ACK = 0x80  # PIEACK: group 8
 
 
@@ -78,12 +79,13 @@ class SlaveInterrupt:
 
 
 class SlaveModule(SlaveInterrupt):
-    """I2C-A with one own address, for a target."""
+    """I2C-A with one own address, for a target, who is not told of the general call: that the module acknowledges."""
 
     def __init__(self, dsp: Dsp, target: Target) -> None:
         self.dsp = dsp
         self.i2c = dsp.module("I2C-A")
         self.target = target
+        self._for_all = False  # the present transfer
 
     def start(self, address: int) -> None:
         i2c = self.i2c
@@ -93,8 +95,11 @@ class SlaveModule(SlaveInterrupt):
 
     def addressed(self) -> None:
         i2c, target = self.i2c, self.target
-        reads = i2c.I2CSTR.SDIR == 1
-        target.addressed(reads)
+        status = i2c.I2CSTR.all
+        reads = bool(status & SDIR)
+        self._for_all = bool(status & AD0)
+        if not self._for_all:
+            target.addressed(reads)
         if reads:
             i2c.I2CDXR.all = target.byte()
             i2c.I2CIER.XRDY = 1
@@ -106,7 +111,8 @@ class SlaveModule(SlaveInterrupt):
         return self.target.byte()
 
     def take(self, byte: int) -> None:
-        self.target.received(byte)
+        if not self._for_all:
+            self.target.received(byte)
 
     def over(self) -> None:
         self.target.over()

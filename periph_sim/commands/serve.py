@@ -6,9 +6,9 @@ Options go in; the place of the port is printed, then, once it ends, verdicts, a
 from __future__ import annotations
 
 import signal
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -49,6 +49,14 @@ EXAMPLE = "periph-sim serve timing/imu_hil.toml --pty /tmp/dsp --for '10 s'"
 @click.option("--for", "length", metavar="TIME", help="End after so much simulated time; else with Ctrl-C.")
 @click.option("--warm-up", default="0 s", show_default=True, metavar="TIME", help="Simulated before the clock starts.")
 @click.option("--log", type=click.Path(path_type=Path), help="Write what came from outside, for a replay.")
+@click.option("--view", is_flag=True, help="Show how it stands, updated in place: rates, readings, flags, lateness.")
+@click.option(
+    "--browser",
+    is_flag=False,
+    flag_value="0",
+    metavar="[[ADDRESS:]PORT]",
+    help="The same as a page for a browser of this computer, with the wave of the last round.",
+)
 @click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object at the end.")
 def serve(
@@ -64,6 +72,8 @@ def serve(
     length: str | None,
     warm_up: str,
     log: Path | None,
+    view: bool,
+    browser: str | None,
     changes: tuple[str, ...],
     as_json: bool,
 ) -> int:
@@ -76,9 +86,13 @@ def serve(
     from ..outside.live.loop import Loop
     from ..outside.live.pacing import Pacer
     from ..outside.session import Session
+    from .live_shown import Shown
+    from .tables import terminal
 
     if sum(place is not None for place in (link, real, tcp)) != 1:
         raise click.UsageError("give one of --pty, --rfc2217 and --port, where programs find the SCI")
+    if view and not sys.stdout.isatty():
+        raise click.UsageError("--view needs a terminal; --browser shows the same on a page")
     loops: list[Loop] = []
     asked: list[int] = []
 
@@ -89,23 +103,28 @@ def serve(
 
     with usage_errors_in_one_sentence(), _signals(end_it):
         ready = case_for_line(case, sci, changes)
-        with Session(ready.case, ready.wires, log=log) as session:
+        shown = Shown(view, None if browser is None else address_given("--browser", browser))
+        with Session(ready.case, ready.wires, log=log, subscribe=shown.subscribe) as session, shown:
             line = session.serial(sci, baud, form)
-            door = _door(line, (link, real, tcp), baud, form)
+            door = _door(line, (link, real, tcp), baud, form, shown.say)
             try:
                 session.advance(session.ticks(_time("--warm-up", warm_up)))
                 pacer = Pacer(session.ticks_per_second, pace_given(pace), when_late)
                 end = None if length is None else session.now + session.ticks(_time("--for", length))
-                loop = Loop(session, pacer, [door])
+                loop = Loop(session, pacer, [door, *shown.doors(session, line, pacer, door.path)])
                 loops.append(loop)
                 if asked:
                     loop.stop()
                 for name in ready.left_out:
                     click.echo(f"budget {name!r} speaks of the case's host, and is left out", err=True)
                 click.echo(door.path, err=as_json)
+                if shown.url:
+                    click.echo(shown.url, err=as_json)
+                shown.begin()
                 loop.run(end)
             finally:
                 door.close()
+            shown.close()
             for sentence in _not_handed_over(line, door):
                 click.echo(sentence, err=True)
             result = session.finish()
@@ -113,7 +132,6 @@ def serve(
         print_json("serve", {"verdict": result.verdict, "counts": result.counts, "lateness": _lateness(pacer)})
     else:
         from .result_text import show
-        from .tables import terminal
 
         show(terminal(), result, ready.case)
         click.echo("\n".join(pacer.text()))
@@ -131,7 +149,9 @@ def _signals(told: Callable[[int, Any], None]) -> Iterator[None]:
             signal.signal(number, handler)
 
 
-def _door(line: SerialLine, places: tuple[str | None, ...], baud: int, form: str) -> PtyDoor | PortDoor | Rfc2217Door:
+def _door(
+    line: SerialLine, places: tuple[str | None, ...], baud: int, form: str, told: Callable[[str], None]
+) -> PtyDoor | PortDoor | Rfc2217Door:
     link, real, tcp = places
     if real is not None:
         from ..outside.live.port_door import PortDoor
@@ -141,7 +161,7 @@ def _door(line: SerialLine, places: tuple[str | None, ...], baud: int, form: str
         from ..outside.live.rfc2217_door import Rfc2217Door
 
         address, port = address_given("--rfc2217", tcp)
-        return Rfc2217Door(line, baud, form, port, address, partial(click.echo, err=True))
+        return Rfc2217Door(line, baud, form, port, address, told)
     from ..outside.live.pty_door import PtyDoor
 
     return PtyDoor(line, baud, form, Path(link) if link else None)

@@ -31,7 +31,7 @@ WRONG = ("", "parity", "stop")
 
 
 class SerialLine:
-    """received: frames that came with a wrong parity or stop bit are counted in `wrong`, and their bytes kept.
+    """received: bytes that came; those with a wrong parity or stop bit are counted in `wrong`, too.
 
     waiting: bytes that are not on the line yet; sent: those that were put there. broken: RX is low for a break, or
     will be once what waits is sent.
@@ -40,7 +40,7 @@ class SerialLine:
     def __init__(self, session: Session, rx: str, tx: str, baud: int, form: str) -> None:
         self._session = session
         self._rx = rx
-        self.wrong = self.sent = 0
+        self.wrong = self.sent = self.received = 0
         self.waiting = 0
         self._got = bytearray()
         self._queue: deque[tuple[bytes, Wrong] | int] = deque()  # bytes, or the level that a break gives RX
@@ -138,6 +138,7 @@ class SerialLine:
 
     def _heard(self, heard: Heard) -> None:
         self._got.append(heard.value)
+        self.received += 1
         self.wrong += not heard.good
 
 

@@ -81,14 +81,16 @@ class Pacer:
         total = sum(self.counts)
         if not total:
             return []
-        lines = [f"lateness: 99 % of {total} steps within {_ms(self.percentile(0.99))}, worst {_ms(self.worst)}"]
-        shares = zip((*(f"up to {_ms(step)}" for step in STEPS), f"beyond {_ms(STEPS[-1])}"), self.counts, strict=True)
+        lines = [f"lateness: 99 % of {total} steps within {in_ms(self.percentile(0.99))}, worst {in_ms(self.worst)}"]
+        shares = zip(
+            (*(f"up to {in_ms(step)}" for step in STEPS), f"beyond {in_ms(STEPS[-1])}"), self.counts, strict=True
+        )
         lines += [f"  {count:>8}  {name}" for name, count in shares if count]
         if self.late:
             told = {"slip": f"{self.slips} slips", "catch-up": "caught up", "stop": "stopped"}[self.when_late]
-            lines.append(f"later than {_ms(TOLERATED)}: {self.late} times, {told}")
+            lines.append(f"later than {in_ms(TOLERATED)}: {self.late} times, {told}")
         return lines
 
 
-def _ms(seconds: float) -> str:
+def in_ms(seconds: float) -> str:
     return f"{seconds * 1000:.3g} ms"

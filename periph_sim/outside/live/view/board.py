@@ -1,0 +1,39 @@
+"""Where the session's thread leaves its latest snapshot, and others wait for the next one."""
+
+from __future__ import annotations
+
+import threading
+
+from .status import Snapshot
+
+
+class Board:
+    """Snapshots are numbered from 1. A reader that is slow misses some; none waits for it."""
+
+    def __init__(self) -> None:
+        self._changed = threading.Condition()
+        self._number = 0
+        self._latest: Snapshot | None = None
+        self._closed = False
+
+    def put(self, snapshot: Snapshot) -> None:
+        with self._changed:
+            self._number += 1
+            self._latest = snapshot
+            self._changed.notify_all()
+
+    def close(self) -> None:
+        """There will be no more."""
+        with self._changed:
+            self._closed = True
+            self._changed.notify_all()
+
+    def after(self, number: int, timeout: float) -> tuple[int, Snapshot | None]:
+        """(its number, the latest one) if it is newer than `number`; None if there was none in time."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._number > number or self._closed, timeout)
+            return (self._number, self._latest) if self._number > number else (number, None)
+
+    @property
+    def closed(self) -> bool:
+        return self._closed

@@ -1,0 +1,101 @@
+"""The view as a page: a board goes in; a browser of this computer finds a page that follows it.
+
+    GET /        the page
+    GET /events  its snapshots as server-sent events, one each time there is a new one
+
+Threads of its own, which only read the board. It listens on the loopback address unless asked otherwise, and there
+answers only to names of this computer, so that no other page can read it.
+
+Source: WHATWG HTML, section 9.2, server-sent events.
+"""
+
+from __future__ import annotations
+
+import json
+import threading
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from typing import cast
+
+from ...errors import OutsideError
+from .board import Board
+
+PAGE = Path(__file__).with_name("page.html")
+LOOPBACK = "127.0.0.1"
+OURS = ("127.0.0.1", "localhost", "[::1]")
+PATIENCE = 1.0  # seconds without news, after which a client is asked whether it is there
+END_SEEN = 0.05  # seconds in which it sees that it is to end
+RULES = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; connect-src 'self'; img-src data:"
+
+
+class Browser:
+    """url: of the page. OutsideError for a port that is taken."""
+
+    def __init__(self, board: Board, port: int, address: str = LOOPBACK) -> None:
+        try:
+            self._server = _Server((address, port), _Handler)
+        except (OSError, OverflowError) as error:
+            what = getattr(error, "strerror", None) or error
+            raise OutsideError(f"port {port} of {address}: {what}; give another one") from None
+        self._server.board = board
+        self._server.guarded = address == LOOPBACK
+        self.url = "http://{}:{}/".format(*self._server.server_address[:2])
+        self._thread = threading.Thread(target=self._server.serve_forever, args=(END_SEEN,), daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Behind the board: clients are given its last snapshot."""
+        self._server.shutdown()
+        self._server.server_close()
+        self._thread.join()
+
+
+class _Server(ThreadingHTTPServer):
+    board: Board
+    guarded: bool
+    daemon_threads = False  # all have ended behind `server_close`: the board is closed before
+
+
+class _Handler(BaseHTTPRequestHandler):
+    server_version, sys_version = "periph-sim", ""
+    timeout = 10  # seconds that a client may take for its request
+
+    def do_GET(self) -> None:
+        server = cast(_Server, self.server)
+        host = self.headers.get("Host", "").rpartition(":")[0] or self.headers.get("Host", "")
+        if server.guarded and host not in OURS:
+            self.send_error(403, "this page is of this computer only")
+        elif self.path == "/":
+            self._page()
+        elif self.path == "/events":
+            self._events(server.board)
+        else:
+            self.send_error(404)
+
+    def _page(self) -> None:
+        data = PAGE.read_bytes()
+        self.send_response(200)
+        self.send_header("Content-Type", "text/html; charset=utf-8")
+        self.send_header("Content-Length", str(len(data)))
+        self.send_header("Content-Security-Policy", RULES)
+        self.end_headers()
+        self.wfile.write(data)
+
+    def _events(self, board: Board) -> None:
+        self.send_response(200)
+        self.send_header("Content-Type", "text/event-stream")
+        self.send_header("Cache-Control", "no-store")
+        self.end_headers()
+        number, closed = 0, False
+        try:
+            while not closed:
+                closed = board.closed
+                number, snapshot = board.after(number, PATIENCE)
+                told = ": still here" if snapshot is None else f"data: {json.dumps(snapshot)}"
+                self.wfile.write(f"{told}\n\n".encode())
+                self.wfile.flush()
+        except OSError:
+            return  # the client has left
+
+    def log_message(self, format: str, *arguments: object) -> None:
+        """Nobody reads a list of requests."""

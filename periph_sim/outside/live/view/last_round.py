@@ -1,0 +1,105 @@
+"""The wave of the last round: edges of wires go in as they are recorded; those of one round come out.
+
+    edges --the last 1 << 14--> begin and end of a round --> per wire: its first level, and when it changes
+
+Where nobody asks for rounds it is the last transfer; where there is no bus, what the serial lines did last.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable
+from typing import TypedDict
+
+from ....bus.i2c.transfer import Transfer
+from ....core.records import UNHEARD, Kind, Listener, Recorder
+from ....core.time import Timebase
+from ....devices.sensor_rounds import Round
+from ....scene.scene import Scene
+
+KEPT = 1 << 14  # edges of all wires together; a round of 27 bytes has 800
+MARGIN = 20  # microseconds that are shown before and behind
+SERIAL = 2000  # microseconds of serial lines
+
+Span = tuple[int, int, str]  # ticks, and what it is
+
+
+class Line(TypedDict):
+    """first: the level at the left. edges: microseconds from there."""
+
+    name: str
+    first: int
+    edges: list[float]
+
+
+class Wave(TypedDict):
+    """of: what is shown. at_s: where it begins. length: in microseconds."""
+
+    of: str
+    at_s: float
+    length: float
+    lines: list[Line]
+
+
+class LastRound(Listener):
+    """wires: their names, in the order in which they are shown. To be subscribed as the scene is built."""
+
+    def __init__(self, wires: Iterable[str]) -> None:
+        self._wires = tuple(wires)
+        self._edges: deque[tuple[int, int, int]] = deque(maxlen=KEPT)  # tick, number of the wire, level
+        self._span: Span | None = None
+        self._per_us = 1
+
+    def subscribe(self, recorder: Recorder, timebase: Timebase) -> None:
+        self._per_us = timebase.per_second // 1_000_000
+        recorder.subscribe([Kind.EDGE], self, {Kind.EDGE: self._wires})
+
+    def listen(self, scene: Scene) -> None:
+        """To what a round is."""
+        if scene.bus.asked is not None:
+            scene.on_round(self._round)
+        elif "SCL" in scene.wires:
+            scene.on_transfer(self._transfer)
+
+    def tag_of(self, kind: Kind, where: str, what: str) -> int:
+        return self._wires.index(where) if where in self._wires else UNHEARD
+
+    def hear(self, tag: int, tick: int, value: int) -> None:
+        self._edges.append((tick, tag, value))
+
+    def _round(self, one: Round) -> None:
+        self._span = one.start, one.end, f"round {one.number}"
+
+    def _transfer(self, one: Transfer) -> None:
+        self._span = one.phases[0].start_at, one.stop_at, one.name or "the last transfer"
+
+    def wave(self, start: int) -> Wave | None:
+        """None before there was anything. start: the tick at which the run began."""
+        span = self._span or self._serial()
+        if span is None:
+            return None
+        begin, end = span[0] - MARGIN * self._per_us, span[1] + MARGIN * self._per_us
+        lines: list[Line] = [{"name": name, "first": 1, "edges": []} for name in self._wires]
+        known: set[int] = set()
+        for tick, wire, level in self._edges:
+            if tick > end:
+                break
+            if tick < begin:
+                lines[wire]["first"] = level
+            else:
+                if wire not in known and not lines[wire]["edges"]:
+                    lines[wire]["first"] = 1 - level
+                lines[wire]["edges"].append(round((tick - begin) / self._per_us, 3))
+            known.add(wire)
+        return {
+            "of": span[2],
+            "at_s": (begin - start) / (self._per_us * 1_000_000),
+            "length": (end - begin) / self._per_us,
+            "lines": [line for number, line in enumerate(lines) if number in known],
+        }
+
+    def _serial(self) -> Span | None:
+        if not self._edges:
+            return None
+        last = self._edges[-1][0]
+        return last - SERIAL * self._per_us, last, "the serial lines"

@@ -1,0 +1,218 @@
+"""How a live session stands: its scene, serial line and pacer go in; now and then a snapshot for people comes out.
+
+    transfers --> last readings --> attitude
+    counts since the last two seconds --> rates
+    registers --> flags that stand;  budgets --> verdicts so far;  pacer --> lateness
+
+A snapshot is plain values, made in the session's own thread, and nobody's afterwards.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+from typing import TypedDict
+
+from ....bus.i2c.transfer import Transfer
+from ....devices.sensor_rounds import CHIPS
+from ....timing.budgets import PER_MILLE, BudgetJudge
+from ....timing.format_value import figure, limit
+from ....timing.verdict import FAIL, NOT_JUDGED
+from ...serial_line import SerialLine
+from ...session import Session
+from ..pacing import STEPS, TOLERATED, Pacer
+from .attitude import resting_attitude
+from .last_round import LastRound, Wave
+
+WINDOW = 2.0  # seconds over which rates are told
+SELDOM = 10.0  # seconds from one look at a percentile to the next: it looks through all values
+SAID = 3  # sentences of doors that are shown
+UNITS = {"gyroscope": "deg/s", "accelerometer": "g", "magnetometer": "gauss"}
+FLAGS = {
+    "SCI": ("SCIRXST.BRKDT", "SCIRXST.FE", "SCIRXST.OE", "SCIRXST.PE", "SCIFFRX.RXFFOVF"),
+    "I2C": ("I2CSTR.AL", "I2CSTR.NACK", "I2CSTR.NACKSNT", "I2CSTR.RSFULL", "I2CSTR.SDIR", "I2CSTR.BB"),
+}
+
+
+class Reading(TypedDict):
+    """values: x, y, z in `unit`."""
+
+    chip: str
+    values: list[float]
+    unit: str
+
+
+class BudgetSoFar(TypedDict):
+    """state: "pass", "fail", or "" where nothing was measured yet."""
+
+    name: str
+    seen: str
+    limit: str
+    margin: str
+    state: str
+
+
+class Lateness(TypedDict):
+    """steps: upper ends in seconds; counts has one more, of what is beyond. late: how often over `tolerated`."""
+
+    steps: list[float]
+    counts: list[int]
+    worst: float
+    p99: float
+    late: int
+    slips: int
+    tolerated: float
+    when_late: str
+
+
+class Snapshot(TypedDict):
+    """rates: of a simulated second; "pace": simulated seconds a second. over: the session has ended."""
+
+    case: str
+    where: str
+    simulated_s: float
+    rates: dict[str, float]
+    totals: dict[str, int]
+    readings: list[Reading]
+    attitude: list[float] | None
+    flags: list[str]
+    budgets: list[BudgetSoFar]
+    lateness: Lateness | None
+    wave: Wave | None
+    said: list[str]
+    over: bool
+
+
+class Status:
+    """where: clients find the SCI. wave: None where nobody looks at it."""
+
+    def __init__(
+        self,
+        session: Session,
+        line: SerialLine,
+        pacer: Pacer,
+        where: str = "",
+        wave: LastRound | None = None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self.where = where
+        self._session, self._line, self._pacer, self._wave = session, line, pacer, wave
+        self._clock = clock
+        self._said: deque[str] = deque(maxlen=SAID)
+        self._readings: dict[str, Reading] = {}
+        self._rounds = 0
+        self._before: deque[tuple[float, int, dict[str, int]]] = deque()
+        self._percentiles: dict[str, tuple[float, BudgetSoFar]] = {}
+        scene = session.scene
+        self._sensors = scene.sensors
+        self._flags = [
+            (f"{unit}.{module}", name)
+            for unit, dsp in scene.units.items()
+            for module in dsp.sockets
+            for name in FLAGS.get(module.partition("-")[0], ())
+        ]
+        if "SCL" in scene.wires:
+            scene.on_transfer(self._transferred)
+        if scene.bus.asked is not None:
+            scene.on_round(self._round)
+        if wave is not None:
+            wave.listen(scene)
+
+    def say(self, sentence: str) -> None:
+        """What a door has to say, of clients that come and go."""
+        self._said.append(sentence)
+
+    def snapshot(self, over: bool = False) -> Snapshot:
+        session, scene = self._session, self._session.scene
+        totals = {
+            "SCI bytes in": self._line.sent,
+            "SCI bytes out": self._line.received,
+            "waiting": self._line.waiting,
+            "I2C bytes": scene.bytes_on_bus(),
+            "rounds": self._rounds,
+        }
+        return {
+            "case": session.case.name,
+            "where": self.where,
+            "simulated_s": session.now / session.ticks_per_second,
+            "rates": self._rates(totals),
+            "totals": totals,
+            "readings": list(self._readings.values()),
+            "attitude": self._attitude(),
+            "flags": [f"{place}.{name}" for place, name in self._flags if scene.value_of(place, name)],
+            "budgets": [self._so_far(one) for one in scene.limits],
+            "lateness": self._lateness(),
+            "wave": None if self._wave is None else self._wave.wave(scene.start),
+            "said": list(self._said),
+            "over": over,
+        }
+
+    def _transferred(self, transfer: Transfer) -> None:
+        for phase in transfer.phases:
+            for name, chip in CHIPS.items():
+                if phase.read and phase.address == chip.address and len(phase.got) == 6:
+                    per_unit = chip.lsb_per_unit
+                    values = [float(value / per_unit) for value in chip.values(bytes(phase.got))]
+                    self._readings[name] = {"chip": name, "values": values, "unit": UNITS[name]}
+
+    def _round(self, _: object) -> None:
+        self._rounds += 1
+
+    def _attitude(self) -> list[float] | None:
+        """Where sensor models make the readings, and both sensors were read; less what the models are known to add."""
+        accel, mag, sensors = self._readings.get("accelerometer"), self._readings.get("magnetometer"), self._sensors
+        if sensors is None or accel is None or mag is None:
+            return None
+        gravity = _less(accel["values"], sensors.accelerometer.bias)
+        field = _less(mag["values"], sensors.magnetometer.hard_iron)
+        return [*resting_attitude(gravity, field, sensors.magnetometer.earth_field)]
+
+    def _rates(self, totals: dict[str, int]) -> dict[str, float]:
+        now, tick = self._clock(), self._session.now
+        self._before.append((now, tick, totals))
+        while now - self._before[0][0] > WINDOW and len(self._before) > 2:
+            self._before.popleft()
+        first, first_tick, counts = self._before[0]
+        simulated = (tick - first_tick) / self._session.ticks_per_second
+        if now <= first or not simulated:
+            return {}
+        names = [name for name in totals if name != "waiting"]
+        rates = {name: (totals[name] - counts[name]) / simulated for name in names}
+        return rates | {"pace": simulated / (now - first)}
+
+    def _so_far(self, judge: BudgetJudge) -> BudgetSoFar:
+        name, now = judge.budget.name, self._clock()
+        if name in self._percentiles and now - self._percentiles[name][0] < SELDOM:
+            return self._percentiles[name][1]
+        verdict = judge.verdict(self._session.scene.start)
+        silent = verdict.worst is None
+        found: BudgetSoFar = {
+            "name": name,
+            "seen": figure(verdict.worst, verdict.unit),
+            "limit": limit(verdict.limit, verdict.unit, verdict.which),
+            "margin": figure(verdict.margin, verdict.unit),
+            "state": "" if silent or verdict.verdict == NOT_JUDGED else "fail" if verdict.verdict == FAIL else "pass",
+        }
+        if verdict.which in PER_MILLE and not silent:
+            self._percentiles[name] = now, found
+        return found
+
+    def _lateness(self) -> Lateness | None:
+        pacer = self._pacer
+        if not sum(pacer.counts):
+            return None
+        return {
+            "steps": [*STEPS],
+            "counts": [*pacer.counts],
+            "worst": pacer.worst,
+            "p99": pacer.percentile(0.99),
+            "late": pacer.late,
+            "slips": pacer.slips,
+            "tolerated": TOLERATED,
+            "when_late": pacer.when_late,
+        }
+
+
+def _less(values: Sequence[float], bias: Sequence[float]) -> list[float]:
+    return [value - known for value, known in zip(values, bias, strict=True)]

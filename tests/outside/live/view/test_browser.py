@@ -1,0 +1,121 @@
+"""The page of a live session: what it serves, to whom, and how it looks in a browser."""
+
+from __future__ import annotations
+
+import json
+import socket
+from collections.abc import Iterator
+from http.client import HTTPConnection
+
+import pytest
+
+from periph_sim.outside import OutsideError
+from periph_sim.outside.live.view.board import Board
+from periph_sim.outside.live.view.browser import Browser
+from periph_sim.outside.live.view.door import EVERY, ViewDoor
+from periph_sim.outside.live.view.status import Snapshot
+from tests.outside.live.view.imu import FRAME, Imu
+from tests.reports.html.conftest import browser as chromium  # noqa: F401
+
+
+@pytest.fixture(scope="module")
+def told() -> Snapshot:
+    imu = Imu(budget=[{"name": "too much", "measure": "round", "max": "1 us"}])
+    imu.line.write(FRAME)
+    for _ in range(3):
+        imu.passes("20 ms")
+    imu.status.say("client 1 <b>came</b>")
+    return imu.status.snapshot()
+
+
+@pytest.fixture
+def board() -> Board:
+    return Board()
+
+
+@pytest.fixture
+def served(board: Board) -> Iterator[Browser]:
+    one = Browser(board, 0)
+    yield one
+    board.close()
+    one.close()
+
+
+def asked(served: Browser, path: str, host: str = "") -> tuple[int, bytes]:
+    port = int(served.url.rstrip("/").rpartition(":")[2])
+    connection = HTTPConnection("127.0.0.1", port, timeout=30)
+    connection.request("GET", path, headers={"Host": host or f"127.0.0.1:{port}"})
+    came = connection.getresponse()
+    return came.status, came.read()
+
+
+def test_the_page_and_nothing_else_for_this_computer_only(served: Browser) -> None:
+    status, page = asked(served, "/")
+    assert status == 200 and b"EventSource" in page
+    assert asked(served, "/etc/passwd")[0] == 404
+    assert asked(served, "/", "localhost:80")[0] == asked(served, "/", "localhost")[0] == 200
+    for host in ("evil.example", "evil.example:80", "127.0.0.1.evil.example"):
+        assert asked(served, "/events", host)[0] == 403
+
+
+def test_events_are_the_snapshots_and_end_with_the_session(board: Board, served: Browser, told: Snapshot) -> None:
+    board.put(told)
+    board.put({**told, "over": True})
+    board.close()
+    status, data = asked(served, "/events")
+    events = [
+        json.loads(line.removeprefix("data: ")) for line in data.decode().splitlines() if line.startswith("data:")
+    ]
+    assert status == 200 and events == [{**told, "over": True}]
+
+
+def test_clients_that_leave_or_send_garbage_are_nobody_s_trouble(board: Board, served: Browser, told: Snapshot) -> None:
+    address = ("127.0.0.1", int(served.url.rstrip("/").rpartition(":")[2]))
+    for data in (b"", b"\x00\xff\r\n\r\n", b"GET /events HTTP/1.0\r\nHost: localhost\r\n\r\n"):
+        with socket.create_connection(address) as client:
+            client.sendall(data)
+    board.put(told)
+    assert asked(served, "/")[0] == 200
+
+
+def test_a_port_that_is_taken_is_refused(served: Browser, board: Board) -> None:
+    port = int(served.url.rstrip("/").rpartition(":")[2])
+    with pytest.raises(OutsideError, match=rf"port {port} of 127.0.0.1: Address already in use; give another one"):
+        Browser(board, port)
+
+
+def test_the_door_puts_a_snapshot_some_times_a_second_and_one_at_the_end() -> None:
+    imu, board, now = Imu(), Board(), [0.0]
+    door = ViewDoor(imu.status, board, lambda: now[0])
+    numbers = []
+    for _ in range(10):
+        door.turn()
+        numbers.append(board.after(0, 0.0)[0])
+        now[0] += EVERY / 2
+    assert numbers == [1, 1, 2, 2, 3, 3, 4, 4, 5, 5]
+    door.close()
+    number, last = board.after(5, 0.0)
+    assert number == 6 and last is not None and last["over"] and board.closed
+    assert board.after(6, 30.0) == (6, None)  # at once: there will be no more
+
+
+@pytest.mark.long  # a browser
+def test_it_shows_all_of_a_snapshot(board: Board, served: Browser, told: Snapshot, chromium) -> None:  # noqa: F811
+    wrong: list[str] = []
+    for width, scheme in ((1400, "dark"), (400, "light")):
+        page = chromium.new_page(viewport={"width": width, "height": 900}, color_scheme=scheme)
+        page.on("console", lambda message: wrong.append(message.text))
+        page.on("pageerror", lambda error: wrong.append(str(error)))
+        board.put(told)
+        page.goto(served.url)
+        page.wait_for_selector("#wave path")
+        text = page.inner_text("body")
+        for part in ("live, a budget is broken", "round 3, from", "magnetometer", "SCL", "too much", "99 % within"):
+            assert part in text
+        assert page.locator("#said li").inner_text() == "client 1 <b>came</b>"
+        assert page.locator("#wave path").count() == 3
+        assert page.evaluate("document.documentElement.scrollWidth") == width
+        board.put({**told, "over": True, "budgets": []})
+        page.locator("#state", has_text="ended").wait_for()
+        page.close()
+    assert not wrong

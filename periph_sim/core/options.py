@@ -8,7 +8,9 @@ messages never repeat it.
 from __future__ import annotations
 
 import dataclasses
-from typing import Any, TypeVar
+from collections.abc import Hashable
+from functools import cache
+from typing import Any, TypeVar, cast
 
 from .suggest import did_you_mean
 
@@ -34,8 +36,15 @@ def allowed(of: dataclasses.Field[Any]) -> str:
     return f"{of.metadata['least']} to {of.metadata['most']} {of.metadata['unit']}"
 
 
+@cache  # they are frozen, so that all scenes without answers of their own share them
+def _defaults(kind: Any) -> object:
+    return kind()
+
+
 def options_from(kind: type[T], given: dict[str, Value]) -> T:
     """An instance of `kind` with the given values. ValueError names the option and the nearest right name or value."""
+    if not given:
+        return cast(T, _defaults(cast(Hashable, kind)))
     known = {f.name: f for f in dataclasses.fields(kind)}  # type: ignore[arg-type]
     for name, value in given.items():
         if name not in known:

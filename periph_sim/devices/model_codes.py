@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -56,10 +56,16 @@ class Shown(NamedTuple):
     state: ModelState
 
 
+@lru_cache(maxsize=16)
+def _model_of(arithmetic: str, parameters: ImuParameters) -> Imu[Any]:
+    """It keeps no state, so that scenes that compute alike share it."""
+    return Imu(named.scalar(arithmetic), parameters)
+
+
 class ModelCodes:
     def __init__(self, computed: Computed) -> None:
-        self._a = named.scalar(computed.arithmetic)
-        self._model: Imu[Any] = Imu(self._a, computed.parameters)
+        self._model = _model_of(computed.arithmetic, computed.parameters)
+        self._a = self._model.a
         # numpy's arithmetic warns of x/0, and says itself what that gives; Python's does not
         self._quietly: Callable[[], AbstractContextManager[Any]]
         self._quietly = partial(np.errstate, all="ignore") if isinstance(self._a, Float32) else nullcontext

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
+from functools import lru_cache
 
 from msgspec import Struct
 
@@ -35,4 +36,9 @@ class SceneContext(Struct, frozen=True):
 
     def exact_ticks(self, length: Fraction, ppm: Fraction) -> Fraction:
         """The same without rounding."""
-        return length * self.timebase.per_second / (1 + ppm / 1_000_000)
+        return _exact_ticks(length, ppm, self.timebase.per_second)
+
+
+@lru_cache(maxsize=1024)  # scenes of one case have the same lengths again and again
+def _exact_ticks(length: Fraction, ppm: Fraction, per_second: int) -> Fraction:
+    return length * per_second / (1 + ppm / 1_000_000)

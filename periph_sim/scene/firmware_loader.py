@@ -131,6 +131,23 @@ def filled(kind: type[T], given: dict[str, object], who: str) -> T:
         raise BadSetting(f"{place}{complaint(first)}", name) from None
 
 
+KEPT = 64
+_shared: dict[tuple[type, str], object] = {}
+
+
+def shared(kind: type[T], given: dict[str, object], who: str) -> T:
+    """The same; of a frozen dataclass made once for all scenes that say the same."""
+    if not cast(Any, kind).__dataclass_params__.frozen:
+        return filled(kind, given, who)
+    key = kind, repr(given)
+    made = _shared.get(key)
+    if made is None:
+        if len(_shared) >= KEPT:
+            _shared.clear()
+        made = _shared[key] = filled(kind, given, who)
+    return cast(T, made)
+
+
 @lru_cache(maxsize=64)  # of a file that is loaded again the class is a new one
 def _settings_of(kind: Any) -> tuple[tuple[str, ...], TypeAdapter[Any]]:
     """The names of a dataclass's settings, and what checks them, which costs as much as the rest of a small scene."""

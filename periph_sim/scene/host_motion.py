@@ -8,12 +8,12 @@ from ..core.suggest import did_you_mean
 from ..sensors.host_frame import Encoding, MotionFrames
 from ..sensors.motion import BadMotion, kind_named, kinds
 from ..traces.formats import BadCapture
-from .firmware_loader import BadSetting, filled
+from .firmware_loader import BadSetting, shared
 
 
 def encoding_of(given: dict[str, object]) -> Encoding:
     """BadSetting, naming the setting, for one that is not as it should be."""
-    return filled(Encoding, given, "host.encoding")
+    return shared(Encoding, given, "host.encoding")
 
 
 def frames_of(given: dict[str, object], encoding: Encoding, first: Fraction, period: Fraction) -> MotionFrames:
@@ -26,7 +26,7 @@ def frames_of(given: dict[str, object], encoding: Encoding, first: Fraction, per
     if kind is None:
         raise BadSetting(f"there is no motion {name!r}; {did_you_mean(str(name), kinds())}", "kind")
     try:
-        motion = kind.motion(filled(kind.Settings, settings, f"motion {name}"))
+        motion = kind.motion(shared(kind.Settings, settings, f"motion {name}"))
     except (BadMotion, BadCapture) as error:
         raise BadSetting(str(error), "") from None
     return MotionFrames(motion, encoding, first, period)

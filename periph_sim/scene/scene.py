@@ -161,6 +161,7 @@ class Scene:
             parts.build_faults(context, self.wires, self.units)
         host_line = None if self._host_side is None else self._host_side.line
         self._uart = UartSide(context, self.wires, self.units, host_line, serial, self)
+        self._there = self._what_is_there()
         for entry, limit in enumerate(self.limits):
             for part in limit.parts:
                 self._check_needs(entry, part)
@@ -176,9 +177,9 @@ class Scene:
 
     # Building ------------------------------------------------------------------
 
-    def _check_needs(self, entry: int, limit: BudgetJudge) -> None:
-        """A budget on what this scene cannot have would always hold: it is a mistake, not a pass."""
-        there = {
+    def _what_is_there(self) -> dict[str, bool]:
+        """By what measures may need."""
+        return {
             "": True,
             "controller": self.head is not None,
             "rounds": self.bus.asked is not None,
@@ -187,8 +188,11 @@ class Scene:
             "SCI": self._uart.has_sci,
             "serial": self.case.serial is not None,
         }
+
+    def _check_needs(self, entry: int, limit: BudgetJudge) -> None:
+        """A budget on what this scene cannot have would always hold: it is a mistake, not a pass."""
         needs = limit.measure.needs
-        if not there[needs]:
+        if not self._there[needs]:
             measure = limit.budget.measure
             what = f"{measure!r} needs {NEEDS.get(needs, needs)} in the scene, which has none"
             raise self.case.mistake(what, "budget", entry, "measure")

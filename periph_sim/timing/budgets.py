@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
+from functools import lru_cache
 
 from msgspec import Struct
 
 from ..core.settings import duration, share
-from ..core.time import NO_TIME, Timebase
+from ..core.time import NO_TIME, Timebase, round_ratio
 from .budget_schema import Budget
 from .language.scope import BadEvent, Scope
 from .measures.event import EventCount
@@ -62,7 +63,8 @@ class BudgetJudge:
         others: Sequence[BudgetJudge] = (),
     ) -> None:
         self.budget = budget
-        self.measure = _measure(budget.measure, scope or Scope())
+        self._text = budget.measure
+        self.measure = _measure(self._text, scope or Scope())
         self._timebase = timebase
         self._found = ""
         self._coverage_of = budget.coverage
@@ -87,8 +89,9 @@ class BudgetJudge:
 
     def _measures_as(self, other: BudgetJudge) -> bool:
         """Whether both measure the same, so that one does it for both. Conditions that are joined choose values."""
-        alone = other.same_as is None and len(self.parts) == len(other.parts) == 1
-        return alone and (self.budget.measure, self.budget.after) == (other.budget.measure, other.budget.after)
+        if self._text != other._text or other.same_as is not None:
+            return False
+        return len(self.parts) == len(other.parts) == 1 and self.budget.after == other.budget.after
 
     def _joined(self, entry: int, timebase: Timebase, scope: Scope | None, start: int) -> BudgetJudge:
         """A condition as a budget of its own."""
@@ -121,7 +124,7 @@ class BudgetJudge:
         unit = self.measure.unit
         if unit == "time":
             try:
-                return self._timebase.ticks(duration(given), "nearest")
+                return _nearest_tick(given, self._timebase.per_second)
             except ValueError as error:
                 raise BadBudget(str(error), which) from None
         if unit == "%":
@@ -312,6 +315,12 @@ class BudgetJudge:
         tenths, rest = divmod(value * 10_000_000_000, self._timebase.per_second)  # of a nanosecond
         middle = 2 * rest - self._timebase.per_second
         return (tenths + (middle > 0 or (middle == 0 and tenths % 2))) / 10_000  # a half goes to the even one
+
+
+@lru_cache(maxsize=1024)  # scenes of one case have the same limits again and again
+def _nearest_tick(given: str | int, per_second: int) -> int:
+    """ValueError where the text is no duration."""
+    return round_ratio(duration(given) * per_second, "nearest")
 
 
 def _measure(text: str, scope: Scope) -> Measure:

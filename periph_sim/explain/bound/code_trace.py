@@ -11,6 +11,7 @@ from __future__ import annotations
 import sys
 from bisect import bisect_left, bisect_right
 from fractions import Fraction
+from functools import cache
 from types import CodeType, FrameType
 from typing import NamedTuple
 
@@ -106,12 +107,15 @@ class CodeTrace:
         return range(bisect_right(ticks, begin), min(bisect_left(ticks, end) + 1, len(ticks)))
 
 
+_ours = cache(is_ours)  # of a few files, frame by frame of every access
+
+
 def firmware_stack() -> Stack:
     """Where the firmware is; frames of our own are left out."""
     found = []
     frame: FrameType | None = sys._getframe(1)
     while frame is not None:
-        if not is_ours(frame.f_code.co_filename):
+        if not _ours(frame.f_code.co_filename):
             found.append((frame, frame.f_lineno))
         frame = frame.f_back
     return found[::-1]

@@ -67,6 +67,8 @@ class Chip:
     notes: list[Note]  # since the owner last cleared it
     touched: set[str]  # open questions on whose option the run depended
     mid_byte: tuple[int, ...] = ()  # registers a write to which may change what becomes of a byte in the middle
+    steady: tuple[int, ...] = ()  # words of registers that stay as they are seen while `writes` is the same
+    writes: int  # counts what may change those: writes, resets, the clock gate
 
     def pins(self, now: int, levels: int) -> int:
         """The inputs as sampled in cycle `now`; bit i is INPUTS[i]. Returns what the owner must look at: NOTHING,

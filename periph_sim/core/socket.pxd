@@ -25,13 +25,15 @@ cdef class Socket(Agent):
     cdef public object marks, before, after, on_held, on_watch, on_note
     cdef public long long out_delay
     cdef public bint traces
+    cdef bint _some_steady
     cdef Kernel _kernel
     cdef Clock _clock
     cdef Recorder _recorder
     cdef object _on_request
     cdef long long _out, _held, _wake_cycle, _last_cause
     cdef Event _wake
-    cdef list _inputs, _watched
+    cdef list _inputs, _watched, _moving, _looked
+    cdef long long _writes
     cdef object _touched
     cdef dict _note_count
     cpdef long long read(self, long long cycle, long long offset)

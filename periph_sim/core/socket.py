@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from bisect import bisect_right, insort
 from collections.abc import Callable
-from functools import partial
 from typing import Protocol
 
 from .chip import ALL, NEVER, OUTPUTS, Chip, Note
@@ -22,8 +21,11 @@ from .wire import BITS, Pin, Sampler
 LAST = 1 << 62  # no record has so high a number
 MOST_INPUTS = 64  # that may wait for their effect; a chip that never wakes has no use for more
 
-# What an event is for: the chip's wake-up, another look at its inputs, or output n // 2 - 1 to level n % 2.
+# What an event is for: the chip's wake-up, another look at its inputs, or output n // 2 - 1 to level n % 2, and in
+# the bits above the record under which that is.
 WAKE, LOOK = 0, 1
+RECORD = 16
+MOVE = (1 << RECORD) - 1
 
 
 class Marks(Protocol):
@@ -99,6 +101,10 @@ class Socket(Agent):
         self._inputs: list[tuple[int, int]] = []  # (cycle from which it has effect, record) of what the chip was given
         wanted = [r for r in chip.MAP if recorder.wants(Kind.FLAG, f"{name}.{r.name}")]
         self._watched = [_WatchedRegister(r, recorder, name) for r in wanted]
+        self._moving = [r for r in self._watched if r.offset not in chip.steady or r.upper not in (0, *chip.steady)]
+        self._some_steady = len(self._moving) < len(self._watched)
+        self._looked = self._watched  # the last time
+        self._writes = -1  # of the chip, when it was looked at last
         self._touched: frozenset[str] = frozenset()  # what the chip had touched before the last look at it
         if self._watched:
             self._look(clock.cycle_at(kernel.now))
@@ -111,7 +117,10 @@ class Socket(Agent):
         elif tag == LOOK:
             self.inputs.ask()
         else:
-            self._set_pins((tag >> 1) - 1, tag & 1)
+            recorder = self._recorder
+            outer, recorder.cause = recorder.cause, tag >> RECORD
+            self._set_pins(((tag & MOVE) >> 1) - 1, tag & 1)
+            recorder.cause = outer
 
     def sampled(self, now: int, levels: int) -> None:
         """The settled levels of the inputs. The chip samples them in the cycle that begins at tick `now` or next."""
@@ -271,10 +280,8 @@ class Socket(Agent):
         tick = self._clock.tick(cycle + self.out_delay)
         if tick <= self._kernel.now:
             self._set_pins(index, level)
-        elif self._recorder.cause:  # also where an edge fell between two cycles: the answer comes with the cycle
-            self.later(tick, partial(self._set_pins, index, level))
-        else:
-            self._kernel.ask(tick, self, ((index + 1) << 1) | level)
+        else:  # also where an edge fell between two cycles: the answer comes with the cycle
+            self._kernel.ask(tick, self, self._recorder.cause << RECORD | (index + 1) << 1 | level)
 
     def move(self, cycle: int, index: int, level: int) -> None:
         """What its chip would do in a wake-up at `cycle`: an output has this level from then on."""
@@ -323,11 +330,14 @@ class Socket(Agent):
         Whether any has changed.
         """
         chip = self.chip
+        if self._some_steady:
+            self._looked = self._moving if chip.writes == self._writes else self._watched
+            self._writes = chip.writes
         touched = chip.touched
         if len(touched) != len(self._touched):  # it grows, but for what looking adds
             self._touched = frozenset(touched)
         moved = False
-        for register in self._watched:
+        for register in self._looked:
             register.was = register.value
             register.value = chip.peek(cycle, register.offset)
             if register.upper:
@@ -344,7 +354,7 @@ class Socket(Agent):
         if not self._look(cycle):
             return
         tick = self._clock.tick(cycle)
-        for register in self._watched:
+        for register in self._looked:
             changed = register.was ^ register.value
             if changed:
                 for field in register.fields:

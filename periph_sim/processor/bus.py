@@ -20,7 +20,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ..core.chip import NEVER, Note
-from ..core.records import NOWHERE, OF_MODIFIES, Kind, Recorder
+from ..core.records import NOWHERE, Kind, Recorder
 from ..core.registers import Field, Register
 from ..core.time import Clock
 from ..f28335.cpu.interrupts import CpuInterrupts
@@ -117,8 +117,8 @@ class Bus:
         """These words of a register of the map, or the field of them that a program names."""
         operand = Operand(place, register, words, field, self._waits, self._wanted(register))
         if operand.recorded:
-            operand.reads = self._recorder.topic(Kind.ACCESS, self._name, f"R {operand.name}")
-            operand.writes = self._recorder.topic(Kind.ACCESS, self._name, f"W {operand.name}")
+            reads = self._recorder.topic(Kind.ACCESS, self._name, f"R {operand.name}")
+            operand.record(reads, self._recorder.topic(Kind.ACCESS, self._name, f"W {operand.name}"))
         return operand
 
     def at(self, address: int, width: int) -> Operand:
@@ -200,8 +200,11 @@ class Bus:
         """The value of these words of the register in cycle `at`, each in its place."""
         if not operand.recorded:
             return operand.see(at) if operand.harmless else self._read(at, operand)
-        wanted = operand.reads.places > (OF_MODIFIES if operand.field is not None else NOWHERE)
-        return self._recorded(at, operand, self._place() if wanted else None)
+        return self._recorded(at, operand, self._place() if operand.tells_place() else None)
+
+    def tell_look(self, at: int, operand: Operand, value: int) -> None:
+        """The record of a read that is a look at the chip, and brought this value."""
+        operand.reads.emit(self._clock.tick(at), value, "", operand.named)
 
     def _recorded(self, at: int, operand: Operand, where: SourceLocation | None) -> int:
         """The same of a read that is recorded, before what it sets off. where: None where nobody wants to know."""

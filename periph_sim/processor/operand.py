@@ -5,7 +5,7 @@ An instruction that names the same register each time is resolved once, not at e
 
 from __future__ import annotations
 
-from ..core.records import Topic
+from ..core.records import NOWHERE, OF_MODIFIES, Topic
 from ..core.registers import Field, Register
 from ..f28335.cpu.pie_map import PIEACK
 from ..f28335.system.memory_map import BOTH, HIGH, LOW, WORDS_MASK, Frame, ModuleRange, WaitStates
@@ -16,8 +16,8 @@ class Operand:
 
     mask: the bits that the program looks at or writes. shift: where an access by address has the word moved.
     block: inside the protected block, where reads wait for writes. steady: a read has no effect, and nothing that
-    counts by itself is read. meets: an access acts, or the module is told something first. plain: a read is one look at
-    the chip, of which no record is made.
+    counts by itself is read. meets: an access acts, or the module is told something first. looks: a read is one look at
+    the chip, and no more than a record of it that tells no place.
     reads, writes: the records that are made, where `recorded`. named: the field, as they have it.
     """
 
@@ -29,6 +29,7 @@ class Operand:
         "frame1",
         "frame2",
         "harmless",
+        "looks",
         "mask",
         "meets",
         "name",
@@ -36,7 +37,6 @@ class Operand:
         "offset",
         "pieack",
         "place",
-        "plain",
         "protected",
         "read_waits",
         "reads",
@@ -86,7 +86,16 @@ class Operand:
         self.harmless = register.reads_are_harmless and not neighbour
         self.meets = not self.harmless or place.socket.before is not None
         self.steady = register.reads_are_harmless and not register.free_running
-        self.plain = not recorded and register.plain and words == LOW and place.socket.before is None
+        self.looks = register.plain and words == LOW and place.socket.before is None
+
+    def record(self, reads: Topic, writes: Topic) -> None:
+        """The records that are made of it."""
+        self.reads, self.writes = reads, writes
+        self.looks = self.looks and not self.tells_place()
+
+    def tells_place(self) -> bool:
+        """Whether anybody wants to know where in the firmware it is read; of a modify that is another question."""
+        return self.reads.places > (OF_MODIFIES if self.field is not None else NOWHERE)
 
     def see(self, cycle: int) -> int:
         """What the CPU reads of these words, each in its place, without what a read sets off; nothing moves."""

@@ -141,7 +141,7 @@ class Lease(Onlooker):
         for place in range(spin.made):
             read = spin.reads[place]
             operand = read.operand
-            value = operand.chip.see(cycle, operand.offset) if operand.plain else operand.see(cycle)
+            value = operand.chip.see(cycle, operand.offset) if operand.looks else operand.see(cycle)
             if (value ^ read.value) & operand.mask:
                 return True
         return False

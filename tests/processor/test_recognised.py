@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from periph_sim.core.records import Kind, Recorder
+from periph_sim.core.records import NOWHERE, OF_MODIFIES, Keeper, Kind, Recorder
 from periph_sim.processor.python.recognised import Recogniser
 from tests.processor.bench import Bench
 
@@ -26,11 +26,37 @@ flag_changes = st.lists(
 )
 
 
-def run_of(changes, lead, form, interrupts, timeout, kinds):
-    """form: what a condition is wrapped in; what is no plain function is not recognised."""
+class Kept(Keeper):
+    """Keeps all records; wants the places of these accesses only."""
+
+    def __init__(self, places: int) -> None:
+        self.found: list[object] = []
+        self._topics: list[object] = []
+        self._places = places
+
+    def tag_of(self, kind: Kind, where: str, what: str) -> int:
+        self._topics.append((kind, where, what))
+        return len(self._topics) - 1
+
+    def places(self, tag: int) -> int:
+        return self._places
+
+    def keep(self, tag: int, number: int, tick: int, value: int, text: str, cause: int, field: str) -> None:
+        self.found.append((tick, self._topics[tag], number, value, cause, str(text), field))
+
+
+def run_of(changes, lead, form, interrupts, timeout, kinds, places=None):
+    """form: what a condition is wrapped in; what is no plain function is not recognised.
+
+    places: which of them a keeper of the records wants; None where they are told whole.
+    """
     recorder, found = Recorder(), []
-    if kinds:
+    if kinds and places is None:
         recorder.subscribe(kinds, lambda r: found.append((r.tick, r.kind, r.what, r.value, r.cause, str(r.text))))
+    elif kinds:
+        kept = Kept(places)
+        found = kept.found
+        recorder.subscribe(kinds, kept)
     bench = Bench(list(changes), recorder=recorder)
     flags, cpu = bench.flags, bench.cpu
 
@@ -64,10 +90,12 @@ def run_of(changes, lead, form, interrupts, timeout, kinds):
     lead=st.integers(0, 40),
     interrupts=st.booleans(),
     timeout=st.sampled_from([21, 40, 100]),
-    kinds=st.sampled_from([(), (Kind.WAIT, Kind.FLAG), (Kind.ACCESS, Kind.WAIT, Kind.IRQ)]),
+    kinds=st.sampled_from([(), (Kind.WAIT, Kind.FLAG), (Kind.ACCESS, Kind.WAIT, Kind.IRQ), (Kind.ACCESS,)]),
+    places=st.sampled_from([None, NOWHERE, OF_MODIFIES]),
 )
-def test_recognised_or_called_in_each_pass_it_comes_out_the_same(changes, lead, interrupts, timeout, kinds):
-    recognised, called = (run_of(changes, lead, form, interrupts, timeout, kinds) for form in (lambda f: f, partial))
+def test_recognised_or_called_in_each_pass_it_comes_out_the_same(changes, lead, interrupts, timeout, kinds, places):
+    runs = [run_of(changes, lead, form, interrupts, timeout, kinds, places) for form in (lambda f: f, partial)]
+    recognised, called = runs
     assert recognised == called
 
 
@@ -110,6 +138,18 @@ def test_what_is_not():
         bench.flags.STATUS.when(A=1),
     ):
         assert second_wait(function, bench) is None
+
+
+@pytest.mark.parametrize(
+    ("places", "fields", "whole"), [(NOWHERE, True, True), (OF_MODIFIES, True, False), (None, False, False)]
+)
+def test_of_reads_that_are_recorded_those_are_whose_place_nobody_wants(places, fields, whole):
+    recorder = Recorder()
+    recorder.subscribe([Kind.ACCESS], (lambda record: None) if places is None else Kept(places))
+    bench = Bench([], recorder=recorder)
+    flags = bench.flags
+    assert (second_wait(lambda: flags.STATUS.A == 1, bench) is not None) is fields
+    assert (second_wait(lambda: flags.STATUS.all == 1, bench) is not None) is whole
 
 
 def test_the_module_is_the_one_that_the_function_names_now():

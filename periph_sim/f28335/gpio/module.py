@@ -188,6 +188,7 @@ class Gpio(GpioSettings):
         return shown >> shift & 0xFFFF
 
     def write(self, now: int, offset: int, value: int) -> None:
+        self.writes += 1
         self._catch_up(now)
         half = HALVES.get(offset)
         if half is None:

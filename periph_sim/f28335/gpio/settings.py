@@ -19,6 +19,13 @@ DIRECTIONS = tuple(at.GPIO[f"GP{port}DIR"].offset for port in "ABC")
 PULL_UPS = tuple(at.GPIO[f"GP{port}PUD"].offset for port in "ABC")
 CONTROLS = tuple(at.GPIO[f"GP{port}CTRL"].offset for port in "AB")
 
+STEADY = tuple(  # all but GPxDAT, where pads are read, and their kin
+    register.offset + word
+    for register in at.GPIO
+    for word in range(register.width // 16)
+    if not at.DATA <= register.offset < at.SELECT
+)
+
 
 def _pairs(name: str, pins: int) -> tuple[tuple[int, int], ...]:
     """Where the two bits of each pin are in GPxMUXn or GPxQSELn: the register's offset, and their place in it."""
@@ -35,14 +42,17 @@ class GpioSettings(Chip):
     """Registers by their offsets: what a read shows, and what of them acts."""
 
     MAP = at.GPIO
+    steady = STEADY
 
     def __init__(self) -> None:
+        self.writes = 0
         self.notes: list[Note] = []
         self._mux = [0] * PINS
         self._routes = routes_of(tuple(self._mux))
 
     def reset_registers(self) -> None:
         """XRS; `take_over` makes it act."""
+        self.writes += 1
         self._stored = {register.offset: register.reset for register in self.MAP}  # what a read shows
         self._active = dict(self._stored)  # the same of those that act with a delay
 

@@ -51,6 +51,7 @@ class I2c(Chip):
     OUTPUTS: tuple[str, ...] = ("SCL", "SDA")
     LINES: tuple[str, ...] = ("I2CINT1A", "I2CINT2A")
     mid_byte: tuple[int, ...] = (at.MDR, at.CLKL, at.CLKH)
+    steady: tuple[int, ...] = (at.OAR, at.IER, at.CLKL, at.CLKH, at.SAR, at.PSC)
 
     def __init__(self, options: I2cOptions = I2cOptions()) -> None:  # noqa: B008 (frozen)
         self.options = options
@@ -59,6 +60,7 @@ class I2c(Chip):
         self.limits = I2cLimits(self.state)
         self.master = I2cMaster(self.state, self.limits)
         self.next_wake = NEVER
+        self.writes = 0
         self._timer = NEVER  # the first of all timers inside, as of the last input
         self.out = BOTH
         self.requests = 0
@@ -270,6 +272,7 @@ class I2c(Chip):
         return state.emdr() if offset == at.EMDR else state.stored(offset)
 
     def write(self, now: int, offset: int, value: int) -> None:
+        self.writes += 1
         self._advance(now)
         if not self._accessible():
             return
@@ -406,6 +409,7 @@ class I2c(Chip):
 
     def gate(self, now: int, on: bool) -> None:
         """PCLKCR0.I2CAENCLK acts from `now` on."""
+        self.writes += 1
         self._advance(now)
         if on != self._clocked:
             self._lines.settle(self._pins)
@@ -438,6 +442,7 @@ class I2c(Chip):
 
     def reset(self, now: int) -> None:
         """XRS: every register takes its reset value, the clock gate is off."""
+        self.writes += 1
         self.state.reset()
         self.target.reset()
         self.master.reset()

@@ -244,16 +244,21 @@ class I2cRegisters(I2cFifos):
 
     def stored(self, offset: int) -> int:
         """What a register that only holds a value shows; 0 where there is none."""
-        return {
-            i2c_map.OAR: self.oar,
-            i2c_map.IER: self.ier,
-            i2c_map.CLKL: self.clkl,
-            i2c_map.CLKH: self.clkh,
-            i2c_map.CNT: self.cnt,
-            i2c_map.SAR: self.sar,
-            i2c_map.DXR: self.dxr,
-            i2c_map.PSC: self.psc,
-        }.get(offset, 0)
+        if offset == i2c_map.CNT:
+            return self.cnt
+        if offset == i2c_map.DXR:
+            return self.dxr
+        if offset == i2c_map.OAR:
+            return self.oar
+        if offset == i2c_map.IER:
+            return self.ier
+        if offset == i2c_map.CLKL:
+            return self.clkl
+        if offset == i2c_map.CLKH:
+            return self.clkh
+        if offset == i2c_map.SAR:
+            return self.sar
+        return self.psc if offset == i2c_map.PSC else 0
 
     def readable(self) -> int:
         """One number, 63 bits, for all that edges and timers can change and the CPU can read."""

@@ -51,8 +51,10 @@ class Accesses:
                 time.cycle = at
             else:
                 instructions.go_to(at)
-            if operand.plain:
+            if operand.looks:
                 value = operand.chip.see(at, operand.offset)
+                if operand.recorded:
+                    bus.tell_look(at, operand, value)
             else:
                 value = self._fetch(operand)
         if spin is not None:

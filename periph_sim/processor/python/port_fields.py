@@ -146,10 +146,10 @@ class PortField:
         return self._whole(f"{self._where} == {number!r} never holds", number, self._most) << self._lsb
 
     def asked(self, port: Port, number: int, test: int) -> Condition | None:
-        """That this field compares so with a number that it can have. None where reads of it are recorded, or are more
-        than a look at the chip."""
+        """That this field compares so with a number that it can have. None where a read of it is more than a look at
+        the chip, or its record is to tell the place."""
         operand = port._operands[self.number] or self._operand(port)
-        if not operand.plain or not 0 <= number <= self._most:
+        if not operand.looks or not 0 <= number <= self._most:
             return None
         return Condition(port._accesses, operand, self._mask, number << self._lsb, test)
 

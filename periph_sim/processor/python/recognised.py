@@ -3,7 +3,7 @@
     lambda: i2c.I2CSTR.XRDY == 1   --seen before--> its code: i2c, I2CSTR, XRDY, ==, 1 --> Condition
 
 The first wait calls the function. Recognised is only a field of a register of a module beside a number: nothing that
-firmware could give another meaning. Not where the read is recorded: records name the function that makes it.
+firmware could give another meaning. Not where records of the read tell its place, which is in the function.
 """
 
 from __future__ import annotations

@@ -32,6 +32,6 @@ cdef class Waits:
     @cython.locals(spin=Spin)
     cdef Spin _begun(self, object pass_cycles, long long ends)
     cdef bint _skip(self, Spin spin)
-    @cython.locals(place=cython.Py_ssize_t, read=Poll, operand=Operand, start=cython.longlong, cycle=cython.longlong)
+    @cython.locals(place=cython.Py_ssize_t, read=Poll, operand=Operand, start=cython.longlong, cycle=cython.longlong, value=cython.longlong)
     cdef bint _repeats(self, Spin spin)
     cdef bint _passes(self, long long cycle)

@@ -186,14 +186,17 @@ class Waits:
                 cycle += cpu_costs.SB_NOT_TAKEN  # the test of the value before, in the same pass
                 if not self._passes(cycle):
                     break
-            if not operand.plain or cycle < self._bus.free(operand):
+            if not operand.looks or cycle < self._bus.free(operand):
                 break
             cycle += operand.read_waits
             if cycle >= spin.live_from:
                 if cycle >= time.lease:
                     instructions.go_to(cycle)
-                if (operand.chip.see(cycle, operand.offset) ^ read.value) & operand.mask:
+                value = operand.chip.see(cycle, operand.offset)
+                if (value ^ read.value) & operand.mask:
                     break
+                if operand.recorded:
+                    self._bus.tell_look(cycle, operand, value)
             cycle += 1
             if not self._passes(cycle):
                 break

@@ -108,6 +108,11 @@ def root_of(square: int) -> int:
     return low + (square > low * low + low)
 
 
+def length_of(x: int, y: int) -> int:
+    """The root of x*x + y*y, in which no number is too large."""
+    return root_of(x * x + y * y)
+
+
 def root_of_arrays(square: NDArray[np.uint64]) -> Ints:
     """The same, element by element, up to 2**63: float64's root may be one off, which the squares beside it tell."""
     near = np.rint(np.sqrt(square.astype(np.float64))).astype(np.uint64)

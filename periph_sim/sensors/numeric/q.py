@@ -106,7 +106,7 @@ class Q:
         return iqmath.root_of(x << self.bits)
 
     def mag(self, x: int, y: int) -> int:
-        return self._saturated(iqmath.root_of(x * x + y * y))
+        return self._saturated(iqmath.length_of(x, y))
 
     def sincos(self, x: int) -> tuple[int, int]:
         return iqmath.sine_and_cosine(x, self.bits, iqmath.SINE, iqmath.COSINE)

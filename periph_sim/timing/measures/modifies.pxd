@@ -21,6 +21,12 @@ cdef class Access:
     cdef public str field
     cdef public ClearedRegister register
     cdef public Modify modify
+    cdef public Access before, after
+
+
+@cython.final
+cdef class Recent:
+    cdef public Access oldest, newest
 
 
 @cython.final
@@ -50,7 +56,7 @@ cdef class ClearedRegister:
 @cython.final
 cdef class Topic:
     cdef public bint reads
-    cdef public list recent
+    cdef public Recent recent
     cdef public ClearedRegister register
     cdef public Flag flag
 
@@ -61,18 +67,19 @@ cdef class Modifies(Keeper):
     cdef bint _status
     cdef long long _longest
     cdef list _topics
+    cdef Access _spare
     cdef public dict recent
     cdef dict _registers
     cpdef long long tag_of(self, object kind, str where, str what)
     cpdef long long places(self, long long tag)
-    @cython.locals(topic=Topic, register=ClearedRegister, recent=list, one=Access)
+    @cython.locals(topic=Topic, register=ClearedRegister, recent=Recent, one=Access, newest=Access, before=cython.longlong)
     cpdef void keep(self, long long tag, long long number, long long tick, long long value, object text, long long cause, object field)
     @cython.locals(last=Modify)
     cdef void _moved(self, Flag flag, long long number, long long tick, long long value, long long cause)
-    @cython.locals(one=Access, made=Modify, passed=cython.Py_ssize_t, place=cython.Py_ssize_t)
-    cdef void _landed(self, Access write, ClearedRegister register, list recent)
-    @cython.locals(one=Access, made=Modify, register=ClearedRegister, old=cython.Py_ssize_t)
-    cdef void _forget(self, list recent, long long before)
+    @cython.locals(one=Access, made=Modify, passed=cython.Py_ssize_t)
+    cdef void _landed(self, Access write, ClearedRegister register, Recent recent)
+    @cython.locals(one=Access, after=Access, made=Modify, register=ClearedRegister)
+    cdef void _forget(self, Recent recent, long long before)
     @cython.locals(place=Place, flag=Flag, number=cython.Py_ssize_t)
     cdef void _judge(self, ClearedRegister register, Access read, Modify made)
 

@@ -27,10 +27,15 @@ NEVER_YET = -1  # instead of a record's number
 
 
 class Access:
-    """One of the last cycles. register: None if no write of 1 clears its flags. modify: the write it was made for."""
+    """One of the last cycles. register: None if no write of 1 clears its flags. modify: the write it was made for.
 
-    __slots__ = ("cause", "field", "modify", "number", "reads", "register", "text", "tick", "value")
+    before, after: its neighbours, the older and the younger one.
+    """
 
+    __slots__ = ("after", "before", "cause", "field", "modify", "number", "reads", "register", "text", "tick", "value")
+
+    before: Access | None
+    after: Access | None
     number: int
     tick: int
     value: int
@@ -40,6 +45,16 @@ class Access:
     field: str
     register: ClearedRegister | None
     modify: Modify | None
+
+
+class Recent:
+    """The accesses of a unit in the last cycles, as a chain: it is short, and each access makes it anew."""
+
+    __slots__ = ("newest", "oldest")
+
+    def __init__(self) -> None:
+        self.oldest: Access | None = None
+        self.newest: Access | None = None
 
 
 class Modify:
@@ -129,7 +144,7 @@ class Topic:
 
     __slots__ = ("flag", "reads", "recent", "register")
 
-    def __init__(self, recent: list[Access], register: ClearedRegister | None, reads: bool, flag: Flag | None) -> None:
+    def __init__(self, recent: Recent, register: ClearedRegister | None, reads: bool, flag: Flag | None) -> None:
         self.recent = recent
         self.register = register
         self.reads = reads
@@ -139,7 +154,7 @@ class Topic:
 class Modifies(Keeper):
     """concerns: whether records of a kind, place and thing are looked at. is_about: of accesses, whether their
     register is one whose flags may be lost; of others it counts only that they were made. status: of status registers
-    only. writes: of such registers, with a read or without. recent: accesses of the last cycles, by unit."""
+    only. writes: of such registers, with a read or without. recent: by unit."""
 
     def __init__(
         self, concerns: Callable[[Kind, str, str], bool], is_about: Callable[[Kind, str, str], bool], status: bool
@@ -149,8 +164,9 @@ class Modifies(Keeper):
         self._concerns = concerns
         self._is_about = is_about
         self._longest = 0  # ticks
+        self._spare: Access | None = None  # the first of those that were forgotten
         self._topics: list[Topic] = []  # by tag
-        self.recent: dict[str, list[Access]] = {}
+        self.recent: dict[str, Recent] = {}  # by unit
         self._registers: dict[tuple[str, str], ClearedRegister] = {}  # by unit and name
 
     def cycle_is(self, ticks: Fraction) -> None:
@@ -167,10 +183,10 @@ class Modifies(Keeper):
             flag = None if register is None else register.flag(field)
             if flag is None:
                 return UNHEARD
-            topic = Topic([], register, False, flag)
+            topic = Topic(Recent(), register, False, flag)
         else:
             register = self._register(where, what[2:]) if self._is_about(kind, where, what) else None
-            topic = Topic(self.recent.setdefault(where, []), register, what.startswith("R "), None)
+            topic = Topic(self.recent.setdefault(where, Recent()), register, what.startswith("R "), None)
         self._topics.append(topic)
         return len(self._topics) - 1
 
@@ -194,15 +210,26 @@ class Modifies(Keeper):
             self._moved(topic.flag, number, tick, value, cause)
             return
         recent, register = topic.recent, topic.register
-        self._forget(recent, tick - self._longest)
-        one = Access()
+        before = tick - self._longest
+        if recent.oldest is not None and recent.oldest.tick < before:
+            self._forget(recent, before)
+        one = self._spare
+        if one is None:
+            one = Access()
+        else:
+            self._spare = one.after
         one.number, one.tick, one.value, one.cause = number, tick, value, cause
         one.reads, one.text, one.field = topic.reads, text, field
         one.register, one.modify = register, None
         if register is not None and not topic.reads:
             self.writes += 1
             self._landed(one, register, recent)
-        recent.append(one)
+        newest, recent.newest = recent.newest, one
+        one.before, one.after = newest, None
+        if newest is None:
+            recent.oldest = one
+        else:
+            newest.after = one
 
     def _moved(self, flag: Flag, number: int, tick: int, value: int, cause: int) -> None:
         """A flag rises, or falls."""
@@ -213,12 +240,10 @@ class Modifies(Keeper):
         if last is not None and cause == last.number and tick == last.tick:
             last.cleared |= flag.mask
 
-    def _landed(self, write: Access, register: ClearedRegister, recent: list[Access]) -> None:
+    def _landed(self, write: Access, register: ClearedRegister, recent: Recent) -> None:
         """A write: the nearest read of the same statement is its own, if there is one."""
-        passed, place = 0, len(recent)
-        while place and passed < OVERTAKEN:
-            place -= 1
-            one = recent[place]
+        passed, one = 0, recent.newest
+        while one is not None and passed < OVERTAKEN:
             if one.cause == write.cause:  # of the same routine
                 passed += 1
                 if one.reads and one.register is register and one.modify is None and _alike(one, write):
@@ -228,14 +253,12 @@ class Modifies(Keeper):
                     made.rose = [flag.rose for flag in register.flags]
                     one.modify = register.last = made
                     return
+            one = one.before
 
-    def _forget(self, recent: list[Access], before: int) -> None:
+    def _forget(self, recent: Recent, before: int) -> None:
         """Accesses that no write can belong to any more. What they were is told for good."""
-        old = 0
-        for one in recent:
-            if one.tick >= before:
-                break
-            old += 1
+        one = recent.oldest
+        while one is not None and one.tick < before:
             register, made = one.register, one.modify
             if register is not None and one.reads:
                 if made is None:
@@ -243,8 +266,13 @@ class Modifies(Keeper):
                 else:
                     self._judge(register, one, made)
                     register.modified.setdefault(made.place, {})[one.field] = one.number
-        if old:
-            del recent[:old]
+            after, one.after, self._spare = one.after, self._spare, one
+            one = after
+        recent.oldest = one
+        if one is None:
+            recent.newest = None
+        else:
+            one.before = None
 
     def _judge(self, register: ClearedRegister, read: Access, made: Modify) -> None:
         """A read-modify-write, of which all is known but what its place means to clear."""
@@ -267,8 +295,8 @@ class Modifies(Keeper):
     def finish(self) -> None:
         """The run is over."""
         for recent in self.recent.values():
-            if recent:
-                self._forget(recent, recent[-1].tick + 1)
+            if recent.newest is not None:
+                self._forget(recent, recent.newest.tick + 1)
 
     def lost(self) -> list[int]:
         """The ticks at which a flag was cleared unmeant that the firmware had not seen; in order."""

@@ -2,8 +2,8 @@
 
     record of a topic --> Columns.keep --> RecordTable: one numpy array a column, each string once in a table
 
-A record costs 49 bytes here, and 44 with one `append` a column while it is collected: its topic stands for kind, where
-and what.
+A record costs 49 bytes here, and 44 while it is collected: its topic stands for kind, where and what. The last ones
+stand in a block of fixed length, a number or a string a column, so that no object is made for a record.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "cause": ("q", "<i8"),
     "field": ("I", "<u4"),
 }
-PIECE = 8192  # records that wait in lists
+BLOCK = 2048  # records
 TABLES = ("kind", "where", "what", "text", "field")
 
 
@@ -133,43 +133,47 @@ class Columns(Keeper):
         self._number, self._tick, self._value, self._cause = array("q"), array("q"), array("q"), array("q")
         self._text, self._field = array("I"), array("I")
         self._texts, self._fields = Strings(), Strings()
-        self._wait()
+        self._begin()
 
-    def _wait(self) -> None:
-        """What was kept last waits in lists, to which more is added faster."""
-        self._waiting = 0
-        self._topic_waits: list[int] = []
-        self._number_waits: list[int] = []
-        self._tick_waits: list[int] = []
-        self._value_waits: list[int] = []
-        self._cause_waits: list[int] = []
-        self._text_waits: list[str] = []
-        self._field_waits: list[str] = []
+    def _begin(self) -> None:
+        """An empty block."""
+        self._filled = 0
+        self._tags = array("I", bytes(4 * BLOCK))
+        self._numbers = array("q", bytes(8 * BLOCK))
+        self._ticks = array("q", bytes(8 * BLOCK))
+        self._values = array("q", bytes(8 * BLOCK))
+        self._causes = array("q", bytes(8 * BLOCK))
+        self._texts_here, self._fields_here = [""] * BLOCK, [""] * BLOCK
 
     def _put(self) -> None:
-        """Put what waits into the columns."""
-        self._topic.extend(array("I", self._topic_waits))
-        self._number.extend(array("q", self._number_waits))
-        self._tick.extend(array("q", self._tick_waits))
-        self._value.extend(array("q", self._value_waits))
-        self._cause.extend(array("q", self._cause_waits))
-        self._text.extend(array("I", map(self._texts.__getitem__, self._text_waits)))
-        self._field.extend(array("I", map(self._fields.__getitem__, self._field_waits)))
-        self._wait()
+        """Put the block into the columns."""
+        filled = self._filled
+        for column, block in (
+            (self._topic, self._tags),
+            (self._number, self._numbers),
+            (self._tick, self._ticks),
+            (self._value, self._values),
+            (self._cause, self._causes),
+        ):
+            column.frombytes(memoryview(block)[:filled].cast("B"))
+        self._text.extend(array("I", map(self._texts.__getitem__, self._texts_here[:filled])))
+        self._field.extend(array("I", map(self._fields.__getitem__, self._fields_here[:filled])))
+        self._filled = 0
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
         return self._topics.setdefault((kind, where, what), len(self._topics))
 
     def keep(self, tag: int, number: int, tick: int, value: int, text: str, cause: int, field: str) -> None:
-        self._topic_waits.append(tag)
-        self._number_waits.append(number)
-        self._tick_waits.append(tick)
-        self._value_waits.append(value)
-        self._cause_waits.append(cause)
-        self._text_waits.append(text)
-        self._field_waits.append(field)
-        self._waiting += 1
-        if self._waiting == PIECE:
+        row = self._filled
+        self._tags[row] = tag
+        self._numbers[row] = number
+        self._ticks[row] = tick
+        self._values[row] = value
+        self._causes[row] = cause
+        self._texts_here[row] = text
+        self._fields_here[row] = field
+        self._filled = row = row + 1
+        if row == BLOCK:
             self._put()
 
     def add(self, record: Record) -> None:
@@ -178,7 +182,7 @@ class Columns(Keeper):
         self.keep(self.tag_of(kind, where, what), number, tick, value, text, cause, field)
 
     def __len__(self) -> int:
-        return len(self._tick) + self._waiting
+        return len(self._tick) + self._filled
 
     def table(self, per_second: Fraction, end: int, modules: dict[str, tuple[str, ...]]) -> RecordTable:
         self._put()

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from periph_sim.core.records import Kind, Record
 from periph_sim.traces import formats
 from periph_sim.traces.formats import psr
-from periph_sim.traces.formats.record_table import table_of
+from periph_sim.traces.formats.record_table import BLOCK, table_of
 from tests.profiles import examples
 from tests.traces.formats.looks import edges, facts
 
@@ -50,6 +50,16 @@ def saved(path: Path, records: list[Record], end: int = 0) -> Path:
     with path.open("wb") as file:
         psr.write_table(table_of(records, Fraction(3 * 10**9), end), file)
     return path
+
+
+@pytest.mark.parametrize("count", [BLOCK - 1, BLOCK, 2 * BLOCK + 1])
+def test_more_records_than_a_block_come_out_in_order(count: int):
+    kinds = list(Kind)
+    records = [
+        Record(n, 3 * n, kinds[n % 3], f"at {n % 5}", f"{n % 7}", -n, f"text {n % 11}", n // 2, f"field {n % 13}")
+        for n in range(1, count + 1)
+    ]
+    assert list(table_of(records, Fraction(1), 9).records()) == records
 
 
 @given(runs())

@@ -8,11 +8,12 @@ from typing import Any
 
 import pytest
 
+from periph_sim.core.records import Kind
 from periph_sim.outside import OutsideError, Session
 from periph_sim.outside.serial_line import SerialLine
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
-from tests.outside.sessions import BUS, case
+from tests.outside.sessions import BUS, Records, case
 from tests.scene.runs import TIMING
 
 GYROSCOPE, ACCELEROMETER, MAGNETOMETER = 0x68, 0x53, 0x1E
@@ -73,6 +74,60 @@ def test_chips_are_read_in_any_order(form: str) -> None:
     for order in list(permutations(DATA_AT))[1::2]:
         for chip in order:
             assert session.i2c.transfer(chip, bytes([DATA_AT[chip]]), 6) == shown[chip]
+
+
+def test_a_frame_with_a_broken_character_is_left_out() -> None:
+    session, line = emulator("pins")
+    frames = [(1, 2, 3, 4, 5, 6), (7, 8, 9, 10, 11, 12), (13, 14, 15, 16, 17, 18)]
+    seen = []
+    for number, frame in enumerate(frames):
+        data = pack("<6h", *frame)
+        line.write(data[:4])
+        line.write(data[4:5], wrong="stop" if number == 1 else "")
+        line.write(data[5:])
+        session.advance(session.now + session.ticks("2 ms"))
+        seen.append(session.i2c.transfer(GYROSCOPE, b"\x1d", 6))
+    assert seen == [chips_of(frames[kept])[GYROSCOPE] for kept in (0, 0, 2)]
+
+
+def test_the_models_run_once_more_when_every_chip_was_read() -> None:
+    """So that noise stays alive where no frame comes."""
+    records = Records()
+    those = {"dsp": unit(["GPIO", "XINT"], model_cost="50 us") | {"pins": {"SDA": 32, "SCL": 33}}}
+    session = Session(case(unit=those), BUS, subscribe=records.subscribe)
+
+    def runs() -> int:
+        session.advance(session.now + session.ticks("200 us"))
+        return sum(record.kind is Kind.SPAN and record.value == 1 for record in records.kept)
+
+    session.advance(session.ticks("1 ms"))
+    ran = []
+    for chip in (GYROSCOPE, MAGNETOMETER, GYROSCOPE, ACCELEROMETER, MAGNETOMETER, ACCELEROMETER, GYROSCOPE):
+        assert session.i2c.transfer(chip, bytes([DATA_AT[chip]]), 6) is not None
+        ran.append(runs())
+    assert session.i2c.transfer(GYROSCOPE, b"\x3e\x01") == b""  # a write is no read
+    assert [*ran, runs()] == [1, 1, 1, 2, 2, 2, 3, 3]
+
+
+def test_a_start_is_seen_though_scl_falls_before_it_is_read() -> None:
+    """Both lines fall within 100 ns; the address follows at 100 kHz."""
+    session = pins()
+    master = session.i2c
+    session.apply(session.now, {"SDA": 0})
+    session.apply(session.now + session.ticks("100 ns"), {"SCL": 0})
+    session.advance(session.now + session.ticks("5 us"))
+    bits = [int(bit) for bit in f"{ACCELEROMETER << 1:08b}"] + [1]
+    seen = []
+    for bit in bits:
+        session.apply(session.now, {"SDA": bit})
+        session.advance(session.now + session.ticks("3 us"))
+        session.apply(session.now, {"SCL": 1})
+        session.advance(session.now + session.ticks("5 us"))
+        seen.append(session.level("SDA"))
+        session.apply(session.now, {"SCL": 0})
+        session.advance(session.now + session.ticks("2 us"))
+    assert seen == [*bits[:8], 0]
+    assert master.clear()
 
 
 @pytest.mark.parametrize("rate", ["100 kHz", "400 kHz"])

@@ -102,17 +102,21 @@ def test_the_models_run_once_more_when_every_chip_was_read() -> None:
 
     session.advance(session.ticks("1 ms"))
     ran = []
-    for chip in (GYROSCOPE, MAGNETOMETER, GYROSCOPE, ACCELEROMETER, MAGNETOMETER, ACCELEROMETER, GYROSCOPE):
+    for chip in (GYROSCOPE, MAGNETOMETER, GYROSCOPE, ACCELEROMETER, MAGNETOMETER, ACCELEROMETER, *[GYROSCOPE] * 2):
         assert session.i2c.transfer(chip, bytes([DATA_AT[chip]]), 6) is not None
         ran.append(runs())
-    assert session.i2c.transfer(GYROSCOPE, b"\x3e\x01") == b""  # a write is no read
-    assert [*ran, runs()] == [1, 1, 1, 2, 2, 2, 3, 3]
+    for chip in (ACCELEROMETER, MAGNETOMETER):
+        assert session.i2c.transfer(chip, b"\x3e\x01") == b""  # a write is no read
+    assert [*ran, runs()] == [1, 1, 1, 2, 2, 2, 3, 3, 3]
 
 
-def test_a_start_is_seen_though_scl_falls_before_it_is_read() -> None:
+@pytest.mark.parametrize("before", ["nothing", "a write"])
+def test_a_start_is_seen_though_scl_falls_before_it_is_read(before: str) -> None:
     """Both lines fall within 100 ns; the address follows at 100 kHz."""
     session = pins()
     master = session.i2c
+    if before == "a write":
+        assert master.transfer(MAGNETOMETER, b"\x0a") == b""
     session.apply(session.now, {"SDA": 0})
     session.apply(session.now + session.ticks("100 ns"), {"SCL": 0})
     session.advance(session.now + session.ticks("5 us"))
@@ -218,6 +222,27 @@ def test_clocks_free_the_bus_where_a_read_was_given_up_at_a_0(form: str) -> None
     assert master.clear()
     assert not session.pulls("SDA")
     assert master.transfer(ACCELEROMETER, b"\x00", 1) == b"\xe5"
+
+
+def test_what_others_say_to_each_other_is_left_alone() -> None:
+    """A slave by its module is on the bus, too; its data look like our addresses."""
+    other = {"firmware": case("register_slave").unit["dsp"].firmware, "modules": ["I2C-A"]}
+    session = alone({"dsp": unit(["GPIO", "XINT"]) | {"pins": {"SDA": 32, "SCL": 33}}, "other": other})
+    data = bytes([GYROSCOPE << 1, ACCELEROMETER << 1 | 1, 0x00, 0xFF])
+    assert session.i2c.transfer(0x50, b"\x10" + data) == b""
+    assert session.i2c.transfer(0x50, b"\x10", 4) == data
+    assert session.i2c.transfer(ACCELEROMETER, b"\x00", 1) == b"\xe5"
+    assert session.i2c.transfer(0x50, count=1) == b"\x00"
+
+
+def test_scl_is_held_while_a_slow_target_works() -> None:
+    """6 us a byte, at 400 kHz: an address, a written byte and one that is read are each longer by about that."""
+    session = pins(costs={"byte": 900})
+    session.i2c.rate = "400 kHz"
+    began = session.now
+    assert session.i2c.transfer(ACCELEROMETER, b"\x20\x5a") == b""
+    assert session.now - began > session.ticks("18 us") + 27 * session.ticks("2.5 us")
+    assert session.i2c.transfer(ACCELEROMETER, b"\x20", 2) == b"\x5a\x00"
 
 
 def test_a_unit_without_the_module_answers_as_fast_mode_asks() -> None:

@@ -49,6 +49,14 @@ def test_register_reads_of_0_are_of_256() -> None:
     assert adapter().take(b"r\x50\x00\x00") == b"\x0a\x0b\x0c\x0d" + bytes(252)
 
 
+def test_time_passes_before_each_start() -> None:
+    session = slave(registers="0a")
+    driver = I2cDriver(session, session.ticks("3 ms"))
+    before = session.now
+    driver.take(b"r\x50\x00\x01")
+    assert session.ticks("6 ms") < session.now - before < session.ticks("6.5 ms")
+
+
 def test_a_scan_reports_each_address() -> None:
     reports = adapter().take(b"d")
     assert len(reports) == 112
@@ -103,6 +111,9 @@ def test_a_capture_is_what_others_do_on_the_bus() -> None:
     assert driver.take(b"@") == b"" and not driver.capturing
     session.advance(session.ticks("45 ms"))
     assert driver.captured() == b"" and driver.take(b"e@") == b"@"
+    driver.take(b"c")
+    session.advance(session.ticks("65 ms"))
+    assert driver.take(b"c") == driver.captured() == b"", "what a capture did not hand over is gone with it"
 
 
 def test_garbage_is_stood_and_forgotten() -> None:

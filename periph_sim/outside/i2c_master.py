@@ -16,7 +16,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from ..core.settings import frequency
-from .errors import OutsideError
+from .errors import ArbitrationLost, OutsideError
 
 if TYPE_CHECKING:
     from .session import Session
@@ -187,7 +187,7 @@ class Master:
             sent = value >> place & 1
             if self._bit(sent) != sent:
                 self.let_go()
-                raise OutsideError("another controller has won the bus; begin again when it is free")
+                raise ArbitrationLost("another controller has won the bus; begin again when it is free")
         return not self._bit(1)
 
     def _bit(self, level: int) -> int:

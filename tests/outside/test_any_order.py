@@ -14,10 +14,12 @@ from periph_sim.outside.serial_line import SerialLine
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from tests.outside.sessions import BUS, Records, case
+from tests.profiles import explores
 from tests.scene.runs import TIMING
 
 GYROSCOPE, ACCELEROMETER, MAGNETOMETER = 0x68, 0x53, 0x1E
 DATA_AT = {GYROSCOPE: 0x1D, ACCELEROMETER: 0x32, MAGNETOMETER: 0x03}
+FRAMES = 300 if explores() else 6  # that come during reads
 FORMS = {"pins": "imu_any_order", "units": "any_order_units"}
 
 
@@ -139,11 +141,11 @@ def test_a_frame_that_comes_during_a_read_does_not_tear_it(rate: str) -> None:
     """Frames follow each other without a pause, so that a service routine falls into every read."""
     session, line = emulator("pins")
     session.i2c.rate = rate
-    frames = [tuple(range(n, n + 6)) for n in range(0x100, 0x106)]
+    frames = [tuple(range(n, n + 6)) for n in range(0x100, 0x100 + FRAMES)]
     line.write(b"".join(pack("<6h", *frame) for frame in frames))
     possible = {chip: [chips_of((0,) * 6)[chip], *(chips_of(frame)[chip] for frame in frames)] for chip in DATA_AT}
     seen, last = 0, dict.fromkeys(DATA_AT, 0)
-    while seen < len(frames) and session.now < session.ticks("15 ms"):
+    while seen < len(frames) and session.now < session.ticks("1 ms") * (2 * FRAMES + 3):
         for chip, at in DATA_AT.items():
             got = session.i2c.transfer(chip, bytes([at]), 6)
             assert got is not None

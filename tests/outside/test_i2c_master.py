@@ -7,8 +7,11 @@ from typing import Any
 import pytest
 
 from periph_sim.outside import OutsideError
+from periph_sim.outside.errors import ArbitrationLost
 from periph_sim.outside.session import Session
+from periph_sim.scene.case.load import load
 from tests.outside.sessions import BUS, bus, case
+from tests.scene.runs import TIMING
 
 
 def test_call_by_call_as_drivers_do() -> None:
@@ -112,3 +115,23 @@ def test_single_bits_break_off_in_a_byte_and_a_clear_frees_the_bus() -> None:
     assert (master.reads, master.writes) == (False, True)
     session.scene.wire("SCL").attach("stranger").drive(0)
     assert not master.clear()
+
+
+def beside_another_controller() -> Session:
+    """A session whose time is that of another unit's START, to 0x68."""
+    heads = load(TIMING / "two_dsps.toml").model_copy(update={"budget": ()})
+    found = Session(heads, BUS)
+    pulled = found.advance(found.ticks("21 ms"))
+    start = next(change.at for change in pulled if (change.line, change.level) == ("SDA", 0))
+    session = Session(heads, BUS)
+    session.advance(start)
+    return session
+
+
+def test_arbitration_that_is_lost_lets_go_of_the_bus() -> None:
+    session = beside_another_controller()
+    with pytest.raises(ArbitrationLost, match="another controller has won the bus; begin again when it is free"):
+        session.i2c.start(0x7F)
+    assert not session.i2c.held
+    session.advance(session.ticks("30 ms"))
+    assert session.finish().wire_bytes == 27  # the winner's round of three chips

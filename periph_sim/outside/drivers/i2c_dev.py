@@ -22,7 +22,7 @@ from contextlib import ExitStack, contextmanager
 from typing import Any
 from unittest.mock import patch
 
-from ..errors import OutsideError
+from ..errors import ArbitrationLost, OutsideError
 from ..i2c_master import Master
 from ..session import Session
 from .smbus import MOST_BLOCK, SmbusTransfer
@@ -110,6 +110,8 @@ class Adapter:
             finally:
                 if session.i2c.held:
                     session.i2c.stop()
+        except ArbitrationLost as error:
+            raise OSError(errno.EAGAIN, str(error)) from None
         except OutsideError as error:
             raise OSError(errno.ETIMEDOUT, str(error)) from None
 
@@ -187,7 +189,8 @@ def i2c_dev(sessions: Mapping[int, Session], pause: str = "100 us") -> Iterator[
     """Within the block `/dev/i2c-N` is the bus of the session with that number. For Linux, where such code runs.
 
     pause: the time that passes before each transfer, since `time.sleep` moves none. OSError as of a kernel: ENXIO where
-    nobody acknowledges the address, EIO where a byte is refused, ETIMEDOUT where the bus is held, ENOENT for a number
+    nobody acknowledges the address, EIO where a byte is refused, ETIMEDOUT where the bus is held, EAGAIN where another
+    controller wins it, ENOENT for a number
     that is not given.
     """
     import fcntl

@@ -1,7 +1,7 @@
 """The I2CDriver's serial protocol, without a port: bytes of its client go in; what it answers comes out.
 
     client --'s' 0xD0, 0xC0 0x00, 'p' ...--> I2cDriver --start, write, stop--> Master --> SDA, SCL
-           <--report: '0' | timeout, ACK----
+           <--report: '0' | lost, timeout, ACK----
 
 An adapter with a serial port for a PC (i2cdriver.com). Its programs run on it unmodified.
 
@@ -16,7 +16,7 @@ Source: the I2CDriver's firmware (github.com/jamesbowman/i2cdriver, firmware/mai
 
 Chosen: 5 V, 0 mA, 25 degrees. The checksum is of each byte of the bus once, addresses included. A line that bits would
 drive high is let go: the bus is open drain. 'v' and 'w', which weigh pull-ups, are nothing. A line that is held for
-more than 25 ms is a time-out in the next report, and so is arbitration that is lost.
+more than 25 ms is a time-out in the next report.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from collections.abc import Callable, Generator
 
 from ...bus.i2c.monitor import I2cMonitor
 from ...bus.i2c.transfer import Transfer
-from ..errors import OutsideError
+from ..errors import ArbitrationLost, OutsideError
 from ..i2c_master import Master
 from ..session import Session
 
 Service = Generator[None, int, None]  # is sent the bytes of its client
 
-ACK, TIMEOUT = 1, 2  # of a report
+ACK, TIMEOUT, LOST = 1, 2, 4  # of a report
 SCAN = range(0x08, 0x78)
 MOST = 64  # bytes of a command
 NOBODY = 0xFF  # read where no transfer is
@@ -119,7 +119,7 @@ class I2cDriver:
         self._set_rate(100)
         self._pull_ups = 0b100100
         self._checksum = 0xFFFF
-        self._timed_out = False
+        self._trouble = 0
         self._mode = "I"
 
     def _set_rate(self, rate: int) -> None:
@@ -139,7 +139,7 @@ class I2cDriver:
         self._stop()
 
     def _reset(self) -> None:
-        self._timed_out = False
+        self._trouble = 0
         self._master.clear()
         self._say(0x30 | self._lines())
 
@@ -175,11 +175,11 @@ class I2cDriver:
     def _start(self, byte: int) -> bool:
         session, master = self._session, self._master
         session.advance(session.now + self._pause)
-        self._timed_out = False
+        self._trouble = 0
         try:
             acked = master.start(byte >> 1, bool(byte & 1))
-        except OutsideError:
-            self._lost()
+        except OutsideError as error:
+            self._give_up(error)
             return False
         self._count(byte)
         return acked
@@ -189,8 +189,8 @@ class I2cDriver:
             return False
         try:
             acked = self._master.write(byte)
-        except OutsideError:
-            self._lost()
+        except OutsideError as error:
+            self._give_up(error)
             return False
         self._count(byte)
         return acked
@@ -200,8 +200,8 @@ class I2cDriver:
             return NOBODY
         try:
             byte = self._master.read(ack)
-        except OutsideError:
-            self._lost()
+        except OutsideError as error:
+            self._give_up(error)
             return NOBODY
         self._count(byte)
         return byte
@@ -210,12 +210,12 @@ class I2cDriver:
         if self._master.held:
             try:
                 self._master.stop()
-            except OutsideError:
-                self._lost()
+            except OutsideError as error:
+                self._give_up(error)
 
-    def _lost(self) -> None:
+    def _give_up(self, error: OutsideError) -> None:
         """A line was held for too long, or another controller won: the client is told with the next report."""
-        self._timed_out = True
+        self._trouble = LOST if isinstance(error, ArbitrationLost) else TIMEOUT
         self._let_go()
 
     def _let_go(self) -> None:
@@ -236,7 +236,7 @@ class I2cDriver:
         self._said += f"[{text.ljust(INFORMATION - 2)}]".encode("ascii")
 
     def _report(self, acked: bool) -> None:
-        self._say(0x30 | TIMEOUT * self._timed_out | ACK * acked)
+        self._say(0x30 | self._trouble | ACK * acked)
 
     def _status(self) -> str:
         seconds = self._session.now // self._session.ticks_per_second

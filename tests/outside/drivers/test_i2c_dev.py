@@ -12,6 +12,7 @@ import pytest
 
 from periph_sim.outside.drivers import i2c_dev
 from periph_sim.outside.drivers.i2c_dev import RETRIES, SLAVE, TENBIT, TIMEOUT
+from tests.outside.test_i2c_master import beside_another_controller
 from tests.outside.test_register_slave import slave
 
 smbus2 = pytest.importorskip("smbus2", reason="smbus2 is not installed: the extra dev has it")
@@ -64,6 +65,13 @@ def test_what_goes_wrong_is_the_kernel_s_error_and_the_bus_is_free(
         call(number_1)
     assert refused.value.errno == code
     assert number_1.read_byte_data(0x20, 0) == 1
+
+
+def test_arbitration_that_is_lost_is_to_be_tried_again() -> None:
+    with i2c_dev({1: beside_another_controller()}, pause="0 us"), smbus2.SMBus(1) as bus:
+        with pytest.raises(OSError, match="another controller has won the bus") as refused:
+            bus.write_byte(0x7F, 0)
+        assert refused.value.errno == errno.EAGAIN
 
 
 def test_plain_files_and_their_refusals() -> None:

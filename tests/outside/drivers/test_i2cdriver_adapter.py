@@ -11,6 +11,7 @@ from periph_sim.outside import Session
 from periph_sim.outside.drivers.i2cdriver_adapter import I2cDriver
 from periph_sim.scene.case.load import load
 from tests.outside.sessions import BUS
+from tests.outside.test_i2c_master import beside_another_controller
 from tests.outside.test_register_slave import slave
 from tests.scene.runs import TIMING
 
@@ -84,6 +85,11 @@ def test_a_held_line_is_a_timeout_and_a_reset_says_which() -> None:
     stranger.drive(1)
     session.advance(session.now + 1)
     assert driver.take(b"x" + WRITE + b"p") == b"3" + ACKED
+
+
+def test_arbitration_that_is_lost_is_reported() -> None:
+    driver = I2cDriver(beside_another_controller(), 0)
+    assert driver.take(b"s\xfe\xc0\x00p") == b"44"
 
 
 def test_a_bus_that_was_left_in_a_read_is_free_behind_a_reset() -> None:

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -15,6 +18,17 @@ from tests.outside.sessions import BUS, case
 from tests.scene.runs import TIMING
 
 i2cdriver = pytest.importorskip("i2cdriver", reason="i2cdriver is not installed: the extra drivers has it")
+
+
+@pytest.fixture(autouse=True)
+def patience(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The package gives each answer a second of real time; here it waits, however busy the machine is."""
+    monkeypatch.setattr(i2cdriver.serial, "Serial", partial(_patient, i2cdriver.serial.Serial))
+
+
+def _patient(opened: Callable[..., Any], port: str, baud: int, timeout: float) -> Any:
+    assert timeout == 1
+    return opened(port, baud, timeout=120)
 
 
 def test_an_unmodified_program_reads_writes_and_scans(tmp_path: Path) -> None:
@@ -47,6 +61,7 @@ def test_a_program_sees_what_others_do_on_the_bus() -> None:
     heads = load(TIMING / "two_dsps.toml").model_copy(update={"budget": ()})
     with I2cDriverPort(heads, BUS) as port:
         driver = i2cdriver.I2CDriver(port.path, reset="never")
+        driver.ser.timeout = 0.05  # a capture goes on with what came until then, or nothing
         events = driver.capture_start()()
         seen = [next(events) for _ in range(3)]
         driver.ser.close()

@@ -1,0 +1,409 @@
+"""ACC and P: add, subtract, compare, logic. Each function is one form of `encodings.toml`, by its id.
+
+Source: SPRU430F chapter 6; sections 2.3 (flags) and 2.2 (OVC).
+"""
+
+from __future__ import annotations
+
+from .registers import M32, SIGN32, Cpu, Operation, s32
+
+
+def sum32(cpu: Cpu, a: int, b: int, carry: int = 0, saturates: bool = True) -> int:
+    """a + b + carry with C, V, OVC and, where OVM says so, saturation; N and Z of the result."""
+    total = a + b + carry
+    result = total & M32
+    cpu.c = total >> 32
+    if ~(a ^ b) & (a ^ result) & SIGN32:
+        result = overflowed(cpu, a, result, saturates)
+    cpu.nz32(result)
+    return result
+
+
+def difference32(cpu: Cpu, a: int, b: int, borrow: int = 0, saturates: bool = True) -> int:
+    """a - b - borrow likewise; C is 0 where a borrow was needed."""
+    total = a - b - borrow
+    result = total & M32
+    cpu.c = int(total >= 0)
+    if (a ^ b) & (a ^ result) & SIGN32:
+        result = overflowed(cpu, a, result, saturates)
+    cpu.nz32(result)
+    return result
+
+
+def overflowed(cpu: Cpu, a: int, result: int, saturates: bool) -> int:
+    """What becomes of a result that overflowed in the direction of a's sign."""
+    cpu.v = 1
+    upward = not a & SIGN32
+    if not saturates:
+        return result
+    if cpu.ovm:
+        return 0x7FFF_FFFF if upward else 0x8000_0000
+    cpu.put_ovc(cpu.ovc + (1 if upward else -1))
+    return result
+
+
+def sum_ovcu(cpu: Cpu, a: int, b: int) -> int:
+    """Unsigned: OVC counts carries, and nothing saturates."""
+    result = sum32(cpu, a, b, 0, False)
+    cpu.put_ovc(cpu.ovc + cpu.c)
+    return result
+
+
+def difference_ovcu(cpu: Cpu, a: int, b: int) -> int:
+    """Unsigned: OVC counts borrows down, and nothing saturates."""
+    result = difference32(cpu, a, b, 0, False)
+    cpu.put_ovc(cpu.ovc - 1 + cpu.c)
+    return result
+
+
+def compared32(cpu: Cpu, a: int, b: int) -> None:
+    """Flags of a - b; N is the sign of the exact difference."""
+    cpu.n, cpu.z, cpu.c = int(s32(a) < s32(b)), int(a == b), int(a >= b)
+
+
+def add(cpu: Cpu, value: int) -> None:
+    cpu.acc = sum32(cpu, cpu.acc, value & M32)
+
+
+def subtract(cpu: Cpu, value: int) -> None:
+    cpu.acc = difference32(cpu, cpu.acc, value & M32)
+
+
+def logic(cpu: Cpu, value: int) -> None:
+    cpu.acc = value & M32
+    cpu.nz32(cpu.acc)
+
+
+# Add ----------------------------------------------------------------------------------------------------------------
+
+
+def ADD_ACC_16sh_0_15(cpu: Cpu, f: Operation) -> None:
+    add(cpu, cpu.x16(f.c) << f.s)
+
+
+def ADD_ACC_loc16shT(cpu: Cpu, f: Operation) -> None:
+    add(cpu, cpu.x16(cpu.read16()) << (cpu.t & 15))
+
+
+def ADD_ACC_loc16(cpu: Cpu, f: Operation) -> None:
+    add(cpu, cpu.x16(cpu.read16()))
+
+
+def ADD_ACC_loc16sh_1_15(cpu: Cpu, f: Operation) -> None:
+    add(cpu, cpu.x16(cpu.read16()) << f.s)
+
+
+def ADD_ACC_loc16sh_16(cpu: Cpu, f: Operation) -> None:
+    before = cpu.c
+    add(cpu, cpu.read16() << 16)
+    cpu.c |= before
+
+
+def ADDB_ACC_8(cpu: Cpu, f: Operation) -> None:
+    add(cpu, f.c)
+
+
+def ADDCL_ACC_loc32(cpu: Cpu, f: Operation) -> None:
+    cpu.acc = sum32(cpu, cpu.acc, cpu.read32(), cpu.c)
+
+
+def ADDCU_ACC_loc16(cpu: Cpu, f: Operation) -> None:
+    cpu.acc = sum32(cpu, cpu.acc, cpu.read16(), cpu.c)
+
+
+def ADDL_ACC_loc32(cpu: Cpu, f: Operation) -> None:
+    add(cpu, cpu.read32())
+
+
+def ADDL_loc32_ACC(cpu: Cpu, f: Operation) -> None:
+    cpu.write32(sum32(cpu, cpu.read32(), cpu.acc))
+
+
+def ADDU_ACC_loc16(cpu: Cpu, f: Operation) -> None:
+    add(cpu, cpu.read16())
+
+
+def ADDUL_P_loc32(cpu: Cpu, f: Operation) -> None:
+    cpu.p = sum_ovcu(cpu, cpu.p, cpu.read32())
+
+
+def ADDUL_ACC_loc32(cpu: Cpu, f: Operation) -> None:
+    cpu.acc = sum_ovcu(cpu, cpu.acc, cpu.read32())
+
+
+# Subtract -----------------------------------------------------------------------------------------------------------
+
+
+def SUB_ACC_loc16(cpu: Cpu, f: Operation) -> None:
+    subtract(cpu, cpu.x16(cpu.read16()))
+
+
+def SUB_ACC_loc16sh_1_15(cpu: Cpu, f: Operation) -> None:
+    subtract(cpu, cpu.x16(cpu.read16()) << f.s)
+
+
+def SUB_ACC_loc16sh_16(cpu: Cpu, f: Operation) -> None:
+    before = cpu.c
+    subtract(cpu, cpu.read16() << 16)
+    cpu.c &= before
+
+
+def SUB_ACC_loc16shT(cpu: Cpu, f: Operation) -> None:
+    subtract(cpu, cpu.x16(cpu.read16()) << (cpu.t & 15))
+
+
+def SUB_ACC_16sh_0_15(cpu: Cpu, f: Operation) -> None:
+    subtract(cpu, cpu.x16(f.c) << f.s)
+
+
+def SUBB_ACC_8(cpu: Cpu, f: Operation) -> None:
+    subtract(cpu, f.c)
+
+
+def SBBU_ACC_loc16(cpu: Cpu, f: Operation) -> None:
+    cpu.acc = difference32(cpu, cpu.acc, cpu.read16(), 1 - cpu.c)
+
+
+def SUBBL_ACC_loc32(cpu: Cpu, f: Operation) -> None:
+    cpu.acc = difference32(cpu, cpu.acc, cpu.read32(), 1 - cpu.c)
+
+
+def SUBL_ACC_loc32(cpu: Cpu, f: Operation) -> None:
+    subtract(cpu, cpu.read32())
+
+
+def SUBL_loc32_ACC(cpu: Cpu, f: Operation) -> None:
+    cpu.write32(difference32(cpu, cpu.read32(), cpu.acc))
+
+
+def SUBRL_loc32_ACC(cpu: Cpu, f: Operation) -> None:
+    cpu.write32(difference32(cpu, cpu.acc, cpu.read32()))
+
+
+def SUBU_ACC_loc16(cpu: Cpu, f: Operation) -> None:
+    subtract(cpu, cpu.read16())
+
+
+def SUBUL_ACC_loc32(cpu: Cpu, f: Operation) -> None:
+    cpu.acc = difference_ovcu(cpu, cpu.acc, cpu.read32())
+
+
+def SUBUL_P_loc32(cpu: Cpu, f: Operation) -> None:
+    cpu.p = difference_ovcu(cpu, cpu.p, cpu.read32())
+
+
+def SUBCU_ACC_loc16(cpu: Cpu, f: Operation) -> None:
+    """One step of a division by 16 bits."""
+    shifted = cpu.acc << 1
+    rest = shifted - (cpu.read16() << 16)
+    cpu.c = int(rest >= 0)
+    logic(cpu, rest + 1 if rest >= 0 else shifted)
+
+
+def SUBCUL_ACC_loc32(cpu: Cpu, f: Operation) -> None:
+    """One step of a division by 32 bits; the quotient grows in P."""
+    shifted = cpu.acc << 1 | cpu.p >> 31
+    rest = shifted - cpu.read32()
+    cpu.c = int(rest >= 0)
+    cpu.p = cpu.p << 1 & M32 | cpu.c
+    logic(cpu, rest if rest >= 0 else shifted)
+
+
+# Compare, minimum, maximum ----------------------------------------------------------------------------------------
+
+
+def CMPL_ACC_loc32(cpu: Cpu, f: Operation) -> None:
+    compared32(cpu, cpu.acc, cpu.read32())
+
+
+def CMPL_ACC_PshPM(cpu: Cpu, f: Operation) -> None:
+    compared32(cpu, cpu.acc, cpu.psh())
+
+
+def CMP64_ACC_P(cpu: Cpu, f: Operation) -> None:
+    cpu.n, cpu.z, cpu.v = cpu.v ^ cpu.acc >> 31, int(cpu.acc_p == 0), 0
+
+
+def TEST_ACC(cpu: Cpu, f: Operation) -> None:
+    cpu.nz32(cpu.acc)
+
+
+def MAXL_ACC_loc32(cpu: Cpu, f: Operation) -> None:
+    value = cpu.read32()
+    compared32(cpu, cpu.acc, value)
+    if s32(cpu.acc) < s32(value):
+        cpu.acc, cpu.v = value, 1
+
+
+def MINL_ACC_loc32(cpu: Cpu, f: Operation) -> None:
+    value = cpu.read32()
+    compared32(cpu, cpu.acc, value)
+    if s32(cpu.acc) > s32(value):
+        cpu.acc, cpu.v = value, 1
+
+
+def MAXCUL_P_loc32(cpu: Cpu, f: Operation) -> None:
+    """The lower half of a 64-bit maximum, behind MAXL of the upper one."""
+    value = cpu.read32()
+    if cpu.n and not cpu.z:
+        cpu.p = value
+    elif not cpu.n and cpu.z and cpu.p < value:
+        cpu.p, cpu.v = value, 1
+
+
+def MINCUL_P_loc32(cpu: Cpu, f: Operation) -> None:
+    value = cpu.read32()
+    if not cpu.n and not cpu.z:
+        cpu.p = value
+    elif not cpu.n and cpu.z and cpu.p > value:
+        cpu.p, cpu.v = value, 1
+
+
+# Sign, saturation ---------------------------------------------------------------------------------------------------
+
+
+def negate(cpu: Cpu, value: int) -> int:
+    """-value; the least one has no counterpart."""
+    if value == SIGN32:
+        cpu.v = 1
+        return 0x7FFF_FFFF if cpu.ovm else SIGN32
+    return -value & M32
+
+
+def ABS_ACC(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, negate(cpu, cpu.acc) if cpu.acc & SIGN32 else cpu.acc)
+    cpu.c = 0
+
+
+def ABSTC_ACC(cpu: Cpu, f: Operation) -> None:
+    cpu.tc ^= cpu.acc >> 31
+    ABS_ACC(cpu, f)
+
+
+def NEG_ACC(cpu: Cpu, f: Operation) -> None:
+    cpu.c = int(cpu.acc == 0)
+    logic(cpu, negate(cpu, cpu.acc))
+
+
+def NEGTC_ACC(cpu: Cpu, f: Operation) -> None:
+    if cpu.tc:
+        NEG_ACC(cpu, f)
+    else:
+        cpu.nz32(cpu.acc)
+
+
+def NEG64_ACC_P(cpu: Cpu, f: Operation) -> None:
+    value = cpu.acc_p
+    cpu.c = int(value == 0)
+    if value == 1 << 63:
+        cpu.v = 1
+        cpu.acc_p = value - 1 if cpu.ovm else value
+    else:
+        cpu.acc_p = -value & (1 << 64) - 1
+    cpu.nz64(cpu.acc_p)
+
+
+def SAT_ACC(cpu: Cpu, f: Operation) -> None:
+    if cpu.ovc:
+        cpu.acc = 0x7FFF_FFFF if cpu.ovc > 0 else SIGN32
+    cpu.v, cpu.ovc, cpu.c = int(cpu.ovc != 0), 0, 0
+    cpu.nz32(cpu.acc)
+
+
+def SAT64_ACC_P(cpu: Cpu, f: Operation) -> None:
+    if cpu.ovc:
+        cpu.acc_p = (1 << 63) - 1 if cpu.ovc > 0 else 1 << 63
+    cpu.v, cpu.ovc, cpu.c = int(cpu.ovc != 0), 0, 0
+    cpu.nz64(cpu.acc_p)
+
+
+def ZAPA(cpu: Cpu, f: Operation) -> None:
+    cpu.p = cpu.ovc = 0
+    logic(cpu, 0)
+
+
+# Logic --------------------------------------------------------------------------------------------------------------
+
+
+def AND_ACC_16sh_0_15(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.acc & f.c << f.s)
+
+
+def AND_ACC_16sh_16(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.acc & f.c << 16)
+
+
+def AND_ACC_loc16(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.acc & cpu.read16())
+
+
+def OR_ACC_loc16(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.acc | cpu.read16())
+
+
+def OR_ACC_16sh_0_15(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.acc | f.c << f.s)
+
+
+def OR_ACC_16sh_16(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.acc | f.c << 16)
+
+
+def XOR_ACC_loc16(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.acc ^ cpu.read16())
+
+
+def XOR_ACC_16sh_0_15(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.acc ^ f.c << f.s)
+
+
+def XOR_ACC_16sh_16(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.acc ^ f.c << 16)
+
+
+def NOT_ACC(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, ~cpu.acc)
+
+
+def CSB_ACC(cpu: Cpu, f: Operation) -> None:
+    """T counts the sign bits behind the first one."""
+    cpu.tc = cpu.acc >> 31
+    equal = cpu.acc ^ (M32 if cpu.tc else 0)
+    cpu.t = 31 - equal.bit_length() if equal else 31
+    cpu.nz32(cpu.acc)
+
+
+def MOV_ACC_16sh_0_15(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.x16(f.c) << f.s)
+
+
+def MOV_ACC_loc16shT(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.x16(cpu.read16()) << (cpu.t & 15))
+
+
+def MOV_ACC_loc16(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.x16(cpu.read16()))
+
+
+def MOV_ACC_loc16sh_1_15(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.x16(cpu.read16()) << f.s)
+
+
+def MOV_ACC_loc16sh_16(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.read16() << 16)
+
+
+def MOVB_ACC_8(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, f.c)
+
+
+def MOVU_ACC_loc16(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.read16())
+
+
+def MOVL_ACC_loc32(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.read32())
+
+
+def ZALR_ACC_loc16(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.read16() << 16 | 0x8000)

@@ -1,0 +1,216 @@
+"""Branches, calls and returns. Each function is one form of `encodings.toml`, by its id.
+
+One that falls through costs what the table says for that: `cycles` is set here. Source: SPRU430F chapter 6.
+"""
+
+from __future__ import annotations
+
+from .registers import CODE, M16, M32, Cpu, Operation
+
+UNC = 15
+SB_ALWAYS = 4  # SB with UNC; B with UNC has no exception on its page
+PMA = 0x3F_0000
+
+
+def _branch(cpu: Cpu, f: Operation, taken: bool, half: int = 0x8000) -> None:
+    """Go to the address that field c is away from this instruction."""
+    if taken:
+        cpu.pc = f.address + ((f.c ^ half) - half) & CODE
+    else:
+        cpu.cycles = f.not_taken
+
+
+def B_off16_COND(cpu: Cpu, f: Operation) -> None:
+    _branch(cpu, f, cpu.condition(f.k))
+
+
+BF_off16_COND = B_off16_COND
+
+
+def SB_off8_COND(cpu: Cpu, f: Operation) -> None:
+    if f.k == UNC:
+        cpu.cycles = SB_ALWAYS
+    _branch(cpu, f, cpu.condition(f.k), 0x80)
+
+
+def SBF_off8_EQ(cpu: Cpu, f: Operation) -> None:
+    _branch(cpu, f, bool(cpu.z), 0x80)
+
+
+def SBF_off8_NEQ(cpu: Cpu, f: Operation) -> None:
+    _branch(cpu, f, not cpu.z, 0x80)
+
+
+def SBF_off8_TC(cpu: Cpu, f: Operation) -> None:
+    _branch(cpu, f, bool(cpu.tc), 0x80)
+
+
+def SBF_off8_NTC(cpu: Cpu, f: Operation) -> None:
+    _branch(cpu, f, not cpu.tc, 0x80)
+
+
+def BANZ_off16_ARndec(cpu: Cpu, f: Operation) -> None:
+    count = cpu.xar[f.n] & M16
+    cpu.put_ar(f.n, count - 1)
+    _branch(cpu, f, count != 0)
+
+
+def BAR_off16_ARn_ARm_EQ(cpu: Cpu, f: Operation) -> None:
+    _branch(cpu, f, (cpu.xar[f.n] ^ cpu.xar[f.m]) & M16 == 0)
+
+
+def BAR_off16_ARn_ARm_NEQ(cpu: Cpu, f: Operation) -> None:
+    _branch(cpu, f, (cpu.xar[f.n] ^ cpu.xar[f.m]) & M16 != 0)
+
+
+def LB_22(cpu: Cpu, f: Operation) -> None:
+    cpu.pc = f.c
+
+
+def LB_indXAR7(cpu: Cpu, f: Operation) -> None:
+    cpu.pc = cpu.xar[7] & CODE
+
+
+# Calls --------------------------------------------------------------------------------------------------------------
+
+
+def _call(cpu: Cpu, f: Operation, goal: int) -> None:
+    """LCR: the return address is in RPC, the one before it on the stack."""
+    cpu.push_pair(cpu.rpc & M16, cpu.rpc >> 16)
+    cpu.rpc, cpu.pc = f.next, goal & CODE
+
+
+def LCR_22(cpu: Cpu, f: Operation) -> None:
+    _call(cpu, f, f.c)
+
+
+def LCR_indXARn(cpu: Cpu, f: Operation) -> None:
+    _call(cpu, f, cpu.xar[f.n])
+
+
+def LRETR(cpu: Cpu, f: Operation) -> None:
+    cpu.pc = cpu.rpc
+    low, high = cpu.pop_pair()
+    cpu.rpc = (low | high << 16) & CODE
+
+
+def LC_22(cpu: Cpu, f: Operation) -> None:
+    cpu.push_pair(f.next & M16, f.next >> 16)
+    cpu.pc = f.c
+
+
+def LC_indXAR7(cpu: Cpu, f: Operation) -> None:
+    cpu.push_pair(f.next & M16, f.next >> 16)
+    cpu.pc = cpu.xar[7] & CODE
+
+
+def LRET(cpu: Cpu, f: Operation) -> None:
+    low, high = cpu.pop_pair()
+    cpu.pc = (low | high << 16) & CODE
+
+
+def LRETE(cpu: Cpu, f: Operation) -> None:
+    LRET(cpu, f)
+    cpu.change_st1(1, False)
+
+
+def FFC_XAR7_22(cpu: Cpu, f: Operation) -> None:
+    cpu.xar[7], cpu.pc = f.next, f.c
+
+
+# C2xLP --------------------------------------------------------------------------------------------------------------
+
+
+def XB_indAL(cpu: Cpu, f: Operation) -> None:
+    cpu.pc = PMA | cpu.ax(0)
+
+
+def XB_pma_COND(cpu: Cpu, f: Operation) -> None:
+    _far(cpu, f, cpu.condition(f.k))
+
+
+def XB_pma_ind_ARPn(cpu: Cpu, f: Operation) -> None:
+    cpu.pc, cpu.arp = PMA | f.c, f.n
+
+
+def XCALL_indAL(cpu: Cpu, f: Operation) -> None:
+    cpu.push16(f.next & M16)
+    cpu.pc = PMA | cpu.ax(0)
+
+
+def XCALL_pma_ind_ARPn(cpu: Cpu, f: Operation) -> None:
+    cpu.push16(f.next & M16)
+    cpu.pc, cpu.arp = PMA | f.c, f.n
+
+
+def XCALL_pma_COND(cpu: Cpu, f: Operation) -> None:
+    taken = cpu.condition(f.k)
+    if taken:
+        cpu.push16(f.next & M16)
+    _far(cpu, f, taken)
+
+
+def XRETC_COND(cpu: Cpu, f: Operation) -> None:
+    if cpu.condition(f.k):
+        cpu.pc = PMA | cpu.pop16()
+    else:
+        cpu.cycles = f.not_taken
+
+
+def _far(cpu: Cpu, f: Operation, taken: bool) -> None:
+    if taken:
+        cpu.pc = PMA | f.c
+    else:
+        cpu.cycles = f.not_taken
+
+
+def _count(cpu: Cpu, f: Operation, step: int) -> None:
+    """XBANZ: go on while AR(ARP) is not 0; XAR(ARP) steps in any case."""
+    taken = cpu.xar[cpu.arp] & M16 != 0
+    cpu.xar[cpu.arp] = cpu.xar[cpu.arp] + step & M32
+    _far(cpu, f, taken)
+
+
+def XBANZ_pma_ind(cpu: Cpu, f: Operation) -> None:
+    _count(cpu, f, 0)
+
+
+def XBANZ_pma_indinc(cpu: Cpu, f: Operation) -> None:
+    _count(cpu, f, 1)
+
+
+def XBANZ_pma_inddec(cpu: Cpu, f: Operation) -> None:
+    _count(cpu, f, -1)
+
+
+def XBANZ_pma_ind0inc(cpu: Cpu, f: Operation) -> None:
+    _count(cpu, f, cpu.xar[0] & M16)
+
+
+def XBANZ_pma_ind0dec(cpu: Cpu, f: Operation) -> None:
+    _count(cpu, f, -(cpu.xar[0] & M16))
+
+
+def XBANZ_pma_ind_ARPn(cpu: Cpu, f: Operation) -> None:
+    _count(cpu, f, 0)
+    cpu.arp = f.n
+
+
+def XBANZ_pma_indinc_ARPn(cpu: Cpu, f: Operation) -> None:
+    _count(cpu, f, 1)
+    cpu.arp = f.n
+
+
+def XBANZ_pma_inddec_ARPn(cpu: Cpu, f: Operation) -> None:
+    _count(cpu, f, -1)
+    cpu.arp = f.n
+
+
+def XBANZ_pma_ind0inc_ARPn(cpu: Cpu, f: Operation) -> None:
+    _count(cpu, f, cpu.xar[0] & M16)
+    cpu.arp = f.n
+
+
+def XBANZ_pma_ind0dec_ARPn(cpu: Cpu, f: Operation) -> None:
+    _count(cpu, f, -(cpu.xar[0] & M16))
+    cpu.arp = f.n

@@ -1,0 +1,215 @@
+"""Status, interrupts, repeats and the rest. Each function is one form of `encodings.toml`, by its id.
+
+What stops a program, or enters and leaves a service routine, is `Cpu`'s to do: whoever has time and interrupts replaces
+it. Source: SPRU430F chapters 3 and 6, SPRUEO2A chapter 4 (RPTB).
+"""
+
+from __future__ import annotations
+
+from .registers import M16, Cpu, IllegalOperation, Operation
+
+INTM, DBGM, PAGE0, VMAP = 1 << 0, 1 << 1, 1 << 2, 1 << 3  # ST1
+EALLOW_BIT, AMODE, OBJMODE, M0M1MAP, XF = 1 << 6, 1 << 8, 1 << 9, 1 << 11, 1 << 12
+USER_VECTORS = 32
+NMI, EMUINT = 18, 17
+RA, RC = 1 << 30, M16  # RB
+RSIZE, RE = 23, 16
+
+
+def NOP_indind(cpu: Cpu, f: Operation) -> None:
+    """Only what the operand's mode does to address registers."""
+
+
+def IACK_16(cpu: Cpu, f: Operation) -> None:
+    """A value on the data bus that nothing here looks at."""
+
+
+def ESTOP0(cpu: Cpu, f: Operation) -> None:
+    cpu.stop()
+
+
+def ESTOP1(cpu: Cpu, f: Operation) -> None:
+    """Goes on where no emulator is."""
+
+
+def ABORTI(cpu: Cpu, f: Operation) -> None:
+    cpu.change_st1(DBGM, True)
+
+
+def IDLE(cpu: Cpu, f: Operation) -> None:
+    cpu.idle()
+
+
+# Status bits --------------------------------------------------------------------------------------------------------
+
+
+def EALLOW(cpu: Cpu, f: Operation) -> None:
+    cpu.change_st1(EALLOW_BIT, True)
+
+
+def EDIS(cpu: Cpu, f: Operation) -> None:
+    cpu.change_st1(EALLOW_BIT, False)
+
+
+def _status(cpu: Cpu, mask: int, on: int) -> None:
+    """Bits of SETC and CLRC: SXM OVM TC C of ST0, INTM DBGM PAGE0 VMAP of ST1."""
+    if mask & 1:
+        cpu.sxm = on
+    if mask & 2:
+        cpu.ovm = on
+    if mask & 4:
+        cpu.tc = on
+    if mask & 8:
+        cpu.c = on
+    if mask & 0x40 and on:
+        raise IllegalOperation("SETC PAGE0 asks for an operand mode of the C27x")
+    if mask >> 4:
+        cpu.change_st1(mask >> 4, bool(on))
+
+
+def SETC_mode(cpu: Cpu, f: Operation) -> None:
+    _status(cpu, f.y, 1)
+
+
+def CLRC_mode(cpu: Cpu, f: Operation) -> None:
+    _status(cpu, f.y, 0)
+
+
+def CLRC_AMODE(cpu: Cpu, f: Operation) -> None:
+    cpu.change_st1(AMODE, False)
+
+
+def SETC_AMODE(cpu: Cpu, f: Operation) -> None:
+    raise IllegalOperation("SETC AMODE asks for the operand modes of the C2xLP")
+
+
+def SETC_OBJMODE(cpu: Cpu, f: Operation) -> None:
+    cpu.change_st1(OBJMODE, True)
+
+
+def CLRC_OBJMODE(cpu: Cpu, f: Operation) -> None:
+    raise IllegalOperation("CLRC OBJMODE asks for the instructions of the C27x")
+
+
+def SETC_M0M1MAP(cpu: Cpu, f: Operation) -> None:
+    cpu.change_st1(M0M1MAP, True)
+
+
+def CLRC_M0M1MAP(cpu: Cpu, f: Operation) -> None:
+    raise IllegalOperation("CLRC M0M1MAP asks for the memory map of the C27x")
+
+
+def SETC_XF(cpu: Cpu, f: Operation) -> None:
+    cpu.change_st1(XF, True)
+
+
+def CLRC_XF(cpu: Cpu, f: Operation) -> None:
+    cpu.change_st1(XF, False)
+
+
+# Interrupts ---------------------------------------------------------------------------------------------------------
+
+
+def AND_IER_16(cpu: Cpu, f: Operation) -> None:
+    cpu.put_ier(cpu.ier & f.c)
+
+
+def OR_IER_16(cpu: Cpu, f: Operation) -> None:
+    cpu.put_ier(cpu.ier | f.c)
+
+
+def MOV_IER_loc16(cpu: Cpu, f: Operation) -> None:
+    cpu.put_ier(cpu.read16())
+
+
+def MOV_loc16_IER(cpu: Cpu, f: Operation) -> None:
+    cpu.move16(cpu.ier)
+
+
+def AND_IFR_16(cpu: Cpu, f: Operation) -> None:
+    cpu.and_ifr(f.c)
+
+
+def OR_IFR_16(cpu: Cpu, f: Operation) -> None:
+    cpu.put_ifr(cpu.ifr | f.c)
+
+
+def TRAP_0_31(cpu: Cpu, f: Operation) -> None:
+    cpu.enter(f.c)
+
+
+def INTR_INTx(cpu: Cpu, f: Operation) -> None:
+    cpu.put_ifr(cpu.ifr & ~(1 << f.c))
+    saved = cpu.ier
+    cpu.enter(f.c + 1)
+    cpu.put_ier(saved & ~(1 << f.c))
+
+
+def INTR_NMI(cpu: Cpu, f: Operation) -> None:
+    cpu.enter(NMI)
+
+
+def INTR_EMUINT(cpu: Cpu, f: Operation) -> None:
+    cpu.enter(EMUINT)
+
+
+def IRET(cpu: Cpu, f: Operation) -> None:
+    cpu.leave()
+
+
+# Repeats ------------------------------------------------------------------------------------------------------------
+
+
+def RPT_8(cpu: Cpu, f: Operation) -> None:
+    cpu.repeat = f.c
+
+
+def RPT_loc16(cpu: Cpu, f: Operation) -> None:
+    cpu.repeat = cpu.read16()
+
+
+def _begin_block(cpu: Cpu, f: Operation, count: int) -> None:
+    """RB for a block of z words that stands behind this instruction."""
+    end = f.address + 1 + f.z & 0x7F
+    cpu.rb = (RA if count else 0) | f.z << RSIZE | end << RE | count
+
+
+def RPTB_label_RC(cpu: Cpu, f: Operation) -> None:
+    _begin_block(cpu, f, f.c)
+
+
+def RPTB_label_loc16(cpu: Cpu, f: Operation) -> None:
+    _begin_block(cpu, f, cpu.read16())
+
+
+def LOOPZ_loc16_16(cpu: Cpu, f: Operation) -> None:
+    _look_again(cpu, f, cpu.read16() & f.c, until_zero=False)
+
+
+def LOOPNZ_loc16_16(cpu: Cpu, f: Operation) -> None:
+    _look_again(cpu, f, cpu.read16() & f.c, until_zero=True)
+
+
+def _look_again(cpu: Cpu, f: Operation, value: int, until_zero: bool) -> None:
+    """A pass of a loop of one instruction, which an interrupt may cut in."""
+    cpu.nz16(value)
+    if (value == 0) != until_zero:
+        cpu.pc = f.address
+
+
+# What an F28335 has not ---------------------------------------------------------------------------------------------
+
+
+def _no_io(cpu: Cpu, f: Operation) -> None:
+    raise IllegalOperation(f"{f.encoding.mnemonic} accesses I/O space, which the F28335 does not have")
+
+
+IN_loc16_ind_PA = OUT_ind_PA_loc16 = UOUT_ind_PA_loc16 = _no_io
+
+
+def ITRAP0(cpu: Cpu, f: Operation) -> None:
+    raise IllegalOperation("0x0000 is the illegal instruction: memory that holds no code was reached")
+
+
+def ITRAP1(cpu: Cpu, f: Operation) -> None:
+    raise IllegalOperation("0xFFFF is the illegal instruction: erased flash was reached")

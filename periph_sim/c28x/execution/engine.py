@@ -1,0 +1,94 @@
+"""One C28x as it executes: memory and registers before go in; after one pass of one instruction they come out.
+
+    fetch --decode, kept by address--> Operation --begin: operand found--> ea --finish: executed--> registers, memory
+                                                       ^--- whoever has a bus waits here for its cycle
+
+RPT makes the next instruction several passes with no boundary between them; RPTB takes the program back at a block's
+end. What is written over code is decoded anew. Source: SPRU430F chapters 4 and 6 (RPT), SPRUEO2A (RPTB).
+"""
+
+from __future__ import annotations
+
+from ..decoder import decode_at
+from .control import RA, RC, RE, RSIZE
+from .operations import operation
+from .registers import CODE, Cpu, IllegalOperation, Operation
+
+
+class Engine(Cpu):
+    """left: passes that RPT still wants of the instruction at `pc`; 0 between instructions."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.left = 0
+        self._decoded: dict[int, Operation] = {}
+
+    def step(self) -> int:
+        """Execute one instruction, or one pass of a repeated one. Its cycles by the manual's table."""
+        f = self.fetch()
+        self.begin(f)
+        return self.finish(f)
+
+    def fetch(self) -> Operation:
+        """The instruction that `pc` points at. IllegalOperation where there is none."""
+        found = self._decoded.get(self.pc)
+        return self._decode() if found is None else found
+
+    def begin(self, f: Operation) -> None:
+        """Find its operand, with what the operand's mode does to address registers."""
+        if f.l >= 0:
+            self.locate(f.l, f.wide, f.byte)
+
+    def finish(self, f: Operation) -> int:
+        """Execute it, now that its operand is found; then `pc` is the next instruction's, or still its own."""
+        repeated = self.left
+        self.pc, self.cycles = f.next, f.cycles
+        f.execute(self, f)
+        if repeated:
+            return self._pass_done(f)
+        if self.repeat >= 0:
+            self._repeat()
+        elif self.rb & RA and self.pc == f.next:
+            self._at_end_of_block(f)
+        return self.cycles
+
+    def _pass_done(self, f: Operation) -> int:
+        """A first pass costs what the instruction does, and each one more a cycle."""
+        cycles = 1 if self.passes else self.cycles
+        self.left -= 1
+        if self.left:
+            self.passes += 1
+            self.pc = f.address
+        else:
+            self.passes = 0
+            if self.rb & RA:
+                self._at_end_of_block(f)
+        return cycles
+
+    def _repeat(self) -> None:
+        """RPT: the next instruction has so many passes; one that cannot be repeated has one."""
+        count, self.repeat = self.repeat, -1
+        self.left = count + 1 if self.fetch().encoding.repeatable else 1
+
+    def _at_end_of_block(self, f: Operation) -> None:
+        """Behind the last instruction of a block that RPTB repeats: back to its first one."""
+        if f.next - 1 & 0x7F != self.rb >> RE & 0x7F:
+            return
+        self.pc = f.next - (self.rb >> RSIZE & 0x7F) & CODE
+        self.rb -= 1
+        if not self.rb & RC:
+            self.rb &= ~RA
+
+    def _decode(self) -> Operation:
+        first, second = self.program16(self.pc), self.program16(self.pc + 1)
+        found = decode_at(self.pc, first, second)
+        if found is None:
+            raise IllegalOperation(f"{first:#06x} {second:#06x} is no instruction of the F28335")
+        made = self._decoded[self.pc] = operation(found)
+        return made
+
+    def written(self, address: int) -> None:
+        """A word of memory has changed: what was decoded of it is forgotten."""
+        if self._decoded:
+            self._decoded.pop(address, None)
+            self._decoded.pop(address - 1, None)

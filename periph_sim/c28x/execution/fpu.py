@@ -1,0 +1,331 @@
+"""The FPU. Each function is one form of `encodings.toml`, by its id.
+
+Results are written at once, as a program sees them that keeps the delay slots. Source: SPRUEO2A chapter 4.
+"""
+
+from __future__ import annotations
+
+from . import float32
+from .float32 import SIGN, Rounded
+from .registers import LUF, LVF, M16, M32, NF, NI, RND32, TF, ZF, ZI, Cpu, Operation, s16, s32
+
+UNCF = 15
+
+
+def nearest(cpu: Cpu) -> bool:
+    return bool(cpu.stf & RND32)
+
+
+def result(cpu: Cpu, number: int, value: Rounded) -> None:
+    """RnH of an operation; LUF and LVF are only set."""
+    cpu.r[number] = value.bits
+    if value.underflow:
+        cpu.stf |= LUF
+    if value.overflow:
+        cpu.stf |= LVF
+
+
+def moved(cpu: Cpu, number: int, bits: int) -> None:
+    """RnH of a move, with the flags of the value as a float and as an integer."""
+    cpu.r[number] = bits
+    flags = (NF | NI if bits & SIGN else 0) | (ZF if float32.is_zero(bits) else 0) | (ZI if bits == 0 else 0)
+    if flags & ZF:
+        flags &= ~NF
+    cpu.stf = cpu.stf & ~(NF | ZF | NI | ZI) | flags
+
+
+def compare(cpu: Cpu, a: int, b: int) -> int:
+    """NF and ZF of a - b; returns its sign."""
+    first, second = float32.order(a), float32.order(b)
+    cpu.stf = cpu.stf & ~(NF | ZF) | (ZF if first == second else 0) | (NF if first < second else 0)
+    return first - second
+
+
+def condition(cpu: Cpu, code: int) -> bool:
+    """CNDF."""
+    zero, negative = bool(cpu.stf & ZF), bool(cpu.stf & NF)
+    match code:
+        case 0:
+            return not zero
+        case 1:
+            return zero
+        case 2:
+            return not zero and not negative
+        case 3:
+            return not negative
+        case 4:
+            return negative
+        case 5:
+            return zero or negative
+        case 10:
+            return bool(cpu.stf & TF)
+        case 11:
+            return not cpu.stf & TF
+        case 12:
+            return bool(cpu.stf & LUF)
+        case 13:
+            return bool(cpu.stf & LVF)
+    return True
+
+
+def upper(f: Operation) -> int:
+    return f.i << 16
+
+
+def add(cpu: Cpu, number: int, a: int, b: int) -> None:
+    result(cpu, number, float32.add(a, b, nearest(cpu)))
+
+
+def subtract(cpu: Cpu, number: int, a: int, b: int) -> None:
+    result(cpu, number, float32.subtract(a, b, nearest(cpu)))
+
+
+def multiply(cpu: Cpu, number: int, a: int, b: int) -> None:
+    result(cpu, number, float32.multiply(a, b, nearest(cpu)))
+
+
+# Arithmetic ---------------------------------------------------------------------------------------------------------
+
+
+def ABSF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
+    bits = cpu.r[f.p] = cpu.r[f.q] & ~SIGN
+    cpu.stf = cpu.stf & ~(NF | ZF) | (ZF if float32.is_zero(bits) else 0)
+
+
+def ADDF32_RaH_16FHi_RbH(cpu: Cpu, f: Operation) -> None:
+    add(cpu, f.p, cpu.r[f.q], upper(f))
+
+
+def ADDF32_RaH_RbH_RcH(cpu: Cpu, f: Operation) -> None:
+    add(cpu, f.p, cpu.r[f.q], cpu.r[f.r])
+
+
+def SUBF32_RaH_RbH_RcH(cpu: Cpu, f: Operation) -> None:
+    subtract(cpu, f.p, cpu.r[f.q], cpu.r[f.r])
+
+
+def SUBF32_RaH_16FHi_RbH(cpu: Cpu, f: Operation) -> None:
+    subtract(cpu, f.p, upper(f), cpu.r[f.q])
+
+
+def MPYF32_RaH_RbH_RcH(cpu: Cpu, f: Operation) -> None:
+    multiply(cpu, f.p, cpu.r[f.q], cpu.r[f.r])
+
+
+def MPYF32_RaH_16FHi_RbH(cpu: Cpu, f: Operation) -> None:
+    multiply(cpu, f.p, upper(f), cpu.r[f.q])
+
+
+def EINVF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
+    result(cpu, f.p, float32.estimate_of_inverse(cpu.r[f.q]))
+
+
+def EISQRTF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
+    result(cpu, f.p, float32.estimate_of_inverse_root(cpu.r[f.q]))
+
+
+def NEGF32_RaH_RbH_CNDF(cpu: Cpu, f: Operation) -> None:
+    bits = cpu.r[f.q]
+    if condition(cpu, f.w):
+        bits ^= SIGN
+    cpu.r[f.p] = bits
+    if f.w == UNCF:
+        zero = float32.is_zero(bits)
+        cpu.stf = cpu.stf & ~(NF | ZF) | (ZF if zero else NF if bits & SIGN else 0)
+
+
+# In parallel: both halves read what was there before -----------------------------------------------------------------
+
+
+def _with_load(cpu: Cpu, f: Operation, value: Rounded) -> None:
+    bits = cpu.read32()
+    result(cpu, f.t, value)
+    moved(cpu, f.p, bits)
+
+
+def _with_store(cpu: Cpu, f: Operation, value: Rounded) -> None:
+    before = cpu.r[f.p]
+    result(cpu, f.t, value)
+    cpu.write32(before)
+
+
+def ADDF32_RdH_ReH_RfH_par_MOV32_mem32_RaH(cpu: Cpu, f: Operation) -> None:
+    _with_store(cpu, f, float32.add(cpu.r[f.u], cpu.r[f.v], nearest(cpu)))
+
+
+def ADDF32_RdH_ReH_RfH_par_MOV32_RaH_mem32(cpu: Cpu, f: Operation) -> None:
+    _with_load(cpu, f, float32.add(cpu.r[f.u], cpu.r[f.v], nearest(cpu)))
+
+
+def SUBF32_RdH_ReH_RfH_par_MOV32_mem32_RaH(cpu: Cpu, f: Operation) -> None:
+    _with_store(cpu, f, float32.subtract(cpu.r[f.u], cpu.r[f.v], nearest(cpu)))
+
+
+def SUBF32_RdH_ReH_RfH_par_MOV32_RaH_mem32(cpu: Cpu, f: Operation) -> None:
+    _with_load(cpu, f, float32.subtract(cpu.r[f.u], cpu.r[f.v], nearest(cpu)))
+
+
+def MPYF32_RdH_ReH_RfH_par_MOV32_mem32_RaH(cpu: Cpu, f: Operation) -> None:
+    _with_store(cpu, f, float32.multiply(cpu.r[f.u], cpu.r[f.v], nearest(cpu)))
+
+
+def MPYF32_RdH_ReH_RfH_par_MOV32_RaH_mem32(cpu: Cpu, f: Operation) -> None:
+    _with_load(cpu, f, float32.multiply(cpu.r[f.u], cpu.r[f.v], nearest(cpu)))
+
+
+def MPYF32_RaH_RbH_RcH_par_ADDF32_RdH_ReH_RfH(cpu: Cpu, f: Operation) -> None:
+    product = float32.multiply(cpu.r[f.q], cpu.r[f.r], nearest(cpu))
+    add(cpu, f.t, cpu.r[f.u], cpu.r[f.v])
+    result(cpu, f.p, product)
+
+
+def MPYF32_RaH_RbH_RcH_par_SUBF32_RdH_ReH_RfH(cpu: Cpu, f: Operation) -> None:
+    product = float32.multiply(cpu.r[f.q], cpu.r[f.r], nearest(cpu))
+    subtract(cpu, f.t, cpu.r[f.u], cpu.r[f.v])
+    result(cpu, f.p, product)
+
+
+def _accumulate(cpu: Cpu, f: Operation, total: int, product: int) -> None:
+    """total += product before; the next product; a load beside them."""
+    bits = cpu.read32()
+    value = float32.multiply(cpu.r[f.u], cpu.r[f.v], nearest(cpu))
+    add(cpu, total, cpu.r[total], cpu.r[product])
+    result(cpu, f.t, value)
+    moved(cpu, f.p, bits)
+
+
+def MACF32_R3H_R2H_RdH_ReH_RfH_par_MOV32_RaH_mem32(cpu: Cpu, f: Operation) -> None:
+    _accumulate(cpu, f, 3, 2)
+
+
+def MACF32_R7H_R6H_RdH_ReH_RfH_par_MOV32_RaH_mem32(cpu: Cpu, f: Operation) -> None:
+    _accumulate(cpu, f, 7, 6)
+
+
+def MACF32_R7H_R3H_mem32_indXAR7inc(cpu: Cpu, f: Operation) -> None:
+    """Passes 1, 3, ... sum up in R3H, passes 2, 4, ... in R7H."""
+    total, product = (7, 6) if cpu.passes & 1 else (3, 2)
+    address = cpu.xar[7]
+    cpu.xar[7] = address + 2 & M32
+    factor = cpu.program16(address & ~1) | cpu.program16(address | 1) << 16
+    add(cpu, total, cpu.r[total], cpu.r[product])
+    multiply(cpu, product, cpu.read32(), factor)
+
+
+# Compare ------------------------------------------------------------------------------------------------------------
+
+
+def CMPF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
+    compare(cpu, cpu.r[f.p], cpu.r[f.q])
+
+
+def CMPF32_RaH_16FHi(cpu: Cpu, f: Operation) -> None:
+    compare(cpu, cpu.r[f.p], upper(f))
+
+
+def CMPF32_RaH_0_0(cpu: Cpu, f: Operation) -> None:
+    compare(cpu, cpu.r[f.p], 0)
+
+
+def clean(bits: int) -> int:
+    """As MAXF32 and MINF32 write it: NaN is infinity, a denormal +0."""
+    if float32.is_infinite(bits):
+        return bits & SIGN | float32.INFINITY
+    return 0 if float32.is_zero(bits) else bits
+
+
+def MAXF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
+    if compare(cpu, cpu.r[f.p], cpu.r[f.q]) < 0:
+        cpu.r[f.p] = clean(cpu.r[f.q])
+
+
+def MAXF32_RaH_16FHi(cpu: Cpu, f: Operation) -> None:
+    if compare(cpu, cpu.r[f.p], upper(f)) < 0:
+        cpu.r[f.p] = clean(upper(f))
+
+
+def MAXF32_RaH_RbH_par_MOV32_RcH_RdH(cpu: Cpu, f: Operation) -> None:
+    value, beside = cpu.r[f.q], cpu.r[f.t]
+    if compare(cpu, cpu.r[f.p], value) < 0:
+        cpu.r[f.p] = clean(value)
+        cpu.r[f.r] = beside
+
+
+def MINF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
+    if compare(cpu, cpu.r[f.p], cpu.r[f.q]) > 0:
+        cpu.r[f.p] = clean(cpu.r[f.q])
+
+
+def MINF32_RaH_16FHi(cpu: Cpu, f: Operation) -> None:
+    if compare(cpu, cpu.r[f.p], upper(f)) > 0:
+        cpu.r[f.p] = clean(upper(f))
+
+
+def MINF32_RaH_RbH_par_MOV32_RcH_RdH(cpu: Cpu, f: Operation) -> None:
+    value, beside = cpu.r[f.q], cpu.r[f.t]
+    if compare(cpu, cpu.r[f.p], value) > 0:
+        cpu.r[f.p] = clean(value)
+        cpu.r[f.r] = beside
+
+
+# Conversions --------------------------------------------------------------------------------------------------------
+
+
+def F32TOI16_RaH_RbH(cpu: Cpu, f: Operation) -> None:
+    cpu.r[f.p] = float32.to_integer(cpu.r[f.q], -0x8000, 0x7FFF) & M32
+
+
+def F32TOI16R_RaH_RbH(cpu: Cpu, f: Operation) -> None:
+    cpu.r[f.p] = float32.to_integer(cpu.r[f.q], -0x8000, 0x7FFF, nearest=True) & M32
+
+
+def F32TOI32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
+    cpu.r[f.p] = float32.to_integer(cpu.r[f.q], -SIGN, SIGN - 1) & M32
+
+
+def F32TOUI16_RaH_RbH(cpu: Cpu, f: Operation) -> None:
+    cpu.r[f.p] = float32.to_integer(cpu.r[f.q], 0, M16)
+
+
+def F32TOUI16R_RaH_RbH(cpu: Cpu, f: Operation) -> None:
+    cpu.r[f.p] = float32.to_integer(cpu.r[f.q], 0, M16, nearest=True)
+
+
+def F32TOUI32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
+    cpu.r[f.p] = float32.to_integer(cpu.r[f.q], 0, M32)
+
+
+def FRACF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
+    cpu.r[f.p] = float32.fraction(cpu.r[f.q])
+
+
+def I16TOF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
+    cpu.r[f.p] = float32.from_integer(s16(cpu.r[f.q] & M16), nearest(cpu))
+
+
+def I16TOF32_RaH_mem16(cpu: Cpu, f: Operation) -> None:
+    cpu.r[f.p] = float32.from_integer(s16(cpu.read16()), nearest(cpu))
+
+
+def I32TOF32_RaH_mem32(cpu: Cpu, f: Operation) -> None:
+    cpu.r[f.p] = float32.from_integer(s32(cpu.read32()), nearest(cpu))
+
+
+def I32TOF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
+    cpu.r[f.p] = float32.from_integer(s32(cpu.r[f.q]), nearest(cpu))
+
+
+def UI16TOF32_RaH_mem16(cpu: Cpu, f: Operation) -> None:
+    cpu.r[f.p] = float32.from_integer(cpu.read16(), nearest(cpu))
+
+
+def UI16TOF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
+    cpu.r[f.p] = float32.from_integer(cpu.r[f.q] & M16, nearest(cpu))
+
+
+def UI32TOF32_RaH_mem32(cpu: Cpu, f: Operation) -> None:
+    cpu.r[f.p] = float32.from_integer(cpu.read32(), nearest(cpu))
+
+
+def UI32TOF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
+    cpu.r[f.p] = float32.from_integer(cpu.r[f.q], nearest(cpu))

@@ -1,0 +1,232 @@
+"""AX and 16-bit operands: add, subtract, compare, logic. Each function is one form of `encodings.toml`, by its id.
+
+Source: SPRU430F chapter 6. V is only set here, never cleared, as Table 2-7 says.
+"""
+
+from __future__ import annotations
+
+from .registers import M16, SIGN16, Cpu, Operation, s16
+
+
+def sum16(cpu: Cpu, a: int, b: int) -> int:
+    total = a + b
+    result = total & M16
+    cpu.c = total >> 16
+    if ~(a ^ b) & (a ^ result) & SIGN16:
+        cpu.v = 1
+    cpu.nz16(result)
+    return result
+
+
+def difference16(cpu: Cpu, a: int, b: int) -> int:
+    result = a - b & M16
+    cpu.c = int(a >= b)
+    if (a ^ b) & (a ^ result) & SIGN16:
+        cpu.v = 1
+    cpu.nz16(result)
+    return result
+
+
+def compared16(cpu: Cpu, a: int, b: int) -> None:
+    """Flags of a - b; N is the sign of the exact difference."""
+    cpu.n, cpu.z, cpu.c = int(s16(a) < s16(b)), int(a == b), int(a >= b)
+
+
+def put(cpu: Cpu, x: int, value: int) -> None:
+    """AX = value, with its flags."""
+    cpu.put_ax(x, value & M16)
+    cpu.nz16(value & M16)
+
+
+def write(cpu: Cpu, value: int) -> None:
+    """The operand = value, with its flags wherever it is."""
+    cpu.write16(value & M16)
+    cpu.nz16(value & M16)
+
+
+def ADD_AX_loc16(cpu: Cpu, f: Operation) -> None:
+    cpu.put_ax(f.x, sum16(cpu, cpu.ax(f.x), cpu.read16()))
+
+
+def ADD_loc16_AX(cpu: Cpu, f: Operation) -> None:
+    cpu.write16(sum16(cpu, cpu.read16(), cpu.ax(f.x)))
+
+
+def ADD_loc16_16s(cpu: Cpu, f: Operation) -> None:
+    cpu.write16(sum16(cpu, cpu.read16(), f.c))
+
+
+def ADDB_AX_8s(cpu: Cpu, f: Operation) -> None:
+    cpu.put_ax(f.x, sum16(cpu, cpu.ax(f.x), (f.c ^ 0x80) - 0x80 & M16))
+
+
+def INC_loc16(cpu: Cpu, f: Operation) -> None:
+    cpu.write16(sum16(cpu, cpu.read16(), 1))
+
+
+def DEC_loc16(cpu: Cpu, f: Operation) -> None:
+    cpu.write16(difference16(cpu, cpu.read16(), 1))
+
+
+def SUB_AX_loc16(cpu: Cpu, f: Operation) -> None:
+    cpu.put_ax(f.x, difference16(cpu, cpu.ax(f.x), cpu.read16()))
+
+
+def SUB_loc16_AX(cpu: Cpu, f: Operation) -> None:
+    cpu.write16(difference16(cpu, cpu.read16(), cpu.ax(f.x)))
+
+
+def SUBR_loc16_AX(cpu: Cpu, f: Operation) -> None:
+    cpu.write16(difference16(cpu, cpu.ax(f.x), cpu.read16()))
+
+
+def NEG_AX(cpu: Cpu, f: Operation) -> None:
+    value = cpu.ax(f.x)
+    cpu.c = int(value == 0)
+    cpu.v |= int(value == SIGN16)
+    put(cpu, f.x, -value)
+
+
+def CMP_AX_loc16(cpu: Cpu, f: Operation) -> None:
+    compared16(cpu, cpu.ax(f.x), cpu.read16())
+
+
+def CMP_loc16_16s(cpu: Cpu, f: Operation) -> None:
+    compared16(cpu, cpu.read16(), f.c)
+
+
+def CMPB_AX_8(cpu: Cpu, f: Operation) -> None:
+    compared16(cpu, cpu.ax(f.x), f.c)
+
+
+def MAX_AX_loc16(cpu: Cpu, f: Operation) -> None:
+    value, ax = cpu.read16(), cpu.ax(f.x)
+    compared16(cpu, ax, value)
+    if s16(ax) < s16(value):
+        cpu.put_ax(f.x, value)
+        cpu.v = 1
+
+
+def MIN_AX_loc16(cpu: Cpu, f: Operation) -> None:
+    value, ax = cpu.read16(), cpu.ax(f.x)
+    compared16(cpu, ax, value)
+    if s16(ax) > s16(value):
+        cpu.put_ax(f.x, value)
+        cpu.v = 1
+
+
+def AND_AX_loc16_16(cpu: Cpu, f: Operation) -> None:
+    put(cpu, f.x, cpu.read16() & f.c)
+
+
+def AND_loc16_AX(cpu: Cpu, f: Operation) -> None:
+    write(cpu, cpu.read16() & cpu.ax(f.x))
+
+
+def AND_AX_loc16(cpu: Cpu, f: Operation) -> None:
+    put(cpu, f.x, cpu.ax(f.x) & cpu.read16())
+
+
+def AND_loc16_16s(cpu: Cpu, f: Operation) -> None:
+    write(cpu, cpu.read16() & f.c)
+
+
+def ANDB_AX_8(cpu: Cpu, f: Operation) -> None:
+    put(cpu, f.x, cpu.ax(f.x) & f.c)
+
+
+def OR_AX_loc16(cpu: Cpu, f: Operation) -> None:
+    put(cpu, f.x, cpu.ax(f.x) | cpu.read16())
+
+
+def OR_loc16_16(cpu: Cpu, f: Operation) -> None:
+    write(cpu, cpu.read16() | f.c)
+
+
+def OR_loc16_AX(cpu: Cpu, f: Operation) -> None:
+    write(cpu, cpu.read16() | cpu.ax(f.x))
+
+
+def ORB_AX_8(cpu: Cpu, f: Operation) -> None:
+    put(cpu, f.x, cpu.ax(f.x) | f.c)
+
+
+def XOR_AX_loc16(cpu: Cpu, f: Operation) -> None:
+    put(cpu, f.x, cpu.ax(f.x) ^ cpu.read16())
+
+
+def XOR_loc16_AX(cpu: Cpu, f: Operation) -> None:
+    write(cpu, cpu.read16() ^ cpu.ax(f.x))
+
+
+def XOR_loc16_16(cpu: Cpu, f: Operation) -> None:
+    write(cpu, cpu.read16() ^ f.c)
+
+
+def XORB_AX_8(cpu: Cpu, f: Operation) -> None:
+    put(cpu, f.x, cpu.ax(f.x) ^ f.c)
+
+
+def NOT_AX(cpu: Cpu, f: Operation) -> None:
+    put(cpu, f.x, ~cpu.ax(f.x))
+
+
+def FLIP_AX(cpu: Cpu, f: Operation) -> None:
+    put(cpu, f.x, int(f"{cpu.ax(f.x):016b}"[::-1], 2))
+
+
+def MOV_AX_loc16(cpu: Cpu, f: Operation) -> None:
+    put(cpu, f.x, cpu.read16())
+
+
+def MOVB_AX_8(cpu: Cpu, f: Operation) -> None:
+    put(cpu, f.x, f.c)
+
+
+# Bits and bytes -----------------------------------------------------------------------------------------------------
+
+
+def TBIT_loc16_bit(cpu: Cpu, f: Operation) -> None:
+    cpu.tc = cpu.read16() >> f.b & 1
+
+
+def TBIT_loc16_T(cpu: Cpu, f: Operation) -> None:
+    cpu.tc = cpu.read16() >> 15 - (cpu.t & 15) & 1
+
+
+def TCLR_loc16_bit(cpu: Cpu, f: Operation) -> None:
+    value = cpu.read16()
+    cpu.tc = value >> f.b & 1
+    cpu.move16(value & ~(1 << f.b))
+
+
+def TSET_loc16_bit(cpu: Cpu, f: Operation) -> None:
+    value = cpu.read16()
+    cpu.tc = value >> f.b & 1
+    cpu.move16(value | 1 << f.b)
+
+
+def byte_of(cpu: Cpu) -> int:
+    return cpu.read16() >> (8 if cpu.high_byte else 0) & 0xFF
+
+
+def with_byte(cpu: Cpu, byte: int) -> int:
+    """The operand's word with its byte replaced."""
+    word = cpu.read16()
+    return word & 0xFF | byte << 8 if cpu.high_byte else word & 0xFF00 | byte
+
+
+def MOVB_AX_LSB_loc16(cpu: Cpu, f: Operation) -> None:
+    put(cpu, f.x, byte_of(cpu))
+
+
+def MOVB_AX_MSB_loc16(cpu: Cpu, f: Operation) -> None:
+    put(cpu, f.x, cpu.ax(f.x) & 0xFF | byte_of(cpu) << 8)
+
+
+def MOVB_loc16_AX_LSB(cpu: Cpu, f: Operation) -> None:
+    cpu.move16(with_byte(cpu, cpu.ax(f.x) & 0xFF))
+
+
+def MOVB_loc16_AX_MSB(cpu: Cpu, f: Operation) -> None:
+    cpu.move16(with_byte(cpu, cpu.ax(f.x) >> 8))

@@ -1,0 +1,307 @@
+"""Moves between registers and memory, and address registers. Each function is one form of `encodings.toml`, by its id.
+
+Source: SPRU430F chapter 6; section 5.8 (which addresses step under RPT).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from .registers import M16, M32, Cpu, Operation, s16
+
+PMA = 0x3F_0000
+
+
+def MOV_ind_0_16_loc16(cpu: Cpu, f: Operation) -> None:
+    cpu.store16(f.c + cpu.passes & M16, cpu.read16())
+
+
+def MOV_loc16_ind_0_16(cpu: Cpu, f: Operation) -> None:
+    cpu.move16(cpu.load16(f.c + cpu.passes & M16))
+
+
+def MOV_loc16_16(cpu: Cpu, f: Operation) -> None:
+    cpu.move16(f.c)
+
+
+def MOV_loc16_0(cpu: Cpu, f: Operation) -> None:
+    cpu.move16(0)
+
+
+def MOV_loc16_ACCsh1(cpu: Cpu, f: Operation) -> None:
+    cpu.move16(cpu.acc << 1 & M16)
+
+
+def MOV_loc16_ACCsh2_8(cpu: Cpu, f: Operation) -> None:
+    cpu.move16(cpu.acc << f.s + 1 & M16)
+
+
+def MOVH_loc16_ACCsh1(cpu: Cpu, f: Operation) -> None:
+    cpu.move16(cpu.acc << 1 >> 16 & M16)
+
+
+def MOVH_loc16_ACCsh2_8(cpu: Cpu, f: Operation) -> None:
+    cpu.move16(cpu.acc << f.s + 1 >> 16 & M16)
+
+
+def MOV_loc16_ARn(cpu: Cpu, f: Operation) -> None:
+    cpu.move16(cpu.xar[f.n] & M16)
+
+
+def MOV_loc16_AX(cpu: Cpu, f: Operation) -> None:
+    cpu.move16(cpu.ax(f.x))
+
+
+def MOV_loc16_AX_COND(cpu: Cpu, f: Operation) -> None:
+    if cpu.condition(f.k):
+        cpu.move16(cpu.ax(f.x))
+
+
+def MOVB_loc16_8_COND(cpu: Cpu, f: Operation) -> None:
+    if cpu.condition(f.k):
+        cpu.move16(f.c)
+
+
+def MOVL_loc32_ACC_COND(cpu: Cpu, f: Operation) -> None:
+    if cpu.condition(f.k):
+        cpu.move32(cpu.acc)
+
+
+def MOV_loc16_T(cpu: Cpu, f: Operation) -> None:
+    cpu.move16(cpu.t)
+
+
+def MOV_AR6_loc16(cpu: Cpu, f: Operation) -> None:
+    cpu.put_ar(6, cpu.read16())
+
+
+def MOV_AR7_loc16(cpu: Cpu, f: Operation) -> None:
+    cpu.put_ar(7, cpu.read16())
+
+
+def MOV_PH_loc16(cpu: Cpu, f: Operation) -> None:
+    cpu.p = cpu.p & M16 | cpu.read16() << 16
+
+
+def MOV_PL_loc16(cpu: Cpu, f: Operation) -> None:
+    cpu.p = cpu.p & 0xFFFF_0000 | cpu.read16()
+
+
+def MOV_T_loc16(cpu: Cpu, f: Operation) -> None:
+    cpu.t = cpu.read16()
+
+
+def MOV_TL_0(cpu: Cpu, f: Operation) -> None:
+    cpu.xt &= 0xFFFF_0000
+
+
+def MOVX_TL_loc16(cpu: Cpu, f: Operation) -> None:
+    cpu.xt = s16(cpu.read16()) & M32
+
+
+def MOV_XARn_PC(cpu: Cpu, f: Operation) -> None:
+    cpu.xar[f.n] = f.address
+
+
+def MOV_DP_10(cpu: Cpu, f: Operation) -> None:
+    cpu.dp = cpu.dp & ~0x3FF | f.c
+
+
+def MOVW_DP_16(cpu: Cpu, f: Operation) -> None:
+    cpu.dp = f.c
+
+
+def MOVZ_DP_10(cpu: Cpu, f: Operation) -> None:
+    cpu.dp = f.c
+
+
+def MOVB_AR6_8(cpu: Cpu, f: Operation) -> None:
+    cpu.put_ar(6, f.c)
+
+
+def MOVB_AR7_8(cpu: Cpu, f: Operation) -> None:
+    cpu.put_ar(7, f.c)
+
+
+def MOVB_XARn_8(cpu: Cpu, f: Operation) -> None:
+    cpu.xar[f.n] = f.c
+
+
+def MOVB_XAR6_8(cpu: Cpu, f: Operation) -> None:
+    cpu.xar[6] = f.c
+
+
+def MOVB_XAR7_8(cpu: Cpu, f: Operation) -> None:
+    cpu.xar[7] = f.c
+
+
+def MOVZ_ARn_loc16(cpu: Cpu, f: Operation) -> None:
+    cpu.xar[f.n] = cpu.read16()
+
+
+def MOVZ_AR6_loc16(cpu: Cpu, f: Operation) -> None:
+    cpu.xar[6] = cpu.read16()
+
+
+def MOVZ_AR7_loc16(cpu: Cpu, f: Operation) -> None:
+    cpu.xar[7] = cpu.read16()
+
+
+def MOVL_loc32_ACC(cpu: Cpu, f: Operation) -> None:
+    cpu.move32(cpu.acc)
+
+
+def MOVL_loc32_P(cpu: Cpu, f: Operation) -> None:
+    cpu.move32(cpu.p)
+
+
+def MOVL_loc32_XT(cpu: Cpu, f: Operation) -> None:
+    cpu.move32(cpu.xt)
+
+
+def MOVL_P_ACC(cpu: Cpu, f: Operation) -> None:
+    cpu.p = cpu.acc
+
+
+def MOVL_P_loc32(cpu: Cpu, f: Operation) -> None:
+    cpu.p = cpu.read32()
+
+
+def MOVL_XT_loc32(cpu: Cpu, f: Operation) -> None:
+    cpu.xt = cpu.read32()
+
+
+def MOVDL_XT_loc32(cpu: Cpu, f: Operation) -> None:
+    cpu.xt = cpu.read32()
+    cpu.store32(cpu.beside(2), cpu.xt)
+
+
+def DMOV_loc16(cpu: Cpu, f: Operation) -> None:
+    cpu.store16(cpu.beside(1), cpu.read16())
+
+
+def _of_xar(n: int) -> dict[str, Callable[[Cpu, Operation], None]]:
+    """The three moves that each of XAR0 to XAR7 has as a form of its own."""
+
+    def from_operand(cpu: Cpu, f: Operation) -> None:
+        cpu.xar[n] = cpu.read32()
+
+    def to_operand(cpu: Cpu, f: Operation) -> None:
+        cpu.move32(cpu.xar[n])
+
+    def from_number(cpu: Cpu, f: Operation) -> None:
+        cpu.xar[n] = f.c
+
+    return {
+        f"MOVL_XAR{n}_loc32": from_operand,
+        f"MOVL_loc32_XAR{n}": to_operand,
+        f"MOVL_XAR{n}_22": from_number,
+    }
+
+
+OF_XAR = {name: form for n in range(8) for name, form in _of_xar(n).items()}
+
+
+# OVC and PM ---------------------------------------------------------------------------------------------------------
+
+
+def MOV_loc16_OVC(cpu: Cpu, f: Operation) -> None:
+    cpu.move16((cpu.ovc & 0x3F) << 10)
+
+
+def MOVU_loc16_OVC(cpu: Cpu, f: Operation) -> None:
+    cpu.move16(cpu.ovc & 0x3F)
+
+
+def MOV_OVC_loc16(cpu: Cpu, f: Operation) -> None:
+    cpu.put_ovc(cpu.read16() >> 10)
+
+
+def MOVU_OVC_loc16(cpu: Cpu, f: Operation) -> None:
+    cpu.put_ovc(cpu.read16())
+
+
+def ZAP_OVC(cpu: Cpu, f: Operation) -> None:
+    cpu.ovc = 0
+
+
+def MOV_PM_AX(cpu: Cpu, f: Operation) -> None:
+    cpu.pm = cpu.ax(f.x) & 7
+
+
+def SPM_pm(cpu: Cpu, f: Operation) -> None:
+    cpu.pm = f.s
+
+
+# Address registers --------------------------------------------------------------------------------------------------
+
+
+def ADDB_XARn_7(cpu: Cpu, f: Operation) -> None:
+    cpu.xar[f.n] = cpu.xar[f.n] + f.c & M32
+
+
+def SUBB_XARn_7(cpu: Cpu, f: Operation) -> None:
+    cpu.xar[f.n] = cpu.xar[f.n] - f.c & M32
+
+
+def ADDB_SP_7(cpu: Cpu, f: Operation) -> None:
+    cpu.sp = cpu.sp + f.c & M16
+
+
+def SUBB_SP_7(cpu: Cpu, f: Operation) -> None:
+    cpu.sp = cpu.sp - f.c & M16
+
+
+def ADRK_8(cpu: Cpu, f: Operation) -> None:
+    cpu.xar[cpu.arp] = cpu.xar[cpu.arp] + f.c & M32
+
+
+def SBRK_8(cpu: Cpu, f: Operation) -> None:
+    cpu.xar[cpu.arp] = cpu.xar[cpu.arp] - f.c & M32
+
+
+def compared(cpu: Cpu) -> tuple[int, int]:
+    return cpu.xar[cpu.arp] & M16, cpu.xar[0] & M16
+
+
+def CMPR_0(cpu: Cpu, f: Operation) -> None:
+    own, index = compared(cpu)
+    cpu.tc = int(own == index)
+
+
+def CMPR_1(cpu: Cpu, f: Operation) -> None:
+    own, index = compared(cpu)
+    cpu.tc = int(own < index)
+
+
+def CMPR_2(cpu: Cpu, f: Operation) -> None:
+    own, index = compared(cpu)
+    cpu.tc = int(own > index)
+
+
+def CMPR_3(cpu: Cpu, f: Operation) -> None:
+    own, index = compared(cpu)
+    cpu.tc = int(own != index)
+
+
+# Program space ------------------------------------------------------------------------------------------------------
+
+
+def PREAD_loc16_indXAR7(cpu: Cpu, f: Operation) -> None:
+    cpu.move16(cpu.program16(cpu.xar[7] + cpu.passes))
+
+
+def PWRITE_indXAR7_loc16(cpu: Cpu, f: Operation) -> None:
+    cpu.store16(cpu.xar[7] + cpu.passes & 0x3F_FFFF, cpu.read16())
+
+
+def XPREAD_loc16_ind_pma(cpu: Cpu, f: Operation) -> None:
+    cpu.move16(cpu.program16(PMA | f.c + cpu.passes & M16))
+
+
+def XPREAD_loc16_indAL(cpu: Cpu, f: Operation) -> None:
+    cpu.move16(cpu.program16(PMA | cpu.ax(0) + cpu.passes & M16))
+
+
+def XPWRITE_indAL_loc16(cpu: Cpu, f: Operation) -> None:
+    cpu.store16(PMA | cpu.ax(0) + cpu.passes & M16, cpu.read16())

@@ -1,0 +1,280 @@
+"""Multiply, and multiply with accumulate. Each function is one form of `encodings.toml`, by its id.
+
+Source: SPRU430F chapter 6; section 5.8 (which program addresses step under RPT).
+"""
+
+from __future__ import annotations
+
+from .accumulator import add, difference_ovcu, logic, subtract, sum_ovcu
+from .registers import M32, Cpu, Operation, s16, s32
+
+PMA = 0x3F_0000
+
+
+def product_low(cpu: Cpu, product: int) -> int:
+    """The low 38 bits of a product of 64, shifted by PM, to 32 bits."""
+    return (product << 1 if cpu.pm == 0 else product >> cpu.pm - 1) & M32
+
+
+def product_high(product: int) -> int:
+    return product >> 32 & M32
+
+
+def program32(cpu: Cpu, address: int) -> int:
+    return cpu.program16(address & ~1) | cpu.program16(address | 1) << 16
+
+
+# 16 by 16 bits ------------------------------------------------------------------------------------------------------
+
+
+def MPY_ACC_loc16_16(cpu: Cpu, f: Operation) -> None:
+    cpu.t = cpu.read16()
+    logic(cpu, s16(cpu.t) * s16(f.c))
+
+
+def MPY_ACC_T_loc16(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, s16(cpu.t) * s16(cpu.read16()))
+
+
+def MPY_P_loc16_16(cpu: Cpu, f: Operation) -> None:
+    cpu.p = s16(cpu.read16()) * s16(f.c) & M32
+
+
+def MPY_P_T_loc16(cpu: Cpu, f: Operation) -> None:
+    cpu.p = s16(cpu.t) * s16(cpu.read16()) & M32
+
+
+def MPYA_P_loc16_16(cpu: Cpu, f: Operation) -> None:
+    value = cpu.read16()
+    add(cpu, cpu.psh())
+    cpu.t = value
+    cpu.p = s16(value) * s16(f.c) & M32
+
+
+def MPYA_P_T_loc16(cpu: Cpu, f: Operation) -> None:
+    value = cpu.read16()
+    add(cpu, cpu.psh())
+    cpu.p = s16(cpu.t) * s16(value) & M32
+
+
+def MPYB_ACC_T_8(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, s16(cpu.t) * f.c)
+
+
+def MPYB_P_T_8(cpu: Cpu, f: Operation) -> None:
+    cpu.p = s16(cpu.t) * f.c & M32
+
+
+def MPYS_P_T_loc16(cpu: Cpu, f: Operation) -> None:
+    value = cpu.read16()
+    subtract(cpu, cpu.psh())
+    cpu.p = s16(cpu.t) * s16(value) & M32
+
+
+def MPYU_P_T_loc16(cpu: Cpu, f: Operation) -> None:
+    cpu.p = cpu.t * cpu.read16()
+
+
+def MPYU_ACC_T_loc16(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, cpu.t * cpu.read16())
+
+
+def MPYXU_ACC_T_loc16(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, s16(cpu.t) * cpu.read16())
+
+
+def MPYXU_P_T_loc16(cpu: Cpu, f: Operation) -> None:
+    cpu.p = s16(cpu.t) * cpu.read16() & M32
+
+
+def SQRA_loc16(cpu: Cpu, f: Operation) -> None:
+    value = cpu.read16()
+    add(cpu, cpu.psh())
+    cpu.t = value
+    cpu.p = s16(value) * s16(value) & M32
+
+
+def SQRS_loc16(cpu: Cpu, f: Operation) -> None:
+    value = cpu.read16()
+    subtract(cpu, cpu.psh())
+    cpu.t = value
+    cpu.p = s16(value) * s16(value) & M32
+
+
+# Load T beside P ----------------------------------------------------------------------------------------------------
+
+
+def MOVA_T_loc16(cpu: Cpu, f: Operation) -> None:
+    value = cpu.read16()
+    add(cpu, cpu.psh())
+    cpu.t = value
+
+
+def MOVAD_T_loc16(cpu: Cpu, f: Operation) -> None:
+    MOVA_T_loc16(cpu, f)
+    cpu.store16(cpu.beside(1), cpu.t)
+
+
+def MOVP_T_loc16(cpu: Cpu, f: Operation) -> None:
+    value = cpu.read16()
+    logic(cpu, cpu.psh())
+    cpu.t = value
+
+
+def MOVS_T_loc16(cpu: Cpu, f: Operation) -> None:
+    value = cpu.read16()
+    subtract(cpu, cpu.psh())
+    cpu.t = value
+
+
+# Multiply with program memory ---------------------------------------------------------------------------------------
+
+
+def accumulate(cpu: Cpu, address: int) -> None:
+    """ACC += P shifted; T = operand; P = T times a word of program memory."""
+    value = cpu.read16()
+    factor = cpu.program16(address)
+    add(cpu, cpu.psh())
+    cpu.t = value
+    cpu.p = s16(value) * s16(factor) & M32
+
+
+def stepping(cpu: Cpu, by: int) -> int:
+    """XAR7 as it points now; then it steps, unless the operand field has changed it."""
+    address = cpu.xar[7]
+    own = cpu.field in (0x87, 0x8F) or (cpu.arp == 7 and 0xB9 <= cpu.field <= 0xBC)
+    if not own:
+        cpu.xar[7] = address + by & M32
+    return address
+
+
+def MAC_P_loc16_0_pma(cpu: Cpu, f: Operation) -> None:
+    accumulate(cpu, f.c + cpu.passes)
+
+
+def MAC_P_loc16_indXAR7(cpu: Cpu, f: Operation) -> None:
+    accumulate(cpu, cpu.xar[7])
+
+
+def MAC_P_loc16_indXAR7inc(cpu: Cpu, f: Operation) -> None:
+    accumulate(cpu, stepping(cpu, 1))
+
+
+def XMAC_P_loc16_ind_pma(cpu: Cpu, f: Operation) -> None:
+    accumulate(cpu, PMA | f.c + cpu.passes & 0xFFFF)
+
+
+def XMACD_P_loc16_ind_pma(cpu: Cpu, f: Operation) -> None:
+    XMAC_P_loc16_ind_pma(cpu, f)
+    cpu.store16(cpu.beside(1), cpu.t)
+
+
+def dual(cpu: Cpu, address: int) -> None:
+    """Two products of halves at once: the upper ones into ACC, the lower ones into P."""
+    cpu.xt = cpu.read32()
+    factor = program32(cpu, address)
+    upper, lower = s16(cpu.xt >> 16) * s16(factor >> 16), s16(cpu.xt & 0xFFFF) * s16(factor & 0xFFFF)
+    add(cpu, product_low(cpu, upper))
+    cpu.p = cpu.p + product_low(cpu, lower) & M32
+
+
+def DMAC_ACC_P_loc32_indXAR7(cpu: Cpu, f: Operation) -> None:
+    dual(cpu, cpu.xar[7])
+
+
+def DMAC_ACC_P_loc32_indXAR7inc(cpu: Cpu, f: Operation) -> None:
+    dual(cpu, stepping(cpu, 2))
+
+
+# 32 by 32 bits ------------------------------------------------------------------------------------------------------
+
+
+def IMPYL_ACC_XT_loc32(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, s32(cpu.xt) * s32(cpu.read32()))
+
+
+def IMPYL_P_XT_loc32(cpu: Cpu, f: Operation) -> None:
+    cpu.p = product_low(cpu, s32(cpu.xt) * s32(cpu.read32()))
+
+
+def IMPYXUL_P_XT_loc32(cpu: Cpu, f: Operation) -> None:
+    cpu.p = product_low(cpu, s32(cpu.xt) * cpu.read32())
+
+
+def IMPYAL_P_XT_loc32(cpu: Cpu, f: Operation) -> None:
+    value = cpu.read32()
+    cpu.acc = sum_ovcu(cpu, cpu.acc, cpu.p)
+    cpu.p = product_low(cpu, s32(cpu.xt) * s32(value))
+
+
+def IMPYSL_P_XT_loc32(cpu: Cpu, f: Operation) -> None:
+    value = cpu.read32()
+    cpu.acc = difference_ovcu(cpu, cpu.acc, cpu.p)
+    cpu.p = product_low(cpu, s32(cpu.xt) * s32(value))
+
+
+def accumulate_low(cpu: Cpu, address: int) -> None:
+    value, factor = cpu.read32(), program32(cpu, address)
+    cpu.acc = sum_ovcu(cpu, cpu.acc, cpu.p)
+    cpu.p = product_low(cpu, s32(value) * s32(factor))
+
+
+def IMACL_P_loc32_indXAR7(cpu: Cpu, f: Operation) -> None:
+    accumulate_low(cpu, cpu.xar[7])
+
+
+def IMACL_P_loc32_indXAR7inc(cpu: Cpu, f: Operation) -> None:
+    accumulate_low(cpu, stepping(cpu, 2))
+
+
+def QMPYL_P_XT_loc32(cpu: Cpu, f: Operation) -> None:
+    cpu.p = product_high(s32(cpu.xt) * s32(cpu.read32()))
+
+
+def QMPYL_ACC_XT_loc32(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, product_high(s32(cpu.xt) * s32(cpu.read32())))
+
+
+def QMPYUL_P_XT_loc32(cpu: Cpu, f: Operation) -> None:
+    cpu.p = product_high(cpu.xt * cpu.read32())
+
+
+def QMPYXUL_P_XT_loc32(cpu: Cpu, f: Operation) -> None:
+    cpu.p = product_high(s32(cpu.xt) * cpu.read32())
+
+
+def QMPYAL_P_XT_loc32(cpu: Cpu, f: Operation) -> None:
+    value = cpu.read32()
+    add(cpu, cpu.psh())
+    cpu.p = product_high(s32(cpu.xt) * s32(value))
+
+
+def QMPYSL_P_XT_loc32(cpu: Cpu, f: Operation) -> None:
+    value = cpu.read32()
+    subtract(cpu, cpu.psh())
+    cpu.p = product_high(s32(cpu.xt) * s32(value))
+
+
+def accumulate_high(cpu: Cpu, address: int) -> None:
+    value, factor = cpu.read32(), program32(cpu, address)
+    add(cpu, cpu.psh())
+    cpu.p = product_high(s32(value) * s32(factor))
+
+
+def QMACL_P_loc32_indXAR7(cpu: Cpu, f: Operation) -> None:
+    accumulate_high(cpu, cpu.xar[7])
+
+
+def QMACL_P_loc32_indXAR7inc(cpu: Cpu, f: Operation) -> None:
+    accumulate_high(cpu, stepping(cpu, 2))
+
+
+# P shifted ----------------------------------------------------------------------------------------------------------
+
+
+def MOV_loc16_P(cpu: Cpu, f: Operation) -> None:
+    cpu.move16(cpu.psh() & 0xFFFF)
+
+
+def MOVH_loc16_P(cpu: Cpu, f: Operation) -> None:
+    cpu.move16(cpu.psh() >> 16)

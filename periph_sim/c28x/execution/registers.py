@@ -1,0 +1,459 @@
+"""Registers of the C28x, and its operands: an operand field goes in; its address or register, and its value, come out.
+
+    locate(field)   address of the operand, and what its mode does to address registers, in D2
+    read16, write   the operand itself: memory at that address, or the register that the field names
+    load16, store16 memory; whoever has a bus replaces them
+
+Values are unsigned integers of their width. Source: SPRU430F chapters 2 and 5; SPRUEO2A chapter 2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ..encodings import Encoding
+
+M16, M32 = 0xFFFF, 0xFFFF_FFFF
+CODE = 0x3F_FFFF  # bits of a program address
+SIGN16, SIGN32 = 1 << 15, 1 << 31
+
+ST1_RESET = 0x0A0B  # as the boot ROM leaves it: OBJMODE, M0M1MAP, VMAP, DBGM, INTM
+SP_RESET = 0x400
+ARP, ARP_MASK = 13, 0xE000  # of ST1
+SPA = 1 << 4
+READ_ONLY = 0x00A0  # LOOP and IDLESTAT
+
+# STF
+LVF, LUF, NF, ZF, NI, ZI, TF, RND32 = (1 << bit for bit in (0, 1, 2, 3, 4, 5, 6, 9))
+STF_WRITTEN = LVF | LUF | NF | ZF | NI | ZI | TF | RND32
+SHDWS = 1 << 31
+
+REGISTER = -1  # in place of an address: the field names a register
+
+
+class IllegalOperation(Exception):
+    """Something that this CPU refuses to execute; the message says what, without the place."""
+
+
+class Operation:
+    """One decoded instruction, ready to be executed: the numbers in its fields by the table's letters, -1 if absent.
+
+    next: the address behind it. cycles, not_taken: of the table. wide: its operand has 32 bits. byte: it takes a byte.
+    accesses: "" to "rw", what it does at its operand's address. absolute: likewise at *(0:16).
+    """
+
+    __slots__ = (
+        "absolute", "accesses", "address", "b", "byte", "c", "cycles", "encoding", "execute", "g", "h", "i", "k", "l",
+        "m", "n", "next", "not_taken", "p", "q", "r", "s", "t", "u", "v", "w", "wide", "x", "y", "z",
+    )  # fmt: skip
+
+    b: int
+    c: int
+    g: int
+    h: int
+    i: int
+    k: int
+    l: int  # noqa: E741
+    m: int
+    n: int
+    p: int
+    q: int
+    r: int
+    s: int
+    t: int
+    u: int
+    v: int
+    w: int
+    x: int
+    y: int
+    z: int
+    absolute: str
+    accesses: str
+    address: int
+    byte: bool
+    cycles: int
+    encoding: Encoding
+    execute: Callable[[Cpu, Operation], None]
+    next: int
+    not_taken: int
+    wide: bool
+
+
+class Cpu:
+    """xar: XAR0 to XAR7. ovc: -32 to 31. pm: as in ST0. r: R0H to R7H as bits. pc: of the next instruction.
+
+    st1: without ARP, which is `arp`. ea: address of the present operand. high_byte: it is the upper byte there.
+    cycles: of the present instruction. repeat: how often the next one is repeated, -1 for not.
+    """
+
+    def __init__(self) -> None:
+        self.acc = self.p = self.xt = 0
+        self.xar = [0] * 8
+        self.dp = self.rpc = self.arp = 0
+        self.sp = SP_RESET
+        self.pc = 0
+        self.sxm = self.ovm = self.tc = self.c = self.z = self.n = self.v = 0
+        self.pm = self.ovc = 0
+        self.st1 = ST1_RESET
+        self.ier = self.ifr = self.dbgier = self.dbgstat = 0
+        self.r = [0] * 8
+        self.stf = 0
+        self.shadow: tuple[list[int], int] = ([0] * 8, 0)
+        self.rb = 0
+        self.ea = REGISTER
+        self.field = 0
+        self.high_byte = False
+        self.cycles = 0
+        self.repeat = -1
+        self.passes = 0  # of the present RPT that are behind
+
+    # Memory, as whoever has it ------------------------------------------------------
+
+    def load16(self, address: int) -> int:
+        raise NotImplementedError
+
+    def store16(self, address: int, value: int) -> None:
+        raise NotImplementedError
+
+    def load32(self, address: int) -> int:
+        low = address & ~1
+        return self.load16(low) | self.load16(low + 1) << 16
+
+    def store32(self, address: int, value: int) -> None:
+        low = address & ~1
+        self.store16(low, value & M16)
+        self.store16(low + 1, value >> 16)
+
+    def program16(self, address: int) -> int:
+        """Program space, which shows the same memory."""
+        return self.load16(address & CODE)
+
+    # Status -------------------------------------------------------------------------
+
+    @property
+    def st0(self) -> int:
+        flags = self.v << 6 | self.n << 5 | self.z << 4 | self.c << 3 | self.tc << 2 | self.ovm << 1 | self.sxm
+        return (self.ovc & 0x3F) << 10 | self.pm << 7 | flags
+
+    @st0.setter
+    def st0(self, value: int) -> None:
+        self.put_ovc(value >> 10)
+        self.pm = value >> 7 & 7
+        self.v, self.n, self.z, self.c = value >> 6 & 1, value >> 5 & 1, value >> 4 & 1, value >> 3 & 1
+        self.tc, self.ovm, self.sxm = value >> 2 & 1, value >> 1 & 1, value & 1
+
+    def whole_st1(self) -> int:
+        return self.st1 & ~ARP_MASK | self.arp << ARP
+
+    def put_st1(self, value: int) -> None:
+        """ST1 from memory; LOOP and IDLESTAT are read-only."""
+        self.st1 = value & ~READ_ONLY | self.st1 & READ_ONLY
+        self.arp = value >> ARP & 7
+
+    def change_st1(self, mask: int, on: bool) -> None:
+        """Set or clear bits of ST1 by an instruction."""
+        self.st1 = self.st1 | mask if on else self.st1 & ~mask
+
+    def put_ier(self, value: int) -> None:
+        self.ier = value & M16
+
+    def put_ifr(self, value: int) -> None:
+        self.ifr = value & M16
+
+    def and_ifr(self, mask: int) -> None:
+        self.put_ifr(self.ifr & mask)
+
+    def put_ovc(self, value: int) -> None:
+        """6 bits, signed."""
+        self.ovc = ((value & 0x3F) ^ 0x20) - 0x20
+
+    def nz16(self, value: int) -> None:
+        self.n, self.z = value >> 15, int(value == 0)
+
+    def nz32(self, value: int) -> None:
+        self.n, self.z = value >> 31, int(value == 0)
+
+    def nz64(self, value: int) -> None:
+        self.n, self.z = value >> 63, int(value == 0)
+
+    def condition(self, code: int) -> bool:
+        """COND of the table [SPRU430F Table 2-10]. Testing V clears it."""
+        match code:
+            case 0:
+                return not self.z
+            case 1:
+                return bool(self.z)
+            case 2:
+                return not self.z and not self.n
+            case 3:
+                return not self.n
+            case 4:
+                return bool(self.n)
+            case 5:
+                return bool(self.z or self.n)
+            case 6:
+                return bool(self.c and not self.z)
+            case 7:
+                return bool(self.c)
+            case 8:
+                return not self.c
+            case 9:
+                return bool(not self.c or self.z)
+            case 10 | 11:
+                v, self.v = self.v, 0
+                return bool(v) == (code == 11)
+            case 12:
+                return not self.tc
+            case 13:
+                return bool(self.tc)
+            case 14:
+                raise IllegalOperation("condition NBIO tests a pin that the F28335 does not have")
+        return True
+
+    # Parts of registers -------------------------------------------------------------
+
+    def ax(self, x: int) -> int:
+        return self.acc >> 16 * x & M16
+
+    def put_ax(self, x: int, value: int) -> None:
+        self.acc = self.acc & SAVED[x] | value << 16 * x
+
+    @property
+    def t(self) -> int:
+        return self.xt >> 16
+
+    @t.setter
+    def t(self, value: int) -> None:
+        self.xt = self.xt & M16 | value << 16
+
+    def put_ar(self, n: int, value: int) -> None:
+        """The lower half of XARn; the upper one is kept."""
+        self.xar[n] = self.xar[n] & 0xFFFF_0000 | value & M16
+
+    @property
+    def acc_p(self) -> int:
+        return self.acc << 32 | self.p
+
+    @acc_p.setter
+    def acc_p(self, value: int) -> None:
+        self.acc, self.p = value >> 32 & M32, value & M32
+
+    def x16(self, value: int) -> int:
+        """16 bits extended to 32 as SXM says."""
+        return value | 0xFFFF_0000 if self.sxm and value & SIGN16 else value
+
+    def psh(self) -> int:
+        """P shifted by PM, to 32 bits."""
+        if self.pm == 0:
+            return self.p << 1 & M32
+        return s32(self.p) >> self.pm - 1 & M32
+
+    # Operands -----------------------------------------------------------------------
+
+    def locate(self, field: int, wide: bool, byte: bool = False) -> None:
+        """Find the operand of a field: `ea`, and the effects of its mode [SPRU430F Table 5-1]."""
+        self.field = field
+        self.high_byte = False
+        step = 2 if wide else 1
+        if field < 0x40:
+            self.ea = self.dp << 6 & 0x3F_FFFF | field
+        elif field < 0x80:
+            self.ea = self.sp - (field & 0x3F) & M16
+        elif field >= 0xC0:
+            self._at_xar(field & 7, field >> 3 & 7, byte)
+        elif field < 0xA0:
+            self._by_xar(field & 7, field >> 3 & 3, step, byte)
+        elif field < 0xAE:
+            self.ea = REGISTER
+        else:
+            self._by_arp(field, step)
+
+    def _at_xar(self, n: int, offset: int, byte: bool) -> None:
+        self.arp = n
+        if byte:
+            self.high_byte, offset = bool(offset & 1), offset >> 1
+        self.ea = self.xar[n] + offset & M32
+
+    def _by_xar(self, n: int, mode: int, step: int, byte: bool) -> None:
+        if mode >= 2:
+            self._at_xar(n, self.xar[mode - 2] & M16, byte)
+            return
+        self.arp = n
+        if mode == 0:
+            self.ea = self.xar[n]
+            self.xar[n] = self.ea + step & M32
+        else:
+            self.ea = self.xar[n] = self.xar[n] - step & M32
+
+    def _by_arp(self, field: int, step: int) -> None:
+        xar, n = self.xar, self.arp
+        if field < 0xBD:
+            self.ea = xar[n]
+        if field in (0xAE, 0xAF):
+            low = reversed_carry(self.ea & M16, xar[0] & M16, field == 0xAF)
+            xar[n] = self.ea & 0xFFFF_0000 | low
+        elif field < 0xB8:
+            self.arp = field & 7
+        elif field in (0xB9, 0xBA):
+            xar[n] = self.ea + (step if field == 0xB9 else -step) & M32
+        elif field in (0xBB, 0xBC):
+            index = xar[0] & M16
+            xar[n] = self.ea + (index if field == 0xBB else -index) & M32
+        elif field == 0xBD:
+            self.ea = self.sp
+            self.sp = self.sp + step & M16
+        elif field == 0xBE:
+            self.ea = self.sp = self.sp - step & M16
+        elif field == 0xBF:
+            self.ea = xar[6]
+            low = self.ea & 0xFF00 if (self.ea ^ xar[1]) & 0xFF == 0 else self.ea + step & M16
+            xar[6] = self.ea & 0xFFFF_0000 | low
+            self.arp = 6
+
+    def read16(self) -> int:
+        if self.ea >= 0:
+            return self.load16(self.ea)
+        field = self.field
+        if field < 0xA8:
+            return self.xar[field & 7] & M16
+        match field:
+            case 0xA8:
+                return self.acc >> 16
+            case 0xA9:
+                return self.acc & M16
+            case 0xAA:
+                return self.p >> 16
+            case 0xAB:
+                return self.p & M16
+            case 0xAC:
+                return self.xt >> 16
+        return self.sp
+
+    def write16(self, value: int) -> None:
+        if self.ea >= 0:
+            self.store16(self.ea, value)
+            return
+        field = self.field
+        if field < 0xA8:
+            self.put_ar(field & 7, value)
+        elif field in (0xA8, 0xA9):
+            self.put_ax(0xA9 - field, value)
+        elif field == 0xAA:
+            self.p = self.p & M16 | value << 16
+        elif field == 0xAB:
+            self.p = self.p & 0xFFFF_0000 | value
+        elif field == 0xAC:
+            self.t = value
+        else:
+            self.sp = value
+
+    def read32(self) -> int:
+        if self.ea >= 0:
+            return self.load32(self.ea)
+        field = self.field
+        if field < 0xA8:
+            return self.xar[field & 7]
+        return self.acc if field < 0xAA else self.p if field < 0xAC else self.xt
+
+    def write32(self, value: int) -> None:
+        if self.ea >= 0:
+            self.store32(self.ea, value)
+            return
+        field = self.field
+        if field < 0xA8:
+            self.xar[field & 7] = value
+        elif field < 0xAA:
+            self.acc = value
+        elif field < 0xAC:
+            self.p = value
+        else:
+            self.xt = value
+
+    def beside(self, words: int) -> int:
+        """The address so many words behind the operand's."""
+        if self.ea < 0:
+            raise IllegalOperation("an instruction that writes beside its operand has a register there")
+        return self.ea + words & M32
+
+    def move16(self, value: int) -> None:
+        """Write the operand; N and Z where it is AL or AH (nz@AX)."""
+        self.write16(value)
+        if self.ea < 0 and self.field in (0xA8, 0xA9):
+            self.nz16(value)
+
+    def move32(self, value: int) -> None:
+        """Write the operand; N and Z where it is ACC (nz@ACC)."""
+        self.write32(value)
+        if self.ea < 0 and self.field in (0xA8, 0xA9):
+            self.nz32(value)
+
+    # Control, as whoever has time and interrupts ------------------------------------
+
+    def enter(self, vector: int) -> None:
+        """Enter the service routine of a vector number, to come back to `pc`."""
+        raise IllegalOperation(f"vector {vector} is entered, and nobody is there who serves it")
+
+    def leave(self) -> None:
+        """Return from a service routine."""
+        raise IllegalOperation("IRET is reached, and nobody is there who serves interrupts")
+
+    def idle(self) -> None:
+        """Sleep until an interrupt."""
+        raise IllegalOperation("IDLE is reached, and nobody is there who wakes this CPU")
+
+    def stop(self) -> None:
+        """The program is over."""
+        raise IllegalOperation("ESTOP0 is reached")
+
+    # The stack ----------------------------------------------------------------------
+
+    def push16(self, value: int) -> None:
+        self.store16(self.sp, value)
+        self.sp = self.sp + 1 & M16
+
+    def pop16(self) -> int:
+        self.sp = self.sp - 1 & M16
+        return self.load16(self.sp)
+
+    def push32(self, value: int) -> None:
+        self.store32(self.sp, value)
+        self.sp = self.sp + 2 & M16
+
+    def pop32(self) -> int:
+        self.sp = self.sp - 2 & M16
+        return self.load32(self.sp)
+
+    def push_pair(self, low: int, high: int) -> None:
+        """Two words where SP is, whatever its parity."""
+        self.push16(low)
+        self.push16(high)
+
+    def pop_pair(self) -> tuple[int, int]:
+        high = self.pop16()
+        return self.pop16(), high
+
+
+SAVED = (0xFFFF_0000, 0x0000_FFFF)  # of ACC, when AL or AH is written
+
+
+def s16(value: int) -> int:
+    return (value ^ SIGN16) - SIGN16
+
+
+def s32(value: int) -> int:
+    return (value ^ SIGN32) - SIGN32
+
+
+def s64(value: int) -> int:
+    return (value ^ 1 << 63) - (1 << 63)
+
+
+def reversed_carry(low: int, index: int, subtract: bool) -> int:
+    """16 bits added or subtracted with the carry running from bit 15 to bit 0."""
+    first, second = mirrored(low), mirrored(index)
+    return mirrored((first - second if subtract else first + second) & M16)
+
+
+def mirrored(value: int) -> int:
+    """16 bits in the opposite order."""
+    return int(f"{value:016b}"[::-1], 2)

@@ -1,0 +1,158 @@
+"""Shifts of ACC, AX and ACC:P. Each function is one form of `encodings.toml`, by its id.
+
+C is the last bit shifted out, 0 for a shift of 0. Source: SPRU430F chapter 6.
+"""
+
+from __future__ import annotations
+
+from .accumulator import logic
+from .half_words import put
+from .registers import M16, M32, Cpu, Operation, s16, s32, s64
+
+M64 = (1 << 64) - 1
+
+
+def left(cpu: Cpu, value: int, shift: int, bits: int) -> int:
+    cpu.c = value >> bits - shift & 1 if shift else 0
+    return value << shift & (1 << bits) - 1
+
+
+def right(cpu: Cpu, value: int, shift: int) -> int:
+    """A signed value is shifted arithmetically, another one logically."""
+    cpu.c = value >> shift - 1 & 1 if shift else 0
+    return value >> shift
+
+
+def LSL_ACC_1_16(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, left(cpu, cpu.acc, f.s + 1, 32))
+
+
+def LSL_ACC_T(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, left(cpu, cpu.acc, cpu.t & 15, 32))
+
+
+def LSLL_ACC_T(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, left(cpu, cpu.acc, cpu.t & 31, 32))
+
+
+def LSRL_ACC_T(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, right(cpu, cpu.acc, cpu.t & 31))
+
+
+def ASRL_ACC_T(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, right(cpu, s32(cpu.acc), cpu.t & 31))
+
+
+def SFR_ACC_1_16(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, right(cpu, s32(cpu.acc) if cpu.sxm else cpu.acc, f.s + 1))
+
+
+def SFR_ACC_T(cpu: Cpu, f: Operation) -> None:
+    logic(cpu, right(cpu, s32(cpu.acc) if cpu.sxm else cpu.acc, cpu.t & 15))
+
+
+def ROL_ACC(cpu: Cpu, f: Operation) -> None:
+    carry = cpu.acc >> 31
+    logic(cpu, cpu.acc << 1 | cpu.c)
+    cpu.c = carry
+
+
+def ROR_ACC(cpu: Cpu, f: Operation) -> None:
+    carry = cpu.acc & 1
+    logic(cpu, cpu.acc >> 1 | cpu.c << 31)
+    cpu.c = carry
+
+
+def LSL_AX_1_16(cpu: Cpu, f: Operation) -> None:
+    put(cpu, f.x, left(cpu, cpu.ax(f.x), f.s + 1, 16))
+
+
+def LSL_AX_T(cpu: Cpu, f: Operation) -> None:
+    put(cpu, f.x, left(cpu, cpu.ax(f.x), cpu.t & 15, 16))
+
+
+def LSR_AX_1_16(cpu: Cpu, f: Operation) -> None:
+    put(cpu, f.x, right(cpu, cpu.ax(f.x), f.s + 1))
+
+
+def LSR_AX_T(cpu: Cpu, f: Operation) -> None:
+    put(cpu, f.x, right(cpu, cpu.ax(f.x), cpu.t & 15))
+
+
+def ASR_AX_1_16(cpu: Cpu, f: Operation) -> None:
+    put(cpu, f.x, right(cpu, s16(cpu.ax(f.x)), f.s + 1))
+
+
+def ASR_AX_T(cpu: Cpu, f: Operation) -> None:
+    put(cpu, f.x, right(cpu, s16(cpu.ax(f.x)), cpu.t & 15))
+
+
+def put64(cpu: Cpu, value: int) -> None:
+    cpu.acc_p = value & M64
+    cpu.nz64(cpu.acc_p)
+
+
+def LSL64_ACC_P_1_16(cpu: Cpu, f: Operation) -> None:
+    put64(cpu, left(cpu, cpu.acc_p, f.s + 1, 64))
+
+
+def LSL64_ACC_P_T(cpu: Cpu, f: Operation) -> None:
+    put64(cpu, left(cpu, cpu.acc_p, cpu.t & 63, 64))
+
+
+def LSR64_ACC_P_1_16(cpu: Cpu, f: Operation) -> None:
+    put64(cpu, right(cpu, cpu.acc_p, f.s + 1))
+
+
+def LSR64_ACC_P_T(cpu: Cpu, f: Operation) -> None:
+    put64(cpu, right(cpu, cpu.acc_p, cpu.t & 63))
+
+
+def ASR64_ACC_P_1_16(cpu: Cpu, f: Operation) -> None:
+    put64(cpu, right(cpu, s64(cpu.acc_p), f.s + 1))
+
+
+def ASR64_ACC_P_T(cpu: Cpu, f: Operation) -> None:
+    put64(cpu, right(cpu, s64(cpu.acc_p), cpu.t & 63))
+
+
+# Normalise ----------------------------------------------------------------------------------------------------------
+
+
+def normalise(cpu: Cpu, n: int, step: int) -> None:
+    """Shift a redundant sign bit out and count it in XARn; TC says that there is none left."""
+    if cpu.acc and cpu.acc >> 31 == cpu.acc >> 30 & 1:
+        cpu.acc = cpu.acc << 1 & M32
+        cpu.xar[n] = cpu.xar[n] + step & M32
+        cpu.tc = 0
+    else:
+        cpu.tc = 1
+    cpu.nz32(cpu.acc)
+
+
+def NORM_ACC_ind(cpu: Cpu, f: Operation) -> None:
+    normalise(cpu, cpu.arp, 0)
+
+
+def NORM_ACC_indinc(cpu: Cpu, f: Operation) -> None:
+    normalise(cpu, cpu.arp, 1)
+
+
+def NORM_ACC_inddec(cpu: Cpu, f: Operation) -> None:
+    normalise(cpu, cpu.arp, -1)
+
+
+def NORM_ACC_ind0inc(cpu: Cpu, f: Operation) -> None:
+    normalise(cpu, cpu.arp, cpu.xar[0] & M16)
+
+
+def NORM_ACC_ind0dec(cpu: Cpu, f: Operation) -> None:
+    normalise(cpu, cpu.arp, -(cpu.xar[0] & M16))
+
+
+def NORM_ACC_XARninc(cpu: Cpu, f: Operation) -> None:
+    normalise(cpu, f.n, 1)
+
+
+def NORM_ACC_XARndec(cpu: Cpu, f: Operation) -> None:
+    normalise(cpu, f.n, -1)

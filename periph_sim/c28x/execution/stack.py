@@ -1,0 +1,154 @@
+"""PUSH and POP, and how the stack pointer is aligned. Each function is one form of `encodings.toml`, by its id.
+
+A pair's second name is the lower half. POP ACC, PUSH XAR4 and their like are moves. Source: SPRU430F chapter 6.
+"""
+
+from __future__ import annotations
+
+from .registers import CODE, M16, SPA, Cpu, Operation
+
+
+def _push_halves(cpu: Cpu, n: int, shift: int) -> None:
+    cpu.push_pair(cpu.xar[n] >> shift & M16, cpu.xar[n + 1] >> shift & M16)
+
+
+def _pop_halves(cpu: Cpu, n: int) -> None:
+    low, high = cpu.pop_pair()
+    cpu.put_ar(n, low)
+    cpu.put_ar(n + 1, high)
+
+
+def PUSH_AR1_AR0(cpu: Cpu, f: Operation) -> None:
+    _push_halves(cpu, 0, 0)
+
+
+def PUSH_AR3_AR2(cpu: Cpu, f: Operation) -> None:
+    _push_halves(cpu, 2, 0)
+
+
+def PUSH_AR5_AR4(cpu: Cpu, f: Operation) -> None:
+    _push_halves(cpu, 4, 0)
+
+
+def PUSH_AR1H_AR0H(cpu: Cpu, f: Operation) -> None:
+    _push_halves(cpu, 0, 16)
+
+
+def POP_AR1_AR0(cpu: Cpu, f: Operation) -> None:
+    _pop_halves(cpu, 0)
+
+
+def POP_AR3_AR2(cpu: Cpu, f: Operation) -> None:
+    _pop_halves(cpu, 2)
+
+
+def POP_AR5_AR4(cpu: Cpu, f: Operation) -> None:
+    _pop_halves(cpu, 4)
+
+
+def POP_AR1H_AR0H(cpu: Cpu, f: Operation) -> None:
+    low, high = cpu.pop_pair()
+    cpu.xar[0] = cpu.xar[0] & M16 | low << 16
+    cpu.xar[1] = cpu.xar[1] & M16 | high << 16
+
+
+def PUSH_DBGIER(cpu: Cpu, f: Operation) -> None:
+    cpu.push16(cpu.dbgier)
+
+
+def POP_DBGIER(cpu: Cpu, f: Operation) -> None:
+    cpu.dbgier = cpu.pop16()
+
+
+def PUSH_DP(cpu: Cpu, f: Operation) -> None:
+    cpu.push16(cpu.dp)
+
+
+def POP_DP(cpu: Cpu, f: Operation) -> None:
+    cpu.dp = cpu.pop16()
+
+
+def PUSH_DP_ST1(cpu: Cpu, f: Operation) -> None:
+    cpu.push_pair(cpu.whole_st1(), cpu.dp)
+
+
+def POP_DP_ST1(cpu: Cpu, f: Operation) -> None:
+    st1, cpu.dp = cpu.pop_pair()
+    cpu.put_st1(st1)
+
+
+def PUSH_IFR(cpu: Cpu, f: Operation) -> None:
+    cpu.push16(cpu.ifr)
+
+
+def POP_IFR(cpu: Cpu, f: Operation) -> None:
+    cpu.put_ifr(cpu.pop16())
+
+
+def PUSH_loc16(cpu: Cpu, f: Operation) -> None:
+    cpu.push16(cpu.read16())
+
+
+def POP_loc16(cpu: Cpu, f: Operation) -> None:
+    cpu.move16(cpu.pop16())
+
+
+def PUSH_P(cpu: Cpu, f: Operation) -> None:
+    cpu.push32(cpu.p)
+
+
+def POP_P(cpu: Cpu, f: Operation) -> None:
+    cpu.p = cpu.pop32()
+
+
+def PUSH_RPC(cpu: Cpu, f: Operation) -> None:
+    cpu.push32(cpu.rpc)
+
+
+def POP_RPC(cpu: Cpu, f: Operation) -> None:
+    cpu.rpc = cpu.pop32() & CODE
+
+
+def PUSH_ST0(cpu: Cpu, f: Operation) -> None:
+    cpu.push16(cpu.st0)
+
+
+def POP_ST0(cpu: Cpu, f: Operation) -> None:
+    cpu.st0 = cpu.pop16()
+
+
+def PUSH_ST1(cpu: Cpu, f: Operation) -> None:
+    cpu.push16(cpu.whole_st1())
+
+
+def POP_ST1(cpu: Cpu, f: Operation) -> None:
+    cpu.put_st1(cpu.pop16())
+
+
+def PUSH_T_ST0(cpu: Cpu, f: Operation) -> None:
+    cpu.push_pair(cpu.st0, cpu.t)
+
+
+def POP_T_ST0(cpu: Cpu, f: Operation) -> None:
+    cpu.st0, cpu.t = cpu.pop_pair()
+
+
+def PUSH_RB(cpu: Cpu, f: Operation) -> None:
+    cpu.push32(cpu.rb)
+
+
+def POP_RB(cpu: Cpu, f: Operation) -> None:
+    cpu.rb = cpu.pop32()
+
+
+def ASP(cpu: Cpu, f: Operation) -> None:
+    """Make SP even, and remember whether it was."""
+    odd = cpu.sp & 1
+    cpu.sp = cpu.sp + odd & M16
+    cpu.change_st1(SPA, bool(odd))
+
+
+def NASP(cpu: Cpu, f: Operation) -> None:
+    if cpu.st1 & SPA:
+        cpu.sp = cpu.sp - 1 & M16
+        cpu.change_st1(SPA, False)

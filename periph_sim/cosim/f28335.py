@@ -3,11 +3,12 @@
     scl, sda (resolved), rx --value change--> apply(floor)   Session   changes --ceil--> scl_o, sda_o, tx
                                                      next_output --> one timer that waits
 
-The simulator is woken where a line moves and where one of our pins may; a line has one task for the whole run, and the
-timer has its own. A pin of ours that moves at a tick is shown with the first step not before it. A line of the
-simulator moves ours in the tick that has begun by its step, all lines of the step together; what is an answer to our
-own pin in that very step moves it a tick later. The level of a resolved line is applied as it is, our own pull
-included, so that a line that others hold beside us never shows a rise that was not there.
+The simulator calls where a line moves and where one of our pins may, and time is stepped only in the latter: both as
+plain callbacks of its interface, since a task that is woken costs several times as much. A pin of ours that moves at a
+tick is shown with the first step not before it. A line of the simulator moves ours in the tick that has begun by its
+step, all lines of the step together; what is an answer to our own pin in that very step moves it a tick later. The
+level of a resolved line is applied as it is, our own pull included, so that a line that others hold beside us never
+shows a rise that was not there.
 """
 
 from __future__ import annotations
@@ -20,6 +21,8 @@ from pathlib import Path
 from typing import Any
 
 import cocotb
+from cocotb import simulator
+from cocotb.handle import Immediate
 from cocotb.simtime import get_sim_time
 from cocotb.triggers import Event, ReadWrite, Timer
 from cocotb.utils import get_sim_steps
@@ -100,14 +103,16 @@ class F28335:
         self._end = self.session.scene.timebase.ticks(case.duration, "up")
         self._result: Result | None = None
         self.wakes = 0  # of the timer
-        self._free: list[_Alarm] = []
-        self._due = NEVER  # the first step at which an alarm is set
-        self._alarms: set[int] = set()
+        self._due = NEVER  # the step for which it is set
+        self._timer: Any = None
+        self._failed = Event()
+        self._fault: Exception | None = None
         for signal in self._driven.values():
             signal.value = 1
         cocotb.start_soon(self._begin(read))
+        cocotb.start_soon(self._fail())
         for name, signal in read.items():
-            cocotb.start_soon(self._watch(name, signal))
+            self._listen(name, signal)
         self.log.info("F28335: case %s, lines %s", case.name, ", ".join(outside))
 
     # The test bench -------------------------------------------------------------------
@@ -152,83 +157,83 @@ class F28335:
             self._moved(name, signal)
         self._plan()
 
-    async def _watch(self, name: str, signal: Any) -> None:
-        changed = signal.value_change
-        while True:
-            await changed
+    def _listen(self, name: str, signal: Any) -> None:
+        """To the next change of a line."""
+        simulator.register_value_change_callback(signal._handle, self._changed, simulator.VALUE_CHANGE, name, signal)
+
+    def _changed(self, name: str, signal: Any) -> None:
+        if self._result is not None or self._fault is not None:
+            return
+        self._listen(name, signal)
+        try:
             self._moved(name, signal)
+            self._plan()
+        except Exception as error:
+            self._fault = error
+            self._failed.set()
 
     def _moved(self, name: str, signal: Any) -> None:
-        if self._result is not None:
-            return
         session = self.session
-        tick = max(self._axis.tick(get_sim_time("step")), session.now)
-        session.apply(tick, {name: _level(name, signal, session.scene.timebase.show(tick))})
-        self._plan()
+        session.apply(max(self._axis.tick(_now()), session.now), {name: _level(name, signal)})
 
     def _show(self, changes: list[Any]) -> None:
         for change in changes:
             signal = self._driven.get(change.line)
             if signal is not None:
-                signal.value = change.level
+                signal.value = Immediate(change.level)
+
+    async def _fail(self) -> None:
+        """Of what goes wrong in a callback nobody would hear."""
+        await self._failed.wait()
+        assert self._fault is not None
+        raise self._fault
 
     # Time -----------------------------------------------------------------------------
 
     def _plan(self) -> None:
-        """An alarm for the next move of a pin, unless one comes before it."""
+        """The timer is set for the next move of a pin, unless it is for a step before that."""
         due = self.session.next_output()
         if due is None:
             return
         step = self._axis.step(due)
         if step >= self._due:
             return
-        alarm = self._free.pop() if self._free else _Alarm(self)
+        if self._timer is not None:
+            self._timer.deregister()
         self._due = step
-        self._alarms.add(step)
-        alarm.set(step)
+        self._timer = simulator.register_timed_callback(max(1, step - _now()), self._woken)
 
-    def woken(self, step: int, alarm: _Alarm) -> None:
-        """The step of an alarm has come; perhaps in vain, since it was set for what came otherwise."""
-        self._alarms.discard(step)
-        self._free.append(alarm)
-        if self._result is not None:
+    def _woken(self) -> None:
+        self._timer, self._due = None, NEVER
+        if self._result is not None or self._fault is not None:
             return
         self.wakes += 1
-        self._due = min(self._alarms, default=NEVER)
-        until = self._axis.tick(step) + 1
-        if until > self.session.now:
-            self._show(self.session.advance(until))
-        self._plan()
+        try:
+            until = self._axis.tick(_now()) + 1
+            if until > self.session.now:
+                self._show(self.session.advance(until))
+            self._plan()
+        except Exception as error:
+            self._fault = error
+            self._failed.set()
 
 
-class _Alarm:
-    """A task that waits for one step after the other. Setting another one beside it is cheaper than stopping it."""
-
-    def __init__(self, part: F28335) -> None:
-        self._part = part
-        self._is_set = Event()
-        self._step = 0
-        cocotb.start_soon(self._run())
-
-    def set(self, step: int) -> None:
-        self._step = step
-        self._is_set.set()
-
-    async def _run(self) -> None:
-        while True:
-            await self._is_set.wait()
-            self._is_set.clear()
-            await Timer(max(1, self._step - get_sim_time("step")), "step")
-            self._part.woken(self._step, self)
+def _now() -> int:
+    """The simulator's step."""
+    high, low = simulator.get_sim_time()
+    return high << 32 | low
 
 
-def _level(name: str, signal: Any, at: str) -> int:
+def _level(name: str, signal: Any, at: str = "") -> int:
     """0 or 1. OutsideError, with the way out, for what is neither."""
-    level = str(signal.value).lower()
-    if level == "0" or level == "1":
-        return int(level)
-    way_out = WAYS_OUT.get(level, "it has to be 0 or 1")
-    raise OutsideError(f"{signal._path} (line {name}) is {level} at {at}: {way_out}")
+    level: str = signal._handle.get_signal_val_binstr()
+    if level == "0":
+        return 0
+    if level == "1":
+        return 1
+    way_out = WAYS_OUT.get(level.lower(), "it has to be 0 or 1")
+    at = at or f"{get_sim_time('ns'):.3f} ns"
+    raise OutsideError(f"{signal._path} (line {name}) is {level.lower()} at {at}: {way_out}")
 
 
 def _signal(dut: Any, line: str, given: Any) -> Any:

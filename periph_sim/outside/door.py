@@ -50,7 +50,7 @@ class Door(Agent):
 
     def first(self) -> int:
         """When the first of what was put is due, or NEVER."""
-        return min(self._put, default=NEVER)
+        return min(self._put) if self._put else NEVER
 
     def plan(self) -> None:
         """Time goes on: what was put moves its lines. Before, the kernel knows of none of it."""

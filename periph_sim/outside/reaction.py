@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from bisect import insort
 from collections.abc import Sequence
+from fractions import Fraction
 from operator import itemgetter
 
 from ..core.chip import NEVER
@@ -42,7 +43,7 @@ class Reaction(Agent):
         self._mark = scene.kernel.ask(scene.kernel.now, self)
         scene.kernel.cancel(self._mark)
         self._wires = [scene.wires[name] for name in lines]
-        self._versions = [-1] * len(self._wires)
+        self._version = -1  # the sum of theirs, which only grow
         self._clocks = {socket: dsp.clock for dsp in scene.units.values() for socket in dsp.sockets.values()}
         self._cpu_clocks = {dsp.processor: dsp.clock for dsp in scene.units.values()}
         self._chips = {
@@ -63,7 +64,9 @@ class Reaction(Agent):
         self._due = NEVER
         self._silent = -1  # further edges of SCL of which nobody can tell; -1: of any edge somebody can
         self._widest = 0  # ticks: edges of SCL that are no further apart are not counted on
-        self._seen: dict[str, int] = {}  # levels behind all that was put
+        self._widest_of: list[tuple[int, Clock]] = []  # with these filters, and clocks
+        self._hz: list[Fraction] = []  # as they run
+        self._seen = self._levels.copy()  # levels behind all that was put
         self._scl_moved = LONG_AGO  # behind all that was put,
         self._scl_done = LONG_AGO  # and up to now
 
@@ -90,6 +93,22 @@ class Reaction(Agent):
 
     def _look(self) -> None:
         self._fresh = True
+        self._listeners()
+        self._lines()
+        self._due = self._first_event()
+        self._silent = -1
+        if self._scl and not self._routes():
+            self._silent = min([chip.silent_edges() for _, chip in self._modules])
+            of = [(chip.filter_width, self._clocks[socket]) for socket, chip in self._modules]
+            hz = [clock.hz for _, clock in of]
+            if of != self._widest_of or hz != self._hz:
+                self._widest_of, self._hz = of, hz
+                self._widest = max([clock.tick(width + MARGIN) - clock.tick(0) for width, clock in of])
+        if self._put:
+            self._weigh_all()
+
+    def _weigh_all(self) -> None:
+        """Apart from what is done by now."""
         done = 0
         for tick, line, level in self._put:
             if tick >= self._now:
@@ -99,16 +118,6 @@ class Reaction(Agent):
                 self._scl_done = tick
             self._levels[line] = level
         del self._put[:done]
-        self._listeners()
-        self._lines()
-        self._due = self._first_event()
-        if not self._scl or self._routes():
-            self._silent = -1
-        else:
-            self._silent = min(chip.silent_edges() for _, chip in self._modules)
-        self._widest = max(
-            (self._ticks(socket, chip.filter_width + MARGIN) for socket, chip in self._modules), default=0
-        )
         self._seen = self._levels.copy()
         self._scl_moved = self._scl_done
         for tick, line, level in self._put:
@@ -116,9 +125,11 @@ class Reaction(Agent):
 
     def _listeners(self) -> None:
         """Who listens now: pins are routed anew as firmware sets them up."""
-        versions = [wire.version for wire in self._wires]
-        if versions != self._versions:
-            self._versions = versions
+        version = 0
+        for wire in self._wires:
+            version += wire.version
+        if version != self._version:
+            self._version = version
             agents = [ear.agent for wire in self._wires for ear in wire.ears() if isinstance(ear, Sampler)]
             self._direct = [socket for socket in self._clocks if any(agent is socket for agent in agents)]
             self._routers = [agent for agent in dict.fromkeys(agents) if isinstance(agent, Router)]
@@ -132,8 +143,8 @@ class Reaction(Agent):
 
     def _lines(self) -> None:
         """Which lines the modules' pins are on now."""
-        pins = [socket.pins[line] for socket, _ in self._modules for line in (0, 1)]
-        if len(pins) != len(self._pins) or any(one is not other for one, other in zip(pins, self._pins, strict=True)):
+        pins = [pins for socket, _ in self._modules for pins in socket.pins]  # each has two
+        if pins != self._pins:
             self._pins = pins
             scl, sda = ({pin.wire.name for some in pins[line::2] for pin in some} for line in (0, 1))
             self._scl, self._sda = (scl.pop(), sda.pop()) if len(scl) == len(sda) == 1 else ("", "")
@@ -200,10 +211,6 @@ class Reaction(Agent):
             elif line == self._sda and not self._seen[self._scl] and tick != self._scl_moved:
                 return
         self._due = min(self._due, self._answer(tick))
-
-    def _ticks(self, socket: Socket, cycles: int) -> int:
-        clock = self._clocks[socket]
-        return clock.tick(cycles) - clock.tick(0)
 
     def _answer(self, tick: int) -> int:
         """The first tick at which a line that moves at `tick` is answered."""

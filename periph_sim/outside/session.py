@@ -104,7 +104,8 @@ class Session:
             self._door.withdraw()
             self._now = until
             self._reaction.advanced(self._start + until)
-        return [change._replace(at=change.at - self._start) for change in self._door.changes()]
+        changes = self._door.changes()
+        return [change._replace(at=change.at - self._start) for change in changes] if changes else changes
 
     def next_output(self) -> int | None:
         """Before this tick none of our pins moves unless `apply` is called; None if never again."""

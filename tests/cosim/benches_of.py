@@ -159,3 +159,12 @@ async def refusals(dut: Any) -> None:
             sentences[level] = str(error)
     dut.rx.value = 1
     (told()[0] / "refusals.json").write_text(json.dumps(sentences))
+
+
+@cocotb.test(expect_error=OutsideError, timeout_time=1, timeout_unit="ms")
+async def a_line_that_loses_its_level(dut: Any) -> None:
+    """The test ends with it, although nobody waits for the part."""
+    F28335(dut, CASES["serial_line"], rx=dut.rx)
+    await Timer(1, "us")
+    dut.rx.value = "x"
+    await Timer(10, "us")

@@ -32,8 +32,8 @@ IDLE, ADDRESS, RECEIVE, SEND, OTHERS = range(5)  # OTHERS: up to the next START 
 class PinCosts:
     """Cycles of the code between the accesses, which the unit's `code` does not count.
 
-    edge: the branches over phase and count, behind what the edge asks for. byte: the target's part, SCL being held.
-    set_up: SDA is out for so long when SCL is let go; 38 are the 250 ns of UM10204 Table 10, tSU;DAT.
+    edge: the branches over lines, phase and count, before what the edge asks for is done. byte: the target's part, SCL
+    being held. set_up: SDA is out for so long when SCL is let go; 38 are the 250 ns of UM10204 Table 10, tSU;DAT.
     """
 
     edge: int = 15
@@ -78,6 +78,7 @@ class SlavePins:
         """XINT3 and XINT4: a line moved, or several times."""
         before, lines = self.lines, self.gpio.GPBDAT.all & (SDA | SCL)
         self.lines = lines
+        self.dsp.compute(self.costs.edge)
         if self.phase == IDLE and before == SDA | SCL and not lines:
             self.began()  # SCL fell before SDA's fall was read
         elif (before ^ lines) & SCL:
@@ -90,7 +91,6 @@ class SlavePins:
                 self.ended()
             else:
                 self.began()
-        self.dsp.compute(self.costs.edge)
         self.pieack.all = GROUP_12
 
     # Conditions ----------------------------------------------------------------

@@ -29,6 +29,7 @@ from ..processor.processor import Processor
 from ..scene.scene import Scene
 
 LONG_AGO = -NEVER
+REMEMBERED = 64  # edges, where nobody asks
 MARGIN = 2  # cycles: an edge between two cycles is seen with the later one
 _tick = itemgetter(0)
 
@@ -84,6 +85,8 @@ class Reaction(Agent):
         """All before tick `now` is done."""
         self._now = now
         self._fresh = False
+        if len(self._put) > 2 * REMEMBERED:  # nobody asks what comes next, so nobody looks
+            self._pass(len(self._put) - REMEMBERED)
 
     def due(self) -> int:
         """Before this tick no pin of ours moves if nothing more is put; or NEVER."""
@@ -107,17 +110,21 @@ class Reaction(Agent):
         if self._put:
             self._weigh_all()
 
-    def _weigh_all(self) -> None:
-        """Apart from what is done by now."""
+    def _pass(self, most: int) -> None:
+        """Of what was put, what is done is the lines' levels; `most` of it."""
         done = 0
         for tick, line, level in self._put:
-            if tick >= self._now:
+            if tick >= self._now or done == most:
                 break
             done += 1
             if line == self._scl and level != self._levels[line]:
                 self._scl_done = tick
             self._levels[line] = level
         del self._put[:done]
+
+    def _weigh_all(self) -> None:
+        """Apart from what is done by now."""
+        self._pass(len(self._put))
         self._seen = self._levels.copy()
         self._scl_moved = self._scl_done
         for tick, line, level in self._put:

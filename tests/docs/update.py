@@ -10,6 +10,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+from tests.docs import live_picture
 from tests.docs.limits_table import refreshed_limits
 from tests.docs.pages import PAGES, ROOT, refreshed
 from tests.docs.photographs import digest, digest_in, photographs, taken, written
@@ -47,6 +48,11 @@ def main(names: list[str]) -> None:
             if not one.file.is_file() or digest_in(one.file.read_bytes()) != now:
                 one.file.write_bytes(taken(report, one.budget))
                 print(f"{one.file.relative_to(ROOT)}: photographed")
+    if not names or live_picture.PAGE.stem in names:
+        there = live_picture.PICTURE
+        if not there.is_file() or digest_in(there.read_bytes()) != live_picture.digest_now():
+            there.write_bytes(live_picture.taken())
+            print(f"{there.relative_to(ROOT)}: photographed")
 
 
 if __name__ == "__main__":

@@ -334,3 +334,16 @@ def test_a_tick_is_a_whole_number(tick: object) -> None:
         ):
             call()
     session.finish()
+
+
+def test_nothing_grows_where_nobody_asks_for_the_next_output() -> None:
+    asked, session = bus()[0], bus()[0]
+    for _ in range(2000):
+        for one in (asked, session):
+            one.apply(one.now, {"SCL": 0})
+            one.advance(one.now + one.ticks("2 us"))
+            one.apply(one.now, {"SCL": 1})
+            one.advance(one.now + one.ticks("3 us"))
+        asked.next_output()
+    assert len(session._reaction._put) <= 130
+    assert session.next_output() == asked.next_output()

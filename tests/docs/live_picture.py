@@ -1,0 +1,68 @@
+"""The picture of a live session's page on docs/live.md: a case is served, a host sends frames, a browser looks.
+
+    periph-sim serve CASE --pty --browser 0     periph-sim host-unit PTY --flight FLIGHT     -> pictures/live.png
+
+What it shows was live, and is other figures each time. So the picture carries the digest of the page that was shown: it
+is out of date when that has changed.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from hashlib import sha256
+from pathlib import Path
+
+from tests.docs.pages import FILE, ROOT
+from tests.docs.photographs import with_digest
+
+PAGE = ROOT / "docs" / "live.md"
+PICTURE = ROOT / "docs" / "pictures" / "live.png"
+SHOWN = ROOT / "periph_sim" / "outside" / "live" / "view" / "page.html"
+CASE = ROOT / "timing" / "imu_hil.toml"
+WATCHED = 8000  # milliseconds: the flight is at its steepest
+WIDTH = 1200
+
+
+def digest_now() -> str:
+    return sha256(SHOWN.read_bytes()).hexdigest()
+
+
+def taken() -> bytes:
+    """The page as PNG while it is live."""
+    flight = dict(FILE.findall(PAGE.read_text(encoding="utf-8")))["flight.csv"]
+    command = [sys.executable, "-m", "periph_sim"]
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "flight.csv").write_text(flight)
+        serves = [*command, "serve", str(CASE), "--pty", f"{folder}/dsp", "--browser", "0"]
+        served = subprocess.Popen(serves, stdout=subprocess.PIPE, text=True)
+        try:
+            assert served.stdout is not None
+            served.stdout.readline()
+            url = served.stdout.readline().strip()
+            assert re.fullmatch(r"http://127\.0\.0\.1:\d+/", url), url
+            sends = [*command, "host-unit", f"{folder}/dsp", "--flight", f"{folder}/flight.csv"]
+            with subprocess.Popen(sends, stdout=subprocess.DEVNULL) as sender:
+                try:
+                    return with_digest(_photographed(url), digest_now())
+                finally:
+                    sender.terminate()
+        finally:
+            served.terminate()
+            served.communicate()
+
+
+def _photographed(url: str) -> bytes:
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
+        page = browser.new_page(viewport={"width": WIDTH, "height": 900}, color_scheme="light")
+        page.goto(url)
+        page.wait_for_timeout(WATCHED)
+        png = page.screenshot(full_page=True)
+        browser.close()
+    return png

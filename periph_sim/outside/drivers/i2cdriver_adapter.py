@@ -10,13 +10,14 @@ An adapter with a serial port for a PC (i2cdriver.com). Its programs run on it u
     0x80+n-1         n bytes, the last NACKed   u MASK    pull-ups, stored          c   capture until a byte comes
     a N              n bytes, all ACKed         x         bus reset: '0', SDA, SCL  b   bits, until '@'
     r DEV REG N      register read, with STOP   d         112 reports of a scan     m   monitor until a byte comes
-    p                STOP                       i, _      lines let go; also boot   @   nothing; nor does any other
+    p                STOP                       i, _      lines let go; also boot   f   'X', its display fades
+    @                nothing; nor does any other
 
 Source: the I2CDriver's firmware (github.com/jamesbowman/i2cdriver, firmware/main.fs and capture.fs).
 
 Chosen: 5 V, 0 mA, 25 degrees. The checksum is of each byte of the bus once, addresses included. A line that bits would
-drive high is let go: the bus is open drain. 'v' and 'w', which weigh pull-ups, are nothing. A line that is held for
-more than 25 ms is a time-out in the next report.
+drive high is let go: the bus is open drain. 'v' with its byte and 'w', which weigh pull-ups, do nothing. A line that is
+held for more than 25 ms is a time-out in the next report.
 """
 
 from __future__ import annotations
@@ -55,6 +56,7 @@ class I2cDriver:
             ord("?"): lambda: self._say_text(self._status()),
             ord("J"): lambda: self._say_text(" ".join(["0"] * 18)),
             ord("d"): self._scan,
+            ord("f"): lambda: self._say(ord("X")),
             ord("i"): self._let_go,
             ord("p"): self._stop,
             ord("x"): self._reset,
@@ -109,8 +111,8 @@ class I2cDriver:
                 yield from self._bang()
             elif command == ord("c"):
                 yield from self._capture()
-            elif command == ord("m"):
-                yield  # nobody sees its display
+            elif command in (ord("m"), ord("v")):
+                yield  # nobody sees a monitor's display; pull-ups are not weighed
             elif command in self._simple:
                 self._simple[command]()
 

@@ -28,7 +28,7 @@ def adapter(session: Session | None = None) -> I2cDriver:
     ("sent", "said"),
     [
         (b"e\x00e\xff", b"\x00\xff"),
-        (b"@" * 64 + b"1478fvw", b""),
+        (b"@" * 64 + b"1478w" + b"vff" + b"m" + WRITE[:1] + b"e!", b"X!"),
         (WRITE + b"\xc0\x01" + READ + b"\x82p", ACKED * 3 + b"\x0b\x0c\x0d"),
         (WRITE + b"\xc2\x10\xaa\xbb" + b"p" + b"r\x50\x10\x03", ACKED * 2 + b"\xaa\xbb\x00"),
         (b"r\x50\x02\x01" + READ + b"a\x02\x80p", b"\x0c" + ACKED + b"\x0d\x00\x00"),

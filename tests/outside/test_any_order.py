@@ -19,7 +19,7 @@ from tests.scene.runs import TIMING
 
 GYROSCOPE, ACCELEROMETER, MAGNETOMETER = 0x68, 0x53, 0x1E
 DATA_AT = {GYROSCOPE: 0x1D, ACCELEROMETER: 0x32, MAGNETOMETER: 0x03}
-FRAMES = 300 if explores() else 6  # that come during reads
+FRAMES = 300 if explores() else 4  # that come during reads
 FORMS = {"pins": "imu_any_order", "units": "any_order_units"}
 
 

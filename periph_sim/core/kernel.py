@@ -359,15 +359,18 @@ class Kernel:
         self._bound, self._bound_rank, self._at, self._in_this_tick = bound, rank, at, in_this_tick
 
     def _next(self, at_home: bool) -> bool:
-        """What is to be done next: let the wires settle, or one event. False if there is nothing, not here at least."""
+        """Let the wires settle, and do the next event. False if there is none, or it is not to be done here."""
         if self._stop:
             return False
         event = self._first
-        if self._unsettled is not None or self._sampling is not None:
-            if event is None or event.time > self._at or event.phase > self._phase:
-                self.settle()  # may ask for something in this tick
-                return True
-        elif event is None:
+        if (self._unsettled is not None or self._sampling is not None) and (
+            event is None or event.time > self._at or event.phase > self._phase
+        ):
+            self.settle()  # may ask for something in this tick, or stop the run
+            if self._stop:
+                return False
+            event = self._first
+        if event is None:
             return False
         if event.time >= self._bound and (event.time > self._bound or event.rank >= self._bound_rank):
             return False

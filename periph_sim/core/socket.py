@@ -85,7 +85,7 @@ class Socket(Agent):
         self._held = 0
         self.release: Release | None = None
         self.watchers: list[Onlooker] = []
-        self.on_watch: Callable[[], None] = _nothing  # called when `watchers` has changed
+        self.on_watch: Callable[[], None] | None = None  # called when `watchers` has changed
         self.notes: list[tuple[int, Note]] = []
         self.on_note: Callable[[int, Note], None] | None = None  # told of each, with the cycle
         self._note_count: dict[Note, int] = {}
@@ -238,16 +238,16 @@ class Socket(Agent):
         chip = self.chip
         if self.after is not None:
             self.after(cycle)
-        if self.watchers:
-            for watcher in tuple(self.watchers):
-                watcher.look(cycle)
+        for watcher in self.watchers:
+            watcher.look(cycle)
         if self._watched:
             self._record_flags(cycle)
         if chip.notes:
             self._take_notes(cycle)
 
     def _plan(self, cycle: int) -> None:
-        self._kernel.cancel(self._wake)
+        if self._wake.queued:
+            self._kernel.cancel(self._wake)
         wake = self.chip.next_wake
         if wake < cycle:
             wake = cycle
@@ -300,12 +300,15 @@ class Socket(Agent):
 
     def watch(self, watcher: Onlooker) -> None:
         """`watcher.look(cycle)` after every input from now on: a CPU that spins looks at the chip there."""
-        self.watchers.append(watcher)
-        self.on_watch()
+        self._have_watch([*self.watchers, watcher])
 
     def unwatch(self, watcher: Onlooker) -> None:
-        self.watchers.remove(watcher)
-        self.on_watch()
+        self._have_watch([one for one in self.watchers if one is not watcher])
+
+    def _have_watch(self, watchers: list[Onlooker]) -> None:
+        self.watchers = watchers  # another list: who looks now may begin or end to watch
+        if self.on_watch is not None:
+            self.on_watch()
 
     def reclock(self) -> None:
         """The clock was retuned: a wake-up promised for a cycle moves to that cycle's new tick."""
@@ -402,7 +405,3 @@ class _WatchedRegister:
             field.mask, field.lsb = each.mask, each.lsb
             field.topic = recorder.topic(Kind.FLAG, name, f"{register.name}.{each.name}")
             self.fields.append(field)
-
-
-def _nothing() -> None:
-    """Nobody needs to know."""

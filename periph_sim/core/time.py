@@ -123,6 +123,7 @@ class Clock:
         self._tick0 = tick0
         self._cycle0 = cycle0
         self._num, self._den = self._period(self.hz)
+        self._last_cycle, self._last_tick = cycle0, tick0  # asked for last: it often is asked for again
 
     def _period(self, hz: Fraction) -> tuple[int, int]:
         if hz <= 0:
@@ -140,8 +141,11 @@ class Clock:
         den = self._den
         if den == 1:
             return self._tick0 + passed * self._num
-        whole = passed // den  # divided first: the product of a long run's cycles would not fit 64 bits
-        return self._tick0 + whole * self._num + (passed - whole * den) * self._num // den
+        if cycle != self._last_cycle:
+            whole = passed // den  # divided first: the product of a long run's cycles would not fit 64 bits
+            self._last_cycle = cycle
+            self._last_tick = self._tick0 + whole * self._num + (passed - whole * den) * self._num // den
+        return self._last_tick
 
     def cycle_at(self, tick: int) -> int:
         """The first cycle that begins at or after this tick: what is seen without a synchroniser."""
@@ -151,6 +155,8 @@ class Clock:
         num = self._num
         if self._den == 1:
             return self._cycle0 - left // num
+        if tick == self._last_tick:
+            return self._last_cycle
         whole = left // num
         return self._cycle0 - whole * self._den - (left - whole * num) * self._den // num
 
@@ -169,6 +175,7 @@ class Clock:
 
     def retune(self, cycle: int, hz: Fraction | int) -> None:
         """From `cycle` on the clock runs at `hz`."""
-        self._tick0, self._cycle0 = self.tick(cycle), cycle
+        self._tick0 = self._last_tick = self.tick(cycle)
+        self._cycle0 = self._last_cycle = cycle
         self.hz = Fraction(hz)
         self._num, self._den = self._period(self.hz)

@@ -146,9 +146,10 @@ class Wire(Settles):
         if moved:
             look = self._watches
             while look is not None:
-                look.sampler.levels ^= look.bit
-                if not look.sampler.due:
-                    self.kernel.tell(look.sampler)
+                sampler = look.sampler
+                sampler.levels ^= look.bit
+                if not sampler.due:
+                    self.kernel.tell(sampler)
                 look = look.following
 
     def _tell_pulled(self, first: PullWatch) -> None:

@@ -9,10 +9,12 @@ from .firmware_notes cimport FirmwareNotes
 from .operand cimport Operand
 
 
+@cython.final
 cdef class Posted:
     cdef long long lands, value, cause
     cdef Operand operand
     cdef object where
+    cdef Posted following
 
 
 cdef class Bus:
@@ -28,7 +30,7 @@ cdef class Bus:
     cdef object _name, _place, _subjects, _waits
     cdef bint _records_access
     cdef dict _operands
-    cdef list _posted
+    cdef Posted _posted, _posted_last
     cdef long long _lands_after, _last_pf1_write, _pf1_after_pf1
     cpdef Operand operand(self, object place, object register, long long words, object field=*)
     cpdef Operand at(self, long long address, long long width)
@@ -47,6 +49,7 @@ cdef class Bus:
     cpdef void store(self, long long at, Operand operand, long long value)
     cpdef void modify(self, long long at, Operand operand, long long number)
     cdef bint _wants_place(self, Operand operand)
+    @cython.locals(posted=Posted)
     cdef void _post(self, long long at, Operand operand, long long value, object where)
     cdef void _ignored(self, long long cycle, str what)
     @cython.locals(first=Posted, after=Posted)

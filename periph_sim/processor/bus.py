@@ -34,16 +34,19 @@ from .source_location import SourceLocation
 
 
 class Posted:
-    """A write on its way. where, cause: of the instruction that issued it; where is None where nobody wants to know."""
+    """A write on its way. where, cause: of the instruction that issued it; where is None where nobody wants to know.
 
-    __slots__ = ("cause", "lands", "operand", "value", "where")
+    following: what lands after it.
+    """
 
-    def __init__(self, lands: int, operand: Operand, value: int, where: SourceLocation | None, cause: int) -> None:
-        self.lands = lands
-        self.operand = operand
-        self.value = value
-        self.where = where
-        self.cause = cause
+    __slots__ = ("cause", "following", "lands", "operand", "value", "where")
+
+    lands: int
+    operand: Operand
+    value: int
+    where: SourceLocation | None
+    cause: int
+    following: Posted | None
 
 
 class Bus:
@@ -64,6 +67,7 @@ class Bus:
         "_pf1_after_pf1",
         "_place",
         "_posted",
+        "_posted_last",
         "_recorder",
         "_records_access",
         "_subjects",
@@ -108,7 +112,8 @@ class Bus:
         self._pf1_after_pf1 = self._waits.pf1_after_pf1
         self._lands_after = options.write_lands
         self._operands: dict[tuple[int, int], Operand] = {}  # by address and width
-        self._posted: list[Posted] = []
+        self._posted: Posted | None = None  # the first of a chain,
+        self._posted_last: Posted | None = None  # and its last
         self._last_pf1_write = -NEVER
 
     # What an access names ------------------------------------------------------
@@ -245,11 +250,9 @@ class Bus:
 
         It costs what a read costs; the write lands while the CPU goes on.
         """
-        named = operand.field
-        assert named is not None
         where = self._place() if self._wants_place(operand) else None
         value = self._recorded(at, operand, where) if operand.recorded else self.fetch(at, operand)
-        self._post(at, operand, named.put(value, number), where)
+        self._post(at, operand, value & ~operand.mask | number << operand.lsb & operand.mask, where)
 
     def _wants_place(self, operand: Operand) -> bool:
         """Of a write, or a read for one: whether anybody wants to know where in the firmware it is made."""
@@ -262,7 +265,15 @@ class Bus:
         if operand.protected and not self._core.eallow:
             self._ignored(at, f"{operand.register.name} of {operand.place.name}")
         else:
-            self._posted.append(Posted(lands, operand, value, where, self._recorder.cause))
+            posted = Posted.__new__(Posted)
+            posted.lands, posted.operand, posted.value, posted.where = lands, operand, value, where
+            posted.cause = self._recorder.cause
+            posted.following = None
+            if self._posted is None or self._posted_last is None:
+                self._posted = posted
+            else:
+                self._posted_last.following = posted
+            self._posted_last = posted
             self._time.limit(lands)
         free = max(at + 1 + WRITE_TO_READ, lands + 1)
         if operand.block:
@@ -276,12 +287,10 @@ class Bus:
 
     def land(self) -> None:
         """Let the posted write whose cycle it is take effect."""
-        first = self._posted.pop(0)
-        if self._posted:
-            after = self._posted[0]
-            self._time.lands = after.lands
-        else:
-            self._time.lands = NEVER
+        first = self._posted
+        assert first is not None
+        self._posted = after = first.following
+        self._time.lands = NEVER if after is None else after.lands
         at, operand, value = first.lands, first.operand, first.value
         recorder, socket = self._recorder, operand.socket
         outer, recorder.cause = recorder.cause, first.cause
@@ -298,7 +307,7 @@ class Bus:
 
     def forget(self) -> None:
         """The program is over: nothing that it posted lands."""
-        self._posted.clear()
+        self._posted = None
 
     # Both ------------------------------------------------------------------------
 

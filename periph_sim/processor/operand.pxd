@@ -9,7 +9,7 @@ cdef class Operand:
     cdef public Chip chip
     cdef public str name, named
     cdef public Topic reads, writes
-    cdef public long long address, mask, offset, read_waits, shift, words, write_waits
+    cdef public long long address, lsb, mask, offset, read_waits, shift, words, write_waits
     cdef public bint block, frame1, frame2, harmless, looks, meets, pieack, protected, recorded, steady
     cpdef void record(self, Topic reads, Topic writes)
     cpdef bint tells_place(self)

@@ -14,10 +14,10 @@ from ..f28335.system.memory_map import BOTH, HIGH, LOW, WORDS_MASK, Frame, Modul
 class Operand:
     """words: of the register, that move. field: that the program named; None: all of these words.
 
-    mask: the bits that the program looks at or writes. shift: where an access by address has the word moved.
-    block: inside the protected block, where reads wait for writes. steady: a read has no effect, and nothing that
-    counts by itself is read. meets: an access acts, or the module is told something first. looks: a read is one look at
-    the chip, and no more than a record of it that tells no place.
+    mask: the bits that the program looks at or writes; lsb: of the field, the lowest. shift: where an access by address
+    has the word moved. block: inside the protected block, where reads wait for writes. steady: a read has no effect,
+    and nothing that counts by itself is read. meets: an access acts, or the module is told something first. looks: a
+    read is one look at the chip, and no more than a record of it that tells no place.
     reads, writes: the records that are made, where `recorded`. named: the field, as they have it.
     """
 
@@ -30,6 +30,7 @@ class Operand:
         "frame2",
         "harmless",
         "looks",
+        "lsb",
         "mask",
         "meets",
         "name",
@@ -73,6 +74,7 @@ class Operand:
         self.offset = register.offset
         self.address = place.base + register.offset
         self.mask = WORDS_MASK[words] if field is None else field.mask
+        self.lsb = 0 if field is None else field.lsb
         self.shift = 16 if words == HIGH else 0
         self.name = f"{place.name}.{register.name}"
         self.read_waits = waits.read[place.frame]

@@ -36,11 +36,10 @@ cdef class Lease(Onlooker):
     cdef long long _first
     cdef Spin _spin
     cdef list _sockets
-    @cython.locals(place=cython.Py_ssize_t, read=Poll)
     cpdef void take(self, Spin spin)
     @cython.locals(place=cython.Py_ssize_t, read=Poll, operand=Operand, value=cython.longlong)
     cpdef bint broken(self, long long cycle)
-    @cython.locals(socket=Socket)
+    @cython.locals(place=cython.Py_ssize_t, read=Poll, socket=Socket)
     cpdef void begin(self)
     @cython.locals(socket=Socket)
     cpdef void end(self)

@@ -128,11 +128,6 @@ class Lease(Onlooker):
         """From now on it is about the pass that has ended now."""
         self._first = self._time.cycle
         self._spin = spin
-        self._sockets.clear()
-        for place in range(spin.made):
-            read = spin.reads[place]
-            if read.operand.socket not in self._sockets:
-                self._sockets.append(read.operand.socket)
 
     def broken(self, cycle: int) -> bool:
         """Whether a pass begun at `cycle` could come out otherwise."""
@@ -148,11 +143,18 @@ class Lease(Onlooker):
 
     def begin(self) -> None:
         """From now on the modules that were read wake the sleeping CPU when a bit changes."""
-        for socket in self._sockets:
-            socket.watch(self)
+        spin = self._spin
+        assert spin is not None
+        for place in range(spin.made):
+            read = spin.reads[place]
+            socket = read.operand.socket
+            if socket not in self._sockets:
+                self._sockets.append(socket)
+                socket.watch(self)
 
     def end(self) -> None:
-        for socket in self._sockets:
+        while self._sockets:
+            socket = self._sockets.pop()
             socket.unwatch(self)
 
     def look(self, cycle: int) -> None:

@@ -16,9 +16,11 @@ cdef class I2cController(ByteParty):
     cdef Sampler _sampler
     cdef Event _next, _guard
     cdef object _on_stuck, _done, _clear, _transfer, _phase
+    cdef list _acks
+    cdef bytearray _got
     cdef long long _low_time, _hold, _filter, _scl_mask, _sda_mask, _stuck_after, _sda_level, _high, _high_end
     cdef long long _let_go_at, _last_stop, _phase_index, _byte, _bit, _in, _index, _scl_moved, _clear_after
-    cdef long long _refused_since, _lines, _scl_seen, _sda_moved, _sda_event, _sda_seen, _stretch
+    cdef long long _refused_since, _lines, _scl_seen, _sda_moved, _sda_event, _sda_seen, _stretch, _wanted
     cdef bint _rising, _receiving, _bus_busy, _gives_up
     cpdef object begin(self, object transfer, object done)
     cdef void _start(self)

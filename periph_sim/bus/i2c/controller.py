@@ -38,6 +38,7 @@ class I2cController(ByteParty):
     """
 
     __slots__ = (
+        "_acks",
         "_bit",
         "_bus_busy",
         "_byte",
@@ -46,6 +47,7 @@ class I2cController(ByteParty):
         "_done",
         "_filter",
         "_gives_up",
+        "_got",
         "_guard",
         "_high",
         "_high_end",
@@ -79,6 +81,7 @@ class I2cController(ByteParty):
         "_stretch",
         "_stuck_after",
         "_transfer",
+        "_wanted",
         "busy",
         "timing",
         "who",
@@ -122,6 +125,9 @@ class I2cController(ByteParty):
         self._phase = Phase(0, False)
         self._phase_index = 0
         self._stretch = 0  # the longest of the phase
+        self._wanted = 0  # bytes of the phase,
+        self._acks: list[bool] = []  # their acknowledges as they come,
+        self._got = bytearray()  # and what was read
         self._byte = 0  # being sent, or 0xFF while receiving
         self._bit = 0  # 0..8; 8 is the ACK
         self._in = 0  # bits read so far
@@ -193,7 +199,8 @@ class I2cController(ByteParty):
         self._refused_since = NO_TIME
         phase = self._phase = self._transfer.phases[self._phase_index]
         phase.start_at = now
-        self._stretch = phase.stretch
+        self._stretch, self._acks, self._got = phase.stretch, phase.acks, phase.got
+        self._wanted = phase.count if phase.read else len(phase.data)
         self._set_sda(0)
         self._mark("START" if self._phase_index == 0 else "repeated START", 0)
         byte = phase.address << 1 | phase.read if phase.address_byte is None else phase.address_byte
@@ -322,7 +329,7 @@ class I2cController(ByteParty):
 
     def _ack_level(self) -> int:
         """What a reading controller answers: 0 until the last byte."""
-        return 1 if self._index + 1 >= self._phase.count else 0
+        return 1 if self._index + 1 >= self._wanted else 0
 
     # Bytes --------------------------------------------------------------------
 
@@ -333,16 +340,15 @@ class I2cController(ByteParty):
             phase.acked = ack
             self._mark("address", self._in << 1 | (not ack))
         else:
-            phase.acks.append(ack)
+            self._acks.append(ack)
             self._mark("byte", self._in << 1 | (not ack))
             if self._receiving:
-                phase.got.append(self._in)
+                self._got.append(self._in)
         following = self._index + 1
         if self._index < 0 and ack:
             phase.answer_from = self._kernel.now
-        wanted = phase.count if phase.read else len(phase.data)
-        if following < wanted and (ack or (self._receiving and self._index >= 0)):
-            if phase.read:
+        if following < self._wanted and (ack or (self._receiving and self._index >= 0)):
+            if self._receiving or phase.read:
                 self._load(0xFF, following, True)
             else:
                 self._load(phase.data[following], following, False)

@@ -10,7 +10,9 @@ cdef class I2cMonitor(ByteParty):
     cdef object _told, _names, _transfer, _phase
     cdef long long _start_at, _starting, _scl_mask, _sda_mask, _began_at, _let_go_at, _rose_at, _ended_at, _pulled_at
     cdef long long _clock_length, _index, _bits, _in, _filter, _sda_at, _sda_seen, _levels, _stretch
-    cdef bint _pulls_scl, _pulls_sda, _first
+    cdef bint _pulls_scl, _pulls_sda, _first, _reads, _acked
+    cdef list _acks
+    cdef bytearray _got
     cdef void _first_clock(self, long long now)
     cdef void _condition(self, long long now, long long before, long long levels)
     cdef bint _given_up(self, long long now)

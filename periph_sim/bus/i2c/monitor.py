@@ -55,6 +55,9 @@ class I2cMonitor(ByteParty):
         self._transfer = Transfer("", [])
         self._phase = Phase(0, False)
         self._stretch = 0  # the longest of the phase
+        self._reads = self._acked = False  # what its address says, and whether somebody is there
+        self._acks: list[bool] = []  # of its data bytes
+        self._got = bytearray()
         self._index = -1  # -1: address byte, else the number of the data byte
         self._bits = 0
         self._in = 0
@@ -104,7 +107,7 @@ class I2cMonitor(ByteParty):
         self._sda_seen = shown & 1
         if not self._scl_mask:
             return
-        if self._index == 0 and self._phase.acked:
+        if self._index == 0 and self._acked:
             self._phase.answer_at = times.rise(0)
         self._bits, self._in = SEVEN, shown >> 1
         self._pulled_at, self._clock_length = times.fall(SEVEN), times.fall(SEVEN) - times.fall(SEVEN - 1)
@@ -145,6 +148,7 @@ class I2cMonitor(ByteParty):
     def _phase_begins(self, at: int) -> None:
         self._phase = Phase(0, False, start_at=at)
         self._stretch = 0
+        self._acked, self._acks, self._got = False, self._phase.acks, self._phase.got
         self._index, self._bits, self._in = -1, 0, 0
         self._first = True
 
@@ -181,22 +185,23 @@ class I2cMonitor(ByteParty):
         self._in = self._in << 1 | bit
         if self._bits == BITS:
             self._byte_over(now)
-        elif self._bits == 1 and self._index == 0 and self._phase.acked:
+        elif self._bits == 1 and self._index == 0 and self._acked:
             self._phase.answer_at = self._rose_at
 
     def _byte_over(self, now: int) -> None:
         phase, transfer = self._phase, self._transfer
         byte, ack = self._in >> 1, not self._in & 1
         if self._index < 0:
-            phase.address, phase.read, phase.acked = byte >> 1, bool(byte & 1), ack
+            self._reads, self._acked = bool(byte & 1), ack
+            phase.address, phase.read, phase.acked = byte >> 1, self._reads, ack
             transfer.phases.append(phase)
             transfer.name = transfer.name or self._names.get(phase.address, f"{phase.address:#04x}")
             if ack:
                 phase.answer_from = now
         else:
-            phase.acks.append(ack)
-            if phase.read:
-                phase.got.append(byte)
+            self._acks.append(ack)
+            if self._reads:
+                self._got.append(byte)
             else:
                 phase.data += bytes([byte])
         self._index += 1

@@ -203,9 +203,10 @@ class CpuInterrupts:
             return NEVER
         if self.ifr & self.ier:
             return ready
-        for cycle, bit in self._coming:
-            if bit & self.ier:
-                return max(cycle, ready)
+        if self.next_wake < NEVER:
+            for cycle, bit in self._coming:
+                if bit & self.ier:
+                    return max(cycle, ready)
         return NEVER
 
     def enter(self, now: int, number: int) -> Context:

@@ -63,8 +63,7 @@ class I2c(Chip):
         self.writes = 0
         self._timer = NEVER  # the first of all timers inside, as of the last input
         self.out = BOTH
-        self.requests = 0
-        self.held = 0
+        self.requests = self.held = 0
         self.notes = self.state.notes
         self.touched = self.state.touched
         self._clocked = False
@@ -87,11 +86,13 @@ class I2c(Chip):
             self._advance(now)
         if not self.state.mdr & MDR_DLB:
             self._hear(now, levels)
-        if late or self.master.active or not self.filter_width:
+        if late or not self.filter_width:
             looks = self._looks()
             self._timer = self._next_timer() if self._clocked else NEVER
             self._show()
             return ALL if late else looks
+        if self.master.active and self._clocked:
+            self._timer = self._next_timer()
         self.next_wake = self._timer if self._timer < self._lines.due else self._lines.due
         return OUTPUTS
 
@@ -450,6 +451,5 @@ class I2c(Chip):
         self.held = 0
         self.filter_width = self.state.filter_width
         self._lines.settle(self._pins)
-        self._suspended = False
-        self._frozen_pull = 0
+        self._suspended, self._frozen_pull = False, 0
         self._plan()

@@ -7,6 +7,7 @@ cdef class I2cSlaveTransmitter:
     cdef public long long pulls, due, phase, bit
     cdef public bint muted, own_transfer
     cdef public I2cAddress _address
+    cdef str _copy_point
     cdef public long long _n, _shift, _copy_at, _release_at, _sent
     cdef public bint _ack, _nack_armed, _waits_for_data, _waits_for_room, _rsr_waits, _first_byte, _shifting
     cpdef bint _copy(self, long long now, bint xrdy=*)

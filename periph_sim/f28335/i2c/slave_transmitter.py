@@ -26,6 +26,7 @@ class I2cSlaveTransmitter:
 
     def __init__(self, state: I2cRegisters) -> None:
         self.state = state
+        self._copy_point: str = state.options.dxr_to_xsr_copy_point
         self.pulls = 0
         self.due = NEVER
         self.phase = OFF
@@ -51,14 +52,12 @@ class I2cSlaveTransmitter:
 
     def eager_now(self) -> bool:
         """Whether a byte in I2CDXR goes to I2CXSR at once."""
-        state = self.state
-        point = state.options.dxr_to_xsr_copy_point
-        if point == "eager_if_trx":
-            return state.trx()
-        return point in ("eager", "eager_reloaded_at_address")
+        if self._copy_point == "eager_if_trx":
+            return self.state.trx()
+        return self._copy_point == "eager" or self._copy_point == "eager_reloaded_at_address"
 
     def _eager(self, now: int) -> None:
-        if self.eager_now() and not self.state.xsr_full and not self._shifting and self.state.tx_ready():
+        if not self._shifting and not self.state.xsr_full and self.state.tx_ready() and self.eager_now():
             self.state.touched.add("dxr_to_xsr_copy_point")
             self._copy(now)
 
@@ -113,7 +112,7 @@ class I2cSlaveTransmitter:
                 state.xsr, state.xsr_full = ONES, True
                 self._send(now)
                 return
-        point = options.dxr_to_xsr_copy_point
+        point = self._copy_point
         if state.tx_ready() and state.bcm:
             state.touched.add("dxr_to_xsr_copy_point")
         if not state.bcm or point in ("any_ack_fall9", "ack_fall9") or not state.xsr_full:
@@ -183,7 +182,7 @@ class I2cSlaveTransmitter:
 
     def _copy_at_rise9(self, now: int) -> None:
         """The copy, where it comes in the middle of the ACK slot; XRDY may rise with it or at the slot's end."""
-        state, options = self.state, self.state.options
-        if options.dxr_to_xsr_copy_point == "ack_rise9" and state.bcm and state.tx_ready():
+        state = self.state
+        if self._copy_point == "ack_rise9" and state.bcm and state.tx_ready():
             state.touched |= {"dxr_to_xsr_copy_point", "xrdy_rise_point"}
-            self._copy(now, xrdy=options.xrdy_rise_point == "at_copy")
+            self._copy(now, xrdy=state.options.xrdy_rise_point == "at_copy")

@@ -40,7 +40,8 @@ class Accesses:
         elif spin.made:
             instructions.instruction(cpu_costs.SB_NOT_TAKEN)  # the test of the value before, in the same pass
         bus = self._bus
-        if time.cycle < (bus.free_from if operand.block else bus.free_of.get(operand.address, 0)):
+        free = bus.free_from if operand.block else bus.free(operand)
+        if time.cycle < free:
             self._wait_for_writes(operand, spin)
         at = time.cycle + operand.read_waits
         if spin is not None and at < spin.live_from:

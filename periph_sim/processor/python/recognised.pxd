@@ -16,5 +16,6 @@ cdef class Question:
 
 cdef class Recogniser:
     cdef dict _questions
+    cdef Question _latest, _earlier
     @cython.locals(question=Question)
     cpdef Condition condition(self, object function)

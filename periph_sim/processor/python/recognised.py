@@ -64,20 +64,28 @@ class Question:
 class Recogniser:
     """One CPU's: what was seen of its firmware's functions."""
 
-    __slots__ = ("_questions",)
+    __slots__ = ("_earlier", "_latest", "_questions")
 
     def __init__(self) -> None:
         self._questions: dict[int, Question] = {}
+        self._latest: Question | None = None  # asked last; a loop asks the same one or two again and again
+        self._earlier: Question | None = None  # before it
 
     def condition(self, function: object) -> Condition | None:
         """What the function asks, if it was seen before and asks it so."""
         if type(function) is not FunctionType:
             return None
         code = function.__code__
-        question = self._questions.get(id(code))
-        if question is None:
-            self._questions[id(code)] = Question(code)
-            return None
+        question = self._latest
+        if question is None or question.code is not code:
+            question, self._earlier = self._earlier, question
+            if question is None or question.code is not code:
+                question = self._questions.get(id(code))
+                if question is None:
+                    question = self._questions[id(code)] = Question(code)
+                    self._latest = question
+                    return None
+            self._latest = question
         if not question.known:
             question.take_apart()
         if question.place < 0:

@@ -76,15 +76,15 @@ class BudgetJudge:
                 raise BadBudget(f"{budget.measure!r} is one number a run, so none of it can be left out", "after")
             self.measure.not_before = start + timebase.ticks(budget.after, "nearest")
         if PER_MILLE.keys() & self._limits.keys():
-            self.measure.keep()
+            self.measure.tally()
         self.parts = [self, *(self._joined(i, timebase, scope, start) for i in range(len(budget.also)))]
         if len(self.parts) > 1:
             for part in self.parts:
                 part.measure.keep()
         self.same_as = next((other for other in others if self._measures_as(other)), None)
         if self.same_as is not None:
-            if self.measure.kept is not None:
-                self.same_as.measure.keep()
+            if self.measure.tallied:
+                self.same_as.measure.tally()
             self.measure = self.same_as.measure
 
     def _measures_as(self, other: BudgetJudge) -> bool:

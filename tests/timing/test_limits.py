@@ -66,9 +66,18 @@ def test_a_percentile_is_the_least_value_that_so_many_do_not_exceed(values: list
     assert enough(found) and not enough(found - 1)
 
 
-def test_values_are_kept_only_where_a_percentile_is_asked_for():
-    plain, kept = limit("response", max="1 us"), limit("response", p99="1 us")
-    assert (plain.measure._kept, kept.measure._kept is not None) == (None, True)
+def test_values_are_counted_only_where_a_percentile_is_asked_for():
+    plain, counted = limit("response", max="1 us"), limit("response", p99="1 us")
+    assert (plain.measure.tallied, counted.measure.tallied) == (False, True)
+    assert plain.measure.kept is counted.measure.kept is None
+
+
+def test_memory_of_a_percentile_grows_with_different_values_only():
+    of = limit("response", p50="10 us").measure
+    for at in range(10_000):
+        of.take(at % 7, at)
+    assert of._tally == {value: [10_000 // 7 + (value < 10_000 % 7), value] for value in range(7)}
+    assert of.percentile(500) == (3, 3)
 
 
 def test_two_percentiles_may_have_the_same_limit():

@@ -151,10 +151,11 @@ def test_twenty_cycles_before_each_write_are_twenty_cycles_less_of_margin(monkey
 
     def margins(delay: int) -> list[int]:
         request = {"address": 0x50, "count": 4, "expect": "00 01 02 03"}
-        budget = {"name": "m", "measure": "margin of I2CDXR", "min": "0 s", "p50": "1 s"}
+        budget = {"name": "m", "measure": "margin of I2CDXR", "min": "0 s"}
         scene = scene_with(
             monkeypatch, answers(delay), ["I2C-A"], controller={"rounds": 1, "request": [request]}, budget=[budget]
         )
+        scene.limits[0].measure.keep()
         scene.run()
         return [int(value) // 20 for value in scene.limits[0].measure.all_kept()[0]]  # cycles
 

@@ -87,7 +87,7 @@ def test_what_is_not_over_counts_where_it_has_come_to_more_than_all_that_is(
 @given(st.lists(st.integers(-3, 9), min_size=1, max_size=60), st.sampled_from([1, 500, 950, 990, 999, 1000]))
 def test_a_percentile_is_the_least_value_that_so_many_of_a_thousand_do_not_exceed(values: list[int], per_mille: int):
     of = Measure()
-    of.keep()
+    of.tally()
     took(of, *((value, 10 * place) for place, value in enumerate(values)))
     enough = [v for v in values if 1000 * sum(other <= v for other in values) >= per_mille * len(values)]
     assert of.percentile(per_mille) == (min(enough), 10 * values.index(min(enough)))
@@ -104,6 +104,10 @@ def test_only_some_of_the_kept_values():
     of.only(of.all_kept()[1] > 10)
     assert state(of)[:2] == (9, 20) and (of.count, of.total, of.cut_off, of.occasions) == (2, 11, 0, None)
     assert [column.tolist() for column in of.all_kept()] == [[9, 2], [20, 30]]
+    assert not of.tallied
+    of.tally()
+    of.only(of.all_kept()[1] > 20)
+    assert of.percentile(1000) == (2, 30)
 
 
 def test_each_value_that_counts_is_told():

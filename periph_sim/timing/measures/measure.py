@@ -1,8 +1,8 @@
 """What a budget can limit: happenings of a run go in as they happen, the worst value and when it was come out.
 
-A measure keeps no history, so memory does not grow with the run, unless `keep` is asked for: by a percentile, or by
-whoever wants all values. Each class says what it measures and from which event to which. The list users choose from is
-in `registry`; measures of events that users name are in `event`.
+A measure keeps no history, so memory does not grow with the run, unless `keep` is asked for by whoever wants all
+values; a percentile counts equal ones. Each class says what it measures and from which event to which. The list users
+choose from is in `registry`; measures of events that users name are in `event`.
 """
 
 from __future__ import annotations
@@ -149,6 +149,7 @@ class Measure(Listener):
         self.occasions: int | None = 0 if self.asked else None
         self.tap: Callable[[int, int], None] | None = None  # told of each value that is taken
         self._kept: tuple[array[int], array[int]] | None = None
+        self._tally: dict[int, list[int]] | None = None  # by value: how often, and when first
 
     @property
     def silent(self) -> bool:
@@ -189,8 +190,16 @@ class Measure(Listener):
         return self.unfinished_text() if self.cut_off else ""
 
     def keep(self) -> None:
-        """Keep every value, for percentiles and distributions."""
+        """Keep every value, for distributions and joined conditions."""
         self._kept = array("q"), array("q")
+
+    def tally(self) -> None:
+        """Count values that are equal, for percentiles: memory grows with different values, not with the run."""
+        self._tally = {}
+
+    @property
+    def tallied(self) -> bool:
+        return self._tally is not None
 
     @property
     def kept(self) -> tuple[NDArray[np.int64], NDArray[np.int64]] | None:
@@ -213,17 +222,21 @@ class Measure(Listener):
         self.count = self.total = self.cut_off = 0
         self.occasions = None  # the measure that it is joined to has them
         self.keep()
+        if self._tally is not None:
+            self.tally()
         for value, when in zip(values, at, strict=True):
             self.take(value, when)
 
     def percentile(self, per_mille: int) -> tuple[int, int]:
         """(value, when first): the least value that so many of a thousand do not exceed (nearest rank)."""
-        import numpy as np
-
-        values, at = self.all_kept()
-        rank = -(-per_mille * len(values) // 1000) - 1
-        value = np.partition(values, rank)[rank]
-        return int(value), int(at[np.argmax(values == value)])
+        assert self._tally is not None
+        rank, passed = -(-per_mille * self.count // 1000), 0
+        for value in sorted(self._tally):
+            count, first_at = self._tally[value]
+            passed += count
+            if passed >= rank:
+                return value, first_at
+        raise AssertionError("there is no value")
 
     def listen(self, scene: SceneEvents) -> None:
         """Ask the scene for what this measure needs."""
@@ -257,6 +270,12 @@ class Measure(Listener):
         if self._kept is not None:
             self._kept[0].append(value)
             self._kept[1].append(at)
+        if self._tally is not None:
+            counted = self._tally.get(value)
+            if counted is None:
+                self._tally[value] = [1, at]
+            else:
+                counted[0] += 1
         if self.tap is not None:
             self.tap(value, at)
 

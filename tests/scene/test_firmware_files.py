@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import threading
 from pathlib import Path
 
 import pytest
@@ -84,3 +85,27 @@ def test_a_refused_import_says_the_way_out(tmp_path: Path, line: str, says: str)
     with pytest.raises(BadFirmware) as refused:
         load_firmware(file)
     assert str(refused.value) == f"firmware {file!r} cannot be loaded: {says}"
+
+
+def test_a_file_is_loaded_while_other_threads_import(tmp_path: Path) -> None:
+    """As scenes in threads do, each with its own firmware."""
+    file, interval = program(tmp_path, "def main(dsp, settings): pass\n"), sys.getswitchinterval()
+    over: list[bool] = []
+    made: list[str] = []
+
+    def imports() -> None:
+        while not over and len(made) < 200_000:
+            made.append(f"other_{len(made)}")
+            sys.modules[made[-1]] = sys
+
+    other = threading.Thread(target=imports)
+    try:
+        sys.setswitchinterval(1e-6)
+        other.start()
+        assert all(callable(load_firmware(file).main) for _ in range(20))
+    finally:
+        over.append(True)
+        other.join()
+        sys.setswitchinterval(interval)
+        for name in made:
+            del sys.modules[name]

@@ -11,14 +11,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from fractions import Fraction
 
-from ..core.kernel import Agent
 from ..core.time import NO_TIME
 from ..core.wire import Wire, watch
 from .uart.frame_format import UartFormat
 from .uart.reader import Line
+from .uart.whole_frames import FrameParty
 
 
-class UartCounter(Agent):
+class UartCounter(FrameParty):
     """line: as of a `UartReader`. told: each character's start bit, when the next one begins or as the run ends."""
 
     def __init__(self, wire: Wire, line: Line) -> None:
@@ -35,12 +35,23 @@ class UartCounter(Agent):
         if levels or now < self._free_at:
             return
         self._tell()
+        self._set_line()
+        self._begun_at = now
+        self._over_at, self._free_at = now + self._lasted, now + self._taken
+
+    def hears_whole(self, first: int, second: int, last: int) -> bool:
+        """It takes no edge of it for another start bit."""
+        if first < self._free_at:
+            return False
+        self._set_line()
+        return last < first + self._taken
+
+    def _set_line(self) -> None:
+        """How the next character is sent."""
         line = self._line()
         if line is not self._as and line != self._as:
             self._as, (bit, form) = line, line
             self._lasted, self._taken = int(form.length * bit), int((form.length - Fraction(1, 2)) * bit)
-        self._begun_at = now
-        self._over_at, self._free_at = now + self._lasted, now + self._taken
 
     def finish(self, now: int) -> None:
         """The run is over; a character that it cuts off is none."""

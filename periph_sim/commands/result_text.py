@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from textwrap import wrap
 
 from ..scene.case.model import Case
-from ..scene.result import AT_ANOTHER_LEVEL, BYTE_LEVEL, SKIPPED, Result
+from ..scene.result import AT_ANOTHER_LEVEL, BYTE_LEVEL, FRAMES, FRAMES_PASSED, SKIPPED, Result
 from ..timing.format_value import broken, figure, limit, simulated
 from ..timing.verdict import EVERY_PHASE, FAIL, NOT_JUDGED, PASS, SEEN, Verdict
 from .assumptions import assumptions
@@ -26,9 +26,10 @@ def show(
     console.print(budget_table(result.budgets))
     for line in legend(result.budgets):
         say(console, line)
+    share = f", {result.share_above_edges}" if result.share_above_edges else ""
     say(
         console,
-        f"{simulated(result.simulated_s)} simulated at {result.fidelity} fidelity{byte_share(result)}; "
+        f"{simulated(result.simulated_s)} simulated at {result.fidelity} fidelity{share}; "
         f"{result.wire_bytes} I2C bytes, {result.sci_bytes} SCI bytes, {result.events} events",
     )
     for line in _counts(result.counts, verbose):
@@ -45,14 +46,6 @@ def show(
         say(console, f"note: {line}")
     for line in assumptions(result.unknowns, case, verbose):
         say(console, line)
-
-
-def byte_share(result: Result) -> str:
-    """How much of the bus ran at byte level, where the level of the scene leaves that open; as a part of a sentence."""
-    passed = result.counts.get(BYTE_LEVEL)
-    if passed is None or not result.wire_bytes:
-        return ""
-    return f", {100 * passed / result.wire_bytes:.1f} % of the I2C bytes at byte level"
 
 
 def found_lines(budgets: Sequence[Verdict]) -> list[str]:
@@ -74,7 +67,7 @@ def terms(result: Result) -> str:
 
 
 def _counts(counts: Mapping[str, int], verbose: bool) -> list[str]:
-    ours = (SKIPPED, BYTE_LEVEL)
+    ours = (SKIPPED, BYTE_LEVEL, FRAMES, FRAMES_PASSED)
     told = [f"{count} {name.replace('_', ' ')}" for name, count in counts.items() if count and name not in ours]
     lines = [", ".join(told)] if told else []
     if verbose and counts.get(SKIPPED):

@@ -3,12 +3,14 @@ cimport cython
 from .chip cimport Chip
 from .kernel cimport Agent, Event, Kernel
 from .records cimport Recorder, Topic
+from .shortcuts cimport Untold
 from .time cimport Clock
 from .wire cimport Pin, Sampler
 
 
 cdef class Release:
     cpdef bint holds_back(self)
+    cpdef void pulls(self)
 
 
 cdef class Onlooker:
@@ -22,6 +24,7 @@ cdef class Socket(Agent):
     cdef public list pins, watchers, notes
     cdef public Sampler inputs
     cdef public Release release
+    cdef public Untold untold
     cdef public object marks, before, after, on_held, on_watch, on_note
     cdef public long long out_delay
     cdef public bint traces
@@ -56,6 +59,7 @@ cdef class Socket(Agent):
     cpdef void watch(self, Onlooker watcher)
     cpdef void unwatch(self, Onlooker watcher)
     cdef void _have_watch(self, list watchers)
+    cpdef bint looked_at(self)
     cpdef void reclock(self)
     @cython.locals(register=_WatchedRegister)
     cdef bint _look(self, long long cycle)

@@ -15,6 +15,7 @@ from .chip import ALL, NEVER, OUTPUTS, Chip, Note
 from .kernel import CHIP, Agent, Event, Kernel
 from .records import Kind, Recorder, Topic
 from .registers import Register
+from .shortcuts import Untold
 from .time import Clock
 from .wire import BITS, Pin, Sampler
 
@@ -36,13 +37,16 @@ class Marks(Protocol):
 
 
 class Release:
-    """Who may keep a pin low for longer than its module's first output says: who clocks a bus, as bits pass at once."""
+    """Who is asked as a module's first output moves at the pin: who passes bits at once."""
 
     __slots__ = ()
 
     def holds_back(self) -> bool:
         """The pin is about to be let go: whether it stays as it is for now."""
         raise NotImplementedError
+
+    def pulls(self) -> None:
+        """The pin is about to go low."""
 
 
 class Onlooker:
@@ -84,6 +88,7 @@ class Socket(Agent):
         self.on_held: Callable[[int, int], None] | None = None  # told (cycle, mask) when the lines held change
         self._held = 0
         self.release: Release | None = None
+        self.untold: Untold | None = None  # what passes at once, and the chip has not been told of
         self.watchers: list[Onlooker] = []
         self.on_watch: Callable[[], None] | None = None  # called when `watchers` has changed
         self.notes: list[tuple[int, Note]] = []
@@ -139,6 +144,8 @@ class Socket(Agent):
     def read(self, cycle: int, offset: int) -> int:
         if self.before is not None:
             self.before(cycle)
+        if self.untold is not None:
+            self.untold.settle()
         if self.traces:
             self.given(cycle)
         value = self.chip.read(cycle, offset)
@@ -162,6 +169,8 @@ class Socket(Agent):
             self._kernel.catch_up()
         if self.before is not None:
             self.before(cycle)
+        if self.untold is not None:
+            self.untold.settle()
         if self.traces:
             self.given(cycle)
             if self.marks is not None:
@@ -292,11 +301,18 @@ class Socket(Agent):
         self._recorder.cause = outer
 
     def _set_pins(self, index: int, level: int) -> None:
-        if level and not index and self.release is not None and self.release.holds_back():
-            return
+        if not index and self.release is not None:
+            if not level:
+                self.release.pulls()
+            elif self.release.holds_back():
+                return
         pins = self.pins[index]
         for pin in pins:
             pin.wire.pull(pin.mask, level)
+
+    def looked_at(self) -> bool:
+        """Whether somebody looks at what the chip shows by itself: watchers, or records."""
+        return bool(self.watchers) or bool(self._watched)
 
     def watch(self, watcher: Onlooker) -> None:
         """`watcher.look(cycle)` after every input from now on: a CPU that spins looks at the chip there."""

@@ -368,6 +368,7 @@ def watch(wires: Sequence[Wire], watcher: Agent | Watcher) -> Sampler:
     """
     if not wires:
         raise ValueError("there is no wire to watch")
+    wires[0].kernel.catch_up()
     levels = sum(wire.level << i for i, wire in enumerate(wires))
     sampler = Sampler(wires[0].kernel, wires[0].recorder, watcher, levels)
     for line, wire in enumerate(wires):

@@ -256,7 +256,8 @@ class Dsp(FirmwareView):
         """Clocks and gates as system control now says."""
         control = self.control
         hz = self._sysclk_hz()
-        if hz != self.clock.hz or control.gates != self._gates:
+        lspclk = (control.lspclk_divider, control.lspclk_phase)
+        if hz != self.clock.hz or lspclk != self._lspclk or control.gates != self._gates:
             self._kernel.catch_up()
         if hz != self.clock.hz:
             self.clock.retune(cycle, hz)
@@ -266,7 +267,6 @@ class Dsp(FirmwareView):
             if self._i2c is not None:
                 self._i2c.set_sysclk(cycle, control.sysclk_hz)
                 self._sockets["I2C-A"].publish(cycle)
-        lspclk = (control.lspclk_divider, control.lspclk_phase)
         if lspclk != self._lspclk:
             self._lspclk = lspclk
             for name in SCIS:

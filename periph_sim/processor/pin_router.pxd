@@ -29,3 +29,6 @@ cdef class Router(Agent):
     cdef object _levels_on_wires(self)
     @cython.locals(n=object, pin=Pin)
     cdef void _drive(self)
+    @cython.locals(n=object)
+    cpdef bint only_shows(self, object pads)
+    cpdef void moved(self, long long tick, object pads, long long level)

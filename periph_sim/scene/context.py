@@ -12,6 +12,7 @@ from ..core.kernel import Kernel
 from ..core.records import Recorder
 from ..core.time import Timebase, round_ratio
 from ..core.wire import Wire
+from .case.fidelity import BusLevels
 from .case.model import Case
 from .case.wiring import Wiring
 
@@ -19,7 +20,7 @@ from .case.wiring import Wiring
 class SceneContext(Struct, frozen=True):
     """wire: the wire of a name, made when it is asked for first. wiring: the names of the wires on each unit's pins.
 
-    start: the tick at which the run begins.
+    start: the tick at which the run begins. levels: how each bus is simulated.
     """
 
     case: Case
@@ -29,6 +30,7 @@ class SceneContext(Struct, frozen=True):
     wire: Callable[[str], Wire]
     wiring: Wiring
     start: int
+    levels: BusLevels
 
     def ticks(self, length: Fraction, ppm: Fraction = Fraction(0)) -> int:
         """Seconds, counted by a clock that is off, in ticks to the nearest."""

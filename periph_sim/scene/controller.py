@@ -55,7 +55,7 @@ def build_head(context: SceneContext, table: Controller, on_stuck: Callable[[Wir
     half = Fraction(1, 2) / table.rate
     low = ticks(half if table.low is None else table.low)
     high = ticks(half if table.high is None else table.high)
-    controller = _agent_of(context.case.fidelity)(
+    controller = _agent_of(context.levels.i2c)(
         context.kernel,
         context.recorder,
         context.wire("SCL"),

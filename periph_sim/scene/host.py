@@ -29,7 +29,8 @@ T = TypeVar("T")
 
 
 class HostAgent:
-    """host: the agent. frames: what it sends of a motion, None of a ramp. truth: what chips should show, where known.
+    """host: the agent. peer: its end of the line. frames: what it sends of a motion, None of a ramp. truth: what chips
+    should show, where known.
 
     sensors: those that firmware computes, None where chips show the values of frames.
     """
@@ -46,9 +47,9 @@ class HostAgent:
         self.truth = self._truth(table, sensors)
         bit = context.timebase.per_second / (Fraction(table.baud) * (1 + table.error / 100))
         self._line = bit, UartFormat()
-        peer = UartSender(context.kernel, context.recorder, context.wire("RX"), bit)
+        self.peer = UartSender(context.kernel, context.recorder, context.wire("RX"), bit)
         seed = context.case.seed + 1
-        self.host = Host(context.kernel, peer, self._schedule(table), self.values, seed, encoding.byte_order)
+        self.host = Host(context.kernel, self.peer, self._schedule(table), self.values, seed, encoding.byte_order)
 
     def _schedule(self, table: HostTable) -> HostSchedule:
         context = self._context

@@ -23,6 +23,7 @@ from ..core.time import Timebase, TimeError
 from ..processor.error_origin import FirmwareStalled
 from . import parts
 from .bus_side import SPIKE, BusSide
+from .case.fidelity import EDGE, SCHEDULE, bus_levels
 from .case.model import Case, RoundsTable
 from .case.wiring import wiring_of
 from .context import SceneContext
@@ -87,7 +88,7 @@ class Scene:
     ) -> None:
         if not (case.unit or case.chip or case.device or case.controller or case.host):
             raise case.mistake("there is nothing to run; give it a [unit.NAME] with its firmware", "unit")
-        if case.fidelity == "schedule":
+        if case.fidelity == SCHEDULE:
             parts.refuse_schedule(case)
         self.case = case
         self.timebase = Timebase(*(int(unit.oscclk * unit.pll / 2) for unit in case.unit.values()))
@@ -127,8 +128,9 @@ class Scene:
         self.stalled = ""  # by what the run ended before its time
         self.outside_bytes = 0  # that a session sent to SCIs
         self._wall = 0.0  # seconds that it has taken
-        wire = self.wires.wire
-        context = SceneContext(case, self.kernel, self.recorder, self.timebase, wire, wiring_of(case), self.start)
+        wire, wiring = self.wires.wire, wiring_of(case)
+        levels = bus_levels(case, wiring)
+        context = SceneContext(case, self.kernel, self.recorder, self.timebase, wire, wiring, self.start, levels)
         for name, unit in case.unit.items():
             built = parts.build_unit(context, name, unit, (programs or {}).get(name), end)
             self.units[name], self.firmware[name] = built.dsp, built.firmware
@@ -141,13 +143,13 @@ class Scene:
             self.stuck.head = side.head
             self.bus.asked = side.asked
             self.head.on_transfer.append(self.bus.count)
-            if case.fidelity != "edge":
+            if levels.i2c != EDGE:
                 self.whole_bytes = parts.whole_bytes_of(context, side.controller, self.units)
         elif "SCL" in self.wires:
             self._counter = parts.I2cByteCounter(self.wires["SCL"], self.wires["SDA"])
             if self.recorder.wants(Kind.BUS):
                 parts.BusRecorder(self.kernel, self.recorder, self.wires["SCL"], self.wires["SDA"])
-            if case.fidelity != "edge":
+            if levels.i2c != EDGE:
                 self.whole_bytes = parts.whole_bytes_of(context, None, self.units)
         if case.rounds is not None:
             self.bus.asked = self._asked_by_master(context, case.rounds)
@@ -159,16 +161,16 @@ class Scene:
             self.wires.wire(transceiver.pair)
         if case.fault:
             parts.build_faults(context, self.wires, self.units)
-        host_line = None if self._host_side is None else self._host_side.line
-        self._uart = UartSide(context, self.wires, self.units, host_line, serial, self)
+        self._uart = UartSide(context, self.wires, self.units, self._host_side, serial, self)
+        self.frame_counts = self._uart.frame_counts  # of SCI frames, where some pass in two events
         self._there = self._what_is_there()
         for entry, limit in enumerate(self.limits):
             for part in limit.parts:
                 self._check_needs(entry, part)
             for measure in limit.own_measures:
                 measure.listen(proxy(self))
-        if case.fidelity == "byte":
-            parts.refuse_byte_level(case, self.whole_bytes, self.wires, self.limits)
+        if levels.has_bytes:
+            parts.refuse_byte_level(context, self.whole_bytes, self._uart.whole_frames, self.wires, self.limits)
         if case.outside is not None:
             parts.check_outside(case, self.wires)
             if case.outside.log is not None:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from ..core.chip import joined
 from ..timing.verdict import FAIL, NOT_JUDGED, PASS
+from .case.fidelity import fidelity_text
 from .result import BYTE_LEVEL, SKIPPED, Result
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ def result_of(scene: Scene, length: int, wall: float) -> Result:
     counts[SKIPPED] = sum(dsp.program.polls_skipped for dsp in scene.units.values())
     if scene.whole_bytes is not None:
         counts[BYTE_LEVEL] = scene.whole_bytes.passed
+    counts |= scene.frame_counts()
     counts["resets"] = sum(dsp.resets for dsp in scene.units.values())
     parts: dict[str, Dsp | RegisterChip] = {
         **scene.units,
@@ -40,7 +42,7 @@ def result_of(scene: Scene, length: int, wall: float) -> Result:
     return Result(
         case=scene.case.name,
         verdict=FAIL if failed else PASS if verdicts else NOT_JUDGED,
-        fidelity=scene.case.fidelity,
+        fidelity=fidelity_text(scene.case.fidelity),
         simulated_s=float(scene.timebase.seconds(length)),
         wall_s=round(wall, 6),
         events=scene.kernel.events,

@@ -12,38 +12,44 @@ from typing import TYPE_CHECKING
 
 from .case.wiring import sci_lines
 from .context import SceneContext
+from .result import FRAMES, FRAMES_PASSED
 
 if TYPE_CHECKING:
-    from ..bus.uart.reader import Line
     from ..core.wire import Wire
     from ..processor.dsp import Dsp
     from ..timing.measures.measure import SceneEvents
     from ..timing.measures.reply import Expected, Reply
+    from .host import HostAgent
     from .pairs import Pairs
     from .sci_monitor import SciMonitor
     from .serial.side import SerialSide
     from .uart_lines import UartLines
+    from .whole_frames import FramesSide
 
 
 class UartSide:
-    """host: how the host sends on RX, where there is one. serial: who else talks, not yet on the wires."""
+    """host: who sends on RX, where there is one. serial: who else talks, not yet on the wires.
+
+    whole_frames: through which frames pass in two events, where they may.
+    """
 
     def __init__(
         self,
         context: SceneContext,
         wires: Mapping[str, Wire],
         units: Mapping[str, Dsp],
-        host: Line | None,
+        host: HostAgent | None,
         serial: SerialSide | None,
         events: SceneEvents,
     ) -> None:
+        self.whole_frames: FramesSide | None = None
         self._units = units
         self._serial = serial
         self._scis = sci_lines(context.case, context.wiring)
         self._monitors: list[SciMonitor] = []
         self._pairs: Pairs | None = None
         self._lines: UartLines | None = None
-        senders = {} if host is None else {"RX": host}
+        senders = {} if host is None else {"RX": host.line}
         if serial is not None or context.case.transceiver:
             self._pairs = self._pairs_of(context)
         if serial is not None and self._pairs is not None:
@@ -56,12 +62,27 @@ class UartSide:
             from .uart_lines import UartLines
 
             self._lines = UartLines(context, wires, units, senders)
+        if context.levels.lines:
+            self.whole_frames = self._frames_side(context, host)
 
     def _pairs_of(self, context: SceneContext) -> Pairs:
         from .pairs import Pairs
         from .uart_lines import sci_line
 
         return Pairs(context, lambda unit, module: partial(sci_line, context, self._units[unit], module))
+
+    def _frames_side(self, context: SceneContext, host: HostAgent | None) -> FramesSide:
+        from .whole_frames import FramesSide
+
+        senders = {} if self._serial is None else self._serial.senders()
+        outside = [sender.who for sender in senders.values()] + ([] if host is None else [host.peer.who])
+        side = FramesSide(context, self._units, self._scis, outside)
+        if host is not None:
+            host.peer.whole_frames = side.lines.get("RX")
+        for wire, sender in senders.items():
+            if wire in side.lines:
+                sender.let_pass(side.lines[wire])
+        return side
 
     @property
     def has_sci(self) -> bool:
@@ -76,6 +97,11 @@ class UartSide:
         """What went wrong on pairs, and what was to be sent and never was."""
         told = [] if self._pairs is None else self._pairs.notes()
         return told + ([] if self._serial is None else self._serial.notes())
+
+    def frame_counts(self) -> dict[str, int]:
+        """How many frames were sent, and how many of them passed; nothing where each goes edge by edge."""
+        side = self.whole_frames
+        return {} if side is None else {FRAMES: side.frames, FRAMES_PASSED: side.passed}
 
     def finish(self, now: int) -> None:
         """The run is over."""

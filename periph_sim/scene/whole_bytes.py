@@ -1,12 +1,12 @@
 """Levels above edges: a scene's controller and units go in; bytes pass at once where nobody can tell, or all in steps.
 
-"byte" is refused where it could not be: a bus without a controller agent, recorded edges, parties that pull lines as
-they like.
+"byte" is refused where it could not be: neither I2C nor an SCI, recorded edges, parties that pull lines as they like.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from typing import TYPE_CHECKING
 
 from ..bus.i2c.byte_controller import ByteController
 from ..bus.i2c.byte_level import ByteLevel
@@ -20,12 +20,15 @@ from ..processor.dsp import Dsp
 from ..processor.i2c_master_bytes import I2cMasterBytes
 from ..processor.i2c_slave_bytes import I2cSlaveBytes
 from ..timing.budgets import BudgetJudge
-from .case.model import Case
+from .case.fidelity import BYTE, I2C
+from .case.model import BadCase, Case
 from .context import SceneContext
+
+if TYPE_CHECKING:
+    from .whole_frames import FramesSide
 
 MODULE = "I2C-A"
 LINES = ("SCL", "SDA")
-
 
 LEVELS = {"adaptive": WholeBytes, "byte": ByteLevel}
 
@@ -35,7 +38,7 @@ def whole_bytes_of(context: SceneContext, controller: I2cController | None, unit
 
     Bytes of a unit pass as at "adaptive" at "byte", too.
     """
-    level = WholeBytes if controller is None else LEVELS[context.case.fidelity]
+    level = WholeBytes if controller is None else LEVELS[context.levels.i2c]
     exact = level is WholeBytes
     scl, sda = context.wire("SCL"), context.wire("SDA")
     stand_in: dict[Agent, ByteParty] = {}
@@ -64,31 +67,51 @@ def refuse_schedule(case: Case) -> None:
 
 
 def refuse_byte_level(
-    case: Case, whole_bytes: WholeBytes | None, wires: Mapping[str, Wire], limits: Sequence[BudgetJudge]
+    context: SceneContext,
+    whole_bytes: WholeBytes | None,
+    frames: FramesSide | None,
+    wires: Mapping[str, Wire],
+    limits: Sequence[BudgetJudge],
 ) -> None:
-    """BadCase where this scene, as it is built, cannot run at level "byte". limits: its budgets."""
-    if case.fidelity != "byte":
-        return
-    strangers: list[str] = []
-    if whole_bytes is not None:  # a unit's pins become its module's as firmware routes them
-        strangers = sorted({who.partition(".")[0] for who in whole_bytes.strangers()}.difference(case.unit))
-    if whole_bytes is None:
-        what = "there is no I2C bus"
-    elif any(wires[name].recorded for name in LINES):
-        what = f"{_who_wants_edges(limits)}, and bytes have none"
-    elif strangers:
-        what = f"{' and '.join(strangers)} may pull SCL and SDA edge by edge"
-    else:
-        return
-    raise case.mistake(f'"byte" cannot be: {what}; use "edge", or "adaptive" with the same records', "fidelity")
+    """BadCase where a bus of this scene, as it is built, cannot be at level "byte". limits: its budgets."""
+    case, levels = context.case, context.levels
+    if whole_bytes is None and frames is None:
+        raise _cannot_be(case, "", "there is neither an I2C bus nor an SCI")
+    if whole_bytes is not None and levels.i2c == BYTE:  # a unit's pins become its module's as firmware routes them
+        strangers = {who.partition(".")[0] for who in whole_bytes.strangers()}.difference(case.unit)
+        _refuse(case, "" if isinstance(case.fidelity, str) else I2C, _why_edges(LINES, strangers, wires, limits))
+    for name, line in ({} if frames is None else frames.lines).items():
+        if levels.lines[name] == BYTE:
+            _refuse(case, levels.named[name], _why_edges((name,), line.strangers(), wires, limits))
 
 
-def _who_wants_edges(limits: Sequence[BudgetJudge]) -> str:
+def _refuse(case: Case, bus: str, why: str) -> None:
+    if why:
+        raise _cannot_be(case, bus, why)
+
+
+def _cannot_be(case: Case, bus: str, why: str) -> BadCase:
+    """bus: as the table of fidelities names it; "" where there is one word for the scene."""
+    what = f'"byte" cannot be: {why}; use "edge", or "adaptive" with the same records'
+    return case.mistake(what, "fidelity", *bus.split(".") if bus else ())
+
+
+def _why_edges(
+    lines: Sequence[str], strangers: Collection[str], wires: Mapping[str, Wire], limits: Sequence[BudgetJudge]
+) -> str:
+    """What keeps these wires from being without edges, as a phrase."""
+    if any(wires[name].recorded for name in lines):
+        return f"{_who_wants_edges(lines, limits)}, and bytes have none"
+    return f"{' and '.join(sorted(strangers))} may pull {' and '.join(lines)} edge by edge" if strangers else ""
+
+
+def _who_wants_edges(lines: Sequence[str], limits: Sequence[BudgetJudge]) -> str:
     """A budget, or else whoever records this run."""
+    named = " and ".join(lines)
     for limit in limits:
         asked = Recorder()
         for measure in limit.own_measures:
             measure.subscribe(asked)
-        if any(asked.wants(Kind.EDGE, name) for name in LINES):
-            return f"budget {limit.budget.name!r} looks at edges of SCL and SDA"
-    return "edges of SCL and SDA are recorded (--record, worst and others do)"
+        if any(asked.wants(Kind.EDGE, name) for name in lines):
+            return f"budget {limit.budget.name!r} looks at edges of {named}"
+    return f"edges of {named} are recorded (--record, worst and others do)"

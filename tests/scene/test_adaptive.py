@@ -21,7 +21,7 @@ from periph_sim.processor.dsp import Dsp
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import Case
 from periph_sim.scene.firmware_loader import Firmware
-from periph_sim.scene.result import BYTE_LEVEL, Result
+from periph_sim.scene.result import BYTE_LEVEL, FRAMES, FRAMES_PASSED, Result
 from periph_sim.scene.scene import Scene
 from tests.profiles import explores
 from tests.scene import small
@@ -44,7 +44,8 @@ def run(case: Case, level: str, kinds: tuple[Kind, ...], seconds: str, programs:
 
 def told(result: Result) -> dict[str, object]:
     """All that a result says of the case, and not of the simulator."""
-    counts = {name: count for name, count in result.counts.items() if name != BYTE_LEVEL}
+    of_levels = (BYTE_LEVEL, FRAMES, FRAMES_PASSED)
+    counts = {name: count for name, count in result.counts.items() if name not in of_levels}
     return asdict(replace(result, wall_s=0.0, events=0, fidelity="", counts=counts))
 
 

@@ -9,6 +9,7 @@ NACK _________________|~~~~~~~~       edge: behind the ninth rise; byte: seen wh
 from __future__ import annotations
 
 from fractions import Fraction
+from typing import Any
 
 import pytest
 
@@ -18,16 +19,18 @@ from periph_sim.processor.dsp import Dsp
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.firmware_loader import Firmware
-from periph_sim.scene.result import BYTE_LEVEL, SKIPPED
+from periph_sim.scene.result import BYTE_LEVEL, FRAMES, FRAMES_PASSED, SKIPPED
 from periph_sim.scene.scene import Scene
 from tests.scene import small
 from tests.scene.runs import TIMING
 from tests.scene.test_adaptive import BUT_EDGES, meddled, run, told
+from tests.scene.test_adaptive_sci import alone, joined
+
+SILENT = {"dsp": Firmware("silent", lambda dsp, settings: None, None)}
 
 FIGURES_AS_EDGE = (
     "imu_hil",
     "imu_hil_400k",
-    "imu_hil_broken_line",
     "imu_hil_lost_byte",
     "imu_hil_no_sdir",
     "imu_moving",
@@ -137,8 +140,8 @@ def test_a_byte_for_which_scl_is_held_goes_by_edges_from_there_on(point: str):
 @pytest.mark.parametrize(
     ("name", "why"),
     [
-        ("uart_logger", "there is no I2C bus"),
         ("imu_chips", "accelerometer and gyroscope and magnetometer may pull SCL and SDA edge by edge"),
+        ("imu_hil_broken_line", "fault 0 (spike) may pull RX edge by edge"),
         ("imu_hil_spikes", "fault 0 (spike) and fault 1 (spike) may pull SCL and SDA edge by edge"),
     ],
 )
@@ -157,6 +160,41 @@ def test_bytes_of_a_unit_that_is_the_master_pass_as_at_adaptive(name: str):
     assert byte.counts[BYTE_LEVEL] >= 0.99 * byte.wire_bytes > 50
 
 
+@pytest.mark.parametrize("name", ["uart_logger"])
+def test_sci_frames_pass_as_at_adaptive(name: str):
+    case = load(TIMING / f"{name}.toml")
+    (edge, records), (byte, same) = (run(case, level, BUT_EDGES, "0.05") for level in ("edge", "byte"))
+    assert told(byte) == told(edge) and same == records
+    assert byte.counts[FRAMES_PASSED] == byte.counts[FRAMES] > 20
+
+
+@pytest.mark.parametrize("scene", [alone, joined])
+def test_other_rates_formats_breaks_and_autobaud_go_edge_by_edge(scene: Any):
+    edge, byte = (scene(3, level, BUT_EDGES) for level in ("edge", "byte"))
+    assert byte[1:] == edge[1:] and told(byte[0]) == told(edge[0])
+    assert 0 < byte[0].counts[FRAMES_PASSED] < byte[0].counts[FRAMES]
+
+
+def test_a_scene_without_a_bus_is_refused():
+    with pytest.raises(BadCase, match="there is neither an I2C bus nor an SCI"):
+        Scene(small.case(unit={"dsp": {"firmware": "silent", "modules": ["GPIO"]}}, fidelity="byte"), programs=SILENT)
+
+
+def test_a_pair_of_which_several_have_the_line_is_refused():
+    unit = {"dsp": {"firmware": "silent", "modules": ["SCI-A", "GPIO"]}}
+    case = small.case(unit=unit, transceiver=[{"on": "dsp.SCI-A", "de": "dsp.GPIO34"}], fidelity="byte")
+    with pytest.raises(BadCase, match=r"transceiver of dsp\.SCI-A may pull RX edge by edge"):
+        Scene(case, programs=SILENT)
+
+
+def test_recorded_edges_of_a_line_are_refused():
+    with pytest.raises(BadCase, match="edges of RX are recorded"):
+        Scene(
+            load(TIMING / "uart_logger.toml", ["fidelity=byte"]),
+            lambda recorder, _: recorder.subscribe([Kind.EDGE], lambda record: None, {Kind.EDGE: ["RX"]}),
+        )
+
+
 def test_recorded_edges_are_refused():
     case = load(TIMING / "responder.toml", ["fidelity=byte"])
     with pytest.raises(BadCase) as refused:
@@ -170,13 +208,12 @@ def test_a_budget_on_edges_is_refused_by_its_name():
     budget = [{"name": "flags", "measure": "nacked rounds", "max": 1}]
     budget.append({"name": "clock", "measure": "period of edge SCL fall", "max": "20 ms"})
     unit = {"dsp": {"firmware": "silent", "modules": ["I2C-A"]}}
-    programs = {"dsp": Firmware("silent", lambda dsp, settings: None, None)}
     for level in ("edge", "adaptive", "byte"):
         case = small.case(unit=unit, controller=table, budget=budget, fidelity=level)
         if level != "byte":
-            assert Scene(case, programs=programs).run().budgets[1].verdict == "pass"
+            assert Scene(case, programs=SILENT).run().budgets[1].verdict == "pass"
             continue
         with pytest.raises(BadCase) as refused:
-            Scene(case, programs=programs)
+            Scene(case, programs=SILENT)
         what = "budget 'clock' looks at edges of SCL and SDA, and bytes have none"
         assert f'"byte" cannot be: {what}; use "edge", or "adaptive"' in str(refused.value)

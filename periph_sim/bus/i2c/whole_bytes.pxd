@@ -2,6 +2,7 @@ cimport cython
 
 from ...core.kernel cimport Agent, Event, Kernel, Shortcut
 from ...core.records cimport Recorder
+from ...core.shortcuts cimport Shortcuts
 from ...core.wire cimport PullWatch, Sampler, Tape, Wire
 from .bit_times cimport BitTimes
 from .edge_play cimport Deaf, EdgePlay, SdaFollows
@@ -26,6 +27,7 @@ cdef class ByteParty(Agent):
 cdef class WholeBytes(Shortcut):
     cdef public long long passed
     cdef Kernel _kernel
+    cdef Shortcuts _shortcuts
     cdef Wire _scl, _sda
     cdef ByteParty _controller
     cdef dict _stand_in

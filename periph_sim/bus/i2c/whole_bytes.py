@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ...core.kernel import Agent, Event, Kernel, Shortcut
+from ...core.shortcuts import shortcuts_of
 from ...core.time import NO_TIME
 from ...core.wire import PullWatch, Sampler, Tape, Wire
 from .bit_times import BitTimes
@@ -111,6 +112,7 @@ class WholeBytes(Shortcut):
         "_samplers",
         "_scl",
         "_sda",
+        "_shortcuts",
         "_shown",
         "_since",
         "_stand_in",
@@ -128,6 +130,7 @@ class WholeBytes(Shortcut):
     ) -> None:
         self.passed = 0
         self._kernel = kernel
+        self._shortcuts = shortcuts_of(kernel)
         self._scl = scl
         self._sda = sda
         self._controller = controller  # who clocks this byte, if somebody does
@@ -193,7 +196,7 @@ class WholeBytes(Shortcut):
         if self._play is not None:
             self._deafen()
         self._stand(BITS, times.fall(BITS))
-        self._kernel.shortcut = self
+        self._shortcuts.under_way.append(self)
 
     def _deafen(self) -> None:
         """Those who are told of edges are told nothing."""
@@ -268,8 +271,8 @@ class WholeBytes(Shortcut):
 
     def over(self) -> None:
         """SCL is about to rise for the eighth bit of some byte."""
-        if self._kernel.shortcut is self:
-            self._kernel.shortcut = None
+        if self in self._shortcuts.under_way:
+            self._shortcuts.under_way.remove(self)
             self.passed += 1
             if self._play is not None:
                 self._end_play()
@@ -283,7 +286,7 @@ class WholeBytes(Shortcut):
             self.over()  # the controller acts in this very tick, or has, from where everybody stands
             return
         assert controller is not None
-        kernel.shortcut = None
+        self._shortcuts.under_way.remove(self)
         if self._eighth is not None:
             kernel.cancel(self._eighth)
         if self._play is None:

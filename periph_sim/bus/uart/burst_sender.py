@@ -1,4 +1,4 @@
-"""Sends bursts of characters, right and wrong ones, and breaks: bursts go in, edges come out, one event an edge.
+"""Sends bursts of characters, right and wrong ones, and breaks: bursts go in, edges come out.
 
     burst  --queue--> | character | gap | character |      one burst after the other, never two at once
                       begin                         end
@@ -9,13 +9,16 @@ A bit begins at an exact rational of the rate, rounded down to a tick, so a long
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple, Protocol
 
 from ...core.kernel import Kernel
+from ...core.wire import Pin
+from .edge_sender import EdgeSender
 from .frame_format import UartFormat
+from .whole_frames import WholeFrames
 
 
 class Drives(Protocol):
@@ -62,19 +65,22 @@ class Burst:
     idle: int = 0
     name: str = ""
 
-    def edges(self, start: int) -> tuple[list[tuple[int, int]], int]:
-        """(tick, level) of each edge, and the end of the last stop bit, of a burst that begins at a tick."""
+    def edges(self, start: int) -> tuple[list[list[int]], int]:
+        """Ticks of the edges of each character, a fall first, and the end of the last stop bit, of a burst that begins
+        at a tick.
+        """
         if self.low:
-            return [(start, 0), (start + self.low, 1)], start + self.low
-        edges: list[tuple[int, int]] = []
+            return [[start, start + self.low]], start + self.low
+        edges: list[list[int]] = []
         level, at = 1, Fraction(start)
         for number, character in enumerate(self.characters):
             if number:
                 at += self.gap
+            edges.append([])
             for bit in character.levels(self.form):
                 if bit != level:
                     level = bit
-                    edges.append((int(at), level))
+                    edges[-1].append(int(at))
                 at += self.bit
         return edges, int(at)
 
@@ -89,6 +95,19 @@ class Burst:
         return len(self.characters)
 
 
+class _Edges(EdgeSender):
+    """out: what it drives."""
+
+    __slots__ = ("_out",)
+
+    def __init__(self, kernel: Kernel, out: Drives) -> None:
+        EdgeSender.__init__(self, kernel, out.mask if isinstance(out, Pin) else 0)
+        self._out = out
+
+    def drive(self, level: int) -> None:
+        self._out.drive(level)
+
+
 class BurstSender:
     """out: what it drives. enabled: a driver to switch on for each burst. hold: ticks that it stays on behind one."""
 
@@ -98,14 +117,18 @@ class BurstSender:
         self._burst: Burst | None = None  # the one under way
         self._began = self._ends_at = 0  # of the last one
         self._kernel = kernel
-        self._out = out
+        self._edges = _Edges(kernel, out)
+        self._whole_frames: WholeFrames | None = None
         self._enabled = enabled
         self._hold = hold
         self._waiting: deque[tuple[Burst, Callable[[int], None], Callable[[int], None]]] = deque()
-        self._edges: Iterator[tuple[int, int]] = iter(())
         self._busy = False
         self._free_at = 0
         self._line: tuple[Fraction, UartFormat] | None = None
+
+    def let_pass(self, whole_frames: WholeFrames) -> None:
+        """Its characters may pass from now on."""
+        self._whole_frames = whole_frames
 
     @property
     def line(self) -> tuple[Fraction, UartFormat] | None:
@@ -141,21 +164,14 @@ class BurstSender:
         self._line = burst.bit, burst.form
         edges, end = burst.edges(now)
         self._burst, self._began, self._ends_at = burst, now, end
-        self._edges = iter(edges)
+        self._edges.whole_frames = None if burst.low else self._whole_frames
         if self._enabled is not None:
             self._enabled.enable(True)
         begins(now)
-        self._plan()
+        if edges:
+            ticks = [tick for character in edges for tick in character]
+            self._edges.make(ticks[::-1], [len(character) for character in edges][::-1])
         self._kernel.at(end, lambda: self._end(ends))
-
-    def _plan(self) -> None:
-        edge = next(self._edges, None)
-        if edge is not None:
-            self._kernel.at(edge[0], lambda: self._edge(edge[1]))
-
-    def _edge(self, level: int) -> None:
-        self._out.drive(level)
-        self._plan()
 
     def _end(self, ends: Callable[[int], None]) -> None:
         self._free_at = self._kernel.now

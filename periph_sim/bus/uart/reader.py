@@ -13,9 +13,11 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import NamedTuple
 
-from ...core.kernel import Agent, Event, Kernel
+from ...core.kernel import Event, Kernel
+from ...core.time import NO_TIME
 from ...core.wire import Wire, watch
 from .frame_format import UartFormat
+from .whole_frames import FrameParty
 
 Line = Callable[[], tuple[Fraction, UartFormat]]
 
@@ -30,7 +32,7 @@ class Heard(NamedTuple):
     address: int
 
 
-class UartReader(Agent):
+class UartReader(FrameParty):
     """line: the length of a bit in ticks, exact, and the format of frames; asked at each start bit."""
 
     __slots__ = (
@@ -42,6 +44,7 @@ class UartReader(Agent):
         "_kernel",
         "_length",
         "_line",
+        "_set_at",
         "_start",
         "on_begin",
         "on_end",
@@ -53,6 +56,7 @@ class UartReader(Agent):
         self._kernel = kernel
         self._line = line
         self._start = 0
+        self._set_at = NO_TIME
         self._bit: Fraction | None = None
         self._format = UartFormat()
         self._length = 0  # bits of a frame
@@ -75,12 +79,29 @@ class UartReader(Agent):
         elif not levels:
             self._begin(now)
 
-    def _begin(self, now: int) -> None:
+    def hears_whole(self, first: int, second: int, last: int) -> bool:
+        """Its own frame is not yet over then."""
+        if self._ending is not None and first < self._start + self._halves[2 * self._length - 1]:
+            return False
+        if self._ending is None:
+            self._set_line(first)
+        elif self._line() != (self._bit, self._format):
+            return False
+        return last - first < self._halves[2 * self._length - 1]
+
+    def _set_line(self, now: int) -> None:
+        """How a frame that begins now is read."""
+        if now == self._set_at:
+            return
+        self._set_at = now
         bit, form = self._line()
         if bit != self._bit or form != self._format:
             self._bit, self._format, self._length = bit, form, form.length
             num, den = bit.numerator, 2 * bit.denominator
             self._halves = [half * num // den for half in range(2 * form.length + 1)]
+
+    def _begin(self, now: int) -> None:
+        self._set_line(now)
         self._start, self._edges = now, [now]
         self._ending = self._kernel.ask(now + self._halves[2 * self._length], self)
         for told in self.on_begin:

@@ -1,4 +1,4 @@
-"""A UART sender on a wire: bytes and a rate go in, edges come out, one event an edge.
+"""A UART sender on a wire: bytes and a rate go in, edges come out.
 
 The k-th bit of a burst of bytes begins at an exact rational of the rate, rounded down to
 a tick, so a long burst does not drift.
@@ -9,30 +9,25 @@ from __future__ import annotations
 from collections.abc import Callable
 from fractions import Fraction
 
-from ...core.kernel import Agent, Kernel
+from ...core.kernel import Kernel
 from ...core.records import Kind, Recorder
 from ...core.wire import Wire
+from .edge_sender import EDGE, EdgeSender
 from .frame_format import UartFormat
 
-EDGE = 0x100  # what an event is for: an edge, or the record of the byte that begins
 
-
-class UartSender(Agent):
+class UartSender(EdgeSender):
     """bit: length of one bit in ticks, exact. Sends one burst at a time."""
 
     __slots__ = (
         "_begins",
         "_bit",
         "_done",
-        "_edges",
         "_edges_of",
         "_ends_at",
         "_format",
         "_gap",
-        "_kernel",
         "_length",
-        "_level",
-        "_mask",
         "_recorder",
         "_wire",
         "who",
@@ -47,19 +42,16 @@ class UartSender(Agent):
         frame_format: UartFormat | None = None,
         who: str = "host",
     ) -> None:
+        EdgeSender.__init__(self, kernel, wire.attach(who).mask)
         self.who = who
-        self._kernel = kernel
         self._recorder = recorder if recorder.wants(Kind.FRAME, who) else None
         self._wire = wire
-        self._mask = wire.attach(who).mask
         self._bit = bit
         self._format = frame_format or UartFormat()
         self._length = self._format.length
         self._edges_of: dict[int, list[int]] = {}  # byte -> the bits of its frame at whose begin the level changes
         self._gap: Fraction | None = None  # of the burst sent last
         self._begins: list[int] = []  # with that gap, ticks from a burst's begin to that of each bit, frame by frame
-        self._edges: list[int] = []  # ticks, last first
-        self._level = 1
         self._ends_at = 0
         self._done: Callable[[int], None] = lambda tick: None
 
@@ -80,36 +72,34 @@ class UartSender(Agent):
             done(start)
             return
         self._measure(len(data), gap)
-        edges = []
+        edges, counts = [], []
         first = 0  # the first bit of the frame
         for byte in data:
             if self._recorder is not None:
                 self._kernel.ask(start + self._begins[first], self, byte)
-            for bit in self._edges_in(byte):
+            bits = self._edges_in(byte)
+            counts.append(len(bits))
+            for bit in bits:
                 edges.append(start + self._begins[first + bit])
             first += self._length + 1
         self._ends_at = start + self._begins[first - 1]
         self._done = done
         edges.reverse()
-        self._edges = edges
-        self._kernel.ask(edges[-1], self, EDGE)
+        counts.reverse()
+        self.make(edges, counts)
 
     def act(self, tag: int) -> None:
         if tag == EDGE:
-            self._edge()
+            self.edge()
         else:
             assert self._recorder is not None
             self._recorder.emit(self._kernel.now, Kind.FRAME, self.who, "byte", tag)
 
-    def _edge(self) -> None:
-        edges = self._edges
-        edges.pop()
-        self._level ^= 1
-        self._wire.pull(self._mask, self._level)
-        if edges:
-            self._kernel.ask(edges[-1], self, EDGE)
-        else:
-            self._done(self._ends_at)
+    def drive(self, level: int) -> None:
+        self._wire.pull(self._mask, level)
+
+    def last_edge(self) -> None:
+        self._done(self._ends_at)
 
     def _measure(self, frames: int, gap: Fraction) -> None:
         """When the bits of so many frames begin, and when each frame ends."""

@@ -14,6 +14,8 @@ cdef class Gpio(GpioSettings):
     cdef dict _qualifiers
     cdef list _waiting, _outs
     cpdef void edges(self, long long now, object levels, bint exact=*)
+    cpdef bint only_shows(self, object pads)
+    cpdef void moved_before(self, object pads)
     cdef void _catch_up(self, long long now)
     @cython.locals(qualifier=Qualifier)
     cdef void _step(self, long long now)

@@ -120,6 +120,15 @@ class Gpio(GpioSettings):
         if moved:
             self._flip(now, moved, exact)
 
+    def only_shows(self, pads: int) -> bool:
+        """Whether an edge at these pads is seen by who reads their level, and by nobody else."""
+        return not pads & (self._sampled | self.watched)
+
+    def moved_before(self, pads: int) -> None:
+        """These pads, which only show, moved in a cycle before the present one."""
+        self.pads ^= pads
+        self._before ^= pads
+
     def seen_at(self, now: int, index: int, exact: bool) -> int:
         """The cycle from which a pad edge told with (now, index, exact) is seen inside; NEVER if `changed` tells."""
         bit = BIT[index]

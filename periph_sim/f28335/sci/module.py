@@ -42,6 +42,8 @@ AUTOBAUD_LEAST_BIT = 300  # cycles: 500 kbit/s at SYSCLKOUT = 150 MHz
 class Sci(SciLines):
     """name: as notes call the module. options: answers to open questions."""
 
+    mid_byte: tuple[int, ...] = (CCR, CTL1, HBAUD, LBAUD, FFTX, FFCT, PRI)
+
     # CPU access -------------------------------------------------------------
 
     def read(self, now: int, offset: int) -> int:

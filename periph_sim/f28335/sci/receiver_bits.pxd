@@ -12,6 +12,8 @@ cdef class SciRxBits:
     cdef list _toggles
     cdef long long _line, _level, _low_from, _high_from, _idle_base, _start, _missing_stop, _break_at
     cpdef bint toggle(self, long long tick, long long level)
+    @cython.locals(start=cython.longlong, frame=SciFormat, toggles=list)
+    cpdef long long complete_at(self, long long fall, long long second)
     cpdef void set_layout(self, long long tick, SciFormat layout, bint at_once)
     cpdef void set_watch(self, long long tick, bint watch)
     cpdef void settle(self, long long tick)

@@ -19,6 +19,7 @@ cdef class SciTx:
     cdef long long _empty_until
     cpdef void run(self, long long now)
     cpdef void replan(self, long long now)
+    cpdef void edges_moved(self, long long now)
     cpdef void resume(self, long long now)
     cdef void _finish(self)
     cdef void _plan(self, long long now)

@@ -24,7 +24,7 @@ from ...scene.case.model import BadCase, Case
 from ...scene.result import Result
 from ...scene.scene import Scene
 from .choose import Best, best_within
-from .levels import EQUAL, FIDELITIES, REFERENCE, Level, level_of
+from .levels import EQUAL, REFERENCE, Level, fidelities_of
 from .moments import KINDS, Met, sort_of
 from .trade import Make, trade
 
@@ -102,13 +102,14 @@ def run_within(
     length: Fraction | None,
     keep_values: bool = False,
     told: Callable[[float], None] | None = None,
-    levels: tuple[Level, ...] = tuple(map(level_of, FIDELITIES)),
+    levels: tuple[Level, ...] | None = None,
 ) -> tuple[Judged, Result, Choice]:
-    """Measure, choose and run. levels: to choose from, the reference first.
+    """Measure, choose and run. levels: to choose from, the reference first; None: all fidelities of the case.
 
     BadCase where no level is known to be within the bound.
     """
     began = process_time()
+    levels = levels or fidelities_of(make(()))
     case = make(levels[0].changes)
     whole = case.duration if length is None else length
     part = min(PART, whole)

@@ -15,7 +15,7 @@ import numpy as np
 
 from ...levels.judged import SCHEDULE, judged
 from ...scene.case.model import Case
-from ...scene.result import BYTE_LEVEL
+from ...scene.result import BYTE_LEVEL, FRAMES, FRAMES_PASSED
 from ...scene.scene import Scene
 
 TOGETHER, ROUNDS = 1000, 50  # scenarios of so many rounds, where a level runs many in a call
@@ -26,6 +26,7 @@ TRACED = Fraction(2, 100)  # seconds of the scene in which allocations are trace
 class Cost:
     """cpu_s: of the run, building apart. memory: bytes that Python had allocated at most, by tracemalloc, from before
     the scene was built to the end of the first TRACED seconds. byte_level: I2C bytes that passed at byte level.
+    sci_frames, sci_frames_passed: on UART lines, and above edges. share: both as a phrase.
 
     once_cpu_s, once_events: of measuring terms, on `once_s` seconds of edges, however long the run. together_s: CPU of
     a simulated second where many scenarios are run in a call.
@@ -42,6 +43,9 @@ class Cost:
     once_events: int = 0
     once_s: float = 0.0
     together_s: float = 0.0
+    sci_frames: int = 0
+    sci_frames_passed: int = 0
+    share: str = ""
 
     @property
     def cpu_per_second(self) -> float:
@@ -68,8 +72,19 @@ def cost_of(case: Case, length: Fraction, traced: bool = True) -> Cost:
     result = scene.run(length)
     cpu = process_time() - began
     memory = _memory(case, length) if traced else 0
-    passed = result.counts.get(BYTE_LEVEL, 0)
-    return Cost(result.simulated_s, cpu, result.events, result.wire_bytes, result.sci_bytes, passed, memory)
+    passed, frames, of_frames = (result.counts.get(name, 0) for name in (BYTE_LEVEL, FRAMES, FRAMES_PASSED))
+    return Cost(
+        result.simulated_s,
+        cpu,
+        result.events,
+        result.wire_bytes,
+        result.sci_bytes,
+        passed,
+        memory,
+        sci_frames=frames,
+        sci_frames_passed=of_frames,
+        share=result.share_above_edges,
+    )
 
 
 def _of_schedule(case: Case, length: Fraction, traced: bool) -> Cost:

@@ -1,6 +1,6 @@
 """The levels that a case can run at: a case goes in; levels, as changes of the case, come out.
 
-    fidelity                edge, the reference, and what else `fidelity` takes
+    fidelity                edge, the reference, what else `fidelity` takes, and the case's own table of it
     arithmetic              where the firmware has a setting of that name
     skip_polls, poll_pass   how waiting firmware polls
 
@@ -11,13 +11,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, is_dataclass
-from typing import get_args
 
 from ...core.suggest import did_you_mean
+from ...scene.case.fidelity import LEVELS, fidelity_text
 from ...scene.case.model import BadCase, Case
 from ...scene.firmware_loader import BadFirmware, load_firmware
 
-FIDELITIES: tuple[str, ...] = get_args(Case.model_fields["fidelity"].annotation)
+FIDELITIES = LEVELS
 REFERENCE = "edge"
 EQUAL = (REFERENCE, "adaptive")  # levels with the same records in every scene (tests/scene/test_adaptive.py)
 ARITHMETICS = ("bytes", "q16", "float32", "float64")
@@ -36,10 +36,16 @@ def level_of(fidelity: str) -> Level:
     return Level(fidelity, (f"fidelity={fidelity}",))
 
 
+def fidelities_of(case: Case) -> tuple[Level, ...]:
+    """The reference first, then the other words, and the case as it is where it says a level for each bus."""
+    own = () if isinstance(case.fidelity, str) else (Level(fidelity_text(case.fidelity), ()),)
+    others = [level_of(name) for name in FIDELITIES if name != REFERENCE]
+    return (level_of(REFERENCE), *others, *own)
+
+
 def levels_of(case: Case) -> list[Level]:
     """The reference first, then all others that make a difference to this case's text."""
-    others = [level_of(name) for name in FIDELITIES if name != REFERENCE]
-    return [level_of(REFERENCE), *others, *_arithmetics(case), *_poll_models(case)]
+    return [*fidelities_of(case), *_arithmetics(case), *_poll_models(case)]
 
 
 def chosen(levels: list[Level], names: tuple[str, ...]) -> list[Level]:

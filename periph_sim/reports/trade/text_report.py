@@ -65,7 +65,7 @@ def _level(outcome: Outcome, found: Trade) -> Iterator[str]:
         yield from paragraph(f"{name}: refused: {outcome.refused}")
         return
     wrong = [each for each in outcome.errors if not each.exact]
-    share = _byte_share(cost) + _once(cost)
+    share = (f"; {cost.share}" if cost.share else "") + _once(cost)
     if not wrong:
         yield from paragraph(f"{name}: all {len(outcome.errors)} observables exact{share}")
         return
@@ -101,12 +101,6 @@ def without_partner(each: Errors) -> str:
     """`lacks 2, adds 1, 3 in another order`: why an error is infinite."""
     told = [f"lacks {each.lacking}"] * bool(each.lacking) + [f"adds {each.added}"] * bool(each.added)
     return ", ".join(told + [f"{each.disordered} in another order"] * bool(each.disordered))
-
-
-def _byte_share(cost: Cost) -> str:
-    if not cost.byte_level or not cost.i2c_bytes:
-        return ""
-    return f"; {100 * cost.byte_level / cost.i2c_bytes:.1f} % of the I2C bytes at byte level"
 
 
 def number(value: float) -> str:
@@ -145,6 +139,8 @@ def _outcome_as_json(outcome: Outcome) -> dict[str, object]:
         "events": cost.events,
         "memory_bytes": cost.memory,
         "byte_level_bytes": cost.byte_level,
+        "sci_frames": cost.sci_frames,
+        "sci_frames_at_byte_level": cost.sci_frames_passed,
         "terms_cpu_s": cost.once_cpu_s,
         "terms_events": cost.once_events,
         "terms_s": cost.once_s,

@@ -22,6 +22,7 @@ from ...core.suggest import did_you_mean
 from ...f28335.cpu.compiled_code_costs import CodeCosts
 from ...timing.budget_schema import Budget
 from .device_tables import BusParty, DeviceTable
+from .fidelity import Fidelity
 from .origin import Source, key_of, line_of
 from .scalars import (
     Address,
@@ -240,7 +241,7 @@ class Case(Table):
     duration: Duration
     start: Duration = Fraction(0)
     seed: int = 0
-    fidelity: Literal["edge", "adaptive", "byte", "schedule"] = "edge"
+    fidelity: Fidelity = "edge"
     strict: bool = False
     stall_limit: Duration = Fraction(10)
     unit: dict[str, Unit] = {}

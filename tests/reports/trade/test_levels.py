@@ -8,8 +8,9 @@ from typing import get_args
 import pytest
 
 from periph_sim.reports.trade.levels import FIDELITIES, REFERENCE, chosen, levels_of
+from periph_sim.scene.case.fidelity import Level
 from periph_sim.scene.case.load import load
-from periph_sim.scene.case.model import BadCase, Case
+from periph_sim.scene.case.model import BadCase
 
 TIMING = Path(__file__).resolve().parents[3] / "timing"
 
@@ -20,7 +21,16 @@ def names(case: str, *changes: str) -> list[str]:
 
 def test_every_fidelity_that_a_case_takes_is_a_level_and_edge_is_the_reference():
     assert names("responder")[: len(FIDELITIES)] == list(FIDELITIES)
-    assert FIDELITIES[0] == REFERENCE and set(FIDELITIES) == set(get_args(Case.model_fields["fidelity"].annotation))
+    assert FIDELITIES[0] == REFERENCE and set(FIDELITIES) == set(get_args(Level))
+
+
+def test_a_table_of_levels_for_each_bus_is_a_level_of_its_own():
+    change = 'fidelity={I2C-A = "byte", SCI-A = "edge"}'
+    own = "I2C-A=byte SCI-A=edge"
+    assert names("imu_hil", change)[: len(FIDELITIES) + 1] == [*FIDELITIES, own]
+    assert own not in names("imu_hil")
+    found = {level.name: level for level in levels_of(load(TIMING / "imu_hil.toml", [change]))}[own]
+    assert found.changes == ()
 
 
 def test_arithmetics_are_levels_of_firmware_that_computes_only():

@@ -83,7 +83,7 @@ class Inspection:
 def inspect(image: Image) -> Inspection:
     """Read all code of an image once."""
     debug = DebugInfo(image)
-    functions = tuple(_functions(image, debug))
+    functions = functions_of(image, debug)
     starts = frozenset(function.address for function in functions)
     named: list[tuple[Access, str]] = []
     unknown: list[Unknown] = []
@@ -109,8 +109,12 @@ def inspect(image: Image) -> Inspection:
     )
 
 
+def functions_of(image: Image, debug: DebugInfo) -> tuple[Function, ...]:
+    """Those of the debug data, and in what they leave over those that symbols begin; by address within a section."""
+    return tuple(_functions(image, debug))
+
+
 def _functions(image: Image, debug: DebugInfo) -> Iterator[Function]:
-    """Those of the debug data, and in what they leave over those that symbols begin."""
     for section in image.code:
         told = {function.address: function for function in debug.functions if section.runs_at(function.address)}
         covered = [range(function.address, function.end) for function in told.values()]

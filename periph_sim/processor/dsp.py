@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from ..f28335.sci.module import Sci
     from ..f28335.sci.options import SciOptions
     from ..f28335.system.cpu_timer import CpuTimer
+    from ..image.model import Image
     from .pin_router import Port, Router
 
 
@@ -95,6 +96,7 @@ class Dsp(FirmwareView):
         self.pie = Pie(plan.system)
         self.core = CpuInterrupts(plan.system)
         self._firmware: Callable[[], None] = _nothing
+        self._begin_anew: Callable[[int], None] = self._python_from_reset
         self._gates = self.control.gates
         self._lspclk = (self.control.lspclk_divider, self.control.lspclk_phase)
         self._scis: dict[str, Sci] = {}
@@ -124,6 +126,20 @@ class Dsp(FirmwareView):
     def start(self, firmware: Callable[[], None]) -> None:
         self._firmware = firmware
         self.cpu.start(firmware)
+
+    def start_image(self, image: Image) -> None:
+        """Run a firmware image from its entry on, in place of Python firmware; a reset begins it anew."""
+        from .image.program import ImageProgram
+
+        program = self.program = ImageProgram(self.processor, image)
+        program.load()
+
+        def begin(delay: int = 0) -> None:
+            program.begin()
+            self.processor.start(program, delay)
+
+        self._begin_anew = begin
+        begin()
 
     def _sysclk_hz(self) -> Fraction:
         return self.control.sysclk_hz * (1 + self.plan.ppm / 1_000_000)
@@ -326,14 +342,14 @@ class Dsp(FirmwareView):
 
     def _xrs_changed(self, tick: int, level: int) -> None:
         """Seen with the next cycle, since clocks change there."""
-        action = partial(self.cpu.start, self._from_reset) if level else self._enter_reset
+        action = partial(self._begin_anew, 0) if level else self._enter_reset
         self._kernel.at(self.clock.tick(self.clock.cycle_at(tick)), action)
 
     def _reset(self) -> None:
         """XRS by the watchdog."""
         if self.control.reset_requested:
             self._enter_reset()
-            self.cpu.start(self._from_reset, delay=WDRST_CYCLES)
+            self._begin_anew(WDRST_CYCLES)
 
     def _enter_reset(self) -> None:
         """Every module to its reset state; firmware stops where it stands."""
@@ -348,6 +364,9 @@ class Dsp(FirmwareView):
             socket.chip.reset(cycle)
             socket.publish(cycle)
         self.gate(cycle)
+
+    def _python_from_reset(self, delay: int) -> None:
+        self.cpu.start(self._from_reset, delay)
 
     def _from_reset(self) -> None:
         """What runs after a reset: TI's start-up code, unless the firmware has its own, and then the firmware."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from msgspec import Struct
@@ -13,6 +14,7 @@ from ..f28335.cpu.compiled_code_costs import CodeCosts
 from ..f28335.system.options import SystemOptions
 from ..f28335.unit_modules import MODULES, SCIS
 from ..processor.dsp import Dsp, DspPlan
+from ..processor.error_origin import Misuse
 from ..processor.python.firmware_view import End
 from .case.model import Case, Unit
 from .case.transceiver import pulled_down
@@ -60,7 +62,7 @@ def build_unit(context: SceneContext, name: str, unit: Unit, program: Firmware |
         oscclk_hz=int(unit.oscclk),
         pll=unit.pll,
         ppm=unit.ppm,
-        from_boot=unit.from_boot,
+        from_boot=unit.from_boot or bool(unit.image),
         skip_polls=unit.skip_polls,
         strict=case.strict,
         seed=case.seed,
@@ -73,6 +75,8 @@ def build_unit(context: SceneContext, name: str, unit: Unit, program: Firmware |
         sci=_sci_options(case, name, unit),
     )
     dsp = Dsp(context.kernel, context.timebase, context.recorder, plan)
+    if unit.image:
+        return BuiltUnit(dsp, _started_image(case, name, unit, dsp), None, None)
     try:
         firmware = program or load_firmware(unit.firmware)
     except BadFirmware as error:
@@ -89,6 +93,23 @@ def build_unit(context: SceneContext, name: str, unit: Unit, program: Firmware |
         check_sensor_period(case, name, settings, sensors)
     dsp.start(partial(run_main, firmware, dsp, settings))
     return BuiltUnit(dsp, firmware, sensors, computed_by(settings))
+
+
+def _started_image(case: Case, name: str, unit: Unit, dsp: Dsp) -> Firmware:
+    """The unit's image runs from its entry on. What comes back stands for it where Python firmware is asked for."""
+    from ..image.load import load
+    from ..image.model import BadImage
+
+    try:
+        dsp.start_image(load(Path(unit.image)))
+    except BadImage as error:
+        raise case.mistake(str(error), "unit", name, "image") from None
+    return Firmware(unit.image, _no_python, None)
+
+
+def _no_python(dsp: Dsp, settings: object) -> None:
+    """An image has no main of Python's."""
+    raise Misuse(f"{dsp.name} runs an image, which has no main that Python could call")
 
 
 def _i2c_options(case: Case, name: str, unit: Unit) -> I2cOptions | None:

@@ -49,9 +49,13 @@ def refusal(source: Source, error: ValidationError, tree: object) -> BadCase:
 
 
 def _located(case: Case, folder: Path) -> Case:
-    """The case with the paths of its firmware files below `folder`."""
-    files = {name: unit for name, unit in case.unit.items() if unit.firmware.endswith(".py")}
-    moved = {name: unit.model_copy(update={"firmware": str(folder / unit.firmware)}) for name, unit in files.items()}
+    """The case with the paths of its firmware files and images below `folder`."""
+    moved = {}
+    for name, unit in case.unit.items():
+        if unit.firmware.endswith(".py"):
+            moved[name] = unit.model_copy(update={"firmware": str(folder / unit.firmware)})
+        elif unit.image:
+            moved[name] = unit.model_copy(update={"image": str(folder / unit.image)})
     return case.model_copy(update={"unit": case.unit | moved})
 
 

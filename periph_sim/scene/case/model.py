@@ -69,9 +69,13 @@ class Code(Table):
 
 
 class Unit(Table):
-    """One F28335. pins: names for GPIO pins to be watched; wires of SDA, SCL, RX, TX are connected by themselves."""
+    """One F28335. pins: names for GPIO pins to be watched; wires of SDA, SCL, RX, TX are connected by themselves.
 
-    firmware: str
+    Either firmware, a Python program, or image, a linker's .out file.
+    """
+
+    firmware: str = ""
+    image: str = ""
     settings: dict[str, object] = {}
     modules: tuple[str, ...]
     oscclk: Crystal = Fraction(30_000_000)
@@ -82,6 +86,17 @@ class Unit(Table):
     pins: dict[str, Annotated[int, Field(ge=0, le=87)]] = {}
     code: Code = Code()
     options: Options = Options()
+
+    @model_validator(mode="after")
+    def _one_program(self) -> Unit:
+        if not self.firmware and not self.image:
+            raise ValueError("a unit needs a program; give firmware, or image")
+        if self.firmware and self.image:
+            raise ValueError("a unit has one program; give firmware or image, not both")
+        said = sorted(self.model_fields_set & {"settings", "code", "pll", "from_boot", "skip_polls"})
+        if self.image and said:
+            raise ValueError(f"{said[0]} is of Python firmware; an image says that by itself, so leave it out")
+        return self
 
 
 class RequestTable(Table):

@@ -127,7 +127,7 @@ def edited(path: Path, line: str, by: str) -> Path:
         (
             'firmware = "imu_hil"\n',
             "",
-            "small.toml, line 4: unit.dsp.firmware is missing",
+            "small.toml, line 4: unit.dsp: a unit needs a program; give firmware, or image",
         ),
         (
             'modules = ["I2C-A"]',

@@ -1,0 +1,260 @@
+"""The C28x of an image on a unit's bus: instructions go in; accesses are made, status goes to the interrupt logic.
+
+    Engine --load16, store16--> Ram | Bus | flash, and frames that are not modelled
+           --ST1, IER, IFR----> CpuInterrupts
+
+Accesses are made in the present cycle: `access_at` says beforehand which cycle that is for an operand. Frames that
+nothing models store what is written, and are noted once each.
+"""
+
+from __future__ import annotations
+
+from ...c28x.execution.engine import Engine
+from ...c28x.execution.registers import CODE, REGISTER, ST1_RESET, Cpu, IllegalOperation, Operation
+from ...core.chip import Note
+from ...f28335.cpu.interrupts import EALLOW, INTM, frame_of
+from ...f28335.cpu.pie_map import VECTOR_TABLE
+from ...f28335.system.address_space import Content, area_at
+from ...f28335.system.memory_map import NoSuchAddress
+from ...f28335.system.ram import Ram, block_at
+from ...f28335.system.register_names import register_name
+from ..processor import Processor
+
+RAM_FROM, RAM_TO = 0x8000, 0x1_0000  # without waits, but for M0 and M1 below
+LOW_RAM = 0x800
+ERASED = 0xFFFF
+UNMODELLED_READ_WAITS = 2
+ADC_CAL, LRETR = 0x38_0080, 0x0006  # start-up code calls it; it would set trims of the ADC
+FIXED = {ADC_CAL: LRETR, 0x38_0090: 0x00EF, 0x0882: 0x00EF}  # PARTID, CLASSID
+MATH_TABLES = range(0x3F_E000, 0x3F_F27C)
+
+
+def in_plain_ram(address: int) -> bool:
+    return address < LOW_RAM or RAM_FROM <= address < RAM_TO
+
+
+class ImageCpu(Engine):
+    """ended: ESTOP0 was reached. returning, idling: IRET or IDLE was executed, which the program sees to."""
+
+    def __init__(self, processor: Processor) -> None:
+        self._core = processor.interrupts.core
+        super().__init__()
+        self._processor = processor
+        self._time = processor.time
+        self._bus = processor.bus
+        self._ram: Ram = processor.bus.ram
+        self._stored = dict(FIXED)  # flash, OTP, external memory, and frames that are not modelled
+        self._noted: set[str] = set()
+        self.reset()
+
+    def reset(self) -> None:
+        """Registers as the boot ROM leaves them; memory stays."""
+        Cpu.__init__(self)
+        self.left = 0
+        self._core.st1 = ST1_RESET
+        self.ended = self.returning = self.idling = False
+
+    # Memory -------------------------------------------------------------------------
+
+    def fill(self, address: int, value: int) -> None:
+        """A word that is there before the program begins."""
+        if block_at(address) is not None:
+            self._ram.put(address, value)
+        else:
+            self._stored[address] = value
+
+    def load16(self, address: int) -> int:
+        if in_plain_ram(address):
+            return self._ram.word(address)
+        return self._load(address, 16)
+
+    def load32(self, address: int) -> int:
+        if in_plain_ram(address):
+            return self._ram.word32(address)
+        return self._load(address & ~1, 32)
+
+    def _load(self, address: int, width: int) -> int:
+        if block_at(address) is not None:
+            return self._bus.read(self._time.cycle, address, width)
+        try:
+            operand = self._bus.at(address, width)
+        except NoSuchAddress:
+            low = self._elsewhere(address)
+            return low | self._elsewhere(address + 1) << 16 if width == 32 else low
+        if operand.meets:
+            self._time.meet()
+        return self._bus.read(self._time.cycle, address, width)
+
+    def store16(self, address: int, value: int) -> None:
+        if in_plain_ram(address):
+            self._ram.put(address, value)
+            self.written(address)
+        else:
+            self._store(address, value, 16)
+
+    def store32(self, address: int, value: int) -> None:
+        if in_plain_ram(address):
+            low = address & ~1
+            self._ram.put_word32(low, value)
+            self.written(low)
+            self.written(low + 1)
+        else:
+            self._store(address & ~1, value, 32)
+
+    def _store(self, address: int, value: int, width: int) -> None:
+        try:
+            self._bus.write(self._time.cycle, address, value, width)
+        except NoSuchAddress:
+            self._keep(address, value & 0xFFFF)
+            if width == 32:
+                self._keep(address + 1, value >> 16)
+
+    def program16(self, address: int) -> int:
+        if in_plain_ram(address):
+            return self._ram.word(address)
+        area = area_at(address)
+        if area is None or area.content is Content.REGISTERS:
+            raise IllegalOperation(f"code is fetched from {address:#08x}, where no memory is")
+        return self._elsewhere(address)
+
+    def _elsewhere(self, address: int) -> int:
+        area = area_at(address)
+        if area is None:
+            raise IllegalOperation(f"{address:#08x} is read, where the F28335 has nothing")
+        if address in MATH_TABLES:
+            raise IllegalOperation(f"{address:#08x} is read: the image needs the math tables of the boot ROM")
+        self._note(address, area.content)
+        return self._stored.get(address, ERASED if area.content in (Content.FLASH, Content.OTP) else 0)
+
+    def _keep(self, address: int, value: int) -> None:
+        area = area_at(address)
+        if area is None:
+            raise IllegalOperation(f"{address:#08x} is written, where the F28335 has nothing")
+        self._note(address, area.content)
+        if area.content in (Content.REGISTERS, Content.EXTERNAL):
+            self._stored[address] = value
+            self.written(address)
+
+    def _note(self, address: int, content: Content) -> None:
+        module = register_name(address)[0]
+        if content is Content.REGISTERS and module not in self._noted:
+            self._noted.add(module)
+            text = (
+                f"{module or 'a frame'} at {address:#06x} is not modelled or not in this unit; it keeps what is written"
+            )
+            self._processor.notes.note(self._time.cycle, Note("unknown", text, "SPRS439M Tables 3-8 to 3-11"))
+
+    # When ---------------------------------------------------------------------------
+
+    def access_at(self, f: Operation) -> int:
+        """The cycle in which its operand can be accessed, or what it names with *(0:16)."""
+        cycle = self._time.cycle
+        if self.ea != REGISTER and f.accesses and not in_plain_ram(self.ea):
+            cycle = self._access_at(cycle, self.ea, "r" in f.accesses, f.wide)
+        if f.absolute and not in_plain_ram(f.c):
+            cycle = self._access_at(cycle, f.c + self.passes, f.absolute == "r", f.wide)
+        return cycle
+
+    def _access_at(self, cycle: int, address: int, reads: bool, wide: bool) -> int:
+        width = 32 if wide else 16
+        try:
+            if reads:
+                return self._bus.reads_at(cycle, address, width)
+            return self._bus.writes_at(cycle, address, width)
+        except NoSuchAddress:
+            area = area_at(address)
+            waits = UNMODELLED_READ_WAITS if reads and area is not None and area.content is Content.REGISTERS else 0
+            return cycle + waits
+
+    # Status, which the interrupt logic holds --------------------------------------------
+
+    @property
+    def st1(self) -> int:
+        return self._core.st1
+
+    @st1.setter
+    def st1(self, value: int) -> None:
+        self._core.st1 = value
+
+    @property
+    def ier(self) -> int:
+        return self._core.ier
+
+    @ier.setter
+    def ier(self, value: int) -> None:
+        self._core.ier = value
+
+    @property
+    def ifr(self) -> int:
+        self._core.wake(self._time.cycle)
+        return self._core.ifr
+
+    @ifr.setter
+    def ifr(self, value: int) -> None:
+        self._core.ifr = value
+
+    def put_ifr(self, value: int) -> None:
+        self._core.wake(self._time.cycle)
+        self._core.ifr = value
+
+    def and_ifr(self, mask: int) -> None:
+        self._core.and_ifr(self._time.cycle, mask)
+
+    def change_st1(self, mask: int, on: bool) -> None:
+        cycle = self._time.cycle
+        if mask & INTM:
+            (self._core.setc_intm if on else self._core.clrc_intm)(cycle)
+        if mask == EALLOW:
+            self._core.set_eallow(cycle, on)
+        else:
+            super().change_st1(mask & ~INTM, on)
+
+    # Control ------------------------------------------------------------------------
+
+    def enter(self, vector: int) -> None:
+        """TRAP, INTR: whatever the masks say. The context goes where SP points."""
+        self.hand_over()
+        context = self.context()
+        saved = self._core.trap(self._time.cycle, vector)
+        context[8], context[10] = saved.st1, saved.ier
+        self._ram.put_words(frame_of(saved.sp), context)
+        self.begin_routine(self._ram.word32(VECTOR_TABLE.start + 2 * vector) & CODE)
+
+    def leave(self) -> None:
+        self.returning = True
+
+    def idle(self) -> None:
+        self.idling = True
+
+    def stop(self) -> None:
+        self.ended = True
+
+    def hand_over(self) -> None:
+        """The interrupt logic works with SP and ST1 as they are now."""
+        self._core.sp = self.sp
+        self._core.st1 = self.whole_st1()
+
+    def context(self) -> list[int]:
+        """The 14 words that an entry stores."""
+        xar, st1, ier = self.xar, self.whole_st1(), self._core.ier
+        return [
+            self.st0, self.t, self.acc & 0xFFFF, self.acc >> 16, self.p & 0xFFFF, self.p >> 16, xar[0] & 0xFFFF,
+            xar[1] & 0xFFFF, st1, self.dp, ier, self.dbgstat, self.pc & 0xFFFF, self.pc >> 16,
+        ]  # fmt: skip
+
+    def begin_routine(self, address: int) -> None:
+        """The service routine is entered: RPTB's RA waits in RAS."""
+        self.sp = self._core.sp
+        self.rb = self.rb & 0x3FFF_FFFF | (self.rb >> 30 & 1) << 31
+        self.pc = address
+
+    def restore(self, words: list[int]) -> None:
+        """IRET: all of it from memory."""
+        self.st0, self.t, self.dp, self.dbgstat = words[0], words[1], words[9], words[11]
+        self.acc, self.p = words[2] | words[3] << 16, words[4] | words[5] << 16
+        self.put_ar(0, words[6])
+        self.put_ar(1, words[7])
+        self.arp = words[8] >> 13
+        self.pc = (words[12] | words[13] << 16) & CODE
+        self.sp = self._core.sp
+        self.rb = self.rb & 0x3FFF_FFFF | (self.rb >> 31) << 30

@@ -1,0 +1,198 @@
+"""An image as a program: an image goes in; it runs until it must wait, sleeps or is over.
+
+    Processor --run--> ImageProgram --begin--> operand found --reach--> its cycle --finish--> next instruction
+                          ^--- stops wherever time has to pass; what it was about to do is kept in `_ready`
+
+Costs are the cycles of the manual's table, wait states of registers and write-to-read protection of the bus. Not yet:
+pipeline stalls between instructions, wait states of program memory.
+
+Source: SPRU430F chapters 3 and 4.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections import deque
+from collections.abc import Sequence
+from functools import cached_property
+
+from ...c28x.execution.registers import IllegalOperation, Operation
+from ...f28335.cpu import instruction_costs as cpu_costs
+from ...image.debug_info import DebugInfo
+from ...image.inspection import Function, functions_of
+from ...image.model import Image
+from ..error_origin import FirmwareError
+from ..processor import Processor
+from ..program import Program, Stop
+from ..source_location import SourceLocation
+from .cpu import ImageCpu
+
+LAST_JUMPS = 8  # that an error names
+
+
+class ImageProgram(Program):
+    """cpu: its registers. instructions: how many were executed."""
+
+    def __init__(self, processor: Processor, image: Image) -> None:
+        super().__init__()
+        self.cpu = ImageCpu(processor)
+        self.image = image
+        self.instructions = 0
+        self._processor = processor
+        self._ready: Operation | None = None  # whose operand is found, and whose cycle had to be waited for
+        self._executed = False  # an instruction, since the last boundary that looked for interrupts
+        self._idle_began = False
+        self._jumps: deque[int] = deque(maxlen=LAST_JUMPS)
+        self._places: dict[int, SourceLocation] = {}
+
+    def load(self) -> None:
+        """Put the image into memory."""
+        cpu = self.cpu
+        for section in self.image.loaded:
+            for offset, word in enumerate(section.words):
+                cpu.fill(section.address + offset, word)
+        for address, words in self.image.initial:
+            for offset, word in enumerate(words):
+                cpu.fill(address + offset, word)
+
+    def begin(self) -> None:
+        """Registers as the boot ROM leaves them, PC at the image's entry; memory stays as it is."""
+        self.cpu.reset()
+        self.cpu.pc = self.image.entry
+        self.returned_at = None
+        self._ready = None
+        self._executed = self._idle_began = False
+
+    # Turns --------------------------------------------------------------------------
+
+    def run(self, until: int) -> Stop | None:
+        """See `Program.run`."""
+        try:
+            return self._run()
+        except IllegalOperation as error:
+            raise FirmwareError(self._told(str(error))) from None
+
+    def _run(self) -> Stop:
+        cpu, time, processor = self.cpu, self._processor.time, self._processor
+        core = processor.interrupts.core
+        while True:
+            f = self._ready
+            if f is None:
+                if cpu.idling:
+                    if not self._slept():
+                        return Stop.SLEEPS
+                    continue
+                if not cpu.left and (core.ifr or core.next_wake <= time.cycle or core.owes_instruction):
+                    if self._executed and core.owes_instruction:
+                        core.instruction_done()
+                    number = core.next_taken(time.cycle)
+                    if number:
+                        cpu.hand_over()
+                        if not processor.take(number):
+                            return Stop.WAITS
+                        continue
+                f = cpu.fetch()
+                cpu.begin(f)
+                if f.accesses or f.absolute:
+                    at = cpu.access_at(f)
+                    if at != time.cycle and not processor.reach(at):
+                        self._ready = f
+                        return Stop.WAITS
+            self._ready = None
+            cycle = time.cycle + cpu.finish(f)
+            self.instructions += 1
+            self._executed = True
+            if cpu.pc != f.next:
+                self._jumps.append(f.address)
+            if cpu.returning:
+                cpu.returning = False
+                cpu.hand_over()
+                self._executed = False
+                if not processor.iret():
+                    return Stop.WAITS
+                continue
+            if cpu.ended:
+                return self._ended()
+            if cycle >= time.lease and not processor.reach(cycle):
+                return Stop.WAITS
+            time.cycle = cycle
+
+    def _slept(self) -> bool:
+        """IDLE: over once an interrupt comes that IER enables."""
+        processor, core = self._processor, self._processor.interrupts.core
+        time = processor.time
+        if not self._idle_began:
+            self._idle_began = True
+            core.idle(time.cycle - cpu_costs.IDLE)
+        while not core.idle_ends(time.cycle):
+            if not processor.rest(max(time.cycle, core.next_wake)):
+                return False
+        self._idle_began = self.cpu.idling = False
+        return True
+
+    def _ended(self) -> Stop:
+        self.returned_at = self._processor.time.cycle
+        return Stop.ENDED
+
+    # Interrupts ---------------------------------------------------------------------
+
+    def context(self) -> Sequence[int]:
+        return self.cpu.context()
+
+    def enter(self, vector: int) -> str:
+        if not vector:
+            taken = self._processor.interrupts.taken
+            raise FirmwareError(self._told(f"interrupt {taken} was taken, whose vector is 0"))
+        self.cpu.begin_routine(vector)
+        self._executed = False
+        return self.place() or ""
+
+    def restore(self, words: Sequence[int]) -> None:
+        self.cpu.restore(list(words))
+
+    # Places -------------------------------------------------------------------------
+
+    def place(self) -> SourceLocation | None:
+        """The instruction that is executed, or goes on next, as function, file and line."""
+        address = self.cpu.pc if self._ready is None else self._ready.address
+        known = self._places.get(address)
+        if known is None:
+            known = self._places[address] = self._place(address)
+        return known
+
+    def _place(self, address: int) -> SourceLocation:
+        name, source = self.function_at(address), self._debug.line_at(address)
+        found = SourceLocation(f"{name}:{source.line}" if source else f"{name}+{address:#08x}")
+        found.path, found.line = (source.file, source.line) if source else ("", 0)
+        return found
+
+    def function_at(self, address: int) -> str:
+        """The function that an address is in; the address itself where there is none."""
+        at = bisect_right(self._starts, address) - 1
+        if at >= 0 and address < self._functions[at].address + self._functions[at].size:
+            return self._functions[at].name
+        return f"{address:#08x}"
+
+    @cached_property
+    def _functions(self) -> tuple[Function, ...]:
+        return functions_of(self.image, self._debug)
+
+    @cached_property
+    def _starts(self) -> list[int]:
+        return [function.address for function in self._functions]
+
+    @cached_property
+    def _debug(self) -> DebugInfo:
+        return DebugInfo(self.image)
+
+    def _told(self, why: str) -> str:
+        """An error with pc, function, last jumps and registers."""
+        cpu = self.cpu
+        jumps = ", ".join(f"{self.function_at(address)} {address:#08x}" for address in self._jumps)
+        registers = (
+            f"ACC={cpu.acc:#010x} XAR4={cpu.xar[4]:#010x} XAR7={cpu.xar[7]:#010x} SP={cpu.sp:#06x} DP={cpu.dp:#06x}"
+        )
+        at = self._ready.address if self._ready is not None else cpu.pc
+        return (
+            f"{self._processor.name}: {why}; at {at:#08x} in {self.function_at(at)}, {registers}; last jumps: {jumps}"
+        )

@@ -1,0 +1,224 @@
+"""Images on a unit of a scene: what code does to registers, interrupts and time, by programs of our own in assembly."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import pytest
+
+from periph_sim.core.kernel import Kernel
+from periph_sim.core.records import Kind, Record, Recorder
+from periph_sim.core.time import Timebase
+from periph_sim.image.assemble import assemble
+from periph_sim.processor.dsp import Dsp, DspPlan
+from periph_sim.processor.error_origin import FirmwareError
+from periph_sim.processor.image.program import ImageProgram
+
+CYCLE = 400  # ticks, behind reset: 30 MHz / 4, of ticks of 1/3 ns
+COUNT = 0x9100
+
+HEAD = """
+WDCR .set 0x7029
+TCR .set 0x0C04
+COUNT .set 0x9100
+ .sect ".text", 0x9000
+ .global _c_int00
+_c_int00: EALLOW
+ MOVW DP,#WDCR >> 6
+ MOV @WDCR,#0x68
+ EDIS
+"""
+
+# Timer 0 interrupts every 500 cycles; its routine counts and keeps nothing itself.
+TIMER = (
+    HEAD
+    + """
+ MOVL XAR4,#_routine
+ EALLOW
+ MOVL XAR5,#0x0D4C
+ MOVL *XAR5,XAR4
+ EDIS
+ MOVW DP,#0x0CE0 >> 6
+ MOV @0x0CE0,#1
+ MOV @0x0CE2,#0x40
+ MOVW DP,#0x0C00 >> 6
+ MOVL XAR6,#499
+ MOVL @0x0C02,XAR6
+ MOV @TCR,#0x4020
+ OR IER,#1
+ SETC SXM,OVM
+ MOVL XAR0,#0x12345
+ CLRC INTM
+loop: ADDB ACC,#1
+ SB loop,UNC
+ .global _routine
+_routine: PUSH ACC
+ MOVB ACC,#0
+ MOVW DP,#COUNT >> 6
+ INC @COUNT
+ MOVW DP,#0x0CE0 >> 6
+ MOV @0x0CE1,#1
+ POP ACC
+ IRET
+"""
+)
+
+
+class Rig:
+    """A unit that runs a program from its entry on, 2 ms at most."""
+
+    def __init__(self, source: str, *modules: str) -> None:
+        self.kernel, self.recorder = Kernel(), Recorder()
+        self.records: list[Record] = []
+        self.recorder.subscribe({Kind.IRQ, Kind.NOTE, Kind.ACCESS}, self.records.append)
+        plan = DspPlan("dsp", modules, {}, from_boot=True)
+        self.dsp = Dsp(self.kernel, Timebase(150_000_000), self.recorder, plan)
+        self.dsp.start_image(assemble(source))
+        assert isinstance(self.dsp.program, ImageProgram)
+        self.program = self.dsp.program
+        self.cpu = self.program.cpu
+
+    def run(self, ticks: int = 6_000_000) -> Rig:
+        self.kernel.run_until(self.kernel.now + ticks)
+        return self
+
+    def word(self, address: int) -> int:
+        return self.dsp.processor.bus.ram.word(address)
+
+    def notes(self) -> list[str]:
+        return [note.text for note in self.dsp.processor.notes.counts]
+
+
+def test_a_program_ends_at_estop0_and_its_cycles_are_the_tables():
+    """EALLOW 4, MOVW 1, MOV 1, EDIS 4, then ten passes of 1 + 4, the last of 1 + 4; RPT 1 and its 20."""
+    rig = Rig(HEAD + " MOVB ACC,#9\nloop: SUBB ACC,#1\n BF loop,GEQ\n RPT #19 || NOP\n ESTOP0").run()
+    assert rig.program.finished
+    assert rig.program.returned_at == 4 + 1 + 1 + 4 + 1 + 10 * 5 + 1 + 20
+    assert rig.cpu.acc == 0xFFFF_FFFF
+
+
+def test_an_access_waits_as_its_frame_does_and_a_read_for_the_write_before():
+    """A write of frame 2 goes out at once; the read behind it waits until it has landed, and two wait states."""
+    alone = Rig(HEAD + " RPT #9 || NOP\n MOV AL,@0x701C\n ESTOP0").run().program.returned_at
+    after_write = Rig(HEAD + " RPT #9 || NOP\n MOV @0x701B,#2\n MOV AL,@0x701C\n ESTOP0").run().program.returned_at
+    assert alone == 10 + 11 + 3
+    assert after_write == alone + 1 + 3
+
+
+def test_interrupts_save_and_restore_in_memory():
+    rig = Rig(TIMER, "TIMER0").run(3_000_000)
+    count = rig.word(COUNT)
+    assert count == 14  # 1 ms has 7500 cycles, a few of which pass before the timer runs
+    began = [record for record in rig.records if record.kind is Kind.IRQ and record.value]
+    assert {record.what for record in began} == {"TINT0"}
+    assert len(began) in (count, count + 1)
+    ticks = [record.tick for record in began]
+    # each 500 cycles, but for the instruction that the request finds under way, at most 7 cycles
+    assert {abs(after - before - 500 * CYCLE) <= 7 * CYCLE for before, after in pairwise(ticks[2:])} == {True}
+    assert rig.cpu.xar[0] == 0x12345
+    assert (rig.cpu.sxm, rig.cpu.ovm) == (1, 1)
+
+
+def test_the_interrupted_loop_goes_on_where_it_was():
+    rig = Rig(TIMER, "TIMER0").run(3_000_000)
+    busy = rig.program.instructions
+    assert 0.3 * busy < 2 * rig.cpu.acc < busy
+
+
+def test_idle_sleeps_until_the_timer_and_then_goes_on():
+    source = TIMER.replace("loop: ADDB ACC,#1\n SB loop,UNC", "loop: IDLE\n ADDB ACC,#1\n SB loop,UNC")
+    rig = Rig(source, "TIMER0").run(3_000_000)
+    count = rig.word(COUNT)
+    assert count == 14 and rig.cpu.acc in (count, count - 1)
+    assert rig.program.instructions < 60 + 14 * count
+
+
+def test_trap_enters_by_the_table_and_comes_back():
+    source = (
+        HEAD
+        + """
+ EALLOW
+ MOVL XAR4,#_routine
+ MOVL XAR5,#0x0D0A
+ MOVL *XAR5,XAR4
+ EDIS
+ MOVB ACC,#7
+ TRAP #5
+ ESTOP0
+ .global _routine
+_routine: MOVB ACC,#9
+ MOV *SP++,AL
+ MOV AL,*--SP
+ MOVW DP,#COUNT >> 6
+ MOV @COUNT,AL
+ IRET
+"""
+    )
+    rig = Rig(source).run()
+    assert rig.program.finished
+    assert (rig.word(COUNT), rig.cpu.acc, rig.cpu.sp) == (9, 7, 0x400)
+
+
+def test_eallow_protects_and_a_frame_without_model_keeps_what_is_written_and_is_noted_once():
+    rig = Rig(
+        HEAD + " MOV @0x701C,#0xFFFF\n MOVW DP,#0x7100 >> 6\n MOV @0x7100,#5\n MOV AL,@0x7100\n MOV AH,@0x7101\n ESTOP0"
+    ).run()
+    assert rig.program.finished and rig.cpu.acc == 5
+    notes = rig.notes()
+    assert [text for text in notes if "without EALLOW" in text] == [
+        "PCLKCR0 of SYS was written without EALLOW; the write is ignored"
+    ]
+    assert [text for text in notes if "not modelled" in text] == [
+        "ADC at 0x7100 is not modelled or not in this unit; it keeps what is written"
+    ]
+
+
+def test_flash_that_nobody_programmed_is_erased_and_the_part_says_its_id():
+    rig = Rig(
+        HEAD + " MOVL XAR4,#0x330000\n MOV AL,*XAR4\n MOVL XAR4,#0x380090\n MOV AH,*XAR4\n LCR #0x380080\n ESTOP0"
+    )
+    assert (rig.run().cpu.acc, rig.program.finished) == (0x00EF_FFFF, True)
+
+
+def test_code_in_flash_and_data_at_both_ends():
+    code = '.sect ".text", 0x330000\n_c_int00: MOVW DP,#datum >> 6\n MOV AL,@datum\n ESTOP0\n'
+    source = code + '.sect ".econst", 0x9200\ndatum: .word 0x1234'
+    rig = Rig(source).run()
+    assert (rig.cpu.acc, rig.program.finished) == (0x1234, True)
+
+
+@pytest.mark.parametrize(
+    ("code", "sentence"),
+    [
+        (" .word 0xE271", "0xe271 0x0000 is no instruction of the F28335"),
+        (" .word 0", "0x0000 is the illegal instruction"),
+        (" LB #0x3F0000", "0x3f0000 is read, where the F28335 has nothing|no memory is"),
+        (" LB #0x7100", "code is fetched from 0x007100, where no memory is"),
+        (" MOVL XAR4,#0x3FE000\n MOV AL,*XAR4", "math tables of the boot ROM"),
+        (" SETC AMODE", "C2xLP"),
+    ],
+)
+def test_what_cannot_go_on_is_told_with_place_registers_and_last_jumps(code: str, sentence: str):
+    rig = Rig(HEAD + f" LCR #_f\n NOP\n .global _f\n_f: NOP\n{code}\n .space 4\n")
+    with pytest.raises(FirmwareError, match=sentence) as error:
+        rig.run()
+    assert "ACC=0x" in str(error.value) and "last jumps: _c_int00 0x00900" in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_a_vector_of_0_is_told():
+    with pytest.raises(FirmwareError, match=r"interrupt TINT0 was taken, whose vector is 0; at 0x\w+ in _c_int00"):
+        Rig(TIMER.replace(" MOVL *XAR5,XAR4\n", ""), "TIMER0").run()
+
+
+def test_the_watchdog_begins_the_program_anew_with_memory_as_it_was():
+    rig = Rig(HEAD.replace("#0x68", "#0x28") + " MOVW DP,#COUNT >> 6\n INC @COUNT\nloop: SB loop,UNC")
+    rig.run(60_000_000)
+    assert rig.dsp.resets >= 1
+    assert rig.word(COUNT) == rig.dsp.resets + 1
+
+
+def test_places_name_the_function_and_the_instruction():
+    rig = Rig(HEAD + " LCR #_f\n .global _f\n_f: MOV AL,@0x701C\nloop: SB loop,UNC").run(20_000)
+    reads = [record for record in rig.records if record.kind is Kind.ACCESS and record.what == "R SYS.PCLKCR0"]
+    assert [record.text for record in reads] == ["_f+0x009009"]

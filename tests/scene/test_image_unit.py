@@ -1,0 +1,83 @@
+"""[unit.NAME] image: a case whose unit runs a .out of our own, and what such a case cannot say."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from periph_sim.image.assemble import assemble_file
+from tests.commands.conftest import Run, periph_sim  # noqa: F401
+
+ECHO = Path(__file__).resolve().parents[2] / "firmware" / "c28x" / "sci_echo.asm"
+CASE = """\
+name = "echo"
+duration = "6 ms"
+
+[unit.dsp]
+image = "echo.out"
+modules = ["SCI-A", "GPIO"]
+
+[serial]
+baud = 115200
+
+[[serial.send]]
+name = "greeting"
+to = "dsp.SCI-A"
+text = "hi\\n"
+at = "5 ms"
+
+[[serial.expect]]
+name = "echo"
+from = "dsp.SCI-A"
+text = "hi\\n"
+after_send = "greeting"
+within = "100 us"
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "echo.out").write_bytes(assemble_file(ECHO)[1])
+    return tmp_path
+
+
+def test_an_image_answers_on_the_line_within_its_budget(periph_sim: Run, folder: Path):  # noqa: F811
+    (folder / "echo.toml").write_text(CASE)
+    came = periph_sim("run", str(folder / "echo.toml"))
+    assert came.status == 0, came.out + came.err
+    assert "3 SCI bytes" in came.out
+
+
+def test_a_budget_that_the_image_breaks(periph_sim: Run, folder: Path):  # noqa: F811
+    (folder / "echo.toml").write_text(CASE.replace("100 us", "80 us"))
+    assert periph_sim("run", str(folder / "echo.toml")).status == 1
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "sentence"),
+    [
+        ('image = "echo.out"\n', "", "a unit needs a program; give firmware, or image"),
+        ("[serial]", 'firmware = "responder"\n[serial]', "a unit has one program; give firmware or image, not both"),
+        ("[serial]", "pll = 5\n[serial]", "pll is of Python firmware; an image says that by itself, so leave it out"),
+        ("echo.out", "none.out", "none.out: No such file or directory"),
+        ("echo.out", "echo.toml", "it is neither TI COFF nor ELF"),
+    ],
+)
+def test_bad_input_is_one_sentence_and_status_2(
+    periph_sim: Run,  # noqa: F811
+    folder: Path,
+    old: str,
+    new: str,
+    sentence: str,
+):
+    (folder / "echo.toml").write_text(CASE.replace(old, new, 1))
+    came = periph_sim("run", str(folder / "echo.toml"))
+    assert (came.status, came.out) == (2, "")
+    assert sentence in came.err and came.err.count("\n") == 1
+
+
+def test_bounds_need_python_firmware(periph_sim: Run, folder: Path):  # noqa: F811
+    (folder / "echo.toml").write_text(CASE + '\n[controller]\norder = ["gyroscope"]\n')
+    came = periph_sim("bound", str(folder / "echo.toml"))
+    assert came.status == 2 and came.err.count("\n") == 1

@@ -20,13 +20,13 @@ from pydantic import AfterValidator, BeforeValidator, InstanceOf
 from periph_sim.core.settings import DurationRange, Spread
 from periph_sim.scene.case.sensor_sets import named as parameter_set
 from periph_sim.sensors.host_frame import ACCELERATION, ANGLE
-from periph_sim.sensors.imu_noise import ImuNoise
 from periph_sim.sensors.models.counts import counts_of
 from periph_sim.sensors.models.imu import Imu, Noise
 from periph_sim.sensors.models.parameters import ImuParameters
 from periph_sim.sensors.numeric import arithmetic_names as named
 from periph_sim.sensors.numeric.estimate import estimate
 from periph_sim.sensors.numeric.float32 import Float32
+from periph_sim.sensors.shared_models import ModelNoise, model_of
 
 FRAME = Struct("<6h")
 LITTLE, BIG = Struct("<3h"), Struct(">3h")
@@ -90,11 +90,11 @@ class Models:
     """arithmetic: "float64", "q16", ... noise_seed: of the sensors' noise, whose sample n goes into the n-th call."""
 
     def __init__(self, arithmetic: str, parameters: ImuParameters, noise_seed: int | None = None) -> None:
-        self._a = named.scalar(arithmetic)
-        self._model: Imu[Any] = Imu(self._a, parameters)
+        self._model = model_of(arithmetic, parameters)
+        self._a = self._model.a
         self._state = self._model.at_rest
         self._quiet = not isinstance(self._a, Float32)  # numpy's arithmetic warns, Python's does not
-        self._noise = None if noise_seed is None else ImuNoise(parameters, noise_seed)
+        self._noise = ModelNoise(arithmetic, parameters, noise_seed)
         self._number = 0
 
     def chips(self, frame: bytes) -> tuple[bytes, bytes, bytes]:
@@ -115,12 +115,9 @@ class Models:
 
     def _added(self) -> Noise[Any]:
         """The noise of this sample. Its making costs nothing here: the dissertation does not say how it was made."""
-        if self._noise is None:
-            return self._model.silence
-        constant = self._a.constant
         added = self._noise.at(self._number)
         self._number += 1
-        return Noise(*((constant(x), constant(y), constant(z)) for x, y, z in added))
+        return added
 
 
 def models_of(settings: ModelSettings) -> Models | None:

@@ -9,19 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
-from functools import lru_cache, partial
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 from msgspec import Struct
 
 from ..sensors.host_frame import ACCELERATION, ANGLE
-from ..sensors.imu_noise import ImuNoise
 from ..sensors.models.finite import check_sample
-from ..sensors.models.imu import Imu, Noise, State
+from ..sensors.models.imu import State
 from ..sensors.models.parameters import ImuParameters
-from ..sensors.numeric import arithmetic_names as named
 from ..sensors.numeric.float32 import Float32
+from ..sensors.shared_models import ModelNoise, model_of
 from .sensor_rounds import CHIPS, ChipData
 
 ModelState = State[Any]
@@ -56,21 +55,14 @@ class Shown(NamedTuple):
     state: ModelState
 
 
-@lru_cache(maxsize=16)
-def _model_of(arithmetic: str, parameters: ImuParameters) -> Imu[Any]:
-    """It keeps no state, so that scenes that compute alike share it."""
-    return Imu(named.scalar(arithmetic), parameters)
-
-
 class ModelCodes:
     def __init__(self, computed: Computed) -> None:
-        self._model = _model_of(computed.arithmetic, computed.parameters)
+        self._model = model_of(computed.arithmetic, computed.parameters)
         self._a = self._model.a
         # numpy's arithmetic warns of x/0, and says itself what that gives; Python's does not
         self._quietly: Callable[[], AbstractContextManager[Any]]
         self._quietly = partial(np.errstate, all="ignore") if isinstance(self._a, Float32) else nullcontext
-        self._noise = None if computed.noise_seed is None else ImuNoise(computed.parameters, computed.noise_seed)
-        self._last_noise: tuple[int, Noise[Any]] | None = None  # of the run worked out last; it may have several frames
+        self._noise = ModelNoise(computed.arithmetic, computed.parameters, computed.noise_seed)
         self.at_rest: ModelState = self._model.at_rest
 
     def run(self, number: int, values: tuple[int, ...], before: ModelState) -> Shown:
@@ -79,7 +71,7 @@ class ModelCodes:
         roll, pitch, yaw, x, y, z = values
         attitude = scaled(roll, ANGLE), scaled(pitch, ANGLE), scaled(yaw, ANGLE)
         pushed = scaled(x, ACCELERATION), scaled(y, ACCELERATION), scaled(z, ACCELERATION)
-        noise, model = self._added(number), self._model
+        noise, model = self._noise.at(number), self._model
         check_sample(attitude, pushed, noise)
         with self._quietly():
             turned, body = model.motion(attitude, before.attitude)
@@ -89,15 +81,6 @@ class ModelCodes:
                 return model.codes_of(chip, turned, pushed, body, before.body, noise)
 
         return Shown(ChipBytes(codes_of), State(attitude, body))
-
-    def _added(self, number: int) -> Noise[Any]:
-        if self._noise is None:
-            return self._model.silence
-        if self._last_noise is None or self._last_noise[0] != number:
-            constant = self._a.constant
-            added = Noise(*((constant(x), constant(y), constant(z)) for x, y, z in self._noise.at(number)))
-            self._last_noise = number, added
-        return self._last_noise[1]
 
 
 def register_bytes(chip: ChipData, xyz: tuple[Any, Any, Any]) -> bytes:

@@ -10,7 +10,9 @@ cdef class ReleaseDelay:
     cdef Kernel _kernel
     cdef Clock _clock
     cdef Socket _socket
-    cdef long long _setup, _pin
+    cdef long long _setup, _pin, _writes, _cycles
     cdef frozenset _touched
-    @cython.locals(chip=Chip, clock=Clock, now=cython.longlong, prescaler=cython.longlong, emdr=cython.longlong, module=cython.longlong, copy=cython.longlong, cycles=cython.longlong)
+    @cython.locals(clock=Clock, now=cython.longlong)
     cpdef long long ticks(self)
+    @cython.locals(chip=Chip, prescaler=cython.longlong, emdr=cython.longlong, module=cython.longlong, copy=cython.longlong)
+    cdef object _look(self, long long now)

@@ -26,10 +26,20 @@ class ReleaseDelay:
         self._setup = i2c.sda_setup_before_scl_release
         self._pin = system.gpio_out_delay
         self._touched: frozenset[str] = frozenset()  # what the chip had touched before the last look at it
+        self._writes = -1  # of the chip, when it was looked at last,
+        self._cycles = 0  # and what came of that
 
     def ticks(self) -> int:
-        chip, clock = self._socket.chip, self._clock
+        clock = self._clock
         now = clock.cycle_at(self._kernel.now)
+        if self._socket.chip.writes != self._writes:
+            self._look(now)
+        return clock.tick(now + self._cycles) - clock.tick(now)
+
+    def _look(self, now: int) -> None:
+        """At both registers, which only a write changes."""
+        chip = self._socket.chip
+        self._writes = chip.writes
         touched = chip.touched
         if len(touched) != len(self._touched):
             self._touched = frozenset(touched)
@@ -38,5 +48,4 @@ class ReleaseDelay:
             touched.intersection_update(self._touched)  # looking is not depending on them
         module = ((prescaler & IPSC) >> IPSC_PLACE) + 1
         copy = 0 if emdr & BCM else module
-        cycles = copy + max(1, self._setup * module) + self._pin
-        return clock.tick(now + cycles) - clock.tick(now)
+        self._cycles = copy + max(1, self._setup * module) + self._pin

@@ -51,7 +51,7 @@ class I2c(Chip):
     OUTPUTS: tuple[str, ...] = ("SCL", "SDA")
     LINES: tuple[str, ...] = ("I2CINT1A", "I2CINT2A")
     mid_byte: tuple[int, ...] = (at.MDR, at.CLKL, at.CLKH)
-    steady: tuple[int, ...] = (at.OAR, at.IER, at.CLKL, at.CLKH, at.SAR, at.PSC)
+    steady: tuple[int, ...] = (at.OAR, at.IER, at.CLKL, at.CLKH, at.SAR, at.EMDR, at.PSC)
 
     def __init__(self, options: I2cOptions = I2cOptions()) -> None:  # noqa: B008 (frozen)
         self.options = options

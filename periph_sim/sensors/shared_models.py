@@ -1,0 +1,84 @@
+"""Sensor models that several compute alike: each sample is worked out once, by whoever comes first.
+
+    arithmetic, parameters -------> model_of ---> Imu: the firmware's, and that of who checks what it shows
+    arithmetic, parameters, seed -> ModelNoise -> sample n of the noise, in the model's numbers
+
+A model keeps no state, so what it makes of the same numbers is the same. It is remembered where numbers are integers,
+as in Q: of floats, 0.0 equals -0.0 and is another number.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+from .imu_noise import ImuNoise
+from .models.angles import Angles
+from .models.derivative import Triple
+from .models.imu import Imu, Noise
+from .models.parameters import ImuParameters
+from .numeric import arithmetic_names as named
+from .numeric.q import Q
+
+REMEMBERED = 16  # samples: more than one run of a scene's models may have been made of
+
+
+class RememberingImu(Imu[int]):
+    """An Imu in Q that knows the last samples."""
+
+    def __init__(self, a: Q, imu: ImuParameters) -> None:
+        super().__init__(a, imu)
+        self._motion = lru_cache(REMEMBERED)(super().motion)
+        self._codes_of = lru_cache(3 * REMEMBERED)(super().codes_of)
+
+    def motion(self, attitude: Triple[int], before: Triple[int]) -> tuple[Angles[int], Triple[int]]:
+        return self._motion(attitude, before)
+
+    def codes_of(
+        self,
+        chip: str,
+        turned: Angles[int],
+        acceleration: Triple[int],
+        body: Triple[int],
+        body_before: Triple[int],
+        noise: Noise[int],
+    ) -> Triple[int]:
+        return self._codes_of(chip, turned, acceleration, body, body_before, noise)
+
+
+@lru_cache(maxsize=16)
+def model_of(arithmetic: str, parameters: ImuParameters) -> Imu[Any]:
+    """Scenes that compute alike share it. NoSuchArithmetic or DoesNotFit if there is none."""
+    a = named.scalar(arithmetic)
+    return RememberingImu(a, parameters) if isinstance(a, Q) else Imu(a, parameters)
+
+
+Slots = list[tuple[int, Noise[Any]] | None]
+
+
+@lru_cache(maxsize=16)
+def _slots(arithmetic: str, parameters: ImuParameters, seed: int) -> Slots:
+    """Samples with their numbers, each in the place that its number gives it."""
+    return [None] * REMEMBERED
+
+
+class ModelNoise:
+    """The noise of a model's samples. seed: None for none."""
+
+    def __init__(self, arithmetic: str, parameters: ImuParameters, seed: int | None) -> None:
+        model = model_of(arithmetic, parameters)
+        self._constant, self._silence = model.a.constant, model.silence
+        self._noise = None if seed is None else ImuNoise(parameters, seed)
+        self._slots: Slots = [] if seed is None else _slots(arithmetic, parameters, seed)
+
+    def at(self, number: int) -> Noise[Any]:
+        """Of sample `number`, from 0."""
+        if self._noise is None:
+            return self._silence
+        slot = number % REMEMBERED
+        known = self._slots[slot]
+        if known is None or known[0] != number:
+            constant = self._constant
+            made = Noise(*((constant(x), constant(y), constant(z)) for x, y, z in self._noise.at(number)))
+            known = self._slots[slot] = number, made
+        return known[1]

@@ -186,12 +186,12 @@ class Gpio(GpioSettings):
 
     def peek(self, now: int, offset: int) -> int:
         self._catch_up(now)
+        if at.DATA <= offset < at.SELECT:
+            port, word = (offset - at.DATA) // at.DATA_WORDS, (offset - at.DATA) % at.DATA_WORDS
+            return self._shown(now) >> 32 * port + 16 * (word & 1) & 0xFFFF if word < at.SET else 0
         half = HALVES.get(offset)
         if half is None:
             return 0
-        if at.DATA <= offset < at.SELECT:
-            port, word = divmod(offset - at.DATA, at.DATA_WORDS)
-            return self._shown(now) >> 32 * port + 16 * (word & 1) & 0xFFFF if word < at.SET else 0
         register, shift = half
         shown, _ = register.read(self._stored[register.offset])
         return shown >> shift & 0xFFFF

@@ -19,11 +19,11 @@ DIRECTIONS = tuple(at.GPIO[f"GP{port}DIR"].offset for port in "ABC")
 PULL_UPS = tuple(at.GPIO[f"GP{port}PUD"].offset for port in "ABC")
 CONTROLS = tuple(at.GPIO[f"GP{port}CTRL"].offset for port in "AB")
 
-STEADY = tuple(  # all but GPxDAT, where pads are read, and their kin
+STEADY = tuple(  # all but GPxDAT, where pads are read
     register.offset + word
     for register in at.GPIO
     for word in range(register.width // 16)
-    if not at.DATA <= register.offset < at.SELECT
+    if not register.name.endswith("DAT")
 )
 
 

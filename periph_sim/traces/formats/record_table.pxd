@@ -5,14 +5,15 @@ from ...core.records cimport Keeper
 
 cdef class Columns(Keeper):
     cdef dict _topics
-    cdef object _topic, _number, _tick, _value, _cause, _text, _field, _texts, _fields
-    cdef unsigned int[::1] _tags
+    cdef object _topic, _number, _tick, _value, _cause, _text, _field
+    cdef dict _texts, _fields
+    cdef unsigned int[::1] _tags, _text_places, _field_places
     cdef long long[::1] _numbers, _ticks, _values, _causes
-    cdef list _texts_here, _fields_here
     cdef Py_ssize_t _filled
     cdef object _begin(self)
     @cython.locals(filled=cython.Py_ssize_t)
     cdef object _put(self)
+    cdef object _new(self, dict places, object text)
     cpdef long long tag_of(self, object kind, str where, str what)
     @cython.locals(row=cython.Py_ssize_t)
     cpdef void keep(self, long long tag, long long number, long long tick, long long value, object text, long long cause, object field)

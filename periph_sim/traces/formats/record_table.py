@@ -132,7 +132,8 @@ class Columns(Keeper):
         self._topic = array("I")
         self._number, self._tick, self._value, self._cause = array("q"), array("q"), array("q"), array("q")
         self._text, self._field = array("I"), array("I")
-        self._texts, self._fields = Strings(), Strings()
+        self._texts: dict[str, int] = {}
+        self._fields: dict[str, int] = {}
         self._begin()
 
     def _begin(self) -> None:
@@ -143,7 +144,7 @@ class Columns(Keeper):
         self._ticks = array("q", bytes(8 * BLOCK))
         self._values = array("q", bytes(8 * BLOCK))
         self._causes = array("q", bytes(8 * BLOCK))
-        self._texts_here, self._fields_here = [""] * BLOCK, [""] * BLOCK
+        self._text_places, self._field_places = array("I", bytes(4 * BLOCK)), array("I", bytes(4 * BLOCK))
 
     def _put(self) -> None:
         """Put the block into the columns."""
@@ -154,10 +155,10 @@ class Columns(Keeper):
             (self._tick, self._ticks),
             (self._value, self._values),
             (self._cause, self._causes),
+            (self._text, self._text_places),
+            (self._field, self._field_places),
         ):
             column.frombytes(memoryview(block)[:filled].cast("B"))
-        self._text.extend(array("I", map(self._texts.__getitem__, self._texts_here[:filled])))
-        self._field.extend(array("I", map(self._fields.__getitem__, self._fields_here[:filled])))
         self._filled = 0
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
@@ -170,11 +171,18 @@ class Columns(Keeper):
         self._ticks[row] = tick
         self._values[row] = value
         self._causes[row] = cause
-        self._texts_here[row] = text
-        self._fields_here[row] = field
+        place = self._texts.get(text)
+        self._text_places[row] = self._new(self._texts, text) if place is None else place
+        place = self._fields.get(field)
+        self._field_places[row] = self._new(self._fields, field) if place is None else place
         self._filled = row = row + 1
         if row == BLOCK:
             self._put()
+
+    def _new(self, places: dict[str, int], text: str) -> int:
+        """The place of a string that has none yet."""
+        places[text] = place = len(places)
+        return place
 
     def add(self, record: Record) -> None:
         """One that was made elsewhere."""

@@ -18,6 +18,13 @@ cdef class Onlooker:
 
 
 @cython.final
+cdef class _Input:
+    cdef public long long cycle, cause
+    cdef public _Input following
+    cdef bint comes_before(self, _Input other)
+
+
+@cython.final
 cdef class Socket(Agent):
     cdef public str name
     cdef public Chip chip
@@ -35,15 +42,19 @@ cdef class Socket(Agent):
     cdef object _on_request
     cdef long long _out, _held, _wake_cycle, _last_cause
     cdef Event _wake
-    cdef list _inputs, _watched, _moving, _looked
-    cdef long long _writes
+    cdef list _watched, _moving, _looked
+    cdef long long _writes, _inputs
+    cdef _Input _first_input, _last_input, _spare
     cdef object _touched
     cdef dict _note_count
     cpdef long long read(self, long long cycle, long long offset)
     cpdef long long peek(self, long long cycle, long long offset)
     cpdef long long see(self, long long cycle, long long offset)
     cpdef void write(self, long long cycle, long long offset, long long value)
+    @cython.locals(given=_Input, before=_Input, after=_Input, cause=cython.longlong)
     cpdef void given(self, long long cycle)
+    @cython.locals(first=_Input)
+    cdef void _take_first(self)
     cdef void _woken(self)
     cdef long long _cause_at(self, long long cycle)
     cpdef void publish(self, long long cycle, long long looks=*)

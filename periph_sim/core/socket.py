@@ -7,7 +7,6 @@ Every path into a chip ends in `publish`, so no output, request or wake-up is fo
 
 from __future__ import annotations
 
-from bisect import bisect_right, insort
 from collections.abc import Callable
 from typing import Protocol
 
@@ -19,7 +18,6 @@ from .shortcuts import Untold
 from .time import Clock
 from .wire import BITS, Pin, Sampler
 
-LAST = 1 << 62  # no record has so high a number
 MOST_INPUTS = 64  # that may wait for their effect; a chip that never wakes has no use for more
 
 # What an event is for: the chip's wake-up, another look at its inputs, or output n // 2 - 1 to level n % 2, and in
@@ -103,7 +101,10 @@ class Socket(Agent):
         self._wake: Event = kernel.event(self, phase)  # what promises that wake-up
         self._last_cause = 0
         self.traces = recorder.wants(Kind.EDGE) and (recorder.wants(Kind.FLAG) or recorder.wants(Kind.ACCESS))
-        self._inputs: list[tuple[int, int]] = []  # (cycle from which it has effect, record) of what the chip was given
+        self._inputs = 0  # that the chip was given, and that have had no effect yet:
+        self._first_input: _Input | None = None  # a chain of them, by cycle and then by record,
+        self._last_input: _Input | None = None
+        self._spare: _Input | None = None  # and one of those that have had it
         wanted = [r for r in chip.MAP if recorder.wants(Kind.FLAG, f"{name}.{r.name}")]
         self._watched = [_WatchedRegister(r, recorder, name) for r in wanted]
         self._moving = [r for r in self._watched if r.offset not in chip.steady or r.upper not in (0, *chip.steady)]
@@ -180,15 +181,38 @@ class Socket(Agent):
 
     def given(self, cycle: int) -> None:
         """What is being worked under has effect from `cycle` on: the cause of what the chip then does by itself."""
-        cause, inputs = self._recorder.cause, self._inputs
-        if cause:
-            given = (cycle, cause)
-            if not inputs or inputs[-1] <= given:
-                inputs.append(given)
-            else:
-                insort(inputs, given)
-            if len(inputs) > MOST_INPUTS:
-                del inputs[:-MOST_INPUTS]
+        cause, given = self._recorder.cause, self._spare
+        if not cause:
+            return
+        if given is None:
+            given = _Input()
+        else:
+            self._spare = given.following
+        given.cycle, given.cause = cycle, cause
+        before = self._last_input
+        if before is not None and given.comes_before(before):  # rarely
+            before, after = None, self._first_input
+            while after is not None and not given.comes_before(after):
+                before, after = after, after.following
+        if before is None:
+            given.following, self._first_input = self._first_input, given
+        else:
+            given.following, before.following = before.following, given
+        if given.following is None:
+            self._last_input = given
+        self._inputs += 1
+        if self._inputs > MOST_INPUTS:
+            self._take_first()
+
+    def _take_first(self) -> None:
+        """The first of what was given is no input to come any more."""
+        first = self._first_input
+        assert first is not None
+        self._first_input = first.following
+        if first.following is None:
+            self._last_input = None
+        first.following, self._spare = self._spare, first
+        self._inputs -= 1
 
     def _woken(self) -> None:
         cycle = self._wake_cycle
@@ -204,11 +228,9 @@ class Socket(Agent):
 
     def _cause_at(self, cycle: int) -> int:
         """The record of the last input that had effect by then."""
-        inputs = self._inputs
-        if inputs and inputs[0][0] <= cycle:
-            passed = bisect_right(inputs, (cycle, LAST))
-            self._last_cause = inputs[passed - 1][1]
-            del inputs[:passed]
+        while self._first_input is not None and self._first_input.cycle <= cycle:
+            self._last_cause = self._first_input.cause
+            self._take_first()
         return self._last_cause
 
     def later(self, tick: int, action: Callable[[], None]) -> None:
@@ -393,6 +415,20 @@ class Socket(Agent):
                 self._recorder.emit(tick, Kind.NOTE, self.name, note.code, seen + 1, f"{note.text} [{note.source}]")
             if self.on_note is not None:
                 self.on_note(cycle, note)
+
+
+class _Input:
+    """What a chip was given. cycle: from which on it has effect. cause: the record. following: the next one."""
+
+    __slots__ = ("cause", "cycle", "following")
+
+    def __init__(self) -> None:
+        self.cycle = self.cause = 0
+        self.following: _Input | None = None
+
+    def comes_before(self, other: _Input) -> bool:
+        """By cycle; by record, where they are of one cycle."""
+        return self.cycle < other.cycle or (self.cycle == other.cycle and self.cause < other.cause)
 
 
 class _WatchedField:

@@ -60,18 +60,15 @@ class I2c(Chip):
         self.limits = I2cLimits(self.state)
         self.master = I2cMaster(self.state, self.limits)
         self.next_wake = NEVER
-        self.writes = 0
         self._timer = NEVER  # the first of all timers inside, as of the last input
-        self.out = BOTH
-        self.requests = self.held = 0
+        self.out = self._pins = BOTH
+        self.requests = self.held = self.writes = 0
         self.notes = self.state.notes
         self.touched = self.state.touched
-        self._clocked = False
-        self._pins = BOTH
+        self._clocked = self._suspended = False
         self._lines = I2cNoiseFilter(options.unequal_arrival == "one_sample", self.touched)
         self.filter_width = self.state.filter_width
         self._bus_busy = False  # between a START and a STOP, also of those that came while IRS was 0
-        self._suspended = False
         self._frozen_pull = 0  # what a halted slave pulls until the CPU runs on
         self._readable = -1  # what could be read after the last edge or timer; -1: something else came since
 
@@ -273,7 +270,8 @@ class I2c(Chip):
         return state.emdr() if offset == at.EMDR else state.stored(offset)
 
     def write(self, now: int, offset: int, value: int) -> None:
-        self.writes += 1
+        if offset != at.DXR and offset != at.STR:
+            self.writes += 1
         self._advance(now)
         if not self._accessible():
             return
@@ -447,9 +445,8 @@ class I2c(Chip):
         self.state.reset()
         self.target.reset()
         self.master.reset()
-        self._clocked = False
-        self.held = 0
+        self._clocked = self._suspended = False
+        self.held = self._frozen_pull = 0
         self.filter_width = self.state.filter_width
         self._lines.settle(self._pins)
-        self._suspended, self._frozen_pull = False, 0
         self._plan()

@@ -92,7 +92,7 @@ ROWS: dict[str, Row] = {
         {"unit": {"dsp": LOGGER}, "host": {**HOST, "motion": {"kind": "static"}}},
     ),
     "sensor models": Row(
-        ("sensors.models.imu", "sensors.numeric.", "devices.model_codes"),
+        ("sensors.models.imu", "sensors.numeric.", "sensors.shared_models", "devices.model_codes"),
         {"unit": {"dsp": IMU}, "host": HOST, "controller": {**HEAD, "period": "20 ms"}},
     ),
     "sensor chip": Row(

@@ -63,8 +63,7 @@ class I2c(Chip):
         self._timer = NEVER  # the first of all timers inside, as of the last input
         self.out = self._pins = BOTH
         self.requests = self.held = self.writes = 0
-        self.notes = self.state.notes
-        self.touched = self.state.touched
+        self.notes, self.touched = self.state.notes, self.state.touched
         self._clocked = self._suspended = False
         self._lines = I2cNoiseFilter(options.unequal_arrival == "one_sample", self.touched)
         self.filter_width = self.state.filter_width
@@ -270,8 +269,7 @@ class I2c(Chip):
         return state.emdr() if offset == at.EMDR else state.stored(offset)
 
     def write(self, now: int, offset: int, value: int) -> None:
-        if offset != at.DXR and offset != at.STR:
-            self.writes += 1
+        self.writes += offset not in (at.DXR, at.STR)
         self._advance(now)
         if not self._accessible():
             return

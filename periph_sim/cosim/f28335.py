@@ -107,10 +107,11 @@ class F28335:
         self._timer: Any = None
         self._failed = Event()
         self._fault: Exception | None = None
+        self._over = False  # nothing of the simulator counts any more
         for signal in self._driven.values():
             signal.value = 1
         cocotb.start_soon(self._begin(read))
-        cocotb.start_soon(self._fail())
+        cocotb.start_soon(self._last())
         for name, signal in read.items():
             self._listen(name, signal)
         self.log.info("F28335: case %s, lines %s", case.name, ", ".join(outside))
@@ -126,6 +127,7 @@ class F28335:
             if until > session.now:
                 self._show(session.advance(until))
             self._result = session.finish()
+            self._over = True
             self._ended_at(session.scene.kernel.now)
             self._files.close()
         return self._result
@@ -153,24 +155,24 @@ class F28335:
     async def _begin(self, read: Mapping[str, Any]) -> None:
         """The levels that lines have once what runs at the beginning has run."""
         await ReadWrite()
-        for name, signal in read.items():
-            self._moved(name, signal)
-        self._plan()
+        if not self._over:
+            for name, signal in read.items():
+                self._moved(name, signal)
+            self._plan()
 
     def _listen(self, name: str, signal: Any) -> None:
         """To the next change of a line."""
         simulator.register_value_change_callback(signal._handle, self._changed, simulator.VALUE_CHANGE, name, signal)
 
     def _changed(self, name: str, signal: Any) -> None:
-        if self._result is not None or self._fault is not None:
+        if self._over:
             return
         self._listen(name, signal)
         try:
             self._moved(name, signal)
             self._plan()
         except Exception as error:
-            self._fault = error
-            self._failed.set()
+            self._fail(error)
 
     def _moved(self, name: str, signal: Any) -> None:
         session = self.session
@@ -182,11 +184,20 @@ class F28335:
             if signal is not None:
                 signal.value = Immediate(change.level)
 
-    async def _fail(self) -> None:
-        """Of what goes wrong in a callback nobody would hear."""
-        await self._failed.wait()
-        assert self._fault is not None
-        raise self._fault
+    def _fail(self, error: Exception) -> None:
+        """In a callback, where nobody would hear of it."""
+        self._over = True
+        self._fault = error
+        self._failed.set()
+
+    async def _last(self) -> None:
+        """As long as the test lasts: what goes wrong ends it, and its end is ours."""
+        try:
+            await self._failed.wait()
+            if self._fault is not None:
+                raise self._fault
+        finally:
+            self._over = True
 
     # Time -----------------------------------------------------------------------------
 
@@ -205,7 +216,7 @@ class F28335:
 
     def _woken(self) -> None:
         self._timer, self._due = None, NEVER
-        if self._result is not None or self._fault is not None:
+        if self._over:
             return
         self.wakes += 1
         try:
@@ -214,8 +225,7 @@ class F28335:
                 self._show(self.session.advance(until))
             self._plan()
         except Exception as error:
-            self._fault = error
-            self._failed.set()
+            self._fail(error)
 
 
 def _now() -> int:

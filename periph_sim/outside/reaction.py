@@ -189,9 +189,8 @@ class Reaction(Agent):
             if event.tag == WAKE and isinstance(agent.chip, I2c):
                 return _tick_of(self._clocks[agent], agent.chip.next_output() + agent.out_delay)
         elif isinstance(agent, Processor):
-            if not any(
-                chip.target.pulls & SCL or chip.master.active for chip in self._chips[agent]
-            ):  # a read ends that
+            waits = any(chip.target.pulls & SCL or chip.master.active for chip in self._chips[agent])
+            if not waits:  # which a read may end, and that acts at once
                 clock = self._cpu_clocks[agent]
                 return _tick_of(clock, agent.next_output(clock.cycle_at(event.time)))
         elif isinstance(agent, Router) and event.tag == BETWEEN and not self._at_once:

@@ -96,6 +96,7 @@ def run_benches(folder: Path, rounds: int, phases: int, simulator: str = "icarus
         folder=folder,
         simulator=simulator,
         environment={TOLD: str(folder)},
+        build_args=["-Wno-fatal"] if simulator == "verilator" else [],
         **more,
     )
 

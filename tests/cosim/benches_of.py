@@ -17,6 +17,8 @@ from cocotbext.uart import UartSink, UartSource
 from periph_sim.cosim import F28335, OutsideError
 from tests.cosim.benches import CASES, echo, told
 
+LEFT: list[F28335] = []  # without an end, by a test that is over
+
 
 def part(dut: Any, bench: str, *, bus: bool = True, serial: bool = False, **more: Any) -> F28335:
     """The case of this bench on the bus, on the serial line or on both; its log and records in the bench's folder."""
@@ -250,6 +252,7 @@ async def refusals(dut: Any) -> None:
         except OutsideError as error:
             sentences[level] = str(error)
     dut.rx.value = 1
+    LEFT.append(dsp)
     (told()[0] / "refusals.json").write_text(json.dumps(sentences))
 
 
@@ -260,3 +263,18 @@ async def a_line_that_loses_its_level(dut: Any) -> None:
     await Timer(1, "us")
     dut.rx.value = "x"
     await Timer(10, "us")
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def what_a_test_left_is_over_with_it(dut: Any) -> None:
+    """A START and clocks, of which a part of an earlier test would be woken."""
+    (left,) = LEFT
+    wakes = left.wakes
+    dut.other_sda.value = 0
+    for level in (0, 1) * 9:
+        await Timer(5, "us")
+        dut.other_scl.value = level
+    await Timer(5, "us")
+    dut.other_sda.value = 1
+    await Timer(5, "us")
+    assert left.wakes == wakes > 0

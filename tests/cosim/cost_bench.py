@@ -51,8 +51,6 @@ async def rounds(dut: Any) -> None:
     if profile is not None:
         profile.disable()
         profile.dump_stats(os.environ["COST_PROFILE"])
-    from periph_sim import form
-
     found = {
         "form": form.running,
         "note": form.note,

@@ -52,8 +52,6 @@ async def rounds(dut: Any) -> None:
         profile.disable()
         profile.dump_stats(os.environ["COST_PROFILE"])
     found = {
-        "form": form.running,
-        "note": form.note,
         "seconds": process_time() - begin,
         "wakes": 0 if dsp is None else dsp.wakes,
     }

@@ -33,6 +33,7 @@ SENTENCES = {
     r"[\w .]+: .* is (over|under) its limit of ": "a broken budget with its instant",
     r"(dsp|unit) \S+: .* \[.*\]$": "a finding of a lint, in the form of a compiler's messages",
     r"DIFFERENT: |EQUAL: |UNDECIDABLE at ": "the verdict of diff and compliance",
+    r"[\w .]+: '.*' still waited for .* when the run ended": "a budget that was not judged to the end, with its events",
     r"[\w ]+: .* \(max .*\); ": "the parts of a budget of several measures",
     r"\S+, \S+: (PASS|FAIL)": "the verdict of a replay, behind the capture's path",
     r"[\d.]+  S .* P$": "a transfer of `decode --transfers` is one line, however long",

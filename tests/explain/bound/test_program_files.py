@@ -12,13 +12,13 @@ from periph_sim.processor.source_location import PACKAGE
 from periph_sim.scene.firmware_loader import load_firmware
 
 
-@pytest.mark.parametrize("libraries", [program.LIBRARIES, (*program.LIBRARIES, str(Path(PACKAGE).parent))])
+@pytest.mark.parametrize("libraries", [program.LIBRARIES, (*program.LIBRARIES, str(PACKAGE))])
 def test_start_up_code_is_read_where_the_package_is_among_libraries_too(
     monkeypatch: pytest.MonkeyPatch, libraries: tuple[str, ...]
 ) -> None:
     monkeypatch.setattr(program, "LIBRARIES", libraries)
     read = program.Program(load_firmware("responder").main).modules
-    assert [Path(path).name for path in sorted(read)] == ["responder.py", "startup.py"]
+    assert [Path(path).name for path in sorted(read)] == ["responder.py", "slave_module.py", "startup.py"]
 
 
 def test_modules_that_a_module_of_the_firmware_imports_are_read_too(tmp_path: Path) -> None:

@@ -58,7 +58,8 @@ def check(
     are baselines/NAME.json beside the case, or in `baselines` of that table.
 
     Exit status 0: every budget holds, or breaks where the case says that it must, and every
-    figure is that of the baseline; 1: not so; 2: a case could not be run (the others were).
+    figure is that of the baseline; 1: not so; 2: a case could not be run (the others were). Cases
+    that are driven from outside are named, and left out.
     """
     if update and changes:
         raise click.UsageError("--update-baseline with --set: a baseline is of the case as it stands; leave one out")
@@ -88,11 +89,18 @@ def check(
             unfinished.write_text(junit(checks, refused), encoding="utf-8")
         if unfinished_html is not None:
             unfinished_html.write_text(_html(checks, jobs), encoding="utf-8")
+    outside = [one for one in refused if one.outside]
+    refused = [one for one in refused if not one.outside]
+    if outside and not checks and not refused:
+        raise click.ClickException(f"there is nothing to check: {outside[0].why}")
     passed = all(one.passed for one in checks) and not refused
     if as_json:
-        print_json("check", _object(checks, refused, passed))
+        driven = {"driven_from_outside": [{"file": one.path.as_posix(), "why": one.why} for one in outside]}
+        print_json("check", _object(checks, refused, passed) | driven)
     else:
         _show(checks, refused)
+        for one in outside:
+            click.echo(f"{one.path.as_posix()}: driven from outside, so it is not run here")
     if annotations is not None:
         from ..reports.baselines.annotations import github
 

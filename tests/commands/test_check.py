@@ -190,6 +190,20 @@ def test_a_bad_case_is_a_row_an_error_and_status_2_and_the_others_are_judged(per
     assert [one["file"] for one in told["refused"]] == ["timing/bad.toml"] and len(told["cases"]) == 1
 
 
+def test_a_case_that_others_drive_is_named_and_left_out(periph_sim: Run, cases: Path):
+    put(cases, "theirs")
+    theirs = cases / "theirs.toml"
+    theirs.write_text(theirs.read_text().replace("[controller]", '[outside]\nwires = ["SDA"]\n\n[controller]', 1))
+    came = periph_sim("check", "--jobs", "1", "--update-baseline")
+    assert (came.status, came.err) == (0, "") and not (cases / "baselines" / "theirs.json").exists()
+    assert "check: 1 of 1 as they should be" in came.out
+    assert "\ntiming/theirs.toml: driven from outside, so it is not run here\n" in came.out
+    told = json.loads(periph_sim("check", "--jobs", "1", "--json").out)
+    assert told["verdict"] == "pass" and [one["file"] for one in told["driven_from_outside"]] == ["timing/theirs.toml"]
+    alone = periph_sim("check", "--jobs", "1", str(theirs))
+    assert alone.status == 2 and "there is nothing to check: timing/theirs.toml, line" in alone.err.replace("\n", " ")
+
+
 def test_a_run_needs_nothing_of_a_terminal(cases: Path):
     """In a process as a worker is: nothing of the command line or of tables is imported."""
     code = (

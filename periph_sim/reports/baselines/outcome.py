@@ -18,6 +18,7 @@ from ...f28335.system.memory_map import NoSuchAddress
 from ...processor.error_origin import FirmwareError
 from ...scene.case.load import load
 from ...scene.case.model import BadCase, Case
+from ...scene.outside_wires import not_run
 from ...scene.result import Result
 from ...scene.scene import Scene
 from ...timing.budgets import BudgetJudge
@@ -68,10 +69,11 @@ class Outcome:
 
 @dataclass
 class RejectedCase:
-    """A case that cannot be run: one sentence, for the user."""
+    """A case that cannot be run: one sentence, for the user. outside: others drive it, so that nothing is wrong."""
 
     path: Path
     why: str
+    outside: bool = False
 
 
 @dataclass
@@ -85,7 +87,10 @@ class Chains:
 def run_case(path: Path, changes: tuple[str, ...] = (), keep_values: bool = False) -> Outcome | RejectedCase:
     """Run a case for its own duration."""
     try:
-        return _outcome(path, load(path, list(changes)), changes, keep_values)
+        case = load(path, list(changes))
+        if case.outside is not None and case.outside.log is None:
+            return RejectedCase(path, str(not_run(case)), outside=True)
+        return _outcome(path, case, changes, keep_values)
     except REFUSED as error:
         return RejectedCase(path, str(error))
 

@@ -54,7 +54,10 @@ def test_first_words_that_begin_no_instruction():
     """How many do was counted from the manual's opcode rows."""
     rows = [row for row in encodings() if row.objmode != "0"]
     begun = {(row.mask >> 16, row.value >> 16) for row in rows}
-    known = sum(any(first & mask == value for mask, value in begun) for first in range(0x10000))
+    known = 0
+    for upper in range(0, 0x10000, 0x100):  # those of this upper byte only: forty times quicker
+        near = [(mask, value) for mask, value in begun if (upper ^ value) & mask & 0xFF00 == 0]
+        known += sum(any(first & mask == value for mask, value in near) for first in range(upper, upper + 0x100))
     assert known == 63_144
     assert decode(0x5612, 0) is None
     assert decode(0x761E, 0) is None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import pytest
@@ -33,3 +34,9 @@ def test_the_command(periph_sim: Run, tmp_path: Path) -> None:
         refused = periph_sim("host-unit", *arguments)
         said = refused.err.replace("\n", " ")
         assert refused.status == 2 and any(part in said for part in sentence.split("|")), said
+
+
+def test_without_pyserial_the_way_out_is_told(periph_sim: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "serial", None)
+    came = periph_sim("host-unit", "/dev/none", "--udp", "0")
+    assert (came.status, came.err) == (2, "Error: the host unit needs pyserial: pip install 'periph-sim[live]'\n")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import socket
 import struct
+import sys
 import threading
 from collections.abc import Iterator
 from fractions import Fraction
@@ -15,6 +16,7 @@ from periph_sim.outside import OutsideError, Session
 from periph_sim.outside.live.backlog import Backlog
 from periph_sim.outside.live.loop import Loop
 from periph_sim.outside.live.pacing import Pacer
+from periph_sim.outside.live.port_door import PortDoor
 from tests.outside.live.echo import written
 
 serial = pytest.importorskip("serial", reason="pyserial is not installed: the extra live has it")
@@ -182,3 +184,13 @@ def test_a_port_that_is_taken_is_refused(served: Served, tmp_path: Path) -> None
         Rfc2217Door(served.line, 115_200, "8n1", served.address[1])
     with pytest.raises(OutsideError, match=r"port 0 of 192.0.2.1: Cannot assign requested address; give another one"):
         Rfc2217Door(served.line, 115_200, "8n1", 0, "192.0.2.1")  # of RFC 5737, which is nobody's
+
+
+def test_without_pyserial_the_way_out_is_told(served: Served, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "serial", None)
+    for made, what in (
+        (lambda: Rfc2217Door(served.line, 115_200, "8n1", 0), "RFC 2217"),
+        (lambda: PortDoor(served.line, "/dev/none", 115_200, "8n1"), "a real port"),
+    ):
+        with pytest.raises(OutsideError, match=rf"{what} needs pyserial: pip install 'periph-sim\[live\]'"):
+            made()

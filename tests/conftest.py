@@ -23,6 +23,7 @@ from tests.waves import Diagram
 
 pytest_plugins = [
     "pytester",  # runs the pytest plugin as a user's project would
+    "tests.headless_browser",
     "tests.rules.outcomes",  # which rules of the manuals are proved
 ]
 

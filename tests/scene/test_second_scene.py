@@ -10,12 +10,12 @@ import pytest
 from periph_sim.core.options import _defaults
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
-from periph_sim.devices.model_codes import _model_of
 from periph_sim.scene.case.load import load
 from periph_sim.scene.context import _exact_ticks
 from periph_sim.scene.firmware_loader import BadSetting, _settings_of, load_firmware, settings_for
 from periph_sim.scene.host_motion import encoding_of
 from periph_sim.scene.scene import Scene
+from periph_sim.sensors.shared_models import model_of
 from periph_sim.timing.budgets import _nearest_tick
 from periph_sim.timing.language.events import event_of
 from periph_sim.timing.language.language import measure_of
@@ -28,7 +28,7 @@ SHARED = {
     "settings": _settings_of,
     "lengths": _exact_ticks,
     "limits": _nearest_tick,
-    "models": _model_of,
+    "models": model_of,
     "options": _defaults,
 }
 

@@ -1,18 +1,15 @@
-"""A headless Chromium, started once; pages of it that fail a test at any error, dialog or request of theirs."""
+"""Pages of a headless Chromium that fail a test at any error, dialog or request of theirs."""
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Error, Page, sync_playwright
+from playwright.sync_api import Browser, Page
 
 from periph_sim.reports.html import CaseReport, page
 from tests.reports.html.made import small_report
-
-NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 
 Open = Callable[..., Page]
 
@@ -20,18 +17,6 @@ Open = Callable[..., Page]
 @pytest.fixture(scope="session")
 def small(tmp_path_factory: pytest.TempPathFactory) -> CaseReport:
     return small_report(tmp_path_factory.mktemp("small"))
-
-
-@pytest.fixture(scope="session")
-def browser() -> Iterator[Browser]:
-    path = next(filter(None, map(shutil.which, NAMES)), None)
-    with sync_playwright() as driver:
-        try:  # without a path: the browser that `playwright install chromium` left
-            started = driver.chromium.launch(executable_path=path, args=["--no-sandbox"])
-        except Error as error:
-            pytest.skip(f"no browser can be started: {error.message.partition(chr(10))[0]}")
-        yield started
-        started.close()
 
 
 @pytest.fixture

@@ -15,7 +15,6 @@ from periph_sim.outside.live.view.browser import Browser
 from periph_sim.outside.live.view.door import EVERY, ViewDoor
 from periph_sim.outside.live.view.status import Snapshot
 from tests.outside.live.view.imu import FRAME, Imu
-from tests.reports.html.conftest import browser as chromium  # noqa: F401
 
 
 @pytest.fixture(scope="module")
@@ -100,10 +99,10 @@ def test_the_door_puts_a_snapshot_some_times_a_second_and_one_at_the_end() -> No
 
 
 @pytest.mark.long  # a browser
-def test_it_shows_all_of_a_snapshot(board: Board, served: Browser, told: Snapshot, chromium) -> None:  # noqa: F811
+def test_it_shows_all_of_a_snapshot(board: Board, served: Browser, told: Snapshot, browser) -> None:
     wrong: list[str] = []
     for width, scheme in ((1400, "dark"), (400, "light")):
-        page = chromium.new_page(viewport={"width": width, "height": 900}, color_scheme=scheme)
+        page = browser.new_page(viewport={"width": width, "height": 900}, color_scheme=scheme)
         page.on("console", lambda message: wrong.append(message.text))
         page.on("pageerror", lambda error: wrong.append(str(error)))
         board.put(told)

@@ -73,7 +73,7 @@ def host_unit(
         else:
             assert flight is not None
             source = FlightFrames(flight, encoding, every)
-        with serial.serial_for_url(port, baud, write_timeout=WAITS) as line:
+        with _opened(serial, port, baud) as line:
             pacer = pacer_for(line)
             sent = send_frames(line, source, every, pacer, frames, lambda: bool(asked))
     click.echo(f"{sent.frames} frames, {sent.bytes} bytes sent to {port}, {sent.came} came back")
@@ -81,6 +81,13 @@ def host_unit(
         source.close()
         click.echo(f"{source.held} frames repeated the values before, {source.refused} datagrams refused")
     click.echo("\n".join(pacer.text()))
+
+
+def _opened(serial: Any, port: str, baud: int) -> Any:
+    try:
+        return serial.serial_for_url(port, baud, write_timeout=WAITS)
+    except NotImplementedError:  # rfc2217:// has no such limit
+        return serial.serial_for_url(port, baud)
 
 
 def _encoding(settings: tuple[str, ...]) -> Encoding:

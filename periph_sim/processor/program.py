@@ -54,6 +54,10 @@ class Program:
         """
         raise NotImplementedError
 
+    def ending(self, at: str) -> str:
+        """What a note says of a program that is over. at: `returned_at` as a time."""
+        return f"main returned at {at}; from then on only service routines run"
+
     def place(self) -> SourceLocation | None:
         """The statement that is executed, or goes on next; None where nobody knows."""
         raise NotImplementedError

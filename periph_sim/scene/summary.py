@@ -81,7 +81,7 @@ def notes_of(scene: Scene) -> list[str]:
         lines += [f"{name}: {note.text} [{note.source}] ({n} times)" for note, n in dsp.processor.notes.counts.items()]
         if dsp.program.returned_at is not None:
             at = scene.timebase.show(dsp.clock.tick(dsp.program.returned_at) - scene.start)
-            lines.append(f"{name}: main returned at {at}; from then on only service routines run")
+            lines.append(f"{name}: {dsp.program.ending(at)}")
     for name, party in scene.note_logs().items():
         for note, (tick, times) in party.notes.items():
             at = scene.timebase.show(tick - scene.start)

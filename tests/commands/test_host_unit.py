@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 from pathlib import Path
 
 import pytest
 
 from tests.commands.conftest import Run
+from tests.commands.test_serve import serve
 from tests.outside.live.echo import written
 from tests.outside.live.test_host_unit import FLIGHT
 
@@ -34,6 +36,18 @@ def test_the_command(periph_sim: Run, tmp_path: Path) -> None:
         refused = periph_sim("host-unit", *arguments)
         said = refused.err.replace("\n", " ")
         assert refused.status == 2 and any(part in said for part in sentence.split("|")), said
+
+
+def test_it_sends_to_a_port_that_cannot_limit_how_long_it_blocks(periph_sim: Run, tmp_path: Path) -> None:
+    flight = tmp_path / "flight.csv"
+    flight.write_text(FLIGHT)
+    served = serve(str(written(tmp_path)), "--rfc2217", "0")
+    assert served.stdout is not None
+    url = served.stdout.readline().strip()
+    came = periph_sim("host-unit", url, "--flight", str(flight), "--frames", "2")
+    served.send_signal(signal.SIGINT)
+    served.communicate(timeout=60)
+    assert came.status == 0 and came.out.startswith(f"2 frames, 24 bytes sent to {url}, "), came.err
 
 
 def test_without_pyserial_the_way_out_is_told(periph_sim: Run, monkeypatch: pytest.MonkeyPatch) -> None:

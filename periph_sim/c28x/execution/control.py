@@ -208,7 +208,7 @@ IN_loc16_ind_PA = OUT_ind_PA_loc16 = UOUT_ind_PA_loc16 = _no_io
 
 
 def ITRAP0(cpu: Cpu, f: Operation) -> None:
-    raise IllegalOperation("0x0000 is the illegal instruction: memory that holds no code was reached")
+    raise IllegalOperation("0x0000 is the illegal instruction: data was reached, or memory that nothing was loaded to")
 
 
 def ITRAP1(cpu: Cpu, f: Operation) -> None:

@@ -44,6 +44,7 @@ class ImageProgram(Program):
         self._idle_began = False
         self._jumps: deque[int] = deque(maxlen=LAST_JUMPS)
         self._places: dict[int, SourceLocation] = {}
+        self._at = image.entry  # the instruction that is executed, or was last
 
     def load(self) -> None:
         """Put the image into memory."""
@@ -62,6 +63,7 @@ class ImageProgram(Program):
         self.returned_at = None
         self._ready = None
         self._executed = self._idle_began = False
+        self._at = self.image.entry
 
     # Turns --------------------------------------------------------------------------
 
@@ -92,6 +94,7 @@ class ImageProgram(Program):
                             return Stop.WAITS
                         continue
                 f = cpu.fetch()
+                self._at = f.address
                 cpu.begin(f)
                 if f.accesses or f.absolute:
                     at = cpu.access_at(f)
@@ -134,6 +137,10 @@ class ImageProgram(Program):
         self.returned_at = self._processor.time.cycle
         return Stop.ENDED
 
+    def ending(self, at: str) -> str:
+        """See `Program.ending`."""
+        return f"ESTOP0 ended the program at {at}, in {self.place()}"
+
     # Interrupts ---------------------------------------------------------------------
 
     def context(self) -> Sequence[int]:
@@ -153,25 +160,32 @@ class ImageProgram(Program):
     # Places -------------------------------------------------------------------------
 
     def place(self) -> SourceLocation | None:
-        """The instruction that is executed, or goes on next, as function, file and line."""
-        address = self.cpu.pc if self._ready is None else self._ready.address
-        known = self._places.get(address)
+        """The instruction that is executed, or was last, as function, file and line."""
+        known = self._places.get(self._at)
         if known is None:
-            known = self._places[address] = self._place(address)
+            known = self._places[self._at] = self._place(self._at)
         return known
 
     def _place(self, address: int) -> SourceLocation:
-        name, source = self.function_at(address), self._debug.line_at(address)
-        found = SourceLocation(f"{name}:{source.line}" if source else f"{name}+{address:#08x}")
+        source, inside = self._debug.line_at(address), self._function_of(address)
+        begins = inside.address if inside else address
+        name = self.function_at(address)
+        found = SourceLocation(
+            f"{name}:{source.line}" if source else f"{name}+{address - begins:#x}" if inside else name
+        )
         found.path, found.line = (source.file, source.line) if source else ("", 0)
         return found
 
     def function_at(self, address: int) -> str:
         """The function that an address is in; the address itself where there is none."""
+        inside = self._function_of(address)
+        return inside.name if inside else f"{address:#08x}"
+
+    def _function_of(self, address: int) -> Function | None:
         at = bisect_right(self._starts, address) - 1
         if at >= 0 and address < self._functions[at].address + self._functions[at].size:
-            return self._functions[at].name
-        return f"{address:#08x}"
+            return self._functions[at]
+        return None
 
     @cached_property
     def _functions(self) -> tuple[Function, ...]:
@@ -193,6 +207,6 @@ class ImageProgram(Program):
             f"ACC={cpu.acc:#010x} XAR4={cpu.xar[4]:#010x} XAR7={cpu.xar[7]:#010x} SP={cpu.sp:#06x} DP={cpu.dp:#06x}"
         )
         at = self._ready.address if self._ready is not None else cpu.pc
-        return (
-            f"{self._processor.name}: {why}; at {at:#08x} in {self.function_at(at)}, {registers}; last jumps: {jumps}"
-        )
+        inside = self._function_of(at)
+        where = f" in {inside.name}" if inside else ""
+        return f"{self._processor.name}: {why}; at {at:#08x}{where}, {registers}; last jumps: {jumps or 'none'}"

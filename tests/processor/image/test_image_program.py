@@ -218,7 +218,12 @@ def test_the_watchdog_begins_the_program_anew_with_memory_as_it_was():
     assert rig.word(COUNT) == rig.dsp.resets + 1
 
 
+def test_the_end_of_a_program_says_where():
+    program = Rig(HEAD + " NOP\n ESTOP0").run().program
+    assert program.ending("2 us").startswith("ESTOP0 ended the program at 2 us, in _c_int00+0x")
+
+
 def test_places_name_the_function_and_the_instruction():
     rig = Rig(HEAD + " LCR #_f\n .global _f\n_f: MOV AL,@0x701C\nloop: SB loop,UNC").run(20_000)
     reads = [record for record in rig.records if record.kind is Kind.ACCESS and record.what == "R SYS.PCLKCR0"]
-    assert [record.text for record in reads] == ["_f+0x009009"]
+    assert [record.text for record in reads] == ["_f+0x0"]

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from periph_sim.sensors.host_frame import LEAST, MOST, Encoding, MotionFrames
 from periph_sim.sensors.motion import BadMotion, pieces, sines, static
+from tests.reachable import held
 
 SIX = st.lists(st.floats(-12, 12), min_size=6, max_size=6)
 
@@ -75,6 +76,16 @@ def test_a_frame_is_the_same_whichever_were_asked_for_before(numbers: list[int])
     sent = frames(motion, Encoding())
     for number in [*range(130), *numbers]:
         assert sent(number) == frames(motion, Encoding())(number)
+
+
+def test_of_many_frames_only_the_last_and_some_to_come_are_held():
+    sent = frames(static.motion(static.Settings()), Encoding())
+    for number in range(500):
+        sent(number)
+    before = held(sent)
+    for number in range(500, 1500):
+        sent(number)
+    assert abs(held(sent) - before) < 1000
 
 
 def test_a_frame_is_refused_when_it_is_asked_for_and_counts_only_then():

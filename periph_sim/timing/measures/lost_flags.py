@@ -10,9 +10,8 @@ from __future__ import annotations
 from fractions import Fraction
 
 from ...core.records import Kind, Recorder, Subjects
-from ...core.time import NO_TIME
 from .measure import Measure, SceneEvents
-from .modifies import CLEARABLE, Modifies
+from .modifies import CLEARABLE, Cleared, Modifies
 from .watched import Watched
 
 
@@ -49,11 +48,10 @@ class LostFlags(Measure):
         self.modifies.finish()
         gone = self.gone()
         self.count = self.modifies.writes
-        self.worst = self.least = len(gone)
-        self.worst_at = self.least_at = gone[0] if gone else NO_TIME
+        self.worst = self.least = gone.count
+        self.worst_at = self.least_at = gone.first
 
-    def gone(self) -> list[int]:
-        """The ticks at which one was, in order."""
+    def gone(self) -> Cleared:
         return self.modifies.lost()
 
     def missing(self) -> str:
@@ -67,5 +65,5 @@ class ClearedAlong(LostFlags):
     This is for a flag that is waited for afterwards, and that no other write may take.
     """
 
-    def gone(self) -> list[int]:
+    def gone(self) -> Cleared:
         return self.modifies.cleared(self.watched.field)

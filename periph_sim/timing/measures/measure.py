@@ -1,8 +1,8 @@
 """What a budget can limit: happenings of a run go in as they happen, the worst value and when it was come out.
 
 A measure keeps no history, so memory does not grow with the run, unless `keep` is asked for by whoever wants all
-values; a percentile counts equal ones. Each class says what it measures and from which event to which. The list users
-choose from is in `registry`; measures of events that users name are in `event`.
+values; a percentile counts equal ones (`tally`). Each class says what it measures and from which event to which. The
+list users choose from is in `registry`; measures of events that users name are in `event`.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from ...core.records import UNHEARD, Kind, Listener, Recorder, Subjects
 from ...core.time import NO_TIME
+from .tally import Tally
 
 if TYPE_CHECKING:
     import numpy as np
@@ -149,7 +150,7 @@ class Measure(Listener):
         self.occasions: int | None = 0 if self.asked else None
         self.tap: Callable[[int, int], None] | None = None  # told of each value that is taken
         self._kept: tuple[array[int], array[int]] | None = None
-        self._tally: dict[int, list[int]] | None = None  # by value: how often, and when first
+        self._tally: Tally | None = None
 
     @property
     def silent(self) -> bool:
@@ -194,8 +195,8 @@ class Measure(Listener):
         self._kept = array("q"), array("q")
 
     def tally(self) -> None:
-        """Count values that are equal, for percentiles: memory grows with different values, not with the run."""
-        self._tally = {}
+        """Count values that are equal, for percentiles."""
+        self._tally = Tally()
 
     @property
     def tallied(self) -> bool:
@@ -230,13 +231,7 @@ class Measure(Listener):
     def percentile(self, per_mille: int) -> tuple[int, int]:
         """(value, when first): the least value that so many of a thousand do not exceed (nearest rank)."""
         assert self._tally is not None
-        rank, passed = -(-per_mille * self.count // 1000), 0
-        for value in sorted(self._tally):
-            count, first_at = self._tally[value]
-            passed += count
-            if passed >= rank:
-                return value, first_at
-        raise AssertionError("there is no value")
+        return self._tally.percentile(per_mille)
 
     def listen(self, scene: SceneEvents) -> None:
         """Ask the scene for what this measure needs."""
@@ -271,11 +266,7 @@ class Measure(Listener):
             self._kept[0].append(value)
             self._kept[1].append(at)
         if self._tally is not None:
-            counted = self._tally.get(value)
-            if counted is None:
-                self._tally[value] = [1, at]
-            else:
-                counted[0] += 1
+            self._tally.add(value, at)
         if self.tap is not None:
             self.tap(value, at)
 

@@ -37,6 +37,12 @@ cdef class Flag:
 
 
 @cython.final
+cdef class Cleared:
+    cdef public long long count, first
+    cpdef void add(self, long long count, long long first)
+
+
+@cython.final
 cdef class Place:
     cdef public long long proven, always
     cdef public set named
@@ -84,4 +90,6 @@ cdef class Modifies(Keeper):
     cdef void _judge(self, ClearedRegister register, Access read, Modify made)
 
 
+@cython.locals(of=Cleared)
+cdef void _one_more(dict cleared, Flag flag, Modify made)
 cdef bint _alike(Access read, Access write)

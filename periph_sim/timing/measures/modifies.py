@@ -5,8 +5,8 @@
                 F    a flag falls by it: was it meant? had the firmware looked at it since it rose?
 
 It is judged as its read is too old for any other write: what was looked at before is known then. What firmware means at
-a place is known at the end. A poll that no write follows is forgotten, so that memory does not grow with the run but
-with the flags that may have been lost.
+a place is known at the end. A poll that no write follows is forgotten, and flags that may have been lost are counted
+by place, so that memory does not grow with the run.
 
 What is told is what `records/lost_flags.py` finds in the recording of a whole run, at a fraction of its cost.
 """
@@ -18,6 +18,7 @@ from fractions import Fraction
 
 from ...core.records import NOWHERE, OF_MODIFIES, UNHEARD, Keeper, Kind
 from ...core.registers import Field, Register
+from ...core.time import NO_TIME
 from ...records.modify_window import MODIFY, OVERTAKEN
 from ...records.register_maps import is_status, one_clears
 from ..language.scope import MAPS
@@ -82,12 +83,28 @@ class Flag:
         self.rose = NEVER_YET
 
 
+class Cleared:
+    """How often something was cleared, and the tick of the first time: NO_TIME for never."""
+
+    __slots__ = ("count", "first")
+
+    def __init__(self) -> None:
+        self.count = 0
+        self.first = NO_TIME
+
+    def add(self, count: int, first: int) -> None:
+        """So often more."""
+        if count and (not self.count or first < self.first):
+            self.first = first
+        self.count += count
+
+
 class Place:
     """What the writes of one place have in common, and what they cleared.
 
     proven: bits that were written as 1 and not read as 1. always: those that were written as 1 each time. By flag, the
-    ticks of writes that cleared it: between: it rose after the read. along: it had been read as 1. unseen: of these,
-    the firmware had not looked at it since it rose.
+    writes that cleared it: between: it rose after the read. along: it had been read as 1. unseen: of these, the
+    firmware had not looked at it since it rose.
     """
 
     __slots__ = ("along", "always", "between", "named", "proven", "unseen")
@@ -96,9 +113,9 @@ class Place:
         self.proven = 0
         self.always = -1
         self.named: set[str] = set()
-        self.between: dict[str, list[int]] = {}
-        self.along: dict[str, list[int]] = {}
-        self.unseen: dict[str, list[int]] = {}
+        self.between: dict[str, Cleared] = {}
+        self.along: dict[str, Cleared] = {}
+        self.unseen: dict[str, Cleared] = {}
 
     def meant(self, flags: list[Flag]) -> set[str]:
         """The flags that firmware may have meant to clear here."""
@@ -286,11 +303,11 @@ class Modifies(Keeper):
         for number, flag in enumerate(register.flags):
             if made.cleared & flag.mask:
                 if made.rose[number] > read.number:
-                    place.between.setdefault(flag.name, []).append(made.tick)
+                    _one_more(place.between, flag, made)
                 elif read.value & flag.mask and read.field != flag.name:
-                    place.along.setdefault(flag.name, []).append(made.tick)
+                    _one_more(place.along, flag, made)
                     if register.looked_at(flag, made.place) < made.rose[number]:
-                        place.unseen.setdefault(flag.name, []).append(made.tick)
+                        _one_more(place.unseen, flag, made)
 
     def finish(self) -> None:
         """The run is over."""
@@ -298,33 +315,43 @@ class Modifies(Keeper):
             if recent.newest is not None:
                 self._forget(recent, recent.newest.tick + 1)
 
-    def lost(self) -> list[int]:
-        """The ticks at which a flag was cleared unmeant that the firmware had not seen; in order."""
-        found = [
-            tick
-            for register, place in self._places()
-            for flag in register.flags
-            for tick in (*place.between.get(flag.name, ()), *self._unmeant(place.unseen, flag, place, register))
-        ]
-        return sorted(found)
+    def lost(self) -> Cleared:
+        """The flags that were cleared unmeant and that the firmware had not seen."""
+        all_of_them = Cleared()
+        for register, place in self._places():
+            for flag in register.flags:
+                _sum(all_of_them, flag, place, register, place.unseen)
+        return all_of_them
 
-    def cleared(self, name: str) -> list[int]:
-        """The ticks at which a flag of this name was cleared unmeant, seen or not; in order."""
-        found = [
-            tick
-            for register, place in self._places()
-            for flag in register.flags
-            if flag.name == name
-            for tick in (*place.between.get(name, ()), *self._unmeant(place.along, flag, place, register))
-        ]
-        return sorted(found)
+    def cleared(self, name: str) -> Cleared:
+        """The flags of this name that were cleared unmeant, seen or not."""
+        all_of_them = Cleared()
+        for register, place in self._places():
+            for flag in register.flags:
+                if flag.name == name:
+                    _sum(all_of_them, flag, place, register, place.along)
+        return all_of_them
 
     def _places(self) -> list[tuple[ClearedRegister, Place]]:
         chosen = [register for register in self._registers.values() if register.status or not self._status]
         return [(register, place) for register in chosen for place in register.places.values()]
 
-    def _unmeant(self, ticks: dict[str, list[int]], flag: Flag, place: Place, register: ClearedRegister) -> list[int]:
-        return [] if flag.name in place.meant(register.flags) else ticks.get(flag.name, [])
+
+def _one_more(cleared: dict[str, Cleared], flag: Flag, made: Modify) -> None:
+    """The write `made` cleared the flag."""
+    of = cleared.get(flag.name)
+    if of is None:
+        of = cleared[flag.name] = Cleared()
+    of.add(1, made.tick)
+
+
+def _sum(to: Cleared, flag: Flag, place: Place, register: ClearedRegister, along: dict[str, Cleared]) -> None:
+    """How often the writes of a place cleared a flag unmeant. along: by flag, those that meant another one."""
+    unmeant = [place.between] if flag.name in place.meant(register.flags) else [place.between, along]
+    for cleared in unmeant:
+        of = cleared.get(flag.name)
+        if of is not None:
+            to.add(of.count, of.first)
 
 
 def _alike(read: Access, write: Access) -> bool:

@@ -12,8 +12,15 @@ import hashlib
 import json
 import os
 import sys
-from collections.abc import Iterator, Sequence
-from importlib.machinery import EXTENSION_SUFFIXES, ExtensionFileLoader, ModuleSpec
+from collections.abc import Callable, Iterator, Sequence
+from importlib.machinery import (
+    EXTENSION_SUFFIXES,
+    SOURCE_SUFFIXES,
+    ExtensionFileLoader,
+    FileFinder,
+    ModuleSpec,
+    SourceFileLoader,
+)
 from importlib.util import spec_from_file_location
 from pathlib import Path
 from types import ModuleType
@@ -59,21 +66,27 @@ class _Loader(ExtensionFileLoader):
             raise DoesNotLoad(f"{said}, {VARIABLE}={INTERPRETED} leaves it alone") from None
 
 
-class _Finder:
-    """Finds the compiled modules of a build, before their sources."""
+def finders(package: Path, built: Path, modules: Sequence[str]) -> Callable[[str], FileFinder]:
+    """For `sys.path_hooks`: in folders of the package, whoever looks for one of these modules finds the compiled one.
 
-    def __init__(self, built: Path, modules: Sequence[str]) -> None:
-        self._built = built
-        self._modules = frozenset(modules)
+    So those find it, too, who get before all other finders to rewrite assertions, as pytest does, and as cocotb does by
+    it; one on `sys.meta_path` would come behind them.
+    """
+    names = {f"{package.name}.{module}": built / f"{module}{SUFFIX}" for module in modules}
 
-    def find_spec(
-        self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
-    ) -> ModuleSpec | None:
-        _, _, module = fullname.partition(".")
-        if module not in self._modules:
-            return None
-        file = self._built / f"{module}{SUFFIX}"
-        return spec_from_file_location(fullname, file, loader=_Loader(fullname, str(file)))
+    class Finder(FileFinder):
+        def find_spec(self, fullname: str, target: ModuleType | None = None) -> ModuleSpec | None:
+            file = names.get(fullname)
+            if file is None:
+                return super().find_spec(fullname, target)
+            return spec_from_file_location(fullname, file, loader=_Loader(fullname, str(file)))
+
+    def finder(folder: str) -> FileFinder:
+        if not Path(folder).resolve().is_relative_to(package):
+            raise ImportError(f"{folder} is not of {package.name}")
+        return Finder(folder, (ExtensionFileLoader, EXTENSION_SUFFIXES), (SourceFileLoader, SOURCE_SUFFIXES))
+
+    return finder
 
 
 def usable(package: Path, built: Path) -> tuple[list[str], str]:
@@ -107,5 +120,7 @@ def choose() -> None:
     if why:
         note = f"{why}, so it is left alone and this run is interpreted; `{way()}` builds it anew"
         return
-    sys.meta_path.insert(0, _Finder(BUILT, modules))
+    sys.path_hooks.insert(0, finders(PACKAGE, BUILT, modules))
+    for folder in [folder for folder in sys.path_importer_cache if Path(folder).resolve().is_relative_to(PACKAGE)]:
+        del sys.path_importer_cache[folder]
     running = COMPILED

@@ -14,6 +14,7 @@ from cocotb.triggers import RisingEdge, Timer
 from cocotbext.i2c import I2cMaster, I2cMemory
 from cocotbext.uart import UartSink, UartSource
 
+from periph_sim.core import kernel
 from periph_sim.cosim import F28335, OutsideError
 from tests.cosim.benches import CASES, echo, told
 
@@ -33,6 +34,7 @@ def tell(bench: str, begin: int, dsp: F28335, **found: Any) -> None:
     """What a bench found; `begin` is the step at which its part was made."""
     result = dsp.result
     found |= {"begin_ps": begin, "wire_bytes": result.wire_bytes, "nacked": result.counts["nacked"], "wakes": dsp.wakes}
+    found["kernel"] = kernel.__file__
     (told()[0] / bench / "found.json").write_text(json.dumps(found))
 
 

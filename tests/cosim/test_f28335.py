@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from periph_sim.core import kernel
 from tests.cosim.benches import CASES, found, replayed, run_benches
 from tests.profiles import explores
 
@@ -84,6 +85,10 @@ def check(folder: Path, rounds: int, phases: int) -> None:
 
 def test_masters_memories_logic_and_uarts_and_the_same_without_a_simulator(benches: Path) -> None:
     check(benches, rounds=5, phases=20)
+
+
+def test_in_the_simulator_the_same_form_of_the_core_runs(benches: Path) -> None:
+    assert found(benches, "registers")["kernel"] == kernel.__file__
 
 
 def test_what_cannot_be_is_refused_in_a_sentence(benches: Path) -> None:

@@ -10,6 +10,8 @@ import sys
 from pathlib import Path
 
 import pytest
+from _pytest.assertion.rewrite import AssertionRewritingHook
+from _pytest.config import Config
 
 from periph_sim import cli, form
 from periph_sim.form import MANIFEST, SUFFIX, digest, usable
@@ -61,14 +63,28 @@ def test_a_build_that_is_not_whole_is_told(package: Path, change: str):
     assert modules == [] and why.startswith("the compiled core ")
 
 
-def test_a_module_that_cannot_be_loaded_is_told_with_the_ways_out(package: Path, monkeypatch):
-    """Files of no content: what an extension of another C library comes to."""
-    finder = form._Finder(package.parent / "built", MODULES)
-    monkeypatch.setattr(sys, "meta_path", [finder, *sys.meta_path])
+@pytest.fixture
+def found_first(package: Path, monkeypatch) -> None:
+    """Of that package, the build runs. Its files have no content: what an extension of another C library comes to."""
+    monkeypatch.setattr(sys, "path_importer_cache", {})
+    monkeypatch.setattr(sys, "path_hooks", [form.finders(package, package.parent / "built", MODULES), *sys.path_hooks])
+
+
+def test_a_module_that_cannot_be_loaded_is_told_with_the_ways_out(found_first):
     with pytest.raises(form.DoesNotLoad) as told:
         importlib.import_module("package.core.one")
     assert str(told.value).startswith("the compiled core does not load here: ")
     assert str(told.value).endswith("; `make core` builds it anew, PERIPH_SIM_FORM=interpreted leaves it alone")
+
+
+def test_who_rewrites_assertions_of_all_modules_leaves_compiled_ones(package: Path, found_first, monkeypatch):
+    """As cocotb has pytest do it, before anything else is imported."""
+    (package / "core" / "three.py").write_text("NAME = 'three'\n")
+    hook = AssertionRewritingHook(Config.fromdictargs({}, ["-o", "python_files=*.py"]))
+    monkeypatch.setattr(sys, "meta_path", [hook, *sys.meta_path])
+    assert importlib.import_module("package.core.three").__loader__ is hook
+    with pytest.raises(form.DoesNotLoad):
+        importlib.import_module("package.core.two")
 
 
 def test_the_command_line_tells_it_in_one_line(monkeypatch, capsys):

@@ -227,6 +227,10 @@ class Recorder:
         """The subjects that somebody wants; None for all."""
         return None if kind in self._of_all else frozenset(self._subjects[kind])
 
+    def named(self, kind: Kind) -> frozenset[str]:
+        """The subjects that somebody wants by name, whoever wants all."""
+        return frozenset(self._subjects[kind])
+
     def topic(self, kind: Kind, where: str, what: str) -> Topic:
         """The records of one kind, place and thing, for whoever makes them often."""
         topic = self._topics.get((kind, where, what))

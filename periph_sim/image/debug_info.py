@@ -51,13 +51,13 @@ class DebugInfo:
     @cached_property
     def functions(self) -> tuple[FunctionRange, ...]:
         """Every function of which the compiler told, by address."""
-        return tuple(sorted(set(self._each(_functions)), key=lambda function: (function.address, function.end)))
+        return tuple(sorted(set(self.each(_functions)), key=lambda function: (function.address, function.end)))
 
     @cached_property
     def lines(self) -> tuple[tuple[int, SourceLine | None], ...]:
         """From which address on a line goes, ascending; None from where no line is told."""
         found: dict[int, SourceLine | None] = {}
-        for address, line in self._each(_lines):
+        for address, line in self.each(_lines):
             if line is not None or address not in found:
                 found[address] = line
         return tuple(sorted(found.items()))
@@ -71,7 +71,7 @@ class DebugInfo:
     def _starts(self) -> list[int]:
         return [address for address, _ in self.lines]
 
-    def _each(self, told: Callable[[DWARFInfo, CompileUnit], Iterator[T]]) -> list[T]:
+    def each(self, told: Callable[[DWARFInfo, CompileUnit], Iterator[T]]) -> list[T]:
         """What each compilation unit tells, up to where the data are damaged."""
         found: list[T] = []
         if self._dwarf is None:
@@ -106,7 +106,7 @@ def _functions(dwarf: DWARFInfo, unit: CompileUnit) -> Iterator[FunctionRange]:
             first, last = told["DW_AT_low_pc"].value, told["DW_AT_high_pc"]
             end = last.value if last.form == "DW_FORM_addr" else first + last.value
             if first < end:
-                yield FunctionRange(_text(told["DW_AT_name"].value), first, end)
+                yield FunctionRange(text_of(told["DW_AT_name"].value), first, end)
 
 
 def _lines(dwarf: DWARFInfo, unit: CompileUnit) -> Iterator[tuple[int, SourceLine | None]]:
@@ -124,8 +124,8 @@ def _lines(dwarf: DWARFInfo, unit: CompileUnit) -> Iterator[tuple[int, SourceLin
 
 def _file(program: LineProgram, number: int) -> str:
     files = program["file_entry"]
-    return _text(files[number - 1].name) if 0 < number <= len(files) else "?"
+    return text_of(files[number - 1].name) if 0 < number <= len(files) else "?"
 
 
-def _text(raw: bytes | str) -> str:
+def text_of(raw: bytes | str) -> str:
     return raw.decode("utf-8", "replace") if isinstance(raw, bytes) else raw

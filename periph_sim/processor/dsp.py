@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from ..f28335.sci.options import SciOptions
     from ..f28335.system.cpu_timer import CpuTimer
     from ..image.model import Image
+    from .image.program import ImageProgram
     from .pin_router import Port, Router
 
 
@@ -127,11 +128,11 @@ class Dsp(FirmwareView):
         self._firmware = firmware
         self.cpu.start(firmware)
 
-    def start_image(self, image: Image) -> None:
+    def start_image(self, image: Image) -> ImageProgram:
         """Run a firmware image from its entry on, in place of Python firmware; a reset begins it anew."""
         from .image.program import ImageProgram
 
-        program = self.program = ImageProgram(self.processor, image)
+        program = self.program = ImageProgram(self.processor, self.clock, image)
         program.load()
 
         def begin(delay: int = 0) -> None:
@@ -140,6 +141,7 @@ class Dsp(FirmwareView):
 
         self._begin_anew = begin
         begin()
+        return program
 
     def _sysclk_hz(self) -> Fraction:
         return self.control.sysclk_hz * (1 + self.plan.ppm / 1_000_000)

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .devices import build_devices, put_on_bus
     from .faults import build_faults
     from .host import HostAgent
+    from .image_watching import variable_value
     from .limits import limits_of
     from .logged_outside import logged_outside
     from .outside_wires import check_outside, not_run
@@ -45,6 +46,7 @@ _HOMES = {
     "scene.devices": ("build_devices", "put_on_bus"),
     "scene.faults": ("build_faults",),
     "scene.host": ("HostAgent",),
+    "scene.image_watching": ("variable_value",),
     "scene.limits": ("limits_of",),
     "scene.logged_outside": ("logged_outside",),
     "scene.outside_wires": ("check_outside", "not_run"),
@@ -83,6 +85,7 @@ __all__ = [
     "refuse_byte_level",
     "refuse_schedule",
     "rounds_of",
+    "variable_value",
     "whole_bytes_of",
 ]
 __getattr__ = lazy_names("periph_sim", _HOMES)

@@ -304,6 +304,8 @@ class Scene:
 
     def value_of(self, place: str, name: str) -> int:
         unit, _, module = place.partition(".")
+        if module not in self.units[unit].sockets:
+            return parts.variable_value(self.units[unit], name)
         chip = self.units[unit].socket(module).chip
         register_name, _, field_name = name.partition(".")
         register = chip.MAP[register_name]

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import TYPE_CHECKING
+
 from ..timing.language.scope import MAPS, Scope
 from .case.model import Case
 from .case.wiring import sci_lines, wiring_of
+
+if TYPE_CHECKING:
+    from ..image.variables import Variable, Variables
 
 
 def scope_of_case(case: Case) -> Scope:
@@ -28,4 +34,22 @@ def scope_of_case(case: Case) -> Scope:
         rounds,
         tuple(dict.fromkeys(lines)),
         pairs,
+        {name: _Variables(unit.image) for name, unit in case.unit.items() if unit.image},
     )
+
+
+class _Variables:
+    """Names of an image's variables. The image is read when the first one is asked for."""
+
+    def __init__(self, path: str) -> None:
+        self._path = path
+        self._known: Variables | None = None
+
+    def __call__(self, name: str) -> Variable:
+        """The variable of this name. ValueError where there is none, or no such image."""
+        if self._known is None:
+            from ..image.load import load
+            from ..image.variables import Variables
+
+            self._known = Variables(load(Path(self._path)))
+        return self._known.find(name)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 from msgspec import Struct
 
 from ..core.options import Value, options_from
+from ..core.records import Recorder
 from ..core.suggest import did_you_mean
 from ..f28335.cpu.compiled_code_costs import CodeCosts
 from ..f28335.system.options import SystemOptions
@@ -76,7 +77,7 @@ def build_unit(context: SceneContext, name: str, unit: Unit, program: Firmware |
     )
     dsp = Dsp(context.kernel, context.timebase, context.recorder, plan)
     if unit.image:
-        return BuiltUnit(dsp, _started_image(case, name, unit, dsp), None, None)
+        return BuiltUnit(dsp, _started_image(case, name, unit, dsp, context.recorder), None, None)
     try:
         firmware = program or load_firmware(unit.firmware)
     except BadFirmware as error:
@@ -95,15 +96,17 @@ def build_unit(context: SceneContext, name: str, unit: Unit, program: Firmware |
     return BuiltUnit(dsp, firmware, sensors, computed_by(settings))
 
 
-def _started_image(case: Case, name: str, unit: Unit, dsp: Dsp) -> Firmware:
+def _started_image(case: Case, name: str, unit: Unit, dsp: Dsp, recorder: Recorder) -> Firmware:
     """The unit's image runs from its entry on. What comes back stands for it where Python firmware is asked for."""
     from ..image.load import load
     from ..image.model import BadImage
+    from .image_watching import watch_image
 
     try:
-        dsp.start_image(load(Path(unit.image)))
+        program = dsp.start_image(load(Path(unit.image)))
     except BadImage as error:
         raise case.mistake(str(error), "unit", name, "image") from None
+    watch_image(case, name, unit, dsp, program, recorder)
     return Firmware(unit.image, _no_python, None)
 
 

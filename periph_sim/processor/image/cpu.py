@@ -19,6 +19,7 @@ from ...f28335.system.memory_map import NoSuchAddress
 from ...f28335.system.ram import Ram, block_at
 from ...f28335.system.register_names import register_name
 from ..processor import Processor
+from .variable_records import VariableRecords
 
 RAM_FROM, RAM_TO = 0x8000, 0x1_0000  # without waits, but for M0 and M1 below
 LOW_RAM = 0x800
@@ -34,7 +35,10 @@ def in_plain_ram(address: int) -> bool:
 
 
 class ImageCpu(Engine):
-    """ended: ESTOP0 was reached. returning, idling: IRET or IDLE was executed, which the program sees to."""
+    """watched: who is told of writes to some words of memory. ended: ESTOP0 was reached.
+
+    returning, idling: IRET or IDLE was executed, which the program sees to.
+    """
 
     def __init__(self, processor: Processor) -> None:
         self._core = processor.interrupts.core
@@ -45,6 +49,7 @@ class ImageCpu(Engine):
         self._ram: Ram = processor.bus.ram
         self._stored = dict(FIXED)  # flash, OTP, external memory, and frames that are not modelled
         self._noted: set[str] = set()
+        self.watched: VariableRecords | None = None
         self.reset()
 
     def reset(self) -> None:
@@ -108,6 +113,11 @@ class ImageCpu(Engine):
             self._keep(address, value & 0xFFFF)
             if width == 32:
                 self._keep(address + 1, value >> 16)
+
+    def written(self, address: int) -> None:
+        super().written(address)
+        if self.watched is not None and address in self.watched.addresses:
+            self.watched.written(address, self._time.cycle)
 
     def program16(self, address: int) -> int:
         if in_plain_ram(address):

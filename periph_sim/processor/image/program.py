@@ -11,21 +11,22 @@ Source: SPRU430F chapters 3 and 4.
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from collections import deque
 from collections.abc import Sequence
-from functools import cached_property
 
 from ...c28x.execution.registers import IllegalOperation, Operation
+from ...core.time import Clock
 from ...f28335.cpu import instruction_costs as cpu_costs
-from ...image.debug_info import DebugInfo
-from ...image.inspection import Function, functions_of
 from ...image.model import Image
 from ..error_origin import FirmwareError
 from ..processor import Processor
 from ..program import Program, Stop
 from ..source_location import SourceLocation
+from .call_stack import CallListener, CallStack
 from .cpu import ImageCpu
+from .function_map import FunctionMap
+from .instruction_watch import InstructionWatch
+from .variable_records import VariableRecords
 
 LAST_JUMPS = 8  # that an error names
 
@@ -33,17 +34,21 @@ LAST_JUMPS = 8  # that an error names
 class ImageProgram(Program):
     """cpu: its registers. instructions: how many were executed."""
 
-    def __init__(self, processor: Processor, image: Image) -> None:
+    def __init__(self, processor: Processor, clock: Clock, image: Image) -> None:
         super().__init__()
         self.cpu = ImageCpu(processor)
         self.image = image
         self.instructions = 0
         self._processor = processor
+        self._clock = clock
         self._ready: Operation | None = None  # whose operand is found, and whose cycle had to be waited for
         self._executed = False  # an instruction, since the last boundary that looked for interrupts
         self._idle_began = False
         self._jumps: deque[int] = deque(maxlen=LAST_JUMPS)
         self._places: dict[int, SourceLocation] = {}
+        self._functions: FunctionMap | None = None
+        self._calls: CallStack | None = None  # somebody wants to know what is called
+        self._watch: InstructionWatch | None = None  # somebody looks at each instruction
         self._at = image.entry  # the instruction that is executed, or was last
 
     def load(self) -> None:
@@ -64,6 +69,33 @@ class ImageProgram(Program):
         self._ready = None
         self._executed = self._idle_began = False
         self._at = self.image.entry
+        if self._calls is not None:
+            self._calls.began(self.image.entry, self._processor.time.cycle)
+
+    # Who wants to know ------------------------------------------------------------------
+
+    @property
+    def functions(self) -> FunctionMap:
+        """Which function an address is in, and its line."""
+        if self._functions is None:
+            self._functions = FunctionMap(self.image)
+        return self._functions
+
+    def tell_calls(self, listener: CallListener) -> None:
+        """`listener` is told of calls; before the first instruction."""
+        if self._calls is None:
+            self._calls = CallStack(self.functions, self._clock)
+            self._calls.began(self.cpu.pc, self._processor.time.cycle)
+        self._calls.tell(listener)
+
+    def watch_memory(self, watch: VariableRecords) -> None:
+        """`watch` is told of writes to the words that it names."""
+        watch.begin()
+        self.cpu.watched = watch
+
+    def watch_instructions(self, watch: InstructionWatch) -> None:
+        """`watch` looks at each instruction, beside those that do already."""
+        watch.beside, self._watch = self._watch, watch
 
     # Turns --------------------------------------------------------------------------
 
@@ -107,6 +139,10 @@ class ImageProgram(Program):
             self._executed = True
             if cpu.pc != f.next:
                 self._jumps.append(f.address)
+                if self._calls is not None:
+                    self._calls.jumped(f, cpu.pc, cycle)
+            if self._watch is not None:
+                self._watch.executed(f, cpu, cycle)
             if cpu.returning:
                 cpu.returning = False
                 cpu.hand_over()
@@ -150,12 +186,17 @@ class ImageProgram(Program):
         if not vector:
             taken = self._processor.interrupts.taken
             raise FirmwareError(self._told(f"interrupt {taken} was taken, whose vector is 0"))
+        interrupted = self.cpu.pc
         self.cpu.begin_routine(vector)
+        if self._calls is not None:
+            self._calls.routine(self.cpu.pc, interrupted, self._processor.time.cycle)
         self._executed = False
         return self.place() or ""
 
     def restore(self, words: Sequence[int]) -> None:
         self.cpu.restore(list(words))
+        if self._calls is not None:
+            self._calls.came_back(self.cpu.pc, self._processor.time.cycle + cpu_costs.IRET)
 
     # Places -------------------------------------------------------------------------
 
@@ -167,46 +208,24 @@ class ImageProgram(Program):
         return known
 
     def _place(self, address: int) -> SourceLocation:
-        source, inside = self._debug.line_at(address), self._function_of(address)
+        functions = self.functions
+        source, inside = functions.line_at(address), functions.at(address)
         begins = inside.address if inside else address
-        name = self.function_at(address)
+        name = functions.name_at(address)
         found = SourceLocation(
             f"{name}:{source.line}" if source else f"{name}+{address - begins:#x}" if inside else name
         )
         found.path, found.line = (source.file, source.line) if source else ("", 0)
         return found
 
-    def function_at(self, address: int) -> str:
-        """The function that an address is in; the address itself where there is none."""
-        inside = self._function_of(address)
-        return inside.name if inside else f"{address:#08x}"
-
-    def _function_of(self, address: int) -> Function | None:
-        at = bisect_right(self._starts, address) - 1
-        if at >= 0 and address < self._functions[at].address + self._functions[at].size:
-            return self._functions[at]
-        return None
-
-    @cached_property
-    def _functions(self) -> tuple[Function, ...]:
-        return functions_of(self.image, self._debug)
-
-    @cached_property
-    def _starts(self) -> list[int]:
-        return [function.address for function in self._functions]
-
-    @cached_property
-    def _debug(self) -> DebugInfo:
-        return DebugInfo(self.image)
-
     def _told(self, why: str) -> str:
         """An error with pc, function, last jumps and registers."""
         cpu = self.cpu
-        jumps = ", ".join(f"{self.function_at(address)} {address:#08x}" for address in self._jumps)
+        jumps = ", ".join(f"{self.functions.name_at(address)} {address:#08x}" for address in self._jumps)
         registers = (
             f"ACC={cpu.acc:#010x} XAR4={cpu.xar[4]:#010x} XAR7={cpu.xar[7]:#010x} SP={cpu.sp:#06x} DP={cpu.dp:#06x}"
         )
         at = self._ready.address if self._ready is not None else cpu.pc
-        inside = self._function_of(at)
+        inside = self.functions.at(at)
         where = f" in {inside.name}" if inside else ""
         return f"{self._processor.name}: {why}; at {at:#08x}{where}, {registers}; last jumps: {jumps or 'none'}"

@@ -71,11 +71,13 @@ class Code(Table):
 class Unit(Table):
     """One F28335. pins: names for GPIO pins to be watched; wires of SDA, SCL, RX, TX are connected by themselves.
 
-    Either firmware, a Python program, or image, a linker's .out file.
+    Either firmware, a Python program, or image, a linker's .out file. memory: values of an image's variables as it
+    begins.
     """
 
     firmware: str = ""
     image: str = ""
+    memory: dict[str, int | float] = {}
     settings: dict[str, object] = {}
     modules: tuple[str, ...]
     oscclk: Crystal = Fraction(30_000_000)
@@ -93,6 +95,8 @@ class Unit(Table):
             raise ValueError("a unit needs a program; give firmware, or image")
         if self.firmware and self.image:
             raise ValueError("a unit has one program; give firmware or image, not both")
+        if self.memory and not self.image:
+            raise ValueError("memory is of an image's variables; settings are what Python firmware takes")
         said = sorted(self.model_fields_set & {"settings", "code", "pll", "from_boot", "skip_polls"})
         if self.image and said:
             raise ValueError(f"{said[0]} is of Python firmware; an image says that by itself, so leave it out")

@@ -10,6 +10,7 @@
             | "bus" ( "START" | "repeated" "START" | "STOP" | "arbitration" "lost" | "stuck" | "clear"
                     | "NACK" [ "address" | "byte" ] | "address" [ number ] [ "read" | "write" ] | "byte" [ number ] )
             | "frame" [ line ] [ number ] [ "begin" | "end" | "error" | "cut" | "collision" ]
+            | "variable" variable ( "change" | "=" number )
             | "note" ( "duty" | "lost" | "unknown" )
 
     Event + Scope --> Matcher(kind, where, what, mask, want)
@@ -307,6 +308,16 @@ def _read_frame(words: Words) -> Parts:
     return "", wire, "begin" if number is None else "end", number  # what it carries is known when it is over
 
 
+def _read_variable(words: Words) -> Parts:
+    unit, name = words.name("a variable of an image")
+    if words.one_of(["change", "="]) == "change":
+        return unit, name, "change", None
+    number = words.number(0xFFFFFFFF)
+    if number is None:
+        raise BadEvent(f"{words.text!r}: a number is expected after =")
+    return unit, name, "=", number
+
+
 def _read_note(words: Words) -> Parts:
     unit, name = words.name("a note's code")
     if name not in NOTES:
@@ -388,6 +399,13 @@ def _match_frame(event: Event, scope: Scope) -> Matcher:
     return Matcher(event.text, Kind.FRAME, wire, event.how, EVERYTHING, event.number)
 
 
+def _match_variable(event: Event, scope: Scope) -> Matcher:
+    place = frozenset((f"{scope.variable(event.unit, event.name)}.memory",))
+    if event.how == "change":
+        return Matcher(event.text, Kind.FLAG, place, event.name)
+    return Matcher(event.text, Kind.FLAG, place, event.name, EVERYTHING, event.number or 0)
+
+
 def _match_note(event: Event, scope: Scope) -> Matcher:
     return Matcher(event.text, Kind.NOTE, scope.places(event.unit), event.name)
 
@@ -407,5 +425,6 @@ EVENTS = {
     "span": EventKind(_read_span, _match_span),
     "bus": EventKind(_read_bus, _match_bus),
     "frame": EventKind(_read_frame, _match_frame),
+    "variable": EventKind(_read_variable, _match_variable),
     "note": EventKind(_read_note, _match_note),
 }

@@ -6,7 +6,9 @@
             | "count" "of" event [ pair ]
             | "period" "of" event
             | "jitter" "of" ( event | measure )
-            | "level" "of" field [ "at" event ]
+            | "level" "of" ( field | "variable" variable ) [ "at" event ]
+            | "calls" "of" span
+            | "stack" "high-water" [ "of" unit ]
             | "interrupt" "latency" vector [ "to" "first" "access" ]
             | "reaction" [ "of" unit ]
             | "gap" "between" "rounds"
@@ -21,11 +23,11 @@
             | "cleared" "along" field
             | [ "model" ] "age" [ "of" chip ]
             | "value" "error" [ "of" chip ] [ "at" ( "first" "bit" | "frame" ) ]
-    state   = span | "flag" field "=" number | "wire" wire ( "high" | "low" )
+    state   = span | ( "flag" field | "variable" variable ) "=" number | "wire" wire ( "high" | "low" )
             | "bus" ( "busy" | "free" ) | "interrupt" vector
     pair    = "from" event "to" event { "," ( "in" "order" | "next" | "last" | "same" ( "transfer" | "round" ) ) }
     event   = see `events`
-    field, register, vector, span: [ unit ":" ] name; a name with blanks stands in quotes
+    field, register, vector, span, variable: [ unit ":" ] name; a name with blanks stands in quotes
 
 Words stand apart by blanks; a span's name may have several words before "begin" or "end", and stands in quotes
 where its first word is one that begins another state.
@@ -53,6 +55,8 @@ FORMS = {
     "jitter": "jitter of EVENT",
     "count": "count of EVENT",
     "level": "level of MODULE.REGISTER.FIELD",
+    "calls": "calls of FUNCTION",
+    "stack": "stack high-water",
     "interrupt": "interrupt latency NAME",
     "reaction": "reaction",
     "gap": "gap between rounds",
@@ -171,9 +175,23 @@ def _jitter(words: Words) -> Said:
 
 def _level(words: Words) -> Said:
     words.one_of(["of"])
-    unit, name = words.name("a field")
+    kind = "variable" if words.took("variable") else "flag"
+    begin = words.place
+    unit, name = words.name("a variable of an image" if kind == "variable" else "a field")
+    change = Event(kind, f"{kind} {words.between(begin)} change", unit, name, "change")
     events = (read_event(words),) if words.took("at") else ()
-    return Said("level", events, unit=unit, name=name)
+    return Said("level", (change, *events), unit=unit, name=name)
+
+
+def _calls(words: Words) -> Said:
+    words.one_of(["of"])
+    begins, _ = _span_state(words)
+    return Said("calls", begins)
+
+
+def _stack(words: Words) -> Said:
+    words.one_of(["high-water"])
+    return Said("stack", unit=words.take("a unit") if words.took("of") else "")
 
 
 def _latency(words: Words) -> Said:
@@ -222,17 +240,17 @@ def _span_state(words: Words) -> States:
     return (Event("span", f"{text} begin", unit, name, "begin"),), (Event("span", f"{text} end", unit, name, "end"),)
 
 
-def _flag_state(words: Words) -> States:
+def _value_state(words: Words) -> States:
     begin = words.place
-    words.one_of(["flag"])
-    unit, name = words.name("a field")
+    kind = words.one_of(["flag", "variable"])
+    unit, name = words.name("a field" if kind == "flag" else "a variable of an image")
     place = words.between(begin)
     words.one_of(["="])
     number = words.number(0xFFFFFFFF)
     if number is None:
         raise BadEvent(f"{words.text!r}: a number is expected after =")
-    enters = Event("flag", words.between(begin), unit, name, "=", number)
-    return (enters,), (Event("flag", f"{place} change", unit, name, "change"),)
+    enters = Event(kind, words.between(begin), unit, name, "=", number)
+    return (enters,), (Event(kind, f"{place} change", unit, name, "change"),)
 
 
 def _wire_state(words: Words) -> States:
@@ -262,7 +280,8 @@ def _routine_state(words: Words) -> States:
 
 _STATES: dict[str, Callable[[Words], States]] = {
     "span": _span_state,
-    "flag": _flag_state,
+    "flag": _value_state,
+    "variable": _value_state,
     "wire": _wire_state,
     "bus": _bus_state,
     "interrupt": _routine_state,
@@ -356,6 +375,8 @@ _MEASURES: dict[str, Callable[[Words], Said]] = {
     "jitter": _jitter,
     "count": _count,
     "level": _level,
+    "calls": _calls,
+    "stack": _stack,
     "interrupt": _latency,
     "reaction": _reaction,
     "gap": _gap,

@@ -7,6 +7,7 @@ It knows what could happen there, not what did: a name it lets through is a name
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -57,6 +58,7 @@ class Scope:
     lines: wires that carry frames; of a scene that names none, RX and TX where they are wires. pairs: RS-485 ones.
 
     rounds: it is known what the controller asks in rounds, whoever it is.
+    images: units that run an image, each with what refuses names that are no variable of it, by a ValueError.
     """
 
     units: dict[str, tuple[str, ...]] = field(default_factory=dict)
@@ -66,6 +68,7 @@ class Scope:
     rounds: bool = False
     lines: tuple[str, ...] = ()
     pairs: tuple[str, ...] = field(default=(), compare=False)
+    images: Mapping[str, Callable[[str], object]] = field(default_factory=dict, compare=False)
 
     def __post_init__(self) -> None:
         if not self.lines:
@@ -134,6 +137,23 @@ class Scope:
             raise BadEvent(f"the scene has no module {module!r}; {did_you_mean(module, known)}")
         return self._one(having, module)
 
+    def image(self, unit: str) -> str:
+        """The unit that runs an image."""
+        if unit and self.unit(unit) not in self.images:
+            raise BadEvent(f"{unit} runs Python firmware; this is of a unit that runs an image")
+        if not unit and not self.images:
+            raise BadEvent("no unit runs an image, and this is of one that does; give it image in place of firmware")
+        return unit or self._one(list(self.images), "one")
+
+    def variable(self, unit: str, name: str) -> str:
+        """The unit whose image has this variable."""
+        owner = self.image(unit)
+        try:
+            self.images[owner](name)
+        except ValueError as error:
+            raise BadEvent(str(error)) from None
+        return owner
+
     def places(self, unit: str) -> frozenset[str]:
         """Every place of a unit that a record can come from; of all units where none is named."""
         named = [self.unit(unit)] if unit else list(self.units)
@@ -172,4 +192,5 @@ def scope_of_table(table: RecordTable) -> Scope:
     on_bus = Kind.BUS.value in kinds
     wires = list(dict.fromkeys(wires))
     lines = tuple(wire for wire in wires if wire in LINES or wire in framed)
-    return Scope(units, tuple(wires), on_bus, Kind.FRAME.value in kinds, on_bus, lines, lines)
+    images: dict[str, Callable[[str], object]] = dict.fromkeys(units, str)  # any name: who knows what there was
+    return Scope(units, tuple(wires), on_bus, Kind.FRAME.value in kinds, on_bus, lines, lines, images)

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from ...core.records import Kind
 from ...core.suggest import did_you_mean
 from ...f28335.cpu.pie_map import LINES
 from ..budget_schema import REPLY, SPAN
-from ..language.events import OF_AGENT, Event, Group, matcher, stretch_of
+from ..language.events import OF_AGENT, Event, Group, Matcher, matcher, stretch_of
 from ..language.language import FORMS, Said, is_form, measure_of, name_text, near_form
 from ..language.scope import BadEvent, Scope
 from .age import Age, ModelAge
@@ -85,9 +86,14 @@ def _jitter(said: Said, scope: Scope) -> Measure:
 
 
 def _level(said: Said, scope: Scope) -> Measure:
-    text = f"flag {name_text(said.unit, said.name)} change"
-    change = matcher(Event("flag", text, said.unit, said.name, "change"), scope)
-    return LevelAt(matcher(said.events[0], scope), change) if said.events else Level(change)
+    change, *at = (matcher(event, scope) for event in said.events)
+    return LevelAt(at[0], change) if at else Level(change)
+
+
+def _stack(said: Said, scope: Scope) -> Measure:
+    """Each new most of words on the stack."""
+    text = "stack high-water"
+    return Level(Matcher(text, Kind.FLAG, frozenset((f"{scope.image(said.unit)}.CPU",)), "stack"))
 
 
 def _reaction(said: Said, scope: Scope) -> Measure:
@@ -152,6 +158,8 @@ _MADE: dict[str, Callable[[Said, Scope], Measure]] = {
     "jitter": _jitter,
     "count": _count,
     "level": _level,
+    "calls": lambda said, scope: EventCount(matcher(said.events[0], scope)),
+    "stack": _stack,
     "interrupt": _latency,
     "reaction": _reaction,
     "gap": _gap,

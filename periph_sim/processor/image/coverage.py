@@ -1,0 +1,24 @@
+"""Which instructions of an image were executed: each one goes in; counts come out, and how often its jump was taken."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from ...c28x.execution.registers import Cpu, Operation
+from .instruction_watch import InstructionWatch
+
+
+class Coverage(InstructionWatch):
+    """executed: by address, how often. jumped: of these, how often the next instruction was not the one behind."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.executed_at: Counter[int] = Counter()
+        self.jumped_at: Counter[int] = Counter()
+
+    def executed(self, f: Operation, cpu: Cpu, cycle: int) -> None:
+        if not cpu.passes:  # else a further pass of a repeated one
+            self.executed_at[f.address] += 1
+            if cpu.pc != f.next:
+                self.jumped_at[f.address] += 1
+        super().executed(f, cpu, cycle)

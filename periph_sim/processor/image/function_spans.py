@@ -1,0 +1,28 @@
+"""Functions of an image as spans: calls go in; a SPAN record comes out as a function begins, and as it is over.
+
+A function that calls itself is one span, from its first call to its last return.
+"""
+
+from __future__ import annotations
+
+from ...core.records import Kind, Recorder
+from .call_stack import CallListener
+
+
+class FunctionSpans(CallListener):
+    __slots__ = ("_depth", "_recorder", "_unit")
+
+    def __init__(self, recorder: Recorder, unit: str) -> None:
+        self._recorder = recorder
+        self._unit = unit
+        self._depth: dict[str, int] = {}
+
+    def called(self, name: str, tick: int) -> None:
+        depth = self._depth[name] = self._depth.get(name, 0) + 1
+        if depth == 1:
+            self._recorder.emit(tick, Kind.SPAN, self._unit, name, 1, name)
+
+    def returned(self, name: str, tick: int) -> None:
+        depth = self._depth[name] = self._depth[name] - 1
+        if not depth:
+            self._recorder.emit(tick, Kind.SPAN, self._unit, name, 0)

@@ -1,0 +1,17 @@
+"""Who looks at each instruction of an image: what was executed, with registers and time behind it, goes in."""
+
+from __future__ import annotations
+
+from ...c28x.execution.registers import Cpu, Operation
+
+
+class InstructionWatch:
+    """beside: who else looks."""
+
+    def __init__(self) -> None:
+        self.beside: InstructionWatch | None = None
+
+    def executed(self, f: Operation, cpu: Cpu, cycle: int) -> None:
+        """An instruction, or a pass of a repeated one, is done. cycle: when the next one begins."""
+        if self.beside is not None:
+            self.beside.executed(f, cpu, cycle)

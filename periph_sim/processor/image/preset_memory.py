@@ -1,0 +1,44 @@
+"""Memory that a case sets by symbol: numbers by variable go in; they stand in memory as the image begins.
+
+They are put in as the image is loaded, and once more as `main` is entered, since C start-up code sets initialised
+variables before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+from msgspec import Struct
+
+from ...image.variables import Variable
+from .call_stack import CallListener
+
+MAIN = ("main", "_main")
+
+
+class Preset(Struct, frozen=True):
+    """bits: of the variable, as they stand in memory."""
+
+    variable: Variable
+    bits: int
+
+
+class PresetMemory(CallListener):
+    __slots__ = ("_presets", "_put")
+
+    def __init__(self, presets: Iterable[Preset], put: Callable[[int, int], None]) -> None:
+        self._presets = tuple(presets)
+        self._put = put
+
+    def put(self) -> None:
+        """Into memory, word by word."""
+        for preset in self._presets:
+            for word in range(preset.variable.words):
+                self._put(preset.variable.address + word, preset.bits >> 16 * word & 0xFFFF)
+
+    def called(self, name: str, tick: int) -> None:
+        if name in MAIN:
+            self.put()
+
+    def returned(self, name: str, tick: int) -> None:
+        pass

@@ -1,0 +1,32 @@
+"""How much of its stack an image uses: SP behind each instruction goes in; each new most, in words, comes out.
+
+The stack is the section `.stack`; SP elsewhere is the stack of a task, which does not count. The 14 words that an
+interrupt saves count from its routine's first instruction on.
+"""
+
+from __future__ import annotations
+
+from ...c28x.execution.registers import Cpu, Operation
+from ...core.records import Kind, Recorder
+from ...core.time import Clock
+from ...image.model import Section
+from .instruction_watch import InstructionWatch
+
+SECTION = ".stack"
+STACK = "stack"  # in place of a register's name
+CPU = "CPU"  # and of a module's
+
+
+class StackDepth(InstructionWatch):
+    def __init__(self, section: Section, recorder: Recorder, clock: Clock, unit: str) -> None:
+        super().__init__()
+        self._begin, self._end = section.run, section.run + section.size
+        self._deepest = section.run
+        self._clock = clock
+        self._topic = recorder.topic(Kind.FLAG, f"{unit}.{CPU}", STACK)
+
+    def executed(self, f: Operation, cpu: Cpu, cycle: int) -> None:
+        if self._deepest < cpu.sp <= self._end:
+            self._deepest = cpu.sp
+            self._topic.emit(self._clock.tick(cycle), cpu.sp - self._begin)
+        super().executed(f, cpu, cycle)

@@ -1,0 +1,61 @@
+"""What a case and its budgets want to know of a unit's image: names go in; who looks at its program is put there.
+
+unit.memory               --> PresetMemory: variables as the image begins
+budgets, span records     --> FunctionSpans: a span for each function
+budgets on variables      --> VariableRecords
+budgets on the stack      --> StackDepth
+"""
+
+from __future__ import annotations
+
+from ..core.records import Kind, Recorder
+from ..image.variables import BadVariable, Variables
+from ..processor.dsp import Dsp
+from ..processor.image.function_spans import FunctionSpans
+from ..processor.image.preset_memory import Preset, PresetMemory
+from ..processor.image.program import ImageProgram
+from ..processor.image.stack_depth import CPU, SECTION, STACK, StackDepth
+from ..processor.image.variable_records import MEMORY, VariableRecords
+from .case.model import Case, Unit
+
+
+def watch_image(case: Case, name: str, unit: Unit, dsp: Dsp, program: ImageProgram, recorder: Recorder) -> None:
+    """Look at a program before its first instruction. BadCase for what its image does not have."""
+    if recorder.wants(Kind.SPAN):
+        program.tell_calls(FunctionSpans(recorder, name))
+    if unit.memory:
+        _preset(case, name, unit, program)
+    wanted = recorder.named(Kind.FLAG)
+    place = f"{name}.{MEMORY}."
+    named = sorted(subject.removeprefix(place) for subject in wanted if subject.startswith(place))
+    if named:
+        variables = Variables(program.image)
+        ram = dsp.processor.bus.ram
+        program.watch_memory(VariableRecords(map(variables.find, named), ram, recorder, dsp.clock, name))
+    if f"{name}.{CPU}.{STACK}" in wanted:
+        stacks = [section for section in program.image.sections if section.name == SECTION]
+        if not stacks:
+            what = f"a budget on its stack needs a section {SECTION}, which it has not"
+            raise case.mistake(what, "unit", name, "image")
+        program.watch_instructions(StackDepth(stacks[0], recorder, dsp.clock, name))
+
+
+def variable_value(dsp: Dsp, name: str) -> int:
+    """What a variable that a budget names holds now."""
+    assert isinstance(dsp.program, ImageProgram) and dsp.program.cpu.watched is not None
+    return dsp.program.cpu.watched.value(name)
+
+
+def _preset(case: Case, name: str, unit: Unit, program: ImageProgram) -> None:
+    """Put the case's values into memory."""
+    variables = Variables(program.image)
+    presets = []
+    for symbol, value in unit.memory.items():
+        try:
+            variable = variables.find(symbol)
+            presets.append(Preset(variable, variable.bits_of(value)))
+        except BadVariable as error:
+            raise case.mistake(str(error), "unit", name, "memory", symbol) from None
+    memory = PresetMemory(presets, program.cpu.fill)
+    memory.put()
+    program.tell_calls(memory)

@@ -1,0 +1,129 @@
+"""Budgets on what is inside an image: functions, variables, stack, by a program of our own in assembly."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from periph_sim.image.assemble import assemble
+from periph_sim.image.write_coff2 import write
+from periph_sim.scene.case.load import load
+from periph_sim.scene.case.model import BadCase
+from periph_sim.scene.scene import Scene
+
+# Main calls _work three times, each of which waits 200 cycles and counts, and keeps 2 words on the stack beside its
+# return address. 7.5 MHz behind reset, so 200 cycles are 26.7 us.
+SOURCE = """
+WDCR .set 0x7029
+ .sect ".text", 0x9000
+ .sect ".ebss", 0x9800
+ .global _c_int00, _main, _work, _count, _total, _step
+_count: .word 0
+_step: .word 1
+_total: .long 0
+ .reserve ".stack", 0x400, 0x40
+ .sect ".boot", 0x9100
+_c_int00: MOV @SP,#0x400
+ EALLOW
+ MOVW DP,#WDCR >> 6
+ MOV @WDCR,#0x68
+ EDIS
+ LCR #_main
+ ESTOP0
+_main: MOVB XAR2,#2
+again: LCR #_work
+ BANZ again,AR2--
+ LRETR
+_work: PUSH XAR2
+ RPT #199 || NOP
+ MOVW DP,#_count >> 6
+ MOV AL,@_step
+ ADD @_count,AL
+ MOVB ACC,#7
+ SUBL @_total,ACC
+ POP XAR2
+ LRETR
+"""
+
+
+def seen(tmp_path: Path, budgets: dict[str, str], unit: str = "", *changes: str) -> dict[str, float | int | None]:
+    """The worst value of each budget; none has a limit that matters."""
+    (tmp_path / "own.out").write_bytes(write(assemble(SOURCE)))
+    tables = "".join(
+        f'[[budget]]\nname = "{name}"\nmeasure = "{measure}"\n{limit}\n'
+        for name, text in budgets.items()
+        for measure, limit in [text.split("; ")]
+    )
+    case = tmp_path / "own.toml"
+    case.write_text(
+        f'name = "own"\nduration = "1 ms"\n[unit.dsp]\nimage = "own.out"\nmodules = ["GPIO"]\n{unit}{tables}'
+    )
+    result = Scene(load(case, list(changes))).run()
+    return {verdict.name: verdict.worst for verdict in result.budgets}
+
+
+def test_functions_are_spans(tmp_path: Path):
+    """_work: PUSH 1, RPT 1, 200 NOPs, 6 more instructions of a cycle, LRETR 4: 212 cycles of 7.5 MHz."""
+    found = seen(
+        tmp_path,
+        {
+            "calls": "calls of _work; exactly = 3",
+            "each": 'each time in _work; max = "1 ms"',
+            "sum": 'time in _work; max = "1 ms"',
+            "from": 'from span _main begin to span _work begin; max = "1 ms"',
+        },
+    )
+    work = 212 / 7.5
+    assert found["calls"] == 3
+    assert found["each"] == pytest.approx(work, abs=0.01)
+    assert found["sum"] == pytest.approx(3 * work, abs=0.01)
+    assert found["from"] == pytest.approx((1 + 4) / 7.5, abs=0.01)  # MOVB, LCR
+
+
+def test_the_deepest_stack_in_words(tmp_path: Path):
+    """RPC by both calls, XAR2: 2 + 2 + 2."""
+    assert seen(tmp_path, {"stack": "stack high-water; max = 64"}) == {"stack": 6}
+
+
+def test_variables_as_they_change(tmp_path: Path):
+    found = seen(
+        tmp_path,
+        {
+            "most": "level of variable _count; max = 9",
+            "changes": "count of variable _count change; exactly = 3",
+            "second": "count of variable _count = 2; exactly = 1",
+            "held": 'each time in variable _count = 2; max = "1 ms"',
+            "long": "level of variable _total-long; max = 0xFFFFFFFF",
+        },
+    )
+    assert (found["most"], found["changes"], found["second"]) == (3, 3, 1)
+    assert found["held"] == pytest.approx((212 + 4 + 4) / 7.5, abs=0.6)  # BANZ and LCR between
+    assert found["long"] == 0x1_0000_0000 - 7
+
+
+def test_a_case_sets_memory_by_symbol(tmp_path: Path):
+    budgets = {"most": "level of variable _count; max = 99"}
+    assert seen(tmp_path, budgets, "memory = { _step = 5 }\n") == {"most": 15}
+    assert seen(tmp_path, budgets, "", "unit.dsp.memory._step=7") == {"most": 21}
+
+
+@pytest.mark.parametrize(
+    ("budget", "unit", "sentence"),
+    [
+        ("level of variable _cuont; max = 1", "", "the image has no variable '_cuont'; did you mean _count?"),
+        ("calls of _wrok; max = 1", "", ""),
+        ("level of variable dsq:_count; max = 1", "", "there is no unit 'dsq'; did you mean dsp?"),
+        ("calls of _work; max = 9", "memory = { _stpe = 1 }\n", "no variable '_stpe'; did you mean _step?"),
+        ("calls of _work; max = 9", "memory = { _step = 65536 }\n", "_step has 16 bits, so 65536 does not fit"),
+        ("calls of _work; max = 9", "memory = { _step = 1.5 }\n", "_step is no float, so 1.5 does not fit"),
+    ],
+)
+def test_names_and_values_that_an_image_does_not_have(tmp_path: Path, budget: str, unit: str, sentence: str):
+    if sentence:
+        with pytest.raises(BadCase) as refused:
+            seen(tmp_path, {"it": budget}, unit)
+        assert sentence in str(refused.value)
+        assert "own.toml, line " in str(refused.value)
+    else:  # a function's name is free text: nothing was measured, so the budget is not judged
+        assert seen(tmp_path, {"it": budget}) == {"it": None}

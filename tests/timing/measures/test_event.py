@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
@@ -295,6 +296,8 @@ def test_events_that_never_share_a_transfer_are_told():
             Scope({"dsp": ("XINT",)}),
             "INT13 does not come through the PIE, so nothing records when it was asked for",
         ),
+        ("stack high-water", ONE, "no unit runs an image, and this is of one that does; give it image in place of"),
+        ("stack high-water of imu", ONE, "imu runs Python firmware; this is of a unit that runs an image"),
         ("cpu load", Scope(), "the scene has no unit"),
         ("cpu load of imy", TWO, "there is no unit 'imy'; did you mean imu?"),
         ("cpu load", TWO, "head and imu have it; say whose is meant"),
@@ -306,8 +309,16 @@ def test_what_the_scene_cannot_show_is_refused(text: str, scope, sentence: str):
     assert str(caught.value).startswith(sentence)
 
 
+IMAGE = replace(ONE, images={"imu": str})
 EXAMPLES = ["from frame to frame", "period of frame", "jitter of frame", "count of frame"]
-EXAMPLES += ["level of I2C-A.I2CSTR.XRDY", "interrupt latency SCIRXINTA", "reaction", "gap between rounds"]
+EXAMPLES += [
+    "level of I2C-A.I2CSTR.XRDY",
+    "calls of _isr",
+    "stack high-water",
+    "interrupt latency SCIRXINTA",
+    "reaction",
+    "gap between rounds",
+]
 EXAMPLES += ["margin of I2CDXR", "SCL held per transfer", "time in model"]
 EXAMPLES += ["each time in wire SCL low", "cpu load", "bus load", "slack"]
 EXAMPLES += ["race I2C-A.I2CSTR.XRDY", "lost flags", "cleared along I2C-A.I2CSTR.SDIR", "age of gyroscope"]
@@ -316,7 +327,7 @@ EXAMPLES += ["model age of magnetometer", "value error of gyroscope"]
 
 @pytest.mark.parametrize(("form", "text"), list(zip(FORMS, EXAMPLES, strict=True)))
 def test_every_form_makes_a_measure_that_says_what_it_is_and_begins_empty(form: str, text: str):
-    made = measure(text)
+    made = measure(text, IMAGE)
     assert (made.__doc__ or "").strip()
     assert came(made) == (0, NO_TIME, 0, 0)
     assert made.unit in ("time", "count", "value", "%", "cycles", "flags", "LSB")

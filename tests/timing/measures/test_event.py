@@ -297,7 +297,7 @@ def test_events_that_never_share_a_transfer_are_told():
             "INT13 does not come through the PIE, so nothing records when it was asked for",
         ),
         ("stack high-water", ONE, "no unit runs an image, and this is of one that does; give it image in place of"),
-        ("stack high-water of imu", ONE, "imu runs Python firmware; this is of a unit that runs an image"),
+        ("stack high-water of dsp", ONE, "dsp runs Python firmware; this is of a unit that runs an image"),
         ("cpu load", Scope(), "the scene has no unit"),
         ("cpu load of imy", TWO, "there is no unit 'imy'; did you mean imu?"),
         ("cpu load", TWO, "head and imu have it; say whose is meant"),
@@ -309,7 +309,7 @@ def test_what_the_scene_cannot_show_is_refused(text: str, scope, sentence: str):
     assert str(caught.value).startswith(sentence)
 
 
-IMAGE = replace(ONE, images={"imu": str})
+IMAGE = replace(ONE, images={"dsp": str})
 EXAMPLES = ["from frame to frame", "period of frame", "jitter of frame", "count of frame"]
 EXAMPLES += [
     "level of I2C-A.I2CSTR.XRDY",

@@ -10,7 +10,7 @@ System control, PIE and the CPU's interrupt logic belong to every unit.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from fractions import Fraction
 from functools import partial
 from typing import TYPE_CHECKING
@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from ..f28335.sci.options import SciOptions
     from ..f28335.system.cpu_timer import CpuTimer
     from ..image.model import Image
+    from .image.boot import Boot, Stub
     from .image.program import ImageProgram
     from .pin_router import Port, Router
 
@@ -128,20 +129,31 @@ class Dsp(FirmwareView):
         self._firmware = firmware
         self.cpu.start(firmware)
 
-    def start_image(self, image: Image) -> ImageProgram:
-        """Run a firmware image from its entry on, in place of Python firmware; a reset begins it anew."""
+    def start_image(self, image: Image, boot: Boot = "entry", stubs: Iterable[Stub] = ()) -> ImageProgram:
+        """Run a firmware image in place of Python firmware; a reset begins it anew. BadImage where it cannot boot."""
+        from .image.boot import entry_of
         from .image.program import ImageProgram
 
-        program = self.program = ImageProgram(self.processor, self.clock, image)
+        program = self.program = ImageProgram(self.processor, self.clock, image, entry_of(image, boot))
         program.load()
+        for stub in stubs:
+            self._kernel.at(stub.tick, partial(program.cpu.elsewhere.answer, stub.address, stub.value))
 
         def begin(delay: int = 0) -> None:
             program.begin()
+            if boot != "entry":
+                self._leave_boot_rom()
             self.processor.start(program, delay)
 
         self._begin_anew = begin
         begin()
         return program
+
+    def _leave_boot_rom(self) -> None:
+        """The clock as the boot ROM leaves it."""
+        cycle = self.clock.cycle_at(self._kernel.now)
+        self.control.boot(cycle)
+        self._sockets["SYS"].publish(cycle)
 
     def _sysclk_hz(self) -> Fraction:
         return self.control.sysclk_hz * (1 + self.plan.ppm / 1_000_000)

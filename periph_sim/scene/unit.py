@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, TypeVar
 from msgspec import Struct
 
 from ..core.options import Value, options_from
-from ..core.records import Recorder
 from ..core.suggest import did_you_mean
 from ..f28335.cpu.compiled_code_costs import CodeCosts
 from ..f28335.system.options import SystemOptions
@@ -35,6 +34,7 @@ if TYPE_CHECKING:
     from ..devices.model_codes import Computed
     from ..f28335.i2c.options import I2cOptions
     from ..f28335.sci.options import SciOptions
+    from ..processor.image.boot import Stub
     from ..sensors.models.parameters import ImuParameters
 
 T = TypeVar("T")
@@ -77,7 +77,7 @@ def build_unit(context: SceneContext, name: str, unit: Unit, program: Firmware |
     )
     dsp = Dsp(context.kernel, context.timebase, context.recorder, plan)
     if unit.image:
-        return BuiltUnit(dsp, _started_image(case, name, unit, dsp, context.recorder), None, None)
+        return BuiltUnit(dsp, _started_image(context, name, unit, dsp), None, None)
     try:
         firmware = program or load_firmware(unit.firmware)
     except BadFirmware as error:
@@ -96,18 +96,32 @@ def build_unit(context: SceneContext, name: str, unit: Unit, program: Firmware |
     return BuiltUnit(dsp, firmware, sensors, computed_by(settings))
 
 
-def _started_image(case: Case, name: str, unit: Unit, dsp: Dsp, recorder: Recorder) -> Firmware:
-    """The unit's image runs from its entry on. What comes back stands for it where Python firmware is asked for."""
+def _started_image(context: SceneContext, name: str, unit: Unit, dsp: Dsp) -> Firmware:
+    """The unit's image runs from where it boots. What comes back stands for it where Python firmware is asked for."""
     from ..image.load import load
     from ..image.model import BadImage
     from .image_watching import watch_image
 
     try:
-        program = dsp.start_image(load(Path(unit.image)))
+        program = dsp.start_image(load(Path(unit.image)), unit.boot, _stubs(context, name, unit, dsp))
     except BadImage as error:
-        raise case.mistake(str(error), "unit", name, "image") from None
-    watch_image(case, name, unit, dsp, program, recorder)
+        raise context.case.mistake(str(error), "unit", name, "image") from None
+    watch_image(context.case, name, unit, dsp, program, context.recorder)
     return Firmware(unit.image, _no_python, None)
+
+
+def _stubs(context: SceneContext, name: str, unit: Unit, dsp: Dsp) -> list[Stub]:
+    from ..processor.image.boot import BadStub, Stub, stubbed
+
+    found = []
+    for place, table in enumerate(unit.stub):
+        try:
+            address = stubbed(table.register_, dsp.memory)
+        except BadStub as error:
+            raise context.case.mistake(str(error), "unit", name, "stub", place, "register") from None
+        tick = context.kernel.now + context.timebase.ticks(table.after, "nearest")
+        found.append(Stub(tick, address, table.value))
+    return found
 
 
 def _no_python(dsp: Dsp, settings: object) -> None:

@@ -28,6 +28,7 @@ from periph_sim.scene.case.model import (
     OutsideTable,
     RequestTable,
     RoundsTable,
+    StubTable,
     Unit,
     ValueTable,
 )
@@ -43,6 +44,7 @@ TABLES: dict[str, type[Table]] = {
     "The case": Case,
     "`[unit.NAME]`": Unit,
     "`[unit.NAME.code]`": Code,
+    "`[[unit.NAME.stub]]`": StubTable,
     "`[[cable]]`": Cable,
     "`[[transceiver]]`": TransceiverTable,
     "`[chip.NAME]`": ChipTable,

@@ -84,9 +84,9 @@ def test_what_is_known_at_a_forward_branch_is_known_at_its_target():
 
 
 def test_a_frame_that_is_not_modelled_is_named_by_module_and_offset():
-    """MOVW DP,#0x1C4 (0x7100); MOV @0x1,#0."""
-    found = of_code(0x761F, 0x01C4, 0x2B01, 0x0006)
-    assert touched(found) == [("ADC", "+0x01", 0, 1)]
+    """MOVW DP,#0x1C4 (0x7100); MOV @0x3,#0."""
+    found = of_code(0x761F, 0x01C4, 0x2B03, 0x0006)
+    assert touched(found) == [("ADC", "+0x03", 0, 1)]
 
 
 def test_code_that_is_copied_runs_elsewhere():

@@ -60,6 +60,22 @@ def test_a_budget_that_the_image_breaks(periph_sim: Run, folder: Path):  # noqa:
         ('image = "echo.out"\n', "", "a unit needs a program; give firmware, or image"),
         ("[serial]", 'firmware = "responder"\n[serial]', "a unit has one program; give firmware or image, not both"),
         ("[serial]", "pll = 5\n[serial]", "pll is of Python firmware; an image says that by itself, so leave it out"),
+        ("[serial]", 'boot = "flash"\n[serial]', 'boot = "flash" begins at 0x33fff6, where this image has nothing'),
+        (
+            "[serial]",
+            '[[unit.dsp.stub]]\nregister = "SYS.PLLSTS"\nvalue = 1\n[serial]',
+            "SYS.PLLSTS is modelled; a stub",
+        ),
+        (
+            "[serial]",
+            '[[unit.dsp.stub]]\nregister = "ADC.X"\nvalue = 1\n[serial]',
+            "stub.0.register: there is no register",
+        ),
+        (
+            'image = "echo.out"',
+            'firmware = "responder"\nboot = "ram"',
+            "boot is of an image; Python firmware begins at",
+        ),
         ("echo.out", "none.out", "none.out: No such file or directory"),
         ("echo.out", "echo.toml", "it is neither TI COFF nor ELF"),
     ],

@@ -1,6 +1,7 @@
 """Every peripheral register of the F28335 by its address: an address goes in, "I2C-A.I2CMDR" or "ADC + 0x01" comes out.
 
-Registers of modules that are modelled have their names; of the others only the module is known, and the offset in it.
+Registers of modules that are modelled have their names, and those that firmware waits for or sets the chip up with; of
+the others only the module is known, and the offset in it.
 
 Source: SPRS439M Tables 3-8 to 3-11, SPRUFB0D Tables 86 to 96; the bases of the linker command files that TI ships.
 """
@@ -55,6 +56,13 @@ NOT_MODELLED = (
     Module("ADC", 0x7100, 0x20),
 )
 
+NAMES = {
+    0x0A80: "FOPT", 0x0A82: "FPWR", 0x0A83: "FSTATUS", 0x0A84: "FSTDBYWAIT", 0x0A85: "FACTIVEWAIT",
+    0x0A86: "FBANKWAIT", 0x0A87: "FOTPWAIT", 0x0AEF: "CSMSCR", 0x7042: "SPISTS", 0x704A: "SPIFFTX", 0x704B: "SPIFFRX",
+    0x7100: "ADCTRL1", 0x7101: "ADCTRL2", 0x7118: "ADCTRL3", 0x7119: "ADCST",
+}  # fmt: skip
+PROTECTED_MODULES = frozenset(("device emulation", "flash control", "CSM", "XINTF", "DMA"))  # as a whole
+
 MODULES = tuple(sorted((*MODELLED, *NOT_MODELLED), key=lambda module: module.base))
 VECTORS = "PIE vectors"
 
@@ -77,4 +85,54 @@ def register_name(address: int) -> tuple[str, str]:
             register = module.registers.at(offset - back)
             if register is not None and register.width > 16 * back:
                 return module.name, register.name
-    return module.name, f"+{offset:#04x}"
+    return module.name, NAMES.get(address, f"+{offset:#04x}")
+
+
+def full_name(address: int) -> str:
+    """ "ADC.ADCST", "eCAN-A + 0x08"; the address itself outside all modules."""
+    module, name = register_name(address)
+    if not module:
+        return name
+    return f"{module} + {name[1:]}" if name.startswith("+") else f"{module}.{name}"
+
+
+def address_of(text: str) -> int | None:
+    """The address of "ADC.ADCST", "eCAN-A + 0x08" or "0x7119"; None if nothing has that name."""
+    module, plus, offset = (part.strip() for part in text.partition("+"))
+    if not plus:
+        module, _, name = (part.strip() for part in text.partition("."))
+        if not name:
+            return _number(module)
+    for known in MODULES:
+        if known.name == module:
+            return _inside(known, _number(offset)) if plus else _named(known, name)
+    return None
+
+
+def _named(module: Module, name: str) -> int | None:
+    addresses = range(module.base, module.base + module.size)
+    return next((address for address in addresses if register_name(address)[1] == name), None)
+
+
+def _inside(module: Module, offset: int | None) -> int | None:
+    return module.base + offset if offset is not None and 0 <= offset < module.size else None
+
+
+def _number(text: str) -> int | None:
+    try:
+        return int(text, 0)
+    except ValueError:
+        return None
+
+
+def is_protected(address: int) -> bool:
+    """True if a write there needs EALLOW."""
+    if address in pie_map.VECTOR_TABLE:
+        return True
+    module = module_at(address)
+    if module is None:
+        return False
+    if module.registers is None:
+        return module.name in PROTECTED_MODULES
+    register = module.registers.at(address - module.base) or module.registers.at(address - module.base - 1)
+    return register is not None and register.protected

@@ -1,33 +1,26 @@
 """The C28x of an image on a unit's bus: instructions go in; accesses are made, status goes to the interrupt logic.
 
-    Engine --load16, store16--> Ram | Bus | flash, and frames that are not modelled
+    Engine --load16, store16--> Ram | Bus | Elsewhere: flash, and frames that are not modelled
            --ST1, IER, IFR----> CpuInterrupts
 
-Accesses are made in the present cycle: `access_at` says beforehand which cycle that is for an operand. Frames that
-nothing models store what is written, and are noted once each.
+Accesses are made in the present cycle: `access_at` says beforehand which cycle that is for an operand.
 """
 
 from __future__ import annotations
 
 from ...c28x.execution.engine import Engine
 from ...c28x.execution.registers import CODE, REGISTER, ST1_RESET, Cpu, IllegalOperation, Operation
-from ...core.chip import Note
 from ...f28335.cpu.interrupts import EALLOW, INTM, frame_of
 from ...f28335.cpu.pie_map import VECTOR_TABLE
 from ...f28335.system.address_space import Content, area_at
 from ...f28335.system.memory_map import NoSuchAddress
 from ...f28335.system.ram import Ram, block_at
-from ...f28335.system.register_names import register_name
 from ..processor import Processor
+from .elsewhere import Elsewhere
 from .variable_records import VariableRecords
 
 RAM_FROM, RAM_TO = 0x8000, 0x1_0000  # without waits, but for M0 and M1 below
 LOW_RAM = 0x800
-ERASED = 0xFFFF
-UNMODELLED_READ_WAITS = 2
-ADC_CAL, LRETR = 0x38_0080, 0x0006  # start-up code calls it; it would set trims of the ADC
-FIXED = {ADC_CAL: LRETR, 0x38_0090: 0x00EF, 0x0882: 0x00EF}  # PARTID, CLASSID
-MATH_TABLES = range(0x3F_E000, 0x3F_F27C)
 
 
 def in_plain_ram(address: int) -> bool:
@@ -47,8 +40,7 @@ class ImageCpu(Engine):
         self._time = processor.time
         self._bus = processor.bus
         self._ram: Ram = processor.bus.ram
-        self._stored = dict(FIXED)  # flash, OTP, external memory, and frames that are not modelled
-        self._noted: set[str] = set()
+        self.elsewhere = Elsewhere(self._core, processor.notes)
         self.watched: VariableRecords | None = None
         self.reset()
 
@@ -66,7 +58,7 @@ class ImageCpu(Engine):
         if block_at(address) is not None:
             self._ram.put(address, value)
         else:
-            self._stored[address] = value
+            self.elsewhere.fill(address, value)
 
     def load16(self, address: int) -> int:
         if in_plain_ram(address):
@@ -84,8 +76,8 @@ class ImageCpu(Engine):
         try:
             operand = self._bus.at(address, width)
         except NoSuchAddress:
-            low = self._elsewhere(address)
-            return low | self._elsewhere(address + 1) << 16 if width == 32 else low
+            low = self.elsewhere.read(self._time.cycle, address)
+            return low | self.elsewhere.read(self._time.cycle, address + 1) << 16 if width == 32 else low
         if operand.meets:
             self._time.meet()
         return self._bus.read(self._time.cycle, address, width)
@@ -125,34 +117,11 @@ class ImageCpu(Engine):
         area = area_at(address)
         if area is None or area.content is Content.REGISTERS:
             raise IllegalOperation(f"code is fetched from {address:#08x}, where no memory is")
-        return self._elsewhere(address)
-
-    def _elsewhere(self, address: int) -> int:
-        area = area_at(address)
-        if area is None:
-            raise IllegalOperation(f"{address:#08x} is read, where the F28335 has nothing")
-        if address in MATH_TABLES:
-            raise IllegalOperation(f"{address:#08x} is read: the image needs the math tables of the boot ROM")
-        self._note(address, area.content)
-        return self._stored.get(address, ERASED if area.content in (Content.FLASH, Content.OTP) else 0)
+        return self.elsewhere.read(self._time.cycle, address)
 
     def _keep(self, address: int, value: int) -> None:
-        area = area_at(address)
-        if area is None:
-            raise IllegalOperation(f"{address:#08x} is written, where the F28335 has nothing")
-        self._note(address, area.content)
-        if area.content in (Content.REGISTERS, Content.EXTERNAL):
-            self._stored[address] = value
+        if self.elsewhere.write(self._time.cycle, address, value):
             self.written(address)
-
-    def _note(self, address: int, content: Content) -> None:
-        module = register_name(address)[0]
-        if content is Content.REGISTERS and module not in self._noted:
-            self._noted.add(module)
-            text = (
-                f"{module or 'a frame'} at {address:#06x} is not modelled or not in this unit; it keeps what is written"
-            )
-            self._processor.notes.note(self._time.cycle, Note("unknown", text, "SPRS439M Tables 3-8 to 3-11"))
 
     # When ---------------------------------------------------------------------------
 
@@ -172,9 +141,7 @@ class ImageCpu(Engine):
                 return self._bus.reads_at(cycle, address, width)
             return self._bus.writes_at(cycle, address, width)
         except NoSuchAddress:
-            area = area_at(address)
-            waits = UNMODELLED_READ_WAITS if reads and area is not None and area.content is Content.REGISTERS else 0
-            return cycle + waits
+            return cycle + (self.elsewhere.read_waits(address) if reads else 0)
 
     # Status, which the interrupt logic holds --------------------------------------------
 

@@ -34,7 +34,8 @@ LAST_JUMPS = 8  # that an error names
 class ImageProgram(Program):
     """cpu: its registers. instructions: how many were executed."""
 
-    def __init__(self, processor: Processor, clock: Clock, image: Image) -> None:
+    def __init__(self, processor: Processor, clock: Clock, image: Image, entry: int) -> None:
+        """entry: where PC begins."""
         super().__init__()
         self.cpu = ImageCpu(processor)
         self.image = image
@@ -49,7 +50,8 @@ class ImageProgram(Program):
         self._functions: FunctionMap | None = None
         self._calls: CallStack | None = None  # somebody wants to know what is called
         self._watch: InstructionWatch | None = None  # somebody looks at each instruction
-        self._at = image.entry  # the instruction that is executed, or was last
+        self._entry = entry
+        self._at = entry  # the instruction that is executed, or was last
 
     def load(self) -> None:
         """Put the image into memory."""
@@ -62,15 +64,15 @@ class ImageProgram(Program):
                 cpu.fill(address + offset, word)
 
     def begin(self) -> None:
-        """Registers as the boot ROM leaves them, PC at the image's entry; memory stays as it is."""
+        """Registers as the boot ROM leaves them, PC at the entry; memory stays as it is."""
         self.cpu.reset()
-        self.cpu.pc = self.image.entry
+        self.cpu.pc = self._entry
         self.returned_at = None
         self._ready = None
         self._executed = self._idle_began = False
-        self._at = self.image.entry
+        self._at = self._entry
         if self._calls is not None:
-            self._calls.began(self.image.entry, self._processor.time.cycle)
+            self._calls.began(self._entry, self._processor.time.cycle)
 
     # Who wants to know ------------------------------------------------------------------
 

@@ -68,15 +68,25 @@ class Code(Table):
     isr_epilogue: CodeCycles = COMPILED.isr_epilogue
 
 
+class StubTable(Table):
+    """What a register that nothing models answers, from the start or from a time on. register: its name or address."""
+
+    register_: str | int = Field(alias="register")
+    value: Annotated[int, Field(ge=0, le=0xFFFF)]
+    after: Duration = Fraction(0)
+
+
 class Unit(Table):
     """One F28335. pins: names for GPIO pins to be watched; wires of SDA, SCL, RX, TX are connected by themselves.
 
-    Either firmware, a Python program, or image, a linker's .out file. memory: values of an image's variables as it
-    begins.
+    Either firmware, a Python program, or image, a linker's .out file. boot: where an image begins. memory: what its
+    variables are as it begins.
     """
 
     firmware: str = ""
     image: str = ""
+    boot: Literal["entry", "flash", "ram"] = "entry"
+    stub: tuple[StubTable, ...] = ()
     memory: dict[str, int | float] = {}
     settings: dict[str, object] = {}
     modules: tuple[str, ...]
@@ -100,6 +110,9 @@ class Unit(Table):
         said = sorted(self.model_fields_set & {"settings", "code", "pll", "from_boot", "skip_polls"})
         if self.image and said:
             raise ValueError(f"{said[0]} is of Python firmware; an image says that by itself, so leave it out")
+        said = sorted(self.model_fields_set & {"boot", "stub"})
+        if self.firmware and said:
+            raise ValueError(f"{said[0]} is of an image; Python firmware begins at main, so leave it out")
         return self
 
 

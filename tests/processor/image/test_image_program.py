@@ -6,28 +6,12 @@ from itertools import pairwise
 
 import pytest
 
-from periph_sim.core.kernel import Kernel
-from periph_sim.core.records import Kind, Record, Recorder
-from periph_sim.core.time import Timebase
-from periph_sim.image.assemble import assemble
-from periph_sim.processor.dsp import Dsp, DspPlan
+from periph_sim.core.records import Kind
 from periph_sim.processor.error_origin import FirmwareError
-from periph_sim.processor.image.program import ImageProgram
+from tests.processor.image.rig import HEAD, Rig
 
 CYCLE = 400  # ticks, behind reset: 30 MHz / 4, of ticks of 1/3 ns
 COUNT = 0x9100
-
-HEAD = """
-WDCR .set 0x7029
-TCR .set 0x0C04
-COUNT .set 0x9100
- .sect ".text", 0x9000
- .global _c_int00
-_c_int00: EALLOW
- MOVW DP,#WDCR >> 6
- MOV @WDCR,#0x68
- EDIS
-"""
 
 # Timer 0 interrupts every 500 cycles; its routine counts and keeps nothing itself.
 TIMER = (
@@ -62,31 +46,6 @@ _routine: PUSH ACC
  IRET
 """
 )
-
-
-class Rig:
-    """A unit that runs a program from its entry on, 2 ms at most."""
-
-    def __init__(self, source: str, *modules: str) -> None:
-        self.kernel, self.recorder = Kernel(), Recorder()
-        self.records: list[Record] = []
-        self.recorder.subscribe({Kind.IRQ, Kind.NOTE, Kind.ACCESS}, self.records.append)
-        plan = DspPlan("dsp", modules, {}, from_boot=True)
-        self.dsp = Dsp(self.kernel, Timebase(150_000_000), self.recorder, plan)
-        self.dsp.start_image(assemble(source))
-        assert isinstance(self.dsp.program, ImageProgram)
-        self.program = self.dsp.program
-        self.cpu = self.program.cpu
-
-    def run(self, ticks: int = 6_000_000) -> Rig:
-        self.kernel.run_until(self.kernel.now + ticks)
-        return self
-
-    def word(self, address: int) -> int:
-        return self.dsp.processor.bus.ram.word(address)
-
-    def notes(self) -> list[str]:
-        return [note.text for note in self.dsp.processor.notes.counts]
 
 
 def test_a_program_ends_at_estop0_and_its_cycles_are_the_tables():

@@ -1,0 +1,63 @@
+"""How an image begins: an image and a way to boot go in; where PC begins, and what stubs answer, come out.
+
+    entry   at the entry that the linker wrote, at the reset's clock: as a debugger begins it
+    flash   at 0x33FFF6, where the boot ROM goes with GPIO87 to 84 high; it leaves SYSCLKOUT = OSCCLK / 2
+    ram     at 0, its "M0 SARAM" mode
+
+Time that the ROM takes, and what its stack leaves in M0, are not modelled. Source: SPRU963A.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from msgspec import Struct
+
+from ...f28335.system.address_space import Content, area_at
+from ...f28335.system.memory_map import AddressMap, NoSuchAddress
+from ...f28335.system.register_names import address_of, full_name
+from ...image.model import BadImage, Image
+
+Boot = Literal["entry", "flash", "ram"]
+BEGINS: dict[Boot, int] = {"flash": 0x33_FFF6, "ram": 0}
+
+
+class Stub(Struct, frozen=True):
+    """From this tick on a read of the address brings the value."""
+
+    tick: int
+    address: int
+    value: int
+
+
+class BadStub(ValueError):
+    """A stub of what needs none, in one sentence."""
+
+
+def entry_of(image: Image, boot: Boot) -> int:
+    """Where PC begins. BadImage if nothing is loaded there."""
+    if boot == "entry":
+        return image.entry
+    address = BEGINS[boot]
+    if not any(section.address <= address < section.end for section in image.loaded):
+        raise BadImage(
+            f'boot = "{boot}" begins at {address:#08x}, where this image has nothing; its entry is elsewhere'
+        )
+    return address
+
+
+def stubbed(register: str | int, memory: AddressMap) -> int:
+    """The address of a register that nothing models. BadStub otherwise."""
+    address = register if isinstance(register, int) else address_of(register)
+    if address is None:
+        raise BadStub(
+            f"there is no register {register!r}; write its address, ADC.ADCST, or an offset as in eCAN-A + 0x08"
+        )
+    area = area_at(address)
+    if area is None or area.content not in (Content.REGISTERS, Content.EXTERNAL):
+        raise BadStub(f"{address:#08x} is no register")
+    try:
+        memory.find(address)
+    except NoSuchAddress:
+        return address
+    raise BadStub(f"{full_name(address)} is modelled; a stub answers for what is not")

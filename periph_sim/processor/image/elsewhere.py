@@ -1,0 +1,91 @@
+"""Memory and frames that no bus of a unit knows: an address goes in; what the chip has there comes out.
+
+    flash, OTP       what the image loaded, else erased
+    ADC_cal, PARTID  as on the chip; ADC_cal returns at once, since it sets trims of the ADC
+    boot ROM         reads 0; its math tables end the run
+    frames           of modules that nothing models, or that the unit does not name, keep what is written; each module
+                     is noted once
+    stubs            say what a register answers with, whatever is written
+
+Source: SPRS439M Figure 3-2, Tables 3-5 and 3-8 to 3-11; SPRUFB0D Tables 86 to 96 (EALLOW).
+"""
+
+from __future__ import annotations
+
+from ...c28x.execution.registers import IllegalOperation
+from ...core.chip import Note
+from ...f28335.cpu.interrupts import CpuInterrupts
+from ...f28335.system.address_space import Area, Content, area_at
+from ...f28335.system.register_names import full_name, is_protected, register_name
+from ..firmware_notes import FirmwareNotes
+
+ERASED = 0xFFFF
+FRAME_READ_WAITS = 2
+ADC_CAL, LRETR = 0x38_0080, 0x0006  # start-up code calls it
+PARTID, CLASSID, F28335 = 0x38_0090, 0x0882, 0x00EF
+FIXED = {ADC_CAL: LRETR, PARTID: F28335, CLASSID: F28335}
+MATH_TABLES = range(0x3F_E000, 0x3F_F27C)
+
+
+class Elsewhere:
+    """Each unit has its own."""
+
+    def __init__(self, core: CpuInterrupts, notes: FirmwareNotes) -> None:
+        self._core = core
+        self._notes = notes
+        self._stored = dict(FIXED)
+        self._noted: set[str] = set()
+        self._stubs: dict[int, int] = {}  # by address
+
+    def fill(self, address: int, value: int) -> None:
+        """A word that is there before the program begins."""
+        self._stored[address] = value
+
+    def answer(self, address: int, value: int) -> None:
+        """From now on a read of this word brings this value."""
+        self._stubs[address] = value
+
+    def read(self, cycle: int, address: int) -> int:
+        """A word. IllegalOperation where the chip has nothing, or what nobody can answer."""
+        area = self._area(address, "read")
+        if address in MATH_TABLES:
+            raise IllegalOperation(f"{address:#08x} is read: the image needs the math tables of the boot ROM")
+        self._note(cycle, address, area)
+        stub = self._stubs.get(address)
+        if stub is not None:
+            return stub
+        return self._stored.get(address, ERASED if area.content in (Content.FLASH, Content.OTP) else 0)
+
+    def write(self, cycle: int, address: int, value: int) -> bool:
+        """A word. True if it is kept."""
+        area = self._area(address, "written")
+        self._note(cycle, address, area)
+        if area.content not in (Content.REGISTERS, Content.EXTERNAL):
+            return False
+        if not self._core.eallow and is_protected(address):
+            text = f"{full_name(address)} was written without EALLOW; the write is ignored"
+            self._notes.note(cycle, Note("duty", text, "SPRUFB0D section 7.2"))
+            return False
+        self._stored[address] = value
+        return True
+
+    def read_waits(self, address: int) -> int:
+        area = area_at(address)
+        return FRAME_READ_WAITS if area is not None and area.content is Content.REGISTERS else 0
+
+    def _area(self, address: int, how: str) -> Area:
+        area = area_at(address)
+        if area is None:
+            raise IllegalOperation(f"{address:#08x} is {how}, where the F28335 has nothing")
+        return area
+
+    def _note(self, cycle: int, address: int, area: Area) -> None:
+        if area.content is not Content.REGISTERS:
+            return
+        module = register_name(address)[0]
+        if module not in self._noted:
+            self._noted.add(module)
+            text = (
+                f"{module or 'a frame'} at {address:#06x} is not modelled or not in this unit; it keeps what is written"
+            )
+            self._notes.note(cycle, Note("unknown", text, "SPRS439M Tables 3-8 to 3-11"))

@@ -1,0 +1,50 @@
+"""A unit that runs a program in assembly: its source goes in; CPU, memory, records and notes come out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from periph_sim.core.kernel import Kernel
+from periph_sim.core.records import Kind, Record, Recorder
+from periph_sim.core.time import Timebase
+from periph_sim.image.assemble import assemble
+from periph_sim.processor.dsp import Dsp, DspPlan
+from periph_sim.processor.image.boot import Boot, Stub
+from periph_sim.processor.image.program import ImageProgram
+
+HEAD = """
+WDCR .set 0x7029
+TCR .set 0x0C04
+COUNT .set 0x9100
+ .sect ".text", 0x9000
+ .global _c_int00
+_c_int00: EALLOW
+ MOVW DP,#WDCR >> 6
+ MOV @WDCR,#0x68
+ EDIS
+"""
+
+
+class Rig:
+    """A unit that runs a program from its entry on, 2 ms at most."""
+
+    def __init__(self, source: str, *modules: str, boot: Boot = "entry", stubs: Iterable[Stub] = ()) -> None:
+        self.kernel, self.recorder = Kernel(), Recorder()
+        self.records: list[Record] = []
+        self.recorder.subscribe({Kind.IRQ, Kind.NOTE, Kind.ACCESS}, self.records.append)
+        plan = DspPlan("dsp", modules, {}, from_boot=True)
+        self.dsp = Dsp(self.kernel, Timebase(150_000_000), self.recorder, plan)
+        self.dsp.start_image(assemble(source), boot, stubs)
+        assert isinstance(self.dsp.program, ImageProgram)
+        self.program = self.dsp.program
+        self.cpu = self.program.cpu
+
+    def run(self, ticks: int = 6_000_000) -> Rig:
+        self.kernel.run_until(self.kernel.now + ticks)
+        return self
+
+    def word(self, address: int) -> int:
+        return self.dsp.processor.bus.ram.word(address)
+
+    def notes(self) -> list[str]:
+        return [note.text for note in self.dsp.processor.notes.counts]

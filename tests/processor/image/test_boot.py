@@ -1,0 +1,91 @@
+"""Where an image begins, and what registers answer that nothing models."""
+
+from __future__ import annotations
+
+import pytest
+
+from periph_sim.f28335.system.memory_map import AddressMap
+from periph_sim.image.model import BadImage
+from periph_sim.processor.image.boot import BadStub, Stub, stubbed
+from tests.processor.image.rig import HEAD, Rig
+
+FLASH = '.sect "codestart", 0x33FFF6\n LB #_main\n' + HEAD.replace("_c_int00", "_main") + " .entry _main\n"
+ADCST = 0x7119
+
+
+def test_flash_begins_where_the_boot_rom_goes_with_half_the_crystals_clock():
+    rig = Rig(FLASH + " MOVW DP,#0x7011 >> 6\n MOV AL,@0x7011\n ESTOP0", boot="flash").run()
+    assert rig.program.finished
+    assert rig.cpu.acc & 0x180 == 2 << 7  # DIVSEL of PLLSTS
+    assert rig.dsp.clock.hz == 15_000_000
+    assert rig.program.returned_at == 4 + 10 + 1 + 3  # LB, HEAD, MOVW, MOV
+
+
+def test_the_entry_begins_at_the_resets_clock():
+    rig = Rig(FLASH + " ESTOP0").run()
+    assert (rig.dsp.clock.hz, rig.program.returned_at) == (7_500_000, 10)
+
+
+def test_ram_begins_at_0():
+    rig = Rig('.sect "codestart", 0\n MOVB ACC,#7\n ESTOP0\n' + HEAD + " ESTOP0", boot="ram").run()
+    assert (rig.program.finished, rig.cpu.acc) == (True, 7)
+
+
+def test_a_reset_boots_again():
+    source = FLASH.replace("#0x68", "#0x28") + "loop: SB loop,UNC"
+    rig = Rig(source, boot="flash").run(60_000_000)
+    assert rig.dsp.resets >= 1
+    assert rig.dsp.clock.hz == 15_000_000
+
+
+def test_an_image_without_code_there_is_refused():
+    with pytest.raises(BadImage, match=r'boot = "flash" begins at 0x33fff6, where this image has nothing'):
+        Rig(HEAD + " ESTOP0", boot="flash")
+
+
+def test_a_stub_answers_from_its_time_on_whatever_was_written():
+    """The program waits for bit 0 of ADCST, which comes after 100 us."""
+    wait = (
+        HEAD + f" MOVW DP,#{ADCST} >> 6\nloop: MOV @{ADCST},#2\n MOV AL,@{ADCST}\n TBIT @AL,#0\n SB loop,NTC\n ESTOP0"
+    )
+    ready = 300_000
+    rig = Rig(wait, stubs=(Stub(0, ADCST, 0x10), Stub(ready, ADCST, 0x11))).run()
+    ended = rig.program.returned_at
+    assert ended is not None and rig.cpu.acc == 0x11
+    assert ready < rig.dsp.clock.tick(ended) < ready + 40 * 400
+
+
+@pytest.mark.parametrize(
+    ("register", "address"),
+    [("ADC.ADCST", 0x7119), ("ADC + 0x19", 0x7119), ("0x7119", 0x7119), (0x7119, 0x7119), ("SCI-B.SCIRXST", 0x7755)],
+)
+def test_a_stub_names_its_register(register: str | int, address: int):
+    assert stubbed(register, AddressMap()) == address
+
+
+@pytest.mark.parametrize(
+    ("register", "sentence"),
+    [
+        ("ADC.ADCSTX", "there is no register"),
+        ("ADC + 0x20", "there is no register"),
+        ("0x9000", "0x009000 is no register"),
+        ("SYS.PLLSTS", "SYS.PLLSTS is modelled; a stub answers for what is not"),
+    ],
+)
+def test_a_stub_of_what_needs_none_is_refused(register: str, sentence: str):
+    memory = Rig(HEAD + " ESTOP0").dsp.memory
+    with pytest.raises(BadStub, match=sentence):
+        stubbed(register, memory)
+
+
+def test_frames_without_model_keep_their_eallow():
+    """Flash control needs it, the ADC does not."""
+    flash = (
+        " MOVW DP,#0x0A86 >> 6\n MOV @0x0A86,#5\n MOV AL,@0x0A86\n EALLOW\n MOV @0x0A86,#6\n MOV AH,@0x0A86\n EDIS\n"
+    )
+    adc = " MOVW DP,#0x7100 >> 6\n MOV @0x7100,#7\n OR AL,@0x7100\n ESTOP0"
+    rig = Rig(HEAD + flash + adc).run()
+    assert rig.cpu.acc == 0x0006_0007
+    assert [text for text in rig.notes() if "EALLOW" in text] == [
+        "flash control.FBANKWAIT was written without EALLOW; the write is ignored"
+    ]

@@ -35,6 +35,7 @@ PRODUCT_SHIFTS = ("+1", "0", "-1", "-2", "-3", "-4", "-5", "-6")
 INTERRUPTS = [f"INT{n}" for n in range(1, 15)] + ["DLOGINT", "RTOSINT"]
 UNCF = 15
 PMA_PAGE = 0x3F_0000  # the program page of C2xLP addresses
+IMMEDIATE = r"#(?:[^,|<]|<<(?!\s*#)|(?<!\|)\|(?!\|))+?"  # `<<` and `|` of an expression, not `#16<<#0..15`, `||`
 REGISTER_FIELDS = dict(zip("abcdef", "pqrtuv", strict=True))  # RaH to RfH
 
 
@@ -241,7 +242,7 @@ def _number(token: str, encoding: Encoding) -> Part | None:
             return f"#{number - mask - 1 if number > mask >> 1 else number}"
         return f"#{number}" if number < 10 else f"#{number:#x}"
 
-    return Part(show, r"#[^,|<]+?", lambda text, at, evaluate: {"c": _immediate(text, evaluate, least, most) & mask})
+    return Part(show, IMMEDIATE, lambda text, at, evaluate: {"c": _immediate(text, evaluate, least, most) & mask})
 
 
 def _shift(token: str, encoding: Encoding) -> Part | None:
@@ -266,7 +267,7 @@ def _least(encoding: Encoding) -> int:
 def _bit(token: str, encoding: Encoding) -> Part:
     return Part(
         lambda values, at: f"#{values['b']}",
-        r"#[^,|<]+?",
+        IMMEDIATE,
         lambda text, at, evaluate: {"b": _immediate(text, evaluate, 0, 15)},
     )
 
@@ -281,7 +282,7 @@ def _half_float(token: str, encoding: Encoding) -> Part:
     def read(text: str, at: int, evaluate: Evaluate) -> dict[str, int]:
         return {"i": half_of(text, evaluate)}
 
-    return Part(show, r"#[^,|<]+?", read)
+    return Part(show, IMMEDIATE, read)
 
 
 def float_of(upper: int) -> float:
@@ -307,7 +308,7 @@ def half_of(text: str, evaluate: Evaluate) -> int:
 def _half(token: str, encoding: Encoding) -> Part:
     return Part(
         lambda values, at: f"#{values['i']:#06x}",
-        r"#[^,|<]+?",
+        IMMEDIATE,
         lambda text, at, evaluate: {"i": _immediate(text, evaluate, 0, 0xFFFF)},
     )
 

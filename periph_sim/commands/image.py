@@ -18,18 +18,18 @@ EXAMPLE = "periph-sim image firmware.out"
 @click.option("-v", "--verbose", is_flag=True, help="List all functions, and where each register is touched.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of text.")
 def image(image: Path, verbose: bool, as_json: bool) -> int:
-    """Show what is in FILE, the .out of TI's linker: COFF2 or C28x ELF.
+    """Show what is in FILE, the .out of TI's linker, COFF2 or C28x ELF, or assembly (.asm).
 
     Sections, entry, vectors that code stores, registers that it names, functions with their size, and words of code
     that the F28335 does not know. Exit status 0: all are known; 1: some are not.
     """
     from ..image.inspection import inspect
-    from ..image.load import load
+    from ..image.program_file import program_in
     from ..image.text_report import as_json as as_dict
     from ..image.text_report import text
 
     with usage_errors_in_one_sentence():
-        found = inspect(load(image))
+        found = inspect(program_in(image))
     if as_json:
         print_json("image", as_dict(found))
     else:

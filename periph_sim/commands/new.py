@@ -105,7 +105,7 @@ def _kinds() -> list[str]:
 
 
 def _examples() -> list[str]:
-    from ..scene.firmware_files import EXAMPLES
+    from ..core.examples import EXAMPLES
 
     return sorted(file.stem for file in (EXAMPLES / "timing").glob("*.toml"))
 

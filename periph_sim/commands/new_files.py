@@ -9,8 +9,10 @@ from pathlib import Path
 
 import click
 
+from ..core.examples import EXAMPLES
 from ..core.suggest import did_you_mean
-from ..scene.firmware_files import EXAMPLES, SHIPPED
+from ..image.assemble import sources_of
+from ..scene.firmware_files import SHIPPED
 from ..traces.capture.capture import Capture
 from .watched_files import texts_in
 
@@ -81,6 +83,11 @@ def example(name: str, folder: Path) -> Files:
     tree = tomllib.loads(text)
     found: Files = {}
     for unit in tree.get("unit", {}).values():
+        if "image" in unit:
+            source = (cases[name].parent / unit["image"]).resolve()
+            text = text.replace(f'image = "{unit["image"]}"', f'image = "{source.name}"')
+            found |= {folder / file.name: file.read_text(encoding="utf-8") for file in sources_of(source)}
+            continue
         program = unit["firmware"]
         text = text.replace(f'firmware = "{program}"\n', f'firmware = "{program}.py"\n')
         for module in _imported(program):

@@ -24,7 +24,7 @@ def stamps(case: Path) -> Stamps:
 
 
 def files_of(case: Path) -> Iterator[Path]:
-    """The case, its baseline, and what its texts name: with a `.py` all beside it, which it may import."""
+    """The case, its baseline, and what its texts name: with a `.py` or `.asm` all beside it that it may name."""
     yield case
     yield path_for(case)
     try:
@@ -35,6 +35,8 @@ def files_of(case: Path) -> Iterator[Path]:
         file = case.parent / text
         if text.endswith(".py"):
             yield from file.parent.glob("*.py")
+        elif text.endswith(".asm"):
+            yield from (file, *file.parent.glob("*.inc"))
         elif len(text) < 200:
             yield from (file, Path(text))
 

@@ -11,7 +11,8 @@
 
 .word and .long put numbers, .string characters, .space words of 0; NAME .set EXPRESSION names a number; .align 2 begins
 at an even address; .entry NAME says where the program begins, else at `_c_int00`. .global NAME makes a label a function
-or a variable; other labels are places inside one. One pass finds addresses, one words.
+or a variable; other labels are places inside one. .include "FILE" takes the lines of a file beside this one, or of a
+shipped one. One pass finds addresses, one words.
 """
 
 from __future__ import annotations
@@ -23,13 +24,17 @@ from pathlib import Path
 
 from ..c28x.assembler import BadInstruction, Parsed, parse
 from ..c28x.expressions import BadExpression, Undefined, evaluate
+from ..core.examples import EXAMPLES
 from .load import parse as parse_image
 from .model import BadImage, Image, Section, Symbol
 from .write_coff2 import write
 
 ENTRY = "_c_int00"
+MOST_INCLUDES = 8  # one inside the other
 LABEL = re.compile(r"([A-Za-z_$][\w.$]*)\s*:\s*(.*)")
 SETS = re.compile(r"([A-Za-z_$][\w.$]*)\s+\.set\s+(.+)", re.IGNORECASE)
+INCLUDES = re.compile(r'\s*\.include\s+"([^"]+)"', re.IGNORECASE)
+SHIPPED = EXAMPLES / "firmware" / "c28x"
 NOP = 0x7700
 MOST_WORDS = 0x40_0000  # of a section: program space
 
@@ -42,20 +47,26 @@ class _Block:
     address: int
     load: int
     at: int
-    pieces: list[tuple[int, int, Callable[[int, Mapping[str, int]], tuple[int, ...]]]] = field(default_factory=list)
+    pieces: list[tuple[str, int, Callable[[int, Mapping[str, int]], tuple[int, ...]]]] = field(default_factory=list)
     has_code: bool = False
 
 
 class _Source:
-    """The first pass: lines go in; sections with their pieces, and symbols, are kept."""
+    """The first pass: lines go in; sections with their pieces, and symbols, are kept.
 
-    def __init__(self) -> None:
+    globals: the line of each name that is .global. entry_line: of .entry, "" where there is none.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folders = [folder]  # of the files that are read, the inner ones last
+        self._place = ""
         self.blocks: list[_Block] = []
         self.reserved: list[Section] = []
         self.symbols: dict[str, int] = {}
         self.sections: dict[str, str] = {}  # of symbols: the section, "" for numbers
-        self.globals: set[str] = set()
+        self.globals: dict[str, str] = {}
         self.entry = ENTRY
+        self.entry_line = ""
 
     @property
     def here(self) -> _Block:
@@ -72,8 +83,15 @@ class _Source:
     def number(self, text: str) -> int:
         return evaluate(text, self.symbols, self.blocks[-1].at if self.blocks else 0)
 
-    def line(self, number: int, text: str) -> None:
-        """One line without its comment."""
+    def text(self, text: str, file: str = "") -> None:
+        """All lines of a source. file: that it is included from, "" for the source itself."""
+        for number, line in enumerate(text.splitlines(), 1):
+            outer, self._place = self._place, f"{file}, line {number}".removeprefix(", ")
+            with _Line(self._place):
+                self._line(_without_comment(line).strip())
+            self._place = outer
+
+    def _line(self, text: str) -> None:
         sets = SETS.fullmatch(text)
         if sets:
             self.define(sets[1], self.number(sets[2]), "")
@@ -85,25 +103,25 @@ class _Source:
         text = text.removeprefix("||").strip()
         if text.startswith("."):
             directive, _, rest = text.partition(" ")
-            self._directive(number, directive.lower(), rest.strip())
+            self._directive(directive.lower(), rest.strip())
         elif text:
-            self._instructions(number, text)
+            self._instructions(text)
 
-    def _instructions(self, number: int, text: str) -> None:
+    def _instructions(self, text: str) -> None:
         repeat, bars, repeated = text.partition("||")
         for one in (repeat, repeated) if bars and repeat.upper().startswith("RPT ") else (text,):
             parsed: Parsed = parse(one, self.here.at, self.symbols)
-            self._put(number, parsed.encoding.words, parsed.words)
+            self._put(parsed.encoding.words, parsed.words)
             self.here.has_code = True
 
-    def _put(self, number: int, words: int, put: Callable[[int, Mapping[str, int]], tuple[int, ...]]) -> None:
+    def _put(self, words: int, put: Callable[[int, Mapping[str, int]], tuple[int, ...]]) -> None:
         block = self.here
-        block.pieces.append((number, block.at, put))
+        block.pieces.append((self._place, block.at, put))
         block.at += words
         if block.at - block.address > MOST_WORDS:
             raise BadInstruction(f"section {block.name!r} has more than {MOST_WORDS} words")
 
-    def _directive(self, number: int, directive: str, rest: str) -> None:
+    def _directive(self, directive: str, rest: str) -> None:
         if directive in (".sect", ".reserve"):
             name, *numbers = _operands(rest)
             places = [self.number(one) for one in numbers]
@@ -115,19 +133,32 @@ class _Source:
                 raise BadInstruction(f"{directive} {rest} is not {usage}")
             self._section(directive, name.strip('"'), places)
         elif directive == ".entry":
-            self.entry = rest
+            self.entry, self.entry_line = rest, self._place
+        elif directive == ".include":
+            self._include(rest)
         elif directive in (".word", ".long", ".string"):
-            self._data(number, directive, rest)
+            self._data(directive, rest)
         elif directive == ".space":
-            self._put(number, (count := self._count(rest)), lambda at, symbols: (0,) * count)
+            self._put((count := self._count(rest)), lambda at, symbols: (0,) * count)
         elif directive == ".align":
             size = max(1, self._count(rest))
             fill = -self.here.at % size
-            self._put(number, fill, lambda at, symbols: (NOP,) * fill)
+            self._put(fill, lambda at, symbols: (NOP,) * fill)
         elif directive in (".global", ".def"):
-            self.globals.update(_operands(rest))
+            self.globals |= dict.fromkeys(_operands(rest), self._place)
         else:
             raise BadInstruction(f"there is no directive {directive!r}")
+
+    def _include(self, rest: str) -> None:
+        if not re.fullmatch(r'"[^"]+"', rest):
+            raise BadInstruction(f'.include {rest} is not .include "FILE"')
+        if len(self._folders) > MOST_INCLUDES:
+            raise BadInstruction(f"{rest} is one of more than {MOST_INCLUDES} files that include each other")
+        path = included(rest.strip('"'), self._folders[-1])
+        text = text_of(path)
+        self._folders.append(path.parent)
+        self.text(text, path.name)
+        self._folders.pop()
 
     def _count(self, rest: str) -> int:
         count = self.number(rest)
@@ -143,16 +174,16 @@ class _Source:
         else:
             self.reserved.append(Section(name, places[0], places[0], places[1]))
 
-    def _data(self, number: int, directive: str, rest: str) -> None:
+    def _data(self, directive: str, rest: str) -> None:
         for operand in _operands(rest):
             if directive == ".string":
                 if not re.fullmatch(r'"[^"]*"', operand):
                     raise BadInstruction(f"{operand} is no text in double quotes")
                 characters = tuple(operand[1:-1].encode("latin-1", "replace"))
-                self._put(number, len(characters), lambda at, symbols, put=characters: put)  # type: ignore[misc]
+                self._put(len(characters), lambda at, symbols, put=characters: put)  # type: ignore[misc]
             else:
                 count = 2 if directive == ".long" else 1
-                self._put(number, count, _number_of(operand, count))
+                self._put(count, _number_of(operand, count))
 
 
 def _number_of(operand: str, count: int) -> Callable[[int, Mapping[str, int]], tuple[int, ...]]:
@@ -170,24 +201,25 @@ def _operands(text: str) -> list[str]:
     return [one.strip() for one in re.findall(r'(?:"[^"]*"|[^,"])+', text)] or [""]
 
 
-def assemble(text: str) -> Image:
-    """The image of a program. BadImage with the line where it is none."""
-    source = _Source()
-    for number, line in enumerate(text.splitlines(), 1):
-        with _Line(number):
-            source.line(number, _without_comment(line).strip())
+def assemble(text: str, folder: Path = Path()) -> Image:
+    """The image of a program. folder: of what it includes. BadImage with the line where it is none."""
+    source = _Source(folder)
+    source.text(text)
     sections = []
     for block in source.blocks:
         words: list[int] = []
-        for number, at, put in block.pieces:
-            with _Line(number):
+        for place, at, put in block.pieces:
+            with _Line(place):
                 words += put(at, source.symbols)
         sections.append(Section(block.name, block.load, block.address, len(words), tuple(words), code=block.has_code))
     if source.entry not in source.symbols:
+        if source.entry_line:
+            raise BadImage(f"{source.entry_line}: the entry {source.entry!r} is not defined")
         raise BadImage(f"its entry {source.entry!r} is not defined; define it, or name another one with .entry")
-    for name in sorted(source.globals - source.symbols.keys()):
-        raise BadImage(f"{name!r} is .global, but not defined")
-    named = source.globals | {source.entry}
+    for name, place in source.globals.items():
+        if name not in source.symbols:
+            raise BadImage(f"{place}: {name!r} is .global, but not defined")
+    named = {*source.globals, source.entry}
     symbols = tuple(
         Symbol(name, address, source.sections[name], name in named, bool(source.sections[name]) and name not in named)
         for name, address in source.symbols.items()
@@ -199,30 +231,49 @@ def _without_comment(line: str) -> str:
     return re.sub(r'((?:"[^"]*"|\'.\'|[^;"])*);.*', r"\1", line)
 
 
+def sources_of(path: Path) -> list[Path]:
+    """A source and all that it includes. BadImage for one that is not there."""
+    found = [path]
+    for source in found:
+        names = (match[1] for match in map(INCLUDES.match, text_of(source).splitlines()) if match)
+        found += [one for one in (included(name, source.parent) for name in names) if one not in found]
+    return found
+
+
 class _Line:
     """Says in which line of the source something is wrong."""
 
-    def __init__(self, number: int) -> None:
-        self._number = number
+    def __init__(self, place: str) -> None:
+        self._place = place
 
     def __enter__(self) -> None:
         return None
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: object) -> None:
         if isinstance(error, BadInstruction | BadExpression | Undefined):
-            raise BadImage(f"line {self._number}: {error}") from None
+            raise BadImage(f"{self._place}: {error}") from None
 
 
-def assemble_file(path: Path) -> tuple[Image, bytes]:
-    """The image of a source file, and the bytes of its .out. BadImage, which names the file, where it is none."""
+def included(name: str, folder: Path) -> Path:
+    """The file that .include names: beside its source, else a shipped one."""
+    shipped = SHIPPED / name
+    return shipped if not (folder / name).exists() and shipped.is_file() else folder / name
+
+
+def text_of(path: Path) -> str:
     try:
-        text = path.read_text(encoding="utf-8")
+        return path.read_text(encoding="utf-8")
     except OSError as error:
         raise BadImage(f"{path}: {error.strerror}") from None
     except UnicodeDecodeError:
         raise BadImage(f"{path}: it is no text in UTF-8") from None
+
+
+def assemble_file(path: Path) -> tuple[Image, bytes]:
+    """The image of a source file, and the bytes of its .out. BadImage, which names the file, where it is none."""
+    text = text_of(path)
     try:
-        data = write(assemble(text))
+        data = write(assemble(text, path.parent))
         return parse_image(data), data
     except BadImage as error:
         raise BadImage(f"{path}: {error}") from None

@@ -18,8 +18,8 @@ from pathlib import Path
 from threading import get_ident
 from types import CodeType, ModuleType
 
-_ROOM = Path(__file__).parents[1] / "examples"  # a wheel has them inside the package; a checkout beside it
-EXAMPLES = _ROOM if _ROOM.is_dir() else Path(__file__).parents[2]
+from ..core.examples import EXAMPLES
+
 SHIPPED = EXAMPLES / "firmware" / "python"
 
 PREFIX = "_firmware_"

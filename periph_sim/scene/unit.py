@@ -98,12 +98,12 @@ def build_unit(context: SceneContext, name: str, unit: Unit, program: Firmware |
 
 def _started_image(context: SceneContext, name: str, unit: Unit, dsp: Dsp) -> Firmware:
     """The unit's image runs from where it boots. What comes back stands for it where Python firmware is asked for."""
-    from ..image.load import load
     from ..image.model import BadImage
+    from ..image.program_file import program_in
     from .image_watching import watch_image
 
     try:
-        program = dsp.start_image(load(Path(unit.image)), unit.boot, _stubs(context, name, unit, dsp))
+        program = dsp.start_image(program_in(Path(unit.image)), unit.boot, _stubs(context, name, unit, dsp))
     except BadImage as error:
         raise context.case.mistake(str(error), "unit", name, "image") from None
     watch_image(context.case, name, unit, dsp, program, context.recorder)

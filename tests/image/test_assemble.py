@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from periph_sim.c28x.decoder import sweep
-from periph_sim.image.assemble import assemble, assemble_file
+from periph_sim.image.assemble import assemble, assemble_file, sources_of
 from periph_sim.image.inspection import inspect
 from periph_sim.image.load import load
 from periph_sim.image.model import BadImage
@@ -65,6 +65,30 @@ def test_functions_are_what_is_global_and_the_entry():
     ]
 
 
+def test_files_are_included_from_beside_the_source_else_from_the_shipped_ones(tmp_path: Path):
+    (tmp_path / "inner").mkdir()
+    (tmp_path / "inner" / "a.inc").write_text('.include "b.inc"\nA .set B + 1')
+    (tmp_path / "inner" / "b.inc").write_text("B .set 4 ; beside a.inc")
+    source = tmp_path / "x.asm"
+    source.write_text('.include "inner/a.inc"\n.include "f28335.inc"\n' + BEGUN + ".word A, I2CMDR")
+    assert assemble_file(source)[0].sections[0].words[1:] == (5, 0x7909)
+    assert [one.name for one in sources_of(source)] == ["x.asm", "a.inc", "f28335.inc", "b.inc"]
+
+
+def test_a_mistake_in_an_included_file_is_told_with_its_own_line(tmp_path: Path):
+    (tmp_path / "a.inc").write_text("\nA .set 1 +\n")
+    (tmp_path / "x.asm").write_text(BEGUN + '.include "a.inc"')
+    with pytest.raises(BadImage, match=r"x\.asm: a\.inc, line 2: '1 \+' is no number"):
+        assemble_file(tmp_path / "x.asm")
+
+
+def test_files_that_include_each_other_are_refused(tmp_path: Path):
+    (tmp_path / "a.inc").write_text('.include "a.inc"')
+    (tmp_path / "x.asm").write_text(BEGUN + '.include "a.inc"')
+    with pytest.raises(BadImage, match="one of more than 8 files that include each other"):
+        assemble_file(tmp_path / "x.asm")
+
+
 @pytest.mark.parametrize(
     ("source", "sentence"),
     [
@@ -79,8 +103,13 @@ def test_functions_are_what_is_global_and_the_entry():
         (BEGUN + ".space 1 << 40", "no number of words"),
         (BEGUN + ".string x", "no text in double quotes"),
         (BEGUN + ".pragma x", "line 3: there is no directive '.pragma'"),
-        (BEGUN + ".global _g", "'_g' is .global, but not defined"),
-        (BEGUN + ".entry main", "its entry 'main' is not defined"),
+        (BEGUN + ".global _g", "line 3: '_g' is .global, but not defined"),
+        (BEGUN + "NOP\n.entry main", "line 4: the entry 'main' is not defined"),
+        ('.sect ".text", 0x8000\nmain: NOP', "its entry '_c_int00' is not defined; define it, or name another one"),
+        (BEGUN + ".include none", "line 3: .include none is not .include"),
+        (BEGUN + '.include "none.inc"', "none.inc: No such file"),
+        (BEGUN + '.include "x.asm"', "'.text' has begun already"),
+        (BEGUN + "AND @0,#1 <<", "line 3: '1 <<' is no number"),
         (BEGUN + '.sect ".text", 0x9000', "line 3: section '.text' has begun already"),
         (BEGUN + '.sect ".d", 0x8000\n.word 1', "overlap at 0x008000"),
         (BEGUN + '.sect ".d", 0x7900\n.word 1', "over peripheral registers"),

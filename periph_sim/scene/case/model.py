@@ -79,8 +79,8 @@ class StubTable(Table):
 class Unit(Table):
     """One F28335. pins: names for GPIO pins to be watched; wires of SDA, SCL, RX, TX are connected by themselves.
 
-    Either firmware, a Python program, or image, a linker's .out file. boot: where an image begins. memory: what its
-    variables are as it begins.
+    Either firmware, a Python program, or image, a linker's .out file or assembly (.asm). boot: where an image begins.
+    memory: what its variables are as it begins.
     """
 
     firmware: str = ""

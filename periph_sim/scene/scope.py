@@ -48,8 +48,8 @@ class _Variables:
     def __call__(self, name: str) -> Variable:
         """The variable of this name. ValueError where there is none, or no such image."""
         if self._known is None:
-            from ..image.load import load
+            from ..image.program_file import program_in
             from ..image.variables import Variables
 
-            self._known = Variables(load(Path(self._path)))
+            self._known = Variables(program_in(Path(self._path)))
         return self._known.find(name)

@@ -4,18 +4,23 @@
 
 A zip whose members are .npy arrays, so that `numpy.load` opens it:
 
-    head.npy     UTF-8 bytes of a JSON object: format, version, ticks_per_second, end, names, modules, capture
-    number.npy   int64    tick.npy   int64    kind.npy  uint8     where.npy  uint32
-    what.npy     uint32   value.npy  int64    text.npy  uint32    cause.npy  int64
-    field.npy    uint32   (from version 2 on; a file of version 1 names no fields)
+    head.npy     UTF-8 bytes of a JSON object: format, version, ticks_per_second, end, names, topics, modules, capture
+    number.npy   tick.npy    of each record what it is more than the one before, of the first what it is
+    topic.npy    a place in `topics`, of which each has three: of its kind, where and what in `names`
+    value.npy    text.npy    cause.npy   field.npy
 
-`kind`, `where`, `what`, `text` and `field` are places in `names`, so each string stands once. `ticks_per_second` is a
-whole number, a fraction as text ("100000000/3"), or null. A capture has one "edge" record an edge, `where` being the
-channel's place, and under `capture` what edges alone do not say; of a run each wire that ever changed is a channel.
+Each array is int8, int16, int32 or int64, as its numbers need. `text` and `field` are places in `names`, so each string
+stands once. `ticks_per_second` is a whole number, a fraction as text ("100000000/3"), or null. A capture has one "edge"
+record an edge, `where` being the channel's place, and under `capture` what edges alone do not say; of a run each wire
+that ever changed is a channel.
+
+Files of version 2, which had number, tick, value and cause as int64, kind as uint8, and where, what, text and field as
+uint32 columns, are read, too; so are those of version 1, without field.
 """
 
 from __future__ import annotations
 
+import io
 import json
 import zipfile
 import zlib
@@ -32,14 +37,18 @@ from ...core.records import Kind
 from ..capture.capture import BadCapture, Capture, Channel, Positions, Span, channel_of_edges
 from ..capture.grid import OffGrid
 from ..capture.line_states import quantized
-from .record_table import COLUMNS, TABLES, RecordTable
+from .record_table import COLUMNS, TABLES, TOPIC, RecordTable, Topics
 
 NAME = "periph-sim records (.psr)"
 SUFFIXES = (".psr",)
 
 FORMAT = "periph-sim records"
-VERSION = 2
-MOST_BYTES = 4 << 30  # of all members unpacked: more than 90 million records
+VERSION = 3
+STORED = ("number", "tick", "topic", "value", "text", "cause", "field")
+DIFFERENCES = ("number", "tick")
+WIDTHS = ("|i1", "<i2", "<i4", "<i8")
+MOST_BYTES = 4 << 30  # of all columns: more than 80 million records
+ROW = sum(np.dtype(dtype).itemsize for _, dtype in COLUMNS.values())
 EDGE = Kind.EDGE.value
 COPY = "copy or record it again"
 # What numpy raises for a damaged head of an array, which it reads as Python.
@@ -108,25 +117,37 @@ def write(capture: Capture, path: Path) -> None:
 
 def write_table(table: RecordTable, file: IO[bytes], capture: dict[str, Any] | None = None) -> None:
     """The members into an open file, the same bytes for the same table. capture: see `write`."""
-    per_second = table.per_second
+    per_second, topics = table.per_second, table.topics()
     head = {
         "format": FORMAT,
         "version": VERSION,
         "ticks_per_second": int(per_second) if per_second and per_second.denominator == 1 else _text(per_second),
         "end": table.end,
         "names": table.names,
+        "topics": topics.of.tolist(),
         "modules": table.modules,
         "capture": capture,
     }
-    arrays = {"head": np.frombuffer(json.dumps(head).encode(), np.uint8), **table.columns}
-    # Level 1: a record is written once, and the higher levels take three times as long for a tenth of the size.
-    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
-        for name, values in arrays.items():
+    arrays = {"head": np.frombuffer(json.dumps(head).encode(), np.uint8)}
+    with zipfile.ZipFile(file, "w") as archive:
+        for name in ("head", *STORED):
+            values = arrays.get(name)
+            if values is None:
+                values = _stored_as(name, topics.row if name == "topic" else table.columns[name])
             member = zipfile.ZipInfo(f"{name}.npy")  # without the date, equal runs give equal files
-            member.compress_type = zipfile.ZIP_DEFLATED
             member.create_system = 3
-            with archive.open(member, "w", force_zip64=True) as out:
-                np.lib.format.write_array(out, values, allow_pickle=False)
+            content = io.BytesIO()
+            np.lib.format.write_array(content, values, allow_pickle=False)
+            # Level 1: a record is written once, and the higher levels take five times as long for a fifth of the size.
+            archive.writestr(member, content.getbuffer(), zipfile.ZIP_DEFLATED, 1)
+
+
+def _stored_as(name: str, values: NDArray[Any]) -> NDArray[Any]:
+    if name in DIFFERENCES:
+        values = np.diff(values, prepend=values.dtype.type(0))  # modulo 2**64, as what adds them up again
+    least, most = (int(values.min()), int(values.max())) if len(values) else (0, 0)
+    narrow = next(width for width in WIDTHS if np.iinfo(width).min <= least and most <= np.iinfo(width).max)
+    return values.astype(narrow)
 
 
 def _text(rate: Fraction | None) -> str | None:
@@ -144,11 +165,18 @@ def _load(path: Path) -> tuple[dict[str, Any], RecordTable]:
             if total > MOST_BYTES:
                 _bad(path, "its members", f"{total} bytes unpacked", f"at most {MOST_BYTES}", "record a shorter run")
             head = _head(path, archive)
-            stored = [name for name in COLUMNS if name != "field" or head["version"] > 1]
-            columns = {name: _column(path, archive, name, COLUMNS[name][1]) for name in stored}
+            if head["version"] < 3:
+                stored = [name for name in COLUMNS if name != "field" or head["version"] > 1]
+                columns = {name: _column(path, archive, name, (COLUMNS[name][1],)) for name in stored}
+            else:
+                columns = {name: _column(path, archive, name, WIDTHS) for name in STORED}
     except (zipfile.BadZipFile, zlib.error, EOFError, OSError, NotImplementedError, RuntimeError) as error:
         raise BadCapture(path, "the zip", _said(error), "an undamaged file", COPY) from error
-    return head, _table(path, head, columns)
+    lengths = {name: len(values) for name, values in columns.items()}
+    if len(set(lengths.values())) != 1:
+        _bad(path, "its columns", f"lengths {lengths}", "one length")
+    topics = None if head["version"] < 3 else _topics(path, head, columns)
+    return head, _table(path, head, columns, topics)
 
 
 def _said(error: Exception) -> str:
@@ -162,7 +190,7 @@ def _member(path: Path, archive: zipfile.ZipFile, name: str) -> tuple[IO[bytes],
         _bad(path, "the zip", f"no member {name}.npy", "one")
 
 
-def _column(path: Path, archive: zipfile.ZipFile, name: str, dtype: str) -> NDArray[Any]:
+def _column(path: Path, archive: zipfile.ZipFile, name: str, dtypes: tuple[str, ...]) -> NDArray[Any]:
     """The array of a member, whose type and size are checked before memory is asked for."""
     file, size = _member(path, archive, name)
     with file:
@@ -173,8 +201,11 @@ def _column(path: Path, archive: zipfile.ZipFile, name: str, dtype: str) -> NDAr
             shape, _, found = np.lib.format.read_array_header_1_0(file)
         except UNREADABLE as error:
             raise BadCapture(path, f"{name}.npy", _said(error), "the head of an array", COPY) from error
-        if found != np.dtype(dtype) or len(shape) != 1 or shape[0] * found.itemsize > size:
-            _bad(path, f"{name}.npy", f"an array of {found}, shape {shape}, in {size} bytes", f"one column of {dtype}")
+        if found not in map(np.dtype, dtypes) or len(shape) != 1 or shape[0] * found.itemsize > size:
+            expected = f"one column of {', '.join(np.dtype(one).name for one in dtypes)}"
+            _bad(path, f"{name}.npy", f"an array of {found}, shape {shape}, in {size} bytes", expected)
+        if shape[0] > MOST_BYTES // ROW:
+            _bad(path, f"{name}.npy", f"{shape[0]} records", f"at most {MOST_BYTES // ROW}", "record a shorter run")
         content = file.read()
     if len(content) != shape[0] * found.itemsize:
         _bad(path, f"{name}.npy", f"{len(content)} bytes", f"{shape[0] * found.itemsize} for {shape[0]} records")
@@ -183,7 +214,7 @@ def _column(path: Path, archive: zipfile.ZipFile, name: str, dtype: str) -> NDAr
 
 def _head(path: Path, archive: zipfile.ZipFile) -> dict[str, Any]:
     try:
-        head = json.loads(_column(path, archive, "head", "|u1").tobytes())
+        head = json.loads(_column(path, archive, "head", ("|u1",)).tobytes())
     except (ValueError, RecursionError) as error:
         if isinstance(error, BadCapture):
             raise
@@ -198,11 +229,31 @@ def _head(path: Path, archive: zipfile.ZipFile) -> dict[str, Any]:
     return head
 
 
-def _table(path: Path, head: dict[str, Any], columns: dict[str, NDArray[Any]]) -> RecordTable:
+def _topics(path: Path, head: dict[str, Any], columns: dict[str, NDArray[Any]]) -> Topics:
+    """What is in the file, in place of which `columns` gets all of COLUMNS."""
+    row = columns.pop("topic")
+    try:
+        given = [[_whole(place) for place in topic] for topic in head["topics"]]
+        if any(len(topic) != len(TOPIC) for topic in given):
+            raise ValueError("a topic without its three places")
+        of = np.array(given, np.int64).reshape(-1, len(TOPIC))
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
+        raise BadCapture(path, "head.npy", f"{type(error).__name__} {error}", "topics", COPY) from error
+    if len(row) and not 0 <= int(row.min()) <= int(row.max()) < len(of):
+        _bad(
+            path, "topic.npy", f"places {int(row.min())} to {int(row.max())}", f"places in a table of {len(of)} topics"
+        )
+    for place, name in enumerate(TOPIC):
+        columns[name] = np.minimum(of[:, place], np.iinfo(COLUMNS[name][1]).max).astype(COLUMNS[name][1])[row]
+    for name in DIFFERENCES:
+        columns[name] = np.cumsum(columns[name], dtype=np.int64)
+    full = {name: columns[name].astype(dtype, copy=False) for name, (_, dtype) in COLUMNS.items()}
+    columns.update(full)
+    return Topics(of, row.astype(np.uint32))
+
+
+def _table(path: Path, head: dict[str, Any], columns: dict[str, NDArray[Any]], topics: Topics | None) -> RecordTable:
     """The head and the columns checked against each other."""
-    lengths = {name: len(values) for name, values in columns.items()}
-    if len(set(lengths.values())) != 1:
-        _bad(path, "its columns", f"lengths {lengths}", "one length")
     try:
         names = {name: tuple(_strings(head["names"][name])) for name in TABLES if name in columns}
         end = _whole(head["end"])
@@ -212,13 +263,14 @@ def _table(path: Path, head: dict[str, Any], columns: dict[str, NDArray[Any]]) -
         raise BadCapture(path, "head.npy", f"{type(error).__name__} {error}", "names, end and rate", COPY) from error
     for name, known in names.items():
         if len(columns[name]) and int(columns[name].max()) >= len(known):
-            _bad(path, f"{name}.npy", f"place {int(columns[name].max())}", f"places in a table of {len(known)} names")
+            member = "head.npy, topics" if topics is not None and name in TOPIC else f"{name}.npy"
+            _bad(path, member, f"place {int(columns[name].max())}", f"places in a table of {len(known)} names")
     strange = [name for name in names["kind"] if name not in {kind.value for kind in Kind}]
     if strange:
         _bad(path, "head.npy", f"records of kind {strange[0]!r}", f"{', '.join(kind.value for kind in Kind)}")
     if "field" not in columns:
         columns, names = columns | {"field": np.zeros(len(columns["tick"]), "<u4")}, names | {"field": ("",)}
-    return RecordTable(columns, names, per_second, end, modules)
+    return RecordTable(columns, names, per_second, end, modules, topics)
 
 
 def _strings(given: Any) -> list[str]:

@@ -3,8 +3,15 @@ cimport cython
 from ...core.records cimport Keeper
 
 
+@cython.final
+cdef class _Strings:
+    cdef object text, field
+    cdef unsigned int text_place, field_place
+
+
 cdef class Columns(Keeper):
     cdef dict _topics
+    cdef list _last
     cdef object _topic, _number, _tick, _value, _cause, _text, _field
     cdef dict _texts, _fields
     cdef unsigned int[::1] _tags, _text_places, _field_places
@@ -13,7 +20,7 @@ cdef class Columns(Keeper):
     cdef object _begin(self)
     @cython.locals(filled=cython.Py_ssize_t)
     cdef object _put(self)
-    cdef object _new(self, dict places, object text)
+    cdef long long _place(self, dict places, object text)
     cpdef long long tag_of(self, object kind, str where, str what)
-    @cython.locals(row=cython.Py_ssize_t)
+    @cython.locals(row=cython.Py_ssize_t, last=_Strings)
     cpdef void keep(self, long long tag, long long number, long long tick, long long value, object text, long long cause, object field)

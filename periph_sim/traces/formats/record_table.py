@@ -2,7 +2,7 @@
 
     record of a topic --> Columns.keep --> RecordTable: one numpy array a column, each string once in a table
 
-A record costs 49 bytes here, and 44 while it is collected: its topic stands for kind, where and what. The last ones
+A record costs 53 bytes here, and 44 while it is collected: its topic stands for kind, where and what. The last ones
 stand in a block of fixed length, a number or a string a column, so that no object is made for a record.
 """
 
@@ -36,6 +36,7 @@ COLUMNS: dict[str, tuple[str, str]] = {
 }
 BLOCK = 2048  # records
 TABLES = ("kind", "where", "what", "text", "field")
+TOPIC = TABLES[:3]
 
 
 class Strings(dict[str, int]):
@@ -47,12 +48,19 @@ class Strings(dict[str, int]):
         return place
 
 
+class Topics(NamedTuple):
+    """Which kind, where and what come together. of: each one's places in `names`. row: which of them each row has."""
+
+    of: NDArray[np.int64]  # [topic, 3]
+    row: NDArray[np.uint32]
+
+
 @dataclass(frozen=True, eq=False)
 class RecordTable:
     """Columns of equal length; row i of `where`, `what`, `text`, `field`, `kind` is a place in `names` of that column.
 
     per_second: ticks a second, None where nobody knows. end: the tick at which it was over.
-    modules: the units of the run with their modules; empty for a capture.
+    modules: the units of the run with their modules; empty for a capture. known_topics: of its rows, where they are.
     """
 
     columns: dict[str, NDArray[Any]]
@@ -60,9 +68,18 @@ class RecordTable:
     per_second: Fraction | None
     end: int
     modules: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    known_topics: Topics | None = None
 
     def __len__(self) -> int:
         return len(self.columns["tick"])
+
+    def topics(self) -> Topics:
+        """What comes together in its rows."""
+        if self.known_topics is not None:
+            return self.known_topics
+        three = np.stack([self.columns[name].astype(np.int64) for name in TOPIC], axis=1)
+        of, row = np.unique(three, axis=0, return_inverse=True)
+        return Topics(of, row.reshape(-1).astype(np.uint32))
 
     @property
     def number(self) -> NDArray[np.int64]:
@@ -111,13 +128,15 @@ class RecordTable:
                 yield Record(n, t, kinds[k], where[w], what[a], v, text[x], c, fields[f])
 
 
-class TopicColumns(NamedTuple):
-    """Of each topic the number of its kind, and the places of where and what in `names`, as they came first."""
+class _Strings:
+    """The strings of a topic's last record, and their places: those of the next one are mostly the same objects."""
 
-    kind: NDArray[np.uint8]
-    where: NDArray[np.uint32]
-    what: NDArray[np.uint32]
-    names: dict[str, tuple[str, ...]]
+    __slots__ = ("field", "field_place", "text", "text_place")
+
+    text: str | None
+    field: str | None
+    text_place: int
+    field_place: int
 
 
 class Columns(Keeper):
@@ -125,6 +144,7 @@ class Columns(Keeper):
 
     def __init__(self) -> None:
         self._topics: dict[tuple[Kind, str, str], int] = {}
+        self._last: list[_Strings] = []  # two a topic: at an edge, who pulls goes with the level
         self.clear()
 
     def clear(self) -> None:
@@ -134,6 +154,8 @@ class Columns(Keeper):
         self._text, self._field = array("I"), array("I")
         self._texts: dict[str, int] = {}
         self._fields: dict[str, int] = {}
+        for last in self._last:
+            last.text = last.field = None
         self._begin()
 
     def _begin(self) -> None:
@@ -162,7 +184,12 @@ class Columns(Keeper):
         self._filled = 0
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
-        return self._topics.setdefault((kind, where, what), len(self._topics))
+        tag = self._topics.setdefault((kind, where, what), len(self._topics))
+        while len(self._last) < 2 * len(self._topics):
+            last = _Strings()
+            last.text = last.field = None
+            self._last.append(last)
+        return tag
 
     def keep(self, tag: int, number: int, tick: int, value: int, text: str, cause: int, field: str) -> None:
         row = self._filled
@@ -171,18 +198,20 @@ class Columns(Keeper):
         self._ticks[row] = tick
         self._values[row] = value
         self._causes[row] = cause
-        place = self._texts.get(text)
-        self._text_places[row] = self._new(self._texts, text) if place is None else place
-        place = self._fields.get(field)
-        self._field_places[row] = self._new(self._fields, field) if place is None else place
+        last = self._last[2 * tag + (value & 1)]
+        if text is not last.text:
+            last.text, last.text_place = text, self._place(self._texts, text)
+        self._text_places[row] = last.text_place
+        if field is not last.field:
+            last.field, last.field_place = field, self._place(self._fields, field)
+        self._field_places[row] = last.field_place
         self._filled = row = row + 1
         if row == BLOCK:
             self._put()
 
-    def _new(self, places: dict[str, int], text: str) -> int:
-        """The place of a string that has none yet."""
-        places[text] = place = len(places)
-        return place
+    def _place(self, places: dict[str, int], text: str) -> int:
+        """The place of a string, which may have none yet."""
+        return places.setdefault(text, len(places))
 
     def add(self, record: Record) -> None:
         """One that was made elsewhere."""
@@ -194,29 +223,31 @@ class Columns(Keeper):
 
     def table(self, per_second: Fraction, end: int, modules: dict[str, tuple[str, ...]]) -> RecordTable:
         self._put()
-        topic = np.frombuffer(self._topic, np.uint32)
-        kind, where, what, names = self._of_topics(topic)
+        names, topics = self._topics_in_use()
         kept = {"number": self._number, "tick": self._tick, "value": self._value, "text": self._text}
         kept |= {"cause": self._cause, "field": self._field}
-        columns: dict[str, NDArray[Any]] = {"kind": kind[topic], "where": where[topic], "what": what[topic]}
+        columns: dict[str, NDArray[Any]] = {
+            name: topics.of[:, place].astype(COLUMNS[name][1])[topics.row] for place, name in enumerate(TOPIC)
+        }
         columns |= {name: np.frombuffer(column, COLUMNS[name][1]) for name, column in kept.items()}
         names |= {"text": tuple(self._texts), "field": tuple(self._fields)}
         in_order = {name: columns[name] for name in COLUMNS}
-        return RecordTable(in_order, {name: names[name] for name in TABLES}, per_second, end, modules)
+        return RecordTable(in_order, names, per_second, end, modules, topics)
 
-    def _of_topics(self, topic: NDArray[np.uint32]) -> TopicColumns:
+    def _topics_in_use(self) -> tuple[dict[str, tuple[str, ...]], Topics]:
+        """Topics that have records, and their names; both as they came first."""
+        tags = np.frombuffer(self._topic, np.uint32)
         wheres, whats = Strings(), Strings()
-        places = np.zeros((3, len(self._topics)), np.uint32)
         known = list(self._topics)
-        first = np.full(len(known), len(topic))
-        first[topic[::-1]] = np.arange(len(topic))[::-1]  # of a topic's places its first one is put last
-        used = np.flatnonzero(first < len(topic))
-        for tag in used[np.argsort(first[used])].tolist():
-            kind, where, what = known[tag]
-            places[:, tag] = NUMBER_OF[kind], wheres[where], whats[what]
-        kinds = places[0].astype(COLUMNS["kind"][1])
+        first = np.full(len(known), len(tags))
+        first[tags[::-1]] = np.arange(len(tags))[::-1]  # of a topic's places its first one is put last
+        used = np.flatnonzero(first < len(tags))
+        used = used[np.argsort(first[used])]
+        of = [(NUMBER_OF[known[tag][0]], wheres[known[tag][1]], whats[known[tag][2]]) for tag in used.tolist()]
+        renumbered = np.zeros(len(known), np.uint32)
+        renumbered[used] = np.arange(len(used))
         names = {"kind": tuple(kind.value for kind in KINDS), "where": tuple(wheres), "what": tuple(whats)}
-        return TopicColumns(kinds, places[1], places[2], names)
+        return names, Topics(np.array(of, np.int64).reshape(-1, 3), renumbered[tags])
 
 
 def table_of(records: Iterable[Record], per_second: Fraction, end: int) -> RecordTable:

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from periph_sim.core.records import Kind, Record
 from periph_sim.traces import formats
 from periph_sim.traces.formats import psr
-from periph_sim.traces.formats.record_table import BLOCK, table_of
+from periph_sim.traces.formats.record_table import BLOCK, COLUMNS, TABLES, table_of
 from tests.profiles import examples
 from tests.traces.formats.looks import edges, facts
 
@@ -96,9 +96,10 @@ def test_columns_and_lookups(tmp_path: Path):
 def test_numpy_opens_it_without_us(tmp_path: Path):
     with np.load(saved(tmp_path / "run.psr", RUN)) as found:
         head = json.loads(found["head"].tobytes())
-        assert found["tick"].tolist() == [record.tick for record in RUN]
-        assert [head["names"]["where"][place] for place in found["where"]] == [record.where for record in RUN]
-    assert (head["format"], head["version"], head["ticks_per_second"]) == ("periph-sim records", 2, 3 * 10**9)
+        assert np.cumsum(found["tick"]).tolist() == [record.tick for record in RUN]
+        where = np.array(head["topics"])[found["topic"], 1]
+        assert [head["names"]["where"][place] for place in where] == [record.where for record in RUN]
+    assert (head["format"], head["version"], head["ticks_per_second"]) == ("periph-sim records", 3, 3 * 10**9)
 
 
 @pytest.mark.parametrize(("end", "length"), [(200, 200), (95, 96), (0, 96)])
@@ -150,13 +151,43 @@ def packed(path: Path, arrays: dict[str, Any]) -> Path:
     return path
 
 
-def test_a_file_of_version_1_names_no_fields(tmp_path: Path):
-    path = saved(tmp_path / "run.psr", [Record(1, 5, Kind.ACCESS, "dsp", "R I2C-A.I2CSTR", 2, "f:1", 0, "NACK")])
-    changed(path, lambda head: (head.update(version=1), head["names"].pop("field")))
+def older(path: Path, records: list[Record], version: int) -> Path:
+    """The file as versions 1 and 2 wrote it: all of COLUMNS as they are, of version 1 without field."""
+    table = table_of(records, Fraction(3 * 10**9), 200)
+    columns = {name: table.columns[name] for name in COLUMNS if version > 1 or name != "field"}
+    head = {"format": psr.FORMAT, "version": version, "ticks_per_second": 3 * 10**9, "end": 200, "modules": {}}
+    head |= {"names": {name: table.names[name] for name in TABLES if version > 1 or name != "field"}, "capture": None}
+    return packed(path, {"head": np.frombuffer(json.dumps(head).encode(), np.uint8), **columns})
+
+
+def test_files_of_older_versions_are_read(tmp_path: Path):
+    access = Record(8, 125, Kind.ACCESS, "dsp", "R I2C-A.I2CSTR", 2, "f:1", 0, "NACK")
+    table = psr.read_table(older(tmp_path / "two.psr", [*RUN, access], 2))
+    assert list(table.records()) == [*RUN, access]
+    with (tmp_path / "again.psr").open("wb") as file:
+        psr.write_table(table, file)
+    assert list(psr.read_table(tmp_path / "again.psr").records()) == [*RUN, access]
+    table = psr.read_table(older(tmp_path / "one.psr", [*RUN, access], 1))
+    assert list(table.records()) == [*RUN, access._replace(field="")]
+    assert edges(formats.read(tmp_path / "one.psr")) == {"MODEL": [0, 95], "SDA": [1, 90]}
+
+
+@pytest.mark.parametrize(
+    ("most", "stored"), [(127, "int8"), (128, "int16"), (1 << 15, "int32"), (1 << 31, "int64"), (-128, "int8")]
+)
+def test_columns_are_as_wide_as_their_numbers_need(tmp_path: Path, most: int, stored: str):
+    records = [
+        Record(1, 1 << 40, Kind.FLAG, "a", "b", most, "", 0),
+        Record(2, (1 << 40) + 1, Kind.FLAG, "a", "b", 0, "", 1),
+    ]
+    path = saved(tmp_path / "run.psr", records)
     with np.load(path) as found:
-        packed(path, {name: values for name, values in found.items() if name != "field"})
-    (record,) = psr.read_table(path).records()
-    assert record == Record(1, 5, Kind.ACCESS, "dsp", "R I2C-A.I2CSTR", 2, "f:1", 0)
+        assert {name: str(found[name].dtype) for name in ("tick", "value", "cause")} == {
+            "tick": "int64",
+            "value": stored,
+            "cause": "int8",
+        }
+    assert list(psr.read_table(path).records()) == records
 
 
 def refusal(path: Path, read: Callable[[Path], object] = psr.read_table) -> str:
@@ -168,8 +199,8 @@ def refusal(path: Path, read: Callable[[Path], object] = psr.read_table) -> str:
 @pytest.mark.parametrize(
     ("key", "value", "sentence"),
     [
-        ("version", 3, "head.npy: found version 3, expected up to 2; read it with the newer periph-sim it is from"),
-        ("version", "1", "head.npy: found version '1', expected a number up to 2; copy or record it again"),
+        ("version", 4, "head.npy: found version 4, expected up to 3; read it with the newer periph-sim it is from"),
+        ("version", "1", "head.npy: found version '1', expected a number up to 3; copy or record it again"),
         (
             "format",
             "other",
@@ -189,7 +220,22 @@ def refusal(path: Path, read: Callable[[Path], object] = psr.read_table) -> str:
         (
             "names",
             {"kind": ["edge"], "where": ["a"], "what": ["b"], "text": ["c"], "field": [""]},
-            "kind.npy: found place 7, expected places in a table of 1 names; copy or record it again",
+            "head.npy, topics: found place 7, expected places in a table of 1 names; copy or record it again",
+        ),
+        (
+            "topics",
+            [],
+            "topic.npy: found places 0 to 3, expected places in a table of 0 topics; copy or record it again",
+        ),
+        (
+            "topics",
+            [[0, 0]],
+            "head.npy: found ValueError a topic without its three places, expected topics; copy or record it again",
+        ),
+        (
+            "topics",
+            3,
+            "head.npy: found TypeError 'int' object is not iterable, expected topics; copy or record it again",
         ),
         (
             "names",
@@ -214,13 +260,13 @@ def test_columns_that_do_not_fit_are_one_sentence(tmp_path: Path):
         arrays = dict(found)
     path = tmp_path / "x.psr"
     assert refusal(packed(path, arrays | {"tick": arrays["tick"][:3]})).startswith("its columns: found lengths {")
-    packed(path, arrays | {"tick": arrays["tick"][::-1].copy()})
+    packed(path, arrays | {"tick": -arrays["tick"]})
     assert refusal(path, formats.read) == (
         "tick.npy: found an edge before the one above, expected times that rise from 0; copy or record it again"
     )
     assert refusal(packed(path, arrays | {"tick": arrays["tick"].astype(float)})) == (
-        "tick.npy: found an array of float64, shape (7,), in 184 bytes, expected one column of <i8; "
-        "copy or record it again"
+        "tick.npy: found an array of float64, shape (7,), in 184 bytes, expected one column of int8, int16, int32, "
+        "int64; copy or record it again"
     )
     del arrays["cause"]
     assert refusal(packed(path, arrays)) == (
@@ -244,7 +290,7 @@ def test_an_array_that_claims_more_than_its_member_holds_is_refused(tmp_path: Pa
     with zipfile.ZipFile(path, "w") as archive:
         for name, content in (members | {"value.npy": huge}).items():
             archive.writestr(name, content)
-    assert "value.npy: found an array of int64, shape (999999999999999,), in 184 bytes" in refusal(path)
+    assert "value.npy: found an array of int8, shape (999999999999999,), in 135 bytes" in refusal(path)
 
 
 @given(place=st.integers(0, 3000), byte=st.integers(0, 255), cut=st.booleans())

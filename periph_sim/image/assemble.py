@@ -21,6 +21,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 from ..c28x.assembler import BadInstruction, Parsed, parse
 from ..c28x.expressions import BadExpression, Undefined, evaluate
@@ -28,6 +29,7 @@ from ..core.examples import EXAMPLES
 from .load import parse as parse_image
 from .model import BadImage, Image, Section, Symbol
 from .write_coff2 import write
+from .write_dwarf import Row, debug_sections
 
 ENTRY = "_c_int00"
 MOST_INCLUDES = 8  # one inside the other
@@ -39,6 +41,20 @@ NOP = 0x7700
 MOST_WORDS = 0x40_0000  # of a section: program space
 
 
+class _Place(NamedTuple):
+    """A line of source. included: the name of its file, "" for the source itself. path: of the file."""
+
+    path: str
+    line: int
+    included: str
+
+    def __str__(self) -> str:
+        return f"{self.included}, line {self.line}".removeprefix(", ")
+
+
+NOWHERE = _Place("", 0, "")
+
+
 @dataclass
 class _Block:
     """A section in the making. pieces: what puts words at an address, with the line of source that says so."""
@@ -47,26 +63,30 @@ class _Block:
     address: int
     load: int
     at: int
-    pieces: list[tuple[str, int, Callable[[int, Mapping[str, int]], tuple[int, ...]]]] = field(default_factory=list)
+    pieces: list[tuple[_Place, int, Callable[[int, Mapping[str, int]], tuple[int, ...]]]] = field(default_factory=list)
     has_code: bool = False
+
+    def rows(self) -> tuple[list[Row], int]:
+        """The file and line of each piece's address, and the address behind the last one."""
+        return [(at, place.path, place.line) for place, at, _ in self.pieces], self.at
 
 
 class _Source:
     """The first pass: lines go in; sections with their pieces, and symbols, are kept.
 
-    globals: the line of each name that is .global. entry_line: of .entry, "" where there is none.
+    globals: the line of each name that is .global. entry_line: of .entry, NOWHERE where there is none.
     """
 
     def __init__(self, folder: Path) -> None:
         self._folders = [folder]  # of the files that are read, the inner ones last
-        self._place = ""
+        self._place = NOWHERE
         self.blocks: list[_Block] = []
         self.reserved: list[Section] = []
         self.symbols: dict[str, int] = {}
         self.sections: dict[str, str] = {}  # of symbols: the section, "" for numbers
-        self.globals: dict[str, str] = {}
+        self.globals: dict[str, _Place] = {}
         self.entry = ENTRY
-        self.entry_line = ""
+        self.entry_line = NOWHERE
 
     @property
     def here(self) -> _Block:
@@ -83,10 +103,10 @@ class _Source:
     def number(self, text: str) -> int:
         return evaluate(text, self.symbols, self.blocks[-1].at if self.blocks else 0)
 
-    def text(self, text: str, file: str = "") -> None:
-        """All lines of a source. file: that it is included from, "" for the source itself."""
+    def text(self, text: str, path: str, included: str = "") -> None:
+        """All lines of the file at a path. included: the name by which another one includes it."""
         for number, line in enumerate(text.splitlines(), 1):
-            outer, self._place = self._place, f"{file}, line {number}".removeprefix(", ")
+            outer, self._place = self._place, _Place(path, number, included)
             with _Line(self._place):
                 self._line(_without_comment(line).strip())
             self._place = outer
@@ -157,7 +177,7 @@ class _Source:
         path = included(rest.strip('"'), self._folders[-1])
         text = text_of(path)
         self._folders.append(path.parent)
-        self.text(text, path.name)
+        self.text(text, str(path), path.name)
         self._folders.pop()
 
     def _count(self, rest: str) -> int:
@@ -201,10 +221,13 @@ def _operands(text: str) -> list[str]:
     return [one.strip() for one in re.findall(r'(?:"[^"]*"|[^,"])+', text)] or [""]
 
 
-def assemble(text: str, folder: Path = Path()) -> Image:
-    """The image of a program. folder: of what it includes. BadImage with the line where it is none."""
-    source = _Source(folder)
-    source.text(text)
+def assemble(text: str, path: Path | None = None) -> Image:
+    """The image of a program. BadImage with the line where it is none.
+
+    path: of its source, which debug data name and beside which it finds what it includes; None for no debug data.
+    """
+    source = _Source(Path() if path is None else path.parent)
+    source.text(text, str(path))
     sections = []
     for block in source.blocks:
         words: list[int] = []
@@ -213,7 +236,7 @@ def assemble(text: str, folder: Path = Path()) -> Image:
                 words += put(at, source.symbols)
         sections.append(Section(block.name, block.load, block.address, len(words), tuple(words), code=block.has_code))
     if source.entry not in source.symbols:
-        if source.entry_line:
+        if source.entry_line is not NOWHERE:
             raise BadImage(f"{source.entry_line}: the entry {source.entry!r} is not defined")
         raise BadImage(f"its entry {source.entry!r} is not defined; define it, or name another one with .entry")
     for name, place in source.globals.items():
@@ -224,7 +247,10 @@ def assemble(text: str, folder: Path = Path()) -> Image:
         Symbol(name, address, source.sections[name], name in named, bool(source.sections[name]) and name not in named)
         for name, address in source.symbols.items()
     )
-    return Image("assembled", source.symbols[source.entry], (*sections, *source.reserved), symbols)
+    debug = (
+        {} if path is None else debug_sections(str(path), [block.rows() for block in source.blocks if block.has_code])
+    )
+    return Image("assembled", source.symbols[source.entry], (*sections, *source.reserved), symbols, debug=debug)
 
 
 def _without_comment(line: str) -> str:
@@ -243,7 +269,7 @@ def sources_of(path: Path) -> list[Path]:
 class _Line:
     """Says in which line of the source something is wrong."""
 
-    def __init__(self, place: str) -> None:
+    def __init__(self, place: _Place) -> None:
         self._place = place
 
     def __enter__(self) -> None:
@@ -273,7 +299,7 @@ def assemble_file(path: Path) -> tuple[Image, bytes]:
     """The image of a source file, and the bytes of its .out. BadImage, which names the file, where it is none."""
     text = text_of(path)
     try:
-        data = write(assemble(text, path.parent))
+        data = write(assemble(text, path))
         return parse_image(data), data
     except BadImage as error:
         raise BadImage(f"{path}: {error}") from None

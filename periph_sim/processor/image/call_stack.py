@@ -47,6 +47,9 @@ class CallListener:
         """The function that began last, of those that are under way, is over."""
         raise NotImplementedError
 
+    def slept(self, ticks: int) -> None:
+        """So much time of the innermost function has passed without an instruction."""
+
 
 class CallStack:
     """frames: what is under way, the innermost last."""
@@ -86,6 +89,12 @@ class CallStack:
                 self._drop(place, cycle)
                 return
         self._replace(pc, cycle)
+
+    def slept(self, since: int, cycle: int) -> None:
+        """Nothing was executed from one cycle to the other: IDLE, or a wait whose passes were skipped."""
+        ticks = self._clock.tick(cycle) - self._clock.tick(since)
+        for listener in self._listeners:
+            listener.slept(ticks)
 
     def routine(self, pc: int, interrupted: int, cycle: int) -> None:
         """A service routine begins at `pc`, in the middle of what goes on at `interrupted`."""

@@ -45,6 +45,7 @@ class ImageProgram(Program):
         self._ready: Operation | None = None  # whose operand is found, and whose cycle had to be waited for
         self._executed = False  # an instruction, since the last boundary that looked for interrupts
         self._idle_began = False
+        self._slept_from = 0
         self._jumps: deque[int] = deque(maxlen=LAST_JUMPS)
         self._places: dict[int, SourceLocation] = {}
         self._functions: FunctionMap | None = None
@@ -164,11 +165,14 @@ class ImageProgram(Program):
         time = processor.time
         if not self._idle_began:
             self._idle_began = True
+            self._slept_from = time.cycle
             core.idle(time.cycle - cpu_costs.IDLE)
         while not core.idle_ends(time.cycle):
             if not processor.rest(max(time.cycle, core.next_wake)):
                 return False
         self._idle_began = self.cpu.idling = False
+        if self._calls is not None:
+            self._calls.slept(self._slept_from, time.cycle)
         return True
 
     def _ended(self) -> Stop:

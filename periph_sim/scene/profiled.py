@@ -1,0 +1,48 @@
+"""A run whose images are looked at: a case goes in; time by function and counts by instruction come out, by unit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+
+from msgspec import Struct
+
+from ..processor.image.coverage import Coverage
+from ..processor.image.profile import Profile
+from ..processor.image.program import ImageProgram
+from .case.model import Case
+from .scene import Scene
+
+
+class Profiled(Struct, frozen=True):
+    """programs, profiles, coverage: by unit; coverage is empty where it was not asked for."""
+
+    name: str
+    ticks_per_second: int
+    programs: dict[str, ImageProgram]
+    profiles: dict[str, Profile]
+    coverage: dict[str, Coverage]
+
+
+def profiled(
+    case: Case, length: Fraction | None = None, told: Callable[[float], None] | None = None, coverage: bool = False
+) -> Profiled:
+    """Run a case. BadCase if no unit runs an image, or one without lines is to be covered."""
+    scene = Scene(case)
+    programs = {name: unit.program for name, unit in scene.units.items() if isinstance(unit.program, ImageProgram)}
+    if not programs:
+        raise case.mistake("no unit runs an image, and a profile is of images; give a unit image = ...", "unit")
+    found = Profiled(case.name, scene.timebase.per_second, programs, {}, {})
+    for name, program in programs.items():
+        if coverage and not program.functions.has_lines:
+            what = "it tells no lines of its source, so there is nothing to cover; compile it with -g"
+            raise case.mistake(what, "unit", name, "image")
+        found.profiles[name] = Profile()
+        program.tell_calls(found.profiles[name])
+        if coverage:
+            found.coverage[name] = Coverage()
+            program.watch_instructions(found.coverage[name])
+    scene.run(length, told)
+    for profile in found.profiles.values():
+        profile.finish(scene.kernel.now)
+    return found

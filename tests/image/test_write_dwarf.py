@@ -1,0 +1,60 @@
+"""Lines that the assembler tells: rows go in, and pyelftools, which reads debug data for us, tells the same rows."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from periph_sim.image.assemble import assemble
+from periph_sim.image.debug_info import DebugInfo
+from periph_sim.image.model import Image
+from periph_sim.image.write_dwarf import debug_sections
+
+SOURCE = """\
+ .sect ".text", 0x9000
+ .global _c_int00
+_c_int00: NOP
+
+ MOVL XAR4,#0x9000
+ RPT #9 || NOP
+ .sect "far", 0x8000
+ NOP
+"""
+
+
+def test_each_address_has_the_line_that_it_was_assembled_from():
+    """NOP in line 3, MOVL of two words in line 5, RPT and NOP in line 6; a second section below the first."""
+    debug = DebugInfo(assemble(SOURCE, Path("own.asm")))
+    lines = {address: str(debug.line_at(address)) for address in (0x8000, 0x9000, 0x9001, 0x9002, 0x9003, 0x9004)}
+    assert lines == {
+        0x8000: "own.asm:8", 0x9000: "own.asm:3", 0x9001: "own.asm:5", 0x9002: "own.asm:5", 0x9003: "own.asm:6",
+        0x9004: "own.asm:6",
+    }  # fmt: skip
+    assert [debug.line_at(address) for address in (0x7FFF, 0x8001, 0x8FFF, 0x9005)] == [None] * 4
+    assert debug.damaged == ""
+
+
+def test_no_file_no_debug_data():
+    assert assemble(SOURCE).debug == {}
+
+
+@given(
+    st.lists(
+        st.tuples(st.integers(1, 300), st.sampled_from(["a.asm", "b c.inc", "x/d.asm"]), st.integers(1, 100_000)),
+        min_size=1,
+        max_size=20,
+    ),
+    st.integers(0, 0x3F_0000),
+    st.integers(1, 1000),
+)
+def test_any_rows_come_back(steps: list[tuple[int, str, int]], first: int, last: int):
+    rows, at = [], first
+    for words, file, line in steps:
+        rows.append((at, file, line))
+        at += words
+    sections = debug_sections("a.asm", [(rows, at + last)])
+    debug = DebugInfo(Image("own", 0, (), debug=sections))
+    assert [(at, *(line or (None, None))) for at, line in debug.lines] == [*rows, (at + last, None, None)]
+    assert debug.damaged == ""

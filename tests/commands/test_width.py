@@ -12,6 +12,7 @@ import click
 import pytest
 
 from periph_sim.cli import cli
+from periph_sim.image.assemble import assemble_file
 from periph_sim.image.write_coff2 import write
 from tests.commands.conftest import Run
 from tests.image.own_images import image
@@ -77,6 +78,7 @@ COMMANDS = [
     ("regs",),
     ("image", "own.out"),
     ("image", "own.out", "-v"),
+    ("profile", "echo.toml"),
     ("regs", "I2C-A"),
     ("regs", "I2C-A.I2CSTR"),
     ("regs", "--options"),
@@ -106,9 +108,13 @@ def test_every_command_is_measured_or_prints_no_table():
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Where `run.psr` and `rest.csv` are left for the commands that read them; `own.out` is there."""
+    """Where `run.psr` and `rest.csv` are left for the commands that read them; `own.out` and `echo.toml` are there."""
     folder = tmp_path_factory.mktemp("width")
     (folder / "own.out").write_bytes(write(image()))
+    (folder / "echo.out").write_bytes(assemble_file(ROOT / "firmware" / "c28x" / "sci_echo.asm")[1])
+    (folder / "echo.toml").write_text(
+        'name = "echo"\nduration = "1 ms"\n[unit.dsp]\nimage = "echo.out"\nmodules = ["SCI-A"]\n'
+    )
     return folder
 
 

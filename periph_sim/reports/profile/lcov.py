@@ -1,4 +1,4 @@
-"""Coverage of an image by its source: counts by address go in; an lcov tracefile comes out, as genhtml and editors read.
+"""Coverage of an image by its source: counts by address go in; an lcov tracefile, as genhtml reads it, comes out.
 
     address --line--> DA: executed so often         BRDA: a conditional branch went on, or jumped
     function -------> FN, FNDA: how often its first instruction was executed

@@ -7,7 +7,8 @@ import pytest
 from periph_sim.image.assemble import assemble
 from periph_sim.processor.image.call_stack import CallListener
 
-from .test_image_program import CYCLE, HEAD, TIMER, Rig
+from .rig import HEAD, Rig
+from .test_image_program import CYCLE, TIMER
 
 
 class Told(CallListener):

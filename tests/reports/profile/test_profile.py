@@ -1,0 +1,113 @@
+"""Profile and coverage of a program of our own: where its time went, and which of its lines were executed."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from periph_sim.image.assemble import assemble_file
+from tests.commands.conftest import Run, periph_sim  # noqa: F401
+
+# 1 ms at 7.5 MHz behind reset: 7500 cycles. _work has 104: RPT 1, NOP 99, LRETR 4.
+SOURCE = """\
+WDCR .set 0x7029
+ .reserve ".stack", 0x400, 0x40
+ .sect ".text", 0x9000
+ .global _c_int00, _work, _never
+_c_int00: MOV @SP,#0x400
+ EALLOW
+ MOVW DP,#WDCR >> 6
+ MOV @WDCR,#0x68
+ EDIS
+ MOVB XAR2,#9
+again: LCR #_work
+ BANZ again,AR2--
+ TBIT @AL,#0
+ SB over,TC
+ NOP
+over: IDLE
+ ESTOP0
+_work: RPT #98 || NOP
+ LRETR
+_never: NOP
+ LRETR
+"""
+CASE = 'name = "own"\nduration = "1 ms"\n[unit.dsp]\nimage = "own.out"\nmodules = ["GPIO"]\n'
+
+
+@pytest.fixture
+def case(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    Path("own.asm").write_text(SOURCE)
+    Path("own.out").write_bytes(assemble_file(Path("own.asm"))[1])
+    Path("own.toml").write_text(CASE)
+    return Path("own.toml")
+
+
+def profile(periph_sim: Run, *more: str) -> dict[str, dict[str, float]]:  # noqa: F811
+    came = periph_sim("profile", "own.toml", "--json", *more)
+    assert came.status == 0, came.err
+    return {one["function"]: one for one in json.loads(came.out)["units"]["dsp"]}
+
+
+def test_time_goes_to_the_function_that_executes_and_sleep_is_told_apart(periph_sim: Run, case: Path):  # noqa: F811
+    found = profile(periph_sim)
+    assert set(found) == {"_c_int00", "_work"}
+    work, boot = found["_work"], found["_c_int00"]
+    assert (work["calls"], boot["calls"]) == (10, 1)
+    assert work["self_s"] == work["total_s"] == pytest.approx(10 * 104 / 7.5e6)
+    assert boot["total_s"] == pytest.approx(1e-3)
+    assert boot["self_s"] == pytest.approx(1e-3 - 10 * 104 / 7.5e6)
+    assert work["waits_s"] == 0
+
+
+def test_stacks_for_speedscope(periph_sim: Run, case: Path):  # noqa: F811
+    profile(periph_sim, "--speedscope", "own.json")
+    made = json.loads(Path("own.json").read_text())
+    names = [frame["name"] for frame in made["shared"]["frames"]]
+    (shown,) = made["profiles"]
+    assert [[names[frame] for frame in stack] for stack in shown["samples"]] == [["_c_int00"], ["_c_int00", "_work"]]
+    assert sum(shown["weights"]) == pytest.approx(1e-3)
+
+
+def test_lines_functions_and_branches_as_lcov(periph_sim: Run, case: Path):  # noqa: F811
+    profile(periph_sim, "--lcov", "own.info")
+    told = Path("own.info").read_text().splitlines()
+    lines = {number: text.split()[0] for number, text in enumerate(SOURCE.splitlines(), 1) if text.startswith(" ")}
+    counts = dict(line[3:].split(",") for line in told if line.startswith("DA:"))
+    assert counts["5"] == counts["10"] == "1"
+    assert counts["11"] == counts["18"] == counts["19"] == "10"
+    assert counts["20"] == counts["21"] == "0" and lines[21] == "LRETR"
+    functions = [line for line in told if line.startswith(("FN:", "FNDA:"))]
+    assert functions == [
+        "FN:5,_c_int00",
+        "FN:18,_work",
+        "FN:20,_never",
+        "FNDA:1,_c_int00",
+        "FNDA:10,_work",
+        "FNDA:0,_never",
+    ]
+    branches = {tuple(line[5:].split(",")[::2]): line.split(",")[3] for line in told if line.startswith("BRDA:")}
+    assert branches == {("12", "0"): "1", ("12", "1"): "9", ("14", "0"): "1", ("14", "1"): "0"}
+    assert told[:2] == ["TN:own", "SF:own.asm"] and told[-1] == "end_of_record"
+    assert "BRF:4" in told and "BRH:3" in told
+
+
+def test_a_unit_in_python_has_no_profile(periph_sim: Run, case: Path):  # noqa: F811
+    case.write_text(CASE.replace('image = "own.out"', 'firmware = "responder"').replace('"GPIO"', '"I2C-A"'))
+    came = periph_sim("profile", "own.toml")
+    assert (came.status, came.out) == (2, "")
+    assert "no unit runs an image, and a profile is of images" in came.err and came.err.count("\n") == 1
+
+
+def test_an_image_without_lines_is_not_covered_and_leaves_no_file(periph_sim: Run, case: Path):  # noqa: F811
+    from periph_sim.image.assemble import assemble
+    from periph_sim.image.write_coff2 import write
+
+    Path("own.out").write_bytes(write(assemble(SOURCE)))
+    came = periph_sim("profile", "own.toml", "--lcov", "own.info")
+    assert (came.status, came.out) == (2, "")
+    assert "it tells no lines of its source" in came.err
+    assert not Path("own.info").exists()

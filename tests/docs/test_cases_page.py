@@ -14,7 +14,7 @@ from periph_sim.bus.faults import kinds
 from periph_sim.bus.faults.when import When
 from periph_sim.core.settings import Table
 from periph_sim.devices.sensor_rounds import CHIPS
-from periph_sim.devices.targets import eeprom, families, registers
+from periph_sim.devices.targets import eeprom, families, registers, rtc
 from periph_sim.devices.targets.register_settings import Interrupt, RegisterTable, Sets
 from periph_sim.processor.dsp import MODULES
 from periph_sim.scene.case.device_tables import BusParty, DeviceFault, DeviceTable, StretchTable, Strikes
@@ -51,6 +51,7 @@ TABLES: dict[str, type[Table]] = {
     "`[chip.NAME.values]`": ValueTable,
     "`[device.NAME]`": DeviceTable,
     "`24c02` to `24lc512`": eeprom.Settings,
+    "`isl12026` and `x1226`": rtc.Settings,
     "`registers`": registers.Settings,
     "`[[device.NAME.register]]`": RegisterTable,
     "`[device.NAME.interrupt]`": Interrupt,
@@ -101,7 +102,7 @@ def test_every_table_of_the_model_has_a_section():
     }
     bases = (Table, BusParty, Strikes)
     kinds = {kind for base in bases for kind in base.__subclasses__() if kind.__module__ in modules}
-    assert kinds - {BusParty, Strikes, Sets} == {*TABLES.values(), Options} - {eeprom.Settings}
+    assert kinds - {BusParty, Strikes, Sets} == {*TABLES.values(), Options} - {eeprom.Settings, rtc.Settings}
 
 
 def test_every_family_of_devices_has_a_section():

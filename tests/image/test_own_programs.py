@@ -134,6 +134,12 @@ def test_the_master_stores_in_an_eeprom_asks_until_it_is_done_and_reads_back():
     assert [what for what, _ in told].count("STOP") > 3  # of the write, of polls, of the read
 
 
+def test_the_master_sets_a_clock_and_reads_it_back():
+    _, _, scene = run(image("rtc", "I2C-A", device={"clock": {"model": "isl12026"}}), "0.008")
+    assert bytes(words(scene, "_got", 8)).hex(" ") == "50 39 95 01 03 12 06 20"
+    assert scene.units["dsp"].program.finished and scene.devices["clock"].log.notes == {}
+
+
 def test_the_led_toggles_by_the_timer_while_the_cpu_sleeps():
     case = image("blink", "TIMER0")
     unit = case.unit["dsp"].model_copy(update={"pins": {"LED": 31}})

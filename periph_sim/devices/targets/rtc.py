@@ -1,0 +1,202 @@
+"""A clock with two-byte register addresses, ISL12026 or X1226: bytes of transfers go in; its time comes out.
+
+    START, 0x6F+W, 00 3f 02, STOP       WEL      a write of another register than this one is not acknowledged before
+    START, 0x6F+W, 00 3f 06, STOP       RWEL     it is ignored before
+    START, 0x6F+W, 00 30, SC MN HR DT MO YR DW Y2K, STOP     the time, from the STOP on
+    START, 0x6F+W, 00 30, START, 0x6F+R, SC MN ...           the time as it was when the read began
+
+Alarms and control registers, 0x00 to 0x17, are stored for good: it acknowledges nothing for `write_time`, and RWEL is 0
+then. A write stays in its eight registers; a read goes on from 0x3F to 0. Alarms ring nothing, and control registers
+control nothing. Its memory of 512 bytes, at 0x57, is another device.
+
+Source: Renesas FN8231 (ISL12026), FN8098 (X1226): clock/control registers, status register, page write.
+"""
+
+from __future__ import annotations
+
+from datetime import datetime, timedelta
+from typing import Annotated, NamedTuple
+
+from pydantic import AfterValidator, Field
+
+from ...bus.i2c.target_side import Stretches
+from ...core.chip import Note
+from ...core.settings import DurationRange, Spread, Table, duration
+from . import BadDevice, TargetContext, address_among
+from .calendar_registers import BadTime, CalendarTime, registers_of, time_in
+
+__all__ = ["MODELS", "Settings", "build"]
+
+MODELS = ("isl12026", "x1226")
+ADDRESS = 0x6F
+SIZE, PAGE = 0x40, 8
+CLOCK, STORED, STATUS = range(0x30, 0x38), range(0x18), 0x3F
+RTCF, WEL, RWEL = 1, 2, 4  # of the status register
+DIRECTIVE = "FN8231, writing to the clock/control registers"
+SECONDS_PER_PPM = 1_000_000
+
+
+def _plain(value: datetime | None) -> datetime | None:
+    if value is not None and (value.tzinfo is not None or value.microsecond):
+        raise ValueError("the time of a clock has no time zone and whole seconds")
+    return value
+
+
+class Settings(Table):
+    """time: as the run begins; none: it stands still until it is set, as after all supplies were gone.
+
+    ppm: of its crystal. battery: it runs on while its supply is off.
+    """
+
+    time: Annotated[datetime | None, AfterValidator(_plain)] = None
+    ppm: Annotated[int, Field(ge=-1000, le=1000)] = 0
+    battery: bool = True
+    write_time: DurationRange = Spread(duration("10 ms"), duration("10 ms"))
+
+
+class _Running(NamedTuple):
+    """The clock shows `time` at the tick `since` and counts from there."""
+
+    time: CalendarTime
+    since: int
+
+
+class Rtc:
+    """It is its own reply."""
+
+    ack = True
+    stretches: Stretches = ()
+
+    def __init__(self, settings: Settings, place: TargetContext, address: int) -> None:
+        self.addresses = (address,)
+        self._settings = settings
+        self._place = place
+        self._second = place.ticks(duration("1 s")) * SECONDS_PER_PPM // (SECONDS_PER_PPM + settings.ppm)
+        self._stored = bytearray(SIZE)
+        self._raw = bytes(len(CLOCK))  # of a time that is none
+        self._why_none = ""
+        self._running: _Running | None = None
+        self._failed = settings.time is None
+        if settings.time is not None:
+            weekday = (settings.time.weekday() + 1) % 7  # Sunday is 0
+            self._running = _Running(CalendarTime(settings.time, weekday, whole_day=True), place.start)
+        self._forget()
+
+    def _forget(self) -> None:
+        """What no battery keeps."""
+        self._latches = 0
+        self._pointer = 0
+        self._begin = 0
+        self._buffer: dict[int, int] = {}
+        self._shown = bytes(len(CLOCK))
+        self._busy_until = 0
+
+    def power_on(self) -> None:
+        self._forget()
+        if not self._settings.battery:
+            self._running, self._failed, self._raw, self._why_none = None, True, bytes(len(CLOCK)), ""
+
+    # Transfers ---------------------------------------------------------------------
+
+    def answer(self, address_byte: int) -> Rtc | None:
+        if address_byte >> 1 not in self.addresses or self._place.kernel.now < self._busy_until:
+            return None
+        self._shown = self._clock()
+        if address_byte & 1 and self._why_none:
+            self._note(f"{self._why_none}; it does not count on from that here")
+        return self
+
+    def sends(self, byte: int) -> int:
+        at, self._pointer = self._pointer, (self._pointer + 1) % SIZE
+        if at == STATUS:
+            return self._latches | self._failed * RTCF
+        return self._shown[at - CLOCK.start] if at in CLOCK else self._stored[at]
+
+    def hears(self, byte: int, value: int) -> bool:
+        if byte < 2:
+            self._pointer = (0 if byte == 0 else self._pointer << 8) | value
+            if byte == 1:
+                if self._pointer >= SIZE:
+                    self._note(f"register {self._pointer:#06x} was named; it has 0 to {SIZE - 1:#04x}")
+                    self._pointer %= SIZE
+                self._begin = self._pointer
+            return True
+        if self._pointer != STATUS and not self._latches & WEL:
+            self._note("a register was written before WEL was set; it does not acknowledge that")
+            return False
+        self._buffer[self._pointer] = value
+        page = self._pointer & -PAGE
+        self._pointer = page | self._pointer + 1 & PAGE - 1
+        return True
+
+    def on_end(self, stop: bool, whole: bool) -> None:
+        buffer, self._buffer = self._buffer, {}
+        if not buffer:
+            return
+        if not stop or not whole:
+            how = "a STOP in the middle of a byte" if stop else "a START instead of a STOP"
+            self._note(f"the write at {self._begin:#04x} counts for nothing: {how} ended it")
+        elif STATUS in buffer:
+            self._unlock(buffer[STATUS])
+        elif not self._latches & RWEL:
+            self._note(f"the write at {self._begin:#04x} is ignored: RWEL is not set")
+        else:
+            self._write(buffer)
+
+    def _unlock(self, value: int) -> None:
+        """WEL before both; zeros reset both."""
+        if value == WEL | RWEL and self._latches & WEL:
+            self._latches = WEL | RWEL
+        elif value in (0, WEL):
+            self._latches = value and self._latches | WEL
+        else:
+            told = "sets RWEL before WEL" if value == WEL | RWEL else "is none of 0x00, 0x02 and 0x06"
+            self._note(f"{value:#04x} was written to the status register, which {told}")
+
+    def _write(self, buffer: dict[int, int]) -> None:
+        place = self._place
+        clock = {at: value for at, value in buffer.items() if at in CLOCK}
+        if clock:
+            self._set(clock)
+        stored = {at: value for at, value in buffer.items() if at in STORED}
+        if stored:
+            for at, value in stored.items():
+                self._stored[at] = value
+            self._latches &= ~RWEL
+            least, most = (
+                place.ticks(end) for end in (self._settings.write_time.least, self._settings.write_time.most)
+            )
+            self._busy_until = place.kernel.now + place.random.randint(least, most)
+        if not clock and not stored:
+            self._note(f"register {self._begin:#04x} was written, which it does not have")
+
+    # The time ------------------------------------------------------------------------
+
+    def _clock(self) -> bytes:
+        """The eight registers of the time as they are now."""
+        if self._running is None:
+            return self._raw
+        return registers_of(self._time(self._running))
+
+    def _time(self, running: _Running) -> CalendarTime:
+        return running.time.later((self._place.kernel.now - running.since) // self._second)
+
+    def _set(self, written: dict[int, int]) -> None:
+        """Some of the eight registers, from now on; the others go on from what they are."""
+        registers = bytearray(self._clock())
+        for at, value in written.items():
+            registers[at - CLOCK.start] = value
+        self._failed, self._why_none = False, ""
+        try:
+            self._running = _Running(time_in(bytes(registers)), self._place.kernel.now)
+        except BadTime as error:
+            self._raw, self._running, self._why_none = bytes(registers), None, str(error)
+
+    def _note(self, text: str) -> None:
+        self._place.note(Note("duty", text, DIRECTIVE))
+
+
+def build(model: str, settings: Settings, place: TargetContext) -> Rtc:
+    if settings.time is not None and not datetime(1900, 1, 1) <= settings.time < datetime(2100, 1, 1) - timedelta(1):
+        raise BadDevice("its calendar has the years 1900 to 2099", "time")
+    return Rtc(settings, place, address_among(place, model, (ADDRESS,)))

@@ -1,0 +1,175 @@
+"""A clock with two-byte register addresses on the wires: its write enable, its calendar, what it refuses and notes."""
+
+from __future__ import annotations
+
+from datetime import datetime
+
+import pytest
+
+from periph_sim.devices.targets.calendar_registers import BadTime, CalendarTime, registers_of, time_in
+from periph_sim.scene.case.model import BadCase
+from tests.devices.targets.bus_of import SECOND, Bus
+
+WEL, BOTH = "6f W 00 3f 02", "6f W 00 3f 06"
+TIME = "6f W 00 30 Sr 6f R 8"
+MS = 10**6  # ticks
+
+
+def clock(**more: object) -> Bus:
+    return Bus(clock={"model": "isl12026", **more})
+
+
+def unlocked(**more: object) -> Bus:
+    bus = clock(**more)
+    bus.do(WEL)
+    bus.do(BOTH)
+    return bus
+
+
+def shown(bus: Bus) -> str:
+    return bus.do(TIME).partition(" Sr 6f ")[2]
+
+
+def test_it_counts_from_the_time_that_the_case_gives():
+    bus = clock(time="2012-02-29 23:59:58")
+    assert shown(bus) == "58 59 a3 29 02 12 03 20"  # a Wednesday
+    bus.wait(SECOND)
+    assert shown(bus) == "59 59 a3 29 02 12 03 20"
+    bus.wait(SECOND)
+    assert shown(bus) == "00 00 80 01 03 12 04 20"
+
+
+def test_its_crystal_may_be_fast():
+    fast, exact = clock(time="2012-01-01 00:00:00", ppm=1000), clock(time="2012-01-01 00:00:00")
+    fast.wait(SECOND - SECOND // 1000 + 1000)
+    exact.wait(SECOND - SECOND // 1000 + 1000)
+    assert (shown(fast)[:2], shown(exact)[:2]) == ("01", "00")
+
+
+def test_a_read_shows_one_moment_however_long_it_takes():
+    bus = Bus(
+        clock={"model": "isl12026", "time": "2012-01-01 00:00:59", "stretch": {"length": "20 ms", "access": "read"}}
+    )
+    bus.wait(SECOND - 50 * MS)
+    assert shown(bus) == "59 00 80 01 01 12 00 20"
+    assert shown(bus)[:5] == "00 01"
+
+
+def test_it_is_set_by_eight_bytes_once_both_latches_are():
+    bus = clock()
+    assert bus.do("6f W 00 3f Sr 6f R 1").split()[-1] == "01"  # RTCF: it lost its time
+    assert bus.do("6f W 00 30 50") == "6f 00 30 50!"
+    bus.do(WEL)
+    bus.do("6f W 00 30 50")
+    bus.do(BOTH)
+    bus.do("6f W 00 30 50 39 95 01 03 12 04 20")
+    assert shown(bus) == "50 39 95 01 03 12 04 20"
+    assert bus.do("6f W 00 3f Sr 6f R 1").split()[-1] == "06"
+    assert bus.notes("clock") == [
+        "a register was written before WEL was set; it does not acknowledge that",
+        "the write at 0x30 is ignored: RWEL is not set",
+    ]
+
+
+def test_one_register_after_the_other_keeps_what_the_others_are():
+    bus = unlocked(time="2012-03-01 15:39:50")
+    for at, value in (("37", "20"), ("35", "07"), ("34", "12"), ("33", "03"), ("31", "10"), ("30", "20")):
+        bus.do(f"6f W 00 {at} {value}")
+    assert shown(bus) == "20 10 95 03 12 07 04 20"
+
+
+def test_zeros_take_the_latches_back_and_nothing_else_sets_both():
+    bus = unlocked()
+    bus.do("6f W 00 3f 00")
+    assert bus.do("6f W 00 30 50") == "6f 00 30 50!"
+    bus.do(BOTH)
+    bus.do("6f W 00 3f 40")
+    assert bus.do("6f W 00 3f Sr 6f R 1").split()[-1] == "01"
+    assert [text[:43] for text in bus.notes("clock")[1:]] == [
+        "0x06 was written to the status register, wh",
+        "0x40 was written to the status register, wh",
+    ]
+
+
+def test_what_is_stored_for_good_takes_its_time_and_locks_again():
+    bus = unlocked(write_time="2 ms")
+    bus.do("6f W 00 0e aa bb cc")  # round in eight registers
+    assert bus.do("6f W 00 0e") == "6f!"
+    bus.wait(2 * MS)
+    assert bus.do("6f W 00 0e Sr 6f R 2").split()[-2:] == ["aa", "bb"]
+    assert bus.do("6f W 00 08 Sr 6f R 1").split()[-1] == "cc"
+    assert bus.do("6f W 00 3f Sr 6f R 1").split()[-1] == "03"  # WEL and RTCF
+
+
+def test_a_write_that_no_stop_ends_counts_for_nothing():
+    bus = unlocked(time="2012-03-01 15:39:50")
+    bus.do("6f W 00 30 11 Sr 6f R 1")
+    assert shown(bus)[:2] == "50"
+    assert bus.notes("clock") == ["the write at 0x30 counts for nothing: a START instead of a STOP ended it"]
+
+
+def test_an_hour_without_mil_is_one_of_twelve():
+    bus = unlocked(time="2012-03-01 15:39:50")
+    bus.do("6f W 00 32 15")
+    assert shown(bus)[:8] == "50 39 15"
+    assert bus.notes("clock") == [
+        "HR 0x15 is no hour of 12; bit 7, MIL, makes it one of 24; it does not count on from that here"
+    ]
+
+
+@pytest.mark.parametrize(("battery", "after"), [(True, "01"), (False, "00")])
+def test_a_battery_carries_it_over_an_outage(battery: bool, after: str):
+    fault = [{"kind": "off", "after": "0.5 s", "until": "0.7 s"}]
+    bus = unlocked(time="2012-03-01 15:39:00", battery=battery, fault=fault)
+    bus.wait(SECOND + 10 * MS)
+    assert shown(bus)[:2] == after
+    assert bus.do("6f W 00 3f Sr 6f R 1").split()[-1] == ("00" if battery else "01")
+
+
+def test_registers_that_it_does_not_have_are_noted():
+    bus = unlocked()
+    bus.do("6f W 00 28 11")
+    bus.do("6f W 01 30")
+    assert bus.notes("clock") == [
+        "register 0x28 was written, which it does not have",
+        "register 0x0130 was named; it has 0 to 0x3f",
+    ]
+
+
+def test_registers_go_there_and_back():
+    for hour in range(24):
+        for whole_day in (True, False):
+            time = CalendarTime(datetime(1999, 12, 31, hour, 59, 8), 6, whole_day)
+            assert time_in(registers_of(time)) == time
+    assert registers_of(CalendarTime(datetime(1999, 12, 31, 0, 5, 9), 6, False)).hex(" ") == "09 05 12 31 12 99 06 19"
+    assert CalendarTime(datetime(1999, 12, 31, 23, 59, 59), 6, True).later(1) == (datetime(2000, 1, 1), 0, True)
+
+
+@pytest.mark.parametrize(
+    ("registers", "sentence"),
+    [
+        ("5a 39 95 01 03 12 04 20", "SC 0x5a is no number of two decimal digits"),
+        ("50 39 95 30 02 12 04 20", "is no time: day is out of range"),
+        ("50 39 95 01 03 12 07 20", "DW 0x07 is no day of the week"),
+        ("50 39 13 01 03 12 04 20", "HR 0x13 is no hour of 12"),
+    ],
+)
+def test_registers_that_are_no_time(registers: str, sentence: str):
+    with pytest.raises(BadTime, match=sentence):
+        time_in(bytes.fromhex(registers))
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        ({"time": "noon"}, "device.clock.time"),
+        ({"time": "2012-03-01T15:39:50Z"}, "no time zone and whole seconds"),
+        ({"time": "2120-03-01 15:39:50"}, "its calendar has the years 1900 to 2099"),
+        ({"address": 0x68}, "isl12026 has no address 0x68; it can have 0x6f"),
+        ({"tiem": "2012-03-01 15:39:50"}, "a isl12026 has no such key"),
+    ],
+)
+def test_refused_in_one_sentence(given: dict[str, object], sentence: str):
+    with pytest.raises(BadCase, match=sentence) as error:
+        clock(**given)
+    assert "\n" not in str(error.value)

@@ -194,6 +194,7 @@ class ImageProgram(Program):
             raise FirmwareError(self._told(f"interrupt {taken} was taken, whose vector is 0"))
         interrupted = self.cpu.pc
         self.cpu.begin_routine(vector)
+        self._at = vector
         if self._calls is not None:
             self._calls.routine(self.cpu.pc, interrupted, self._processor.time.cycle)
         self._executed = False

@@ -78,6 +78,13 @@ def test_interrupts_save_and_restore_in_memory():
     assert (rig.cpu.sxm, rig.cpu.ovm) == (1, 1)
 
 
+def test_an_entry_is_recorded_with_the_place_where_its_routine_begins():
+    began = [
+        record for record in Rig(TIMER, "TIMER0").run(1_000_000).records if record.kind is Kind.IRQ and record.value
+    ]
+    assert {record.text for record in began} == {"_routine+0x0"}
+
+
 def test_the_interrupted_loop_goes_on_where_it_was():
     rig = Rig(TIMER, "TIMER0").run(3_000_000)
     busy = rig.program.instructions

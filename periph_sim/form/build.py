@@ -27,6 +27,7 @@ from subprocess import run
 
 from . import BUILT, MANIFEST, PACKAGE, SUFFIX, digest, sources, usable
 from .fold import declared, folded
+from .functions import by_name, cimported, without_imports
 from .outcome import resultless, returning, telling
 
 DIRECTIVES = {
@@ -80,7 +81,8 @@ def shadow(package: Path, modules: list[str], folder: Path) -> None:
         source, types = sources(package, [module])
         pxd = types.read_text("utf-8")
         text = folded(source.read_text("utf-8"), names, CLASS.findall(pxd))
-        text = returning(text, resultless(types_of(module, package).values()))
+        text = returning(by_name(text, pxd), resultless(types_of(module, package).values()))
+        text = without_imports(text, cimported(pxd))
         copy = folder / package.name / source.relative_to(package)
         copy.parent.mkdir(parents=True, exist_ok=True)
         copy.write_text(text, "utf-8")

@@ -82,7 +82,7 @@ def ADD_ACC_16sh_0_15(cpu: Cpu, f: Operation) -> None:
 
 
 def ADD_ACC_loc16shT(cpu: Cpu, f: Operation) -> None:
-    add(cpu, cpu.x16(cpu.read16()) << (cpu.t & 15))
+    add(cpu, cpu.x16(cpu.read16()) << (cpu.t() & 15))
 
 
 def ADD_ACC_loc16(cpu: Cpu, f: Operation) -> None:
@@ -149,7 +149,7 @@ def SUB_ACC_loc16sh_16(cpu: Cpu, f: Operation) -> None:
 
 
 def SUB_ACC_loc16shT(cpu: Cpu, f: Operation) -> None:
-    subtract(cpu, cpu.x16(cpu.read16()) << (cpu.t & 15))
+    subtract(cpu, cpu.x16(cpu.read16()) << (cpu.t() & 15))
 
 
 def SUB_ACC_16sh_0_15(cpu: Cpu, f: Operation) -> None:
@@ -221,7 +221,7 @@ def CMPL_ACC_PshPM(cpu: Cpu, f: Operation) -> None:
 
 
 def CMP64_ACC_P(cpu: Cpu, f: Operation) -> None:
-    cpu.n, cpu.z, cpu.v = cpu.v ^ cpu.acc >> 31, int(cpu.acc_p == 0), 0
+    cpu.n, cpu.z, cpu.v = cpu.v ^ cpu.acc >> 31, int(cpu.acc_p() == 0), 0
 
 
 def TEST_ACC(cpu: Cpu, f: Operation) -> None:
@@ -293,14 +293,14 @@ def NEGTC_ACC(cpu: Cpu, f: Operation) -> None:
 
 
 def NEG64_ACC_P(cpu: Cpu, f: Operation) -> None:
-    value = cpu.acc_p
-    cpu.c = int(value == 0)
-    if value == 1 << 63:
+    cpu.c = int(not cpu.acc | cpu.p)
+    if cpu.acc == SIGN32 and not cpu.p:  # the least one has no counterpart
         cpu.v = 1
-        cpu.acc_p = value - 1 if cpu.ovm else value
+        if cpu.ovm:
+            cpu.acc, cpu.p = 0x7FFF_FFFF, M32
+        cpu.put_acc_p(cpu.acc_p())
     else:
-        cpu.acc_p = -value & (1 << 64) - 1
-    cpu.nz64(cpu.acc_p)
+        cpu.put_acc_p(-cpu.acc_p())
 
 
 def SAT_ACC(cpu: Cpu, f: Operation) -> None:
@@ -311,10 +311,12 @@ def SAT_ACC(cpu: Cpu, f: Operation) -> None:
 
 
 def SAT64_ACC_P(cpu: Cpu, f: Operation) -> None:
-    if cpu.ovc:
-        cpu.acc_p = (1 << 63) - 1 if cpu.ovc > 0 else 1 << 63
+    if cpu.ovc > 0:
+        cpu.acc, cpu.p = 0x7FFF_FFFF, M32
+    elif cpu.ovc < 0:
+        cpu.acc, cpu.p = SIGN32, 0
     cpu.v, cpu.ovc, cpu.c = int(cpu.ovc != 0), 0, 0
-    cpu.nz64(cpu.acc_p)
+    cpu.put_acc_p(cpu.acc_p())
 
 
 def ZAPA(cpu: Cpu, f: Operation) -> None:
@@ -368,8 +370,11 @@ def NOT_ACC(cpu: Cpu, f: Operation) -> None:
 def CSB_ACC(cpu: Cpu, f: Operation) -> None:
     """T counts the sign bits behind the first one."""
     cpu.tc = cpu.acc >> 31
-    equal = cpu.acc ^ (M32 if cpu.tc else 0)
-    cpu.t = 31 - equal.bit_length() if equal else 31
+    rest = cpu.acc ^ (M32 if cpu.tc else 0)
+    count = 0
+    while count < 31 and not rest >> 30 - count:
+        count += 1
+    cpu.put_t(count)
     cpu.nz32(cpu.acc)
 
 
@@ -378,7 +383,7 @@ def MOV_ACC_16sh_0_15(cpu: Cpu, f: Operation) -> None:
 
 
 def MOV_ACC_loc16shT(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.x16(cpu.read16()) << (cpu.t & 15))
+    logic(cpu, cpu.x16(cpu.read16()) << (cpu.t() & 15))
 
 
 def MOV_ACC_loc16(cpu: Cpu, f: Operation) -> None:
@@ -407,3 +412,8 @@ def MOVL_ACC_loc32(cpu: Cpu, f: Operation) -> None:
 
 def ZALR_ACC_loc16(cpu: Cpu, f: Operation) -> None:
     logic(cpu, cpu.read16() << 16 | 0x8000)
+
+
+def bind(f: Operation, name: str) -> None:
+    """Give an operation the function of this name. KeyError if it is not here."""
+    f.execute = globals()[name]

@@ -24,7 +24,8 @@ def B_off16_COND(cpu: Cpu, f: Operation) -> None:
     _branch(cpu, f, cpu.condition(f.k))
 
 
-BF_off16_COND = B_off16_COND
+def BF_off16_COND(cpu: Cpu, f: Operation) -> None:
+    _branch(cpu, f, cpu.condition(f.k))
 
 
 def SB_off8_COND(cpu: Cpu, f: Operation) -> None:
@@ -90,8 +91,7 @@ def LCR_indXARn(cpu: Cpu, f: Operation) -> None:
 
 def LRETR(cpu: Cpu, f: Operation) -> None:
     cpu.pc = cpu.rpc
-    low, high = cpu.pop_pair()
-    cpu.rpc = (low | high << 16) & CODE
+    cpu.rpc = cpu.pop_pair() & CODE
 
 
 def LC_22(cpu: Cpu, f: Operation) -> None:
@@ -105,8 +105,7 @@ def LC_indXAR7(cpu: Cpu, f: Operation) -> None:
 
 
 def LRET(cpu: Cpu, f: Operation) -> None:
-    low, high = cpu.pop_pair()
-    cpu.pc = (low | high << 16) & CODE
+    cpu.pc = cpu.pop_pair() & CODE
 
 
 def LRETE(cpu: Cpu, f: Operation) -> None:
@@ -214,3 +213,8 @@ def XBANZ_pma_ind0inc_ARPn(cpu: Cpu, f: Operation) -> None:
 def XBANZ_pma_ind0dec_ARPn(cpu: Cpu, f: Operation) -> None:
     _count(cpu, f, -(cpu.xar[0] & M16))
     cpu.arp = f.n
+
+
+def bind(f: Operation, name: str) -> None:
+    """Give an operation the function of this name. KeyError if it is not here."""
+    f.execute = globals()[name]

@@ -111,11 +111,11 @@ def CLRC_XF(cpu: Cpu, f: Operation) -> None:
 
 
 def AND_IER_16(cpu: Cpu, f: Operation) -> None:
-    cpu.put_ier(cpu.ier & f.c)
+    cpu.put_ier(cpu.whole_ier() & f.c)
 
 
 def OR_IER_16(cpu: Cpu, f: Operation) -> None:
-    cpu.put_ier(cpu.ier | f.c)
+    cpu.put_ier(cpu.whole_ier() | f.c)
 
 
 def MOV_IER_loc16(cpu: Cpu, f: Operation) -> None:
@@ -123,7 +123,7 @@ def MOV_IER_loc16(cpu: Cpu, f: Operation) -> None:
 
 
 def MOV_loc16_IER(cpu: Cpu, f: Operation) -> None:
-    cpu.move16(cpu.ier)
+    cpu.move16(cpu.whole_ier())
 
 
 def AND_IFR_16(cpu: Cpu, f: Operation) -> None:
@@ -131,7 +131,7 @@ def AND_IFR_16(cpu: Cpu, f: Operation) -> None:
 
 
 def OR_IFR_16(cpu: Cpu, f: Operation) -> None:
-    cpu.put_ifr(cpu.ifr | f.c)
+    cpu.put_ifr(cpu.whole_ifr() | f.c)
 
 
 def TRAP_0_31(cpu: Cpu, f: Operation) -> None:
@@ -139,8 +139,8 @@ def TRAP_0_31(cpu: Cpu, f: Operation) -> None:
 
 
 def INTR_INTx(cpu: Cpu, f: Operation) -> None:
-    cpu.put_ifr(cpu.ifr & ~(1 << f.c))
-    saved = cpu.ier
+    cpu.put_ifr(cpu.whole_ifr() & ~(1 << f.c))
+    saved = cpu.whole_ier()
     cpu.enter(f.c + 1)
     cpu.put_ier(saved & ~(1 << f.c))
 
@@ -183,11 +183,11 @@ def RPTB_label_loc16(cpu: Cpu, f: Operation) -> None:
 
 
 def LOOPZ_loc16_16(cpu: Cpu, f: Operation) -> None:
-    _look_again(cpu, f, cpu.read16() & f.c, until_zero=False)
+    _look_again(cpu, f, cpu.read16() & f.c, False)
 
 
 def LOOPNZ_loc16_16(cpu: Cpu, f: Operation) -> None:
-    _look_again(cpu, f, cpu.read16() & f.c, until_zero=True)
+    _look_again(cpu, f, cpu.read16() & f.c, True)
 
 
 def _look_again(cpu: Cpu, f: Operation, value: int, until_zero: bool) -> None:
@@ -200,11 +200,20 @@ def _look_again(cpu: Cpu, f: Operation, value: int, until_zero: bool) -> None:
 # What an F28335 has not ---------------------------------------------------------------------------------------------
 
 
-def _no_io(cpu: Cpu, f: Operation) -> None:
+def _no_io(f: Operation) -> None:
     raise IllegalOperation(f"{f.encoding.mnemonic} accesses I/O space, which the F28335 does not have")
 
 
-IN_loc16_ind_PA = OUT_ind_PA_loc16 = UOUT_ind_PA_loc16 = _no_io
+def IN_loc16_ind_PA(cpu: Cpu, f: Operation) -> None:
+    _no_io(f)
+
+
+def OUT_ind_PA_loc16(cpu: Cpu, f: Operation) -> None:
+    _no_io(f)
+
+
+def UOUT_ind_PA_loc16(cpu: Cpu, f: Operation) -> None:
+    _no_io(f)
 
 
 def ITRAP0(cpu: Cpu, f: Operation) -> None:
@@ -213,3 +222,8 @@ def ITRAP0(cpu: Cpu, f: Operation) -> None:
 
 def ITRAP1(cpu: Cpu, f: Operation) -> None:
     raise IllegalOperation("0xFFFF is the illegal instruction: erased flash was reached")
+
+
+def bind(f: Operation, name: str) -> None:
+    """Give an operation the function of this name. KeyError if it is not here."""
+    f.execute = globals()[name]

@@ -14,6 +14,9 @@ from .control import RA, RC, RE, RSIZE
 from .operations import operation
 from .registers import CODE, Cpu, IllegalOperation, Operation
 
+PAGE = 8  # bits of an address within a page of decoded instructions
+PAGES, PAGE_SIZE, IN_PAGE = CODE + 1 >> PAGE, 1 << PAGE, (1 << PAGE) - 1
+
 
 class Engine(Cpu):
     """left: passes that RPT still wants of the instruction at `pc`; 0 between instructions."""
@@ -21,7 +24,7 @@ class Engine(Cpu):
     def __init__(self) -> None:
         super().__init__()
         self.left = 0
-        self._decoded: dict[int, Operation] = {}
+        self._decoded: list[list[Operation | None] | None] = [None] * PAGES
 
     def step(self) -> int:
         """Execute one instruction, or one pass of a repeated one. Its cycles by the manual's table."""
@@ -31,8 +34,12 @@ class Engine(Cpu):
 
     def fetch(self) -> Operation:
         """The instruction that `pc` points at. IllegalOperation where there is none."""
-        found = self._decoded.get(self.pc)
-        return self._decode() if found is None else found
+        page = self._decoded[self.pc >> PAGE]
+        if page is not None:
+            found = page[self.pc & IN_PAGE]
+            if found is not None:
+                return found
+        return self._decode()
 
     def begin(self, f: Operation) -> None:
         """Find its operand, with what the operand's mode does to address registers."""
@@ -68,7 +75,7 @@ class Engine(Cpu):
     def _repeat(self) -> None:
         """RPT: the next instruction has so many passes; one that cannot be repeated has one."""
         count, self.repeat = self.repeat, -1
-        self.left = count + 1 if self.fetch().encoding.repeatable else 1
+        self.left = count + 1 if self.fetch().repeatable else 1
 
     def _at_end_of_block(self, f: Operation) -> None:
         """Behind the last instruction of a block that RPTB repeats: back to its first one."""
@@ -84,11 +91,20 @@ class Engine(Cpu):
         found = decode_at(self.pc, first, second)
         if found is None:
             raise IllegalOperation(f"{first:#06x} {second:#06x} is no instruction of the F28335")
-        made = self._decoded[self.pc] = operation(found)
+        page = self._decoded[self.pc >> PAGE]
+        if page is None:
+            page = self._decoded[self.pc >> PAGE] = [None] * PAGE_SIZE
+        made = page[self.pc & IN_PAGE] = operation(found)
         return made
 
     def written(self, address: int) -> None:
         """A word of memory has changed: what was decoded of it is forgotten."""
-        if self._decoded:
-            self._decoded.pop(address, None)
-            self._decoded.pop(address - 1, None)
+        if address > CODE:
+            return
+        page = self._decoded[address >> PAGE]
+        if page is not None:
+            page[address & IN_PAGE] = None
+        if address:
+            page = self._decoded[address - 1 >> PAGE]
+            if page is not None:
+                page[address - 1 & IN_PAGE] = None

@@ -1,12 +1,11 @@
 """Arithmetic of the FPU: bits of float32 go in; bits of the rounded result come out, with underflow and overflow.
 
 Exact integers in between, rounded once, to the nearest even or towards zero. Denormal operands and results are 0, NaN
-counts as infinity; overflow gives infinity. Source: SPRUEO2A section 2.3; what it leaves open is chosen so.
+counts as infinity; overflow gives infinity. A result is the 32 bits, and above them UNDERFLOW or OVERFLOW. Source:
+SPRUEO2A section 2.3; what it leaves open is chosen so.
 """
 
 from __future__ import annotations
-
-from typing import NamedTuple
 
 SIGN, EXPONENT, FRACTION = 1 << 31, 0xFF, 0x7F_FFFF
 HIDDEN = 1 << 23
@@ -14,12 +13,11 @@ INFINITY = EXPONENT << 23
 BIAS = 150  # of an integer mantissa of 24 bits
 LARGEST = EXPONENT - BIAS - 1  # exponent of such a mantissa
 MANTISSA_BITS = 24
+APART = 32  # so many bits below a sum's larger part the smaller one is nothing but something that is not 0
 
-
-class Rounded(NamedTuple):
-    bits: int
-    underflow: bool = False
-    overflow: bool = False
+BITS = (1 << 32) - 1
+UNDERFLOW, OVERFLOW = 1 << 32, 1 << 33
+TOP, TOP_BIT = 1 << 62, 62  # a compiled `1 << n` has 32 bits
 
 
 def is_zero(bits: int) -> bool:
@@ -30,116 +28,167 @@ def is_infinite(bits: int) -> bool:
     return bits >> 23 & EXPONENT == EXPONENT
 
 
-def parts(bits: int) -> tuple[int, int]:
-    """(signed mantissa, exponent) of a finite number."""
-    if is_zero(bits):
-        return 0, 0
+def mantissa_of(bits: int) -> int:
+    """Of a finite number: 24 bits and a sign; 0 of zeros and denormals."""
+    if not bits >> 23 & EXPONENT:
+        return 0
     mantissa = bits & FRACTION | HIDDEN
-    return -mantissa if bits & SIGN else mantissa, (bits >> 23 & EXPONENT) - BIAS
+    return -mantissa if bits & SIGN else mantissa
 
 
-def rounded(mantissa: int, exponent: int, to_nearest: bool, sign_of_zero: int = 0) -> Rounded:
-    """mantissa * 2 ** exponent as a float32."""
+def exponent_of(bits: int) -> int:
+    """The power of two that such a mantissa counts."""
+    return (bits >> 23 & EXPONENT) - BIAS
+
+
+def width(value: int) -> int:
+    """Bits of a number that is more than 0, up to 63."""
+    bits = 1
+    if value >> 32:
+        value, bits = value >> 32, 33
+    if value >> 16:
+        value, bits = value >> 16, bits + 16
+    if value >> 8:
+        value, bits = value >> 8, bits + 8
+    if value >> 4:
+        value, bits = value >> 4, bits + 4
+    if value >> 2:
+        value, bits = value >> 2, bits + 2
+    return bits + (value >> 1)
+
+
+def rounded(mantissa: int, exponent: int, to_nearest: bool, sign_of_zero: int = 0) -> int:
+    """mantissa * 2 ** exponent as a float32. The mantissa has up to 62 bits."""
     if mantissa == 0:
-        return Rounded(sign_of_zero)
-    sign, size = (SIGN, -mantissa) if mantissa < 0 else (0, mantissa)
-    shift = size.bit_length() - MANTISSA_BITS
+        return sign_of_zero
+    sign = SIGN if mantissa < 0 else 0
+    size = -mantissa if mantissa < 0 else mantissa
+    shift = width(size) - MANTISSA_BITS
     if shift > 0:
-        rest, half = size & (1 << shift) - 1, 1 << shift - 1
+        half = TOP >> TOP_BIT + 1 - shift
+        rest = size & 2 * half - 1
         size >>= shift
-        size += to_nearest and (rest > half or (rest == half and size & 1))
+        if to_nearest and (rest > half or (rest == half and size & 1)):
+            size += 1
     else:
         size <<= -shift
     exponent += shift
     if size >> MANTISSA_BITS:
         size, exponent = size >> 1, exponent + 1
     if exponent > LARGEST:
-        return Rounded(sign | INFINITY, overflow=True)
+        return sign | INFINITY | OVERFLOW
     if exponent + BIAS < 1:
-        return Rounded(sign_of_zero, underflow=True)
-    return Rounded(sign | exponent + BIAS << 23 | size & FRACTION)
+        return sign_of_zero | UNDERFLOW
+    return sign | exponent + BIAS << 23 | size & FRACTION
 
 
-def add(a: int, b: int, to_nearest: bool) -> Rounded:
+def sum_of(a: int, b: int, to_nearest: bool) -> int:
     if is_infinite(a) or is_infinite(b):
-        return Rounded((a if is_infinite(a) else b) & SIGN | INFINITY)
-    (m, e), (n, d) = parts(a), parts(b)
-    least = min(e if m else d, d if n else e)
-    total = (m << e - least if m else 0) + (n << d - least if n else 0)
-    return rounded(total, least, to_nearest, a & b & SIGN if m == n == 0 else 0)
+        return (a if is_infinite(a) else b) & SIGN | INFINITY
+    if exponent_of(a) < exponent_of(b):
+        a, b = b, a
+    larger, smaller, apart = mantissa_of(a), mantissa_of(b), exponent_of(a) - exponent_of(b)
+    if larger == 0:
+        return a & b & SIGN
+    if smaller == 0:
+        return rounded(larger, exponent_of(a), to_nearest)
+    if apart > APART:
+        smaller = -1 if smaller < 0 else 1
+        apart = APART
+    return rounded((larger << apart) + smaller, exponent_of(a) - apart, to_nearest)
 
 
-def subtract(a: int, b: int, to_nearest: bool) -> Rounded:
-    return add(a, b ^ SIGN, to_nearest)
+def difference_of(a: int, b: int, to_nearest: bool) -> int:
+    return sum_of(a, b ^ SIGN, to_nearest)
 
 
-def multiply(a: int, b: int, to_nearest: bool) -> Rounded:
+def product_of(a: int, b: int, to_nearest: bool) -> int:
     sign = (a ^ b) & SIGN
     if is_infinite(a) or is_infinite(b):
-        return Rounded(sign | INFINITY)
-    (m, e), (n, d) = parts(a), parts(b)
-    return rounded(m * n, e + d, to_nearest, sign)
+        return sign | INFINITY
+    return rounded(mantissa_of(a) * mantissa_of(b), exponent_of(a) + exponent_of(b), to_nearest, sign)
 
 
 def from_integer(value: int, to_nearest: bool) -> int:
-    return rounded(value, 0, to_nearest).bits
+    return rounded(value, 0, to_nearest)
 
 
 def to_integer(bits: int, least: int, most: int, nearest: bool = False) -> int:
-    """Towards zero or to the nearest even, kept within bounds."""
-    if is_infinite(bits):
+    """Towards zero or to the nearest even, kept within bounds of up to 32 bits."""
+    exponent = exponent_of(bits)
+    if exponent > 8:  # 2 ** 32 and more, infinity
         return least if bits & SIGN else most
-    mantissa, exponent = parts(bits)
-    size = abs(mantissa)
+    mantissa = mantissa_of(bits)
+    size = -mantissa if mantissa < 0 else mantissa
     if exponent >= 0:
         size <<= exponent
+    elif exponent < -MANTISSA_BITS:  # less than a half
+        size = 0
     else:
-        rest, half = size & (1 << -exponent) - 1, 1 << -exponent - 1
+        half = TOP >> TOP_BIT + 1 + exponent
+        rest = size & 2 * half - 1
         size >>= -exponent
-        size += nearest and (rest > half or (rest == half and size & 1))
-    return max(least, min(most, -size if mantissa < 0 else size))
+        if nearest and (rest > half or (rest == half and size & 1)):
+            size += 1
+    if mantissa < 0:
+        size = -size
+    return least if size < least else most if size > most else size
 
 
 def fraction(bits: int) -> int:
     """What is behind the binary point, with the number's sign."""
     if is_infinite(bits):
         return 0
-    mantissa, exponent = parts(bits)
+    mantissa, exponent = mantissa_of(bits), exponent_of(bits)
     if exponent >= 0:
         return 0
-    size = abs(mantissa) & (1 << -exponent) - 1
-    return rounded(-size if mantissa < 0 else size, exponent, True).bits
+    size = -mantissa if mantissa < 0 else mantissa
+    if exponent > -MANTISSA_BITS:
+        size &= (1 << -exponent) - 1
+    return rounded(-size if mantissa < 0 else size, exponent, True)
 
 
 def order(bits: int) -> int:
     """A number that compares as the float does: zeros and denormals alike, NaN as infinity."""
     if is_zero(bits):
         return 0
-    size = min(bits & ~SIGN, INFINITY)
+    size = bits & 0x7FFF_FFFF
+    if size > INFINITY:
+        size = INFINITY
     return -size if bits & SIGN else size
 
 
-def estimate_of_inverse(bits: int) -> Rounded:
+def estimate_of_inverse(bits: int) -> int:
     """1 / x to 8 bits; the bits of TI's table are not published."""
     sign = bits & SIGN
     if is_zero(bits):
-        return Rounded(sign | INFINITY, overflow=True)
+        return sign | INFINITY | OVERFLOW
     if is_infinite(bits):
-        return Rounded(sign, underflow=True)
-    mantissa, exponent = parts(bits)
-    quotient = (1 << 32) // abs(mantissa)  # 2 ** 8 to 2 ** 9
-    return rounded(-quotient if sign else quotient, -32 - exponent, True, sign)
+        return sign | UNDERFLOW
+    quotient = UNDERFLOW // (bits & FRACTION | HIDDEN)  # 2 ** 32 by 24 bits: 2 ** 8 to 2 ** 9
+    return rounded(-quotient if sign else quotient, -32 - exponent_of(bits), True, sign)
 
 
-def estimate_of_inverse_root(bits: int) -> Rounded:
+def estimate_of_inverse_root(bits: int) -> int:
     """1 / sqrt(x) to 8 bits; of a negative number 0."""
-    from math import isqrt
-
     if is_zero(bits):
-        return Rounded(bits & SIGN | INFINITY, overflow=True)
-    if bits & SIGN or is_infinite(bits):
-        return Rounded(0, underflow=is_infinite(bits) and not bits & SIGN)
-    mantissa, exponent = parts(bits)
+        return bits & SIGN | INFINITY | OVERFLOW
+    if bits & SIGN:
+        return 0
+    if is_infinite(bits):
+        return UNDERFLOW
+    mantissa, exponent = bits & FRACTION | HIDDEN, exponent_of(bits)
     if exponent & 1:
         mantissa, exponent = mantissa << 1, exponent - 1
-    return rounded((1 << 21) // isqrt(mantissa), -21 - exponent // 2, True)
+    return rounded((1 << 21) // whole_root(mantissa), -21 - exponent // 2, True)
+
+
+def whole_root(value: int) -> int:
+    """The square root of up to 26 bits, rounded down."""
+    root = 0
+    bit = 1 << 12
+    while bit:
+        if (root | bit) * (root | bit) <= value:
+            root |= bit
+        bit >>= 1
+    return root

@@ -5,8 +5,24 @@ Results are written at once, as a program sees them that keeps the delay slots. 
 
 from __future__ import annotations
 
-from . import float32
-from .float32 import SIGN, Rounded
+from .float32 import (
+    BITS,
+    INFINITY,
+    OVERFLOW,
+    SIGN,
+    UNDERFLOW,
+    difference_of,
+    estimate_of_inverse,
+    estimate_of_inverse_root,
+    fraction,
+    from_integer,
+    is_infinite,
+    is_zero,
+    order,
+    product_of,
+    sum_of,
+    to_integer,
+)
 from .registers import LUF, LVF, M16, M32, NF, NI, RND32, TF, ZF, ZI, Cpu, Operation, s16, s32
 
 UNCF = 15
@@ -16,19 +32,19 @@ def nearest(cpu: Cpu) -> bool:
     return bool(cpu.stf & RND32)
 
 
-def result(cpu: Cpu, number: int, value: Rounded) -> None:
+def result(cpu: Cpu, number: int, value: int) -> None:
     """RnH of an operation; LUF and LVF are only set."""
-    cpu.r[number] = value.bits
-    if value.underflow:
+    cpu.r[number] = value & BITS
+    if value & UNDERFLOW:
         cpu.stf |= LUF
-    if value.overflow:
+    if value & OVERFLOW:
         cpu.stf |= LVF
 
 
 def moved(cpu: Cpu, number: int, bits: int) -> None:
     """RnH of a move, with the flags of the value as a float and as an integer."""
     cpu.r[number] = bits
-    flags = (NF | NI if bits & SIGN else 0) | (ZF if float32.is_zero(bits) else 0) | (ZI if bits == 0 else 0)
+    flags = (NF | NI if bits & SIGN else 0) | (ZF if is_zero(bits) else 0) | (ZI if bits == 0 else 0)
     if flags & ZF:
         flags &= ~NF
     cpu.stf = cpu.stf & ~(NF | ZF | NI | ZI) | flags
@@ -36,7 +52,7 @@ def moved(cpu: Cpu, number: int, bits: int) -> None:
 
 def compare(cpu: Cpu, a: int, b: int) -> int:
     """NF and ZF of a - b; returns its sign."""
-    first, second = float32.order(a), float32.order(b)
+    first, second = order(a), order(b)
     cpu.stf = cpu.stf & ~(NF | ZF) | (ZF if first == second else 0) | (NF if first < second else 0)
     return first - second
 
@@ -73,15 +89,15 @@ def upper(f: Operation) -> int:
 
 
 def add(cpu: Cpu, number: int, a: int, b: int) -> None:
-    result(cpu, number, float32.add(a, b, nearest(cpu)))
+    result(cpu, number, sum_of(a, b, nearest(cpu)))
 
 
 def subtract(cpu: Cpu, number: int, a: int, b: int) -> None:
-    result(cpu, number, float32.subtract(a, b, nearest(cpu)))
+    result(cpu, number, difference_of(a, b, nearest(cpu)))
 
 
 def multiply(cpu: Cpu, number: int, a: int, b: int) -> None:
-    result(cpu, number, float32.multiply(a, b, nearest(cpu)))
+    result(cpu, number, product_of(a, b, nearest(cpu)))
 
 
 # Arithmetic ---------------------------------------------------------------------------------------------------------
@@ -89,7 +105,7 @@ def multiply(cpu: Cpu, number: int, a: int, b: int) -> None:
 
 def ABSF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
     bits = cpu.r[f.p] = cpu.r[f.q] & ~SIGN
-    cpu.stf = cpu.stf & ~(NF | ZF) | (ZF if float32.is_zero(bits) else 0)
+    cpu.stf = cpu.stf & ~(NF | ZF) | (ZF if is_zero(bits) else 0)
 
 
 def ADDF32_RaH_16FHi_RbH(cpu: Cpu, f: Operation) -> None:
@@ -117,11 +133,11 @@ def MPYF32_RaH_16FHi_RbH(cpu: Cpu, f: Operation) -> None:
 
 
 def EINVF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
-    result(cpu, f.p, float32.estimate_of_inverse(cpu.r[f.q]))
+    result(cpu, f.p, estimate_of_inverse(cpu.r[f.q]))
 
 
 def EISQRTF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
-    result(cpu, f.p, float32.estimate_of_inverse_root(cpu.r[f.q]))
+    result(cpu, f.p, estimate_of_inverse_root(cpu.r[f.q]))
 
 
 def NEGF32_RaH_RbH_CNDF(cpu: Cpu, f: Operation) -> None:
@@ -130,57 +146,57 @@ def NEGF32_RaH_RbH_CNDF(cpu: Cpu, f: Operation) -> None:
         bits ^= SIGN
     cpu.r[f.p] = bits
     if f.w == UNCF:
-        zero = float32.is_zero(bits)
+        zero = is_zero(bits)
         cpu.stf = cpu.stf & ~(NF | ZF) | (ZF if zero else NF if bits & SIGN else 0)
 
 
 # In parallel: both halves read what was there before -----------------------------------------------------------------
 
 
-def _with_load(cpu: Cpu, f: Operation, value: Rounded) -> None:
+def _with_load(cpu: Cpu, f: Operation, value: int) -> None:
     bits = cpu.read32()
     result(cpu, f.t, value)
     moved(cpu, f.p, bits)
 
 
-def _with_store(cpu: Cpu, f: Operation, value: Rounded) -> None:
+def _with_store(cpu: Cpu, f: Operation, value: int) -> None:
     before = cpu.r[f.p]
     result(cpu, f.t, value)
     cpu.write32(before)
 
 
 def ADDF32_RdH_ReH_RfH_par_MOV32_mem32_RaH(cpu: Cpu, f: Operation) -> None:
-    _with_store(cpu, f, float32.add(cpu.r[f.u], cpu.r[f.v], nearest(cpu)))
+    _with_store(cpu, f, sum_of(cpu.r[f.u], cpu.r[f.v], nearest(cpu)))
 
 
 def ADDF32_RdH_ReH_RfH_par_MOV32_RaH_mem32(cpu: Cpu, f: Operation) -> None:
-    _with_load(cpu, f, float32.add(cpu.r[f.u], cpu.r[f.v], nearest(cpu)))
+    _with_load(cpu, f, sum_of(cpu.r[f.u], cpu.r[f.v], nearest(cpu)))
 
 
 def SUBF32_RdH_ReH_RfH_par_MOV32_mem32_RaH(cpu: Cpu, f: Operation) -> None:
-    _with_store(cpu, f, float32.subtract(cpu.r[f.u], cpu.r[f.v], nearest(cpu)))
+    _with_store(cpu, f, difference_of(cpu.r[f.u], cpu.r[f.v], nearest(cpu)))
 
 
 def SUBF32_RdH_ReH_RfH_par_MOV32_RaH_mem32(cpu: Cpu, f: Operation) -> None:
-    _with_load(cpu, f, float32.subtract(cpu.r[f.u], cpu.r[f.v], nearest(cpu)))
+    _with_load(cpu, f, difference_of(cpu.r[f.u], cpu.r[f.v], nearest(cpu)))
 
 
 def MPYF32_RdH_ReH_RfH_par_MOV32_mem32_RaH(cpu: Cpu, f: Operation) -> None:
-    _with_store(cpu, f, float32.multiply(cpu.r[f.u], cpu.r[f.v], nearest(cpu)))
+    _with_store(cpu, f, product_of(cpu.r[f.u], cpu.r[f.v], nearest(cpu)))
 
 
 def MPYF32_RdH_ReH_RfH_par_MOV32_RaH_mem32(cpu: Cpu, f: Operation) -> None:
-    _with_load(cpu, f, float32.multiply(cpu.r[f.u], cpu.r[f.v], nearest(cpu)))
+    _with_load(cpu, f, product_of(cpu.r[f.u], cpu.r[f.v], nearest(cpu)))
 
 
 def MPYF32_RaH_RbH_RcH_par_ADDF32_RdH_ReH_RfH(cpu: Cpu, f: Operation) -> None:
-    product = float32.multiply(cpu.r[f.q], cpu.r[f.r], nearest(cpu))
+    product = product_of(cpu.r[f.q], cpu.r[f.r], nearest(cpu))
     add(cpu, f.t, cpu.r[f.u], cpu.r[f.v])
     result(cpu, f.p, product)
 
 
 def MPYF32_RaH_RbH_RcH_par_SUBF32_RdH_ReH_RfH(cpu: Cpu, f: Operation) -> None:
-    product = float32.multiply(cpu.r[f.q], cpu.r[f.r], nearest(cpu))
+    product = product_of(cpu.r[f.q], cpu.r[f.r], nearest(cpu))
     subtract(cpu, f.t, cpu.r[f.u], cpu.r[f.v])
     result(cpu, f.p, product)
 
@@ -188,7 +204,7 @@ def MPYF32_RaH_RbH_RcH_par_SUBF32_RdH_ReH_RfH(cpu: Cpu, f: Operation) -> None:
 def _accumulate(cpu: Cpu, f: Operation, total: int, product: int) -> None:
     """total += product before; the next product; a load beside them."""
     bits = cpu.read32()
-    value = float32.multiply(cpu.r[f.u], cpu.r[f.v], nearest(cpu))
+    value = product_of(cpu.r[f.u], cpu.r[f.v], nearest(cpu))
     add(cpu, total, cpu.r[total], cpu.r[product])
     result(cpu, f.t, value)
     moved(cpu, f.p, bits)
@@ -229,9 +245,9 @@ def CMPF32_RaH_0_0(cpu: Cpu, f: Operation) -> None:
 
 def clean(bits: int) -> int:
     """As MAXF32 and MINF32 write it: NaN is infinity, a denormal +0."""
-    if float32.is_infinite(bits):
-        return bits & SIGN | float32.INFINITY
-    return 0 if float32.is_zero(bits) else bits
+    if is_infinite(bits):
+        return bits & SIGN | INFINITY
+    return 0 if is_zero(bits) else bits
 
 
 def MAXF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
@@ -272,60 +288,65 @@ def MINF32_RaH_RbH_par_MOV32_RcH_RdH(cpu: Cpu, f: Operation) -> None:
 
 
 def F32TOI16_RaH_RbH(cpu: Cpu, f: Operation) -> None:
-    cpu.r[f.p] = float32.to_integer(cpu.r[f.q], -0x8000, 0x7FFF) & M32
+    cpu.r[f.p] = to_integer(cpu.r[f.q], -0x8000, 0x7FFF) & M32
 
 
 def F32TOI16R_RaH_RbH(cpu: Cpu, f: Operation) -> None:
-    cpu.r[f.p] = float32.to_integer(cpu.r[f.q], -0x8000, 0x7FFF, nearest=True) & M32
+    cpu.r[f.p] = to_integer(cpu.r[f.q], -0x8000, 0x7FFF, True) & M32
 
 
 def F32TOI32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
-    cpu.r[f.p] = float32.to_integer(cpu.r[f.q], -SIGN, SIGN - 1) & M32
+    cpu.r[f.p] = to_integer(cpu.r[f.q], -SIGN, SIGN - 1) & M32
 
 
 def F32TOUI16_RaH_RbH(cpu: Cpu, f: Operation) -> None:
-    cpu.r[f.p] = float32.to_integer(cpu.r[f.q], 0, M16)
+    cpu.r[f.p] = to_integer(cpu.r[f.q], 0, M16)
 
 
 def F32TOUI16R_RaH_RbH(cpu: Cpu, f: Operation) -> None:
-    cpu.r[f.p] = float32.to_integer(cpu.r[f.q], 0, M16, nearest=True)
+    cpu.r[f.p] = to_integer(cpu.r[f.q], 0, M16, True)
 
 
 def F32TOUI32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
-    cpu.r[f.p] = float32.to_integer(cpu.r[f.q], 0, M32)
+    cpu.r[f.p] = to_integer(cpu.r[f.q], 0, M32)
 
 
 def FRACF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
-    cpu.r[f.p] = float32.fraction(cpu.r[f.q])
+    cpu.r[f.p] = fraction(cpu.r[f.q])
 
 
 def I16TOF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
-    cpu.r[f.p] = float32.from_integer(s16(cpu.r[f.q] & M16), nearest(cpu))
+    cpu.r[f.p] = from_integer(s16(cpu.r[f.q] & M16), nearest(cpu))
 
 
 def I16TOF32_RaH_mem16(cpu: Cpu, f: Operation) -> None:
-    cpu.r[f.p] = float32.from_integer(s16(cpu.read16()), nearest(cpu))
+    cpu.r[f.p] = from_integer(s16(cpu.read16()), nearest(cpu))
 
 
 def I32TOF32_RaH_mem32(cpu: Cpu, f: Operation) -> None:
-    cpu.r[f.p] = float32.from_integer(s32(cpu.read32()), nearest(cpu))
+    cpu.r[f.p] = from_integer(s32(cpu.read32()), nearest(cpu))
 
 
 def I32TOF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
-    cpu.r[f.p] = float32.from_integer(s32(cpu.r[f.q]), nearest(cpu))
+    cpu.r[f.p] = from_integer(s32(cpu.r[f.q]), nearest(cpu))
 
 
 def UI16TOF32_RaH_mem16(cpu: Cpu, f: Operation) -> None:
-    cpu.r[f.p] = float32.from_integer(cpu.read16(), nearest(cpu))
+    cpu.r[f.p] = from_integer(cpu.read16(), nearest(cpu))
 
 
 def UI16TOF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
-    cpu.r[f.p] = float32.from_integer(cpu.r[f.q] & M16, nearest(cpu))
+    cpu.r[f.p] = from_integer(cpu.r[f.q] & M16, nearest(cpu))
 
 
 def UI32TOF32_RaH_mem32(cpu: Cpu, f: Operation) -> None:
-    cpu.r[f.p] = float32.from_integer(cpu.read32(), nearest(cpu))
+    cpu.r[f.p] = from_integer(cpu.read32(), nearest(cpu))
 
 
 def UI32TOF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
-    cpu.r[f.p] = float32.from_integer(cpu.r[f.q], nearest(cpu))
+    cpu.r[f.p] = from_integer(cpu.r[f.q], nearest(cpu))
+
+
+def bind(f: Operation, name: str) -> None:
+    """Give an operation the function of this name. KeyError if it is not here."""
+    f.execute = globals()[name]

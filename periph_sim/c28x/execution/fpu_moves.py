@@ -6,18 +6,18 @@ Source: SPRUEO2A chapter 4.
 from __future__ import annotations
 
 from .fpu import UNCF, condition, moved
-from .registers import LUF, LVF, M16, NF, NI, SHDWS, STF_WRITTEN, TF, ZF, ZI, Cpu, IllegalOperation, Operation
+from .registers import HIGH16, LUF, LVF, M16, NF, NI, SHDWS, STF_WRITTEN, TF, ZF, ZI, Cpu, IllegalOperation, Operation
 
-WINDOW = range(0x0F00, 0x0F30)  # where R0H to R7H stand for moves that name an address
+WINDOW, WINDOW_END = 0x0F00, 0x0F30  # where R0H to R7H stand for moves that name an address
 FIRST, APART = 0x0F12, 4
-MOVST0_FLAGS = (LVF, LUF, NF, NI, ZF, ZI, 0, TF)  # bits of its mask, bit 0 first
+MEMORY = -1
 
 
-def register_of(address: int) -> int | None:
-    """The number of the FPU register that a move's address names; None for memory."""
-    if address not in WINDOW:
-        return None
-    number, rest = divmod(address - FIRST, APART)
+def register_of(address: int) -> int:
+    """The number of the FPU register that a move's address names; MEMORY for memory."""
+    if not WINDOW <= address < WINDOW_END:
+        return MEMORY
+    number, rest = (address - FIRST) // APART, (address - FIRST) % APART
     if rest or not 0 <= number < 8:
         raise IllegalOperation(f"a move names {address:#06x}, where no FPU register is known to stand")
     return number
@@ -25,7 +25,7 @@ def register_of(address: int) -> int | None:
 
 def MOV32_ind_0_16_loc32(cpu: Cpu, f: Operation) -> None:
     number = register_of(f.c)
-    if number is None:
+    if number == MEMORY:
         cpu.store32(f.c, cpu.read32())
     else:
         cpu.r[number] = cpu.read32()
@@ -34,7 +34,7 @@ def MOV32_ind_0_16_loc32(cpu: Cpu, f: Operation) -> None:
 
 def MOV32_loc32_ind_0_16(cpu: Cpu, f: Operation) -> None:
     number = register_of(f.c)
-    if number is None:
+    if number == MEMORY:
         cpu.move32(cpu.load32(f.c))
     else:
         cpu.move32(cpu.r[number])
@@ -82,7 +82,7 @@ def MOVIZ_RaH_16FHiHex(cpu: Cpu, f: Operation) -> None:
 
 
 def MOVXI_RaH_16FLoHex(cpu: Cpu, f: Operation) -> None:
-    cpu.r[f.p] = cpu.r[f.p] & 0xFFFF_0000 | f.i
+    cpu.r[f.p] = cpu.r[f.p] & HIGH16 | f.i
 
 
 def SWAPF_RaH_RbH_CNDF(cpu: Cpu, f: Operation) -> None:
@@ -95,7 +95,8 @@ def ZERO_RaH(cpu: Cpu, f: Operation) -> None:
 
 
 def ZEROA(cpu: Cpu, f: Operation) -> None:
-    cpu.r[:] = [0] * 8
+    for number in range(8):
+        cpu.r[number] = 0
 
 
 # Flags --------------------------------------------------------------------------------------------------------------
@@ -107,20 +108,18 @@ def TESTTF_CNDF(cpu: Cpu, f: Operation) -> None:
 
 def MOVST0_FLAG(cpu: Cpu, f: Operation) -> None:
     """Flags of STF into ST0: two that share a bit there are joined."""
-    chosen = 0
-    for bit, flag in enumerate(MOVST0_FLAGS):
-        if f.g >> bit & 1:
-            chosen |= flag
-    seen = cpu.stf & chosen
-    if chosen & (LVF | LUF):
-        cpu.v = int(bool(seen & (LVF | LUF)))
-    if chosen & (NF | NI):
-        cpu.n = int(bool(seen & (NF | NI)))
-    if chosen & (ZF | ZI):
-        cpu.z = int(bool(seen & (ZF | ZI)))
-    if chosen & TF:
-        cpu.c = cpu.tc = int(bool(seen & TF))
-    cpu.stf &= ~(chosen & (LVF | LUF))
+    v = (LVF if f.g & 1 else 0) | (LUF if f.g & 2 else 0)
+    n = (NF if f.g & 4 else 0) | (NI if f.g & 8 else 0)
+    z = (ZF if f.g & 0x10 else 0) | (ZI if f.g & 0x20 else 0)
+    if v:
+        cpu.v = int(cpu.stf & v != 0)
+    if n:
+        cpu.n = int(cpu.stf & n != 0)
+    if z:
+        cpu.z = int(cpu.stf & z != 0)
+    if f.g & 0x80:
+        cpu.c = cpu.tc = int(cpu.stf & TF != 0)
+    cpu.stf &= ~v
 
 
 def SETFLG_FLAG_VALUE(cpu: Cpu, f: Operation) -> None:
@@ -129,11 +128,19 @@ def SETFLG_FLAG_VALUE(cpu: Cpu, f: Operation) -> None:
 
 
 def SAVE_FLAG_VALUE(cpu: Cpu, f: Operation) -> None:
-    cpu.shadow = list(cpu.r), cpu.stf & STF_WRITTEN
+    for number in range(8):
+        cpu.shadow_r[number] = cpu.r[number]
+    cpu.shadow_stf = cpu.stf & STF_WRITTEN
     cpu.stf |= SHDWS
     SETFLG_FLAG_VALUE(cpu, f)
 
 
 def RESTORE(cpu: Cpu, f: Operation) -> None:
-    registers, cpu.stf = cpu.shadow
-    cpu.r[:] = registers
+    for number in range(8):
+        cpu.r[number] = cpu.shadow_r[number]
+    cpu.stf = cpu.shadow_stf
+
+
+def bind(f: Operation, name: str) -> None:
+    """Give an operation the function of this name. KeyError if it is not here."""
+    f.execute = globals()[name]

@@ -5,7 +5,7 @@ Source: SPRU430F chapter 6. V is only set here, never cleared, as Table 2-7 says
 
 from __future__ import annotations
 
-from .registers import M16, SIGN16, Cpu, Operation, s16
+from .registers import M16, SIGN16, Cpu, Operation, mirrored, s16
 
 
 def sum16(cpu: Cpu, a: int, b: int) -> int:
@@ -172,7 +172,7 @@ def NOT_AX(cpu: Cpu, f: Operation) -> None:
 
 
 def FLIP_AX(cpu: Cpu, f: Operation) -> None:
-    put(cpu, f.x, int(f"{cpu.ax(f.x):016b}"[::-1], 2))
+    put(cpu, f.x, mirrored(cpu.ax(f.x)))
 
 
 def MOV_AX_loc16(cpu: Cpu, f: Operation) -> None:
@@ -191,7 +191,7 @@ def TBIT_loc16_bit(cpu: Cpu, f: Operation) -> None:
 
 
 def TBIT_loc16_T(cpu: Cpu, f: Operation) -> None:
-    cpu.tc = cpu.read16() >> 15 - (cpu.t & 15) & 1
+    cpu.tc = cpu.read16() >> 15 - (cpu.t() & 15) & 1
 
 
 def TCLR_loc16_bit(cpu: Cpu, f: Operation) -> None:
@@ -230,3 +230,8 @@ def MOVB_loc16_AX_LSB(cpu: Cpu, f: Operation) -> None:
 
 def MOVB_loc16_AX_MSB(cpu: Cpu, f: Operation) -> None:
     cpu.move16(with_byte(cpu, cpu.ax(f.x) >> 8))
+
+
+def bind(f: Operation, name: str) -> None:
+    """Give an operation the function of this name. KeyError if it is not here."""
+    f.execute = globals()[name]

@@ -5,9 +5,7 @@ Source: SPRU430F chapter 6; section 5.8 (which addresses step under RPT).
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
-from .registers import M16, M32, Cpu, Operation, s16
+from .registers import HIGH16, M16, M32, Cpu, Operation, s16
 
 PMA = 0x3F_0000
 
@@ -68,7 +66,7 @@ def MOVL_loc32_ACC_COND(cpu: Cpu, f: Operation) -> None:
 
 
 def MOV_loc16_T(cpu: Cpu, f: Operation) -> None:
-    cpu.move16(cpu.t)
+    cpu.move16(cpu.t())
 
 
 def MOV_AR6_loc16(cpu: Cpu, f: Operation) -> None:
@@ -84,15 +82,15 @@ def MOV_PH_loc16(cpu: Cpu, f: Operation) -> None:
 
 
 def MOV_PL_loc16(cpu: Cpu, f: Operation) -> None:
-    cpu.p = cpu.p & 0xFFFF_0000 | cpu.read16()
+    cpu.p = cpu.p & HIGH16 | cpu.read16()
 
 
 def MOV_T_loc16(cpu: Cpu, f: Operation) -> None:
-    cpu.t = cpu.read16()
+    cpu.put_t(cpu.read16())
 
 
 def MOV_TL_0(cpu: Cpu, f: Operation) -> None:
-    cpu.xt &= 0xFFFF_0000
+    cpu.xt &= HIGH16
 
 
 def MOVX_TL_loc16(cpu: Cpu, f: Operation) -> None:
@@ -180,26 +178,17 @@ def DMOV_loc16(cpu: Cpu, f: Operation) -> None:
     cpu.store16(cpu.beside(1), cpu.read16())
 
 
-def _of_xar(n: int) -> dict[str, Callable[[Cpu, Operation], None]]:
-    """The three moves that each of XAR0 to XAR7 has as a form of its own."""
-
-    def from_operand(cpu: Cpu, f: Operation) -> None:
-        cpu.xar[n] = cpu.read32()
-
-    def to_operand(cpu: Cpu, f: Operation) -> None:
-        cpu.move32(cpu.xar[n])
-
-    def from_number(cpu: Cpu, f: Operation) -> None:
-        cpu.xar[n] = f.c
-
-    return {
-        f"MOVL_XAR{n}_loc32": from_operand,
-        f"MOVL_loc32_XAR{n}": to_operand,
-        f"MOVL_XAR{n}_22": from_number,
-    }
+def MOVL_XARn_loc32(cpu: Cpu, f: Operation) -> None:
+    """Eight forms of the table, as are the next two."""
+    cpu.xar[f.n] = cpu.read32()
 
 
-OF_XAR = {name: form for n in range(8) for name, form in _of_xar(n).items()}
+def MOVL_loc32_XARn(cpu: Cpu, f: Operation) -> None:
+    cpu.move32(cpu.xar[f.n])
+
+
+def MOVL_XARn_22(cpu: Cpu, f: Operation) -> None:
+    cpu.xar[f.n] = f.c
 
 
 # OVC and PM ---------------------------------------------------------------------------------------------------------
@@ -260,28 +249,25 @@ def SBRK_8(cpu: Cpu, f: Operation) -> None:
     cpu.xar[cpu.arp] = cpu.xar[cpu.arp] - f.c & M32
 
 
-def compared(cpu: Cpu) -> tuple[int, int]:
-    return cpu.xar[cpu.arp] & M16, cpu.xar[0] & M16
+def compared(cpu: Cpu) -> int:
+    """AR(ARP) less AR0."""
+    return (cpu.xar[cpu.arp] & M16) - (cpu.xar[0] & M16)
 
 
 def CMPR_0(cpu: Cpu, f: Operation) -> None:
-    own, index = compared(cpu)
-    cpu.tc = int(own == index)
+    cpu.tc = int(compared(cpu) == 0)
 
 
 def CMPR_1(cpu: Cpu, f: Operation) -> None:
-    own, index = compared(cpu)
-    cpu.tc = int(own < index)
+    cpu.tc = int(compared(cpu) < 0)
 
 
 def CMPR_2(cpu: Cpu, f: Operation) -> None:
-    own, index = compared(cpu)
-    cpu.tc = int(own > index)
+    cpu.tc = int(compared(cpu) > 0)
 
 
 def CMPR_3(cpu: Cpu, f: Operation) -> None:
-    own, index = compared(cpu)
-    cpu.tc = int(own != index)
+    cpu.tc = int(compared(cpu) != 0)
 
 
 # Program space ------------------------------------------------------------------------------------------------------
@@ -305,3 +291,8 @@ def XPREAD_loc16_indAL(cpu: Cpu, f: Operation) -> None:
 
 def XPWRITE_indAL_loc16(cpu: Cpu, f: Operation) -> None:
     cpu.store16(PMA | cpu.ax(0) + cpu.passes & M16, cpu.read16())
+
+
+def bind(f: Operation, name: str) -> None:
+    """Give an operation the function of this name. KeyError if it is not here."""
+    f.execute = globals()[name]

@@ -28,12 +28,12 @@ def program32(cpu: Cpu, address: int) -> int:
 
 
 def MPY_ACC_loc16_16(cpu: Cpu, f: Operation) -> None:
-    cpu.t = cpu.read16()
-    logic(cpu, s16(cpu.t) * s16(f.c))
+    cpu.put_t(cpu.read16())
+    logic(cpu, s16(cpu.t()) * s16(f.c))
 
 
 def MPY_ACC_T_loc16(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, s16(cpu.t) * s16(cpu.read16()))
+    logic(cpu, s16(cpu.t()) * s16(cpu.read16()))
 
 
 def MPY_P_loc16_16(cpu: Cpu, f: Operation) -> None:
@@ -41,63 +41,63 @@ def MPY_P_loc16_16(cpu: Cpu, f: Operation) -> None:
 
 
 def MPY_P_T_loc16(cpu: Cpu, f: Operation) -> None:
-    cpu.p = s16(cpu.t) * s16(cpu.read16()) & M32
+    cpu.p = s16(cpu.t()) * s16(cpu.read16()) & M32
 
 
 def MPYA_P_loc16_16(cpu: Cpu, f: Operation) -> None:
     value = cpu.read16()
     add(cpu, cpu.psh())
-    cpu.t = value
+    cpu.put_t(value)
     cpu.p = s16(value) * s16(f.c) & M32
 
 
 def MPYA_P_T_loc16(cpu: Cpu, f: Operation) -> None:
     value = cpu.read16()
     add(cpu, cpu.psh())
-    cpu.p = s16(cpu.t) * s16(value) & M32
+    cpu.p = s16(cpu.t()) * s16(value) & M32
 
 
 def MPYB_ACC_T_8(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, s16(cpu.t) * f.c)
+    logic(cpu, s16(cpu.t()) * f.c)
 
 
 def MPYB_P_T_8(cpu: Cpu, f: Operation) -> None:
-    cpu.p = s16(cpu.t) * f.c & M32
+    cpu.p = s16(cpu.t()) * f.c & M32
 
 
 def MPYS_P_T_loc16(cpu: Cpu, f: Operation) -> None:
     value = cpu.read16()
     subtract(cpu, cpu.psh())
-    cpu.p = s16(cpu.t) * s16(value) & M32
+    cpu.p = s16(cpu.t()) * s16(value) & M32
 
 
 def MPYU_P_T_loc16(cpu: Cpu, f: Operation) -> None:
-    cpu.p = cpu.t * cpu.read16()
+    cpu.p = cpu.t() * cpu.read16()
 
 
 def MPYU_ACC_T_loc16(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.t * cpu.read16())
+    logic(cpu, cpu.t() * cpu.read16())
 
 
 def MPYXU_ACC_T_loc16(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, s16(cpu.t) * cpu.read16())
+    logic(cpu, s16(cpu.t()) * cpu.read16())
 
 
 def MPYXU_P_T_loc16(cpu: Cpu, f: Operation) -> None:
-    cpu.p = s16(cpu.t) * cpu.read16() & M32
+    cpu.p = s16(cpu.t()) * cpu.read16() & M32
 
 
 def SQRA_loc16(cpu: Cpu, f: Operation) -> None:
     value = cpu.read16()
     add(cpu, cpu.psh())
-    cpu.t = value
+    cpu.put_t(value)
     cpu.p = s16(value) * s16(value) & M32
 
 
 def SQRS_loc16(cpu: Cpu, f: Operation) -> None:
     value = cpu.read16()
     subtract(cpu, cpu.psh())
-    cpu.t = value
+    cpu.put_t(value)
     cpu.p = s16(value) * s16(value) & M32
 
 
@@ -107,24 +107,24 @@ def SQRS_loc16(cpu: Cpu, f: Operation) -> None:
 def MOVA_T_loc16(cpu: Cpu, f: Operation) -> None:
     value = cpu.read16()
     add(cpu, cpu.psh())
-    cpu.t = value
+    cpu.put_t(value)
 
 
 def MOVAD_T_loc16(cpu: Cpu, f: Operation) -> None:
     MOVA_T_loc16(cpu, f)
-    cpu.store16(cpu.beside(1), cpu.t)
+    cpu.store16(cpu.beside(1), cpu.t())
 
 
 def MOVP_T_loc16(cpu: Cpu, f: Operation) -> None:
     value = cpu.read16()
     logic(cpu, cpu.psh())
-    cpu.t = value
+    cpu.put_t(value)
 
 
 def MOVS_T_loc16(cpu: Cpu, f: Operation) -> None:
     value = cpu.read16()
     subtract(cpu, cpu.psh())
-    cpu.t = value
+    cpu.put_t(value)
 
 
 # Multiply with program memory ---------------------------------------------------------------------------------------
@@ -135,7 +135,7 @@ def accumulate(cpu: Cpu, address: int) -> None:
     value = cpu.read16()
     factor = cpu.program16(address)
     add(cpu, cpu.psh())
-    cpu.t = value
+    cpu.put_t(value)
     cpu.p = s16(value) * s16(factor) & M32
 
 
@@ -166,7 +166,7 @@ def XMAC_P_loc16_ind_pma(cpu: Cpu, f: Operation) -> None:
 
 def XMACD_P_loc16_ind_pma(cpu: Cpu, f: Operation) -> None:
     XMAC_P_loc16_ind_pma(cpu, f)
-    cpu.store16(cpu.beside(1), cpu.t)
+    cpu.store16(cpu.beside(1), cpu.t())
 
 
 def dual(cpu: Cpu, address: int) -> None:
@@ -278,3 +278,8 @@ def MOV_loc16_P(cpu: Cpu, f: Operation) -> None:
 
 def MOVH_loc16_P(cpu: Cpu, f: Operation) -> None:
     cpu.move16(cpu.psh() >> 16)
+
+
+def bind(f: Operation, name: str) -> None:
+    """Give an operation the function of this name. KeyError if it is not here."""
+    f.execute = globals()[name]

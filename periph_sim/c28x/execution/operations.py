@@ -5,53 +5,70 @@ Source: SPRU430F Table 5-1 and section 5.10 (which forms take bytes).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from functools import cache
-from types import ModuleType
+import re
 
 from ..decoder import Instruction
-from ..encodings import by_id
+from ..encodings import Encoding
 from ..operand_field import WIDE
 from . import accumulator, branches, control, fpu, fpu_moves, half_words, moves, multiply, shifts, stack
-from .registers import Cpu, Operation
+from .registers import READS, WRITES, Operation
 
-Execute = Callable[[Cpu, Operation], None]
 FIELDS = "bcghiklmnpqrstuvwxyz"
-MODULES: tuple[ModuleType, ...] = (
-    accumulator,
-    half_words,
-    multiply,
-    shifts,
-    moves,
-    stack,
-    branches,
-    control,
-    fpu,
-    fpu_moves,
-)
+OF_ONE_XAR = re.compile(r"(MOVL_(?:loc32_)?XAR)(\d)(.*)")  # eight forms each, whose function is the same
+MODULES = (accumulator, half_words, multiply, shifts, moves, stack, branches, control, fpu, fpu_moves)
 
-
-@cache
-def functions() -> Mapping[str, Execute]:
-    """What each form does, by its id."""
-    known = by_id()
-    found = {name: form for module in MODULES for name, form in vars(module).items() if name in known}
-    return found | moves.OF_XAR
+_forms: dict[str, Operation] = {}
 
 
 def operation(instruction: Instruction) -> Operation:
     """The instruction, ready to be executed."""
     encoding, values = instruction.encoding, instruction.values
+    form = form_of(encoding)
     made = Operation()
     for name in FIELDS:
         setattr(made, name, values.get(name, -1))
+    if form.n >= 0:
+        made.n = form.n
     made.address, made.next = instruction.address, instruction.address + encoding.words & 0x3F_FFFF
-    made.encoding, made.execute = encoding, functions()[encoding.id]
-    made.cycles, made.not_taken = encoding.cycles, encoding.not_taken
+    made.encoding, made.execute = encoding, form.execute
+    made.cycles, made.not_taken, made.repeatable = form.cycles, form.not_taken, form.repeatable
+    made.wide, made.byte = form.wide, form.byte
+    made.accesses, made.absolute = form.accesses, form.absolute
+    return made
+
+
+def form_of(encoding: Encoding) -> Operation:
+    """What all operations of a form have in common. KeyError if no function has its name."""
+    found = _forms.get(encoding.id)
+    if found is None:
+        found = _forms[encoding.id] = _form_of(encoding)
+    return found
+
+
+def _form_of(encoding: Encoding) -> Operation:
+    made = Operation()
+    made.encoding, made.n = encoding, -1
+    name = encoding.id
+    one = OF_ONE_XAR.fullmatch(name)
+    if one:
+        name, made.n = f"{one[1]}n{one[3]}", int(one[2])
+    bind(made, name)
+    made.cycles, made.not_taken, made.repeatable = encoding.cycles, encoding.not_taken, encoding.repeatable
     made.wide = any(operand in encoding.syntax for operand in WIDE)
     made.byte = encoding.mnemonic == "MOVB" and ("LSB" in encoding.syntax or "MSB" in encoding.syntax)
-    made.accesses = encoding.accesses
-    made.absolute = ""
+    made.accesses = (READS if "r" in encoding.accesses else 0) | (WRITES if "w" in encoding.accesses else 0)
+    made.absolute = 0
     if "*(0:16)" in encoding.syntax:
-        made.absolute = "w" if encoding.syntax.split(" ", 1)[1].startswith("*") else "r"
+        made.absolute = WRITES if encoding.syntax.split(" ", 1)[1].startswith("*") else READS
     return made
+
+
+def bind(f: Operation, name: str) -> None:
+    """Give an operation the function of this name, of whichever module has it."""
+    for module in MODULES:
+        try:
+            module.bind(f, name)
+            return
+        except KeyError:
+            continue
+    raise KeyError(name)

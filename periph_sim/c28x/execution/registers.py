@@ -14,6 +14,7 @@ from collections.abc import Callable
 from ..encodings import Encoding
 
 M16, M32 = 0xFFFF, 0xFFFF_FFFF
+HIGH16 = 0xFFFF_0000
 CODE = 0x3F_FFFF  # bits of a program address
 SIGN16, SIGN32 = 1 << 15, 1 << 31
 
@@ -28,6 +29,7 @@ LVF, LUF, NF, ZF, NI, ZI, TF, RND32 = (1 << bit for bit in (0, 1, 2, 3, 4, 5, 6,
 STF_WRITTEN = LVF | LUF | NF | ZF | NI | ZI | TF | RND32
 SHDWS = 1 << 31
 
+READS, WRITES = 1, 2
 REGISTER = -1  # in place of an address: the field names a register
 
 
@@ -39,12 +41,12 @@ class Operation:
     """One decoded instruction, ready to be executed: the numbers in its fields by the table's letters, -1 if absent.
 
     next: the address behind it. cycles, not_taken: of the table. wide: its operand has 32 bits. byte: it takes a byte.
-    accesses: "" to "rw", what it does at its operand's address. absolute: likewise at *(0:16).
+    accesses: READS, WRITES, both or 0, what it does at its operand's address. absolute: likewise at *(0:16).
     """
 
     __slots__ = (
         "absolute", "accesses", "address", "b", "byte", "c", "cycles", "encoding", "execute", "g", "h", "i", "k", "l",
-        "m", "n", "next", "not_taken", "p", "q", "r", "s", "t", "u", "v", "w", "wide", "x", "y", "z",
+        "m", "n", "next", "not_taken", "p", "q", "r", "repeatable", "s", "t", "u", "v", "w", "wide", "x", "y", "z",
     )  # fmt: skip
 
     b: int
@@ -67,8 +69,8 @@ class Operation:
     x: int
     y: int
     z: int
-    absolute: str
-    accesses: str
+    absolute: int
+    accesses: int
     address: int
     byte: bool
     cycles: int
@@ -76,6 +78,7 @@ class Operation:
     execute: Callable[[Cpu, Operation], None]
     next: int
     not_taken: int
+    repeatable: bool
     wide: bool
 
 
@@ -98,7 +101,8 @@ class Cpu:
         self.ier = self.ifr = self.dbgier = self.dbgstat = 0
         self.r = [0] * 8
         self.stf = 0
-        self.shadow: tuple[list[int], int] = ([0] * 8, 0)
+        self.shadow_r = [0] * 8
+        self.shadow_stf = 0
         self.rb = 0
         self.ea = REGISTER
         self.field = 0
@@ -130,13 +134,11 @@ class Cpu:
 
     # Status -------------------------------------------------------------------------
 
-    @property
     def st0(self) -> int:
         flags = self.v << 6 | self.n << 5 | self.z << 4 | self.c << 3 | self.tc << 2 | self.ovm << 1 | self.sxm
         return (self.ovc & 0x3F) << 10 | self.pm << 7 | flags
 
-    @st0.setter
-    def st0(self, value: int) -> None:
+    def put_st0(self, value: int) -> None:
         self.put_ovc(value >> 10)
         self.pm = value >> 7 & 7
         self.v, self.n, self.z, self.c = value >> 6 & 1, value >> 5 & 1, value >> 4 & 1, value >> 3 & 1
@@ -154,8 +156,14 @@ class Cpu:
         """Set or clear bits of ST1 by an instruction."""
         self.st1 = self.st1 | mask if on else self.st1 & ~mask
 
+    def whole_ier(self) -> int:
+        return self.ier
+
     def put_ier(self, value: int) -> None:
         self.ier = value & M16
+
+    def whole_ifr(self) -> int:
+        return self.ifr
 
     def put_ifr(self, value: int) -> None:
         self.ifr = value & M16
@@ -172,9 +180,6 @@ class Cpu:
 
     def nz32(self, value: int) -> None:
         self.n, self.z = value >> 31, int(value == 0)
-
-    def nz64(self, value: int) -> None:
-        self.n, self.z = value >> 63, int(value == 0)
 
     def condition(self, code: int) -> bool:
         """COND of the table [SPRU430F Table 2-10]. Testing V clears it."""
@@ -216,31 +221,30 @@ class Cpu:
         return self.acc >> 16 * x & M16
 
     def put_ax(self, x: int, value: int) -> None:
-        self.acc = self.acc & SAVED[x] | value << 16 * x
+        self.acc = self.acc & M16 | value << 16 if x else self.acc & HIGH16 | value
 
-    @property
     def t(self) -> int:
         return self.xt >> 16
 
-    @t.setter
-    def t(self, value: int) -> None:
+    def put_t(self, value: int) -> None:
         self.xt = self.xt & M16 | value << 16
 
     def put_ar(self, n: int, value: int) -> None:
         """The lower half of XARn; the upper one is kept."""
-        self.xar[n] = self.xar[n] & 0xFFFF_0000 | value & M16
+        self.xar[n] = self.xar[n] & HIGH16 | value & M16
 
-    @property
     def acc_p(self) -> int:
-        return self.acc << 32 | self.p
+        """ACC:P, signed."""
+        return s32(self.acc) << 32 | self.p
 
-    @acc_p.setter
-    def acc_p(self, value: int) -> None:
+    def put_acc_p(self, value: int) -> None:
+        """With its flags. What is beyond 64 bits is left out."""
         self.acc, self.p = value >> 32 & M32, value & M32
+        self.n, self.z = self.acc >> 31, int(not self.acc | self.p)
 
     def x16(self, value: int) -> int:
         """16 bits extended to 32 as SXM says."""
-        return value | 0xFFFF_0000 if self.sxm and value & SIGN16 else value
+        return value | HIGH16 if self.sxm and value & SIGN16 else value
 
     def psh(self) -> int:
         """P shifted by PM, to 32 bits."""
@@ -291,7 +295,7 @@ class Cpu:
             self.ea = xar[n]
         if field in (0xAE, 0xAF):
             low = reversed_carry(self.ea & M16, xar[0] & M16, field == 0xAF)
-            xar[n] = self.ea & 0xFFFF_0000 | low
+            xar[n] = self.ea & HIGH16 | low
         elif field < 0xB8:
             self.arp = field & 7
         elif field in (0xB9, 0xBA):
@@ -307,7 +311,7 @@ class Cpu:
         elif field == 0xBF:
             self.ea = xar[6]
             low = self.ea & 0xFF00 if (self.ea ^ xar[1]) & 0xFF == 0 else self.ea + step & M16
-            xar[6] = self.ea & 0xFFFF_0000 | low
+            xar[6] = self.ea & HIGH16 | low
             self.arp = 6
 
     def read16(self) -> int:
@@ -341,9 +345,9 @@ class Cpu:
         elif field == 0xAA:
             self.p = self.p & M16 | value << 16
         elif field == 0xAB:
-            self.p = self.p & 0xFFFF_0000 | value
+            self.p = self.p & HIGH16 | value
         elif field == 0xAC:
-            self.t = value
+            self.put_t(value)
         else:
             self.sp = value
 
@@ -428,12 +432,10 @@ class Cpu:
         self.push16(low)
         self.push16(high)
 
-    def pop_pair(self) -> tuple[int, int]:
+    def pop_pair(self) -> int:
+        """Two words before SP, whatever its parity, the lower one first."""
         high = self.pop16()
-        return self.pop16(), high
-
-
-SAVED = (0xFFFF_0000, 0x0000_FFFF)  # of ACC, when AL or AH is written
+        return self.pop16() | high << 16
 
 
 def s16(value: int) -> int:
@@ -444,10 +446,6 @@ def s32(value: int) -> int:
     return (value ^ SIGN32) - SIGN32
 
 
-def s64(value: int) -> int:
-    return (value ^ 1 << 63) - (1 << 63)
-
-
 def reversed_carry(low: int, index: int, subtract: bool) -> int:
     """16 bits added or subtracted with the carry running from bit 15 to bit 0."""
     first, second = mirrored(low), mirrored(index)
@@ -456,4 +454,7 @@ def reversed_carry(low: int, index: int, subtract: bool) -> int:
 
 def mirrored(value: int) -> int:
     """16 bits in the opposite order."""
-    return int(f"{value:016b}"[::-1], 2)
+    value = (value & 0x5555) << 1 | value >> 1 & 0x5555
+    value = (value & 0x3333) << 2 | value >> 2 & 0x3333
+    value = (value & 0x0F0F) << 4 | value >> 4 & 0x0F0F
+    return (value & 0x00FF) << 8 | value >> 8

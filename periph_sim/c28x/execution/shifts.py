@@ -7,14 +7,12 @@ from __future__ import annotations
 
 from .accumulator import logic
 from .half_words import put
-from .registers import M16, M32, Cpu, Operation, s16, s32, s64
-
-M64 = (1 << 64) - 1
+from .registers import M16, M32, Cpu, Operation, s16, s32
 
 
 def left(cpu: Cpu, value: int, shift: int, bits: int) -> int:
     cpu.c = value >> bits - shift & 1 if shift else 0
-    return value << shift & (1 << bits) - 1
+    return value << shift & (M16 if bits == 16 else M32)
 
 
 def right(cpu: Cpu, value: int, shift: int) -> int:
@@ -28,19 +26,19 @@ def LSL_ACC_1_16(cpu: Cpu, f: Operation) -> None:
 
 
 def LSL_ACC_T(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, left(cpu, cpu.acc, cpu.t & 15, 32))
+    logic(cpu, left(cpu, cpu.acc, cpu.t() & 15, 32))
 
 
 def LSLL_ACC_T(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, left(cpu, cpu.acc, cpu.t & 31, 32))
+    logic(cpu, left(cpu, cpu.acc, cpu.t() & 31, 32))
 
 
 def LSRL_ACC_T(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, right(cpu, cpu.acc, cpu.t & 31))
+    logic(cpu, right(cpu, cpu.acc, cpu.t() & 31))
 
 
 def ASRL_ACC_T(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, right(cpu, s32(cpu.acc), cpu.t & 31))
+    logic(cpu, right(cpu, s32(cpu.acc), cpu.t() & 31))
 
 
 def SFR_ACC_1_16(cpu: Cpu, f: Operation) -> None:
@@ -48,7 +46,7 @@ def SFR_ACC_1_16(cpu: Cpu, f: Operation) -> None:
 
 
 def SFR_ACC_T(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, right(cpu, s32(cpu.acc) if cpu.sxm else cpu.acc, cpu.t & 15))
+    logic(cpu, right(cpu, s32(cpu.acc) if cpu.sxm else cpu.acc, cpu.t() & 15))
 
 
 def ROL_ACC(cpu: Cpu, f: Operation) -> None:
@@ -68,7 +66,7 @@ def LSL_AX_1_16(cpu: Cpu, f: Operation) -> None:
 
 
 def LSL_AX_T(cpu: Cpu, f: Operation) -> None:
-    put(cpu, f.x, left(cpu, cpu.ax(f.x), cpu.t & 15, 16))
+    put(cpu, f.x, left(cpu, cpu.ax(f.x), cpu.t() & 15, 16))
 
 
 def LSR_AX_1_16(cpu: Cpu, f: Operation) -> None:
@@ -76,7 +74,7 @@ def LSR_AX_1_16(cpu: Cpu, f: Operation) -> None:
 
 
 def LSR_AX_T(cpu: Cpu, f: Operation) -> None:
-    put(cpu, f.x, right(cpu, cpu.ax(f.x), cpu.t & 15))
+    put(cpu, f.x, right(cpu, cpu.ax(f.x), cpu.t() & 15))
 
 
 def ASR_AX_1_16(cpu: Cpu, f: Operation) -> None:
@@ -84,36 +82,48 @@ def ASR_AX_1_16(cpu: Cpu, f: Operation) -> None:
 
 
 def ASR_AX_T(cpu: Cpu, f: Operation) -> None:
-    put(cpu, f.x, right(cpu, s16(cpu.ax(f.x)), cpu.t & 15))
+    put(cpu, f.x, right(cpu, s16(cpu.ax(f.x)), cpu.t() & 15))
 
 
-def put64(cpu: Cpu, value: int) -> None:
-    cpu.acc_p = value & M64
-    cpu.nz64(cpu.acc_p)
+def left64(cpu: Cpu, shift: int) -> None:
+    value = cpu.acc_p()
+    cpu.c = value >> 64 - shift & 1 if shift else 0
+    cpu.put_acc_p(value << shift)
 
 
 def LSL64_ACC_P_1_16(cpu: Cpu, f: Operation) -> None:
-    put64(cpu, left(cpu, cpu.acc_p, f.s + 1, 64))
+    left64(cpu, f.s + 1)
 
 
 def LSL64_ACC_P_T(cpu: Cpu, f: Operation) -> None:
-    put64(cpu, left(cpu, cpu.acc_p, cpu.t & 63, 64))
+    left64(cpu, cpu.t() & 63)
+
+
+def right64(cpu: Cpu, shift: int) -> None:
+    """Logically, as two halves."""
+    acc, p = cpu.acc, cpu.p
+    cpu.c = 0 if not shift else p >> shift - 1 & 1 if shift <= 32 else acc >> shift - 33 & 1
+    if shift < 32:
+        cpu.acc, cpu.p = acc >> shift, p >> shift | acc << 32 - shift & M32
+    else:
+        cpu.acc, cpu.p = 0, acc >> shift - 32
+    cpu.n, cpu.z = cpu.acc >> 31, int(not cpu.acc | cpu.p)
 
 
 def LSR64_ACC_P_1_16(cpu: Cpu, f: Operation) -> None:
-    put64(cpu, right(cpu, cpu.acc_p, f.s + 1))
+    right64(cpu, f.s + 1)
 
 
 def LSR64_ACC_P_T(cpu: Cpu, f: Operation) -> None:
-    put64(cpu, right(cpu, cpu.acc_p, cpu.t & 63))
+    right64(cpu, cpu.t() & 63)
 
 
 def ASR64_ACC_P_1_16(cpu: Cpu, f: Operation) -> None:
-    put64(cpu, right(cpu, s64(cpu.acc_p), f.s + 1))
+    cpu.put_acc_p(right(cpu, cpu.acc_p(), f.s + 1))
 
 
 def ASR64_ACC_P_T(cpu: Cpu, f: Operation) -> None:
-    put64(cpu, right(cpu, s64(cpu.acc_p), cpu.t & 63))
+    cpu.put_acc_p(right(cpu, cpu.acc_p(), cpu.t() & 63))
 
 
 # Normalise ----------------------------------------------------------------------------------------------------------
@@ -156,3 +166,8 @@ def NORM_ACC_XARninc(cpu: Cpu, f: Operation) -> None:
 
 def NORM_ACC_XARndec(cpu: Cpu, f: Operation) -> None:
     normalise(cpu, f.n, -1)
+
+
+def bind(f: Operation, name: str) -> None:
+    """Give an operation the function of this name. KeyError if it is not here."""
+    f.execute = globals()[name]

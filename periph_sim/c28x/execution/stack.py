@@ -5,7 +5,7 @@ A pair's second name is the lower half. POP ACC, PUSH XAR4 and their like are mo
 
 from __future__ import annotations
 
-from .registers import CODE, M16, SPA, Cpu, Operation
+from .registers import CODE, HIGH16, M16, SPA, Cpu, Operation
 
 
 def _push_halves(cpu: Cpu, n: int, shift: int) -> None:
@@ -13,9 +13,9 @@ def _push_halves(cpu: Cpu, n: int, shift: int) -> None:
 
 
 def _pop_halves(cpu: Cpu, n: int) -> None:
-    low, high = cpu.pop_pair()
-    cpu.put_ar(n, low)
-    cpu.put_ar(n + 1, high)
+    pair = cpu.pop_pair()
+    cpu.put_ar(n, pair)
+    cpu.put_ar(n + 1, pair >> 16)
 
 
 def PUSH_AR1_AR0(cpu: Cpu, f: Operation) -> None:
@@ -47,9 +47,9 @@ def POP_AR5_AR4(cpu: Cpu, f: Operation) -> None:
 
 
 def POP_AR1H_AR0H(cpu: Cpu, f: Operation) -> None:
-    low, high = cpu.pop_pair()
-    cpu.xar[0] = cpu.xar[0] & M16 | low << 16
-    cpu.xar[1] = cpu.xar[1] & M16 | high << 16
+    pair = cpu.pop_pair()
+    cpu.xar[0] = cpu.xar[0] & M16 | (pair & M16) << 16
+    cpu.xar[1] = cpu.xar[1] & M16 | pair & HIGH16
 
 
 def PUSH_DBGIER(cpu: Cpu, f: Operation) -> None:
@@ -73,12 +73,13 @@ def PUSH_DP_ST1(cpu: Cpu, f: Operation) -> None:
 
 
 def POP_DP_ST1(cpu: Cpu, f: Operation) -> None:
-    st1, cpu.dp = cpu.pop_pair()
-    cpu.put_st1(st1)
+    pair = cpu.pop_pair()
+    cpu.dp = pair >> 16
+    cpu.put_st1(pair & M16)
 
 
 def PUSH_IFR(cpu: Cpu, f: Operation) -> None:
-    cpu.push16(cpu.ifr)
+    cpu.push16(cpu.whole_ifr())
 
 
 def POP_IFR(cpu: Cpu, f: Operation) -> None:
@@ -110,11 +111,11 @@ def POP_RPC(cpu: Cpu, f: Operation) -> None:
 
 
 def PUSH_ST0(cpu: Cpu, f: Operation) -> None:
-    cpu.push16(cpu.st0)
+    cpu.push16(cpu.st0())
 
 
 def POP_ST0(cpu: Cpu, f: Operation) -> None:
-    cpu.st0 = cpu.pop16()
+    cpu.put_st0(cpu.pop16())
 
 
 def PUSH_ST1(cpu: Cpu, f: Operation) -> None:
@@ -126,11 +127,13 @@ def POP_ST1(cpu: Cpu, f: Operation) -> None:
 
 
 def PUSH_T_ST0(cpu: Cpu, f: Operation) -> None:
-    cpu.push_pair(cpu.st0, cpu.t)
+    cpu.push_pair(cpu.st0(), cpu.t())
 
 
 def POP_T_ST0(cpu: Cpu, f: Operation) -> None:
-    cpu.st0, cpu.t = cpu.pop_pair()
+    pair = cpu.pop_pair()
+    cpu.put_st0(pair & M16)
+    cpu.put_t(pair >> 16)
 
 
 def PUSH_RB(cpu: Cpu, f: Operation) -> None:
@@ -149,6 +152,11 @@ def ASP(cpu: Cpu, f: Operation) -> None:
 
 
 def NASP(cpu: Cpu, f: Operation) -> None:
-    if cpu.st1 & SPA:
+    if cpu.whole_st1() & SPA:
         cpu.sp = cpu.sp - 1 & M16
         cpu.change_st1(SPA, False)
+
+
+def bind(f: Operation, name: str) -> None:
+    """Give an operation the function of this name. KeyError if it is not here."""
+    f.execute = globals()[name]

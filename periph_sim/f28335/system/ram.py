@@ -1,6 +1,6 @@
 """The memory of one F28335 that holds no registers: an address goes in, its 16-bit word and its wait states come out.
 
-A page of 256 words comes into being with the first write to it; what nobody wrote reads 0.
+What nobody wrote reads 0. L0 to L7 come into being with the first write to them.
 Flash, OTP and boot ROM are not here: nothing of this project runs from them yet.
 
 Source: SPRS439M Figure 3-2 (map), Table 3-5 (wait states); SPRUFB0D Tables 86 (EALLOW), 112 (vectors).
@@ -8,7 +8,6 @@ Source: SPRS439M Figure 3-2 (map), Table 3-5 (wait states); SPRUFB0D Tables 86 (
 
 from __future__ import annotations
 
-from array import array
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -17,6 +16,8 @@ from ..cpu.pie_map import VECTOR_TABLE
 PAGE = 8  # bits of an address within a page
 IN_PAGE = (1 << PAGE) - 1
 END = 0x1_0000  # of what is mapped here
+LOW_WORDS = 0x1000  # M0, M1 and the vectors lie below
+HIGH, HIGH_WORDS = 0x8000, 0x8000  # L0 to L7
 
 
 class RamBlock(NamedTuple):
@@ -54,23 +55,36 @@ def block_at(address: int) -> RamBlock | None:
     return BY_PAGE[address >> PAGE] if 0 <= address < END else None
 
 
+class HighRam:
+    """The words of L0 to L7."""
+
+    __slots__ = ("words",)
+
+    def __init__(self) -> None:
+        self.words = [0] * HIGH_WORDS
+
+
 class Ram:
     """The words by address. Who uses an address makes sure that `block_at` knows it."""
 
-    __slots__ = ("_pages",)
+    __slots__ = ("_high", "_low")
 
     def __init__(self) -> None:
-        self._pages: dict[int, array[int]] = {}
+        self._low = [0] * LOW_WORDS
+        self._high: HighRam | None = None
 
     def word(self, address: int) -> int:
-        page = self._pages.get(address >> PAGE)
-        return 0 if page is None else page[address & IN_PAGE]
+        if address < HIGH:
+            return self._low[address & LOW_WORDS - 1]
+        return 0 if self._high is None else self._high.words[address & HIGH_WORDS - 1]
 
     def put(self, address: int, value: int) -> None:
-        page = self._pages.get(address >> PAGE)
-        if page is None:
-            page = self._pages[address >> PAGE] = array("H", bytes(2 << PAGE))
-        page[address & IN_PAGE] = value & 0xFFFF
+        if address < HIGH:
+            self._low[address & LOW_WORDS - 1] = value & 0xFFFF
+            return
+        if self._high is None:
+            self._high = HighRam()
+        self._high.words[address & HIGH_WORDS - 1] = value & 0xFFFF
 
     def words(self, address: int, count: int) -> list[int]:
         """So many words from an address on."""

@@ -9,7 +9,18 @@ Accesses are made in the present cycle: `access_at` says beforehand which cycle 
 from __future__ import annotations
 
 from ...c28x.execution.engine import Engine
-from ...c28x.execution.registers import CODE, REGISTER, ST1_RESET, Cpu, IllegalOperation, Operation
+from ...c28x.execution.registers import (
+    ARP,
+    ARP_MASK,
+    CODE,
+    READ_ONLY,
+    READS,
+    REGISTER,
+    ST1_RESET,
+    Cpu,
+    IllegalOperation,
+    Operation,
+)
 from ...f28335.cpu.interrupts import EALLOW, INTM, frame_of
 from ...f28335.cpu.pie_map import VECTOR_TABLE
 from ...f28335.system.address_space import Content, area_at
@@ -129,9 +140,9 @@ class ImageCpu(Engine):
         """The cycle in which its operand can be accessed, or what it names with *(0:16)."""
         cycle = self._time.cycle
         if self.ea != REGISTER and f.accesses and not in_plain_ram(self.ea):
-            cycle = self._access_at(cycle, self.ea, "r" in f.accesses, f.wide)
+            cycle = self._access_at(cycle, self.ea, f.accesses & READS != 0, f.wide)
         if f.absolute and not in_plain_ram(f.c):
-            cycle = self._access_at(cycle, f.c + self.passes, f.absolute == "r", f.wide)
+            cycle = self._access_at(cycle, f.c + self.passes, f.absolute == READS, f.wide)
         return cycle
 
     def _access_at(self, cycle: int, address: int, reads: bool, wide: bool) -> int:
@@ -145,46 +156,45 @@ class ImageCpu(Engine):
 
     # Status, which the interrupt logic holds --------------------------------------------
 
-    @property
-    def st1(self) -> int:
-        return self._core.st1
+    def whole_st1(self) -> int:
+        return self._core.st1 & ~ARP_MASK | self.arp << ARP
 
-    @st1.setter
-    def st1(self, value: int) -> None:
-        self._core.st1 = value
+    def put_st1(self, value: int) -> None:
+        core = self._core
+        core.st1 = value & ~READ_ONLY | core.st1 & READ_ONLY
+        self.arp = value >> ARP & 7
 
-    @property
-    def ier(self) -> int:
+    def whole_ier(self) -> int:
         return self._core.ier
 
-    @ier.setter
-    def ier(self, value: int) -> None:
-        self._core.ier = value
+    def put_ier(self, value: int) -> None:
+        self._core.ier = value & 0xFFFF
 
-    @property
-    def ifr(self) -> int:
+    def whole_ifr(self) -> int:
         self._core.wake(self._time.cycle)
         return self._core.ifr
 
-    @ifr.setter
-    def ifr(self, value: int) -> None:
-        self._core.ifr = value
-
     def put_ifr(self, value: int) -> None:
         self._core.wake(self._time.cycle)
-        self._core.ifr = value
+        self._core.ifr = value & 0xFFFF
 
     def and_ifr(self, mask: int) -> None:
         self._core.and_ifr(self._time.cycle, mask)
 
     def change_st1(self, mask: int, on: bool) -> None:
         cycle = self._time.cycle
+        core = self._core
         if mask & INTM:
-            (self._core.setc_intm if on else self._core.clrc_intm)(cycle)
+            if on:
+                core.setc_intm(cycle)
+            else:
+                core.clrc_intm(cycle)
         if mask == EALLOW:
-            self._core.set_eallow(cycle, on)
+            core.set_eallow(cycle, on)
+        elif on:
+            core.st1 |= mask & ~INTM
         else:
-            super().change_st1(mask & ~INTM, on)
+            core.st1 &= ~(mask & ~INTM)
 
     # Control ------------------------------------------------------------------------
 
@@ -215,7 +225,7 @@ class ImageCpu(Engine):
         """The 14 words that an entry stores."""
         xar, st1, ier = self.xar, self.whole_st1(), self._core.ier
         return [
-            self.st0, self.t, self.acc & 0xFFFF, self.acc >> 16, self.p & 0xFFFF, self.p >> 16, xar[0] & 0xFFFF,
+            self.st0(), self.t(), self.acc & 0xFFFF, self.acc >> 16, self.p & 0xFFFF, self.p >> 16, xar[0] & 0xFFFF,
             xar[1] & 0xFFFF, st1, self.dp, ier, self.dbgstat, self.pc & 0xFFFF, self.pc >> 16,
         ]  # fmt: skip
 
@@ -227,7 +237,9 @@ class ImageCpu(Engine):
 
     def restore(self, words: list[int]) -> None:
         """IRET: all of it from memory."""
-        self.st0, self.t, self.dp, self.dbgstat = words[0], words[1], words[9], words[11]
+        self.put_st0(words[0])
+        self.put_t(words[1])
+        self.dp, self.dbgstat = words[9], words[11]
         self.acc, self.p = words[2] | words[3] << 16, words[4] | words[5] << 16
         self.put_ar(0, words[6])
         self.put_ar(1, words[7])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from periph_sim.c28x.assembler import parse
 from periph_sim.c28x.execution.engine import Engine
@@ -26,6 +26,14 @@ class Flat(Engine):
 
     def stop(self) -> None:
         self.stopped = True
+
+    def put_xars(self, values: Mapping[int, int]) -> None:
+        """XARn by their numbers. A compiled CPU hands out copies of its register files."""
+        self.xar = [values.get(n, before) for n, before in enumerate(self.xar)]
+
+    def put_floats(self, values: Mapping[int, int]) -> None:
+        """RnH, as bits, by their numbers."""
+        self.r = [values.get(n, before) for n, before in enumerate(self.r)]
 
 
 def loaded(source: str, at: int = 0x8000) -> Flat:

@@ -214,7 +214,7 @@ PAIRS = {"d": 0x9000, "d2": 0x9002, "prog": 0xA000}
 
 def put(cpu: Flat, name: str, text: str) -> None:
     if name[0] == "f" and name[1:].isdigit():
-        cpu.r[int(name[1:])] = struct.unpack("<I", struct.pack("<f", float(text)))[0]
+        cpu.put_floats({int(name[1:]): struct.unpack("<I", struct.pack("<f", float(text)))[0]})
         return
     value = int(text, 0)
     if name in PLACES:
@@ -222,7 +222,7 @@ def put(cpu: Flat, name: str, text: str) -> None:
     elif name in PAIRS:
         cpu.store32(PAIRS[name], value)
     elif name[0] in "xr" and name[1:].isdigit():
-        (cpu.xar if name[0] == "x" else cpu.r)[int(name[1:])] = value
+        (cpu.put_xars if name[0] == "x" else cpu.put_floats)({int(name[1:]): value})
     else:
         assert hasattr(cpu, name)
         setattr(cpu, name, value)
@@ -243,7 +243,7 @@ def got(cpu: Flat, name: str, text: str) -> object:
 @pytest.mark.parametrize(("source", "before", "after"), ROWS, ids=[f"{row[0]} {row[1]}" for row in ROWS])
 def test_case(source: str, before: str, after: str):
     cpu = loaded(source)
-    cpu.xar[4], cpu.xar[7] = 0x9000, 0xA000
+    cpu.put_xars({4: 0x9000, 7: 0xA000})
     for name, text in (pair.split("=") for pair in before.split()):
         put(cpu, name, text)
     cpu.step()
@@ -256,7 +256,7 @@ def test_case(source: str, before: str, after: str):
 
 def test_saved_registers_are_restored():
     cpu = loaded("SAVE RNDF32=1\nZEROA\nRESTORE")
-    cpu.r[:], cpu.stf = list(range(8)), 4
+    cpu.r, cpu.stf = list(range(8)), 4
     for _ in range(3):
         cpu.step()
     assert (cpu.r, cpu.stf) == (list(range(8)), 4)

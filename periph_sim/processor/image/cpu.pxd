@@ -1,0 +1,35 @@
+cimport cython
+
+from ...c28x.execution.engine cimport Engine
+from ...c28x.execution.registers cimport Cpu, Operation
+from ...f28335.cpu.interrupts cimport CpuInterrupts
+from ...f28335.system.ram cimport Ram
+from ..bus cimport Bus
+from ..cpu_time cimport CpuTime
+from ..operand cimport Operand
+from ..processor cimport Processor
+
+cdef bint in_plain_ram(long long address) noexcept
+
+
+@cython.final
+cdef class ImageCpu(Engine):
+    cdef public bint ended, returning, idling
+    cdef CpuInterrupts _core
+    cdef Processor _processor
+    cdef CpuTime _time
+    cdef Bus _bus
+    cdef Ram _ram
+    cdef public object elsewhere, watched
+    cpdef void reset(self)
+    cpdef void fill(self, long long address, long long value)
+    @cython.locals(operand=Operand)
+    cdef long long _load(self, long long address, long long width)
+    cdef void _store(self, long long address, long long value, long long width)
+    cdef void _keep(self, long long address, long long value)
+    cpdef long long access_at(self, Operation f)
+    cdef long long _access_at(self, long long cycle, long long address, bint reads, bint wide)
+    cpdef void hand_over(self)
+    cpdef list context(self)
+    cpdef void begin_routine(self, long long address)
+    cpdef void restore(self, list words)

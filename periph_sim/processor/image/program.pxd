@@ -1,0 +1,26 @@
+cimport cython
+
+from ...c28x.execution.registers cimport Operation
+from ...f28335.cpu.interrupts cimport CpuInterrupts
+from ..cpu_time cimport CpuTime
+from ..processor cimport Processor
+from ..program cimport Program
+from .cpu cimport ImageCpu
+
+
+cdef class ImageProgram(Program):
+    cdef public ImageCpu cpu
+    cdef public object image
+    cdef public long long instructions
+    cdef Processor _processor
+    cdef Operation _ready
+    cdef bint _executed, _idle_began
+    cdef object _jumps, _clock, _functions, _calls, _watch
+    cdef dict _places
+    cdef long long _at, _entry
+    cpdef void load(self)
+    cpdef void begin(self)
+    @cython.locals(cpu=ImageCpu, time=CpuTime, processor=Processor, core=CpuInterrupts, f=Operation, cycle=cython.longlong)
+    cdef object _run(self)
+    cdef bint _slept(self)
+    cdef object _ended(self)

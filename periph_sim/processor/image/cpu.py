@@ -118,7 +118,7 @@ class ImageCpu(Engine):
                 self._keep(address + 1, value >> 16)
 
     def written(self, address: int) -> None:
-        super().written(address)
+        Engine.written(self, address)
         if self.watched is not None and address in self.watched.addresses:
             self.watched.written(address, self._time.cycle)
 

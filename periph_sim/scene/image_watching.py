@@ -1,9 +1,10 @@
 """What a case and its budgets want to know of a unit's image: names go in; who looks at its program is put there.
 
-unit.memory               --> PresetMemory: variables as the image begins
-budgets, span records     --> FunctionSpans: a span for each function
-budgets on variables      --> VariableRecords
-budgets on the stack      --> StackDepth
+unit.memory             --> PresetMemory: variables as the image begins
+budgets, span records   --> FunctionSpans: a span for each function
+loads, wait records     --> WaitRecords: IDLE
+budgets on variables    --> VariableRecords
+budgets on the stack    --> StackDepth
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from ..processor.image.preset_memory import Preset, PresetMemory
 from ..processor.image.program import ImageProgram
 from ..processor.image.stack_depth import CPU, SECTION, STACK, StackDepth
 from ..processor.image.variable_records import MEMORY, VariableRecords
+from ..processor.image.wait_records import WaitRecords
 from .case.model import Case, Unit
 
 
@@ -23,6 +25,8 @@ def watch_image(case: Case, name: str, unit: Unit, dsp: Dsp, program: ImageProgr
     """Look at a program before its first instruction. BadCase for what its image does not have."""
     if recorder.wants(Kind.SPAN):
         program.tell_calls(FunctionSpans(recorder, name))
+    if recorder.wants(Kind.WAIT):
+        program.record_waits(WaitRecords(recorder, dsp.clock, name))
     if unit.memory:
         _preset(case, name, unit, program)
     wanted = recorder.named(Kind.FLAG)

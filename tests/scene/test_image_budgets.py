@@ -47,9 +47,11 @@ _work: PUSH XAR2
 """
 
 
-def seen(tmp_path: Path, budgets: dict[str, str], unit: str = "", *changes: str) -> dict[str, float | int | None]:
+def seen(
+    tmp_path: Path, budgets: dict[str, str], unit: str = "", *changes: str, source: str = SOURCE
+) -> dict[str, float | int | None]:
     """The worst value of each budget; none has a limit that matters."""
-    (tmp_path / "own.out").write_bytes(write(assemble(SOURCE)))
+    (tmp_path / "own.out").write_bytes(write(assemble(source)))
     tables = "".join(
         f'[[budget]]\nname = "{name}"\nmeasure = "{measure}"\n{limit}\n'
         for name, text in budgets.items()
@@ -106,6 +108,13 @@ def test_a_case_sets_memory_by_symbol(tmp_path: Path):
     budgets = {"most": "level of variable _count; max = 99"}
     assert seen(tmp_path, budgets, "memory = { _step = 5 }\n") == {"most": 15}
     assert seen(tmp_path, budgets, "", "unit.dsp.memory._step=7") == {"most": 21}
+
+
+def test_a_cpu_in_idle_has_no_load(tmp_path: Path):
+    """Busy for the 3 * 216 cycles and what is around them, of 7500; then IDLE, which nothing ends."""
+    busy = seen(tmp_path, {"load": 'cpu load; max = "99 %"'})["load"]
+    asleep = seen(tmp_path, {"load": 'cpu load; max = "99 %"'}, source=SOURCE.replace("ESTOP0", "IDLE"))["load"]
+    assert busy == 100 and asleep == pytest.approx(100 * (3 * 216 + 24) / 7500, abs=0.2)
 
 
 @pytest.mark.parametrize(

@@ -27,6 +27,7 @@ from .cpu import ImageCpu
 from .function_map import FunctionMap
 from .instruction_watch import InstructionWatch
 from .variable_records import VariableRecords
+from .wait_records import IDLE, WaitRecords
 
 LAST_JUMPS = 8  # that an error names
 
@@ -50,6 +51,7 @@ class ImageProgram(Program):
         self._places: dict[int, SourceLocation] = {}
         self._functions: FunctionMap | None = None
         self._calls: CallStack | None = None  # somebody wants to know what is called
+        self._waits: WaitRecords | None = None  # somebody records when it waits
         self._watch: InstructionWatch | None = None  # somebody looks at each instruction
         self._entry = entry
         self._at = entry  # the instruction that is executed, or was last
@@ -95,6 +97,10 @@ class ImageProgram(Program):
         """`watch` is told of writes to the words that it names."""
         watch.begin()
         self.cpu.watched = watch
+
+    def record_waits(self, waits: WaitRecords) -> None:
+        """Have a record made as it begins to wait, and as that is over."""
+        self._waits = waits
 
     def watch_instructions(self, watch: InstructionWatch) -> None:
         """`watch` looks at each instruction, beside those that do already."""
@@ -167,10 +173,14 @@ class ImageProgram(Program):
             self._idle_began = True
             self._slept_from = time.cycle
             core.idle(time.cycle - cpu_costs.IDLE)
+            if self._waits is not None:
+                self._waits.begins(IDLE, time.cycle - cpu_costs.IDLE, self.place() or "")
         while not core.idle_ends(time.cycle):
             if not processor.rest(max(time.cycle, core.next_wake)):
                 return False
         self._idle_began = self.cpu.idling = False
+        if self._waits is not None:
+            self._waits.ends(time.cycle)
         if self._calls is not None:
             self._calls.slept(self._slept_from, time.cycle)
         return True

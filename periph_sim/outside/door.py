@@ -72,23 +72,31 @@ class Door(Agent):
         levels = self._put.pop(now)
         self._told(now, levels)
         for name, level in levels.items():
-            self._pins[name].drive(level)
+            self._drive(name, level)
         self._event = self._kernel.ask(min(self._put), self) if self._put else None
+
+    def _drive(self, name: str, level: int) -> None:
+        pin = self._pins[name]
+        pin.drive(level)
 
     def held(self, name: str) -> int:
         """The level of our own hold on a line."""
-        return int(not self._wires[name].pulling & ~self._pins[name].mask)
+        wire, pin = self._wires[name], self._pins[name]
+        return int(not wire.pulling & ~pin.mask)
 
     def pulled(self, line: int, now: int, pulling: int) -> None:
         name = self._names[line]
-        level = int(not pulling & ~self._pins[name].mask)
+        level = self.held(name)
         if level != self._levels[name]:
             self._levels[name] = level
             self._changes.append(Change(now, name, level))
 
     def changes(self) -> list[Change]:
         """Since this was asked last, in order of time; a level that did not outlast its instant is none."""
-        found, self._changes = self._changes, []
+        found = self._changes
+        if not found:
+            return found
+        self._changes = []
         last: dict[tuple[int, str], Change] = {(change.at, change.line): change for change in found}
         if len(last) == len(found):
             return found

@@ -186,13 +186,16 @@ class Reaction(Agent):
         """Before this tick no pin moves by an event."""
         agent = event.agent
         if isinstance(agent, Socket):
-            if event.tag == WAKE and isinstance(agent.chip, I2c):
-                return _tick_of(self._clocks[agent], agent.chip.next_output() + agent.out_delay)
+            socket = agent
+            if event.tag == WAKE and isinstance(socket.chip, I2c):
+                return _tick_of(self._clocks[socket], socket.chip.next_output() + socket.out_delay)
         elif isinstance(agent, Processor):
-            waits = any(chip.target.pulls & SCL or chip.master.active for chip in self._chips[agent])
-            if not waits:  # which a read may end, and that acts at once
-                clock = self._cpu_clocks[agent]
-                return _tick_of(clock, agent.next_output(clock.cycle_at(event.time)))
+            processor, chips = agent, self._chips[agent]
+            for chip in chips:
+                if chip.target.pulls & SCL or chip.master.active:  # which a read may end, and that acts at once
+                    return event.time
+            clock = self._cpu_clocks[processor]
+            return _tick_of(clock, processor.next_output(clock.cycle_at(event.time)))
         elif isinstance(agent, Router) and event.tag == BETWEEN and not self._at_once:
             return self._answer(event.time)
         return event.time
@@ -221,12 +224,12 @@ class Reaction(Agent):
     def _answer(self, tick: int) -> int:
         """The first tick at which a line that moves at `tick` is answered."""
         first = NEVER
-        for socket in self._listening:
-            chip = socket.chip
-            if isinstance(chip, I2c) and chip.master.active:
+        for socket, chip in self._modules:
+            if chip.master.active:
                 return tick
+        for socket in self._listening:
             clock = self._clocks[socket]
-            first = min(first, clock.tick(clock.cycle_at(tick) + chip.filter_width + socket.out_delay))
+            first = min(first, clock.tick(clock.cycle_at(tick) + socket.chip.filter_width + socket.out_delay))
         return max(tick, first)
 
 

@@ -27,6 +27,7 @@ cdef class Processor(Agent):
     cpdef void stops(self, object why)
     cpdef bint reach(self, long long cycle)
     cpdef bint rest(self, long long cycle)
+    cpdef long long next_output(self, long long cycle)
     cpdef bint take(self, long long number)
     cpdef bint iret(self)
     cdef bint _go_on(self)

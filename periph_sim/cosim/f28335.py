@@ -39,6 +39,7 @@ from .axis import Axis
 from .registers import peek
 
 NEVER = 2**62
+LEVELS = {"0": 0, "1": 1}
 WAYS_OUT = {
     "z": "nothing drives it; give it a pull-up, as `tri1` has",
     "x": "two drivers disagree, or one has no value yet; give registers an initial value",
@@ -103,7 +104,8 @@ class F28335:
         self._end = self.session.scene.timebase.ticks(case.duration, "up")
         self._result: Result | None = None
         self.wakes = 0  # of the timer
-        self._due = NEVER  # the step for which it is set
+        self._due = NEVER  # the tick for which it is set,
+        self._step = 0  # and the step in which it comes
         self._timer: Any = None
         self._failed = Event()
         self._fault: Exception | None = None
@@ -157,8 +159,8 @@ class F28335:
         await ReadWrite()
         if not self._over:
             for name, signal in read.items():
-                self._moved(name, signal)
-            self._plan()
+                self._moved(name, signal, _now())
+            self._plan(_now())
 
     def _listen(self, name: str, signal: Any) -> None:
         """To the next change of a line."""
@@ -169,14 +171,18 @@ class F28335:
             return
         self._listen(name, signal)
         try:
-            self._moved(name, signal)
-            self._plan()
+            step = _now()
+            self._moved(name, signal, step)
+            self._plan(step)
         except Exception as error:
             self._fail(error)
 
-    def _moved(self, name: str, signal: Any) -> None:
-        session = self.session
-        session.apply(max(self._axis.tick(_now()), session.now), {name: _level(name, signal)})
+    def _moved(self, name: str, signal: Any, step: int) -> None:
+        level = LEVELS.get(signal._handle.get_signal_val_binstr())
+        if level is None:
+            level = _level(name, signal)
+        tick, session = self._axis.tick(step), self.session
+        session.apply(tick if tick > session.now else session.now, {name: level})
 
     def _show(self, changes: list[Any]) -> None:
         for change in changes:
@@ -201,29 +207,28 @@ class F28335:
 
     # Time -----------------------------------------------------------------------------
 
-    def _plan(self) -> None:
-        """The timer is set for the next move of a pin, unless it is for a step before that."""
+    def _plan(self, step: int) -> None:
+        """At this step: the timer is set for the next move of a pin, unless it is for one before that."""
         due = self.session.next_output()
-        if due is None:
-            return
-        step = self._axis.step(due)
-        if step >= self._due:
+        if due is None or due >= self._due:
             return
         if self._timer is not None:
             self._timer.deregister()
-        self._due = step
-        self._timer = simulator.register_timed_callback(max(1, step - _now()), self._woken)
+        self._due = due
+        self._step = max(self._axis.step(due), step + 1)
+        self._timer = simulator.register_timed_callback(self._step - step, self._woken)
 
     def _woken(self) -> None:
-        self._timer, self._due = None, NEVER
+        self._due, self._timer = NEVER, None
         if self._over:
             return
         self.wakes += 1
         try:
-            until = self._axis.tick(_now()) + 1
-            if until > self.session.now:
-                self._show(self.session.advance(until))
-            self._plan()
+            step = self._step
+            changes = self.session.advance(self._axis.tick(step) + 1)
+            if changes:
+                self._show(changes)
+            self._plan(step)
         except Exception as error:
             self._fail(error)
 
@@ -237,10 +242,8 @@ def _now() -> int:
 def _level(name: str, signal: Any, at: str = "") -> int:
     """0 or 1. OutsideError, with the way out, for what is neither."""
     level: str = signal._handle.get_signal_val_binstr()
-    if level == "0":
-        return 0
-    if level == "1":
-        return 1
+    if level in LEVELS:
+        return LEVELS[level]
     way_out = WAYS_OUT.get(level.lower(), "it has to be 0 or 1")
     at = at or f"{get_sim_time('ns'):.3f} ns"
     raise OutsideError(f"{signal._path} (line {name}) is {level.lower()} at {at}: {way_out}")

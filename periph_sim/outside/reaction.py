@@ -224,7 +224,7 @@ class Reaction(Agent):
     def _answer(self, tick: int) -> int:
         """The first tick at which a line that moves at `tick` is answered."""
         first = NEVER
-        for socket, chip in self._modules:
+        for _, chip in self._modules:
             if chip.master.active:
                 return tick
         for socket in self._listening:

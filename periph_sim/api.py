@@ -10,8 +10,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
-
+from .core.convert import BadTable
 from .core.settings import duration
 from .explain.bound.verdict_proof import prove_verdicts
 from .levels.judged import judged, refuse_record
@@ -36,7 +35,7 @@ def make_case(changes: Sequence[str] = (), **tables: Any) -> Case:
     source = Source(Path(f"make_case({tables.get('name', '')})"), "", places)
     try:
         return Case.model_validate(tree).from_source(source)
-    except ValidationError as error:
+    except BadTable as error:
         raise refusal(source, error, tree) from None
 
 

@@ -19,8 +19,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Annotated
 
-from pydantic import AfterValidator
-
+from periph_sim.core.convert import After
 from periph_sim.core.settings import Duration
 from periph_sim.firmware import start_i2c
 from periph_sim.processor.dsp import Dsp
@@ -65,7 +64,7 @@ def _readable(transfer: str) -> str:
 class Settings:
     """What a case may change."""
 
-    script: tuple[Annotated[str, AfterValidator(_readable)], ...] = ("50 W 00 Sr 50 R 6",)
+    script: tuple[Annotated[str, After(_readable)], ...] = ("50 W 00 Sr 50 R 6",)
     pauses: tuple[Duration, ...] = ()
     low: int = 45  # I2CCLKL: with 10 MHz and d = 5 the bus runs at 100 kHz
     high: int = 45

@@ -15,8 +15,8 @@ from struct import Struct
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import AfterValidator, BeforeValidator, InstanceOf
 
+from periph_sim.core.convert import After, Before
 from periph_sim.core.settings import DurationRange, Spread
 from periph_sim.scene.case.sensor_sets import named as parameter_set
 from periph_sim.sensors.host_frame import ACCELERATION, ANGLE
@@ -46,8 +46,8 @@ def _parameters(value: object) -> object:
     return parameter_set(value) if isinstance(value, str) else value
 
 
-ArithmeticName = Annotated[str, AfterValidator(_known)]
-ParameterFile = Annotated[InstanceOf[ImuParameters], BeforeValidator(_parameters)]
+ArithmeticName = Annotated[str, After(_known)]
+ParameterFile = Annotated[ImuParameters, Before(_parameters)]
 
 
 @dataclass

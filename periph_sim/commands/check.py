@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
+import msgspec
 
 from ..reports.baselines import CaseCheck, RejectedCase
 from ..reports.baselines import check as checked
@@ -131,7 +132,7 @@ def _object(checks: list[CaseCheck], refused: list[RejectedCase], passed: bool) 
                 "findings": [asdict(finding) for finding in one.findings],
                 "causes": {name: as_json(chain) for name, chain in one.causes.items()},
                 "changes": [asdict(change) for change in one.changes],
-                "figures": one.outcome.figures.model_dump(),
+                "figures": msgspec.to_builtins(one.outcome.figures),
             }
             for one in checks
         ],

@@ -12,8 +12,9 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer
+from msgspec import Meta
 
+from .convert import Before
 from .time import UNITS as TIMES
 from .time import TimeError, seconds
 
@@ -122,32 +123,18 @@ def hex_bytes(value: object) -> bytes:
 
 def _said(pattern: str, *examples: str) -> Any:
     """What a text in a file looks like, for the schema that editors read; checking is the validator's."""
-    return Annotated[str, Field(pattern=pattern, examples=[*examples])]
+    return Annotated[str, Meta(pattern=pattern, examples=[*examples])]
 
 
 _TIME = rf"\s*[-+0-9._eE/]+\s*({'|'.join(TIMES)}|[\u00b5\u03bc]s)\s*"
 DURATION_TEXT = _said(f"^{_TIME}$", "250 us", "1.5 ms")
 _RANGE = _said(f"^{_TIME}( to {_TIME})?$", "240 us to 260 us")
 _FREQUENCY = _said(rf"^\s*[-+0-9._eE/]+ ({'|'.join(HERTZ)})\s*$", "100 kHz")
-_BYTES = _said(r"^[0-9a-fA-F\s]*$", "1d 00 ff") | list[Annotated[int, Field(ge=0, le=255)]]
+_BYTES = _said(r"^[0-9a-fA-F\s]*$", "1d 00 ff") | list[Annotated[int, Meta(ge=0, le=255)]]
 _SHARE = _said(r"^\s*[-+0-9._eE/]+\s*%\s*$", "90 %")
 
-Duration = Annotated[Fraction, BeforeValidator(duration, json_schema_input_type=DURATION_TEXT), PlainSerializer(str)]
-DurationRange = Annotated[Spread, BeforeValidator(spread, json_schema_input_type=_RANGE), PlainSerializer(str)]
-Frequency = Annotated[Fraction, BeforeValidator(frequency, json_schema_input_type=_FREQUENCY), PlainSerializer(str)]
-HexBytes = Annotated[
-    bytes, BeforeValidator(hex_bytes, json_schema_input_type=_BYTES), PlainSerializer(lambda b: b.hex(" "))
-]
-Share = Annotated[
-    Fraction,
-    BeforeValidator(share, json_schema_input_type=_SHARE),
-    PlainSerializer(lambda part: f"{float(100 * part):g} %"),
-]
-
-
-# Checks of a table are made at its first use: most tables are only parts of a case, whose own checks hold theirs.
-STRICT = ConfigDict(extra="forbid", arbitrary_types_allowed=True, frozen=True, defer_build=True)
-
-
-class Table(BaseModel):
-    model_config = STRICT
+Duration = Annotated[Fraction, Before(duration, DURATION_TEXT)]
+DurationRange = Annotated[Spread, Before(spread, _RANGE)]
+Frequency = Annotated[Fraction, Before(frequency, _FREQUENCY)]
+HexBytes = Annotated[bytes, Before(hex_bytes, _BYTES)]
+Share = Annotated[Fraction, Before(share, _SHARE)]

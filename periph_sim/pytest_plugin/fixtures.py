@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from pydantic import ValidationError
 
+from ..core.convert import BadTable
 from ..core.settings import duration
 from ..core.suggest import did_you_mean
 from ..scene.case.error_text import explain
@@ -137,6 +137,6 @@ def _of_function(
     source = Source(Path(f"scene({name})"), "", places)
     try:
         case = Case.model_validate(tree).from_source(source)
-    except ValidationError as error:
+    except BadTable as error:
         raise BadCase(explain(source, error)) from None
     return Plan(case, length, {UNIT: Firmware(name, lambda dsp, _: program(dsp, settings), None)})

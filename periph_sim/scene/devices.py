@@ -9,8 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from random import Random
 
-from pydantic import ValidationError
-
 from ..bus.held_line import HeldLine
 from ..bus.i2c.disturbed_target import (
     Answers,
@@ -26,14 +24,14 @@ from ..bus.i2c.disturbed_target import (
 )
 from ..bus.i2c.target_side import TargetSide
 from ..core.chip import Note
+from ..core.convert import BadTable, keys_of
 from ..core.records import Kind
-from ..core.settings import Table
 from ..core.suggest import did_you_mean
+from ..core.table import Table
 from ..core.wire import Wire
 from ..devices.targets import BadDevice, Target, TargetContext, families
 from .case.device_tables import BusParty, DeviceTable, Strikes
-from .case.error_text import complaint, place_of
-from .case.origin import Place as Key
+from .case.error_text import complaint
 from .context import SceneContext
 
 ACCESS = {"read": 1, "write": 0, "any": None}
@@ -183,32 +181,14 @@ def _settings(context: SceneContext, name: str, kind: type[Table], table: Device
     """The keys that are the model's own, checked."""
     try:
         return kind.model_validate(table.own)
-    except ValidationError as error:
-        first = error.errors()[0]
-        place = place_of(first)
-        if first["type"] == "extra_forbidden":
-            known = keys_at(kind, place[:-1]) + ([] if len(place) > 1 else keys_at(DeviceTable, ()))
-            what = f"a {table.model} has no such key; {did_you_mean(str(place[-1]), known)}"
-        else:
+    except BadTable as error:
+        first = error.first
+        if first.known is None:
             what = complaint(first)
-        raise context.case.mistake(what, "device", name, *place) from None
-
-
-def keys_at(kind: type[Table], place: Key) -> list[str]:
-    """The keys that a table, or a table inside it at this place, may have."""
-    for part in place:
-        if isinstance(part, str):
-            field = next((one for key, one in kind.model_fields.items() if part in (key, one.alias)), None)
-            kind = _table_in(None if field is None else field.annotation) or kind
-    return [field.alias or key for key, field in kind.model_fields.items()]
-
-
-def _table_in(annotation: object) -> type[Table] | None:
-    """The table that a field's type names: itself, or a part of it."""
-    if isinstance(annotation, type) and issubclass(annotation, Table):
-        return annotation
-    parts = (_table_in(part) for part in getattr(annotation, "__args__", ()))
-    return next((part for part in parts if part is not None), None)
+        else:
+            known = first.known + (() if len(first.place) > 1 else tuple(keys_of(DeviceTable)))
+            what = f"a {table.model} has no such key; {did_you_mean(str(first.place[-1]), known)}"
+        raise context.case.mistake(what, "device", name, *first.place) from None
 
 
 def _wire(known: Mapping[str, Wire], name: str) -> Wire:

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Hashable
+from collections.abc import Callable
 from dataclasses import is_dataclass
-from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from msgspec import Struct
-from pydantic import TypeAdapter, ValidationError
 
+from ..core.convert import BadTable, convert
 from ..core.suggest import did_you_mean
 from ..processor.error_origin import Misuse, defined_at, flaw_of
-from .case.error_text import complaint, place_of
+from .case.error_text import complaint
 from .firmware_files import is_shipped, module_of_file, shipped_module, shipped_names, why_not_imported
 
 if TYPE_CHECKING:
@@ -119,16 +118,13 @@ def computed_by(settings: object) -> Computed | None:
 
 def filled(kind: type[T], given: dict[str, object], who: str) -> T:
     """A dataclass with the given values. BadSetting naming the setting otherwise. who: in messages."""
-    known, adapter = _settings_of(cast(Hashable, kind))
-    for name in given:
-        if name not in known:
-            raise BadSetting(f"{who} has no setting {name!r}; {did_you_mean(name, known)}", name)
     try:
-        made: T = adapter.validate_python(given)
-        return made
-    except ValidationError as error:
-        first = error.errors()[0]
-        name, *inside = map(str, place_of(first)) if first["loc"] else [""]
+        return convert(kind, given)
+    except BadTable as error:
+        first = error.first
+        name, *inside = map(str, first.place) if first.place else [""]
+        if first.known is not None and not inside:
+            raise BadSetting(f"{who} has no setting {name!r}; {did_you_mean(name, first.known)}", name) from None
         place = ".".join(inside) + ": " if any(not part.isdecimal() for part in inside) else ""
         raise BadSetting(f"{place}{complaint(first)}", name) from None
 
@@ -148,9 +144,3 @@ def shared(kind: type[T], given: dict[str, object], who: str) -> T:
             _shared.clear()
         made = _shared[key] = filled(kind, given, who)
     return cast(T, made)
-
-
-@lru_cache(maxsize=64)  # of a file that is loaded again the class is a new one
-def _settings_of(kind: Any) -> tuple[tuple[str, ...], TypeAdapter[Any]]:
-    """The names of a dataclass's settings, and what checks them, which costs as much as the rest of a small scene."""
-    return tuple(inspect.signature(kind).parameters), TypeAdapter(kind)

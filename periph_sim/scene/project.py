@@ -17,11 +17,11 @@ import tomllib
 from pathlib import Path
 from typing import Annotated
 
-from msgspec import Struct
-from pydantic import ConfigDict, Field, ValidationError
+from msgspec import Meta, Struct
 
-from ..core.settings import Table
+from ..core.convert import BadTable
 from ..core.suggest import did_you_mean
+from ..core.table import Table
 from .case.discover import is_searched
 from .case.error_text import complaint
 from .case.model import BadCase
@@ -31,16 +31,14 @@ FILE = "pyproject.toml"
 KEYS = ("tool", "periph-sim")
 
 
-class Settings(Table):
+class Settings(Table, frozen=True, kw_only=True):
     """The table `[tool.periph-sim]`."""
-
-    model_config = ConfigDict(strict=True)
 
     cases: list[str] = []
     baselines: str | None = None
     guaranteed: bool = False
-    jobs: Annotated[int, Field(ge=1)] | None = None
-    tolerance: Annotated[int, Field(ge=0)] = 0
+    jobs: Annotated[int, Meta(ge=1)] | None = None
+    tolerance: Annotated[int, Meta(ge=0)] = 0
 
 
 NOTHING = Settings()
@@ -114,15 +112,15 @@ def _settings(file: Path) -> Settings | None:
         return None
     try:
         return Settings.model_validate(table)
-    except ValidationError as error:
+    except BadTable as error:
         raise BadCase(_sentence(Source(_near(file), text), error)) from None
 
 
-def _sentence(source: Source, error: ValidationError) -> str:
-    first = error.errors()[0]
-    place = (*KEYS, *first["loc"])
-    if first["type"] == "extra_forbidden":
-        known = did_you_mean(str(place[-1]), Settings.model_fields)
+def _sentence(source: Source, error: BadTable) -> str:
+    first = error.first
+    place = (*KEYS, *first.place)
+    if first.known is not None:
+        known = did_you_mean(str(place[-1]), first.known)
         return f"{source.where(place)}: there is no key {'.'.join(map(str, place))!r}; {known}"
     return f"{source.where(place)}: {'.'.join(map(str, place))}: {complaint(first)}"
 

@@ -5,12 +5,15 @@ What their measures mean, `budgets.py` knows.
 
 from __future__ import annotations
 
+from collections.abc import Set
 from fractions import Fraction
-from typing import Annotated, Self
+from typing import Annotated
 
-from pydantic import BaseModel, BeforeValidator, Field, model_validator
+from msgspec import field
 
-from ..core.settings import STRICT, Duration, Share, Table
+from ..core.convert import Before
+from ..core.settings import Duration, Share
+from ..core.table import Table
 
 
 def _limit(value: object) -> object:
@@ -19,24 +22,20 @@ def _limit(value: object) -> object:
     return value
 
 
-Extent = Annotated[str | int, BeforeValidator(_limit)]
+Extent = Annotated[str | int, Before(_limit)]
 
 SPAN = "span:"  # measures of a name: "span:models"
 REPLY = "reply:"
 LIMITS = ("max", "min", "exactly", "p50", "p95", "p99", "p99_9")  # keys of a budget
 
 
-class Limited(BaseModel):
+class Limited(Table, frozen=True, kw_only=True):
     """Limits on a measure: durations with their unit, "40 %" of the time, "2 LSB", whole numbers for counts."""
 
-    model_config = STRICT
-
-    @model_validator(mode="after")
-    def _has_a_limit(self) -> Self:
+    def check_together(self, given: Set[str]) -> None:
         if not self.limits():
-            keys = [key for key in LIMITS if key in type(self).model_fields]
+            keys = [key for key in LIMITS if hasattr(self, key)]
             raise ValueError(f"a budget needs a limit: {', '.join(keys[:-1])} or {keys[-1]}")
-        return self
 
     def limits(self) -> dict[str, str | int]:
         """The limits that are given, by key."""
@@ -44,7 +43,7 @@ class Limited(BaseModel):
         return {key: limit for key, limit in given.items() if limit is not None}
 
 
-class Condition(Limited):
+class Condition(Limited, frozen=True, kw_only=True):
     """What must hold at the same occurrence as a budget's own measure."""
 
     measure: str
@@ -53,7 +52,7 @@ class Condition(Limited):
     exactly: Extent | None = None
 
 
-class Budget(Table, Limited):
+class Budget(Limited, frozen=True, kw_only=True):
     """p50 to p99_9: the most that 50 to 99.9 percent of the values may come to. after: what began sooner is left out.
 
     coverage: the part of all occasions that must have been measured; with less, the budget is not judged.
@@ -71,6 +70,6 @@ class Budget(Table, Limited):
     p99_9: Extent | None = None
     after: Duration | None = None
     coverage: Share = Fraction(9, 10)
-    also: tuple[Condition, ...] = Field(default=(), alias="and")
+    also: tuple[Condition, ...] = field(default=(), name="and")
     why: str = ""
     source: str = ""

@@ -5,14 +5,13 @@ from __future__ import annotations
 import re
 import tomllib
 from dataclasses import fields
-from typing import Annotated, Any
 
 import pytest
-from pydantic import TypeAdapter
 
 from periph_sim.bus.faults import kinds
 from periph_sim.bus.faults.when import When
-from periph_sim.core.settings import Table
+from periph_sim.core.convert import Mistake, keys_of
+from periph_sim.core.table import Table
 from periph_sim.devices.sensor_rounds import CHIPS
 from periph_sim.devices.targets import eeprom, families, registers, rtc
 from periph_sim.devices.targets.register_settings import Interrupt, RegisterTable, Sets
@@ -35,7 +34,7 @@ from periph_sim.scene.case.model import (
 from periph_sim.scene.case.serial import ExpectTable, SendTable, SerialTable
 from periph_sim.scene.case.transceiver import TransceiverTable
 from periph_sim.scene.case.wiring import Cable
-from periph_sim.timing.budget_schema import REPLY, SPAN, Budget
+from periph_sim.timing.budget_schema import REPLY, SPAN, Budget, Condition, Limited
 from periph_sim.timing.measures.registry import MEASURES, make
 from tests.docs.pages import ROOT
 
@@ -80,29 +79,30 @@ def rows(heading: str) -> list[list[str]]:
 @pytest.mark.parametrize("heading", TABLES)
 def test_every_key_with_its_default(heading: str):
     kind = TABLES[heading]
-    shared = {name for base in (BusParty, Strikes) if issubclass(kind, base) for name in base.model_fields}
-    names = sorted(kind.model_fields, key=lambda name: name in shared)  # its own ones first
-    fields = {kind.model_fields[name].alias or name: kind.model_fields[name] for name in names}
+    shared = {name for base in (BusParty, Strikes) if issubclass(kind, base) for name in keys_of(base)}
+    keys = keys_of(kind)
+    fields = {name: keys[name] for name in sorted(keys, key=lambda name: name in shared)}  # its own ones first
     shown = {key.strip("`"): default for key, _, default in rows(heading)}
     assert list(shown) == list(fields)
     for name, default in shown.items():
         about = fields[name]
         if default in ("required", "-"):
-            assert about.is_required() == (default == "required"), name
+            assert about.is_required == (default == "required"), name
             assert default == "required" or about.default in EMPTY, name
         else:
-            typed: Any = Annotated[about.annotation, *about.metadata] if about.metadata else about.annotation
             value = tomllib.loads(f"value = {default.strip('`')}")["value"]
-            assert TypeAdapter(typed).validate_python(value) == about.default, name
+            wrong: list[Mistake] = []
+            assert about.convert(value, (), wrong) == about.default and not wrong, name
 
 
 def test_every_table_of_the_model_has_a_section():
     modules = {
         kind.__module__ for kind in (Case, Cable, TransceiverTable, SerialTable, Budget, DeviceTable, RegisterTable)
     }
-    bases = (Table, BusParty, Strikes)
+    bases = (Table, BusParty, Strikes, Limited)
     kinds = {kind for base in bases for kind in base.__subclasses__() if kind.__module__ in modules}
-    assert kinds - {BusParty, Strikes, Sets} == {*TABLES.values(), Options} - {eeprom.Settings, rtc.Settings}
+    tables = {*TABLES.values(), Options} - {eeprom.Settings, rtc.Settings}
+    assert kinds - {BusParty, Strikes, Limited, Condition, Sets} == tables
 
 
 def test_every_family_of_devices_has_a_section():

@@ -150,6 +150,7 @@ DOORS = (
 OTHERS = (
     *("numpy", "click", "rich", "jinja2", "drawsvg", "pywellen", "pylibfst", "vcd", "zlib_ng", "matplotlib", "scipy"),
     *("ahrs", "distributed", "pytest", "hypothesis", "multiprocessing", "concurrent", "sqlite3", "asyncio"),
+    *("pydantic", "pydantic_core", "annotated_types"),
 )
 DATA = ("register_map", "_map", "pin_mux_table")  # ends of names: tables that words of a case are looked up in
 

@@ -116,8 +116,7 @@ def case_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         (
             'model_cost = "250 us"',
             'order = ["x"]',
-            "small.toml, line 9: unit.dsp.settings.order: "
-            "input should be a valid integer, unable to parse string as an integer, but it is 'x'",
+            "small.toml, line 9: unit.dsp.settings.order: expected a whole number, but it is 'x'",
         ),
         (
             "bcm_reset = 1",

@@ -69,7 +69,7 @@ def refusal(folder: Path, old: str, new: str) -> str:
         (
             MEMORY,
             f"{MEMORY}\naddress = 0x80",
-            "line 10: device.memory.address: input should be less than or equal to 127",
+            "line 10: device.memory.address: expected 0 to 127",
         ),
         (MEMORY, f"{MEMORY}\npages = 8", "line 10: device.memory.pages: a 24lc64 has no such key; did you mean page?"),
         (
@@ -81,7 +81,7 @@ def refusal(folder: Path, old: str, new: str) -> str:
         (
             MEMORY,
             'model = "24lc02"\npage = 0',
-            "line 10: device.memory.page: input should be greater than or equal to 1",
+            "line 10: device.memory.page: expected 1 to 256",
         ),
         (
             MEMORY,
@@ -124,9 +124,9 @@ def refusal(folder: Path, old: str, new: str) -> str:
         (
             "address = 0x48",
             "address = 0x48\nwrap = 'end'",
-            "line 14: device.adc.wrap: input should be 'pointer' or 'map', but it is 'end'",
+            "line 14: device.adc.wrap: expected 'pointer' or 'map', but it is 'end'",
         ),
-        (VALUE, "at = 0x02\nwidth = 12", "line 18: device.adc.register.0.width: input should be 8 or 16, but it is 12"),
+        (VALUE, "at = 0x02\nwidth = 12", "line 18: device.adc.register.0.width: expected 8 or 16, but it is 12"),
         (
             VALUE,
             "at = 0x01\nwidth = 16",
@@ -189,7 +189,7 @@ def refusal(folder: Path, old: str, new: str) -> str:
         (
             MEMORY,
             f"{MEMORY}\n[[device.memory.fault]]\nkind = 'dead'",
-            "line 11: device.memory.fault.0.kind: input should be 'nack', 'wrong', 'flip', 'hold' or 'off'",
+            "line 11: device.memory.fault.0.kind: expected 'nack', 'wrong', 'flip', 'hold' or 'off'",
         ),
         (
             MEMORY,

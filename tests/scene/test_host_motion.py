@@ -134,7 +134,7 @@ phi = "1 deg"
         (
             'phi = "1 deg"',
             'beyond = "clip"',
-            "small.toml, line 14: host.encoding.beyond: input should be 'refuse', 'saturate' or 'wrap', but it",
+            "small.toml, line 14: host.encoding.beyond: expected 'refuse', 'saturate' or 'wrap', but it",
         ),
     ],
 )

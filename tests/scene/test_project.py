@@ -89,12 +89,12 @@ def test_baselines_of_its_cases_stand_in_its_folder_and_those_of_others_beside_t
     ("text", "sentence"),
     [
         ("jbos = 2\n", "line 2: there is no key 'tool.periph-sim.jbos'; did you mean jobs?"),
-        ("\njobs = 0\n", "line 3: tool.periph-sim.jobs: input should be greater than or equal to 1, but it is 0"),
+        ("\njobs = 0\n", "line 3: tool.periph-sim.jobs: expected 1 or more, but it is 0"),
         (
             'guaranteed = "yes"\n',
-            "line 2: tool.periph-sim.guaranteed: input should be a valid boolean, but it is 'yes'",
+            "line 2: tool.periph-sim.guaranteed: expected true or false, but it is 'yes'",
         ),
-        ('cases = "timing"\n', "line 2: tool.periph-sim.cases: input should be a valid list, but it is 'timing'"),
+        ('cases = "timing"\n', "line 2: tool.periph-sim.cases: expected a list, but it is 'timing'"),
         ("jobs = \n", "it is not TOML: Invalid value (at line 2, column 8)"),
     ],
 )

@@ -7,12 +7,13 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim.core.convert import keys_of
 from periph_sim.core.options import _defaults
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.scene.case.load import load
 from periph_sim.scene.context import _exact_ticks
-from periph_sim.scene.firmware_loader import BadSetting, _settings_of, load_firmware, settings_for
+from periph_sim.scene.firmware_loader import BadSetting, load_firmware, settings_for
 from periph_sim.scene.host_motion import encoding_of
 from periph_sim.scene.scene import Scene
 from periph_sim.sensors.shared_models import model_of
@@ -25,7 +26,7 @@ LENGTH = Fraction(1, 100)
 SHARED = {
     "measures": measure_of,
     "events": event_of,
-    "settings": _settings_of,
+    "settings": keys_of,
     "lengths": _exact_ticks,
     "limits": _nearest_tick,
     "models": model_of,

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim.core.convert import keys_of
 from periph_sim.f28335.gpio.routes import routes_of
-from periph_sim.scene import firmware_files, firmware_loader
+from periph_sim.scene import firmware_files
 from periph_sim.scene.case import load as loading
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
@@ -18,7 +19,7 @@ from periph_sim.timing.language.language import measure_of
 
 SHARED = {
     "TOML": loading._tables,
-    "settings": firmware_loader._settings_of,
+    "settings": keys_of,
     "measures": measure_of,
     "routes": routes_of,
     "noise": noise._block_of,

@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Annotated
 
-from pydantic import BeforeValidator, Field
+from msgspec import Meta
 
+from ...core.convert import Before
 from ...core.settings import DURATION_TEXT
 from ...core.time import TimeError, seconds
 
@@ -39,9 +40,9 @@ def _above_zero(value: object) -> object:
     return length
 
 
-Time = Annotated[Fraction, BeforeValidator(_not_negative, json_schema_input_type=DURATION_TEXT)]
-Length = Annotated[Fraction, BeforeValidator(_above_zero, json_schema_input_type=DURATION_TEXT)]
-Count = Annotated[int, Field(ge=1)]
+Time = Annotated[Fraction, Before(_not_negative, DURATION_TEXT)]
+Length = Annotated[Fraction, Before(_above_zero, DURATION_TEXT)]
+Count = Annotated[int, Meta(ge=1)]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -23,7 +23,7 @@ from ...bus.i2c.target_side import Reply
 from ...core.chip import Note
 from ...core.discover import modules_with
 from ...core.kernel import Kernel
-from ...core.settings import Table
+from ...core.table import Table
 from ...core.wire import Wire
 
 

@@ -17,11 +17,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
-from pydantic import AfterValidator, BeforeValidator, Field
+from msgspec import Meta
 
 from ...bus.i2c.target_side import Stretches
 from ...core.chip import Note
-from ...core.settings import DurationRange, Spread, Table, duration, hex_bytes
+from ...core.convert import After, Before
+from ...core.settings import DurationRange, Spread, duration, hex_bytes
+from ...core.table import Table
 from . import BadDevice, TargetContext, address_among
 from .memory_image import IMAGES, image
 
@@ -80,11 +82,11 @@ def _contents(value: object) -> object:
         raise ValueError(f"{error}, or name a file: {', '.join(IMAGES)}") from None
 
 
-class Settings(Table):
+class Settings(Table, frozen=True, kw_only=True):
     """contents: from address 0 on, the rest is 0xFF. write_protect: or the wire that is high while it is so."""
 
-    contents: Annotated[bytes | Path, BeforeValidator(_contents, json_schema_input_type=str | list[int])] = b""
-    page: Annotated[int, Field(ge=1, le=256), AfterValidator(_power_of_two)] | None = None
+    contents: Annotated[bytes | Path, Before(_contents, str | list[int])] = b""
+    page: Annotated[int, Meta(ge=1, le=256), After(_power_of_two)] | None = None
     write_time: DurationRange = Spread(duration("5 ms"), duration("5 ms"))
     write_protect: bool | str = False
 

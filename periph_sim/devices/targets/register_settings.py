@@ -2,34 +2,36 @@
 
 from __future__ import annotations
 
+from collections.abc import Set
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from msgspec import Meta, field
 
-from ...core.settings import Duration, Table
+from ...core.settings import Duration
+from ...core.table import Table
 
-Bits = Annotated[int, Field(ge=0, le=0xFFFF)]
-Pointer = Annotated[int, Field(ge=0, le=0xFFFF)]
+Bits = Annotated[int, Meta(ge=0, le=0xFFFF)]
+Pointer = Annotated[int, Meta(ge=0, le=0xFFFF)]
 Mask = bool | Bits  # true: all bits
 
 
-class Sets(Table):
+class Sets(Table, frozen=True, kw_only=True):
     """bits: set in another register with every update, such as a data-ready flag."""
 
-    register_name: Annotated[str, Field(alias="register")]
+    register_name: str = field(name="register")
     bits: Bits
 
 
-class Interrupt(Table):
+class Interrupt(Table, frozen=True, kw_only=True):
     """A pin that is active while any of these bits of a register is set. wire: as a unit's `pins` call it."""
 
     wire: str
-    register_name: Annotated[str, Field(alias="register")]
+    register_name: str = field(name="register")
     bits: Bits = 0xFFFF
     active: Literal["low", "high"] = "low"
 
 
-class RegisterTable(Table):
+class RegisterTable(Table, frozen=True, kw_only=True):
     """at: the pointer of its first byte. read_only, write_1_clears, read_clears: bits, or true for all.
 
     What changes it from inside: updates (times and values, or the path of a .csv file), or every `every` from `first`
@@ -59,10 +61,9 @@ class RegisterTable(Table):
         """Bits as a number, true as all of the register's."""
         return self.full if bits is True else int(bits)
 
-    @model_validator(mode="after")
-    def _fits(self) -> RegisterTable:
-        given = {name: getattr(self, name) for name in ("reset", "read_only", "write_1_clears", "read_clears")}
-        for name, value in given.items():
+    def check_together(self, given: Set[str]) -> None:
+        limited = {name: getattr(self, name) for name in ("reset", "read_only", "write_1_clears", "read_clears")}
+        for name, value in limited.items():
             if value > self.full:
                 raise ValueError(
                     f"{name} of {self.name} is {value:#x}, but a register of {self.width} bits ends at {self.full:#x}"
@@ -83,17 +84,16 @@ class RegisterTable(Table):
             raise ValueError(f"{self.name}: first belongs to every; give every, or leave it out")
         if self.every == 0:
             raise ValueError(f"{self.name}: every must be longer than 0")
-        return self
 
 
-class Settings(Table):
+class Settings(Table, frozen=True, kw_only=True):
     """registers: the map. pointer_counts: what one step of the pointer is. wrap: where the pointer goes back."""
 
-    registers: Annotated[tuple[RegisterTable, ...], Field(alias="register", min_length=1)]
+    registers: Annotated[tuple[RegisterTable, ...], Meta(min_length=1)] = field(name="register")
     pointer_bytes: Literal[1, 2] = 1
     pointer_counts: Literal["bytes", "registers"] = "bytes"
     byte_order: Literal["big", "little"] = "big"
     auto_increment: bool = True
     wrap: Literal["pointer", "map"] = "pointer"
-    unmapped: Annotated[int, Field(ge=0, le=0xFF)] = 0
+    unmapped: Annotated[int, Meta(ge=0, le=0xFF)] = 0
     interrupt: Interrupt | None = None

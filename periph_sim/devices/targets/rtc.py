@@ -17,11 +17,13 @@ from __future__ import annotations
 from datetime import datetime, timedelta
 from typing import Annotated, NamedTuple
 
-from pydantic import AfterValidator, Field
+from msgspec import Meta
 
 from ...bus.i2c.target_side import Stretches
 from ...core.chip import Note
-from ...core.settings import DurationRange, Spread, Table, duration
+from ...core.convert import After
+from ...core.settings import DurationRange, Spread, duration
+from ...core.table import Table
 from . import BadDevice, TargetContext, address_among
 from .calendar_registers import BadTime, CalendarTime, registers_of, time_in
 
@@ -42,14 +44,14 @@ def _plain(value: datetime | None) -> datetime | None:
     return value
 
 
-class Settings(Table):
+class Settings(Table, frozen=True, kw_only=True):
     """time: as the run begins; none: it stands still until it is set, as after all supplies were gone.
 
     ppm: of its crystal. battery: it runs on while its supply is off.
     """
 
-    time: Annotated[datetime | None, AfterValidator(_plain)] = None
-    ppm: Annotated[int, Field(ge=-1000, le=1000)] = 0
+    time: Annotated[datetime | None, After(_plain)] = None
+    ppm: Annotated[int, Meta(ge=-1000, le=1000)] = 0
     battery: bool = True
     write_time: DurationRange = Spread(duration("10 ms"), duration("10 ms"))
 

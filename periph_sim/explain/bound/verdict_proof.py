@@ -99,7 +99,8 @@ def _key(case: Case, firmware: Mapping[str, Firmware]) -> tuple[object, ...]:
     """All that bounds depend on: the case but for its budgets, programs, and the texts of their sources."""
     mains = tuple((name, one.main) for name, one in sorted(firmware.items()))
     files = sorted({path for _, main in mains for path in Program(main).modules})
-    return (repr(case.model_dump(exclude=APART)), mains, tuple((path, Path(path).read_bytes()) for path in files))
+    said = repr({key: value for key, value in case.model_dump().items() if key not in APART})
+    return (said, mains, tuple((path, Path(path).read_bytes()) for path in files))
 
 
 def _bounds_of(case: Case, firmware: Mapping[str, Firmware]) -> Found:

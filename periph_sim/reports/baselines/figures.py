@@ -12,16 +12,12 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict
+from ...core.table import Table
 
 SCHEMA: Literal[1] = 1  # of the file; another one is refused
 
 
-class Strict(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
-
-
-class Figures(Strict):
+class Figures(Table, frozen=True, kw_only=True):
     """Of one budget. unit: "time" (ticks) or what is counted. None: nothing was measured, or it has no instant.
 
     chain: the worst occurrence, an event a line: "TICKS EVENT", TICKS from its begin (see `chain`).
@@ -38,7 +34,7 @@ class Figures(Strict):
     chain: list[str]
 
 
-class Baseline(Strict):
+class Baseline(Table, frozen=True, kw_only=True):
     """Of one case. counts: everything else of a run that is counted.
 
     digest: of the times of all events that chains are made of (see `event_digest`); "" in files of an earlier version.

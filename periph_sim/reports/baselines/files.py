@@ -10,8 +10,10 @@ from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
 
-from pydantic import ValidationError
+import msgspec
 
+from ...core.convert import BadTable
+from ...scene.case.error_text import complaint
 from ...scene.project import project_of
 from ...traces.capture.capture import BadCapture
 from ...traces.formats.atomic_write import atomic_write
@@ -28,7 +30,7 @@ def path_for(case: Path) -> Path:
 
 def text_of(baseline: Baseline) -> str:
     """What stands in the file: JSON, keys sorted, a figure a line."""
-    return json.dumps(baseline.model_dump(), indent=2, sort_keys=True, ensure_ascii=False) + "\n"
+    return json.dumps(msgspec.to_builtins(baseline), indent=2, sort_keys=True, ensure_ascii=False) + "\n"
 
 
 def read(path: Path) -> Baseline | None:
@@ -51,11 +53,10 @@ def read(path: Path) -> Baseline | None:
             f"wrote it; compare with that version, or {RENEW}"
         )
     try:
-        return Baseline.model_validate_json(data)
-    except ValidationError as error:
-        first = error.errors()[0]
-        key = ".".join(str(part) for part in first["loc"])
-        raise BadCheck(f"{path}: {key}: {first['msg'].lower()}; {RENEW}") from None
+        return Baseline.model_validate(tree)
+    except BadTable as error:
+        key = ".".join(str(part) for part in error.first.place)
+        raise BadCheck(f"{path}: {key}: {complaint(error.first)}; {RENEW}") from None
 
 
 RENEW = "write it anew with --update-baseline"

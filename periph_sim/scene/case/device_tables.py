@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Set
 from fractions import Fraction
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, ConfigDict, Field, model_validator
+from msgspec import Meta
 
-from ...core.settings import Duration, DurationRange, Share, Table
+from ...core.convert import Before
+from ...core.settings import Duration, DurationRange, Share
+from ...core.table import Table
 from .scalars import Address, Byte, Length
 
-ByteNumber = Annotated[int, Field(ge=0)]
-PhaseNumber = Annotated[int, Field(ge=1)]
+ByteNumber = Annotated[int, Meta(ge=0)]
+PhaseNumber = Annotated[int, Meta(ge=1)]
 Access = Literal["read", "write", "any"]
 
 
-class Strikes(Table):
+class Strikes(Table, frozen=True, kw_only=True):
     """Which bytes a stretch or a fault strikes, and from when to when."""
 
     bytes: tuple[ByteNumber, ...] = ()
@@ -26,7 +29,7 @@ class Strikes(Table):
     until: Duration | None = None
 
 
-class StretchTable(Strikes):
+class StretchTable(Strikes, frozen=True, kw_only=True):
     """Which bytes are stretched, and for how long. A text is a length alone: each byte, the address too."""
 
     length: DurationRange
@@ -36,26 +39,25 @@ def _length_alone(value: object) -> object:
     return {"length": value} if isinstance(value, str) else value
 
 
-STRETCH = Annotated[StretchTable, BeforeValidator(_length_alone, json_schema_input_type=DurationRange | StretchTable)]
+STRETCH = Annotated[StretchTable, Before(_length_alone, DurationRange | StretchTable)]
 OWN = {"nack": (), "wrong": ("value",), "flip": ("bit",), "hold": ("length", "clocks"), "off": ()}
 WHICH_BYTES = ("bytes", "access", "phases", "share")  # an outage strikes them all
 
 
-class DeviceFault(Strikes):
+class DeviceFault(Strikes, frozen=True, kw_only=True):
     """A way in which a device is faulty: `kind`, when, and the keys of that kind."""
 
     kind: Literal["nack", "wrong", "flip", "hold", "off"]
     value: Byte | None = None
-    bit: Annotated[int, Field(ge=0, le=7)] | None = None
+    bit: Annotated[int, Meta(ge=0, le=7)] | None = None
     length: Length | None = None
-    clocks: Annotated[int, Field(ge=1)] | None = None
+    clocks: Annotated[int, Meta(ge=1)] | None = None
 
-    @model_validator(mode="after")
-    def _keys_of_its_kind(self) -> DeviceFault:
+    def check_together(self, given: Set[str]) -> None:
         others = {key for kind, keys in OWN.items() for key in keys} - set(OWN[self.kind])
         if self.kind == "off":
             others |= set(WHICH_BYTES)
-        foreign = sorted(others & self.model_fields_set)
+        foreign = sorted(others & given)
         if foreign:
             raise ValueError(f"a fault of kind {self.kind!r} has no {' and no '.join(foreign)}; leave it out")
         if self.kind == "wrong" and self.value is None:
@@ -66,10 +68,9 @@ class DeviceFault(Strikes):
             raise ValueError(f"a fault of kind {self.kind!r} is about bytes that the device sends, 1 and up of a read")
         if self.until is not None and self.until <= self.after:
             raise ValueError("until comes before after, so nothing would happen; make it later")
-        return self
 
 
-class BusParty(Table):
+class BusParty(Table, frozen=True, kw_only=True):
     """What every target on SDA and SCL may be given. output_delay: UM10204 section 3.1.1, hold time of its own SDA."""
 
     output_delay: Length = Fraction(300, 10**9)
@@ -77,15 +78,11 @@ class BusParty(Table):
     fault: tuple[DeviceFault, ...] = ()
 
 
-class DeviceTable(BusParty):
+class DeviceTable(BusParty, frozen=True, kw_only=True):
     """A device of `devices.targets`, or of a Python file. Its model has keys of its own, which stand beside these."""
 
-    model_config = ConfigDict(extra="allow", arbitrary_types_allowed=True, frozen=True)
+    OTHERS = "own"
 
     model: str
     address: Address | None = None
-
-    @property
-    def own(self) -> dict[str, Any]:
-        """The keys that are its model's."""
-        return dict(self.model_extra or {})
+    own: dict[str, Any] = {}  # the keys that are its model's

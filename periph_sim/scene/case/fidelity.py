@@ -13,8 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, get_args
 
-from pydantic import BeforeValidator
-
+from ...core.convert import Before
 from ...core.suggest import did_you_mean
 from .wiring import SciLines, Wiring, sci_lines, sci_named
 
@@ -52,7 +51,7 @@ def _flat(table: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, obj
             yield f"{before}{name}", level
 
 
-Fidelity: TypeAlias = Annotated[Level | dict[str, BusLevel | dict[str, BusLevel]], BeforeValidator(_checked)]
+Fidelity: TypeAlias = Annotated[Level | dict[str, BusLevel | dict[str, BusLevel]], Before(_checked)]
 
 
 @dataclass(frozen=True)

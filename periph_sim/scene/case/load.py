@@ -7,8 +7,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
-
+from ...core.convert import BadTable
 from ...core.suggest import did_you_mean
 from .error_text import explain
 from .model import BadCase, Case
@@ -29,7 +28,7 @@ def load(path: Path | str, changes: list[str] | None = None) -> Case:
     source = Source(path, text, tuple((change, apply(tree, change)) for change in changes or []))
     try:
         return _located(Case.model_validate(tree), path.parent).from_source(source)
-    except ValidationError as error:
+    except BadTable as error:
         raise refusal(source, error, tree) from None
 
 
@@ -38,13 +37,13 @@ def case_of(tree: dict[str, Any], path: Path) -> Case:
     source = Source(path, "")
     try:
         return _located(Case.model_validate(_copy(tree)), path.parent).from_source(source)
-    except ValidationError as error:
+    except BadTable as error:
         raise refusal(source, error, tree) from None
 
 
-def refusal(source: Source, error: ValidationError, tree: object) -> BadCase:
+def refusal(source: Source, error: BadTable, tree: object) -> BadCase:
     """What is wrong with a case, as an error to raise."""
-    kind = UnknownKey if any(one["type"] == "extra_forbidden" for one in error.errors()) else BadCase
+    kind = BadCase if error.first.known is None else UnknownKey
     return kind(explain(source, error, tree))
 
 

@@ -5,20 +5,17 @@ The tables of a case file are the classes below; a key that none of them has is 
 
 from __future__ import annotations
 
+from collections.abc import Set
 from fractions import Fraction
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, Literal
 
-from pydantic import (
-    AfterValidator,
-    Field,
-    PrivateAttr,
-    ValidationInfo,
-    model_validator,
-)
+from msgspec import Meta, field
 
-from ...core.settings import Duration, HexBytes, Table
+from ...core.convert import BadTable, Mistake, convert
+from ...core.settings import Duration, HexBytes
 from ...core.suggest import did_you_mean
+from ...core.table import Table
 from ...f28335.cpu.compiled_code_costs import CodeCosts
 from ...timing.budget_schema import Budget
 from .device_tables import BusParty, DeviceTable
@@ -51,7 +48,7 @@ class BadCase(ValueError):
 COMPILED = CodeCosts()
 
 
-class Options(Table):
+class Options(Table, frozen=True, kw_only=True):
     """Answers to open questions; names and values as `periph-sim regs --options` lists them."""
 
     i2c: dict[str, Answer] = {}
@@ -59,7 +56,7 @@ class Options(Table):
     system: dict[str, Answer] = {}
 
 
-class Code(Table):
+class Code(Table, frozen=True, kw_only=True):
     """What compiled code costs besides accesses and computations, in cycles; the defaults are counted in images."""
 
     between_accesses: CodeCycles = COMPILED.between_accesses
@@ -68,15 +65,15 @@ class Code(Table):
     isr_epilogue: CodeCycles = COMPILED.isr_epilogue
 
 
-class StubTable(Table):
+class StubTable(Table, frozen=True, kw_only=True):
     """What a register that nothing models answers, from the start or from a time on. register: its name or address."""
 
-    register_: str | int = Field(alias="register")
-    value: Annotated[int, Field(ge=0, le=0xFFFF)]
+    register_: str | int = field(name="register")
+    value: Annotated[int, Meta(ge=0, le=0xFFFF)]
     after: Duration = Fraction(0)
 
 
-class Unit(Table):
+class Unit(Table, frozen=True, kw_only=True):
     """One F28335. pins: names for GPIO pins to be watched; wires of SDA, SCL, RX, TX are connected by themselves.
 
     Either firmware, a Python program, or image, a linker's .out file or assembly (.asm). boot: where an image begins.
@@ -91,55 +88,51 @@ class Unit(Table):
     settings: dict[str, object] = {}
     modules: tuple[str, ...]
     oscclk: Crystal = Fraction(30_000_000)
-    pll: Annotated[int, Field(ge=1, le=10)] = 10
+    pll: Annotated[int, Meta(ge=1, le=10)] = 10
     ppm: Ppm = Fraction(0)
     from_boot: bool = False
     skip_polls: bool = True
-    pins: dict[str, Annotated[int, Field(ge=0, le=87)]] = {}
+    pins: dict[str, Annotated[int, Meta(ge=0, le=87)]] = {}
     code: Code = Code()
     options: Options = Options()
 
-    @model_validator(mode="after")
-    def _one_program(self) -> Unit:
+    def check_together(self, given: Set[str]) -> None:
         if not self.firmware and not self.image:
             raise ValueError("a unit needs a program; give firmware, or image")
         if self.firmware and self.image:
             raise ValueError("a unit has one program; give firmware or image, not both")
         if self.memory and not self.image:
             raise ValueError("memory is of an image's variables; settings are what Python firmware takes")
-        said = sorted(self.model_fields_set & {"settings", "code", "pll", "from_boot", "skip_polls"})
+        said = sorted({"settings", "code", "pll", "from_boot", "skip_polls"} & given)
         if self.image and said:
             raise ValueError(f"{said[0]} is of Python firmware; an image says that by itself, so leave it out")
-        said = sorted(self.model_fields_set & {"boot", "stub"})
+        said = sorted({"boot", "stub"} & given)
         if self.firmware and said:
             raise ValueError(f"{said[0]} is of an image; Python firmware begins at main, so leave it out")
-        return self
 
 
-class RequestTable(Table):
+class RequestTable(Table, frozen=True, kw_only=True):
     """One request of a round: `chip` names a known sensor, or address, pointer and count are given."""
 
     chip: str | None = None
     name: str | None = None
     address: Address | None = None
     pointer: Byte | None = None
-    count: Annotated[int, Field(ge=0, le=65535)] = 6
+    count: Annotated[int, Meta(ge=0, le=65535)] = 6
     write: HexBytes = b""
     expect: HexBytes | None = None
 
-    @model_validator(mode="after")
-    def _one_or_the_other(self) -> RequestTable:
+    def check_together(self, given: Set[str]) -> None:
         if (self.chip is None) == (self.address is None):
             raise ValueError("a request needs either chip or address")
-        said = sorted(self.model_fields_set & {"pointer", "count", "write"})
+        said = sorted({"pointer", "count", "write"} & given)
         if self.chip is not None and said:
             raise ValueError(f"chip says {' and '.join(said)} already; leave that out or give address instead of chip")
         if self.expect is not None and len(self.expect) != self.count:
             raise ValueError(f"expect has {len(self.expect)} bytes, but count is {self.count}")
-        return self
 
 
-class Controller(Table):
+class Controller(Table, frozen=True, kw_only=True):
     """The sensor head, or any other I2C controller that asks in rounds. ppm: error of the clock of all its times."""
 
     rate: BusRate = Fraction(100_000)
@@ -152,7 +145,7 @@ class Controller(Table):
     period: Length = Fraction(20, 1000)
     jitter: Duration = Fraction(0)
     gap: Duration = Fraction(50, 10**6)
-    rounds: Annotated[int, Field(ge=1)] | None = None
+    rounds: Annotated[int, Meta(ge=1)] | None = None
     pointer_by: Literal["repeated START", "STOP"] = "repeated START"
     order: tuple[str, ...] = ()
     request: tuple[RequestTable, ...] = ()
@@ -162,14 +155,13 @@ class Controller(Table):
     stuck_after: Length = Fraction(25, 1000)
     clear_after: Length | None = None  # else the bus is never cleared
 
-    @model_validator(mode="after")
-    def _in_order(self) -> Controller:
+    def check_together(self, given: Set[str]) -> None:
         if self.initialise is not None and self.initialise > self.first:
             raise ValueError("initialise is longer than first, so it would begin before the run; make first later")
-        return _begins_in_order(self)
+        _begins_in_order(self)
 
 
-class RoundsTable(Table):
+class RoundsTable(Table, frozen=True, kw_only=True):
     """What a unit, or a capture, asks as master, so that measures of rounds know its rounds on the bus."""
 
     order: tuple[str, ...] = ()
@@ -180,7 +172,7 @@ class RoundsTable(Table):
     stuck_after: Length = Fraction(25, 1000)
 
 
-class ValueTable(Table):
+class ValueTable(Table, frozen=True, kw_only=True):
     """What a chip feels. rows: a time and x, y, z, held until the next row. ramp: the numbers of the host's frames."""
 
     fixed: Axes | None = None
@@ -190,16 +182,14 @@ class ValueTable(Table):
     period: Length = Fraction(20, 1000)
     unit: Literal["physical", "LSB"] = "physical"
 
-    @model_validator(mode="after")
-    def _one_kind(self) -> ValueTable:
+    def check_together(self, given: Set[str]) -> None:
         if (self.fixed is not None) + bool(self.rows) + (self.ramp is not None) != 1:
             raise ValueError("values need one of fixed, rows and ramp")
-        if self.ramp is None and self.model_fields_set & {"first", "period"}:
+        if self.ramp is None and {"first", "period"} & given:
             raise ValueError("first and period belong to ramp; give ramp, or leave them out")
-        return self
 
 
-class ChipTable(BusParty):
+class ChipTable(BusParty, frozen=True, kw_only=True):
     """A sensor chip on SDA and SCL. registers: written before the run, by name. powered: for how long it was then."""
 
     model: str  # of `devices.chips`
@@ -210,24 +200,24 @@ class ChipTable(BusParty):
     options: dict[str, Answer] = {}
 
 
-class OutsideTable(Table):
+class OutsideTable(Table, frozen=True, kw_only=True):
     """wires: those that others move, by `periph_sim.outside.Session`: a simulator, a serial port, a driver.
 
     log: of such a session, from the case's folder: a run moves them again as they were moved there.
     """
 
-    wires: Annotated[tuple[str, ...], Field(min_length=1)]
+    wires: Annotated[tuple[str, ...], Meta(min_length=1)]
     log: str | None = None
 
 
-class HostTable(Table):
+class HostTable(Table, frozen=True, kw_only=True):
     """The host that sends frames over the UART. ppm: error of the clock that schedules them; error: of its bit rate.
 
     lose: [frame, byte] pairs not sent. silent: [from, length] in which no frame begins. twice: frames sent two times.
     motion: the settings of a kind of `devices.motion`, which is its `kind`. encoding: those of `host_frame`.
     """
 
-    baud: Annotated[int, Field(ge=1, le=10_000_000)] = 115_200
+    baud: Annotated[int, Meta(ge=1, le=10_000_000)] = 115_200
     error: RateError = Fraction(0)  # percent
     ppm: Ppm = Fraction(0)
     first: Duration = Fraction(2, 1000)
@@ -235,35 +225,23 @@ class HostTable(Table):
     jitter: Duration = Fraction(0)
     paced_by: Literal["schedule", "pause"] = "schedule"
     gap: Bits = Fraction(0)  # bits between bytes
-    frames: Annotated[int, Field(ge=0)] | None = None
-    lose: tuple[tuple[int, Annotated[int, Field(ge=0, le=11)]], ...] = ()
+    frames: Annotated[int, Meta(ge=0)] | None = None
+    lose: tuple[tuple[int, Annotated[int, Meta(ge=0, le=11)]], ...] = ()
     silent: tuple[tuple[Duration, Duration], ...] = ()
-    twice: tuple[Annotated[int, Field(ge=0)], ...] = ()
+    twice: tuple[Annotated[int, Meta(ge=0)], ...] = ()
     motion: dict[str, object] = {}
     encoding: dict[str, object] = {}
 
-    @model_validator(mode="after")
-    def _in_order(self) -> HostTable:
-        return _begins_in_order(self)
+    def check_together(self, given: Set[str]) -> None:
+        _begins_in_order(self)
 
 
-Scheduled = TypeVar("Scheduled", Controller, HostTable)
-
-
-def _begins_in_order(table: Scheduled) -> Scheduled:
+def _begins_in_order(table: Controller | HostTable) -> None:
     if table.jitter > table.period:
         raise ValueError("jitter is longer than period, so one would begin before the last; shorten it")
-    return table
 
 
-def _named_budget(name: str, info: ValidationInfo) -> str:
-    known = [budget.name for budget in info.data.get("budget", ())]  # empty too where a budget itself was refused
-    if "budget" in info.data and name not in known:
-        raise ValueError(f"there is no budget {name!r}; {did_you_mean(name, known)}")
-    return name
-
-
-class Case(Table):
+class Case(Table, frozen=True, kw_only=True):
     """fault: the settings of a kind of `bus.faults` each, which is its `kind`.
 
     breaks: names of the budgets that a known bug breaks; `periph-sim check` passes only if exactly those do."""
@@ -287,14 +265,28 @@ class Case(Table):
     serial: SerialTable | None = None
     outside: OutsideTable | None = None
     fault: tuple[dict[str, object], ...] = ()
-    budget: Annotated[tuple[Budget, ...], AfterValidator(with_replies), Field(validate_default=True)] = ()
-    breaks: tuple[Annotated[str, AfterValidator(_named_budget)], ...] = ()
-    _source: Source | None = PrivateAttr(default=None)
+    budget: tuple[Budget, ...] = ()
+    breaks: tuple[str, ...] = ()
+    _source: Source | None = None
+
+    @classmethod
+    def model_validate(cls, tree: object) -> Case:
+        """The case that a tree says, with a budget more for each reply that it expects. BadTable if it says none."""
+        case = convert(cls, tree)
+        case = case.model_copy(update={"budget": with_replies(case.budget, case.serial)})
+        known = [budget.name for budget in case.budget]
+        strange = [
+            Mistake(("breaks", number), f"there is no budget {name!r}; {did_you_mean(name, known)}")
+            for number, name in enumerate(case.breaks)
+            if name not in known
+        ]
+        if strange:
+            raise BadTable(strange)
+        return case
 
     def from_source(self, source: Source) -> Case:
-        """This case, which now knows the file it came from."""
-        self._source = source
-        return self
+        """This case, which knows the file it came from."""
+        return self.model_copy(update={"_source": source})
 
     @property
     def folder(self) -> Path:

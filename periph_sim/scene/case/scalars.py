@@ -5,8 +5,9 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Annotated
 
-from pydantic import AfterValidator, BeforeValidator, Field
+from msgspec import Meta
 
+from ...core.convert import After, Before
 from ...core.options import Value
 from ...core.settings import Duration, Frequency
 
@@ -32,16 +33,16 @@ def _scalar(value: object) -> object:
     return value
 
 
-Exact = Annotated[Fraction, BeforeValidator(_exact, json_schema_input_type=int | float | str)]
-Answer = Annotated[Value, BeforeValidator(_scalar)]  # to an open question
-Length = Annotated[Duration, AfterValidator(_above_zero)]
-Address = Annotated[int, Field(ge=0, le=0x7F)]
-Byte = Annotated[int, Field(ge=0, le=0xFF)]
-BusRate = Annotated[Frequency, Field(le=5_000_000)]  # UM10204's fastest
-Crystal = Annotated[Frequency, Field(ge=4_000_000, le=150_000_000)]  # SPRS439: X1/X2 and XCLKIN
-Ppm = Annotated[Exact, Field(ge=-100_000, le=100_000)]
-RateError = Annotated[Exact, Field(ge=-50, le=50)]
-Bits = Annotated[Exact, Field(ge=0)]
+Exact = Annotated[Fraction, Before(_exact, int | float | str)]
+Answer = Annotated[Value, Before(_scalar)]  # to an open question
+Length = Annotated[Duration, After(_above_zero)]
+Address = Annotated[int, Meta(ge=0, le=0x7F)]
+Byte = Annotated[int, Meta(ge=0, le=0xFF)]
+BusRate = Annotated[Frequency, Meta(le=5_000_000)]  # UM10204's fastest
+Crystal = Annotated[Frequency, Meta(ge=4_000_000, le=150_000_000)]  # SPRS439: X1/X2 and XCLKIN
+Ppm = Annotated[Exact, Meta(ge=-100_000, le=100_000)]
+RateError = Annotated[Exact, Meta(ge=-50, le=50)]
+Bits = Annotated[Exact, Meta(ge=0)]
 Axes = tuple[Exact, Exact, Exact]
-CodeCycles = Annotated[int, Field(ge=0, le=1000)]
-PassCycles = Annotated[int, Field(ge=1, le=1000)]
+CodeCycles = Annotated[int, Meta(ge=0, le=1000)]
+PassCycles = Annotated[int, Meta(ge=1, le=1000)]

@@ -7,24 +7,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Set
 from fractions import Fraction
 from typing import Annotated, Literal
 
-from pydantic import Field, ValidationInfo, model_validator
+from msgspec import Meta, field
 
 from ...bus.uart.frame_format import UartFormat
-from ...core.settings import Duration, HexBytes, Table
+from ...core.settings import Duration, HexBytes
+from ...core.table import Table
 from ...timing.budget_schema import REPLY, Budget
 from .scalars import Byte, Length, Ppm
 
-Baud = Annotated[int, Field(ge=1, le=10_000_000)]
-DataBits = Annotated[int, Field(ge=1, le=8)]
+Baud = Annotated[int, Meta(ge=1, le=10_000_000)]
+DataBits = Annotated[int, Meta(ge=1, le=8)]
 StopBits = Literal[1, 2]
 Parity = Literal["none", "even", "odd"]
 Multiprocessor = Literal["none", "idle-line", "address-bit"]
 Encoding = Literal["ascii", "latin-1", "utf-8"]
-Times = Annotated[int, Field(ge=1)]
-Places = tuple[Annotated[int, Field(ge=0)], ...]
+Times = Annotated[int, Meta(ge=1)]
+Places = tuple[Annotated[int, Meta(ge=0)], ...]
 
 FORMAT = ("bits", "parity", "stop")
 UNITS = (("s", 1), ("ms", 10**3), ("us", 10**6), ("ns", 10**9))
@@ -40,15 +42,15 @@ def _only_one(table: Table, what: str, keys: tuple[str, ...], names: tuple[str, 
         raise ValueError(f"{' and '.join(given)} cannot both be; leave one of them out")
 
 
-class SendTable(Table):
+class SendTable(Table, frozen=True, kw_only=True):
     """One thing to send. wrong_parity, missing_stop: numbers of the characters that are sent so, from 0."""
 
     name: str | None = None
     to: str
     text: str | None = None
-    data: HexBytes | None = Field(default=None, alias="bytes")
+    data: HexBytes | None = field(default=None, name="bytes")
     file: str | None = None
-    low: Length | None = Field(default=None, alias="break")
+    low: Length | None = field(default=None, name="break")
     encoding: Encoding = "ascii"
     address: Byte | None = None
     at: Duration | None = None
@@ -68,8 +70,7 @@ class SendTable(Table):
     multiprocessor: Multiprocessor | None = None
     ppm: Ppm | None = None
 
-    @model_validator(mode="after")
-    def _one_of_each(self) -> SendTable:
+    def check_together(self, given: Set[str]) -> None:
         _only_one(self, "a send", ("text", "data", "file", "low"), ("text", "bytes", "file", "break"))
         _only_one(self, "a send", ("at", "after", "after_text", "after_bytes"))
         for key, name in (("text", "text"), ("data", "bytes"), ("after_text", "after_text"), ("after_bytes",) * 2):
@@ -79,16 +80,15 @@ class SendTable(Table):
             raise ValueError("times needs period, since a time comes once; give period, or leave times out")
         if self.low is not None and (self.address is not None or self.wrong_parity or self.missing_stop):
             raise ValueError("a break has no characters; send them apart")
-        return self
 
 
-class ExpectTable(Table):
+class ExpectTable(Table, frozen=True, kw_only=True):
     """One reply that must come. anywhere: other characters may come before it."""
 
     name: str
-    from_: str = Field(alias="from")
+    from_: str = field(name="from")
     text: str | None = None
-    data: HexBytes | None = Field(default=None, alias="bytes")
+    data: HexBytes | None = field(default=None, name="bytes")
     file: str | None = None
     encoding: Encoding = "ascii"
     after_send: str | None = None
@@ -103,17 +103,15 @@ class ExpectTable(Table):
     multiprocessor: Multiprocessor | None = None
     why: str = ""
 
-    @model_validator(mode="after")
-    def _one_of_each(self) -> ExpectTable:
+    def check_together(self, given: Set[str]) -> None:
         _only_one(self, "an expect", ("text", "data", "file"), ("text", "bytes", "file"))
         _only_one(self, "an expect", ("after_send", "after", "at"))
         for key, name in (("text", "text"), ("data", "bytes")):
             if getattr(self, key) is not None and not getattr(self, key):
                 raise ValueError(f"{name} is empty; write at least one character")
-        return self
 
 
-class SerialTable(Table):
+class SerialTable(Table, frozen=True, kw_only=True):
     """Who talks to SCIs from outside. ppm: error of the clock of all its times and rates.
 
     turnaround: how long it keeps an RS-485 pair driven behind its last stop bit.
@@ -150,9 +148,8 @@ class SerialTable(Table):
         return self.ppm if own is None else own
 
 
-def with_replies(budgets: tuple[Budget, ...], info: ValidationInfo) -> tuple[Budget, ...]:
+def with_replies(budgets: tuple[Budget, ...], serial: SerialTable | None) -> tuple[Budget, ...]:
     """The budgets of a case, and one more for each reply that it expects."""
-    serial = info.data.get("serial")
     expected = () if serial is None else serial.expect
     known = {(budget.name, budget.measure) for budget in budgets}
     return budgets + tuple(reply_budget(one) for one in expected if (one.name, REPLY + one.name) not in known)

@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, Literal
 
 from msgspec import Struct
 
-from ...core.settings import Table
+from ...core.table import Table
 from .wiring import Pin, SciLines, node_of, sci_lines, sci_named, wiring_of
 
 if TYPE_CHECKING:
     from .model import Case
 
 
-class TransceiverTable(Table):
+class TransceiverTable(Table, frozen=True, kw_only=True):
     """An RS-485 transceiver between an SCI and a pair of wires. de: the pin that switches its driver on.
 
     pull: of the resistor at DE, as long as the unit does not drive it.

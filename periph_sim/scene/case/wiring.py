@@ -15,11 +15,10 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
-from msgspec import Struct
-from pydantic import Field
+from msgspec import Struct, field
 
-from ...core.settings import Table
 from ...core.suggest import did_you_mean
+from ...core.table import Table
 from ...f28335.unit_modules import PIN_OF
 
 if TYPE_CHECKING:
@@ -37,11 +36,11 @@ Pin = tuple[str, int]  # unit, GPIO number
 Node = Pin | str  # or a wire's name
 
 
-class Cable(Table):
+class Cable(Table, frozen=True, kw_only=True):
     """A wire from one pin to another. from, to: UNIT.SCI-A.TX, UNIT.GPIO34, or the name of a wire."""
 
     name: str | None = None
-    from_: str = Field(alias="from")
+    from_: str = field(name="from")
     to: str
 
 

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ConfigDict
 
 from .quantities import Acceleration, Angle
 
@@ -19,8 +18,6 @@ Floats = NDArray[np.float64]
 @dataclass(frozen=True)
 class Pose:
     """Attitude in rad, linear acceleration in g."""
-
-    __pydantic_config__ = ConfigDict(extra="forbid")
 
     phi: Angle = 0.0
     theta: Angle = 0.0

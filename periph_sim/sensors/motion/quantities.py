@@ -12,8 +12,7 @@ from functools import partial
 from math import inf, isfinite, pi
 from typing import Annotated
 
-from pydantic import BeforeValidator
-
+from ...core.convert import Before
 from ...core.time import UNITS as TIMES
 
 GRAVITY = 9.81  # m/s**2 in one g, as the dissertation has it
@@ -62,8 +61,8 @@ def shown(most: float, unit: str, least: float | None = None) -> str:
     return f"{low:.6g} to {most:.6g} {unit}"
 
 
-def _validator(units: Mapping[str, float], least: float, most: float) -> BeforeValidator:
-    return BeforeValidator(partial(quantity, units, least, most), json_schema_input_type=str)
+def _validator(units: Mapping[str, float], least: float, most: float) -> Before:
+    return Before(partial(quantity, units, least, most), str)
 
 
 Angle = Annotated[float, _validator(ANGLE_UNITS, -ANGLE_RANGE, ANGLE_RANGE)]

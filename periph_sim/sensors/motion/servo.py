@@ -15,7 +15,7 @@ from math import ceil, pi
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field
+from msgspec import Meta
 
 from . import ANGLES, BadMotion, Floats
 from .pieces import Held, Straight
@@ -36,7 +36,7 @@ class Settings:
     fast: Rate = 52.2 * RPM
     slow: Rate = 2.9 * RPM
     hold: Seconds = 2.0
-    swings: Annotated[int, Field(ge=1, le=100)] = 3
+    swings: Annotated[int, Meta(ge=1, le=100)] = 3
     resolution: Angle = 0.29 * DEGREE
     read_every: Seconds = 0.1
     interpolate: Literal["straight", "hold"] = "straight"

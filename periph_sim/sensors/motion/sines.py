@@ -12,7 +12,6 @@ from math import inf, pi
 from typing import Literal
 
 import numpy as np
-from pydantic import ConfigDict
 
 from . import VALUES, BadMotion, Floats
 from .pieces import LEVEL, Pose, row
@@ -23,8 +22,6 @@ from .quantities import Acceleration, Angle, Hertz
 class AngleWave:
     """amplitude * sin(2 pi frequency t + phase), added to the angle `of`."""
 
-    __pydantic_config__ = ConfigDict(extra="forbid")
-
     of: Literal["phi", "theta", "psi"]
     amplitude: Angle
     frequency: Hertz
@@ -34,8 +31,6 @@ class AngleWave:
 @dataclass(frozen=True)
 class AccelerationWave:
     """The same of an acceleration."""
-
-    __pydantic_config__ = ConfigDict(extra="forbid")
 
     of: Literal["ax", "ay", "az"]
     amplitude: Acceleration

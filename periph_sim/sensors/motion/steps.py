@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from pydantic import ConfigDict
 
 from . import BadMotion
 from .pieces import LEVEL, Held, Pose, row
@@ -19,8 +18,6 @@ from .quantities import Acceleration, Angle, Seconds
 @dataclass(frozen=True)
 class Step:
     """What is given jumps at this time; the rest stays as it was."""
-
-    __pydantic_config__ = ConfigDict(extra="forbid")
 
     at: Seconds
     phi: Angle | None = None

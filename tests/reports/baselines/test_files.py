@@ -45,7 +45,7 @@ baselines = st.builds(
 @given(baselines)
 def test_what_is_written_is_read(baseline: Baseline):
     text = text_of(baseline)
-    assert Baseline.model_validate_json(text) == baseline
+    assert Baseline.model_validate(json.loads(text)) == baseline
     assert text == json.dumps(json.loads(text), indent=2, sort_keys=True, ensure_ascii=False) + "\n"
 
 
@@ -60,7 +60,7 @@ def test_what_is_written_is_read(baseline: Baseline):
             "schema_version is 2, expected 1: another version of periph-sim wrote it; compare with that version, "
             "or write it anew with --update-baseline",
         ),
-        ('{"schema_version": 1}', "case: field required; write it anew with --update-baseline"),
+        ('{"schema_version": 1}', "case: it is missing; write it anew with --update-baseline"),
     ],
 )
 def test_another_file_is_refused_with_what_to_do_and_an_update_replaces_it(cases: Path, text: str, sentence: str):
@@ -77,7 +77,7 @@ def test_another_file_is_refused_with_what_to_do_and_an_update_replaces_it(cases
 def test_a_figure_that_is_no_whole_number_is_refused(cases: Path):
     path = path_for(cases / "small.toml")
     path.write_text(path.read_text().replace('"worst": 15000', '"worst": 15000.5'), encoding="utf-8")
-    with pytest.raises(BadCheck, match=r"budgets\.response\.worst: input should be a valid integer; write it anew"):
+    with pytest.raises(BadCheck, match=r"budgets\.response\.worst: expected a whole number, but it is 15000\.5;"):
         read(path)
 
 

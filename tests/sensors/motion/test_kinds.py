@@ -121,18 +121,18 @@ def test_sines_that_add_up_to_more_than_the_range_are_refused_where_they_do():
         ("static", {"tetha": "1 deg"}, "static has no setting 'tetha'; did you mean theta?"),
         ("servo", {"fast": "0 rpm"}, "'0 rpm': expected 1e-06 to 1000 rad/s"),
         ("servo", {"hold": "-1 s"}, "'-1 s': expected 0 s or more"),
-        ("servo", {"swings": 0}, "input should be greater than or equal to 1, but it is 0"),
-        ("servo", {"interpolate": "cubic"}, "input should be 'straight' or 'hold', but it is 'cubic'"),
+        ("servo", {"swings": 0}, "expected 1 to 100, but it is 0"),
+        ("servo", {"interpolate": "cubic"}, "expected 'straight' or 'hold', but it is 'cubic'"),
         ("steps", {}, "it is missing"),
         (
             "steps",
             {"steps": [{"at": "1 s", "roll": "1 deg"}]},
-            "0.roll: unexpected keyword argument, but it is '1 deg'",
+            "0.roll: there is no such key; it has at, phi, theta, psi, ax, ay, az",
         ),
         (
             "sines",
             {"angles": [{"of": "ax", "amplitude": "1 deg", "frequency": "1 Hz"}]},
-            "0.of: input should be 'phi', 'theta' or 'psi', but it is 'ax'",
+            "0.of: expected 'phi', 'theta' or 'psi', but it is 'ax'",
         ),
     ],
 )

@@ -1,0 +1,174 @@
+"""Values of files against types: what is taken, and every mistake with its place, what was expected and found."""
+
+from __future__ import annotations
+
+from collections.abc import Set
+from dataclasses import dataclass, field
+from enum import Enum
+from fractions import Fraction
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import msgspec
+import pytest
+from pydantic import AfterValidator
+
+from periph_sim.core.convert import After, BadTable, Before, Mistake, convert, converter_of
+from periph_sim.core.settings import Duration
+from periph_sim.core.table import Table
+
+
+class Colour(Enum):
+    RED = "red"
+
+
+class Inner(Table, frozen=True, kw_only=True):
+    length: Duration
+    times: Annotated[int, msgspec.Meta(ge=1, le=5)] = 1
+
+
+class Outer(Table, frozen=True, kw_only=True):
+    from_: str = msgspec.field(name="from")
+    inner: tuple[Inner, ...] = ()
+    low: int = 0
+    high: int = 9
+
+    def check_together(self, given: Set[str]) -> None:
+        if self.low > self.high:
+            raise ValueError("low is above high")
+        if "high" in given and "low" not in given:
+            raise ValueError("high needs low")
+
+
+class Open(Table, frozen=True, kw_only=True):
+    OTHERS = "rest"
+
+    name: str
+    rest: dict[str, Any] = {}
+
+
+@dataclass(frozen=True)
+class Costs:
+    edge: Duration = Fraction(0)
+    byte: int = 3
+
+
+@dataclass
+class Settings:
+    costs: Costs = field(default_factory=Costs)
+    wait: int = 0
+
+    def __post_init__(self) -> None:
+        if self.wait < 0:
+            raise ValueError("wait is negative")
+
+
+def mistakes(kind: Any, value: object) -> list[Mistake]:
+    found: list[Mistake] = []
+    converter_of(kind)(value, (), found)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("kind", "value", "made"),
+    [
+        (int, 3, 3),
+        (int, 3.0, 3),
+        (int, "1_000", 1000),
+        (float, 2, 2.0),
+        (Fraction, "1/3", Fraction(1, 3)),
+        (Path, "a/b", Path("a/b")),
+        (bytes, b"x", b"x"),
+        (bool | int, 1, 1),
+        (bool | int, True, True),
+        (int | None, None, None),
+        (Literal[1, 2], 2, 2),
+        (list[int], (1, 2), [1, 2]),
+        (tuple[int, ...], [1, 2], (1, 2)),
+        (tuple[int, str], [1, "a"], (1, "a")),
+        (dict[str, int], {"a": 1}, {"a": 1}),
+        (Any, {"a": [1]}, {"a": [1]}),
+        (Colour, "red", Colour.RED),
+        (Colour, Colour.RED, Colour.RED),
+        (Annotated[int, Before(len), After(lambda n: 2 * n)], "abc", 6),
+        (Annotated[int, AfterValidator(lambda n: n + 1)], 1, 2),
+        (Costs, {"edge": "5 ms"}, Costs(Fraction(5, 1000))),
+        (Settings, {"costs": {"byte": 4}, "wait": 2}, Settings(Costs(byte=4), 2)),
+        (Open, {"name": "a", "page": 3}, Open(name="a", rest={"page": 3})),
+    ],
+)
+def test_what_is_taken(kind: Any, value: object, made: object):
+    found: list[Mistake] = []
+    came = converter_of(kind)(value, (), found)
+    assert (came, type(came), found) == (made, type(made), [])
+
+
+@pytest.mark.parametrize(
+    ("kind", "value", "what"),
+    [
+        (int, True, "expected a whole number"),
+        (int, 2.5, "expected a whole number"),
+        (int, float("inf"), "expected a whole number"),
+        (int, "x", "expected a whole number"),
+        (float, "x", "expected a number"),
+        (bool, 1, "expected true or false"),
+        (str, 3, "expected a text"),
+        (Fraction, "1/0", "expected a number"),
+        (Literal["a", "b", "c"], "d", "expected 'a', 'b' or 'c'"),
+        (Literal[1, 2], True, "expected 1 or 2"),
+        (tuple[int, ...], "ab", "expected a list"),
+        (tuple[int, int], [1], "expected a list of 2"),
+        (dict[str, int], [1], "expected a table"),
+        (Costs, 3, "expected a table"),
+        (bool | str, 3, "expected true or false, or a text"),
+        (bool | Annotated[int, msgspec.Meta(le=7)], 8, "expected 7 or less"),
+        (Annotated[int, msgspec.Meta(ge=1)], 0, "expected 1 or more"),
+        (Annotated[int, msgspec.Meta(ge=1, le=3)], 4, "expected 1 to 3"),
+        (Annotated[tuple[int, ...], msgspec.Meta(min_length=2)], [1], "expected 2 or more entries"),
+        (Colour, "blue", "invalid enum value 'blue'"),
+        (Costs | None, {"edge": "5"}, "'5' has no unit"),
+        (Annotated[int, AfterValidator(lambda n: 1 // 0 if n else n)] | None, "x", "input should be a valid integer"),
+    ],
+)
+def test_what_is_refused(kind: Any, value: object, what: str):
+    (one,) = mistakes(kind, value)
+    assert one.what.startswith(what) or what in one.what
+    assert one.found == value or one.place
+
+
+def test_every_mistake_of_a_table_is_told_with_its_place():
+    with pytest.raises(BadTable) as caught:
+        convert(Outer, {"inner": [{"length": 3}, {"length": "1 s", "times": 6}], "lo": 1, "high": "x"})
+    told = [(one.place, one.what, one.found) for one in caught.value.mistakes[1:-1]]
+    missing, *_, unknown = caught.value.mistakes
+    assert (missing.place, missing.is_missing) == (("from",), True)
+    assert told == [
+        (("inner", 0, "length"), '3 has no unit; write for instance "3 ms"', 3),
+        (("inner", 1, "times"), "expected 1 to 5", 6),
+        (("high",), "expected a whole number", "x"),
+    ]
+    assert (unknown.place, unknown.known) == (("lo",), ("from", "inner", "low", "high"))
+    assert caught.value.first is unknown
+
+
+def test_keys_that_contradict_each_other_are_told_of_the_table():
+    for tree, what in (({"low": 5, "high": 4}, "low is above high"), ({"high": 4}, "high needs low")):
+        with pytest.raises(BadTable) as caught:
+            convert(Outer, {"from": "a", **tree})
+        assert [(one.place, one.what) for one in caught.value.mistakes] == [((), what)]
+
+
+def test_a_dataclass_inside_refuses_a_key_that_it_has_not():
+    with pytest.raises(BadTable, match=r"costs\.egde: there is no such key"):
+        convert(Settings, {"costs": {"egde": "5 ms"}})
+    with pytest.raises(BadTable, match=r"^wait is negative$"):
+        convert(Settings, {"wait": -1})
+
+
+def test_a_copy_has_other_values_and_is_a_table_of_its_own():
+    one = Outer(from_="a", low=1)
+    other = one.model_copy(update={"low": 2})
+    assert (one.low, other.low, other.from_) == (1, 2, "a")
+    assert other.model_dump() == {"from_": "a", "inner": (), "low": 2, "high": 9}
+    with pytest.raises(AttributeError, match="immutable"):
+        one.low = 3  # type: ignore[misc]

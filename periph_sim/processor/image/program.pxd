@@ -17,7 +17,7 @@ cdef class ImageProgram(Program):
     cdef bint _executed, _idle_began
     cdef object _jumps, _clock, _functions, _calls, _watch
     cdef dict _places
-    cdef long long _at, _entry
+    cdef long long _at, _entry, _slept_from
     cpdef void load(self)
     cpdef void begin(self)
     @cython.locals(cpu=ImageCpu, time=CpuTime, processor=Processor, core=CpuInterrupts, f=Operation, cycle=cython.longlong)

@@ -16,7 +16,7 @@ period after the begin of the one before, and missed if it has not begun half a 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from fractions import Fraction
 
 from msgspec import Struct
@@ -61,6 +61,7 @@ class ByPlan(Schedule):
     def __init__(self, asked: Asked) -> None:
         assert asked.first is not None
         self._first, self._asked = asked.first, asked
+        self._period, self._parts = asked.period.as_integer_ratio()
         self._next = 0
 
     def begins(self, start: int) -> tuple[list[int], int]:
@@ -81,7 +82,7 @@ class ByPlan(Schedule):
         return missed
 
     def _due(self, ahead: int = 0) -> int:
-        return int(self._first + (self._next + ahead) * self._asked.period // 1)
+        return self._first + (self._next + ahead) * self._period // self._parts
 
 
 class ByRoundBefore(Schedule):
@@ -121,7 +122,7 @@ class BusRounds:
         self.on_missed: list[Callable[[int], None]] = []
         self._begun_at = begun_at
         self._startup = [] if asked is None else list(asked.startup)
-        self._requests = () if asked is None else asked.requests
+        self._requests = () if asked is None else tuple(asked.requests)
         self._schedule: Schedule | None = None
         if asked is not None:
             self._schedule = ByRoundBefore(asked) if asked.first is None else ByPlan(asked)
@@ -135,21 +136,26 @@ class BusRounds:
 
     def transfer(self, transfer: Transfer) -> None:
         """A transfer is over."""
+        self._over_with(transfer)
+
+    def _over_with(self, transfer: Transfer) -> None:
         first = transfer.phases[0]
         if self._ack_polling and not first.read and not first.data:
             self._tell(transfer)
             return
-        if self._startup and _place(transfer, self._startup[:1]) is not None:
+        if self._startup and may_be(first, self._startup[0]):
             self._tell(asked_for(transfer, self._startup.pop(0)))
             return
-        passed_over = _place(transfer, self._requests[self._made :])
-        if passed_over is None and self._round is not None and _place(transfer, self._requests[:1]) is not None:
+        place = self._made
+        while place < len(self._requests) and not may_be(first, self._requests[place]):
+            place += 1
+        if place < len(self._requests):
+            self._request(transfer, place)
+        elif self._round is not None and may_be(first, self._requests[0]):
             self._broken_off()
-            passed_over = 0
-        if passed_over is None:
-            self._tell(transfer)
+            self._request(transfer, 0)
         else:
-            self._request(transfer, passed_over)
+            self._tell(transfer)
 
     def at_start(self) -> bool:
         """Between two rounds: the next transfer begins one, as far as one can know by its START."""
@@ -168,12 +174,13 @@ class BusRounds:
         for told in self.on_transfer:
             told(transfer)
 
-    def _request(self, transfer: Transfer, passed_over: int) -> None:
+    def _request(self, transfer: Transfer, place: int) -> None:
+        """Of the round's requests it is the one at a place; those up to it that were not made yet are passed over."""
         current = self._round or self._begin(transfer.phases[0].start_at)
-        made = asked_for(transfer, self._requests[self._made + passed_over])
-        self._made += passed_over + 1
+        made = asked_for(transfer, self._requests[place])
+        passed_over, self._made = place - self._made, place + 1
         current.transfers += 1
-        current.nacked += passed_over + (not made.acked)
+        current.nacked += passed_over + (not made.all_acked())
         self._tell(made)
         if self._made == len(self._requests):
             current.end = self._over = transfer.stop_at
@@ -206,22 +213,26 @@ class BusRounds:
 
 def asked_for(transfer: Transfer, request: Transfer) -> Transfer:
     """The transfer with what was asked: its name, bytes to read, what is expected, and phases that were never begun."""
-    phases = list(transfer.phases[: len(request.phases)])
-    for phase, asked in zip(phases, request.phases, strict=False):
+    phases = transfer.phases[: len(request.phases)]
+    place = 0
+    for phase in phases:
+        asked = request.phases[place]
         phase.count = asked.count
-        phase.expect = asked.expect if phase.expect is None else phase.expect
-        del phase.got[asked.count :]
-    for asked in request.phases[len(phases) :]:
+        if phase.expect is None:
+            phase.expect = asked.expect
+        if len(phase.got) > asked.count:
+            del phase.got[asked.count :]
+        place += 1
+    while place < len(request.phases):
+        asked = request.phases[place]
         phases.append(Phase(asked.address, asked.read, asked.data, asked.count, asked.expect))
+        place += 1
     return Transfer(request.name, phases, transfer.stop_at, transfer.lost)
 
 
-def _place(transfer: Transfer, requests: Sequence[Transfer]) -> int | None:
-    """The first of the requests that a transfer may be."""
-    made = transfer.phases[0]
-    for place, request in enumerate(requests):
-        asked = request.phases[0]
-        same_data = made.data.startswith(asked.data) or asked.data.startswith(made.data)
-        if (made.address, made.read) == (asked.address, asked.read) and same_data:
-            return place
-    return None
+def may_be(made: Phase, request: Transfer) -> bool:
+    """Whether a transfer that begins with this phase may be the one that was asked for."""
+    asked = request.phases[0]
+    if made.address != asked.address or made.read != asked.read:
+        return False
+    return made.data.startswith(asked.data) or asked.data.startswith(made.data)

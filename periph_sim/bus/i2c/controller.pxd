@@ -3,6 +3,7 @@ cimport cython
 from ...core.kernel cimport Event, Kernel
 from ...core.records cimport Recorder
 from ...core.wire cimport Sampler, Wire
+from .transfer cimport Phase, Transfer
 from .whole_bytes cimport ByteParty
 
 
@@ -15,7 +16,9 @@ cdef class I2cController(ByteParty):
     cdef Wire _scl_wire, _sda_wire
     cdef Sampler _sampler
     cdef Event _next, _guard
-    cdef object _on_stuck, _done, _clear, _transfer, _phase
+    cdef object _on_stuck, _done, _clear
+    cdef Transfer _transfer
+    cdef Phase _phase
     cdef list _acks
     cdef bytearray _got
     cdef long long _low_time, _hold, _filter, _scl_mask, _sda_mask, _stuck_after, _sda_level, _high, _high_end

@@ -6,7 +6,7 @@ Transfer --> Phases       START to STOP, and what lies between two STARTs
 
 from __future__ import annotations
 
-from msgspec import Struct, field
+from msgspec import Struct
 
 from ...core.time import NO_TIME
 
@@ -24,43 +24,92 @@ class BusTiming(Struct, frozen=True):
     filter: int = 0
 
 
-class Phase(Struct):
+class Phase:
     """One addressed part of a transfer: START or repeated START, address, bytes.
 
     address: the 7-bit address, right-aligned. data: the bytes to write, or what is
     expected of a read (compared, None where nothing is expected). count: bytes to read.
+    address_byte: sent instead of address and R/W (general call, START byte).
+
+    What came of it: acked; got; acks, of data bytes, whoever gave them; start_at: SDA fell; answer_from: SCL fell after
+    the address's ACK; answer_at: SCL rose for the first data bit; stretch: the longest time that the other side held
+    SCL low beyond `low`.
     """
 
-    address: int
-    read: bool
-    data: bytes = b""
-    count: int = 0
-    expect: bytes | None = None
-    address_byte: int | None = None  # sent instead of address and R/W (general call, START byte)
-    # What came of it:
-    acked: bool = False
-    got: bytearray = field(default_factory=bytearray)
-    acks: list[bool] = field(default_factory=list)  # of data bytes, whoever gave them
-    start_at: int = NO_TIME  # SDA fell
-    answer_from: int = NO_TIME  # SCL fell after the address's ACK
-    answer_at: int = NO_TIME  # SCL rose for the first data bit
-    stretch: int = 0  # longest time the other side held SCL low beyond `low`
+    __slots__ = (
+        "acked",
+        "acks",
+        "address",
+        "address_byte",
+        "answer_at",
+        "answer_from",
+        "count",
+        "data",
+        "expect",
+        "got",
+        "read",
+        "start_at",
+        "stretch",
+    )
+
+    def __init__(
+        self,
+        address: int,
+        read: bool,
+        data: bytes = b"",
+        count: int = 0,
+        expect: bytes | None = None,
+        address_byte: int | None = None,
+        acked: bool = False,
+        got: bytearray | None = None,
+        start_at: int = NO_TIME,
+        answer_from: int = NO_TIME,
+        answer_at: int = NO_TIME,
+        stretch: int = 0,
+    ) -> None:
+        self.address = address
+        self.read = read
+        self.data = data
+        self.count = count
+        self.expect = expect
+        self.address_byte = address_byte
+        self.acked = acked
+        self.got = bytearray() if got is None else got
+        self.acks: list[bool] = []
+        self.start_at = start_at
+        self.answer_from = answer_from
+        self.answer_at = answer_at
+        self.stretch = stretch
 
 
-class Transfer(Struct):
-    """What happens between a START and its STOP, and what came of it."""
+class Transfer:
+    """What happens between a START and its STOP, and what came of it. lost: arbitration."""
 
-    name: str
-    phases: list[Phase]
-    stop_at: int = NO_TIME
-    lost: bool = False  # arbitration lost
+    __slots__ = ("lost", "name", "phases", "stop_at")
+
+    def __init__(self, name: str, phases: list[Phase], stop_at: int = NO_TIME, lost: bool = False) -> None:
+        self.name = name
+        self.phases = phases
+        self.stop_at = stop_at
+        self.lost = lost
 
     @property
     def acked(self) -> bool:
         """True if every address was acknowledged."""
-        return not self.lost and all(p.acked for p in self.phases)
+        return self.all_acked()
 
     @property
     def wire_bytes(self) -> int:
         """Bytes on the wire, addresses included."""
-        return sum(1 + len(p.acks) for p in self.phases if p.start_at != NO_TIME)
+        count = 0
+        for phase in self.phases:
+            if phase.start_at != NO_TIME:
+                count += 1 + len(phase.acks)
+        return count
+
+    def all_acked(self) -> bool:
+        """As `acked`, to be called."""
+        acked = not self.lost
+        for phase in self.phases:
+            acked = acked and phase.acked
+        return acked

@@ -10,17 +10,15 @@ Every read has an age. Data that no frame comes for gets older and older, whoeve
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-
 from ...bus.i2c.transfer import Phase, Transfer
 from ...core.records import UNHEARD, Kind
 from ...core.time import NO_TIME
 from ...devices.sensor_rounds import CHIPS
-from .bus import begin_of
-from .measure import MODEL, READ, Measure, SceneEvents
+from .bus import PhaseMeasure, begin_of
+from .measure import MODEL, READ, SceneEvents
 
 
-class ReadMeasure(Measure, ABC):
+class ReadMeasure(PhaseMeasure):
     """A measure of every read of known chips that begins after the first host frame has come.
 
     chip: a name of CHIPS; empty for all.
@@ -37,27 +35,28 @@ class ReadMeasure(Measure, ABC):
 
     def listen(self, scene: SceneEvents) -> None:
         scene.on_frame(self._frame)
-        scene.on_transfer(self._transfer)
+        super().listen(scene)
 
     def _frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
         if self.first_frame == NO_TIME:
             self.first_frame = tick
         self.frame(tick)
 
-    def _transfer(self, transfer: Transfer) -> None:
-        for phase in transfer.phases:
-            begin = begin_of(transfer, phase)
-            if phase.read and phase.address in self.addresses and NO_TIME != self.first_frame <= begin:
-                self.occasion(begin)
-                if phase.got:
-                    self.read(phase)
+    def phase(self, transfer: Transfer, phase: Phase) -> None:
+        if not phase.read or self.first_frame == NO_TIME or phase.address not in self.addresses:
+            return
+        begin = begin_of(transfer, phase)
+        if self.first_frame <= begin:
+            self.occasion(begin)
+            if phase.got:
+                self.chip_read(phase)
 
     def frame(self, tick: int) -> None:
         """A host frame has ended."""
 
-    @abstractmethod
-    def read(self, phase: Phase) -> None:
+    def chip_read(self, phase: Phase) -> None:
         """A chip was read."""
+        raise NotImplementedError
 
 
 class Age(ReadMeasure):
@@ -72,7 +71,7 @@ class Age(ReadMeasure):
         self._shown: dict[int, int] = {}  # by address, the end of the frame that was shown last
         super().listen(scene)
 
-    def read(self, phase: Phase) -> None:
+    def chip_read(self, phase: Phase) -> None:
         origin = self._origins.of(phase)
         if origin is not None and origin.known:
             self._shown[phase.address] = min(origin.ended, phase.start_at)
@@ -114,6 +113,6 @@ class ModelAge(ReadMeasure):
         elif self._taken != NO_TIME:
             self._made = self._taken
 
-    def read(self, phase: Phase) -> None:
+    def chip_read(self, phase: Phase) -> None:
         since = self.first_frame if self._made == NO_TIME else self._made
         self.take(phase.start_at - since, phase.start_at)

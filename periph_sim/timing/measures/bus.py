@@ -10,27 +10,41 @@ from .measure import READ, Counter, Measure, SceneEvents
 
 def begin_of(transfer: Transfer, phase: Phase) -> int:
     """The tick of a phase's START; of its transfer's where the phase never began, since the one before was refused."""
-    return transfer.phases[0].start_at if phase.start_at == NO_TIME else phase.start_at
+    if phase.start_at != NO_TIME:
+        return phase.start_at
+    first = transfer.phases[0]
+    return first.start_at
 
 
-class Response(Measure):
-    """From the SCL fall that ends the ACK slot of a read address to the SCL rise of the first data bit."""
-
-    needs = "I2C-A"
-    asked = "reads asked"
+class PhaseMeasure(Measure):
+    """A measure of addressed phases, told of each when its transfer is over."""
 
     def listen(self, scene: SceneEvents) -> None:
         scene.on_transfer(self._transfer)
 
     def _transfer(self, transfer: Transfer) -> None:
         for phase in transfer.phases:
-            if phase.read:
-                self.occasion(begin_of(transfer, phase))
-            if phase.read and phase.answer_at != NO_TIME:
+            self.phase(transfer, phase)
+
+    def phase(self, transfer: Transfer, phase: Phase) -> None:
+        """A phase of a transfer that is over."""
+        raise NotImplementedError
+
+
+class Response(PhaseMeasure):
+    """From the SCL fall that ends the ACK slot of a read address to the SCL rise of the first data bit."""
+
+    needs = "I2C-A"
+    asked = "reads asked"
+
+    def phase(self, transfer: Transfer, phase: Phase) -> None:
+        if phase.read:
+            self.occasion(begin_of(transfer, phase))
+            if phase.answer_at != NO_TIME:
                 self.take(phase.answer_at - phase.answer_from, phase.answer_from)
 
 
-class Stretch(Measure):
+class Stretch(PhaseMeasure):
     """Longest time SCL was held low after the master had let go of it, per acknowledged phase, whoever that is."""
 
     needs = "I2C-A"
@@ -39,13 +53,12 @@ class Stretch(Measure):
 
     def listen(self, scene: SceneEvents) -> None:
         self._scene = scene
-        scene.on_transfer(self._transfer)
+        super().listen(scene)
 
-    def _transfer(self, transfer: Transfer) -> None:
-        for phase in transfer.phases:
-            self.occasion(begin_of(transfer, phase))
-            if phase.acked:
-                self.take(phase.stretch, phase.start_at)
+    def phase(self, transfer: Transfer, phase: Phase) -> None:
+        self.occasion(begin_of(transfer, phase))
+        if phase.acked:
+            self.take(phase.stretch, phase.start_at)
 
     def finish(self, now: int) -> None:
         self._held_since = self._scene.held_since()
@@ -70,7 +83,7 @@ class Nacked(Counter):
             self.one_more(transfer.phases[0].start_at)
 
 
-class WrongBytes(Measure):
+class WrongBytes(PhaseMeasure):
     """Bytes read that are not what they should be: `expect` of the request, or what a recent host frame makes them.
 
     worst is how many were wrong, count how many were compared: a run that compared nothing proves nothing.
@@ -85,24 +98,31 @@ class WrongBytes(Measure):
         self._origins = scene.origins() if scene.checks_host() else None
         self.where: dict[str, int] = {}  # "gyroscope byte 0" -> how often it was wrong
         self.first = ""  # the first wrong read, as a sentence
-        scene.on_transfer(self._transfer)
+        super().listen(scene)
 
-    def _transfer(self, transfer: Transfer) -> None:
-        for phase in transfer.phases:
-            if phase.read and (phase.expect is not None or (self._origins is not None and phase.address in ADDRESSES)):
-                self.occasion(begin_of(transfer, phase), max(phase.count, len(phase.got)))
-            if phase.read and phase.got:
-                wanted = self._wanted(phase)
-                wrong = [i for i, (a, b) in enumerate(zip(phase.got, wanted, strict=False)) if a != b]
-                self.count += min(len(phase.got), len(wanted))
-                if wrong:
-                    if not self.worst:
-                        self.worst_at = self.least_at = phase.start_at
-                        self.first = f"{transfer.name} read {phase.got.hex(' ')} where {wanted.hex(' ')} was expected"
-                    self.worst = self.least = self.worst + len(wrong)
-                for i in wrong:
-                    place = f"{transfer.name} byte {i}"
-                    self.where[place] = self.where.get(place, 0) + 1
+    def phase(self, transfer: Transfer, phase: Phase) -> None:
+        if not phase.read:
+            return
+        got = phase.got
+        if phase.expect is not None or (self._origins is not None and phase.address in ADDRESSES):
+            self.occasion(begin_of(transfer, phase), max(phase.count, len(got)))
+        if got:
+            wanted = self._wanted(phase)
+            compared = min(len(got), len(wanted))
+            self.count += compared
+            if got[:compared] != wanted[:compared]:
+                self._wrong(transfer, phase, wanted)
+
+    def _wrong(self, transfer: Transfer, phase: Phase, wanted: bytes) -> None:
+        """A read in which some bytes are not those."""
+        wrong = [i for i, (a, b) in enumerate(zip(phase.got, wanted, strict=False)) if a != b]
+        if not self.worst:
+            self.worst_at = self.least_at = phase.start_at
+            self.first = f"{transfer.name} read {phase.got.hex(' ')} where {wanted.hex(' ')} was expected"
+        self.worst = self.least = self.worst + len(wrong)
+        for i in wrong:
+            place = f"{transfer.name} byte {i}"
+            self.where[place] = self.where.get(place, 0) + 1
 
     def _wanted(self, phase: Phase) -> bytes:
         if phase.expect is not None:

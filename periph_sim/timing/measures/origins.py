@@ -12,14 +12,11 @@ never goes back to an older frame. Nothing is asked of the firmware but the leve
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache
 from itertools import combinations_with_replacement
 from typing import NamedTuple, Protocol
-
-from msgspec import Struct
 
 from ...bus.i2c.transfer import Phase, Transfer
 from ...core.time import NO_TIME
@@ -59,18 +56,21 @@ class Sources(Protocol):
     def on_frame(self, told: Callable[[int, tuple[int, ...], int], None]) -> None: ...
 
 
-class Sent(NamedTuple):
+class Sent:
     """A frame as the host sent it."""
 
-    number: int
-    values: tuple[int, ...]
-    ended: int
+    __slots__ = ("ended", "number", "values")
+
+    def __init__(self, number: int, values: tuple[int, ...], ended: int) -> None:
+        self.number = number
+        self.values = values
+        self.ended = ended
 
 
 NOTHING_SENT = Sent(BEFORE_ANY, ZEROS, NO_TIME)
 
 
-class Origins(ABC):
+class Origins:
     """Listens before the measures that ask it, so that each phase of a transfer has its origin when they hear of it."""
 
     def __init__(self, scene: Sources) -> None:
@@ -90,32 +90,39 @@ class Origins(ABC):
         self._of.clear()
         for phase in transfer.phases:
             if phase.read and phase.got and phase.address in ADDRESSES:
-                self._of[id(phase)] = self._origin(phase.address, bytes(phase.got))
+                self._of[id(phase)] = self.origin(phase.address, bytes(phase.got))
 
-    @abstractmethod
-    def _origin(self, address: int, got: bytes) -> Origin: ...
+    def origin(self, address: int, got: bytes) -> Origin:
+        """Of what a chip's read has given."""
+        raise NotImplementedError
 
 
 class FrameOrigins(Origins):
     """The chips show a frame's numbers: angles, accelerations, angles again."""
 
-    def _origin(self, address: int, got: bytes) -> Origin:
-        return _nearest(got, ((sent, _numbers(address, sent.values)) for sent in reversed(self._sent)))
+    def origin(self, address: int, got: bytes) -> Origin:
+        return _nearest(got, [(sent, _numbers(address, sent.values)) for sent in reversed(self._sent)])
 
 
-class Chain(NamedTuple):
+class Chain:
     """One way in which the models may have come to where they are: the frame of their last run, and what that left."""
 
-    sent: Sent
-    data: dict[int, bytes]
-    state: ModelState
+    __slots__ = ("data", "sent", "state")
+
+    def __init__(self, sent: Sent, data: dict[int, bytes], state: ModelState) -> None:
+        self.sent = sent
+        self.data = data
+        self.state = state
 
 
-class Run(Struct):
+class Run:
     """A run of the models that is over. sent: the frames that it may have taken, oldest first."""
 
-    number: int
-    sent: list[Sent]
+    __slots__ = ("number", "sent")
+
+    def __init__(self, number: int, sent: list[Sent]) -> None:
+        self.number = number
+        self.sent = sent
 
 
 class ModelOrigins(Origins):
@@ -148,25 +155,29 @@ class ModelOrigins(Origins):
             self._over.append(self._last)
             self._runs += 1
 
-    def _origin(self, address: int, got: bytes) -> Origin:
+    def origin(self, address: int, got: bytes) -> Origin:
         for run in self._over:
             self._before, self._chains = self._chains, self._longer(run)
         self._over.clear()
-        fitting = [chain for chain in self._chains if chain.data[address].startswith(got)]
-        if not fitting and any(chain.data[address].startswith(got) for chain in self._before):
-            return _nearest(got, _data(self._before, address))  # the read began before the last run was over
+        fitting = _fitting(self._chains, address, got)
+        if not fitting and _fitting(self._before, address, got):
+            return _nearest(
+                got, [(chain.sent, chain.data[address]) for chain in self._before]
+            )  # the read began before the last run was over
         if not fitting:
-            fitting = [chain for chain in self._anew() if chain.data[address].startswith(got)]
+            fitting = _fitting(self._anew(), address, got)
         if fitting:
             self._chains = fitting
-        return _nearest(got, _data(self._chains, address))
+        return _nearest(got, [(chain.sent, chain.data[address]) for chain in self._chains])
 
     def _longer(self, run: Run) -> list[Chain]:
         """Every chain with a frame more, youngest frames first."""
         longer: dict[tuple[int, int], Chain] = {}
         for chain in self._chains:
-            for sent in reversed([sent for sent in run.sent if sent.number >= chain.sent.number][-PASSED_OVER - 1 :]):
-                key = sent.number, chain.sent.number
+            least = chain.sent.number
+            may_be = [sent for sent in run.sent if sent.number >= least][-PASSED_OVER - 1 :]
+            for sent in reversed(may_be):
+                key = sent.number, least
                 if key not in longer:
                     longer[key] = self._chain(run.number, sent, chain.state)
         return list(longer.values())[:MOST]
@@ -183,8 +194,13 @@ class ModelOrigins(Origins):
         return Chain(sent, *self._codes.run(number, sent.values, before))
 
 
-def _data(chains: Iterable[Chain], address: int) -> Iterator[tuple[Sent, bytes]]:
-    return ((chain.sent, chain.data[address]) for chain in chains)
+def _fitting(chains: Iterable[Chain], address: int, got: bytes) -> list[Chain]:
+    """Those whose chip would have given these bytes."""
+    fitting = []
+    for chain in chains:
+        if chain.data[address].startswith(got):
+            fitting.append(chain)
+    return fitting
 
 
 def _nearest(got: bytes, candidates: Iterable[tuple[Sent, bytes]]) -> Origin:
@@ -192,12 +208,19 @@ def _nearest(got: bytes, candidates: Iterable[tuple[Sent, bytes]]) -> Origin:
     best, agreeing = b"", -1
     found: Sent | None = None
     for sent, wanted in candidates:
-        agree = sum(a == b for a, b in zip(got, wanted, strict=False))
-        if agree == len(got) and (found is None or sent.number > found.number):
-            found, best, agreeing = sent, wanted, agree
-        elif agree > agreeing:
-            best, agreeing = wanted, agree
+        if wanted.startswith(got):
+            if found is None or sent.number > found.number:
+                found, best = sent, wanted
+        elif found is None:
+            agree = _agreement(got, wanted)
+            if agree > agreeing:
+                best, agreeing = wanted, agree
     return Origin(None, NO_TIME, best) if found is None else Origin(found.number, found.ended, best)
+
+
+def _agreement(got: bytes, wanted: bytes) -> int:
+    """Bytes that are the same."""
+    return sum(a == b for a, b in zip(got, wanted, strict=False))
 
 
 @lru_cache(maxsize=3 * RECENT)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from .measure import Counter, Measure, SceneEvents
 
 
-class _OfCharacters(Measure):
+class OfCharacters(Measure):
     """A measure of an SCI that receives."""
 
     needs = "SCI"
@@ -23,7 +23,7 @@ class _OfCharacters(Measure):
         return self._received
 
     def listen(self, scene: SceneEvents) -> None:
-        scene.on_sci(self.changed)
+        scene.on_sci(self._changed)
         scene.on_character(self._on_wire)
         scene.on_received_character(self._character)
 
@@ -33,11 +33,14 @@ class _OfCharacters(Measure):
     def _on_wire(self, begun: int) -> None:
         self.occasion(begun)
 
+    def _changed(self, tick: int, words: int, overrun: bool) -> None:
+        self.changed(tick, words, overrun)
+
     def changed(self, tick: int, words: int, overrun: bool) -> None:
         """So many words wait now. overrun: something has just been lost."""
 
 
-class FifoHighWater(_OfCharacters):
+class FifoHighWater(OfCharacters):
     """Most words that ever waited in the SCI receive FIFO."""
 
     unit = "words"
@@ -46,7 +49,7 @@ class FifoHighWater(_OfCharacters):
         self.take(words, tick)
 
 
-class Overruns(_OfCharacters, Counter):
+class Overruns(OfCharacters, Counter):
     """Characters lost in the SCI: FIFO overflow (RXFFOVF) or SCIRXBUF overrun (OE), counted as they happen."""
 
     def changed(self, tick: int, words: int, overrun: bool) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import msgspec
 import pytest
 
 from periph_sim.bus.i2c.controller import I2cController
@@ -44,7 +43,7 @@ READ, WRITE = Phase(0x53, True, count=2), Phase(0x53, False, data=b"\x32\x07")
     ],
 )
 def test_transfers_are_those_of_the_controller(answers: list[Answer], transfers: list[list[Phase]]):
-    copies = [[msgspec.structs.replace(phase, got=bytearray(), acks=[]) for phase in phases] for phases in transfers]
+    copies = [[Phase(p.address, p.read, p.data, p.count) for p in phases] for phases in transfers]
     done, heard = both({0x53: answers}, *copies)
     assert len(heard) == len(transfers)
     for own, seen in zip(done, heard, strict=True):

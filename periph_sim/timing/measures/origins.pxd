@@ -1,0 +1,49 @@
+cimport cython
+
+
+@cython.final
+cdef class Sent:
+    cdef public long long number, ended
+    cdef public tuple values
+
+
+@cython.final
+cdef class Chain:
+    cdef public Sent sent
+    cdef public object data, state
+
+
+@cython.final
+cdef class Run:
+    cdef public long long number
+    cdef public list sent
+
+
+cdef class Origins:
+    cdef public object _sent
+    cdef public dict _of
+    cpdef object of(self, object phase)
+    cpdef object origin(self, long long address, bytes got)
+
+
+cdef class FrameOrigins(Origins):
+    cpdef object origin(self, long long address, bytes got)
+
+
+cdef class ModelOrigins(Origins):
+    cdef object _codes
+    cdef bint _pulled_up
+    cdef list _chains, _before, _over, _may_take
+    cdef long long _runs
+    cdef Run _last
+    @cython.locals(run=Run)
+    cpdef object origin(self, long long address, bytes got)
+    @cython.locals(chain=Chain, least=cython.longlong, sent=Sent)
+    cdef list _longer(self, Run run)
+    cdef Chain _chain(self, long long number, Sent sent, object before)
+
+
+@cython.locals(chain=Chain, fitting=list)
+cdef list _fitting(object chains, long long address, bytes got)
+@cython.locals(found=Sent, sent=Sent, wanted=bytes, best=bytes, agreeing=cython.longlong, agree=cython.longlong)
+cdef object _nearest(bytes got, object candidates)

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from .sensor_chips import build_chip
     from .serial.side import SerialSide
     from .unit import build_unit, options_of
+    from .watch import watcher_of
     from .whole_bytes import refuse_byte_level, refuse_schedule, whole_bytes_of
 
 _HOMES = {
@@ -55,6 +56,7 @@ _HOMES = {
     "scene.sensor_chips": ("build_chip",),
     "scene.serial.side": ("SerialSide",),
     "scene.unit": ("build_unit", "options_of"),
+    "scene.watch": ("watcher_of",),
     "scene.whole_bytes": ("refuse_byte_level", "refuse_schedule", "whole_bytes_of"),
 }
 __all__ = [
@@ -86,6 +88,7 @@ __all__ = [
     "refuse_schedule",
     "rounds_of",
     "variable_value",
+    "watcher_of",
     "whole_bytes_of",
 ]
 __getattr__ = lazy_names("periph_sim", _HOMES)

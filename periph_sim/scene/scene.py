@@ -15,7 +15,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 from weakref import finalize, proxy
 
-from ..core.chip import NEVER, Note
+from ..core.chip import NEVER
 from ..core.kernel import Kernel
 from ..core.records import Kind, Recorder
 from ..core.suggest import did_you_mean
@@ -29,6 +29,7 @@ from .case.wiring import wiring_of
 from .context import SceneContext
 from .result import Result
 from .scope import scope_of_case
+from .strict import insist
 from .stuck_lines import StuckLines, doing
 from .summary import result_of
 from .uart_side import UartSide
@@ -45,6 +46,7 @@ if TYPE_CHECKING:
     from ..devices.sensor_head import SensorHead
     from ..devices.sensor_rounds import Request, Round
     from ..devices.truth import Axes, Truth
+    from ..devices.watchers import WireWatcher
     from ..processor.dsp import Dsp
     from ..processor.python.firmware_view import End
     from ..sensors.host_frame import MotionFrames
@@ -52,6 +54,7 @@ if TYPE_CHECKING:
     from ..timing.budgets import BudgetJudge
     from ..timing.measures.origins import Origins
     from ..timing.measures.reply import Expected, Reply
+    from ..timing.measures.watched_wire import WatchedWire
     from ..timing.rounds import Asked
     from ..timing.verdict import Verdict
     from .devices import DeviceOnBus, NoteLog
@@ -218,7 +221,7 @@ class Scene:
             self._build_devices(context)
         if self.case.strict:
             for name, log in self.note_logs().items():
-                log.on_note = partial(_insist, self.units, name)
+                log.on_note = partial(insist, self.units, name)
 
     def _build_devices(self, context: SceneContext) -> None:
         taken = {address: name for name, chip in self.chips.items() for address in chip.addresses}
@@ -283,6 +286,9 @@ class Scene:
 
     def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
         return self._uart.on_reply(reply)
+
+    def watcher(self, measure: WatchedWire) -> WireWatcher:
+        return parts.watcher_of(self.case, self.wires, self.timebase, self.start, measure)
 
     def on_round_due(self, told: Callable[[int], None]) -> None:
         self.bus.rounds.on_due.append(told)
@@ -436,12 +442,6 @@ class Scene:
         if self.head is not None and not self.head.at_rest:
             passive.add("controller")
         return any(who.partition(".")[0] not in passive for who in parties)
-
-
-def _insist(units: Mapping[str, Dsp], name: str, note: Note) -> None:
-    """With `strict`: it is firmware that speaks to a chip or device and breaks its duties."""
-    for dsp in units.values():
-        dsp.processor.notes.insist(note, name)
 
 
 def _let_go(recorder: Recorder, units: Mapping[str, Dsp]) -> None:

@@ -26,6 +26,7 @@ Extent = Annotated[str | int, Before(_limit)]
 
 SPAN = "span:"  # measures of a name: "span:models"
 REPLY = "reply:"
+WATCH = "watch:"
 LIMITS = ("max", "min", "exactly", "p50", "p95", "p99", "p99_9")  # keys of a budget
 
 

@@ -15,6 +15,7 @@ from periph_sim.core.table import Table
 from periph_sim.devices.sensor_rounds import CHIPS
 from periph_sim.devices.targets import eeprom, families, registers, rtc
 from periph_sim.devices.targets.register_settings import Interrupt, RegisterTable, Sets
+from periph_sim.devices.watchers import blink, edges, watchers
 from periph_sim.processor.dsp import MODULES
 from periph_sim.scene.case.device_tables import BusParty, DeviceFault, DeviceTable, StretchTable, Strikes
 from periph_sim.scene.case.model import (
@@ -33,8 +34,9 @@ from periph_sim.scene.case.model import (
 )
 from periph_sim.scene.case.serial import ExpectTable, SendTable, SerialTable
 from periph_sim.scene.case.transceiver import TransceiverTable
+from periph_sim.scene.case.watch import WatchTable
 from periph_sim.scene.case.wiring import Cable
-from periph_sim.timing.budget_schema import REPLY, SPAN, Budget, Condition, Limited
+from periph_sim.timing.budget_schema import REPLY, SPAN, WATCH, Budget, Condition, Limited
 from periph_sim.timing.measures.registry import MEASURES, make
 from tests.docs.pages import ROOT
 
@@ -64,6 +66,9 @@ TABLES: dict[str, type[Table]] = {
     "`[serial]`": SerialTable,
     "`[[serial.send]]`": SendTable,
     "`[[serial.expect]]`": ExpectTable,
+    "`[watch.NAME]`": WatchTable,
+    "`edges`": edges.Settings,
+    "`blink`": blink.Settings,
     "`[[budget]]`": Budget,
 }
 EMPTY: tuple[object, ...] = (None, "", (), {}, b"", Code(), Options())
@@ -96,21 +101,21 @@ def test_every_key_with_its_default(heading: str):
 
 
 def test_every_table_of_the_model_has_a_section():
-    modules = {
-        kind.__module__ for kind in (Case, Cable, TransceiverTable, SerialTable, Budget, DeviceTable, RegisterTable)
-    }
+    told = (Case, Cable, TransceiverTable, SerialTable, Budget, DeviceTable, RegisterTable, WatchTable)
+    modules = {kind.__module__ for kind in told}
     bases = (Table, BusParty, Strikes, Limited)
     kinds = {kind for base in bases for kind in base.__subclasses__() if kind.__module__ in modules}
-    tables = {*TABLES.values(), Options} - {eeprom.Settings, rtc.Settings}
-    assert kinds - {BusParty, Strikes, Limited, Condition, Sets} == tables
+    elsewhere = {eeprom.Settings, rtc.Settings, edges.Settings, blink.Settings}
+    assert kinds - {BusParty, Strikes, Limited, Condition, Sets} == {*TABLES.values(), Options} - elsewhere
 
 
 def test_every_family_of_devices_has_a_section():
-    assert {family.Settings for family in families().values()} <= set(TABLES.values())
+    kinds = [*families().values(), *watchers().values()]
+    assert {family.Settings for family in kinds} <= set(TABLES.values())
 
 
 def test_every_measure_with_its_unit_and_meaning():
-    measures = {name: make(name) for name in [*MEASURES, f"{SPAN}NAME", f"{REPLY}NAME"]}
+    measures = {name: make(name) for name in [*MEASURES, f"{SPAN}NAME", f"{REPLY}NAME", f"{WATCH}NAME"]}
     shown = [(name.strip("`"), unit, what.split(".")[0]) for name, unit, what in rows("Measures")]
     assert shown == [
         (name, measure.unit, (measure.__doc__ or "").strip().split(".")[0]) for name, measure in measures.items()

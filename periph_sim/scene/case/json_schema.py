@@ -14,6 +14,7 @@ from ...bus.faults import kinds as kinds_of_fault
 from ...core.options import allowed
 from ...devices.chips import chip_models
 from ...devices.targets import Family, families
+from ...devices.watchers import watchers
 from ...f28335.i2c.options import I2cOptions
 from ...f28335.sci.options import SciOptions
 from ...f28335.system.options import SystemOptions
@@ -32,8 +33,9 @@ def case_schema() -> Schema:
     motions = {f"motion {name}": kind.Settings for name, kind in kinds_of_motion().items()}
     devices = {f"device {family.MODELS[0]}": family for family in families().values()}
     settings = {name: family.Settings for name, family in devices.items()}
+    watches = {f"watch {name}": family.Settings for name, family in watchers().items()}
     definitions: Schema = {}
-    types: dict[str, Any] = {**faults, **motions, **settings, "encoding": Encoding}
+    types: dict[str, Any] = {**faults, **motions, **settings, **watches, "encoding": Encoding}
     schemas = {name: schema_of_table(kind, definitions) for name, kind in types.items()}
     case = schema_of_table(Case, definitions)
     case["properties"]["fault"]["items"] = _one_of(faults, schemas)
@@ -42,6 +44,7 @@ def case_schema() -> Schema:
     host["encoding"] = schemas["encoding"]
     definitions["ChipTable"]["properties"]["model"] = {"enum": [*chip_models()]}
     definitions["DeviceTable"] = {"anyOf": [*_devices(definitions["DeviceTable"], devices, schemas)]}
+    definitions["WatchTable"] = {"anyOf": [*_watches(definitions["WatchTable"], watches, schemas)]}
     definitions["Options"]["properties"] = {name: _options(kind) for name, kind in OPTIONS.items()}
     return {"$schema": DIALECT, "title": "periph-sim case", **case, "$defs": definitions}
 
@@ -66,6 +69,15 @@ def _devices(common: Schema, families: Mapping[str, Family], schemas: Schema) ->
         yield _closed({**common, "properties": properties, "required": required})
     properties = {**common["properties"], "model": {"type": "string", "pattern": r"\.py$"}}
     yield {**common, "properties": properties}
+
+
+def _watches(common: Schema, kinds: Mapping[str, object], schemas: Schema) -> Iterator[Schema]:
+    """A watcher's table by its kind."""
+    for name in kinds:
+        own = schemas[name]
+        properties = {**common["properties"], **own["properties"], "kind": {"enum": [name.partition(" ")[2]]}}
+        required = [*common["required"], *own.get("required", [])]
+        yield _closed({**common, "properties": properties, "required": required})
 
 
 def _closed(schema: Schema) -> Schema:

@@ -38,6 +38,7 @@ from .scalars import (
 )
 from .serial import SerialTable, reply_budget, with_replies
 from .transceiver import TransceiverTable
+from .watch import WatchTable, watch_budget, with_watches
 from .wiring import Cable, wiring_of
 
 
@@ -263,6 +264,7 @@ class Case(Table, frozen=True, kw_only=True):
     rounds: RoundsTable | None = None
     host: HostTable | None = None
     serial: SerialTable | None = None
+    watch: dict[str, WatchTable] = {}
     outside: OutsideTable | None = None
     fault: tuple[dict[str, object], ...] = ()
     budget: tuple[Budget, ...] = ()
@@ -271,9 +273,12 @@ class Case(Table, frozen=True, kw_only=True):
 
     @classmethod
     def model_validate(cls, tree: object) -> Case:
-        """The case that a tree says, with a budget more for each reply that it expects. BadTable if it says none."""
+        """The case that a tree says, with a budget more for each reply that it expects and each wire that it watches.
+
+        BadTable if it says none.
+        """
         case = convert(cls, tree)
-        case = case.model_copy(update={"budget": with_replies(case.budget, case.serial)})
+        case = case.model_copy(update={"budget": with_watches(with_replies(case.budget, case.serial), case.watch)})
         known = [budget.name for budget in case.budget]
         strange = [
             Mistake(("breaks", number), f"there is no budget {name!r}; {did_you_mean(name, known)}")
@@ -341,9 +346,13 @@ class Case(Table, frozen=True, kw_only=True):
         }
 
     def _written(self, place: tuple[str | int, ...]) -> tuple[str | int, ...]:
-        """A place as the file has it: a budget that stands for an expected reply is written there."""
-        if self.serial is None or len(place) < 2 or place[0] != "budget":
+        """A place as the file has it: a budget that stands for an expected reply or a watch is written there."""
+        if len(place) < 2 or place[0] != "budget":
             return place
         budget = self.budget[int(place[1])]
-        entries = [n for n, one in enumerate(self.serial.expect) if reply_budget(one) == budget]
+        for name, watch in self.watch.items():
+            if watch_budget(name, watch) == budget:
+                return ("watch", name)
+        expected = () if self.serial is None else self.serial.expect
+        entries = [n for n, one in enumerate(expected) if reply_budget(one) == budget]
         return ("serial", "expect", entries[0], *place[2:]) if entries else place

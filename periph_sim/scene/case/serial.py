@@ -156,10 +156,10 @@ def with_replies(budgets: tuple[Budget, ...], serial: SerialTable | None) -> tup
 
 
 def reply_budget(expected: ExpectTable) -> Budget:
-    return Budget(name=expected.name, measure=REPLY + expected.name, max=_duration(expected.within), why=expected.why)
+    return Budget(name=expected.name, measure=REPLY + expected.name, max=in_words(expected.within), why=expected.why)
 
 
-def _duration(length: Fraction) -> str:
+def in_words(length: Fraction) -> str:
     """A length as a case writes it, in the largest unit in which it is whole."""
     symbol, number = next(
         ((symbol, length * size) for symbol, size in UNITS if (length * size).denominator == 1), ("s", length)

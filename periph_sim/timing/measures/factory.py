@@ -11,7 +11,7 @@ from collections.abc import Callable
 from ...core.records import Kind
 from ...core.suggest import did_you_mean
 from ...f28335.cpu.pie_map import LINES
-from ..budget_schema import REPLY, SPAN
+from ..budget_schema import REPLY, SPAN, WATCH
 from ..language.events import OF_AGENT, Event, Group, Matcher, matcher, stretch_of
 from ..language.language import FORMS, Said, is_form, measure_of, name_text, near_form
 from ..language.scope import BadEvent, Scope
@@ -32,13 +32,13 @@ def measure_named(text: str, scope: Scope) -> Measure:
 
 
 def _called(name: str) -> Measure:
-    """The measure of a fixed name, of a span, or of a reply."""
-    if name.startswith((SPAN, REPLY)) or name in MEASURES:
+    """The measure of a fixed name, of a span, a reply, or a watched wire."""
+    if name.startswith((SPAN, REPLY, WATCH)) or name in MEASURES:
         return make(name)
     form = near_form(name)
     if form:
         raise BadEvent(f"there is no measure {name!r}; did you mean {form}?")
-    names = [*MEASURES, f"{SPAN}NAME", f"{REPLY}NAME"]
+    names = [*MEASURES, f"{SPAN}NAME", f"{REPLY}NAME", f"{WATCH}NAME"]
     hint = did_you_mean(name, names)
     if not hint.startswith("did you mean"):
         hint = f"it has {', '.join(names)}, and {', '.join(FORMS.values())}"

@@ -24,8 +24,10 @@ if TYPE_CHECKING:
     from ...core.wire import Wire
     from ...devices.sensor_rounds import Round
     from ...devices.truth import Axes
+    from ...devices.watchers import WireWatcher
     from .origins import Origins
     from .reply import Expected, Reply
+    from .watched_wire import WatchedWire
 
 
 class Delay(Protocol):
@@ -64,6 +66,9 @@ class SceneEvents(Protocol):
 
     def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
         """Tell a measure of a reply what it listens to. What is expected; why it was never asked for, as a phrase."""
+
+    def watcher(self, measure: WatchedWire) -> WireWatcher:
+        """Who watches the wire that the measure is named for, and tells it what he finds."""
 
     def on_round_due(self, told: Callable[[int], None]) -> None:
         """`told(tick)` of each round that was due, and when, whether it began or not; at the latest as the run ends."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..budget_schema import REPLY, SPAN
+from ..budget_schema import REPLY, SPAN, WATCH
 from .age import Age, ModelAge
 from .bus import Nacked, Response, Stretch, Stuck, WrongBytes
 from .measure import Measure
@@ -10,6 +10,7 @@ from .reply import Reply
 from .round import MissedRounds, NackedRounds, RoundTime
 from .sci import FifoHighWater, Overruns
 from .span import SpanTime
+from .watched_wire import WatchedWire
 
 MEASURES: dict[str, type[Measure]] = {
     "response": Response,
@@ -28,9 +29,11 @@ MEASURES: dict[str, type[Measure]] = {
 
 
 def make(name: str) -> Measure:
-    """The measure that a budget names: one of MEASURES, "span:NAME" or "reply:NAME". KeyError otherwise."""
+    """The measure that a budget names: one of MEASURES, "span:NAME", "reply:NAME", "watch:NAME". KeyError otherwise."""
     if name.startswith(REPLY):
         return Reply(name.removeprefix(REPLY))
     if name.startswith(SPAN):
         return SpanTime(name.removeprefix(SPAN))
+    if name.startswith(WATCH):
+        return WatchedWire(name.removeprefix(WATCH))
     return MEASURES[name]()

@@ -1,0 +1,74 @@
+"""A LED that blinks: its rate goes in; by how much periods, and times that it is on, deviate comes out.
+
+    LED  ___|~~~~|____|~~~~|____|~~~~~      rate = "1 Hz", duty = "50 %"
+            |-- period --|
+            |-on-|
+
+That it does not begin, or stops, refutes the run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Set
+from fractions import Fraction
+
+from ...core.settings import Duration, Frequency, Share
+from ...core.table import Table
+from . import WatchContext
+
+KIND = "blink"
+
+
+class Settings(Table, frozen=True, kw_only=True):
+    """rate: periods a second. duty: the part of a period for which the wire is high; none: not looked at.
+
+    after: what comes up to then is not looked at. first: by when it has risen; none: two periods behind after.
+    """
+
+    rate: Frequency
+    duty: Share | None = None
+    after: Duration = Fraction(0)
+    first: Duration | None = None
+
+    def check_together(self, given: Set[str]) -> None:
+        if self.first is not None and self.first < self.after:
+            raise ValueError("first comes before after, when nothing is looked at; lower after")
+
+
+class Blink:
+    def __init__(self, settings: Settings, place: WatchContext) -> None:
+        self._place = place
+        period = 1 / settings.rate
+        self._rate = settings.rate
+        self._period = place.ticks(period)
+        self._on = None if settings.duty is None else place.ticks(period * settings.duty)
+        self._after = place.start + place.ticks(settings.after)
+        first = settings.after + 2 * period if settings.first is None else settings.first
+        self._first = place.start + place.ticks(first)
+        self._rose = -1
+
+    def edge(self, now: int, level: int) -> None:
+        rose = self._rose
+        if now <= self._after:
+            return
+        if level:
+            if rose >= 0:
+                self._place.take(abs(now - rose - self._period), rose)
+            self._rose = now
+        elif rose >= 0 and self._on is not None:
+            self._place.take(abs(now - rose - self._on), rose)
+
+    def finish(self, now: int) -> None:
+        place = self._place
+        if self._rose < 0 and now > self._first:
+            place.refute(f"{place.wire} did not rise by {place.at(self._first)}", self._first)
+        elif self._rose >= 0 and now > self._rose + self._period + place.tolerance:
+            place.refute(f"{place.wire} stopped: its last rise was at {place.at(self._rose)}", self._rose)
+
+    def missing(self) -> str:
+        rises = "no rise" if self._rose < 0 else "one rise"
+        return f"{rises} of {self._place.wire} came, and a period is from one to the next; let the run last longer"
+
+
+def build(settings: Settings, place: WatchContext) -> Blink:
+    return Blink(settings, place)

@@ -1,0 +1,96 @@
+"""Expected edges of a wire, one by one: their times go in; by how much each came too soon or too late comes out.
+
+    wire      ____|~~~~~~|________
+    edges      10 ms    20 ms          ["10 ms", "rise"], ["20 ms", "fall"]
+    deviation     |-|   ||             the n-th edge beside the n-th that is expected
+
+An edge that is not expected, of the other kind, or one that does not come, refutes the run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Set
+from fractions import Fraction
+from typing import Annotated, Literal
+
+from msgspec import Meta
+
+from ...core.settings import Duration
+from ...core.table import Table
+from . import EDGE_NAMES, WatchContext
+
+KIND = "edges"
+
+
+class Settings(Table, frozen=True, kw_only=True):
+    """edges: when, from `since` on, and which. more: others may follow.
+
+    after: what comes up to then is not looked at.
+    """
+
+    edges: Annotated[tuple[tuple[Duration, Literal["rise", "fall"]], ...], Meta(min_length=1)]
+    since: Literal["start", "first edge"] = "start"
+    after: Duration = Fraction(0)
+    more: bool = False
+
+    def check_together(self, given: Set[str]) -> None:
+        times = [at for at, _ in self.edges]
+        if times != sorted(times):
+            raise ValueError("edges are not in the order in which they come; sort them by their times")
+        if self.since == "first edge" and times[0]:
+            raise ValueError("since is the first edge, so the first time is 0; give times from it on")
+        if self.since == "start" and times[0] <= self.after:
+            raise ValueError("the first edge is expected up to after, when nothing is looked at; change one of them")
+
+
+class Edges:
+    def __init__(self, settings: Settings, place: WatchContext) -> None:
+        self._place = place
+        self._expected = [(place.ticks(at), EDGE_NAMES.index(edge)) for at, edge in settings.edges]
+        self._zero = place.start if settings.since == "start" else -1  # from when on times count
+        self._after = place.start + place.ticks(settings.after)
+        self._more = settings.more
+        self._next = 0
+        self._lost = False  # an edge of the wrong kind came: the others belong to none of those that are expected
+        self._cut = False
+
+    def edge(self, now: int, level: int) -> None:
+        place = self._place
+        if now <= self._after or self._lost:
+            return
+        if self._next == len(self._expected):
+            if not self._more:
+                place.refute(f"{self._named(level)} came at {place.at(now)}, behind the last expected one", now)
+            return
+        at, wanted = self._expected[self._next]
+        if self._zero < 0:
+            self._zero = now
+        if level != wanted:
+            self._lost = True
+            due, came = place.at(self._zero + at), place.at(now)
+            place.refute(f"{self._named(wanted)} was expected at {due}; {self._named(level)} came at {came}", now)
+            return
+        self._next += 1
+        place.take(abs(now - self._zero - at), now)
+
+    def finish(self, now: int) -> None:
+        place = self._place
+        if self._next == len(self._expected) or self._lost:
+            return
+        at, wanted = self._expected[self._next]
+        due = self._zero + at if self._zero >= 0 else self._after
+        if now > due + place.tolerance:
+            by = f"at {place.at(due)}" if self._zero >= 0 else f"from {place.at(due)} on"
+            place.refute(f"{self._named(wanted)} was expected {by}, and did not come", due)
+        else:
+            self._cut = True
+
+    def missing(self) -> str:
+        return "the run ended before the first edge was due; let it last longer" if self._cut else ""
+
+    def _named(self, level: int) -> str:
+        return f"a {EDGE_NAMES[level]} of {self._place.wire}"
+
+
+def build(settings: Settings, place: WatchContext) -> Edges:
+    return Edges(settings, place)

@@ -1,0 +1,17 @@
+"""With `strict`, who breaks a duty of a chip or device is told: a note goes in, an error of firmware comes out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from ..core.chip import Note
+
+if TYPE_CHECKING:
+    from ..processor.dsp import Dsp
+
+
+def insist(units: Mapping[str, Dsp], name: str, note: Note) -> None:
+    """It is firmware that does; name: of the chip or device."""
+    for dsp in units.values():
+        dsp.processor.notes.insist(note, name)

@@ -1,0 +1,54 @@
+"""Puts who watches a wire on it: a [watch.NAME] table and the measure that it judges go in; the watcher comes out.
+
+Wire --edges--> Edges | Blink | ... --deviations--> WatchedWire, a measure
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+
+from ..core.convert import BadTable, keys_of
+from ..core.suggest import did_you_mean
+from ..core.time import Timebase
+from ..core.wire import Wire
+from ..devices.watchers import WatchContext, WireWatcher, watchers
+from ..timing.measures.watched_wire import WatchedWire
+from .case.error_text import complaint
+from .case.model import Case
+
+
+def watcher_of(
+    case: Case, wires: Mapping[str, Wire], timebase: Timebase, start: int, measure: WatchedWire
+) -> WireWatcher:
+    """The watcher of a measure, listening. BadCase, with its line, for one that cannot be."""
+    name = measure.name
+    if name not in case.watch:
+        entry = next(n for n, budget in enumerate(case.budget) if budget.measure.endswith(f":{name}"))
+        what = f"there is no [watch.{name}]; {did_you_mean(name, case.watch)}"
+        raise case.mistake(what, "budget", entry, "measure")
+    table = case.watch[name]
+    if table.kind not in watchers():
+        what = f"there is no kind of watcher {table.kind!r}; {did_you_mean(table.kind, watchers())}"
+        raise case.mistake(what, "watch", name, "kind")
+    if table.wire not in wires:
+        what = f"there is no wire {table.wire!r}; {did_you_mean(table.wire, wires)}"
+        raise case.mistake(what, "watch", name, "wire")
+    family = watchers()[table.kind]
+    try:
+        settings = family.Settings.model_validate(table.own)
+    except BadTable as error:
+        first = error.first
+        what = complaint(first)
+        if first.known is not None:
+            known = first.known + tuple(keys_of(type(table)))
+            what = f"a watcher of kind {table.kind!r} has no such key; {did_you_mean(str(first.place[-1]), known)}"
+        raise case.mistake(what, "watch", name, *first.place) from None
+
+    def ticks(length: Fraction) -> int:
+        return timebase.ticks(length, "nearest")
+
+    context = WatchContext(table.wire, ticks, start, ticks(table.tolerance), measure.take, measure.refute)
+    watcher = family.build(settings, context)
+    wires[table.wire].watch(watcher.edge)
+    return watcher

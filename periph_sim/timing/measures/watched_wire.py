@@ -1,0 +1,36 @@
+"""How a watched wire deviates: what its watcher takes goes in; the most, or what is wrong, comes out."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from .measure import Measure, SceneEvents
+
+if TYPE_CHECKING:
+    from ...devices.watchers import WireWatcher
+
+
+class WatchedWire(Measure):
+    """Between an edge of a watched wire and when it was expected. One that is missing or wrong breaks it."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__()
+        self.name = name
+        self.refuted = ""
+        self._watcher: WireWatcher | None = None
+        self._now = 0
+
+    def listen(self, scene: SceneEvents) -> None:
+        self._watcher = scene.watcher(self)
+
+    def refute(self, why: str, at: int) -> None:
+        """The run is broken whatever else comes."""
+        if not self.refuted and at >= self.not_before:
+            self.refuted, self.refuted_at, self.refuted_until = why, at, at
+
+    def finish(self, now: int) -> None:
+        assert self._watcher is not None
+        self._watcher.finish(now)
+
+    def missing(self) -> str:
+        return "" if self._watcher is None else self._watcher.missing()

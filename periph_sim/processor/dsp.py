@@ -134,7 +134,8 @@ class Dsp(FirmwareView):
         from .image.boot import entry_of
         from .image.program import ImageProgram
 
-        program = self.program = ImageProgram(self.processor, self.clock, image, entry_of(image, boot))
+        entry = entry_of(image, boot)
+        program = self.program = ImageProgram(self.processor, self.clock, image, entry, self.plan.system)
         program.load()
         for stub in stubs:
             self._kernel.at(stub.tick, partial(program.cpu.elsewhere.answer, stub.address, stub.value))

@@ -3,8 +3,8 @@ ctypedef bint (*Execute)(Cpu, Operation) except -1
 
 cdef class Operation:
     cdef public long long b, c, g, h, i, k, l, m, n, p, q, r, s, t, u, v, w, x, y, z
-    cdef public long long absolute, accesses, address, cycles, next, not_taken
-    cdef public bint byte, repeatable, wide
+    cdef public long long absolute, accesses, address, cycles, makes, needs, next, not_taken
+    cdef public bint byte, jumps, repeatable, waited, wide
     cdef public object encoding
     cdef Execute execute
 

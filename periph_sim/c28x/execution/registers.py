@@ -42,11 +42,14 @@ class Operation:
 
     next: the address behind it. cycles, not_taken: of the table. wide: its operand has 32 bits. byte: it takes a byte.
     accesses: READS, WRITES, both or 0, what it does at its operand's address. absolute: likewise at *(0:16).
+    needs, makes: registers early and late, see `hazards`. jumps: it may go elsewhere. waited: it is in memory with wait
+    states.
     """
 
     __slots__ = (
-        "absolute", "accesses", "address", "b", "byte", "c", "cycles", "encoding", "execute", "g", "h", "i", "k", "l",
-        "m", "n", "next", "not_taken", "p", "q", "r", "repeatable", "s", "t", "u", "v", "w", "wide", "x", "y", "z",
+        "absolute", "accesses", "address", "b", "byte", "c", "cycles", "encoding", "execute", "g", "h", "i", "jumps",
+        "k", "l", "m", "makes", "n", "needs", "next", "not_taken", "p", "q", "r", "repeatable", "s", "t", "u", "v", "w",
+        "waited", "wide", "x", "y", "z",
     )  # fmt: skip
 
     b: int
@@ -76,9 +79,13 @@ class Operation:
     cycles: int
     encoding: Encoding
     execute: Callable[[Cpu, Operation], None]
+    jumps: bool
+    makes: int
+    needs: int
     next: int
     not_taken: int
     repeatable: bool
+    waited: bool
     wide: bool
 
 

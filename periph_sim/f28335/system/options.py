@@ -68,6 +68,33 @@ class SystemOptions:
         "pipeline stage R2 to W, or 4, which the three cycles of write-to-read protection imply?",
     )
 
+    # Instructions of an image
+    stalls: bool = choice(
+        True,
+        False,
+        question="Do instructions wait for registers and words that earlier ones are still to write? The rules are "
+        "printed (SPRU430F 4.4), but no cycle trace of compiled code is public.",
+    )
+    b_unc_cycles: int = choice(
+        7, 4, question="What does B with UNC take? Only the page of SB names an exception for it."
+    )
+    push_acc_cycles: int = choice(
+        1, 2, question="What does PUSH ACC take? Its page says 2, that of MOVL *SP++,ACC, the same code word, 1."
+    )
+    odd_32bit_target: int = choice(
+        1,
+        0,
+        question="How many cycles more does a jump to an instruction of 32 bits at an odd address take? It needs "
+        "two fetches (SPRU430F 4.3.2).",
+    )
+    saram_conflict: int = choice(
+        0,
+        1,
+        question="How many cycles does an access to data take in addition that lie in the block from which the program "
+        "is fetched?",
+    )
+    rptc_width: int = choice(16, 8, question="How many bits of a location does RPT take?")
+
     # GPIO
     gpio_out_delay: int = choice(
         1,

@@ -4,10 +4,12 @@ from ...c28x.execution.engine cimport Engine
 from ...c28x.execution.registers cimport Cpu, Operation
 from ...f28335.cpu.interrupts cimport CpuInterrupts
 from ...f28335.system.ram cimport Ram
+from ...c28x.pipeline cimport Pipeline
 from ..bus cimport Bus
 from ..cpu_time cimport CpuTime
 from ..operand cimport Operand
 from ..processor cimport Processor
+from .instruction_timing cimport InstructionTiming
 
 cdef bint in_plain_ram(long long address) noexcept
 
@@ -21,13 +23,19 @@ cdef class ImageCpu(Engine):
     cdef Bus _bus
     cdef Ram _ram
     cdef public object elsewhere, watched
+    cdef public InstructionTiming timing
+    cdef Pipeline _pipeline
+    cdef bint _decoding
+    @cython.locals(made=Operation)
+    cdef Operation _decode(self)
+    cdef void _repeat(self)
     cpdef void reset(self)
     cpdef void fill(self, long long address, long long value)
     @cython.locals(operand=Operand)
     cdef long long _load(self, long long address, long long width)
     cdef void _store(self, long long address, long long value, long long width)
     cdef void _keep(self, long long address, long long value)
-    cpdef long long access_at(self, Operation f)
+    cpdef long long access_at(self, Operation f, long long cycle)
     cdef long long _access_at(self, long long cycle, long long address, bint reads, bint wide)
     cpdef void hand_over(self)
     cpdef list context(self)

@@ -25,13 +25,16 @@ from ...f28335.cpu.interrupts import EALLOW, INTM, frame_of
 from ...f28335.cpu.pie_map import VECTOR_TABLE
 from ...f28335.system.address_space import Content, area_at
 from ...f28335.system.memory_map import NoSuchAddress
+from ...f28335.system.options import SystemOptions
 from ...f28335.system.ram import Ram, block_at
 from ..processor import Processor
 from .elsewhere import Elsewhere
+from .instruction_timing import InstructionTiming
 from .variable_records import VariableRecords
 
 RAM_FROM, RAM_TO = 0x8000, 0x1_0000  # without waits, but for M0 and M1 below
 LOW_RAM = 0x800
+WAITED_FROM = 0xC000  # L4 to L7, as program memory
 
 
 def in_plain_ram(address: int) -> bool:
@@ -44,7 +47,7 @@ class ImageCpu(Engine):
     returning, idling: IRET or IDLE was executed, which the program sees to.
     """
 
-    def __init__(self, processor: Processor) -> None:
+    def __init__(self, processor: Processor, options: SystemOptions) -> None:
         self._core = processor.interrupts.core
         super().__init__()
         self._processor = processor
@@ -52,6 +55,9 @@ class ImageCpu(Engine):
         self._bus = processor.bus
         self._ram: Ram = processor.bus.ram
         self.elsewhere = Elsewhere(self._core, processor.notes)
+        self.timing = InstructionTiming(self._core, options, self.elsewhere)
+        self._pipeline = self.timing.pipeline
+        self._decoding = False
         self.watched: VariableRecords | None = None
         self.reset()
 
@@ -59,6 +65,7 @@ class ImageCpu(Engine):
         """Registers as the boot ROM leaves them; memory stays."""
         Cpu.__init__(self)
         self.left = 0
+        self.timing.drain()
         self._core.st1 = ST1_RESET
         self.ended = self.returning = self.idling = False
 
@@ -73,11 +80,15 @@ class ImageCpu(Engine):
 
     def load16(self, address: int) -> int:
         if in_plain_ram(address):
+            if self._pipeline.clock < self._pipeline.until:
+                self.timing.late += self._pipeline.read(address, 1)
             return self._ram.word(address)
         return self._load(address, 16)
 
     def load32(self, address: int) -> int:
         if in_plain_ram(address):
+            if self._pipeline.clock < self._pipeline.until:
+                self.timing.late += self._pipeline.read(address & ~1, 2)
             return self._ram.word32(address)
         return self._load(address & ~1, 32)
 
@@ -95,6 +106,7 @@ class ImageCpu(Engine):
 
     def store16(self, address: int, value: int) -> None:
         if in_plain_ram(address):
+            self._pipeline.wrote(address, 1, self.cycles)
             self._ram.put(address, value)
             self.written(address)
         else:
@@ -103,6 +115,7 @@ class ImageCpu(Engine):
     def store32(self, address: int, value: int) -> None:
         if in_plain_ram(address):
             low = address & ~1
+            self._pipeline.wrote(low, 2, self.cycles)
             self._ram.put_word32(low, value)
             self.written(low)
             self.written(low + 1)
@@ -123,6 +136,8 @@ class ImageCpu(Engine):
             self.watched.written(address, self._time.cycle)
 
     def program16(self, address: int) -> int:
+        if not self._decoding and (address >= WAITED_FROM or not in_plain_ram(address)):
+            self.timing.late += self.elsewhere.fetches(address)[1]
         if in_plain_ram(address):
             return self._ram.word(address)
         area = area_at(address)
@@ -136,9 +151,21 @@ class ImageCpu(Engine):
 
     # When ---------------------------------------------------------------------------
 
-    def access_at(self, f: Operation) -> int:
-        """The cycle in which its operand can be accessed, or what it names with *(0:16)."""
-        cycle = self._time.cycle
+    def _decode(self) -> Operation:
+        self._decoding = True
+        try:
+            made = Engine._decode(self)
+        finally:
+            self._decoding = False
+        self.timing.prepare(made)
+        return made
+
+    def _repeat(self) -> None:
+        self.repeat = self.timing.repeats(self.repeat)
+        Engine._repeat(self)
+
+    def access_at(self, f: Operation, cycle: int) -> int:
+        """The cycle in which its operand can be accessed, or what it names with *(0:16); not before this one."""
         if self.ea != REGISTER and f.accesses and not in_plain_ram(self.ea):
             cycle = self._access_at(cycle, self.ea, f.accesses & READS != 0, f.wide)
         if f.absolute and not in_plain_ram(f.c):
@@ -231,12 +258,14 @@ class ImageCpu(Engine):
 
     def begin_routine(self, address: int) -> None:
         """The service routine is entered: RPTB's RA waits in RAS."""
+        self.timing.drain()
         self.sp = self._core.sp
         self.rb = self.rb & 0x3FFF_FFFF | (self.rb >> 30 & 1) << 31
         self.pc = address
 
     def restore(self, words: list[int]) -> None:
         """IRET: all of it from memory."""
+        self.timing.drain()
         self.put_st0(words[0])
         self.put_t(words[1])
         self.dp, self.dbgstat = words[9], words[11]

@@ -20,10 +20,17 @@ from ...f28335.system.register_names import full_name, is_protected, register_na
 from ..firmware_notes import FirmwareNotes
 
 ERASED = 0xFFFF
-FRAME_READ_WAITS = 2
+FRAME_READ_WAITS, ROM_WAITS, EXTERNAL_WAITS, PASSWORD_WAITS = 2, 1, 1, 16
+L4_WAITS = 1  # L4 to L7, as program memory
+L4_TO_L7 = range(0xC000, 0x1_0000)
+PASSWORD = range(0x33_FFF8, 0x34_0000)
+FOPT, FBANKWAIT, FOTPWAIT = 0x0A80, 0x0A86, 0x0A87
+ENPIPE = 1  # of FOPT
+PAGEWAIT = 8  # bit of FBANKWAIT; RANDWAIT is at bit 0
 ADC_CAL, LRETR = 0x38_0080, 0x0006  # start-up code calls it
 PARTID, CLASSID, F28335 = 0x38_0090, 0x0882, 0x00EF
 FIXED = {ADC_CAL: LRETR, PARTID: F28335, CLASSID: F28335}
+FLASH_RESET = {0x0A84: 0x01FF, 0x0A85: 0x01FF, FBANKWAIT: 0x0F0F, FOTPWAIT: 0x001F}
 MATH_TABLES = range(0x3F_E000, 0x3F_F27C)
 
 
@@ -33,7 +40,7 @@ class Elsewhere:
     def __init__(self, core: CpuInterrupts, notes: FirmwareNotes) -> None:
         self._core = core
         self._notes = notes
-        self._stored = dict(FIXED)
+        self._stored = FIXED | FLASH_RESET
         self._noted: set[str] = set()
         self._stubs: dict[int, int] = {}  # by address
 
@@ -70,8 +77,39 @@ class Elsewhere:
         return True
 
     def read_waits(self, address: int) -> int:
+        """Wait states of a read of data."""
+        if address in PASSWORD:
+            return PASSWORD_WAITS
         area = area_at(address)
-        return FRAME_READ_WAITS if area is not None and area.content is Content.REGISTERS else 0
+        if area is None:
+            return 0
+        match area.content:
+            case Content.REGISTERS:
+                return FRAME_READ_WAITS
+            case Content.RAM:
+                return 0
+        return self._waits(area.content)[0]
+
+    def fetches(self, address: int) -> tuple[int, int, int]:
+        """Of program memory: (address bits in what is fetched at once, its wait states behind a jump, and else)."""
+        area = area_at(address)
+        if area is None or area.content is Content.RAM:
+            waits = L4_WAITS if address in L4_TO_L7 else 0
+            return 1, waits, waits
+        first, later = self._waits(area.content)
+        wide = area.content is Content.FLASH and self._stored.get(FOPT, 0) & ENPIPE
+        return 2 if wide else 1, first, later
+
+    def _waits(self, content: Content) -> tuple[int, int]:
+        """Wait states of a first access, and of those behind it."""
+        if content is Content.FLASH:
+            waits = self._stored[FBANKWAIT]
+            return max(waits & 0xF, 1), max(waits >> PAGEWAIT & 0xF, 1)
+        if content is Content.OTP:
+            waits = max(self._stored[FOTPWAIT] & 0x1F, 1)
+            return waits, waits
+        waits = EXTERNAL_WAITS if content is Content.EXTERNAL else ROM_WAITS
+        return waits, waits
 
     def _area(self, address: int, how: str) -> Area:
         area = area_at(address)

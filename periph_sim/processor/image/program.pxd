@@ -2,10 +2,12 @@ cimport cython
 
 from ...c28x.execution.registers cimport Operation
 from ...f28335.cpu.interrupts cimport CpuInterrupts
+from ...c28x.pipeline cimport Pipeline
 from ..cpu_time cimport CpuTime
 from ..processor cimport Processor
 from ..program cimport Program
 from .cpu cimport ImageCpu
+from .instruction_timing cimport InstructionTiming
 
 
 cdef class ImageProgram(Program):
@@ -20,7 +22,8 @@ cdef class ImageProgram(Program):
     cdef long long _at, _entry, _slept_from
     cpdef void load(self)
     cpdef void begin(self)
-    @cython.locals(cpu=ImageCpu, time=CpuTime, processor=Processor, core=CpuInterrupts, f=Operation, cycle=cython.longlong)
+    @cython.locals(cpu=ImageCpu, time=CpuTime, processor=Processor, core=CpuInterrupts, f=Operation, cycle=cython.longlong,
+                   cycles=cython.longlong, at=cython.longlong, timing=InstructionTiming, pipeline=Pipeline)
     cdef object _run(self)
     cdef bint _slept(self)
     cdef object _ended(self)

@@ -3,8 +3,8 @@
     Processor --run--> ImageProgram --begin--> operand found --reach--> its cycle --finish--> next instruction
                           ^--- stops wherever time has to pass; what it was about to do is kept in `_ready`
 
-Costs are the cycles of the manual's table, wait states of registers and write-to-read protection of the bus. Not yet:
-pipeline stalls between instructions, wait states of program memory.
+Costs are the cycles of the manual's table, what `instruction_timing` adds, and wait states of registers and
+write-to-read protection of the bus.
 
 Source: SPRU430F chapters 3 and 4.
 """
@@ -17,6 +17,7 @@ from collections.abc import Sequence
 from ...c28x.execution.registers import IllegalOperation, Operation
 from ...core.time import Clock
 from ...f28335.cpu import instruction_costs as cpu_costs
+from ...f28335.system.options import SystemOptions
 from ...image.model import Image
 from ..error_origin import FirmwareError
 from ..processor import Processor
@@ -35,10 +36,10 @@ LAST_JUMPS = 8  # that an error names
 class ImageProgram(Program):
     """cpu: its registers. instructions: how many were executed."""
 
-    def __init__(self, processor: Processor, clock: Clock, image: Image, entry: int) -> None:
+    def __init__(self, processor: Processor, clock: Clock, image: Image, entry: int, options: SystemOptions) -> None:
         """entry: where PC begins."""
         super().__init__()
-        self.cpu = ImageCpu(processor)
+        self.cpu = ImageCpu(processor, options)
         self.image = image
         self.instructions = 0
         self._processor = processor
@@ -117,7 +118,8 @@ class ImageProgram(Program):
 
     def _run(self) -> Stop:
         cpu, time, processor = self.cpu, self._processor.time, self._processor
-        core = processor.interrupts.core
+        core, timing = processor.interrupts.core, cpu.timing
+        pipeline = timing.pipeline
         while True:
             f = self._ready
             if f is None:
@@ -136,17 +138,25 @@ class ImageProgram(Program):
                         continue
                 f = cpu.fetch()
                 self._at = f.address
+                at = time.cycle
+                if f.waited or pipeline.pending:
+                    at += timing.stall(f, cpu, at)
                 cpu.begin(f)
                 if f.accesses or f.absolute:
-                    at = cpu.access_at(f)
-                    if at != time.cycle and not processor.reach(at):
+                    at = cpu.access_at(f, at)
+                if at != time.cycle:
+                    if at >= time.lease and not processor.reach(at):
                         self._ready = f
                         return Stop.WAITS
+                    time.cycle = at
             self._ready = None
-            cycle = time.cycle + cpu.finish(f)
+            cycles = cpu.finish(f)
+            cycle = time.cycle + cycles + timing.issued(f, cpu, cycles)
             self.instructions += 1
             self._executed = True
             if cpu.pc != f.next:
+                if f.jumps and cpu.pc & 1:
+                    cycle += timing.landing(cpu.fetch())
                 self._jumps.append(f.address)
                 if self._calls is not None:
                     self._calls.jumped(f, cpu.pc, cycle)

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from periph_sim.core.kernel import Kernel
+from periph_sim.core.options import Value, options_from
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
+from periph_sim.f28335.system.options import SystemOptions
 from periph_sim.image.assemble import assemble
 from periph_sim.processor.dsp import Dsp, DspPlan
 from periph_sim.processor.image.boot import Boot, Stub
@@ -28,11 +30,13 @@ _c_int00: EALLOW
 class Rig:
     """A unit that runs a program from its entry on, 2 ms at most."""
 
-    def __init__(self, source: str, *modules: str, boot: Boot = "entry", stubs: Iterable[Stub] = ()) -> None:
+    def __init__(
+        self, source: str, *modules: str, boot: Boot = "entry", stubs: Iterable[Stub] = (), **options: Value
+    ) -> None:
         self.kernel, self.recorder = Kernel(), Recorder()
         self.records: list[Record] = []
         self.recorder.subscribe({Kind.IRQ, Kind.NOTE, Kind.ACCESS}, self.records.append)
-        plan = DspPlan("dsp", modules, {}, from_boot=True)
+        plan = DspPlan("dsp", modules, {}, from_boot=True, system=options_from(SystemOptions, options))
         self.dsp = Dsp(self.kernel, Timebase(150_000_000), self.recorder, plan)
         self.dsp.start_image(assemble(source), boot, stubs)
         assert isinstance(self.dsp.program, ImageProgram)

@@ -18,7 +18,8 @@ def test_flash_begins_where_the_boot_rom_goes_with_half_the_crystals_clock():
     assert rig.program.finished
     assert rig.cpu.acc & 0x180 == 2 << 7  # DIVSEL of PLLSTS
     assert rig.dsp.clock.hz == 15_000_000
-    assert rig.program.returned_at == 4 + 10 + 1 + 3  # LB, HEAD, MOVW, MOV
+    # LB, HEAD, MOVW, MOV; LB is fetched with 15 wait states
+    assert rig.program.returned_at == 15 + 4 + 10 + 1 + 3
 
 
 def test_the_entry_begins_at_the_resets_clock():
@@ -83,9 +84,9 @@ def test_frames_without_model_keep_their_eallow():
     flash = (
         " MOVW DP,#0x0A86 >> 6\n MOV @0x0A86,#5\n MOV AL,@0x0A86\n EALLOW\n MOV @0x0A86,#6\n MOV AH,@0x0A86\n EDIS\n"
     )
-    adc = " MOVW DP,#0x7100 >> 6\n MOV @0x7100,#7\n OR AL,@0x7100\n ESTOP0"
+    adc = " MOVW DP,#0x7100 >> 6\n MOV @0x7100,#0x10\n OR AL,@0x7100\n ESTOP0"
     rig = Rig(HEAD + flash + adc).run()
-    assert rig.cpu.acc == 0x0006_0007
+    assert rig.cpu.acc == 0x0006_0F1F
     assert [text for text in rig.notes() if "EALLOW" in text] == [
         "flash control.FBANKWAIT was written without EALLOW; the write is ignored"
     ]

@@ -48,8 +48,8 @@ _inner: RPT #9 || NOP
 def test_a_call_in_a_call_begins_at_its_first_instruction_and_ends_behind_its_return():
     told = calls_of(HEAD + " LCR #_outer\n ESTOP0" + LEAF)
     assert told.lines == ["> _c_int00", "> _outer", "> _inner", "< _inner", "< _outer"]
-    # 10 cycles of the head, LCR 4 twice; RPT 1 + 10, LRETR 4; NOP 1, LRETR 4
-    assert [at - told.at[0] for at in told.at] == [0, 14, 18, 33, 38]
+    # 10 cycles of the head, LCR 4 twice, once to an odd address; RPT 1 + 10, LRETR 4; NOP 1, LRETR 4
+    assert [at - told.at[0] for at in told.at] == [0, 15, 19, 34, 39]
 
 
 def test_a_branch_into_another_function_takes_its_frame_over():

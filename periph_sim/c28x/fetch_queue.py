@@ -1,0 +1,54 @@
+"""Instructions that have not come yet: addresses as they are executed go in; the cycles that the CPU waits come out.
+
+    program memory --units of 32 or 64 bits, one each so many cycles--> queue of four --> D2
+
+Fetching goes on while instructions execute, until the queue is full; a discontinuity empties it. Only for memory with
+wait states: without them a unit comes each cycle, which no instruction can outrun.
+
+Source: SPRU430F 4.2, 4.3; SPRUFB0D 2.2 (flash).
+"""
+
+from __future__ import annotations
+
+DEPTH = 4  # units: the queue's; of flash with its prefetch two of 64 bits, and what the queue holds of a third
+PLACE = DEPTH - 1
+
+
+class FetchQueue:
+    """expected: where the next instruction would stand without a discontinuity."""
+
+    __slots__ = ("_bits", "_consumed", "_cycles", "_newest", "_ready", "expected")
+
+    def __init__(self) -> None:
+        self._consumed = [0] * DEPTH  # when each unit's place was free again
+        self._newest = 0  # the last unit that was needed
+        self._ready = 0  # when that one was there
+        self._bits = 1  # of an address within a unit
+        self._cycles = 1  # that a unit takes
+        self.expected = -1
+
+    def begin(self, cycle: int, address: int, bits: int, first: int, later: int) -> None:
+        """A discontinuity, in memory whose units have 2**bits words. first, later: wait states of the units.
+
+        cycle: in which the instruction there would be executed, had its memory no wait states.
+        """
+        self._bits, self._cycles = bits, later + 1
+        self._newest = address >> bits
+        self._ready = cycle + first
+        for place in range(DEPTH):
+            self._consumed[place] = 0
+
+    def wait(self, cycle: int, address: int, behind: int) -> int:
+        """The cycles for which the instruction from `address` to `behind` is still to come in this cycle."""
+        ready = self._need(cycle, behind - 1 >> self._bits)
+        self.expected = behind
+        return ready - cycle if ready > cycle else 0
+
+    def _need(self, cycle: int, unit: int) -> int:
+        """When a unit is there. What lies before it has been taken out of the queue by then."""
+        while self._newest < unit:
+            self._consumed[self._newest & PLACE] = cycle if cycle > self._ready else self._ready
+            self._newest += 1
+            free = self._consumed[self._newest & PLACE]
+            self._ready = (free if free > self._ready else self._ready) + self._cycles
+        return self._ready

@@ -1,0 +1,86 @@
+"""Registers that a decoded instruction needs early or brings late: a form and its fields go in; two masks come out.
+
+    needs   read, or written, in phase D2: XAR0 to XAR7 as bits 0 to 7, DP 8, SP 9; 10 for XAR(ARP)
+    makes   written in phase E, three phases later
+
+What needs a register that is still to be written waits: `pipeline` counts.
+Source: SPRU430F 4.4.2, 5.x; TI wiki "C28x Pipeline Conflicts"; the columns `reads` and `writes` of `encodings.toml`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from functools import cache
+
+from .encodings import LOCATIONS, Encoding
+
+DP, SP, BY_ARP = 1 << 8, 1 << 9, 1 << 10
+REGISTERS = 0x3FF  # without XAR(ARP)
+NUMBERED = re.compile(r"X?AR([0-7])$")
+FIELDS = {"ARn": "n", "XARn": "n", "ARm": "m"}
+SP_FIELD, BY_ARP_FROM, PUSHES, POPS, CIRCULAR = 0xAD, 0xAE, 0xBD, 0xBE, 0xBF
+
+
+@cache
+def hazards(encoding: Encoding, field: int, n: int, m: int) -> tuple[int, int]:
+    """(needs, makes) of an instruction with these numbers in its fields l, n and m, -1 where it has none."""
+    numbers = {"n": n, "m": m}
+    needs = _in_phase("D2", (*encoding.reads, *encoding.writes), numbers)
+    makes = _in_phase("E", encoding.writes, numbers)
+    if field >= 0:
+        needs |= _addressing(field)
+        read, written = _operand(encoding.reads), _operand(encoding.writes)
+        register = _register(field)
+        if read:
+            needs |= register
+        if written:
+            makes |= register
+    return needs, makes & REGISTERS
+
+
+def _in_phase(phase: str, places: Iterable[str], numbers: Mapping[str, int]) -> int:
+    """The registers among these places of the table that are used in a phase."""
+    mask = 0
+    for place in places:
+        name, _, when = place.partition("@")
+        if when != phase:
+            continue
+        numbered = NUMBERED.match(name)
+        if numbered:
+            mask |= 1 << int(numbered[1])
+        elif name in FIELDS:
+            mask |= 1 << numbers[FIELDS[name]]
+        elif name in ("XAR[ARP]", "AR[ARP]"):
+            mask |= BY_ARP
+        elif name in ("DP", "SP"):
+            mask |= DP if name == "DP" else SP
+    return mask
+
+
+def _operand(places: Iterable[str]) -> bool:
+    return any(place.partition("@")[0] in LOCATIONS for place in places)
+
+
+def _addressing(field: int) -> int:
+    """What the address of an operand is made of [SPRU430F Table 5-1]."""
+    if field < 0x40:
+        return DP
+    if field < 0x80 or field in (PUSHES, POPS):
+        return SP
+    if field >= 0xC0 or 0x80 <= field < 0x90:
+        return 1 << (field & 7)
+    if field < 0xA0:
+        return 1 << (field & 7) | 1 << (field >> 3 & 1)  # AR0 or AR1 as index
+    if field < BY_ARP_FROM:
+        return 0
+    if field == CIRCULAR:
+        return 1 << 6 | 1 << 1
+    return BY_ARP | (1 if field in (0xAE, 0xAF, 0xBB, 0xBC) else 0)
+
+
+def _register(field: int) -> int:
+    """The register that a field names, if it is one of those."""
+    if 0xA0 <= field < 0xA8:
+        return 1 << (field & 7)
+    return SP if field == SP_FIELD else 0

@@ -1,0 +1,26 @@
+cimport cython
+
+from ...c28x.execution.registers cimport Cpu, Operation
+from ...c28x.fetch_queue cimport FetchQueue
+from ...c28x.pipeline cimport Pipeline
+from ...f28335.cpu.interrupts cimport CpuInterrupts
+
+
+@cython.final
+cdef class InstructionTiming:
+    cdef public Pipeline pipeline
+    cdef public long long late
+    cdef CpuInterrupts _core
+    cdef FetchQueue _queue
+    cdef object _options, _elsewhere
+    cdef bint _conflicts
+    cpdef void drain(self)
+    cpdef void prepare(self, Operation f)
+    @cython.locals(waits=cython.longlong)
+    cpdef long long stall(self, Operation f, Cpu cpu, long long cycle)
+    @cython.locals(late=cython.longlong)
+    cpdef long long issued(self, Operation f, Cpu cpu, long long cycles)
+    cpdef long long landing(self, Operation f)
+    cpdef long long repeats(self, long long count)
+    @cython.locals(bits=cython.longlong, first=cython.longlong, later=cython.longlong)
+    cdef long long _fetch(self, Operation f, long long cycle)

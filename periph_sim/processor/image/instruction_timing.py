@@ -1,0 +1,93 @@
+"""What instructions of an image take beside the manual's table: one goes in; cycles before and after it come out.
+
+    stall    waiting in D2 for registers, and for instructions that memory with wait states has not brought yet
+    late     waiting for words that were just written, and for program memory that is read as data
+    landing  a jump to where two fetches are needed
+
+Rules whose numbers TI does not print are options. Source: SPRU430F 4.3, 4.4; SPRS439M Table 3-5; SPRUFB0D 2.2.
+"""
+
+from __future__ import annotations
+
+from ...c28x.execution.registers import REGISTER, Cpu, Operation
+from ...c28x.fetch_queue import FetchQueue
+from ...c28x.hazards import hazards
+from ...c28x.pipeline import Pipeline
+from ...f28335.cpu.interrupts import CpuInterrupts
+from ...f28335.system.options import SystemOptions
+from ...f28335.system.ram import block_at
+from .elsewhere import Elsewhere
+
+UNC = 15
+PUSH_FIELD = 0xBD  # *SP++
+WITHOUT_WAITS = (range(0x800), range(0x8000, 0xC000), range(0x3F_8000, 0x3F_C000))  # M0, M1, L0 to L3
+
+
+class InstructionTiming:
+    """pipeline: stalls between instructions. late: cycles that the present instruction takes in addition."""
+
+    __slots__ = ("_conflicts", "_core", "_elsewhere", "_options", "_queue", "late", "pipeline")
+
+    def __init__(self, core: CpuInterrupts, options: SystemOptions, elsewhere: Elsewhere) -> None:
+        self.pipeline = Pipeline()
+        self.pipeline.enabled = options.stalls
+        self.late = 0
+        self._queue = FetchQueue()
+        self._core = core
+        self._options = options
+        self._conflicts = options.saram_conflict > 0
+        self._elsewhere = elsewhere
+        core.touched.add("stalls")
+
+    def drain(self) -> None:
+        """The program goes on elsewhere, by an interrupt or a return from one."""
+        self.pipeline.drain()
+        self._queue.expected = -1
+
+    def prepare(self, f: Operation) -> None:
+        """An instruction was decoded: what is known of its time once and for all."""
+        encoding = f.encoding
+        f.needs, f.makes = hazards(encoding, f.l, f.n, f.m)
+        f.jumps = "PC" in encoding.writes
+        f.waited = not any(f.address in zone for zone in WITHOUT_WAITS)
+        if encoding.id == "B_off16_COND" and f.k == UNC:
+            self._core.touched.add("b_unc_cycles")
+            f.cycles = self._options.b_unc_cycles
+        elif encoding.id == "MOVL_loc32_ACC" and f.l == PUSH_FIELD:
+            self._core.touched.add("push_acc_cycles")
+            f.cycles = self._options.push_acc_cycles
+
+    def stall(self, f: Operation, cpu: Cpu, cycle: int) -> int:
+        """The cycles that pass before the instruction can leave D2."""
+        waits = self._fetch(f, cycle) if f.waited and not cpu.passes else 0
+        if self.pipeline.pending:
+            waits += self.pipeline.stall(f, cpu.arp)
+        return waits
+
+    def issued(self, f: Operation, cpu: Cpu, cycles: int) -> int:
+        """The instruction was executed in so many cycles by the table: the cycles that it took in addition."""
+        late, self.late = self.late, 0
+        self.pipeline.issued(f, cycles)
+        if self._conflicts and f.accesses and cpu.ea != REGISTER:
+            block = block_at(f.address)
+            late += block is not None and block is block_at(cpu.ea)
+        return late
+
+    def landing(self, f: Operation) -> int:
+        """The cycles that a jump to this instruction takes in addition; memory with wait states counts them itself."""
+        if f.address & 1 and f.next - f.address == 2 and not f.waited:
+            self._core.touched.add("odd_32bit_target")
+            return self._options.odd_32bit_target
+        return 0
+
+    def repeats(self, count: int) -> int:
+        """How often RPT repeats, of what it took from a location."""
+        if count > 0xFF:
+            self._core.touched.add("rptc_width")
+        return count & (1 << self._options.rptc_width) - 1
+
+    def _fetch(self, f: Operation, cycle: int) -> int:
+        if f.address != self._queue.expected:
+            bits, first, later = self._elsewhere.fetches(f.address)
+            self._queue.begin(cycle, f.address, bits, first, later)
+        return self._queue.wait(cycle, f.address, f.next)

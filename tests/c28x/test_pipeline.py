@@ -1,0 +1,138 @@
+"""Stalls of short programs, by the rules of SPRU430F 4.3 and 4.4 and of TI's page on pipeline conflicts."""
+
+from __future__ import annotations
+
+import pytest
+
+from periph_sim.core.options import Value
+from tests.processor.image.rig import HEAD, Rig
+
+L1, L4 = 0x9000, 0xC000
+BEGIN = " MOVW DP,#0x9100 >> 6\n MOVL XAR4,#0x9100\n MOVL XAR5,#0x9140\n MOVL XAR7,#0x9180\n NOP\n NOP\n NOP\n"
+
+
+def cycles(code: str, **options: Value) -> int:
+    """What it takes from the reset to ESTOP0."""
+    rig = Rig(HEAD + BEGIN + code + "\n ESTOP0\n", **options).run()
+    assert rig.program.returned_at is not None
+    return rig.program.returned_at
+
+
+def stalls(code: str) -> int:
+    return cycles(code) - cycles(code, stalls=False)
+
+
+@pytest.mark.parametrize(
+    ("code", "expected"),
+    [
+        # a register that is loaded in E, and an address of it in D2
+        ("MOVL XAR4,@0 | MOV AL,*XAR4", 3),
+        ("MOVL XAR4,@0 | NOP | MOV AL,*XAR4", 2),
+        ("MOVL XAR4,@0 | NOP | NOP | MOV AL,*XAR4", 1),
+        ("MOVL XAR4,@0 | NOP | NOP | NOP | MOV AL,*XAR4", 0),
+        ("MOVL XAR4,@0 | EALLOW | MOV AL,*XAR4", 0),  # 4 cycles
+        ("MOVL XAR4,@0 | MOVL XAR5,@2 | MOV AL,*XAR4 | MOV AH,*XAR5", 2),  # the first wait is the second one's, too
+        ("MOVL XAR4,@0 | MOV AL,*XAR5", 0),
+        ("MOVL XAR4,#0x9100 | MOV AL,*XAR4", 0),  # written in D2
+        ("MOVL XAR4,@0 | MOVL XAR4,#0x9100", 3),  # D2 behind E, both written
+        ("MOVL XAR4,@0 | MOV @2,AR4", 3),  # read in D2 as a source
+        ("MOV @AR4,AL | MOV AH,*XAR4", 3),
+        ("MOVZ AR0,@0 | MOV AL,*+XAR4[AR0]", 3),
+        ("MOVZ AR0,@0 | MOV AL,*+XAR4[1]", 0),
+        ("MOV DP,#0x244 | MOV AL,@0", 0),
+        ("PUSH DP | POP DP | MOV AL,@0", 3 + 3),  # the word, and DP
+        # the stack pointer: ADDB writes it in E
+        ("ADDB SP,#2 | MOV *-SP[1],AL", 3),
+        ("ADDB SP,#2 | SUBB SP,#2", 0),  # both in E
+        ("MOVL XAR7,@0 | LCR *XAR7", 3),
+        # ACC, P, T and flags are read and written in E
+        ("MOVL ACC,@0 | ADDL ACC,@2 | MOVL P,@ACC | MOV T,@AL", 0),
+        # a word that was just written
+        ("MOV @0,AL | MOV AH,@0", 3),
+        ("MOV @0,AL | NOP | MOV AH,@0", 2),
+        ("MOV @0,AL | NOP | NOP | MOV AH,@0", 1),
+        ("MOV @0,AL | NOP | NOP | NOP | MOV AH,@0", 0),
+        ("MOV @0,AL | MOV AH,@1", 0),
+        ("MOVL @0,ACC | MOV AH,@1", 3),  # half of what is written
+        ("MOV @1,AL | MOVL ACC,@0", 3),  # half of what is read
+        ("INC @0 | MOV AL,@0", 3),
+        ("INC @0 | INC @0", 3),  # read, too
+        ("MOV @0,AL | MOV @0,AH", 0),
+        ("MOV @0,AL | MOV @1,AL | MOV AH,@0 | MOV AL,@1", 2),
+        ("PUSH AL | POP AL", 3),
+    ],
+)
+def test_stalls(code: str, expected: int):
+    body = "\n".join(f" {line.strip()}" for line in code.split("|"))
+    if "LCR" in code:
+        body = " MOVL XAR6,#there\n MOVL @0,XAR6\n NOP\n NOP\n NOP\n" + body + "\nthere: NOP"
+    assert stalls(body.replace("AL |", "AL\n").replace("PUSH AL", "PUSH @AL").replace("POP AL", "POP @AL")) == expected
+
+
+@pytest.mark.parametrize(("enabled", "took"), [(True, 3), (False, 0)])
+def test_open_stalls(enabled: bool, took: int):
+    code = " MOV @0,AL\n MOV AH,@0"
+    assert cycles(code, stalls=enabled) - cycles(" NOP\n NOP") == took
+
+
+@pytest.mark.parametrize("took", [7, 4])
+def test_open_b_unc_cycles(took: int):
+    assert cycles(" B there,UNC\nthere:", b_unc_cycles=took) - cycles("") == took
+
+
+@pytest.mark.parametrize("took", [1, 2])
+def test_open_push_acc_cycles(took: int):
+    assert cycles(" PUSH ACC", push_acc_cycles=took) - cycles("") == took
+
+
+@pytest.mark.parametrize("more", [1, 0])
+def test_open_odd_32bit_target(more: int):
+    """The same code at an even and an odd address; the second word of a 32-bit instruction needs another fetch."""
+    even, odd = (
+        cycles(f" .align 2\n LB #there\n{pad}there: MOVL XAR6,#0x12345\n", odd_32bit_target=more)
+        for pad in ("", " .space 1\n")
+    )
+    assert odd - even == more
+
+
+@pytest.mark.parametrize("more", [0, 1])
+def test_open_saram_conflict(more: int):
+    """Code and data in L1; data elsewhere do not conflict."""
+    assert cycles(" MOV AL,@0", saram_conflict=more) - cycles(" MOV AL,@0") == more
+    assert cycles(" MOVW DP,#0x8000 >> 6\n MOV AL,@0", saram_conflict=more) - cycles(" MOVW DP,#0\n MOV AL,@0") == 0
+
+
+@pytest.mark.parametrize(("bits", "repeats"), [(16, 0x102), (8, 0x02)])
+def test_open_rptc_width(bits: int, repeats: int):
+    rig = Rig(HEAD + " MOVL XAR1,#0x102\n MOVL XAR6,#0\n RPT @AR1\n || NOP *XAR6++\n ESTOP0", rptc_width=bits).run()
+    assert rig.cpu.xar[6] == repeats + 1
+
+
+# Program memory with wait states ------------------------------------------------------------------------------------
+
+
+def from_l4(code: str, **options: Value) -> int:
+    """What code takes in L4 more than in L1; both come by a jump."""
+
+    def at(base: int) -> int:
+        source = HEAD + f' LB #there\n .sect "code", {base:#x}\nthere: {code}\n ESTOP0\n .space 8\n'
+        ended = Rig(source, **options).run().program.returned_at
+        assert ended is not None
+        return ended
+
+    return at(L4) - at(L1 + 0x800)
+
+
+@pytest.mark.parametrize(
+    ("code", "more"),
+    [
+        ("NOP", 1),  # the first fetch, and that of ESTOP0 is the same
+        ("NOP\n" * 8, 1),  # 16-bit instructions at full speed: two come each two cycles
+        ("MOVL XAR6,#1\n" * 8, 1 + 8),  # 32-bit ones at half: 17 fetches with ESTOP0's, less the last two that overlap
+        ("MPYB P,T,#0\n" + "MOVL XAR6,#1\n" * 2, 3),
+        ("RPT #20\n || NOP\n" + "MOVL XAR6,#1\n" * 3, 1),  # the queue fills up meanwhile
+        ("LB #there + 4\n" + "NOP\n" * 4, 2),  # a jump waits anew
+    ],
+)
+def test_code_in_memory_with_a_wait_state(code: str, more: int):
+    assert from_l4("\n ".join(code.strip().split("\n"))) == more

@@ -21,6 +21,12 @@ ANSWERS: dict[type, dict[str, tuple[Value, ...]]] = {
         "pieack_reset": (0x000, 0xFFF),
         "pf1_back_to_back_write": (1, 0),
         "write_lands": (2, 4),
+        "stalls": (True, False),
+        "b_unc_cycles": (7, 4),
+        "push_acc_cycles": (1, 2),
+        "odd_32bit_target": (1, 0),
+        "saram_conflict": (0, 1),
+        "rptc_width": (16, 8),
         "gpio_out_delay": (1, 0, 2),
     },
     SciOptions: {

@@ -26,9 +26,6 @@ cdef class ImageCpu(Engine):
     cdef public InstructionTiming timing
     cdef Pipeline _pipeline
     cdef bint _decoding
-    @cython.locals(made=Operation)
-    cdef Operation _decode(self)
-    cdef void _repeat(self)
     cpdef void reset(self)
     cpdef void fill(self, long long address, long long value)
     @cython.locals(operand=Operand)

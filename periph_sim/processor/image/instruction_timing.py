@@ -49,7 +49,7 @@ class InstructionTiming:
         encoding = f.encoding
         f.needs, f.makes = hazards(encoding, f.l, f.n, f.m)
         f.jumps = "PC" in encoding.writes
-        f.waited = not any(f.address in zone for zone in WITHOUT_WAITS)
+        f.waited = has_waits(f.address)
         if encoding.id == "B_off16_COND" and f.k == UNC:
             self._core.touched.add("b_unc_cycles")
             f.cycles = self._options.b_unc_cycles
@@ -91,3 +91,8 @@ class InstructionTiming:
             bits, first, later = self._elsewhere.fetches(f.address)
             self._queue.begin(cycle, f.address, bits, first, later)
         return self._queue.wait(cycle, f.address, f.next)
+
+
+def has_waits(address: int) -> bool:
+    """True if program memory there has wait states."""
+    return not any(address in zone for zone in WITHOUT_WAITS)

@@ -1,7 +1,7 @@
 """What `new --live` writes: the log of a session goes in; the case that was live, driven by that log, comes out.
 
-case file, its changes, less the [host] --+
-log --> wires, duration -------------------+--> case with [outside] and budgets
+case file, its changes, less who gave way --+
+log --> wires, duration --------------------+--> case with [outside] and budgets
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import Any
 
 import click
 
-from ..outside.live.case_for_line import without_host
+from ..outside.live.case_for_line import without_controller, without_host
 from ..scene.case.load import apply, case_of, load, read
 from ..scene.case.model import BadCase
 from ..scene.outside_log import BadLog, LogReader
@@ -53,7 +53,9 @@ def files_of(log: Path, given: str | None) -> tuple[Files, Path]:
         apply(tree, change)
     case = load(source, list(head.changes))
     if "RX" in head.wires or case.host is not None:
-        tree = _without_host(tree, without_host(case)[1])
+        tree = _without("host", tree, without_host(case)[1])
+    if not head.controller and case.controller is not None:
+        tree = _without("controller", tree, without_controller(case)[1])
     _moved(tree, source.parent, place.parent)
     tree |= {
         "name": place.name,
@@ -67,9 +69,9 @@ def files_of(log: Path, given: str | None) -> tuple[Files, Path]:
     return {target: toml(tree)}, target
 
 
-def _without_host(tree: Tree, left_out: tuple[str, ...]) -> Tree:
-    """As `without_host` of a case."""
-    tree = {key: value for key, value in tree.items() if key != "host"}
+def _without(who: str, tree: Tree, left_out: tuple[str, ...]) -> Tree:
+    """As `without_host`, or `without_controller`, of a case."""
+    tree = {key: value for key, value in tree.items() if key != who}
     if tree.get("controller", {}).get("check") == "host":
         tree["controller"] = {**tree["controller"], "check": "expect"}
     tree["budget"] = [budget for budget in tree.get("budget", []) if budget.get("name") not in left_out]

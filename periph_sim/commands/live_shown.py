@@ -62,7 +62,7 @@ class Shown:
         if self._wave is not None:
             self._wave.subscribe(recorder, timebase)
 
-    def doors(self, session: Session, line: SerialLine, pacer: Pacer, where: str) -> Sequence[Door]:
+    def doors(self, session: Session, line: SerialLine | None, pacer: Pacer, where: str) -> Sequence[Door]:
         """What is to have its turn in the session's loop."""
         if self._board is None:
             return ()

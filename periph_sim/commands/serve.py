@@ -1,10 +1,11 @@
-"""`periph-sim serve CASE --pty`: a case that runs in real time, with an SCI as a serial port that programs can open.
+"""`periph-sim serve CASE --pty`: a case in real time, with an SCI as a serial port, or its bus as an I2CDriver's.
 
 Options go in; the place of the port is printed, then, once it ends, verdicts, and how late it was.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import signal
 import sys
 from collections.abc import Callable, Iterator
@@ -19,10 +20,13 @@ from .json_output import print_json
 from .usage_error import usage_errors_in_one_sentence
 
 if TYPE_CHECKING:
+    from ..outside.live.i2cdriver_door import I2cDriverDoor
     from ..outside.live.port_door import PortDoor
     from ..outside.live.pty_door import PtyDoor
     from ..outside.live.rfc2217_door import Rfc2217Door
     from ..outside.serial_line import SerialLine
+    from ..scene.case.model import Case
+    from ..scene.result import Result
 
 SECTION = "run"
 EXAMPLE = "periph-sim serve timing/imu_hil.toml --pty /tmp/dsp --for '10 s'"
@@ -33,6 +37,9 @@ EXAMPLE = "periph-sim serve timing/imu_hil.toml --pty /tmp/dsp --for '10 s'"
 @click.option("--pty", "link", is_flag=False, flag_value="", metavar="[LINK]", help="A pseudo-terminal; LINK names it.")
 @click.option("--port", "real", metavar="PORT", help="A real serial port instead: /dev/ttyUSB0.")
 @click.option("--rfc2217", "tcp", metavar="[ADDRESS:]PORT", help="Over TCP, on this computer if no ADDRESS is given.")
+@click.option(
+    "--i2cdriver", "bus", is_flag=False, flag_value="", metavar="[LINK]", help="SDA and SCL, as an I2CDriver."
+)
 @click.option("--sci", default="scia", show_default=True, help="Which SCI: scia, or UNIT.SCI-A.")
 @click.option("--baud", default=115_200, show_default=True, help="Until a client sets another.")
 @click.option("--format", "form", default="8n1", show_default=True, help="Data bits, parity n, o or e, stop bits.")
@@ -64,6 +71,7 @@ def serve(
     link: str | None,
     real: str | None,
     tcp: str | None,
+    bus: str | None,
     sci: str,
     baud: int,
     form: str,
@@ -77,20 +85,21 @@ def serve(
     changes: tuple[str, ...],
     as_json: bool,
 ) -> int:
-    """Run CASE in real time, with one of its SCIs as a serial port.
+    """Run CASE in real time, with one of its SCIs as a serial port, or its bus as an I2CDriver.
 
-    The [host] of the case gives way to whoever opens the port. Ends with Ctrl-C, and prints what it came to: exit
-    status 0 where the budgets hold, 1 where not.
+    The [host] of the case, or its [controller], gives way to whoever opens the port. Ends with Ctrl-C, and prints what
+    it came to: exit status 0 where the budgets hold, 1 where not.
     """
-    from ..outside.live.case_for_line import case_for_line
+    from ..outside.live.case_for_line import case_for_bus, case_for_line
+    from ..outside.live.i2cdriver_door import I2cDriverDoor
     from ..outside.live.loop import Loop
     from ..outside.live.pacing import Pacer
     from ..outside.session import Session
     from .live_shown import Shown
     from .tables import terminal
 
-    if sum(place is not None for place in (link, real, tcp)) != 1:
-        raise click.UsageError("give one of --pty, --rfc2217 and --port, where programs find the SCI")
+    if sum(place is not None for place in (link, real, tcp, bus)) != 1:
+        raise click.UsageError("give one of --pty, --rfc2217, --port and --i2cdriver, where programs find the case")
     if view and not sys.stdout.isatty():
         raise click.UsageError("--view needs a terminal; --browser shows the same on a page")
     loops: list[Loop] = []
@@ -102,13 +111,18 @@ def serve(
             loop.stop()
 
     with usage_errors_in_one_sentence(), _signals(end_it):
-        ready = case_for_line(case, sci, changes)
+        ready = case_for_line(case, sci, changes) if bus is None else case_for_bus(case, changes)
         shown = Shown(view, None if browser is None else address_given("--browser", browser))
         with Session(ready.case, ready.wires, log=log, subscribe=shown.subscribe) as session, shown:
-            line = session.serial(sci, baud, form)
-            door = _door(line, (link, real, tcp), baud, form, shown.say)
+            line: SerialLine | None = None
+            door: PtyDoor | PortDoor | Rfc2217Door | I2cDriverDoor
+            if bus is None:
+                line = session.serial(sci, baud, form)
+                door = _door(line, (link, real, tcp), baud, form, shown.say)
+            else:
+                door = I2cDriverDoor(session, Path(bus) if bus else None)
             try:
-                session.advance(session.ticks(_time("--warm-up", warm_up)))
+                session.advance(session.now + session.ticks(_time("--warm-up", warm_up)))
                 pacer = Pacer(session.ticks_per_second, pace_given(pace), when_late)
                 end = None if length is None else session.now + session.ticks(_time("--for", length))
                 loop = Loop(session, pacer, [door, *shown.doors(session, line, pacer, door.path)])
@@ -116,7 +130,8 @@ def serve(
                 if asked:
                     loop.stop()
                 for name in ready.left_out:
-                    click.echo(f"budget {name!r} speaks of the case's host, and is left out", err=True)
+                    who = "host" if bus is None else "controller"
+                    click.echo(f"budget {name!r} speaks of the case's {who}, and is left out", err=True)
                 click.echo(door.path, err=as_json)
                 if shown.url:
                     click.echo(shown.url, err=as_json)
@@ -128,8 +143,10 @@ def serve(
             for sentence in _not_handed_over(line, door):
                 click.echo(sentence, err=True)
             result = session.finish()
+    if pacer.late and result.wall_s * pace_given(pace) > result.simulated_s:
+        click.echo(_slower(ready.case, result), err=True)
     if as_json:
-        print_json("serve", {"verdict": result.verdict, "counts": result.counts, "lateness": _lateness(pacer)})
+        print_json("serve", {**dataclasses.asdict(result), "proof": result.proof, "lateness": _lateness(pacer)})
     else:
         from .result_text import show
 
@@ -167,14 +184,23 @@ def _door(
     return PtyDoor(line, baud, form, Path(link) if link else None)
 
 
-def _not_handed_over(line: SerialLine, door: PtyDoor | PortDoor | Rfc2217Door) -> Iterator[str]:
+def _not_handed_over(line: SerialLine | None, door: PtyDoor | PortDoor | Rfc2217Door | I2cDriverDoor) -> Iterator[str]:
     """What there is to say of bytes that waited as it ended, and of those that nobody came for."""
-    if line.waiting:
+    whose = "the I2CDriver" if line is None else "the SCI"
+    if line is not None and line.waiting:
         yield f"{line.waiting} bytes for the SCI were not sent yet"
     if len(door.back):
-        yield f"{len(door.back)} bytes of the SCI were not read"
+        yield f"{len(door.back)} bytes of {whose} were not read"
     if door.back.lost:
-        yield f"{door.back.lost} bytes of the SCI were given up: nobody read them, and a megabyte waited already"
+        yield f"{door.back.lost} bytes of {whose} were given up: nobody read them, and a megabyte waited already"
+
+
+def _slower(case: Case, result: Result) -> str:
+    """Why simulated time fell behind: it is the simulation that takes so long."""
+    takes = result.wall_s / result.simulated_s
+    images = " and ".join(name for name, unit in case.unit.items() if unit.image)
+    why = f": {images} runs an image, instruction by instruction, its polls included" if images else ""
+    return f"a simulated second takes {takes:.1f} s of this computer's time{why}; it keeps --pace {0.8 / takes:.2g}"
 
 
 def _time(option: str, text: str) -> str:

@@ -25,6 +25,8 @@ class LogWriter:
         file: dict[str, object] = {}
         if case.file is not None and case.file.is_file():  # and was not made by a program
             file = {"file": relpath(case.file, path.parent), "set": case.changes}
+            if case.controller is None:
+                file["controller"] = False
         self._write({**head, "wires": wires, **file})
 
     def instant(self, tick: int, levels: Mapping[str, int]) -> None:

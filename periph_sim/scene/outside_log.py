@@ -1,7 +1,8 @@
 """The log of a session: a file goes in; what the outside did, instant by instant, comes out.
 
 {"format": "periph-sim outside", "version": 1, "case": ..., "ticks_per_second": ..., "wires": [...],
- "file": ..., "set": [...]}             the case's file, from the log's folder, and its changes; if it has one
+ "file": ..., "set": [...],             the case's file, from the log's folder, and its changes; if it has one
+ "controller": false}                   that file's [controller] gave way
 [tick, {"SCL": 0}]                      of each instant, in order
 {"end": tick, "sci_bytes": count}       the session was finished there; without it, the last instant is the end
 """
@@ -22,13 +23,17 @@ class BadLog(ValueError):
 
 @dataclass(frozen=True)
 class Head:
-    """What a log is of. file: of the case, from the log's folder; "" if it came from none. changes: of it."""
+    """What a log is of. file: of the case, from the log's folder; "" if it came from none. changes: of it.
+
+    controller: whether the case had one, if its file has.
+    """
 
     case: str
     ticks_per_second: int
     wires: tuple[str, ...]
     file: str = ""
     changes: tuple[str, ...] = ()
+    controller: bool = True
 
 
 class LogReader:
@@ -107,6 +112,7 @@ class LogReader:
             tuple(str(wire) for wire in wires),
             file if isinstance(file, str) else "",
             tuple(str(change) for change in changes) if isinstance(changes, list) else (),
+            value.get("controller") is not False,
         )
 
     def _bad(self, line: int, found: str, expected: str) -> BadLog:

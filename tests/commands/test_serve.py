@@ -9,9 +9,12 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
+from periph_sim.commands.serve import _slower
+from tests.outside.live import registers
 from tests.outside.live.echo import written
 
 serial = pytest.importorskip("serial", reason="pyserial is not installed: the extra live has it")
@@ -61,11 +64,33 @@ def test_a_real_port_is_served_like_a_pseudo_terminal(tmp_path: Path) -> None:
     assert told["verdict"] == "not judged" and set(told["lateness"]) == {"worst_s", "p99_s", "late", "slips"}
 
 
+def test_an_unmodified_i2cdriver_program_reads_the_bus(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    i2cdriver = pytest.importorskip("i2cdriver", reason="i2cdriver is not installed: the extra drivers has it")
+    opened = i2cdriver.serial.Serial
+    monkeypatch.setattr(i2cdriver.serial, "Serial", lambda port, baud, timeout: opened(port, baud, timeout=120))
+    link = tmp_path / "i2c"
+    served = serve(str(registers.written(tmp_path)), "--i2cdriver", str(link), "--json")
+    assert served.stderr is not None
+    assert "'all rounds' speaks of the case's controller, and is left out" in served.stderr.readline()
+    assert served.stderr.readline().startswith("/dev/")
+    driver = i2cdriver.I2CDriver(str(link))
+    assert driver.scan(silent=True) == [0x50]
+    assert driver.regwr(0x50, 4, [1, 2]) and driver.regrd(0x50, 2, 4) == b"\x33\x44\x01\x02"
+    driver.ser.close()
+    served.send_signal(signal.SIGINT)
+    said, mistakes = served.communicate(timeout=60)
+    told = json.loads(said)
+    assert served.returncode == 0 and not link.is_symlink(), mistakes
+    assert told["verdict"] == "pass" and told["proof"] == "seen" and told["wire_bytes"] >= 112 + 4 + 7
+    assert [(one["name"], one["verdict"]) for one in told["budgets"]] == [("work", "pass")]
+
+
 @pytest.mark.parametrize(
     ("more", "status", "sentence"),
     [
-        ((), 2, "give one of --pty, --rfc2217 and --port, where programs find the SCI"),
-        (("--pty", "{taken}", "--port", "/dev/ttyS0"), 2, "give one of --pty, --rfc2217 and --port"),
+        ((), 2, "give one of --pty, --rfc2217, --port and --i2cdriver, where programs find the case"),
+        (("--pty", "{taken}", "--port", "/dev/ttyS0"), 2, "give one of --pty, --rfc2217, --port"),
+        (("--i2cdriver",), 2, "there is no wire 'SDA'"),
         (("--rfc2217", "localhost"), 2, "--rfc2217 'localhost': expected a port up to 65535, or ADDRESS:PORT"),
         (("--port", "/dev/none"), 2, "/dev/none"),
         (("--pty", "{taken}"), 2, "File exists; give the link another name"),
@@ -93,3 +118,13 @@ def test_the_host_of_a_case_gives_way_with_its_budgets() -> None:
     assert "budget 'data age' speaks of the case's host, and is left out" in mistakes
     assert "budget 'wrong bytes' speaks of the case's host" in mistakes
     assert "wrong bytes" not in said
+
+
+def test_why_simulated_time_fell_behind_is_told() -> None:
+    result = SimpleNamespace(wall_s=3.0, simulated_s=1.5)
+    case = SimpleNamespace(unit={"dsp": SimpleNamespace(image=None)})
+    said = "a simulated second takes 2.0 s of this computer's time"
+    assert _slower(case, result) == f"{said}; it keeps --pace 0.4"
+    case.unit["dsp"].image = "firmware.out"
+    why = "dsp runs an image, instruction by instruction, its polls included"
+    assert _slower(case, result) == f"{said}: {why}; it keeps --pace 0.4"

@@ -21,7 +21,7 @@ class Door(Protocol):
     def files(self) -> Sequence[int]: ...
 
     def turn(self) -> None:
-        """Hand over what came, both ways. Called in the session's thread only, between two steps."""
+        """Hand over what came, both ways. Called in the session's thread only, between two steps; may move its time."""
 
 
 class Loop:
@@ -46,8 +46,9 @@ class Loop:
             due = due if until is None else min(due, until)
             self._wait(due)
             self._turn()
-            session.advance(due)
-            self._pacer.reached(due)
+            if session.now < due:
+                session.advance(due)
+            self._pacer.reached(session.now)
         self._turn()
 
     def _wait(self, due: int) -> None:
@@ -58,7 +59,7 @@ class Loop:
             ready, _, _ = select.select(files, [], [], left)
             if ready:
                 self._turn()
-            left = self._pacer.wait(due)
+            left = self._pacer.wait(max(due, self._session.now))
 
     def _turn(self) -> None:
         for door in self._doors:

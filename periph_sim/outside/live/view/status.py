@@ -85,12 +85,12 @@ class Snapshot(TypedDict):
 
 
 class Status:
-    """where: clients find the SCI. wave: None where nobody looks at it."""
+    """where: clients find the SCI or the bus. line: None of a bus. wave: None where nobody looks at it."""
 
     def __init__(
         self,
         session: Session,
-        line: SerialLine,
+        line: SerialLine | None,
         pacer: Pacer,
         where: str = "",
         wave: LastRound | None = None,
@@ -124,11 +124,11 @@ class Status:
         self._said.append(sentence)
 
     def snapshot(self, over: bool = False) -> Snapshot:
-        session, scene = self._session, self._session.scene
+        session, scene, line = self._session, self._session.scene, self._line
         totals = {
-            "SCI bytes in": self._line.sent,
-            "SCI bytes out": self._line.received,
-            "waiting": self._line.waiting,
+            "SCI bytes in": 0 if line is None else line.sent,
+            "SCI bytes out": 0 if line is None else line.received,
+            "waiting": 0 if line is None else line.waiting,
             "I2C bytes": scene.bytes_on_bus(),
             "rounds": self._rounds,
         }

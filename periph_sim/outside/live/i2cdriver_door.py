@@ -1,0 +1,45 @@
+"""An I2CDriver at a pseudo-terminal, in a session that a loop steps: its client's commands go in, its answers come out.
+
+client --/dev/pts/N, or LINK--> I2cDriver --> SDA, SCL
+
+A transfer is done at once, and moves the session's time on by what it takes on the wires; the loop then waits for the
+clock. Whoever reads no answers is heard no more once a megabyte of them waits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from ..drivers.i2cdriver_adapter import I2cDriver
+from ..session import Session
+from .backlog import MOST, Backlog
+from .pseudo_terminal import PseudoTerminal
+
+
+class I2cDriverDoor:
+    """pause: what passes before each START. OutsideError for a link that is taken, or a bus that is not outside.
+
+    back: what its client has not read yet."""
+
+    def __init__(self, session: Session, link: Path | None = None, pause: str = "100 us") -> None:
+        self._adapter = I2cDriver(session, session.ticks(pause))
+        self._terminal = PseudoTerminal(link)
+        self.back = Backlog()
+
+    @property
+    def path(self) -> str:
+        return self._terminal.path
+
+    def close(self) -> None:
+        self._terminal.close()
+
+    def files(self) -> Sequence[int]:
+        return [self._terminal.file] if len(self.back) < MOST else []
+
+    def turn(self) -> None:
+        """The commands that have come, a few kilobytes of them; what is left is for the next turn."""
+        if len(self.back) < MOST:
+            self.back.add(self._adapter.take(self._terminal.read()))
+            self.back.add(self._adapter.captured())
+        self.back.give(self._terminal.write)

@@ -1,0 +1,125 @@
+"""An I2CDriver in a session's loop: commands go in at its pseudo-terminal, time moves by what they do, and paces on."""
+
+from __future__ import annotations
+
+import os
+import tty
+from contextlib import suppress
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+from periph_sim.commands.live_case import files_of
+from periph_sim.outside import OutsideError, Session
+from periph_sim.outside.live import i2cdriver_door
+from periph_sim.outside.live.case_for_line import case_for_bus
+from periph_sim.outside.live.i2cdriver_door import I2cDriverDoor
+from periph_sim.outside.live.loop import Loop
+from periph_sim.outside.live.pacing import Pacer
+from periph_sim.scene.case.load import load
+from periph_sim.scene.case.model import BadCase
+from periph_sim.scene.scene import Scene
+from tests.outside.live.registers import written
+from tests.outside.sessions import Records
+
+REGISTER = bytes([ord("r"), 0x50, 1, 2])  # two from 1 on
+
+
+class Served:
+    """A client's end of it, and the loop, stepped by the test."""
+
+    def __init__(self, folder: Path, log: Path | None = None, pace: int = 0) -> None:
+        ready = case_for_bus(written(folder))
+        self.left_out = ready.left_out
+        self.records = Records()
+        self.session = Session(ready.case, ready.wires, log=log, subscribe=self.records.subscribe)
+        self.door = I2cDriverDoor(self.session)
+        self.file = os.open(self.door.path, os.O_RDWR | os.O_NOCTTY)
+        tty.setraw(self.file)
+        os.set_blocking(self.file, False)
+        self.now = 0.0
+        self.pacer = Pacer(self.session.ticks_per_second, Fraction(pace), clock=lambda: self.now)
+        self.loop = Loop(self.session, self.pacer, [self.door])
+
+    def passes(self, length: str) -> None:
+        self.loop.run(self.session.now + self.session.ticks(length))
+
+    def close(self) -> None:
+        os.close(self.file)
+        self.door.close()
+
+
+def test_commands_are_done_in_their_own_time_and_the_controller_gives_way(tmp_path: Path) -> None:
+    log = tmp_path / "live.jsonl"
+    served = Served(tmp_path, log)
+    served.passes("2 ms")
+    os.write(served.file, REGISTER)
+    before = served.session.now
+    served.door.turn()
+    assert served.session.now - before > served.session.ticks("500 us")  # six bytes at 100 kHz
+    assert os.read(served.file, 10) == b"\x22\x33"
+    served.passes("1 ms")
+    result = served.session.finish()
+    served.close()
+    assert served.left_out == ("all rounds",) and [one.name for one in result.budgets] == ["work"]
+    assert result.wire_bytes == 5 and result.verdict == "pass"
+    files, target = files_of(log, str(tmp_path / "again"))
+    target.write_text(files[target])
+    again = Records()
+    made = load(target)
+    assert made.controller is None and Scene(made, again.subscribe).run().wire_bytes == 5
+    assert again.kept == served.records.kept
+
+
+def test_the_loop_waits_for_the_clock_behind_what_a_client_did(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    served = Served(tmp_path, pace=1)
+    begin = served.session.now
+
+    def select(files: list[int], _: object, __: object, left: float) -> tuple[list[int], list[int], list[int]]:
+        """In the middle of the second step commands come, which take several steps."""
+        if served.now == 0:
+            served.now = 0.0005
+            os.write(served.file, REGISTER * 3)
+            return files, [], []
+        served.now += left
+        return [], [], []
+
+    monkeypatch.setattr("periph_sim.outside.live.loop.select.select", select)
+    served.passes("2 ms")
+    taken = (served.session.now - begin) / served.session.ticks_per_second
+    assert taken > 0.0025 and served.now == pytest.approx(taken - 0.001, abs=1e-5)  # the clock starts with the first
+    assert served.pacer.worst == 0
+    served.close()
+
+
+def test_who_reads_no_answers_is_not_heard_until_it_does(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(i2cdriver_door, "MOST", 100)
+    served = Served(tmp_path)
+    asked = b"eA" * 40_000
+    sent, got = 0, b""
+    for _ in range(60):
+        with suppress(BlockingIOError):
+            sent += os.write(served.file, asked[sent:])
+        served.door.turn()
+    assert sent < len(asked) and len(served.door.back) < 3 * 4096 and served.door.files() == []
+    while len(got) < len(asked) // 2:
+        try:
+            got += os.read(served.file, 4096)
+        except BlockingIOError:
+            sent += os.write(served.file, asked[sent:]) if served.door.files() else 0
+        served.door.turn()
+    assert got == b"A" * 40_000 and not served.door.back.lost
+    served.close()
+
+
+def test_what_it_cannot_have(tmp_path: Path) -> None:
+    taken = tmp_path / "taken"
+    taken.touch()
+    session = Session(case_for_bus(written(tmp_path)).case, ("SDA", "SCL"))
+    with pytest.raises(OutsideError, match="taken: File exists; give the link another name"):
+        I2cDriverDoor(session, taken)
+    with pytest.raises(OutsideError, match="SCL of case registers does not lead outside"):
+        I2cDriverDoor(Session(session.case, ("SDA",)))
+    with pytest.raises(BadCase, match="cpu lode"):
+        case_for_bus(written(tmp_path), ("budget.1.measure=cpu lode",))

@@ -22,7 +22,7 @@ def show(
 
     chosen: how its level was chosen, for the line of the verdict.
     """
-    say(console, f"{result.case}: {title(result, guaranteed)}{chosen}{terms(result)}", style="bold")
+    say(console, f"{result.case}: {title(result, guaranteed)}{chosen}{terms(result)}{estimated(result)}", style="bold")
     console.print(budget_table(result.budgets))
     for line in legend(result.budgets):
         say(console, line)
@@ -89,6 +89,11 @@ def title(result: Result, guaranteed: bool) -> str:
     if result.proof == EVERY_PHASE:
         return "PASS, for every phase"
     return "FAIL, since not every budget is proven" if guaranteed else "PASS, as seen in this run"
+
+
+def estimated(result: Result) -> str:
+    """What is to be said of times, where code is not the chip's."""
+    return f"; cycles between accesses of {' and '.join(result.estimated)} are estimated" if result.estimated else ""
 
 
 def budget_table(budgets: Sequence[Verdict]) -> PlainTable:

@@ -23,7 +23,7 @@ def unit_with(case: Case, module: str) -> str:
 
 def settings_of(case: Case, unit: str) -> frozenset[str]:
     """Names of the settings that a unit's firmware takes. BadCase if there is no such firmware."""
-    if case.unit[unit].image:
+    if not case.unit[unit].firmware:
         return frozenset()
     try:
         kind = load_firmware(case.unit[unit].firmware).settings

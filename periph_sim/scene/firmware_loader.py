@@ -48,7 +48,7 @@ class BadSetting(ValueError):
 def load_firmware(name: str) -> Firmware:
     """A program: the name of a shipped one, or the path of a .py file. BadFirmware if it cannot be had."""
     if not name:
-        raise BadFirmware("its unit runs an image; this needs Python firmware")
+        raise BadFirmware("its unit runs no Python firmware, which this needs")
     try:
         module = _file_module(Path(name)) if name.endswith(".py") else _shipped_module(name)
     except BadFirmware:

@@ -18,6 +18,7 @@ BYTE_LEVEL = "byte_level"  # I2C bytes of which seven bits passed at once, where
 class Result:
     """What a run came to. wall_s: the run alone, building apart.
 
+    estimated: units whose cycles between accesses are estimated.
     terms_s: seconds of edge runs that the terms of level "schedule" were measured in; their time is in wall_s.
     """
 
@@ -37,6 +38,7 @@ class Result:
     wrong: dict[str, int] = field(default_factory=dict)
     first_wrong: str = ""
     terms_s: float = 0.0
+    estimated: list[str] = field(default_factory=list)
 
     @property
     def share_above_edges(self) -> str:

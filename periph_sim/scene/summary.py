@@ -15,6 +15,12 @@ if TYPE_CHECKING:
     from .scene import Scene
 
 
+ON_THE_HOST = (
+    "its C sources run on the host, where int has 32 bits, long and pointers 64, char 8 (on the chip 16, 32, 22, 16), "
+    "and addresses count bytes"
+)
+
+
 def result_of(scene: Scene, length: int, wall: float) -> Result:
     """What a run of `length` ticks came to, which took `wall` seconds."""
     verdicts = [limit.verdict(scene.start) for limit in scene.limits]
@@ -55,6 +61,7 @@ def result_of(scene: Scene, length: int, wall: float) -> Result:
         stuck=stuck,
         wrong=wrong,
         first_wrong=first_wrong,
+        estimated=[name for name, unit in scene.case.unit.items() if unit.sources],
     )
 
 
@@ -79,6 +86,8 @@ def notes_of(scene: Scene) -> list[str]:
                 at = scene.timebase.show(dsp.clock.tick(cycle) - scene.start)
                 lines.append(f"{name} {module}, first at {at}: {note.text} [{note.source}]")
         lines += [f"{name}: {note.text} [{note.source}] ({n} times)" for note, n in dsp.processor.notes.counts.items()]
+        if scene.case.unit[name].sources:
+            lines.append(f"{name}: {ON_THE_HOST}")
         if dsp.program.returned_at is not None:
             at = scene.timebase.show(dsp.clock.tick(dsp.program.returned_at) - scene.start)
             lines.append(f"{name}: {dsp.program.ending(at)}")

@@ -63,7 +63,7 @@ def build_unit(context: SceneContext, name: str, unit: Unit, program: Firmware |
         oscclk_hz=int(unit.oscclk),
         pll=unit.pll,
         ppm=unit.ppm,
-        from_boot=unit.from_boot or bool(unit.image),
+        from_boot=unit.from_boot or bool(unit.image or unit.sources),
         skip_polls=unit.skip_polls,
         strict=case.strict,
         seed=case.seed,
@@ -78,6 +78,8 @@ def build_unit(context: SceneContext, name: str, unit: Unit, program: Firmware |
     dsp = Dsp(context.kernel, context.timebase, context.recorder, plan)
     if unit.image:
         return BuiltUnit(dsp, _started_image(context, name, unit, dsp), None, None)
+    if unit.sources:
+        return BuiltUnit(dsp, _started_sources(case, name, unit, dsp), None, None)
     try:
         firmware = program or load_firmware(unit.firmware)
     except BadFirmware as error:
@@ -108,6 +110,22 @@ def _started_image(context: SceneContext, name: str, unit: Unit, dsp: Dsp) -> Fi
         raise context.case.mistake(str(error), "unit", name, "image") from None
     watch_image(context.case, name, unit, dsp, program, context.recorder)
     return Firmware(unit.image, _no_python, None)
+
+
+def _started_sources(case: Case, name: str, unit: Unit, dsp: Dsp) -> Firmware:
+    """The unit's C sources run from main on."""
+    from ..host_code.build import BadSources, Sources
+    from ..host_code.firmware import HostFirmware
+
+    given = unit.compile
+    files, folders = (tuple(map(Path, paths)) for paths in (unit.sources, given.include))
+    defines = tuple((macro, str(value)) for macro, value in given.defines.items())
+    try:
+        firmware = HostFirmware(dsp, Sources(files, folders, defines, given.undefined))
+    except BadSources as error:
+        raise case.mistake(str(error), "unit", name, "sources") from None
+    dsp.start(firmware.main)
+    return Firmware(", ".join(unit.sources), _no_python, None)
 
 
 def _stubs(context: SceneContext, name: str, unit: Unit, dsp: Dsp) -> list[Stub]:

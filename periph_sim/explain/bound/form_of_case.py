@@ -22,10 +22,11 @@ from .undisturbed_run import observe, serving_unit
 def closed_form(case: Case, firmware: Mapping[str, Firmware] | None = None) -> ClosedForm:
     """The closed form of a case. firmware: by unit, where it is loaded already. BadBound if it has none."""
     unit = serving_unit(case)
-    images = [name for name, one in case.unit.items() if one.image]
-    if images:
-        what = "runs an image, and terms are found in Python firmware; judge it by what a run shows"
-        raise BadBound(f"case {case.name}: unit {images[0]} {what}")
+    for name, one in case.unit.items():
+        if not one.firmware:
+            runs = "an image" if one.image else "C sources"
+            what = f"unit {name} runs {runs}, and terms are found in Python firmware; judge it by what a run shows"
+            raise BadBound(f"case {case.name}: {what}")
     if case.fault:
         raise BadBound(f"case {case.name}: the case has faults, which no bound counts; judge them by what a run shows")
     disturbed = [name for name, chip in case.chip.items() if chip.stretch is not None or chip.fault]

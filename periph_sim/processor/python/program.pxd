@@ -6,7 +6,7 @@ from ..program cimport Program
 
 
 cdef class PythonProgram(Program):
-    cdef public object name, entered
+    cdef public object name, entered, placed
     cdef public dict handlers
     cdef public double stall_limit
     cdef public object thread
@@ -28,4 +28,5 @@ cdef class PythonProgram(Program):
     cpdef void _land(self)
     cpdef object place(self)
     cpdef void handle(self, object vector, object routine)
+    cpdef void routine(self, long long address, object routine)
     cpdef object enter(self, long long vector)

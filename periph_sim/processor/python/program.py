@@ -36,6 +36,7 @@ class PythonProgram(Program):
     """handlers: service routines by vector. entered: the routine that is to be called now.
 
     stall_limit: seconds of CPU time that the firmware may take at one instant; 0: any.
+    placed: says where the firmware is, if its statements are none of Python's.
     thread: that runs the firmware, while it does.
     """
 
@@ -45,6 +46,7 @@ class PythonProgram(Program):
         self.handlers: dict[str, Handler] = {}
         self.entered: Handler | None = None
         self.stall_limit = 0.0
+        self.placed: Callable[[], SourceLocation | None] | None = None
         self.thread = 0
         self._kernel: Kernel = processor.kernel
         self._processor = processor
@@ -197,6 +199,8 @@ class PythonProgram(Program):
 
     def place(self) -> SourceLocation | None:
         """The innermost statement of the firmware; None where main has not begun or is over."""
+        if self.placed is not None:
+            return self.placed()
         running = self._greenlet
         if running is None or running.dead:
             return None
@@ -208,6 +212,10 @@ class PythonProgram(Program):
         self.handlers[vector] = routine
         self._code[ROUTINES + entry] = routine
         self._processor.bus.ram.put_word32(entry, ROUTINES + entry)
+
+    def routine(self, address: int, routine: Handler) -> None:
+        """Make `routine` what a code address stands for, which firmware stores as a vector by itself."""
+        self._code[address] = routine
 
     def enter(self, vector: int) -> str:
         routine = self._code.get(vector)

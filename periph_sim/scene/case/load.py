@@ -55,6 +55,11 @@ def _located(case: Case, folder: Path) -> Case:
             moved[name] = unit.model_copy(update={"firmware": str(folder / unit.firmware)})
         elif unit.image:
             moved[name] = unit.model_copy(update={"image": str(folder / unit.image)})
+        elif unit.sources:
+            found = {"sources": tuple(str(folder / file) for file in unit.sources)}
+            include = tuple(str(folder / path) for path in unit.compile.include)
+            compile = unit.compile.model_copy(update={"include": include})
+            moved[name] = unit.model_copy(update=found | {"compile": compile})
     return case.model_copy(update={"unit": case.unit | moved})
 
 

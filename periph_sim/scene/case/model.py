@@ -74,15 +74,26 @@ class StubTable(Table, frozen=True, kw_only=True):
     after: Duration = Fraction(0)
 
 
+class Compile(Table, frozen=True, kw_only=True):
+    """How C sources are compiled. include: folders of headers. defines: macros. undefined: with UBSan."""
+
+    include: tuple[str, ...] = ()
+    defines: dict[str, str | int] = {}
+    undefined: bool = False
+
+
 class Unit(Table, frozen=True, kw_only=True):
     """One F28335. pins: names for GPIO pins to be watched; wires of SDA, SCL, RX, TX are connected by themselves.
 
-    Either firmware, a Python program, or image, a linker's .out file or assembly (.asm). boot: where an image begins.
+    Either firmware, a Python program, or image, a linker's .out file or assembly (.asm), or sources in C, which are
+    compiled for the host. boot: where an image begins.
     memory: what its variables are as it begins.
     """
 
     firmware: str = ""
     image: str = ""
+    sources: tuple[str, ...] = ()
+    compile: Compile = Compile()
     boot: Literal["entry", "flash", "ram"] = "entry"
     stub: tuple[StubTable, ...] = ()
     memory: dict[str, int | float] = {}
@@ -98,10 +109,15 @@ class Unit(Table, frozen=True, kw_only=True):
     options: Options = Options()
 
     def check_together(self, given: Set[str]) -> None:
-        if not self.firmware and not self.image:
+        programs = [name for name in ("firmware", "image", "sources") if getattr(self, name)]
+        if not programs:
             raise ValueError("a unit needs a program; give firmware, or image")
-        if self.firmware and self.image:
-            raise ValueError("a unit has one program; give firmware or image, not both")
+        if len(programs) > 1:
+            raise ValueError(f"a unit has one program; give {' or '.join(programs)}, not both")
+        if self.sources and "settings" in given:
+            raise ValueError(
+                "settings is of Python firmware; sources take [unit.NAME.compile] defines, so leave it out"
+            )
         if self.memory and not self.image:
             raise ValueError("memory is of an image's variables; settings are what Python firmware takes")
         said = sorted({"settings", "code", "pll", "from_boot", "skip_polls"} & given)

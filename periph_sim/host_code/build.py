@@ -1,0 +1,104 @@
+"""Compiles C sources for the host: files and what they need go in; a shared library, or gcc's complaint, comes out.
+
+sources --gcc -O0, thread-sanitizer hooks--> objects --+--> library, register structures at absolute addresses
+runtime.c --gcc, no hooks----------------------------'
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from msgspec import Struct
+
+from .register_symbols import COPIED, SYMBOLS
+
+BYTES_A_WORD = 4  # of the chip's address space, here
+RUNTIME = Path(__file__).with_name("runtime.c")
+HOOKS = (
+    "-fsanitize=thread",
+    "--param=tsan-distinguish-volatile=1",
+    "-fsanitize-coverage=trace-pc",
+    "-fstrict-volatile-bitfields",  # a bit field is read with its register, not with a byte of it
+)
+KEYWORDS = ("-Dinterrupt=", "-D__interrupt=", "-Dcregister=", "-Dfar=", "-Dasm(text)=c28x_assembly(text)")
+UNDEFINED = ("-fsanitize=undefined", "-fno-sanitize=alignment")
+COMPLAINT = re.compile(r"(?m)^(.+?):(\d+):(?:\d+:)? (?:fatal )?error: (.+)$")
+MISSING = re.compile(r"undefined reference to [`']([^']+)'")
+OWN_DECLARATIONS = "void c28x_assembly(const char *);"
+
+
+class BadSources(ValueError):
+    """C sources that cannot be compiled for the host; one sentence."""
+
+
+class Sources(Struct, frozen=True):
+    """folders: of headers. defines: macros with their values. undefined: with UBSan, which tells on standard error."""
+
+    files: tuple[Path, ...]
+    folders: tuple[Path, ...] = ()
+    defines: tuple[tuple[str, str], ...] = ()
+    undefined: bool = False
+
+
+class Objects(Struct, frozen=True):
+    """What is compiled and not linked yet."""
+
+    compiler: str
+    files: tuple[str, ...]
+    undefined: bool
+
+
+def compiled(sources: Sources, folder: Path) -> Objects:
+    """The sources as objects, in `folder`. BadSources where gcc refuses them."""
+    compiler = shutil.which("gcc")
+    if compiler is None:
+        raise BadSources("gcc is not found, which compiles C sources for the host; install it, or run an image")
+    for file in sources.files:
+        if not file.is_file():
+            raise BadSources(f"there is no source file {str(file)!r}; its path counts from the folder of the case")
+    own = folder / "c28x_assembly.h"
+    own.write_text(OWN_DECLARATIONS + "\n", encoding="utf-8")
+    flags = [*HOOKS, *KEYWORDS, "-include", str(own), *(UNDEFINED if sources.undefined else ())]
+    flags += [f"-I{path}" for path in sources.folders]
+    flags += [f"-D{name}={value}" for name, value in sources.defines]
+    objects = []
+    for number, file in enumerate(sources.files):
+        objects.append(str(folder / f"{number}.o"))
+        _run([compiler, "-std=gnu99", "-c", "-O0", "-g", "-w", "-fPIC", *flags, str(file), "-o", objects[-1]])
+    runtime = str(folder / "runtime.o")
+    _run([compiler, "-std=gnu11", "-c", "-O1", "-fPIC", "-w", str(RUNTIME), "-o", runtime])
+    return Objects(compiler, (*objects, runtime), sources.undefined)
+
+
+def linked(objects: Objects, base: int, library: Path) -> Path:
+    """The library, at this path. base: the host's address of the chip's word 0. BadSources if something is missing."""
+    places = [f"-Wl,--defsym={name}={address:#x}" for name, address in _places(SYMBOLS, base).items()]
+    places += [f"-Wl,--defsym={name}=0" for name in COPIED]
+    checked = ["-fsanitize=undefined"] if objects.undefined else []
+    listed = library.with_suffix(".list")
+    listed.write_text(f"{{ {'; '.join(SYMBOLS)}; }};\n", encoding="utf-8")  # bound as it is loaded, so that they stay
+    shared = ["-shared", f"-Wl,--dynamic-list={listed}", "-Wl,--no-relax", "-Wl,-z,defs", *checked]
+    _run([objects.compiler, *shared, *places, *objects.files, "-o", str(library), "-lm"])
+    return library
+
+
+def _places(symbols: Mapping[str, int], base: int) -> dict[str, int]:
+    return {name: base + BYTES_A_WORD * address for name, address in symbols.items()}
+
+
+def _run(command: Sequence[str]) -> None:
+    came = subprocess.run(command, capture_output=True, text=True, check=False)
+    if not came.returncode:
+        return
+    complaint = COMPLAINT.search(came.stderr)
+    if complaint:
+        raise BadSources(f"{complaint[1]}, line {complaint[2]}: gcc says: {complaint[3]}")
+    missing = MISSING.search(came.stderr)
+    if missing:
+        raise BadSources(f"no source defines {missing[1]!r}; add the file that does to sources")
+    last = (came.stderr.strip().splitlines() or ["nothing"])[-1]
+    raise BadSources(f"gcc cannot compile the sources; it says: {last}")

@@ -1,0 +1,47 @@
+"""Where register structures of C headers lie: their names, as TI's headers declare them, and their addresses.
+
+Source: SPRS439M Tables 3-8 to 3-11; the names of the linker command files that TI ships with its headers.
+"""
+
+from __future__ import annotations
+
+IER, IFR = 0x0F00, 0x0F04  # registers of the CPU, in place of addresses that nothing has
+VECTORS = range(0x0D00, 0x0E00)
+
+SYMBOLS: dict[str, int] = {
+    "IER": IER,
+    "IFR": IFR,
+    "DevEmuRegs": 0x0880,
+    "FlashRegs": 0x0A80,
+    "CsmRegs": 0x0AE0,
+    "AdcMirror": 0x0B00,
+    "XintfRegs": 0x0B20,
+    **{f"CpuTimer{number}Regs": 0x0C00 + 8 * number for number in range(3)},
+    "PieCtrlRegs": 0x0CE0,
+    "PieVectTable": VECTORS.start,
+    "DmaRegs": 0x1000,
+    "McbspaRegs": 0x5000,
+    "McbspbRegs": 0x5040,
+    **{
+        f"ECan{letter}{part}": base + offset
+        for letter, base in (("a", 0x6000), ("b", 0x6200))
+        for part, offset in (("Regs", 0), ("LAMRegs", 0x40), ("MOTSRegs", 0x80), ("MOTORegs", 0xC0), ("Mboxes", 0x100))
+    },
+    **{f"EPwm{number}Regs": 0x6800 + 0x40 * (number - 1) for number in range(1, 7)},
+    **{f"ECap{number}Regs": 0x6A00 + 0x20 * (number - 1) for number in range(1, 7)},
+    "EQep1Regs": 0x6B00,
+    "EQep2Regs": 0x6B40,
+    "GpioCtrlRegs": 0x6F80,
+    "GpioDataRegs": 0x6FC0,
+    "GpioIntRegs": 0x6FE0,
+    "SysCtrlRegs": 0x7010,
+    "SpiaRegs": 0x7040,
+    "SciaRegs": 0x7050,
+    "XIntruptRegs": 0x7070,
+    "AdcRegs": 0x7100,
+    "ScibRegs": 0x7750,
+    "ScicRegs": 0x7770,
+    "I2caRegs": 0x7900,
+}
+# Of code that start-up copies into RAM: nothing is to be copied here.
+COPIED = ("RamfuncsLoadStart", "RamfuncsLoadEnd", "RamfuncsRunStart", "RamfuncsLoadSize")

@@ -27,12 +27,21 @@ HOOKS = (
 KEYWORDS = ("-Dinterrupt=", "-D__interrupt=", "-Dcregister=", "-Dfar=", "-Dasm(text)=c28x_assembly(text)")
 UNDEFINED = ("-fsanitize=undefined", "-fno-sanitize=alignment")
 COMPLAINT = re.compile(r"(?m)^(.+?):(\d+):(?:\d+:)? (?:fatal )?error: (.+)$")
+HEADER = re.compile(r"([^/\\]+): No such file or directory")
 MISSING = re.compile(r"undefined reference to [`']([^']+)'")
 OWN_DECLARATIONS = "void c28x_assembly(const char *);"
 
 
 class BadSources(ValueError):
     """C sources that cannot be compiled for the host; one sentence."""
+
+
+class MissingHeader(BadSources):
+    """name: as it is included."""
+
+    def __init__(self, sentence: str, name: str) -> None:
+        super().__init__(sentence)
+        self.name = name
 
 
 class Sources(Struct, frozen=True):
@@ -65,10 +74,14 @@ def compiled(sources: Sources, folder: Path) -> Objects:
     flags = [*HOOKS, *KEYWORDS, "-include", str(own), *(UNDEFINED if sources.undefined else ())]
     flags += [f"-I{path}" for path in sources.folders]
     flags += [f"-D{name}={value}" for name, value in sources.defines]
+    aliases = folder / "aliases"
+    aliases.mkdir()
+    flags.append(f"-I{aliases}")
     objects = []
     for number, file in enumerate(sources.files):
         objects.append(str(folder / f"{number}.o"))
-        _run([compiler, "-std=gnu99", "-c", "-O0", "-g", "-w", "-fPIC", *flags, str(file), "-o", objects[-1]])
+        command = [compiler, "-std=gnu99", "-c", "-O0", "-g", "-w", "-fPIC", *flags, str(file), "-o", objects[-1]]
+        _compile(command, (file.parent, *sources.folders), aliases)
     runtime = str(folder / "runtime.o")
     _run([compiler, "-std=gnu11", "-c", "-O1", "-fPIC", "-w", str(RUNTIME), "-o", runtime])
     return Objects(compiler, (*objects, runtime), sources.undefined)
@@ -86,6 +99,20 @@ def linked(objects: Objects, base: int, library: Path) -> Path:
     return library
 
 
+def _compile(command: Sequence[str], folders: Sequence[Path], aliases: Path) -> None:
+    """Run gcc; a header that is there in letters of another case, as good where the sources are from, gets an alias."""
+    while True:
+        try:
+            _run(command)
+            return
+        except MissingHeader as error:
+            alias = aliases / error.name
+            found = [path for one in folders for path in one.glob("*") if path.name.lower() == error.name.lower()]
+            if not found or alias.exists():
+                raise
+            alias.symlink_to(found[0].resolve())
+
+
 def _places(symbols: Mapping[str, int], base: int) -> dict[str, int]:
     return {name: base + BYTES_A_WORD * address for name, address in symbols.items()}
 
@@ -96,7 +123,9 @@ def _run(command: Sequence[str]) -> None:
         return
     complaint = COMPLAINT.search(came.stderr)
     if complaint:
-        raise BadSources(f"{complaint[1]}, line {complaint[2]}: gcc says: {complaint[3]}")
+        sentence = f"{complaint[1]}, line {complaint[2]}: gcc says: {complaint[3]}"
+        header = HEADER.fullmatch(complaint[3])
+        raise MissingHeader(sentence, header[1]) if header else BadSources(sentence)
     missing = MISSING.search(came.stderr)
     if missing:
         raise BadSources(f"no source defines {missing[1]!r}; add the file that does to sources")

@@ -168,10 +168,17 @@ void c28x_assembly(const char *text) {
 }
 
 /* DELAY_US of the headers calls it: 5 cycles a pass. */
-void DSP28x_usDelay(unsigned long passes) {
+__attribute__((weak)) void DSP28x_usDelay(unsigned long passes) {
     tell_pending();
     ask(DELAY, 0, 0, passes, (uint64_t)(uintptr_t)PC);
 }
+
+/* It sets trims of the ADC, which nothing models. */
+__attribute__((weak)) void ADC_cal(void) {}
+
+/* Words of OTP and flash: passwords of an erased chip, and which chip it is. */
+__attribute__((weak)) unsigned CsmPwl[8] = {0xFFFF, 0xFFFF, 0xFFFF, 0xFFFF, 0xFFFF, 0xFFFF, 0xFFFF, 0xFFFF};
+__attribute__((weak)) unsigned PartIdRegs[1] = {0x00EF};
 
 /* 0 if the registers have their place. */
 int c28x_begin(uint64_t base, asked_t who, uint64_t at_once) {

@@ -160,6 +160,12 @@ def test_what_gcc_and_the_case_refuse_is_one_sentence(folder: Path, change: str,
     assert sentence in str(refused.value) and "\n" not in str(refused.value)
 
 
+def test_a_header_is_found_whatever_the_case_of_its_letters(folder: Path):
+    text = (folder / "echo.c").read_text()
+    (folder / "echo.c").write_text(text.replace("device.h", "DEVICE.H"))
+    assert run(folder).verdict == "pass"
+
+
 def test_sources_without_main(folder: Path):
     (folder / "echo.c").write_text("int f(void) { return 0; }\n")
     command = [sys.executable, "-m", "periph_sim", "run", "echo.toml"]

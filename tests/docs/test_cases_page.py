@@ -22,6 +22,7 @@ from periph_sim.scene.case.model import (
     Case,
     ChipTable,
     Code,
+    Compile,
     Controller,
     HostTable,
     Options,
@@ -45,6 +46,7 @@ TABLES: dict[str, type[Table]] = {
     "The case": Case,
     "`[unit.NAME]`": Unit,
     "`[unit.NAME.code]`": Code,
+    "`[unit.NAME.compile]`": Compile,
     "`[[unit.NAME.stub]]`": StubTable,
     "`[[cable]]`": Cable,
     "`[[transceiver]]`": TransceiverTable,
@@ -71,7 +73,7 @@ TABLES: dict[str, type[Table]] = {
     "`blink`": blink.Settings,
     "`[[budget]]`": Budget,
 }
-EMPTY: tuple[object, ...] = (None, "", (), {}, b"", Code(), Options())
+EMPTY: tuple[object, ...] = (None, "", (), {}, b"", Code(), Options(), Compile())
 
 
 def rows(heading: str) -> list[list[str]]:

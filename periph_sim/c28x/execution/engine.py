@@ -15,6 +15,7 @@ from .operations import operation
 from .registers import CODE, Cpu, IllegalOperation, Operation
 
 PAGE = 8  # bits of an address within a page of decoded instructions
+GONE = -1  # no place
 PAGES, PAGE_SIZE, IN_PAGE = CODE + 1 >> PAGE, 1 << PAGE, (1 << PAGE) - 1
 
 
@@ -25,6 +26,7 @@ class Engine(Cpu):
         super().__init__()
         self.left = 0
         self._decoded: list[list[Operation | None] | None] = [None] * PAGES
+        self._code = [0] * PAGES  # 1 where something of the page has been decoded
 
     def step(self) -> int:
         """Execute one instruction, or one pass of a repeated one. Its cycles by the manual's table."""
@@ -41,10 +43,25 @@ class Engine(Cpu):
                 return found
         return self._decode()
 
+    def after(self, f: Operation) -> Operation:
+        """The instruction that `pc` points at, now that f is executed."""
+        found = f.following
+        if found is not None and found.place == self.pc:
+            return found
+        found = f.goal
+        if found is not None and found.place == self.pc:
+            return found
+        found = self.fetch()
+        if self.pc == f.next:
+            f.following = found
+        else:
+            f.goal = found
+        return found
+
     def begin(self, f: Operation) -> None:
         """Find its operand, with what the operand's mode does to address registers."""
         if f.l >= 0:
-            self.locate(f.l, f.wide, f.byte)
+            self.locate(f)
 
     def finish(self, f: Operation) -> int:
         """Execute it, now that its operand is found; then `pc` is the next instruction's, or still its own."""
@@ -94,17 +111,21 @@ class Engine(Cpu):
         page = self._decoded[self.pc >> PAGE]
         if page is None:
             page = self._decoded[self.pc >> PAGE] = [None] * PAGE_SIZE
+        self._code[self.pc >> PAGE] = self._code[(self.pc + 1 & CODE) >> PAGE] = 1
         made = page[self.pc & IN_PAGE] = operation(found)
         return made
 
     def written(self, address: int) -> None:
         """A word of memory has changed: what was decoded of it is forgotten."""
-        if address > CODE:
-            return
+        if address <= CODE and self._code[address >> PAGE]:
+            self._forget(address)
+            if address:
+                self._forget(address - 1)
+
+    def _forget(self, address: int) -> None:
         page = self._decoded[address >> PAGE]
         if page is not None:
-            page[address & IN_PAGE] = None
-        if address:
-            page = self._decoded[address - 1 >> PAGE]
-            if page is not None:
-                page[address - 1 & IN_PAGE] = None
+            found = page[address & IN_PAGE]
+            if found is not None:
+                found.place = GONE
+                page[address & IN_PAGE] = None

@@ -29,7 +29,9 @@ def operation(instruction: Instruction) -> Operation:
         setattr(made, name, values.get(name, -1))
     if form.n >= 0:
         made.n = form.n
-    made.address, made.next = instruction.address, instruction.address + encoding.words & 0x3F_FFFF
+    made.place = made.address = instruction.address
+    made.following = made.goal = None
+    made.next = instruction.address + encoding.words & 0x3F_FFFF
     made.encoding, made.execute = encoding, form.execute
     made.cycles, made.not_taken, made.repeatable = form.cycles, form.not_taken, form.repeatable
     made.wide, made.byte = form.wide, form.byte

@@ -3,9 +3,10 @@ ctypedef bint (*Execute)(Cpu, Operation) except -1
 
 cdef class Operation:
     cdef public long long b, c, g, h, i, k, l, m, n, p, q, r, s, t, u, v, w, x, y, z
-    cdef public long long absolute, accesses, address, cycles, makes, needs, next, not_taken
+    cdef public long long place, absolute, accesses, address, cycles, makes, needs, next, not_taken
     cdef public bint byte, jumps, repeatable, waited, wide
     cdef public object encoding
+    cdef public Operation following, goal
     cdef Execute execute
 
 
@@ -44,7 +45,7 @@ cdef class Cpu:
     cdef void put_acc_p(self, long long value)
     cdef long long x16(self, long long value)
     cdef long long psh(self)
-    cdef void locate(self, long long field, bint wide, bint byte=*)
+    cdef void locate(self, Operation f)
     cdef void _at_xar(self, long long n, long long offset, bint byte)
     cdef void _by_xar(self, long long n, long long mode, long long step, bint byte)
     cdef void _by_arp(self, long long field, long long step)

@@ -41,14 +41,15 @@ class Operation:
     """One decoded instruction, ready to be executed: the numbers in its fields by the table's letters, -1 if absent.
 
     next: the address behind it. cycles, not_taken: of the table. wide: its operand has 32 bits. byte: it takes a byte.
-    accesses: READS, WRITES, both or 0, what it does at its operand's address. absolute: likewise at *(0:16).
+    place: the address, until its words are written over. following, goal: what was executed behind it, and where it last
+    jumped to. accesses: READS, WRITES, both or 0, what it does at its operand's address. absolute: likewise at *(0:16).
     needs, makes: registers early and late, see `hazards`. jumps: it may go elsewhere. waited: it is in memory with wait
     states.
     """
 
     __slots__ = (
-        "absolute", "accesses", "address", "b", "byte", "c", "cycles", "encoding", "execute", "g", "h", "i", "jumps",
-        "k", "l", "m", "makes", "n", "needs", "next", "not_taken", "p", "q", "r", "repeatable", "s", "t", "u", "v", "w",
+        "absolute", "accesses", "address", "b", "byte", "c", "cycles", "encoding", "execute", "following", "g", "goal", "h", "i", "jumps",
+        "k", "l", "m", "makes", "n", "needs", "next", "not_taken", "p", "place", "q", "r", "repeatable", "s", "t", "u", "v", "w",
         "waited", "wide", "x", "y", "z",
     )  # fmt: skip
 
@@ -82,8 +83,11 @@ class Operation:
     jumps: bool
     makes: int
     needs: int
+    following: Operation | None
+    goal: Operation | None
     next: int
     not_taken: int
+    place: int
     repeatable: bool
     waited: bool
     wide: bool
@@ -261,19 +265,19 @@ class Cpu:
 
     # Operands -----------------------------------------------------------------------
 
-    def locate(self, field: int, wide: bool, byte: bool = False) -> None:
+    def locate(self, f: Operation) -> None:
         """Find the operand of a field: `ea`, and the effects of its mode [SPRU430F Table 5-1]."""
-        self.field = field
+        self.field = field = f.l
         self.high_byte = False
-        step = 2 if wide else 1
+        step = 2 if f.wide else 1
         if field < 0x40:
             self.ea = self.dp << 6 & 0x3F_FFFF | field
         elif field < 0x80:
             self.ea = self.sp - (field & 0x3F) & M16
         elif field >= 0xC0:
-            self._at_xar(field & 7, field >> 3 & 7, byte)
+            self._at_xar(field & 7, field >> 3 & 7, f.byte)
         elif field < 0xA0:
-            self._by_xar(field & 7, field >> 3 & 3, step, byte)
+            self._by_xar(field & 7, field >> 3 & 3, step, f.byte)
         elif field < 0xAE:
             self.ea = REGISTER
         else:

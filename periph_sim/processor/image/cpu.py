@@ -8,7 +8,7 @@ Accesses are made in the present cycle: `access_at` says beforehand which cycle 
 
 from __future__ import annotations
 
-from ...c28x.execution.engine import Engine
+from ...c28x.execution.engine import PAGE, Engine
 from ...c28x.execution.registers import (
     ARP,
     ARP_MASK,
@@ -108,7 +108,8 @@ class ImageCpu(Engine):
         if in_plain_ram(address):
             self._pipeline.wrote(address, 1, self.cycles)
             self._ram.put(address, value)
-            self.written(address)
+            if self._code[address >> PAGE] or self.watched is not None:
+                self.written(address)
         else:
             self._store(address, value, 16)
 
@@ -117,8 +118,9 @@ class ImageCpu(Engine):
             low = address & ~1
             self._pipeline.wrote(low, 2, self.cycles)
             self._ram.put_word32(low, value)
-            self.written(low)
-            self.written(low + 1)
+            if self._code[low >> PAGE] or self.watched is not None:
+                self.written(low)
+                self.written(low + 1)
         else:
             self._store(address & ~1, value, 32)
 

@@ -13,13 +13,13 @@ cdef class InstructionTiming:
     cdef CpuInterrupts _core
     cdef FetchQueue _queue
     cdef object _options, _elsewhere
-    cdef bint _conflicts
+    cdef public bint conflicts
     cpdef void drain(self)
     cpdef void prepare(self, Operation f)
     @cython.locals(waits=cython.longlong)
     cpdef long long stall(self, Operation f, Cpu cpu, long long cycle)
     @cython.locals(late=cython.longlong)
-    cpdef long long issued(self, Operation f, Cpu cpu, long long cycles)
+    cpdef long long taken(self, Operation f, Cpu cpu)
     cpdef long long landing(self, Operation f)
     cpdef long long repeats(self, long long count)
     @cython.locals(bits=cython.longlong, first=cython.longlong, later=cython.longlong)

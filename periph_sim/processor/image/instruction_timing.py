@@ -24,9 +24,12 @@ WITHOUT_WAITS = (range(0x800), range(0x8000, 0xC000), range(0x3F_8000, 0x3F_C000
 
 
 class InstructionTiming:
-    """pipeline: stalls between instructions. late: cycles that the present instruction takes in addition."""
+    """pipeline: stalls between instructions. late: cycles that the present instruction takes in addition.
 
-    __slots__ = ("_conflicts", "_core", "_elsewhere", "_options", "_queue", "late", "pipeline")
+    conflicts: a fetch and an access of one block of memory may meet.
+    """
+
+    __slots__ = ("_core", "_elsewhere", "_options", "_queue", "conflicts", "late", "pipeline")
 
     def __init__(self, core: CpuInterrupts, options: SystemOptions, elsewhere: Elsewhere) -> None:
         self.pipeline = Pipeline()
@@ -35,7 +38,7 @@ class InstructionTiming:
         self._queue = FetchQueue()
         self._core = core
         self._options = options
-        self._conflicts = options.saram_conflict > 0
+        self.conflicts = options.saram_conflict > 0
         self._elsewhere = elsewhere
         core.touched.add("stalls")
 
@@ -64,11 +67,10 @@ class InstructionTiming:
             waits += self.pipeline.stall(f, cpu.arp)
         return waits
 
-    def issued(self, f: Operation, cpu: Cpu, cycles: int) -> int:
-        """The instruction was executed in so many cycles by the table: the cycles that it took in addition."""
+    def taken(self, f: Operation, cpu: Cpu) -> int:
+        """The instruction was executed: the cycles that it took beside the table's, and what the pipeline knows of."""
         late, self.late = self.late, 0
-        self.pipeline.issued(f, cycles)
-        if self._conflicts and f.accesses and cpu.ea != REGISTER:
+        if self.conflicts and f.accesses and cpu.ea != REGISTER:
             block = block_at(f.address)
             late += block is not None and block is block_at(cpu.ea)
         return late

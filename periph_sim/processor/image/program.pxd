@@ -17,7 +17,9 @@ cdef class ImageProgram(Program):
     cdef Processor _processor
     cdef Operation _ready
     cdef bint _executed, _idle_began
-    cdef object _jumps, _clock, _functions, _calls, _waits, _watch
+    cdef long long _jumps[8]
+    cdef long long _jumped
+    cdef object _clock, _functions, _calls, _waits, _watch
     cdef dict _places
     cdef long long _at, _entry, _slept_from
     cpdef void load(self)

@@ -11,7 +11,6 @@ Source: SPRU430F chapters 3 and 4.
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Sequence
 
 from ...c28x.execution.registers import IllegalOperation, Operation
@@ -30,7 +29,7 @@ from .instruction_watch import InstructionWatch
 from .variable_records import VariableRecords
 from .wait_records import IDLE, WaitRecords
 
-LAST_JUMPS = 8  # that an error names
+LAST_JUMPS = 8  # that an error names; a power of two
 
 
 class ImageProgram(Program):
@@ -48,7 +47,8 @@ class ImageProgram(Program):
         self._executed = False  # an instruction, since the last boundary that looked for interrupts
         self._idle_began = False
         self._slept_from = 0
-        self._jumps: deque[int] = deque(maxlen=LAST_JUMPS)
+        self._jumps = [0] * LAST_JUMPS  # a ring
+        self._jumped = 0
         self._places: dict[int, SourceLocation] = {}
         self._functions: FunctionMap | None = None
         self._calls: CallStack | None = None  # somebody wants to know what is called
@@ -120,9 +120,11 @@ class ImageProgram(Program):
         cpu, time, processor = self.cpu, self._processor.time, self._processor
         core, timing = processor.interrupts.core, cpu.timing
         pipeline = timing.pipeline
+        f: Operation | None = None  # the last one of this turn
         while True:
-            f = self._ready
-            if f is None:
+            if self._ready is not None:
+                f, self._ready = self._ready, None
+            else:
                 if cpu.idling:
                     if not self._slept():
                         return Stop.SLEEPS
@@ -136,7 +138,7 @@ class ImageProgram(Program):
                         if not processor.take(number):
                             return Stop.WAITS
                         continue
-                f = cpu.fetch()
+                f = cpu.fetch() if f is None else cpu.after(f)
                 self._at = f.address
                 at = time.cycle
                 if f.waited or pipeline.pending:
@@ -149,15 +151,18 @@ class ImageProgram(Program):
                         self._ready = f
                         return Stop.WAITS
                     time.cycle = at
-            self._ready = None
             cycles = cpu.finish(f)
-            cycle = time.cycle + cycles + timing.issued(f, cpu, cycles)
+            pipeline.issued(f, cycles)
+            cycle = time.cycle + cycles
+            if timing.late or timing.conflicts:
+                cycle += timing.taken(f, cpu)
             self.instructions += 1
             self._executed = True
             if cpu.pc != f.next:
                 if f.jumps and cpu.pc & 1:
-                    cycle += timing.landing(cpu.fetch())
-                self._jumps.append(f.address)
+                    cycle += timing.landing(cpu.after(f))
+                self._jumps[self._jumped & LAST_JUMPS - 1] = f.address
+                self._jumped += 1
                 if self._calls is not None:
                     self._calls.jumped(f, cpu.pc, cycle)
             if self._watch is not None:
@@ -245,10 +250,14 @@ class ImageProgram(Program):
         found.path, found.line = (source.file, source.line) if source else ("", 0)
         return found
 
+    def _last_jumps(self) -> list[int]:
+        """Where the last jumps were made from, the oldest first."""
+        return [self._jumps[n & LAST_JUMPS - 1] for n in range(max(0, self._jumped - LAST_JUMPS), self._jumped)]
+
     def _told(self, why: str) -> str:
         """An error with pc, function, last jumps and registers."""
         cpu = self.cpu
-        jumps = ", ".join(f"{self.functions.name_at(address)} {address:#08x}" for address in self._jumps)
+        jumps = ", ".join(f"{self.functions.name_at(address)} {address:#08x}" for address in self._last_jumps())
         registers = (
             f"ACC={cpu.acc:#010x} XAR4={cpu.xar[4]:#010x} XAR7={cpu.xar[7]:#010x} SP={cpu.sp:#06x} DP={cpu.dp:#06x}"
         )

@@ -14,8 +14,6 @@ from functools import cache, lru_cache
 from struct import Struct
 from typing import Annotated, Any, Literal
 
-import numpy as np
-
 from periph_sim.core.convert import After, Before
 from periph_sim.core.settings import DurationRange, Spread
 from periph_sim.scene.case.sensor_sets import named as parameter_set
@@ -25,7 +23,6 @@ from periph_sim.sensors.models.imu import Imu, Noise
 from periph_sim.sensors.models.parameters import ImuParameters
 from periph_sim.sensors.numeric import arithmetic_names as named
 from periph_sim.sensors.numeric.estimate import estimate
-from periph_sim.sensors.numeric.float32 import Float32
 from periph_sim.sensors.shared_models import ModelNoise, model_of
 
 FRAME = Struct("<6h")
@@ -93,7 +90,7 @@ class Models:
         self._model = model_of(arithmetic, parameters)
         self._a = self._model.a
         self._state = self._model.at_rest
-        self._quiet = not isinstance(self._a, Float32)  # numpy's arithmetic warns, Python's does not
+        self._quiet = self._a.name != "float32"  # numpy's arithmetic warns, Python's does not
         self._noise = ModelNoise(arithmetic, parameters, noise_seed)
         self._number = 0
 
@@ -101,6 +98,8 @@ class Models:
         """Data registers of gyroscope, accelerometer and magnetometer, in the order in which they are read."""
         if self._quiet:
             return self._computed(frame)
+        import numpy as np
+
         with np.errstate(all="ignore"):  # the arithmetic says itself what x/0 gives
             return self._computed(frame)
 

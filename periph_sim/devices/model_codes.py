@@ -12,14 +12,12 @@ from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 from typing import Any, NamedTuple
 
-import numpy as np
 from msgspec import Struct
 
 from ..sensors.host_frame import ACCELERATION, ANGLE
 from ..sensors.models.finite import check_sample
 from ..sensors.models.imu import State
 from ..sensors.models.parameters import ImuParameters
-from ..sensors.numeric.float32 import Float32
 from ..sensors.shared_models import ModelNoise, model_of
 from .sensor_rounds import CHIPS, ChipData
 
@@ -60,8 +58,11 @@ class ModelCodes:
         self._model = model_of(computed.arithmetic, computed.parameters)
         self._a = self._model.a
         # numpy's arithmetic warns of x/0, and says itself what that gives; Python's does not
-        self._quietly: Callable[[], AbstractContextManager[Any]]
-        self._quietly = partial(np.errstate, all="ignore") if isinstance(self._a, Float32) else nullcontext
+        self._quietly: Callable[[], AbstractContextManager[Any]] = nullcontext
+        if self._a.name == "float32":
+            import numpy as np
+
+            self._quietly = partial(np.errstate, all="ignore")
         self._noise = ModelNoise(computed.arithmetic, computed.parameters, computed.noise_seed)
         self.at_rest: ModelState = self._model.at_rest
 

@@ -13,15 +13,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
-from functools import lru_cache
+from functools import cache, lru_cache
 from math import floor
-from typing import Protocol, TypeVar
-
-import numpy as np
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from ..sensors.models.parameters import ImuParameters
-from ..sensors.models.sensed_motion import SensedMotion
 from ..sensors.motion import Motion
+
+if TYPE_CHECKING:
+    from ..sensors.models.sensed_motion import SensedMotion
 
 Axes = Sequence[Fraction | float]
 T = TypeVar("T")
@@ -66,10 +66,16 @@ class MotionTruth:
     KEPT = 64  # instants: each is asked for several chips, and by several budgets
 
     def __init__(self, imu: ImuParameters, motion: Motion, first: Fraction) -> None:
-        felt = SensedMotion(imu, motion)
+        @cache
+        def felt() -> SensedMotion:
+            from ..sensors.models.sensed_motion import SensedMotion  # computes arrays: numpy, which few runs ask for
+
+            return SensedMotion(imu, motion)
 
         def at(seconds: Fraction) -> Mapping[str, Axes]:
-            values = felt.lsb(np.array([float(first + seconds)]))
+            import numpy as np
+
+            values = felt().lsb(np.array([float(first + seconds)]))
             return {chip: tuple(axes[0].tolist()) for chip, axes in values.items()}
 
         self._at = lru_cache(self.KEPT)(at)

@@ -6,8 +6,7 @@ from fractions import Fraction
 
 from ..core.suggest import did_you_mean
 from ..sensors.host_frame import Encoding, MotionFrames
-from ..sensors.motion import BadMotion, kind_named, kinds
-from ..traces.formats import BadCapture
+from ..sensors.motion import kind_named, kinds
 from .firmware_loader import BadSetting, shared
 
 
@@ -25,8 +24,9 @@ def frames_of(given: dict[str, object], encoding: Encoding, first: Fraction, per
     kind = kind_named(str(name))
     if kind is None:
         raise BadSetting(f"there is no motion {name!r}; {did_you_mean(str(name), kinds())}", "kind")
+    checked = shared(kind.Settings, settings, f"motion {name}")
     try:
-        motion = kind.motion(shared(kind.Settings, settings, f"motion {name}"))
-    except (BadMotion, BadCapture) as error:
+        motion = kind.motion(checked)
+    except ValueError as error:  # BadMotion; of a file BadCapture, too, whose module would bring numpy
         raise BadSetting(str(error), "") from None
     return MotionFrames(motion, encoding, first, period)

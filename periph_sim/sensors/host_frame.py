@@ -8,16 +8,20 @@ The dissertation leaves the encoding open (section 3.4.1), so it is a named sett
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import lcm
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
-import numpy as np
-from numpy.typing import NDArray
+from .motion import VALUES, BadMotion, Motion, SingleTimes, sampled
+from .motion.quantities import ACCELERATION_RANGE, ANGLE_RANGE, Acceleration, Angle
 
-from .motion import VALUES, BadMotion, Floats, Motion, sampled
-from .motion.quantities import Acceleration, Angle
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from .motion import Floats
 
 ByteOrder = Literal["little", "big"]
 
@@ -25,6 +29,8 @@ LEAST, MOST = -0x8000, 0x7FFF
 
 MOST_AHEAD = 64  # frames that are worked out at once
 KEPT = 4 * MOST_AHEAD  # for who looks back
+LIMITS = (ANGLE_RANGE,) * 3 + (ACCELERATION_RANGE,) * 3
+UNSURE = 1e-10  # rad and g: far more than one sine differs from another
 
 Frame = tuple[tuple[int, ...], tuple[str, ...]]  # its values, and the names of those that were beyond 16 bits
 
@@ -57,6 +63,8 @@ class Encoding:
 
         Rounded to nearest, halves to even. BadMotion for the first beyond, where such values are refused.
         """
+        import numpy as np
+
         whole = np.rint(values / np.array(self.scales))
         beyond = (whole < LEAST) | (whole > MOST)
         if self.beyond == "refuse" and beyond.any():
@@ -70,6 +78,22 @@ class Encoding:
         if self.beyond == "wrap":
             return (whole.astype(np.int64) - LEAST) % 0x10000 + LEAST, beyond
         return np.clip(whole, LEAST, MOST).astype(np.int64), beyond
+
+    def plain_counts(self, values: Sequence[float]) -> tuple[int, ...] | None:
+        """The counts of six values that are well within all ranges, and not so near the middle of two counts that an
+        error of UNSURE would make it the other one; None for others, of which `counts` tells.
+        """
+        counts = []
+        for value, scale, limit in zip(values, self.scales, LIMITS, strict=True):
+            exact = value / scale
+            margin = UNSURE / scale
+            if not (abs(value) < limit - UNSURE and LEAST + 1 < exact < MOST - 1):
+                return None
+            count = round(exact)
+            if abs(exact - count) > 0.5 - margin:
+                return None
+            counts.append(count)
+        return tuple(counts)
 
 
 class MotionFrames:
@@ -119,6 +143,13 @@ class MotionFrames:
             del self._known[old]
 
     def _add(self, first: int, count: int) -> None:
+        if isinstance(self.motion, SingleTimes):
+            plain = [self._encoding.plain_counts(self.motion.at(self._time(first + n))) for n in range(count)]
+            if None not in plain:
+                self._known.update((first + n, (one, ())) for n, one in enumerate(plain) if one is not None)
+                return
+        import numpy as np
+
         times = np.array([self._time(number) for number in range(first, first + count)])
         counts, beyond = self._encoding.counts(sampled(self.motion, times))
         numbers = range(first, first + count)

@@ -5,9 +5,14 @@ Imu, seed --> values(first, count), at(n) --> Noise: deg/s, g and gauss on x, y,
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from .models.imu import Noise
 from .models.parameters import AccelerometerParameters, GyroscopeParameters, ImuParameters, MagnetometerParameters
-from .noise import Floats, NoiseTerms, SensorNoise
+from .noise import NoiseTerms, SensorNoise
+
+if TYPE_CHECKING:
+    from .noise import Floats
 
 
 class ImuNoise:
@@ -29,6 +34,12 @@ class ImuNoise:
     def at(self, number: int) -> Noise[float]:
         """One sample."""
         return Noise(self._gyroscope.at(number), self._accelerometer.at(number), self._magnetometer.at(number))
+
+    def near(self, number: int) -> Noise[tuple[float, float]] | None:
+        """One sample as values with how far off each may be, without numpy; None where it takes numpy."""
+        chips = [chip.near(number) for chip in (self._gyroscope, self._accelerometer, self._magnetometer)]
+        told = [(chip[0], chip[1], chip[2]) for chip in chips if chip is not None]
+        return Noise(*told) if len(told) == len(chips) else None
 
 
 def _terms(sensor: GyroscopeParameters | AccelerometerParameters | MagnetometerParameters) -> list[NoiseTerms]:

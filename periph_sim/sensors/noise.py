@@ -18,13 +18,18 @@ from collections.abc import Sequence
 from functools import lru_cache
 from hashlib import blake2b
 from math import isfinite, log, pi, sqrt
+from typing import TYPE_CHECKING, TypeAlias
 
-import numpy as np
 from msgspec import Struct
 from msgspec.structs import asdict
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from .near_gaussian import FEW, NEAR, first_of
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Floats: TypeAlias = NDArray[np.float64]
 
 BLOCK = 1024  # values; few enough that one value far away costs some 30 us
 OCTAVES = 24  # of the bias instability: flat up to holds of 2**23 samples, 46 h at 50 Hz
@@ -46,6 +51,8 @@ class Gaussian:
 
     def values(self, first: int, count: int) -> Floats:
         """Values `first` up to `first + count - 1`."""
+        import numpy as np
+
         _not_negative(first, count)
         blocks = range(first // BLOCK, -(-(first + count) // BLOCK))
         joined = np.concatenate([np.empty(0), *map(self._values_of, blocks)])
@@ -60,11 +67,18 @@ class Gaussian:
             self._block, self._kept = block, _block_of(self.key, block)
         return self._kept[place]
 
+    def near(self, number: int) -> float | None:
+        """A value that is within NEAR of the true one, without numpy; None where it takes numpy."""
+        block, place = divmod(number, BLOCK)
+        return first_of(self.key, block)[place] if place < FEW and number >= 0 else None
+
     def _values_of(self, block: int) -> Floats:
         return _drawn(self.key, block)
 
 
 def _drawn(key: int, block: int) -> Floats:
+    import numpy as np
+
     # The block's number is the counter's second word: a block may draw 2**64 times before it meets the next.
     generator = np.random.Generator(np.random.Philox(key=key, counter=[0, block, 0, 0]))
     return generator.standard_normal(BLOCK)
@@ -128,8 +142,15 @@ class AxisNoise:
             noise += self._walk_at(number)
         return noise
 
+    def near(self, number: int) -> tuple[float, float] | None:
+        """One sample and how far off it may be, without numpy; None where it takes numpy."""
+        white = None if self._octaves or self._step else self._white.near(number)
+        return None if white is None else (white * self._white_sigma, NEAR * self._white_sigma)
+
     def _flicker(self, first: int, count: int) -> Floats:
         """1/f noise: of each octave k one value is held for 2**k samples, from a place that the key chooses."""
+        import numpy as np
+
         total = np.zeros(count)
         numbers = np.arange(first, first + count)
         for k, octave in enumerate(self._octaves):
@@ -150,6 +171,8 @@ class AxisNoise:
 
     def _sums(self, begin: int, count: int, total: float) -> Floats:
         """The walk at `begin`, which is `total`, and after each of `count` steps more; added one by one, in order."""
+        import numpy as np
+
         return np.cumsum(np.concatenate([[total], self._walk.values(begin, count) * self._step]))
 
     def _walk_at(self, number: int) -> float:
@@ -172,12 +195,20 @@ class SensorNoise:
 
     def values(self, first: int, count: int) -> Floats:
         """Samples `first` up to `first + count - 1`, shape (count, 3), in the sensor's unit."""
+        import numpy as np
+
         return np.stack([axis.values(first, count) for axis in self._axes], axis=1)
 
     def at(self, number: int) -> tuple[float, float, float]:
         """One sample of the three axes; the same bits as in `values`."""
         x, y, z = self._axes
         return x.at(number), y.at(number), z.at(number)
+
+    def near(self, number: int) -> list[tuple[float, float]] | None:
+        """One sample of the three axes, each with how far off it may be, without numpy; None where it takes numpy."""
+        axes = [axis.near(number) for axis in self._axes]
+        told = [axis for axis in axes if axis is not None]
+        return told if len(told) == len(axes) else None
 
 
 def _phase(octave: Gaussian, k: int) -> int:

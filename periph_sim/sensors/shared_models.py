@@ -68,6 +68,7 @@ class ModelNoise:
     def __init__(self, arithmetic: str, parameters: ImuParameters, seed: int | None) -> None:
         model = model_of(arithmetic, parameters)
         self._constant, self._silence = model.a.constant, model.silence
+        self._rounds = isinstance(model.a, Q)
         self._noise = None if seed is None else ImuNoise(parameters, seed)
         self._slots: Slots = [] if seed is None else _slots(arithmetic, parameters, seed)
 
@@ -78,7 +79,20 @@ class ModelNoise:
         slot = number % REMEMBERED
         known = self._slots[slot]
         if known is None or known[0] != number:
-            constant = self._constant
-            made = Noise(*((constant(x), constant(y), constant(z)) for x, y, z in self._noise.at(number)))
+            made = self._rounded(number) if self._rounds else None
+            if made is None:
+                constant = self._constant
+                made = Noise(*((constant(x), constant(y), constant(z)) for x, y, z in self._noise.at(number)))
             known = self._slots[slot] = number, made
         return known[1]
+
+    def _rounded(self, number: int) -> Noise[Any] | None:
+        """The sample without numpy, where no error of its values changes what they are rounded to."""
+        assert self._noise is not None
+        near = self._noise.near(number)
+        if near is None:
+            return None
+        chips = [[(self._constant(x - off), self._constant(x + off)) for x, off in axes] for axes in near]
+        if any(least != most for axes in chips for least, most in axes):
+            return None
+        return Noise(*((x, y, z) for (x, _), (y, _), (z, _) in chips))

@@ -14,7 +14,7 @@ from periph_sim.devices.truth import LineBetweenFrames, MotionTruth, distance, s
 from periph_sim.dissertation.at_rest.rest import expected_at_rest
 from periph_sim.sensors.models.parameters import ImuParameters
 from periph_sim.sensors.motion import kinds, sines
-from periph_sim.sensors.motion.pieces import Pose
+from periph_sim.sensors.motion.pose import Pose
 
 PERIOD = Fraction(1, 50)
 LINE = LineBetweenFrames(ramp, PERIOD)

@@ -106,3 +106,31 @@ def test_a_frame_is_refused_when_it_is_asked_for_and_counts_only_then():
 def test_a_scale_of_zero_or_less_is_refused():
     with pytest.raises(BadMotion, match=r"^ay: one count stands for 0; expected more than 0$"):
         Encoding(ay=0.0)
+
+
+class InArrays:
+    """A motion that tells arrays of times alone."""
+
+    def __init__(self, of: sines.Sines) -> None:
+        self.ends, self.truth, self.attitude, self.acceleration = of.ends, of, of.attitude, of.acceleration
+        self.rates = of.rates
+
+
+WAVES = st.tuples(st.sampled_from(["phi", "theta", "psi"]), st.floats(0, 1), st.floats(0, 100), st.floats(-6, 6))
+
+
+@given(st.lists(WAVES, min_size=1, max_size=4), st.sampled_from([1e-4, 1e-3, 1e-9]), st.integers(0, 100_000))
+def test_frames_without_numpy_are_those_with_it(
+    waves: list[tuple[str, float, float, float]], scale: float, number: int
+):
+    angles = tuple(sines.AngleWave(of, amplitude, hertz, phase) for of, amplitude, hertz, phase in waves)
+    motion = sines.motion(sines.Settings(angles=angles))
+    encoding = Encoding(phi=scale, theta=scale, psi=scale, beyond="saturate")
+    assert frames(motion, encoding)(number) == frames(InArrays(motion), encoding)(number)
+
+
+def test_a_value_in_the_middle_of_two_counts_is_left_to_numpy():
+    encoding = Encoding()
+    assert encoding.plain_counts([1.0, -1.0, 0, 0, 0, 0.5]) == (10000, -10000, 0, 0, 0, 500)
+    for refused in (1.00005, 1.00005 + 1e-11, 3.2767, 7.0):
+        assert encoding.plain_counts([refused, 0, 0, 0, 0, 0]) is None

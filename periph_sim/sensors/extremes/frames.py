@@ -20,7 +20,7 @@ from ..models.derivative import Triple
 from ..models.imu import Imu
 from ..numeric.arithmetic import Arithmetic, Rounding
 from ..numeric.counting import Counting
-from ..numeric.iqmath import Ints
+from ..numeric.iqmath_arrays import Ints
 from ..numeric.q import Q
 from ..numeric.q_arrays import QArrays
 

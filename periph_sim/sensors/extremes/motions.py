@@ -12,7 +12,7 @@ import numpy as np
 
 from ..host_frame import ACCELERATION, ANGLE
 from ..models.parameters import GyroscopeParameters, ImuParameters
-from ..numeric.iqmath import Ints
+from ..numeric.iqmath_arrays import Ints
 from .frames import counted
 from .sweep import Sample, Sweep
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..numeric.arithmetic import Arithmetic
-from ..numeric.float64 import Float64Arrays, Floats
+from ..numeric.float64_arrays import Float64Arrays, Floats
 from . import parameters
 from .derivative import Triple
 from .finite import check_arrays, check_before, inputs_of

@@ -8,8 +8,6 @@ from __future__ import annotations
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 if TYPE_CHECKING:
     from .imu import Noise
 
@@ -53,6 +51,8 @@ def check_before(attitude: tuple[float, float, float]) -> None:
 
 def check_arrays(arrays: tuple[Any, ...]) -> None:
     """Arrays in the order of INPUTS. NotFinite names the axis and the index of the first such sample."""
+    import numpy as np
+
     for axis, array in enumerate(arrays):
         finite = np.isfinite(array)
         if not finite.all():

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ..motion import Motion
 from ..numeric.arithmetic import Rounding
-from ..numeric.float64 import Float64Arrays
+from ..numeric.float64_arrays import Float64Arrays
 from .angles import Angles, angles
 from .derivative import Triple
 from .imu import Imu, Noise

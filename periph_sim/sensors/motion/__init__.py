@@ -12,15 +12,16 @@ of the body in g, without gravity (dissertation sections 3.4 and 4.3.1).
 from __future__ import annotations
 
 from functools import cache
-from typing import Protocol, cast
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, Protocol, TypeAlias, cast, runtime_checkable
 
 from ...core.discover import module_with, modules_with
 from .quantities import ACCELERATION_RANGE, ANGLE_RANGE, shown
 
-Floats = NDArray[np.float64]
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Floats: TypeAlias = NDArray[np.float64]
 
 ANGLES = ("phi", "theta", "psi")
 ACCELERATIONS = ("ax", "ay", "az")
@@ -54,6 +55,18 @@ class Motion(Protocol):
         ...
 
 
+@runtime_checkable
+class SingleTimes(Protocol):
+    """A motion that also tells one time without numpy, whose import takes longer than many a run.
+
+    What it tells is within 1e-12 of what the arrays do.
+    """
+
+    def at(self, seconds: float) -> tuple[float, ...]:
+        """The six values at a time, rad and g."""
+        ...
+
+
 class MotionKind(Protocol):
     """What every kind of motion of this folder has."""
 
@@ -76,6 +89,8 @@ def kind_named(name: str) -> MotionKind | None:
 
 def sampled(motion: Motion, times: Floats) -> Floats:
     """The six values at these times, shape (n, 6): rad and g. BadMotion for the first that is out of range."""
+    import numpy as np
+
     values = np.hstack([motion.attitude(times), motion.acceleration(times)])
     for first, limit, unit in ((0, ANGLE_RANGE, "rad"), (3, ACCELERATION_RANGE, "g")):
         wrong = np.argwhere(~(np.abs(values[:, first : first + 3]) <= limit))  # so that NaN is wrong too

@@ -18,8 +18,8 @@ import numpy as np
 
 from ...core.suggest import did_you_mean
 from ...traces.formats.unit_csv import Column, line_of_row, read
-from . import ACCELERATIONS, ANGLES, VALUES, BadMotion, Floats
-from .pieces import Straight
+from . import ACCELERATIONS, ANGLES, VALUES, BadMotion
+from .pieces import Floats, Straight
 from .quantities import ACCELERATION_RANGE, ACCELERATION_UNITS, ANGLE_RANGE, ANGLE_UNITS, TIME_UNITS, shown
 
 

@@ -5,34 +5,10 @@ Before the first time and behind the last the values hold. Parts of `flight`, `s
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
-from .quantities import Acceleration, Angle
-
 Floats = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Pose:
-    """Attitude in rad, linear acceleration in g."""
-
-    phi: Angle = 0.0
-    theta: Angle = 0.0
-    psi: Angle = 0.0
-    ax: Acceleration = 0.0
-    ay: Acceleration = 0.0
-    az: Acceleration = 0.0
-
-
-LEVEL = Pose()  # and north, at rest
-
-
-def row(pose: Pose) -> list[float]:
-    """The six values of a pose, in the order of a host frame."""
-    return [pose.phi, pose.theta, pose.psi, pose.ax, pose.ay, pose.az]
 
 
 class Held:

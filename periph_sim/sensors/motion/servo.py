@@ -17,8 +17,8 @@ from typing import Annotated, Literal
 import numpy as np
 from msgspec import Meta
 
-from . import ANGLES, BadMotion, Floats
-from .pieces import Held, Straight
+from . import ANGLES, BadMotion
+from .pieces import Floats, Held, Straight
 from .quantities import Angle, Rate, Seconds
 
 DEGREE = pi / 180  # rad

@@ -8,14 +8,15 @@ accelerations = [ { of = "ax", amplitude = "0.1 g", frequency = "2 Hz" } ]
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf, pi
-from typing import Literal
+from math import inf, pi, sin
+from typing import TYPE_CHECKING, Literal
 
-import numpy as np
-
-from . import VALUES, BadMotion, Floats
-from .pieces import LEVEL, Pose, row
+from . import VALUES, BadMotion
+from .pose import LEVEL, Pose, row
 from .quantities import Acceleration, Angle, Hertz
+
+if TYPE_CHECKING:
+    from . import Floats
 
 
 @dataclass(frozen=True)
@@ -53,13 +54,21 @@ class Sines:
     ends = inf
 
     def __init__(self, settings: Settings) -> None:
-        self._mean = np.array(row(settings.mean))
+        self._mean = row(settings.mean)
         self._angles = settings.angles
         self._accelerations = settings.accelerations
 
     @property
     def truth(self) -> Sines:
         return self
+
+    def at(self, seconds: float) -> tuple[float, ...]:
+        """The six values at a time, rad and g, without numpy."""
+        added = [0.0] * len(VALUES)
+        waves: tuple[AngleWave | AccelerationWave, ...] = (*self._angles, *self._accelerations)
+        for wave in waves:
+            added[VALUES.index(wave.of)] += wave.amplitude * sin(2 * pi * wave.frequency * seconds + wave.phase)
+        return tuple(mean + swing for mean, swing in zip(self._mean, added, strict=True))
 
     def attitude(self, times: Floats) -> Floats:
         return self._mean[:3] + _sum(self._angles, times)
@@ -68,6 +77,8 @@ class Sines:
         return self._mean[3:] + _sum(self._accelerations, times)
 
     def rates(self, times: Floats) -> Floats:
+        import numpy as np
+
         rates = np.zeros((len(times), 3))
         for wave in self._angles:
             omega = 2 * pi * wave.frequency
@@ -83,6 +94,8 @@ def motion(settings: Settings) -> Sines:
 
 
 def _sum(waves: tuple[AngleWave, ...] | tuple[AccelerationWave, ...], times: Floats) -> Floats:
+    import numpy as np
+
     values = np.zeros((len(times), 3))
     for wave in waves:
         values[:, _column(wave)] += wave.amplitude * np.sin(2 * pi * wave.frequency * times + wave.phase)

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .pieces import Held, Pose, row
+from .pieces import Held
+from .pose import Pose, row
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import BadMotion
-from .pieces import LEVEL, Held, Pose, row
+from .pieces import Held
+from .pose import LEVEL, Pose, row
 from .quantities import Acceleration, Angle, Seconds
 
 

@@ -16,10 +16,8 @@ from .costs import Library
 from .costs.double import DOUBLE
 from .costs.fpu import FASTRTS
 from .costs.iqmath import IQMATH, ROUNDED, SATURATED
-from .float32 import Float32
-from .float64 import Float64, Float64Arrays
+from .float64 import Float64
 from .q import Overflow, Product, Q, RoundedQ
-from .q_arrays import QArrays
 
 EXAMPLES = ("float64", "float32", "q16", "q16 rounded", "q16 saturating")
 
@@ -53,14 +51,26 @@ def scalar(name: str) -> Arithmetic[Any]:
     q = format_of(name)
     if q is not None:
         return (Q if q.product == "cut" else RoundedQ)(q.bits, q.overflow)
-    return Float64() if name == "float64" else Float32()
+    return Float64() if name == "float64" else _float32()
 
 
 def arrays(name: str) -> Arithmetic[Any]:
     q = format_of(name)
     if q is not None:
+        from .q_arrays import QArrays
+
         return QArrays(*q)
-    return Float64Arrays() if name == "float64" else Float32()
+    if name == "float64":
+        from .float64_arrays import Float64Arrays
+
+        return Float64Arrays()
+    return _float32()
+
+
+def _float32() -> Arithmetic[Any]:
+    from .float32 import Float32  # numpy computes it, for one number, too
+
+    return Float32()
 
 
 def library(name: str) -> Library:

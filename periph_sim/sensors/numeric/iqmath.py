@@ -15,15 +15,14 @@ from __future__ import annotations
 
 from functools import cache
 from math import isqrt, pi
-from typing import Any, TypeVar
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from .tables import ARCTANGENT, COSINES, PARABOLAS, SINES, TURN
 
-Ints = NDArray[np.int64]
-I = TypeVar("I", int, Ints)  # noqa: E741
+if TYPE_CHECKING:
+    from .iqmath_arrays import Ints
+
+I = TypeVar("I", int, "Ints")  # noqa: E741
 
 Q30 = 1 << 30
 STEPS_PER_RADIAN = 0x517CC1B7  # 512 / (2 pi) in Q24
@@ -34,9 +33,6 @@ SINE = [round(value * Q30) for value in SINES]
 COSINE = [round(value * Q30) for value in COSINES]
 A0, A1, A2 = ([round(a[i] * Q30) for a in ARCTANGENT] for i in range(3))
 A0[0] = max(A0[0], 0)  # the angle is cut to Q as an unsigned number
-
-# The same for arrays.
-SINES_AT, COSINES_AT, A0_AT, A1_AT, A2_AT = (np.array(table, dtype=np.int64) for table in (SINE, COSINE, A0, A1, A2))
 
 
 def sine_and_cosine(angle: I, bits: int, sines: Any, cosines: Any) -> tuple[I, I]:
@@ -85,21 +81,6 @@ def atan2_of(y: int, x: int, bits: int) -> int:
     return angle if y >= 0 else -angle
 
 
-def atan2_of_arrays(y: Ints, x: Ints, bits: int) -> Ints:
-    """The same, element by element."""
-    wide, high = np.abs(x), np.abs(y)
-    steep = wide < high
-    under = np.maximum(wide, high)
-    ratio = (np.minimum(wide, high) << bits) // np.maximum(under, 1)
-    index = np.minimum(ratio * PARABOLAS >> bits, PARABOLAS - 1)
-    angle = arctangent(ratio, index, bits, A0_AT, A1_AT, A2_AT)
-    quarter = quarter_turn(bits)
-    up = quarter + np.where(x >= 0, -angle, angle)
-    angle = np.where(steep, up, np.where(x < 0, 2 * quarter - angle, angle))
-    signed: Ints = np.where(y >= 0, angle, -angle)
-    return signed
-
-
 def root_of(square: int) -> int:
     """The root of a whole number, rounded to nearest; 0 of a negative one."""
     if square <= 0:
@@ -111,11 +92,3 @@ def root_of(square: int) -> int:
 def length_of(x: int, y: int) -> int:
     """The root of x*x + y*y, in which no number is too large."""
     return root_of(x * x + y * y)
-
-
-def root_of_arrays(square: NDArray[np.uint64]) -> Ints:
-    """The same, element by element, up to 2**63: float64's root may be one off, which the squares beside it tell."""
-    near = np.rint(np.sqrt(square.astype(np.float64))).astype(np.uint64)
-    near = near - ((near > 0) & (square <= near * near - near)).astype(np.uint64)
-    near = near + (square > near * near + near).astype(np.uint64)
-    return near.astype(np.int64)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from . import iqmath
+from . import iqmath, iqmath_arrays
 from .arithmetic import Rounding
-from .float64 import Floats
-from .iqmath import Ints
+from .float64_arrays import Floats
+from .iqmath_arrays import Ints
 from .q import HIGH, LOW, DoesNotFit, Overflow, Product, Q, RoundedQ, factor_of
 
 
@@ -60,19 +60,19 @@ class QArrays:
         return self._fit(-x)
 
     def sqrt(self, x: Ints) -> Ints:
-        return iqmath.root_of_arrays((np.maximum(x, 0) << self.bits).astype(np.uint64))
+        return iqmath_arrays.root_of_arrays((np.maximum(x, 0) << self.bits).astype(np.uint64))
 
     def mag(self, x: Ints, y: Ints) -> Ints:
-        return self._saturated(iqmath.root_of_arrays((x * x).astype(np.uint64) + (y * y).astype(np.uint64)))
+        return self._saturated(iqmath_arrays.root_of_arrays((x * x).astype(np.uint64) + (y * y).astype(np.uint64)))
 
     def sincos(self, x: Ints) -> tuple[Ints, Ints]:
-        return iqmath.sine_and_cosine(x, self.bits, iqmath.SINES_AT, iqmath.COSINES_AT)
+        return iqmath.sine_and_cosine(x, self.bits, iqmath_arrays.SINES_AT, iqmath_arrays.COSINES_AT)
 
     def atan(self, x: Ints) -> Ints:
-        return iqmath.atan2_of_arrays(x, np.full_like(x, 1 << self.bits), self.bits)
+        return iqmath_arrays.atan2_of_arrays(x, np.full_like(x, 1 << self.bits), self.bits)
 
     def atan2(self, y: Ints, x: Ints) -> Ints:
-        return iqmath.atan2_of_arrays(y, x, self.bits)
+        return iqmath_arrays.atan2_of_arrays(y, x, self.bits)
 
     def select_greater(self, x: Ints, y: Ints, yes: Ints, no: Ints) -> Ints:
         return np.where(x > y, yes, no)

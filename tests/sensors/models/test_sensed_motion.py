@@ -15,7 +15,7 @@ from periph_sim.sensors.models.parameters import (
 )
 from periph_sim.sensors.models.sensed_motion import SensedMotion
 from periph_sim.sensors.motion import kinds, servo, sines
-from periph_sim.sensors.motion.pieces import Pose
+from periph_sim.sensors.motion.pose import Pose
 from tests.devices.aerospace import FIELD, at_rest, body_rates
 
 NONE = (0.0, 0.0, 0.0)

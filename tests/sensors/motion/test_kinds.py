@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from periph_sim.scene.firmware_loader import BadSetting, filled
 from periph_sim.sensors.motion import BadMotion, kinds, sampled, sines, static, steps
-from periph_sim.sensors.motion.pieces import Pose
+from periph_sim.sensors.motion.pose import Pose
 
 EXAMPLES = {
     "flight": {},  # needs a file: see test_flight

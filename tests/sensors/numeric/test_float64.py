@@ -8,7 +8,8 @@ from itertools import product
 import numpy as np
 import pytest
 
-from periph_sim.sensors.numeric.float64 import Float64, Float64Arrays
+from periph_sim.sensors.numeric.float64 import Float64
+from periph_sim.sensors.numeric.float64_arrays import Float64Arrays
 
 ONE, MANY = Float64(), Float64Arrays()
 ODD = [0.0, -0.0, 1.0, -2.5, 0.4999999999999999, 1e300, -1e300, np.inf, -np.inf, np.nan]

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from periph_sim.sensors.numeric import iqmath
+from periph_sim.sensors.numeric import iqmath, iqmath_arrays
 from periph_sim.sensors.numeric.q import HIGH, LOW, Q
 from periph_sim.sensors.numeric.q_arrays import QArrays
 
@@ -82,7 +82,7 @@ def test_root_of_a_negative_number_is_0_and_magnitude_saturates() -> None:
 
 @given(st.integers(0, 2**63))
 def test_the_root_over_arrays_is_the_integer_root(square: int) -> None:
-    assert iqmath.root_of_arrays(np.array([square], dtype=np.uint64))[0] == iqmath.root_of(square)
+    assert iqmath_arrays.root_of_arrays(np.array([square], dtype=np.uint64))[0] == iqmath.root_of(square)
 
 
 @pytest.mark.parametrize("bits", [3, 8, 16, 24, 29])
@@ -105,5 +105,5 @@ def test_one_number_and_arrays_give_the_same_bits(bits: int, x: int, y: int) -> 
 def test_roots_of_arrays_are_rounded_to_nearest_where_float64_cannot_tell(root: int, beside: int) -> None:
     """Between n - 1 and n lies n * n - n + 1/4: one whole number less is rounded down, one more up."""
     square = root * root - root + beside
-    assert iqmath.root_of_arrays(np.array([square], dtype=np.uint64))[0] == (root - 1 if beside < 1 else root)
+    assert iqmath_arrays.root_of_arrays(np.array([square], dtype=np.uint64))[0] == (root - 1 if beside < 1 else root)
     assert iqmath.root_of(square) == (root - 1 if beside < 1 else root)

@@ -1,0 +1,73 @@
+"""The first values of a block of standard normal ones without numpy, whose import takes longer than many a run.
+
+    key, block --Philox 4x64--> words of 64 bits --ziggurat--> values within NEAR of numpy's, or None
+
+A value is its place in one of 256 layers of equal area under the normal curve (Marsaglia and Tsang, "The ziggurat
+method", J. Stat. Software 5, 2000): a word's lowest byte names the layer, a bit the sign, 52 bits how far it goes. Of
+1000 words 985 end inside their layer, and only those are told. The edges of the layers differ from numpy's in the last
+bits, so these values are for who rounds them: who is given a bound of the error knows whether it matters.
+"""
+
+from __future__ import annotations
+
+from functools import cache, lru_cache
+from itertools import pairwise
+from math import exp, log, sqrt
+
+FEW = 8  # values of a block
+NEAR = 1e-12  # error of a value; the edges' is a thousandth of it
+
+LAYERS = 256
+OUTERMOST = 3.6541528853610088  # edge of the last layer, and the area of each
+AREA = 0.00492867323397465
+STEPS = 1 << 52
+UNSURE = 1 << 14  # steps beside an edge that may be inside or outside: some 1000 times what the edges' error makes
+
+WORD = (1 << 64) - 1
+MULTIPLIERS = 0xD2E7470EE14C6C93, 0xCA5A826395121157  # of Philox 4x64 (Salmon et al., SC11), and what it adds to keys
+WEYL = 0x9E3779B97F4A7C15, 0xBB67AE8584CAA73B
+ROUNDS = 10
+
+
+@lru_cache(maxsize=64)  # as many as `noise` keeps of whole blocks
+def first_of(key: int, block: int) -> tuple[float | None, ...]:
+    """The first FEW values of a block; None from the first on that is not told, since it takes further words."""
+    words = [word for counter in range(1, FEW // 4 + 1) for word in philox(key, (counter, block, 0, 0))]
+    found: list[float | None] = []
+    for word in words:
+        found.append(_value(word) if None not in found else None)
+    return tuple(found)
+
+
+def philox(key: int, counter: tuple[int, int, int, int]) -> tuple[int, int, int, int]:
+    """Four random words of 64 bits for each counter."""
+    a, b, c, d = counter
+    low, high = key & WORD, key >> 64
+    for _ in range(ROUNDS):
+        first, second = MULTIPLIERS[0] * a, MULTIPLIERS[1] * c
+        a, b, c, d = second >> 64 ^ b ^ low, second & WORD, first >> 64 ^ d ^ high, first & WORD
+        low, high = low + WEYL[0] & WORD, high + WEYL[1] & WORD
+    return a, b, c, d
+
+
+def _value(word: int) -> float | None:
+    layer, negative, along = word & 0xFF, word >> 8 & 1, word >> 9 & STEPS - 1
+    edge, inner = _layers()[layer]
+    if along > inner - UNSURE:
+        return None
+    value = along * edge / STEPS
+    return -value if negative else value
+
+
+@cache
+def _layers() -> list[tuple[float, float]]:
+    """The edge of each layer, and how many steps of it lie under the next one. Layer 0 has the tail: it is wider."""
+    height = exp(-0.5 * OUTERMOST * OUTERMOST)
+    edges = [OUTERMOST]
+    for _ in range(LAYERS - 2):
+        edges.append(sqrt(-2 * log(AREA / edges[-1] + height)))
+        height = exp(-0.5 * edges[-1] * edges[-1])
+    edges += [0.0]  # the innermost layer ends nowhere inside
+    base = AREA / exp(-0.5 * OUTERMOST * OUTERMOST)
+    inside = [(outer, inner / outer * STEPS) for outer, inner in pairwise(edges)]
+    return [(base, OUTERMOST / base * STEPS), *reversed(inside)]

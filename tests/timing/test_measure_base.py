@@ -31,21 +31,21 @@ def took(measure: Measure, *values: tuple[int, int]) -> Measure:
     return measure
 
 
-def state(of: Measure) -> tuple[int, int, int, int, int, int]:
-    return of.worst, of.worst_at, of.least, of.least_at, of.count, of.total
+def state(of: Measure) -> tuple[int, int, int, int, int]:
+    return of.worst, of.worst_at, of.least, of.least_at, of.count
 
 
 def test_of_equal_values_the_first_is_the_worst_and_the_least():
-    assert state(took(Measure(), (5, 10), (5, 20))) == (5, 10, 5, 10, 2, 10)
-    assert state(took(Measure(), (5, 10), (7, 20), (3, 30), (7, 40), (3, 50))) == (7, 20, 3, 30, 5, 25)
-    assert state(took(Measure(), (-5, 10))) == (-5, 10, -5, 10, 1, -5)
-    assert state(took(Measure(), (0, 10), (-1, 20))) == (0, 10, -1, 20, 2, -1)
+    assert state(took(Measure(), (5, 10), (5, 20))) == (5, 10, 5, 10, 2)
+    assert state(took(Measure(), (5, 10), (7, 20), (3, 30), (7, 40), (3, 50))) == (7, 20, 3, 30, 5)
+    assert state(took(Measure(), (-5, 10))) == (-5, 10, -5, 10, 1)
+    assert state(took(Measure(), (0, 10), (-1, 20))) == (0, 10, -1, 20, 2)
 
 
 def test_what_comes_before_the_time_asked_for_is_left_out():
     of = Measure()
     of.not_before = 20
-    assert state(took(of, (9, 19), (1, 20), (2, 21))) == (2, 21, 1, 20, 2, 3)
+    assert state(took(of, (9, 19), (1, 20), (2, 21))) == (2, 21, 1, 20, 2)
     assert of.occasions is None and of.measured == 2
 
 
@@ -102,7 +102,7 @@ def test_only_some_of_the_kept_values():
     took(of, (4, 10), (9, 20), (2, 30))
     of.cut_off = 1
     of.only(of.all_kept()[1] > 10)
-    assert state(of)[:2] == (9, 20) and (of.count, of.total, of.cut_off, of.occasions) == (2, 11, 0, None)
+    assert state(of)[:2] == (9, 20) and (of.count, of.cut_off, of.occasions) == (2, 0, None)
     assert [column.tolist() for column in of.all_kept()] == [[9, 2], [20, 30]]
     assert not of.tallied
     of.tally()
@@ -121,10 +121,10 @@ def test_each_value_that_counts_is_told():
 
 def test_a_count_is_one_number_and_its_time_that_of_the_first():
     of = Counter()
-    assert not of.silent and not of.series and state(of) == (0, NO_TIME, 0, NO_TIME, 0, 0)
+    assert not of.silent and not of.series and state(of) == (0, NO_TIME, 0, NO_TIME, 0)
     of.one_more(7)
     of.one_more(9, by=3)
-    assert state(of)[:5] == (4, 7, 4, 7, 4)
+    assert state(of) == (4, 7, 4, 7, 4)
 
 
 # Verdicts ---------------------------------------------------------------------------------------------------------

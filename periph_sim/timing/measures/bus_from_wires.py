@@ -109,15 +109,14 @@ class BusFromWires(ByteParty):
     def _held_by_others(self) -> bool:
         if not self._scl_pulling:
             return False
-        self._know_parties()
+        if self._scl_wire.attached + self._sda_wire.attached != self._parties:
+            self._know_parties()
         return self._scl_pulling & ~self._scl_ours != 0
 
     def _know_parties(self) -> None:
         """Parties may come at any time, and none goes."""
-        parties = self._scl_wire.attached + self._sda_wire.attached
-        if parties != self._parties:
-            self._parties = parties
-            self._scl_ours, self._sda_ours = self._scl_wire.of(self._unit), self._sda_wire.of(self._unit)
+        self._parties = self._scl_wire.attached + self._sda_wire.attached
+        self._scl_ours, self._sda_ours = self._scl_wire.of(self._unit), self._sda_wire.of(self._unit)
 
     def _condition(self, now: int, sda: int) -> None:
         if sda:

@@ -4,7 +4,7 @@ from .tally cimport Tally
 
 cdef class Measure(Listener):
     cdef public long long count, worst, least, worst_at, least_at, cut_off, not_before
-    cdef public object total, occasions, tap
+    cdef public object occasions, tap
     cdef public object _kept
     cdef public Tally _tally
     cpdef long long tag_of(self, object kind, str where, str what)

@@ -149,7 +149,6 @@ class Measure(Listener):
         self.least = 0
         self.worst_at = NO_TIME
         self.least_at = NO_TIME
-        self.total = 0
         self.cut_off = 0  # of these, how many the end of the run cut off
         self.not_before = NO_TIME
         self.occasions: int | None = 0 if self.asked else None
@@ -225,7 +224,7 @@ class Measure(Listener):
     def only(self, places: NDArray[np.int64]) -> None:
         """Forget all kept values but those at these places."""
         values, at = (column[places].tolist() for column in self.all_kept())
-        self.count = self.total = self.cut_off = 0
+        self.count = self.cut_off = 0
         self.occasions = None  # the measure that it is joined to has them
         self.keep()
         if self._tally is not None:
@@ -266,7 +265,6 @@ class Measure(Listener):
         if not self.count or value < self.least:
             self.least, self.least_at = value, at
         self.count += 1
-        self.total += value
         if self._kept is not None:
             self._kept[0].append(value)
             self._kept[1].append(at)

@@ -43,7 +43,24 @@ cdef class Cleared:
 
 
 @cython.final
+cdef class Look:
+    cdef public str field
+    cdef public long long number
+    cdef public Look following
+
+
+@cython.final
+cdef class Looks:
+    cdef Look _first
+    @cython.locals(look=Look)
+    cpdef void add(self, str field, long long number)
+    @cython.locals(look=Look, last=cython.longlong)
+    cpdef long long last(self, str field)
+
+
+@cython.final
 cdef class Place:
+    cdef public Looks looks
     cdef public long long proven, always
     cdef public set named
     cdef public dict between, along, unseen
@@ -53,9 +70,10 @@ cdef class Place:
 cdef class ClearedRegister:
     cdef public list flags
     cdef public bint status
-    cdef public dict looked, modified, places
+    cdef public Looks looks
+    cdef public dict places
     cdef public Modify last
-    @cython.locals(last=cython.longlong)
+    @cython.locals(last=cython.longlong, other=Place)
     cpdef long long looked_at(self, Flag flag, object place)
 
 

@@ -99,17 +99,60 @@ class Cleared:
         self.count += count
 
 
+class Look:
+    """The last read of a field, "" for all of the register, by its record's number. following: of another field."""
+
+    __slots__ = ("field", "following", "number")
+
+    field: str
+    number: int
+    following: Look | None
+
+
+class Looks:
+    """The last reads of a register, field by field."""
+
+    __slots__ = ("_first",)
+
+    def __init__(self) -> None:
+        self._first: Look | None = None
+
+    def add(self, field: str, number: int) -> None:
+        """It was read."""
+        look = self._first
+        while look is not None and look.field is not field:  # a register's names are one object each
+            look = look.following
+        if look is None:
+            look = self._first
+            while look is not None and look.field != field:
+                look = look.following
+        if look is None:
+            look = Look()
+            look.field, look.following, self._first = field, self._first, look
+        look.number = number
+
+    def last(self, field: str) -> int:
+        """The record of the last read that showed a field; NEVER_YET for none."""
+        last, look = NEVER_YET, self._first
+        while look is not None:
+            if look.number > last and look.field in ("", field):
+                last = look.number
+            look = look.following
+        return last
+
+
 class Place:
     """What the writes of one place have in common, and what they cleared.
 
     proven: bits that were written as 1 and not read as 1. always: those that were written as 1 each time. By flag, the
     writes that cleared it: between: it rose after the read. along: it had been read as 1. unseen: of these, the
-    firmware had not looked at it since it rose.
+    firmware had not looked at it since it rose. looks: of reads for these writes.
     """
 
-    __slots__ = ("along", "always", "between", "named", "proven", "unseen")
+    __slots__ = ("along", "always", "between", "looks", "named", "proven", "unseen")
 
     def __init__(self) -> None:
+        self.looks = Looks()
         self.proven = 0
         self.always = -1
         self.named: set[str] = set()
@@ -128,16 +171,15 @@ class Place:
 class ClearedRegister:
     """One with flags that writing 1 clears. status: hardware sets flags of it. last: its last read-modify-write.
 
-    looked: the last plain read of each field, "" for all of them. modified: the same of reads for a write, by place.
+    looks: of plain reads. places: those of its writes.
     """
 
-    __slots__ = ("flags", "last", "looked", "modified", "places", "status")
+    __slots__ = ("flags", "last", "looks", "places", "status")
 
     def __init__(self, register: Register) -> None:
         self.flags = [Flag(field, self) for field in one_clears(register)]
         self.status = is_status(register)
-        self.looked: dict[str, int] = {}
-        self.modified: dict[str, dict[str, int]] = {}
+        self.looks = Looks()
         self.places: dict[str, Place] = {}
         self.last: Modify | None = None
 
@@ -146,10 +188,10 @@ class ClearedRegister:
 
     def looked_at(self, flag: Flag, place: str) -> int:
         """The record of the last read that showed this flag to anybody but the writes of a place."""
-        last = NEVER_YET
-        for at, fields in ((None, self.looked), *self.modified.items()):
+        last = self.looks.last(flag.name)
+        for at, other in self.places.items():
             if at != place:
-                last = max(last, fields.get("", NEVER_YET), fields.get(flag.name, NEVER_YET))
+                last = max(last, other.looks.last(flag.name))
         return last
 
 
@@ -279,10 +321,9 @@ class Modifies(Keeper):
             register, made = one.register, one.modify
             if register is not None and one.reads:
                 if made is None:
-                    register.looked[one.field] = one.number
+                    register.looks.add(one.field, one.number)
                 else:
                     self._judge(register, one, made)
-                    register.modified.setdefault(made.place, {})[one.field] = one.number
             after, one.after, self._spare = one.after, self._spare, one
             one = after
         recent.oldest = one
@@ -308,6 +349,7 @@ class Modifies(Keeper):
                     _one_more(place.along, flag, made)
                     if register.looked_at(flag, made.place) < made.rose[number]:
                         _one_more(place.unseen, flag, made)
+        place.looks.add(read.field, read.number)
 
     def finish(self) -> None:
         """The run is over."""
@@ -356,4 +398,6 @@ def _sum(to: Cleared, flag: Flag, place: Place, register: ClearedRegister, along
 
 def _alike(read: Access, write: Access) -> bool:
     """Whether both are of one place, and name the same field."""
-    return read.text == write.text and read.field == write.field
+    if read.text is not write.text and read.text != write.text:
+        return False
+    return read.field == write.field

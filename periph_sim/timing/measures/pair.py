@@ -24,13 +24,13 @@ FIRST, SECOND, START, STOP = range(4)  # places of a pair's events
 
 
 class Open:
-    """A first event that waits. at: its tick. since: what the clock or the counter said then."""
+    """A first event that waits. at: its tick. since: what the clock or counter said then. following: a later one."""
 
-    __slots__ = ("at", "since")
+    __slots__ = ("at", "following", "since")
 
-    def __init__(self, at: int, since: int) -> None:
-        self.at = at
-        self.since = since
+    at: int
+    since: int
+    following: Open | None
 
 
 class Between(EventMeasure):
@@ -51,7 +51,9 @@ class Between(EventMeasure):
         self._rule_text = "" if group is None else f" in the same {group.name}"
         self._stopped = True
         self._unsaid, self._only_last, self._in_order = (pairing == one for one in ("", "last", "in order"))
-        self._waiting: list[Open] = []
+        self._waiting: Open | None = None  # the first of a chain
+        self._last: Open | None = None  # of it
+        self._spare: Open | None = None  # the first of those that wait no more
         self._again: tuple[int, int] | None = None
         self._begun = self._paired = False  # in the group under way
         self.asked = "" if group is None else f"{group.name}s with {begin.text!r}"
@@ -96,7 +98,7 @@ class Between(EventMeasure):
         self._stopped = False
         if self._rule.begins(tick, True, False):
             self._group_over()
-            self._waiting.clear()
+            self._clear()
 
     def _group_over(self) -> None:
         if self._begun:
@@ -107,24 +109,46 @@ class Between(EventMeasure):
     def _first(self, tick: int) -> None:
         if not self._begun:
             self._begun, self._begun_at = True, tick
-        waiting = self._waiting
-        if waiting:
+        if self._waiting is not None:
             if self._only_last:
-                waiting.clear()
+                self._clear()
             elif self._unsaid and self._again is None:
-                first = waiting[0]
-                self._again = (first.at, tick)
-        waiting.append(Open(tick, self.clock(tick)))
+                self._again = (self._waiting.at, tick)
+        one = self._spare
+        if one is None:
+            one = Open()
+        else:
+            self._spare = one.following
+        one.at, one.since, one.following = tick, self.clock(tick), None
+        if self._waiting is None:
+            self._waiting = one
+        else:
+            assert self._last is not None
+            self._last.following = one
+        self._last = one
 
     def _second(self, tick: int) -> None:
-        waiting = self._waiting
-        if not waiting:
+        one = self._waiting
+        if one is None:
             return
         now, self._paired = self.clock(tick), True
-        ended = waiting[:1] if self._in_order else waiting[:]
-        del waiting[: len(ended)]
-        for one in ended:
+        while one is not None:
             self.take(now - one.since, one.at)
+            one = self._ended(one)
+            if self._in_order:
+                return
+
+    def _ended(self, one: Open) -> Open | None:
+        """The first one waits no more: the next one."""
+        self._waiting = following = one.following
+        one.following, self._spare = self._spare, one
+        return following
+
+    def _clear(self) -> None:
+        """None waits any more."""
+        one = self._waiting
+        while one is not None:
+            one = self._ended(one)
 
     def finish(self, now: int) -> None:
         super().finish(now)
@@ -139,7 +163,11 @@ class Between(EventMeasure):
     def unfinished(self, now: int) -> list[tuple[int, int]]:
         if self._rule is not None and self._stopped:  # in a transfer or round, not every first has a second
             return []
-        return [(self._now - one.since, one.at) for one in self._waiting]
+        found, one = [], self._waiting
+        while one is not None:
+            found.append((self._now - one.since, one.at))
+            one = one.following
+        return found
 
     def unfinished_text(self) -> str:
         return f"{self.matchers[FIRST].text!r} still waited for {self.matchers[SECOND].text!r} when the run ended"

@@ -1,6 +1,9 @@
+cimport cython
+
 from .uart.whole_frames cimport FrameParty
 
 
+@cython.final
 cdef class UartCounter(FrameParty):
     cdef public list told
     cdef object _line, _as

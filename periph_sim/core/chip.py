@@ -16,9 +16,9 @@ from .registers import RegisterMap
 
 NEVER = 2**62  # a wake-up that no run reaches; compares and adds like any other
 
-# What an input may have changed: nothing that shows; `out` and `next_wake` alone; any of the chip's attributes and
-# registers.
-NOTHING, OUTPUTS, ALL = range(3)
+# What an input may have changed: nothing that shows; `next_wake` alone; it and `out`; any of the chip's attributes
+# and registers.
+NOTHING, LATER, OUTPUTS, ALL = range(4)
 
 
 class Note(NamedTuple):
@@ -66,13 +66,14 @@ class Chip:
     filter_width: int  # cycles from an input's change to its first effect
     notes: list[Note]  # since the owner last cleared it
     touched: set[str]  # open questions on whose option the run depended
-    mid_byte: tuple[int, ...] = ()  # registers a write to which may change what becomes of a byte in the middle
+    mid_byte: tuple[int, ...] = ()  # registers, below 62, a write to which may change a byte in the middle
     steady: tuple[int, ...] = ()  # words of registers that stay as they are seen while `writes` is the same
     writes: int  # counts what may change those: writes, resets, the clock gate
 
     def pins(self, now: int, levels: int) -> int:
         """The inputs as sampled in cycle `now`; bit i is INPUTS[i]. Returns what the owner must look at: NOTHING,
-        OUTPUTS or ALL. Where `filter_width` is above 0 a later call for the same cycle takes the place of the first.
+        LATER, OUTPUTS or ALL. Where `filter_width` is above 0 a later call for the same cycle takes the place of the
+        first.
         """
         raise NotImplementedError
 

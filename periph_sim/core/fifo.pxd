@@ -1,3 +1,7 @@
+cimport cython
+
+
+@cython.final
 cdef class Fifo:
     cdef public long long depth
     cdef public list words

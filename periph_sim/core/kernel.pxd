@@ -7,11 +7,13 @@ cdef class Agent:
     cpdef void pulled(self, long long line, long long now, long long pulling)
 
 
+@cython.final
 cdef class Call(Agent):
     cdef public object action
 
 
 @cython.final
+@cython.freelist(16)
 @cython.trashcan(True)  # a chain of many may be let go of at once
 cdef class Event:
     cdef public long long time, phase, rank, tag
@@ -22,15 +24,16 @@ cdef class Event:
 
 cdef class Settles:
     cdef public long long rank
-    cdef public Settles following
+    cdef public Settles following, then
     cpdef void settle(self)
+    cpdef void hand_on(self, long long now)
 
 
 cdef class Samples:
     cdef public long long rank
-    cdef public bint due, plain
+    cdef public bint plain
     cdef public Agent agent
-    cdef public long long levels
+    cdef public long long due, levels
     cdef public Samples following
     cpdef void tell(self, long long now)
 
@@ -46,8 +49,8 @@ cdef class Kernel:
     cdef public object fault, helper, home
     cdef public bint released
     cdef Event _first, _latest
-    cdef Settles _unsettled
-    cdef Samples _sampling, _sampling_last
+    cdef Settles _unsettled, _handing_on
+    cdef Samples _sampling
     cdef long long _at, _bound, _bound_rank, _horizon, _in_this_tick, _number, _phase, _ranks
     cdef bint _stop, _settling
     cpdef long long rank(self)
@@ -68,12 +71,12 @@ cdef class Kernel:
     cpdef void stop(self)
     @cython.locals(before=Settles, after=Settles)
     cpdef void moved(self, Settles wire)
-    @cython.locals(last=Samples)
-    cpdef void tell(self, Samples party)
     @cython.locals(before=Samples, after=Samples)
-    cdef void _tell_before(self, Samples party)
+    cpdef void tell(self, Samples party)
     @cython.locals(wire=Settles, next_wire=Settles, party=Samples, next_party=Samples)
     cpdef void settle(self)
+    @cython.locals(wire=Settles)
+    cdef void _hand_on(self)
     cdef void _stuck(self, str why)
     cpdef void run_until(self, long long time)
     cpdef bint help(self, object helper)

@@ -31,6 +31,9 @@ STORM = 100_000  # so many events inside one tick is a loop, not a design
 
 Action = Callable[[], None]
 
+# Whether a party is to be told of the levels as they settle: in its place among those who asked, or by a wire of its.
+NOT_DUE, ASKED, BY_WIRE = range(3)
+
 _order = attrgetter("time", "rank")
 
 
@@ -89,20 +92,25 @@ class Event:
 class Settles:
     """What takes its new level when all who move it have acted: a wire. rank: see `Kernel.rank`.
 
-    following: what settles after it in this phase.
+    following: what settles after it in this phase. then: what hands on after it.
     """
 
-    __slots__ = ("following", "rank")
+    __slots__ = ("following", "rank", "then")
 
     rank: int
     following: Settles | None
+    then: Settles | None
 
     def settle(self) -> None:
+        """Take the level; whoever is to be told of it is `due`."""
         raise NotImplementedError
+
+    def hand_on(self, now: int) -> None:
+        """All have settled: tell whom it made due, if nobody else did meanwhile."""
 
 
 class Samples:
-    """Who is told of the settled levels. due: to be told. following: who is told after it.
+    """Who is told of the settled levels. due: whether it is to be told, and by whom. following: who is told after it.
 
     plain: all there is to it is that its agent is told `levels`, its lines as they have settled; else `tell` tells.
     """
@@ -110,7 +118,7 @@ class Samples:
     __slots__ = ("agent", "due", "following", "levels", "plain", "rank")
 
     rank: int
-    due: bool
+    due: int
     plain: bool
     agent: Agent
     levels: int
@@ -147,8 +155,8 @@ class Kernel:
         self.home: object = None
         self.fault: BaseException | None = None
         self._unsettled: Settles | None = None  # what moved in the present phase, by rank: the first of a chain
-        self._sampling: Samples | None = None  # who is to be told of it: by rank, and then in the order of wires
-        self._sampling_last: Samples | None = None
+        self._handing_on: Settles | None = None  # what has settled, and did not tell its own yet: likewise
+        self._sampling: Samples | None = None  # who else is to be told of it, by rank
         self._settling = False  # the wires take their levels
         self._phase = TIMER  # of the event done last
         self._horizon = start
@@ -271,27 +279,14 @@ class Kernel:
         """`party` is to be told of the levels as they settle; once, however often it is asked."""
         if party.due:
             return
-        party.due = True
-        last = self._sampling_last
-        if last is None:
-            party.following = None
-            self._sampling = self._sampling_last = party
-        elif self._settling or last.rank < party.rank:
-            party.following = None
-            last.following = self._sampling_last = party
-        else:
-            self._tell_before(party)
-
-    def _tell_before(self, party: Samples) -> None:
-        """It has its place before others who were asked earlier in this phase."""
+        party.due = ASKED
         before = self._sampling
-        assert before is not None
-        if before.rank > party.rank:
+        if before is None or (before.rank > party.rank and not self._settling):
             party.following = before
             self._sampling = party
             return
         after = before.following
-        while after is not None and after.rank < party.rank:
+        while after is not None and (after.rank < party.rank or self._settling):
             before, after = after, after.following
         party.following, before.following = after, party
 
@@ -302,24 +297,34 @@ class Kernel:
             wire = self._unsettled
             self._unsettled = None
             self._settling = True
+            self._handing_on = wire
             while wire is not None:
-                next_wire = wire.following
+                wire.then = next_wire = wire.following
                 wire.settle()
                 wire = next_wire
             self._settling = False
             party = self._sampling
-            self._sampling = self._sampling_last = None
+            self._sampling = None
             while party is not None:
                 next_party = party.following
-                party.due = False
+                party.due = NOT_DUE
                 if party.plain:
                     party.agent.sampled(self.now, party.levels)
                 else:
                     party.tell(self.now)
                 party = next_party
+            self._hand_on()
             steps += 1
             if steps > STORM:
                 self._stuck(f"wires did not come to rest at t={self.now} after {STORM} steps")
+
+    def _hand_on(self) -> None:
+        """What has settled tells those who listen to it."""
+        wire = self._handing_on
+        while wire is not None:
+            self._handing_on = wire.then
+            wire.hand_on(self.now)
+            wire = self._handing_on
 
     def _stuck(self, why: str) -> None:
         raise SimulationStuck(why)
@@ -370,24 +375,23 @@ class Kernel:
             if self._stop:
                 return False
             event = self._first
-        if event is None:
+        if event is None or (event.plain and not at_home):
             return False
-        if event.time >= self._bound and (event.time > self._bound or event.rank >= self._bound_rank):
-            return False
-        if event.plain and not at_home:
+        time = event.time
+        if time >= self._bound and (time > self._bound or event.rank >= self._bound_rank):
             return False
         self._first, event.following = event.following, None
         event.queued = False
         self.events += 1
         self._phase = event.phase
-        if event.time != self.now:
+        if time != self.now:
             self._in_this_tick = 0
         else:
             self._in_this_tick += 1
             if self._in_this_tick > STORM:
                 last = describe(event.agent)
                 self._stuck(f"{STORM} events at t={self.now} without time passing; the last: {last}")
-        self.now = self._at = event.time
+        self.now = self._at = time
         event.agent.act(event.tag)
         return True
 
@@ -403,6 +407,7 @@ class Kernel:
         """
         now, phase, stop = self.now, self._phase, self._stop
         helper, home, self.helper = self.helper, self.home, None
+        self._hand_on()
         self.settle()
         later = self._taken_out()
         self.now, self._stop = since, False

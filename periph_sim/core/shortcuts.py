@@ -9,16 +9,39 @@ from .kernel import Kernel, Shortcut
 
 
 class Shortcuts(Shortcut):
-    """under_way: what passes at once now. One that was caught up with has taken itself out."""
+    """What passes at once now. One that was caught up with has taken itself out."""
 
-    __slots__ = ("under_way",)
+    __slots__ = ("_first", "_others")
 
     def __init__(self) -> None:
-        self.under_way: list[Shortcut] = []
+        self._first: Shortcut | None = None
+        self._others: list[Shortcut] = []  # that began after it; hardly ever any
+
+    def begin(self, shortcut: Shortcut) -> None:
+        """From now on this one passes at once, too."""
+        if self._first is None:
+            self._first = shortcut
+        else:
+            self._others.append(shortcut)
+
+    def passes(self, shortcut: Shortcut) -> bool:
+        """Whether it does."""
+        return shortcut is self._first or shortcut in self._others
+
+    def end(self, shortcut: Shortcut) -> None:
+        """It does no longer."""
+        if shortcut is not self._first:
+            self._others.remove(shortcut)
+        elif self._others:
+            self._first = self._others.pop(0)
+        else:
+            self._first = None
 
     def catch_up(self) -> None:
-        for shortcut in tuple(self.under_way):
-            if shortcut in self.under_way:  # it may have ended with one before
+        if self._first is None:
+            return
+        for shortcut in (self._first, *self._others):
+            if self.passes(shortcut):  # it may have ended with one before
                 shortcut.catch_up()
 
 

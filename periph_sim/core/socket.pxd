@@ -1,10 +1,12 @@
 cimport cython
 
 from .chip cimport Chip
+from .chip_input cimport Input
 from .kernel cimport Agent, Event, Kernel
-from .records cimport Recorder, Topic
+from .records cimport Recorder
 from .shortcuts cimport Untold
 from .time cimport Clock
+from .watched_register cimport WatchedField, WatchedRegister
 from .wire cimport Pin, Sampler
 
 
@@ -15,13 +17,6 @@ cdef class Release:
 
 cdef class Onlooker:
     cpdef void look(self, long long cycle)
-
-
-@cython.final
-cdef class _Input:
-    cdef public long long cycle, cause
-    cdef public _Input following
-    cdef bint comes_before(self, _Input other)
 
 
 @cython.final
@@ -43,17 +38,17 @@ cdef class Socket(Agent):
     cdef long long _out, _held, _wake_cycle, _last_cause
     cdef Event _wake
     cdef list _watched, _moving, _looked
-    cdef long long _writes, _inputs
-    cdef _Input _first_input, _last_input, _spare
+    cdef long long _writes, _inputs, _mid_byte
+    cdef Input _first_input, _last_input, _spare
     cdef object _touched
     cdef dict _note_count
     cpdef long long read(self, long long cycle, long long offset)
     cpdef long long peek(self, long long cycle, long long offset)
     cpdef long long see(self, long long cycle, long long offset)
     cpdef void write(self, long long cycle, long long offset, long long value)
-    @cython.locals(given=_Input, before=_Input, after=_Input, cause=cython.longlong)
+    @cython.locals(given=Input, before=Input, after=Input, cause=cython.longlong)
     cpdef void given(self, long long cycle)
-    @cython.locals(first=_Input)
+    @cython.locals(first=Input)
     cdef void _take_first(self)
     cdef void _woken(self)
     cdef long long _cause_at(self, long long cycle)
@@ -72,20 +67,8 @@ cdef class Socket(Agent):
     cdef void _have_watch(self, list watchers)
     cpdef bint looked_at(self)
     cpdef void reclock(self)
-    @cython.locals(register=_WatchedRegister)
+    @cython.locals(register=WatchedRegister)
     cdef bint _look(self, long long cycle)
-    @cython.locals(register=_WatchedRegister, field=_WatchedField, changed=cython.longlong)
+    @cython.locals(register=WatchedRegister, field=WatchedField, changed=cython.longlong)
     cdef void _record_flags(self, long long cycle)
     cdef void _take_notes(self, long long cycle)
-
-
-@cython.final
-cdef class _WatchedField:
-    cdef public long long mask, lsb
-    cdef public Topic topic
-
-
-@cython.final
-cdef class _WatchedRegister:
-    cdef public long long offset, upper, value, was
-    cdef public list fields

@@ -8,15 +8,15 @@ Every path into a chip ends in `publish`, so no output, request or wake-up is fo
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
 
-from .chip import ALL, NEVER, OUTPUTS, Chip, Note
+from .chip import ALL, LATER, NEVER, OUTPUTS, Chip, Note
+from .chip_input import Input, Marks
 from .kernel import CHIP, Agent, Event, Kernel
-from .records import Kind, Recorder, Topic
-from .registers import Register
+from .records import Kind, Recorder
 from .shortcuts import Untold
 from .time import Clock
-from .wire import BITS, Pin, Sampler
+from .watched_register import WatchedRegister
+from .wire import BITS, MOST, Pin, Sampler
 
 MOST_INPUTS = 64  # that may wait for their effect; a chip that never wakes has no use for more
 
@@ -25,13 +25,6 @@ MOST_INPUTS = 64  # that may wait for their effect; a chip that never wakes has 
 WAKE, LOOK = 0, 1
 RECORD = 16
 MOVE = (1 << RECORD) - 1
-
-
-class Marks(Protocol):
-    """mark: of a write to come. out_mark: of the write that the outputs show now; 0 where that is none."""
-
-    mark: int
-    out_mark: int
 
 
 class Release:
@@ -60,10 +53,49 @@ class Onlooker:
 class Socket(Agent):
     """One chip on its clock. name: the module's, as in "I2C-A".
 
-    drive: called with (output index, level) for each output that changed.
     on_request: called with (cycle, mask of LINES).
     phase: of the kernel, in which the chip is woken. inputs: the levels at the chip's INPUTS.
     """
+
+    __slots__ = (
+        "_clock",
+        "_first_input",
+        "_held",
+        "_inputs",
+        "_kernel",
+        "_last_cause",
+        "_last_input",
+        "_looked",
+        "_mid_byte",
+        "_moving",
+        "_note_count",
+        "_on_request",
+        "_out",
+        "_recorder",
+        "_some_steady",
+        "_spare",
+        "_touched",
+        "_wake",
+        "_wake_cycle",
+        "_watched",
+        "_writes",
+        "after",
+        "before",
+        "chip",
+        "inputs",
+        "marks",
+        "name",
+        "notes",
+        "on_held",
+        "on_note",
+        "on_watch",
+        "out_delay",
+        "pins",
+        "release",
+        "traces",
+        "untold",
+        "watchers",
+    )
 
     def __init__(
         self,
@@ -92,6 +124,7 @@ class Socket(Agent):
         self.notes: list[tuple[int, Note]] = []
         self.on_note: Callable[[int, Note], None] | None = None  # told of each, with the cycle
         self._note_count: dict[Note, int] = {}
+        self._mid_byte = sum(BITS[offset] for offset in chip.mid_byte)
         self._kernel = kernel
         self._clock = clock
         self._recorder = recorder
@@ -102,11 +135,11 @@ class Socket(Agent):
         self._last_cause = 0
         self.traces = recorder.wants(Kind.EDGE) and (recorder.wants(Kind.FLAG) or recorder.wants(Kind.ACCESS))
         self._inputs = 0  # that the chip was given, and that have had no effect yet:
-        self._first_input: _Input | None = None  # a chain of them, by cycle and then by record,
-        self._last_input: _Input | None = None
-        self._spare: _Input | None = None  # and one of those that have had it
+        self._first_input: Input | None = None  # a chain of them, by cycle and then by record,
+        self._last_input: Input | None = None
+        self._spare: Input | None = None  # and one of those that have had it
         wanted = [r for r in chip.MAP if recorder.wants(Kind.FLAG, f"{name}.{r.name}")]
-        self._watched = [_WatchedRegister(r, recorder, name) for r in wanted]
+        self._watched = [WatchedRegister(r, recorder, name) for r in wanted]
         self._moving = [r for r in self._watched if r.offset not in chip.steady or r.upper not in (0, *chip.steady)]
         self._some_steady = len(self._moving) < len(self._watched)
         self._looked = self._watched  # the last time
@@ -139,7 +172,10 @@ class Socket(Agent):
         if self.traces:
             self.given(cycle + self.chip.filter_width)
         looks = self.chip.pins(cycle, levels)
-        if looks:
+        if looks == LATER:
+            if self.chip.next_wake < self._wake_cycle:
+                self._plan(cycle)
+        elif looks:
             self.publish(cycle, looks)
 
     def read(self, cycle: int, offset: int) -> int:
@@ -166,7 +202,7 @@ class Socket(Agent):
         return self.chip.see(cycle, offset)
 
     def write(self, cycle: int, offset: int, value: int) -> None:
-        if self._kernel.shortcut is not None and offset in self.chip.mid_byte:
+        if self._kernel.shortcut is not None and offset < MOST and self._mid_byte >> offset & 1:
             self._kernel.catch_up()
         if self.before is not None:
             self.before(cycle)
@@ -185,7 +221,7 @@ class Socket(Agent):
         if not cause:
             return
         if given is None:
-            given = _Input()
+            given = Input()
         else:
             self._spare = given.following
         given.cycle, given.cause = cycle, cause
@@ -215,9 +251,8 @@ class Socket(Agent):
         self._inputs -= 1
 
     def _woken(self) -> None:
-        cycle = self._wake_cycle
+        cycle, chip = self._wake_cycle, self.chip
         self._wake_cycle = NEVER
-        chip = self.chip
         looks = chip.wake(cycle) if chip.next_wake <= cycle else OUTPUTS
         if not self._watched and not self.traces:
             self.publish(cycle, looks)
@@ -251,7 +286,7 @@ class Socket(Agent):
             self._request(cycle)
         if chip.next_wake < self._wake_cycle:
             self._plan(cycle)
-        if looks != OUTPUTS:
+        if looks == ALL:
             self._show(cycle)
 
     def _request(self, cycle: int) -> None:
@@ -294,10 +329,8 @@ class Socket(Agent):
         outer = recorder.cause
         if self.marks is not None:
             recorder.cause = self.marks.out_mark or outer
-        changed = self._out ^ self.chip.out
-        self._out = self.chip.out
-        index = 0
-        out = self._out
+        changed, out, index = self._out ^ self.chip.out, self.chip.out, 0
+        self._out = out
         while changed:
             if changed & 1:
                 self._move(cycle, index, out & 1)
@@ -338,7 +371,7 @@ class Socket(Agent):
 
     def watch(self, watcher: Onlooker) -> None:
         """`watcher.look(cycle)` after every input from now on: a CPU that spins looks at the chip there."""
-        self._have_watch([*self.watchers, watcher])
+        self._have_watch([*self.watchers, watcher] if self.watchers else [watcher])
 
     def unwatch(self, watcher: Onlooker) -> None:
         self._have_watch([one for one in self.watchers if one is not watcher])
@@ -415,45 +448,3 @@ class Socket(Agent):
                 self._recorder.emit(tick, Kind.NOTE, self.name, note.code, seen + 1, f"{note.text} [{note.source}]")
             if self.on_note is not None:
                 self.on_note(cycle, note)
-
-
-class _Input:
-    """What a chip was given. cycle: from which on it has effect. cause: the record. following: the next one."""
-
-    __slots__ = ("cause", "cycle", "following")
-
-    def __init__(self) -> None:
-        self.cycle = self.cause = 0
-        self.following: _Input | None = None
-
-    def comes_before(self, other: _Input) -> bool:
-        """By cycle; by record, where they are of one cycle."""
-        return self.cycle < other.cycle or (self.cycle == other.cycle and self.cause < other.cause)
-
-
-class _WatchedField:
-    """A field of a register that somebody wants."""
-
-    __slots__ = ("lsb", "mask", "topic")
-
-    mask: int
-    lsb: int
-    topic: Topic
-
-
-class _WatchedRegister:
-    """A register that somebody wants. value: as it was seen last; was: before. upper: of 32 bits, the upper half's
-    offset."""
-
-    __slots__ = ("fields", "offset", "upper", "value", "was")
-
-    def __init__(self, register: Register, recorder: Recorder, name: str) -> None:
-        self.offset = register.offset
-        self.upper = register.offset + 1 if register.width == 32 else 0
-        self.value = self.was = 0
-        self.fields: list[_WatchedField] = []
-        for each in register.fields:
-            field = _WatchedField()
-            field.mask, field.lsb = each.mask, each.lsb
-            field.topic = recorder.topic(Kind.FLAG, name, f"{register.name}.{each.name}")
-            self.fields.append(field)

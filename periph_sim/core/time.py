@@ -135,12 +135,11 @@ class Clock:
 
     def tick(self, cycle: int) -> int:
         """The tick at which this cycle begins (rounded down where the clock does not divide)."""
-        passed = cycle - self._cycle0
-        if self._wide:
-            return self._tick0 + self._wide_ticks(passed)
-        den = self._den
+        passed, den = cycle - self._cycle0, self._den
         if den == 1:
             return self._tick0 + passed * self._num
+        if self._wide:
+            return self._tick0 + self._wide_ticks(passed)
         if cycle != self._last_cycle:
             whole = passed // den  # divided first: the product of a long run's cycles would not fit 64 bits
             self._last_cycle = cycle
@@ -149,12 +148,11 @@ class Clock:
 
     def cycle_at(self, tick: int) -> int:
         """The first cycle that begins at or after this tick: what is seen without a synchroniser."""
-        left = self._tick0 - tick
-        if self._wide:
-            return self._cycle0 - self._wide_cycles(left)
-        num = self._num
+        left, num = self._tick0 - tick, self._num
         if self._den == 1:
             return self._cycle0 - left // num
+        if self._wide:
+            return self._cycle0 - self._wide_cycles(left)
         if tick == self._last_tick:
             return self._last_cycle
         whole = left // num

@@ -4,6 +4,7 @@ from .kernel cimport Agent, Kernel, Samples, Settles
 from .records cimport Recorder, Topic
 
 
+@cython.final
 cdef class _Told(Agent):
     cdef object _watcher
 
@@ -14,7 +15,7 @@ cdef class Wire(Settles):
     cdef public Recorder recorder
     cdef public bint recorded
     cdef public Kernel kernel
-    cdef bint _records_holds, _queued
+    cdef bint _records_holds, _queued, _moved, _pulled
     cdef long long _pulling, _pulling_recorded, _pulled_under, _released_under
     cdef list _parties
     cdef _Watch _watches
@@ -28,6 +29,8 @@ cdef class Wire(Settles):
     cdef void _under(self, long long level)
     @cython.locals(look=_Watch, level=cython.longlong, moved=cython.bint)
     cpdef void settle(self)
+    @cython.locals(look=_Watch, watch=PullWatch, sampler=Sampler)
+    cpdef void hand_on(self, long long now)
     @cython.locals(watch=PullWatch)
     cdef void _tell_pulled(self, PullWatch first)
     cdef void _record_settled(self, bint moved)
@@ -46,6 +49,7 @@ cdef class Wire(Settles):
     cdef long long _record(self, Topic topic, long long level, long long cause)
 
 
+@cython.final
 cdef class Tape:
     cdef public list numbers, again
 
@@ -72,6 +76,7 @@ cdef class Pin:
     cpdef void drive(self, long long level)
 
 
+@cython.final
 cdef class Sampler(Samples):
     cdef Kernel _kernel
     cdef Recorder _recorder
@@ -81,7 +86,8 @@ cdef class Sampler(Samples):
     cpdef void put(self, long long line, long long level)
     cpdef void jump(self, long long bits)
     cpdef void ask(self)
+    cdef void hear(self, long long now)
     @cython.locals(wire=Wire, moved=cython.longlong)
-    cpdef void tell(self, long long now)
+    cdef void _tell_under_record(self, long long now)
     cdef void _set(self, long long line, long long level)
     cdef void _leave(self, long long line)

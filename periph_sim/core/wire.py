@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from .kernel import Agent, Kernel, Samples, Settles
+from .kernel import BY_WIRE, NOT_DUE, Agent, Kernel, Samples, Settles
 from .records import Kind, Recorder, Topic
 
 Watcher = Callable[[int, int], None]
@@ -65,6 +65,7 @@ class Wire(Settles):
         self._watches: _Watch | None = None  # who is told: the first of a chain
         self._pull_watches: PullWatch | None = None
         self._queued = False
+        self._moved = self._pulled = False  # in the instant that settled last: its level, those who pull it
         self._pulled_under = self._released_under = 0  # the last records under which that was done in this instant
 
     def attach(self, who: str) -> Pin:
@@ -132,14 +133,15 @@ class Wire(Settles):
             self._pulled_under = max(self._pulled_under, self.recorder.cause)
 
     def settle(self) -> None:
-        """Take the level that results from all pulls, and have those told who sample it."""
+        """Take the level that results from all pulls. Those who listen are due."""
         self._queued = False
-        if self._pulling != self.pulling:
+        self._pulled = self._pulling != self.pulling
+        if self._pulled:
             self.pulling = self._pulling
             if self._pull_watches is not None:
                 self._tell_pulled(self._pull_watches)
         level = 0 if self.pulling else 1
-        moved = level != self.level
+        self._moved = moved = level != self.level
         self.level = level
         if self.recorded:
             self._record_settled(moved)
@@ -149,8 +151,28 @@ class Wire(Settles):
                 sampler = look.sampler
                 sampler.levels ^= look.bit
                 if not sampler.due:
-                    self.kernel.tell(sampler)
+                    sampler.due = BY_WIRE
                 look = look.following
+
+    def hand_on(self, now: int) -> None:
+        if self._pulled:
+            watch = self._pull_watches
+            while watch is not None:
+                sampler = watch.sampler
+                watch = watch.following
+                if sampler is not None and sampler.due == BY_WIRE:
+                    sampler.hear(now)
+        if self._moved:
+            look = self._watches
+            while look is not None:
+                sampler = look.sampler
+                look = look.following
+                if sampler.due == BY_WIRE:
+                    sampler.due = NOT_DUE
+                    if sampler.plain:
+                        sampler.agent.sampled(now, sampler.levels)
+                    else:
+                        sampler.tell(now)
 
     def _tell_pulled(self, first: PullWatch) -> None:
         watch: PullWatch | None = first
@@ -158,7 +180,7 @@ class Wire(Settles):
             if watch.sampler is None:
                 watch.agent.pulled(watch.line, self.kernel.now, self.pulling)
             elif not watch.sampler.due:
-                self.kernel.tell(watch.sampler)
+                watch.sampler.due = BY_WIRE
             watch = watch.following
 
     def _record_settled(self, moved: bool) -> None:
@@ -236,6 +258,9 @@ class Wire(Settles):
             self._watches = watch.following
         else:
             before.following = watch.following
+        if sampler.due == BY_WIRE:  # it has moved, and does not hand on to the sampler any more
+            sampler.due = NOT_DUE
+            self.kernel.tell(sampler)
 
     def _changed(self) -> None:
         """There are others on the wire than before: what passes at once does so for those only whom it knows."""
@@ -301,7 +326,7 @@ class Sampler(Samples):
 
     def __init__(self, kernel: Kernel, recorder: Recorder, agent: Agent | Watcher, levels: int = 0) -> None:
         self.levels = levels
-        self.due = False
+        self.due = NOT_DUE
         self.rank = kernel.rank()
         self._kernel = kernel
         self._recorder = recorder
@@ -339,7 +364,18 @@ class Sampler(Samples):
         """Be told in this instant, also if nothing moves."""
         self._kernel.tell(self)
 
+    def hear(self, now: int) -> None:
+        """A wire hands on."""
+        self.due = NOT_DUE
+        if self.plain:
+            self.agent.sampled(now, self.levels)
+        else:
+            self.tell(now)
+
     def tell(self, now: int) -> None:
+        self._tell_under_record(now)
+
+    def _tell_under_record(self, now: int) -> None:
         moved = self.levels ^ self._seen
         self._seen = self.levels
         recorder = self._recorder

@@ -10,6 +10,7 @@ from .operand cimport Operand
 
 
 @cython.final
+@cython.freelist(4)
 cdef class Posted:
     cdef long long lands, value, cause
     cdef Operand operand
@@ -17,6 +18,7 @@ cdef class Posted:
     cdef Posted following
 
 
+@cython.final
 cdef class Bus:
     cdef public long long free_from
     cdef public dict free_of

@@ -1,7 +1,10 @@
+cimport cython
+
 from ..core.kernel cimport Event, Kernel
 from ..core.time cimport Clock
 
 
+@cython.final
 cdef class CpuTime:
     cdef public long long cycle, lease, lands, met
     cdef public bint asleep

@@ -1,8 +1,11 @@
+cimport cython
+
 from ..core.kernel cimport Kernel
 from ..core.records cimport Recorder
 from ..core.time cimport Clock
 
 
+@cython.final
 cdef class FirmwareNotes:
     cdef public dict counts
     cdef public bint strict

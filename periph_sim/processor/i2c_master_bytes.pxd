@@ -10,6 +10,7 @@ from ..f28335.i2c.master cimport I2cMaster
 from ..f28335.i2c.module cimport I2c
 
 
+@cython.final
 cdef class MasterPlay(EdgePlay):
     cdef Socket _socket
     cdef Clock _clock

@@ -12,6 +12,7 @@ from ..f28335.i2c.slave cimport I2cSlave
 from .i2c_master_bytes cimport I2cMasterBytes
 
 
+@cython.final
 cdef class I2cSlaveEdges(SdaFollows):
     cdef Socket _socket
     cdef I2c _chip

@@ -14,7 +14,7 @@ from ..core.time import Clock
 from ..core.wire import Wire
 from ..f28335.i2c.module import I2c
 from ..f28335.i2c.register_map import MDR_DLB, MDR_FDF, SCL, SDA
-from ..f28335.i2c.slave_transmitter import IGNORE, OFF, TRANSMIT
+from ..f28335.i2c.slave_transmitter import LISTENS, TRANSMIT
 from .i2c_master_bytes import SDA_INDEX, I2cMasterBytes
 
 MARGIN = 2  # cycles: an edge between two cycles is seen with the later one
@@ -102,7 +102,7 @@ class I2cSlaveBytes(ByteParty):
             return False
         if chip._pins & SCL or lines.due != NEVER or lines.levels != chip._pins or self._socket._out != chip.out:
             return False
-        if target.phase != OFF and target.phase != IGNORE:
+        if target.phase >= LISTENS:
             if not chip._clocked:
                 return False  # it stands still in the middle of a transfer
             if target.bit or target._n != BITS + 1 or target.due != NEVER or target.pulls & SCL:
@@ -140,7 +140,7 @@ class I2cSlaveBytes(ByteParty):
             target.bit = bit
             target._drive(chip.state.xsr >> (BITS - bit) & 1)
             chip.out = self._socket._out = chip._levels()
-        elif target.phase != OFF and target.phase != IGNORE:
+        elif target.phase >= LISTENS:
             target.bit = bit
             target._shift = shown >> (BITS + 1 - bit)
         if chip.master.active:

@@ -1,3 +1,5 @@
+cimport cython
+
 from ..core.records cimport Recorder
 from ..core.time cimport Clock
 from ..f28335.cpu.interrupts cimport CpuInterrupts
@@ -7,6 +9,7 @@ from .cpu_time cimport CpuTime
 from .firmware_notes cimport FirmwareNotes
 
 
+@cython.final
 cdef class Interrupts:
     cdef public CpuInterrupts core
     cdef public str taken

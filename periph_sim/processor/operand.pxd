@@ -1,8 +1,11 @@
+cimport cython
+
 from ..core.chip cimport Chip
 from ..core.records cimport Topic
 from ..core.socket cimport Socket
 
 
+@cython.final
 cdef class Operand:
     cdef public object field, place, register
     cdef public Socket socket

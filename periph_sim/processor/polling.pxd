@@ -31,6 +31,7 @@ cdef class Spin:
     cpdef str waits_for(self)
 
 
+@cython.final
 cdef class Lease(Onlooker):
     cdef CpuTime _time
     cdef long long _first
@@ -43,4 +44,3 @@ cdef class Lease(Onlooker):
     cpdef void begin(self)
     @cython.locals(socket=Socket)
     cpdef void end(self)
-    cpdef void look(self, long long cycle)

@@ -113,6 +113,9 @@ class Spin:
         return " and ".join(dict.fromkeys([str(poll) for poll in self.polls]))
 
 
+NO_SOCKETS: list[Socket] = []  # never added to
+
+
 class Lease(Onlooker):
     """As long as no bit that a pass looked at has changed, every further pass comes out the same."""
 
@@ -122,7 +125,7 @@ class Lease(Onlooker):
         self._time = time
         self._first = 0
         self._spin: Spin | None = None
-        self._sockets: list[Socket] = []
+        self._sockets = NO_SOCKETS
 
     def take(self, spin: Spin) -> None:
         """From now on it is about the pass that has ended now."""
@@ -148,13 +151,16 @@ class Lease(Onlooker):
         for place in range(spin.made):
             read = spin.reads[place]
             socket = read.operand.socket
-            if socket not in self._sockets:
+            if not self._sockets:
+                self._sockets = [socket]
+                socket.watch(self)
+            elif socket not in self._sockets:
                 self._sockets.append(socket)
                 socket.watch(self)
 
     def end(self) -> None:
-        while self._sockets:
-            socket = self._sockets.pop()
+        sockets, self._sockets = self._sockets, NO_SOCKETS
+        for socket in sockets:
             socket.unwatch(self)
 
     def look(self, cycle: int) -> None:

@@ -1,3 +1,5 @@
+cimport cython
+
 from ..core.kernel cimport Agent, Kernel
 from ..core.records cimport Recorder
 from .bus cimport Bus
@@ -7,6 +9,7 @@ from .interrupts cimport Interrupts
 from .program cimport Program
 
 
+@cython.final
 cdef class Processor(Agent):
     cdef public str name
     cdef public Kernel kernel
@@ -23,7 +26,6 @@ cdef class Processor(Agent):
     cdef void _forget(self)
     cpdef object stands_at(self)
     cpdef object _place(self)
-    cpdef void act(self, long long tag)
     cpdef void stops(self, object why)
     cpdef bint reach(self, long long cycle)
     cpdef bint rest(self, long long cycle)

@@ -9,12 +9,14 @@ from ..f28335.sci.module cimport Sci
 from .pin_router cimport Router
 
 
+@cython.final
 cdef class SciHears(FrameParty):
     cdef Sci _chip
     cdef Clock _clock
     cdef Socket _socket
 
 
+@cython.final
 cdef class PadsHear(FrameParty):
     cdef Router _router
     cdef object _pads
@@ -37,5 +39,6 @@ cdef class SciSends(FrameSender):
     cpdef void take_back(self, list edges)
 
 
+@cython.final
 cdef class SciPin(Release):
     cdef SciSends _sends

@@ -1,3 +1,7 @@
+cimport cython
+
+
+@cython.final
 cdef class SourceLocator:
     cdef dict _known, _places
     cdef list _codes

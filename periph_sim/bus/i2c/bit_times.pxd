@@ -1,3 +1,5 @@
+cimport cython
+
 from ...core.time cimport Clock
 
 
@@ -7,5 +9,6 @@ cdef class BitTimes:
     cpdef long long fall(self, long long number)
 
 
+@cython.final
 cdef class CycleTimes(BitTimes):
     cdef Clock _clock

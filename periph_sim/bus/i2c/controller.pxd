@@ -1,7 +1,7 @@
 cimport cython
 
 from ...core.kernel cimport Event, Kernel
-from ...core.records cimport Recorder
+from ...core.records cimport Recorder, Topic
 from ...core.wire cimport Sampler, Wire
 from .transfer cimport Phase, Transfer
 from .whole_bytes cimport ByteParty
@@ -20,6 +20,7 @@ cdef class I2cController(ByteParty):
     cdef Transfer _transfer
     cdef Phase _phase
     cdef list _acks
+    cdef dict _topics
     cdef bytearray _got
     cdef long long _low_time, _hold, _filter, _scl_mask, _sda_mask, _stuck_after, _sda_level, _high, _high_end
     cdef long long _let_go_at, _last_stop, _phase_index, _byte, _bit, _in, _index, _scl_moved, _clear_after
@@ -49,4 +50,5 @@ cdef class I2cController(ByteParty):
     cdef void _watch_stuck(self)
     cdef void _calm(self)
     cdef void _stuck(self)
-    cdef void _mark(self, str what, object value)
+    @cython.locals(topic=Topic)
+    cdef void _mark(self, str what, long long value)

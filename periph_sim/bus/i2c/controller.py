@@ -15,11 +15,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ...core.kernel import Event, Kernel
-from ...core.records import Kind, Recorder
+from ...core.records import Kind, Recorder, Topic
 from ...core.time import NO_TIME
 from ...core.wire import Wire, watch
 from .bus_clear import BusClear
-from .line_events import EVENTS, FALL, IDLE, NOTHING, RISE, SCL, SDA, START, STOP
+from .line_events import EVENTS, IDLE, NOTHING, SCL, SDA, START, STOP
 from .transfer import BusTiming, Phase, Transfer
 from .whole_bytes import ByteParty
 
@@ -80,6 +80,7 @@ class I2cController(ByteParty):
         "_sda_wire",
         "_stretch",
         "_stuck_after",
+        "_topics",
         "_transfer",
         "_wanted",
         "busy",
@@ -106,6 +107,7 @@ class I2cController(ByteParty):
         self.busy = False
         self._kernel = kernel
         self._recorder = recorder if recorder.wants(Kind.BUS) else None
+        self._topics: dict[str, Topic] = {}  # by what is recorded
         self._scl_wire = scl
         self._sda_wire = sda
         self._scl_mask = scl.attach(who).mask
@@ -235,7 +237,7 @@ class I2cController(ByteParty):
             if before >> 1 != self._sda_seen:
                 self._settle(now)
             self._sda_moved, self._sda_event = now, self._unspoilt(now, event)
-        if event in (RISE, FALL):
+        if (before ^ levels) & SCL:
             if now - self._scl_moved >= self._filter:
                 self._scl_seen = before & SCL
             self._scl_moved = now
@@ -405,5 +407,9 @@ class I2cController(ByteParty):
             self._on_stuck(wire)
 
     def _mark(self, what: str, value: int) -> None:
-        if self._recorder is not None:
-            self._recorder.emit(self._kernel.now, Kind.BUS, self.who, what, value, self._transfer.name)
+        if self._recorder is None:
+            return
+        topic = self._topics.get(what)
+        if topic is None:
+            topic = self._topics[what] = self._recorder.topic(Kind.BUS, self.who, what)
+        topic.emit(self._kernel.now, value, self._transfer.name)

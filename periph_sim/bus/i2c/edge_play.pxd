@@ -4,6 +4,7 @@ from ...core.kernel cimport Agent, Event, Kernel
 from ...core.wire cimport Wire
 
 
+@cython.final
 cdef class Deaf(Agent):
     pass
 

@@ -17,6 +17,9 @@ cdef class I2cMonitor(ByteParty):
     cdef list _acks
     cdef bytearray _got
     cdef void _first_clock(self, long long now)
+    cdef tuple _versions
+    cdef dict _masters_of
+    cdef tuple _masters(self)
     cdef void _condition(self, long long now, long long before, long long levels)
     cdef bint _given_up(self, long long now)
     cdef void _phase_begins(self, long long at)

@@ -44,6 +44,8 @@ class I2cMonitor(ByteParty):
         self._names = names
         self._start_at = NO_TIME  # SDA fell, and whoever pulled it gave no clock yet
         self._starting = 0  # who pulled SDA then
+        self._masters_of: dict[int, tuple[int, int]] = {}  # whose holds those who pull it are, on both wires
+        self._versions = scl.version, sda.version  # of which that holds
         self._scl_mask = self._sda_mask = 0  # the master's holds on the wires; 0 between transfers
         self._pulls_scl = self._pulls_sda = False  # the master does
         self._began_at = NO_TIME
@@ -118,15 +120,26 @@ class I2cMonitor(ByteParty):
 
     def _first_clock(self, now: int) -> None:
         """SCL is low behind a START: if one who pulled SDA for it pulls SCL, that is the master."""
-        masters = {who.partition(".")[0] for who in _parties(self._sda, self._starting)}
-        mask = _mask(self._scl, masters)
+        mask, sda_mask = self._masters()
         if self._scl.pulling & mask:
-            self._scl_mask, self._sda_mask = mask, _mask(self._sda, masters)
+            self._scl_mask, self._sda_mask = mask, sda_mask
             self._pulls_scl, self._pulls_sda = True, bool(self._sda.pulling & self._sda_mask)
             self._transfer, self._began_at = Transfer("", []), self._start_at
             self._phase_begins(self._start_at)
             self._first, self._pulled_at = False, now
             self._start_at = self._let_go_at = self._ended_at = NO_TIME
+
+    def _masters(self) -> tuple[int, int]:
+        """The holds on SCL, and on SDA, of those who pulled SDA for the START."""
+        versions = self._scl.version, self._sda.version
+        if versions != self._versions:
+            self._versions = versions
+            self._masters_of.clear()
+        holds = self._masters_of.get(self._starting)
+        if holds is None:
+            masters = {who.partition(".")[0] for who in _parties(self._sda, self._starting)}
+            holds = self._masters_of[self._starting] = _mask(self._scl, masters), _mask(self._sda, masters)
+        return holds
 
     def _condition(self, now: int, before: int, levels: int) -> None:
         """SCL is high as far as the master goes: it has let go of it, and it has risen."""

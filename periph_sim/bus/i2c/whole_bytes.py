@@ -196,7 +196,7 @@ class WholeBytes(Shortcut):
         if self._play is not None:
             self._deafen()
         self._stand(BITS, times.fall(BITS))
-        self._shortcuts.under_way.append(self)
+        self._shortcuts.begin(self)
 
     def _deafen(self) -> None:
         """Those who are told of edges are told nothing."""
@@ -271,8 +271,8 @@ class WholeBytes(Shortcut):
 
     def over(self) -> None:
         """SCL is about to rise for the eighth bit of some byte."""
-        if self in self._shortcuts.under_way:
-            self._shortcuts.under_way.remove(self)
+        if self._shortcuts.passes(self):
+            self._shortcuts.end(self)
             self.passed += 1
             if self._play is not None:
                 self._end_play()
@@ -286,7 +286,7 @@ class WholeBytes(Shortcut):
             self.over()  # the controller acts in this very tick, or has, from where everybody stands
             return
         assert controller is not None
-        self._shortcuts.under_way.remove(self)
+        self._shortcuts.end(self)
         if self._eighth is not None:
             kernel.cancel(self._eighth)
         if self._play is None:

@@ -5,6 +5,7 @@ from ...core.wire cimport Wire
 from .edge_sender cimport EdgeSender
 
 
+@cython.final
 cdef class UartSender(EdgeSender):
     cdef public str who
     cdef Recorder _recorder
@@ -15,8 +16,6 @@ cdef class UartSender(EdgeSender):
     cdef list _begins
     @cython.locals(start=cython.longlong, first=cython.longlong, edges=list, counts=list, bits=list, bit=cython.longlong, byte=cython.longlong)
     cpdef object send(self, object data, object gap, object done)
-    cpdef void drive(self, long long level)
-    cpdef void last_edge(self)
     @cython.locals(parts=object, pause=object, num=object, den=object, at=object, frame=object, bit=object)
     cdef void _measure(self, long long frames, object gap)
     cdef list _edges_in(self, long long byte)

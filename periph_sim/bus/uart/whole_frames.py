@@ -111,7 +111,7 @@ class WholeFrames(Untold):
             if not party.hears_whole(now, second, last):
                 return False
         self._sender, self._between, self._told, self._phase = sender, between, 0, phase
-        self._shortcuts.under_way.append(self)
+        self._shortcuts.begin(self)
         for party in self._parties:
             party.untold(self)
         return True
@@ -151,7 +151,7 @@ class WholeFrames(Untold):
     def _end(self) -> None:
         self.settle()
         self._sender = None
-        self._shortcuts.under_way.remove(self)
+        self._shortcuts.end(self)
         for party in self._parties:
             party.untold(None)
 

@@ -1,6 +1,9 @@
+cimport cython
+
 from ...core.chip cimport Chip
 
 
+@cython.final
 cdef class Pie(Chip):
     cdef public long long pulses
     cdef object _options

@@ -4,6 +4,7 @@ from .qualifier cimport Qualifier
 from .settings cimport GpioSettings
 
 
+@cython.final
 cdef class Gpio(GpioSettings):
     cdef public object pads, watched, driven, driven_high
     cdef public long long out_version, out_delay, routes_version

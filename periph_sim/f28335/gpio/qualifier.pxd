@@ -1,3 +1,7 @@
+cimport cython
+
+
+@cython.final
 cdef class Qualifier:
     cdef public long long level, qualified, due
     cdef long long _period, _samples, _origin, _sampled, _run, _done

@@ -1,6 +1,9 @@
+cimport cython
+
 from .registers cimport I2cRegisters
 
 
+@cython.final
 cdef class I2cAddress:
     cdef public bint read, selected
     cdef I2cRegisters _state

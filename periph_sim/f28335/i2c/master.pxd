@@ -3,6 +3,7 @@ cimport cython
 from .master_transmitter cimport I2cMasterTransmitter
 
 
+@cython.final
 cdef class I2cMaster(I2cMasterTransmitter):
     cdef public object limits
     cdef public bint sees_idle
@@ -24,7 +25,6 @@ cdef class I2cMaster(I2cMasterTransmitter):
     cpdef void load_counter(self)
     cdef list _address_bytes(self)
     cdef void _next_address(self, long long now)
-    cdef void _begin_byte(self, long long now, long long byte, long long n)
     @cython.locals(level=cython.longlong)
     cdef void _set_sda(self, long long now)
     cpdef void fell(self, long long now)
@@ -32,11 +32,8 @@ cdef class I2cMaster(I2cMasterTransmitter):
     cdef void _fall(self, long long now)
     cdef void _byte_over(self, long long now)
     cdef void _address_over(self, long long now, bint ack)
-    cdef void _refused(self, long long now)
     cdef bint _leaves_scl_high(self)
     cdef void _stop_if_allowed(self, long long now)
-    cdef void _stop(self, long long now)
     cdef void _stop_high(self)
-    cdef void _restart(self, long long now, bint own)
     cdef void _restart_high(self, long long now)
     cdef void lose(self, long long now)

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from ...core.chip import ALL, NEVER, NOTHING, OUTPUTS, Chip
+from ...core.chip import ALL, LATER, NEVER, NOTHING, OUTPUTS, Chip
 from . import register_map as at
 from .fifos import DEPTH
 from .limits import I2cLimits
@@ -90,7 +90,7 @@ class I2c(Chip):
         if self.master.active and self._clocked:
             self._timer = self._next_timer()
         self.next_wake = self._timer if self._timer < self._lines.due else self._lines.due
-        return OUTPUTS
+        return LATER
 
     def _hear(self, now: int, levels: int) -> None:
         """The lines of the bus, or in loopback our own outputs."""
@@ -216,10 +216,11 @@ class I2c(Chip):
             self.out, self.next_wake = BOTH, NEVER
             return
         state = self.state
-        self.requests |= state.requests
-        state.requests = 0
+        if state.requests:
+            self.requests |= state.requests
+            state.requests = 0
         self.held = state.held
-        self.out = self._levels()
+        self.out = BOTH & ~(self.target.pulls | self.master.pulls) if state.mdr & MDR_IRS else BOTH
         self.next_wake = self._timer if self._timer < self._lines.due else self._lines.due
 
     # Registers -----------------------------------------------------------------------

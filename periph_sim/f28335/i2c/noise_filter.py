@@ -41,7 +41,7 @@ class I2cNoiseFilter:
             sda = self._sda_was if self._sda_was < NEVER else now + width
         self._scl_due, self._sda_due = scl, sda
         self.due = scl if scl < sda else sda
-        if scl != sda and -module_clock < scl - sda < module_clock:
+        if scl < NEVER and sda < NEVER and scl != sda and -module_clock < scl - sda < module_clock:
             self._touched.add("unequal_arrival")
             if self._together:
                 self.due = self._scl_due = self._sda_due = max(scl, sda)
@@ -54,7 +54,7 @@ class I2cNoiseFilter:
         if self._sda_due <= now:
             self.levels ^= SDA
             self._sda_due = NEVER
-        self.due = min(self._scl_due, self._sda_due)
+        self.due = self._scl_due if self._scl_due < self._sda_due else self._sda_due
         return self.levels
 
     def scl_moves(self) -> bool:

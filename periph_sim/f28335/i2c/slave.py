@@ -33,7 +33,7 @@ from .register_map import (
     STR_SDIR,
     STR_XRDY,
 )
-from .slave_transmitter import ADDRESS, ADDRESS_LOW, IGNORE, OFF, RECEIVE, TRANSMIT, I2cSlaveTransmitter
+from .slave_transmitter import ADDRESS, ADDRESS_LOW, IGNORE, LISTENS, OFF, RECEIVE, TRANSMIT, I2cSlaveTransmitter
 
 MANY = 1 << 30  # edges of a bus whose bytes are for others
 
@@ -43,12 +43,12 @@ class I2cSlave(I2cSlaveTransmitter):
 
     def follows(self) -> bool:
         """This transfer is, or may be, for us."""
-        return OFF < self.phase < IGNORE
+        return self.phase >= LISTENS
 
     def silent_edges(self, high: bool) -> int:
         """So many edges of SCL to come, of which the first finds it high or low, do no more than to shift a bit."""
         phase, bit, n = self.phase, self.bit, self._n
-        if phase in (OFF, IGNORE):
+        if phase < LISTENS:
             return MANY
         if self.pulls & SCL or bit > n:
             return 0
@@ -125,7 +125,7 @@ class I2cSlave(I2cSlaveTransmitter):
 
     def rise(self, now: int, sda: int) -> None:
         phase = self.phase
-        if phase in (OFF, IGNORE):
+        if phase < LISTENS:
             return
         self.bit = bit = self.bit + 1
         n = self._n
@@ -141,7 +141,7 @@ class I2cSlave(I2cSlaveTransmitter):
 
     def fall(self, now: int) -> None:
         phase = self.phase
-        if phase in (OFF, IGNORE):
+        if phase < LISTENS:
             return
         bit, n = self.bit, self._n
         if bit < n:

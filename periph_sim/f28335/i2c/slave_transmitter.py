@@ -17,7 +17,8 @@ from .address import I2cAddress
 from .register_map import MDR_MST, SCL, SDA, STR_AAS, STR_NACK, STR_XRDY, STR_XSMT
 from .registers import I2cRegisters
 
-OFF, ADDRESS, ADDRESS_LOW, RECEIVE, TRANSMIT, IGNORE = range(6)
+OFF, IGNORE, ADDRESS, ADDRESS_LOW, RECEIVE, TRANSMIT = range(6)
+LISTENS = ADDRESS  # and in every phase behind it: what comes may be meant
 ONES = 0xFF
 
 

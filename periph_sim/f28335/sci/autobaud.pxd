@@ -1,3 +1,7 @@
+cimport cython
+
+
+@cython.final
 cdef class SciAutobaud:
     cdef public bint armed
     cdef public long long due, character, nine_bits

@@ -1,3 +1,7 @@
+cimport cython
+
+
+@cython.final
 cdef class SciFormat:
     cdef public long long sciccr, data_bits, data_mask, stops, extra_bits, stop_bit, bits, stop_at, vote_at, voted_at, due, end
     cdef public long long hunt, break_at

@@ -1,3 +1,7 @@
+cimport cython
+
+
+@cython.final
 cdef class SciClock:
     cdef public bint running
     cdef public long long divider, phase, brr, period

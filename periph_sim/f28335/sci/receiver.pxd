@@ -1,6 +1,9 @@
+cimport cython
+
 from ...core.fifo cimport Fifo
 
 
+@cython.final
 cdef class SciRx:
     cdef public object options
     cdef public set touched

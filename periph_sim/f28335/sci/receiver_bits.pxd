@@ -3,6 +3,7 @@ cimport cython
 from .character_format cimport SciFormat
 
 
+@cython.final
 cdef class SciRxBits:
     cdef public long long next_tick, word, address
     cdef public bint watch_idle, framed

@@ -1,9 +1,12 @@
+cimport cython
+
 from ...core.fifo cimport Fifo
 from .character_format cimport SciFormat
 from .clock cimport SciClock
 from .transmitter_bits cimport SciTxBits
 
 
+@cython.final
 cdef class SciTx:
     cdef public object options
     cdef public set touched

@@ -1,3 +1,7 @@
+cimport cython
+
+
+@cython.final
 cdef class SciTxBits:
     cdef public long long level, next_tick
     cdef public bint fresh

@@ -1,6 +1,9 @@
+cimport cython
+
 from ...core.chip cimport Chip
 
 
+@cython.final
 cdef class CpuTimer(Chip):
     cdef public long long base
     cdef object _options

@@ -1,3 +1,5 @@
+cimport cython
+
 from ..bus cimport Bus
 from ..cpu_time cimport CpuTime
 from ..operand cimport Operand
@@ -6,6 +8,7 @@ from .instructions cimport Instructions
 from .program cimport PythonProgram
 
 
+@cython.final
 cdef class Accesses:
     cdef long long _between
     cdef Bus _bus

@@ -9,12 +9,34 @@ from ..polling import Spin
 from .program import PythonProgram
 
 
+class Waited:
+    """What the passes of a wait polled, in order, and the records of such waits. following: another kind of wait."""
+
+    __slots__ = ("following", "polls", "topic")
+
+    topic: Topic
+    following: Waited | None
+
+    def __init__(self, polls: list[Operand]) -> None:
+        self.polls = polls
+
+    def polled_by(self, spin: Spin) -> bool:
+        """Whether the present pass of this wait did."""
+        if spin.made != len(self.polls):
+            return False
+        for place in range(spin.made):
+            read = spin.reads[place]
+            if read.operand is not self.polls[place]:
+                return False
+        return True
+
+
 class CodeRecords:
     """spans, waits: whether anybody wants records of them. kept: whether anybody who does, or is told of accesses, may
     keep a wait.
     """
 
-    __slots__ = ("_clock", "_name", "_program", "_recorder", "_waited_for", "kept", "spans", "waits")
+    __slots__ = ("_clock", "_name", "_program", "_recorder", "_waited", "kept", "spans", "waits")
 
     def __init__(self, clock: Clock, recorder: Recorder, program: PythonProgram) -> None:
         self.spans = recorder.wants(Kind.SPAN)
@@ -24,7 +46,7 @@ class CodeRecords:
         self._recorder = recorder
         self._name = program.name
         self._program = program
-        self._waited_for: dict[tuple[Operand, ...], Topic] = {}  # by what a pass polls
+        self._waited: Waited | None = None  # each kind of wait so far: the first of a chain
 
     def span(self, cycle: int, name: str, begins: int) -> None:
         """A named stretch begins (1) or ends (0) at this cycle."""
@@ -38,12 +60,14 @@ class CodeRecords:
 
     def waited_for(self, spin: Spin) -> Topic:
         """The records of waits that poll what this one does."""
-        polls = tuple(spin.polls)
-        topic = self._waited_for.get(polls)
-        if topic is None:
-            topic = self._recorder.topic(Kind.WAIT, self._name, spin.waits_for() or "nothing")
-            self._waited_for[polls] = topic
-        return topic
+        waited = self._waited
+        while waited is not None and not waited.polled_by(spin):
+            waited = waited.following
+        if waited is None:
+            waited = Waited(spin.polls)
+            waited.topic = self._recorder.topic(Kind.WAIT, self._name, spin.waits_for() or "nothing")
+            waited.following, self._waited = self._waited, waited
+        return waited.topic
 
     def tell(self, topic: Topic, cycle: int, begins: int) -> None:
         """A record of this topic."""

@@ -1,7 +1,10 @@
+cimport cython
+
 from ..operand cimport Operand
 from .accesses cimport Accesses
 
 
+@cython.final
 cdef class Condition:
     cdef Accesses _accesses
     cdef Operand _operand

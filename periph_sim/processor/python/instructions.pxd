@@ -1,9 +1,12 @@
+cimport cython
+
 from ...f28335.cpu.interrupts cimport CpuInterrupts
 from ..cpu_time cimport CpuTime
 from ..processor cimport Processor
 from .program cimport PythonProgram
 
 
+@cython.final
 cdef class Instructions:
     cdef public long long busy_cycles
     cdef long long _prologue, _epilogue

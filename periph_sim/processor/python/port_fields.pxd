@@ -20,6 +20,7 @@ cdef class Port:
     cdef object _assign(self, object name, object value)
 
 
+@cython.final
 cdef class PortField:
     cdef public Py_ssize_t number
     cdef long long _lsb, _mask, _words

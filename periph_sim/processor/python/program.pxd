@@ -5,6 +5,7 @@ from ..processor cimport Processor
 from ..program cimport Program
 
 
+@cython.final
 cdef class PythonProgram(Program):
     cdef public object name, entered, placed
     cdef public dict handlers
@@ -15,7 +16,6 @@ cdef class PythonProgram(Program):
     cdef dict _code
     cdef object _places, _greenlet, _watched
     cdef object __weakref__
-    cpdef object run(self, long long until)
     cdef object _switch(self)
     @cython.locals(goes_on=cython.bint)
     cpdef object give_way(self, object why=*)
@@ -23,10 +23,7 @@ cdef class PythonProgram(Program):
     cdef object _goes_on(self)
     cdef object _waits(self)
     cdef object _end(self)
-    cpdef void kill(self, object how)
     cpdef tuple instant(self)
     cpdef void _land(self)
-    cpdef object place(self)
     cpdef void handle(self, object vector, object routine)
     cpdef void routine(self, long long address, object routine)
-    cpdef object enter(self, long long vector)

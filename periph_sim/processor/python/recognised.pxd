@@ -3,6 +3,7 @@ cimport cython
 from .conditions cimport Condition
 
 
+@cython.final
 cdef class Question:
     cdef object code, field, number, register
     cdef bint known
@@ -14,6 +15,7 @@ cdef class Question:
     cdef Condition about(self, object module)
 
 
+@cython.final
 cdef class Recogniser:
     cdef dict _questions
     cdef Question _latest, _earlier

@@ -1,7 +1,10 @@
+cimport cython
+
 from .cpu cimport Cpu
 from .port_fields cimport Registers
 
 
+@cython.final
 cdef class ModulePort(Registers):
     cdef Cpu _cpu
     cdef object _place

@@ -13,6 +13,7 @@ from .program cimport PythonProgram
 from .recognised cimport Recogniser
 
 
+@cython.final
 cdef class Waits:
     cdef long long _branch
     cdef Bus _bus

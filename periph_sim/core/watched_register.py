@@ -1,0 +1,34 @@
+"""A register that somebody wants the fields of: it goes in; its value as seen last, and a topic a field, come out."""
+
+from __future__ import annotations
+
+from .records import Kind, Recorder, Topic
+from .registers import Register
+
+
+class WatchedField:
+    """A field of a register that somebody wants."""
+
+    __slots__ = ("lsb", "mask", "topic")
+
+    mask: int
+    lsb: int
+    topic: Topic
+
+
+class WatchedRegister:
+    """A register that somebody wants. value: as it was seen last; was: before. upper: of 32 bits, the upper half's
+    offset."""
+
+    __slots__ = ("fields", "offset", "upper", "value", "was")
+
+    def __init__(self, register: Register, recorder: Recorder, name: str) -> None:
+        self.offset = register.offset
+        self.upper = register.offset + 1 if register.width == 32 else 0
+        self.value = self.was = 0
+        self.fields: list[WatchedField] = []
+        for each in register.fields:
+            field = WatchedField()
+            field.mask, field.lsb = each.mask, each.lsb
+            field.topic = recorder.topic(Kind.FLAG, name, f"{register.name}.{each.name}")
+            self.fields.append(field)

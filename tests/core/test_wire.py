@@ -134,6 +134,19 @@ def test_an_answer_in_the_same_instant_is_told_after_every_watcher_heard_the_cau
     assert log == ["first 0", "second 0", "first 1", "second 1", "first 0", "second 0"]
 
 
+def test_who_leaves_a_wire_as_that_tells_of_a_move_is_told_all_the_same():
+    kernel, wire, (a,), _ = wired("a")
+    told: list[tuple[int, int]] = []
+    wire.watch(lambda tick, level: leaving.put(0, level))
+    leaving = watch([wire], lambda tick, levels: told.append((tick, levels)))
+    kernel.at(1, lambda: a.drive(0))
+    kernel.at(2, lambda: a.drive(1))
+    kernel.run_until(1)
+    assert told == [(1, 0)]
+    kernel.run_until(2)
+    assert told == [(1, 0), (2, 1)]
+
+
 def test_wires_that_never_rest_are_told():
     kernel = Kernel()
     wire = Wire(kernel, "SDA", Recorder())

@@ -138,6 +138,7 @@ def test_who_leaves_a_wire_as_that_tells_of_a_move_is_told_all_the_same():
     kernel, wire, (a,), _ = wired("a")
     told: list[tuple[int, int]] = []
     wire.watch(lambda tick, level: leaving.put(0, level))
+    wire.watch(lambda tick, level: None)
     leaving = watch([wire], lambda tick, levels: told.append((tick, levels)))
     kernel.at(1, lambda: a.drive(0))
     kernel.at(2, lambda: a.drive(1))

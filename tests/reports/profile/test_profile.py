@@ -10,7 +10,8 @@ import pytest
 from periph_sim.image.assemble import assemble_file
 from tests.commands.conftest import Run, periph_sim  # noqa: F401
 
-# 1 ms at 7.5 MHz behind reset: 7500 cycles. _work has 104: RPT 1, NOP 99, LRETR 4.
+# 1 ms at 7.5 MHz behind reset: 7500 cycles. _work has 104: RPT 1, NOP 99, LRETR 4, to an even
+# address.
 SOURCE = """\
 WDCR .set 0x7029
  .reserve ".stack", 0x400, 0x40
@@ -22,6 +23,7 @@ _c_int00: MOV @SP,#0x400
  MOV @WDCR,#0x68
  EDIS
  MOVB XAR2,#9
+ NOP
 again: LCR #_work
  BANZ again,AR2--
  TBIT @AL,#0
@@ -77,20 +79,20 @@ def test_lines_functions_and_branches_as_lcov(periph_sim: Run, case: Path):  # n
     told = Path("own.info").read_text().splitlines()
     lines = {number: text.split()[0] for number, text in enumerate(SOURCE.splitlines(), 1) if text.startswith(" ")}
     counts = dict(line[3:].split(",") for line in told if line.startswith("DA:"))
-    assert counts["5"] == counts["10"] == "1"
-    assert counts["11"] == counts["18"] == counts["19"] == "10"
-    assert counts["20"] == counts["21"] == "0" and lines[21] == "LRETR"
+    assert counts["5"] == counts["11"] == "1"
+    assert counts["12"] == counts["19"] == counts["20"] == "10"
+    assert counts["21"] == counts["22"] == "0" and lines[22] == "LRETR"
     functions = [line for line in told if line.startswith(("FN:", "FNDA:"))]
     assert functions == [
         "FN:5,_c_int00",
-        "FN:18,_work",
-        "FN:20,_never",
+        "FN:19,_work",
+        "FN:21,_never",
         "FNDA:1,_c_int00",
         "FNDA:10,_work",
         "FNDA:0,_never",
     ]
     branches = {tuple(line[5:].split(",")[::2]): line.split(",")[3] for line in told if line.startswith("BRDA:")}
-    assert branches == {("12", "0"): "1", ("12", "1"): "9", ("14", "0"): "1", ("14", "1"): "0"}
+    assert branches == {("13", "0"): "1", ("13", "1"): "9", ("15", "0"): "1", ("15", "1"): "0"}
     assert told[:2] == ["TN:own", "SF:own.asm"] and told[-1] == "end_of_record"
     assert "BRF:4" in told and "BRH:3" in told
 

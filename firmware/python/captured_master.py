@@ -19,9 +19,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Annotated
 
-from periph_sim.core.convert import After
 from periph_sim.core.settings import Duration
-from periph_sim.firmware import start_i2c
+from periph_sim.firmware import After, start_i2c
 from periph_sim.processor.dsp import Dsp
 
 FREE, STT, STP, MST, TRX, RM, IRS = 0x4000, 0x2000, 0x0800, 0x0400, 0x0200, 0x0080, 0x0020  # I2CMDR

@@ -14,8 +14,8 @@ from functools import cache, lru_cache
 from struct import Struct
 from typing import Annotated, Any, Literal
 
-from periph_sim.core.convert import After, Before
 from periph_sim.core.settings import DurationRange, Spread
+from periph_sim.firmware import After, Before
 from periph_sim.scene.case.sensor_sets import named as parameter_set
 from periph_sim.sensors.host_frame import ACCELERATION, ANGLE
 from periph_sim.sensors.models.counts import counts_of
@@ -40,7 +40,11 @@ def _known(name: str) -> str:
 
 
 def _parameters(value: object) -> object:
-    return parameter_set(value) if isinstance(value, str) else value
+    if isinstance(value, ImuParameters):
+        return value
+    if not isinstance(value, str):
+        raise ValueError("expected the path of a TOML file, or the name of a shipped set")
+    return parameter_set(value)
 
 
 ArithmeticName = Annotated[str, After(_known)]

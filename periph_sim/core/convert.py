@@ -2,23 +2,26 @@
 
     3, "250 us", {...}, [...] --converter_of(annotation)--> int, Fraction, a class of keys, a tuple ...
 
-Annotations are Python's: `int`, `tuple[str, ...]`, `Literal[...]`, `X | None`, a `Table` or a dataclass, whose keys are
-its fields. `Annotated` adds checks, each after the ones before it: `Before`, `After`, and limits as `msgspec.Meta`.
-A type that is none of these is left to msgspec; one annotated for pydantic to that, if its file imported it.
+msgspec checks plain values. Tables are walked here, key by key, so that every mistake is told and has its place: a
+`Table` or a dataclass, whose keys are its fields. `Annotated` adds `Before` and `After`, functions around the check,
+and limits as `msgspec.Meta`.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import re
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 from functools import lru_cache
 from pathlib import Path
-from types import NoneType, SimpleNamespace, UnionType
-from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+from types import NoneType, SimpleNamespace
+from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 import msgspec
+
+from .expected import UNIONS, expected, limits_of
 
 T = TypeVar("T")
 Place = tuple[str | int, ...]  # keys and numbers that lead to a value, from the outermost table in
@@ -39,10 +42,7 @@ class After(msgspec.Struct, frozen=True):
 
 
 class Mistake(msgspec.Struct, frozen=True):
-    """One thing wrong, and where. error: that a check raised. known: the keys that a table has, for a key it has not.
-
-    by_type: no value of that type would do.
-    """
+    """One thing wrong, and where. error: of a check. known: of a key that there is not, those that there are."""
 
     place: Place
     what: str = ""
@@ -50,7 +50,6 @@ class Mistake(msgspec.Struct, frozen=True):
     error: ValueError | None = None
     is_missing: bool = False
     known: tuple[str, ...] | None = None
-    by_type: bool = False
 
 
 class BadTable(ValueError):
@@ -154,7 +153,7 @@ def _table(kind: Any) -> Converter:
         if isinstance(value, kind):
             return value
         if not isinstance(value, Mapping):
-            mistakes.append(Mistake(place, "expected a table", value, by_type=True))
+            mistakes.append(Mistake(place, "expected a table", value))
             return None
         keys = keys_of(kind)
         before = len(mistakes)
@@ -186,48 +185,94 @@ def _table(kind: Any) -> Converter:
 def converter_of(annotation: Any) -> Converter:
     """What checks values of that type."""
     origin, arguments = get_origin(annotation), get_args(annotation)
+    if _is_plain(annotation):
+        return _by_msgspec(annotation)
     if origin is Annotated:
-        return _annotated(annotation, arguments[0], arguments[1:])
-    if origin in (Union, UnionType):
-        return _union(arguments)
+        return _checked(arguments[0], arguments[1:])
+    if origin in UNIONS:
+        return _union([converter_of(kind) for kind in arguments if kind is not NoneType], NoneType in arguments)
+    if origin in (list, tuple):
+        return _list(origin, arguments)
+    if origin is dict:
+        return _dict(converter_of(arguments[1]))
+    return _table(annotation) if is_table(annotation) else lambda value, place, mistakes: value
+
+
+def _is_plain(annotation: Any) -> bool:
+    """Whether msgspec checks it alone: there is no table in it, and no function of ours."""
+    origin, arguments = get_origin(annotation), get_args(annotation)
     if origin is Literal:
-        return _literal(arguments)
-    if origin is tuple and len(arguments) == 2 and arguments[1] is ...:
-        return _list(tuple, arguments[0])
-    if origin is tuple:
-        return _row(arguments)
-    if origin in (list, set, frozenset):
-        return _list(origin, arguments[0])
-    if origin in (dict, Mapping):
-        return _dict(arguments[1])
-    if annotation in (Any, object):
-        return _anything
-    if is_table(annotation):
-        return _table(annotation)
-    return _PLAIN.get(annotation) or _other(annotation)
+        return True
+    if origin is Annotated:
+        return _is_plain(arguments[0]) and all(isinstance(one, msgspec.Meta) for one in arguments[1:])
+    if origin in UNIONS and {Fraction, Path} & {*arguments}:
+        return False  # of which msgspec does not know that they are no other
+    if origin in (list, tuple, *UNIONS):
+        return all(kind is ... or _is_plain(kind) for kind in arguments)
+    return origin is not dict and annotation not in (Any, object) and not is_table(annotation)
 
 
-def _annotated(whole: Any, kind: Any, checks: tuple[Any, ...]) -> Converter:
-    if any(type(check).__module__.partition(".")[0] in ("pydantic", "annotated_types") for check in checks):
-        return _by_pydantic(whole)
-    before = [check.function for check in checks if isinstance(check, Before)]
-    after = [check for check in checks if isinstance(check, After | msgspec.Meta)]
+def _by_msgspec(annotation: Any) -> Converter:
+    def plain(value: Any, place: Place, mistakes: list[Mistake]) -> Any:
+        try:
+            return msgspec.convert(value, annotation, dec_hook=_made)
+        except msgspec.ValidationError as error:
+            if isinstance(value, str):  # `--set` says numbers with underscores as texts
+                try:
+                    return msgspec.convert(value.replace("_", ""), annotation, strict=False, dec_hook=_made)
+                except msgspec.ValidationError:
+                    pass
+            inside = [int(number) for number in re.findall(r"\[(\d+)\]", str(error).rpartition(" - at `$")[2])]
+            kind, found = annotation, value
+            for number in inside:
+                kinds = get_args(kind)
+                kind, found = kinds[0] if kinds[-1] is ... or len(kinds) == 1 else kinds[number], found[number]
+            mistakes.append(Mistake((*place, *inside), f"expected {expected(kind, found)}", found))
+        except TypeError as error:
+            mistakes.append(Mistake(place, f"no file can say a value of its type: {error}"))
+        return None
+
+    return plain
+
+
+def _made(kind: type, value: Any) -> Any:
+    """A value of a class that msgspec does not know."""
+    if kind not in (Fraction, Path) or isinstance(value, bool):
+        raise ValueError
+    try:
+        return kind(value if kind is Path else str(value))
+    except (TypeError, ZeroDivisionError):
+        raise ValueError from None
+
+
+def _keeps(limits: msgspec.Meta, value: Any) -> bool:
+    """Whether a value that a function of ours has made is within limits."""
+    if limits.min_length is not None and len(value) < limits.min_length:
+        return False
+    return (limits.ge is None or value >= limits.ge) and (limits.le is None or value <= limits.le)
+
+
+def _checked(kind: Any, checks: tuple[Any, ...]) -> Converter:
+    foreign = [check for check in checks if not isinstance(check, Before | After | msgspec.Meta)]
     of_kind = converter_of(kind)
 
     def checked(value: Any, place: Place, mistakes: list[Mistake]) -> Any:
-        count = len(mistakes)
-        said = value
+        count, said = len(mistakes), value
         try:
-            for function in before:
-                value = function(value)
+            if foreign:
+                name = type(foreign[0]).__name__
+                raise ValueError(f"its type is annotated with {name}; use Before and After of periph_sim.firmware")
+            for check in checks:
+                if isinstance(check, Before):
+                    value = check.function(value)
             value = of_kind(value, place, mistakes)
-            for check in after:
+            for check in checks:
                 if len(mistakes) > count:
                     return None
                 if isinstance(check, After):
                     value = check.function(value)
-                elif what := _beyond(check, value):
-                    mistakes.append(Mistake(place, what, said))
+                elif isinstance(check, msgspec.Meta) and not _keeps(check, value):
+                    mistakes.append(Mistake(place, f"expected {limits_of(check)}", said))
         except ValueError as error:
             mistakes.append(Mistake(place, str(error), said, error))
         return value
@@ -235,180 +280,42 @@ def _annotated(whole: Any, kind: Any, checks: tuple[Any, ...]) -> Converter:
     return checked
 
 
-def _beyond(limits: msgspec.Meta, value: Any) -> str:
-    """What is expected of a value that limits refuse; empty if they do not."""
-    if limits.min_length is not None and len(value) < limits.min_length:
-        return f"expected {limits.min_length} or more entries"
-    if (limits.ge is None or value >= limits.ge) and (limits.le is None or value <= limits.le):
-        return ""
-    if limits.ge is None:
-        return f"expected {limits.le} or less"
-    return f"expected {limits.ge} or more" if limits.le is None else f"expected {limits.ge} to {limits.le}"
-
-
-def _union(kinds: Sequence[Any]) -> Converter:
-    there = [kind for kind in kinds if kind is not NoneType]
-    converters = [converter_of(kind) for kind in there]
-    exact = {kind: _PLAIN[kind] for kind in there if kind in _EXACT}
-    takes_none = len(there) < len(kinds)
-
+def _union(converters: list[Converter], takes_none: bool) -> Converter:
     def one_of(value: Any, place: Place, mistakes: list[Mistake]) -> Any:
         if value is None and takes_none:
             return None
-        if type(value) in exact:  # 1 is a number where true or a number may be
-            return value
-        tried: list[list[Mistake]] = []
-        for converter in converters:
-            wrong: list[Mistake] = []
+        tried: list[list[Mistake]] = [[] for _ in converters]
+        for converter, wrong in zip(converters, tried, strict=True):
             made = converter(value, place, wrong)
             if not wrong:
                 return made
-            tried.append(wrong)
-        of_value = [wrong for wrong in tried if not all(one.by_type for one in wrong)]
-        if of_value or len(tried) == 1:
-            mistakes += (of_value or tried)[0]
-        else:
-            phrases = dict.fromkeys(one.what.removeprefix("expected ") for wrong in tried for one in wrong)
-            mistakes.append(Mistake(place, f"expected {', or '.join(phrases)}", value, by_type=True))
+        mistakes += tried[0]
         return None
 
     return one_of
 
 
-def _literal(choices: tuple[Any, ...]) -> Converter:
-    shown = [repr(choice) for choice in choices]
-    expected = f"expected {' or '.join(filter(None, [', '.join(shown[:-1]), shown[-1]]))}"
-
-    def chosen(value: Any, place: Place, mistakes: list[Mistake]) -> Any:
-        for choice in choices:
-            if type(value) is type(choice) and value == choice:
-                return value
-        mistakes.append(Mistake(place, expected, value, by_type=not isinstance(value, type(choices[0]))))
-        return None
-
-    return chosen
-
-
-def _list(kind: type, entry: Any) -> Converter:
-    of_entry = converter_of(entry)
+def _list(kind: type, entries: tuple[Any, ...]) -> Converter:
+    """Of one type, or of one for each place."""
+    of_entry = [converter_of(entry) for entry in entries if entry is not ...]
+    places = None if kind is list or entries[-1] is ... else len(entries)
+    phrase = "expected a list" if places is None else f"expected a list of {places}"
 
     def several(value: Any, place: Place, mistakes: list[Mistake]) -> Any:
-        if not isinstance(value, list | tuple | set | frozenset):
-            mistakes.append(Mistake(place, "expected a list", value, by_type=True))
+        if not isinstance(value, list | tuple) or places not in (None, len(value)):
+            mistakes.append(Mistake(place, phrase, value))
             return None
-        before = len(mistakes)
-        entries = [of_entry(one, (*place, number), mistakes) for number, one in enumerate(value)]
-        return None if len(mistakes) > before else kind(entries)
+        numbered = enumerate(value)
+        return kind([of_entry[n if places else 0](one, (*place, n), mistakes) for n, one in numbered])
 
     return several
 
 
-def _row(kinds: tuple[Any, ...]) -> Converter:
-    converters = [converter_of(kind) for kind in kinds]
-
-    def row(value: Any, place: Place, mistakes: list[Mistake]) -> Any:
-        if not isinstance(value, list | tuple) or len(value) != len(converters):
-            mistakes.append(Mistake(place, f"expected a list of {len(converters)}", value, by_type=True))
-            return None
-        pairs = enumerate(zip(converters, value, strict=True))
-        return tuple(converter(one, (*place, number), mistakes) for number, (converter, one) in pairs)
-
-    return row
-
-
-def _dict(kind: Any) -> Converter:
-    of_value = converter_of(kind)
-
+def _dict(of_value: Converter) -> Converter:
     def named(value: Any, place: Place, mistakes: list[Mistake]) -> Any:
-        if not isinstance(value, Mapping):
-            mistakes.append(Mistake(place, "expected a table", value, by_type=True))
-            return None
-        return {key: of_value(one, (*place, key), mistakes) for key, one in value.items()}
-
-    return named
-
-
-def _anything(value: Any, place: Place, mistakes: list[Mistake]) -> Any:
-    return value
-
-
-def _plain(kind: type, expected: str, made_of: Callable[[Any], object] | None, *others: type) -> Converter:
-    """made_of: makes a value of one that is of another of these types."""
-
-    def plain(value: Any, place: Place, mistakes: list[Mistake]) -> Any:
-        if type(value) is kind or (isinstance(value, kind) and not isinstance(value, bool)):
-            return value
-        if made_of is not None and isinstance(value, others) and not isinstance(value, bool):
-            try:
-                return made_of(value)
-            except (ValueError, OverflowError, ZeroDivisionError):
-                pass
-        mistakes.append(Mistake(place, f"expected {expected}", value, by_type=True))
+        if isinstance(value, Mapping):
+            return {key: of_value(one, (*place, key), mistakes) for key, one in value.items()}
+        mistakes.append(Mistake(place, "expected a table", value))
         return None
 
-    return plain
-
-
-def _whole(value: str | float | Fraction) -> int:
-    """Of a text, too: `--set` says numbers with underscores as texts."""
-    if isinstance(value, str):
-        return int(value)
-    if value != int(value):
-        raise ValueError
-    return int(value)
-
-
-def _exact(value: str | float) -> Fraction:
-    return Fraction(str(value))
-
-
-_EXACT = (bool, int, float, str)
-_PLAIN: dict[Any, Converter] = {
-    bool: _plain(bool, "true or false", None),
-    int: _plain(int, "a whole number", _whole, str, float, Fraction),
-    float: _plain(float, "a number", float, int, str, Fraction),
-    str: _plain(str, "a text", None),
-    bytes: _plain(bytes, "bytes", str.encode, str),
-    Fraction: _plain(Fraction, "a number", _exact, int, float, str),
-    Path: _plain(Path, "a path", Path, str),
-    tuple: _list(tuple, Any),
-    list: _list(list, Any),
-    dict: _dict(Any),
-}
-
-
-def _other(kind: Any) -> Converter:
-    """A type of which only its own module knows, or one that msgspec knows."""
-    if hasattr(kind, "__get_pydantic_core_schema__"):
-        return _by_pydantic(kind)
-
-    def other(value: Any, place: Place, mistakes: list[Mistake]) -> Any:
-        if isinstance(kind, type) and isinstance(value, kind):
-            return value
-        try:
-            return msgspec.convert(value, kind, strict=False)
-        except (ValueError, TypeError) as error:  # TypeError: of a type that msgspec does not know
-            what = str(error) if isinstance(error, ValueError) else f"expected a {getattr(kind, '__name__', kind)}"
-            mistakes.append(Mistake(place, f"{what[0].lower()}{what[1:]}", value, by_type=True))
-            return None
-
-    return other
-
-
-def _by_pydantic(annotation: Any) -> Converter:
-    """A type that was annotated for pydantic, which whoever did so has imported."""
-    from pydantic import TypeAdapter, ValidationError
-
-    adapter: TypeAdapter[Any] = TypeAdapter(annotation)
-
-    def validated(value: Any, place: Place, mistakes: list[Mistake]) -> Any:
-        try:
-            return adapter.validate_python(value)
-        except ValidationError as error:
-            for one in error.errors():
-                inside = tuple(part for part in one["loc"] if isinstance(part, int) or not part.startswith("function-"))
-                what = one["msg"].removeprefix("Value error, ")
-                mistakes.append(Mistake((*place, *inside), f"{what[0].lower()}{what[1:]}", one["input"]))
-            return None
-
-    return validated
+    return named

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ..core.convert import After, Before
 from ..core.lazy_names import lazy_names
 from ..core.settings import Duration, DurationRange, Frequency, HexBytes, Share, Spread
 from ..processor.dsp import Dsp
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from .sci import start_sci
 
 __all__ = [
+    "After",
+    "Before",
     "Dsp",
     "Duration",
     "DurationRange",

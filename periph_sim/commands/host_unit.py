@@ -63,7 +63,7 @@ def host_unit(
         raise click.UsageError("--period 0 s: expected more than 0")
     register()
     asked: list[int] = []
-    with _mistakes(), _until_signal(asked):
+    with _mistakes(port), _until_signal(asked):
         encoding = _encoding(settings)
         source: FrameSource
         if udp is not None:
@@ -101,10 +101,11 @@ def _encoding(settings: tuple[str, ...]) -> Encoding:
 
 
 @contextmanager
-def _mistakes() -> Iterator[None]:
+def _mistakes(port: str) -> Iterator[None]:
     """What is wrong with the port, the file or a setting, as a sentence."""
     from serial import SerialException
 
+    from ..outside.live.port_errors import in_our_words
     from ..scene.firmware_loader import BadSetting
 
     try:
@@ -112,7 +113,9 @@ def _mistakes() -> Iterator[None]:
             yield
     except BadSetting as error:
         raise click.UsageError(f"--encoding {error.name}: {error}") from None
-    except (SerialException, ValueError) as error:
+    except SerialException as error:
+        raise click.ClickException(in_our_words(port, error)) from None
+    except ValueError as error:
         raise click.ClickException(str(error)) from None
 
 

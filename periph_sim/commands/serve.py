@@ -173,7 +173,7 @@ def _door(
     if real is not None:
         from ..outside.live.port_door import PortDoor
 
-        return PortDoor(line, real, baud, form)
+        return PortDoor(line, real, baud, form, told)
     if tcp is not None:
         from ..outside.live.rfc2217_door import Rfc2217Door
 

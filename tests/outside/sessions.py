@@ -21,10 +21,11 @@ def case(firmware: str = "responder", modules: tuple[str, ...] = ("I2C-A",), **m
 
 
 class Records:
-    """All records of a session."""
+    """All records of a session. events: how many it took, where a test counts them."""
 
     def __init__(self) -> None:
         self.kept: list[Record] = []
+        self.events = 0
 
     def subscribe(self, recorder: Recorder, _: Timebase) -> None:
         recorder.subscribe(list(Kind), self.kept.append)

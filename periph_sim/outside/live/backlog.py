@@ -40,6 +40,12 @@ class Backlog:
                 return
             del self._bytes[:taken]
 
+    def take(self, count: int) -> bytes:
+        """Up to so many of them."""
+        taken = bytes(self._bytes[:count])
+        del self._bytes[:count]
+        return taken
+
     def clear(self) -> None:
         """A client wants none of it."""
         self._bytes.clear()

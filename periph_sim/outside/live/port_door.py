@@ -2,62 +2,88 @@
 
     SCI <--bits--> SerialLine <--bytes--> /dev/ttyUSB0 <--> a board, a host
 
-Needs pyserial. A character that comes with a wrong parity or stop bit is not told apart by the port's driver.
+Needs pyserial. A character that comes with a wrong parity or stop bit is not told apart by the port's driver. A port
+that goes is told, and opened again once it is there; meanwhile the SCI's bytes wait.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from ..errors import OutsideError
 from ..serial_line import SerialLine, parts_of_format
 from .backlog import MOST, Backlog
+from .port_errors import in_our_words
+
+AGAIN = 1.0  # seconds from one attempt to open it to the next
 
 
 class PortDoor:
-    """OutsideError for a port that cannot be opened, or is open elsewhere."""
+    """OutsideError for a port that cannot be opened, or is open elsewhere. told: of a port that went, and came back."""
 
-    def __init__(self, line: SerialLine, port: str, baud: int, form: str) -> None:
+    def __init__(
+        self,
+        line: SerialLine,
+        port: str,
+        baud: int,
+        form: str,
+        told: Callable[[str], None] = lambda sentence: None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
         try:
             import serial
         except ImportError:
             raise OutsideError("a real port needs pyserial: pip install 'periph-sim[live]'") from None
-        self._line = line
-        bits, parity, stop = parts_of_format(form)
-        try:
-            self._port: Any = serial.Serial(
-                port,
-                baud,
-                bytesize=bits,
-                parity=parity.upper(),
-                stopbits=stop,
-                timeout=0,
-                write_timeout=0,
-                exclusive=True,
-            )
-        except (serial.SerialException, ValueError) as error:
-            raise OutsideError(f"{port}: {error}") from None
+        self.path = port
         self.back = Backlog()
+        self._line = line
+        self._told = told
+        self._clock = clock
+        self._again = 0.0  # when it is to be tried again
+        self._errors = (serial.SerialException, OSError)
+        bits, parity, stop = parts_of_format(form)
+        self._given = {"bytesize": bits, "parity": parity.upper(), "stopbits": stop, "baudrate": baud}
+        try:
+            self._port: Any = self._opened()
+        except (*self._errors, ValueError) as error:
+            raise OutsideError(in_our_words(port, error)) from None
 
-    @property
-    def path(self) -> str:
-        return str(self._port.port)
-
-    def close(self) -> None:
-        self._port.close()
-
-    def files(self) -> Sequence[int]:
-        return [self._port.fileno()] if self._line.waiting < MOST else []
-
-    def turn(self) -> None:
+    def _opened(self) -> Any:
         import serial
 
+        return serial.Serial(self.path, **self._given, timeout=0, write_timeout=0, exclusive=True)
+
+    def close(self) -> None:
+        if self._port is not None:
+            self._port.close()
+
+    def files(self) -> Sequence[int]:
+        return [self._port.fileno()] if self._port is not None and self._line.waiting < MOST else []
+
+    def turn(self) -> None:
+        self.back.add(self._line.read())
+        if self._port is None:
+            self._try_again()
+            return
         try:
             waiting = self._port.in_waiting
             if waiting and self._line.waiting < MOST:
                 self._line.write(self._port.read(waiting))
-            self.back.add(self._line.read())
             self.back.give(self._port.write)
-        except (serial.SerialException, OSError) as error:
-            raise OutsideError(f"{self._port.port}: {error}; it was unplugged, or another program took it") from None
+        except self._errors as error:
+            self._told(f"{in_our_words(self.path, error)}; it is opened again once it is there")
+            self._port.close()
+            self._port = None
+            self._again = self._clock() + AGAIN
+
+    def _try_again(self) -> None:
+        if self._clock() < self._again:
+            return
+        self._again = self._clock() + AGAIN
+        try:
+            self._port = self._opened()
+        except (*self._errors, ValueError):
+            return
+        self._told(f"{self.path} is there again")

@@ -13,23 +13,27 @@ from __future__ import annotations
 
 import threading
 import time
+import warnings
 from collections.abc import Sequence
 from fractions import Fraction
 from math import ceil
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
-from serial import PortNotOpenError, SerialBase, SerialException
+from serial import PortNotOpenError, SerialBase, SerialException, SerialTimeoutException
 
 from ...scene.result import Result
 from ..errors import OutsideError
 from ..serial_line import SerialLine
 from ..session import Session
+from .backlog import MOST, Backlog
 from .case_for_line import Ready, case_for_line
 from .loop import Loop
 from .pacing import Pacer
 
 KEYS = ("port", "pace", "log", "set")
+SLOWER = "write more slowly, or give a longer write_timeout"
+WAITED = 0.01  # seconds, of the port's own clock, from one look for room to the next
 FOREVER = 3600  # simulated seconds that a read without time-out waits for at most, at full speed
 
 
@@ -41,7 +45,7 @@ class _Queue:
         self._to_line = bytearray()
         self._setting: tuple[int, str] | None = None  # asked for, and not the line's yet
         self._breaks: list[bool] = []
-        self._came = bytearray()
+        self._came = Backlog()
         self.changed = threading.Condition()
 
     def files(self) -> Sequence[int]:
@@ -60,18 +64,23 @@ class _Queue:
             self._breaks.clear()
             got = self._line.read()
             if got:
-                self._came += got
+                self._came.add(got)
                 self.changed.notify_all()
 
-    def put(self, data: bytes) -> None:
+    def put(self, data: bytes | memoryview) -> int:
+        """How many of these bytes there was room for: a client is at most a megabyte ahead of the line."""
         with self.changed:
-            self._to_line += data
+            taken = data[: max(0, MOST - self.waits())]
+            self._to_line += taken
+            return len(taken)
 
     def take(self, count: int) -> bytes:
         with self.changed:
-            got = bytes(self._came[:count])
-            del self._came[:count]
-            return got
+            return self._came.take(count)
+
+    @property
+    def lost(self) -> int:
+        return self._came.lost
 
     def waits(self) -> int:
         with self.changed:
@@ -100,14 +109,25 @@ class _Queue:
         return len(self._came)
 
 
+class ClosedError(PortNotOpenError):  # type: ignore[misc]
+    """Who uses a port that is closed is told whose; programs know it as pyserial's."""
+
+    def __init__(self, url: str) -> None:
+        SerialException.__init__(self, f"{url} is closed; open() begins its case anew")
+
+
 class Serial(SerialBase):  # type: ignore[misc]
     """As `serial.Serial`; the port is a case. result: once the port is closed. pacer: says how late it was.
+
+    Who writes waits, up to its `write_timeout`, while a megabyte waits for the line. Of what the SCI sends, the last
+    megabyte waits for who reads. lost: bytes before that, which were given up.
 
     A URL's `set` changes a key of the case, and may be there several times.
     """
 
     is_open: bool
     result: Result | None
+    lost: int
     ready: Ready
     pacer: Pacer
     _loop: Loop | None
@@ -136,7 +156,7 @@ class Serial(SerialBase):  # type: ignore[misc]
             raise OutsideError(f"{url}: pace {given['pace']!r}: expected a number, as in pace=1") from None
         path, port = asked.netloc + asked.path, given.get("port", "scia")
         changes = tuple(every.get("set", ()))
-        self.result = None
+        self.result, self.lost = None, 0
         self._failed = ""
         self._thread = None
         if not pace:
@@ -180,6 +200,7 @@ class Serial(SerialBase):  # type: ignore[misc]
     def _end(self) -> None:
         """Nothing holds the session any more when this returns, in the thread that ran it."""
         self.result = self._session.finish()
+        self.lost = self._queue.lost
         self._queue.leave()
         self._loop = None
         del self._session
@@ -190,12 +211,15 @@ class Serial(SerialBase):  # type: ignore[misc]
         self.is_open = False
         if self._thread is None:
             self._end()
-            return
-        loop = self._loop
-        if loop is not None:
-            loop.stop()
-        del loop
-        self._thread.join()
+        else:
+            loop = self._loop
+            if loop is not None:
+                loop.stop()
+            del loop
+            self._thread.join()
+        if self.lost:
+            said = f"{self._port}: {self.lost} bytes of the SCI were given up: nobody read them, and a megabyte waited"
+            warnings.warn(said, RuntimeWarning, stacklevel=2)
 
     def clock(self) -> float:
         """Seconds as this port counts them: simulated ones."""
@@ -228,8 +252,22 @@ class Serial(SerialBase):  # type: ignore[misc]
 
     def write(self, data: Any) -> int:
         self._must_be_open()
-        sent = bytes(data)
-        self._queue.put(sent)
+        sent = memoryview(bytes(data))
+        timeout = self._write_timeout
+        end = None if timeout is None else self.clock() + timeout
+        done = self._queue.put(sent)
+        while done < len(sent):
+            if end is not None and self.clock() >= end:
+                raise SerialTimeoutException(
+                    f"{done} of {len(sent)} bytes were written, and a megabyte waits; {SLOWER}"
+                )
+            if self._thread is None:
+                self._step_until(lambda: self._queue.waits() < MOST, WAITED)
+            else:
+                with self._queue.changed:
+                    self._queue.changed.wait(WAITED)
+            self._must_be_open()
+            done += self._queue.put(sent[done:])
         return len(sent)
 
     def flush(self) -> None:
@@ -261,7 +299,7 @@ class Serial(SerialBase):  # type: ignore[misc]
 
     def _must_be_open(self) -> None:
         if not self.is_open:
-            raise PortNotOpenError
+            raise ClosedError(str(self._port))
         if self._failed:
             raise SerialException(self._failed)
 

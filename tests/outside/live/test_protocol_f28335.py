@@ -11,6 +11,8 @@ serial = pytest.importorskip("serial", reason="pyserial is not installed: the ex
 
 import periph_sim.live  # noqa: E402
 from periph_sim.outside import replay  # noqa: E402
+from periph_sim.outside.live import protocol_f28335  # noqa: E402
+from periph_sim.outside.live.backlog import Backlog  # noqa: E402
 from tests.outside.live.echo import written  # noqa: E402
 
 
@@ -92,13 +94,13 @@ def test_what_is_no_port_is_refused_in_a_sentence(url: str, sentence: str, tmp_p
         serial.serial_for_url(url.format(tmp_path))
 
 
-def test_a_closed_port_is_told_as_pyserial_does(tmp_path: Path) -> None:
+def test_a_closed_port_is_told_by_its_url(tmp_path: Path) -> None:
     line = port(tmp_path)
     with pytest.raises(serial.SerialException, match="open already"):
         line.open()
     line.close()
     for call in (line.read, line.flush, lambda: line.write(b"a"), lambda: line.in_waiting):
-        with pytest.raises(serial.PortNotOpenError):
+        with pytest.raises(serial.PortNotOpenError, match=r"pace=0 is closed; open\(\) begins its case anew$"):
             call()
 
 
@@ -110,3 +112,31 @@ def test_firmware_that_fails_is_told_to_the_client(tmp_path: Path) -> None:
         line.read(1)  # ends with the firmware, if that has not failed yet
         line.read(1)
     line.close()
+
+
+@pytest.mark.parametrize("pace", [0, 1000])
+def test_who_writes_more_than_the_line_takes_waits_and_loses_nothing(tmp_path: Path, monkeypatch, pace: int) -> None:
+    monkeypatch.setattr(protocol_f28335, "MOST", 20)
+    with port(tmp_path, f"&pace={pace}", write_timeout=None if pace else 2) as line:
+        assert line.write(bytes(range(100))) == 100
+        assert line.out_waiting <= 20
+        if not pace:
+            line.write_timeout = 0.0001
+            with pytest.raises(
+                serial.SerialTimeoutException, match="of 60 bytes were written, and a megabyte waits; w"
+            ):
+                line.write(bytes(60))
+            line.timeout = 1
+        else:
+            line.timeout = 30
+            assert line.read(100) == bytes(range(1, 101))
+
+
+def test_what_nobody_reads_is_counted_and_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(protocol_f28335, "Backlog", lambda: Backlog(10))
+    line = port(tmp_path, timeout=1)
+    line.write(b"abcdefghijklmnopqrst")
+    assert line.read(20) == b"lmnopqrstu"
+    with pytest.warns(RuntimeWarning, match="10 bytes of the SCI were given up: nobody read them"):
+        line.close()
+    assert line.lost == 10 and line.result.sci_bytes == 20

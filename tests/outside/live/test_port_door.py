@@ -1,0 +1,117 @@
+"""A real port, for which a pseudo-terminal stands: open elsewhere, gone in mid-frame, there again."""
+
+from __future__ import annotations
+
+import os
+import select
+import tty
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+serial = pytest.importorskip("serial", reason="pyserial is not installed: the extra live has it")
+
+from periph_sim.outside import OutsideError, Session  # noqa: E402
+from periph_sim.outside.live.loop import Loop  # noqa: E402
+from periph_sim.outside.live.pacing import Pacer  # noqa: E402
+from periph_sim.outside.live.port_door import PortDoor  # noqa: E402
+from periph_sim.outside.live.port_errors import GONE, in_our_words  # noqa: E402
+from tests.outside.live.echo import written  # noqa: E402
+
+
+class Cable:
+    """Its far end, and a name that stays as it is plugged in anew."""
+
+    def __init__(self, name: Path) -> None:
+        self.name = name
+        self.plug()
+
+    def plug(self) -> None:
+        self.far, near = os.openpty()
+        tty.setraw(near)
+        os.set_blocking(self.far, False)
+        self.name.symlink_to(os.ttyname(near))
+        self._near = near
+
+    def unplug(self) -> None:
+        self.name.unlink()
+        os.close(self.far)
+        os.close(self._near)
+
+
+def send(cable: Cable, door: PortDoor, data: bytes) -> None:
+    """The system carries it over by and by."""
+    os.write(cable.far, data)
+    while door._port.in_waiting < len(data):
+        select.select(door.files(), [], [], 60)
+
+
+def got(cable: Cable, count: int) -> bytes:
+    came = b""
+    while len(came) < count and select.select([cable.far], [], [], 60)[0]:
+        came += os.read(cable.far, count)
+    return came
+
+
+def passes(session: Session, door: PortDoor, length: str) -> None:
+    Loop(session, Pacer(session.ticks_per_second, Fraction(0)), [door]).run(session.now + session.ticks(length))
+
+
+def test_a_port_that_goes_in_mid_frame_is_told_and_opened_again(tmp_path: Path) -> None:
+    cable, said, now = Cable(tmp_path / "ttyUSB0"), [], [0.0]
+    session = Session(written(tmp_path), ("RX", "TX"))
+    line = session.serial("scia")
+    door = PortDoor(line, str(cable.name), 115_200, "8n1", said.append, lambda: now[0])
+    with pytest.raises(OutsideError, match="ttyUSB0: another program has it open; close it there first"):
+        PortDoor(line, str(cable.name), 115_200, "8n1")
+    passes(session, door, "1 ms")
+    send(cable, door, b"abc")
+    passes(session, door, "0.1 ms")
+    assert (line.sent, line.received) == (2, 0)  # the first is under way, and the second has its place
+    cable.unplug()
+    passes(session, door, "1.2 ms")
+    assert said == [f"{cable.name}: {GONE}; it is opened again once it is there"] and door.files() == []
+    now[0] = 1.5
+    passes(session, door, "1.2 ms")
+    cable.plug()
+    passes(session, door, "1.2 ms")
+    assert len(said) == 1
+    now[0] = 2.6
+    passes(session, door, "1.2 ms")
+    send(cable, door, b"d")
+    passes(session, door, "1.2 ms")
+    assert said[1:] == [f"{cable.name} is there again"]
+    assert (line.sent, line.received, got(cable, 4)) == (4, 4, b"bcde")
+    door.close()
+    cable.unplug()
+
+
+@pytest.mark.parametrize(
+    ("port", "sentence"),
+    [
+        ("/dev/none", "/dev/none: there is no such port"),
+        ("{folder}", "{folder}: it is no serial port"),
+        ("{folder}/plain", "{folder}/plain: it is no serial port"),
+    ],
+)
+def test_a_port_that_is_none_is_refused_in_our_words(port: str, sentence: str, tmp_path: Path) -> None:
+    (tmp_path / "plain").touch()
+    session = Session(written(tmp_path), ("RX", "TX"))
+    with pytest.raises(OutsideError) as refused:
+        PortDoor(session.serial("scia"), port.format(folder=tmp_path), 115_200, "8n1")
+    assert str(refused.value) == sentence.format(folder=tmp_path)
+
+
+def test_pyserial_s_words_are_ours() -> None:
+    said = [
+        (serial.SerialException("write failed: [Errno 5] Input/output error"), GONE),
+        (serial.SerialException("device reports readiness to read but returned no data (device ...)"), GONE),
+        (OSError(5, "Input/output error"), GONE),
+        (PermissionError(13, "Permission denied"), "you may not open it; become a member of the group"),
+        (serial.SerialException("its own words"), "its own words"),
+    ]
+    assert all(in_our_words("P", error).startswith(f"P: {words}") for error, words in said)
+    with pytest.raises(serial.SerialException) as refused:
+        serial.serial_for_url("socket://127.0.0.1:1")
+    assert in_our_words("there", refused.value) == "there: nobody serves it; start that first"

@@ -2,8 +2,8 @@
 
 The shipped case timing/imu_hil.toml with all that it has: three clocks that are off, a host that drifts through all
 phases, drawn costs; NACK windows, hangs, stretches and margins are told of each scenario. Then the published case where
-many scenarios lie in such a window. One core. Draws are those of Python's generator, made for many seeds at once, but
-each seed costs its seeding: scenarios that share seeds share that.
+many scenarios lie in such a window. One core, in the form of the core that is there. Draws are those of Python's
+generator, made for many seeds at once, but each seed costs its seeding: scenarios that share seeds share that.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from periph_sim.form import COMPILED, running
 from periph_sim.levels.schedule import Structure, schedule, structure_of
 from periph_sim.scene.case.load import load
 
@@ -24,7 +25,7 @@ Row = dict[str, Any]
 
 CASE = TIMING / "imu_hil_published.toml"
 SHARED = 1000  # seeds that scenarios share
-APART = 20  # the part of the scenarios that is run where each goes read by read
+APART = 20  # the part of the scenarios that is run where each goes read by read, as the core is interpreted
 
 
 def changes(scenarios: int) -> dict[str, Mapping[str, NDArray[np.int64]]]:
@@ -32,12 +33,15 @@ def changes(scenarios: int) -> dict[str, Mapping[str, NDArray[np.int64]]]:
     random = np.random.default_rng(1)
     phases = random.integers(2_000_000, 22_000_000, scenarios)
     seeds = np.arange(scenarios)
-    few = scenarios // APART
+    few = scenarios if running == COMPILED else scenarios // APART
+    starts = {"controller.first": phases[:few] + 3_000_000, "seed": seeds[:few] % SHARED}
     return {
         "phases of the host": {"host.first": phases},
         f"phases, {SHARED} seeds": {"host.first": phases, "seed": seeds % SHARED},
         "phases, a seed of its own each": {"host.first": phases, "seed": seeds},
-        "phases of the controller": {"controller.first": phases[:few] + 3_000_000, "seed": seeds[:few] % SHARED},
+        "STARTs of its own each": starts,
+        "STARTs and one of 11 clocks each": starts | {"unit.dsp.ppm": seeds[:few] % 11 * 5 - 25},
+        "STARTs and one of 1000 clocks each": starts | {"unit.dsp.ppm": (seeds[:few] % 1000 - 500) / 10},
     }
 
 

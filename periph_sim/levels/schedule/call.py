@@ -10,11 +10,13 @@ from pathlib import Path
 
 from numpy.typing import ArrayLike
 
+from ... import form
 from ...scene.case.load import load
 from ...scene.case.model import Case
 from .inputs import inputs_of
 from .result import ScheduleResult
 from .rounds import Rounds
+from .scenarios import Scenarios, fits
 from .structure import Structure, structure_of
 
 
@@ -33,7 +35,8 @@ def schedule(
         case = load(Path(case))
     structure = case if isinstance(case, Structure) else structure_of(case)
     inputs = inputs_of(structure, changes or {}, rounds)
-    of = Rounds(structure, inputs)
+    quick = form.running == form.COMPILED and fits(structure.terms)
+    of = Scenarios(structure, inputs) if quick else Rounds(structure, inputs)
     of.run()
     return ScheduleResult(
         structure.case.name,

@@ -8,7 +8,7 @@ left to Python's own generator, which takes less time for them. Each seed is dra
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from random import Random
 
 import numpy as np
@@ -45,10 +45,10 @@ class Drawn:
 def _of_keys(keys: list[int | str], below: int, count: int) -> Ints:
     bits = below.bit_length()
     if bits > WORD or len(keys) < FEW:
-        return _one_by_one(keys, below, count)
+        return one_by_one(keys, below, count)
     found = np.empty((count, len(keys)), np.int64)
     for places, words in same_length(keys):
-        found[:, places] = _drawn(Generators(words), len(places), bits, below, count)
+        found[:, places] = _drawn(Generators(words.T.copy()), len(places), bits, below, count)
     return found
 
 
@@ -68,7 +68,8 @@ def _drawn(generators: Generators, keys: int, bits: int, below: int, count: int)
     return found[:count].astype(np.int64)
 
 
-def _one_by_one(keys: list[int | str], below: int, count: int) -> Ints:
+def one_by_one(keys: Sequence[int | str], below: int, count: int) -> Ints:
+    """By Python's own generator: int64[count, keys]."""
     columns: list[list[int]] = []
     for key in keys:
         draw = Random(key).randrange

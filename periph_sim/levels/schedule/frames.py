@@ -17,11 +17,17 @@ from .stored import Stored
 from .structure import Structure
 
 
+def count_of(inputs: Inputs) -> int:
+    """Frames that any of the scenarios may have."""
+    period = np.min(inputs.frame.down(1))
+    return max(1, int((np.max(inputs.end) - np.min(inputs.host_first)) // period) + 2)
+
+
 def frames(structure: Structure, inputs: Inputs) -> tuple[Stored, Stored]:
     """(begins in ticks, latches in cycles) of all frames of the longest run, and a latch that never comes."""
     pause = structure.host.paced_by == "pause"
     period = inputs.frame.down(1)
-    count = max(1, int((np.max(inputs.end) - np.min(inputs.host_first)) // np.min(period)) + 2)
+    count = count_of(inputs)
     late = None
     if inputs.host_jitter:
         late = Drawn(inputs.seeds, inputs.host_jitter + 1, count, lambda seed: seed + 1)

@@ -114,8 +114,9 @@ def inputs_of(structure: Structure, changes: Mapping[str, Any], rounds: int, end
     most = int(np.max(controller_first)) + (rounds + 1) * (int(np.max(round_.num)) // int(np.min(round_.den)) + 1)
     host_first = np.broadcast_to(of_host.nearest(host_first), scenarios)
     cost = _cost(structure, given, scenarios)
+    reads = sum(bus.stop + structure.terms.gap for bus in structure.terms.bus)
     models = cycle.most(int(cost[1].max()))
-    check_length(max(most, int(np.max(host_first))) + models, longest, per_second)
+    check_length(max(most, int(np.max(host_first))) + reads + models, longest, per_second)
     if abs(structure.case.seed) >= NEVER:
         raise BadSchedule(f"seed is {structure.case.seed}; expected less than 2^62")
     ends = controller_first + round_.down(rounds) - 1 if end is None else np.full(scenarios, end, np.int64)

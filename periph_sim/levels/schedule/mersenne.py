@@ -25,24 +25,26 @@ TEMPERED = ((7, np.uint32(0x9D2C5680)), (15, np.uint32(0xEFC60000)))
 ONE = np.uint32(1)
 
 
-def words_of(key: int | str) -> bytes:
-    """A key as its generator takes it: 32-bit words, the lowest first."""
-    if isinstance(key, str):
-        text = key.encode()
-        number = text + sha512(text).digest()
-        return number[::-1] + bytes(-len(number) % WORD)
-    number_of_bytes = max((abs(key).bit_length() + 7) // 8, 1)
-    return abs(key).to_bytes(-(-number_of_bytes // WORD) * WORD, "little")
-
-
 def same_length(keys: Sequence[int | str]) -> Iterator[tuple[NDArray[np.int64], Words]]:
-    """Places of keys that have equally many words, and those: uint32[words, keys]."""
-    words = [words_of(key) for key in keys]
-    lengths = np.array([len(each) for each in words])
+    """Places of keys that have equally many words, and those, the lowest first: uint32[keys, words]."""
+    if all(isinstance(key, str) for key in keys):
+        texts = [str(key).encode() for key in keys]
+        parts = [texts, [sha512(text).digest() for text in texts]]
+    else:
+        numbers = [int(key) for key in keys]
+        if min(numbers) >= 0 and max(numbers) < 1 << 32:
+            yield np.arange(len(keys)), np.array(numbers, np.uint32)[:, None]
+            return
+        parts = [[abs(key).to_bytes(((key.bit_length() + 31) // 32 or 1) * WORD, "big") for key in numbers]]
+    lengths = np.fromiter(map(len, parts[0]), np.int64, len(keys))
     for length in np.unique(lengths).tolist():
         places = np.flatnonzero(lengths == length)
-        raw = b"".join(words if len(places) == len(words) else [words[place] for place in places.tolist()])
-        yield places, np.frombuffer(raw, "<u4").astype(np.uint32, copy=False).reshape(len(places), -1).T.copy()
+        chosen = parts if len(places) == len(keys) else [[part[place] for place in places.tolist()] for part in parts]
+        columns = [np.frombuffer(b"".join(part), np.uint8).reshape(len(places), -1) for part in chosen]
+        size = sum(column.shape[1] for column in columns)
+        words = np.zeros((len(places), -(-size // WORD) * WORD), np.uint8)
+        words[:, :size] = np.concatenate(columns, axis=1)[:, ::-1]
+        yield places, words.view("<u4").astype(np.uint32, copy=False)
 
 
 class Generators:

@@ -19,39 +19,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.chip import NEVER
-from ...timing.measures.origins import RECENT
 from .clock import Ints
 from .draws import Drawn
-from .extremes import NO_VALUE, Extremes
 from .frames import frames
 from .inputs import Inputs
 from .journal import Journal, Made
 from .lanes import Interrupts
 from .plain import plain_rounds
 from .read import Read, read
-from .result import Observable, Observables
 from .structure import Structure
+from .tally import Tally
 
-MEASURES = ("response", "round", "slack", "age", "margin of I2CDXR", "span:model", "asked", "SDIR rises")
 
-
-class Rounds:
+class Rounds(Tally):
     """All scenarios of one call, or of a part of it. journal: told what happens, where there is one scenario."""
 
     def __init__(self, structure: Structure, inputs: Inputs, journal: Journal | None = None) -> None:
-        self._structure, self._inputs, self._terms = structure, inputs, structure.terms
+        super().__init__(structure, inputs)
+        self._terms = structure.terms
         self._journal = journal
         count = inputs.scenarios
         self.begun, latches = frames(structure, inputs)  # when each frame begins, in the order of the interrupts
         self.interrupts = Interrupts(latches, self._terms.service, self._terms.waits)
-        self.values = {name: Extremes(count) for name in MEASURES}
-        self.held = np.zeros(count, np.int64)
-        self.phases = np.zeros(count, np.int64)  # that were acknowledged
-        self.missed, self.nacked, self.nacked_rounds = (np.zeros(count, np.int64) for _ in range(3))
-        self.over = np.zeros(count, np.int64)  # rounds
-        self.due = np.zeros(count, np.int64)  # rounds
-        self.hung_at = np.full(count, -1, np.int64)
-        self.refused = np.zeros(count, np.bool_)
         self.all = np.arange(count)
         self.odd = np.zeros(count, np.bool_)  # waits for another chip than the first
         # The firmware, of each scenario:
@@ -220,21 +209,3 @@ class Rounds:
         self.phases[who] += lasted > self.held[who]  # as a value that the end of the run cuts off
         self.held[who] = np.maximum(self.held[who], lasted)
         self.values["margin of I2CDXR"].take(who, -lasted)
-
-    def _forget_ages(self) -> None:
-        """Where so many frames may follow the one that is read that `age` on edges knows it no more, it is not told."""
-        age, inputs = self.values["age"], self._inputs
-        longest = max(bus.stop for bus in self._terms.bus)
-        forgotten = age.worst + longest >= (RECENT - 1) * inputs.frames_apart
-        age.worst[forgotten], age.count[forgotten] = NO_VALUE, 0
-
-    # What it came to ------------------------------------------------------------------
-
-    def observables(self) -> Observables:
-        self._forget_ages()
-        found = {name: Observable.of(name, values) for name, values in self.values.items()}
-        found["stretch"] = Observable("stretch", "ticks", self.held, np.zeros_like(self.held), self.phases)
-        found["missed rounds"] = Observable.counter("missed rounds", self.missed, self.due)
-        found["nacked rounds"] = Observable.counter("nacked rounds", self.nacked_rounds, self.over)
-        found["nacked"] = Observable.counter("nacked", self.nacked, self.due * len(self._terms.names))
-        return found

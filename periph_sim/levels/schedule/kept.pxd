@@ -1,0 +1,20 @@
+cimport cython
+
+
+@cython.final
+cdef class Kept:
+    cdef public long long of, end, off, ready, margin_most, margin_least, cleared_most, cleared_least, asked_most, asked_least
+    cdef long long[32] landed
+
+
+@cython.final
+cdef class Memory:
+    cdef long long[128] whole, part, _edges, _ends, _buckets
+    cdef long long _poll, _count, _shift
+    cdef list _kept
+    @cython.locals(
+        count=cython.longlong, place=cython.longlong, ticks=cython.longlong, end=cython.longlong, interval=cython.longlong,
+        bucket=cython.longlong)
+    cpdef void of_clock(self, long long num, long long den)
+    @cython.locals(interval=cython.longlong, place=cython.longlong, found=Kept)
+    cpdef Kept find(self, long long rest, long long phase)

@@ -1,0 +1,149 @@
+"""Waits and code of one scenario, with the interrupts that its host's frames make: cycles go in, cycles come out.
+
+The rules are those of `lanes`, which has many scenarios at once; the frames are those of `frames` and the latches those
+of `receiver`, made one after the other as the firmware comes to them.
+"""
+
+from __future__ import annotations
+
+from array import array
+
+import numpy as np
+
+from .clock import Ints
+from .code import CodeTable
+from .receiver import Receiver
+
+FAR = 1 << 61  # a cycle that no run reaches
+
+
+class Piece:
+    """A `CodeTable` for one lane. first_marks, second_marks: by latch; calm_first, calm_second: of no interrupt."""
+
+    def __init__(self, table: CodeTable) -> None:
+        self.length, self.first, self.last = table.length, table.first, table.last
+        self.lengths = _array(table.lengths.tolist())
+        marks = [(calm, by_latch.tolist()) for calm, by_latch in table.marks] + [(0, [0] * len(self.lengths))] * 2
+        (self.calm_first, first), (self.calm_second, second) = marks[:2]
+        self.first_marks, self.second_marks = _array(first), _array(second)
+
+
+def _array(numbers: list[int]) -> array[int]:
+    return array("q", numbers)
+
+
+class Lane:
+    """One scenario's CPU. latch: of the next interrupt. number: of its frame; begun, before: ticks at which that frame
+    begins, and the one before; first_begun: the first one.
+
+    mark, second_mark: of the code that ran last. by_other: the last `split` ended by the other flag.
+    """
+
+    def __init__(self, service: int, waits: int, receiver: Receiver) -> None:
+        self.service, self.waits = service, waits
+        self._edge, self._sync, self._period = receiver.edge, receiver.sync - receiver.phase, receiver.period
+        self._behind = receiver.phase + receiver.due * receiver.period + receiver.extra
+        self.num = self.den = 1
+        self.latch, self.number, self.begun, self.before, self.first_begun = FAR, 0, 0, 0, 0
+        self.mark, self.second_mark, self.by_other = 0, 0, False
+        self.late = np.zeros(1, np.int64)
+        self._late_at, self._jitter, self._frames, self._pause = 0, False, 0, False
+        self._due, self._whole, self._rest, self._part, self._parts = 0, 0, 0, 0, 1
+
+    def hosts(self, late: Ints, jitter: bool, pause: bool, frames: int) -> None:
+        """What all scenarios have in common. late: draws of their frames, where there is jitter. frames: of each."""
+        self.late, self._jitter, self._pause, self._frames = late, jitter, pause, frames
+
+    def host(self, first: int, num: int, den: int, place: int) -> None:
+        """Its frames: the first one, and num / den ticks between two. place: of the first draw for them."""
+        self._due, self._part, self._parts = first, 0, den
+        self._whole = num // den
+        self._rest = 0 if self._pause else num - self._whole * den
+        self._late_at, self.number = place, 0
+        self._make()
+        self.first_begun = self.before = self.begun
+
+    def _make(self) -> None:
+        """The frame `number`."""
+        begun = self._due
+        if self._jitter:
+            begun += self.late[self._late_at + self.number]
+            if self._pause:
+                self._due = begun
+        self.begun = begun
+        cycle = -(-(begun + self._edge) * self.den // self.num)
+        self.latch = self._behind - -(cycle + self._sync) // self._period * self._period
+
+    def take(self) -> None:
+        """An interrupt is taken."""
+        self.before = self.begun
+        self.number += 1
+        if self.number >= self._frames:
+            self.latch = FAR
+            return
+        self._due += self._whole
+        self._part += self._rest
+        if self._part >= self._parts:
+            self._part -= self._parts
+            self._due += 1
+        self._make()
+
+    def tick(self, cycle: int) -> int:
+        return cycle * self.num // self.den
+
+    def cycle_at(self, tick: int) -> int:
+        """The first cycle that begins at or after this tick."""
+        return -(-tick * self.den // self.num)
+
+    # As in `lanes` ------------------------------------------------------------------
+
+    def wait(self, first: int, flag: int, poll: int, fetched: int) -> int:
+        waits = self.waits
+        while True:
+            end = first
+            if flag > first:
+                if self.latch > flag - waits:  # else it comes before the fetch that ends the wait, whichever that is
+                    end += (flag - first + poll - 1) // poll * poll
+                    if self.latch > end - waits:
+                        return end
+            elif not fetched or self.latch > end - waits:
+                return end
+            passes = (self.latch - first + waits - 1) // poll
+            if passes < -fetched:
+                passes = -fetched
+            first += (passes + 1) * poll + self.service
+            self.take()
+
+    def split(self, first: int, flag: int, poll: int, second: int, other: int) -> int:
+        self.by_other = False
+        end = first if flag <= first else first + (flag - first + poll - 1) // poll * poll
+        while self.latch <= end - self.waits and end > first:
+            passes = (self.latch - first + self.waits - 1) // poll
+            began = first + (passes * poll if passes > 0 else 0)
+            seen = began + second + self.service
+            between = self.latch - began <= second - self.waits
+            self.take()
+            if between and seen >= other:
+                self.by_other = True
+                return seen
+            first = began + poll + self.service
+            end = first if flag <= first else first + (flag - first + poll - 1) // poll * poll
+        return end
+
+    def code(self, begin: int, piece: Piece) -> int:
+        if self.latch > begin + piece.last:
+            self.mark, self.second_mark = begin + piece.calm_first, begin + piece.calm_second
+            return begin + piece.length
+        place = self.latch - begin - piece.first
+        if place < 0:
+            place = 0
+        self.mark, self.second_mark = begin + piece.first_marks[place], begin + piece.second_marks[place]
+        self.take()
+        return begin + piece.lengths[place]
+
+    def run(self, begin: int, cycles: int) -> int:
+        end = begin + cycles
+        while self.latch <= end:
+            end += self.service
+            self.take()
+        return end

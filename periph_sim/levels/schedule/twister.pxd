@@ -1,0 +1,23 @@
+cimport cython
+
+
+@cython.final
+cdef class Twister:
+    cdef unsigned int[19968] _state
+    cdef unsigned int[2048] _added
+    cdef unsigned int[32] _last
+    cdef unsigned int[624] _basic
+    @cython.locals(
+        keys=cython.longlong, bits=cython.longlong, first=cython.longlong, lanes=cython.longlong, lane=cython.longlong,
+        key=cython.longlong, place=cython.longlong)
+    cpdef void draw(self, unsigned int[::1] words, long long length, long long below, long long count, long long[::1] found)
+    @cython.locals(lane=cython.longlong, key=cython.longlong, place=cython.longlong, mixed=cython.uint)
+    cdef void _seed(self, long long length)
+    @cython.locals(lane=cython.int, mixed=cython.uint)
+    cdef void _mix(self, long long place, long long key, unsigned int basic)
+    @cython.locals(lane=cython.int, mixed=cython.uint)
+    cdef void _mix_again(self, long long at, unsigned int place)
+    @cython.locals(
+        place=cython.longlong, end=cython.longlong, after=cython.longlong, middle=cython.longlong, y=cython.longlong,
+        number=cython.longlong)
+    cdef void _numbers(self, long long lane, long long below, long long shift, long long count, long long[::1] found, long long at)

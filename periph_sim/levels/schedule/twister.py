@@ -1,0 +1,96 @@
+"""Python's generator for many seeds, in a compiled loop: keys go in; of each its draws below a bound come out.
+
+    key --its 32-bit words--> init_by_array --> 624 words of state --twist, one word at a time--> temper --> 32 bits
+
+A step waits for the one before it, so a CPU takes several keys' steps at once in the time of one. Sources as those of
+`mersenne`, which does the same over arrays.
+"""
+
+from __future__ import annotations
+
+from array import array
+
+from .clock import Ints
+from .mersenne import BASIC, FIRST, MIDDLE, STATE
+
+LANES = 32  # keys at once
+MOST = 64  # words of a key
+WORD = 0xFFFFFFFF
+MIXED, MIXED_AGAIN = 1_664_525, 1_566_083_941
+TWIST, UPPER, LOWER = 0x9908B0DF, 0x80000000, 0x7FFFFFFF
+FIRST_TEMPER, SECOND_TEMPER = 0x9D2C5680, 0xEFC60000
+
+
+class Twister:
+    def __init__(self) -> None:
+        self._state, self._last, self._added = [0] * (STATE * LANES), [0] * LANES, [0] * (MOST * LANES)
+        self._basic = [0] * STATE  # init_genrand(FIRST)
+        self._basic[0] = before = FIRST
+        for place in range(1, STATE):
+            self._basic[place] = before = (BASIC * (before ^ (before >> 30)) + place) & WORD
+
+    def draw(self, words: array[int], length: int, below: int, count: int, found: Ints) -> None:
+        """words: of each key so many, a key's in a row. found: int64[keys, count], below `below`."""
+        keys = len(words) // length
+        bits = 0
+        while below >> bits:
+            bits += 1
+        for first in range(0, keys, LANES):
+            lanes = min(LANES, keys - first)
+            for lane in range(LANES):
+                key = first + min(lane, lanes - 1)
+                for place in range(length):
+                    self._added[place * LANES + lane] = (words[key * length + place] + place) & WORD
+            self._seed(length)
+            for lane in range(lanes):
+                self._numbers(lane, below, 32 - bits, count, found, (first + lane) * count)
+
+    def _seed(self, length: int) -> None:
+        """init_by_array."""
+        for lane in range(LANES):
+            self._last[lane] = self._basic[0]
+        key = 0
+        for place in range(1, STATE):
+            self._mix(place, key * LANES, self._basic[place])
+            key = key + 1 if key + 1 < length else 0
+        for lane in range(LANES):
+            mixed = self._last[lane]
+            mixed = (self._state[LANES + lane] ^ ((mixed ^ (mixed >> 30)) * MIXED)) + self._added[key * LANES + lane]
+            self._state[LANES + lane] = self._last[lane] = mixed & WORD
+        for place in range(2, STATE):
+            self._mix_again(place * LANES, place)
+        self._mix_again(LANES, 1)
+        for lane in range(LANES):
+            self._state[lane] = UPPER
+
+    def _mix(self, place: int, key: int, basic: int) -> None:
+        for lane in range(LANES):
+            mixed = self._last[lane]
+            mixed = ((basic ^ ((mixed ^ (mixed >> 30)) * MIXED)) + self._added[key + lane]) & WORD
+            self._state[place * LANES + lane] = mixed
+            self._last[lane] = mixed
+
+    def _mix_again(self, at: int, place: int) -> None:
+        for lane in range(LANES):
+            mixed = self._last[lane]
+            mixed = ((self._state[at + lane] ^ ((mixed ^ (mixed >> 30)) * MIXED_AGAIN)) - place) & WORD
+            self._state[at + lane] = mixed
+            self._last[lane] = mixed
+
+    def _numbers(self, lane: int, below: int, shift: int, count: int, found: Ints, at: int) -> None:
+        place, end = 0, at + count
+        while at < end:
+            after, middle = place + 1, place + MIDDLE
+            if after == STATE:
+                after = 0
+            if middle >= STATE:
+                middle -= STATE
+            y = (self._state[place * LANES + lane] & UPPER) | (self._state[after * LANES + lane] & LOWER)
+            y = self._state[middle * LANES + lane] ^ (y >> 1) ^ ((y & 1) * TWIST)
+            self._state[place * LANES + lane] = y
+            y ^= y >> 11
+            y ^= (y << 7) & FIRST_TEMPER
+            y ^= (y << 15) & SECOND_TEMPER
+            found[at] = number = (y ^ (y >> 18)) >> shift
+            at += number < below  # else the next one takes its place
+            place = after

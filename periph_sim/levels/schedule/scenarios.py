@@ -84,7 +84,8 @@ class Scenarios(Tally):
     def _order(self) -> NDArray[np.intp] | slice:
         """Scenarios of one clock behind each other, since what is kept of reads and rounds is kept for one clock."""
         clock = self._inputs.clock
-        return slice(None) if isinstance(clock.num, int) else np.lexsort((clock.den, clock.num))
+        alike = isinstance(clock.num, int) or isinstance(clock.den, int)
+        return slice(None) if alike else np.lexsort(np.stack([clock.den, clock.num]))
 
     def _draws(
         self, most: int, count: int, keys: Callable[[list[int]], Sequence[int | str]]

@@ -31,6 +31,7 @@ ADC_CAL, LRETR = 0x38_0080, 0x0006  # start-up code calls it
 PARTID, CLASSID, F28335 = 0x38_0090, 0x0882, 0x00EF
 FIXED = {ADC_CAL: LRETR, PARTID: F28335, CLASSID: F28335}
 FLASH_RESET = {0x0A84: 0x01FF, 0x0A85: 0x01FF, FBANKWAIT: 0x0F0F, FOTPWAIT: 0x001F}
+FLASH_COMMANDS = range(0x0A88, 0x0AE0)  # behind what SPRUFB0D documents: TI's flash API alone writes there
 MATH_TABLES = range(0x3F_E000, 0x3F_F27C)
 
 
@@ -66,6 +67,9 @@ class Elsewhere:
     def write(self, cycle: int, address: int, value: int) -> bool:
         """A word. True if it is kept."""
         area = self._area(address, "written")
+        if address in FLASH_COMMANDS:
+            what = "erasing and programming flash, as TI's flash API does, is not modelled"
+            raise IllegalOperation(f"{full_name(address)} is written: {what}")
         self._note(cycle, address, area)
         if area.content not in (Content.REGISTERS, Content.EXTERNAL):
             return False

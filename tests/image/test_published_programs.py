@@ -103,7 +103,6 @@ def test_two_builds_of_a_program_differ_where_their_sources_do():
         assert ran.sent() == ran.sent("SCI-B.TX") == ran.sent("SCI-C.TX") == b""
         last.append(dict(ran.written()))
     debug, release = last
-    print(sorted(what for what in debug.keys() | release.keys() if debug.get(what) != release.get(what)))
     assert (debug["SCI-B.SCILBAUD"], release["SCI-B.SCILBAUD"]) == (121, 243)
     assert {what: debug[what] for what in CLOCKS} == {what: release[what] for what in CLOCKS}
 

@@ -162,6 +162,10 @@ def test_code_in_flash_and_data_at_both_ends():
         (" LB #0x7100", "code is fetched from 0x007100, where no memory is"),
         (" MOVL XAR4,#0x3FE000\n MOV AL,*XAR4", "math tables of the boot ROM"),
         (" SETC AMODE", "C2xLP"),
+        (
+            " EALLOW\n MOVW DP,#0x0A89 >> 6\n MOV @0x0A89,#5",
+            "flash control .* is written: erasing and programming",
+        ),
     ],
 )
 def test_what_cannot_go_on_is_told_with_place_registers_and_last_jumps(code: str, sentence: str):
@@ -170,6 +174,16 @@ def test_what_cannot_go_on_is_told_with_place_registers_and_last_jumps(code: str
         rig.run()
     assert "ACC=0x" in str(error.value) and "last jumps: _c_int00 0x00900" in str(error.value)
     assert "\n" not in str(error.value)
+
+
+def test_iret_returns_through_a_frame_that_the_program_made_up():
+    """As an RTOS begins a task: 14 words from 0x420 on, SP behind them, IRET."""
+    frame = (0, 0x1234, 0x5678, 0x9ABC, 0, 0, 7, 0, 0x0A0B, 0x3FF, 0, 0, "_task & 0xFFFF", "_task >> 16")
+    stores = "".join(f" MOV *XAR4++,#{word}\n" for word in frame)
+    source = HEAD + f" MOVL XAR4,#0x420\n{stores} MOV @SP,#0x42F\n IRET\n .space 4\n .global _task\n_task: ESTOP0"
+    rig = Rig(source).run()
+    assert rig.program.finished
+    assert (rig.cpu.acc, rig.cpu.sp, rig.cpu.dp, rig.cpu.xar[0] & 0xFFFF) == (0x9ABC_5678, 0x420, 0x3FF, 7)
 
 
 def test_a_vector_of_0_is_told():

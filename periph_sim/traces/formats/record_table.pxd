@@ -12,14 +12,13 @@ cdef class _Strings:
 cdef class Columns(Keeper):
     cdef dict _topics
     cdef list _last
-    cdef object _topic, _number, _tick, _value, _cause, _text, _field
+    cdef list _full
+    cdef dict _block
     cdef dict _texts, _fields
     cdef unsigned int[::1] _tags, _text_places, _field_places
     cdef long long[::1] _numbers, _ticks, _values, _causes
     cdef Py_ssize_t _filled
     cdef object _begin(self)
-    @cython.locals(filled=cython.Py_ssize_t)
-    cdef object _put(self)
     cdef long long _place(self, dict places, object text)
     cpdef long long tag_of(self, object kind, str where, str what)
     @cython.locals(row=cython.Py_ssize_t, last=_Strings)

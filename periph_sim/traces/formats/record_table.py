@@ -2,8 +2,8 @@
 
     record of a topic --> Columns.keep --> RecordTable: one numpy array a column, each string once in a table
 
-A record costs 53 bytes here, and 44 while it is collected: its topic stands for kind, where and what. The last ones
-stand in a block of fixed length, a number or a string a column, so that no object is made for a record.
+A record costs 53 bytes here, and 44 while it is collected: its topic stands for kind, where and what. They stand in
+blocks of fixed length, a number a column, so that no object is made for a record, and none is moved.
 """
 
 from __future__ import annotations
@@ -18,6 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.records import Keeper, Kind, Record
+
+Block = dict[str, "array[int]"]
 
 KINDS = tuple(Kind)
 NUMBER_OF = {kind: number for number, kind in enumerate(KINDS)}
@@ -35,6 +37,9 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "field": ("I", "<u4"),
 }
 BLOCK = 2048  # records
+# What is collected of a record: array's type code, and bytes. topic: its number stands for kind, where and what.
+COLLECTED = {"topic": ("I", 4), "number": ("q", 8), "tick": ("q", 8), "value": ("q", 8)}
+COLLECTED |= {"cause": ("q", 8), "text": ("I", 4), "field": ("I", 4)}
 TABLES = ("kind", "where", "what", "text", "field")
 TOPIC = TABLES[:3]
 
@@ -149,9 +154,7 @@ class Columns(Keeper):
 
     def clear(self) -> None:
         """Forget what was kept."""
-        self._topic = array("I")
-        self._number, self._tick, self._value, self._cause = array("q"), array("q"), array("q"), array("q")
-        self._text, self._field = array("I"), array("I")
+        self._full: list[Block] = []
         self._texts: dict[str, int] = {}
         self._fields: dict[str, int] = {}
         for last in self._last:
@@ -161,27 +164,16 @@ class Columns(Keeper):
     def _begin(self) -> None:
         """An empty block."""
         self._filled = 0
-        self._tags = array("I", bytes(4 * BLOCK))
-        self._numbers = array("q", bytes(8 * BLOCK))
-        self._ticks = array("q", bytes(8 * BLOCK))
-        self._values = array("q", bytes(8 * BLOCK))
-        self._causes = array("q", bytes(8 * BLOCK))
-        self._text_places, self._field_places = array("I", bytes(4 * BLOCK)), array("I", bytes(4 * BLOCK))
+        self._block = {name: array(code, bytes(BLOCK * size)) for name, (code, size) in COLLECTED.items()}
+        block = self._block
+        self._tags, self._text_places, self._field_places = block["topic"], block["text"], block["field"]
+        self._numbers, self._ticks = block["number"], block["tick"]
+        self._values, self._causes = block["value"], block["cause"]
 
-    def _put(self) -> None:
-        """Put the block into the columns."""
-        filled = self._filled
-        for column, block in (
-            (self._topic, self._tags),
-            (self._number, self._numbers),
-            (self._tick, self._ticks),
-            (self._value, self._values),
-            (self._cause, self._causes),
-            (self._text, self._text_places),
-            (self._field, self._field_places),
-        ):
-            column.frombytes(memoryview(block)[:filled].cast("B"))
-        self._filled = 0
+    def _column(self, name: str, dtype: str) -> NDArray[Any]:
+        """All of a column so far."""
+        blocks = [np.frombuffer(block[name], dtype) for block in self._full]
+        return np.concatenate([*blocks, np.frombuffer(self._block[name], dtype)[: self._filled]])
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
         tag = self._topics.setdefault((kind, where, what), len(self._topics))
@@ -207,7 +199,8 @@ class Columns(Keeper):
         self._field_places[row] = last.field_place
         self._filled = row = row + 1
         if row == BLOCK:
-            self._put()
+            self._full.append(self._block)
+            self._begin()
 
     def _place(self, places: dict[str, int], text: str) -> int:
         """The place of a string, which may have none yet."""
@@ -219,24 +212,21 @@ class Columns(Keeper):
         self.keep(self.tag_of(kind, where, what), number, tick, value, text, cause, field)
 
     def __len__(self) -> int:
-        return len(self._tick) + self._filled
+        return BLOCK * len(self._full) + self._filled
 
     def table(self, per_second: Fraction, end: int, modules: dict[str, tuple[str, ...]]) -> RecordTable:
-        self._put()
         names, topics = self._topics_in_use()
-        kept = {"number": self._number, "tick": self._tick, "value": self._value, "text": self._text}
-        kept |= {"cause": self._cause, "field": self._field}
         columns: dict[str, NDArray[Any]] = {
             name: topics.of[:, place].astype(COLUMNS[name][1])[topics.row] for place, name in enumerate(TOPIC)
         }
-        columns |= {name: np.frombuffer(column, COLUMNS[name][1]) for name, column in kept.items()}
+        columns |= {name: self._column(name, COLUMNS[name][1]) for name in COLLECTED if name != "topic"}
         names |= {"text": tuple(self._texts), "field": tuple(self._fields)}
         in_order = {name: columns[name] for name in COLUMNS}
         return RecordTable(in_order, names, per_second, end, modules, topics)
 
     def _topics_in_use(self) -> tuple[dict[str, tuple[str, ...]], Topics]:
         """Topics that have records, and their names; both as they came first."""
-        tags = np.frombuffer(self._topic, np.uint32)
+        tags = self._column("topic", "<u4")
         wheres, whats = Strings(), Strings()
         known = list(self._topics)
         first = np.full(len(known), len(tags))

@@ -29,6 +29,37 @@ def number(default: int, least: int, most: int, *, unit: str, question: str) -> 
     return dataclasses.field(default=default, metadata=about)
 
 
+class Answers:
+    """One answer to each question, those of a dataclass's fields; nothing changes them.
+
+    What a frozen dataclass would have is written here once: generating it for each class takes milliseconds at import.
+    """
+
+    def __init__(self, **given: Value) -> None:
+        for name in given:
+            if name not in self._names():
+                raise TypeError(f"{type(self).__name__} has no option {name!r}")
+        vars(self).update(given)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"{type(self).__name__}.{name} cannot be changed")
+
+    def _names(self) -> tuple[str, ...]:
+        return tuple(of.name for of in dataclasses.fields(self))  # type: ignore[arg-type]
+
+    def _answers(self) -> tuple[Value, ...]:
+        return tuple(getattr(self, name) for name in self._names())
+
+    def __eq__(self, other: object) -> bool:
+        return type(other) is type(self) and self._answers() == other._answers()
+
+    def __hash__(self) -> int:
+        return hash(self._answers())
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({', '.join(f'{name}={value!r}' for name, value in vars(self).items())})"
+
+
 def allowed(of: dataclasses.Field[Any]) -> str:
     """What a field accepts, as a phrase, the default first."""
     if "values" in of.metadata:

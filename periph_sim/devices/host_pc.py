@@ -10,11 +10,12 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
 from fractions import Fraction
 from random import Random
 from struct import Struct, error
 from typing import TYPE_CHECKING, Literal
+
+import msgspec
 
 from ..bus.uart.sender import UartSender
 from ..core.kernel import Agent, Kernel
@@ -49,8 +50,7 @@ def encode(values: tuple[int, ...], byte_order: ByteOrder = "little") -> bytes:
 PacedBy = Literal["schedule", "pause"]
 
 
-@dataclass(frozen=True)
-class HostSchedule:
+class HostSchedule(msgspec.Struct, frozen=True):
     """first, period, jitter in ticks, the period exact; gap in bits between bytes. lose: (frame, byte) pairs not sent.
 
     paced_by: frame n is due n periods after the first; or, as in a loop with a pause in it, a period after the frame

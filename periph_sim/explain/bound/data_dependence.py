@@ -18,14 +18,19 @@ from collections.abc import Iterator
 from enum import Enum
 from functools import lru_cache
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, cast, get_args
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 Scope = Function | ast.Lambda | ast.Module
 Apart = Scope | ast.ClassDef  # what has names of its own
-Bare = ast.expr_context | ast.operator | ast.boolop | ast.unaryop | ast.cmpop  # parts of nodes that hold nothing
+BARE = (ast.expr_context, ast.operator, ast.boolop, ast.unaryop, ast.cmpop)  # parts of nodes that hold nothing
 Loop = ast.For | ast.AsyncFor | ast.comprehension
 Named = ast.ExceptHandler | ast.MatchAs | ast.MatchStar
+
+# Every node of every source is asked for these as a run begins: nodes are of these very classes, so that sets tell.
+SCOPES = frozenset(get_args(Scope))
+ASSIGNING = frozenset({ast.Assign, ast.AnnAssign, ast.NamedExpr, ast.AugAssign, ast.withitem, ast.Delete})
+ASSIGNING |= {*get_args(Loop), *get_args(Named), ast.MatchMapping}
 
 WAITS = frozenset({"spin", "spin_either"})
 PURE = frozenset(
@@ -82,14 +87,15 @@ class Module:
                 self._calls[called(node)].append(node)
             elif isinstance(node, ast.Name | ast.Attribute) and self._is_passed_on(node):
                 self._passed_on.add(node.id if isinstance(node, ast.Name) else node.attr)
-            self._keep_assignments(node)
+            if type(node) in ASSIGNING:
+                self._keep_assignments(node)
 
     def _taken_apart(self) -> list[ast.AST]:
         """All nodes, the outer ones first; each gets its children, its parent and its scope."""
         nodes: list[ast.AST] = [self.tree]
         for node in nodes:  # which grows meanwhile
-            scope = node if isinstance(node, Scope) else self._scopes[node]
-            found = [child for child in ast.iter_child_nodes(node) if not isinstance(child, Bare)]
+            scope = cast(Scope, node) if type(node) in SCOPES else self._scopes[node]
+            found = [child for child in ast.iter_child_nodes(node) if not isinstance(child, BARE)]
             for child in found:
                 self.parents[child] = node
                 self._scopes[child] = scope

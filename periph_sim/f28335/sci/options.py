@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...core.options import choice, number
+from ...core.options import Answers, choice, number
 
 
-@dataclass(frozen=True)
-class SciOptions:
+@dataclass(init=False, repr=False, eq=False)
+class SciOptions(Answers):
     """Facts, contradictions and the measurement that would decide each: docs, open questions of the SCI."""
 
     # Receiver, line side.

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...core.options import choice, number
+from ...core.options import Answers, choice, number
 
 
-@dataclass(frozen=True)
-class SystemOptions:
+@dataclass(init=False, repr=False, eq=False)
+class SystemOptions(Answers):
     # CPU interrupts
     int_latency: int = number(
         14,

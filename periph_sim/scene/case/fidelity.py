@@ -10,8 +10,9 @@ left.SCI-B = "adaptive"      as [[serial.send]] names an SCI
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, get_args
+
+from msgspec import Struct
 
 from ...core.convert import Before
 from ...core.suggest import did_you_mean
@@ -54,8 +55,7 @@ def _flat(table: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, obj
 Fidelity: TypeAlias = Annotated[Level | dict[str, BusLevel | dict[str, BusLevel]], Before(_checked)]
 
 
-@dataclass(frozen=True)
-class BusLevels:
+class BusLevels(Struct, frozen=True):
     """i2c: of SCL and SDA. lines: of each UART line that is not at edges. named: the key of the table that says it."""
 
     i2c: str

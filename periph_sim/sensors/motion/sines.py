@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from math import inf, pi, sin
 from typing import TYPE_CHECKING, Literal
 
+from ...core.table import Table
 from . import VALUES, BadMotion
 from .pose import LEVEL, Pose, row
 from .quantities import Acceleration, Angle, Hertz
@@ -19,8 +20,7 @@ if TYPE_CHECKING:
     from . import Floats
 
 
-@dataclass(frozen=True)
-class AngleWave:
+class AngleWave(Table, frozen=True):
     """amplitude * sin(2 pi frequency t + phase), added to the angle `of`."""
 
     of: Literal["phi", "theta", "psi"]
@@ -29,8 +29,7 @@ class AngleWave:
     phase: Angle = 0.0
 
 
-@dataclass(frozen=True)
-class AccelerationWave:
+class AccelerationWave(Table, frozen=True):
     """The same of an acceleration."""
 
     of: Literal["ax", "ay", "az"]

@@ -223,6 +223,10 @@ class Recorder:
             return bool(self._parties[kind])
         return kind in self._of_all or subject in self._subjects[kind]
 
+    def tells_records(self, kind: Kind) -> bool:
+        """Whether somebody is told of this kind as a Record, and so may look about and keep what it finds."""
+        return any(not isinstance(party, Listener | Keeper) for party in self._parties[kind])
+
     def subjects(self, kind: Kind) -> frozenset[str] | None:
         """The subjects that somebody wants; None for all."""
         return None if kind in self._of_all else frozenset(self._subjects[kind])

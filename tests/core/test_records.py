@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from periph_sim.core.records import Kind, Record, Recorder
+from periph_sim.core.records import Keeper, Kind, Listener, Record, Recorder
 
 
 def test_a_sink_is_told_of_its_kinds_only():
@@ -30,3 +30,11 @@ def test_one_who_wants_all_makes_all_wanted():
     recorder.subscribe([Kind.FLAG], print)
     assert recorder.wants(Kind.FLAG, "dsp.SCI-A.SCIRXST") and recorder.subjects(Kind.FLAG) is None
     assert recorder.subjects(Kind.ACCESS) == set()
+
+
+def test_only_who_is_told_of_records_may_keep_what_it_finds_meanwhile():
+    recorder = Recorder()
+    recorder.subscribe([Kind.ACCESS], Listener())
+    recorder.subscribe([Kind.ACCESS], Keeper())
+    recorder.subscribe([Kind.WAIT], print)
+    assert [recorder.tells_records(kind) for kind in (Kind.ACCESS, Kind.WAIT, Kind.SPAN)] == [False, True, False]

@@ -32,8 +32,8 @@ class Waited:
 
 
 class CodeRecords:
-    """spans, waits: whether anybody wants records of them. kept: whether anybody who does, or is told of accesses, may
-    keep a wait.
+    """spans, waits: whether anybody wants records of them. kept: whether anybody who is told of them, or of accesses,
+    may keep a wait.
     """
 
     __slots__ = ("_clock", "_name", "_program", "_recorder", "_waited", "kept", "spans", "waits")
@@ -41,7 +41,7 @@ class CodeRecords:
     def __init__(self, clock: Clock, recorder: Recorder, program: PythonProgram) -> None:
         self.spans = recorder.wants(Kind.SPAN)
         self.waits = recorder.wants(Kind.WAIT)
-        self.kept = self.waits or recorder.wants(Kind.ACCESS)
+        self.kept = recorder.tells_records(Kind.WAIT) or recorder.tells_records(Kind.ACCESS)
         self._clock = clock
         self._recorder = recorder
         self._name = program.name

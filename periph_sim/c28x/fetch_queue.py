@@ -12,6 +12,7 @@ from __future__ import annotations
 
 DEPTH = 4  # units: the queue's; of flash with its prefetch two of 64 bits, and what the queue holds of a third
 PLACE = DEPTH - 1
+LONG_AGO = 1 << 7  # cycles: nothing waits for what was then; a full queue takes 4 * 17 at most
 
 
 class FetchQueue:
@@ -26,6 +27,11 @@ class FetchQueue:
         self._bits = 1  # of an address within a unit
         self._cycles = 1  # that a unit takes
         self.expected = -1
+
+    def state(self, cycle: int) -> tuple[object, ...]:
+        """What is in the queue, with times counted from this cycle; what is past counts no more."""
+        later = [place - cycle for place in (self._ready, *self._consumed)]
+        return self.expected, self._newest, self._bits, self._cycles, tuple(max(time, -LONG_AGO) for time in later)
 
     def begin(self, cycle: int, address: int, bits: int, first: int, later: int) -> None:
         """A discontinuity, in memory whose units have 2**bits words. first, later: wait states of the units.

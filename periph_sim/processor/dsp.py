@@ -135,8 +135,11 @@ class Dsp(FirmwareView):
         from .image.program import ImageProgram
 
         entry = entry_of(image, boot)
-        program = self.program = ImageProgram(self.processor, self.clock, image, entry, self.plan.system)
+        program = self.program = ImageProgram(
+            self.processor, self.clock, image, entry, self.plan.system, self.plan.skip_polls
+        )
         program.load()
+        program.cpu.elsewhere.changed = partial(self._answered, program)
         for stub in stubs:
             self._kernel.at(stub.tick, partial(program.cpu.elsewhere.answer, stub.address, stub.value))
 
@@ -149,6 +152,10 @@ class Dsp(FirmwareView):
         self._begin_anew = begin
         begin()
         return program
+
+    def _answered(self, program: ImageProgram) -> None:
+        """A stub answers otherwise from now on: a program that waits for it looks."""
+        program.cpu.polls.resume(self.clock.cycle_at(self._kernel.now))
 
     def _leave_boot_rom(self) -> None:
         """The clock as the boot ROM leaves it."""

@@ -54,6 +54,14 @@ class Program:
         """
         raise NotImplementedError
 
+    def waits_for(self) -> str:
+        """What the wait in progress looks at."""
+        return "" if self.spin is None else self.spin.waits_for()
+
+    def unanswered(self) -> str:
+        """What it waits for that nothing models, and how the case can answer; "" if it does not."""
+        return ""
+
     def ending(self, at: str) -> str:
         """What a note says of a program that is over. at: `returned_at` as a time."""
         return f"main returned at {at}; from then on only service routines run"

@@ -43,8 +43,11 @@ def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], insta
     spin = dsp.program.spin
     if spin is None or not dsp.processor.time.waits_for_input:
         return ""
+    unanswered = dsp.program.unanswered()
+    if not spin.polls and not unanswered:
+        return ""  # an endless loop of the program's own
     modules = [module for module in signals_behind(dsp, spin) if has_clock(dsp, module)]
-    if not modules:
+    if not modules and not unanswered:
         return f"PCLKCR gives {' and '.join(dict.fromkeys(poll.place.name for poll in spin.polls))} no clock"
     wires = {wire.name: wire for module in modules for wire in wires_into(dsp, module)}
     for wire in wires.values():
@@ -53,6 +56,8 @@ def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], insta
             return ""
     if any(dsp.socket(module).chip.next_wake < NEVER for module in modules) or dsp.core.next_wake < NEVER:
         return ""
+    if unanswered:
+        return unanswered
     due = f"{' and '.join(modules)} {'has' if len(modules) == 1 else 'have'} nothing due"
     inputs = [name for name in wires if name not in outputs(dsp)]
     moved = f"nobody will move {' or '.join(inputs)}" if inputs else "no wire leads there"

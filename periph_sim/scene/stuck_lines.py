@@ -61,4 +61,4 @@ def doing(dsp: Dsp, timebase: Timebase, start: int) -> str:
         at = "" if where is None else f" at {where.for_people()}"
         return f"waits in IDLE for an interrupt{at}" if dsp.core.idlestat else f"computes{at}"
     since = timebase.show(dsp.clock.tick(spin.since) - start)
-    return f"waits for {spin.waits_for()} since {since}"
+    return f"waits for {dsp.program.waits_for()} since {since}"

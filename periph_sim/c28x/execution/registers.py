@@ -43,14 +43,13 @@ class Operation:
     next: the address behind it. cycles, not_taken: of the table. wide: its operand has 32 bits. byte: it takes a byte.
     place: the address, until its words are written over. following, goal: what was executed behind it, and where it
     last jumped to. accesses: READS, WRITES, both or 0, what it does at its operand's address. absolute: likewise at
-    *(0:16).
-    needs, makes: registers early and late, see `hazards`. jumps: it may go elsewhere. waited: it is in memory with wait
-    states.
+    *(0:16). needs, makes: registers early and late, see `hazards`. jumps: it may go elsewhere; loops: by a branch.
+    waited: it is in memory with wait states.
     """
 
     __slots__ = (
         "absolute", "accesses", "address", "b", "byte", "c", "cycles", "encoding", "execute", "following", "g", "goal",
-        "h", "i", "jumps", "k", "l", "m", "makes", "n", "needs", "next", "not_taken", "p", "place", "q", "r",
+        "h", "i", "jumps", "k", "l", "loops", "m", "makes", "n", "needs", "next", "not_taken", "p", "place", "q", "r",
         "repeatable", "s", "t", "u", "v", "w", "waited", "wide", "x", "y", "z",
     )  # fmt: skip
 
@@ -82,6 +81,7 @@ class Operation:
     encoding: Encoding
     execute: Callable[[Cpu, Operation], None]
     jumps: bool
+    loops: bool
     makes: int
     needs: int
     following: Operation | None

@@ -10,6 +10,7 @@ from ..cpu_time cimport CpuTime
 from ..operand cimport Operand
 from ..processor cimport Processor
 from .instruction_timing cimport InstructionTiming
+from .polls cimport Polls
 
 cdef bint in_plain_ram(long long address) noexcept
 
@@ -24,11 +25,12 @@ cdef class ImageCpu(Engine):
     cdef Ram _ram
     cdef public object elsewhere, watched
     cdef public InstructionTiming timing
+    cdef public Polls polls
     cdef Pipeline _pipeline
     cdef bint _decoding
     cpdef void reset(self)
     cpdef void fill(self, long long address, long long value)
-    @cython.locals(operand=Operand)
+    @cython.locals(operand=Operand, cycle=cython.longlong, polls=Polls, value=cython.longlong)
     cdef long long _load(self, long long address, long long width)
     cdef void _store(self, long long address, long long value, long long width)
     cdef void _keep(self, long long address, long long value)

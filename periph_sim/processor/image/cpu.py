@@ -30,6 +30,7 @@ from ...f28335.system.ram import Ram, block_at
 from ..processor import Processor
 from .elsewhere import Elsewhere
 from .instruction_timing import InstructionTiming
+from .polls import Polls
 from .variable_records import VariableRecords
 
 RAM_FROM, RAM_TO = 0x8000, 0x1_0000  # without waits, but for M0 and M1 below
@@ -59,6 +60,7 @@ class ImageCpu(Engine):
         self._pipeline = self.timing.pipeline
         self._decoding = False
         self.watched: VariableRecords | None = None
+        self.polls = Polls(self._time, self._core)
         self.reset()
 
     def reset(self) -> None:
@@ -66,6 +68,7 @@ class ImageCpu(Engine):
         Cpu.__init__(self)
         self.left = 0
         self.timing.drain()
+        self.polls.forget()
         self._core.st1 = ST1_RESET
         self.ended = self.returning = self.idling = False
 
@@ -95,17 +98,29 @@ class ImageCpu(Engine):
     def _load(self, address: int, width: int) -> int:
         if block_at(address) is not None:
             return self._bus.read(self._time.cycle, address, width)
+        cycle, polls = self._time.cycle, self.polls
+        if polls.replaying and polls.answer(cycle):
+            return polls.answered()
         try:
             operand = self._bus.at(address, width)
         except NoSuchAddress:
-            low = self.elsewhere.read(self._time.cycle, address)
-            return low | self.elsewhere.read(self._time.cycle, address + 1) << 16 if width == 32 else low
+            value = self.elsewhere.read(cycle, address)
+            if width == 32:
+                value |= self.elsewhere.read(cycle, address + 1) << 16
+            if polls.tracking:
+                polls.note_elsewhere(address, value)
+            return value
         if operand.meets:
             self._time.meet()
-        return self._bus.read(self._time.cycle, address, width)
+        value = self._bus.read(cycle, address, width)
+        if polls.tracking:
+            polls.note(operand, value)
+        return value
 
     def store16(self, address: int, value: int) -> None:
         if in_plain_ram(address):
+            if self.polls.tracking and self._ram.word(address) != value:
+                self.polls.soil()
             self._pipeline.wrote(address, 1, self.cycles)
             self._ram.put(address, value)
             if self._code[address >> PAGE] or self.watched is not None:
@@ -116,6 +131,8 @@ class ImageCpu(Engine):
     def store32(self, address: int, value: int) -> None:
         if in_plain_ram(address):
             low = address & ~1
+            if self.polls.tracking and self._ram.word32(low) != value:
+                self.polls.soil()
             self._pipeline.wrote(low, 2, self.cycles)
             self._ram.put_word32(low, value)
             if self._code[low >> PAGE] or self.watched is not None:
@@ -125,6 +142,7 @@ class ImageCpu(Engine):
             self._store(address & ~1, value, 32)
 
     def _store(self, address: int, value: int, width: int) -> None:
+        self.polls.soil()
         try:
             self._bus.write(self._time.cycle, address, value, width)
         except NoSuchAddress:
@@ -135,6 +153,7 @@ class ImageCpu(Engine):
     def written(self, address: int) -> None:
         Engine.written(self, address)
         if self.watched is not None and address in self.watched.addresses:
+            self.polls.soil()
             self.watched.written(address, self._time.cycle)
 
     def program16(self, address: int) -> int:
@@ -146,6 +165,10 @@ class ImageCpu(Engine):
         if area is None or area.content is Content.REGISTERS:
             raise IllegalOperation(f"code is fetched from {address:#08x}, where no memory is")
         return self.elsewhere.read(self._time.cycle, address)
+
+    def word_at(self, address: int) -> int:
+        """A word of code, at no cost."""
+        return self._ram.word(address) if in_plain_ram(address) else self.elsewhere.peek(address)
 
     def _keep(self, address: int, value: int) -> None:
         if self.elsewhere.write(self._time.cycle, address, value):
@@ -190,6 +213,7 @@ class ImageCpu(Engine):
 
     def put_st1(self, value: int) -> None:
         core = self._core
+        self.polls.soil()
         core.st1 = value & ~READ_ONLY | core.st1 & READ_ONLY
         self.arp = value >> ARP & 7
 
@@ -197,23 +221,28 @@ class ImageCpu(Engine):
         return self._core.ier
 
     def put_ier(self, value: int) -> None:
+        self.polls.soil()
         self._core.ier = value & 0xFFFF
 
     def whole_ifr(self) -> int:
+        self.polls.soil()
         self._core.wake(self._time.cycle)
         return self._core.ifr
 
     def put_ifr(self, value: int) -> None:
+        self.polls.soil()
         self._core.wake(self._time.cycle)
         self._core.ifr = value & 0xFFFF
 
     def and_ifr(self, mask: int) -> None:
+        self.polls.soil()
         self._core.and_ifr(self._time.cycle, mask)
 
     def change_st1(self, mask: int, on: bool) -> None:
         cycle = self._time.cycle
         core = self._core
         if mask & INTM:
+            self.polls.soil()
             if on:
                 core.setc_intm(cycle)
             else:
@@ -224,6 +253,14 @@ class ImageCpu(Engine):
             core.st1 |= mask & ~INTM
         else:
             core.st1 &= ~(mask & ~INTM)
+
+    def state(self) -> tuple[object, ...]:
+        """All that a next instruction depends on, but for memory and the chip."""
+        return (
+            self.acc, self.p, self.xt, tuple(self.xar), self.dp, self.sp, self.rpc, self.st0(), self.whole_st1(),
+            self._core.ier, self.dbgier, self.dbgstat, tuple(self.r), self.stf, tuple(self.shadow_r), self.shadow_stf,
+            self.rb, self.timing.state(self._time.cycle),
+        )  # fmt: skip
 
     # Control ------------------------------------------------------------------------
 
@@ -240,6 +277,7 @@ class ImageCpu(Engine):
         self.returning = True
 
     def idle(self) -> None:
+        self.polls.soil()
         self.idling = True
 
     def stop(self) -> None:
@@ -261,12 +299,14 @@ class ImageCpu(Engine):
     def begin_routine(self, address: int) -> None:
         """The service routine is entered: RPTB's RA waits in RAS."""
         self.timing.drain()
+        self.polls.soil()
         self.sp = self._core.sp
         self.rb = self.rb & 0x3FFF_FFFF | (self.rb >> 30 & 1) << 31
         self.pc = address
 
     def restore(self, words: list[int]) -> None:
         """IRET: all of it from memory."""
+        self.polls.soil()
         self.timing.drain()
         self.put_st0(words[0])
         self.put_t(words[1])

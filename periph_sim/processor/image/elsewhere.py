@@ -12,6 +12,8 @@ Source: SPRS439M Figure 3-2, Tables 3-5 and 3-8 to 3-11; SPRUFB0D Tables 86 to 9
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from ...c28x.execution.registers import IllegalOperation
 from ...core.chip import Note
 from ...f28335.cpu.interrupts import CpuInterrupts
@@ -36,9 +38,10 @@ MATH_TABLES = range(0x3F_E000, 0x3F_F27C)
 
 
 class Elsewhere:
-    """Each unit has its own."""
+    """changed: called as a stub begins to answer something else."""
 
     def __init__(self, core: CpuInterrupts, notes: FirmwareNotes) -> None:
+        self.changed: Callable[[], None] | None = None
         self._core = core
         self._notes = notes
         self._stored = FIXED | FLASH_RESET
@@ -52,6 +55,8 @@ class Elsewhere:
     def answer(self, address: int, value: int) -> None:
         """From now on a read of this word brings this value."""
         self._stubs[address] = value
+        if self.changed is not None:
+            self.changed()
 
     def read(self, cycle: int, address: int) -> int:
         """A word. IllegalOperation where the chip has nothing, or what nobody can answer."""
@@ -63,6 +68,10 @@ class Elsewhere:
         if stub is not None:
             return stub
         return self._stored.get(address, ERASED if area.content in (Content.FLASH, Content.OTP) else 0)
+
+    def peek(self, address: int) -> int:
+        """What was loaded there."""
+        return self._stored.get(address, ERASED)
 
     def write(self, cycle: int, address: int, value: int) -> bool:
         """A word. True if it is kept."""

@@ -9,6 +9,7 @@ Rules whose numbers TI does not print are options. Source: SPRU430F 4.3, 4.4; SP
 
 from __future__ import annotations
 
+from ...c28x import flow
 from ...c28x.execution.registers import REGISTER, Cpu, Operation
 from ...c28x.fetch_queue import FetchQueue
 from ...c28x.hazards import hazards
@@ -19,6 +20,7 @@ from ...f28335.system.ram import block_at
 from .elsewhere import Elsewhere
 
 UNC = 15
+BRANCHES = flow.RELATIVE | {"LB", "XB", "XBANZ"}
 PUSH_FIELD = 0xBD  # *SP++
 WITHOUT_WAITS = (range(0x800), range(0x8000, 0xC000), range(0x3F_8000, 0x3F_C000))  # M0, M1, L0 to L3
 
@@ -47,11 +49,16 @@ class InstructionTiming:
         self.pipeline.drain()
         self._queue.expected = -1
 
+    def state(self, cycle: int) -> tuple[object, ...]:
+        """What is under way, with times counted from this cycle."""
+        return (self.pipeline.state(), self._queue.state(cycle))
+
     def prepare(self, f: Operation) -> None:
         """An instruction was decoded: what is known of its time once and for all."""
         encoding = f.encoding
         f.needs, f.makes = hazards(encoding, f.l, f.n, f.m)
         f.jumps = "PC" in encoding.writes
+        f.loops = encoding.mnemonic in BRANCHES
         f.waited = has_waits(f.address)
         if encoding.id == "B_off16_COND" and f.k == UNC:
             self._core.touched.add("b_unc_cycles")

@@ -8,6 +8,7 @@ from ..processor cimport Processor
 from ..program cimport Program
 from .cpu cimport ImageCpu
 from .instruction_timing cimport InstructionTiming
+from .polls cimport Polls
 
 
 cdef class ImageProgram(Program):
@@ -16,16 +17,19 @@ cdef class ImageProgram(Program):
     cdef public long long instructions
     cdef Processor _processor
     cdef Operation _ready
-    cdef bint _executed, _idle_began
+    cdef bint _executed, _idle_began, _looks, _skip_polls
+    cdef long long _counted, _pass
     cdef long long _jumps[8]
     cdef long long _jumped
     cdef object _clock, _functions, _calls, _waits, _watch
+    cdef bint _sleeps(self)
+    cdef void _woken(self)
     cdef dict _places
     cdef long long _at, _entry, _slept_from
     cpdef void load(self)
     cpdef void begin(self)
     @cython.locals(cpu=ImageCpu, time=CpuTime, processor=Processor, core=CpuInterrupts, f=Operation, cycle=cython.longlong,
-                   cycles=cython.longlong, at=cython.longlong, timing=InstructionTiming, pipeline=Pipeline)
+                   cycles=cython.longlong, at=cython.longlong, timing=InstructionTiming, pipeline=Pipeline, polls=Polls)
     cdef object _run(self)
     cdef bint _slept(self)
     cdef object _ended(self)

@@ -22,6 +22,7 @@ from ..error_origin import FirmwareError
 from ..processor import Processor
 from ..program import Program, Stop
 from ..source_location import SourceLocation
+from .awaited import Awaited, awaited
 from .call_stack import CallListener, CallStack
 from .cpu import ImageCpu
 from .function_map import FunctionMap
@@ -35,8 +36,10 @@ LAST_JUMPS = 8  # that an error names; a power of two
 class ImageProgram(Program):
     """cpu: its registers. instructions: how many were executed."""
 
-    def __init__(self, processor: Processor, clock: Clock, image: Image, entry: int, options: SystemOptions) -> None:
-        """entry: where PC begins."""
+    def __init__(
+        self, processor: Processor, clock: Clock, image: Image, entry: int, options: SystemOptions, skip_polls: bool
+    ) -> None:
+        """entry: where PC begins. skip_polls: sleep through passes of waits that come out as those before."""
         super().__init__()
         self.cpu = ImageCpu(processor, options)
         self.image = image
@@ -54,6 +57,9 @@ class ImageProgram(Program):
         self._calls: CallStack | None = None  # somebody wants to know what is called
         self._waits: WaitRecords | None = None  # somebody records when it waits
         self._watch: InstructionWatch | None = None  # somebody looks at each instruction
+        self._skip_polls = skip_polls
+        self._looks = False  # a loop has come to its begin again
+        self._counted = self._pass = 0  # instructions up to there, and of a pass
         self._entry = entry
         self._at = entry  # the instruction that is executed, or was last
 
@@ -73,7 +79,8 @@ class ImageProgram(Program):
         self.cpu.pc = self._entry
         self.returned_at = None
         self._ready = None
-        self._executed = self._idle_began = False
+        self._executed = self._idle_began = self._looks = False
+        self.spin = None
         self._at = self._entry
         if self._calls is not None:
             self._calls.began(self._entry, self._processor.time.cycle)
@@ -118,13 +125,19 @@ class ImageProgram(Program):
 
     def _run(self) -> Stop:
         cpu, time, processor = self.cpu, self._processor.time, self._processor
-        core, timing = processor.interrupts.core, cpu.timing
+        core, timing, polls = processor.interrupts.core, cpu.timing, cpu.polls
         pipeline = timing.pipeline
+        if polls.asleep:
+            self._woken()
         f: Operation | None = None  # the last one of this turn
         while True:
             if self._ready is not None:
                 f, self._ready = self._ready, None
             else:
+                if self._looks:
+                    self._looks = False
+                    if self._sleeps():
+                        return Stop.SLEEPS
                 if cpu.idling:
                     if not self._slept():
                         return Stop.SLEEPS
@@ -159,11 +172,16 @@ class ImageProgram(Program):
             self.instructions += 1
             self._executed = True
             if cpu.pc != f.next:
-                if f.jumps and cpu.pc & 1:
-                    cycle += timing.landing(cpu.after(f))
+                if f.jumps:
+                    if cpu.pc & 1:
+                        cycle += timing.landing(cpu.after(f))
+                    if f.loops and cpu.pc <= f.address and self._skip_polls:
+                        self._looks = polls.again(f.address, cycle)
                 self._jumps[self._jumped & LAST_JUMPS - 1] = f.address
                 self._jumped += 1
                 if self._calls is not None:
+                    if not f.loops:
+                        polls.soil()
                     self._calls.jumped(f, cpu.pc, cycle)
             if self._watch is not None:
                 self._watch.executed(f, cpu, cycle)
@@ -179,6 +197,49 @@ class ImageProgram(Program):
             if cycle >= time.lease and not processor.reach(cycle):
                 return Stop.WAITS
             time.cycle = cycle
+
+    # Waits --------------------------------------------------------------------------
+
+    def _sleeps(self) -> bool:
+        """At the begin of another pass of a loop: it sleeps if that can only come out as those before did."""
+        polls, passed = self.cpu.polls, self.instructions - self._counted
+        self._counted = self.instructions
+        if self._watch is not None or not polls.comes_out_alike(self.cpu.state()):
+            return False
+        self.spin = polls.sleep()
+        if self.spin is None:
+            return False
+        self._pass = passed
+        if self._waits is not None:
+            self._waits.begins(self.waits_for(), self._processor.time.cycle, self.place() or "")
+        return True
+
+    def _woken(self) -> None:
+        """A pass may come out otherwise: the one in progress is made from its start."""
+        time = self._processor.time
+        woken, since = time.cycle, self.cpu.polls.began
+        skipped = self.cpu.polls.woken()
+        self.polls_skipped += skipped
+        self.instructions += skipped * self._pass
+        self.spin = None
+        if self._waits is not None:
+            self._waits.ends(woken)
+        if self._calls is not None:
+            self._calls.slept(since, time.cycle)
+
+    def waits_for(self) -> str:
+        """See `Program.waits_for`."""
+        return " and ".join(self._awaited().texts)
+
+    def unanswered(self) -> str:
+        """See `Program.unanswered`."""
+        return self._awaited().unanswered
+
+    def _awaited(self) -> Awaited:
+        polls = self.cpu.polls
+        return awaited(
+            self.cpu, self._at, [] if self.spin is None else self.spin.polls, polls.elsewhere, self.functions
+        )
 
     def _slept(self) -> bool:
         """IDLE: over once an interrupt comes that IER enables."""

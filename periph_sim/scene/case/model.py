@@ -120,7 +120,7 @@ class Unit(Table, frozen=True, kw_only=True):
             )
         if self.memory and not self.image:
             raise ValueError("memory is of an image's variables; settings are what Python firmware takes")
-        said = sorted({"settings", "code", "pll", "from_boot", "skip_polls"} & given)
+        said = sorted({"settings", "code", "pll", "from_boot"} & given)
         if self.image and said:
             raise ValueError(f"{said[0]} is of Python firmware; an image says that by itself, so leave it out")
         said = sorted({"boot", "stub"} & given)

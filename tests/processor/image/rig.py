@@ -31,12 +31,18 @@ class Rig:
     """A unit that runs a program from its entry on, 2 ms at most."""
 
     def __init__(
-        self, source: str, *modules: str, boot: Boot = "entry", stubs: Iterable[Stub] = (), **options: Value
+        self,
+        source: str,
+        *modules: str,
+        boot: Boot = "entry",
+        stubs: Iterable[Stub] = (),
+        skip: bool = True,
+        **options: Value,
     ) -> None:
         self.kernel, self.recorder = Kernel(), Recorder()
         self.records: list[Record] = []
         self.recorder.subscribe({Kind.IRQ, Kind.NOTE, Kind.ACCESS}, self.records.append)
-        plan = DspPlan("dsp", modules, {}, from_boot=True, system=options_from(SystemOptions, options))
+        plan = DspPlan("dsp", modules, {}, from_boot=True, skip_polls=skip, system=options_from(SystemOptions, options))
         self.dsp = Dsp(self.kernel, Timebase(150_000_000), self.recorder, plan)
         self.dsp.start_image(assemble(source), boot, stubs)
         assert isinstance(self.dsp.program, ImageProgram)

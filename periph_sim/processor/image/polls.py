@@ -1,0 +1,153 @@
+"""Waits of an image: passes of a loop go in; that every further one comes out the same comes out, and for how long.
+
+    a backward branch, again and again --> state at two of them equal --> Lease of what was read --> sleep
+          ^--- the pass in progress, made anew from its start; what lies in the past is answered as it was <-- woken
+
+A pass is *clean* if it stored in memory what stood there already, wrote no register, read none that counts or that a
+read changes, did not touch what decides about interrupts, and was not interrupted. If the registers, the pipeline and
+the fetch queue are equal before and after two clean passes of the same cycles, the next one comes out the same as long
+as the registers of the chip that it read do. So skipping changes no cycle and no bit.
+"""
+
+from __future__ import annotations
+
+from ...core.chip import NEVER
+from ...f28335.cpu.interrupts import CpuInterrupts
+from ..cpu_time import CpuTime
+from ..operand import Operand
+from ..polling import Lease, Spin
+
+FIRST_LOOK = 2  # passes of a loop before anybody looks at it
+LONGEST = 1024  # passes between two looks at a loop that is no wait
+
+
+class Polls:
+    """tracking: a pass is looked at. clean: nothing in it but what every further pass would do again.
+
+    asleep: passes are skipped. replaying: reads are answered as they were up to the cycle `live_from`. elsewhere: words
+    read that nothing models.
+    """
+
+    __slots__ = (
+        "_before", "_branch", "_core", "_lease", "_look_at", "_next", "_passes", "_period", "_since", "_spin",
+        "_started", "_step", "_time", "_values", "asleep", "clean", "elsewhere", "live_from", "replaying", "tracking",
+    )  # fmt: skip
+
+    def __init__(self, time: CpuTime, core: CpuInterrupts) -> None:
+        self._time = time
+        self._core = core
+        self._lease = Lease(time)
+        self.elsewhere: list[int] = []
+        self._values: list[int] = []
+        self._before: object = None
+        self._branch = -1
+        self._spin = Spin(0)
+        self.forget()
+
+    def forget(self) -> None:
+        """The program begins anew, or is over."""
+        self._lease.end()
+        self.asleep = self.tracking = self.clean = self.replaying = False
+        self.live_from = 0
+        self._branch = -1
+        self._passes = self._next = self._look_at = self._step = 0
+        self._period = self._started = self._since = 0
+
+    # Passes ------------------------------------------------------------------------
+
+    def again(self, branch: int, cycle: int) -> bool:
+        """A branch back is taken. True if it is time to look at the loop."""
+        if branch != self._branch:
+            self._branch, self._passes, self._since = branch, 0, cycle
+            self._look_at, self._step = FIRST_LOOK, 1
+            self.tracking = False
+            return False
+        self._passes += 1
+        return self._passes >= self._look_at
+
+    def comes_out_alike(self, state: object) -> bool:
+        """At the begin of a pass: whether two clean ones behind it had this state before and after them."""
+        cycle = self._time.cycle
+        period, equal = cycle - self._started, self.tracking and self.clean and state == self._before
+        seen = equal and period == self._period
+        if self.tracking and not equal:  # look again later, and ever less often
+            self._step = min(2 * self._step, LONGEST)
+            self._look_at = self._passes + self._step
+            self.tracking = False
+            return False
+        self._before, self._started, self._period = state, cycle, period if equal else 0
+        if not seen:
+            self._begin()
+        return seen
+
+    def _begin(self) -> None:
+        """Look at the pass that begins now."""
+        self.tracking = self.clean = True
+        self.elsewhere.clear()
+        self._values.clear()
+        self._spin.begin_pass(self._time.cycle)
+
+    @property
+    def began(self) -> int:
+        """When the pass began that is looked at."""
+        return self._started
+
+    def note(self, operand: Operand, value: int) -> None:
+        """The pass reads a register of the chip."""
+        self._spin.note(operand, value << operand.shift)
+        self._values.append(value)
+        if not operand.steady:
+            self.clean = False
+
+    def note_elsewhere(self, address: int, value: int) -> None:
+        """The pass reads a word that nothing models."""
+        self.elsewhere.append(address)
+        self._values.append(value)
+
+    def soil(self) -> None:
+        """The pass does what the next one may not do again."""
+        self.clean = False
+
+    # Sleep -------------------------------------------------------------------------
+
+    def sleep(self) -> Spin | None:
+        """Sleep until a pass may come out otherwise. None if that may be now already."""
+        time, lease, spin = self._time, self._lease, self._spin
+        if time.lands < NEVER or self._core.earliest() < NEVER:
+            return None
+        spin.since = self._since
+        lease.take(spin)
+        if lease.broken(time.cycle):
+            return None
+        lease.begin()
+        time.sleep(NEVER)
+        self.asleep = True
+        return spin
+
+    def woken(self) -> int:
+        """Go on at the start of the pass in progress. How many passes were skipped."""
+        time = self._time
+        self._lease.end()
+        self.asleep = False
+        first, now = self._started, time.cycle
+        skipped = (now - first) // self._period
+        time.cycle = first + skipped * self._period
+        self.live_from, self._next = now, 0
+        self.replaying = now > time.cycle
+        self.tracking = False
+        self._look_at = self._passes + 1
+        return skipped
+
+    def resume(self, cycle: int) -> None:
+        """What a word answers that nothing models has changed: a sleeping program looks."""
+        if self.asleep:
+            self._time.resume_by(max(cycle, self._started))
+
+    def answer(self, cycle: int) -> bool:
+        """Whether the read in this cycle is answered as it was (`answered`); if not, the replay is over."""
+        self.replaying = cycle < self.live_from and self._next < len(self._values)
+        return self.replaying
+
+    def answered(self) -> int:
+        self._next += 1
+        return self._values[self._next - 1]

@@ -1,0 +1,165 @@
+"""Waits whose passes are skipped: nothing is different from executing every one of them, but how long that takes."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterable
+
+import pytest
+
+from periph_sim.core.records import Kind
+from periph_sim.processor.image.boot import Stub
+from tests.processor.image.rig import HEAD, Rig
+
+ADCST, COUNT, FLAG = 0x7119, 0x9100, 0x9101
+
+# SCI-A at its fastest; timer 0 asks all PERIOD cycles, and its routine counts; each 5th time it sets FLAG
+HARDWARE = """
+ EALLOW
+ MOVW DP,#0x7010 >> 6
+ MOV @0x701C,#0x0400
+ MOV @0x701B,#0
+ MOVL XAR4,#_routine
+ MOVL XAR5,#0x0D4C
+ MOVL *XAR5,XAR4
+ EDIS
+ MOVW DP,#0x7050 >> 6
+ MOV @0x7050,#7
+ MOV @0x7051,#3
+ MOV @0x7053,#{baud}
+ MOV @0x7051,#0x23
+ MOVW DP,#0x0CE0 >> 6
+ MOV @0x0CE0,#1
+ MOV @0x0CE2,#0x40
+ MOVW DP,#0x0C00 >> 6
+ MOVL XAR6,#{period}
+ MOVL @0x0C02,XAR6
+ MOV @0x0C04,#0x4020
+ OR IER,#1
+ {interrupts}
+"""
+ROUTINE = """
+ .global _routine
+_routine: ADDB SP,#1
+ PUSH ACC
+ PUSH DP
+ MOVW DP,#0x9100 >> 6
+ INC @0x9100
+ MOV AL,@0x9100
+ CMPB AL,#{every}
+ SB quick,LT
+ MOV @0x9101,#1
+ MOV @0x9100,#0
+quick: MOVW DP,#0x0CE0 >> 6
+ MOV @0x0CE1,#1
+ POP DP
+ POP ACC
+ SUBB SP,#1
+ IRET
+"""
+SEND = "MOVW DP,#0x1C1; MOV @0x7059,#0x41; RPT #80 || NOP; MOV @0x7059,#0x42; "
+WAITS = (
+    # TXRDY by TBIT, by a mask, and by a function
+    SEND + "{n}: TBIT @0x7054,#7; SB {n},NTC",
+    SEND + "{n}: MOVW DP,#0x1C1; AND AL,@0x7054,#0x80; LSR AL,#7; SBF {n},EQ",
+    SEND + "{n}: LCR #_ready; CMPB AL,#0; BF {n},EQ",
+    # the transmitter is empty; with a store of what stands there
+    SEND + "{n}: MOV AL,@0x7054; MOV *SP++,AL; MOV AL,*--SP; TBIT @AL,#6; SB {n},NTC",
+    # a flag that the service routine sets
+    "MOVW DP,#0x9100 >> 6; MOV @0x9101,#0; {n}: NOP; MOV AL,@0x9101; SB {n},EQ",
+    # the timer's counter is read: no pass is like another
+    "MOVW DP,#0x0C00 >> 6; {n}: MOV AL,@0x0C00; CMPB AL,#0x80; SB {n},HI",
+    # a count down, and a time-out beside a flag
+    "MOVL XAR3,#{count}; {n}: BANZ {n},AR3--",
+    SEND + "MOVL XAR3,#{count}; {n}: TBIT @0x7054,#7; SB x{n},TC; BANZ {n},AR3--; x{n}: NOP",
+    # two registers
+    SEND + "{n}: MOV AL,@0x7054; AND AL,@0x7055; MOV AH,@0x7054; TBIT @AH,#6; SB {n},NTC",
+)
+FOR_FLAG = 4
+READY = " .global _ready\n_ready: ADDB SP,#2\n AND AL,@0x7054,#0x80\n MOV *-SP[1],AL\n SUBB SP,#2\n LRETR\n"
+
+
+def lines(wait: str, name: str, count: int) -> str:
+    """A wait as a source has it."""
+    code = wait.format(n=name, count=count).split("; ")
+    return "".join(f"{line}\n" if ": " in line else f" {line}\n" for line in code)
+
+
+def outcome(rig: Rig) -> dict[str, object]:
+    """All that a program can have made of a run."""
+    told = [(record.tick, record.what, record.value) for record in rig.records if record.kind is Kind.IRQ]
+    memory = [rig.word(address) for address in (*range(0x400, 0x440), *range(0x9000, 0x9200))]
+    return {
+        "ended": rig.program.returned_at,
+        "instructions": rig.program.instructions,
+        "state": rig.cpu.state()[:-1],
+        "pc": rig.cpu.pc,
+        "memory": memory,
+        "interrupts": told,
+        "events of SCI": rig.dsp.socket("SCI-A").chip.peek(rig.dsp.processor.time.cycle, 4),
+    }
+
+
+def both(source: str, stubs: Iterable[Stub] = (), ticks: int = 6_000_000) -> tuple[int, dict[str, object]]:
+    """Passes that were skipped, and what came of it, which is the same without skipping."""
+    skipping, executing = (Rig(source, "SCI-A", "TIMER0", stubs=stubs, skip=skip).run(ticks) for skip in (True, False))
+    assert executing.program.polls_skipped == 0
+    assert outcome(skipping) == outcome(executing)
+    return skipping.program.polls_skipped, outcome(skipping)
+
+
+def program(draw: random.Random) -> str:
+    """Waits in a random order, with random interrupts."""
+    interrupts = draw.choice(("CLRC INTM", "CLRC INTM", "NOP"))
+    possible = [wait for wait in WAITS if interrupts != "NOP" or wait is not WAITS[FOR_FLAG]]
+    waits = "".join(
+        lines(draw.choice(possible), f"w{number}", draw.randrange(200)) + " NOP\n" * draw.randrange(4)
+        for number in range(draw.randrange(3, 9))
+    )
+    hardware = HARDWARE.format(baud=draw.randrange(1, 9), period=draw.randrange(150, 1500), interrupts=interrupts)
+    return HEAD + hardware + waits + " ESTOP0\n" + ROUTINE.format(every=draw.randrange(1, 4)) + READY
+
+
+def test_each_wait_is_skipped_where_it_can_be():
+    skipped = []
+    for wait in WAITS:
+        hardware = HARDWARE.format(baud=8, period=2999, interrupts="CLRC INTM")
+        source = HEAD + hardware + lines(wait, "w", 50) + " ESTOP0\n" + ROUTINE.format(every=2) + READY
+        passes, came = both(source)
+        assert came["ended"] is not None
+        skipped.append(passes > 0)
+    assert skipped == [True, True, True, True, True, False, False, False, True]
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_skipping_changes_nothing(seed: int):
+    assert both(program(random.Random(seed)), ticks=20_000_000)[1]["ended"] is not None
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(6, 200))
+def test_skipping_changes_nothing_of_many(seed: int):
+    assert both(program(random.Random(seed)), ticks=20_000_000)[1]["ended"] is not None
+
+
+def test_a_lock_of_the_pll_is_waited_for_without_passes():
+    """The clock changes as the wait ends."""
+    wait = "w: MOV AL,@0x7011; ANDB AL,#1; CMPB AL,#1; SBF w,NEQ; EDIS; RPT #200 || NOP; ESTOP0"
+    source = HEAD + lines(f"EALLOW; MOVW DP,#0x7011 >> 6; MOV @0x7021,#10; {wait}", "w", 0)
+    skipped, came = both(source, ticks=20_000_000)
+    assert came["ended"] is not None and skipped > 2000
+
+
+def test_a_stub_ends_a_wait():
+    wait = HEAD + f" MOVW DP,#{ADCST} >> 6\nloop: MOV AL,@{ADCST}\n TBIT @AL,#0\n SB loop,NTC\n ESTOP0"
+    for ready in range(300_000, 300_000 + 5000, 401):
+        skipped, came = both(wait, (Stub(0, ADCST, 0x10), Stub(ready, ADCST, 0x11)))
+        assert skipped > 20 and came["ended"] is not None
+
+
+def test_a_watchdog_reset_ends_a_sleep():
+    wait = HEAD.replace("#0x68", "#0x28") + f" MOVW DP,#{ADCST} >> 6\nloop: MOV AL,@{ADCST}\n SB loop,EQ\n ESTOP0"
+    rigs = [Rig(wait, skip=skip).run(40_000_000) for skip in (True, False)]
+    assert [rig.dsp.resets for rig in rigs] == [3, 3]
+    assert rigs[0].program.instructions < 1000 < rigs[1].program.instructions
+    assert rigs[0].cpu.state()[:-1] == rigs[1].cpu.state()[:-1]

@@ -30,8 +30,10 @@ class FetchQueue:
 
     def state(self, cycle: int) -> tuple[object, ...]:
         """What is in the queue, with times counted from this cycle; what is past counts no more."""
-        later = [place - cycle for place in (self._ready, *self._consumed)]
-        return self.expected, self._newest, self._bits, self._cycles, tuple(max(time, -LONG_AGO) for time in later)
+        ages = [max(self._ready - cycle, -LONG_AGO)]
+        for place in range(DEPTH):
+            ages.append(max(self._consumed[place] - cycle, -LONG_AGO))
+        return self.expected, self._newest, self._bits, self._cycles, tuple(ages)
 
     def begin(self, cycle: int, address: int, bits: int, first: int, later: int) -> None:
         """A discontinuity, in memory whose units have 2**bits words. first, later: wait states of the units.

@@ -42,14 +42,11 @@ class Pipeline:
 
     def state(self) -> tuple[object, ...]:
         """What is under way, with times counted from now."""
-        stores: tuple[tuple[int, int, int], ...] = ()
-        if self.clock < self.until:
-            stores = tuple(
-                (self._first[at], self._last[at], self._ready[at] - self.clock)
-                for at in range(STORES)
-                if self._ready[at] > self.clock
-            )
-        return self.pending, stores
+        stores = []
+        for at in range(STORES):
+            if self._ready[at] > self.clock:
+                stores.append((self._first[at], self._last[at], self._ready[at] - self.clock))
+        return self.pending, tuple(stores)
 
     def stall(self, f: Operation, arp: int) -> int:
         """An instruction enters D2: the cycles that it waits there for registers."""

@@ -15,14 +15,20 @@ EXAMPLE = "periph-sim image firmware.out"
 
 @click.command()
 @click.argument("image", metavar="FILE", type=click.Path(path_type=Path))
+@click.argument("function", metavar="[FUNCTION]", required=False)
+@click.option("--cycles", is_flag=True, help="Explain the cycles of FUNCTION, an instruction a line.")
 @click.option("-v", "--verbose", is_flag=True, help="List all functions, and where each register is touched.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of text.")
-def image(image: Path, verbose: bool, as_json: bool) -> int:
+def image(image: Path, function: str | None, cycles: bool, verbose: bool, as_json: bool) -> int:
     """Show what is in FILE, the .out of TI's linker, COFF2 or C28x ELF, or assembly (.asm).
 
     Sections, entry, vectors that code stores, registers that it names, functions with their size, and words of code
     that the F28335 does not know. Exit status 0: all are known; 1: some are not.
     """
+    if cycles != (function is not None):
+        raise click.UsageError("--cycles and FUNCTION belong together: periph-sim image --cycles FILE FUNCTION")
+    if function is not None:
+        return _explain(image, function, as_json)
     from ..image.inspection import inspect
     from ..image.program_file import program_in
     from ..image.text_report import as_json as as_dict
@@ -35,3 +41,18 @@ def image(image: Path, verbose: bool, as_json: bool) -> int:
     else:
         click.echo(text(found, verbose))
     return 1 if found.unknown else 0
+
+
+def _explain(image: Path, function: str, as_json: bool) -> int:
+    """The cycles of one function."""
+    from ..image.function_cycles import function_cycles
+    from ..image.program_file import program_in
+    from ..image.text_report import cycles_as_json, cycles_text
+
+    with usage_errors_in_one_sentence():
+        found = function_cycles(program_in(image), function)
+    if as_json:
+        print_json("image_cycles", cycles_as_json(found))
+    else:
+        click.echo(cycles_text(found))
+    return 0

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from ..core.text_table import columns, paragraph, text_table
 from ..f28335.system.register_names import NOT_MODELLED
+from .function_cycles import FunctionCycles
 from .inspection import Function, Inspection, Register, contents_of
 from .model import Section
 
@@ -95,6 +96,31 @@ def _functions(found: Inspection, every: bool) -> list[str]:
 def _unknown(found: Inspection) -> Iterator[str]:
     yield "words of code that are no instruction of the F28335:"
     yield from columns([(f"{one.address:#08x}", f"{one.word:#06x}", one.function) for one in found.unknown])
+
+
+def cycles_text(found: FunctionCycles) -> str:
+    """A line an instruction, then what they are together."""
+    rows = [
+        (f"{row.address:#08x}", row.text, row.published, str(row.stall or ""), row.why, row.line) for row in found.rows
+    ]
+    stalls = sum(row.stall for row in found.rows)
+    return "\n".join(
+        [
+            *text_table(("address", "instruction", "cycles", "stall", "why", "line"), rows, right=(2, 3)),
+            "",
+            *paragraph(
+                f"{found.function.name}: {found.least} cycles with no branch taken, {stalls} of them stalls by rule. "
+                "cycles: published, taken/not taken. Not in it: wait states of registers, and what pointers reach."
+            ),
+        ]
+    )
+
+
+def cycles_as_json(found: FunctionCycles) -> dict[str, object]:
+    """The same as one dictionary."""
+    function = found.function
+    rows = [row._asdict() for row in found.rows]
+    return {"function": function.name, "address": function.address, "cycles": found.least, "rows": rows}
 
 
 def as_json(found: Inspection) -> dict[str, object]:

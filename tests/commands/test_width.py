@@ -78,6 +78,7 @@ COMMANDS = [
     ("regs",),
     ("image", "own.out"),
     ("image", "own.out", "-v"),
+    ("image", "--cycles", "echo.out", "_echo"),
     ("profile", "echo.toml"),
     ("regs", "I2C-A"),
     ("regs", "I2C-A.I2CSTR"),

@@ -97,3 +97,31 @@ def test_bounds_need_python_firmware(periph_sim: Run, folder: Path):  # noqa: F8
     (folder / "echo.toml").write_text(CASE + '\n[controller]\norder = ["gyroscope"]\n')
     came = periph_sim("bound", str(folder / "echo.toml"))
     assert came.status == 2 and came.err.count("\n") == 1
+
+
+WAITS = """ .sect ".text", 0x9000
+ .global _c_int00, _convert
+_c_int00: MOVW DP,#0x7029 >> 6
+ EALLOW
+ MOV @0x7029,#0x68
+ EDIS
+ LCR #_convert
+ ESTOP0
+_convert: MOVW DP,#0x7119 >> 6
+wait: TBIT @0x7119,#2
+ SB wait,NTC
+ LRETR
+"""
+STUB = '[[unit.dsp.stub]]\nregister = "ADC.ADCST"\nvalue = 4\nafter = "1 ms"\n'
+
+
+def test_a_wait_for_what_nothing_models_is_named_and_a_stub_answers_it(periph_sim: Run, tmp_path: Path):  # noqa: F811
+    (tmp_path / "adc.asm").write_text(WAITS)
+    case = 'name = "adc"\nduration = "3 ms"\n[unit.dsp]\nimage = "adc.asm"\nmodules = []\n'
+    (tmp_path / "adc.toml").write_text(case)
+    stuck = " ".join(periph_sim("run", str(tmp_path / "adc.toml")).out.split())
+    assert "dsp waits for ADC.ADCST & 0x0004 since 3.467 us and would for ever: nothing models that" in stuck
+    assert '_convert asks for it up to pc 0x00900c; [[unit.NAME.stub]] register = "ADC.ADCST" answers' in stuck
+    (tmp_path / "adc.toml").write_text(case + STUB)
+    answered = " ".join(periph_sim("run", str(tmp_path / "adc.toml")).out.split())
+    assert "nothing models" not in answered and "ESTOP0 ended the program at 1002." in answered

@@ -38,8 +38,8 @@ def awaited(
         inside = functions.name_at(branch)
         register = full_name(elsewhere[0])
         unanswered = (
-            f"nothing models {' and '.join(names)}, which {inside} waits for at pc {branch:#08x}; "
-            f'answer it by [[unit.NAME.stub]] register = "{register}"'
+            f"nothing models that, and {inside} asks for it up to pc {branch:#08x}; "
+            f'[[unit.NAME.stub]] register = "{register}" answers'
         )
     return Awaited(list(dict.fromkeys([*texts, *names])), unanswered)
 

@@ -1,0 +1,59 @@
+"""Cycles of a function of our own, explained; and that a run takes as many."""
+
+from __future__ import annotations
+
+import pytest
+
+from periph_sim.image.assemble import assemble
+from periph_sim.image.function_cycles import function_cycles
+from periph_sim.image.model import BadImage
+from tests.processor.image.rig import HEAD, Rig
+
+FUNCTION = """
+ ESTOP0
+ .global _f
+_f: ADDB SP,#2
+ MOV *-SP[1],AL
+ MOV AH,*-SP[1]
+ MOVL XAR4,@0x10
+ MOV AL,*XAR4
+ PUSH ACC
+ BF there,EQ
+there: B here,UNC
+here: SUBB SP,#4
+ LRETR
+"""
+
+
+def test_each_instruction_has_its_cycles_and_the_reason_of_its_stalls():
+    found = function_cycles(assemble(HEAD + FUNCTION), "_f")
+    assert [(row.text.split()[0], row.published, row.stall, row.why) for row in found.rows] == [
+        ("ADDB", "1", 0, ""),
+        ("MOV", "1", 3, "waits for SP"),
+        ("MOV", "1", 3, "reads what was just written"),
+        ("MOVL", "1", 0, ""),
+        ("MOV", "1", 3, "waits for XAR4"),
+        ("MOVL", "1", 0, "open: push_acc_cycles"),
+        ("BF", "4", 0, ""),
+        ("B", "7/4", 0, "open: b_unc_cycles"),
+        ("SUBB", "1", 0, ""),
+        ("LRETR", "4", 3, "waits for SP"),
+    ]
+    assert found.least == sum(int(row.published.split("/")[-1]) + row.stall for row in found.rows) == 31
+
+
+def test_a_run_takes_as_many():
+    """B is taken there: 3 more; MOVL reads frame 2: 2 wait states; LCR at the front: 4, and the head's 10."""
+    source = HEAD + " LCR #_f\n" + FUNCTION
+    ended = Rig(source, odd_32bit_target=0).run().program.returned_at
+    assert ended == 10 + 4 + function_cycles(assemble(source), "_f").least + 3 + 2
+
+
+def test_code_in_waited_memory_says_so():
+    source = ' .sect "code", 0xC000\n .global _c_int00\n_c_int00: NOP\n ESTOP0\n'
+    assert [row.why for row in function_cycles(assemble(source), "_c_int00").rows] == ["fetched with 1 wait state"] * 2
+
+
+def test_a_function_that_is_not_there():
+    with pytest.raises(BadImage, match=r"there is no function '_g'; .*_f"):
+        function_cycles(assemble(HEAD + FUNCTION), "_g")

@@ -1,6 +1,6 @@
 """A function's cycles, instruction by instruction: an image and a function's name go in; rows with reasons come out.
 
-From its first instruction to its last as they stand, no branch taken: what a jump costs is beside it. Stalls are those
+From its first instruction to its last as they stand, no branch taken that has a condition: what a jump costs is beside it. Stalls are those
 that registers and words of the instructions above cause; what a pointer reaches, registers of the chip, and how fast
 code comes from memory with wait states is known only in a run.
 """
@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ..c28x.decoder import Instruction, decode_at
+from ..c28x.execution.branches import SB_ALWAYS
 from ..c28x.execution.operations import operation
 from ..c28x.flow import goes_on
 from ..c28x.hazards import DP, SP, hazards
@@ -21,7 +22,7 @@ from .model import BadImage, Image
 
 WAITED = range(0xC000, 0x1_0000)  # L4 to L7: a fetch of 32 bits takes 2 cycles
 OPEN = {"MOVL *SP++,ACC": "push_acc_cycles"}
-UNC_BRANCH = "B_off16_COND"
+UNC_BRANCH, UNC = "B_off16_COND", 15
 
 
 class Row(NamedTuple):
@@ -36,7 +37,7 @@ class Row(NamedTuple):
 
 
 class FunctionCycles(NamedTuple):
-    """least: cycles of all rows together, no branch taken."""
+    """least: cycles of all rows together, no condition true."""
 
     function: Function
     rows: tuple[Row, ...]
@@ -88,15 +89,17 @@ class _Reader:
             why.append("reads what was just written")
         if words and "w" in found.encoding.accesses:
             pipeline.wrote(words[0], words[1], f.cycles)
-        cycles = f.not_taken
+        always = "k" in found.values and f.k == UNC
+        taken = SB_ALWAYS if always and found.encoding.mnemonic == "SB" else f.cycles
+        cycles = taken if always else f.not_taken
         pipeline.issued(f, cycles)
         if address in WAITED:
             why.append("fetched with 1 wait state")
-        option = "b_unc_cycles" if found.encoding.id == UNC_BRANCH and f.k == 15 else OPEN.get(found.text, "")
+        option = "b_unc_cycles" if always and found.encoding.id == UNC_BRANCH else OPEN.get(found.text, "")
         if option:
             why.append(f"open: {option}")
         source = self._debug.line_at(address)
-        published = f"{f.cycles}/{f.not_taken}" if f.cycles != f.not_taken else str(f.cycles)
+        published = str(cycles) if cycles == taken else f"{taken}/{cycles}"
         self.rows.append(
             Row(address, found.text, published, registers + late, ", ".join(why), str(source.line) if source else "")
         )

@@ -109,7 +109,7 @@ def cycles_text(found: FunctionCycles) -> str:
             *text_table(("address", "instruction", "cycles", "stall", "why", "line"), rows, right=(2, 3)),
             "",
             *paragraph(
-                f"{found.function.name}: {found.least} cycles with no branch taken, {stalls} of them stalls by rule. "
+                f"{found.function.name}: {found.least} cycles with no condition true, {stalls} of them stalls by rule. "
                 "cycles: published, taken/not taken. Not in it: wait states of registers, and what pointers reach."
             ),
         ]

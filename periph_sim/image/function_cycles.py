@@ -1,8 +1,8 @@
 """A function's cycles, instruction by instruction: an image and a function's name go in; rows with reasons come out.
 
-From its first instruction to its last as they stand, no branch taken that has a condition: what a jump costs is beside it. Stalls are those
-that registers and words of the instructions above cause; what a pointer reaches, registers of the chip, and how fast
-code comes from memory with wait states is known only in a run.
+From its first instruction to its last as they stand, no branch taken that has a condition: what a jump costs is beside
+it. Stalls are those that registers and words of the instructions above cause; what a pointer reaches, registers of the
+chip, and how fast code comes from memory with wait states is known only in a run.
 """
 
 from __future__ import annotations

@@ -34,7 +34,7 @@ WIDTH = "80"
 
 CONSOLE = re.compile(r"^```console\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 FILE = re.compile(r"^<!-- file: (\S+) -->\n```\w+\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-NAME = re.compile(r"[\w/]*\w\.(?:csv|fst|html|json|out|psr|py|sr|svg|toml|txt|vcd)\b")  # of a file
+NAME = re.compile(r"[\w/]*\w\.(?:asm|csv|fst|html|json|out|psr|py|sr|svg|toml|txt|vcd)\b")  # of a file
 
 
 class Run(NamedTuple):

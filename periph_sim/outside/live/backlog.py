@@ -9,6 +9,7 @@ from collections.abc import Callable
 
 MOST = 1 << 20  # bytes that wait at most, either way
 AT_ONCE = 4096  # bytes
+MOST_HELD = 16 * MOST  # that a system holds for us at most, as far as it is counted
 
 
 class Backlog:
@@ -49,3 +50,11 @@ class Backlog:
     def clear(self) -> None:
         """A client wants none of it."""
         self._bytes.clear()
+
+
+def left_there(read: Callable[[], bytes]) -> int:
+    """Bytes that the system took from a client, and nobody read: they are given up. read: b"" where none is left."""
+    count = 0
+    while count < MOST_HELD and (data := read()):
+        count += len(data)
+    return count

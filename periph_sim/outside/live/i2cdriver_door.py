@@ -13,25 +13,27 @@ from pathlib import Path
 
 from ..drivers.i2cdriver_adapter import I2cDriver
 from ..session import Session
-from .backlog import MOST, Backlog
+from .backlog import MOST, Backlog, left_there
 from .pseudo_terminal import PseudoTerminal
 
 
 class I2cDriverDoor:
     """pause: what passes before each START. OutsideError for a link that is taken, or a bus that is not outside.
 
-    back: what its client has not read yet."""
+    back: what its client has not read yet. unheard: bytes of it that were not taken when this was closed."""
 
     def __init__(self, session: Session, link: Path | None = None, pause: str = "100 us") -> None:
         self._adapter = I2cDriver(session, session.ticks(pause))
         self._terminal = PseudoTerminal(link)
         self.back = Backlog()
+        self.unheard = 0
 
     @property
     def path(self) -> str:
         return self._terminal.path
 
     def close(self) -> None:
+        self.unheard += left_there(self._terminal.read)
         self._terminal.close()
 
     def files(self) -> Sequence[int]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import Any
 
 from ..errors import OutsideError
@@ -21,7 +22,10 @@ AGAIN = 1.0  # seconds from one attempt to open it to the next
 
 
 class PortDoor:
-    """OutsideError for a port that cannot be opened, or is open elsewhere. told: of a port that went, and came back."""
+    """OutsideError for a port that cannot be opened, or is open elsewhere. told: of a port that went, and came back.
+
+    unheard: bytes that had come and were not taken when this was closed.
+    """
 
     def __init__(
         self,
@@ -38,6 +42,7 @@ class PortDoor:
             raise OutsideError("a real port needs pyserial: pip install 'periph-sim[live]'") from None
         self.path = port
         self.back = Backlog()
+        self.unheard = 0
         self._line = line
         self._told = told
         self._clock = clock
@@ -57,6 +62,8 @@ class PortDoor:
 
     def close(self) -> None:
         if self._port is not None:
+            with suppress(*self._errors):
+                self.unheard += self._port.in_waiting
             self._port.close()
 
     def files(self) -> Sequence[int]:

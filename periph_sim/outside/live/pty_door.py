@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ..serial_line import SerialLine
-from .backlog import MOST, Backlog
+from .backlog import MOST, Backlog, left_there
 from .pseudo_terminal import PseudoTerminal
 
 RATES = {value: int(name[1:]) for name, value in vars(termios).items() if name[0] == "B" and name[1:].isdecimal()}
@@ -24,6 +24,7 @@ class PtyDoor:
     """path: what clients open. link: a name for it, made as a symbolic link. OutsideError if that is taken.
 
     A client that is a megabyte ahead of the line waits, as of a port with flow control. back: what it has not read.
+    unheard: bytes of it that were not taken when this was closed.
     """
 
     def __init__(self, line: SerialLine, baud: int, form: str, link: Path | None = None) -> None:
@@ -31,6 +32,7 @@ class PtyDoor:
         self._baud, self._form = baud, form
         self._terminal = PseudoTerminal(link)
         self.back = Backlog()
+        self.unheard = 0
         self._set_rate(baud)
 
     @property
@@ -38,6 +40,7 @@ class PtyDoor:
         return self._terminal.path
 
     def close(self) -> None:
+        self.unheard += left_there(self._terminal.read)
         self._terminal.close()
 
     def files(self) -> Sequence[int]:

@@ -18,7 +18,7 @@ from typing import Any
 
 from ..errors import OutsideError
 from ..serial_line import SerialLine, parts_of_format
-from .backlog import AT_ONCE, MOST, Backlog
+from .backlog import AT_ONCE, MOST, Backlog, left_there
 
 LOOPBACK = "127.0.0.1"
 LONGEST_OPTION = 256  # bytes of a subnegotiation; those of RFC 2217 have at most seven
@@ -48,6 +48,7 @@ class Rfc2217Door:
         self._port = Port(line, baud, form, self)
         self._told = told
         self.back = Backlog()
+        self.unheard = 0  # bytes that a client had sent, and that were not taken when this was closed
         self._client: Client | None = None
         try:
             self._listener = socket.create_server((address, port))
@@ -59,6 +60,7 @@ class Rfc2217Door:
 
     def close(self) -> None:
         if self._client is not None:
+            self.unheard += left_there(self._client.come)
             self._client.close()
         self._listener.close()
 
@@ -127,6 +129,13 @@ class Client:
 
     def close(self) -> None:
         self._connection.close()
+
+    def come(self) -> bytes:
+        """What has come, Telnet and all; b"" for nothing, or no more."""
+        try:
+            return self._connection.recv(MOST)
+        except OSError:
+            return b""
 
     def write(self, data: bytes) -> None:
         """For the PortManager: what Telnet answers."""

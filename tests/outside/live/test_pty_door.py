@@ -5,12 +5,14 @@ from __future__ import annotations
 import os
 import termios
 import tty
+from contextlib import suppress
 from fractions import Fraction
 from pathlib import Path
 
 import pytest
 
 from periph_sim.outside import OutsideError, Session
+from periph_sim.outside.live import pty_door
 from periph_sim.outside.live.loop import Loop
 from periph_sim.outside.live.pacing import Pacer
 from periph_sim.outside.live.pty_door import PtyDoor
@@ -91,6 +93,21 @@ def test_the_client_s_rate_is_the_line_s(tmp_path: Path) -> None:
     served.passes("1 ms")
     os.close(file)
     served.door.close()
+
+
+def test_who_is_ahead_waits_and_what_was_not_taken_is_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pty_door, "MOST", 100)
+    served = Served(tmp_path)
+    file, sent = client(served.door.path), 0
+    for _ in range(20):
+        with suppress(BlockingIOError):
+            while True:
+                sent += os.write(file, bytes(1000))
+        served.passes("1 ms")
+    assert 0 < served.line.waiting < 100 + 4096 and served.line.sent + served.line.waiting < sent
+    served.door.close()
+    assert 0 < served.door.unheard <= sent - served.line.sent - served.line.waiting
+    os.close(file)
 
 
 def test_a_name_that_is_taken_is_refused(tmp_path: Path) -> None:

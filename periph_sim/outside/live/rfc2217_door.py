@@ -12,6 +12,7 @@ Source: RFC 2217; RFC 854; pyserial 3.5, serial.rfc2217.PortManager.
 
 from __future__ import annotations
 
+import select
 import socket
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -21,6 +22,7 @@ from ..serial_line import SerialLine, parts_of_format
 from .backlog import AT_ONCE, MOST, Backlog, left_there
 
 LOOPBACK = "127.0.0.1"
+WHILE = 0.05  # seconds, in which the system brings what it took
 LONGEST_OPTION = 256  # bytes of a subnegotiation; those of RFC 2217 have at most seven
 KEEPALIVE = {"TCP_KEEPIDLE": 10, "TCP_KEEPINTVL": 5, "TCP_KEEPCNT": 3}  # a client whose computer went is let go in 25 s
 
@@ -131,10 +133,10 @@ class Client:
         self._connection.close()
 
     def come(self) -> bytes:
-        """What has come, Telnet and all; b"" for nothing, or no more."""
+        """What comes by and by, Telnet and all; b"" for nothing in a while, or no more."""
         try:
-            return self._connection.recv(MOST)
-        except OSError:
+            return self._connection.recv(MOST) if select.select([self.file], [], [], WHILE)[0] else b""
+        except (OSError, ValueError):  # ValueError: it is closed
             return b""
 
     def write(self, data: bytes) -> None:

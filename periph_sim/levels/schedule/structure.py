@@ -135,6 +135,8 @@ def _others(case: Case) -> Iterator[str]:
     if len(case.unit) != 1:
         yield "it has more than one unit"
     for name, unit in case.unit.items():
+        if not unit.firmware:
+            yield f"unit.{name} runs {_program(unit)}, and terms are measured in Python firmware"
         for kind, known in KNOWN_OPTIONS.items():
             group = {"I2cOptions": "i2c", "SystemOptions": "system", "SciOptions": "sci"}[kind.__name__]
             given: object = options_from(kind, getattr(unit.options, group))
@@ -144,6 +146,14 @@ def _others(case: Case) -> Iterator[str]:
                     yield f"unit.{name}.options.{group}.{option.name} is {getattr(given, option.name)!r}"
         if unit.from_boot or not unit.skip_polls:
             yield f"unit.{name} has from_boot or skip_polls"
+
+
+def _program(unit: Unit) -> str:
+    """What a unit runs that is no Python."""
+    if unit.image:
+        return f"the image {Path(unit.image).name}"
+    others = " and others" if len(unit.sources) > 1 else ""
+    return f"C sources, {Path(unit.sources[0]).name}{others}"
 
 
 def _of_firmware(closed: ClosedForm) -> Iterator[str]:

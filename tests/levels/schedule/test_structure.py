@@ -25,6 +25,22 @@ REFUSED = {
 }
 
 
+@pytest.mark.parametrize(
+    ("program", "runs"),
+    [
+        ({"image": "build/imu.out"}, "the image imu.out"),
+        ({"sources": ("src/imu.c", "src/i2c.c")}, "C sources, imu.c and others"),
+    ],
+)
+def test_a_unit_that_runs_no_python_is_refused_as_such(program: dict[str, object], runs: str):
+    case = load(TIMING / "imu_hil_published.toml")
+    unit = case.unit["dsp"].model_copy(update={"firmware": "", "settings": {}, **program})
+    with pytest.raises(BadSchedule) as error:
+        structure_of(case.model_copy(update={"unit": {"dsp": unit}}))
+    said = f"unit.dsp runs {runs}, and terms are measured in Python firmware; "
+    assert said + 'the level "schedule" does not know that, use fidelity = "edge"' in str(error.value)
+
+
 @pytest.mark.parametrize(("name", "changes"), REFUSED)
 def test_another_structure_is_refused(name: str, changes: tuple[str, ...]):
     with pytest.raises(BadSchedule) as error:

@@ -12,6 +12,9 @@ from periph_sim.api import make_case
 from periph_sim.bus.i2c.transfer import Phase, Transfer
 from periph_sim.core.records import UNHEARD, Kind
 from periph_sim.reports.trade.auto import STRETCHED, UnmetWatch, run_within
+from periph_sim.reports.trade.choose import best_within
+from periph_sim.reports.trade.levels import level_of
+from periph_sim.reports.trade.trade import trade
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase, Case
 from periph_sim.scene.scene import Scene
@@ -101,6 +104,13 @@ def test_schedule_is_chosen_by_what_the_budgets_measure_and_for_how_long_it_runs
     assert result.budgets == Scene(told()(())).run(Fraction(2)).budgets
     _, result, _ = run_within(told(), US, Fraction(6, 100))  # too short for terms to be worth measuring
     assert result.fidelity == "byte"
+
+
+def test_a_level_is_chosen_for_the_length_of_the_case_where_none_is_said():
+    """Its terms are measured once, however long the run."""
+    found = trade(told(), (level_of("edge"), level_of("schedule")), Fraction(3, 100), traced=False)
+    names = [best.level and best.level.name for best in (best_within(found, 1e-6), best_within(found, 1e-6, 0.03))]
+    assert names == ["schedule", "edge"]
 
 
 def test_a_budget_that_schedule_does_not_tell_is_an_infinite_error():

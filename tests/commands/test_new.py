@@ -130,3 +130,12 @@ def test_a_mistake_is_one_sentence(periph_sim: Run, here: Path, arguments: list[
     came = periph_sim("new", *arguments)
     assert came.status == 2 and sentence in came.err and "Traceback" not in came.err
     assert not list(here.iterdir())
+
+
+def test_an_example_with_an_image_comes_with_its_source_and_all_that_it_includes(periph_sim: Run, here: Path):
+    assert periph_sim("new", "--example", "imu_hil_image", "bench").status == 0
+    assert {path.name for path in Path("bench").iterdir()} == {
+        "imu_hil_image.toml", "imu_hil.asm", "f28335.inc", "start.inc"
+    }  # fmt: skip
+    assert 'image = "imu_hil.asm"' in Path("bench/imu_hil_image.toml").read_text(encoding="utf-8")
+    assert periph_sim("run", "bench/imu_hil_image.toml", "--seconds", "0.001").status in (0, 1)

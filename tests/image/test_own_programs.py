@@ -20,9 +20,10 @@ from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import Case, Unit
 from periph_sim.scene.result import Result
 from periph_sim.scene.scene import Scene
+from tests.scene.runs import TIMING
 from tests.scene.small import case as small
 
-IMU_HIL = Path(__file__).with_name("imu_hil_image.toml")
+IMU_HIL = TIMING / "imu_hil_image.toml"
 # Two rounds soon after the PLL has locked: the first one shows the memory's zeros, the second one a frame.
 CLOSE = ("controller.first=6.5 ms", "controller.period=3 ms", "host.first=4.6 ms")
 TOO_CLOSE = "schedule slack"  # which that breaks

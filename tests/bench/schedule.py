@@ -39,9 +39,9 @@ def changes(scenarios: int) -> dict[str, Mapping[str, NDArray[np.int64]]]:
         "phases of the host": {"host.first": phases},
         f"phases, {SHARED} seeds": {"host.first": phases, "seed": seeds % SHARED},
         "phases, a seed of its own each": {"host.first": phases, "seed": seeds},
-        "STARTs of its own each": starts,
-        "STARTs and one of 11 clocks each": starts | {"unit.dsp.ppm": seeds[:few] % 11 * 5 - 25},
-        "STARTs and one of 1000 clocks each": starts | {"unit.dsp.ppm": (seeds[:few] % 1000 - 500) / 10},
+        "a START of its own each": starts,
+        "STARTs, and one of 11 clocks each": starts | {"unit.dsp.ppm": seeds[:few] % 11 * 5 - 25},
+        "STARTs, and one of 1000 clocks each": starts | {"unit.dsp.ppm": (seeds[:few] % 1000 - 500) / 10},
     }
 
 
@@ -74,5 +74,5 @@ def report(structure: Structure, changed: Mapping[str, Mapping[str, NDArray[np.i
 
 def line(row: Row) -> str:
     if "per_s" not in row:
-        return f"{row['what']:32} {row['cpu_s'] * 1e3:.0f} ms of cpu"
-    return f"{row['what']:32} {row['scenarios']:7} scenarios of {row['rounds']} rounds: {row['per_s']:10,.0f} /s of cpu"
+        return f"{row['what']:35} {row['cpu_s'] * 1e3:.0f} ms of cpu"
+    return f"{row['what']:35} {row['scenarios']:7} scenarios of {row['rounds']} rounds: {row['per_s']:10,.0f} /s of cpu"

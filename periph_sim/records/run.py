@@ -20,6 +20,7 @@ from ..core.records import Kind, Record
 from ..core.registers import Field, Register
 from ..traces.formats.psr import holds_run, read_table, recognises
 from ..traces.formats.record_table import RecordTable
+from .clock_history import SHOWN, ClockHistory, history
 from .register_maps import OF_ALL_UNITS, register_of
 
 Rows = NDArray[np.int64]
@@ -251,6 +252,9 @@ class Run:
         """The cycle of SYSCLKOUT: as given, as the accesses show it, or of 150 MHz."""
         if self._sysclk is not None:
             return Cycles(self.per_second / self._sysclk, f"SYSCLKOUT {_mhz(self._sysclk)}, as given")
+        if self._clocks is not None and len(self._clocks.periods) == 1:
+            one = self._clocks.periods[0]
+            return Cycles(one, f"SYSCLKOUT {_mhz(self.per_second / one)}, the reset's, which the program never changed")
         full = self.per_second / SYSCLK_HZ
         grids = []
         for unit in self.table.modules:
@@ -267,6 +271,16 @@ class Run:
             full, "SYSCLKOUT taken as 150 MHz; the accesses fall on no one grid (an error of the crystal, or several)"
         )
 
+    @cached_property
+    def _clocks(self) -> ClockHistory | None:
+        """Where the recording shows how the only unit set up its clock."""
+        if self._sysclk is not None or len(self.table.modules) != 1:
+            return None
+        [unit] = self.table.modules
+        rows = np.sort(np.concatenate([self.rows(Kind.FLAG, f"{unit}.SYS", what) for what in SHOWN]))
+        told = [(record.tick, record.what, record.value) for record in self.records(rows)]
+        return history(self.per_second, told, self.table.tick[self.rows(Kind.ACCESS, unit)].tolist())
+
     def seconds(self, ticks: int) -> Fraction:
         return Fraction(ticks) / self.per_second
 
@@ -274,12 +288,15 @@ class Run:
         """A time of the run, in milliseconds, to the nanosecond."""
         return f"{float(self.seconds(tick) * 1000):.6f} ms"
 
-    def length(self, ticks: int) -> str:
-        """A distance in the unit that suits it, with its cycles."""
+    def length(self, ticks: int, begin: int | None = None) -> str:
+        """A distance in the unit that suits it, with its cycles. begin: its first tick, where the clock may change."""
         ns = self.seconds(ticks) * 10**9
         unit, size = next(((u, size) for u, size in UNITS if abs(ns) < 1000 * size), ("s", 10**9))
         text = f"{float(ns / size):.3f}".rstrip("0").rstrip(".")
-        cycles = self.cycles.of(ticks)
+        if begin is None or self._clocks is None:
+            cycles = self.cycles.of(ticks)
+        else:
+            cycles = self._clocks.cycles(begin, begin + ticks)
         return f"{text} {unit} ({cycles} cycle{'s' * (cycles != 1)})"
 
 

@@ -119,10 +119,16 @@ def held_up(run: Run, record: Record, after: int, before: int) -> list[Link]:
     last one first."""
     table = run.table
     ends, entries = run.service(record.where, record.cause, after, before)
-    lengths = table.tick[ends] - table.tick[entries]
+    begins = table.tick[entries]
+    lengths = table.tick[ends] - begins
     longest = np.sort(np.argsort(-lengths, kind="stable")[:MOST_ROUTINES])[::-1]
     return [
-        Link(int(ends[n]), RECORDED, f"held the firmware up for {run.length(int(lengths[n]))}", aside=True)
+        Link(
+            int(ends[n]),
+            RECORDED,
+            f"held the firmware up for {run.length(int(lengths[n]), int(begins[n]))}",
+            aside=True,
+        )
         for n in longest.tolist()
     ]
 

@@ -12,6 +12,7 @@ from ..timing.verdict import EVERY_PHASE, FAIL, NOT_JUDGED, PASS, SEEN, Verdict
 from .assumptions import assumptions
 from .tables import WIDTH, PlainTable, Screen, plain_table, say
 
+A_BUDGET = 'budget = [{ name = "CPU load", measure = "cpu load", max = "50 %" }]'
 STYLES = {PASS: "", FAIL: "red", NOT_JUDGED: "yellow"}
 
 
@@ -23,7 +24,10 @@ def show(
     chosen: how its level was chosen, for the line of the verdict.
     """
     say(console, f"{result.case}: {title(result, guaranteed)}{chosen}{terms(result)}{estimated(result)}", style="bold")
-    console.print(budget_table(result.budgets))
+    if result.budgets:
+        console.print(budget_table(result.budgets))
+    else:
+        say(console, f"no budget says what must hold; put one at the top of the case, for instance:\n{A_BUDGET}")
     for line in legend(result.budgets):
         say(console, line)
     share = f", {result.share_above_edges}" if result.share_above_edges else ""

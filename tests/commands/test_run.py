@@ -297,3 +297,15 @@ def test_more_parties_than_a_wire_can_have_are_refused_in_one_sentence(periph_si
     came = periph_sim("run", str(tmp_path / "many.toml"))
     assert came.status == 2 and came.out == ""
     assert came.err == "Error: wire SDA: d62 would be party 63; a wire has up to 62\n"
+
+
+def test_a_case_without_budgets_is_told_one_that_it_can_have(periph_sim: Run, tmp_path: Path):
+    case = tmp_path / "bare.toml"
+    text = 'name = "bare"\nduration = "1 ms"\n[unit.dsp]\nfirmware = "prog.py"\nmodules = ["SCI-A"]\n'
+    (tmp_path / "prog.py").write_text("def main(dsp, settings):\n    dsp.compute(1500)\n", encoding="utf-8")
+    case.write_text(text, encoding="utf-8")
+    lines = periph_sim("run", str(case)).out.splitlines()
+    assert lines[0] == "bare: NOT JUDGED" and lines[1].startswith("no budget says what must hold; put one at the top")
+    case.write_text(f"{lines[2].replace('50 %', '100 %')}\n{text}", encoding="utf-8")
+    came = periph_sim("run", str(case))
+    assert came.status == 0 and "bare: PASS" in came.out and " CPU load " in came.out

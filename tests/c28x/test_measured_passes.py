@@ -1,0 +1,50 @@
+"""Passes of waits as compilers make them, and blocks that RPTB repeats: cycles as they were measured or published."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.processor.image.rig import HEAD, Rig
+
+TXRDY = "w: MOVW DP,#0x1C4 | AND AL,@0x19,#0x80 | LSR AL,#7 | SBF w,EQ"
+PLLLOCKS = "w: MOV AL,@0x19 | ANDB AL,#1 | CMPB AL,#1 | SB w,NEQ"
+DELAY = "w: ADDB ACC,#1 | BF w,GEQ"
+CALL = "w: LCR #f | CMPB AL,#0 | BF w,EQ"
+CALLED = "f: MOVW DP,#0x1C4 | AND AL,@0x19,#0x10 | LSR AL,#4 | LRETR"
+
+
+def source(*code: str) -> str:
+    lines = " | ".join(code).split(" | ")
+    return "".join(line + "\n" if ": " in line else f" {line}\n" for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("code", "cycles", "instructions"),
+    [(TXRDY, 9, 4), (PLLLOCKS, 12, 4), (DELAY, 5, 2), (f"{CALL} | ESTOP0 | {CALLED}", 18, 7)],
+)
+def test_a_pass_without_stalls(code: str, cycles: int, instructions: int):
+    """A register of frame 2 takes two wait states; nothing answers, so that the wait goes on."""
+    rig = Rig(HEAD + source("MOVW DP,#0x1C4", "MOVB ACC,#0", code), skip=False, stalls=False, odd_32bit_target=0)
+    rig.run(400_000)
+    began = rig.program.instructions, rig.dsp.processor.time.cycle
+    rig.run(4_000_000)
+    made, took = rig.program.instructions - began[0], rig.dsp.processor.time.cycle - began[1]
+    assert made > 1000
+    assert abs(took * instructions - made * cycles) <= 2 * cycles * instructions
+
+
+@pytest.mark.parametrize("count", [8, 16, 32])
+@pytest.mark.parametrize(
+    ("block", "cycles"), [("MOV32 R0H,*XAR4++", 8), ("MPYF32 R1H,R0H,R0H || ADDF32 R2H,R2H,R1H", 8)]
+)
+def test_a_repeated_block_is_its_cycles_times_the_count(block: str, cycles: int, count: int):
+    """8 instructions of a cycle each, RPTB 1 before them and nothing for the way back."""
+
+    def took(times: int) -> int:
+        body = "".join(f" {block}\n" for _ in range(8))
+        code = f" MOVL XAR4,#0x9400\n .align 2\n RPTB behind,#{times - 1}\n{body}behind: NOP\n ESTOP0\n"
+        ended = Rig(HEAD + code).run().program.returned_at
+        assert ended is not None
+        return ended
+
+    assert took(count) - took(1) == (count - 1) * cycles

@@ -40,7 +40,7 @@ class Ran:
 
     def __init__(self, name: str, instructions: int, kinds: Iterable[Kind] = (), **unit: Any) -> None:
         self.records: list[Record] = []
-        tables = {"dsp": {"image": str(public_image(name)), "modules": MODULES, **unit}}
+        tables = {"dsp": {"image": str(public_image(name)), "modules": MODULES, "skip_polls": False, **unit}}
         case = Case.model_validate({"name": name, "duration": "10 s", "unit": tables})
         wanted = {Kind.FRAME, Kind.IRQ, *kinds}
         self.scene = Scene(case, lambda recorder, _: recorder.subscribe(wanted, self.records.append))

@@ -138,7 +138,7 @@ def write_table(table: RecordTable, file: IO[bytes], capture: dict[str, Any] | N
             member.create_system = 3
             content = io.BytesIO()
             np.lib.format.write_array(content, values, allow_pickle=False)
-            # Level 1: a record is written once, and the higher levels take five times as long for a fifth of the size.
+            # Level 1: a record is written once, and level 6 takes three times as long for a third of the size.
             archive.writestr(member, content.getbuffer(), zipfile.ZIP_DEFLATED, 1)
 
 

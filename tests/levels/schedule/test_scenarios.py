@@ -17,6 +17,7 @@ from periph_sim.levels.schedule.structure import Structure
 from periph_sim.levels.schedule.tally import Tally
 from periph_sim.scene.case.load import load
 from tests.levels.schedule.scenes import scene
+from tests.levels.schedule.test_beside_edge import FOUND
 from tests.profiles import explores
 from tests.scene.runs import TIMING
 
@@ -24,9 +25,11 @@ PUBLISHED = TIMING / "imu_hil_published.toml"
 SEEDS = range(1000) if explores() else range(8)
 
 
-def differ(structure: Structure, changes: dict[str, NDArray[Any]], rounds: int) -> tuple[list[str], Tally]:
+def differ(
+    structure: Structure, changes: dict[str, NDArray[Any]], rounds: int, end: int | None = None
+) -> tuple[list[str], Tally]:
     """What differs between the two, and what scenarios came to. Refused ones mean nothing."""
-    inputs = inputs_of(structure, changes, rounds)
+    inputs = inputs_of(structure, changes, rounds, end)
     at_once, one_by_one = Rounds(structure, inputs), Scenarios(structure, inputs)
     at_once.run()
     one_by_one.run()
@@ -66,6 +69,14 @@ def test_windows_are_the_same(name: str):
     assert {what for what, there in told.items() if there.any()} == happens
 
 
+def test_runs_that_end_anywhere_in_a_round_are_the_same():
+    structure = structure_of(load(PUBLISHED))
+    given = {"host.first": np.arange(12) * 1_700_000, "controller.first": 5_000_000 + np.arange(12) * 260_000}
+    for end in (88_000_000, 88_777_777, 90_000_000):  # ns
+        found, tally = differ(structure, given, 5, end * structure.per_second // 10**9)
+        assert not found and len(set(tally.over.tolist())) == 2
+
+
 def test_drawn_costs_and_clocks_that_drift_through_all_phases_are_the_same():
     given = {"host.first": np.arange(20) * 1_000_000, "seed": np.arange(20) % 6}
     assert not differ(structure_of(load(TIMING / "imu_hil.toml")), given, 6)[0]
@@ -86,9 +97,16 @@ def test_random_scenes_are_the_same(seed: int):
     assert not found, (changes, rounds)
 
 
-def test_what_is_kept_of_a_start_is_found_for_each_that_is_alike_and_for_no_other():
+@pytest.mark.parametrize("name", FOUND)
+def test_what_random_scenes_found_is_the_same(name: str):
+    case, _, rounds = scene(FOUND[name])
+    assert not differ(structure_of(case), {}, rounds)[0]
+
+
+@pytest.mark.parametrize(("num", "den"), [(2_000_000, 100_003), (300, 1)])
+def test_what_is_kept_of_a_start_is_found_for_each_that_is_alike_and_for_no_other(num: int, den: int):
     """Alike: the cycles in which each edge is seen, from that of the START on, are the same."""
-    edges, num, den = [7, 0, 131, 4099, 90_001, 90_013, 1_000_003], 2_000_000, 100_003
+    edges = [7, 0, 131, 4099, 90_001, 90_013, 1_000_003]
     memory = Memory(edges, 3)
     memory.of_clock(num, den)
     seen: dict[int, tuple[int, ...]] = {}

@@ -18,7 +18,7 @@ LONG_AGO = 1 << 7  # cycles: nothing waits for what was then; a full queue takes
 class FetchQueue:
     """expected: where the next instruction would stand without a discontinuity."""
 
-    __slots__ = ("_bits", "_consumed", "_cycles", "_newest", "_ready", "expected")
+    __slots__ = ("_bits", "_consumed", "_cycles", "_issued", "_newest", "_ready", "expected")
 
     def __init__(self) -> None:
         self._consumed = [0] * DEPTH  # when each unit's place was free again
@@ -26,11 +26,12 @@ class FetchQueue:
         self._ready = 0  # when that one was there
         self._bits = 1  # of an address within a unit
         self._cycles = 1  # that a unit takes
+        self._issued = 0  # when the last instruction was taken out of the queue
         self.expected = -1
 
     def state(self, cycle: int) -> tuple[object, ...]:
         """What is in the queue, with times counted from this cycle; what is past counts no more."""
-        ages = [max(self._ready - cycle, -LONG_AGO)]
+        ages = [max(self._ready - cycle, -LONG_AGO), max(self._issued - cycle, -LONG_AGO)]
         for place in range(DEPTH):
             ages.append(max(self._consumed[place] - cycle, -LONG_AGO))
         return self.expected, self._newest, self._bits, self._cycles, tuple(ages)
@@ -43,19 +44,21 @@ class FetchQueue:
         self._bits, self._cycles = bits, later + 1
         self._newest = address >> bits
         self._ready = cycle + first
+        self._issued = cycle
         for place in range(DEPTH):
             self._consumed[place] = 0
 
     def wait(self, cycle: int, address: int, behind: int) -> int:
         """The cycles for which the instruction from `address` to `behind` is still to come in this cycle."""
-        ready = self._need(cycle, behind - 1 >> self._bits)
+        ready = self._need(behind - 1 >> self._bits)
         self.expected = behind
-        return ready - cycle if ready > cycle else 0
+        self._issued = ready if ready > cycle else cycle
+        return self._issued - cycle
 
-    def _need(self, cycle: int, unit: int) -> int:
+    def _need(self, unit: int) -> int:
         """When a unit is there. What lies before it has been taken out of the queue by then."""
         while self._newest < unit:
-            self._consumed[self._newest & PLACE] = cycle if cycle > self._ready else self._ready
+            self._consumed[self._newest & PLACE] = self._issued
             self._newest += 1
             free = self._consumed[self._newest & PLACE]
             self._ready = (free if free > self._ready else self._ready) + self._cycles

@@ -131,6 +131,10 @@ def from_l4(code: str, **options: Value) -> int:
         ("MOVL XAR6,#1\n" * 8, 1 + 8),  # 32-bit ones at half: 17 fetches with ESTOP0's, less the last two that overlap
         ("MPYB P,T,#0\n" + "MOVL XAR6,#1\n" * 2, 3),
         ("RPT #20\n || NOP\n" + "MOVL XAR6,#1\n" * 3, 1),  # the queue fills up meanwhile
+        (
+            "RPT #20\n || NOP\n" + "MOVL XAR6,#1\n" * 9,
+            1 + 3,
+        ),  # four units of it; a fifth is fetched as the first is taken
         ("LB #there + 4\n" + "NOP\n" * 4, 2),  # a jump waits anew
     ],
 )

@@ -81,6 +81,12 @@ class Image:
     def code(self) -> tuple[Section, ...]:
         return tuple(section for section in self.loaded if section.code)
 
+    @property
+    def stack(self) -> tuple[int, int]:
+        """From where to where SP may point; anywhere if no section says it."""
+        of_stack = (section for section in self.sections if section.name == ".stack")
+        return next(((section.run, section.run + section.size) for section in of_stack), (0, 0xFFFF))
+
     @cached_property
     def symbol_at(self) -> dict[int, str]:
         """The name of each address that has one; a function's rather than a label's inside one."""

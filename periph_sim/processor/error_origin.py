@@ -29,6 +29,10 @@ class FirmwareStalled(FirmwareError):
     """Firmware that let no simulated time pass for too long. The run fails; it is no mistake in the use of the tool."""
 
 
+class FirmwareLost(FirmwareStalled):
+    """Machine code that cannot go on, as an illegal instruction. The run fails there."""
+
+
 def flaw_of(function: Callable[..., object], arguments: int) -> str:
     """Why a function cannot be firmware that is called with so many arguments, as a clause; empty if it can."""
     plain = getattr(function, "__func__", function)

@@ -23,7 +23,8 @@ cdef class ImageCpu(Engine):
     cdef CpuTime _time
     cdef Bus _bus
     cdef Ram _ram
-    cdef public object elsewhere, watched
+    cdef public object elsewhere, watched, reads_unwritten
+    cdef unsigned char _written[65536]
     cdef public InstructionTiming timing
     cdef public Polls polls
     cdef Pipeline _pipeline
@@ -33,6 +34,8 @@ cdef class ImageCpu(Engine):
     @cython.locals(operand=Operand, cycle=cython.longlong, polls=Polls, value=cython.longlong)
     cdef long long _load(self, long long address, long long width)
     cdef void _store(self, long long address, long long value, long long width)
+    cdef long long _even(self, long long address, str how)
+    cdef void _unwritten(self, long long address)
     cdef void _keep(self, long long address, long long value)
     cpdef long long access_at(self, Operation f, long long cycle)
     cdef long long _access_at(self, long long cycle, long long address, bint reads, bint wide)

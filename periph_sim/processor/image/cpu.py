@@ -8,6 +8,8 @@ Accesses are made in the present cycle: `access_at` says beforehand which cycle 
 
 from __future__ import annotations
 
+from typing import Protocol
+
 from ...c28x.execution.engine import PAGE, Engine
 from ...c28x.execution.registers import (
     ARP,
@@ -21,7 +23,7 @@ from ...c28x.execution.registers import (
     IllegalOperation,
     Operation,
 )
-from ...f28335.cpu.interrupts import EALLOW, INTM, frame_of
+from ...f28335.cpu.interrupts import CONTEXT_SP, EALLOW, INTM, frame_of
 from ...f28335.cpu.pie_map import VECTOR_TABLE
 from ...f28335.system.address_space import Content, area_at
 from ...f28335.system.memory_map import NoSuchAddress
@@ -35,7 +37,15 @@ from .variable_records import VariableRecords
 
 RAM_FROM, RAM_TO = 0x8000, 0x1_0000  # without waits, but for M0 and M1 below
 LOW_RAM = 0x800
+STACK_FIELDS, BEHIND_STACK_FIELDS = 0x40, 0x80  # operand fields *-SP[n]
+PUSHES, POPS = 0xBD, 0xBE  # *SP++, *--SP
 WAITED_FROM = 0xC000  # L4 to L7, as program memory
+
+
+class UnwrittenReads(Protocol):
+    """Who is told that a word was read which nothing has written, once for a word."""
+
+    def read_unwritten(self, address: int) -> None: ...
 
 
 def in_plain_ram(address: int) -> bool:
@@ -43,7 +53,9 @@ def in_plain_ram(address: int) -> bool:
 
 
 class ImageCpu(Engine):
-    """watched: who is told of writes to some words of memory. ended: ESTOP0 was reached.
+    """watched: who is told of writes to some words of memory. reads_unwritten: and of reads of what nobody wrote.
+
+    ended: ESTOP0 was reached.
 
     returning, idling: IRET or IDLE was executed, which the program sees to.
     """
@@ -59,8 +71,10 @@ class ImageCpu(Engine):
         self.timing = InstructionTiming(self._core, options, self.elsewhere)
         self._pipeline = self.timing.pipeline
         self._decoding = False
+        self._written = [0] * RAM_TO  # 1 for a word that somebody wrote
         self.watched: VariableRecords | None = None
         self.polls = Polls(self._time, self._core)
+        self.reads_unwritten: UnwrittenReads | None = None
         self.reset()
 
     def reset(self) -> None:
@@ -78,6 +92,7 @@ class ImageCpu(Engine):
         """A word that is there before the program begins."""
         if block_at(address) is not None:
             self._ram.put(address, value)
+            self._written[address] = 1
         else:
             self.elsewhere.fill(address, value)
 
@@ -85,15 +100,24 @@ class ImageCpu(Engine):
         if in_plain_ram(address):
             if self._pipeline.clock < self._pipeline.until:
                 self.timing.late += self._pipeline.read(address, 1)
-            return self._ram.word(address)
+            value = self._ram.word(address)
+            if not value and not self._written[address]:
+                self._unwritten(address)
+            return value
         return self._load(address, 16)
 
     def load32(self, address: int) -> int:
+        if address & 1:
+            address = self._even(address, "read from")
         if in_plain_ram(address):
             if self._pipeline.clock < self._pipeline.until:
-                self.timing.late += self._pipeline.read(address & ~1, 2)
-            return self._ram.word32(address)
-        return self._load(address & ~1, 32)
+                self.timing.late += self._pipeline.read(address, 2)
+            value = self._ram.word32(address)
+            if not value and not (self._written[address] and self._written[address + 1]):
+                self._unwritten(address)
+                self._unwritten(address + 1)
+            return value
+        return self._load(address, 32)
 
     def _load(self, address: int, width: int) -> int:
         if block_at(address) is not None:
@@ -123,23 +147,41 @@ class ImageCpu(Engine):
                 self.polls.soil()
             self._pipeline.wrote(address, 1, self.cycles)
             self._ram.put(address, value)
+            self._written[address] = 1
             if self._code[address >> PAGE] or self.watched is not None:
                 self.written(address)
         else:
             self._store(address, value, 16)
 
     def store32(self, address: int, value: int) -> None:
+        if address & 1:
+            address = self._even(address, "written to")
         if in_plain_ram(address):
-            low = address & ~1
-            if self.polls.tracking and self._ram.word32(low) != value:
+            if self.polls.tracking and self._ram.word32(address) != value:
                 self.polls.soil()
-            self._pipeline.wrote(low, 2, self.cycles)
-            self._ram.put_word32(low, value)
-            if self._code[low >> PAGE] or self.watched is not None:
-                self.written(low)
-                self.written(low + 1)
+            self._pipeline.wrote(address, 2, self.cycles)
+            self._ram.put_word32(address, value)
+            self._written[address] = self._written[address + 1] = 1
+            if self._code[address >> PAGE] or self.watched is not None:
+                self.written(address)
+                self.written(address + 1)
         else:
-            self._store(address & ~1, value, 32)
+            self._store(address, value, 32)
+
+    def _even(self, address: int, how: str) -> int:
+        """32 bits are at the even address [SPRU430F 5.11]. On the stack of a service routine that is meant."""
+        on_stack = STACK_FIELDS <= self.field < BEHIND_STACK_FIELDS or self.field in (PUSHES, POPS)
+        if self.ea == address and not on_stack:
+            raise IllegalOperation(
+                f"32 bits are {how} the odd address {address:#08x}; on the chip, {address & ~1:#08x}"
+            )
+        return address & ~1
+
+    def _unwritten(self, address: int) -> None:
+        if not self._written[address]:
+            self._written[address] = 1
+            if self.reads_unwritten is not None:
+                self.reads_unwritten.read_unwritten(address)
 
     def _store(self, address: int, value: int, width: int) -> None:
         self.polls.soil()
@@ -301,6 +343,8 @@ class ImageCpu(Engine):
         self.timing.drain()
         self.polls.soil()
         self.sp = self._core.sp
+        for below in range(1, CONTEXT_SP + 1):
+            self._written[self.sp - below & 0xFFFF] = 1
         self.rb = self.rb & 0x3FFF_FFFF | (self.rb >> 30 & 1) << 31
         self.pc = address
 

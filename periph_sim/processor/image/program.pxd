@@ -25,11 +25,13 @@ cdef class ImageProgram(Program):
     cdef bint _sleeps(self)
     cdef void _woken(self)
     cdef dict _places
-    cdef long long _at, _entry, _slept_from
+    cdef long long _at, _entry, _slept_from, _stack_begin, _stack_end, _sp
+    cdef set _unwritten
     cpdef void load(self)
     cpdef void begin(self)
     @cython.locals(cpu=ImageCpu, time=CpuTime, processor=Processor, core=CpuInterrupts, f=Operation, cycle=cython.longlong,
                    cycles=cython.longlong, at=cython.longlong, timing=InstructionTiming, pipeline=Pipeline, polls=Polls)
     cdef object _run(self)
     cdef bint _slept(self)
+    cdef void _left_stack(self, Operation f)
     cdef object _ended(self)

@@ -13,12 +13,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...c28x.execution.registers import IllegalOperation, Operation
+from ...c28x.execution.registers import SP_FIELD, WRITES, IllegalOperation, Operation
+from ...core.chip import Note
 from ...core.time import Clock
 from ...f28335.cpu import instruction_costs as cpu_costs
 from ...f28335.system.options import SystemOptions
 from ...image.model import Image
-from ..error_origin import FirmwareError
+from ..error_origin import FirmwareLost
 from ..processor import Processor
 from ..program import Program, Stop
 from ..source_location import SourceLocation
@@ -62,6 +63,10 @@ class ImageProgram(Program):
         self._counted = self._pass = 0  # instructions up to there, and of a pass
         self._entry = entry
         self._at = entry  # the instruction that is executed, or was last
+        self._stack_begin, self._stack_end = image.stack
+        self._sp = 0  # behind the last instruction
+        self._unwritten: set[str] = set()  # functions that have read what nobody wrote
+        self.cpu.reads_unwritten = self
 
     def load(self) -> None:
         """Put the image into memory."""
@@ -121,7 +126,8 @@ class ImageProgram(Program):
         try:
             return self._run()
         except IllegalOperation as error:
-            raise FirmwareError(self._told(str(error))) from None
+            self._processor.time.meet()  # the run ends now
+            raise FirmwareLost(self._told(str(error))) from None
 
     def _run(self) -> Stop:
         cpu, time, processor = self.cpu, self._processor.time, self._processor
@@ -151,8 +157,8 @@ class ImageProgram(Program):
                         if not processor.take(number):
                             return Stop.WAITS
                         continue
+                self._at = cpu.pc
                 f = cpu.fetch() if f is None else cpu.after(f)
-                self._at = f.address
                 at = time.cycle
                 if f.waited or pipeline.pending:
                     at += timing.stall(f, cpu, at)
@@ -183,6 +189,9 @@ class ImageProgram(Program):
                     if not f.loops:
                         polls.soil()
                     self._calls.jumped(f, cpu.pc, cycle)
+            if cpu.sp > self._stack_end or cpu.sp < self._stack_begin:
+                self._left_stack(f)
+            self._sp = cpu.sp
             if self._watch is not None:
                 self._watch.executed(f, cpu, cycle)
             if cpu.returning:
@@ -277,7 +286,7 @@ class ImageProgram(Program):
     def enter(self, vector: int) -> str:
         if not vector:
             taken = self._processor.interrupts.taken
-            raise FirmwareError(self._told(f"interrupt {taken} was taken, whose vector is 0"))
+            raise FirmwareLost(self._told(f"interrupt {taken} was taken, whose vector is 0"))
         interrupted = self.cpu.pc
         self.cpu.begin_routine(vector)
         self._at = vector
@@ -315,6 +324,23 @@ class ImageProgram(Program):
         """Where the last jumps were made from, the oldest first."""
         return [self._jumps[n & LAST_JUMPS - 1] for n in range(max(0, self._jumped - LAST_JUMPS), self._jumped)]
 
+    def _left_stack(self, f: Operation) -> None:
+        """SP is outside of its section. It may be set so, to another stack, but not get there step by step."""
+        begin, end = self._stack_begin, self._stack_end
+        if begin <= self._sp <= end and not (f.l == SP_FIELD and f.accesses & WRITES):
+            how = "grew beyond" if self.cpu.sp > end else "was taken from below"
+            raise IllegalOperation(f"the stack {how} its section .stack, {begin:#06x} to {end - 1:#06x}")
+
+    def read_unwritten(self, address: int) -> None:
+        """A word was read that nothing has written: noted once for a function."""
+        name = self.functions.name_at(self._at)
+        if name not in self._unwritten:
+            self._unwritten.add(name)
+            text = f"{name} reads {address:#06x}, which nothing has written; after power-up it may hold anything"
+            self._processor.notes.note(
+                self._processor.time.cycle, Note("unknown", text, "SPRU513, uninitialized sections")
+            )
+
     def _told(self, why: str) -> str:
         """An error with pc, function, last jumps and registers."""
         cpu = self.cpu
@@ -322,7 +348,7 @@ class ImageProgram(Program):
         registers = (
             f"ACC={cpu.acc:#010x} XAR4={cpu.xar[4]:#010x} XAR7={cpu.xar[7]:#010x} SP={cpu.sp:#06x} DP={cpu.dp:#06x}"
         )
-        at = self._ready.address if self._ready is not None else cpu.pc
+        at = self._at
         inside = self.functions.at(at)
         where = f" in {inside.name}" if inside else ""
         return f"{self._processor.name}: {why}; at {at:#08x}{where}, {registers}; last jumps: {jumps or 'none'}"

@@ -1,0 +1,46 @@
+"""What machine code cannot mean ends its run there, or is noted: the stack, odd addresses, memory that nobody wrote."""
+
+from __future__ import annotations
+
+import pytest
+
+from periph_sim.processor.error_origin import FirmwareLost
+from tests.processor.image.rig import HEAD, Rig
+
+STACK = ' .reserve ".stack", 0x400, 8\n' + HEAD
+
+
+@pytest.mark.parametrize(
+    ("source", "sentence"),
+    [
+        (
+            STACK + "loop: PUSH ACC\n SB loop,UNC",
+            r"the stack grew beyond its section .stack, 0x0400 to 0x0407; at 0x\w+",
+        ),
+        (STACK + " POP ACC\n ESTOP0", "the stack was taken from below its section .stack"),
+        (STACK + "_f: LCR #_f", r"the stack grew beyond .*; last jumps: .*_c_int00"),
+        (HEAD + " MOVL XAR4,#0x9101\n MOVL *XAR4,ACC\n ESTOP0", "32 bits are written to the odd address 0x009101"),
+        (HEAD + " MOVL XAR4,#0x9101\n MOVL ACC,*XAR4\n ESTOP0", "32 bits are read from the odd address 0x009101"),
+        (HEAD + " .word 0xE271\n ESTOP0", "is no instruction of the F28335; at 0x009006 in _c_int00, ACC=0x0"),
+    ],
+)
+def test_the_run_ends_with_place_registers_and_last_jumps(source: str, sentence: str):
+    with pytest.raises(FirmwareLost, match=sentence):
+        Rig(source).run()
+
+
+def test_a_stack_that_is_set_elsewhere_is_a_tasks():
+    rig = Rig(STACK + " MOV @SP,#0x9400\n PUSH ACC\n PUSH ACC\n MOV @SP,#0x400\n PUSH ACC\n ESTOP0").run()
+    assert (rig.program.finished, rig.cpu.sp) == (True, 0x402)
+
+
+def test_32_bits_at_an_odd_stack_pointer_are_what_a_service_routine_means():
+    rig = Rig(HEAD + " ADDB SP,#1\n MOVB ACC,#5\n MOVL *SP++,ACC\n MOVB ACC,#0\n MOVL ACC,*--SP\n ESTOP0").run()
+    assert (rig.program.finished, rig.cpu.acc, rig.word(0x400)) == (True, 5, 5)
+
+
+def test_a_read_of_what_nothing_wrote_is_noted_once_for_a_function():
+    source = " MOVL XAR4,#0x9100\n MOV AL,*XAR4++\n MOV AL,*XAR4\n LCR #_f\n ESTOP0\n .global _f\n"
+    rig = Rig(HEAD + " MOVL XAR5,#0x9110\n MOV *XAR5,#0\n MOV AL,*XAR5\n" + source + "_f: MOVL ACC,*+XAR4[3]\n LRETR")
+    notes = [text for text in rig.run().notes() if "nothing has written" in text]
+    assert [text[: text.index(",")] for text in notes] == ["_c_int00 reads 0x9100", "_f reads 0x9104"]

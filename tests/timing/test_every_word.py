@@ -12,7 +12,7 @@ from periph_sim.timing.language.scope import BadEvent
 from periph_sim.timing.measures.factory import measure_named
 from periph_sim.timing.measures.registry import MEASURES
 from tests.docs.pages import ROOT
-from tests.scene import test_event_budgets
+from tests.scene import test_event_budgets, test_image_budgets
 from tests.timing import test_age, test_loads, test_margins, test_model_age, test_pairs, test_rounds
 from tests.timing.events_by_hand import BARE, ONE
 from tests.timing.measures import (
@@ -32,6 +32,8 @@ ANOTHER_WAY: dict[str, Callable[..., None]] = {
     "jitter": test_groups.test_jitter_of_a_measure_is_from_value_to_value,
     "count": test_pairs.test_a_count_between_is_what_a_walk_over_the_records_gives,
     "level": test_groups.test_the_fifo_at_service_routine_entry,
+    "calls": test_image_budgets.test_functions_are_spans,
+    "stack": test_image_budgets.test_the_deepest_stack_in_words,
     "interrupt": test_event_budgets.test_each_is_what_the_recorded_run_shows,
     "reaction": test_rounds.test_reaction_is_from_the_last_flag_before_each_write,
     "gap": test_rounds.test_round_slack_and_gap_are_those_of_the_recorded_bytes,
@@ -55,6 +57,8 @@ MISUSE = {
     "jitter": ("jitter of cpu load", "that is one number a run, so it has no jitter"),
     "count": ("count of bus NACK byt", "'byt' is more than a measure or event says"),
     "level": ("level of SCI-A.SCIFFRX at frame", "'SCI-A.SCIFFRX' is no field"),
+    "calls": ("calls _isr", "'_isr' where of is expected"),
+    "stack": ("stack highwater", "'highwater' where high-water is expected"),
     "interrupt": ("interrupt latency SCIRXINTA to access", "'access' where first is expected"),
     "reaction": ("reaction of dps", "there is no unit 'dps'; did you mean dsp?"),
     "gap": ("gap between round", "'round' where rounds is expected"),

@@ -21,7 +21,7 @@ from typing import Any
 
 from periph_sim import form
 
-from . import decode, growth, levels, nothing, numeric, peers, recorded, schedule, start, targets
+from . import decode, growth, images, levels, nothing, numeric, peers, recorded, schedule, start, targets
 from .child import ROOT, forms
 from .machine import machine
 
@@ -49,6 +49,7 @@ def main() -> None:
         "schedule": (schedule.rows, schedule.line),
         "numeric": (numeric.rows, numeric.line),
         "decode": (lambda: decode.rows(repeat), decode.line),
+        "images": (lambda: images.rows(which, repeat), images.line),
     }
     if unknown := set(given.parts) - set(known):
         parser.error(f"there is no part {', '.join(sorted(unknown))}; there are {', '.join(known)}")

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from periph_sim.form import INTERPRETED
-from tests.bench import growth, levels, nothing
+from tests.bench import growth, images, levels, nothing
 from tests.bench.__main__ import kept
 from tests.bench.child import in_form
 
@@ -54,3 +54,8 @@ def test_parts_of_another_day_or_machine_are_not_kept(tmp_path: Path) -> None:
     file.write_text(json.dumps({"machine": here, "parts": {"start": [1]}}), "utf-8")
     assert kept(file, here) == {"start": [1]}
     assert kept(file, {**here, "date": "2026-01-03"}) == {}
+
+
+def test_the_busy_program_is_busy_and_goes_on_for_ever() -> None:
+    few, more = images.busy(1_000_000)["instructions"], images.busy(2_000_000)["instructions"]
+    assert few > 1000 and 1.8 < more / few < 2.2

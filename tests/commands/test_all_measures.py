@@ -81,12 +81,13 @@ def limit(measure: str) -> str:
 
 
 ALL = ("stretch", *NEVER, *MEASURED)
+OF_IMAGES = {"calls", "stack"}  # of what Python firmware does not have: tests/scene/test_image_budgets.py
 
 
 def test_these_are_all_measures_and_forms():
     forms = {measure.split(" ")[0] for measure in ALL} & set(FORMS)
     assert {m for m in ALL if m in MEASURES or m.startswith(SPAN)} == {*MEASURES, f"{SPAN}model"}
-    assert forms == set(FORMS)
+    assert forms == set(FORMS) - OF_IMAGES
 
 
 @pytest.fixture

@@ -80,7 +80,8 @@ def test_a_module_that_cannot_be_loaded_is_told_with_the_ways_out(found_first):
 def test_who_rewrites_assertions_of_all_modules_leaves_compiled_ones(package: Path, found_first, monkeypatch):
     """As cocotb has pytest do it, before anything else is imported."""
     (package / "core" / "three.py").write_text("NAME = 'three'\n")
-    hook = AssertionRewritingHook(Config.fromdictargs({}, ["-o", "python_files=*.py"]))
+    plain = Config.fromdictargs({}, ["--assert=plain", "-o", "python_files=*.py"])  # puts no hook of its own there
+    hook = AssertionRewritingHook(plain)
     monkeypatch.setattr(sys, "meta_path", [hook, *sys.meta_path])
     assert importlib.import_module("package.core.three").__loader__ is hook
     with pytest.raises(form.DoesNotLoad):

@@ -18,6 +18,8 @@ cdef class Columns(Keeper):
     cdef unsigned int[::1] _tags, _text_places, _field_places
     cdef long long[::1] _numbers, _ticks, _values, _causes
     cdef Py_ssize_t _filled
+    @cython.locals(last=_Strings)
+    cpdef void clear(self)
     cdef object _begin(self)
     cdef long long _place(self, dict places, object text)
     cpdef long long tag_of(self, object kind, str where, str what)

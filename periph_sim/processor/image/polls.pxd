@@ -22,6 +22,8 @@ cdef class Polls:
     cpdef bint again(self, long long branch, long long cycle)
     @cython.locals(cycle=cython.longlong, period=cython.longlong, equal=cython.bint, seen=cython.bint)
     cpdef bint comes_out_alike(self, object state)
+    cpdef bint may_be_alike(self)
+    cdef void _later(self)
     cdef void _begin(self)
     cpdef void note(self, Operand operand, long long value)
     cpdef void note_elsewhere(self, long long address, long long value)

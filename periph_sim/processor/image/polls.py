@@ -65,15 +65,30 @@ class Polls:
         self._passes += 1
         return self._passes >= self._look_at
 
+    def may_be_alike(self) -> bool:
+        """At the begin of a pass: whether the one behind it was looked at and was clean, so that states are compared."""
+        if self.tracking and self.clean:
+            return True
+        if self.tracking:
+            self._later()
+        else:
+            self._before = None
+            self._begin()
+        return False
+
+    def _later(self) -> None:
+        """Look again later, and ever less often."""
+        self._step = min(2 * self._step, LONGEST)
+        self._look_at = self._passes + self._step
+        self.tracking = False
+
     def comes_out_alike(self, state: object) -> bool:
-        """At the begin of a pass: whether two clean ones behind it had this state before and after them."""
+        """At the begin of a pass that may be: whether two clean ones behind it had this state before and after them."""
         cycle = self._time.cycle
-        period, equal = cycle - self._started, self.tracking and self.clean and state == self._before
+        period, equal = cycle - self._started, state == self._before
         seen = equal and period == self._period
-        if self.tracking and not equal:  # look again later, and ever less often
-            self._step = min(2 * self._step, LONGEST)
-            self._look_at = self._passes + self._step
-            self.tracking = False
+        if self._before is not None and not equal:
+            self._later()
             return False
         self._before, self._started, self._period = state, cycle, period if equal else 0
         if not seen:

@@ -213,7 +213,7 @@ class ImageProgram(Program):
         """At the begin of another pass of a loop: it sleeps if that can only come out as those before did."""
         polls, passed = self.cpu.polls, self.instructions - self._counted
         self._counted = self.instructions
-        if self._watch is not None or not polls.comes_out_alike(self.cpu.state()):
+        if self._watch is not None or not polls.may_be_alike() or not polls.comes_out_alike(self.cpu.state()):
             return False
         self.spin = polls.sleep()
         if self.spin is None:

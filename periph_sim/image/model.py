@@ -10,6 +10,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
+LEAST_STACK = 15  # words that an interrupt takes
+
 
 class BadImage(ValueError):
     """A file that is no image of this chip, in one sentence."""
@@ -83,9 +85,9 @@ class Image:
 
     @property
     def stack(self) -> tuple[int, int]:
-        """From where to where SP may point; anywhere if no section says it."""
-        of_stack = (section for section in self.sections if section.name == ".stack")
-        return next(((section.run, section.run + section.size) for section in of_stack), (0, 0xFFFF))
+        """From where to where SP may point; anywhere if no section says it, or too small a one."""
+        of_stack = (one for one in self.sections if one.name == ".stack" and one.size >= LEAST_STACK)
+        return next(((one.run, one.run + one.size) for one in of_stack), (0, 0xFFFF))
 
     @cached_property
     def symbol_at(self) -> dict[int, str]:

@@ -66,7 +66,7 @@ class Polls:
         return self._passes >= self._look_at
 
     def may_be_alike(self) -> bool:
-        """At the begin of a pass: whether the one behind it was looked at and was clean, so that states are compared."""
+        """At the begin of a pass: whether the one behind it was looked at and clean, so that states are compared."""
         if self.tracking and self.clean:
             return True
         if self.tracking:

@@ -82,6 +82,7 @@ class ImageProgram(Program):
         """Registers as the boot ROM leaves them, PC at the entry; memory stays as it is."""
         self.cpu.reset()
         self.cpu.pc = self._entry
+        self._sp = self.cpu.sp
         self.returned_at = None
         self._ready = None
         self._executed = self._idle_began = self._looks = False

@@ -7,7 +7,7 @@ import pytest
 from periph_sim.processor.error_origin import FirmwareLost
 from tests.processor.image.rig import HEAD, Rig
 
-STACK = ' .reserve ".stack", 0x400, 8\n' + HEAD
+STACK = ' .reserve ".stack", 0x400, 16\n' + HEAD
 
 
 @pytest.mark.parametrize(
@@ -15,7 +15,7 @@ STACK = ' .reserve ".stack", 0x400, 8\n' + HEAD
     [
         (
             STACK + "loop: PUSH ACC\n SB loop,UNC",
-            r"the stack grew beyond its section .stack, 0x0400 to 0x0407; at 0x\w+",
+            r"the stack grew beyond its section .stack, 0x0400 to 0x040f; at 0x\w+",
         ),
         (STACK + " POP ACC\n ESTOP0", "the stack was taken from below its section .stack"),
         (STACK + "_f: LCR #_f", r"the stack grew beyond .*; last jumps: .*_c_int00"),
@@ -32,6 +32,12 @@ def test_the_run_ends_with_place_registers_and_last_jumps(source: str, sentence:
 def test_a_stack_that_is_set_elsewhere_is_a_tasks():
     rig = Rig(STACK + " MOV @SP,#0x9400\n PUSH ACC\n PUSH ACC\n MOV @SP,#0x400\n PUSH ACC\n ESTOP0").run()
     assert (rig.program.finished, rig.cpu.sp) == (True, 0x402)
+
+
+@pytest.mark.parametrize("reserved", ["0x0, 0x100", "0x9800, 1"])  # SP is elsewhere at the reset; one word is no stack
+def test_a_stack_where_sp_is_not_at_the_reset_and_one_of_a_word_are_not_left(reserved: str):
+    rig = Rig(f' .reserve ".stack", {reserved}\n{HEAD} PUSH ACC\n MOV @SP,#0x9800\n PUSH ACC\n ESTOP0').run()
+    assert (rig.program.finished, rig.cpu.sp) == (True, 0x9802)
 
 
 def test_32_bits_at_an_odd_stack_pointer_are_what_a_service_routine_means():

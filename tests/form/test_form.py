@@ -80,9 +80,9 @@ def test_a_module_that_cannot_be_loaded_is_told_with_the_ways_out(found_first):
 def test_who_rewrites_assertions_of_all_modules_leaves_compiled_ones(package: Path, found_first, monkeypatch):
     """As cocotb has pytest do it, before anything else is imported."""
     (package / "core" / "three.py").write_text("NAME = 'three'\n")
-    plain = Config.fromdictargs({}, ["--assert=plain", "-o", "python_files=*.py"])  # puts no hook of its own there
-    hook = AssertionRewritingHook(plain)
-    monkeypatch.setattr(sys, "meta_path", [hook, *sys.meta_path])
+    monkeypatch.setattr(sys, "meta_path", list(sys.meta_path))  # in which a configuration puts a hook of its own, too
+    hook = AssertionRewritingHook(Config.fromdictargs({}, ["-o", "python_files=*.py"]))
+    sys.meta_path.insert(0, hook)
     assert importlib.import_module("package.core.three").__loader__ is hook
     with pytest.raises(form.DoesNotLoad):
         importlib.import_module("package.core.two")

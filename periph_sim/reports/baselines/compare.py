@@ -86,8 +86,9 @@ def _budget(name: str, before: Baseline, old: Figures, now: Baseline, new: Figur
             if None not in (was, came):
                 text = text.replace(" cycles ->", " ->")
         else:
-            counted = f" {new.unit}" if figure in VALUES and new.unit != "count" else ""
-            text = f"{name} {shown} {_or_none(was)} -> {_or_none(came)}{counted}"
+            of = new.unit if figure in VALUES else "count"
+            counted = "" if of == "count" else f" {of}"
+            text = f"{name} {shown} {_counted(was, of)} -> {_counted(came, of)}{counted}"
         changes.append(Change(name, figure, was, came, text))
     return changes
 
@@ -150,5 +151,10 @@ def _cycles(of: Baseline, ticks: int | None, nothing: str) -> str:
     return nothing if ticks is None else f"{of.cycles(ticks)} cycles"
 
 
-def _or_none(value: object) -> str:
-    return "none" if value is None else str(value)
+def _counted(value: int | None, unit: str) -> str:
+    """A number that is no time: a part of the time and LSB, which are kept in millionths, as people say them."""
+    if value is None:
+        return "none"
+    if unit == "%":
+        return f"{value / 10_000:.4f}"
+    return f"{value / 1_000_000:.6f}" if unit == "LSB" else str(value)

@@ -1,6 +1,6 @@
 """Interpreted and compiled are equal after each of many random instructions of every form; a million in `make explore`.
 
-Skipped where no core is compiled of these sources: `make core`. A process for the form that does not run here.
+Skipped where tests run interpreted: those of the compiled form have compared both. A process for the interpreted one.
 """
 
 from __future__ import annotations
@@ -12,7 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.form import BUILT, COMPILED, INTERPRETED, PACKAGE, VARIABLE, usable
+from periph_sim import form
+from periph_sim.form import COMPILED, INTERPRETED, VARIABLE
 from tests.c28x.execution.random_instructions import FORMS, digests
 from tests.profiles import explores
 
@@ -28,7 +29,7 @@ def other_form(count: int, seed: int) -> list[str]:
 
 
 @pytest.mark.long
-@pytest.mark.skipif(not usable(PACKAGE, BUILT)[0], reason="no core compiled of these sources: make core")
+@pytest.mark.skipif(form.running != COMPILED, reason="compared by the tests of the compiled form: make core")
 def test_registers_memory_and_cycles_are_equal() -> None:
     """To see where they part: python -m tests.c28x.execution.random_instructions COUNT SEED FROM TO, in both forms."""
     count, seed = (1_000_000, 2) if explores() else (20_000, 1)

@@ -91,6 +91,18 @@ class ImageProgram(Program):
         if self._calls is not None:
             self._calls.began(self._entry, self._processor.time.cycle)
 
+    def kill(self, how: type[BaseException]) -> None:
+        """See `Program.kill`. A sleep is over, so that what a reset changes in the registers it read wakes nobody."""
+        Program.kill(self, how)
+        time = self._processor.time
+        now = self._clock.cycle_at(time.instant()[1])
+        if self.cpu.polls.asleep:
+            time.cycle = now
+            self._woken()
+        elif self._idle_began and self._waits is not None:
+            self._waits.ends(now)
+        self.cpu.polls.forget()
+
     # Who wants to know ------------------------------------------------------------------
 
     @property

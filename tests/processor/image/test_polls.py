@@ -10,6 +10,7 @@ from hypothesis.strategies import integers
 
 from periph_sim.core.records import Kind
 from periph_sim.processor.image.boot import Stub
+from periph_sim.processor.image.wait_records import WaitRecords
 from tests.processor.image.rig import HEAD, Rig
 from tests.profiles import examples
 
@@ -160,5 +161,20 @@ def test_a_watchdog_reset_ends_a_sleep():
     wait = HEAD.replace("#0x68", "#0x28") + f" MOVW DP,#{ADCST} >> 6\nloop: MOV AL,@{ADCST}\n SB loop,EQ\n ESTOP0"
     rigs = [Rig(wait, skip=skip).run(14_000_000) for skip in (True, False)]
     assert [rig.dsp.resets for rig in rigs] == [1, 1]
-    assert rigs[0].program.instructions < 1000 < rigs[1].program.instructions
+    assert rigs[0].program.polls_skipped > 1000 and rigs[1].program.polls_skipped == 0
     assert rigs[0].cpu.state()[:-1] == rigs[1].cpu.state()[:-1]
+
+
+def test_a_watchdog_reset_ends_a_wait_for_what_the_reset_changes():
+    """SCICTL2 reads 0xC0 until the reset takes the SCI's clock away; the wait is recorded as over, then begins anew."""
+    clock = "EALLOW; MOVW DP,#0x7010 >> 6; MOV @0x701C,#0x0400; EDIS; MOVW DP,#0x7050 >> 6"
+    wait = HEAD.replace("#0x68", "#0x28") + lines(f"{clock}; w: MOV AL,@0x7054; SB w,NEQ; ESTOP0", "w", 0)
+    rigs = [Rig(wait, "SCI-A", skip=skip) for skip in (True, False)]
+    waits: list[tuple[str, int]] = []
+    rigs[0].recorder.subscribe({Kind.WAIT}, lambda one: waits.append((one.what, one.value)))
+    rigs[0].program.record_waits(WaitRecords(rigs[0].recorder, rigs[0].dsp.clock, "dsp"))
+    for rig in rigs:
+        rig.run(14_000_000)
+    assert [rig.dsp.resets for rig in rigs] == [1, 1]
+    assert rigs[0].cpu.state()[:-1] == rigs[1].cpu.state()[:-1]
+    assert waits == [("SCI-A.SCICTL2.all", 1), ("SCI-A.SCICTL2.all", 0), ("SCI-A.SCICTL2.all", 1)]

@@ -46,14 +46,20 @@ class SerialLine:
         self._queue: deque[tuple[bytes, Wrong] | int] = deque()  # bytes, or the level that a break gives RX
         self._place = 0  # in the first of them
         self.broken = False
-        self._free = Fraction(0)  # the tick from which the line may carry the next frame
+        self._parts = 1  # of a tick: a bit is a whole number of them
+        self._free = 0  # the time from which the line may carry the next frame, in parts of a tick
         self.set(baud, form)
         reader = UartReader(session.scene.kernel, session.scene.wire(tx), lambda: (self._bit, self._format))
         reader.on_end.append(self._heard)
 
     def set(self, baud: int, form: str = "8n1") -> None:
         """From the next frame on. OutsideError for what is no rate or format."""
+        free = self._free_at()
         self._bit, self._format = self.checked(baud, form)
+        # Integers, exact: a frame that follows the last one at once may begin between two ticks.
+        self._parts = self._bit.denominator
+        self._parts_of_bit = self._bit.numerator
+        self._free = free * self._parts
 
     def checked(self, baud: int, form: str) -> tuple[Fraction, UartFormat]:
         """A bit in ticks, and the frame's format. OutsideError for what is no rate or format."""
@@ -84,12 +90,12 @@ class SerialLine:
     def send_break(self, length: str) -> None:
         """RX is low for so long, "1 ms", now. OutsideError while bytes wait."""
         session = self._session
-        if self._queue or self._free > session.now:
+        if self._queue or self._free_at() > session.now:
             raise OutsideError("a break cannot begin: bytes are on their way; advance first")
         end = session.now + session.ticks(length)
         session.apply(session.now, {self._rx: 0})
         session.apply(end, {self._rx: 1})
-        self._free = end + self._bit
+        self._free = end * self._parts + self._parts_of_bit
 
     def read(self, count: int | None = None) -> bytes:
         """Up to so many of the bytes that came; all of them if None."""
@@ -100,14 +106,16 @@ class SerialLine:
 
     def feed(self, until: int) -> None:
         """Frames that begin before tick `until` go on the line. The session calls it before it advances."""
+        parts = self._parts
         while self._queue:
-            begin = max(self._free, Fraction(self._session.now))
-            if begin >= until:
+            begin = max(self._free, self._session.now * parts)
+            if begin >= until * parts:
                 return
             first = self._queue[0]
             if isinstance(first, int):
-                self._session.apply(int(begin), {self._rx: first})
-                self._free = begin + self._bit  # that long it lasts at least, and so is what parts it from a frame
+                self._session.apply(begin // parts, {self._rx: first})
+                # A bit at least: so long it lasts, and so it is parted from a frame.
+                self._free = begin + self._parts_of_bit
                 self._queue.popleft()
                 continue
             data, wrong = first
@@ -118,23 +126,29 @@ class SerialLine:
                 self._queue.popleft()
                 self._place = 0
 
-    def _frame(self, begin: Fraction, byte: int, wrong: Wrong) -> None:
-        form = self._format
+    def _frame(self, begin: int, byte: int, wrong: Wrong) -> None:
+        """begin: in parts of a tick."""
+        form, parts, bit = self._format, self._parts, self._parts_of_bit
         levels = form.levels(byte)
         if wrong == "parity":
             levels[-1 - form.stop] ^= 1
         elif wrong == "stop":
             levels[-form.stop :] = [0] * form.stop
-        before = 1
-        for bit, level in enumerate(levels):
+        before, at = 1, begin
+        for level in levels:
             if level != before:
-                self._session.apply(int(begin + bit * self._bit), {self._rx: level})
+                self._session.apply(at // parts, {self._rx: level})
                 before = level
-        self._free = begin + len(levels) * self._bit
+            at += bit
         self.sent += 1
         if not before:  # a stop bit that was low: the line is free a bit later
-            self._session.apply(int(self._free), {self._rx: 1})
-            self._free += self._bit
+            self._session.apply(at // parts, {self._rx: 1})
+            at += bit
+        self._free = at
+
+    def _free_at(self) -> int:
+        """The first whole tick from which the line may carry the next frame."""
+        return -(-self._free // self._parts)
 
     def _heard(self, heard: Heard) -> None:
         self._got.append(heard.value)

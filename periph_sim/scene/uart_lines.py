@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from fractions import Fraction
-from functools import partial
+from functools import lru_cache, partial
 
 from ..bus.uart.frame_format import UartFormat
 from ..bus.uart.monitor import UartMonitor
@@ -63,21 +63,35 @@ class UartLines:
 
 def sci_line(context: SceneContext, dsp: Dsp, module: str) -> tuple[Fraction, UartFormat]:
     """Ticks of a bit, and the format, that an SCI is set to now."""
-    now = context.kernel.now
-    line = line_of(dsp, now, module)
-    address = SCICCR["ADDRIDLE_MODE"].of(dsp.socket(module).peek(dsp.clock.cycle_at(now), SCICCR.offset))
-    form = UartFormat(line.bits, line.parity, int(line.stop), bool(address))
-    return context.timebase.per_second / Fraction(line.baud), form
+    return _ticks_and_format(context.timebase.per_second, *_settings(dsp, context.kernel.now, module))
 
 
 def line_of(dsp: Dsp, now: int, module: str = "SCI-A") -> uart_line.Line:
     """The rate and format that an SCI of a unit is set to."""
+    return _line(*_settings(dsp, now, module))
+
+
+def _settings(dsp: Dsp, now: int, module: str) -> tuple[int, int, Fraction, int]:
+    """SCICCR; SCIHBAUD and SCILBAUD as one number; SYSCLKOUT in Hz, and what LSPCLK divides it by."""
     socket, cycle = dsp.socket(module), dsp.clock.cycle_at(now)
     ccr = socket.peek(cycle, SCICCR.offset)
     brr = socket.peek(cycle, SCI_MAP["SCIHBAUD"].offset) << 8 | socket.peek(cycle, SCI_MAP["SCILBAUD"].offset)
-    lspclk = dsp.control.sysclk_hz / dsp.control.lspclk_divider
+    return ccr, brr, dsp.control.sysclk_hz, dsp.control.lspclk_divider
+
+
+# Kept, since each frame of each line asks and settings hardly ever change.
+@lru_cache(64)
+def _ticks_and_format(
+    per_second: int, ccr: int, brr: int, sysclk_hz: Fraction, divider: int
+) -> tuple[Fraction, UartFormat]:
+    line = _line(ccr, brr, sysclk_hz, divider)
+    form = UartFormat(line.bits, line.parity, int(line.stop), bool(SCICCR["ADDRIDLE_MODE"].of(ccr)))
+    return per_second / Fraction(line.baud), form
+
+
+def _line(ccr: int, brr: int, sysclk_hz: Fraction, divider: int) -> uart_line.Line:
     parity = "none"
     if SCICCR["PARITYENA"].of(ccr):
         parity = "even" if SCICCR["PARITY"].of(ccr) else "odd"
     bits, stop = SCICCR["SCICHAR"].of(ccr) + 1, SCICCR["STOPBITS"].of(ccr) + 1
-    return uart_line.Line(lspclk / (8 * (brr + 1) if brr else 16), bits, parity, stop)
+    return uart_line.Line(sysclk_hz / divider / (8 * (brr + 1) if brr else 16), bits, parity, stop)

@@ -48,3 +48,53 @@ def test_a_repeated_block_is_its_cycles_times_the_count(block: str, cycles: int,
         return ended
 
     assert took(count) - took(1) == (count - 1) * cycles
+
+
+SQUARES = """called: ADDB AL,#-1
+ RPTB behind,@AL
+ MOV32 R0H,*XAR5++
+ MPYF32 R1H,R0H,R0H
+ NOP
+ NOP
+ NOP
+ MOV32 *XAR4++,R1H
+behind: LRETR"""
+FILL = "called: ADDB AL,#-1\n RPT @AL\n || MOV *XAR4++,AL\n LRETR"
+SUM = """called: MOVL XAR6,*-SP[4]
+ MOVB ACC,#0
+ SUBB XAR0,#1
+again: ADDL ACC,*XAR6++
+ BANZ again,AR0--
+ LRETR"""
+
+
+@pytest.mark.parametrize("count", [8, 16, 32])
+@pytest.mark.parametrize(
+    ("routine", "base", "each"),
+    [
+        (SQUARES, 4 + 1 + 4 + 4, 6),  # LCR, ADDB, RPTB of a register, LRETR
+        (FILL, 4 + 1 + 4 + 4, 1),  # the pass that RPT does not count is the instruction itself
+        (SUM, 4 + 3 + 1 + 4 + 2 - 4, 1 + 4),  # 1 for XAR6, 3 cycles behind its load; BANZ 4, and 2 in the last pass
+    ],
+)
+def test_a_routine_takes_base_and_a_cycle_count_for_each_element(routine: str, base: int, each: int, count: int):
+    """Call and return included, as TI's libraries state it."""
+
+    def ended(call: str) -> int:
+        code = f"""{HEAD} MOVL XAR4,#0x9400
+ MOVL XAR5,#0x9600
+ MOVL XAR0,#{count}
+ ADDB SP,#2
+ MOV @AL,#{count}
+ RPT #4 || NOP
+ MOVL *-SP[2],XAR5
+ RPT #4 || NOP
+{call} ESTOP0
+ .align 2
+{routine}
+"""
+        at = Rig(code).run().program.returned_at
+        assert at is not None
+        return at
+
+    assert ended(" LCR #called\n") - ended("") == base + each * count

@@ -69,6 +69,12 @@ def test_stalls(code: str, expected: int):
     assert stalls(body.replace("AL |", "AL\n").replace("PUSH AL", "PUSH @AL").replace("POP AL", "POP @AL")) == expected
 
 
+@pytest.mark.parametrize("code", ["MOV32 @ACC,*(0:0x0F1A)", "MOV32 *(0:0x0F12),@ACC", "MOV32 *(0:0x0F2E),@XAR4"])
+def test_a_move_between_fpu_and_cpu_takes_one_cycle(code: str):
+    """R2H, R0H and R7H by their address; as between registers, without the wait states of frame 0 [SPRUEO2A 4.2]."""
+    assert cycles(f" {code}") - cycles("") == 1
+
+
 @pytest.mark.parametrize(("enabled", "took"), [(True, 3), (False, 0)])
 def test_open_stalls(enabled: bool, took: int):
     code = " MOV @0,AL\n MOV AH,@0"

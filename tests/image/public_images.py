@@ -18,10 +18,14 @@ IMAGES: Mapping[str, Mapping[str, str | int]] = tomllib.loads(
 
 def public_image(name: str) -> Path:
     """The file of this row of public_images.toml, with the contents that it had when the row was written."""
+    return public_file(name, IMAGES[name])
+
+
+def public_file(name: str, row: Mapping[str, str | int]) -> Path:
+    """The file that a row of facts about files names."""
     folder = os.environ.get(VARIABLE)
     if not folder:
         pytest.skip(f"{VARIABLE} names no folder of public images")
-    row = IMAGES[name]
     path = Path(folder, str(row["repository"]), str(row["path"]))
     if not path.exists():
         pytest.skip(f"{name}: {path} is missing; it is {row['path']} of {row['repository']} at {row['commit']}")

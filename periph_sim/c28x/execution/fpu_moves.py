@@ -29,7 +29,6 @@ def MOV32_ind_0_16_loc32(cpu: Cpu, f: Operation) -> None:
         cpu.store32(f.c, cpu.read32())
     else:
         cpu.r[number] = cpu.read32()
-        cpu.cycles = 1
 
 
 def MOV32_loc32_ind_0_16(cpu: Cpu, f: Operation) -> None:
@@ -38,7 +37,6 @@ def MOV32_loc32_ind_0_16(cpu: Cpu, f: Operation) -> None:
         cpu.move32(cpu.load32(f.c))
     else:
         cpu.move32(cpu.r[number])
-        cpu.cycles = 1
 
 
 def MOV16_mem16_RaH(cpu: Cpu, f: Operation) -> None:

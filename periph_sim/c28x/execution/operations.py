@@ -36,6 +36,9 @@ def operation(instruction: Instruction) -> Operation:
     made.cycles, made.not_taken, made.repeatable = form.cycles, form.not_taken, form.repeatable
     made.wide, made.byte = form.wide, form.byte
     made.accesses, made.absolute = form.accesses, form.absolute
+    if encoding.mnemonic == "MOV32" and made.absolute and fpu_moves.WINDOW <= made.c < fpu_moves.WINDOW_END:
+        made.cycles = made.not_taken = 1  # a move between registers
+        made.absolute = 0
     return made
 
 

@@ -10,6 +10,7 @@ from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.f28335.system.options import SystemOptions
 from periph_sim.image.assemble import assemble
+from periph_sim.image.model import Image
 from periph_sim.processor.dsp import Dsp, DspPlan
 from periph_sim.processor.image.boot import Boot, Stub
 from periph_sim.processor.image.program import ImageProgram
@@ -28,11 +29,11 @@ _c_int00: EALLOW
 
 
 class Rig:
-    """A unit that runs a program from its entry on, 2 ms at most."""
+    """A unit that runs a program, or its source, from its entry on, 2 ms at most."""
 
     def __init__(
         self,
-        source: str,
+        source: str | Image,
         *modules: str,
         boot: Boot = "entry",
         stubs: Iterable[Stub] = (),
@@ -44,7 +45,8 @@ class Rig:
         self.recorder.subscribe({Kind.IRQ, Kind.NOTE, Kind.ACCESS}, self.records.append)
         plan = DspPlan("dsp", modules, {}, from_boot=True, skip_polls=skip, system=options_from(SystemOptions, options))
         self.dsp = Dsp(self.kernel, Timebase(150_000_000), self.recorder, plan)
-        self.dsp.start_image(assemble(source), boot, stubs)
+        image = assemble(source) if isinstance(source, str) else source
+        self.dsp.start_image(image, boot, stubs)
         assert isinstance(self.dsp.program, ImageProgram)
         self.program = self.dsp.program
         self.cpu = self.program.cpu

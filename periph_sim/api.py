@@ -18,6 +18,7 @@ from .records.if_recorded import if_recorded
 from .scene.case.load import apply, load, refusal
 from .scene.case.model import BadCase, Case
 from .scene.case.origin import Source
+from .scene.clocks import clocks_of
 from .scene.firmware_loader import Firmware
 from .scene.result import Result
 from .scene.scene import Scene
@@ -72,7 +73,7 @@ def run(
         scene = judged(case, subscribe, firmware)
         result = scene.run(length)
         if isinstance(scene, Scene):
-            ended_at(scene.kernel.now)
+            ended_at(scene.kernel.now, clocks_of(scene))
     prove_verdicts(scene, result.budgets)
     return result
 

@@ -15,6 +15,7 @@ from ..explain.bound.verdict_proof import prove_verdicts
 from ..levels.judged import SCHEDULE, Judged, judged, refuse_record
 from ..records.if_recorded import if_recorded
 from ..scene.case.load import load
+from ..scene.clocks import clocks_of
 from ..scene.project import project_of
 from ..scene.result import Result
 from ..scene.scene import Scene
@@ -93,7 +94,7 @@ def run(
                 made = run_within(lambda more: load(case, [*changes, *more]), bound, length, html is not None, told)
                 scene, result, choice = made
         if isinstance(scene, Scene):
-            ended_at(scene.kernel.now)
+            ended_at(scene.kernel.now, clocks_of(scene))
         prove_verdicts(scene, result.budgets)
         chains = _chains(scene, result, length) if explain else {}
         if unfinished is not None:

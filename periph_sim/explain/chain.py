@@ -11,6 +11,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from ..core.time import Timebase
+from ..processor.instruction_location import parsed
 from ..processor.source_location import SourceLocation
 from ..timing.verdict import Verdict
 from .cpu_activity import Doing, Stretch, phrase
@@ -18,24 +19,35 @@ from .cpu_activity import Doing, Stretch, phrase
 
 @dataclass(frozen=True)
 class FirmwarePlace:
-    """A place in the firmware. file: None where only a recording says it. line: from 1."""
+    """A place in the firmware. file: None where only a recording says it. line: from 1; 0 of an image without lines.
+
+    pc: of an instruction of an image.
+    """
 
     function: str
     line: int
     file: Path | None
+    pc: int | None = None
 
     def __str__(self) -> str:
-        """ "imu_hil.py:106 (batch_read)"."""
-        return f"{self.spot} ({self.function})" if self.file else self.spot
+        """ "imu_hil.py:106 (batch_read)", "imu_hil.asm:77 (_serve, 0x009051)"."""
+        pc = [] if self.pc is None else [f"{self.pc:#08x}"]
+        inside = [self.function] if self.file else []
+        return f"{self.spot} ({', '.join([*inside, *pc])})" if inside or pc else self.spot
 
     @property
     def spot(self) -> str:
         """ "imu_hil.py:106"; with the function where the file is not known."""
-        return f"{self.file.name if self.file else self.function}:{self.line}"
+        name = self.file.name if self.file else self.function
+        return f"{name}:{self.line}" if self.line else name
 
 
 def place_of(where: str) -> FirmwarePlace | None:
     """The place that a record's text names; None if it names none."""
+    of_image = parsed(where)
+    if of_image is not None:
+        path = where.path if isinstance(where, SourceLocation) else of_image.file
+        return FirmwarePlace(of_image.function, of_image.line, Path(path) if path else None, of_image.pc)
     function, _, line = where.rpartition(":")
     if not function or not line.isdecimal():
         return None

@@ -104,7 +104,8 @@ def _place(place: FirmwarePlace | None) -> dict[str, object]:
     if place is None:
         return {}
     file = {} if place.file is None else {"file": relative(place.file).as_posix()}
-    return {"function": place.function, "line": place.line} | file
+    pc = {} if place.pc is None else {"pc": f"{place.pc:#08x}"}
+    return {"function": place.function, "line": place.line} | file | pc
 
 
 def relative(file: Path) -> Path:

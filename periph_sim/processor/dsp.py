@@ -94,6 +94,7 @@ class Dsp(FirmwareView):
         self.control = SystemControl(plan.oscclk_hz, plan.system)
         began = 0 if plan.from_boot else start_up(self.control, plan.pll)
         self.clock = Clock(timebase, self._sysclk_hz(), tick0=kernel.now, cycle0=began)
+        self.clock_history = [(kernel.now, self.clock.hz)]  # SYSCLKOUT from each tick on
         self.memory = AddressMap()
         self.pie = Pie(plan.system)
         self.core = CpuInterrupts(plan.system)
@@ -299,6 +300,7 @@ class Dsp(FirmwareView):
             self._kernel.catch_up()
         if hz != self.clock.hz:
             self.clock.retune(cycle, hz)
+            self.clock_history.append((self.clock.tick(cycle), self.clock.hz))
             for socket in self._sockets.values():
                 socket.reclock()
             self.processor.time.reclock()

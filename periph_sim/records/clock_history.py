@@ -1,7 +1,7 @@
-"""SYSCLKOUT of a recording that shows how firmware set it up: records of PLLCR and PLLSTS go in; each clock comes out.
+"""SYSCLKOUT of a unit over a recording: what the file tells, or records of PLLCR and PLLSTS, go in; cycles come out.
 
-Only where the recording begins at the reset's clock, as an image does, of one unit with a crystal of 30 MHz, and where
-all its accesses fall on the cycles that follow from that; else the clock is what `Run.cycles` says.
+A file that does not tell it may show it: one of a unit with a crystal of 30 MHz that begins at the reset's clock, as
+an image does, where all accesses fall on the cycles that follow from that; else the clock is what `Run.cycles` says.
 
 Source: SPRUFB0D Tables 20 to 22.
 """
@@ -9,13 +9,17 @@ Source: SPRUFB0D Tables 20 to 22.
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from itertools import pairwise
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 OSCCLK_HZ = 30_000_000
 DIVIDE = (4, 4, 2, 1)  # by DIVSEL
+MOST_TOLD = 3
 DIV, DIVSEL, LOCKED, OFF = "PLLCR.DIV", "PLLSTS.DIVSEL", "PLLSTS.PLLLOCKS", "WDCR.WDDIS"
 SHOWN = (DIV, DIVSEL, LOCKED, OFF)  # one of them at least is set by whoever begins at the reset's clock
 
@@ -26,6 +30,11 @@ class ClockHistory(NamedTuple):
     begins: tuple[int, ...]
     periods: tuple[Fraction, ...]
 
+    @classmethod
+    def told(cls, per_second: Fraction, clock: Sequence[tuple[int, Fraction]]) -> ClockHistory:
+        """Of pairs of a tick and the frequency from there on."""
+        return cls(tuple(tick for tick, _ in clock), tuple(per_second / hz for _, hz in clock))
+
     def at(self, tick: int) -> Fraction:
         return self.periods[max(bisect_right(self.begins, tick) - 1, 0)]
 
@@ -35,6 +44,25 @@ class ClockHistory(NamedTuple):
             return -self.cycles(end, begin)
         inside = [begin, *(tick for tick in self.begins if begin < tick < end), end]
         return round(sum((after - before) / self.at(before) for before, after in pairwise(inside)))
+
+    def of_distances(self, ticks: NDArray[np.int64], at: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Whole cycles of distances, each in the clock of its tick, rounded to nearest."""
+        periods = np.array([float(period) for period in self.periods])
+        now = np.maximum(np.searchsorted(self.begins, at, "right") - 1, 0)
+        cycles: NDArray[np.int64] = (ticks / periods[now] + 0.5).astype(np.int64)
+        return cycles
+
+    @property
+    def slowest(self) -> Fraction:
+        return max(self.periods)
+
+    def in_words(self, per_second: Fraction) -> str:
+        """ "7.5 MHz, from 4.373 ms on 150 MHz"; of more than three the last, with how often it changed."""
+        clocks = [f"{float(per_second / period / 1_000_000):.8g} MHz" for period in self.periods]
+        if len(clocks) > MOST_TOLD:
+            return f"{clocks[-1]} at last, changed {len(clocks) - 1} times"
+        since = [f"from {float(tick / per_second * 1000):.3f} ms on" for tick in self.begins[1:]]
+        return ", ".join([clocks[0], *map(" ".join, zip(since, clocks[1:], strict=True))])
 
 
 def history(

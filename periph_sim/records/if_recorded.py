@@ -13,6 +13,7 @@ from ..core.records import Recorder
 from ..core.time import Timebase
 
 if TYPE_CHECKING:
+    from ..traces.formats.record_table import Clocks
     from .recording import EndedAt, Subscribe
 
 
@@ -31,5 +32,5 @@ def _nobody_subscribes(recorder: Recorder, timebase: Timebase) -> None:
     """Nothing is recorded."""
 
 
-def _nobody_is_told(tick: int) -> None:
-    """Of the last tick."""
+def _nobody_is_told(tick: int, clocks: Clocks | None = None) -> None:
+    """Nothing is written."""

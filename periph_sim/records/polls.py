@@ -9,6 +9,7 @@ between lie on a grid that the passes before the gap set; a gap whose last read 
 
 from __future__ import annotations
 
+from fractions import Fraction
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -37,13 +38,14 @@ class Polls(NamedTuple):
     unplaced: Rows
 
 
-def skipped_polls(run: Run, reads: Rows, waits: NDBool, changes: Rows, looking: NDBool) -> Polls:
+def skipped_polls(run: Run, unit: str, reads: Rows, waits: NDBool, changes: Rows, looking: NDBool) -> Polls:
     """reads: rows of one place that reads one register. waits: the read after it is the next access of its routine.
     changes: rows of the register's changes. looking: the reads that looked at what changed; the polls are theirs."""
     tick = run.table.tick
     ticks = tick[reads]
     gaps = np.where(waits, np.diff(ticks, append=ticks[-1:]), 0)
-    longest = int(LONGEST_PASS * run.cycles.ticks)
+    cycle = run.clock(unit).at(int(ticks[len(ticks) // 2]))
+    longest = int(LONGEST_PASS * cycle)
     places = np.searchsorted(reads, changes) - 1
     inside = (places >= 0) & (places < len(reads) - 1)
     changes, places = changes[inside], places[inside]
@@ -53,7 +55,7 @@ def skipped_polls(run: Run, reads: Rows, waits: NDBool, changes: Rows, looking: 
         return Polls(changes, changes, changes, changes)
     best: tuple[int, int, NDBool] | None = None
     for in_pass in range(1, MOST_READS + 1):
-        period = _period(run, ticks, waits, gaps, in_pass, longest)
+        period = _period(cycle, ticks, waits, gaps, in_pass, longest)
         if not period:
             continue
         fits: NDBool = np.zeros(len(reads), bool)
@@ -81,7 +83,7 @@ def skipped_polls(run: Run, reads: Rows, waits: NDBool, changes: Rows, looking: 
     return Polls(before, after, changes, unplaced)
 
 
-def _period(run: Run, ticks: Rows, waits: NDBool, gaps: Rows, in_pass: int, longest: int) -> int:
+def _period(cycle: Fraction, ticks: Rows, waits: NDBool, gaps: Rows, in_pass: int, longest: int) -> int:
     """How long a pass with so many reads is at this place; 0 where the recording does not show it."""
     whole = _within(waits, in_pass)
     lengths = (ticks - _shifted(ticks, in_pass))[whole]
@@ -90,10 +92,10 @@ def _period(run: Run, ticks: Rows, waits: NDBool, gaps: Rows, in_pass: int, long
         values, counts = np.unique(short, return_counts=True)
         period = int(values[np.argmax(counts)])
         alike = float((short % period == 0).mean()) > (PASSES_AGREE if in_pass == 1 else MORE_AGREE)
-        return period if alike and run.cycles.of(period) >= SHORTEST_PASS else 0
+        return period if alike and round(period / cycle) >= SHORTEST_PASS else 0
     if in_pass == 1 and (gaps > 0).sum() >= FEW_GAPS:
         period = int(np.gcd.reduce(gaps[gaps > 0]))
-        return period if run.cycles.of(period) >= SHORTEST_PASS and period <= longest else 0
+        return period if round(period / cycle) >= SHORTEST_PASS and period <= longest else 0
     return 0
 
 

@@ -102,8 +102,9 @@ def distances(run: Run, register: str | None = None) -> tuple[Rows, Rows, int]:
             beside = _beside(run, group, f, place)
             unplaced += beside.unplaced
             compared = beside.nearest < NEVER
-            cycles.append(_cycles(run, beside.nearest[compared]))
-            ticks.append(beside.ticks[compared])
+            at = beside.ticks[compared]
+            cycles.append(run.clock(group.unit).of_distances(beside.nearest[compared], at))
+            ticks.append(at)
     when = np.concatenate(ticks)
     order = np.argsort(when, kind="stable")
     return np.concatenate(cycles)[order], when[order], unplaced
@@ -188,7 +189,7 @@ def _beside(run: Run, group: Group, f: Field | None, place: _Reads) -> _Beside:
         if not fields:
             continue
         changes, looking = _changes(run, group, fields), place.looked_at == code
-        polls = skipped_polls(run, place.rows, place.waits, changes, looking)
+        polls = skipped_polls(run, group.unit, place.rows, place.waits, changes, looking)
         sides = _of_reads(run, place.rows[looking], changes)
         before += [sides[0], _of_polls(run, polls, polls.before)]
         after += [sides[1], _of_polls(run, polls, polls.after)]
@@ -222,15 +223,10 @@ def _joined(sides: list[_Side]) -> _Side:
     return _Side(*(np.concatenate(column) for column in zip(*sides, strict=True)))
 
 
-def _cycles(run: Run, ticks: Rows) -> Rows:
-    """Whole cycles, rounded to nearest."""
-    cycles: Rows = (ticks / float(run.cycles.ticks) + 0.5).astype(np.int64)
-    return cycles
-
-
 def _judged(run: Run, group: Group, f: Field | None, place: _Reads) -> PlaceRaces:
     beside = _beside(run, group, f, place)
-    cycles = _cycles(run, beside.nearest[beside.nearest < NEVER])
+    compared = beside.nearest < NEVER
+    cycles = run.clock(group.unit).of_distances(beside.nearest[compared], beside.ticks[compared])
     decades = np.minimum(np.searchsorted(10 ** np.arange(DECADES - 1), cycles, "right"), DECADES - 1)
     return PlaceRaces(
         group.unit,
@@ -239,18 +235,20 @@ def _judged(run: Run, group: Group, f: Field | None, place: _Reads) -> PlaceRace
         beside.reads,
         beside.polls,
         beside.unplaced,
-        _closest(run, beside.before),
-        _closest(run, beside.after),
+        _closest(run, group.unit, beside.before, 1),
+        _closest(run, group.unit, beside.after, -1),
         tuple(np.bincount(decades, minlength=DECADES).tolist()),
         int((beside.nearest == NEVER).sum()),
     )
 
 
-def _closest(run: Run, side: _Side) -> NearMiss | None:
+def _closest(run: Run, unit: str, side: _Side, way: int) -> NearMiss | None:
+    """way: 1 where the change follows the read, -1 where it precedes it."""
     if not len(side.distances) or int(side.distances.min()) == NEVER:
         return None
     distance = int(side.distances.min())
     closest = np.flatnonzero(side.distances == distance)
     first = closest[np.argmin(side.ticks[closest])]
     field = run.record(int(side.changes[first])).what.partition(".")[2]
-    return NearMiss(run.cycles.of(distance), int(side.ticks[first]), field)
+    read = int(side.ticks[first])
+    return NearMiss(abs(run.clock(unit).cycles(read, read + way * distance)), read, field)

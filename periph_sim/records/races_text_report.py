@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 
 from ..core.text_table import paragraph, text_table
+from ..processor.instruction_location import parsed
 from .lost_flags import ReadModifyWrite
 from .races import DECADES, NearMiss, PlaceRaces, Races
 
@@ -92,7 +93,9 @@ def _closest(races: Races, place: PlaceRaces) -> list[tuple[str, ...]]:
 
 
 def _counts(races: Races, place: PlaceRaces) -> tuple[str, ...]:
-    return (_name(races, place), place.place, str(place.reads), str(place.polls), *map(str, place.histogram))
+    at = parsed(place.place)  # an image's: the line stands in the table above
+    short = place.place if at is None else f"{at.function} {at.pc:#08x}"
+    return (_name(races, place), short, str(place.reads), str(place.polls), *map(str, place.histogram))
 
 
 def _indent(line: str) -> str:

@@ -46,7 +46,7 @@ def _found(run: Run, unit: str) -> Rows:
     what = table.columns["what"][rows]
     is_read, register = ways[what], registers[what]
     same = [register, table.columns["text"][rows], table.columns["field"][rows], table.cause[rows]]
-    longest = int(MODIFY * run.cycles.ticks)
+    longest = int(MODIFY * run.clock(unit).slowest)
     free = np.ones(len(rows), bool)
     reads, writes = [np.empty(0, np.int64)], [np.empty(0, np.int64)]
     for ahead in range(1, OVERTAKEN + 1):

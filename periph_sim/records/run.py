@@ -247,14 +247,28 @@ class Run:
 
     # Time ------------------------------------------------------------------------
 
+    def clock(self, unit: str = "") -> ClockHistory:
+        """SYSCLKOUT of a unit; of a name that is no unit's that of the first one."""
+        if self._sysclk is None and self._clocks:
+            return self._clocks.get(unit) or next(iter(self._clocks.values()))
+        return ClockHistory((0,), (self.cycles.ticks,))
+
+    @property
+    def counts_alike(self) -> bool:
+        """All units have the same clock, as far as is known."""
+        return self._sysclk is not None or len(set(self._clocks.values())) <= 1
+
     @cached_property
     def cycles(self) -> Cycles:
-        """The cycle of SYSCLKOUT: as given, as the accesses show it, or of 150 MHz."""
+        """The cycle of SYSCLKOUT: as given, as recorded at the end, as the accesses show it, or of 150 MHz."""
         if self._sysclk is not None:
             return Cycles(self.per_second / self._sysclk, f"SYSCLKOUT {_mhz(self._sysclk)}, as given")
-        if self._clocks is not None and len(self._clocks.periods) == 1:
-            one = self._clocks.periods[0]
-            return Cycles(one, f"SYSCLKOUT {_mhz(self.per_second / one)}, the reset's, which the program never changed")
+        if self._clocks:
+            told = {unit: clock.in_words(self.per_second) for unit, clock in self._clocks.items()}
+            if self.counts_alike:
+                told = {"SYSCLKOUT": next(iter(told.values()))}
+            how = "; ".join(f"{whose} {words}" for whose, words in told.items())
+            return Cycles(self.clock().periods[-1], how if self.counts_alike else f"SYSCLKOUT of {how}")
         full = self.per_second / SYSCLK_HZ
         grids = []
         for unit in self.table.modules:
@@ -272,14 +286,17 @@ class Run:
         )
 
     @cached_property
-    def _clocks(self) -> ClockHistory | None:
-        """Where the recording shows how the only unit set up its clock."""
-        if self._sysclk is not None or len(self.table.modules) != 1:
-            return None
+    def _clocks(self) -> dict[str, ClockHistory]:
+        """Of each unit; none where the recording does not tell, and does not show how its only unit set it up."""
+        if self.table.clocks:
+            return {unit: ClockHistory.told(self.per_second, clock) for unit, clock in self.table.clocks.items()}
+        if len(self.table.modules) != 1:
+            return {}
         [unit] = self.table.modules
         rows = np.sort(np.concatenate([self.rows(Kind.FLAG, f"{unit}.SYS", what) for what in SHOWN]))
         told = [(record.tick, record.what, record.value) for record in self.records(rows)]
-        return history(self.per_second, told, self.table.tick[self.rows(Kind.ACCESS, unit)].tolist())
+        shown = history(self.per_second, told, self.table.tick[self.rows(Kind.ACCESS, unit)].tolist())
+        return {} if shown is None else {unit: shown}
 
     def seconds(self, ticks: int) -> Fraction:
         return Fraction(ticks) / self.per_second
@@ -288,16 +305,20 @@ class Run:
         """A time of the run, in milliseconds, to the nanosecond."""
         return f"{float(self.seconds(tick) * 1000):.6f} ms"
 
-    def length(self, ticks: int, begin: int | None = None) -> str:
-        """A distance in the unit that suits it, with its cycles. begin: its first tick, where the clock may change."""
+    def length(self, ticks: int, begin: int | None = None, unit: str = "") -> str:
+        """A distance in the unit that suits it, with its cycles. begin: its first tick, where the clock may change.
+
+        unit: whose cycles; of none, such as a wire, they are left out where units have different clocks.
+        """
         ns = self.seconds(ticks) * 10**9
-        unit, size = next(((u, size) for u, size in UNITS if abs(ns) < 1000 * size), ("s", 10**9))
+        suits, size = next(((u, size) for u, size in UNITS if abs(ns) < 1000 * size), ("s", 10**9))
         text = f"{float(ns / size):.3f}".rstrip("0").rstrip(".")
-        if begin is None or self._clocks is None:
-            cycles = self.cycles.of(ticks)
-        else:
-            cycles = self._clocks.cycles(begin, begin + ticks)
-        return f"{text} {unit} ({cycles} cycle{'s' * (cycles != 1)})"
+        if unit not in self._clocks and not self.counts_alike:
+            return f"{text} {suits}"
+        clock = self.clock(unit)
+        since = clock.begins[-1] if begin is None else begin
+        cycles = clock.cycles(since, since + ticks)
+        return f"{text} {suits} ({cycles} cycle{'s' * (cycles != 1)})"
 
 
 def _mhz(hz: Fraction) -> str:

@@ -24,7 +24,7 @@ from .case.model import Case, Unit
 def watch_image(case: Case, name: str, unit: Unit, dsp: Dsp, program: ImageProgram, recorder: Recorder) -> None:
     """Look at a program before its first instruction. BadCase for what its image does not have."""
     if recorder.wants(Kind.SPAN):
-        program.tell_calls(FunctionSpans(recorder, name))
+        program.tell_calls(FunctionSpans(recorder, name, program.place_of))
     if recorder.wants(Kind.WAIT):
         program.record_waits(WaitRecords(recorder, dsp.clock, name))
     if unit.memory:

@@ -29,6 +29,10 @@ class FunctionMap:
         inside = self.at(address)
         return inside.name if inside else f"{address:#08x}"
 
+    def named(self, name: str) -> Function | None:
+        """The function of a name; the first one by address where several have it."""
+        return next((function for function in self.functions if function.name == name), None)
+
     def line_at(self, address: int) -> SourceLine | None:
         """The source line of an instruction; None where nothing tells it."""
         return self._debug.line_at(address)

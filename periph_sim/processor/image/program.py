@@ -20,6 +20,7 @@ from ...f28335.cpu import instruction_costs as cpu_costs
 from ...f28335.system.options import SystemOptions
 from ...image.model import Image
 from ..error_origin import FirmwareLost
+from ..instruction_location import instruction_location
 from ..processor import Processor
 from ..program import Program, Stop
 from ..source_location import SourceLocation
@@ -319,19 +320,21 @@ class ImageProgram(Program):
         """The instruction that is executed, or was last, as function, file and line."""
         known = self._places.get(self._at)
         if known is None:
-            known = self._places[self._at] = self._place(self._at)
+            known = self._places[self._at] = self.place_at(self._at)
         return known
 
-    def _place(self, address: int) -> SourceLocation:
+    def place_of(self, function: str) -> SourceLocation | str:
+        """The place of a function's first instruction."""
+        found = self.functions.named(function)
+        return self.place_at(found.address) if found else function
+
+    def place_at(self, address: int) -> SourceLocation:
+        """The place of an instruction."""
         functions = self.functions
         source, inside = functions.line_at(address), functions.at(address)
-        begins = inside.address if inside else address
-        name = functions.name_at(address)
-        found = SourceLocation(
-            f"{name}:{source.line}" if source else f"{name}+{address - begins:#x}" if inside else name
-        )
-        found.path, found.line = (source.file, source.line) if source else ("", 0)
-        return found
+        name, begins = (inside.name, inside.address) if inside else ("", address)
+        path, line = source or ("", 0)
+        return instruction_location(name, begins, path, line, address)
 
     def _last_jumps(self) -> list[int]:
         """Where the last jumps were made from, the oldest first."""
@@ -361,7 +364,6 @@ class ImageProgram(Program):
         registers = (
             f"ACC={cpu.acc:#010x} XAR4={cpu.xar[4]:#010x} XAR7={cpu.xar[7]:#010x} SP={cpu.sp:#06x} DP={cpu.dp:#06x}"
         )
-        at = self._at
-        inside = self.functions.at(at)
-        where = f" in {inside.name}" if inside else ""
-        return f"{self._processor.name}: {why}; at {at:#08x}{where}, {registers}; last jumps: {jumps or 'none'}"
+        return (
+            f"{self._processor.name}: {why}; at {self.place_at(self._at)}, {registers}; last jumps: {jumps or 'none'}"
+        )

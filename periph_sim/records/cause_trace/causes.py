@@ -98,7 +98,7 @@ def _request(run: Run, row: int, record: Record) -> list[Link]:
     rose = (run.rows(Kind.FLAG, f"{unit}.{module}", field) for field in fields)
     asked = [run.last(rows[run.table.value[rows] != 0], record.tick, row) for rows in rose]
     found = max((one for one in asked if one is not None), default=None)
-    if found is None or run.cycles.of(record.tick - int(run.table.tick[found])) > ROUND_A_GATE:
+    if found is None or run.clock(unit).cycles(int(run.table.tick[found]), record.tick) > ROUND_A_GATE:
         return []
     return [Link(found, INFERRED, "the request behind it")]
 

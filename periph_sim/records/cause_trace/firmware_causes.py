@@ -126,7 +126,7 @@ def held_up(run: Run, record: Record, after: int, before: int) -> list[Link]:
         Link(
             int(ends[n]),
             RECORDED,
-            f"held the firmware up for {run.length(int(lengths[n]), int(begins[n]))}",
+            f"held the firmware up for {run.length(int(lengths[n]), int(begins[n]), record.where)}",
             aside=True,
         )
         for n in longest.tolist()
@@ -138,7 +138,8 @@ def _own_time(run: Run, record: Record, earlier: int, row: int) -> int:
     table = run.table
     ends, entries = run.service(record.where, record.cause, earlier, row)
     served = int((table.tick[ends] - table.tick[entries]).sum())
-    return run.cycles.of(int(table.tick[row] - table.tick[earlier]) - served)
+    own = int(table.tick[row] - table.tick[earlier]) - served
+    return run.clock(record.where).cycles(int(table.tick[row]) - own, int(table.tick[row]))
 
 
 def _own_read(run: Run, row: int, record: Record, flag: Record | None) -> list[Link]:

@@ -25,7 +25,7 @@ def text(answer: Answer) -> str:
         lines.append(f"  nothing changed it before; {'it is ' + AS_RESET if subject.field else 'no record of it'}")
     rows = []
     for step in answer.back:
-        before = run.length(answer.back[0].record.tick - step.record.tick, step.record.tick) + " before"
+        before = run.length(answer.back[0].record.tick - step.record.tick, step.record.tick, subject.unit) + " before"
         distance = before if step.known else run.at(step.record.tick)
         indent = "  " * step.aside
         known = f"\n{indent}[{step.known}: {step.because}]" if step.known else ""
@@ -89,7 +89,8 @@ def _value(answer: Answer) -> str:
     if not answer.back:
         return f"{value}, {AS_RESET}" if kind is Kind.FLAG else f"{value} from the start"
     run = answer.run
-    said = f"{value} since {run.at(answer.since)}, {run.length(answer.tick - answer.since, answer.since)} before"
+    length = run.length(answer.tick - answer.since, answer.since, answer.subject.unit)
+    said = f"{value} since {run.at(answer.since)}, {length} before"
     pulled, held = (" and ".join(who) for who in (answer.pulled_by, answer.held_by))
     return said if pulled == held else f"{said}; pulled low first by {pulled}, held now by {held}"
 
@@ -108,7 +109,13 @@ def _forward(answer: Answer) -> list[str]:
     steps += [("read", answer.reader)] if answer.reader is not None else []
     steps += [("changed", answer.changed)] if answer.changed is not None else []
     for how, step in steps:
-        rows.append((how, f"{run.length(step.record.tick - since, since)} after", _with_source(said(run, step))))
+        rows.append(
+            (
+                how,
+                f"{run.length(step.record.tick - since, since, answer.subject.unit)} after",
+                _with_source(said(run, step)),
+            )
+        )
     lines = columns(rows)
     field = answer.subject.field is not None
     if field:
@@ -123,12 +130,11 @@ def _forward(answer: Answer) -> list[str]:
 
 def _entry(answer: Answer, step: Step) -> dict[str, object]:
     record = step.record
-    away = record.tick - answer.since
     return {
         "record": record.number,
         "at_s": float(answer.run.seconds(record.tick)),
         "tick": record.tick,
-        "cycles_from_value": answer.run.cycles.of(away),
+        "cycles_from_value": answer.run.clock(answer.subject.unit).cycles(answer.since, record.tick),
         "kind": record.kind.value,
         "where": record.where,
         "what": record.what,

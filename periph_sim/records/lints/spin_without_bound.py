@@ -41,7 +41,9 @@ def faults(run: Run, options: Options) -> Iterator[Fault]:
         for one in np.unique(same[long]).tolist():
             waits = long[same[long] == one]
             name = table.names["what"][one >> 32].partition(" ")[2]
-            text = f"polls {name} for up to {run.length(int(lengths[waits].max()))}"
+            longest = int(waits[np.argmax(lengths[waits])])
+            since = int(table.tick[rows[begins[longest]]])
+            text = f"polls {name} for up to {run.length(int(lengths[longest]), since, unit)}"
             if stuck[waits].any():
                 text += ", until the end of the run, and never got past it"
             elif (after[waits] < 0).any():

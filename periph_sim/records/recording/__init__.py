@@ -22,7 +22,7 @@ from ...core.suggest import did_you_mean
 from ...core.time import Timebase
 from ...traces.capture.capture import BadCapture
 from ...traces.formats.atomic_write import atomic_write
-from ...traces.formats.record_table import RecordTable
+from ...traces.formats.record_table import Clocks, RecordTable
 
 
 class Writer(Protocol):
@@ -40,6 +40,13 @@ class KeepingWriter(Writer, Protocol):
     def keeper(self) -> Keeper: ...
 
 
+@runtime_checkable
+class WriterOfClocks(Writer, Protocol):
+    """One that tells each unit's SYSCLKOUT, too."""
+
+    clocks: Clocks
+
+
 class RecordingFormat(Protocol):
     SUFFIX: str
     MODE: Literal["w", "wb"]
@@ -52,8 +59,12 @@ class BadRecording(ValueError):
     """A file that cannot be written; one sentence."""
 
 
+NOT_TOLD: Clocks = {}
 Subscribe = Callable[[Recorder, Timebase], None]
-EndedAt = Callable[[int], None]
+
+
+class EndedAt(Protocol):
+    def __call__(self, tick: int, clocks: Clocks = ...) -> None: ...
 
 
 @cache
@@ -71,7 +82,7 @@ def format_of(path: Path) -> RecordingFormat | None:
 
 @contextmanager
 def recording(path: Path, modules: dict[str, tuple[str, ...]]) -> Iterator[tuple[Subscribe, EndedAt]]:
-    """Gives two functions: one that a scene calls to be recorded, one to be told the last tick of the run.
+    """Gives two functions: one that a scene calls to be recorded, one to be told the last tick, and the units' clocks.
 
     modules: unit -> its modules. BadRecording when the suffix is unknown or the place
     cannot be written to.
@@ -85,9 +96,9 @@ def recording(path: Path, modules: dict[str, tuple[str, ...]]) -> Iterator[tuple
             writers.append(writer)
             recorder.subscribe(chosen.KINDS, writer.keeper if isinstance(writer, KeepingWriter) else writer.write)
 
-        def ended_at(tick: int) -> None:
+        def ended_at(tick: int, clocks: Clocks = NOT_TOLD) -> None:
             for writer in writers:
-                writer.close(tick)
+                _close(writer, tick, clocks)
 
         yield subscribe, ended_at
 
@@ -110,7 +121,13 @@ def rewrite(table: RecordTable, path: Path) -> None:
         for record in table.records():
             if record.kind in wanted:
                 write(record)
-        writer.close(table.end)
+        _close(writer, table.end, table.clocks)
+
+
+def _close(writer: Writer, tick: int, clocks: Clocks) -> None:
+    if isinstance(writer, WriterOfClocks):
+        writer.clocks = clocks
+    writer.close(tick)
 
 
 def _chosen(path: Path) -> RecordingFormat:

@@ -5,13 +5,14 @@ records as they happen --> growing arrays, 44 bytes a record --> written when th
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from typing import IO, Literal
 
 from ...core.records import Kind
 from ...core.time import Timebase
 from ...traces.formats.psr import write_table
-from ...traces.formats.record_table import Columns
+from ...traces.formats.record_table import Clocks, Columns
 
 SUFFIX = ".psr"
 MODE: Literal["wb"] = "wb"
@@ -23,11 +24,13 @@ class PsrWriter:
         self._file = file
         self._per_second = Fraction(timebase.per_second)
         self._modules = modules
+        self.clocks: Clocks = {}
         self.keeper = Columns()
         self.write = self.keeper.add
 
     def close(self, now: int) -> None:
-        write_table(self.keeper.table(self._per_second, now, self._modules), self._file)
+        table = self.keeper.table(self._per_second, now, self._modules)
+        write_table(replace(table, clocks=self.clocks), self._file)
 
 
 def open_writer(file: IO[bytes], timebase: Timebase, modules: dict[str, tuple[str, ...]]) -> PsrWriter:

@@ -4,7 +4,8 @@
 
 A zip whose members are .npy arrays, so that `numpy.load` opens it:
 
-    head.npy     UTF-8 bytes of a JSON object: format, version, ticks_per_second, end, names, topics, modules, capture
+    head.npy     UTF-8 bytes of a JSON object: format, version, ticks_per_second, end, names, topics, modules, clocks,
+                 capture
     number.npy   tick.npy    of each record what it is more than the one before, of the first what it is
     topic.npy    a place in `topics`, of which each has three: of its kind, where and what in `names`
     value.npy    text.npy    cause.npy   field.npy
@@ -12,7 +13,7 @@ A zip whose members are .npy arrays, so that `numpy.load` opens it:
 Each array is int8, int16, int32 or int64, as its numbers need. `text` and `field` are places in `names`, so each string
 stands once. `ticks_per_second` is a whole number, a fraction as text ("100000000/3"), or null. A capture has one "edge"
 record an edge, `where` being the channel's place, and under `capture` what edges alone do not say; of a run each wire
-that ever changed is a channel.
+that ever changed is a channel. `clocks` has for each unit pairs of a tick and SYSCLKOUT from there on, in Hz as text.
 
 Files of version 2, which had number, tick, value and cause as int64, kind as uint8, and where, what, text and field as
 uint32 columns, are read, too; so are those of version 1, without field.
@@ -26,6 +27,7 @@ import zipfile
 import zlib
 from dataclasses import replace
 from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 from tokenize import TokenError
 from typing import IO, Any, NoReturn
@@ -126,6 +128,7 @@ def write_table(table: RecordTable, file: IO[bytes], capture: dict[str, Any] | N
         "names": table.names,
         "topics": topics.of.tolist(),
         "modules": table.modules,
+        "clocks": {unit: [[tick, str(hz)] for tick, hz in of] for unit, of in table.clocks.items()},
         "capture": capture,
     }
     arrays = {"head": np.frombuffer(json.dumps(head).encode(), np.uint8)}
@@ -259,6 +262,7 @@ def _table(path: Path, head: dict[str, Any], columns: dict[str, NDArray[Any]], t
         end = _whole(head["end"])
         per_second = _rate(head["ticks_per_second"])
         modules = {str(unit): tuple(_strings(of)) for unit, of in head["modules"].items()}
+        clocks = {str(unit): _clock(of) for unit, of in head.get("clocks", {}).items()}
     except (KeyError, TypeError, ValueError, AttributeError, ZeroDivisionError) as error:
         raise BadCapture(path, "head.npy", f"{type(error).__name__} {error}", "names, end and rate", COPY) from error
     for name, known in names.items():
@@ -270,13 +274,21 @@ def _table(path: Path, head: dict[str, Any], columns: dict[str, NDArray[Any]], t
         _bad(path, "head.npy", f"records of kind {strange[0]!r}", f"{', '.join(kind.value for kind in Kind)}")
     if "field" not in columns:
         columns, names = columns | {"field": np.zeros(len(columns["tick"]), "<u4")}, names | {"field": ("",)}
-    return RecordTable(columns, names, per_second, end, modules, topics)
+    return RecordTable(columns, names, per_second, end, modules, topics, clocks)
 
 
 def _strings(given: Any) -> list[str]:
     if not isinstance(given, list) or not all(isinstance(item, str) for item in given):
         raise ValueError("no list of names")
     return given
+
+
+def _clock(given: Any) -> tuple[tuple[int, Fraction], ...]:
+    """Ticks that rise, each with a frequency."""
+    found = tuple((_whole(tick), Fraction(hz)) for tick, hz in given)
+    if not found or any(hz <= 0 for _, hz in found) or any(one[0] > other[0] for one, other in pairwise(found)):
+        raise ValueError("a clock that is none")
+    return found
 
 
 def _whole(given: Any) -> int:

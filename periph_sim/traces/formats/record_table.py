@@ -9,7 +9,7 @@ blocks of fixed length, a number a column, so that no object is made for a recor
 from __future__ import annotations
 
 from array import array
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any, NamedTuple
@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from ...core.records import Keeper, Kind, Record
 
 Block = dict[str, "array[int]"]
+Clocks = Mapping[str, Sequence[tuple[int, Fraction]]]
 
 KINDS = tuple(Kind)
 NUMBER_OF = {kind: number for number, kind in enumerate(KINDS)}
@@ -66,6 +67,7 @@ class RecordTable:
 
     per_second: ticks a second, None where nobody knows. end: the tick at which it was over.
     modules: the units of the run with their modules; empty for a capture. known_topics: of its rows, where they are.
+    clocks: of units, SYSCLKOUT in Hz from each tick on; none in recordings that do not tell them.
     """
 
     columns: dict[str, NDArray[Any]]
@@ -74,6 +76,7 @@ class RecordTable:
     end: int
     modules: dict[str, tuple[str, ...]] = field(default_factory=dict)
     known_topics: Topics | None = None
+    clocks: Clocks = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.columns["tick"])

@@ -15,13 +15,13 @@ STACK = ' .reserve ".stack", 0x400, 16\n' + HEAD
     [
         (
             STACK + "loop: PUSH ACC\n SB loop,UNC",
-            r"the stack grew beyond its section .stack, 0x0400 to 0x040f; at 0x\w+",
+            r"the stack grew beyond its section .stack, 0x0400 to 0x040f; at _c_int00\+0x\w+ \(0x0090\w+\)",
         ),
         (STACK + " POP ACC\n ESTOP0", "the stack was taken from below its section .stack"),
         (STACK + "_f: LCR #_f", r"the stack grew beyond .*; last jumps: .*_c_int00"),
         (HEAD + " MOVL XAR4,#0x9101\n MOVL *XAR4,ACC\n ESTOP0", "32 bits are written to the odd address 0x009101"),
         (HEAD + " MOVL XAR4,#0x9101\n MOVL ACC,*XAR4\n ESTOP0", "32 bits are read from the odd address 0x009101"),
-        (HEAD + " .word 0xE271\n ESTOP0", "is no instruction of the F28335; at 0x009006 in _c_int00, ACC=0x0"),
+        (HEAD + " .word 0xE271\n ESTOP0", "is no instruction of the F28335; at _c_int00\\+0x6 \\(0x009006\\), ACC=0x0"),
     ],
 )
 def test_the_run_ends_with_place_registers_and_last_jumps(source: str, sentence: str):

@@ -12,6 +12,7 @@ import pytest
 
 from periph_sim.records.recording import BadRecording, recording, rewrite
 from periph_sim.scene.case.load import load
+from periph_sim.scene.clocks import clocks_of
 from periph_sim.scene.scene import Scene
 from periph_sim.traces import formats
 from periph_sim.traces.capture.resample import resampled
@@ -26,7 +27,7 @@ def record(case_name: str, path: Path) -> Path:
     with recording(path, case.recorded_modules) as (subscribe, ended_at):
         scene = Scene(case, subscribe)
         scene.run()
-        ended_at(scene.kernel.now)
+        ended_at(scene.kernel.now, clocks_of(scene))
     return path
 
 
@@ -85,3 +86,35 @@ def test_a_capture_is_not_rewritten_as_a_run(tmp_path: Path):
 def _capture(path: Path) -> Path:
     formats.write(formats.read(TIMING.parent / "traces" / "nack.sr"), path)
     return path
+
+
+BEGINS_SLOWLY = """
+ .sect ".text", 0x9000
+_c_int00: EALLOW
+ MOVW DP,#0x7029 >> 6
+ MOV @0x7029,#0x68
+ MOVW DP,#0x7021 >> 6
+ MOV @0x7021,#10
+ MOVW DP,#0x7011 >> 6
+ AND @0x7011,#0xFE7F
+ OR @0x7011,#2 << 7
+loop: SB loop,UNC
+"""
+
+
+def test_it_tells_the_clocks_that_the_program_set_up(tmp_path: Path):
+    (tmp_path / "own.asm").write_text(BEGINS_SLOWLY)
+    unit = 'image = "own.asm"\nmodules = ["GPIO"]\noscclk = "20 MHz"\nppm = 50'
+    (tmp_path / "own.toml").write_text(f'name = "own"\nduration = "10 ms"\n[unit.dsp]\n{unit}\n')
+    case = load(tmp_path / "own.toml")
+    with recording(tmp_path / "own.psr", case.recorded_modules) as (subscribe, ended_at):
+        scene = Scene(case, subscribe)
+        scene.run()
+        ended_at(scene.kernel.now, clocks_of(scene))
+    table = psr.read_table(tmp_path / "own.psr")
+    crystal = 20 * (1 + Fraction(50, 10**6))
+    megahertz = [hz / 10**6 for _, hz in table.clocks["dsp"]]
+    assert megahertz == [crystal / 4, crystal / 2, crystal * 5]  # the reset's, DIVSEL, and once the PLL has locked
+    assert table.clocks["dsp"][0][0] == 0
+    locks = Fraction(table.clocks["dsp"][2][0], table.per_second)
+    assert locks == pytest.approx(131_072 / (crystal * 10**6), rel=1e-3)

@@ -1,0 +1,40 @@
+"""Places in images, as records say them: function, source line and address, and these back from the text."""
+
+from __future__ import annotations
+
+import pytest
+
+from periph_sim.explain.chain import place_of
+from periph_sim.processor.instruction_location import Parts, instruction_location, parsed
+
+
+@pytest.mark.parametrize(
+    ("place", "text"),
+    [
+        (("_serve", 0x9000, "src/imu_hil.asm", 77), "_serve (imu_hil.asm:77, 0x009051)"),
+        (("_serve", 0x9000, "..\\src\\main.c", 7), "_serve (main.c:7, 0x009051)"),
+        (("_serve", 0x9040, "", 0), "_serve+0x11 (0x009051)"),
+        (("", 0x9051, "", 0), "0x009051"),
+        (("", 0x9051, "boot.asm", 3), "boot.asm:3, 0x009051"),
+    ],
+)
+def test_a_place_names_what_is_known(place: tuple[str, int, str, int], text: str):
+    found = instruction_location(*place, 0x9051)
+    assert found == found.for_people() == text
+    assert (found.path, found.line) == (place[2].replace("\\", "/"), place[3])
+
+
+def test_a_recorded_place_gives_its_parts_back():
+    assert parsed("_serve (imu_hil.asm:77, 0x009051)") == Parts("_serve", "imu_hil.asm", 77, 0x9051)
+    assert parsed("_serve+0x11 (0x009051)") == Parts("_serve+0x11", "", 0, 0x9051)
+    assert parsed("batch_read:107") is None
+    assert parsed("0x009051") is None
+
+
+def test_an_explanation_shows_it_with_its_file():
+    in_run = place_of(instruction_location("_serve", 0x9000, "src/imu_hil.asm", 77, 0x9051))
+    assert in_run is not None and in_run.file is not None
+    assert (str(in_run), in_run.file.as_posix()) == ("imu_hil.asm:77 (_serve, 0x009051)", "src/imu_hil.asm")
+    assert str(place_of("_serve (imu_hil.asm:77, 0x009051)")) == "imu_hil.asm:77 (_serve, 0x009051)"
+    assert str(place_of("_serve+0x11 (0x009051)")) == "_serve+0x11 (0x009051)"
+    assert str(place_of("batch_read:107")) == "batch_read:107"

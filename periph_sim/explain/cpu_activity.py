@@ -148,7 +148,11 @@ class Episode:
 
 
 def episodes(window: Window, unit: str, begin: int, end: int) -> list[Episode]:
-    """All service routines, spans and waits of a unit that meet the time between two ticks, in order of their begin."""
+    """Service routines, spans and waits of a unit that meet the time between two ticks, in order of their begin.
+
+    Of spans under way at the first tick only the innermost: each function of an image is one, `main` and all. A span
+    that is a service routine from its begin to its end is told as the service routine.
+    """
     stack: list[tuple[Record, tuple[Record, ...]]] = []
     over: list[Episode] = []
     for record in _relevant(window, unit):
@@ -161,7 +165,40 @@ def episodes(window: Window, unit: str, begin: int, end: int) -> list[Episode]:
                 del stack[place:]
                 break
     over += [_episode(*one, None) for one in stack]
-    return sorted((one for one in over if one.meets(begin, end)), key=lambda one: one.begin)
+    told = sorted((one for one in over if one.meets(begin, end)), key=lambda one: (one.begin, len(one.within)))
+    under_way = [one for one in told if one.doing == "span" and one.begin < begin]
+    around = {id(one) for one in under_way[:-1]}
+    routines = {(one.begin, one.where) for one in told if one.doing == "interrupt"}
+    return [
+        one
+        for one in told
+        if id(one) not in around and not (one.doing == "span" and (one.begin, one.where) in routines)
+    ]
+
+
+def innermost(nested: Iterable[Episode], begin: int, end: int) -> list[Episode]:
+    """The stretches between two ticks in which each was the innermost. nested: one in the other, ordered by begin."""
+    found: list[Episode] = []
+    stack: list[Episode] = []
+    at = begin
+
+    def up_to(tick: int) -> None:
+        nonlocal at
+        if stack and tick > at:
+            found.append(replace(stack[-1], begin=at, end=tick))
+        at = max(at, tick)
+
+    for one in nested:
+        while stack and stack[-1].end is not None and stack[-1].end <= one.begin:
+            up_to(min(stack[-1].end, end))
+            stack.pop()
+        up_to(min(max(one.begin, begin), end))
+        stack.append(one)
+    while stack:
+        last = stack[-1].end
+        up_to(end if last is None else min(last, end))
+        stack.pop()
+    return found
 
 
 def _episode(record: Record, within: tuple[Record, ...], end: int | None) -> Episode:

@@ -10,6 +10,7 @@ Time 0 of the axis is the begin of the worst occurrence.
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 
 from ..core.records import Kind, Record
 from ..records.register_maps import register_of
@@ -17,7 +18,7 @@ from ..timing.format_value import in_words
 from ..traces.drawing.capture_lanes import wire_lanes
 from ..traces.drawing.svg_diagram import BLACK, BLUE, GREY, ORANGE, Box, Lane, Mark, timing_diagram
 from ..traces.drawing.text_diagram import text_diagram
-from .cpu_activity import Episode, episodes, units
+from .cpu_activity import Episode, episodes, innermost, units
 from .window import Window
 
 ANSWER = ("I2CSTR.AAS", "I2CSTR.SDIR", "I2CSTR.XRDY")
@@ -67,7 +68,10 @@ def _firmware(window: Window, unit: str, group: str) -> list[Lane]:
     of = episodes(window, unit, window.drawn.begin, window.drawn.end)
     lanes = []
     for doing, name, colour in (("interrupt", "irq", ORANGE), ("span", "span", BLUE), ("wait", "wait", GREY)):
-        boxes = tuple(_box(window, one) for one in of if one.doing == doing)
+        alike: Iterable[Episode] = (one for one in of if one.doing == doing)
+        if doing == "span":
+            alike = innermost(alike, *window.drawn)
+        boxes = tuple(_box(window, one) for one in alike)
         if boxes:
             lanes.append(Lane(name, group, colour, boxes=boxes))
     return lanes

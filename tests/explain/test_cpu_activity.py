@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from periph_sim.core.records import Kind, Record
 from periph_sim.explain.chain import difference, parts_of
-from periph_sim.explain.cpu_activity import episodes, open_at, timeline, units
+from periph_sim.explain.cpu_activity import episodes, innermost, open_at, timeline, units
 from periph_sim.traces.capture.capture import Span
 from tests.explain.made import drawn
 
@@ -108,3 +108,36 @@ def test_differences_are_of_equal_things():
         ("AAS", -10),
         ("model", -20),
     ]
+
+
+NESTED = ("span _c_int00 -40 70", "span _main -30 60", "span _serve -20 30", "irq SCI 10 20", "span _model 40 50")
+
+
+def names(found) -> list[tuple[str, int, int | None]]:
+    return [(one.what, one.begin, one.end) for one in found]
+
+
+def test_of_nested_spans_under_way_the_innermost_is_told():
+    assert names(episodes(drawn(*NESTED), "dsp", 0, 100)) == [("_serve", -20, 30), ("SCI", 10, 20), ("_model", 40, 50)]
+    assert names(episodes(drawn(*NESTED), "dsp", -50, 100))[:2] == [("_c_int00", -40, 70), ("_main", -30, 60)]
+
+
+def test_the_span_of_a_service_routine_is_told_as_the_routine():
+    """All places of these windows are alike: so the span that begins with the routine is the routine's function."""
+    found = episodes(drawn("irq SCI 10 20", "span _isr 10 19", "span _inner 12 15"), "dsp", 0, 100)
+    assert names(found) == [("SCI", 10, 20), ("_inner", 12, 15)]
+
+
+@pytest.mark.parametrize(
+    ("spans", "line"),
+    [
+        (("span a 10 20", "span b 30 -"), [("a", 10, 20), ("b", 30, 100)]),
+        (("span a -40 -", "span b 10 40", "span c 20 30"),
+         [("a", 0, 10), ("b", 10, 20), ("c", 20, 30), ("b", 30, 40), ("a", 40, 100)]),
+        (("span a 10 50", "span b 10 49"), [("b", 10, 49), ("a", 49, 50)]),
+        (("span a -40 -", "span b -20 120"), [("b", 0, 100)]),
+    ],
+)  # fmt: skip
+def test_a_picture_shows_the_innermost_span(spans: tuple[str, ...], line: list[tuple[str, int, int]]):
+    every = episodes(drawn(*spans), "dsp", -50, 100)
+    assert names(innermost(every, 0, 100)) == line

@@ -37,15 +37,15 @@ class Note(NamedTuple):
 
 
 def joined(notes: Iterable[tuple[int, Note]]) -> list[tuple[int, Note]]:
-    """Notes for people, each with its cycle: of those that have a `joint` in common one, which lists their members."""
+    """Notes for people, each with its time: of those that have a `joint` in common one, which lists their members."""
     found: dict[Note, int] = {}
     members: dict[Note, list[str]] = {}
-    for cycle, note in notes:
+    for at, note in notes:
         one = Note(note.code, note.joint, note.source) if note.joint else note
-        found.setdefault(one, cycle)
+        found.setdefault(one, at)
         members.setdefault(one, []).append(note.member)
     told = {note: f"{note.text}: {', '.join(of)}" if of[0] else note.text for note, of in members.items()}
-    return [(cycle, note._replace(text=told[note])) for note, cycle in found.items()]
+    return [(at, note._replace(text=told[note])) for note, at in found.items()]
 
 
 class Chip:

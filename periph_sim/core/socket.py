@@ -438,13 +438,13 @@ class Socket(Agent):
     def _take_notes(self, cycle: int) -> None:
         notes = tuple(self.chip.notes)
         self.chip.notes.clear()
+        tick = self._clock.tick(cycle)
         for note in notes:
             seen = self._note_count.get(note, 0)
             self._note_count[note] = seen + 1
             if not seen:
-                self.notes.append((cycle, note))
+                self.notes.append((tick, note))
             if self._recorder.wants(Kind.NOTE):
-                tick = self._clock.tick(cycle)
                 self._recorder.emit(tick, Kind.NOTE, self.name, note.code, seen + 1, f"{note.text} [{note.source}]")
             if self.on_note is not None:
                 self.on_note(cycle, note)

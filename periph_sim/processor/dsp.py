@@ -386,7 +386,8 @@ class Dsp(FirmwareView):
         self.core.reset(cycle)
         for socket in self._sockets.values():
             socket.chip.reset(cycle)
-            socket.publish(cycle)
+        for socket in self._sockets.values():
+            socket.publish(cycle)  # once all are reset: the clock that falls with SYS concerns none that still works
         self.gate(cycle)
 
     def _python_from_reset(self, delay: int) -> None:

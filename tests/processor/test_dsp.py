@@ -13,7 +13,7 @@ from periph_sim.core.time import Timebase
 from periph_sim.core.wire import Wire
 from periph_sim.f28335.sci.register_map import SCI_MAP
 from periph_sim.f28335.system.memory_map import NoSuchAddress
-from periph_sim.firmware import start_pie
+from periph_sim.firmware import start_i2c, start_pie
 from periph_sim.processor.dsp import MODULES, Dsp, DspPlan
 
 # First and last address of each module (the register maps of the manuals).
@@ -168,3 +168,20 @@ def test_timers_1_and_2_interrupt_the_cpu_without_the_pie(timer: str, number: in
 
     run(dsp, kernel, main)
     assert [later - cycle for cycle, later in pairwise(served)][:2] == [1000, 1000]
+
+
+def test_a_reset_takes_all_modules_at_once_so_that_none_sees_the_slower_clock_at_work():
+    """I2CPSC = 14 suits 150 MHz; at the reset's 7.5 MHz it would be told to be wrong."""
+    dsp, kernel, _ = unit("I2C-A", SDA=32, SCL=33)
+
+    def main() -> None:
+        if not dsp.resets:
+            start_i2c(dsp)
+            dsp.module("I2C-A").I2CMDR.IRS = 1
+            dsp.eallow()
+            dsp.module("SYS").WDCR.all = 0  # WDCHK is wrong: a reset
+
+    dsp.start(main)
+    kernel.run_until(kernel.now + 2_000_000)
+    assert dsp.resets == 1 and dsp.clock.hz < 10_000_000
+    assert dsp.socket("I2C-A").notes == []

@@ -3,9 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from inspect import isasyncgenfunction, iscoroutinefunction, isgeneratorfunction, signature
+from inspect import (
+    CO_ASYNC_GENERATOR,
+    CO_COROUTINE,
+    CO_GENERATOR,
+    isasyncgenfunction,
+    iscoroutinefunction,
+    isgeneratorfunction,
+    signature,
+)
 from pathlib import Path
-from types import CodeType
+from types import CodeType, FunctionType
 
 from .source_location import is_firmware, is_ours
 from .stall_watch import NoProgress
@@ -36,6 +44,8 @@ class FirmwareLost(FirmwareStalled):
 def flaw_of(function: Callable[..., object], arguments: int) -> str:
     """Why a function cannot be firmware that is called with so many arguments, as a clause; empty if it can."""
     plain = getattr(function, "__func__", function)
+    if _takes(plain, arguments + (plain is not function)):
+        return ""
     if iscoroutinefunction(plain):
         return "is async"
     if isgeneratorfunction(plain) or isasyncgenfunction(plain):
@@ -47,6 +57,18 @@ def flaw_of(function: Callable[..., object], arguments: int) -> str:
     except ValueError:  # of something built in nobody knows what it takes
         return ""
     return ""
+
+
+RUNS_NOTHING = CO_COROUTINE | CO_GENERATOR | CO_ASYNC_GENERATOR  # when it is called
+
+
+def _takes(function: object, arguments: int) -> bool:
+    """True for a function as most are, which its code alone says all about; a signature takes 30 times as long."""
+    if type(function) is not FunctionType or function.__dict__:  # a decorator's mark, or what it wraps
+        return False
+    code = function.__code__
+    least = code.co_argcount - len(function.__defaults__ or ())
+    return least <= arguments <= code.co_argcount and not (code.co_kwonlyargcount or code.co_flags & RUNS_NOTHING)
 
 
 def defined_at(function: object) -> str:

@@ -23,6 +23,7 @@ from ..core.examples import EXAMPLES
 SHIPPED = EXAMPLES / "firmware" / "python"
 
 PREFIX = "_firmware_"
+SHIPPED_PACKAGE = f"{PREFIX}shipped"
 _packages: dict[tuple[Path, int], str] = {}  # by file and thread: threads that load one file do not meet
 _numbers = count()
 
@@ -34,15 +35,16 @@ def shipped_names() -> list[str]:
 
 def is_shipped(name: str) -> bool:
     """Whether there is a shipped program, or module that they share, of that name."""
+    if f"{SHIPPED_PACKAGE}.{name}" in sys.modules:  # imported by an earlier scene, so its file was there
+        return True
     return name.isidentifier() and name != "__init__" and (SHIPPED / f"{name}.py").is_file()
 
 
 def shipped_module(name: str) -> ModuleType:
     """The module of a shipped program, imported once."""
-    package = f"{PREFIX}shipped"
-    if package not in sys.modules:
-        _make_package(package, [SHIPPED])
-    return importlib.import_module(f"{package}.{name}")
+    if SHIPPED_PACKAGE not in sys.modules:
+        _make_package(SHIPPED_PACKAGE, [SHIPPED])
+    return importlib.import_module(f"{SHIPPED_PACKAGE}.{name}")
 
 
 def module_of_file(path: Path) -> ModuleType:

@@ -1,11 +1,41 @@
-"""A case's budgets as judges: a case goes in; what takes values and says verdicts comes out."""
+"""A case's budgets as judges: a case goes in; what takes values and says verdicts comes out.
+
+Case, Scope --plans, kept for the next scene--> BudgetJudge of each budget
+"""
 
 from __future__ import annotations
 
+from msgspec import Struct
+
 from ..core.time import Timebase
-from ..timing.budgets import BadBudget, BudgetJudge
+from ..timing.budget_plan import BadBudget, BudgetPlan, plan_of
+from ..timing.budget_schema import Budget
+from ..timing.budgets import BudgetJudge
 from ..timing.language.scope import Scope
 from .case.model import Case
+
+KEPT = 8  # of so many cases
+
+
+class _Planned(Struct, frozen=True):
+    """The plans of budgets, and all that they were made of."""
+
+    budgets: tuple[Budget, ...]
+    scope: Scope
+    per_second: int
+    start: int
+    plans: tuple[BudgetPlan, ...]
+
+    def fits(self, budgets: tuple[Budget, ...], scope: Scope, per_second: int, start: int) -> bool:
+        return (
+            (per_second, start) == (self.per_second, self.start)
+            and budgets == self.budgets
+            and scope == self.scope
+            and scope.pairs == self.scope.pairs
+        )
+
+
+_planned: list[_Planned] = []  # the latest first; plans hold nothing that a run changes
 
 
 def limits_of(case: Case, scope: Scope, timebase: Timebase, start: int) -> list[BudgetJudge]:
@@ -13,7 +43,27 @@ def limits_of(case: Case, scope: Scope, timebase: Timebase, start: int) -> list[
 
     BadCase, with its line, for a budget that is none, or has the name of another.
     """
-    found: list[BudgetJudge] = []
+    judges: list[BudgetJudge] = []
+    for budget, plan in zip(case.budget, _plans(case, scope, timebase, start), strict=True):
+        judges.append(BudgetJudge(budget, timebase, plan, judges))
+    return judges
+
+
+def _plans(case: Case, scope: Scope, timebase: Timebase, start: int) -> tuple[BudgetPlan, ...]:
+    """Made for the first scene of a case. Not kept where an image says which variables there are: its file changes."""
+    if scope.images:
+        return _made(case, scope, timebase, start)
+    for known in tuple(_planned):
+        if known.fits(case.budget, scope, timebase.per_second, start):
+            return known.plans
+    plans = _made(case, scope, timebase, start)
+    _planned.insert(0, _Planned(case.budget, scope, timebase.per_second, start, plans))
+    del _planned[KEPT:]
+    return plans
+
+
+def _made(case: Case, scope: Scope, timebase: Timebase, start: int) -> tuple[BudgetPlan, ...]:
+    found: list[BudgetPlan] = []
     names: set[str] = set()
     for entry, budget in enumerate(case.budget):
         if budget.name in names:
@@ -21,7 +71,7 @@ def limits_of(case: Case, scope: Scope, timebase: Timebase, start: int) -> list[
             raise case.mistake(what, "budget", entry, "name")
         names.add(budget.name)
         try:
-            found.append(BudgetJudge(budget, timebase, scope, start, found))
+            found.append(plan_of(budget, timebase, scope, start, found))
         except BadBudget as error:
             raise case.mistake(str(error), "budget", entry, *error.place) from None
-    return found
+    return tuple(found)

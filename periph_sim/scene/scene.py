@@ -96,7 +96,8 @@ class Scene:
         self.case = case
         self.timebase = Timebase(*(int(unit.oscclk * unit.pll / 2) for unit in case.unit.values()))
         self.recorder = Recorder()
-        scope = scope_of_case(case)
+        wiring = wiring_of(case)
+        scope = scope_of_case(case, wiring)
         self.start = self.timebase.ticks(case.start, "nearest")
         self.limits = parts.limits_of(case, scope, self.timebase, self.start) if case.budget else []
         for limit in self.limits:
@@ -131,8 +132,7 @@ class Scene:
         self.stalled = ""  # by what the run ended before its time
         self.outside_bytes = 0  # that a session sent to SCIs
         self._wall = 0.0  # seconds that it has taken
-        wire, wiring = self.wires.wire, wiring_of(case)
-        levels = bus_levels(case, wiring)
+        wire, levels = self.wires.wire, bus_levels(case, wiring)
         context = SceneContext(case, self.kernel, self.recorder, self.timebase, wire, wiring, self.start, levels)
         for name, unit in case.unit.items():
             built = parts.build_unit(context, name, unit, (programs or {}).get(name), end)

@@ -7,15 +7,16 @@ from typing import TYPE_CHECKING
 
 from ..timing.language.scope import MAPS, Scope
 from .case.model import Case
-from .case.wiring import sci_lines, wiring_of
+from .case.wiring import Wiring, sci_lines, wiring_of
 
 if TYPE_CHECKING:
     from ..image.variables import Variable, Variables
 
 
-def scope_of_case(case: Case) -> Scope:
-    """What a case's scene consists of."""
-    wiring = wiring_of(case)
+def scope_of_case(case: Case, wiring: Wiring | None = None) -> Scope:
+    """What a case's scene consists of. wiring: of the case, where it is known already."""
+    if wiring is None:
+        wiring = wiring_of(case)
     wires = list(wiring.wires())
     wires += ["SDA", "SCL"] if case.controller is not None or case.chip else []
     wires += ["RX"] if case.host is not None else []

@@ -69,27 +69,29 @@ class ModelNoise:
         model = model_of(arithmetic, parameters)
         self._constant, self._silence = model.a.constant, model.silence
         self._rounds = isinstance(model.a, Q)
-        self._noise = None if seed is None else ImuNoise(parameters, seed)
+        self._parameters, self._seed = parameters, seed
+        self._noise: ImuNoise | None = None  # made with the first sample that nobody has worked out before
         self._slots: Slots = [] if seed is None else _slots(arithmetic, parameters, seed)
 
     def at(self, number: int) -> Noise[Any]:
         """Of sample `number`, from 0."""
-        if self._noise is None:
+        if self._seed is None:
             return self._silence
         slot = number % REMEMBERED
         known = self._slots[slot]
         if known is None or known[0] != number:
-            made = self._rounded(number) if self._rounds else None
+            if self._noise is None:
+                self._noise = ImuNoise(self._parameters, self._seed)
+            made = self._rounded(number, self._noise) if self._rounds else None
             if made is None:
                 constant = self._constant
                 made = Noise(*((constant(x), constant(y), constant(z)) for x, y, z in self._noise.at(number)))
             known = self._slots[slot] = number, made
         return known[1]
 
-    def _rounded(self, number: int) -> Noise[Any] | None:
+    def _rounded(self, number: int, noise: ImuNoise) -> Noise[Any] | None:
         """The sample without numpy, where no error of its values changes what they are rounded to."""
-        assert self._noise is not None
-        near = self._noise.near(number)
+        near = noise.near(number)
         if near is None:
             return None
         chips = [[(self._constant(x - off), self._constant(x + off)) for x, off in axes] for axes in near]

@@ -4,37 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from fractions import Fraction
-from functools import lru_cache
 
 from msgspec import Struct
 
-from ..core.settings import duration, share
-from ..core.time import NO_TIME, Timebase, round_ratio
+from ..core.time import NO_TIME, Timebase
+from .budget_plan import PER_MILLE, BudgetPlan
 from .budget_schema import Budget
-from .language.scope import BadEvent, Scope
-from .measures.event import EventCount
-from .measures.factory import measure_named
 from .measures.measure import MILLIONTHS, Measure
 from .verdict import FAIL, NOT_JUDGED, PASS, Verdict
-
-PER_MILLE = {"p50": 500, "p95": 950, "p99": 990, "p99_9": 999}
-
-
-class BadBudget(ValueError):
-    """A budget that names no measure, or whose limits do not fit it or each other; one sentence.
-
-    place: the wrong key, from the budget's table down.
-    """
-
-    def __init__(self, what: str, *place: str | int) -> None:
-        super().__init__(what)
-        self.place = place
-
-    @property
-    def key(self) -> str | int:
-        """The wrong key alone."""
-        return self.place[-1]
 
 
 class _Seen(Struct, frozen=True):
@@ -48,66 +25,29 @@ class _Seen(Struct, frozen=True):
 
 
 class BudgetJudge:
-    """One budget with its measure; `verdict` after the run. scope: what a measure of events may name.
+    """One budget with its measure in a scene; `verdict` after the run. others: the judges before it, of the scene.
 
-    start: the tick at which the run begins. parts: this one, and one for each condition that is joined to it.
-    others: of the same scene. same_as: the one of these whose measure it looks at, too.
+    parts: this one, and one for each condition that is joined to it. same_as: the one whose measure it looks at, too.
     """
 
     def __init__(
-        self,
-        budget: Budget,
-        timebase: Timebase,
-        scope: Scope | None = None,
-        start: int = 0,
-        others: Sequence[BudgetJudge] = (),
+        self, budget: Budget, timebase: Timebase, plan: BudgetPlan, others: Sequence[BudgetJudge] = ()
     ) -> None:
         self.budget = budget
-        self._text = budget.measure
-        self.measure = _measure(self._text, scope or Scope())
         self._timebase = timebase
+        self._given = plan.given
+        self._limits = plan.limits
         self._found = ""
         self._coverage_of = budget.coverage
-        self._given = budget.limits()
-        self._limits = {key: self._limit(key, given) for key, given in self._given.items()}
-        self._check()
-        if budget.after is not None:
-            if not self.measure.series:
-                raise BadBudget(f"{budget.measure!r} is one number a run, so none of it can be left out", "after")
-            self.measure.not_before = start + timebase.ticks(budget.after, "nearest")
-        if PER_MILLE.keys() & self._limits.keys():
+        self.same_as = None if plan.same_as < 0 else others[plan.same_as]
+        self.measure: Measure = plan.make() if self.same_as is None else self.same_as.measure
+        self.measure.not_before = plan.not_before
+        if plan.has_percentile and not self.measure.tallied:
             self.measure.tally()
-        self.parts = [self, *(self._joined(i, timebase, scope, start) for i in range(len(budget.also)))]
-        if len(self.parts) > 1:
+        self.parts = [self, *(BudgetJudge(condition, timebase, part) for condition, part in plan.joined)]
+        if plan.joined:
             for part in self.parts:
                 part.measure.keep()
-        self.same_as = next((other for other in others if self._measures_as(other)), None)
-        if self.same_as is not None:
-            if self.measure.tallied:
-                self.same_as.measure.tally()
-            self.measure = self.same_as.measure
-
-    def _measures_as(self, other: BudgetJudge) -> bool:
-        """Whether both measure the same, so that one does it for both. Conditions that are joined choose values."""
-        if self._text != other._text or other.same_as is not None:
-            return False
-        return len(self.parts) == len(other.parts) == 1 and self.budget.after == other.budget.after
-
-    def _joined(self, entry: int, timebase: Timebase, scope: Scope | None, start: int) -> BudgetJudge:
-        """A condition as a budget of its own."""
-        given = self.budget.also[entry]
-        try:
-            name = f"{self.budget.name} and {given.measure}"
-            table = {"name": name, "measure": given.measure, **given.limits()}
-            part = BudgetJudge(Budget.model_validate(table), timebase, scope, start)
-        except BadBudget as error:
-            raise BadBudget(str(error), "and", entry, *error.place) from None
-        for each in (self, part):
-            if not each.measure.occurrence or each.measure.occurrence != self.measure.occurrence:
-                what = f"{each.budget.measure!r} is not measured read by read, so nothing can be joined to it; "
-                joinable = "age, model age, stretch and value error are"
-                raise BadBudget(f"{what}{joinable}", *(("measure",) if each is self else ("and", entry, "measure")))
-        return part
 
     @property
     def own_measures(self) -> list[Measure]:
@@ -118,73 +58,6 @@ class BudgetJudge:
     def limits(self) -> dict[str, int]:
         """The limits by their keys, in ticks, millionths or counts."""
         return dict(self._limits)
-
-    def _limit(self, which: str, given: str | int) -> int:
-        """The limit in ticks, millionths or counts."""
-        unit = self.measure.unit
-        if unit == "time":
-            try:
-                return _nearest_tick(given, self._timebase.per_second)
-            except ValueError as error:
-                raise BadBudget(str(error), which) from None
-        if unit == "%":
-            return self._part(which, given)
-        if unit == "LSB":
-            return self._steps(which, given)
-        if isinstance(given, str):
-            counted = "a number" if unit in ("count", "value") else f"a number of {unit}"
-            raise BadBudget(f"{given!r}, but {self.budget.measure!r} is {counted}; write a whole number", which)
-        return given
-
-    def _part(self, which: str, given: str | int) -> int:
-        """ "40 %" in millionths."""
-        try:
-            return round(share(given) * MILLIONTHS)
-        except ValueError:
-            what = f"{given!r}, but {self.budget.measure!r} is a part of the time; write for instance '40 %'"
-            raise BadBudget(what, which) from None
-
-    def _steps(self, which: str, given: str | int) -> int:
-        """2 or "2.5 LSB" in millionths."""
-        text = str(given)
-        try:
-            steps = Fraction(text.removesuffix("LSB").strip())
-        except (ValueError, ZeroDivisionError):
-            steps = Fraction(-1)
-        if steps < 0 or (isinstance(given, str) and not text.endswith("LSB")):
-            raise BadBudget(f"{given!r}, but {self.budget.measure!r} is in LSB; write for instance '2.5 LSB'", which)
-        return round(steps * MILLIONTHS)
-
-    def _check(self) -> None:
-        """Refuse limits that no run can keep, or of which one says all that another says."""
-        limits, given = self._limits, self._given
-        others = [key for key in limits if key != "exactly"]
-        if "exactly" in limits and others:
-            raise BadBudget(f"exactly says all that {' and '.join(others)} could; leave one of them out", "exactly")
-        percentiles = [key for key in PER_MILLE if key in limits]
-        if percentiles and not self.measure.series:
-            key = percentiles[0]
-            raise BadBudget(f"{self.budget.measure!r} is one number a run and has no percentiles; write max", key)
-        low, high = limits.get("min"), limits.get("max")
-        if low is not None and high is not None and low > high:
-            what = f"min {given['min']} is above max {given['max']}, so no run can keep both"
-            raise BadBudget(f"{what}; raise max or lower min", "min")
-        for place, key in enumerate(percentiles):
-            if high is not None and limits[key] > high:
-                what = f"{key} {given[key]} is above max {given['max']}, which no value may exceed"
-                raise BadBudget(f"{what}; lower {key} or leave it out", key)
-            if low is not None and low > limits[key]:
-                what = f"{key} {given[key]} is below min {given['min']}, so no run can keep both"
-                raise BadBudget(f"{what}; raise {key} or lower min", key)
-            for higher in percentiles[place + 1 :]:
-                if limits[key] > limits[higher]:
-                    what = f"{key} {given[key]} is above {higher} {given[higher]}, which says more already"
-                    raise BadBudget(f"{what}; lower {key} or leave it out", key)
-        if isinstance(self.measure, EventCount) and self.measure.event.free:
-            for key in limits:
-                if key != "min" and limits[key] == 0:
-                    what = "a span's name is free text, so that none was seen proves nothing"
-                    raise BadBudget(f"{what}; limit what the run does instead", key)
 
     def finish(self, now: int) -> None:
         """The run is over: what is not over counts with what it has come to."""
@@ -315,16 +188,3 @@ class BudgetJudge:
         tenths, rest = divmod(value * 10_000_000_000, self._timebase.per_second)  # of a nanosecond
         middle = 2 * rest - self._timebase.per_second
         return (tenths + (middle > 0 or (middle == 0 and tenths % 2))) / 10_000  # a half goes to the even one
-
-
-@lru_cache(maxsize=1024)  # scenes of one case have the same limits again and again
-def _nearest_tick(given: str | int, per_second: int) -> int:
-    """ValueError where the text is no duration."""
-    return round_ratio(duration(given) * per_second, "nearest")
-
-
-def _measure(text: str, scope: Scope) -> Measure:
-    try:
-        return measure_named(text, scope)
-    except BadEvent as error:
-        raise BadBudget(str(error), "measure") from None

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -11,27 +13,21 @@ from periph_sim.core.convert import keys_of
 from periph_sim.core.options import _defaults
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
-from periph_sim.scene.case.load import load
+from periph_sim.processor.python.recognised import asked_by
+from periph_sim.scene.case.load import _loaded, load
 from periph_sim.scene.context import _exact_ticks
 from periph_sim.scene.firmware_loader import BadSetting, load_firmware, settings_for
 from periph_sim.scene.host_motion import encoding_of
 from periph_sim.scene.scene import Scene
 from periph_sim.sensors.shared_models import model_of
-from periph_sim.timing.budgets import _nearest_tick
+from periph_sim.timing.budget_plan import _nearest_tick
 from periph_sim.timing.language.events import event_of
 from periph_sim.timing.language.language import measure_of
 
 TIMING = Path(__file__).parents[2] / "timing"
 LENGTH = Fraction(1, 100)
-SHARED = {
-    "measures": measure_of,
-    "events": event_of,
-    "settings": keys_of,
-    "lengths": _exact_ticks,
-    "limits": _nearest_tick,
-    "models": model_of,
-    "options": _defaults,
-}
+SHARED = {"cases": _loaded, "settings": keys_of, "lengths": _exact_ticks, "models": model_of, "options": _defaults}
+OF_TEXTS = {"measures": measure_of, "events": event_of, "limits": _nearest_tick}
 
 
 def recorded_scene(changes: list[str]) -> tuple[Scene, list[Record]]:
@@ -43,14 +39,47 @@ def recorded_scene(changes: list[str]) -> tuple[Scene, list[Record]]:
     return Scene(load(TIMING / "imu_hil.toml", changes), subscribe), records
 
 
+def works_nothing_out(make: Callable[[], object], shared: Mapping[str, Any]) -> None:
+    """All of it was there before."""
+    before = {name: one.cache_info() for name, one in shared.items()}
+    make()
+    for name, one in shared.items():
+        after = one.cache_info()
+        assert after.hits > before[name].hits, name
+        assert after.misses == before[name].misses, name
+
+
 def test_a_second_scene_parses_and_works_out_nothing_anew():
-    for _ in range(2):  # the first one may be the first of all
-        before = {name: shared.cache_info() for name, shared in SHARED.items()}
-        recorded_scene([])
-        after = {name: shared.cache_info() for name, shared in SHARED.items()}
-    for name in SHARED:
-        assert after[name].hits > before[name].hits, name
-        assert after[name].misses == before[name].misses, name
+    first, _ = recorded_scene([])
+    works_nothing_out(lambda: recorded_scene([]), SHARED)
+    second, _ = recorded_scene(["seed=5"])  # another case with the same budgets
+    for one, other in zip(first.limits, second.limits, strict=True):
+        assert one._limits is other._limits
+        assert one.measure is not other.measure
+
+
+def test_a_case_with_other_budgets_shares_what_their_texts_say():
+    recorded_scene([])
+    works_nothing_out(lambda: recorded_scene(["budget.response.why=another reason"]), OF_TEXTS)
+
+
+def test_a_second_run_takes_no_wait_of_the_firmware_apart():
+    def run() -> None:
+        Scene(load(TIMING / "imu_hil.toml")).run(LENGTH)
+
+    run()
+    works_nothing_out(run, {"waits": asked_by})
+
+
+def test_who_changes_a_case_changes_it_for_nobody_else():
+    path = TIMING / "imu_hil.toml"
+    one, other = load(path), load(path)
+    assert one == other and one.budget is other.budget
+    one.unit["dsp"].settings["arithmetic"] = "float64"
+    one.unit["dsp"].pins.clear()
+    one.host.motion["angles"].pop()
+    one.unit.clear()
+    assert other == load(path) != one
 
 
 def test_settings_of_a_host_are_read_once_for_all_scenes_that_say_the_same():
@@ -80,3 +109,14 @@ def test_scenes_one_after_the_other_and_side_by_side_make_the_same_records():
     other.run(LENGTH)
     one.run(LENGTH)
     assert [records_of_one, records_of_other] == alone
+
+
+def test_scenes_that_run_alternately_make_the_records_of_each_alone():
+    alone, records_alone = recorded_scene([])
+    alone.run(LENGTH)
+    both = [recorded_scene([]) for _ in range(2)]
+    step = LENGTH * alone.timebase.per_second / 50  # waits, computations and service routines are cut by it
+    for part in range(1, 51):
+        for scene, _ in both:
+            scene.advance(scene.start + int(step * part))
+    assert [records for _, records in both] == [records_alone, records_alone] != [[], []]

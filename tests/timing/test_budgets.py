@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.core.time import Timebase
+from periph_sim.timing.budget_plan import BadBudget
 from periph_sim.timing.budget_schema import Budget
-from periph_sim.timing.budgets import BadBudget, BudgetJudge
+from periph_sim.timing.budgets import BudgetJudge
 from periph_sim.timing.language.scope import Scope
 from periph_sim.timing.measures.measure import Counter
 from periph_sim.timing.verdict import Verdict
+from tests.timing.judges import judge, judges
 
+TEXT = "from edge SCL fall to edge SCL rise"
 US = 3000  # ticks, with SYSCLKOUT at 150 MHz
 
 
 def limit(measure: str, **limits: str | int) -> BudgetJudge:
-    return BudgetJudge(Budget(name="b", measure=measure, **limits), Timebase(150_000_000))
+    return judge(Budget(name="b", measure=measure, **limits))
 
 
 def judged(of: BudgetJudge, *values_us: float) -> Verdict:
@@ -26,10 +28,9 @@ def judged(of: BudgetJudge, *values_us: float) -> Verdict:
 
 def alike(one: dict[str, str | int], other: dict[str, str | int]) -> tuple[BudgetJudge, BudgetJudge]:
     """Two budgets of one scene, on time of the same."""
-    text, more = "from edge SCL fall to edge SCL rise", Scope(wires=("SCL",))
-    budgets = [Budget(name=name, measure=text, **limits) for name, limits in (("a", one), ("b", other))]
-    first = BudgetJudge(budgets[0], Timebase(150_000_000), more)
-    return first, BudgetJudge(budgets[1], Timebase(150_000_000), more, 0, [first])
+    budgets = [Budget(name=name, measure=TEXT, **limits) for name, limits in (("a", one), ("b", other))]
+    first, second = judges(budgets, Scope(wires=("SCL",)))
+    return first, second
 
 
 def test_budgets_on_the_same_have_one_measure_and_each_its_verdict():
@@ -61,9 +62,8 @@ def test_what_the_end_cut_off_counts_once_for_budgets_on_the_same():
     "other", [{"max": "9 us", "after": "1 ms"}, {"max": "9 us", "measure": "period of edge SCL fall"}]
 )
 def test_budgets_on_other_things_have_their_own_measures(other):
-    budget = Budget(**{"name": "b", "measure": "from edge SCL fall to edge SCL rise", **other})
-    first, _ = alike({"max": "3 us"}, {"max": "3 us"})
-    second = BudgetJudge(budget, Timebase(150_000_000), Scope(wires=("SCL",)), 0, [first])
+    budget = Budget(**{"name": "b", "measure": TEXT, **other})
+    first, second = judges([Budget(name="a", measure=TEXT, max="3 us"), budget], Scope(wires=("SCL",)))
     assert second.measure is not first.measure and second.own_measures == [second.measure]
 
 

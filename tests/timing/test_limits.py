@@ -6,19 +6,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from periph_sim.core.time import Timebase
+from periph_sim.timing.budget_plan import PER_MILLE, BadBudget
 from periph_sim.timing.budget_schema import Budget
-from periph_sim.timing.budgets import PER_MILLE, BadBudget, BudgetJudge
+from periph_sim.timing.budgets import BudgetJudge
 from periph_sim.timing.measures.load import Load
 from periph_sim.timing.measures.registry import MEASURES
 from periph_sim.timing.verdict import Verdict
 from tests.timing.events_by_hand import ONE, records, tell
+from tests.timing.judges import judge
 
 US = 3000  # ticks, with SYSCLKOUT at 150 MHz
 
 
 def limit(measure: str, **limits: str | int) -> BudgetJudge:
-    return BudgetJudge(Budget(name="b", measure=measure, **limits), Timebase(150_000_000), ONE)
+    return judge(Budget(name="b", measure=measure, **limits), ONE)
 
 
 def judged(of: BudgetJudge, *values_us: float) -> Verdict:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import pytest
 
 from periph_sim.bus.i2c.transfer import Phase
-from periph_sim.core.time import NO_TIME, Timebase
+from periph_sim.core.time import NO_TIME
 from periph_sim.timing.budget_schema import Budget
 from periph_sim.timing.budgets import BudgetJudge
 from tests.scene.runs import run_file
+from tests.timing.judges import judge
 from tests.timing.measures.test_measure import GYRO, Told, read, wrote
 
 
@@ -19,7 +20,8 @@ def never(address: int) -> Phase:
 
 def limit(told: Told, name: str, **more: str | int) -> BudgetJudge:
     """A budget on the measure that heard what was told."""
-    made = BudgetJudge(Budget.model_validate({"name": "b", "measure": name, **more}), Timebase(150_000_000))
+    budget = Budget.model_validate({"name": "b", "measure": name, **more})
+    made = judge(budget)
     made.measure = told.measure
     return made
 

@@ -9,16 +9,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.core.records import Kind, Record
-from periph_sim.core.time import Timebase
 from periph_sim.firmware import sci_fifo_receiver
 from periph_sim.processor.dsp import Dsp
 from periph_sim.timing.budget_schema import Budget
-from periph_sim.timing.budgets import BudgetJudge
 from periph_sim.timing.measures.factory import make_of_events
 from periph_sim.timing.verdict import Verdict
 from tests.scene.runs import run_file
 from tests.scene.small import scene_with
 from tests.timing.events_by_hand import ONE, came, records, tell
+from tests.timing.judges import judge
 from tests.timing.measures.test_event import Rounds, between, pairs
 
 RISES = "from edge SCL rise to edge SDA rise"
@@ -117,7 +116,7 @@ def test_transfers_whose_first_one_had_no_second_are_occasions():
         f"{t}0 bus controller START 0\n{t}1 edge SCL level 1\n{t}5 bus controller STOP 0\n" for t in range(1, 9)
     )
     budget = Budget(name="b", measure=f"{RISES}, same transfer", max="1 s")
-    limit = BudgetJudge(budget, Timebase(150_000_000), ONE)
+    limit = judge(budget, ONE)
     limit.measure.listen(Rounds(1))
     tell(limit.measure, records(of.replace("12 ", "12 ") + "84 edge SDA level 1"))
     limit.finish(999)

@@ -7,8 +7,9 @@ from fractions import Fraction
 
 from msgspec import Struct
 
+from ...timing.budget_plan import PER_MILLE
 from ...timing.budget_schema import Budget, Condition
-from ...timing.budgets import PER_MILLE, BudgetJudge
+from ...timing.budgets import BudgetJudge
 from .terms import Bound
 
 ONE_SIDED = "'exactly' needs a bound from either side"

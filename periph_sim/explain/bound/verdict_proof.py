@@ -13,7 +13,8 @@ from ...f28335.system.memory_map import NoSuchAddress
 from ...processor.error_origin import FirmwareError
 from ...scene.case.model import BadCase, Case
 from ...scene.firmware_loader import Firmware
-from ...timing.budgets import PER_MILLE, BudgetJudge
+from ...timing.budget_plan import PER_MILLE
+from ...timing.budgets import BudgetJudge
 from ...timing.format_value import in_words
 from ...timing.verdict import EVERY_PHASE, SEEN, Verdict
 from .deadlines import deadlines

@@ -10,7 +10,9 @@ from __future__ import annotations
 
 import sys
 from dis import get_instructions
+from functools import lru_cache
 from types import CodeType, FunctionType
+from typing import NamedTuple
 
 from .conditions import ABOVE, BELOW, EQUAL, UNEQUAL, Condition
 from .port_fields import Port, Registers
@@ -18,6 +20,31 @@ from .port_fields import Port, Registers
 TESTS = {"==": EQUAL, "!=": UNEQUAL, "<": BELOW, ">": ABOVE}
 NOTHING = frozenset(("RESUME", "COPY_FREE_VARS", "NOP", "CACHE", "PRECALL"))  # opcodes that do nothing here
 FORM = ("LOAD_DEREF", "LOAD_ATTR", "LOAD_ATTR", "LOAD_CONST", "COMPARE_OP", "RETURN_VALUE")
+
+
+class Asked(NamedTuple):
+    """A field of a register beside a number. place: of the module among the variables from around the function."""
+
+    place: int
+    register: str
+    field: str
+    test: int
+    number: int
+
+
+@lru_cache(maxsize=256)  # what a code asks is in the code alone, so the firmware of all scenes shares it
+def asked_by(code: CodeType) -> Asked | None:
+    """None where it asks otherwise."""
+    if code.co_argcount or code.co_kwonlyargcount or code.co_flags & 0x0C:
+        return None
+    steps = [step for step in get_instructions(code) if step.opname not in NOTHING]
+    names = ["LOAD_CONST" if step.opname == "LOAD_SMALL_INT" else step.opname for step in steps]
+    if tuple(names) != FORM:
+        return None
+    module, register, field, number, test, _ = [step.argval for step in steps]
+    if test not in TESTS or type(number) is not int or module not in code.co_freevars:
+        return None
+    return Asked(code.co_freevars.index(module), register, field, TESTS[test], number)
 
 
 class Question:
@@ -39,17 +66,9 @@ class Question:
 
     def take_apart(self) -> None:
         self.known = True
-        code = self.code
-        if code.co_argcount or code.co_kwonlyargcount or code.co_flags & 0x0C or sys.gettrace() is not None:
-            return
-        steps = [step for step in get_instructions(code) if step.opname not in NOTHING]
-        names = ["LOAD_CONST" if step.opname == "LOAD_SMALL_INT" else step.opname for step in steps]
-        if tuple(names) != FORM:
-            return
-        module, register, field, number, test, _ = [step.argval for step in steps]
-        if test in TESTS and type(number) is int and module in code.co_freevars:
-            self.place = code.co_freevars.index(module)
-            self.register, self.field, self.number, self.test = register, field, number, TESTS[test]
+        asked = None if sys.gettrace() is not None else asked_by(self.code)
+        if asked is not None:
+            self.place, self.register, self.field, self.test, self.number = asked
 
     def about(self, module: object) -> Condition | None:
         """The condition on this module's register; None where there is none."""

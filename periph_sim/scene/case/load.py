@@ -5,7 +5,7 @@ from __future__ import annotations
 import tomllib
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from ...core.convert import BadTable
 from ...core.suggest import did_you_mean
@@ -24,8 +24,17 @@ def load(path: Path | str, changes: list[str] | None = None) -> Case:
     Paths of firmware files count from the folder of the case, wherever the command was started.
     """
     path = Path(path)
-    text, tree = read(path, "case")
-    source = Source(path, text, tuple((change, apply(tree, change)) for change in changes or []))
+    return _loaded(path, text_of(path, "case"), tuple(changes or ())).separate()
+
+
+@lru_cache(maxsize=16)
+def _loaded(path: Path, text: str, changes: tuple[str, ...]) -> Case:
+    """A case is in its text and its changes alone, so it is checked once for all the scenes of it.
+
+    Nobody may change it: each who loads it gets dicts and lists of its own.
+    """
+    tree = tree_of(path, text)
+    source = Source(path, text, tuple((change, apply(tree, change)) for change in changes))
     try:
         return _located(Case.model_validate(tree), path.parent).from_source(source)
     except BadTable as error:
@@ -65,6 +74,12 @@ def _located(case: Case, folder: Path) -> Case:
 
 def read(path: Path, what: str) -> tuple[str, dict[str, Any]]:
     """The text of a TOML file, and the tree it says. what: is in it, for messages. BadCase if it cannot be had."""
+    text = text_of(path, what)
+    return text, tree_of(path, text)
+
+
+def text_of(path: Path, what: str) -> str:
+    """The text of a TOML file. what: is in it, for messages. BadCase if it cannot be had."""
     try:
         data = path.read_bytes()
     except IsADirectoryError:
@@ -74,18 +89,21 @@ def read(path: Path, what: str) -> tuple[str, dict[str, Any]]:
     except OSError as error:
         raise BadCase(f"{path}: cannot be read ({error.strerror}); give the path of a {what} file") from None
     try:
-        text = data.decode("utf-8")
+        return data.decode("utf-8")
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
         found = f"byte {data[error.start]:#04x}"
         raise BadCase(
             f"{path}, line {line}: {found} is not UTF-8; a {what} file is TOML, which is UTF-8 text"
         ) from None
+
+
+def tree_of(path: Path, text: str) -> dict[str, Any]:
+    """The tree that the text of a TOML file says. BadCase if it says none."""
     try:
-        tree = _tables(text)
+        return cast(dict[str, Any], _copy(_tables(text)))
     except tomllib.TOMLDecodeError as error:
         raise BadCase(f"{path}: it is not TOML: {error}") from None
-    return text, _copy(tree)
 
 
 @lru_cache(maxsize=16)

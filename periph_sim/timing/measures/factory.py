@@ -1,12 +1,14 @@
-"""A measure of its text: what a budget says and what a scene has go in, a Measure comes out.
+"""A measure of its text: what a budget says and what a scene has go in, what makes the Measure comes out.
 
 text --registry--> the measure of that name ---------------------------.
-  '---language--> Said --events, names--> Matchers --> measure of events -+--> Measure
+  '---language--> Said --events, names--> Matchers --> measure of events -+--> Maker --> Measure, one for each run
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
+from typing import TypeAlias
 
 from ...core.records import Kind
 from ...core.suggest import did_you_mean
@@ -25,16 +27,23 @@ from .registry import MEASURES, make
 from .round import Slack
 from .states import EachTimeIn, State, TimeIn
 
+Maker: TypeAlias = Callable[[], Measure]  # shares nothing with a run, so that it serves all scenes of a case
+
 
 def measure_named(text: str, scope: Scope) -> Measure:
     """The measure that a text names. BadEvent, a sentence, if it names none, or events that this scene cannot have."""
-    return make_of_events(text, scope) if is_form(text) else _called(text)
+    return maker_of(text, scope)()
 
 
-def _called(name: str) -> Measure:
-    """The measure of a fixed name, of a span, a reply, or a watched wire."""
+def maker_of(text: str, scope: Scope) -> Maker:
+    """What makes the measure that a text names. BadEvent as for `measure_named`."""
+    return _maker_of_events(measure_of(text), scope) if is_form(text) else _called(text)
+
+
+def _called(name: str) -> Maker:
+    """Of the measure of a fixed name, of a span, a reply, or a watched wire."""
     if name.startswith((SPAN, REPLY, WATCH)) or name in MEASURES:
-        return make(name)
+        return partial(make, name)
     form = near_form(name)
     if form:
         raise BadEvent(f"there is no measure {name!r}; did you mean {form}?")
@@ -47,17 +56,16 @@ def _called(name: str) -> Measure:
 
 def make_of_events(text: str, scope: Scope) -> Measure:
     """The measure that a text names. BadEvent if it names none, or events that this scene cannot have."""
-    return make_of(measure_of(text), scope)
+    return _maker_of_events(measure_of(text), scope)()
 
 
-def make_of(said: Said, scope: Scope) -> Measure:
-    """The measure that is said. BadEvent as for `make_of_events`."""
-    return _MADE[said.form](said, scope)
+def _maker_of_events(said: Said, scope: Scope) -> Maker:
+    return _MAKERS[said.form](said, scope)
 
 
-def _between(said: Said, scope: Scope) -> Measure:
+def _between(said: Said, scope: Scope) -> Maker:
     begin, end = (matcher(event, scope) for event in said.events)
-    return Between(begin, end, said.pairing, _group(said, scope))
+    return partial(Between, begin, end, said.pairing, _group(said, scope))
 
 
 def _group(said: Said, scope: Scope) -> Group | None:
@@ -69,46 +77,48 @@ def _group(said: Said, scope: Scope) -> Group | None:
     return stretch_of(said.group, scope)
 
 
-def _count(said: Said, scope: Scope) -> Measure:
+def _count(said: Said, scope: Scope) -> Maker:
     counted, *pair = (matcher(event, scope) for event in said.events)
     if not pair:
-        return EventCount(counted)
-    return CountBetween(counted, pair[0], pair[1], said.pairing, _group(said, scope))
+        return partial(EventCount, counted)
+    return partial(CountBetween, counted, pair[0], pair[1], said.pairing, _group(said, scope))
 
 
-def _jitter(said: Said, scope: Scope) -> Measure:
+def _jitter(said: Said, scope: Scope) -> Maker:
+    make_of: Maker
     if said.events:
-        return Jitter(Period(matcher(said.events[0], scope)))
-    of = _called(said.name) if said.of is None else make_of(said.of, scope)
-    if not of.series:
-        raise BadEvent(f"{said.text!r}: that is one number a run, so it has no jitter")
-    return Jitter(of)
+        make_of = partial(Period, matcher(said.events[0], scope))
+    else:
+        make_of = _called(said.name) if said.of is None else _maker_of_events(said.of, scope)
+        if not make_of().series:
+            raise BadEvent(f"{said.text!r}: that is one number a run, so it has no jitter")
+    return lambda: Jitter(make_of())
 
 
-def _level(said: Said, scope: Scope) -> Measure:
+def _level(said: Said, scope: Scope) -> Maker:
     change, *at = (matcher(event, scope) for event in said.events)
-    return LevelAt(at[0], change) if at else Level(change)
+    return partial(LevelAt, at[0], change) if at else partial(Level, change)
 
 
-def _stack(said: Said, scope: Scope) -> Measure:
-    """Each new most of words on the stack."""
+def _stack(said: Said, scope: Scope) -> Maker:
+    """Of each new most of words on the stack."""
     text = "stack high-water"
-    return Level(Matcher(text, Kind.FLAG, frozenset((f"{scope.image(said.unit)}.CPU",)), "stack"))
+    return partial(Level, Matcher(text, Kind.FLAG, frozenset((f"{scope.image(said.unit)}.CPU",)), "stack"))
 
 
-def _reaction(said: Said, scope: Scope) -> Measure:
+def _reaction(said: Said, scope: Scope) -> Maker:
     i2c = f"{scope.owner(said.unit, 'I2C-A')}:I2C-A"
     ready = f"flag {i2c}.I2CSTR.SDIR rise or flag {i2c}.I2CSTR.XRDY rise"
-    return make_of_events(f"from {ready} to access W {i2c}.I2CDXR, last, same transfer", scope)
+    return maker_of(f"from {ready} to access W {i2c}.I2CDXR, last, same transfer", scope)
 
 
-def _gap(said: Said, scope: Scope) -> Measure:
+def _gap(said: Said, scope: Scope) -> Maker:
     if not scope.rounds:
         raise BadEvent(f"{said.text!r} needs [controller] or [rounds] in the scene, which has none")
-    return make_of_events("from last bus STOP of round to first bus START of round", scope)
+    return maker_of("from last bus STOP of round to first bus START of round", scope)
 
 
-def _latency(said: Said, scope: Scope) -> Measure:
+def _latency(said: Said, scope: Scope) -> Maker:
     """From the rise of its flag in PIEIFR, when the module asks, to the first instruction of its service routine."""
     unit = scope.vector(said.unit, said.name)
     if said.name not in LINES:
@@ -118,7 +128,7 @@ def _latency(said: Said, scope: Scope) -> Measure:
     begin = Event("flag", f"flag {name_text(said.unit, asked)} rise", unit, asked, "rise")
     end = Event("interrupt", f"interrupt {name_text(said.unit, said.name)} enter", unit, said.name, "enter")
     asked_for, entered = matcher(begin, scope), matcher(end, scope)
-    return ToFirstAccess(asked_for, entered) if said.access else Between(asked_for, entered, "last")
+    return partial(ToFirstAccess, asked_for, entered) if said.access else partial(Between, asked_for, entered, "last")
 
 
 def _state(said: Said, scope: Scope) -> State:
@@ -131,49 +141,49 @@ def _state(said: Said, scope: Scope) -> State:
     return State(said.state.text, tuple(enters), tuple(leaves))
 
 
-def _of_a_race(said: Said, scope: Scope) -> Measure:
+def _of_a_race(said: Said, scope: Scope) -> Maker:
     """Of flags around writes."""
     from .watched import clearing, losing, raced
 
     if said.form == "race":
         from .race import Race  # works on recorded runs, too, which no other measure needs imported
 
-        return Race(raced(said.unit, said.name, scope))
+        return partial(Race, raced(said.unit, said.name, scope))
     from .lost_flags import ClearedAlong, LostFlags
 
     if said.form == "cleared":
-        return ClearedAlong(clearing(said.unit, said.name, scope))
-    return LostFlags(losing(said.unit, said.name, scope))
+        return partial(ClearedAlong, clearing(said.unit, said.name, scope))
+    return partial(LostFlags, losing(said.unit, said.name, scope))
 
 
-def _value(said: Said, scope: Scope) -> Measure:
+def _value(said: Said, scope: Scope) -> Maker:
     from .value import ValueDeviation  # and with it the sensor models
 
-    return ValueDeviation(said.name, said.instant == "frame")
+    return partial(ValueDeviation, said.name, said.instant == "frame")
 
 
-_MADE: dict[str, Callable[[Said, Scope], Measure]] = {
+_MAKERS: dict[str, Callable[[Said, Scope], Maker]] = {
     "from": _between,
-    "period": lambda said, scope: Period(matcher(said.events[0], scope)),
+    "period": lambda said, scope: partial(Period, matcher(said.events[0], scope)),
     "jitter": _jitter,
     "count": _count,
     "level": _level,
-    "calls": lambda said, scope: EventCount(matcher(said.events[0], scope)),
+    "calls": lambda said, scope: partial(EventCount, matcher(said.events[0], scope)),
     "stack": _stack,
     "interrupt": _latency,
     "reaction": _reaction,
     "gap": _gap,
-    "margin": lambda said, scope: Margin(scope.owner(said.unit, "I2C-A")),
-    "SCL": lambda said, scope: HeldPerTransfer(scope.owner(said.unit, "I2C-A")),
-    "time": lambda said, scope: TimeIn(_state(said, scope)),
-    "each": lambda said, scope: EachTimeIn(_state(said, scope)),
-    "cpu": lambda said, scope: CpuLoad(scope.unit(said.unit), said.window),
-    "bus": lambda said, scope: BusLoad(said.window),
-    "slack": lambda said, scope: Slack(),
+    "margin": lambda said, scope: partial(Margin, scope.owner(said.unit, "I2C-A")),
+    "SCL": lambda said, scope: partial(HeldPerTransfer, scope.owner(said.unit, "I2C-A")),
+    "time": lambda said, scope: partial(TimeIn, _state(said, scope)),
+    "each": lambda said, scope: partial(EachTimeIn, _state(said, scope)),
+    "cpu": lambda said, scope: partial(CpuLoad, scope.unit(said.unit), said.window),
+    "bus": lambda said, scope: partial(BusLoad, said.window),
+    "slack": lambda said, scope: Slack,
     "race": _of_a_race,
     "cleared": _of_a_race,
-    "age": lambda said, scope: Age(said.name),
-    "model": lambda said, scope: ModelAge(said.name),
+    "age": lambda said, scope: partial(Age, said.name),
+    "model": lambda said, scope: partial(ModelAge, said.name),
     "value": _value,
     "lost": _of_a_race,
 }

@@ -6,12 +6,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from periph_sim.core.time import NO_TIME, Timebase
+from periph_sim.core.time import NO_TIME
+from periph_sim.timing.budget_plan import BadBudget
 from periph_sim.timing.budget_schema import Budget
-from periph_sim.timing.budgets import BadBudget, BudgetJudge
+from periph_sim.timing.budgets import BudgetJudge
 from periph_sim.timing.measures.combined import combine
 from periph_sim.timing.measures.measure import Measure
 from tests.timing.events_by_hand import ONE, records, tell
+from tests.timing.judges import judge
 
 US = 3000  # ticks, with SYSCLKOUT at 150 MHz
 START = 7_000_000_000
@@ -47,7 +49,7 @@ def both(**limits: object) -> BudgetJudge:
     of = Budget.model_validate(
         {"name": "fresh", "measure": "age", "max": "2 us", "why": "so", "and": [{"measure": "stretch", **limits}]}
     )
-    return BudgetJudge(of, Timebase(150_000_000), ONE, START)
+    return judge(of, ONE, START)
 
 
 def fed(of: BudgetJudge, ages: list[int], stretches: list[int]) -> BudgetJudge:
@@ -102,7 +104,7 @@ def test_a_condition_without_a_value_of_one_occurrence_proves_nothing():
 def test_what_is_not_measured_read_by_read_cannot_be_joined(measure: str, other: str, place: tuple[object, ...], which):
     table = {"name": "b", "measure": measure, "max": "1 us", "and": [{"measure": other, "max": "1 us"}]}
     with pytest.raises(BadBudget) as caught:
-        BudgetJudge(Budget.model_validate(table), Timebase(150_000_000), ONE)
+        judge(Budget.model_validate(table), ONE)
     assert caught.value.place == place
     assert str(caught.value) == (
         f"{which!r} is not measured read by read, so nothing can be joined to it; "
@@ -113,7 +115,7 @@ def test_what_is_not_measured_read_by_read_cannot_be_joined(measure: str, other:
 def test_a_mistake_in_a_joined_condition_has_its_place():
     table = {"name": "b", "measure": "age", "max": "1 us", "and": [{"measure": "stretch", "max": "1 parsec"}]}
     with pytest.raises(BadBudget) as caught:
-        BudgetJudge(Budget.model_validate(table), Timebase(150_000_000), ONE)
+        judge(Budget.model_validate(table), ONE)
     assert caught.value.place == ("and", 0, "max")
 
 
@@ -121,7 +123,7 @@ def test_a_mistake_in_a_joined_condition_has_its_place():
 
 
 def limit(measure: str, **limits: str | int) -> BudgetJudge:
-    return BudgetJudge(Budget(name="b", measure=measure, **limits), Timebase(150_000_000), ONE, START)
+    return judge(Budget(name="b", measure=measure, **limits), ONE, START)
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,8 @@ from typing import TypedDict
 
 from ....bus.i2c.transfer import Transfer
 from ....devices.sensor_rounds import CHIPS
-from ....timing.budgets import PER_MILLE, BudgetJudge
+from ....timing.budget_plan import PER_MILLE
+from ....timing.budgets import BudgetJudge
 from ....timing.format_value import figure, limit
 from ....timing.verdict import FAIL, NOT_JUDGED
 from ...serial_line import SerialLine

@@ -1,0 +1,190 @@
+"""Budgets before a run: tables go in; how each is measured, and its limits in ticks, come out, checked.
+
+    Budget, Scope --> BudgetPlan --> BudgetJudge, one in each scene
+
+A plan holds nothing that a run changes, so scenes of one case share it: `make` makes a measure for each of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from functools import lru_cache
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from ..core.settings import duration, share
+from ..core.time import NO_TIME, Timebase, round_ratio
+from .budget_schema import Budget
+from .language.scope import BadEvent, Scope
+from .measures.event import EventCount
+from .measures.factory import maker_of
+from .measures.measure import MILLIONTHS, Measure
+
+PER_MILLE = {"p50": 500, "p95": 950, "p99": 990, "p99_9": 999}
+
+
+class BadBudget(ValueError):
+    """A budget that names no measure, or whose limits do not fit it or each other; one sentence.
+
+    place: the wrong key, from the budget's table down.
+    """
+
+    def __init__(self, what: str, *place: str | int) -> None:
+        super().__init__(what)
+        self.place = place
+
+    @property
+    def key(self) -> str | int:
+        """The wrong key alone."""
+        return self.place[-1]
+
+
+class BudgetPlan(Struct, frozen=True):
+    """given: the limits as the table has them. limits: in ticks, millionths or counts. not_before: of its measure.
+
+    joined: each condition that is joined to it, as a budget. same_as: the place of the budget before it that has the
+    same measure; -1 for none.
+    """
+
+    text: str
+    after: Fraction | None
+    make: Callable[[], Measure]
+    given: dict[str, str | int]
+    limits: dict[str, int]
+    not_before: int
+    joined: tuple[tuple[Budget, BudgetPlan], ...]
+    same_as: int
+
+    @property
+    def has_percentile(self) -> bool:
+        return not PER_MILLE.keys().isdisjoint(self.limits)
+
+    def measures_as(self, other: BudgetPlan) -> bool:
+        """Whether one measure does for both. Conditions that are joined choose values."""
+        return self.text == other.text and self.after == other.after and not (self.joined or other.joined)
+
+
+def plan_of(
+    budget: Budget,
+    timebase: Timebase,
+    scope: Scope | None = None,
+    start: int = 0,
+    others: Sequence[BudgetPlan] = (),
+) -> BudgetPlan:
+    """scope: what a measure of events may name. start: the tick at which the run begins. others: before it, of one
+    scene. BadBudget where it cannot be judged."""
+    try:
+        make = maker_of(budget.measure, scope or Scope())
+    except BadEvent as error:
+        raise BadBudget(str(error), "measure") from None
+    measure = make()
+    given = budget.limits()
+    limits = {key: _limit(budget, measure, timebase, key, limit) for key, limit in given.items()}
+    _check(budget, measure, limits, given)
+    not_before = NO_TIME
+    if budget.after is not None:
+        if not measure.series:
+            raise BadBudget(f"{budget.measure!r} is one number a run, so none of it can be left out", "after")
+        not_before = start + timebase.ticks(budget.after, "nearest")
+    joined = tuple(_joined(budget, measure, entry, timebase, scope, start) for entry in range(len(budget.also)))
+    plan = BudgetPlan(budget.measure, budget.after, make, given, limits, not_before, joined, -1)
+    places = (place for place, other in enumerate(others) if other.same_as < 0 and plan.measures_as(other))
+    return replace(plan, same_as=next(places, -1))
+
+
+def _joined(
+    budget: Budget, measure: Measure, entry: int, timebase: Timebase, scope: Scope | None, start: int
+) -> tuple[Budget, BudgetPlan]:
+    """A condition as a budget of its own."""
+    given = budget.also[entry]
+    try:
+        name = f"{budget.name} and {given.measure}"
+        table = {"name": name, "measure": given.measure, **given.limits()}
+        condition = Budget.model_validate(table)
+        part = plan_of(condition, timebase, scope, start)
+    except BadBudget as error:
+        raise BadBudget(str(error), "and", entry, *error.place) from None
+    places: tuple[tuple[str | int, ...], ...] = ("measure",), ("and", entry, "measure")
+    for of, each, place in zip((budget, condition), (measure, part.make()), places, strict=True):
+        if not each.occurrence or each.occurrence != measure.occurrence:
+            what = f"{of.measure!r} is not measured read by read, so nothing can be joined to it; "
+            raise BadBudget(f"{what}age, model age, stretch and value error are", *place)
+    return condition, part
+
+
+def _limit(budget: Budget, measure: Measure, timebase: Timebase, which: str, given: str | int) -> int:
+    """The limit in ticks, millionths or counts."""
+    unit = measure.unit
+    if unit == "time":
+        try:
+            return _nearest_tick(given, timebase.per_second)
+        except ValueError as error:
+            raise BadBudget(str(error), which) from None
+    if unit == "%":
+        return _part(budget, which, given)
+    if unit == "LSB":
+        return _steps(budget, which, given)
+    if isinstance(given, str):
+        counted = "a number" if unit in ("count", "value") else f"a number of {unit}"
+        raise BadBudget(f"{given!r}, but {budget.measure!r} is {counted}; write a whole number", which)
+    return given
+
+
+def _part(budget: Budget, which: str, given: str | int) -> int:
+    """ "40 %" in millionths."""
+    try:
+        return round(share(given) * MILLIONTHS)
+    except ValueError:
+        what = f"{given!r}, but {budget.measure!r} is a part of the time; write for instance '40 %'"
+        raise BadBudget(what, which) from None
+
+
+def _steps(budget: Budget, which: str, given: str | int) -> int:
+    """2 or "2.5 LSB" in millionths."""
+    text = str(given)
+    try:
+        steps = Fraction(text.removesuffix("LSB").strip())
+    except (ValueError, ZeroDivisionError):
+        steps = Fraction(-1)
+    if steps < 0 or (isinstance(given, str) and not text.endswith("LSB")):
+        raise BadBudget(f"{given!r}, but {budget.measure!r} is in LSB; write for instance '2.5 LSB'", which)
+    return round(steps * MILLIONTHS)
+
+
+def _check(budget: Budget, measure: Measure, limits: dict[str, int], given: dict[str, str | int]) -> None:
+    """Refuse limits that no run can keep, or of which one says all that another says."""
+    others = [key for key in limits if key != "exactly"]
+    if "exactly" in limits and others:
+        raise BadBudget(f"exactly says all that {' and '.join(others)} could; leave one of them out", "exactly")
+    percentiles = [key for key in PER_MILLE if key in limits]
+    if percentiles and not measure.series:
+        key = percentiles[0]
+        raise BadBudget(f"{budget.measure!r} is one number a run and has no percentiles; write max", key)
+    low, high = limits.get("min"), limits.get("max")
+    if low is not None and high is not None and low > high:
+        what = f"min {given['min']} is above max {given['max']}, so no run can keep both"
+        raise BadBudget(f"{what}; raise max or lower min", "min")
+    for place, key in enumerate(percentiles):
+        if high is not None and limits[key] > high:
+            what = f"{key} {given[key]} is above max {given['max']}, which no value may exceed"
+            raise BadBudget(f"{what}; lower {key} or leave it out", key)
+        if low is not None and low > limits[key]:
+            what = f"{key} {given[key]} is below min {given['min']}, so no run can keep both"
+            raise BadBudget(f"{what}; raise {key} or lower min", key)
+        for higher in percentiles[place + 1 :]:
+            if limits[key] > limits[higher]:
+                what = f"{key} {given[key]} is above {higher} {given[higher]}, which says more already"
+                raise BadBudget(f"{what}; lower {key} or leave it out", key)
+    if isinstance(measure, EventCount) and measure.event.free:
+        for key in limits:
+            if key != "min" and limits[key] == 0:
+                what = "a span's name is free text, so that none was seen proves nothing"
+                raise BadBudget(f"{what}; limit what the run does instead", key)
+
+
+@lru_cache(maxsize=1024)  # scenes of one case have the same limits again and again
+def _nearest_tick(given: str | int, per_second: int) -> int:
+    """ValueError where the text is no duration."""
+    return round_ratio(duration(given) * per_second, "nearest")

@@ -30,7 +30,7 @@ from ...f28335.system.memory_map import NoSuchAddress
 from ...f28335.system.options import SystemOptions
 from ...f28335.system.ram import Ram, block_at
 from ..processor import Processor
-from .elsewhere import Elsewhere
+from .elsewhere import BOOT_ROM, Elsewhere
 from .instruction_timing import InstructionTiming
 from .polls import Polls
 from .variable_records import VariableRecords
@@ -206,6 +206,8 @@ class ImageCpu(Engine):
         area = area_at(address)
         if area is None or area.content is Content.REGISTERS:
             raise IllegalOperation(f"code is fetched from {address:#08x}, where no memory is")
+        if address in BOOT_ROM:
+            raise IllegalOperation(f"code is fetched from {address:#08x}: routines of the boot ROM are not modelled")
         return self.elsewhere.read(self._time.cycle, address)
 
     def word_at(self, address: int) -> int:

@@ -2,12 +2,12 @@
 
     flash, OTP       what the image loaded, else erased
     ADC_cal, PARTID  as on the chip; ADC_cal returns at once, since it sets trims of the ADC
-    boot ROM         reads 0; its math tables end the run
+    boot ROM         reads 0, which is noted; its math tables, its routines and TI's flash API's check end the run
     frames           of modules that nothing models, or that the unit does not name, keep what is written; each module
                      is noted once
     stubs            say what a register answers with, whatever is written
 
-Source: SPRS439M Figure 3-2, Tables 3-5 and 3-8 to 3-11; SPRUFB0D Tables 86 to 96 (EALLOW).
+Source: SPRS439M Figure 3-2, Tables 3-5 and 3-8 to 3-11; SPRUFB0D Tables 86 to 96 (EALLOW); SPRUI07 Table 2-19.
 """
 
 from __future__ import annotations
@@ -35,6 +35,9 @@ FIXED = {ADC_CAL: LRETR, PARTID: F28335, CLASSID: F28335}
 FLASH_RESET = {0x0A84: 0x01FF, 0x0A85: 0x01FF, FBANKWAIT: 0x0F0F, FOTPWAIT: 0x001F}
 FLASH_COMMANDS = range(0x0A88, 0x0AE0)  # behind what SPRUFB0D documents: TI's flash API alone writes there
 MATH_TABLES = range(0x3F_E000, 0x3F_F27C)
+BOOT_ROM = range(0x3F_E000, 0x40_0000)
+FLASH_API_CHECK = 0x3F_FFB9  # whether the silicon is one that TI's flash API knows
+NO_FLASH_API = "erasing and programming flash, as TI's flash API does, is not modelled"
 
 
 class Elsewhere:
@@ -63,6 +66,8 @@ class Elsewhere:
         area = self._area(address, "read")
         if address in MATH_TABLES:
             raise IllegalOperation(f"{address:#08x} is read: the image needs the math tables of the boot ROM")
+        if address == FLASH_API_CHECK:
+            raise IllegalOperation(f"{address:#08x} of the boot ROM is read: {NO_FLASH_API}")
         self._note(cycle, address, area)
         stub = self._stubs.get(address)
         if stub is not None:
@@ -77,8 +82,7 @@ class Elsewhere:
         """A word. True if it is kept."""
         area = self._area(address, "written")
         if address in FLASH_COMMANDS:
-            what = "erasing and programming flash, as TI's flash API does, is not modelled"
-            raise IllegalOperation(f"{full_name(address)} is written: {what}")
+            raise IllegalOperation(f"{full_name(address)} is written: {NO_FLASH_API}")
         self._note(cycle, address, area)
         if area.content not in (Content.REGISTERS, Content.EXTERNAL):
             return False
@@ -131,6 +135,10 @@ class Elsewhere:
         return area
 
     def _note(self, cycle: int, address: int, area: Area) -> None:
+        if address in BOOT_ROM and area.name not in self._noted:
+            self._noted.add(area.name)
+            text = f"{area.name}: {address:#08x} is read as 0; what is there is not modelled"
+            self._notes.note(cycle, Note("unknown", text, "SPRUI07 section 2.4"))
         if area.content is not Content.REGISTERS:
             return
         module = register_name(address)[0]

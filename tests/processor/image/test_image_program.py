@@ -147,6 +147,12 @@ def test_flash_that_nobody_programmed_is_erased_and_the_part_says_its_id():
     assert (rig.run().cpu.acc, rig.program.finished) == (0x00EF_FFFF, True)
 
 
+def test_the_boot_rom_reads_0_and_is_noted():
+    rig = Rig(HEAD + " MOVL XAR4,#0x3FFFBA\n MOV AL,*XAR4++\n MOV AH,*XAR4\n ESTOP0").run()
+    assert rig.program.finished and rig.cpu.acc == 0
+    assert rig.notes() == ["boot ROM: 0x3fffba is read as 0; what is there is not modelled"]
+
+
 def test_code_in_flash_and_data_at_both_ends():
     code = '.sect ".text", 0x330000\n_c_int00: MOVW DP,#datum >> 6\n MOV AL,@datum\n ESTOP0\n'
     source = code + '.sect ".econst", 0x9200\ndatum: .word 0x1234'
@@ -162,6 +168,8 @@ def test_code_in_flash_and_data_at_both_ends():
         (" LB #0x3F0000", "0x3f0000 is read, where the F28335 has nothing|no memory is"),
         (" LB #0x7100", "code is fetched from 0x007100, where no memory is"),
         (" MOVL XAR4,#0x3FE000\n MOV AL,*XAR4", "math tables of the boot ROM"),
+        (" MOVL XAR4,#0x3FFFB9\n CMP *XAR4,#-2", r"0x3fffb9 of the boot ROM is read: erasing and programming flash, as TI"),
+        (" LB #0x3FF34C", "code is fetched from 0x3ff34c: routines of the boot ROM are not modelled"),
         (" SETC AMODE", "C2xLP"),
         (
             " EALLOW\n MOVW DP,#0x0A89 >> 6\n MOV @0x0A89,#5",

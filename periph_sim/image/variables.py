@@ -1,13 +1,16 @@
 """Variables of an image by name: an image goes in; where each one is, how long it is and how to read it, comes out.
 
-    x        as the debug data declare it, or 16 bits unsigned where only a symbol names it
-    x-long   32 bits unsigned from there on, whatever it is
+    x               as the debug data declare it, or 16 bits unsigned where only a symbol names it
+    x.member, x[3]  of a structure or an array, as the debug data declare it; a word where only a symbol names x
+    0x9042          the word at an address
+    x-long          32 bits unsigned from there on, whatever it is
 
 Names are those of C, and those of the symbol table (`_x`). Source: DWARF 3, sections 5.1 (base types) and 2.6.
 """
 
 from __future__ import annotations
 
+import re
 import struct
 from collections.abc import Iterator
 
@@ -16,19 +19,15 @@ from elftools.dwarf.die import DIE
 from msgspec import Struct
 
 from ..core.suggest import did_you_mean
+from ..f28335.system.address_space import Content, area_at
 from .debug_info import DebugInfo, text_of
 from .model import Image
+from .number_types import FLOAT, SIGNED, UNSIGNED, BadVariable, inside, members_of, number_type
 
 LONG = "-long"  # no name in C has a hyphen
-UNSIGNED, SIGNED, FLOAT = "unsigned", "signed", "float"
-KINDS = {4: FLOAT, 5: SIGNED, 6: SIGNED}  # DW_ATE of the number's encoding; others are unsigned
-THROUGH = ("DW_TAG_typedef", "DW_TAG_volatile_type", "DW_TAG_const_type")
 DW_OP_ADDR = 3
-WORDS = (1, 2)  # of numbers that an access of the CPU reads at once
-
-
-class BadVariable(ValueError):
-    """A name that is no variable of an image, or a value that it does not hold; one sentence."""
+ADDRESS = re.compile(r"0x[0-9a-fA-F]{1,6}")
+INDEX = re.compile(r"\[(\d{1,6})\]")
 
 
 class Variable(Struct, frozen=True):
@@ -66,48 +65,63 @@ class Variables:
             for symbol in image.symbols
             if symbol.section and symbol.section not in code
         }
-        for told in DebugInfo(image).each(_declared):
-            self._known[told.name] = told
-            linked = f"_{told.name}"
-            if linked in self._known:
-                self._known[linked] = Variable(linked, told.address, told.words, told.kind)
+        self._types: dict[str, DIE] = {}
+        self._debug = DebugInfo(image)  # reads of types what it is asked for
+        for name, address, kind in self._debug.each(_declared):
+            words, sign = number_type(kind) or (1, UNSIGNED)
+            for known in (name, f"_{name}"):
+                if known == name or known in self._known:
+                    self._known[known] = Variable(known, address, words, sign)
+                    self._types[known] = kind
 
     def find(self, name: str) -> Variable:
         """The variable of a name. BadVariable if there is none."""
         short = name.removesuffix(LONG)
-        found = self._known.get(short)
-        if found is None:
-            raise BadVariable(f"the image has no variable {short!r}; {did_you_mean(short, self._known)}")
+        found = self._found(short)
+        area = area_at(found.address)
+        if area is None or area.content is Content.REGISTERS:
+            where = f"{name} is at {found.address:#06x}, where no memory is"
+            raise BadVariable(f"{where}; a register's field is named MODULE.REGISTER.FIELD")
         return found if short == name else Variable(name, found.address, 2, UNSIGNED)
 
+    def _found(self, name: str) -> Variable:
+        if ADDRESS.fullmatch(name):
+            return Variable(name, int(name, 16), 1, UNSIGNED)
+        outer = name
+        if name not in self._known:  # a symbol may have such characters
+            outer = re.split(r"[.\[]", name, maxsplit=1)[0]
+        found, kind = self._known.get(outer), self._types.get(outer)
+        if found is None:
+            raise BadVariable(f"the image has no variable {outer!r}; {did_you_mean(outer, self._known)}")
+        path = name[len(outer) :]
+        if not path:
+            return found
+        if kind is None:
+            index = INDEX.fullmatch(path)
+            if index is None:
+                way = _by_word(outer, found.address)
+                raise BadVariable(f"no debug data tell what {outer} consists of, so {name!r} is not known; {way}")
+            return Variable(name, found.address + int(index[1]), 1, UNSIGNED)
+        offset, inner = inside(kind, outer, path)
+        number = number_type(inner)
+        if number is None:
+            parts = members_of(inner)
+            way = f"name one of its members, {', '.join(parts)}" if parts else _by_word(outer, found.address + offset)
+            raise BadVariable(f"{name} is no number of 16 or 32 bits; {way}")
+        return Variable(name, found.address + offset, *number)
 
-def _declared(dwarf: object, unit: CompileUnit) -> Iterator[Variable]:
+
+def _by_word(outer: str, address: int) -> str:
+    return f"name a word by its address, as 0x{address:04x} is that of {outer}"
+
+
+def _declared(dwarf: object, unit: CompileUnit) -> Iterator[tuple[str, int, DIE]]:
+    """Variables at fixed addresses: name, address, type."""
     for entry in unit.get_top_DIE().iter_children():
         told = entry.attributes
-        if entry.tag != "DW_TAG_variable" or "DW_AT_location" not in told or "DW_AT_type" not in told:
+        if entry.tag != "DW_TAG_variable" or not {"DW_AT_location", "DW_AT_type", "DW_AT_name"} <= told.keys():
             continue
         location = told["DW_AT_location"].value
-        if not isinstance(location, list) or len(location) < 5 or location[0] != DW_OP_ADDR:
-            continue
-        number = _number_type(entry)
-        if number is not None and "DW_AT_name" in told:
-            words, kind = number
+        if isinstance(location, list) and len(location) >= 5 and location[0] == DW_OP_ADDR:
             address = int.from_bytes(bytes(location[1:5]), "little")
-            yield Variable(text_of(told["DW_AT_name"].value), address, words, kind)
-
-
-def _number_type(entry: DIE) -> tuple[int, str] | None:
-    """(words, kind) of a variable that is one number; None for arrays, structures and numbers of four words."""
-    at = entry
-    while at is entry or at.tag in THROUGH:
-        if "DW_AT_type" not in at.attributes:
-            return None
-        at = at.get_DIE_from_attribute("DW_AT_type")
-    if at.tag in ("DW_TAG_pointer_type", "DW_TAG_enumeration_type"):
-        words, kind = at.attributes["DW_AT_byte_size"].value if "DW_AT_byte_size" in at.attributes else 2, UNSIGNED
-    elif at.tag == "DW_TAG_base_type":
-        words = at.attributes["DW_AT_byte_size"].value  # in characters, which have 16 bits
-        kind = KINDS.get(at.attributes["DW_AT_encoding"].value, UNSIGNED)
-    else:
-        return None
-    return (words, kind) if words in WORDS else None
+            yield text_of(told["DW_AT_name"].value), address, entry.get_DIE_from_attribute("DW_AT_type")

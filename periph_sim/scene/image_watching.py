@@ -10,7 +10,8 @@ budgets on the stack    --> StackDepth
 from __future__ import annotations
 
 from ..core.records import Kind, Recorder
-from ..image.variables import BadVariable, Variables
+from ..image.number_types import BadVariable
+from ..image.variables import Variables
 from ..processor.dsp import Dsp
 from ..processor.image.function_spans import FunctionSpans
 from ..processor.image.preset_memory import Preset, PresetMemory

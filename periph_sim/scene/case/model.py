@@ -35,6 +35,7 @@ from .scalars import (
     PassCycles,
     Ppm,
     RateError,
+    VariableValues,
 )
 from .serial import SerialTable, reply_budget, with_replies
 from .transceiver import TransceiverTable
@@ -96,7 +97,7 @@ class Unit(Table, frozen=True, kw_only=True):
     compile: Compile = Compile()
     boot: Literal["entry", "flash", "ram"] = "entry"
     stub: tuple[StubTable, ...] = ()
-    memory: dict[str, int | float] = {}
+    memory: VariableValues = {}
     settings: dict[str, object] = {}
     modules: tuple[str, ...]
     oscclk: Crystal = Fraction(30_000_000)

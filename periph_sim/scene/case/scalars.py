@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from fractions import Fraction
 from typing import Annotated
 
@@ -33,6 +34,17 @@ def _scalar(value: object) -> object:
     return value
 
 
+def _by_variable(value: object) -> object:
+    """Members of structures by their full names: { timer = { count = 3 } } is { "timer.count" = 3 }."""
+    if not isinstance(value, Mapping):
+        return value
+    flat: dict[str, object] = {}
+    for name, one in value.items():
+        inner = _by_variable(one)
+        flat |= {f"{name}.{rest}": part for rest, part in inner.items()} if isinstance(inner, dict) else {name: inner}
+    return flat
+
+
 Exact = Annotated[Fraction, Before(_exact, int | float | str)]
 Answer = Annotated[Value, Before(_scalar)]  # to an open question
 Length = Annotated[Duration, After(_above_zero)]
@@ -43,6 +55,7 @@ Crystal = Annotated[Frequency, Meta(ge=4_000_000, le=150_000_000)]  # SPRS439: X
 Ppm = Annotated[Exact, Meta(ge=-100_000, le=100_000)]
 RateError = Annotated[Exact, Meta(ge=-50, le=50)]
 Bits = Annotated[Exact, Meta(ge=0)]
+VariableValues = Annotated[dict[str, int | float], Before(_by_variable, dict[str, int | float])]
 Axes = tuple[Exact, Exact, Exact]
 CodeCycles = Annotated[int, Meta(ge=0, le=1000)]
 PassCycles = Annotated[int, Meta(ge=1, le=1000)]

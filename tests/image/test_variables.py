@@ -1,0 +1,63 @@
+"""Variables by name: numbers, members of structures, elements of arrays, words by address; and what is refused."""
+
+from __future__ import annotations
+
+import pytest
+
+from periph_sim.image.number_types import BadVariable
+from periph_sim.image.variables import Variables
+from tests.image.typed_data import typed_image
+
+
+@pytest.fixture(scope="module")
+def variables() -> Variables:
+    return Variables(typed_image())
+
+
+@pytest.mark.parametrize(
+    ("name", "address", "words", "kind"),
+    [
+        ("state", 0x9040, 1, "unsigned"),
+        ("state-long", 0x9040, 2, "unsigned"),
+        ("state.count", 0x9040, 2, "signed"),
+        ("_state.count", 0x9040, 2, "signed"),
+        ("state.parts[0][1]", 0x9043, 1, "unsigned"),
+        ("state.parts[2][0]", 0x9046, 1, "unsigned"),
+        ("state.inner.sign", 0x9048, 1, "signed"),
+        ("state.inner.gain", 0x904A, 2, "float"),
+        ("words[4]", 0x9064, 1, "unsigned"),
+        ("words[2]-long", 0x9062, 2, "unsigned"),
+        ("_plain", 0x9080, 1, "unsigned"),
+        ("_plain[3]", 0x9083, 1, "unsigned"),
+        ("0x9084", 0x9084, 1, "unsigned"),
+        ("0x9084-long", 0x9084, 2, "unsigned"),
+    ],
+)
+def test_a_part_has_its_place_and_width(variables: Variables, name: str, address: int, words: int, kind: str):
+    found = variables.find(name)
+    assert (found.name, found.address, found.words, found.kind) == (name, address, words, kind)
+
+
+@pytest.mark.parametrize(
+    ("name", "sentence"),
+    [
+        ("stat.count", "the image has no variable 'stat'; did you mean state"),
+        ("state.cuont", "state has no member 'cuont'; did you mean count?"),
+        ("state.inner", "state.inner is no number of 16 or 32 bits; name one of its members, sign, gain"),
+        ("state.parts", "state.parts is no number of 16 or 32 bits; name a word by its address, as 0x9042 is"),
+        ("state.parts[1]", "state.parts[1] is no number of 16 or 32 bits"),
+        ("state.low", "state.low is a bit-field; name the word that it is in by its address"),
+        ("words[5]", "'words[5]': words has 5 elements, from 0 on"),
+        ("state.parts[1][2]", "'state.parts[1][2]': state.parts[1] has 2 elements, from 0 on"),
+        ("words.x", "words has no members, so none is called 'x'"),
+        ("state[0]", "state is no array, so it has no element [0]"),
+        ("words[x]", "'words[x]': '[x]' is neither a member, .NAME, nor an element, [NUMBER]"),
+        ("_plain.x", "no debug data tell what _plain consists of, so '_plain.x' is not known; name a word by"),
+        ("_regs", "_regs is at 0x7900, where no memory is; a register's field is named MODULE.REGISTER.FIELD"),
+        ("0x7900", "0x7900 is at 0x7900, where no memory is"),
+    ],
+)  # fmt: skip
+def test_what_is_no_number_is_refused_with_the_way_out(variables: Variables, name: str, sentence: str):
+    with pytest.raises(BadVariable) as refused:
+        variables.find(name)
+    assert str(refused.value).startswith(sentence)

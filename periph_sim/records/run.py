@@ -90,7 +90,8 @@ class Run:
             raise NotInRun(f"{path}: there is no such file; {WAY_OUT}")
         with path.open("rb") as file:
             if not recognises(path, file.read(HEAD)):
-                raise NotInRun(f"{path}: not a recorded run; {WAY_OUT}")
+                what = "a run for other programs to read" if path.suffix == ".jsonl" else "not a recorded run"
+                raise NotInRun(f"{path}: {what}; {WAY_OUT}")
         table = read_table(path)
         if not holds_run(path):
             raise NotInRun(f"{path}: a capture of wires, with no accesses or flags; {WAY_OUT}")

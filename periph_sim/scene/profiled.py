@@ -43,6 +43,9 @@ def profiled(
             found.coverage[name] = Coverage()
             program.watch_instructions(found.coverage[name])
     scene.run(length, told)
-    for profile in found.profiles.values():
+    for name, profile in found.profiles.items():
+        since = programs[name].asleep_since
+        if since is not None:
+            profile.slept(scene.kernel.now - since)
         profile.finish(scene.kernel.now)
     return found

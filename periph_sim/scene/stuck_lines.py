@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
+from ..processor.instruction_location import InstructionLocation
+
 if TYPE_CHECKING:
     from ..core.kernel import Kernel
     from ..core.time import Timebase
@@ -61,4 +63,6 @@ def doing(dsp: Dsp, timebase: Timebase, start: int) -> str:
         at = "" if where is None else f" at {where.for_people()}"
         return f"waits in IDLE for an interrupt{at}" if dsp.core.idlestat else f"computes{at}"
     since = timebase.show(dsp.clock.tick(spin.since) - start)
-    return f"waits for {dsp.program.waits_for()} since {since}"
+    where = dsp.program.place()
+    at = f" at {where}" if isinstance(where, InstructionLocation) else ""
+    return f"waits for {dsp.program.waits_for()}{at} since {since}"

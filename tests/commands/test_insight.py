@@ -95,6 +95,7 @@ def test_lint_exits_with_0_where_nothing_is(desk: Path, periph_sim: Run):
 @pytest.mark.parametrize(
     ("name", "said"),
     [
+        ("lines.jsonl", "lines.jsonl: a run for other programs to read; record one with periph-sim run CASE --record"),
         ("nack.sr", "nack.sr: not a recorded run; record one with periph-sim run CASE --record RUN.psr"),
         ("none.psr", "none.psr: there is no such file; record one with"),
         ("bare.psr", "bare.psr: a capture of wires, with no accesses or flags; record one with"),
@@ -104,6 +105,7 @@ def test_lint_exits_with_0_where_nothing_is(desk: Path, periph_sim: Run):
 def test_what_is_no_recorded_run_is_refused(desk: Path, periph_sim: Run, command: list[str], name: str, said: str):
     trace = TIMING.parent / "traces" / "nack.sr"
     periph_sim("convert", str(trace), "bare.psr")
+    Path("lines.jsonl").write_text('{"periph-sim": 2}\n')
     Path("cut.psr").write_bytes(Path("bare.psr").read_bytes()[:-100])
     given = str(trace) if name == "nack.sr" else name
     came = periph_sim(*[given if part == "NO" else part for part in command])

@@ -120,8 +120,10 @@ def test_a_wait_for_what_nothing_models_is_named_and_a_stub_answers_it(periph_si
     case = 'name = "adc"\nduration = "3 ms"\n[unit.dsp]\nimage = "adc.asm"\nmodules = []\n'
     (tmp_path / "adc.toml").write_text(case)
     stuck = " ".join(periph_sim("run", str(tmp_path / "adc.toml")).out.split())
-    assert "dsp waits for ADC.ADCST & 0x0004 since 3.467 us and would for ever: nothing models that" in stuck
-    assert '_convert asks for it up to pc 0x00900c; [[unit.NAME.stub]] register = "ADC.ADCST" answers' in stuck
+    assert (
+        "dsp waits for ADC.ADCST & 0x0004 at _convert (adc.asm:11, 0x00900c) since 3.467 us and would for ever: "
+        'nothing models that; answer it by [[unit.dsp.stub]] with register = "ADC.ADCST" and a value'
+    ) in stuck
     (tmp_path / "adc.toml").write_text(case + STUB)
     answered = " ".join(periph_sim("run", str(tmp_path / "adc.toml")).out.split())
     assert "nothing models" not in answered and "ESTOP0 ended the program at 1002." in answered

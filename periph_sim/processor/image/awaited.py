@@ -13,7 +13,6 @@ from ...core.registers import Register
 from ...f28335.system.register_names import full_name
 from ..operand import Operand
 from .cpu import ImageCpu
-from .function_map import FunctionMap
 
 LONGEST = 64  # words of a loop that are looked at
 ALL = 0xFFFF
@@ -26,21 +25,15 @@ class Awaited(NamedTuple):
     unanswered: str
 
 
-def awaited(
-    cpu: ImageCpu, branch: int, operands: Sequence[Operand], elsewhere: Sequence[int], functions: FunctionMap
-) -> Awaited:
+def awaited(cpu: ImageCpu, branch: int, operands: Sequence[Operand], elsewhere: Sequence[int], unit: str) -> Awaited:
     """branch: the address of the loop's last instruction; `cpu` stands at its first one."""
     mask = mask_of(cpu, branch)
     texts = [f"{operand.name}.{fields_of(operand.register, mask)}" for operand in operands]
     names = list(dict.fromkeys(f"{full_name(address)} & {mask:#06x}" for address in elsewhere))
     unanswered = ""
     if names:
-        inside = functions.name_at(branch)
         register = full_name(elsewhere[0])
-        unanswered = (
-            f"nothing models that, and {inside} asks for it up to pc {branch:#08x}; "
-            f'[[unit.NAME.stub]] register = "{register}" answers'
-        )
+        unanswered = f'nothing models that; answer it by [[unit.{unit}.stub]] with register = "{register}" and a value'
     return Awaited(list(dict.fromkeys([*texts, *names])), unanswered)
 
 

@@ -90,9 +90,8 @@ class CallStack:
                 return
         self._replace(pc, cycle)
 
-    def slept(self, since: int, cycle: int) -> None:
-        """Nothing was executed from one cycle to the other: IDLE, or a wait whose passes were skipped."""
-        ticks = self._clock.tick(cycle) - self._clock.tick(since)
+    def slept(self, ticks: int) -> None:
+        """Nothing was executed for so long: IDLE, or a wait whose passes were skipped."""
         for listener in self._listeners:
             listener.slept(ticks)
 

@@ -25,7 +25,7 @@ cdef class ImageProgram(Program):
     cdef bint _sleeps(self)
     cdef void _woken(self)
     cdef dict _places
-    cdef long long _at, _entry, _slept_from, _stack_begin, _stack_end, _sp
+    cdef long long _at, _entry, _asleep_at, _stack_begin, _stack_end, _sp
     cdef set _unwritten
     cpdef void load(self)
     cpdef void begin(self)

@@ -51,7 +51,7 @@ class ImageProgram(Program):
         self._ready: Operation | None = None  # whose operand is found, and whose cycle had to be waited for
         self._executed = False  # an instruction, since the last boundary that looked for interrupts
         self._idle_began = False
-        self._slept_from = 0
+        self._asleep_at = 0  # the tick since which nothing was executed
         self._jumps = [0] * LAST_JUMPS  # a ring
         self._jumped = 0
         self._places: dict[int, SourceLocation] = {}
@@ -227,12 +227,13 @@ class ImageProgram(Program):
         """At the begin of another pass of a loop: it sleeps if that can only come out as those before did."""
         polls, passed = self.cpu.polls, self.instructions - self._counted
         self._counted = self.instructions
-        if self._watch is not None or not polls.may_be_alike() or not polls.comes_out_alike(self.cpu.state()):
+        if not polls.may_be_alike() or not polls.comes_out_alike(self.cpu.state()):
             return False
         self.spin = polls.sleep()
         if self.spin is None:
             return False
         self._pass = passed
+        self._asleep_at = self._clock.tick(polls.began)
         if self._waits is not None:
             self._waits.begins(self.waits_for(), self._processor.time.cycle, self.place() or "")
         return True
@@ -240,7 +241,7 @@ class ImageProgram(Program):
     def _woken(self) -> None:
         """A pass may come out otherwise: the one in progress is made from its start."""
         time = self._processor.time
-        woken, since = time.cycle, self.cpu.polls.began
+        woken = time.cycle
         skipped = self.cpu.polls.woken()
         self.polls_skipped += skipped
         self.instructions += skipped * self._pass
@@ -248,7 +249,12 @@ class ImageProgram(Program):
         if self._waits is not None:
             self._waits.ends(woken)
         if self._calls is not None:
-            self._calls.slept(since, time.cycle)
+            self._calls.slept(self._clock.tick(time.cycle) - self._asleep_at)
+
+    @property
+    def asleep_since(self) -> int | None:
+        """The tick since which nothing is executed, in a wait or in IDLE; None while it runs."""
+        return self._asleep_at if self.cpu.polls.asleep or self._idle_began else None
 
     def waits_for(self) -> str:
         """See `Program.waits_for`."""
@@ -259,10 +265,8 @@ class ImageProgram(Program):
         return self._awaited().unanswered
 
     def _awaited(self) -> Awaited:
-        polls = self.cpu.polls
-        return awaited(
-            self.cpu, self._at, [] if self.spin is None else self.spin.polls, polls.elsewhere, self.functions
-        )
+        operands = [] if self.spin is None else self.spin.polls
+        return awaited(self.cpu, self._at, operands, self.cpu.polls.elsewhere, self._processor.name)
 
     def _slept(self) -> bool:
         """IDLE: over once an interrupt comes that IER enables."""
@@ -270,7 +274,7 @@ class ImageProgram(Program):
         time = processor.time
         if not self._idle_began:
             self._idle_began = True
-            self._slept_from = time.cycle
+            self._asleep_at = self._clock.tick(time.cycle)
             core.idle(time.cycle - cpu_costs.IDLE)
             if self._waits is not None:
                 self._waits.begins(IDLE, time.cycle - cpu_costs.IDLE, self.place() or "")
@@ -281,7 +285,7 @@ class ImageProgram(Program):
         if self._waits is not None:
             self._waits.ends(time.cycle)
         if self._calls is not None:
-            self._calls.slept(self._slept_from, time.cycle)
+            self._calls.slept(self._clock.tick(time.cycle) - self._asleep_at)
         return True
 
     def _ended(self) -> Stop:

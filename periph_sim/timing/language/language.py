@@ -303,13 +303,20 @@ def _held(words: Words) -> Said:
 
 
 def _cpu(words: Words) -> Said:
-    words.one_of(["load"])
+    _load(words)
     unit = words.take("a unit") if words.took("of") else ""
     return Said("cpu", unit=unit, window=_window(words))
 
 
+def _load(words: Words) -> None:
+    if words.next != "load":
+        whose = words.text.split(maxsplit=1)[0]
+        raise BadEvent(f"there is no measure {words.text!r}; write {whose} load, the part of the time that it is busy")
+    words.take("load")
+
+
 def _bus_load(words: Words) -> Said:
-    words.one_of(["load"])
+    _load(words)
     return Said("bus", window=_window(words))
 
 

@@ -113,3 +113,52 @@ def test_an_image_without_lines_is_not_covered_and_leaves_no_file(periph_sim: Ru
     assert (came.status, came.out) == (2, "")
     assert "it tells no lines of its source" in came.err
     assert not Path("own.info").exists()
+
+
+POLLS = """\
+ .reserve ".stack", 0x400, 0x40
+ .sect ".text", 0x9000
+ .global _c_int00, _wait
+_c_int00: MOV @SP,#0x400
+ LCR #_wait
+ ESTOP0
+_wait: MOVW DP,#0x6FC0 >> 6
+pass: TBIT @0x6FC0,#4
+ SB pass,NTC
+ LRETR
+"""
+
+
+@pytest.mark.parametrize("more", [(), ("--lcov", "own.info")])
+def test_polls_that_are_skipped_are_waits_while_lines_are_counted_too(
+    periph_sim: Run,  # noqa: F811
+    case: Path,
+    more: tuple[str, ...],
+):
+    """All of 1 ms but for a few passes that are made before it sleeps, of 10 cycles each."""
+    Path("own.asm").write_text(POLLS)
+    Path("own.out").write_bytes(assemble_file(Path("own.asm"))[1])
+    found = profile(periph_sim, *more)["_wait"]
+    assert 0.97e-3 < found["waits_s"] < found["self_s"] < 1e-3
+
+
+LOCKS = """\
+ .sect ".text", 0x9000
+ .global _c_int00
+_c_int00: EALLOW
+ MOVW DP,#0x7029 >> 6
+ MOV @0x7029,#0x68
+ MOVW DP,#0x7011 >> 6
+ MOV @0x7021,#10
+lock: TBIT @0x7011,#0
+ SB lock,NTC
+ ESTOP0
+"""
+
+
+def test_a_wait_is_as_long_as_it_was_though_the_clock_is_another_one_behind_it(periph_sim: Run, case: Path):  # noqa: F811
+    """The PLL locks after 131072 cycles of 30 MHz, 4.369 ms; SYSCLKOUT is ten times as fast then."""
+    Path("own.asm").write_text(LOCKS)
+    Path("own.out").write_bytes(assemble_file(Path("own.asm"))[1])
+    found = profile(periph_sim, "--seconds", "0.005")["_c_int00"]
+    assert 4.3e-3 < found["waits_s"] < 131_072 / 30e6

@@ -271,6 +271,8 @@ def test_every_form_that_messages_name_can_be_said(form: str):
             "'from frame to frame, next, same round, last': ',' is more than a measure or event says; leave it out",
         ),
         ("slack of it", "'slack of it': 'of' is more than a measure or event says; leave it out"),
+        ("cpu", "there is no measure 'cpu'; write cpu load, the part of the time that it is busy"),
+        ("bus of dsp", "there is no measure 'bus of dsp'; write bus load, the part of the time that it is busy"),
         ("cpu load of", "'cpu load of' ends where a unit is expected"),
         ("period edge SCL rise", "'period edge SCL rise': 'edge' where of is expected"),
         ("time in wire SCL", "'time in wire SCL' ends where high or low is expected"),

@@ -1,5 +1,7 @@
-"""Public images run unmodified: bytes on the wires as written, first edges as an earlier study has them, +/- 2 %.
+"""Public images run unmodified: bytes on the wires as written, first edges as an earlier study has them, within 1 us.
 
+That study had no stalls of the pipeline, and told of I2C when the target acknowledged its address. So its times are met
+without stalls; with them the start-up is later by what the rules of docs/images.md take, which is held here, too.
 Skipped where `PERIPH_SIM_IMAGES` names no folder of them. The rows are those of tests/image/public_images.toml.
 """
 
@@ -10,14 +12,20 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim import form
 from tests.commands.conftest import Run, periph_sim  # noqa: F401
 from tests.image.public_images import public_image
 
 CONSOLE, CONSOLE_C, CONSOLE_B, EEPROM, CLOCK, LEDS, ECHO, SENDER = "S1", "S2", "S3", "S4", "S5", "S6", "S7", "S8"
-BANNER = (
-    b"\r\n\n\nHello Yan Xu!\r\nYou will enter a character, and the DSP will echo it back! \n\r\nEnter a character: "
-)
-TOLERANCE = 0.02
+LAB, KEYPAD, MONITOR = "S9f", "S11", "S14"
+TELL = b"You will enter a character, and the DSP will echo it back! \n\r\nEnter a character: "
+BANNER = b"\r\n\n\nHello Yan Xu!\r\n" + TELL
+HELLO = b"Hello World!\r\nYou will enter a character, and the DSP will echo it back!\r\n"
+US = 1e-6
+TOLERANCE = 1.1 * US  # 1 us, and how the study rounds
+SCICLK = 13.1 * US  # at 9600 baud: where the first start bit is
+NO_STALLS = "\n[unit.dsp.options.system]\nstalls = false\n"
+CLEAN = '[[budget]]\nname = "clean"\nmeasure = "nacked"\nmax = 0\n'
 CASE = """\
 name = "public"
 duration = "{duration}"
@@ -53,6 +61,13 @@ def sent(periph_sim: Run, run: Path, wire: str, baud: int) -> list[tuple[float, 
     return [(float(time), bytes.fromhex("".join(word for word in words if word[0] != "["))) for time, *words in rows]
 
 
+def recorded_as(periph_sim: Run, folder: Path, suffix: str) -> Path:  # noqa: F811
+    """The run that was recorded last, in another format."""
+    run = folder / f"run{suffix}"
+    periph_sim("run", str(folder / "case.toml"), "--record", str(run))
+    return run
+
+
 def first_rise(vcd: Path, wire: str) -> float:
     """When a wire first rises behind its first fall, in seconds; the recording counts nanoseconds."""
     lines, now, low = vcd.read_text().split("\n"), 0, False
@@ -67,73 +82,166 @@ def first_rise(vcd: Path, wire: str) -> float:
     raise AssertionError(f"{wire} does not rise")
 
 
-def test_an_eeprom_is_written_over_its_pages_end_and_read_back(periph_sim: Run, tmp_path: Path):  # noqa: F811
-    more = '[device.memory]\nmodel = "24c02"\n[[budget]]\nname = "clean"\nmeasure = "nacked"\nmax = 0\n'
-    run = recorded(periph_sim, tmp_path, EEPROM, "17 ms", "I2C-A", more)
+def acknowledged(periph_sim: Run, run: Path) -> list[float]:  # noqa: F811
+    """When targets acknowledge their address: the ninth rise of SCL."""
+    rows = [line.split() for line in periph_sim("decode", str(run)).out.splitlines()]
+    return [float(after[0]) for row, after in pairwise(rows) if "address" in row]
+
+
+def transfers(periph_sim: Run, run: Path) -> list[tuple[float, str]]:  # noqa: F811
     rows = [line.split() for line in periph_sim("decode", str(run), "--transfers").out.splitlines() if " S " in line]
-    assert float(rows[0][0]) == pytest.approx(4.4623e-3, rel=TOLERANCE)
-    assert [" ".join(word for word in row[1:] if word != "A") for row in rows] == [
-        "S 50 W 00 11 22 33 44 55 66 77 88 99 00 P",
-        "S 50 W 00 Sr 50 R 99 00 33 44 55 66 77 88 FF FF N P",
-    ]
+    return [(float(row[0]), " ".join(word for word in row[1:] if word != "A")) for row in rows]
+
+
+WRITTEN = "S 50 W 00 11 22 33 44 55 66 77 88 99 00 P"
+
+
+@pytest.mark.parametrize(
+    ("page", "read"), [(8, "99 00 33 44 55 66 77 88 FF FF"), (16, "11 22 33 44 55 66 77 88 99 00")]
+)
+def test_an_eeprom_is_written_over_its_pages_end_and_read_back(periph_sim: Run, tmp_path: Path, page: int, read: str):  # noqa: F811
+    device = f'[device.memory]\nmodel = "24c02"\npage = {page}\n'
+    run = recorded(periph_sim, tmp_path, EEPROM, "17 ms", "I2C-A", NO_STALLS + device + CLEAN)
+    assert [row for _, row in transfers(periph_sim, run)] == [WRITTEN, f"S 50 W 00 Sr 50 R {read} N P"]
+    at = acknowledged(periph_sim, run)
+    assert at[0] == pytest.approx(4.4623e-3, abs=TOLERANCE)
+    assert at[1:] == [pytest.approx(14.704e-3, abs=1.5 * US), pytest.approx(14.757e-3, abs=1.5 * US)]  # told to 1 us
+    stalled = acknowledged(periph_sim, recorded(periph_sim, tmp_path, EEPROM, "5 ms", "I2C-A", device + CLEAN))
+    assert 4 * US < stalled[0] - at[0] < 5 * US
+    told = periph_sim("run", str(tmp_path / "case.toml")).out
+    assert "I2CPSC = 9 gives a module clock of 15 MHz at SYSCLKOUT = 150 MHz" in told
 
 
 def test_a_console_answers_with_the_character_it_got(periph_sim: Run, tmp_path: Path):  # noqa: F811
-    more = (
-        '[serial]\nbaud = 9600\n[[serial.send]]\nname = "A"\nto = "dsp.SCI-A"\ntext = "A"\nat = "115 ms"\n'
-        '[[serial.expect]]\nname = "answer"\nfrom = "dsp.SCI-A"\ntext = "  You sent: A"\nafter_send = "A"\n'
-        'within = "20 ms"\n'
-    )
-    recorded(periph_sim, tmp_path, CONSOLE, "135 ms", "SCI-A", more)
+    serial = "[serial]\nbaud = 9600\n"
+    for key, at in (("A", 120), ("z", 180)):
+        serial += f'[[serial.send]]\nname = "{key}"\nto = "dsp.SCI-A"\ntext = "{key}"\nat = "{at} ms"\n'
+        serial += f'[[serial.expect]]\nname = "answer to {key}"\nfrom = "dsp.SCI-A"\nafter_send = "{key}"\n'
+        serial += f'text = "  You sent: {key}\\r\\nEnter a character: "\nwithin = "40 ms"\n'
+    run = recorded(periph_sim, tmp_path, CONSOLE, "250 ms", "SCI-A", NO_STALLS + serial)
+    bursts = sent(periph_sim, run, "TX", 9600)
+    assert sum(len(told) for _, told in bursts) == 168
+    assert bursts[0] == (pytest.approx(4.437e-3, abs=SCICLK), BANNER)
 
 
 def test_a_console_on_sci_c_sends_its_banner_and_waits_for_a_key(periph_sim: Run, tmp_path: Path):  # noqa: F811
     """Nobody sends one, and the run says so."""
     case = '[serial]\nbaud = 9600\n[[budget]]\nname = "line"\nmeasure = "overruns"\nmax = 0\n'
-    run = recorded(periph_sim, tmp_path, CONSOLE_C, "110 ms", "SCI-C", case, status=1)
+    run = recorded(periph_sim, tmp_path, CONSOLE_C, "110 ms", "SCI-C", NO_STALLS + case, status=1)
     [(began, told)] = sent(periph_sim, run, "SCI-C.TX", 9600)
-    assert (told, began) == (BANNER, pytest.approx(4.437e-3, rel=TOLERANCE))
+    assert (told, began) == (BANNER, pytest.approx(4.437e-3, abs=SCICLK))
     assert "waits for SCI-C.SCIRXST.RXRDY since 106." in periph_sim("run", str(tmp_path / "case.toml")).out
 
 
-def test_a_console_behind_rs_485_sends_on_gpio22_with_its_driver_on(periph_sim: Run, tmp_path: Path):  # noqa: F811
-    pins = "pins = { OUT = 22, DE = 49 }\n"
-    run = recorded(periph_sim, tmp_path, CONSOLE_B, "12 ms", "SCI-B", pins, status=1)
-    [(began, told)] = sent(periph_sim, run, "OUT", 9600)
-    assert (told, began) == (BANNER[: len(told)], pytest.approx(4.437e-3, rel=TOLERANCE))
+def test_a_console_behind_rs_485_switches_its_driver_off_two_characters_early(periph_sim: Run, tmp_path: Path):  # noqa: F811
+    """It waits for TXRDY, not for TXEMPTY, before it clears GPIO49 (scib_msg, 0x85FE): two never reach the pair."""
+    pins = 'pins = { DE = 49, "SCI-B.TX" = 22, "SCI-B.RX" = 23 }\n[[transceiver]]\non = "dsp.SCI-B"\nde = "DE"\n'
+    case = f'{pins}[serial]\nbaud = 9600\n[[serial.send]]\nto = "dsp.SCI-B"\ntext = "A"\nat = "120 ms"\n'
+    run = recorded(periph_sim, tmp_path, CONSOLE_B, "160 ms", "SCI-B", case, status=1)
+    bursts = sent(periph_sim, run, "SCI-B.TX", 9600)
+    assert [told for _, told in bursts] == [BANNER, b"  You sent: A\r\nEnter a character: "]
+    assert bursts[0][0] == pytest.approx(4.437e-3 + 12 * US, abs=SCICLK)
+    began = bursts[0][0]
+    assert 0 < began - first_rise(recorded_as(periph_sim, tmp_path, ".vcd"), "DE") < SCICLK
+    told = periph_sim("run", str(tmp_path / "case.toml")).out
+    assert "RS485: DE switches the driver of dsp.SCI-B off before its frame is over, first at 20.07" in told
+    assert "RS485: dsp.SCI-B sends a frame while DE holds its driver off, first at 107.5" in told
 
 
 def test_a_clock_is_set_byte_by_byte_from_interrupts(periph_sim: Run, tmp_path: Path):  # noqa: F811
-    more = '[device.clock]\nmodel = "isl12026"\n[[budget]]\nname = "clean"\nmeasure = "nacked"\nmax = 0\n'
-    run = recorded(periph_sim, tmp_path, CLOCK, "16 ms", "I2C-A", more)
-    rows = [line.split() for line in periph_sim("decode", str(run), "--transfers").out.splitlines() if " S " in line]
+    """Each STOP is an interrupt, and the pointer's ARDY. It reads a second later, 30 M passes of DELAY_US."""
+    more = '[device.clock]\nmodel = "isl12026"\n' + CLEAN
+    run = recorded(periph_sim, tmp_path, CLOCK, "16 ms", "I2C-A", NO_STALLS + more)
     written = ("3F 02", "3F 06", "37 20", "35 07", "34 12", "33 03", "36 01", "32 15", "31 39", "30 50")
-    bytes_of = [" ".join(word for word in row[1:] if word != "A") for row in rows]
-    assert bytes_of == [*(f"S 6F W 00 {pair} P" for pair in written), "S 6F W 00 30"]
-    starts = [float(row[0]) for row in rows]
-    assert starts[0] == pytest.approx(4.4984e-3, rel=TOLERANCE)
-    assert {round(after - before, 6) for before, after in pairwise(starts)} <= {0.001095, 0.001096}
+    rows = transfers(periph_sim, run)
+    assert [row for _, row in rows] == [*(f"S 6F W 00 {pair} P" for pair in written), "S 6F W 00 30"]
+    assert acknowledged(periph_sim, run)[0] == pytest.approx(4.4984e-3, abs=TOLERANCE)
+    assert {round(after - before, 6) for (before, _), (after, _) in pairwise(rows)} <= {0.001095, 0.001096}
+    calls = '[[budget]]\nname = "interrupts"\nmeasure = "calls of i2c_int1a_isr"\nexactly = 11\n'
+    run = recorded(periph_sim, tmp_path, CLOCK, "16 ms", "I2C-A", more + calls)
+    assert 17 * US < acknowledged(periph_sim, run)[0] - 4.4984e-3 < 19 * US
+
+
+def test_a_clock_is_read_back_after_a_second(periph_sim: Run, tmp_path: Path):  # noqa: F811
+    """HR = 0x15 has no MIL: no hour of 12, so that the clock does not count on from there, and says so."""
+    if form.running == form.INTERPRETED:
+        pytest.skip("150 million cycles of a delay are for the compiled form: `make core`")
+    more = '[device.clock]\nmodel = "isl12026"\n' + CLEAN
+    run = recorded(periph_sim, tmp_path, CLOCK, "1020 ms", "I2C-A", more)
+    began, row = transfers(periph_sim, run)[10]
+    assert row == "S 6F W 00 30 Sr 6F R 50 39 15 03 12 07 01 20 N P"
+    assert began == pytest.approx(15.45e-3, abs=2 * US)
+
+
+def test_a_clock_hangs_where_pieack_is_all_ones_after_the_reset(periph_sim: Run, tmp_path: Path):  # noqa: F811
+    more = '[unit.dsp.options.system]\npieack_reset = 0xFFF\n[device.clock]\nmodel = "isl12026"\n'
+    more += '[[budget]]\nname = "interrupts"\nmeasure = "count of interrupt I2CINT1A enter"\nexactly = 0\n'
+    run = recorded(periph_sim, tmp_path, CLOCK, "16 ms", "I2C-A", more)
+    assert [row for _, row in transfers(periph_sim, run)] == ["S 6F W 00 3F 02 P"]
 
 
 def test_leds_come_on_one_after_the_other_and_toggle_each_half_second(periph_sim: Run, tmp_path: Path):  # noqa: F811
+    """TINT0 toggles them: a LED's rises are a second apart, in which it is on for one half."""
     pins = "pins = { L0 = 0, L1 = 1, L2 = 2, L3 = 3, L4 = 4 }\n"
-    case = CASE.format(duration="1100 ms", image=public_image(LEDS), module="SCI-A") + pins
-    (tmp_path / "case.toml").write_text(case)
-    periph_sim("run", str(tmp_path / "case.toml"), "--record", str(tmp_path / "run.vcd"))
-    at = [first_rise(tmp_path / "run.vcd", f"L{n}") for n in range(5)]
-    assert [after - before for before, after in pairwise(at)] == [pytest.approx(10.04e-6, abs=0.2e-6)] * 4
+    blink = 'rate = "1 Hz"\nduty = "50 %"\nafter = "5 ms"\nfirst = "1010 ms"\ntolerance = "0.5 us"\n'
+    watch = "".join(f'[watch.L{n}]\nkind = "blink"\nwire = "L{n}"\n{blink}' for n in range(5))
+    interrupts = '[[budget]]\nname = "toggles"\nmeasure = "count of interrupt TINT0 enter"\nexactly = 5\n'
+    recorded(periph_sim, tmp_path, LEDS, "2510 ms", "SCI-A", pins + watch + interrupts)
+    vcd = recorded_as(periph_sim, tmp_path, ".vcd")
+    at = [first_rise(vcd, f"L{n}") for n in range(5)]
+    assert [after - before for before, after in pairwise(at)] == [pytest.approx(10.06e-6, abs=0.02e-6)] * 4
 
 
-def test_an_echo_with_the_fpu_sends_its_banner_on_gpio35(periph_sim: Run, tmp_path: Path):  # noqa: F811
-    run = recorded(periph_sim, tmp_path, ECHO, "165 ms", "SCI-A", "pins = { OUT = 35 }\n", status=1)
-    [(began, told)] = sent(periph_sim, run, "OUT", 4800)
-    assert told == b"Hello World!\r\nYou will enter a character, and the DSP will echo it back!\r\n"
-    assert began == pytest.approx(4.505e-3, rel=TOLERANCE)
+def test_an_echo_with_the_fpu_answers_a_line_100_ms_later(periph_sim: Run, tmp_path: Path):  # noqa: F811
+    """It is on GPIO35 and 36, and looks at what came each 200 ms, in the interrupt of timer 0."""
+    pins = "pins = { RX = 36, TX = 35 }\n"
+    serial = '[serial]\nbaud = 4800\n[[serial.send]]\nname = "hi"\nto = "dsp.SCI-A"\ntext = "hi\\n"\nat = "400 ms"\n'
+    serial += '[[serial.expect]]\nname = "echo"\nfrom = "dsp.SCI-A"\ntext = "  You sent: hi\\n"\nafter_send = "hi"\n'
+    serial += 'within = "130 ms"\n[[budget]]\nname = "TINT0"\nmeasure = "count of interrupt TINT0 enter"\nexactly = 3\n'
+    run = recorded(periph_sim, tmp_path, ECHO, "650 ms", "SCI-A", pins + NO_STALLS + serial)
+    bursts = sent(periph_sim, run, "TX", 4800)
+    assert [told for _, told in bursts] == [HELLO, b"  You sent: hi\n"]
+    assert bursts[0][0] == pytest.approx(4.505e-3, abs=TOLERANCE)
+    assert bursts[1][0] > 0.5
 
 
 def test_a_sender_sends_each_10_ms(periph_sim: Run, tmp_path: Path):  # noqa: F811
-    run = recorded(periph_sim, tmp_path, SENDER, "26 ms", "SCI-A", "", status=1)
+    run = recorded(periph_sim, tmp_path, SENDER, "26 ms", "SCI-A", NO_STALLS, status=1)
     came = sent(periph_sim, run, "TX", 9600)
     assert [told for _, told in came] == [b"s"] * 3
-    assert came[0][0] == pytest.approx(4.457e-3, rel=TOLERANCE)
-    assert {9.994e-3 <= after - before <= 10.0075e-3 for (before, _), (after, _) in pairwise(came)} == {True}
+    assert came[0][0] == pytest.approx(4.457e-3, abs=TOLERANCE)
+    stalled = sent(periph_sim, recorded(periph_sim, tmp_path, SENDER, "26 ms", "SCI-A", "", status=1), "TX", 9600)
+    assert 0 < stalled[0][0] - came[0][0] < SCICLK
+    for begins in (came, stalled):
+        assert {9.994e-3 <= after - before <= 10.0075e-3 for (before, _), (after, _) in pairwise(begins)} == {True}
+
+
+def test_a_lab_that_starts_a_transfer_as_slave_puts_nothing_on_the_bus(periph_sim: Run, tmp_path: Path):  # noqa: F811
+    """I2CMDR = 0x6220 (I2C_SendCommand, 0x948A): STT without MST, so it waits for SCD until the watchdog resets it."""
+    run = recorded(periph_sim, tmp_path, LAB, "290 ms", "I2C-A", CLEAN)
+    assert transfers(periph_sim, run) == []
+    assert "1 resets" in periph_sim("run", str(tmp_path / "case.toml")).out
+    recorded_as(periph_sim, tmp_path, ".psr")
+    assert "writes I2CCNT as slave" in periph_sim("lint", str(tmp_path / "run.psr")).out
+
+
+def test_a_keypads_key_is_sent_as_long_as_it_is_held(periph_sim: Run, tmp_path: Path):  # noqa: F811
+    """A key joins a column, which is driven low in its turn, with a row."""
+    key = '[[cable]]\nname = "KEY5"\nfrom = "dsp.GPIO25"\nto = "dsp.GPIO20"\n'
+    run = recorded(periph_sim, tmp_path, KEYPAD, "210 ms", "SCI-A", key, status=1)
+    assert sent(periph_sim, run, "TX", 115200) == [
+        (pytest.approx(104.45e-3, abs=1e-4), b"5"), (pytest.approx(204.45e-3, abs=1e-4), b"5")
+    ]  # fmt: skip
+
+
+def test_a_monitor_that_erases_flash_is_refused_as_it_calls_the_flash_api(periph_sim: Run, tmp_path: Path):  # noqa: F811
+    more = 'boot = "flash"\npins = { RX = 36, TX = 35 }\n[serial]\nbaud = 115200\n'
+    for key, at in (("x", 20), ("A", 600)):
+        more += f'[[serial.send]]\nto = "dsp.SCI-A"\ntext = "{key}"\nat = "{at} ms"\n'
+    run = recorded(periph_sim, tmp_path, MONITOR, "700 ms", "SCI-A", more, status=1)
+    assert b"Erase All Flash Sector" in sent(periph_sim, run, "TX", 115200)[-1][1]
+    came = periph_sim("run", str(tmp_path / "case.toml"))
+    assert came.status == 1
+    [told] = [line for line in came.out.splitlines() if line.startswith("stuck: ")]
+    assert "0x3fffb9 of the boot ROM is read: erasing and programming flash, as TI's flash API does, is not mod" in told
+    assert "Erase_AllFlash 0x339324, Flash28335_Erase 0x000126" in told

@@ -31,11 +31,12 @@ cdef class Bus:
     cdef CpuTime _time
     cdef object _name, _place, _subjects, _waits
     cdef bint _records_access
-    cdef dict _operands
+    cdef dict _operands, _named
     cdef Posted _posted, _posted_last
     cdef long long _lands_after, _last_pf1_write, _pf1_after_pf1
     cpdef Operand operand(self, object place, object register, long long words, object field=*)
     cpdef Operand at(self, long long address, long long width)
+    cpdef Operand naming(self, Operand operand, long long mask)
     cdef bint _wanted(self, object register)
     cpdef long long reads_at(self, long long cycle, long long address, long long width=*)
     cpdef long long writes_at(self, long long cycle, long long address, long long width=*)

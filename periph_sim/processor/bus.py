@@ -62,6 +62,7 @@ class Bus:
         "_lands_after",
         "_last_pf1_write",
         "_name",
+        "_named",
         "_notes",
         "_operands",
         "_pf1_after_pf1",
@@ -112,6 +113,7 @@ class Bus:
         self._pf1_after_pf1 = self._waits.pf1_after_pf1
         self._lands_after = options.write_lands
         self._operands: dict[tuple[int, int], Operand] = {}  # by address and width
+        self._named: dict[tuple[Operand, int], Operand] = {}  # by what is read, and the bits of it that count
         self._posted: Posted | None = None  # the first of a chain,
         self._posted_last: Posted | None = None  # and its last
         self._last_pf1_write = -NEVER
@@ -135,6 +137,20 @@ class Bus:
             place, register, half = self.map.find(address)
             words = BOTH if width == 32 else HIGH if half else LOW
             found = self._operands[address, width] = self.operand(place, register, words)
+        return found
+
+    def naming(self, operand: Operand, mask: int) -> Operand:
+        """The same words, with the field named that these bits are of; as they are where it is none, or several.
+
+        mask: in the word that moves, before it has its place in the register.
+        """
+        found = self._named.get((operand, mask))
+        if found is None:
+            fields = [f for f in operand.register.fields if f.mask & mask << operand.shift]
+            found = operand
+            if len(fields) == 1:
+                found = self.operand(operand.place, operand.register, operand.words, fields[0])
+            self._named[operand, mask] = found
         return found
 
     def _wanted(self, register: Register) -> bool:

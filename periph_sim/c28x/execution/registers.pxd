@@ -3,7 +3,7 @@ ctypedef bint (*Execute)(Cpu, Operation) except -1
 
 cdef class Operation:
     cdef public long long b, c, g, h, i, k, l, m, n, p, q, r, s, t, u, v, w, x, y, z
-    cdef public long long place, absolute, accesses, address, cycles, makes, needs, next, not_taken
+    cdef public long long place, absolute, accesses, address, cycles, makes, needs, next, not_taken, tested
     cdef public bint byte, jumps, loops, repeatable, waited, wide
     cdef public object encoding
     cdef public Operation following, goal

@@ -45,13 +45,13 @@ class Operation:
     place: the address, until its words are written over. following, goal: what was executed behind it, and where it
     last jumped to. accesses: READS, WRITES, both or 0, what it does at its operand's address. absolute: likewise at
     *(0:16). needs, makes: registers early and late, see `hazards`. jumps: it may go elsewhere; loops: by a branch.
-    waited: it is in memory with wait states.
+    waited: it is in memory with wait states. tested: the bits of its operand that count, where it names them.
     """
 
     __slots__ = (
         "absolute", "accesses", "address", "b", "byte", "c", "cycles", "encoding", "execute", "following", "g", "goal",
         "h", "i", "jumps", "k", "l", "loops", "m", "makes", "n", "needs", "next", "not_taken", "p", "place", "q", "r",
-        "repeatable", "s", "t", "u", "v", "w", "waited", "wide", "x", "y", "z",
+        "repeatable", "s", "t", "tested", "u", "v", "w", "waited", "wide", "x", "y", "z",
     )  # fmt: skip
 
     b: int
@@ -91,6 +91,7 @@ class Operation:
     not_taken: int
     place: int
     repeatable: bool
+    tested: int
     waited: bool
     wide: bool
 

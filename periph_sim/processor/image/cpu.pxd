@@ -29,9 +29,10 @@ cdef class ImageCpu(Engine):
     cdef public Polls polls
     cdef Pipeline _pipeline
     cdef bint _decoding
+    cdef long long _tested
     cpdef void reset(self)
     cpdef void fill(self, long long address, long long value)
-    @cython.locals(operand=Operand, cycle=cython.longlong, polls=Polls, value=cython.longlong)
+    @cython.locals(operand=Operand, named=Operand, cycle=cython.longlong, polls=Polls, value=cython.longlong)
     cdef long long _load(self, long long address, long long width)
     cdef void _store(self, long long address, long long value, long long width)
     cdef long long _even(self, long long address, str how)

@@ -71,6 +71,7 @@ class ImageCpu(Engine):
         self.timing = InstructionTiming(self._core, options, self.elsewhere)
         self._pipeline = self.timing.pipeline
         self._decoding = False
+        self._tested = 0  # bits that the present instruction looks at in its operand
         self._written = [0] * RAM_TO  # 1 for a word that somebody wrote
         self.watched: VariableRecords | None = None
         self.polls = Polls(self._time, self._core)
@@ -136,7 +137,11 @@ class ImageCpu(Engine):
             return value
         if operand.meets:
             self._time.meet()
-        value = self._bus.read(cycle, address, width)
+        if operand.recorded and self._tested and width == 16:
+            named = self._bus.naming(operand, self._tested)
+            value = self._bus.fetch(cycle, named) >> operand.shift
+        else:
+            value = self._bus.read(cycle, address, width)
         if polls.tracking:
             polls.note(operand, value)
         return value
@@ -236,8 +241,10 @@ class ImageCpu(Engine):
     def access_at(self, f: Operation, cycle: int) -> int:
         """The cycle in which its operand can be accessed, or what it names with *(0:16); not before this one."""
         if self.ea != REGISTER and f.accesses and not in_plain_ram(self.ea):
+            self._tested = f.tested
             cycle = self._access_at(cycle, self.ea, f.accesses & READS != 0, f.wide)
         if f.absolute and not in_plain_ram(f.c):
+            self._tested = 0
             cycle = self._access_at(cycle, f.c + self.passes, f.absolute == READS, f.wide)
         return cycle
 

@@ -54,12 +54,13 @@ class InstructionTiming:
         return (self.pipeline.state(), self._queue.state(cycle))
 
     def prepare(self, f: Operation) -> None:
-        """An instruction was decoded: what is known of its time once and for all."""
+        """An instruction was decoded: what is known of its time, and of the bits that it looks at, once and for all."""
         encoding = f.encoding
         f.needs, f.makes = hazards(encoding, f.l, f.n, f.m)
         f.jumps = "PC" in encoding.writes
         f.loops = encoding.mnemonic in BRANCHES
         f.waited = has_waits(f.address)
+        f.tested = 1 << f.b if encoding.id == "TBIT_loc16_bit" else f.c if encoding.id == "AND_AX_loc16_16" else 0
         if encoding.id == "B_off16_COND" and f.k == UNC:
             self._core.touched.add("b_unc_cycles")
             f.cycles = self._options.b_unc_cycles

@@ -216,3 +216,24 @@ def test_places_name_the_function_and_the_instruction():
     rig = Rig(HEAD + " LCR #_f\n .global _f\n_f: MOV AL,@0x701C\nloop: SB loop,UNC").run(20_000)
     reads = [record for record in rig.records if record.kind is Kind.ACCESS and record.what == "R SYS.PCLKCR0"]
     assert [record.text for record in reads] == [f"_f+0x0 ({rig.program.functions.named('_f').address:#08x})"]
+
+
+@pytest.mark.parametrize(
+    ("read", "what", "field"),
+    [
+        ("TBIT @0x7011,#0", "R SYS.PLLSTS", "PLLLOCKS"),
+        ("AND AL,@0x7011,#0x0180", "R SYS.PLLSTS", "DIVSEL"),
+        ("AND AL,@0x7011,#0x0101", "R SYS.PLLSTS", ""),  # of two fields
+        ("AND AL,@0x7011,#0xFFFF", "R SYS.PLLSTS", ""),
+        ("MOV AL,@0x7011", "R SYS.PLLSTS", ""),
+        ("TBIT @0x6FC1,#2", "R GPIO.GPADAT", "GPIO18"),  # the upper half
+        ("TBIT @0x6FC0,#2", "R GPIO.GPADAT", "GPIO2"),
+    ],
+)
+def test_an_instruction_that_names_bits_names_their_field(read: str, what: str, field: str):
+    """Behind a test of one bit a plain read of the same word names none."""
+    address = read.partition("@")[2].partition(",")[0]
+    rig = Rig(HEAD + f" MOVW DP,#{address} >> 6\n {read}\n MOV AH,@{address}\n ESTOP0", "GPIO").run(20_000)
+    reads = [record for record in rig.records if record.kind is Kind.ACCESS and record.what == what]
+    assert [record.field for record in reads] == [field, ""]
+    assert reads[0].value == reads[1].value

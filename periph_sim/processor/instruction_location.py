@@ -53,3 +53,11 @@ def parsed(text: str) -> Parts | None:
     if found is None:
         return None
     return Parts(found["function"], found["file"] or "", int(found["line"] or 0), int(found["pc"], 16))
+
+
+def statement(text: str) -> str:
+    """What of a place all instructions of a source line have in common; of any other place all of it."""
+    if not text.endswith(")"):
+        return text
+    found = parsed(text)
+    return text if found is None or not found.line else f"{found.function} ({found.file}:{found.line})"

@@ -48,13 +48,17 @@ class ClockHistory(NamedTuple):
     def of_distances(self, ticks: NDArray[np.int64], at: NDArray[np.int64]) -> NDArray[np.int64]:
         """Whole cycles of distances, each in the clock of its tick, rounded to nearest."""
         periods = np.array([float(period) for period in self.periods])
-        now = np.maximum(np.searchsorted(self.begins, at, "right") - 1, 0)
-        cycles: NDArray[np.int64] = (ticks / periods[now] + 0.5).astype(np.int64)
+        cycles: NDArray[np.int64] = (ticks / periods[self._now(at)] + 0.5).astype(np.int64)
         return cycles
 
-    @property
-    def slowest(self) -> Fraction:
-        return max(self.periods)
+    def ticks_of(self, cycles: int, at: NDArray[np.int64]) -> NDArray[np.int64]:
+        """How long so many cycles are at each of these ticks, rounded down."""
+        lengths = np.array([int(cycles * period) for period in self.periods], np.int64)
+        return lengths[self._now(at)]
+
+    def _now(self, at: NDArray[np.int64]) -> NDArray[np.intp]:
+        """The number of the clock at each of these ticks."""
+        return np.maximum(np.searchsorted(self.begins, at, "right") - 1, 0)
 
     def in_words(self, per_second: Fraction) -> str:
         """ "7.5 MHz, from 4.373 ms on 150 MHz"; of more than three the last, with how often it changed."""

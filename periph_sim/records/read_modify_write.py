@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..processor.instruction_location import statement
 from .modify_window import MODIFY, OVERTAKEN
 from .run import Rows, Run
 
@@ -45,8 +46,8 @@ def _found(run: Run, unit: str) -> Rows:
     ways, registers = _split(table.names["what"])
     what = table.columns["what"][rows]
     is_read, register = ways[what], registers[what]
-    same = [register, table.columns["text"][rows], table.columns["field"][rows], table.cause[rows]]
-    longest = int(MODIFY * run.clock(unit).slowest)
+    same = [register, _statements(run)[table.columns["text"][rows]], table.columns["field"][rows], table.cause[rows]]
+    clock = run.clock(unit)
     free = np.ones(len(rows), bool)
     reads, writes = [np.empty(0, np.int64)], [np.empty(0, np.int64)]
     for ahead in range(1, OVERTAKEN + 1):
@@ -54,7 +55,8 @@ def _found(run: Run, unit: str) -> Rows:
         fits = is_read[first] & ~is_read[second] & free[first] & free[second]
         for column in same:
             fits &= column[first] == column[second]
-        fits &= table.tick[rows[second]] - table.tick[rows[first]] <= longest
+        begins = table.tick[rows[first]]
+        fits &= table.tick[rows[second]] - begins <= clock.ticks_of(MODIFY, begins)
         found = np.flatnonzero(fits)
         free[found] = free[found + ahead] = False
         reads.append(rows[found])
@@ -63,6 +65,12 @@ def _found(run: Run, unit: str) -> Rows:
     order = np.argsort(np.concatenate(writes))
     found_rows: Rows = np.stack([of_write[order], np.concatenate(writes)[order], np.sort(of_write)])
     return found_rows
+
+
+def _statements(run: Run) -> Rows:
+    """Of each place a number for its statement."""
+    numbers: dict[str, int] = {}
+    return np.array([numbers.setdefault(statement(place), len(numbers)) for place in run.table.names["text"]], np.int64)
 
 
 def _split(names: tuple[str, ...]) -> tuple[np.ndarray[tuple[int], np.dtype[np.bool_]], Rows]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from periph_sim.explain.chain import place_of
-from periph_sim.processor.instruction_location import Parts, instruction_location, parsed
+from periph_sim.processor.instruction_location import Parts, instruction_location, parsed, statement
 
 
 @pytest.mark.parametrize(
@@ -29,6 +29,12 @@ def test_a_recorded_place_gives_its_parts_back():
     assert parsed("_serve+0x11 (0x009051)") == Parts("_serve+0x11", "", 0, 0x9051)
     assert parsed("batch_read:107") is None
     assert parsed("0x009051") is None
+
+
+def test_the_instructions_of_a_source_line_are_one_statement():
+    assert statement("_isr (main.c:7, 0x009051)") == statement("_isr (main.c:7, 0x009053)") == "_isr (main.c:7)"
+    assert statement("_isr+0x1 (0x009051)") != statement("_isr+0x3 (0x009053)")
+    assert statement("batch_read:107") == "batch_read:107"
 
 
 def test_an_explanation_shows_it_with_its_file():

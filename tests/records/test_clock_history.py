@@ -88,6 +88,7 @@ def test_each_unit_counts_in_its_own_clock():
 def test_distances_are_counted_in_the_clock_of_their_tick():
     found = CLOCKS.of_distances(np.array([800, 80, 79, 31, 29]), np.array([0, 50_400, 50_479, 60_000, 60_000]))
     assert found.tolist() == [2, 2, 2, 2, 1]
+    assert CLOCKS.ticks_of(4, np.array([0, 50_399, 50_400, 50_480])).tolist() == [1600, 1600, 160, 80]
 
 
 def test_many_clocks_are_told_by_the_last():

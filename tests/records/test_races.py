@@ -88,6 +88,15 @@ def test_a_read_modify_write_hands_all_fields_back_and_is_compared_with_all():
     assert (place.reads, place.alone) == (1, 1)
 
 
+def test_a_read_modify_write_of_an_image_may_be_several_instructions_of_a_line():
+    """MOV AL,@I2CSTR; OR AL,#0x20; MOV @I2CSTR,AL of one line of C."""
+    rises = flag(97, "RRDY", 1), flag(101, "RRDY", 0), flag(101, "RRDY", 1)
+    one = races(by_hand(*rises, read(100, place="_f (m.c:7, 0x009001)"), write(102, SCD, place="_f (m.c:7, 0x009004)")))
+    assert [(modify.place, modify.count) for modify in one.modifies] == [("_f (m.c:7, 0x009004)", 1)]
+    two = races(by_hand(*rises, read(100, place="_f (m.c:7, 0x009001)"), write(102, SCD, place="_f (m.c:9, 0x009004)")))
+    assert two.modifies == ()
+
+
 def test_one_field_takes_the_reads_that_looked_at_it():
     run = by_hand(read(100, field="RRDY"), flag(103, "BB", 1), read(110, place="g:2"))
     assert [(p.place, p.reads, p.closest) for p in races(run, f"{STR}.BB").places] == [("g:2", 1, 7)]

@@ -19,6 +19,7 @@ from fractions import Fraction
 from ...core.records import NOWHERE, OF_MODIFIES, UNHEARD, Keeper, Kind
 from ...core.registers import Field, Register
 from ...core.time import NO_TIME
+from ...processor.instruction_location import statement
 from ...records.modify_window import MODIFY, OVERTAKEN
 from ...records.register_maps import is_status, one_clears
 from ..language.scope import MAPS
@@ -398,6 +399,6 @@ def _sum(to: Cleared, flag: Flag, place: Place, register: ClearedRegister, along
 
 def _alike(read: Access, write: Access) -> bool:
     """Whether both are of one place, and name the same field."""
-    if read.text is not write.text and read.text != write.text:
+    if read.text is not write.text and statement(read.text) != statement(write.text):
         return False
     return read.field == write.field

@@ -31,7 +31,7 @@ ACCESSES = (
 )
 FIELDS = ("", "SCD", "NACK")
 
-PLACES = ("f:1", "g:9")
+PLACES = ("f:1", "g:9", "h (m.c:7, 0x009001)", "h (m.c:7, 0x009003)", "h (m.c:8, 0x009005)")
 STATUS = st.sampled_from([0x00, 0x02, 0x20, 0x22])
 
 # Cycles behind the access before, what, its place, the field that it names, what is read or written.

@@ -86,6 +86,10 @@ def notes_of(scene: Scene) -> list[str]:
                 at = scene.timebase.show(tick - scene.start)
                 lines.append(f"{name} {module}, first at {at}: {note.text} [{note.source}]")
         lines += [f"{name}: {note.text} [{note.source}] ({n} times)" for note, n in dsp.processor.notes.counts.items()]
+        if "GPIO" in dsp.sockets and any(module.startswith("SCI-") for module in dsp.sockets):
+            from .unwired_pins import unwired_pins
+
+            lines += unwired_pins(dsp)
         if scene.case.unit[name].sources:
             lines.append(f"{name}: {ON_THE_HOST}")
         if dsp.program.returned_at is not None:

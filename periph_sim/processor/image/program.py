@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...c28x.execution.registers import SP_FIELD, WRITES, IllegalOperation, Operation
-from ...core.chip import Note
+from ...core.chip import NEVER, Note
 from ...core.time import Clock
 from ...f28335.cpu import instruction_costs as cpu_costs
 from ...f28335.system.options import SystemOptions
@@ -149,6 +149,8 @@ class ImageProgram(Program):
         pipeline = timing.pipeline
         if polls.asleep:
             self._woken()
+        if cpu.ended:
+            return self._ended()
         f: Operation | None = None  # the last one of this turn
         while True:
             if self._ready is not None:
@@ -289,7 +291,13 @@ class ImageProgram(Program):
         return True
 
     def _ended(self) -> Stop:
-        self.returned_at = self._processor.time.cycle
+        """ESTOP0: over, once what was posted has landed."""
+        time = self._processor.time
+        if self.returned_at is None:
+            self.returned_at = time.cycle
+        while time.lands < NEVER:
+            if not self._processor.reach(time.lands + 1):
+                return Stop.WAITS
         return Stop.ENDED
 
     def ending(self, at: str) -> str:

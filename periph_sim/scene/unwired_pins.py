@@ -1,0 +1,39 @@
+"""SCIs that the firmware has put on pins without a wire: a unit goes in; a sentence each comes out, with the keys to add.
+
+Source: SPRUFB0D Tables 46 to 49.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, cast
+
+from ..f28335.unit_modules import PIN_OF
+
+if TYPE_CHECKING:
+    from ..f28335.gpio.module import Gpio
+    from ..processor.dsp import Dsp
+
+
+def unwired_pins(dsp: Dsp) -> list[str]:
+    """What GPxMUX says as the run ends; empty where every SCI in use has its wires."""
+    gpio = cast("Gpio", dsp.socket("GPIO").chip)
+    told = []
+    for module in dsp.sockets:
+        if not module.startswith("SCI-"):
+            continue
+        signals = {"RX": f"SCIRXD{module[-1]}", "TX": f"SCITXD{module[-1]}"}
+        source = gpio.source(signals["RX"])
+        pins = {"RX": () if source is None else (source,), "TX": gpio.sink(signals["TX"])}
+        bare = {end: min(on) for end, on in pins.items() if on and not set(on) & set(dsp.plan.wires)}
+        if bare:
+            places = " and ".join(f"{end} on GPIO{pin}" for end, pin in bare.items())
+            keys = ", ".join(f"{_key(dsp.plan.wires[PIN_OF[signals[end]]].name)} = {pin}" for end, pin in bare.items())
+            told.append(
+                f"{dsp.name}: {module} has {places}, where the case has no wire; add pins = {{ {keys} }} to the unit"
+            )
+    return told
+
+
+def _key(name: str) -> str:
+    """A name as a key of TOML."""
+    return f'"{name}"' if "." in name else name

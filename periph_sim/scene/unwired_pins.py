@@ -1,4 +1,4 @@
-"""SCIs that the firmware has put on pins without a wire: a unit goes in; a sentence each comes out, with the keys to add.
+"""SCIs that the firmware has put on pins without a wire: a unit goes in; a sentence each comes out, with keys to add.
 
 Source: SPRUFB0D Tables 46 to 49.
 """

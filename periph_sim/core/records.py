@@ -55,6 +55,7 @@ _made = tuple.__new__  # a Record without the call in Python that its own constr
 Sink = Callable[[Record], None]
 Party: TypeAlias = "Listener | Keeper | Sink"
 Subjects = Mapping[Kind, Collection[str]]
+Things = Collection[tuple[Kind, str]]
 
 
 UNHEARD = -1  # instead of a tag: there is no use for such records
@@ -189,25 +190,28 @@ class Recorder:
         self.cause = 0
         self.number = 0
         self._topics: dict[tuple[Kind, str, str], Topic] = {}
-        self._parties: dict[Kind, list[Party]] = {kind: [] for kind in Kind}
+        self._parties: dict[Kind, list[tuple[Party, Things | None]]] = {kind: [] for kind in Kind}
         self._of_all: set[Kind] = set()
         self._subjects: dict[Kind, set[str]] = {kind: set() for kind in Kind}
 
-    def subscribe(self, kinds: Iterable[Kind], party: Party, only: Subjects | None = None) -> None:
+    def subscribe(
+        self, kinds: Iterable[Kind], party: Party, only: Subjects | None = None, things: Things | None = None
+    ) -> None:
         """`party` is told of every record of these kinds; of a listener or a keeper, of those that it gave a tag.
 
         only: subjects that are enough for it, of kinds that have any: EDGE and FRAME wires; FLAG and ACCESS registers,
         with unit and module ("dsp.I2C-A.I2CSTR").
         It may still be told of others, which others want.
+        things: kinds and things of all records that it has a use for; of others it is not even asked for a tag.
         """
         for kind in kinds:
-            self._parties[kind].append(party)
+            self._parties[kind].append((party, things))
             if only is None or kind not in only:
                 self._of_all.add(kind)
             else:
                 self._subjects[kind].update(only[kind])
-            for (of, _, _), topic in self._topics.items():
-                if of is kind:
+            for (of, _, what), topic in self._topics.items():
+                if of is kind and (things is None or (kind, what) in things):
                     topic.add(party)
 
     def close(self) -> None:
@@ -225,7 +229,7 @@ class Recorder:
 
     def tells_records(self, kind: Kind) -> bool:
         """Whether somebody is told of this kind as a Record, and so may look about and keep what it finds."""
-        return any(not isinstance(party, Listener | Keeper) for party in self._parties[kind])
+        return any(not isinstance(party, Listener | Keeper) for party, _ in self._parties[kind])
 
     def subjects(self, kind: Kind) -> frozenset[str] | None:
         """The subjects that somebody wants; None for all."""
@@ -240,8 +244,10 @@ class Recorder:
         topic = self._topics.get((kind, where, what))
         if topic is None:
             topic = self._topics[kind, where, what] = Topic(self, kind, where, what)
-            for party in self._parties[kind]:
-                topic.add(party)
+            thing = kind, what
+            for party, things in self._parties[kind]:
+                if things is None or thing in things:
+                    topic.add(party)
         return topic
 
     def carried(self, action: Callable[[], None]) -> Callable[[], None]:

@@ -14,7 +14,7 @@ from collections.abc import Mapping, Set
 from fractions import Fraction
 from operator import is_
 from types import NoneType
-from typing import Any, ClassVar, Self, cast
+from typing import Any, ClassVar, Self
 
 from msgspec import Struct
 from msgspec.structs import force_setattr
@@ -44,26 +44,25 @@ class Table(Struct, frozen=True, kw_only=True):
             force_setattr(new, name, value)
         return new
 
-    def separate(self) -> Self:
-        """The same with dicts and lists of its own: who changes one changes it for nobody else."""
-        return cast(Self, _separate(self))
-
     def model_dump(self) -> dict[str, Any]:
         """Its values, by field, without those whose names begin with _."""
         return {name: getattr(self, name) for name in self.__struct_fields__ if name[0] != "_"}
 
 
-def _separate(value: Any) -> Any:
-    """What holds no dict or list is handed on as it is."""
+def separate(value: Any) -> Any:
+    """The same with dicts and lists of its own: who changes one changes it for nobody else.
+
+    What holds none is handed on as it is.
+    """
     if isinstance(value, dict):
-        return {key: _separate(inner) for key, inner in value.items()}
+        return {key: separate(inner) for key, inner in value.items()}
     if isinstance(value, list):
-        return [_separate(inner) for inner in value]
+        return [separate(inner) for inner in value]
     if type(value) is tuple:
-        several = [_separate(inner) for inner in value]
+        several = [separate(inner) for inner in value]
         return value if all(map(is_, several, value)) else tuple(several)
     if not isinstance(value, Table):
         return value
     fields = [(name, getattr(value, name)) for name in value.__struct_fields__]
-    changed = {name: new for name, old in fields if type(old) not in PLAIN and (new := _separate(old)) is not old}
+    changed = {name: new for name, old in fields if type(old) not in PLAIN and (new := separate(old)) is not old}
     return value.model_copy(update=changed) if changed else value

@@ -13,15 +13,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
-from functools import cache, lru_cache
+from functools import lru_cache
 from math import floor
-from typing import TYPE_CHECKING, Protocol, TypeVar
+from typing import Protocol, TypeVar
 
 from ..sensors.models.parameters import ImuParameters
 from ..sensors.motion import Motion
-
-if TYPE_CHECKING:
-    from ..sensors.models.sensed_motion import SensedMotion
 
 Axes = Sequence[Fraction | float]
 T = TypeVar("T")
@@ -66,22 +63,28 @@ class MotionTruth:
     KEPT = 64  # instants: each is asked for several chips, and by several budgets
 
     def __init__(self, imu: ImuParameters, motion: Motion, first: Fraction) -> None:
-        @cache
-        def felt() -> SensedMotion:
-            from ..sensors.models.sensed_motion import SensedMotion  # computes arrays: numpy, which few runs ask for
-
-            return SensedMotion(imu, motion)
-
-        def at(seconds: Fraction) -> Mapping[str, Axes]:
-            import numpy as np
-
-            values = felt().lsb(np.array([float(first + seconds)]))
-            return {chip: tuple(axes[0].tolist()) for chip, axes in values.items()}
-
-        self._at = lru_cache(self.KEPT)(at)
+        self._imu = imu
+        self._motion = motion
+        self._first = first
+        self._at: Callable[[Fraction], Mapping[str, Axes]] | None = None  # made when somebody asks, which few runs do
 
     def at(self, seconds: Fraction) -> Mapping[str, Axes]:
+        if self._at is None:
+            self._at = lru_cache(self.KEPT)(self._felt())
         return self._at(seconds)
+
+    def _felt(self) -> Callable[[Fraction], Mapping[str, Axes]]:
+        import numpy as np
+
+        from ..sensors.models.sensed_motion import SensedMotion  # computes arrays
+
+        felt = SensedMotion(self._imu, self._motion)
+
+        def at(seconds: Fraction) -> Mapping[str, Axes]:
+            values = felt.lsb(np.array([float(self._first + seconds)]))
+            return {chip: tuple(axes[0].tolist()) for chip, axes in values.items()}
+
+        return at
 
 
 def distance(a: Fraction | float, b: Fraction | float) -> Fraction:

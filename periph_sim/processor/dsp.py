@@ -93,6 +93,7 @@ class Dsp(FirmwareView):
         self.recorder = recorder
         self.control = SystemControl(plan.oscclk_hz, plan.system)
         began = 0 if plan.from_boot else start_up(self.control, plan.pll)
+        self._nominal_hz = self.control.sysclk_hz  # without the crystal's error
         self.clock = Clock(timebase, self._sysclk_hz(), tick0=kernel.now, cycle0=began)
         self.clock_history = [(kernel.now, self.clock.hz)]  # SYSCLKOUT from each tick on
         self.memory = AddressMap()
@@ -294,12 +295,13 @@ class Dsp(FirmwareView):
     def _follow_control(self, cycle: int) -> None:
         """Clocks and gates as system control now says."""
         control = self.control
-        hz = self._sysclk_hz()
         lspclk = (control.lspclk_divider, control.lspclk_phase)
-        if hz != self.clock.hz or lspclk != self._lspclk or control.gates != self._gates:
+        retuned = control.sysclk_hz != self._nominal_hz
+        if retuned or lspclk != self._lspclk or control.gates != self._gates:
             self._kernel.catch_up()
-        if hz != self.clock.hz:
-            self.clock.retune(cycle, hz)
+        if retuned:
+            self._nominal_hz = control.sysclk_hz
+            self.clock.retune(cycle, self._sysclk_hz())
             self.clock_history.append((self.clock.tick(cycle), self.clock.hz))
             for socket in self._sockets.values():
                 socket.reclock()

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
-from functools import lru_cache
 
 from msgspec import Struct
 
 from ..core.kernel import Kernel
 from ..core.records import Recorder
-from ..core.time import Timebase, round_ratio
+from ..core.time import Timebase
 from ..core.wire import Wire
 from .case.fidelity import BusLevels
 from .case.model import Case
@@ -34,13 +33,14 @@ class SceneContext(Struct, frozen=True):
 
     def ticks(self, length: Fraction, ppm: Fraction = Fraction(0)) -> int:
         """Seconds, counted by a clock that is off, in ticks to the nearest."""
-        return round_ratio(self.exact_ticks(length, ppm), "nearest")
+        count, parts = self._ticks(length, ppm)
+        return (2 * count + parts) // (2 * parts)
 
     def exact_ticks(self, length: Fraction, ppm: Fraction) -> Fraction:
         """The same without rounding."""
-        return _exact_ticks(length, ppm, self.timebase.per_second)
+        return Fraction(*self._ticks(length, ppm))
 
-
-@lru_cache(maxsize=1024)  # scenes of one case have the same lengths again and again
-def _exact_ticks(length: Fraction, ppm: Fraction, per_second: int) -> Fraction:
-    return length * per_second / (1 + ppm / 1_000_000)
+    def _ticks(self, length: Fraction, ppm: Fraction) -> tuple[int, int]:
+        """The same as a count of parts of a tick, and how many of these a tick has."""
+        clock = 1_000_000 * ppm.denominator
+        return length.numerator * self.timebase.per_second * clock, length.denominator * (clock + ppm.numerator)

@@ -201,10 +201,11 @@ class Scene:
             measure = limit.budget.measure
             what = f"{measure!r} needs {NEEDS.get(needs, needs)} in the scene, which has none"
             raise self.case.mistake(what, "budget", entry, "measure")
-        expected = [] if self.case.serial is None else [one.name for one in self.case.serial.expect]
-        if isinstance(limit.measure, parts.Reply) and limit.measure.name not in expected:
-            what = f"no reply {limit.measure.name!r} is expected; {did_you_mean(limit.measure.name, expected)}"
-            raise self.case.mistake(what, "budget", entry, "measure")
+        if needs == "serial" and self.case.serial is not None and isinstance(limit.measure, parts.Reply):
+            expected = [one.name for one in self.case.serial.expect]
+            if limit.measure.name not in expected:
+                what = f"no reply {limit.measure.name!r} is expected; {did_you_mean(limit.measure.name, expected)}"
+                raise self.case.mistake(what, "budget", entry, "measure")
         if self.truth is None and needs == "host" and isinstance(limit.measure, parts.ValueDeviation):
             what = f"{limit.budget.measure!r} of sensor models needs a motion to compare with; give [host.motion]"
             raise self.case.mistake(what, "budget", entry, "measure")

@@ -107,7 +107,8 @@ class BudgetJudge:
         if silent:
             nearest = next(_Seen(key, limit, 0, NO_TIME, 0) for key, limit in self._limits.items())
         else:
-            nearest = min((self._beside(key, limit) for key, limit in limits.items()), key=lambda s: s.slack)
+            seen = [self._beside(key, limit) for key, limit in limits.items()]
+            nearest = seen[0] if len(seen) == 1 else min(seen, key=lambda s: s.slack)
         at = NO_TIME if silent else nearest.at
         until = NO_TIME
         if measure.refuted and nearest.slack >= 0:

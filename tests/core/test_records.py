@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from periph_sim.core.records import Keeper, Kind, Listener, Record, Recorder
 
 
@@ -38,3 +40,38 @@ def test_only_who_is_told_of_records_may_keep_what_it_finds_meanwhile():
     recorder.subscribe([Kind.ACCESS], Keeper())
     recorder.subscribe([Kind.WAIT], print)
     assert [recorder.tells_records(kind) for kind in (Kind.ACCESS, Kind.WAIT, Kind.SPAN)] == [False, True, False]
+
+
+class Asked(Listener):
+    """Keeps what it is asked for a tag of, and hears."""
+
+    def __init__(self) -> None:
+        self.asked: list[tuple[Kind, str, str]] = []
+        self.heard: list[int] = []
+
+    def tag_of(self, kind: Kind, where: str, what: str) -> int:
+        self.asked.append((kind, where, what))
+        return 1
+
+    def hear(self, tag: int, tick: int, value: int) -> None:
+        self.heard.append(tick)
+
+
+@pytest.mark.parametrize("topics_first", [True, False])
+def test_who_names_the_things_that_it_hears_of_is_asked_about_no_others(topics_first: bool):
+    recorder, one = Recorder(), Asked()
+
+    def topics() -> None:
+        for kind, where, what in ((Kind.FLAG, "dsp.I2C-A", "I2CSTR.XRDY"), (Kind.FLAG, "dsp.I2C-A", "I2CSTR.BB")):
+            recorder.topic(kind, where, what)
+        recorder.topic(Kind.BUS, "controller", "I2CSTR.XRDY")
+
+    if topics_first:
+        topics()
+    recorder.subscribe([Kind.FLAG, Kind.BUS], one, things={(Kind.FLAG, "I2CSTR.XRDY"), (Kind.BUS, "STOP")})
+    topics()
+    recorder.emit(1, Kind.FLAG, "dsp.I2C-A", "I2CSTR.XRDY", 1)
+    recorder.emit(2, Kind.FLAG, "dsp.I2C-A", "I2CSTR.BB", 1)
+    recorder.emit(3, Kind.BUS, "controller", "STOP")
+    assert one.asked == [(Kind.FLAG, "dsp.I2C-A", "I2CSTR.XRDY"), (Kind.BUS, "controller", "STOP")]
+    assert one.heard == [1, 3]

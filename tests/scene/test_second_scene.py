@@ -15,7 +15,6 @@ from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.processor.python.recognised import asked_by
 from periph_sim.scene.case.load import _loaded, load
-from periph_sim.scene.context import _exact_ticks
 from periph_sim.scene.firmware_loader import BadSetting, load_firmware, settings_for
 from periph_sim.scene.host_motion import encoding_of
 from periph_sim.scene.scene import Scene
@@ -26,7 +25,7 @@ from periph_sim.timing.language.language import measure_of
 
 TIMING = Path(__file__).parents[2] / "timing"
 LENGTH = Fraction(1, 100)
-SHARED = {"cases": _loaded, "settings": keys_of, "lengths": _exact_ticks, "models": model_of, "options": _defaults}
+SHARED = {"cases": _loaded, "settings": keys_of, "models": model_of, "options": _defaults}
 OF_TEXTS = {"measures": measure_of, "events": event_of, "limits": _nearest_tick}
 
 

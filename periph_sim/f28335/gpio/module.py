@@ -42,12 +42,10 @@ from . import register_map as at
 from .pin_mux_table import INPUTS
 from .qualifier import Qualifier
 from .register_map import BIT, PINS
-from .routes import idle_level
+from .routes import Routes
 from .settings import ALL, DIRECTIONS, PULL_UPS, GpioSettings
 
 CONFIGURATION_DELAY = 2  # cycles from a write to MUX or QSEL until it acts
-ASYNCHRONOUS = 3  # QSEL
-SAMPLES = {1: 3, 2: 6}  # QSEL: how many equal samples
 NOT_GATED = 0b11 << 32 | ALL >> 64 << 64  # GPIOINENCLK does not act on the I2C pins and port C
 CONFIGURES = ("CTRL", "QSEL1", "QSEL2", "MUX1", "MUX2")
 
@@ -147,7 +145,7 @@ class Gpio(GpioSettings):
     def peripheral_level(self, now: int, signal: str) -> int:
         """The level an input signal shows in cycle `now`."""
         self._catch_up(now)
-        return self._level_of(now, signal)
+        return self._routes.level(signal, self._shown(now))
 
     def pulled_up(self) -> int:
         """Mask of the pins whose pull-up is on."""
@@ -222,7 +220,7 @@ class Gpio(GpioSettings):
 
     def reset(self, now: int) -> None:
         """XRS: registers take their reset values at once; the pads' levels stay what the owner told."""
-        before = self._levels(now)
+        routes, shown = self._routes, self._shown(now)
         self.reset_registers()
         self._waiting.clear()
         self._outs.clear()
@@ -237,7 +235,7 @@ class Gpio(GpioSettings):
             self.out_version += 1
         self._configure(now)
         self._follow_drive(now)
-        self._tell_signals(now, before)
+        self._tell_signals(now, routes, shown)
         self._plan()
 
     # What happens by itself --------------------------------------------------
@@ -309,17 +307,14 @@ class Gpio(GpioSettings):
         level = self._synchronised(now) & ~self._asynchronous | self.pads & self._asynchronous
         return (level & ~self._sampled | self._qualified & self._sampled) & ~self._dead
 
-    def _level_of(self, now: int, signal: str) -> int:
-        pin = self._routes.source[signal]
-        return idle_level(signal) if pin is None else self._shown(now) >> pin & 1
-
-    def _levels(self, now: int) -> tuple[int, ...]:
-        return tuple(self._level_of(now, signal) for signal in INPUTS)
-
-    def _tell_signals(self, now: int, before: tuple[int, ...]) -> None:
-        for signal, old in zip(INPUTS, before, strict=True):
-            level = self._level_of(now, signal)
-            if level != old:
+    def _tell_signals(self, now: int, routes: Routes, shown: int) -> None:
+        """Tell in `changed` which inputs differ from those of these routes with these levels at their pins."""
+        shown_now = self._shown(now)
+        if routes is self._routes and shown == shown_now:
+            return
+        for signal in INPUTS:
+            level = self._routes.level(signal, shown_now)
+            if level != routes.level(signal, shown):
                 self.changed.append((signal, level))
 
     def _xint_pin(self, line: int) -> int:
@@ -340,13 +335,13 @@ class Gpio(GpioSettings):
 
     def _take_settings(self, now: int) -> None:
         """Writes to MUX, QSEL and CTRL that act from now on."""
-        before = self._levels(now)
+        routes, shown = self._routes, self._shown(now)
         while self._waiting and self._waiting[0][0] <= now:
             _, offset, value = self._waiting.pop(0)
             self._active[offset] = value
         self._configure(now)
         self._drive(now)
-        self._tell_signals(now, before)
+        self._tell_signals(now, routes, shown)
 
     def _configure(self, now: int) -> None:
         """Routes and paths as MUX, QSEL and CTRL in force say."""
@@ -360,13 +355,11 @@ class Gpio(GpioSettings):
         self._pull_ups = ALL & ~self._ports(PULL_UPS)
         self._outputs = self._ports(DIRECTIONS) & self._routes.gpio  # general-purpose ones
         self._dead = 0 if self._input_clock else (self._outputs | self._routes.outputs) & ~NOT_GATED
-        self._asynchronous = self._sampled = 0
-        for pin, select in enumerate(self._select):
-            if select in SAMPLES:
-                self._sampled |= BIT[pin]
-                self._update_sampler(now, pin, SAMPLES[select], shown >> pin & 1)
-            elif select == ASYNCHRONOUS and not self._routes.gpio >> pin & 1:
-                self._asynchronous |= BIT[pin]
+        self._asynchronous = self._settings.asynchronous & ~self._routes.gpio
+        self._sampled = 0
+        for pin, samples in self._settings.sampled:
+            self._sampled |= BIT[pin]
+            self._update_sampler(now, pin, samples, shown >> pin & 1)
         self._qualifiers = {pin: q for pin, q in self._qualifiers.items() if self._sampled >> pin & 1}
         self._qualified = sum(BIT[pin] for pin, q in self._qualifiers.items() if q.qualified)
         self.watched = 0  # mask: pins that feed a watched XINT line

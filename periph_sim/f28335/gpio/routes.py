@@ -52,6 +52,11 @@ class Routes:
         self.inputs = sum(1 << pin for pin in self.signal_at)  # mask: pins that feed a modelled input
         self.outputs = sum(1 << pin for pins in self.sink.values() for pin in pins)  # mask: pins a module drives
 
+    def level(self, signal: str, shown: int) -> int:
+        """What an input signal shows with these levels at the pins, behind their qualifiers."""
+        pin = self.source[signal]
+        return idle_level(signal) if pin is None else shown >> pin & 1
+
 
 @lru_cache(maxsize=256)
 def routes_of(mux: tuple[int, ...]) -> Routes:

@@ -2,9 +2,9 @@ from ...core.chip cimport Chip
 
 
 cdef class GpioSettings(Chip):
-    cdef public list _mux, _select, _periods, _origins
+    cdef public list _periods, _origins
     cdef public dict _stored, _active
-    cdef public object _routes
+    cdef public object _settings, _routes
     cpdef object reset_registers(self)
     cpdef object restart_sampling(self, long long now)
     cpdef object take_over(self, long long now)

@@ -7,6 +7,8 @@ Source: SPRUFB0D sections 6.4 to 6.6, Tables 42 to 49.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from ...core.chip import Chip, Note
 from . import register_map as at
 from .register_map import PINS
@@ -36,6 +38,31 @@ def _pairs(name: str, pins: int) -> tuple[tuple[int, int], ...]:
 
 MUX = _pairs("MUX", PINS)
 SELECT = _pairs("QSEL", SYNCHRONISED_ONLY)
+CONFIGURED = tuple(dict.fromkeys(offset for offset, _ in MUX + SELECT))  # the registers of both
+SAMPLES = {1: 3, 2: 6}  # QSEL: how many equal samples
+ASYNCHRONOUS = 3  # QSEL
+AT_RESET = {register.offset: register.reset for register in at.GPIO}
+
+
+class PinSettings:
+    """What MUX and QSEL say: the values of CONFIGURED go in. mux: of each pin, 0 to 3.
+
+    sampled: (pin, samples) of those that a sampler qualifies. asynchronous: mask of those that nothing does.
+    """
+
+    def __init__(self, values: tuple[int, ...]) -> None:
+        value_at = dict(zip(CONFIGURED, values, strict=True))
+        self.mux = tuple(value_at[offset] >> shift & 3 for offset, shift in MUX)
+        select = [value_at[offset] >> shift & 3 for offset, shift in SELECT]
+        self.routes = routes_of(self.mux)
+        self.sampled = tuple((pin, SAMPLES[each]) for pin, each in enumerate(select) if each in SAMPLES)
+        self.asynchronous = sum(1 << pin for pin, each in enumerate(select) if each == ASYNCHRONOUS)
+
+
+@lru_cache(maxsize=256)  # firmware sets its pins alike in each scene, step by step
+def pin_settings_of(values: tuple[int, ...]) -> PinSettings:
+    """The same for every unit and scene that sets its pins so."""
+    return PinSettings(values)
 
 
 class GpioSettings(Chip):
@@ -47,14 +74,14 @@ class GpioSettings(Chip):
     def __init__(self) -> None:
         self.writes = 0
         self.notes: list[Note] = []
-        self._mux = [0] * PINS
-        self._routes = routes_of(tuple(self._mux))
+        self._settings = pin_settings_of((0,) * len(CONFIGURED))
+        self._routes = self._settings.routes
 
     def reset_registers(self) -> None:
         """XRS; `take_over` makes it act."""
         self.writes += 1
-        self._stored = {register.offset: register.reset for register in self.MAP}  # what a read shows
-        self._active = dict(self._stored)  # the same of those that act with a delay
+        self._stored = dict(AT_RESET)  # what a read shows
+        self._active = dict(AT_RESET)  # the same of those that act with a delay
 
     def restart_sampling(self, now: int) -> None:
         """XRS: every cycle is a sample."""
@@ -63,17 +90,15 @@ class GpioSettings(Chip):
 
     def take_over(self, now: int) -> None:
         """What is active acts from now on."""
-        old, active = self._mux, self._active
-        self._mux = [active[offset] >> shift & 3 for offset, shift in MUX]
-        self._select = [active[offset] >> shift & 3 for offset, shift in SELECT] + [0] * (PINS - SYNCHRONISED_ONLY)
-        if self._mux != old:
-            crowded = self._routes.crowded
-            self._routes = routes_of(tuple(self._mux))
-            for pin in range(PINS):
-                note = note_for(pin, self._mux[pin]) if self._mux[pin] != old[pin] else None
+        active = self._active
+        before, self._settings = self._settings, pin_settings_of(tuple([active[offset] for offset in CONFIGURED]))
+        if self._settings.mux != before.mux:
+            self._routes = self._settings.routes
+            for pin, (old, new) in enumerate(zip(before.mux, self._settings.mux, strict=True)):
+                note = note_for(pin, new) if new != old else None
                 if note is not None:
                     self.notes.append(note)
-            self._note_crowded(crowded)
+            self._note_crowded(before.routes.crowded)
         self._take_periods(now)
 
     def _note_crowded(self, before: dict[str, tuple[int, ...]]) -> None:

@@ -9,6 +9,7 @@ from typing import Any, cast
 
 from ...core.convert import BadTable
 from ...core.suggest import did_you_mean
+from ...core.table import separate
 from .error_text import explain
 from .model import BadCase, Case
 from .origin import Place, Source
@@ -24,15 +25,22 @@ def load(path: Path | str, changes: list[str] | None = None) -> Case:
     Paths of firmware files count from the folder of the case, wherever the command was started.
     """
     path = Path(path)
-    return _loaded(path, text_of(path, "case"), tuple(changes or ())).separate()
+    case, changeable = _loaded(path, text_of(path, "case"), tuple(changes or ()))
+    return case.model_copy(update={name: separate(getattr(case, name)) for name in changeable})
 
 
 @lru_cache(maxsize=16)
-def _loaded(path: Path, text: str, changes: tuple[str, ...]) -> Case:
-    """A case is in its text and its changes alone, so it is checked once for all the scenes of it.
+def _loaded(path: Path, text: str, changes: tuple[str, ...]) -> tuple[Case, list[str]]:
+    """A case, and those of its fields that hold dicts or lists, of which each who loads it gets his own.
 
-    Nobody may change it: each who loads it gets dicts and lists of its own.
+    It is in its text and its changes alone, so it is checked once for all the scenes of it.
     """
+    case = _checked(path, text, changes)
+    fields = ((name, getattr(case, name)) for name in case.__struct_fields__)
+    return case, [name for name, value in fields if separate(value) is not value]
+
+
+def _checked(path: Path, text: str, changes: tuple[str, ...]) -> Case:
     tree = tree_of(path, text)
     source = Source(path, text, tuple((change, apply(tree, change)) for change in changes))
     try:

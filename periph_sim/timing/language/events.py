@@ -26,7 +26,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 from msgspec import Struct
@@ -84,7 +84,7 @@ class Group(Struct, frozen=True):
     end: Matcher
 
 
-class Matcher(Struct, frozen=True):
+class Matcher(Struct, frozen=True, dict=True):
     """where: the places it may happen at; None for any. others: matchers that are as good, "or" between them.
 
     nth, group: which one counts, 1 for the first, -1 for the last, where not every one does.
@@ -101,7 +101,7 @@ class Matcher(Struct, frozen=True):
     nth: int = 0
     group: Group | None = None
 
-    @property
+    @cached_property
     def each(self) -> tuple[Matcher, ...]:
         """This one and the others."""
         return (self, *self.others)
@@ -122,7 +122,7 @@ class Matcher(Struct, frozen=True):
         """Whether a record of this kind, place and thing is this one event if its value is right."""
         return what == self.what and kind is self.kind and (self.where is None or where in self.where)
 
-    @property
+    @cached_property
     def subjects(self) -> frozenset[str]:
         """The wires or registers whose records it needs, but for others', as `Recorder.subscribe` has them.
 

@@ -94,6 +94,9 @@ class ToFirstAccess(EventMeasure):
         self._asked_at = NO_TIME
         self._inside = False
 
+    def subscribe(self, recorder: Recorder) -> None:
+        recorder.subscribe(self.kinds, self, self.subjects)
+
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
         if kind is not Kind.ACCESS:
             return super().tag_of(kind, where, what)

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Sequence
 
-from ...core.records import UNHEARD, Kind, Subjects
+from ...core.records import UNHEARD, Kind, Recorder, Subjects
 from ...core.suggest import did_you_mean
 from ..language.events import Matcher
 from .groups import Groups
@@ -95,6 +95,9 @@ class EventMeasure(Measure):
     @property
     def subjects(self) -> Subjects:
         return self._needed
+
+    def subscribe(self, recorder: Recorder) -> None:
+        recorder.subscribe(self.kinds, self, self.subjects, self._wanted if self.spans is None else None)
 
     def listen(self, scene: SceneEvents) -> None:
         for groups in self._groups:

@@ -11,7 +11,7 @@ from fractions import Fraction
 
 from ...core.records import Kind, Recorder, Subjects
 from .measure import Measure, SceneEvents
-from .modifies import CLEARABLE, Cleared, Modifies
+from .modifies import CLEARABLE, CLEARABLE_FLAGS, Cleared, Modifies
 from .watched import Watched
 
 
@@ -42,7 +42,8 @@ class LostFlags(Measure):
         self.modifies.cycle_is(Fraction(scene.ticks_per_second()) / scene.sysclk(self.watched.unit))
 
     def subscribe(self, recorder: Recorder) -> None:
-        recorder.subscribe(self.kinds, self.modifies, self.subjects)
+        recorder.subscribe((Kind.ACCESS,), self.modifies)
+        recorder.subscribe((Kind.FLAG,), self.modifies, self.subjects, CLEARABLE_FLAGS)
 
     def finish(self, now: int) -> None:
         self.modifies.finish()

@@ -10,12 +10,13 @@ The write of a byte is the last one before I2CDXR is copied to I2CXSR. XRDY tell
 
 from __future__ import annotations
 
-from ...core.records import UNHEARD, Kind, Subjects
+from ...core.records import UNHEARD, Kind, Recorder, Subjects
 from ...core.time import NO_TIME
 from .bus_from_wires import BusFromWires
 from .measure import Measure, SceneEvents
 
 WRITE, XRDY = 0, 1  # tags of records
+THINGS = {(Kind.ACCESS, "W I2C-A.I2CDXR"), (Kind.FLAG, "I2CSTR.XRDY")}
 
 
 class _Reads(BusFromWires):
@@ -50,6 +51,9 @@ class Margin(Measure):
     @property
     def subjects(self) -> Subjects:
         return {Kind.ACCESS: {f"{self._unit}.I2C-A.I2CDXR"}, Kind.FLAG: {f"{self._unit}.I2C-A.I2CSTR"}}
+
+    def subscribe(self, recorder: Recorder) -> None:
+        recorder.subscribe(self.kinds, self, self.subjects, THINGS)
 
     def listen(self, scene: SceneEvents) -> None:
         self._delay = scene.i2c_release_delay(self._unit)

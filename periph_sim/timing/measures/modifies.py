@@ -25,6 +25,7 @@ from ...records.register_maps import is_status, one_clears
 from ..language.scope import MAPS
 
 CLEARABLE = {f"{module}.{r.name}": r for module, registers in MAPS.items() for r in registers if one_clears(r)}
+CLEARABLE_FLAGS = {(Kind.FLAG, f"{r.name}.{field.name}") for r in CLEARABLE.values() for field in one_clears(r)}
 NEVER_YET = -1  # instead of a record's number
 
 
@@ -234,7 +235,7 @@ class Modifies(Keeper):
         self._longest = int(MODIFY * ticks)
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
-        if not self._concerns(kind, where, what):
+        if not (self._status or self._concerns(kind, where, what)):
             return UNHEARD
         if kind is Kind.FLAG:
             unit, _, module = where.partition(".")
@@ -245,7 +246,8 @@ class Modifies(Keeper):
                 return UNHEARD
             topic = Topic(Recent(), register, False, flag)
         else:
-            register = self._register(where, what[2:]) if self._is_about(kind, where, what) else None
+            about = self._status or self._is_about(kind, where, what)
+            register = self._register(where, what[2:]) if about else None
             topic = Topic(self.recent.setdefault(where, Recent()), register, what.startswith("R "), None)
         self._topics.append(topic)
         return len(self._topics) - 1

@@ -55,13 +55,13 @@ def profile(
         with progress(case.stem) as told:
             run = profiled(load(case, list(changes)), length, told, lines is not None)
         if flames is not None:
-            stacks = flame_graph(run.profiles, run.ticks_per_second, run.name)
+            stacks = flame_graph(run.profiles, run.ticks_per_second, run.name, run.place_of)
             flames.write_text(json.dumps(stacks), encoding="utf-8")
         if lines is not None:
             files = covered_files((p.image, p.functions, run.coverage[unit]) for unit, p in run.programs.items())
             lines.write_text(tracefile(files, run.name), encoding="utf-8")
     if as_json:
-        print_json("profile", as_dict(run.profiles, run.ticks_per_second))
+        print_json("profile", as_dict(run.profiles, run.ticks_per_second, run.place_of))
     else:
-        click.echo(text(run.profiles, run.ticks_per_second, verbose))
+        click.echo(text(run.profiles, run.ticks_per_second, run.place_of, verbose))
     return 0

@@ -23,6 +23,10 @@ class Profiled(Struct, frozen=True):
     profiles: dict[str, Profile]
     coverage: dict[str, Coverage]
 
+    def place_of(self, unit: str, function: str) -> str:
+        """Where a function begins."""
+        return self.programs[unit].place_of(function)
+
 
 def profiled(
     case: Case, length: Fraction | None = None, told: Callable[[float], None] | None = None, coverage: bool = False

@@ -5,16 +5,30 @@ Source: speedscope's file-format-schema.json (sampled profiles).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from ...processor.image.profile import Profile
 
 SCHEMA = "https://www.speedscope.app/file-format-schema.json"
 
 
-def speedscope(profiles: Mapping[str, Profile], ticks_per_second: int, name: str) -> dict[str, object]:
-    """The file's JSON: for each unit its stacks, in alphabetical order, weighted with their seconds."""
-    frames: dict[str, int] = {}
+Frame = tuple[str, str, int]  # function, file, line; "" and 0 where nobody knows
+
+
+def speedscope(
+    profiles: Mapping[str, Profile], ticks_per_second: int, name: str, place_of: Callable[[str, str], str]
+) -> dict[str, object]:
+    """The file's JSON: for each unit its stacks, in alphabetical order, weighted with their seconds.
+
+    place_of: of the first instruction of a unit's function.
+    """
+    frames: dict[Frame, int] = {}
+
+    def number(unit: str, function: str) -> int:
+        place = place_of(unit, function)
+        frame = function, getattr(place, "path", ""), getattr(place, "line", 0)
+        return frames.setdefault(frame, len(frames))
+
     made: list[dict[str, object]] = []
     for unit, profile in profiles.items():
         stacks = sorted(stack for stack in profile.stacks if stack)
@@ -26,7 +40,7 @@ def speedscope(profiles: Mapping[str, Profile], ticks_per_second: int, name: str
                 "unit": "seconds",
                 "startValue": 0,
                 "endValue": sum(weights),
-                "samples": [[frames.setdefault(function, len(frames)) for function in stack] for stack in stacks],
+                "samples": [[number(unit, function) for function in stack] for stack in stacks],
                 "weights": weights,
             }
         )
@@ -35,6 +49,10 @@ def speedscope(profiles: Mapping[str, Profile], ticks_per_second: int, name: str
         "name": name,
         "exporter": "periph-sim",
         "activeProfileIndex": 0,
-        "shared": {"frames": [{"name": function} for function in frames]},
+        "shared": {
+            "frames": [
+                {"name": function} | ({"file": file, "line": line} if file else {}) for function, file, line in frames
+            ]
+        },
         "profiles": made,
     }

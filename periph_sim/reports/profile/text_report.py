@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from ...core.text_table import paragraph, text_table
 from ...processor.image.profile import Profile
+from ...processor.instruction_location import parsed
 
 LONGEST_TEXT = 20  # functions that the text shows unless all are asked for
+PlaceOf = Callable[[str, str], str]  # of the first instruction of a unit's function
 
 
-def text(profiles: Mapping[str, Profile], ticks_per_second: int, every: bool = False) -> str:
+def text(profiles: Mapping[str, Profile], ticks_per_second: int, place_of: PlaceOf, every: bool = False) -> str:
     """A table of 80 columns for each unit. every: all functions that were called."""
     lines: list[str] = []
     for unit, profile in profiles.items():
@@ -26,11 +28,13 @@ def text(profiles: Mapping[str, Profile], ticks_per_second: int, every: bool = F
                 f"{one.total / per_us:.3f}",
                 f"{one.waits / per_us:.3f}",
                 str(one.calls),
+                _begins_at(place_of(unit, one.name)),
             )
             for one in shown
         ]
         lines += [f"{unit}: {whole / per_us:.3f} us in {len(found)} functions", ""]
-        lines += text_table(("function", "self us", "%", "total us", "waits us", "calls"), rows, right=(1, 2, 3, 4, 5))
+        head = ("function", "self us", "%", "total us", "waits us", "calls", "begins at")
+        lines += text_table(head, rows, right=(1, 2, 3, 4, 5))
         if len(found) > len(shown):
             lines.append(f"and {len(found) - len(shown)} with less; -v lists them all")
         lines.append("")
@@ -38,7 +42,23 @@ def text(profiles: Mapping[str, Profile], ticks_per_second: int, every: bool = F
     return "\n".join([*lines, *paragraph(note), *paragraph("waits: asleep in IDLE, or in polls that were skipped")])
 
 
-def as_json(profiles: Mapping[str, Profile], ticks_per_second: int) -> dict[str, object]:
+def _begins_at(place: str) -> str:
+    """File, line and address, without the function's name."""
+    at = parsed(place)
+    if at is None:
+        return ""
+    return f"{at.file}:{at.line} {at.pc:#08x}" if at.file else f"{at.pc:#08x}"
+
+
+def _json_place(place: str) -> dict[str, object]:
+    at = parsed(place)
+    if at is None:
+        return {}
+    line = {"file": getattr(place, "path", at.file), "line": at.line} if at.file else {}
+    return line | {"pc": f"{at.pc:#08x}"}
+
+
+def as_json(profiles: Mapping[str, Profile], ticks_per_second: int, place_of: PlaceOf) -> dict[str, object]:
     """The same as one dictionary; times in seconds."""
     return {
         "units": {
@@ -50,6 +70,7 @@ def as_json(profiles: Mapping[str, Profile], ticks_per_second: int) -> dict[str,
                     "total_s": one.total / ticks_per_second,
                     "waits_s": one.waits / ticks_per_second,
                 }
+                | _json_place(place_of(unit, one.name))
                 for one in profile.functions()
             ]
             for unit, profile in profiles.items()

@@ -63,6 +63,9 @@ def test_time_goes_to_the_function_that_executes_and_sleep_is_told_apart(periph_
     assert boot["total_s"] == pytest.approx(1e-3)
     assert boot["self_s"] == pytest.approx(1e-3 - 10 * 104 / 7.5e6)
     assert work["waits_s"] == 0
+    assert (work["file"], work["line"], work["pc"]) == ("own.asm", 19, "0x009013")
+    came = periph_sim("profile", "own.toml")
+    assert "own.asm:19 0x009013" in came.out and max(map(len, came.out.splitlines())) <= 80
 
 
 def test_stacks_for_speedscope(periph_sim: Run, case: Path):  # noqa: F811
@@ -72,6 +75,14 @@ def test_stacks_for_speedscope(periph_sim: Run, case: Path):  # noqa: F811
     (shown,) = made["profiles"]
     assert [[names[frame] for frame in stack] for stack in shown["samples"]] == [["_c_int00"], ["_c_int00", "_work"]]
     assert sum(shown["weights"]) == pytest.approx(1e-3)
+    assert made["shared"]["frames"] == [
+        {"name": "_c_int00", "file": "own.asm", "line": 5},
+        {"name": "_work", "file": "own.asm", "line": 19},
+    ]
+    # https://www.speedscope.app/file-format-schema.json, FileFormat.File and FileFormat.SampledProfile
+    assert set(made) == {"$schema", "name", "exporter", "activeProfileIndex", "shared", "profiles"}
+    assert set(shown) == {"type", "name", "unit", "startValue", "endValue", "samples", "weights"}
+    assert (shown["type"], shown["unit"], shown["startValue"]) == ("sampled", "seconds", 0)
 
 
 def test_lines_functions_and_branches_as_lcov(periph_sim: Run, case: Path):  # noqa: F811

@@ -1,0 +1,60 @@
+"""A scene with an image at each level of its buses: what Python firmware is promised there holds for machine code."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from periph_sim.core.records import Kind, Record
+from periph_sim.scene.case.load import load
+from periph_sim.scene.case.model import BadCase
+from periph_sim.scene.result import Result
+from periph_sim.scene.scene import Scene
+from tests.commands.conftest import Run, periph_sim  # noqa: F401
+
+TIMING = Path(__file__).parents[2] / "timing"
+TO_ONE_ROUND = ("duration=12.3 ms", "host.first=5 ms")
+RECORDED = tuple(kind for kind in Kind if kind not in (Kind.EDGE, Kind.HOLD))
+
+
+def run(*changes: str) -> tuple[Result, list[Record]]:
+    records: list[Record] = []
+    case = load(TIMING / "imu_hil_image.toml", [*TO_ONE_ROUND, *changes])
+    scene = Scene(case, lambda recorder, _: recorder.subscribe(RECORDED, records.append))
+    return scene.run(), records
+
+
+@pytest.fixture(scope="module")
+def at_edges() -> tuple[Result, list[Record]]:
+    return run()
+
+
+def test_whole_bytes_where_nobody_can_tell_give_the_same_records(at_edges: tuple[Result, list[Record]]):
+    result, records = run("fidelity=adaptive")
+    assert len(records) > 900
+    without_numbers = [[record._replace(number=0, cause=0) for record in some] for some in (records, at_edges[1])]
+    assert without_numbers[0] == without_numbers[1]
+    assert result.budgets == at_edges[0].budgets
+    assert result.events < at_edges[0].events / 2
+
+
+@pytest.mark.parametrize("levels", ["fidelity=byte", 'fidelity={ "I2C-A" = "byte", "SCI-A" = "adaptive" }'])
+def test_whole_bytes_give_the_same_figures(at_edges: tuple[Result, list[Record]], levels: str):
+    """But for the load: passes of a wait that are made before it is found to be one count, and edges begin it anew."""
+    result, _ = run(levels)
+    figures = [{one.name: (one.worst, one.count) for one in some.budgets} for some in (result, at_edges[0])]
+    loads = [some.pop("CPU load")[0] for some in figures]
+    assert figures[0] == figures[1] and len(figures[0]) == 20
+    assert loads[0] == pytest.approx(loads[1], abs=0.01)
+    assert result.events < at_edges[0].events / 3
+
+
+def test_the_level_without_a_bus_is_refused(periph_sim: Run):  # noqa: F811
+    case = load(TIMING / "imu_hil_image.toml")
+    with pytest.raises(BadCase):
+        Scene(case.model_copy(update={"fidelity": "schedule"}))
+    came = periph_sim("run", str(TIMING / "imu_hil_image.toml"), "--fidelity", "schedule")
+    assert came.status == 2 and came.err.count("\n") == 1
+    assert "unit.dsp runs the image imu_hil.asm, and terms are measured in Python firmware" in came.err
+    assert 'use fidelity = "edge"' in came.err

@@ -3,8 +3,8 @@
     3, "250 us", {...}, [...] --converter_of(annotation)--> int, Fraction, a class of keys, a tuple ...
 
 msgspec checks plain values. Tables are walked here, key by key, so that every mistake is told and has its place: a
-`Table` or a dataclass, whose keys are its fields. `Annotated` adds `Before` and `After`, functions around the check,
-and limits as `msgspec.Meta`.
+`Table`, another Struct or a dataclass, whose keys are its fields, or a TypedDict. `Annotated` adds `Before` and
+`After`, functions around the check, and limits as `msgspec.Meta`.
 """
 
 from __future__ import annotations
@@ -17,7 +17,18 @@ from fractions import Fraction
 from functools import lru_cache
 from pathlib import Path
 from types import NoneType, SimpleNamespace
-from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin, get_type_hints
+from typing import (
+    Annotated,
+    Any,
+    Literal,
+    NotRequired,
+    Required,
+    TypeVar,
+    get_args,
+    get_origin,
+    get_type_hints,
+    is_typeddict,
+)
 
 import msgspec
 
@@ -120,7 +131,7 @@ def _keys_of_struct(kind: Any) -> dict[str, Key]:
     padded = (msgspec.NODEFAULT,) * (len(names) - len(defaults)) + defaults
     found = {}
     for name, said, default in zip(names, kind.__struct_encode_fields__, padded, strict=True):
-        if name.startswith("_") or name == kind.OTHERS:
+        if name.startswith("_") or name == getattr(kind, "OTHERS", ""):
             continue
         if default is msgspec.NODEFAULT:
             default = NOTHING
@@ -140,8 +151,8 @@ def _keys_of_dataclass(kind: Any) -> dict[str, Key]:
 
 
 def is_table(kind: object) -> bool:
-    """Whether its values are tables in a file: a `Table`, or a dataclass."""
-    return isinstance(kind, type) and (hasattr(kind, "OTHERS") or dataclasses.is_dataclass(kind))
+    """Whether its values are tables in a file: a `Table`, another Struct, or a dataclass."""
+    return isinstance(kind, type) and (issubclass(kind, msgspec.Struct) or dataclasses.is_dataclass(kind))
 
 
 @lru_cache(maxsize=256)
@@ -182,8 +193,33 @@ def _table(kind: Any) -> Converter:
     return made
 
 
+def _typed_dict(kind: Any) -> Converter:
+    """Of a TypedDict, whose values stay dictionaries."""
+    hints = get_type_hints(kind, include_extras=True)
+    named = {name: converter_of(_without_required(hint)) for name, hint in hints.items()}
+    optional = {name for name, hint in hints.items() if get_origin(hint) is NotRequired}  # in text, not known of itself
+    required = [name for name in named if name in kind.__required_keys__ - optional]
+
+    def made(value: Any, place: Place, mistakes: list[Mistake]) -> Any:
+        if not isinstance(value, Mapping):
+            mistakes.append(Mistake(place, "expected a table", value))
+            return None
+        mistakes += [Mistake((*place, name), is_missing=True) for name in required if name not in value]
+        mistakes += [Mistake((*place, said), known=tuple(named)) for said in value if said not in named]
+        return {said: named[said](one, (*place, said), mistakes) for said, one in value.items() if said in named}
+
+    return made
+
+
+def _without_required(hint: Any) -> Any:
+    """`Required[int]` and `NotRequired[int]` as `int`."""
+    return get_args(hint)[0] if get_origin(hint) in (Required, NotRequired) else hint
+
+
 def converter_of(annotation: Any) -> Converter:
     """What checks values of that type."""
+    if is_typeddict(annotation):
+        return _typed_dict(annotation)
     origin, arguments = get_origin(annotation), get_args(annotation)
     if _is_plain(annotation):
         return _by_msgspec(annotation)
@@ -201,6 +237,8 @@ def converter_of(annotation: Any) -> Converter:
 def _is_plain(annotation: Any) -> bool:
     """Whether msgspec checks it alone: there is no table in it, and no function of ours."""
     origin, arguments = get_origin(annotation), get_args(annotation)
+    if is_typeddict(annotation):
+        return False
     if origin is Literal:
         return True
     if origin is Annotated:

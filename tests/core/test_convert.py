@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from fractions import Fraction
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, NotRequired, TypedDict
 
 import msgspec
 import pytest
@@ -183,3 +183,44 @@ def test_a_copy_has_other_values_and_is_a_table_of_its_own():
     assert other.model_dump() == {"from_": "a", "inner": (), "low": 2, "high": 9}
     with pytest.raises(AttributeError, match="immutable"):
         one.low = 3  # type: ignore[misc]
+
+
+class Cycles(msgspec.Struct):
+    edge: int = 3
+    byte: int = 5
+
+
+class Limits(TypedDict):
+    least: int
+    most: NotRequired[Duration]
+
+
+@dataclass
+class Nested:
+    """Structures that firmware may have among its settings."""
+
+    costs: Cycles = field(default_factory=Cycles)
+    named: dict[str, Cycles] = field(default_factory=dict)
+    limits: Limits | None = None
+
+
+def test_structs_and_typed_dictionaries_are_walked_as_tables():
+    found = convert(Nested, {"costs": {"edge": 4}, "named": {"a": {"byte": 6}}, "limits": {"least": 1, "most": "2 s"}})
+    assert (found.costs, found.named) == (Cycles(4, 5), {"a": Cycles(3, 6)})
+    assert found.limits == {"least": 1, "most": Fraction(2)}
+
+
+@pytest.mark.parametrize(
+    ("tree", "mistakes"),
+    [
+        ({"costs": {"egde": 1}}, [Mistake(("costs", "egde"), known=("edge", "byte"))]),
+        ({"named": {"a": {"egde": 1}}}, [Mistake(("named", "a", "egde"), known=("edge", "byte"))]),
+        ({"limits": {"least": 1, "mots": 2}}, [Mistake(("limits", "mots"), known=("least", "most"))]),
+        ({"limits": {}}, [Mistake(("limits", "least"), is_missing=True)]),
+        ({"limits": 3}, [Mistake(("limits",), "expected a table", 3)]),
+    ],
+)
+def test_a_misspelt_key_inside_them_is_a_mistake(tree: dict[str, object], mistakes: list[Mistake]):
+    with pytest.raises(BadTable) as refused:
+        convert(Nested, tree)
+    assert refused.value.mistakes == mistakes

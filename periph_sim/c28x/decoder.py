@@ -14,6 +14,8 @@ from .encodings import Encoding, encodings
 from .operands import parts_of
 
 SP_FIELD = 0xAD  # @SP, which has no 32-bit meaning
+TMU = range(0xE270, 0xE27D)
+VCU = (0xE2, 0xE5)  # upper bytes
 FPU_CONDITIONS = frozenset((0, 1, 2, 3, 4, 5, 10, 11, 12, 13, 14, 15))
 
 
@@ -50,6 +52,13 @@ def decode(first: int, second: int) -> Encoding | None:
         if encoding.matches(pair):
             return encoding if _is_legal(encoding, pair) else None
     return None
+
+
+def other_unit(first: int) -> str:
+    """Which unit of other C28x parts a word is an instruction of that the F28335 does not know; "" if of none."""
+    if first in TMU:
+        return "the TMU of an F2837x"
+    return "the VCU of an F2806x or F2837x" if first >> 8 in VCU else ""
 
 
 def decode_at(address: int, first: int, second: int) -> Instruction | None:

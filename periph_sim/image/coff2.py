@@ -75,7 +75,7 @@ def read(data: bytes) -> Image:
     )
     _check_target(version, target, flags, optional)
     _, tool_version, *_, entry, _, _ = _unpack(OPTIONAL_HEADER, data, FILE_HEADER.size, "optional header")
-    strings = _Strings(data, symbols_at + SYMBOL.size * symbol_count if symbol_count else len(data))
+    strings = _Strings(data, symbols_at + SYMBOL.size * symbol_count if symbols_at else len(data))
     first = FILE_HEADER.size + optional
     headers = [_header(data, first + SECTION_HEADER.size * n, strings) for n in range(section_count)]
     return Image(

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from ..c28x.decoder import other_unit
 from ..core.text_table import columns, paragraph, text_table
 from ..f28335.system.register_names import NOT_MODELLED
 from .function_cycles import FunctionCycles
 from .inspection import Function, Inspection, Register, contents_of
 from .model import Section
+from .shared_memory import shared_memory
 
 LONGEST_TEXT = 10  # functions that the text shows unless all are asked for
 
@@ -23,6 +25,8 @@ def text(found: Inspection, every: bool = False) -> str:
     ]
     if found.debug_damaged:
         lines += paragraph(f"note: debug data are damaged and read in part ({found.debug_damaged})")
+    for sentence in shared_memory(image):
+        lines += paragraph(f"note: {sentence}")
     lines += ["", *_sections(found), "", *_vectors(found), "", *_registers(found, every), "", *_functions(found, every)]
     if found.unknown:
         lines += ["", *_unknown(found)]
@@ -95,7 +99,8 @@ def _functions(found: Inspection, every: bool) -> list[str]:
 
 def _unknown(found: Inspection) -> Iterator[str]:
     yield "words of code that are no instruction of the F28335:"
-    yield from columns([(f"{one.address:#08x}", f"{one.word:#06x}", one.function) for one in found.unknown])
+    rows = [(f"{one.address:#08x}", f"{one.word:#06x}", one.function, other_unit(one.word)) for one in found.unknown]
+    yield from (line.rstrip() for line in columns(rows))
 
 
 def cycles_text(found: FunctionCycles) -> str:
@@ -148,6 +153,7 @@ def as_json(found: Inspection) -> dict[str, object]:
         "functions": _function_rows(found.functions),
         "unknown": [one._asdict() for one in found.unknown],
         "debug_damaged": found.debug_damaged,
+        "shared_memory": shared_memory(image),
     }
 
 

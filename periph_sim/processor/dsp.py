@@ -133,6 +133,7 @@ class Dsp(FirmwareView):
 
     def start_image(self, image: Image, boot: Boot = "entry", stubs: Iterable[Stub] = ()) -> ImageProgram:
         """Run a firmware image in place of Python firmware; a reset begins it anew. BadImage where it cannot boot."""
+        from ..image.shared_memory import shared_memory
         from .image.boot import entry_of
         from .image.program import ImageProgram
 
@@ -141,6 +142,8 @@ class Dsp(FirmwareView):
             self.processor, self.clock, image, entry, self.plan.system, self.plan.skip_polls
         )
         program.load()
+        for sentence in shared_memory(image):
+            self.processor.notes.note(0, Note("duty", sentence, "SPRU513, UNION"))
         program.cpu.elsewhere.changed = partial(self._answered, program)
         for stub in stubs:
             self._kernel.at(stub.tick, partial(program.cpu.elsewhere.answer, stub.address, stub.value))

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim.image.model import Section
 from periph_sim.image.write_coff2 import write
 from tests.commands.conftest import Run, periph_sim  # noqa: F401
 from tests.image.own_images import image, text
@@ -74,7 +75,21 @@ def test_status_1_and_the_words_that_are_unknown(periph_sim: Run, tmp_path: Path
     came = periph_sim("image", str(path))
     assert came.status == 1
     assert "2 instructions in 3 words of code, 1 word of it unknown" in came.out
-    assert "0x008001  0xe271" in came.out
+    assert "0x008001  0xe271  0x008001  the TMU of an F2837x" in came.out
+
+
+def test_sections_that_share_memory_are_told(periph_sim: Run, tmp_path: Path):  # noqa: F811
+    path = tmp_path / "shared.out"
+    reserved = (Section(".stack", 0x400, 0x400, 0x100), Section(".ebss", 0x4F0, 0x4F0, 0x20))
+    path.write_bytes(write(image(text(), *reserved, Section(".esysmem", 0x500, 0x500, 0x10), Section("x", 0, 0, 0))))
+    came = periph_sim("image", str(path))
+    assert came.status == 0
+    notes = " ".join(came.out.split()).split("note: ")[1:]
+    assert [one[: one.index(":")] for one in notes] == [
+        "sections .stack and .ebss share 0x0004f0 to 0x0004ff",
+        "sections .ebss and .esysmem share 0x000500 to 0x00050f",
+    ]
+    assert len(json.loads(periph_sim("image", "--json", str(path)).out)["shared_memory"]) == 2
 
 
 def test_bad_input_is_one_sentence_and_status_2(periph_sim: Run, tmp_path: Path):  # noqa: F811

@@ -64,6 +64,12 @@ def test_what_is_written_is_read():
     assert found.entry == ENTRY
 
 
+def test_names_of_more_than_8_characters_are_read_where_no_symbol_is_left():
+    """As strip leaves a file."""
+    found = parse(write(image(text(), Section("a_long_name", 0x9000, 0x9000, 1, (1,)))))
+    assert [one.name for one in found.sections] == [".text", "a_long_name"] and found.symbols == ()
+
+
 def test_elf_is_loaded_at_its_segments_physical_address_and_counts_bytes():
     found = parse(elf())
     first, second = found.sections
@@ -112,6 +118,9 @@ REFUSED = [
     (write(image(text(address=0xD00))), "over peripheral registers (PIE vectors)"),
     (write(image(text(address=0x3FE000))), "over ROM (boot ROM)"),
     (write(image(text(address=0x33FFF8))), "at 0x340000, where the F28335 has nothing"),
+    (write(image(text(address=0x82000))), "at 0x082000, where the F28335 has nothing; an F2837x has its flash there"),
+    (write(image(text(address=0x12000))), "at 0x012000, where the F28335 has nothing; an F2806x and an F2837x have"),
+    (write(image(text(address=0x3E8000))), "at 0x3e8000, where the F28335 has nothing; an F281x, F280x, F2803x or F2"),
     (write(image(text(address=0x320000, run=0x7900), entry=0x320000)), "'.text' lies at 0x007900"),
     (write(image(Section("Cla1Prog", 0x9000, 0x9000, 1, (1,)))), "a part with a CLA"),
     (write(image(Section(".econst", 0x9000, 0x9000, 1, (1,)))), "in no loaded code section"),

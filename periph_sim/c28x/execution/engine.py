@@ -9,7 +9,7 @@ end. What is written over code is decoded anew. Source: SPRU430F chapters 4 and 
 
 from __future__ import annotations
 
-from ..decoder import decode_at
+from ..decoder import decode_at, other_unit
 from .control import RA, RC, RE, RSIZE
 from .operations import operation
 from .registers import CODE, Cpu, IllegalOperation, Operation
@@ -107,7 +107,10 @@ class Engine(Cpu):
         first, second = self.program16(self.pc), self.program16(self.pc + 1)
         found = decode_at(self.pc, first, second)
         if found is None:
-            raise IllegalOperation(f"{first:#06x} {second:#06x} is no instruction of the F28335")
+            other = other_unit(first)
+            raise IllegalOperation(
+                f"{first:#06x} {second:#06x} is no instruction of the F28335{f', but of {other}' if other else ''}"
+            )
         page = self._decoded[self.pc >> PAGE]
         if page is None:
             page = self._decoded[self.pc >> PAGE] = [None] * PAGE_SIZE

@@ -61,6 +61,11 @@ AREAS = tuple(
 )
 _BASES = [area.base for area in AREAS]
 
+OTHER_PARTS = (  # what C28x parts have where the F28335 has nothing
+    (range(0x01_0000, 0x02_0000), "an F2806x and an F2837x have memory there"),
+    (range(0x08_0000, 0x10_0000), "an F2837x has its flash there"),
+    (range(0x3D_8000, 0x3F_8000), "an F281x, F280x, F2803x or F2806x has its flash there"),
+)
 LOADABLE = frozenset((Content.RAM, Content.FLASH, Content.OTP, Content.EXTERNAL))
 
 
@@ -76,7 +81,8 @@ def not_loadable(base: int, size: int) -> str:
     while address < base + size:
         area = area_at(address)
         if area is None:
-            return f"at {address:#08x}, where the F28335 has nothing"
+            others = "".join(f"; {what}" for where, what in OTHER_PARTS if address in where)
+            return f"at {address:#08x}, where the F28335 has nothing{others}"
         if area.content not in LOADABLE:
             return f"at {address:#08x}, over {area.content.value} ({area.name})"
         address = area.end

@@ -23,6 +23,7 @@ from ...c28x.execution.registers import (
     IllegalOperation,
     Operation,
 )
+from ...core.chip import Note
 from ...f28335.cpu.interrupts import CONTEXT_SP, EALLOW, INTM, frame_of
 from ...f28335.cpu.pie_map import VECTOR_TABLE
 from ...f28335.system.address_space import Content, area_at
@@ -40,6 +41,8 @@ LOW_RAM = 0x800
 STACK_FIELDS, BEHIND_STACK_FIELDS = 0x40, 0x80  # operand fields *-SP[n]
 PUSHES, POPS = 0xBD, 0xBE  # *SP++, *--SP
 WAITED_FROM = 0xC000  # L4 to L7, as program memory
+L0_AGAIN, L4_AGAIN = 0x3F_8000, 0x3F_C000  # where L0 to L3 are once more
+MIRROR = L0_AGAIN - 0x8000
 
 
 class UnwrittenReads(Protocol):
@@ -91,6 +94,8 @@ class ImageCpu(Engine):
 
     def fill(self, address: int, value: int) -> None:
         """A word that is there before the program begins."""
+        if L0_AGAIN <= address < L4_AGAIN:
+            address -= MIRROR
         if block_at(address) is not None:
             self._ram.put(address, value)
             self._written[address] = 1
@@ -123,6 +128,8 @@ class ImageCpu(Engine):
     def _load(self, address: int, width: int) -> int:
         if block_at(address) is not None:
             return self._bus.read(self._time.cycle, address, width)
+        if L0_AGAIN <= address < L4_AGAIN:
+            return self.load16(address - MIRROR) if width == 16 else self.load32(address - MIRROR)
         cycle, polls = self._time.cycle, self.polls
         if polls.replaying and polls.answer(cycle):
             return polls.answered()
@@ -190,6 +197,12 @@ class ImageCpu(Engine):
 
     def _store(self, address: int, value: int, width: int) -> None:
         self.polls.soil()
+        if L0_AGAIN <= address < L4_AGAIN:
+            if width == 16:
+                self.store16(address - MIRROR, value)
+            else:
+                self.store32(address - MIRROR, value)
+            return
         try:
             self._bus.write(self._time.cycle, address, value, width)
         except NoSuchAddress:
@@ -199,6 +212,8 @@ class ImageCpu(Engine):
 
     def written(self, address: int) -> None:
         Engine.written(self, address)
+        if L0_AGAIN <= address + MIRROR < L4_AGAIN:
+            Engine.written(self, address + MIRROR)
         if self.watched is not None and address in self.watched.addresses:
             self.polls.soil()
             self.watched.written(address, self._time.cycle)
@@ -208,6 +223,8 @@ class ImageCpu(Engine):
             self.timing.late += self.elsewhere.fetches(address)[1]
         if in_plain_ram(address):
             return self._ram.word(address)
+        if L0_AGAIN <= address < L4_AGAIN:
+            return self._ram.word(address - MIRROR)
         area = area_at(address)
         if area is None or area.content is Content.REGISTERS:
             raise IllegalOperation(f"code is fetched from {address:#08x}, where no memory is")
@@ -217,6 +234,8 @@ class ImageCpu(Engine):
 
     def word_at(self, address: int) -> int:
         """A word of code, at no cost."""
+        if L0_AGAIN <= address < L4_AGAIN:
+            address -= MIRROR
         return self._ram.word(address) if in_plain_ram(address) else self.elsewhere.peek(address)
 
     def _keep(self, address: int, value: int) -> None:
@@ -226,6 +245,12 @@ class ImageCpu(Engine):
     # When ---------------------------------------------------------------------------
 
     def _decode(self) -> Operation:
+        pc = self.pc
+        at = pc - MIRROR if L0_AGAIN <= pc < L4_AGAIN else pc
+        if at != pc:
+            self._code[at >> PAGE] = 1
+        if in_plain_ram(at) and not self._written[at]:
+            raise IllegalOperation(f"nothing was loaded to {pc:#08x}, or written there")
         self._decoding = True
         try:
             made = Engine._decode(self)
@@ -235,8 +260,12 @@ class ImageCpu(Engine):
         return made
 
     def _repeat(self) -> None:
-        self.repeat = self.timing.repeats(self.repeat)
+        wanted = self.repeat
+        self.repeat = self.timing.repeats(wanted)
         Engine._repeat(self)
+        if wanted and self.left == 1:
+            text = f"RPT stands before what cannot be repeated, at {self.pc:#08x}; it is executed once"
+            self._processor.notes.note(self._time.cycle, Note("duty", text, "SPRU430F RPT"))
 
     def access_at(self, f: Operation, cycle: int) -> int:
         """The cycle in which its operand can be accessed, or what it names with *(0:16); not before this one."""

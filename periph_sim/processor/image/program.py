@@ -373,9 +373,11 @@ class ImageProgram(Program):
         """An error with pc, function, last jumps and registers."""
         cpu = self.cpu
         jumps = ", ".join(f"{self.functions.name_at(address)} {address:#08x}" for address in self._last_jumps())
-        registers = (
-            f"ACC={cpu.acc:#010x} XAR4={cpu.xar[4]:#010x} XAR7={cpu.xar[7]:#010x} SP={cpu.sp:#06x} DP={cpu.dp:#06x}"
-        )
+        registers = {"ACC": cpu.acc, "P": cpu.p, "XT": cpu.xt, **{f"XAR{n}": cpu.xar[n] for n in range(8)}}
+        short = {"SP": cpu.sp, "DP": cpu.dp, "ST0": cpu.st0(), "ST1": cpu.whole_st1(), "IER": cpu.whole_ier()}
+        shown = [f"{name}={value:#010x}" for name, value in registers.items() if value or name == "ACC"]
+        shown += [f"RPC={cpu.rpc:#08x}", *(f"{name}={value:#06x}" for name, value in short.items())]
         return (
-            f"{self._processor.name}: {why}; at {self.place_at(self._at)}, {registers}; last jumps: {jumps or 'none'}"
+            f"{self._processor.name}: {why}; at {self.place_at(self._at)}, {' '.join(shown)} and 0 in other registers; "
+            f"last jumps: {jumps or 'none'}"
         )

@@ -21,7 +21,18 @@ STACK = ' .reserve ".stack", 0x400, 16\n' + HEAD
         (STACK + "_f: LCR #_f", r"the stack grew beyond .*; last jumps: .*_c_int00"),
         (HEAD + " MOVL XAR4,#0x9101\n MOVL *XAR4,ACC\n ESTOP0", "32 bits are written to the odd address 0x009101"),
         (HEAD + " MOVL XAR4,#0x9101\n MOVL ACC,*XAR4\n ESTOP0", "32 bits are read from the odd address 0x009101"),
-        (HEAD + " .word 0xE271\n ESTOP0", "is no instruction of the F28335; at _c_int00\\+0x6 \\(0x009006\\), ACC=0x0"),
+        (
+            HEAD + " .word 0xE271\n ESTOP0",
+            r"F28335, but of the TMU of an F2837x; at _c_int00\+0x6 \(0x009006\), ACC=0x00000000 RPC=0x000000 "
+            r"SP=0x0400 DP=0x01c0 ST0=0x0000 ST1=0x0a0b IER=0x0000 and 0 in other registers; last jumps: none",
+        ),
+        (HEAD + " .word 0xE5F0\n ESTOP0", "but of the VCU of an F2806x or F2837x"),
+        (HEAD + " .word 0x7628\n ESTOP0", "0x7628 0x7625 is no instruction of the F28335; at"),
+        (
+            HEAD + " MOVL XAR6,#5\n LB #0xA000",
+            "nothing was loaded to 0x00a000, or written there; at .* XAR6=0x00000005 RPC",
+        ),
+        (HEAD + " NOP", "nothing was loaded to 0x009007, or written there"),
     ],
 )
 def test_the_run_ends_with_place_registers_and_last_jumps(source: str, sentence: str):
@@ -43,6 +54,34 @@ def test_a_stack_where_sp_is_not_at_the_reset_and_one_of_a_word_are_not_left(res
 def test_32_bits_at_an_odd_stack_pointer_are_what_a_service_routine_means():
     rig = Rig(HEAD + " ADDB SP,#1\n MOVB ACC,#5\n MOVL *SP++,ACC\n MOVB ACC,#0\n MOVL ACC,*--SP\n ESTOP0").run()
     assert (rig.program.finished, rig.cpu.acc, rig.word(0x400)) == (True, 5, 5)
+
+
+def test_what_rpt_cannot_repeat_is_executed_once_and_noted():
+    """And what it can is not."""
+    rig = Rig(HEAD + " RPT #3\n || INC @AR1\n RPT #3\n || ADDB XAR2,#1\n RPT #3\n || NOP\n ESTOP0").run()
+    assert rig.program.finished and rig.cpu.xar[2] == 1
+    assert [text for text in rig.notes() if "RPT" in text] == [
+        f"RPT stands before what cannot be repeated, at {at}; it is executed once" for at in ("0x009007", "0x009009")
+    ]
+
+
+def test_l0_to_l3_are_at_0x3f8000_once_more():
+    """Data and code: what is written at one place is read, and executed, at the other."""
+    swap = " MOVL XAR4,#0x9100\n MOV *XAR4,#0x9A07\n MOV *+XAR4[1],#0x0006\n"  # MOVB AL,#7; LRETR
+    again = " MOVL XAR5,#0x3F9100\n MOV *XAR5,#0x9A09\n LCR #0x3F9100\n MOV @AR3,AL\n"  # MOVB AL,#9
+    call = " LCR #0x3F9100\n MOV @AR2,AL\n"
+    third = " MOVL ACC,*XAR5\n MOVL XAR6,@ACC\n MOV *XAR4,#0x9A0B\n LCR #0x3F9100\n ESTOP0"
+    rig = Rig(HEAD + swap + call + again + third).run()
+    assert rig.program.finished
+    assert [rig.cpu.xar[n] for n in (2, 3, 6)] == [7, 9, 0x0006_9A09] and rig.cpu.acc & 0xFFFF == 11
+
+
+def test_sections_that_share_memory_are_noted():
+    rig = Rig(' .reserve ".ebss", 0x40E, 4\n' + STACK + " ESTOP0").run()
+    assert rig.notes() == [
+        "sections .stack and .ebss share 0x00040e to 0x00040f: unless the linker's UNION is meant, "
+        "one overwrites the other"
+    ]
 
 
 def test_a_read_of_what_nothing_wrote_is_noted_once_for_a_function():

@@ -143,7 +143,7 @@ class Dsp(FirmwareView):
         )
         program.load()
         for sentence in shared_memory(image):
-            self.processor.notes.note(0, Note("duty", sentence, "SPRU513, UNION"))
+            self.processor.notes.note(0, Note("unknown", sentence, "SPRU513, UNION"))
         program.cpu.elsewhere.changed = partial(self._answered, program)
         for stub in stubs:
             self._kernel.at(stub.tick, partial(program.cpu.elsewhere.answer, stub.address, stub.value))

@@ -48,7 +48,7 @@ class Stretch:
 
 def phrase(doing: Doing, what: str) -> str:
     """An activity in words."""
-    if (doing, what) == ("wait", "IDLE"):
+    if doing == "wait" and what in ("IDLE", "endless loop"):
         return what
     if doing == "wait":
         return f"wait for {polled(what)}"

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from periph_sim.core.records import Kind, Record
 from periph_sim.explain.chain import difference, parts_of
-from periph_sim.explain.cpu_activity import episodes, innermost, open_at, timeline, units
+from periph_sim.explain.cpu_activity import episodes, innermost, open_at, phrase, timeline, units
 from periph_sim.traces.capture.capture import Span
 from tests.explain.made import drawn
 
@@ -141,3 +141,10 @@ def test_the_span_of_a_service_routine_is_told_as_the_routine():
 def test_a_picture_shows_the_innermost_span(spans: tuple[str, ...], line: list[tuple[str, int, int]]):
     every = episodes(drawn(*spans), "dsp", -50, 100)
     assert names(innermost(every, 0, 100)) == line
+
+
+@pytest.mark.parametrize(
+    ("what", "said"), [("IDLE", "IDLE"), ("endless loop", "endless loop"), ("SDIR", "wait for SDIR")]
+)
+def test_what_is_no_wait_for_a_register_is_told_as_it_is(what: str, said: str):
+    assert phrase("wait", what) == said

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim.core.records import Kind, Record
 from periph_sim.image.assemble import assemble
 from periph_sim.image.write_coff2 import write
 from periph_sim.scene.case.load import load
@@ -136,3 +137,12 @@ def test_names_and_values_that_an_image_does_not_have(tmp_path: Path, budget: st
         assert "own.toml, line " in str(refused.value)
     else:  # a function's name is free text: nothing was measured, so the budget is not judged
         assert seen(tmp_path, {"it": budget}) == {"it": None}
+
+
+def test_an_endless_loop_is_recorded_as_a_wait_of_its_own(tmp_path: Path):
+    (tmp_path / "own.asm").write_text(' .sect ".text", 0x9000\n .global _c_int00\n_c_int00: NOP\nloop: SB loop,UNC\n')
+    (tmp_path / "own.toml").write_text('name = "own"\nduration = "1 ms"\n[unit.dsp]\nimage = "own.asm"\nmodules = []\n')
+    records: list[Record] = []
+    Scene(load(tmp_path / "own.toml"), lambda recorder, _: recorder.subscribe([Kind.WAIT], records.append)).run()
+    assert [(record.what, record.value) for record in records] == [("endless loop", 1)]
+    assert records[0].text == "_c_int00 (own.asm:4, 0x009001)"

@@ -6,6 +6,7 @@ from ...core.records import Kind, Recorder
 from ...core.time import Clock
 
 IDLE = "IDLE"
+ENDLESS = "endless loop"  # which reads no register
 
 
 class WaitRecords:
@@ -14,9 +15,9 @@ class WaitRecords:
         self._what = ""
 
     def begins(self, what: str, cycle: int, place: str) -> None:
-        """From this cycle on it waits for `what`, or in IDLE."""
-        self._what = what
-        self._recorder.emit(self._clock.tick(cycle), Kind.WAIT, self._unit, what, 1, place)
+        """From this cycle on it waits for `what`, or in IDLE; "": in a loop of its own."""
+        self._what = what or ENDLESS
+        self._recorder.emit(self._clock.tick(cycle), Kind.WAIT, self._unit, self._what, 1, place)
 
     def ends(self, cycle: int) -> None:
         """The wait that began last is over."""

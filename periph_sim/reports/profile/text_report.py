@@ -9,6 +9,7 @@ from ...processor.image.profile import Profile
 from ...processor.instruction_location import parsed
 
 LONGEST_TEXT = 20  # functions that the text shows unless all are asked for
+FINE = 1000  # us: shorter times are told to the nanosecond
 PlaceOf = Callable[[str, str], str]  # of the first instruction of a unit's function
 
 
@@ -23,17 +24,17 @@ def text(profiles: Mapping[str, Profile], ticks_per_second: int, place_of: Place
         rows = [
             (
                 one.name,
-                f"{one.own / per_us:.3f}",
+                _us(one.own / per_us),
                 f"{100 * one.own / whole:.1f}",
-                f"{one.total / per_us:.3f}",
-                f"{one.waits / per_us:.3f}",
+                _us(one.total / per_us),
+                _us(one.waits / per_us),
                 str(one.calls),
                 _begins_at(place_of(unit, one.name)),
             )
             for one in shown
         ]
         lines += [f"{unit}: {whole / per_us:.3f} us in {len(found)} functions", ""]
-        head = ("function", "self us", "%", "total us", "waits us", "calls", "begins at")
+        head = ("function", "self us", "%", "total", "waits", "calls", "begins at")
         lines += text_table(head, rows, right=(1, 2, 3, 4, 5))
         if len(found) > len(shown):
             lines.append(f"and {len(found) - len(shown)} with less; -v lists them all")
@@ -42,12 +43,17 @@ def text(profiles: Mapping[str, Profile], ticks_per_second: int, place_of: Place
     return "\n".join([*lines, *paragraph(note), *paragraph("waits: asleep in IDLE, or in polls that were skipped")])
 
 
+def _us(time: float) -> str:
+    """Six digits or so."""
+    return f"{time:.3f}" if time < FINE else f"{time:.1f}"
+
+
 def _begins_at(place: str) -> str:
-    """File, line and address, without the function's name."""
+    """File and line; the address where nobody knows them."""
     at = parsed(place)
     if at is None:
         return ""
-    return f"{at.file}:{at.line} {at.pc:#08x}" if at.file else f"{at.pc:#08x}"
+    return f"{at.file}:{at.line}" if at.file else f"{at.pc:#08x}"
 
 
 def _json_place(place: str) -> dict[str, object]:

@@ -23,7 +23,8 @@ EXAMPLE = "periph-sim why run.psr 'I2C-A.I2CSTR.XRDY@12.345 ms'"
 def why(run: Path, question: str, depth: int, sysclk: str | None, as_json: bool) -> None:
     """Say why 'I2C-A.I2CSTR.XRDY@12.345ms' was as it was in RUN.
 
-    RUN is what `run --record x.psr` wrote. A question is a field, wire, span or interrupt, and a time: 'SDA@3 us'.
+    RUN is what `run --record x.psr` wrote. A question is a field, wire, span, interrupt or variable, and a time:
+    'SDA@3 us'. Variables of an image are recorded where a budget names them.
     """
     from ..records.cause_trace.text_report import as_json as as_dict
     from ..records.cause_trace.text_report import text

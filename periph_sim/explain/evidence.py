@@ -262,7 +262,7 @@ class Evidence:
 
     def step(self, record: Record, what: str = "", length: int | None = None) -> Step:
         """A record as a Step."""
-        place = place_of(record.text) if record.kind in IN_FIRMWARE else None
+        place = place_of(record.text) if record.kind in (*IN_FIRMWARE, Kind.FLAG) else None
         return self.say(record.tick, what or happened(record), length, place)
 
     def say(self, tick: int, what: str, length: int | None = None, place: FirmwarePlace | None = None) -> Step:

@@ -55,11 +55,14 @@ def happened(record: Record) -> str:
 
 
 def happened_where(record: Record) -> str:
-    """The same with the unit: "dsp.I2C-A.I2CSTR.SDIR set", "dsp: SCIRXINTA entered at sci_received:76"."""
+    """The same with the unit: "dsp.I2C-A.I2CSTR.SDIR set", "dsp: SCIRXINTA entered at sci_received:76".
+
+    Of a flag's change only one of a variable has a place.
+    """
     said = happened(record)
     if record.kind is Kind.FLAG:
         unit, dot, _ = record.where.partition(".")
-        return f"{unit}{dot}{said}"
+        return f"{unit}{dot}{said}{f' at {record.text}' if record.text else ''}"
     if record.kind not in IN_FIRMWARE:
         return f"{record.where}: {said}" if record.kind is Kind.NOTE else said
     return f"{record.where}: {said}{f' at {record.text}' if record.text else ''}"

@@ -15,6 +15,7 @@ from ..core.records import Kind
 from ..core.registers import Field, Register
 from ..core.suggest import did_you_mean
 from ..core.time import TimeError, seconds
+from ..f28335.system.ram import MEMORY
 from .register_maps import registers_of
 from .run import NotInRun, Run
 
@@ -23,7 +24,7 @@ COARSEST = Fraction(1, 10**6)  # seconds: no instant is shown to fewer digits; w
 
 @dataclass(frozen=True)
 class RecordedSignal:
-    """A field, a wire, a span or an interrupt. where, what: as its records have them. unit: "" for a wire."""
+    """A field, a wire, a span, an interrupt or a variable. where, what: as records have them. unit: "" for a wire."""
 
     kind: Kind
     name: str
@@ -73,14 +74,22 @@ def subjects(run: Run) -> list[RecordedSignal]:
                     where = f"{unit}.{module}"
                     found.append(RecordedSignal(Kind.FLAG, f"{where}.{what}", unit, where, what, module, register, f))
     table = run.table
-    for kind in (Kind.EDGE, Kind.SPAN, Kind.IRQ):
+    for kind in (Kind.EDGE, Kind.SPAN, Kind.IRQ, Kind.FLAG):
         rows = run.rows(kind)
+        if kind is Kind.FLAG:
+            rows = rows[np.isin(table.columns["where"][rows], _memories(run))]
         codes = table.columns["where"][rows].astype(np.int64) << 32 | table.columns["what"][rows]
         rows = rows[np.sort(np.unique(codes, return_index=True)[1])]
         for place, thing in zip(table.texts("where", rows), table.texts("what", rows), strict=True):
             unit, name = ("", place) if kind is Kind.EDGE else (place, f"{place}.{thing}")
+            unit = unit.removesuffix(f".{MEMORY}")
             found.append(RecordedSignal(kind, name, unit, place, thing))
     return found
+
+
+def _memories(run: Run) -> list[int]:
+    """The places of units' variables among the names of the table."""
+    return [code for code, where in enumerate(run.table.names["where"]) if where.endswith(f".{MEMORY}")]
 
 
 def _tick(run: Run, text: str, subject: RecordedSignal) -> int:

@@ -10,6 +10,7 @@ budgets on the stack    --> StackDepth
 from __future__ import annotations
 
 from ..core.records import Kind, Recorder
+from ..f28335.system.ram import MEMORY
 from ..image.number_types import BadVariable
 from ..image.variables import Variables
 from ..processor.dsp import Dsp
@@ -17,7 +18,7 @@ from ..processor.image.function_spans import FunctionSpans
 from ..processor.image.preset_memory import Preset, PresetMemory
 from ..processor.image.program import ImageProgram
 from ..processor.image.stack_depth import CPU, SECTION, STACK, StackDepth
-from ..processor.image.variable_records import MEMORY, VariableRecords
+from ..processor.image.variable_records import VariableRecords
 from ..processor.image.wait_records import WaitRecords
 from .case.model import Case, Unit
 
@@ -36,7 +37,8 @@ def watch_image(case: Case, name: str, unit: Unit, dsp: Dsp, program: ImageProgr
     if named:
         variables = Variables(program.image)
         ram = dsp.processor.bus.ram
-        program.watch_memory(VariableRecords(map(variables.find, named), ram, recorder, dsp.clock, name))
+        found = map(variables.find, named)
+        program.watch_memory(VariableRecords(found, ram, recorder, dsp.clock, name, program.place))
     if f"{name}.{CPU}.{STACK}" in wanted:
         stacks = [section for section in program.image.sections if section.name == SECTION]
         if not stacks:

@@ -9,9 +9,12 @@ import pytest
 from periph_sim.core.records import Kind, Record
 from periph_sim.image.assemble import assemble
 from periph_sim.image.write_coff2 import write
+from periph_sim.records.cause_trace.text_report import text
+from periph_sim.records.cause_trace.why import why
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.scene import Scene
+from tests.records.scenes import recorded
 
 # Main calls _work three times, each of which waits 200 cycles and counts, and keeps 2 words on the stack beside its
 # return address. 7.5 MHz behind reset, so 200 cycles are 26.7 us.
@@ -146,3 +149,20 @@ def test_an_endless_loop_is_recorded_as_a_wait_of_its_own(tmp_path: Path):
     Scene(load(tmp_path / "own.toml"), lambda recorder, _: recorder.subscribe([Kind.WAIT], records.append)).run()
     assert [(record.what, record.value) for record in records] == [("endless loop", 1)]
     assert records[0].text == "_c_int00 (own.asm:4, 0x009001)"
+
+
+def test_a_change_of_a_variable_tells_who_made_it_and_why_knows_it(tmp_path: Path):
+    (tmp_path / "own.asm").write_text(SOURCE)
+    unit = 'image = "own.asm"\nmodules = ["GPIO"]'
+    budget = 'name = "count"\nmeasure = "level of variable _count"\nmax = 3'
+    (tmp_path / "own.toml").write_text(f'name = "own"\nduration = "1 ms"\n[unit.dsp]\n{unit}\n[[budget]]\n{budget}\n')
+    run = recorded(load(tmp_path / "own.toml"))
+    line = SOURCE.splitlines().index(" ADD @_count,AL") + 1
+    (change, *_) = run.records(run.rows(Kind.FLAG, "dsp.memory", "_count"))
+    at = float(run.seconds(change.tick) * 10**6)
+    assert change.value == 1 and change.text.startswith(f"_work (own.asm:{line}, 0x")
+    told = text(why(run, f"_count@{at + 1:.3f}us"))
+    assert told.startswith("dsp.memory._count at ") and ": 1 since " in told
+    assert f"dsp.memory._count = 1 at _work (own.asm:{line}, " in " ".join(told.split())
+    before = text(why(run, "memory._count@0.001ms"))
+    assert "not known, it never changed" in before and "changed" in before.partition("forward:")[2]

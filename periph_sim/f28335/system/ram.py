@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from ..cpu.pie_map import VECTOR_TABLE
 
+MEMORY = "memory"  # in records, in place of a module's name
 PAGE = 8  # bits of an address within a page
 IN_PAGE = (1 << PAGE) - 1
 END = 0x1_0000  # of what is mapped here

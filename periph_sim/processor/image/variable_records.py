@@ -5,20 +5,28 @@ Only variables that somebody names are looked at.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 from ...core.records import Kind, Recorder
 from ...core.time import Clock
-from ...f28335.system.ram import Ram
+from ...f28335.system.ram import MEMORY, Ram
 from ...image.variables import Variable
-
-MEMORY = "memory"  # in place of a module's name
 
 
 class VariableRecords:
     """addresses: of the words that they are in."""
 
-    def __init__(self, variables: Iterable[Variable], ram: Ram, recorder: Recorder, clock: Clock, unit: str) -> None:
+    def __init__(
+        self,
+        variables: Iterable[Variable],
+        ram: Ram,
+        recorder: Recorder,
+        clock: Clock,
+        unit: str,
+        place: Callable[[], str | None],
+    ) -> None:
+        """place: of the instruction that writes."""
+        self._place = place
         self.addresses: dict[int, list[Variable]] = {}
         self._ram, self._recorder, self._clock = ram, recorder, clock
         self._where = f"{unit}.{MEMORY}"
@@ -43,7 +51,9 @@ class VariableRecords:
             value = self._value(variable)
             if value != self._values[variable.name]:
                 self._values[variable.name] = value
-                self._recorder.emit(self._clock.tick(cycle), Kind.FLAG, self._where, variable.name, value)
+                self._recorder.emit(
+                    self._clock.tick(cycle), Kind.FLAG, self._where, variable.name, value, self._place() or ""
+                )
 
     def _value(self, variable: Variable) -> int:
         if variable.words == 1:

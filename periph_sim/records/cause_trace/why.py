@@ -80,6 +80,8 @@ def _value(run: Run, subject: RecordedSignal, rows: Rows, row: int | None) -> in
         return subject.field.reset
     if subject.kind is Kind.EDGE:
         return 1 - int(run.table.value[rows[0]] != 0) if len(rows) else None
+    if subject.kind is Kind.FLAG:
+        return None  # of a variable
     return 0
 
 

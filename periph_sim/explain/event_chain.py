@@ -67,6 +67,8 @@ def once(evidence: Evidence, event: Matcher | None = None) -> Chain:
     if record is None:
         return evidence.chain((now,), (), evidence.blame_at(at))
     told = evidence.step(record)
+    if record.kind is Kind.SPAN and record.value:
+        now = told  # it has begun just now
     blame = evidence.blame_at(at) if told.place is None else Part("code", told.what, 0, 1, told.place)
     return evidence.chain(in_order(causes(evidence, record), [told, now]), (), blame)
 

@@ -145,7 +145,7 @@ def chain_of(case: Case, window: Window) -> Chain:
     if said.form == "each":
         first, last = (of_events.one_of(evidence, events, at) for at in (evidence.window.begin, evidence.window.end))
         return of_events.between(evidence, first, last)
-    if said.form in ("level", "time", "count"):
+    if said.form in ("level", "time", "count", "stack", "calls"):
         return of_events.once(evidence, events[0])
     if isinstance(made, RegisterMeasure):
         return of_events.around(evidence, made.watched)

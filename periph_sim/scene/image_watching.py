@@ -44,7 +44,7 @@ def watch_image(case: Case, name: str, unit: Unit, dsp: Dsp, program: ImageProgr
         if not stacks:
             what = f"a budget on its stack needs a section {SECTION}, which it has not"
             raise case.mistake(what, "unit", name, "image")
-        program.watch_instructions(StackDepth(stacks[0], recorder, dsp.clock, name))
+        program.watch_instructions(StackDepth(stacks[0], recorder, dsp.clock, name, program.place))
 
 
 def variable_value(dsp: Dsp, name: str) -> int:

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from periph_sim.core.records import Kind, Record
+from periph_sim.explain.explain import explain
 from periph_sim.image.assemble import assemble
 from periph_sim.image.write_coff2 import write
 from periph_sim.records.cause_trace.text_report import text
@@ -166,3 +167,19 @@ def test_a_change_of_a_variable_tells_who_made_it_and_why_knows_it(tmp_path: Pat
     assert f"dsp.memory._count = 1 at _work (own.asm:{line}, " in " ".join(told.split())
     before = text(why(run, "memory._count@0.001ms"))
     assert "not known, it never changed" in before and "changed" in before.partition("forward:")[2]
+
+
+def test_the_worst_depth_of_the_stack_and_the_last_call_are_explained_by_their_place(tmp_path: Path):
+    """_work is the deepest: LCR #_main and LCR #_work keep 2 words each, PUSH XAR2 2 more."""
+    (tmp_path / "own.asm").write_text(SOURCE)
+    budgets = 'budget = [{ name = "stack", measure = "stack high-water", max = 9 }, '
+    budgets += '{ name = "calls", measure = "calls of _work", max = 9 }]\n'
+    unit = '[unit.dsp]\nimage = "own.asm"\nmodules = ["GPIO"]\n'
+    (tmp_path / "own.toml").write_text(f'name = "own"\nduration = "1 ms"\n{budgets}{unit}')
+    case = load(tmp_path / "own.toml")
+    explained = explain(case, Scene(case).run().budgets)
+    push = SOURCE.splitlines().index("_work: PUSH XAR2") + 1
+    told = {name: [(step.what, str(step.place)) for step in one.chain.steps] for name, one in explained.items()}
+    assert told["stack"][0][0] == "CPU.stack = 6" and told["stack"][0][1].startswith(f"own.asm:{push} (_work, 0x")
+    assert [what for what, _ in told["calls"]] == ["span _work begins"]
+    assert told["calls"][0][1].startswith(f"own.asm:{push} (_work, 0x")

@@ -6,6 +6,8 @@ interrupt saves count from its routine's first instruction on.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from ...c28x.execution.registers import Cpu, Operation
 from ...core.records import Kind, Recorder
 from ...core.time import Clock
@@ -18,8 +20,12 @@ CPU = "CPU"  # and of a module's
 
 
 class StackDepth(InstructionWatch):
-    def __init__(self, section: Section, recorder: Recorder, clock: Clock, unit: str) -> None:
+    def __init__(
+        self, section: Section, recorder: Recorder, clock: Clock, unit: str, place: Callable[[], str | None]
+    ) -> None:
+        """place: of the instruction that was executed."""
         super().__init__()
+        self._place = place
         self._begin, self._end = section.run, section.run + section.size
         self._deepest = section.run
         self._clock = clock
@@ -28,5 +34,5 @@ class StackDepth(InstructionWatch):
     def executed(self, f: Operation, cpu: Cpu, cycle: int) -> None:
         if self._deepest < cpu.sp <= self._end:
             self._deepest = cpu.sp
-            self._topic.emit(self._clock.tick(cycle), cpu.sp - self._begin)
+            self._topic.emit(self._clock.tick(cycle), cpu.sp - self._begin, self._place() or "")
         super().executed(f, cpu, cycle)

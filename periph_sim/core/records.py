@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Mapping
 from enum import Enum
 from functools import partial
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 
 class Kind(Enum):
@@ -115,6 +115,9 @@ class _Pen:
     tag: int
 
 
+_NOBODY: list[Any] = []  # stays empty
+
+
 class Topic:
     """All records of one kind, place and thing.
 
@@ -131,9 +134,9 @@ class Topic:
         self._kind = kind
         self._where = where
         self._what = what
-        self._ears: list[_Ear] = []
-        self._pens: list[_Pen] = []
-        self._sinks: list[Sink] = []
+        self._ears: list[_Ear] = _NOBODY  # most topics are heard by nobody, or by one kind of party
+        self._pens: list[_Pen] = _NOBODY
+        self._sinks: list[Sink] = _NOBODY
 
     def add(self, party: Party) -> None:
         """Somebody more is told, if it has any use for these records."""
@@ -142,23 +145,23 @@ class Topic:
             ear.listener, ear.tag = party, party.tag_of(self._kind, self._where, self._what)
             if ear.tag == UNHEARD:
                 return
-            self._ears.append(ear)
+            self._ears = [*self._ears, ear]
         elif isinstance(party, Keeper):
             pen = _Pen()
             pen.keeper, pen.tag = party, party.tag_of(self._kind, self._where, self._what)
             if pen.tag == UNHEARD:
                 return
-            self._pens.append(pen)
+            self._pens = [*self._pens, pen]
             self.places = max(self.places, party.places(pen.tag))
         else:
-            self._sinks.append(party)
+            self._sinks = [*self._sinks, party]
             self.places = EVERYWHERE
         self.heard = True
         self.told_whole = bool(self._pens or self._sinks)
 
     def close(self) -> None:
         """Nobody is told any more."""
-        self._ears, self._pens, self._sinks = [], [], []
+        self._ears = self._pens = self._sinks = _NOBODY
         self.heard = self.told_whole = False
         self.places = NOWHERE
 

@@ -150,6 +150,11 @@ class Register(Struct, frozen=True, dict=True):
     def _by_name(self) -> dict[str, Field]:
         return {f.name: f for f in self.fields}
 
+    @cached_property
+    def named_fields(self) -> tuple[tuple[str, int, int], ...]:
+        """ "I2CSTR.XRDY" of each field, with its mask and its lowest bit."""
+        return tuple((f"{self.name}.{f.name}", f.mask, f.lsb) for f in self.fields)
+
     def mask(self, on_write: OnWrite) -> int:
         """The bits of all fields on which a write has this effect."""
         return sum(f.mask for f in self.fields if f.on_write is on_write)

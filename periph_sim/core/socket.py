@@ -138,7 +138,8 @@ class Socket(Agent):
         self._first_input: Input | None = None  # a chain of them, by cycle and then by record,
         self._last_input: Input | None = None
         self._spare: Input | None = None  # and one of those that have had it
-        wanted = [r for r in chip.MAP if recorder.wants(Kind.FLAG, f"{name}.{r.name}")]
+        subjects = recorder.subjects(Kind.FLAG)
+        wanted = [r for r in chip.MAP if subjects is None or f"{name}.{r.name}" in subjects]
         self._watched = [WatchedRegister(r, recorder, name) for r in wanted]
         self._moving = [r for r in self._watched if r.offset not in chip.steady or r.upper not in (0, *chip.steady)]
         self._some_steady = len(self._moving) < len(self._watched)

@@ -27,8 +27,7 @@ class WatchedRegister:
         self.upper = register.offset + 1 if register.width == 32 else 0
         self.value = self.was = 0
         self.fields: list[WatchedField] = []
-        for each in register.fields:
+        for what, mask, lsb in register.named_fields:
             field = WatchedField()
-            field.mask, field.lsb = each.mask, each.lsb
-            field.topic = recorder.topic(Kind.FLAG, name, f"{register.name}.{each.name}")
+            field.mask, field.lsb, field.topic = mask, lsb, recorder.topic(Kind.FLAG, name, what)
             self.fields.append(field)

@@ -28,6 +28,7 @@ class BudgetJudge:
     """One budget with its measure in a scene; `verdict` after the run. others: the judges before it, of the scene.
 
     parts: this one, and one for each condition that is joined to it. same_as: the one whose measure it looks at, too.
+    own_measures: those that it, and no other budget, has listen to a run.
     """
 
     def __init__(
@@ -44,15 +45,12 @@ class BudgetJudge:
         self.measure.not_before = plan.not_before
         if plan.has_percentile and not self.measure.tallied:
             self.measure.tally()
-        self.parts = [self, *(BudgetJudge(condition, timebase, part) for condition, part in plan.joined)]
+        self.parts = [self]
         if plan.joined:
+            self.parts += [BudgetJudge(condition, timebase, part) for condition, part in plan.joined]
             for part in self.parts:
                 part.measure.keep()
-
-    @property
-    def own_measures(self) -> list[Measure]:
-        """Those that it, and no other budget, has listen to a run."""
-        return [part.measure for part in self.parts] if self.same_as is None else []
+        self.own_measures = [part.measure for part in self.parts] if self.same_as is None else []
 
     @property
     def limits(self) -> dict[str, int]:

@@ -57,6 +57,11 @@ class PinSettings:
         self.routes = routes_of(self.mux)
         self.sampled = tuple((pin, SAMPLES[each]) for pin, each in enumerate(select) if each in SAMPLES)
         self.asynchronous = sum(1 << pin for pin, each in enumerate(select) if each == ASYNCHRONOUS)
+        self._notes = [(pin, note) for pin, each in enumerate(self.mux) if (note := note_for(pin, each)) is not None]
+
+    def notes_behind(self, before: tuple[int, ...]) -> list[Note]:
+        """What to tell of pins that were given to something else before."""
+        return [note for pin, note in self._notes if before[pin] != self.mux[pin]]
 
 
 @lru_cache(maxsize=256)  # firmware sets its pins alike in each scene, step by step
@@ -94,10 +99,7 @@ class GpioSettings(Chip):
         before, self._settings = self._settings, pin_settings_of(tuple([active[offset] for offset in CONFIGURED]))
         if self._settings.mux != before.mux:
             self._routes = self._settings.routes
-            for pin, (old, new) in enumerate(zip(before.mux, self._settings.mux, strict=True)):
-                note = note_for(pin, new) if new != old else None
-                if note is not None:
-                    self.notes.append(note)
+            self.notes += self._settings.notes_behind(before.mux)
             self._note_crowded(before.routes.crowded)
         self._take_periods(now)
 

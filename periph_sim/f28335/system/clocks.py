@@ -70,6 +70,10 @@ WDINTS = SCSR["WDINTS"].mask
 LPM = LPMCR0["LPM"]
 
 MODULES: tuple[str, ...] = tuple(gate.module for gate in GATES)
+GATE_OF = {gate.module: (index, gate) for index, gate in enumerate(GATES)}
+ENABLES = tuple(  # bit of `gates`, bit of the register, and whether that is PCLKCR3
+    (1 << index, gate.enable.mask, gate.register is PCLKCR3) for index, gate in enumerate(GATES)
+)
 
 
 def prescale(code: int) -> int:
@@ -108,6 +112,8 @@ class SystemControl(Chip):
         self._pclkcr1: int
         self._pclkcr3: int
         self._lpmcr0: int
+        self.sysclk_hz = Fraction(oscclk_hz)  # in bypass:
+        self.sysclk_numerator = self.sysclk_denominator = 1  # what OSCCLK is multiplied and divided by
         self._gates_to_come: list[tuple[int, int]] = []  # (cycle, gates)
         self._wdints_to_come: list[tuple[int, int]] = []  # (cycle, level)
         self.reset(0)
@@ -127,10 +133,10 @@ class SystemControl(Chip):
 
     @staticmethod
     def _gate(module: str) -> tuple[int, Gate]:
-        if module not in MODULES:
+        found = GATE_OF.get(module)
+        if found is None:
             raise ValueError(f"no clock gate for {module!r}; there are {', '.join(MODULES)}")
-        index = MODULES.index(module)
-        return index, GATES[index]
+        return found
 
     # Inputs -----------------------------------------------------------------
 
@@ -358,17 +364,16 @@ class SystemControl(Chip):
             if self._options.pll_lock_clock == "osc_div_2":
                 divide = 2
         common = gcd(ratio, divide)  # SYSCLKOUT = OSCCLK * numerator / denominator, in lowest terms
-        self.sysclk_numerator = ratio // common
-        self.sysclk_denominator = divide // common
-        self.sysclk_hz = Fraction(self.oscclk_hz * self.sysclk_numerator, self.sysclk_denominator)
+        if (ratio // common, divide // common) != (self.sysclk_numerator, self.sysclk_denominator):
+            self.sysclk_numerator, self.sysclk_denominator = ratio // common, divide // common
+            self.sysclk_hz = Fraction(self.oscclk_hz * self.sysclk_numerator, self.sysclk_denominator)
         self._clock.retune(now, self.sysclk_numerator, self.sysclk_denominator)
 
     def _gates(self) -> int:
         gates = 0
-        for i, gate in enumerate(GATES):
-            register = self._pclkcr0 if gate.register is PCLKCR0 else self._pclkcr3
-            if register & gate.enable.mask:
-                gates |= 1 << i
+        for bit, mask, in_pclkcr3 in ENABLES:
+            if mask & (self._pclkcr3 if in_pclkcr3 else self._pclkcr0):
+                gates |= bit
         return gates
 
     def _check_divsel(self) -> None:

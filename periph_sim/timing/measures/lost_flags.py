@@ -36,7 +36,7 @@ class LostFlags(Measure):
         watched = self.watched
         if watched.register:
             return {Kind.FLAG: {f"{watched.unit}.{watched.module}.{watched.register}"}}
-        return {Kind.FLAG: {f"{unit}.{register}" for unit in watched.units for register in CLEARABLE}}
+        return {Kind.FLAG: [f"{unit}.{register}" for unit in watched.units for register in CLEARABLE]}
 
     def listen(self, scene: SceneEvents) -> None:
         self.modifies.cycle_is(Fraction(scene.ticks_per_second()) / scene.sysclk(self.watched.unit))

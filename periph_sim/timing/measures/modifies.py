@@ -15,17 +15,32 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
+from typing import NamedTuple
 
 from ...core.records import NOWHERE, OF_MODIFIES, UNHEARD, Keeper, Kind
-from ...core.registers import Field, Register
+from ...core.registers import Field
 from ...core.time import NO_TIME
 from ...processor.instruction_location import statement
 from ...records.modify_window import MODIFY, OVERTAKEN
 from ...records.register_maps import is_status, one_clears
 from ..language.scope import MAPS
 
-CLEARABLE = {f"{module}.{r.name}": r for module, registers in MAPS.items() for r in registers if one_clears(r)}
-CLEARABLE_FLAGS = {(Kind.FLAG, f"{r.name}.{field.name}") for r in CLEARABLE.values() for field in one_clears(r)}
+
+class Clearable(NamedTuple):
+    """A register with flags that writing 1 clears. status: hardware sets flags of it."""
+
+    name: str
+    flags: tuple[Field, ...]
+    status: bool
+
+
+CLEARABLE = {
+    f"{module}.{register.name}": Clearable(register.name, flags, is_status(register))
+    for module, registers in MAPS.items()
+    for register in registers
+    if (flags := one_clears(register))
+}
+CLEARABLE_FLAGS = {(Kind.FLAG, f"{of.name}.{flag.name}") for of in CLEARABLE.values() for flag in of.flags}
 NEVER_YET = -1  # instead of a record's number
 
 
@@ -178,15 +193,18 @@ class ClearedRegister:
 
     __slots__ = ("flags", "last", "looks", "places", "status")
 
-    def __init__(self, register: Register) -> None:
-        self.flags = [Flag(field, self) for field in one_clears(register)]
-        self.status = is_status(register)
+    def __init__(self, register: Clearable) -> None:
+        self.flags = [Flag(field, self) for field in register.flags]
+        self.status = register.status
         self.looks = Looks()
         self.places: dict[str, Place] = {}
         self.last: Modify | None = None
 
     def flag(self, name: str) -> Flag | None:
-        return next((flag for flag in self.flags if flag.name == name), None)
+        for flag in self.flags:
+            if flag.name == name:
+                return flag
+        return None
 
     def looked_at(self, flag: Flag, place: str) -> int:
         """The record of the last read that showed this flag to anybody but the writes of a place."""

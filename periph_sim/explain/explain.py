@@ -13,7 +13,7 @@ from ..core.records import Kind
 from ..scene.case.model import Case
 from ..scene.firmware_loader import Firmware
 from ..scene.scope import scope_of_case
-from ..timing.budget_schema import REPLY, SPAN
+from ..timing.budget_schema import REPLY, SPAN, WATCH
 from ..timing.language.events import EVERYTHING, Matcher, matcher
 from ..timing.language.language import is_form, measure_of
 from ..timing.measures.factory import make_of_events
@@ -127,6 +127,10 @@ def chain_of(case: Case, window: Window) -> Chain:
         name = measure.removeprefix(SPAN)
         begin, end = (Matcher(f"span {name}", Kind.SPAN, None, name, EVERYTHING, value) for value in (1, 0))
         return of_events.between(evidence, begin, end)
+    if measure.startswith(WATCH):
+        wire = case.watch[measure.removeprefix(WATCH)].wire
+        edges = [matcher(f"edge {wire} {way}", scope) for way in ("rise", "fall")]
+        return of_events.once(evidence, of_events.one_of(evidence, edges, evidence.window.begin))
     if not is_form(measure):
         raise ValueError(f"there is no explanation of {measure!r}; expected a measure of timing.measures")
     said = measure_of(measure)

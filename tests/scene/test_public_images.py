@@ -7,8 +7,8 @@ Skipped where `PERIPH_SIM_IMAGES` names no folder of them. The rows are those of
 
 from __future__ import annotations
 
-from itertools import pairwise
 import re
+from itertools import pairwise
 from pathlib import Path
 
 import pytest

@@ -25,6 +25,7 @@ MOST_INPUTS = 64  # that may wait for their effect; a chip that never wakes has 
 WAKE, LOOK = 0, 1
 RECORD = 16
 MOVE = (1 << RECORD) - 1
+_NO_PINS: list[Pin] = []  # stays empty
 
 
 class Release:
@@ -109,7 +110,7 @@ class Socket(Agent):
     ) -> None:
         self.name = name
         self.chip = chip
-        self.pins: list[list[Pin]] = [[] for _ in chip.OUTPUTS]  # what each output drives, set by the router
+        self.pins: list[list[Pin]] = [_NO_PINS] * len(chip.OUTPUTS)  # what each output drives: see `connect`
         self.inputs = Sampler(kernel, recorder, self, sum(BITS[: len(chip.INPUTS)]))
         self.marks: Marks | None = None  # of a chip whose outputs show later what was written to it
         self.out_delay = 0  # cycles from an output of the chip to its pin

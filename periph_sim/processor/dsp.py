@@ -183,6 +183,8 @@ class Dsp(FirmwareView):
         """Open questions on whose answers the run depended so far, as "module.option"."""
         found = {f"system.{name}" for name in self.core.touched}
         for name, socket in self._sockets.items():
+            if not socket.chip.touched:
+                continue
             kind = {"I": "i2c", "S": "sci"}.get(name[0], "system") if "-" in name else "system"
             found |= {f"{kind}.{option}" for option in socket.chip.touched}
         return found

@@ -33,6 +33,11 @@ INPUTS = {
     "TIMER2": (),
     "SYS": (),
 }
+OUTPUTS = {pin for signal, pin in PIN_OF.items() if signal.startswith("SCITXD")}
+FOREIGN = {  # by module: pins that it does not see
+    module: OUTPUTS.union(PIN_OF[signal] for name, signals in INPUTS.items() if name != module for signal in signals)
+    for module in INPUTS
+}
 
 
 def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], instant: Callable[[int], str]) -> str:
@@ -101,6 +106,5 @@ def wires_into(dsp: Dsp, module: str) -> list[Wire]:
         return list(wires.values())
     if not INPUTS[module]:
         return []
-    others = {PIN_OF[signal] for name, signals in INPUTS.items() if name != module for signal in signals}
-    outputs = {PIN_OF[signal] for signal in PIN_OF if signal.startswith("SCITXD")}
-    return [wire for pin, wire in wires.items() if pin not in others | outputs]
+    foreign = FOREIGN[module]
+    return [wire for pin, wire in wires.items() if pin not in foreign]

@@ -82,7 +82,7 @@ def notes_of(scene: Scene) -> list[str]:
     lines = []
     for name, dsp in scene.units.items():
         for module, socket in dsp.sockets.items():
-            for tick, note in joined(socket.notes):
+            for tick, note in joined(socket.notes) if socket.notes else ():
                 at = scene.timebase.show(tick - scene.start)
                 lines.append(f"{name} {module}, first at {at}: {note.text} [{note.source}]")
         lines += [f"{name}: {note.text} [{note.source}] ({n} times)" for note, n in dsp.processor.notes.counts.items()]

@@ -8,12 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
+from functools import lru_cache
 
 from ...core.kernel import Kernel
 from ...core.records import Kind, Recorder
 from ...core.wire import Wire
 from .edge_sender import EDGE, EdgeSender
 from .frame_format import UartFormat
+
+
+@lru_cache(maxsize=16)
+def _known_edges(frame_format: UartFormat) -> dict[int, list[int]]:
+    """Byte -> the bits of its frame at whose begin the level changes, of the bytes that any sender has sent so."""
+    return {}
 
 
 class UartSender(EdgeSender):
@@ -49,7 +56,7 @@ class UartSender(EdgeSender):
         self._bit = bit
         self._format = frame_format or UartFormat()
         self._length = self._format.length
-        self._edges_of: dict[int, list[int]] = {}  # byte -> the bits of its frame at whose begin the level changes
+        self._edges_of = _known_edges(self._format)
         self._gap: Fraction | None = None  # of the burst sent last
         self._begins: list[int] = []  # with that gap, ticks from a burst's begin to that of each bit, frame by frame
         self._ends_at = 0

@@ -13,6 +13,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from msgspec import Struct, field
@@ -120,10 +122,15 @@ def sci_named(case: Case, text: str, *place: str | int) -> SciLines:
     raise case.mistake(what, *place)
 
 
-def module_pins(case: Case, unit: str) -> dict[int, tuple[str, str]]:
+def module_pins(case: Case, unit: str) -> Mapping[int, tuple[str, str]]:
     """(module, signal) of the usual pins of a unit's modules, by GPIO number."""
-    modules = [module for module in SIGNALS if module in case.unit[unit].modules]
-    return {pin: (module, signal) for module in modules for signal, pin in SIGNALS[module].items()}
+    return _pins_of(tuple(case.unit[unit].modules))
+
+
+@lru_cache(maxsize=64)  # read only: units with the same modules share it
+def _pins_of(modules: tuple[str, ...]) -> Mapping[int, tuple[str, str]]:
+    having = [module for module in SIGNALS if module in modules]
+    return MappingProxyType({pin: (module, signal) for module in having for signal, pin in SIGNALS[module].items()})
 
 
 def node_of(case: Case, text: str, *place: str | int) -> Node:

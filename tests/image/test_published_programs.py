@@ -54,7 +54,7 @@ class Ran:
                 break
 
     def function(self) -> str:
-        return str(self.program.place()).partition(":")[0]
+        return str(self.program.place()).partition(" (")[0]
 
     def sent(self, wire: str = "TX") -> bytes:
         return bytes(one.value & 0xFF for one in self.records if (one.where, one.what) == (wire, "end"))

@@ -34,6 +34,8 @@ cdef class ImageCpu(Engine):
     cpdef void fill(self, long long address, long long value)
     @cython.locals(operand=Operand, named=Operand, cycle=cython.longlong, polls=Polls, value=cython.longlong)
     cdef long long _load(self, long long address, long long width)
+    @cython.locals(value=cython.longlong)
+    cdef long long _load_elsewhere(self, long long address, long long width)
     cdef void _store(self, long long address, long long value, long long width)
     cdef long long _even(self, long long address, str how)
     cdef void _unwritten(self, long long address)

@@ -133,15 +133,12 @@ class ImageCpu(Engine):
         cycle, polls = self._time.cycle, self.polls
         if polls.replaying and polls.answer(cycle):
             return polls.answered()
+        if address >= RAM_TO:
+            return self._load_elsewhere(address, width)
         try:
             operand = self._bus.at(address, width)
         except NoSuchAddress:
-            value = self.elsewhere.read(cycle, address)
-            if width == 32:
-                value |= self.elsewhere.read(cycle, address + 1) << 16
-            if polls.tracking:
-                polls.note_elsewhere(address, value)
-            return value
+            return self._load_elsewhere(address, width)
         if operand.meets:
             self._time.meet()
         if operand.recorded and self._tested and width == 16:
@@ -151,6 +148,16 @@ class ImageCpu(Engine):
             value = self._bus.read(cycle, address, width)
         if polls.tracking:
             polls.note(operand, value)
+        return value
+
+    def _load_elsewhere(self, address: int, width: int) -> int:
+        """Words that no bus knows: flash, ROM, frames that nothing models."""
+        cycle = self._time.cycle
+        value: int = self.elsewhere.read(cycle, address)
+        if width == 32:
+            value |= self.elsewhere.read(cycle, address + 1) << 16
+        if self.polls.tracking:
+            self.polls.note_elsewhere(address, value)
         return value
 
     def store16(self, address: int, value: int) -> None:
@@ -279,6 +286,8 @@ class ImageCpu(Engine):
 
     def _access_at(self, cycle: int, address: int, reads: bool, wide: bool) -> int:
         width = 32 if wide else 16
+        if address >= RAM_TO:
+            return cycle + (self.elsewhere.read_waits(address) if reads else 0)
         try:
             if reads:
                 return self._bus.reads_at(cycle, address, width)

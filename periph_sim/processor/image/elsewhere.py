@@ -25,6 +25,7 @@ ERASED = 0xFFFF
 FRAME_READ_WAITS, ROM_WAITS, EXTERNAL_WAITS, PASSWORD_WAITS = 2, 1, 1, 16
 L4_WAITS = 1  # L4 to L7, as program memory
 L4_TO_L7 = range(0xC000, 0x1_0000)
+FLASH, FLASH_END = 0x30_0000, 0x34_0000
 PASSWORD = range(0x33_FFF8, 0x34_0000)
 FOPT, FBANKWAIT, FOTPWAIT = 0x0A80, 0x0A86, 0x0A87
 ENPIPE = 1  # of FOPT
@@ -50,6 +51,7 @@ class Elsewhere:
         self._stored = FIXED | FLASH_RESET
         self._noted: set[str] = set()
         self._stubs: dict[int, int] = {}  # by address
+        self._flash = self._fetches(Content.FLASH)  # asked for at every jump there
 
     def fill(self, address: int, value: int) -> None:
         """A word that is there before the program begins."""
@@ -63,6 +65,8 @@ class Elsewhere:
 
     def read(self, cycle: int, address: int) -> int:
         """A word. IllegalOperation where the chip has nothing, or what nobody can answer."""
+        if FLASH <= address < FLASH_END:
+            return self._stored.get(address, ERASED)
         area = self._area(address, "read")
         if address in MATH_TABLES:
             raise IllegalOperation(f"{address:#08x} is read: the image needs the math tables of the boot ROM")
@@ -91,12 +95,16 @@ class Elsewhere:
             self._notes.note(cycle, Note("duty", text, "SPRUFB0D section 7.2"))
             return False
         self._stored[address] = value
+        if address in (FOPT, FBANKWAIT):
+            self._flash = self._fetches(Content.FLASH)
         return True
 
     def read_waits(self, address: int) -> int:
         """Wait states of a read of data."""
         if address in PASSWORD:
             return PASSWORD_WAITS
+        if FLASH <= address < FLASH_END:
+            return self._flash[1]
         area = area_at(address)
         if area is None:
             return 0
@@ -109,12 +117,17 @@ class Elsewhere:
 
     def fetches(self, address: int) -> tuple[int, int, int]:
         """Of program memory: (address bits in what is fetched at once, its wait states behind a jump, and else)."""
+        if FLASH <= address < FLASH_END:
+            return self._flash
         area = area_at(address)
         if area is None or area.content is Content.RAM:
             waits = L4_WAITS if address in L4_TO_L7 else 0
             return 1, waits, waits
-        first, later = self._waits(area.content)
-        wide = area.content is Content.FLASH and self._stored.get(FOPT, 0) & ENPIPE
+        return self._fetches(area.content)
+
+    def _fetches(self, content: Content) -> tuple[int, int, int]:
+        first, later = self._waits(content)
+        wide = content is Content.FLASH and self._stored.get(FOPT, 0) & ENPIPE
         return 2 if wide else 1, first, later
 
     def _waits(self, content: Content) -> tuple[int, int]:

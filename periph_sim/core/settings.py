@@ -80,11 +80,19 @@ def spread(value: object) -> Spread:
     """The range of "240 us to 260 us", or of one duration. ValueError as `duration`."""
     if isinstance(value, Spread):
         return value
-    first, to, second = value.partition(" to ") if isinstance(value, str) else (value, "", "")
+    if isinstance(value, str):
+        return _range(value)
+    length = duration(value)
+    return Spread(length, length)
+
+
+@lru_cache(maxsize=4096)
+def _range(text: str) -> Spread:
+    first, to, second = text.partition(" to ")
     least = duration(first)
     most = duration(second) if to else least
     if most < least:
-        raise ValueError(f"{value!r}: {second} is shorter than {first}; write the least first")
+        raise ValueError(f"{text!r}: {second} is shorter than {first}; write the least first")
     return Spread(least, most)
 
 

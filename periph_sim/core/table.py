@@ -54,15 +54,23 @@ def separate(value: Any) -> Any:
 
     What holds none is handed on as it is.
     """
-    if isinstance(value, dict):
-        return {key: separate(inner) for key, inner in value.items()}
-    if isinstance(value, list):
-        return [separate(inner) for inner in value]
-    if type(value) is tuple:
+    kind = type(value)
+    if kind in PLAIN:
+        return value
+    if kind is dict:
+        return {key: inner if type(inner) in PLAIN else separate(inner) for key, inner in value.items()}
+    if kind is list:
+        return [inner if type(inner) in PLAIN else separate(inner) for inner in value]
+    if kind is tuple:
         several = [separate(inner) for inner in value]
         return value if all(map(is_, several, value)) else tuple(several)
-    if not isinstance(value, Table):
+    if not issubclass(kind, Table):
         return value
-    fields = [(name, getattr(value, name)) for name in value.__struct_fields__]
-    changed = {name: new for name, old in fields if type(old) not in PLAIN and (new := separate(old)) is not old}
+    changed = {}
+    for name in kind.__struct_fields__:
+        old = getattr(value, name)
+        if type(old) not in PLAIN:
+            new = separate(old)
+            if new is not old:
+                changed[name] = new
     return value.model_copy(update=changed) if changed else value

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from .source_location import SourceLocation
 
-TEXT = re.compile(r"(?P<function>[^:]+) \((?:(?P<file>[^()]+):(?P<line>\d+), )?(?P<pc>0x[0-9a-f]{6})\)")
+TEXT = re.compile(r"(?P<function>.+) \((?:(?P<file>[^()]+):(?P<line>\d+), )?(?P<pc>0x[0-9a-f]{6})\)")
 
 
 class InstructionLocation(SourceLocation):

@@ -56,6 +56,28 @@ class ClockHistory(NamedTuple):
         lengths = np.array([int(cycles * period) for period in self.periods], np.int64)
         return lengths[self._now(at)]
 
+    def numbers(self, ticks: NDArray[np.int64]) -> NDArray[np.int64]:
+        """The number of the cycle that begins at each of these ticks, or next to it, since the first clock began."""
+        periods = np.array([float(period) for period in self.periods])
+        now = self._now(ticks)
+        since = ticks - np.array(self.begins, np.int64)[now]
+        found: NDArray[np.int64] = np.array(self._firsts, np.int64)[now] + (since / periods[now] + 0.5).astype(np.int64)
+        return found
+
+    def tick(self, number: int) -> int:
+        """The tick at which a cycle begins."""
+        firsts = self._firsts
+        now = max(bisect_right(firsts, number) - 1, 0)
+        return self.begins[now] + int((number - firsts[now]) * self.periods[now])
+
+    @property
+    def _firsts(self) -> list[int]:
+        """The number of each clock's first cycle."""
+        found = [0]
+        for begin, end, period in zip(self.begins, self.begins[1:], self.periods, strict=False):
+            found.append(found[-1] + round((end - begin) / period))
+        return found
+
     def _now(self, at: NDArray[np.int64]) -> NDArray[np.intp]:
         """The number of the clock at each of these ticks."""
         return np.maximum(np.searchsorted(self.begins, at, "right") - 1, 0)

@@ -38,13 +38,31 @@ class Polls(NamedTuple):
     unplaced: Rows
 
 
+class _Grid:
+    """What passes are counted on: a unit's cycles where its clock is known, since a cycle need not be whole ticks; else
+    ticks. cycle: how much of it a cycle is."""
+
+    def __init__(self, run: Run, unit: str) -> None:
+        self._clock = run.clock(unit) if run.tells_clocks else None
+        self.cycle = Fraction(1) if self._clock is not None else run.cycles.ticks
+
+    def places(self, ticks: Rows) -> Rows:
+        return ticks if self._clock is None else self._clock.numbers(ticks)
+
+    def ticks(self, places: Rows) -> Rows:
+        """Back from places; -1 stays -1."""
+        if self._clock is None:
+            return places
+        return np.array([place if place < 0 else self._clock.tick(place) for place in places.tolist()], np.int64)
+
+
 def skipped_polls(run: Run, unit: str, reads: Rows, waits: NDBool, changes: Rows, looking: NDBool) -> Polls:
     """reads: rows of one place that reads one register. waits: the read after it is the next access of its routine.
     changes: rows of the register's changes. looking: the reads that looked at what changed; the polls are theirs."""
-    tick = run.table.tick
-    ticks = tick[reads]
+    grid = _Grid(run, unit)
+    ticks = grid.places(run.table.tick[reads])
     gaps = np.where(waits, np.diff(ticks, append=ticks[-1:]), 0)
-    cycle = run.clock(unit).at(int(ticks[len(ticks) // 2]))
+    cycle = grid.cycle
     longest = int(LONGEST_PASS * cycle)
     places = np.searchsorted(reads, changes) - 1
     inside = (places >= 0) & (places < len(reads) - 1)
@@ -70,7 +88,7 @@ def skipped_polls(run: Run, unit: str, reads: Rows, waits: NDBool, changes: Rows
     unplaced = np.unique(places[~fits[places] & (gaps[places] > period)])
     chosen = fits[places] & (gaps[places] > period // in_pass)
     changes, places = changes[chosen], places[chosen]
-    at = tick[changes]
+    at = grid.places(run.table.tick[changes])
     ends = ticks[places] + gaps[places]
     before, after = np.full(len(at), -1), ends.copy()
     for back in range(in_pass):
@@ -80,7 +98,7 @@ def skipped_polls(run: Run, unit: str, reads: Rows, waits: NDBool, changes: Rows
         before = np.where(theirs & (last > anchor), np.maximum(before, last), before)
         after = np.where(theirs, np.minimum(after, last + period), after)
     after = np.where(after == ends, -1, after)
-    return Polls(before, after, changes, unplaced)
+    return Polls(grid.ticks(before), grid.ticks(after), changes, unplaced)
 
 
 def _period(cycle: Fraction, ticks: Rows, waits: NDBool, gaps: Rows, in_pass: int, longest: int) -> int:

@@ -255,6 +255,11 @@ class Run:
         return ClockHistory((0,), (self.cycles.ticks,))
 
     @property
+    def tells_clocks(self) -> bool:
+        """Each unit's clock is known exactly, as the file tells it."""
+        return self._sysclk is None and bool(self.table.clocks)
+
+    @property
     def counts_alike(self) -> bool:
         """All units have the same clock, as far as is known."""
         return self._sysclk is not None or len(set(self._clocks.values())) <= 1

@@ -27,6 +27,8 @@ def test_a_place_names_what_is_known(place: tuple[str, int, str, int], text: str
 def test_a_recorded_place_gives_its_parts_back():
     assert parsed("_serve (imu_hil.asm:77, 0x009051)") == Parts("_serve", "imu_hil.asm", 77, 0x9051)
     assert parsed("_serve+0x11 (0x009051)") == Parts("_serve+0x11", "", 0, 0x9051)
+    assert parsed("Bus::send(int) (bus (1).cpp:7, 0x009051)") is None
+    assert parsed("Bus::send(int) (bus.cpp:7, 0x009051)") == Parts("Bus::send(int)", "bus.cpp", 7, 0x9051)
     assert parsed("batch_read:107") is None
     assert parsed("0x009051") is None
 

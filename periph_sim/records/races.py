@@ -14,9 +14,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..core.records import Kind
 from ..core.registers import Field
+from ..processor.instruction_location import parsed
 from .lost_flags import ReadModifyWrite, modifies_of
-from .polls import NDBool, Polls, skipped_polls
+from .polls import LONGEST_PASS, MOST_READS, NDBool, Polls, skipped_polls
 from .read_modify_write import read_modify_writes
 from .register_choice import groups_of
 from .run import Group, Rows, Run
@@ -136,7 +138,30 @@ def _reads_by_place(run: Run, group: Group) -> Iterator[_Reads]:
         nexts = next_of[np.searchsorted(group.rows, reads)]
         codes = table.columns["field"][reads].astype(np.int64)
         codes = np.where(np.isin(reads, for_writes), _code(run, ""), codes)
-        yield _Reads(place, reads, codes, np.append(reads[1:] == nexts[:-1], False))
+        waits = np.append(reads[1:] == nexts[:-1], False)
+        if parsed(place) is not None:
+            waits |= _loops_of_an_image(run, group.unit, reads, nexts)
+        yield _Reads(place, reads, codes, waits)
+
+
+def _loops_of_an_image(run: Run, unit: str, reads: Rows, nexts: Rows) -> NDBool:
+    """Reads that a loop makes again after one or two others: each has its own place in an image. Those others, and the
+    time to the next pass, or a wait that was recorded in between, tell the loop."""
+    rows, following = run.in_order(unit)
+    order = np.argsort(rows)
+    is_read = np.array([name.startswith("R ") for name in run.table.names["what"]], bool)
+    asleep = run.rows(Kind.WAIT, unit)
+    slept = np.diff(np.searchsorted(asleep, reads), append=len(asleep)) > 0
+    longest = run.clock(unit).ticks_of(LONGEST_PASS, run.table.tick[reads])
+    short = np.diff(run.table.tick[reads], append=np.iinfo(np.int64).max) <= longest
+    found, at, only_reads = np.zeros(len(reads), bool), nexts, np.ones(len(reads), bool)
+    for _ in range(MOST_READS - 1):
+        there = at >= 0
+        only_reads &= there & is_read[run.table.columns["what"][at]]
+        place = np.minimum(np.searchsorted(rows[order], at), len(rows) - 1)
+        at = np.where(there, following[order][place], -1)
+        found |= only_reads & (np.append(reads[1:], -1) == at) & (at >= 0)
+    return found & (slept | short)
 
 
 def _code(run: Run, name: str) -> int:

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 
 import pytest
 
 from periph_sim.core.records import Kind, Record
+from periph_sim.records.races import races
+from periph_sim.records.run import Run as RecordedRun
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
+from periph_sim.scene.clocks import clocks_of
 from periph_sim.scene.result import Result
 from periph_sim.scene.scene import Scene
+from periph_sim.traces.formats.record_table import Columns
 from tests.commands.conftest import Run, periph_sim  # noqa: F401
 
 TIMING = Path(__file__).parents[2] / "timing"
@@ -58,3 +64,29 @@ def test_the_level_without_a_bus_is_refused(periph_sim: Run):  # noqa: F811
     assert came.status == 2 and came.err.count("\n") == 1
     assert "unit.dsp runs the image imu_hil.asm, and terms are measured in Python firmware" in came.err
     assert 'use fidelity = "edge"' in came.err
+
+
+def recorded_run(*changes: str) -> RecordedRun:
+    """The run as a file of it would tell it, with the clocks of its units."""
+    columns = Columns()
+    case = load(TIMING / "imu_hil_image.toml", [*TO_ONE_ROUND, *changes])
+    scene = Scene(case, lambda recorder, _: recorder.subscribe(Kind, columns.add))
+    scene.run()
+    table = columns.table(Fraction(scene.timebase.per_second), scene.kernel.now, case.recorded_modules)
+    return RecordedRun(replace(table, clocks=clocks_of(scene)))
+
+
+def test_polls_that_were_skipped_are_put_back_where_they_would_have_been():
+    """The crystal is off by 30 ppm, so no cycle is whole ticks; and the wait for XRDY or SCD reads at two places."""
+    skipped, made = (races(recorded_run(f"unit.dsp.skip_polls={skip}")) for skip in ("true", "false"))
+    closest = [
+        {
+            place.place: (place.register, place.before and place.before.cycles, place.after and place.after.cycles)
+            for place in some.places
+        }
+        for some in (skipped, made)
+    ]
+    assert closest[0] == closest[1] and len(closest[0]) >= 6
+    near = [{place.place: place.histogram[:2] for place in some.places} for some in (skipped, made)]
+    assert near[0] == near[1]  # within 10 cycles of a change
+    assert sum(place.polls for place in skipped.places) > 20 and not any(place.unplaced for place in skipped.places)

@@ -327,8 +327,8 @@ class Scene:
     def ticks_per_second(self) -> int:
         return self.timebase.per_second
 
-    def sysclk(self, unit: str) -> Fraction:
-        return self.units[unit or next(iter(self.units))].clock.hz
+    def clock_history(self, unit: str) -> list[tuple[int, Fraction]]:
+        return self.units[unit or next(iter(self.units))].clock_history
 
     def i2c_release_delay(self, unit: str) -> ReleaseDelay:
         given, dsp = self.case.unit[unit].options, self.units[unit]

@@ -183,3 +183,32 @@ def test_the_worst_depth_of_the_stack_and_the_last_call_are_explained_by_their_p
     assert told["stack"][0][0] == "CPU.stack = 6" and told["stack"][0][1].startswith(f"own.asm:{push} (_work, 0x")
     assert [what for what, _ in told["calls"]] == ["span _work begins"]
     assert told["calls"][0][1].startswith(f"own.asm:{push} (_work, 0x")
+
+
+RACE = """
+ .include "f28335.inc"
+ .reserve ".stack", 0x400, 0x40
+ .sect ".text", 0x9000
+ .global _c_int00
+_c_int00: MOV @SP,#0x400
+ LCR #_start_chip
+ MOVW DP,#TIMER0PRD >> 6
+ MOVL XAR4,#999
+ MOVL @TIMER0PRD,XAR4
+ MOV @TIMER0TCR,#0x0020
+pass: TBIT @TIMER0TCR,#15
+ SB pass,NTC
+ OR @TIMER0TCR,#0x8000
+ SB pass,UNC
+ .include "start.inc"
+"""
+
+
+def test_a_race_is_counted_in_the_clock_that_the_program_set_up(tmp_path: Path):
+    """The first look is soon behind the timer's begin, and TIF rises 1000 cycles of 150 MHz later; 50 of the reset's."""
+    (tmp_path / "own.asm").write_text(RACE)
+    unit = '[unit.dsp]\nimage = "own.asm"\nmodules = ["TIMER0"]\nppm = 40\n'
+    budget = 'budget = [{ name = "race", measure = "race TIMER0.TCR.TIF", max = 1000 }]\n'
+    (tmp_path / "own.toml").write_text(f'name = "own"\nduration = "5 ms"\n{budget}{unit}')
+    (verdict,) = Scene(load(tmp_path / "own.toml")).run().budgets
+    assert verdict.count > 50 and verdict.worst is not None and 990 <= verdict.worst <= 1000

@@ -108,7 +108,7 @@ def observe_handlers(case: Case, unit: str, firmware: Mapping[str, Firmware] | N
     if not routines:
         return NONE
     options = scene.units[unit].plan.system
-    cycle = scene.timebase.per_second / scene.sysclk(unit)
+    cycle = scene.timebase.per_second / scene.units[unit].clock.hz
     entry = -int(-(options.int_latency - IFR_DELAY) * cycle // 1)
     source = "its code, measured without requests; isr_prologue, isr_epilogue in it"
     handlers = [scene.units[unit].cpu.program.handlers[vector] for vector in {routine.vector for routine in routines}]

@@ -199,7 +199,7 @@ def observe(case: Case, firmware: Mapping[str, Firmware] | None = None) -> Undis
         raise BadBound(f"case {case.name}: {what}; bounds need firmware that waits for each request when it comes")
     low = scene.head.controller.timing.low
     module = 1 + dsp.socket("I2C-A").chip.peek(dsp.processor.time.cycle, I2C_MAP["I2CPSC"].offset)
-    cycle = scene.timebase.per_second / scene.sysclk(unit)
+    cycle = scene.timebase.per_second / scene.units[unit].clock.hz
     decisions = Decisions(Program(scene.firmware[unit].main))
     trace = listener.trace
     plan = dsp.plan

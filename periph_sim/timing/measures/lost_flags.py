@@ -7,8 +7,6 @@ What counts is what `periph-sim races` shows of a recorded run (`records/lost_fl
 
 from __future__ import annotations
 
-from fractions import Fraction
-
 from ...core.records import Kind, Recorder, Subjects
 from .measure import Measure, SceneEvents
 from .modifies import CLEARABLE, CLEARABLE_FLAGS, Cleared, Modifies
@@ -39,7 +37,7 @@ class LostFlags(Measure):
         return {Kind.FLAG: [f"{unit}.{register}" for unit in watched.units for register in CLEARABLE]}
 
     def listen(self, scene: SceneEvents) -> None:
-        self.modifies.cycle_is(Fraction(scene.ticks_per_second()) / scene.sysclk(self.watched.unit))
+        self.modifies.clock_is(scene.ticks_per_second(), scene.clock_history(self.watched.unit))
 
     def subscribe(self, recorder: Recorder) -> None:
         recorder.subscribe((Kind.ACCESS,), self.modifies)

@@ -95,8 +95,8 @@ class SceneEvents(Protocol):
 
     def ticks_per_second(self) -> int: ...
 
-    def sysclk(self, unit: str) -> Fraction:
-        """SYSCLKOUT of a unit in Hz, as it is now; of the first one where none is named."""
+    def clock_history(self, unit: str) -> list[tuple[int, Fraction]]:
+        """SYSCLKOUT of a unit in Hz from each tick on, up to now; of the first one where none is named."""
 
     def i2c_release_delay(self, unit: str) -> Delay:
         """From a write of I2CDXR that SCL is held for to its release."""

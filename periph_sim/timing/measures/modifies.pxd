@@ -90,7 +90,9 @@ cdef class Modifies(Keeper):
     cdef object _concerns, _is_about
     cdef bint _status
     cdef long long _longest
-    cdef list _topics
+    cdef list _clocks, _topics
+    cdef object _per_second
+    cdef long long _known
     cdef Access _spare
     cdef public dict recent
     cdef dict _registers

@@ -243,10 +243,22 @@ class Modifies(Keeper):
         self._concerns = concerns
         self._is_about = is_about
         self._longest = 0  # ticks
+        self._per_second = Fraction(1)
+        self._clocks: list[tuple[int, Fraction]] = []  # SYSCLKOUT from each tick on, as far as the run has come
+        self._known = 0  # of these
         self._spare: Access | None = None  # the first of those that were forgotten
         self._topics: list[Topic] = []  # by tag
         self.recent: dict[str, Recent] = {}  # by unit
         self._registers: dict[tuple[str, str], ClearedRegister] = {}  # by unit and name
+
+    def clock_is(self, per_second: int, clocks: list[tuple[int, Fraction]]) -> None:
+        """clocks: SYSCLKOUT from each tick on; what follows is added to it."""
+        self._per_second, self._clocks = Fraction(per_second), clocks
+        self._retuned()
+
+    def _retuned(self) -> None:
+        self._known = len(self._clocks)
+        self.cycle_is(self._per_second / self._clocks[-1][1])
 
     def cycle_is(self, ticks: Fraction) -> None:
         """How long a cycle is: a write's read is a few of them before it."""
@@ -290,6 +302,8 @@ class Modifies(Keeper):
             self._moved(topic.flag, number, tick, value, cause)
             return
         recent, register = topic.recent, topic.register
+        if len(self._clocks) != self._known:
+            self._retuned()
         before = tick - self._longest
         if recent.oldest is not None and recent.oldest.tick < before:
             self._forget(recent, before)

@@ -8,6 +8,7 @@ What counts is what `periph-sim races` shows of a recorded run (`records/races.p
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from dataclasses import replace
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -52,7 +53,7 @@ class RegisterMeasure(Measure, ABC):
 
     def listen(self, scene: SceneEvents) -> None:
         self._per_second = scene.ticks_per_second()
-        self._sysclk = scene.sysclk(self.watched.unit)
+        self._clocks = {self.watched.unit: scene.clock_history(self.watched.unit)}
 
     def subscribe(self, recorder: Recorder) -> None:
         super().subscribe(recorder)
@@ -60,7 +61,7 @@ class RegisterMeasure(Measure, ABC):
 
     def finish(self, now: int) -> None:
         table = self._kept_records.table(Fraction(self._per_second), now, {})
-        self.look(Run(table, sysclk=self._sysclk))
+        self.look(Run(replace(table, clocks=self._clocks)))
         self._kept_records.clear()
 
     @abstractmethod

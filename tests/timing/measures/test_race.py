@@ -118,8 +118,8 @@ class Clocked:
     def ticks_per_second(self) -> int:
         return 3_000_000_000
 
-    def sysclk(self, unit: str) -> Fraction:
-        return Fraction(150_000_000)
+    def clock_history(self, unit: str) -> list[tuple[int, Fraction]]:
+        return [(0, Fraction(150_000_000))]
 
 
 @pytest.mark.parametrize(("second_poll", "silent"), [(0, True), (1010, False)])

@@ -205,7 +205,7 @@ pass: TBIT @TIMER0TCR,#15
 
 
 def test_a_race_is_counted_in_the_clock_that_the_program_set_up(tmp_path: Path):
-    """The first look is soon behind the timer's begin, and TIF rises 1000 cycles of 150 MHz later; 50 of the reset's."""
+    """The first look is soon behind the timer's begin, and TIF rises 1000 cycles of 150 MHz later, 50 of 7.5."""
     (tmp_path / "own.asm").write_text(RACE)
     unit = '[unit.dsp]\nimage = "own.asm"\nmodules = ["TIMER0"]\nppm = 40\n'
     budget = 'budget = [{ name = "race", measure = "race TIMER0.TCR.TIF", max = 1000 }]\n'

@@ -21,6 +21,7 @@ OF_MEMBERS = ("DW_TAG_structure_type", "DW_TAG_union_type", "DW_TAG_class_type")
 ARRAY = "DW_TAG_array_type"
 WORDS = (1, 2)  # of numbers that an access of the CPU reads at once
 DW_OP_PLUS_UCONST = 0x23
+MOST_NAMES = 64  # and qualifiers of one type
 STEP = re.compile(r"\.([^.\[]+)|\[(\d{1,6})\]")
 
 
@@ -83,12 +84,14 @@ def members_of(kind: DIE) -> list[str]:
 
 
 def _plain(kind: DIE) -> DIE | None:
-    """The type behind its names and qualifiers; None for `void`."""
-    while kind.tag in THROUGH:
+    """The type behind its names and qualifiers; None for `void`, and for damaged data that lead round in a circle."""
+    for _ in range(MOST_NAMES):
+        if kind.tag not in THROUGH:
+            return kind
         if "DW_AT_type" not in kind.attributes:
             return None
         kind = kind.get_DIE_from_attribute("DW_AT_type")
-    return kind
+    return None
 
 
 def _members(plain: DIE) -> Iterator[tuple[str, DIE]]:

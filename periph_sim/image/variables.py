@@ -67,8 +67,8 @@ class Variables:
         }
         self._types: dict[str, DIE] = {}
         self._debug = DebugInfo(image)  # reads of types what it is asked for
-        for name, address, kind in self._debug.each(_declared):
-            words, sign = number_type(kind) or (1, UNSIGNED)
+        for name, address, kind, number in self._debug.each(_declared):
+            words, sign = number or (1, UNSIGNED)
             for known in (name, f"_{name}"):
                 if known == name or known in self._known:
                     self._known[known] = Variable(known, address, words, sign)
@@ -102,21 +102,32 @@ class Variables:
                 way = _by_word(outer, found.address)
                 raise BadVariable(f"no debug data tell what {outer} consists of, so {name!r} is not known; {way}")
             return Variable(name, found.address + int(index[1]), 1, UNSIGNED)
-        offset, inner = inside(kind, outer, path)
-        number = number_type(inner)
-        if number is None:
-            parts = members_of(inner)
-            way = f"name one of its members, {', '.join(parts)}" if parts else _by_word(outer, found.address + offset)
-            raise BadVariable(f"{name} is no number of 16 or 32 bits; {way}")
-        return Variable(name, found.address + offset, *number)
+        try:
+            return _part(name, found, kind, path)
+        except BadVariable:
+            raise
+        except Exception as error:  # of damaged data the library raises whatever its parts do
+            what = f"the debug data of {outer} cannot be read ({type(error).__name__})"
+            raise BadVariable(f"{what}; {_by_word(outer, found.address)}") from None
+
+
+def _part(name: str, outer: Variable, kind: DIE, path: str) -> Variable:
+    """A member or an element of a variable of this type. BadVariable if it is no number, or there is none."""
+    offset, inner = inside(kind, outer.name, path)
+    number = number_type(inner)
+    if number is None:
+        parts = members_of(inner)
+        way = f"name one of its members, {', '.join(parts)}" if parts else _by_word(name, outer.address + offset)
+        raise BadVariable(f"{name} is no number of 16 or 32 bits; {way}")
+    return Variable(name, outer.address + offset, *number)
 
 
 def _by_word(outer: str, address: int) -> str:
     return f"name a word by its address, as 0x{address:04x} is that of {outer}"
 
 
-def _declared(dwarf: object, unit: CompileUnit) -> Iterator[tuple[str, int, DIE]]:
-    """Variables at fixed addresses: name, address, type."""
+def _declared(dwarf: object, unit: CompileUnit) -> Iterator[tuple[str, int, DIE, tuple[int, str] | None]]:
+    """Variables at fixed addresses: name, address, type; and words and sign of a number."""
     for entry in unit.get_top_DIE().iter_children():
         told = entry.attributes
         if entry.tag != "DW_TAG_variable" or not {"DW_AT_location", "DW_AT_type", "DW_AT_name"} <= told.keys():
@@ -124,4 +135,5 @@ def _declared(dwarf: object, unit: CompileUnit) -> Iterator[tuple[str, int, DIE]
         location = told["DW_AT_location"].value
         if isinstance(location, list) and len(location) >= 5 and location[0] == DW_OP_ADDR:
             address = int.from_bytes(bytes(location[1:5]), "little")
-            yield text_of(told["DW_AT_name"].value), address, entry.get_DIE_from_attribute("DW_AT_type")
+            kind = entry.get_DIE_from_attribute("DW_AT_type")
+            yield text_of(told["DW_AT_name"].value), address, kind, number_type(kind)

@@ -2,11 +2,29 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from periph_sim.image.number_types import BadVariable
 from periph_sim.image.variables import Variables
 from tests.image.typed_data import typed_image
+
+
+def test_damaged_debug_data_are_said_to_be(variables: Variables):
+    """Each byte of them wrong, one at a time: a variable, or one sentence."""
+    image = typed_image()
+    entries = image.debug[".debug_info"]
+    sentences = set()
+    for place in range(len(entries)):
+        damaged = entries[:place] + bytes((entries[place] ^ 0x15,)) + entries[place + 1 :]
+        found = Variables(replace(image, debug={**image.debug, ".debug_info": damaged}))
+        for name in ("state.inner.gain", "state.parts[2][1]", "words[1]", "_plain"):
+            try:
+                assert found.find(name).words in (1, 2)
+            except BadVariable as refused:
+                sentences.add(str(refused))
+    assert any("cannot be read" in sentence for sentence in sentences)
 
 
 @pytest.fixture(scope="module")

@@ -39,6 +39,7 @@ from .processor import Processor
 from .program import Program
 from .python.cpu import Cpu
 from .python.firmware_view import End, FirmwareView
+from .source_location import SourceLocation
 
 if TYPE_CHECKING:
     from ..f28335.gpio.module import Gpio
@@ -108,6 +109,7 @@ class Dsp(FirmwareView):
         self._i2c: I2c | None = None
         self._gpio: Gpio | None = None
         self.resets = 0
+        self.watchdog_resets: list[tuple[int, SourceLocation | None]] = []  # of them; tick, where the program was
         self.on_reset: list[Callable[[], None]] = []
         for name in plan.modules:
             if name not in MODULES:
@@ -379,6 +381,7 @@ class Dsp(FirmwareView):
     def _reset(self) -> None:
         """XRS by the watchdog."""
         if self.control.reset_requested:
+            self.watchdog_resets.append((self._kernel.now, self.program.place()))
             self._enter_reset()
             self._begin_anew(WDRST_CYCLES)
 

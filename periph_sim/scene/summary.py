@@ -86,6 +86,11 @@ def notes_of(scene: Scene) -> list[str]:
                 at = scene.timebase.show(tick - scene.start)
                 lines.append(f"{name} {module}, first at {at}: {note.text} [{note.source}]")
         lines += [f"{name}: {note.text} [{note.source}] ({n} times)" for note, n in dsp.processor.notes.counts.items()]
+        if dsp.watchdog_resets:
+            first, place = dsp.watchdog_resets[0]
+            where = f" at {place}" if place else ""
+            at = scene.timebase.show(first - scene.start)
+            lines.append(f"{name}: its watchdog reset it{where}, first at {at} ({len(dsp.watchdog_resets)} times)")
         if "GPIO" in dsp.sockets and any(module.startswith("SCI-") for module in dsp.sockets):
             from .unwired_pins import unwired_pins
 

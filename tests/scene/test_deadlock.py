@@ -228,6 +228,9 @@ def test_firmware_that_does_not_service_the_watchdog_begins_anew(monkeypatch, du
     result = scene_from_boot(monkeypatch, forgets, duration).run()
     assert result.counts["resets"] == resets
     assert len(began) == resets + 1
+    line = forgets.__code__.co_firstlineno + 2
+    told = f"dsp: its watchdog reset it at forgets:{line}, first at 4369.067 us ({resets} times)"
+    assert [note for note in result.notes if "watchdog" in note] == [told] * (resets > 0)
 
 
 def test_a_reset_also_ends_a_spin_that_nothing_else_would(monkeypatch):

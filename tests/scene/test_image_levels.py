@@ -78,7 +78,9 @@ def recorded_run(*changes: str) -> RecordedRun:
 
 def test_polls_that_were_skipped_are_put_back_where_they_would_have_been():
     """The crystal is off by 30 ppm, so no cycle is whole ticks; and the wait for XRDY or SCD reads at two places."""
-    skipped, made = (races(recorded_run(f"unit.dsp.skip_polls={skip}")) for skip in ("true", "false"))
+    skipped, made = (
+        races(recorded_run("duration=9.3 ms", f"unit.dsp.skip_polls={skip}")) for skip in ("true", "false")
+    )
     closest = [
         {
             place.place: (place.register, place.before and place.before.cycles, place.after and place.after.cycles)
@@ -89,4 +91,4 @@ def test_polls_that_were_skipped_are_put_back_where_they_would_have_been():
     assert closest[0] == closest[1] and len(closest[0]) >= 6
     near = [{place.place: place.histogram[:2] for place in some.places} for some in (skipped, made)]
     assert near[0] == near[1]  # within 10 cycles of a change
-    assert sum(place.polls for place in skipped.places) > 20 and not any(place.unplaced for place in skipped.places)
+    assert sum(place.polls for place in skipped.places) > 10 and not any(place.unplaced for place in skipped.places)

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from periph_sim.core.records import Kind
+from periph_sim.records.cause_trace.text_report import text
+from periph_sim.records.cause_trace.why import why
 from periph_sim.records.clock_history import ClockHistory, history
 from periph_sim.records.run import Run
 from tests.records.test_run import access, by_hand
@@ -94,3 +96,17 @@ def test_distances_are_counted_in_the_clock_of_their_tick():
 def test_many_clocks_are_told_by_the_last():
     often = ClockHistory(tuple(range(5)), (Fraction(20), Fraction(40)) * 2 + (Fraction(20),))
     assert often.in_words(SECOND) == "150 MHz at last, changed 4 times"
+
+
+def test_why_counts_in_the_clock_of_the_unit_that_is_asked_about():
+    run = by_hand(
+        (30, Kind.FLAG, "left.I2C-A", "I2CSTR.RRDY", 1, "", 0),
+        (30, Kind.FLAG, "right.I2C-A", "I2CSTR.RRDY", 1, "", 0),
+        (30, Kind.EDGE, "SCL", "level", 0, "controller", 0),
+    )
+    clocks = {unit: [(0, Fraction(hz))] for unit, hz in (("left", 100_000_000), ("right", 150_000_000))}
+    modules = dict.fromkeys(clocks, ("I2C-A",))
+    both = Run(replace(run.table, modules=modules, clocks=clocks))
+    told = [text(why(both, f"{name}@2.2us")) for name in ("left.I2CA.I2CSTR.RRDY", "right.I2CA.I2CSTR.RRDY", "SCL")]
+    assert ["2 us (200 cycles) before" in told[0], "2 us (300 cycles) before" in told[1]] == [True, True]
+    assert "2 us before" in told[2] and "cycle" not in told[2]

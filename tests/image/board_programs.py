@@ -2,6 +2,7 @@
 
 RS485    sends a text on SCI-B at GPIO22, the driver enable at GPIO49; then off, on TXEMPTY or TXRDY
 ECHO     SCI-A on GPIO35 and 36 at 4800 baud; timer 0's interrupt looks at it and uses the FPU, as main does
+KEYPAD   drives a column on GPIO25 low, looks at the row on GPIO20, and says on SCI-C at GPIO63 what it saw
 LINKED   one program, linked to RAM, or to flash with a function that start-up code copies to RAM
 """
 
@@ -104,6 +105,40 @@ none:     MOVW  DP,#PIEACK >> 6
           MOV32 STF,*--SP
           NASP
           IRET
+          .include "start.inc"
+"""
+
+KEYPAD = """
+          .include "f28335.inc"
+SCIC      .set  0x7770
+GPBMUX2   .set  0x6F98
+GPACLEAR  .set  0x6FC4
+          .reserve ".stack", 0x400, 0x300
+          .sect ".text", 0x9000
+_c_int00: MOV   @SP,#0x400
+          LCR   #_start_chip
+          EALLOW
+          MOVW  DP,#PCLKCR0 >> 6
+          OR    @PCLKCR0,#0x20      ; SCICENCLK
+          MOVW  DP,#GPBMUX2 >> 6
+          OR    @GPBMUX2+1,#0x5000  ; SCIRXDC, SCITXDC
+          OR    @GPADIR+1,#0x200    ; GPIO25
+          EDIS
+          MOVW  DP,#SCIC >> 6
+          MOV   @SCIC,#7            ; SCICCR
+          MOV   @SCIC+3,#40         ; SCILBAUD: 115200
+          MOV   @SCIC+1,#0x22       ; SCICTL1
+          MOVW  DP,#GPACLEAR >> 6
+          MOV   @GPACLEAR+1,#0x200
+          RPT   #9
+       || NOP
+          MOVB  AH,#0x75            ; u
+          TBIT  @GPADAT+1,#4        ; GPIO20
+          SB    say,TC
+          MOVB  AH,#0x64            ; d
+say:      MOVW  DP,#SCIC >> 6
+          MOV   @SCIC+9,AH          ; SCITXBUF
+          ESTOP0
           .include "start.inc"
 """
 

@@ -15,7 +15,7 @@ from periph_sim.core.records import Kind, Record
 from periph_sim.image.assemble import SHIPPED
 from periph_sim.scene.result import Result
 from periph_sim.scene.scene import Scene
-from tests.image.board_programs import ECHO, LINKED, RS485
+from tests.image.board_programs import ECHO, KEYPAD, LINKED, RS485
 from tests.scene.small import case
 
 TXRDY, TXEMPTY = 7, 6  # bits of SCICTL2
@@ -88,6 +88,15 @@ def test_pins_without_a_wire_are_told_with_the_keys_to_add(tmp_path: Path):
     board = Board(program(tmp_path, RS485.replace("LAST_WAIT", "6")), "0.005", unit, [])
     [told] = [note for note in board.result.notes if "SCI-B" in note]
     assert 'SCI-B has RX on GPIO23, where the case has no wire; add pins = { "SCI-B.RX" = 23 }' in told
+
+
+@pytest.mark.parametrize(("key", "answer"), [([], b"u"), ([{"from": "dsp.GPIO25", "to": "dsp.GPIO20"}], b"d")])
+def test_a_key_is_a_cable_from_its_column_to_its_row(tmp_path: Path, key: list[dict[str, str]], answer: bytes):
+    """What was seen is said on SCI-C."""
+    unit = {"modules": ["SCI-C", "GPIO"], "pins": {} if key else {"ROW": 20}}
+    board = Board(program(tmp_path, KEYPAD), "0.0046", unit, [], cable=key)
+    assert board.sent("SCI-C.TX") == answer
+    assert [note for note in board.result.notes if "ESTOP0" not in note] == []
 
 
 BUILDS = {

@@ -98,7 +98,7 @@ def windows(
 
     scene = Scene(case, subscribe, programs)
     (keeper,) = keepers
-    scene.kernel.run_until(keeper.ends)
+    scene.advance(keeper.ends)
     return keeper.windows(case.name, scene.wires)
 
 

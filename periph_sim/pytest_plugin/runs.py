@@ -110,7 +110,7 @@ class Run:
         if self._edges is None:
             scene = self.plan.scene()
             log = WireLog(*scene.wires.values())
-            scene.kernel.run_until(self.end)
+            scene.advance(self.end)
             self._edges = _named(log.capture(scene.timebase, self.end), self.result.case)
         return self._edges
 

@@ -127,3 +127,29 @@ def test_a_wait_for_what_nothing_models_is_named_and_a_stub_answers_it(periph_si
     (tmp_path / "adc.toml").write_text(case + STUB)
     answered = " ".join(periph_sim("run", str(tmp_path / "adc.toml")).out.split())
     assert "nothing models" not in answered and "ESTOP0 ended the program at 1002." in answered
+
+
+LOST = """\
+name = "lost"
+duration = "1 ms"
+
+[unit.dsp]
+image = "lost.asm"
+modules = ["GPIO"]
+
+[[budget]]
+name = "work"
+measure = "time in _work"
+max = "1 us"
+"""
+
+
+def test_a_program_that_is_lost_has_its_verdicts_and_their_explanation(periph_sim: Run, tmp_path: Path):  # noqa: F811
+    """The second run, for the explanation, ends there too."""
+    (tmp_path / "lost.toml").write_text(LOST)
+    source = ' .reserve ".stack", 0x400, 32\n .sect ".text", 0x9000\n .global _work\n_c_int00: MOV @SP,#0x400\n'
+    (tmp_path / "lost.asm").write_text(f"{source} LCR #_work\n_work: LCR #_work\n")
+    came = periph_sim("run", str(tmp_path / "lost.toml"), "--explain")
+    assert (came.status, came.err) == (1, "")
+    assert "work: " in came.out and "stuck: dsp: the stack grew beyond its section .stack" in came.out
+    assert came.out.count("span _work begins") == 1

@@ -124,8 +124,9 @@ class Bus:
         """These words of a register of the map, or the field of them that a program names."""
         operand = Operand(place, register, words, field, self._waits, self._wanted(register))
         if operand.recorded:
-            reads = self._recorder.topic(Kind.ACCESS, self._name, f"R {operand.name}")
-            operand.record(reads, self._recorder.topic(Kind.ACCESS, self._name, f"W {operand.name}"))
+            kind, recorder = Kind.ACCESS, self._recorder  # a name of an enumeration costs what a call does
+            reads = recorder.topic(kind, self._name, f"R {operand.name}")
+            operand.record(reads, recorder.topic(kind, self._name, f"W {operand.name}"))
         return operand
 
     def at(self, address: int, width: int) -> Operand:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from ..core.records import NOWHERE, OF_MODIFIES, Topic
 from ..core.registers import Field, Register
 from ..f28335.cpu.pie_map import PIEACK
-from ..f28335.system.memory_map import BOTH, HIGH, LOW, WORDS_MASK, Frame, ModuleRange, WaitStates
+from ..f28335.system.memory_map import BOTH, HIGH, LOW, WORDS_MASK, ModuleRange, WaitStates
 
 
 class Operand:
@@ -80,8 +80,8 @@ class Operand:
         self.read_waits = waits.read[place.frame]
         self.write_waits = waits.write[place.frame]
         self.block = place.protected_block
-        self.frame1 = place.frame is Frame.PF1
-        self.frame2 = place.frame is Frame.PF2
+        self.frame1 = place.in_frame1
+        self.frame2 = place.in_frame2
         self.protected = register.protected
         self.pieack = register is PIEACK
         self.recorded = recorded

@@ -46,6 +46,14 @@ class ModuleRange(Struct, frozen=True, dict=True):
     def protected_block(self) -> bool:
         return self.base in PROTECTED_BLOCK
 
+    @cached_property
+    def in_frame1(self) -> bool:
+        return self.frame is Frame.PF1
+
+    @cached_property
+    def in_frame2(self) -> bool:
+        return self.frame is Frame.PF2
+
 
 class WaitStates:
     """Extra cycles of one access, by frame. Wait states are the options' where TI leaves a doubt."""

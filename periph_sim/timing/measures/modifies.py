@@ -278,7 +278,9 @@ class Modifies(Keeper):
         else:
             about = self._status or self._is_about(kind, where, what)
             register = self._register(where, what[2:]) if about else None
-            topic = Topic(self.recent.setdefault(where, Recent()), register, what.startswith("R "), None)
+            if where not in self.recent:
+                self.recent[where] = Recent()
+            topic = Topic(self.recent[where], register, what.startswith("R "), None)
         self._topics.append(topic)
         return len(self._topics) - 1
 

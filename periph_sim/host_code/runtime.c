@@ -72,15 +72,22 @@ static void caught(int number, siginfo_t *info, void *context) {
     siglongjmp(*way_out, FAULT);
 }
 
+/* It stays, and does nothing while Python runs. */
+static void catch_ticks(void) {
+    struct sigaction mine;
+    memset(&mine, 0, sizeof mine);
+    mine.sa_handler = ticked;
+    mine.sa_flags = SA_RESTART | SA_NODEFER;
+    sigaction(SIGVTALRM, &mine, NULL);
+}
+
 static void catch_signals(void) {
     struct sigaction mine;
     memset(&mine, 0, sizeof mine);
     mine.sa_sigaction = caught;
     mine.sa_flags = SA_SIGINFO | SA_NODEFER;
     for (size_t i = 0; i < SIGNAL_COUNT; i++) sigaction(SIGNALS[i], &mine, &before[i]);
-    mine.sa_handler = ticked; /* stays, and does nothing while Python runs */
-    mine.sa_flags = SA_RESTART | SA_NODEFER;
-    sigaction(SIGVTALRM, &mine, NULL);
+    catch_ticks();
 }
 
 static void leave_signals(void) {
@@ -186,6 +193,7 @@ int c28x_begin(uint64_t base, asked_t who, uint64_t at_once) {
     const struct itimerval tick = {{0, TICK_US}, {0, TICK_US}};
     asked = who;
     blocks_at_once = at_once;
+    catch_ticks(); /* first: a tick that nobody catches ends the process */
     setitimer(ITIMER_VIRTUAL, &tick, NULL);
     registers = mmap((void *)(uintptr_t)base, 4 * WORDS, PROT_READ | PROT_WRITE,
                      MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED_NOREPLACE, -1, 0);

@@ -71,6 +71,33 @@ def run(folder: Path, *changes: str) -> Result:
     return Scene(load(folder / "echo.toml", list(changes))).run()
 
 
+SLOW_TO_BEGIN = """
+import sys, time
+from pathlib import Path
+from periph_sim.host_code import firmware
+from periph_sim.host_code.library import Library
+from periph_sim.scene.case.load import load
+from periph_sim.scene.scene import Scene
+
+class SlowLibrary(Library):
+    def __init__(self, *given):
+        super().__init__(*given)
+        since = time.process_time()
+        while time.process_time() < since + 0.1:
+            pass
+
+firmware.Library = SlowLibrary
+print(Scene(load(Path(sys.argv[1]))).run().verdict)
+"""
+
+
+def test_a_host_that_is_slow_to_begin_runs_it(folder: Path):
+    """The timer that finds empty loops ticks before the firmware's first call."""
+    command = [sys.executable, "-c", SLOW_TO_BEGIN, str(folder / "echo.toml")]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "pass\n", "")
+
+
 def fails_with(folder: Path, body: str, *changes: str) -> str:
     """What a run says of a main of these statements, which it must not survive; in a process of its own."""
     (folder / "echo.c").write_text(MAIN.format(body))

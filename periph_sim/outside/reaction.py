@@ -30,7 +30,6 @@ from ..scene.scene import Scene
 
 LONG_AGO = -NEVER
 REMEMBERED = 64  # edges, where nobody asks
-MARGIN = 2  # cycles: an edge between two cycles is seen with the later one
 _tick = itemgetter(0)
 
 
@@ -64,7 +63,7 @@ class Reaction(Agent):
         self._fresh = False  # what follows is of now:
         self._due = NEVER
         self._silent = -1  # further edges of SCL of which nobody can tell; -1: of any edge somebody can
-        self._widest = 0  # ticks: edges of SCL that are no further apart are not counted on
+        self._widest = 0  # ticks: of the longest pulse that may go unseen, so that its edges are not counted on
         self._widest_of: list[tuple[int, Clock]] = []  # with these filters, and clocks
         self._hz: list[Fraction] = []  # as they run
         self._seen = self._levels.copy()  # levels behind all that was put
@@ -106,7 +105,7 @@ class Reaction(Agent):
             hz = [clock.hz for _, clock in of]
             if of != self._widest_of or hz != self._hz:
                 self._widest_of, self._hz = of, hz
-                self._widest = max([clock.tick(width + MARGIN) - clock.tick(0) for width, clock in of])
+                self._widest = max([clock.tick(max(width, 1)) - clock.tick(0) for width, clock in of])
         if self._put:
             self._weigh_all()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 from random import Random
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import pytest
 
 from periph_sim.firmware import start_i2c, start_pie
+from periph_sim.outside.door import Change
 from periph_sim.outside.session import Session
 from periph_sim.scene.case.model import Case
 from periph_sim.scene.firmware_loader import Firmware
@@ -179,12 +181,13 @@ def traffic(addresses: tuple[int, ...], seed: int, end: int, half: int, writes: 
 
 
 def stepped(
-    name: str, moves: Moves, end: int, *, finely: bool, recorded: bool = True, done: int = -1
+    name: str, moves: Moves, end: int, *, finely: bool, recorded: bool = True, done: Sequence[int] = ()
 ) -> tuple[list[object], int, int]:
     """Records; how often our pins moved, and time was stepped: as `next_output` says alone, or also to each move."""
     records = Records()
     steps = moved = 0
-    of, programs = CASES[name](), {"dsp": PROGRAMS[name]()} if name in PROGRAMS else None
+    of = CASES[name]() if name in CASES else with_filter(name)
+    programs = {"dsp": PROGRAMS[name]()} if name in PROGRAMS else None
     with Session(of, BUS, subscribe=records.subscribe if recorded else None, programs=programs) as session:
         for at, levels in [*moves, (end, {})]:
             due = session.next_output()
@@ -196,7 +199,7 @@ def stepped(
             if finely:
                 assert session.advance(at) == []
             session.apply(at, levels)
-            if (finely and at < end) or at == done:
+            if (finely and at < end) or at in done:
                 moved += len(session.advance(at + 1))
         session.advance(end)
         session.finish()
@@ -227,10 +230,40 @@ def test_no_pin_moves_before_next_output_and_who_waits_for_it_loses_nothing(name
     )  # a program that never rests may always move one
 
 
-def start_in_a_pulse(width: int) -> tuple[Moves, int]:
-    """To another; then SCL is low for so long only, in which SDA falls; then our address. When that pulse begins."""
+Pulses = list[tuple[int, int, int]]
+
+FILTERS: dict[str, tuple[dict[str, Any], Pulses]] = {  # as keys of a unit, with pulses that are near their limits
+    "of 15 cycles": ({}, [(1, 299, 1), (0, 299, 298), (10, 290, 20), (1, 300, 1), (3, 400, 20), (7, 100, 50)]),
+    "of 15 cycles of a slow crystal": ({"ppm": -4500}, [(115, 301, 1), (0, 400, 20)]),
+    "of 15 cycles, behind a synchroniser": (
+        {"modules": ["I2C-A", "GPIO"]},
+        [(0, 299, 1), (1, 299, 10), (10, 290, 289), (0, 300, 150)],
+    ),
+    "of no cycle": (
+        {"options": {"i2c": {"noise_filter_cycles": 0}}},
+        [(1, 18, 2), (6, 8, 1), (5, 12, 11), (0, 20, 1), (1, 20, 5)],
+    ),
+    "that takes edges together": (
+        {"options": {"i2c": {"unequal_arrival": "one_sample"}}},
+        [(7, 516, 258), (9, 466, 257), (2, 386, 193), (4, 433, 216), (3, 700, 20)],
+    ),
+}
+
+
+def with_filter(name: str) -> Case:
+    firmware = str(FIRMWARE / "register_slave.py")
+    plain = {"firmware": firmware, "modules": ["I2C-A"], "settings": REGISTERS}
+    return case(unit={"dsp": plain | FILTERS[name][0]})
+
+
+def starts_in_pulses(pulses: Pulses) -> tuple[Moves, list[int]]:
+    """A START to another; then SCL is low for a pulse only, in which SDA falls; then our address. When pulses begin.
+
+    pulses: ticks from one that 20 divides to the pulse, its length, and how much of it has passed as SDA falls.
+    """
     moves: Moves = []
-    at, half, sda = 3_000_000, 15_000, 1
+    begins = []
+    at, half, sda = 3_000_000, 3_750, 1
 
     def byte(value: int) -> None:
         nonlocal at, sda
@@ -242,26 +275,87 @@ def start_in_a_pulse(width: int) -> tuple[Moves, int]:
             moves.extend(((at + half, {"SCL": 1}), (at + 2 * half, {"SCL": 0})))
             at += 2 * half
 
-    moves += [(at, {"SDA": 0}), (at + half, {"SCL": 0})]
-    at, sda = at + half, 0
-    byte(0x22 << 1)
-    moves.append((at + half, {"SCL": 1}))
-    pulse = at + 2 * half + width  # begins at another part of a cycle each time
-    moves += [(pulse, {"SCL": 0}), (pulse + width // 2, {"SDA": 0}), (pulse + width, {"SCL": 1})]
-    moves.append((pulse + half, {"SCL": 0}))
-    at, sda = pulse + half, 0
-    byte(0x50 << 1)
-    return moves, pulse
+    for behind, width, fall in pulses:
+        moves += [(at, {"SDA": 0}), (at + half, {"SCL": 0})]
+        at, sda = at + half, 0
+        byte(0x22 << 1)
+        begin = (at + 2 * half) // 20 * 20 + behind
+        begins.append(begin)
+        moves += [(at + half, {"SCL": 1}), (begin, {"SCL": 0}), (begin + fall, {"SDA": 0}), (begin + width, {"SCL": 1})]
+        moves.append((begin + width + half, {"SCL": 0}))
+        at, sda = begin + width + half, 0
+        byte(0x50 << 1)
+        moves += [(at + 900, {"SDA": 0}), (at + half, {"SCL": 1}), (at + 2 * half, {"SDA": 1})]
+        at, sda = at + 6 * half, 1
+    return moves, begins
 
 
 @pytest.mark.parametrize("done", [False, True])
-def test_a_start_in_a_pulse_that_the_filter_swallows_is_answered(done: bool) -> None:
-    answered = 0
-    for width in (100, 290, 299, 301, 310, 319, 321, 400):
-        moves, pulse = start_in_a_pulse(width)
-        end = moves[-1][0] + 100_000
-        lazily, moved, _ = stepped("interrupts", moves, end, finely=False, done=pulse if done else -1)
-        finely, again, _ = stepped("interrupts", moves, end, finely=True)
-        assert lazily == finely and moved == again
-        answered += moved > 0
-    assert 0 < answered < 8
+@pytest.mark.parametrize("name", FILTERS)
+def test_a_start_in_a_pulse_that_a_filter_swallows_is_answered(name: str, done: bool) -> None:
+    pulses = FILTERS[name][1]
+    moves, begins = starts_in_pulses(pulses)
+    end = moves[-1][0] + 100_000
+    lazily, moved, _ = stepped(name, moves, end, finely=False, done=begins if done else ())
+    finely, again, _ = stepped(name, moves, end, finely=True)
+    assert lazily == finely and moved == again
+    assert 0 < moved < 2 * len(pulses)  # an ACK each, but for a pulse that comes through
+
+
+def leaves(how: str) -> Firmware:
+    """A slave that pulls SDA for zeros, and at 133 us lets go of it, since it resets its module."""
+
+    def main(dsp: Any, settings: Any) -> None:
+        i2c, timer = dsp.module("I2C-A"), dsp.module("TIMER0")
+        start_i2c(dsp, 0x50)
+        i2c.I2CMDR.all = 0x0020  # IRS
+        i2c.I2CDXR.all = 0
+
+        def leave() -> None:
+            i2c.I2CMDR.all = 0
+
+        if how == "in an interrupt":
+            timer.PRD.all = 20_000
+            timer.TCR.all = 0x4020
+            start_pie(dsp, {"TINT0": leave})
+            dsp.compute(19_900)
+            while True:
+                dsp.compute(3)
+        dsp.compute(20_000)
+        if how == "behind another write":
+            i2c.I2CIER.all = 0
+        elif how == "behind a read that waits for a write":
+            i2c.I2CIER.all = 0
+            i2c.I2CSTR.all  # noqa: B018
+        elif how == "by a field":
+            i2c.I2CMDR.IRS = 0
+        leave()
+
+    return Firmware("leaves", main, None)
+
+
+@pytest.mark.parametrize("lands", [2, 4])
+@pytest.mark.parametrize(
+    "how",
+    ["at once", "behind another write", "behind a read that waits for a write", "by a field", "in an interrupt"],
+)
+def test_a_write_that_moves_a_pin_is_foretold_to_the_tick(how: str, lands: int) -> None:
+    unit = {"firmware": str(FIRMWARE / "responder.py"), "modules": ["I2C-A", "TIMER0"]}
+    options = {"options": {"system": {"write_lands": lands}}}
+    with Session(case(unit={"dsp": unit | options}), BUS, programs={"dsp": leaves(how)}) as session:
+        at, half = 60_000, 3_750
+        session.advance(at)
+        session.apply(at, {"SDA": 0})
+        for place in range(8, -1, -1):
+            session.apply(at + half, {"SCL": 0})
+            session.apply(at + half + 900, {"SDA": (0x50 << 2 | 0b11) >> place & 1})
+            session.apply(at := at + 2 * half, {"SCL": 1})
+        session.apply(at + half, {"SCL": 0})
+        session.advance(at + 3 * half)
+        assert session.pulls("SDA") and not session.pulls("SCL")
+        moved: list[Change] = []
+        while not moved:
+            due = session.next_output()
+            assert due is not None and session.advance(due) == []
+            moved = session.advance(due + 1)
+        assert moved == [Change(due, "SDA", 1)]

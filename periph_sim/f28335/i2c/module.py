@@ -186,6 +186,8 @@ class I2c(Chip):
         by edges of SDA as SCL is low; -1: by any edge."""
         if self.state.mdr & MDR_DLB or self._suspended or self.master.answers_edges():
             return -1
+        if self._lines.together:  # SDA may delay an edge of SCL, and with it undo a pulse wider than the filter
+            return -1
         silent = self.target.silent_edges(bool(self._lines.levels & SCL))
         return silent - 1 if silent > 0 and not behind_filter and self._lines.scl_moves() else silent
 

@@ -4,7 +4,7 @@ cimport cython
 @cython.final
 cdef class I2cNoiseFilter:
     cdef public long long levels, due
-    cdef bint _together
+    cdef bint together
     cdef set _touched
     cdef long long _scl_due, _sda_due, _cycle, _scl_was, _sda_was
     cpdef void sample(self, long long now, long long pins, long long width, long long module_clock)

@@ -23,7 +23,7 @@ class I2cNoiseFilter:
     def __init__(self, together: bool, touched: set[str]) -> None:
         self.levels = SCL | SDA
         self.due = NEVER
-        self._together = together
+        self.together = together
         self._touched = touched
         self._scl_due = self._sda_due = NEVER
         self._cycle = -1  # of the last sample,
@@ -43,7 +43,7 @@ class I2cNoiseFilter:
         self.due = scl if scl < sda else sda
         if scl < NEVER and sda < NEVER and scl != sda and -module_clock < scl - sda < module_clock:
             self._touched.add("unequal_arrival")
-            if self._together:
+            if self.together:
                 self.due = self._scl_due = self._sda_due = max(scl, sda)
 
     def take(self, now: int) -> int:

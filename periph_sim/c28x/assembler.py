@@ -83,12 +83,19 @@ def parse(source: str, address: int, symbols: Mapping[str, int]) -> Parsed:
 
 @cache
 def _forms() -> Mapping[str, tuple[Encoding, ...]]:
-    """The forms of OBJMODE 1 by mnemonic, shorter ones first; aliases behind the forms they stand for."""
+    """The forms of OBJMODE 1 by mnemonic, shorter ones first; aliases behind the forms they stand for.
+
+    Of equal ones those with fewer operands: `MOVL P,ACC` rather than `MOVL loc32,ACC`.
+    """
     forms: dict[str, list[Encoding]] = {}
     for encoding in encodings():
         if encoding.objmode != "0":
             forms.setdefault(encoding.mnemonic, []).append(encoding)
-    return {name: tuple(sorted(rows, key=lambda row: (row.words, bool(row.alias_of)))) for name, rows in forms.items()}
+    return {name: tuple(sorted(rows, key=_before_others)) for name, rows in forms.items()}
+
+
+def _before_others(row: Encoding) -> tuple[int, bool, int]:
+    return row.words, bool(row.alias_of), sum(part.read is not None for part in parts_of(row))
 
 
 @cache

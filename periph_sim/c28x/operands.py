@@ -32,6 +32,7 @@ STATUS_BITS = ["SXM", "OVM", "TC", "C", "INTM", "DBGM", "PAGE0", "VMAP"]  # of S
 STF_BITS = {"LVF": 0, "LUF": 1, "NF": 2, "ZF": 3, "NI": 4, "ZI": 5, "TF": 6, "RNDF32": 9}
 MOVST0_BITS = {"LVF": 0, "LUF": 1, "NF": 2, "NI": 3, "ZF": 4, "ZI": 5, "TF": 7}
 PRODUCT_SHIFTS = ("+1", "0", "-1", "-2", "-3", "-4", "-5", "-6")
+CALLS = ("LB", "LC", "LCR", "FFC")
 INTERRUPTS = [f"INT{n}" for n in range(1, 15)] + ["DLOGINT", "RTOSINT"]
 UNCF = 15
 PMA_PAGE = 0x3F_0000  # the program page of C2xLP addresses
@@ -93,7 +94,8 @@ def _operand(token: str, encoding: Encoding) -> Part:
 
     def read(text: str, at: int, evaluate: Evaluate) -> dict[str, int]:
         spaceless = "".join(text.split())
-        found = operand_field.fixed(wide).get(spaceless.upper())
+        names = operand_field.fixed(wide)
+        found = names.get(spaceless.upper(), names.get(f"@{spaceless.upper()}"))  # a register needs no @
         if found is not None:
             return {"l": found}
         if spaceless.startswith("@"):  # an address: the word of its data page
@@ -163,7 +165,7 @@ def _optional_fpu_condition(token: str, encoding: Encoding) -> Part:
 
 
 def _product_shift(token: str, encoding: Encoding) -> Part:
-    names = {text: code for code, text in enumerate(PRODUCT_SHIFTS)} | {"1": 0}
+    names = {text: code for code, text in enumerate(PRODUCT_SHIFTS)} | {"1": 0, "#0": 1}
     return _one_of("s", names, PRODUCT_SHIFTS.__getitem__)
 
 
@@ -242,7 +244,10 @@ def _number(token: str, encoding: Encoding) -> Part | None:
             return f"#{number - mask - 1 if number > mask >> 1 else number}"
         return f"#{number}" if number < 10 else f"#{number:#x}"
 
-    return Part(show, IMMEDIATE, lambda text, at, evaluate: {"c": _immediate(text, evaluate, least, most) & mask})
+    label = r"|[A-Za-z_$][\w$.]*" if encoding.mnemonic in CALLS else ""  # where they jump to needs no #
+    return Part(
+        show, IMMEDIATE + label, lambda text, at, evaluate: {"c": _immediate(text, evaluate, least, most) & mask}
+    )
 
 
 def _shift(token: str, encoding: Encoding) -> Part | None:
@@ -253,9 +258,9 @@ def _shift(token: str, encoding: Encoding) -> Part | None:
     bias, mask = encoding.shift_bias, encoding.fields["s"].mask
     return Part(
         lambda values, at: f"{prefix}{values['s'] + bias}",
-        rf"{re.escape(prefix)}[^,|<]+?",
+        rf"{re.escape(prefix)}[^,|<]+?" + (r"|\d+" if prefix == "#" else ""),
         lambda text, at, evaluate: {
-            "s": _ranged(evaluate(text[len(prefix) :]), bias + _least(encoding), mask + bias, text) - bias
+            "s": _ranged(evaluate(text.removeprefix(prefix)), bias + _least(encoding), mask + bias, text) - bias
         },
     )
 

@@ -70,6 +70,24 @@ def test_case_and_spaces_are_free():
     assert words("mov al, *+xar4[ 3 ]") == (0x92DC,)
 
 
+@pytest.mark.parametrize(
+    ("short", "written_out"),
+    [
+        ("ADD AL,AH", "ADD AL,@AH"),
+        ("MOVZ AR4,SP", "MOVZ AR4,@SP"),
+        ("ADDL XAR4,ACC", "ADDL @XAR4,ACC"),
+        ("TBIT AL,#3", "TBIT @AL,#3"),
+        ("LSR AL,6", "LSR AL,#6"),
+        ("LSL ACC,T", "LSL ACC,T"),
+        ("SPM #0", "SPM 0"),
+        ("LCR there", "LCR #there"),
+    ],
+)
+def test_what_compilers_leave_out(short: str, written_out: str):
+    """No @ before a register, no # before a shift or where a call goes."""
+    assert words(short, there=0x33_8000) == words(written_out, there=0x33_8000)
+
+
 def test_push_and_pop_of_32_bits_are_their_moves():
     assert words("PUSH XAR4") == words("MOVL *SP++,XAR4")
     assert words("POP ACC") == words("MOVL ACC,*--SP")

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
 from .input_options import address_given, pace_given, time_given
 from .json_output import print_json
@@ -100,6 +101,8 @@ def serve(
 
     if sum(place is not None for place in (link, real, tcp, bus)) != 1:
         raise click.UsageError("give one of --pty, --rfc2217, --port and --i2cdriver, where programs find the case")
+    if bus is not None and (serial := _given("sci", "baud", "form")):
+        raise click.UsageError(f"{' and '.join(serial)} belong to a serial port; --i2cdriver serves the I2C bus")
     if view and not sys.stdout.isatty():
         raise click.UsageError("--view needs a terminal; --browser shows the same on a page")
     loops: list[Loop] = []
@@ -153,6 +156,13 @@ def serve(
         show(terminal(), result, ready.case)
         click.echo("\n".join(pacer.text()))
     return 0 if result.verdict != "fail" else 1
+
+
+def _given(*names: str) -> list[str]:
+    """Those of these options that are on the command line, as it spells them."""
+    context = click.get_current_context()
+    options = {one.name: one.opts[0] for one in context.command.params}
+    return [options[one] for one in names if context.get_parameter_source(one) is ParameterSource.COMMANDLINE]
 
 
 @contextmanager

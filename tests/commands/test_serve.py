@@ -89,6 +89,11 @@ def test_an_unmodified_i2cdriver_program_reads_the_bus(tmp_path: Path, monkeypat
     ("more", "status", "sentence"),
     [
         ((), 2, "give one of --pty, --rfc2217, --port and --i2cdriver, where programs find the case"),
+        (
+            ("--i2cdriver", "--sci", "scia", "--format", "8e1"),
+            2,
+            "--sci and --format belong to a serial port; --i2cdriver",
+        ),
         (("--pty", "{taken}", "--port", "/dev/ttyS0"), 2, "give one of --pty, --rfc2217, --port"),
         (("--i2cdriver",), 2, "there is no wire 'SDA'"),
         (("--rfc2217", "localhost"), 2, "--rfc2217 'localhost': expected a port up to 65535, or ADDRESS:PORT"),

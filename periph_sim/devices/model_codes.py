@@ -7,9 +7,8 @@ The way of the bytes is the controller's (`sensor_head.CHIPS`), so that firmware
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
-from functools import partial
 from typing import Any, NamedTuple
 
 from msgspec import Struct
@@ -22,6 +21,7 @@ from ..sensors.shared_models import ModelNoise, model_of
 from .sensor_rounds import CHIPS, ChipData
 
 ModelState = State[Any]
+BIG, LITTLE = struct.Struct(">3h"), struct.Struct("<3h")
 BY_ADDRESS = {chip.address: (name, chip) for name, chip in CHIPS.items()}
 
 
@@ -57,12 +57,7 @@ class ModelCodes:
     def __init__(self, computed: Computed) -> None:
         self._model = model_of(computed.arithmetic, computed.parameters)
         self._a = self._model.a
-        # numpy's arithmetic warns of x/0, and says itself what that gives; Python's does not
-        self._quietly: Callable[[], AbstractContextManager[Any]] = nullcontext
-        if self._a.name == "float32":
-            import numpy as np
-
-            self._quietly = partial(np.errstate, all="ignore")
+        self._warns = self._a.name == "float32"  # as numpy's arithmetic does of x/0; it says itself what that gives
         self._noise = ModelNoise(computed.arithmetic, computed.parameters, computed.noise_seed)
         self.at_rest: ModelState = self._model.at_rest
 
@@ -74,17 +69,28 @@ class ModelCodes:
         pushed = scaled(x, ACCELERATION), scaled(y, ACCELERATION), scaled(z, ACCELERATION)
         noise, model = self._noise.at(number), self._model
         check_sample(attitude, pushed, noise)
-        with self._quietly():
-            turned, body = model.motion(attitude, before.attitude)
+        turned, body = self._quietly(model.motion, attitude, before.attitude)
 
         def codes_of(chip: str) -> tuple[Any, Any, Any]:
-            with self._quietly():
-                return model.codes_of(chip, turned, pushed, body, before.body, noise)
+            codes: tuple[Any, Any, Any] = self._quietly(model.codes_of, chip, turned, pushed, body, before.body, noise)
+            return codes
 
         return Shown(ChipBytes(codes_of), State(attitude, body))
+
+    def _quietly(self, computed: Callable[..., Any], *inputs: Any) -> Any:
+        """What is computed of these inputs, without warnings."""
+        if not self._warns:
+            return computed(*inputs)
+        import numpy as np
+
+        with np.errstate(all="ignore"):
+            return computed(*inputs)
 
 
 def register_bytes(chip: ChipData, xyz: tuple[Any, Any, Any]) -> bytes:
     """The six bytes of three values, as the chip keeps them. OverflowError for one that does not fit 16 bits."""
-    in_order = [int(xyz[axis]) for axis in chip.order]
-    return b"".join(value.to_bytes(2, "big" if chip.big else "little", signed=True) for value in in_order)
+    first, second, third = chip.order
+    try:
+        return (BIG if chip.big else LITTLE).pack(int(xyz[first]), int(xyz[second]), int(xyz[third]))
+    except struct.error as error:
+        raise OverflowError(f"{xyz}: {error}") from None

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from ..bus.i2c.byte_counter import I2cByteCounter
     from ..bus.i2c.transfer import Transfer
     from ..bus.i2c.whole_bytes import WholeBytes
+    from ..bus.receiver_listener import ReceiverListener
     from ..core.wire import Wire
     from ..devices.chips.register_chip import Source
     from ..devices.host_pc import Host
@@ -267,14 +268,11 @@ class Scene:
                 parts.StuckWatch(self.kernel, self.recorder, wire, limit, self.stuck.report, self.whole_bytes)
         self.stuck.told.append(told)
 
-    def on_sci(self, told: Callable[[int, int, bool], None]) -> None:
-        self._uart.on_sci(told)
+    def on_sci(self, listener: ReceiverListener) -> None:
+        self._uart.on_sci(listener)
 
     def on_character(self, told: Callable[[int], None]) -> None:
         self._uart.on_character(told)
-
-    def on_received_character(self, told: Callable[[int], None]) -> None:
-        self._uart.on_received_character(told)
 
     def origins(self) -> Origins:
         """Which host frame the bytes of a read come from. BadCase where the scene does not tell."""

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
+from ..bus.receiver_listener import ReceiverListener
 from ..core.socket import Onlooker
 from ..f28335.sci.register_map import SCI_MAP
 from ..processor.dsp import Dsp
@@ -15,15 +14,14 @@ RXRDY, OE = SCI_MAP["SCIRXST"]["RXRDY"].mask, SCI_MAP["SCIRXST"]["OE"].mask
 
 
 class SciMonitor(Onlooker):
-    """Looks at a receiver after each input: words in the FIFO, and rising overrun flags. received: told of characters.
+    """Looks at a receiver after each input: words in the FIFO, rising overrun flags, characters.
 
     A character raises RXFFST, without FIFO RXRDY, or an overrun flag.
     """
 
     def __init__(self, dsp: Dsp, module: str) -> None:
         self._socket = dsp.socket(module)
-        self.told: list[Callable[[int, int, bool], None]] = []
-        self.received: list[Callable[[int], None]] = []
+        self.listeners: list[ReceiverListener] = []
         self._clock = dsp.clock
         self._words = 0
         self._waiting = 0  # words, or the one in SCIRXBUF
@@ -39,11 +37,14 @@ class SciMonitor(Onlooker):
         if words == self._words and waiting == self._waiting and overrun == self._overrun:
             return
         tick, lost = self._clock.tick(cycle), overrun and not self._overrun
-        came = max(waiting - self._waiting, int(lost))
+        came = waiting - self._waiting
+        if lost and came < 1:
+            came = 1
         if words != self._words or overrun != self._overrun:
-            for told in self.told:
-                told(tick, words, lost)
+            for listener in self.listeners:
+                listener.changed(tick, words, lost)
         self._words, self._waiting, self._overrun = words, waiting, overrun
-        for _ in range(came):
-            for heard in self.received:
-                heard(tick)
+        while came > 0:
+            came -= 1
+            for listener in self.listeners:
+                listener.received(tick)

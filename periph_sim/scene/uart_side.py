@@ -15,6 +15,7 @@ from .context import SceneContext
 from .result import FRAMES, FRAMES_PASSED
 
 if TYPE_CHECKING:
+    from ..bus.receiver_listener import ReceiverListener
     from ..core.wire import Wire
     from ..processor.dsp import Dsp
     from ..timing.measures.measure import SceneEvents
@@ -116,13 +117,9 @@ class UartSide:
         if self._lines is not None:
             self._lines.on_character(told)
 
-    def on_sci(self, told: Callable[[int, int, bool], None]) -> None:
+    def on_sci(self, listener: ReceiverListener) -> None:
         for monitor in self._receivers():
-            monitor.told.append(told)
-
-    def on_received_character(self, told: Callable[[int], None]) -> None:
-        for monitor in self._receivers():
-            monitor.received.append(told)
+            monitor.listeners.append(listener)
 
     def _receivers(self) -> list[SciMonitor]:
         if not self._monitors and self._scis:

@@ -37,9 +37,14 @@ class ImuNoise:
 
     def near(self, number: int) -> Noise[tuple[float, float]] | None:
         """One sample as values with how far off each may be, without numpy; None where it takes numpy."""
-        chips = [chip.near(number) for chip in (self._gyroscope, self._accelerometer, self._magnetometer)]
-        told = [(chip[0], chip[1], chip[2]) for chip in chips if chip is not None]
-        return Noise(*told) if len(told) == len(chips) else None
+        told = []
+        for chip in (self._gyroscope, self._accelerometer, self._magnetometer):
+            axes = chip.near(number)
+            if axes is None:
+                return None
+            x, y, z = axes
+            told.append((x, y, z))
+        return Noise(*told)
 
 
 def _terms(sensor: GyroscopeParameters | AccelerometerParameters | MagnetometerParameters) -> list[NoiseTerms]:

@@ -61,7 +61,7 @@ class Gaussian:
 
     def at(self, number: int) -> float:
         """One value; quick where the numbers rise."""
-        block, place = divmod(number, BLOCK)
+        block, place = number // BLOCK, number % BLOCK
         if block != self._block:
             _not_negative(number, 1)
             self._block, self._kept = block, _block_of(self.key, block)
@@ -69,7 +69,7 @@ class Gaussian:
 
     def near(self, number: int) -> float | None:
         """A value that is within NEAR of the true one, without numpy; None where it takes numpy."""
-        block, place = divmod(number, BLOCK)
+        block, place = number // BLOCK, number % BLOCK
         return first_of(self.key, block)[place] if place < FEW and number >= 0 else None
 
     def _values_of(self, block: int) -> Floats:
@@ -133,10 +133,9 @@ class AxisNoise:
         """One sample; the same bits as in `values`."""
         noise = self._white.at(number) * self._white_sigma
         if self._octaves:
-            held = (octave.at(_hold(octave, k, number)) for k, octave in enumerate(self._octaves))
             total = 0.0
-            for value in held:
-                total += value
+            for k, octave in enumerate(self._octaves):
+                total += octave.at(_hold(octave, k, number))
             noise += total * self._octave_sigma
         if self._step:
             noise += self._walk_at(number)
@@ -206,9 +205,13 @@ class SensorNoise:
 
     def near(self, number: int) -> list[tuple[float, float]] | None:
         """One sample of the three axes, each with how far off it may be, without numpy; None where it takes numpy."""
-        axes = [axis.near(number) for axis in self._axes]
-        told = [axis for axis in axes if axis is not None]
-        return told if len(told) == len(axes) else None
+        told = []
+        for axis in self._axes:
+            value = axis.near(number)
+            if value is None:
+                return None
+            told.append(value)
+        return told
 
 
 def _phase(octave: Gaussian, k: int) -> int:

@@ -67,8 +67,9 @@ class ModelNoise:
 
     def __init__(self, arithmetic: str, parameters: ImuParameters, seed: int | None) -> None:
         model = model_of(arithmetic, parameters)
-        self._constant, self._silence = model.a.constant, model.silence
         self._rounds = isinstance(model.a, Q)
+        self._nearest = model.a.nearest if isinstance(model.a, Q) else model.a.constant
+        self._silence = model.silence
         self._parameters, self._seed = parameters, seed
         self._noise: ImuNoise | None = None  # made with the first sample that nobody has worked out before
         self._slots: Slots = [] if seed is None else _slots(arithmetic, parameters, seed)
@@ -84,8 +85,13 @@ class ModelNoise:
                 self._noise = ImuNoise(self._parameters, self._seed)
             made = self._rounded(number, self._noise) if self._rounds else None
             if made is None:
-                constant = self._constant
-                made = Noise(*((constant(x), constant(y), constant(z)) for x, y, z in self._noise.at(number)))
+                nearest = self._nearest
+                g, a, m = self._noise.at(number)
+                made = Noise(
+                    (nearest(g[0]), nearest(g[1]), nearest(g[2])),
+                    (nearest(a[0]), nearest(a[1]), nearest(a[2])),
+                    (nearest(m[0]), nearest(m[1]), nearest(m[2])),
+                )
             known = self._slots[slot] = number, made
         return known[1]
 
@@ -94,7 +100,7 @@ class ModelNoise:
         near = noise.near(number)
         if near is None:
             return None
-        chips = [[(self._constant(x - off), self._constant(x + off)) for x, off in axes] for axes in near]
+        chips = [[(self._nearest(x - off), self._nearest(x + off)) for x, off in axes] for axes in near]
         if any(least != most for axes in chips for least, most in axes):
             return None
         return Noise(*((x, y, z) for (x, _), (y, _), (z, _) in chips))

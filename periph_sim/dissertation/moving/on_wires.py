@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from msgspec import structs
 
+from ...bus.receiver_listener import ReceiverListener
 from ...core.records import Kind, Record, Recorder
 from ...core.time import Timebase
 from ...devices.chips.register_chip import Source
@@ -50,6 +51,16 @@ class Emulated:
     runs: Ints
 
 
+class _Waiting(ReceiverListener):
+    """What the runs of the models hear of the receiver."""
+
+    def __init__(self, runs: ModelRuns) -> None:
+        self._runs = runs
+
+    def changed(self, tick: int, words: int, overrun: bool) -> None:
+        self._runs.words_wait(words)
+
+
 class ModelRuns:
     """Listens to a scene: how many frames were taken when models began; when a round ends, whose run it was.
 
@@ -76,12 +87,13 @@ class ModelRuns:
     def listen(self, scene: Scene) -> None:
         scene.on_frame(self._frame)
         scene.on_round(self._round)
-        scene.on_sci(self._sci)
+        scene.on_sci(_Waiting(self))
 
     def _frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
         self._sent.append(number)
 
-    def _sci(self, tick: int, words: int, overrun: bool) -> None:
+    def words_wait(self, words: int) -> None:
+        """So many words wait in the receive FIFO now."""
         self._taken += not words and self._waiting > 0
         self._waiting = words
 

@@ -36,7 +36,8 @@ def inputs_of(attitude: Any, acceleration: Any, noise: Noise[Any] | None) -> tup
 
 def check_sample(attitude: Any, acceleration: Any, noise: Noise[Any]) -> None:
     """One sample, in numbers of any arithmetic. NotFinite names the axis."""
-    values = inputs_of(attitude, acceleration, noise)
+    gyroscope, accelerometer, magnetometer = noise
+    values = (*attitude, *acceleration, *gyroscope, *accelerometer, *magnetometer)
     if not all(map(isfinite, values)):
         axis = next(place for place, value in enumerate(values) if not isfinite(value))
         raise NotFinite(INPUTS[axis], float(values[axis]))

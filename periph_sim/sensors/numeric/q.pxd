@@ -1,5 +1,10 @@
 cimport cython
 
+from .iqmath cimport atan2_of, sine_and_cosine
+
+
+cpdef object nearest_in(object value, object bits)
+
 
 cdef class Q:
     cdef public object name
@@ -8,6 +13,7 @@ cdef class Q:
     cdef dict _factors
     cdef long long _one, _half
     cpdef object constant(self, object value)
+    cpdef object nearest(self, object value)
     cpdef object value(self, long long x)
     @cython.locals(factor=cython.longlong, shift=cython.longlong, product=cython.longlong)
     cpdef long long scaled(self, long long count, object lsb)

@@ -14,8 +14,8 @@ from functools import lru_cache
 from math import floor, frexp, isnan, ldexp
 from typing import Literal
 
-from . import iqmath
 from .arithmetic import Rounding
+from .iqmath import COSINE, SINE, atan2_of, length_of, root_of, sine_and_cosine
 
 Overflow = Literal["wrap", "saturate"]
 Product = Literal["cut", "rounded"]
@@ -27,8 +27,7 @@ class DoesNotFit(ValueError):
     """A constant that the format cannot hold; one sentence."""
 
 
-@lru_cache(maxsize=4096)  # scenes of one case make the same ones again
-def constant_in(value: float, bits: int) -> int:
+def nearest_in(value: float, bits: int) -> int:
     """The raw number nearest to a value. DoesNotFit if there is none."""
     if isnan(value):
         raise DoesNotFit(f"nan is no number; Q{bits} has none for it")
@@ -37,6 +36,9 @@ def constant_in(value: float, bits: int) -> int:
         most = (1 << (31 - bits)) - 2.0**-bits
         raise DoesNotFit(f"{value:g} does not fit Q{bits}, which ends at {most:g}; take fewer fraction bits")
     return raw
+
+
+constant_in = lru_cache(maxsize=4096)(nearest_in)  # scenes of one case make the same ones again
 
 
 def factor_of(lsb: float, bits: int) -> tuple[int, int]:
@@ -73,6 +75,10 @@ class Q:
     def constant(self, value: float) -> int:
         return constant_in(value, self.bits)
 
+    def nearest(self, value: float) -> int:
+        """As `constant`, of a value that hardly comes again."""
+        return nearest_in(value, self.bits)
+
     def value(self, x: int) -> float:
         return x / self._one
 
@@ -103,19 +109,19 @@ class Q:
         return self._overflow(-x) if x == LOW else -x
 
     def sqrt(self, x: int) -> int:
-        return iqmath.root_of(x << self.bits)
+        return root_of(x << self.bits)
 
     def mag(self, x: int, y: int) -> int:
-        return self._saturated(iqmath.length_of(x, y))
+        return self._saturated(length_of(x, y))
 
     def sincos(self, x: int) -> tuple[int, int]:
-        return iqmath.sine_and_cosine(x, self.bits, iqmath.SINE, iqmath.COSINE)
+        return sine_and_cosine(x, self.bits, SINE, COSINE)
 
     def atan(self, x: int) -> int:
-        return iqmath.atan2_of(x, self._one, self.bits)
+        return atan2_of(x, self._one, self.bits)
 
     def atan2(self, y: int, x: int) -> int:
-        return iqmath.atan2_of(y, x, self.bits)
+        return atan2_of(y, x, self.bits)
 
     def select_greater(self, x: int, y: int, yes: int, no: int) -> int:
         return yes if x > y else no

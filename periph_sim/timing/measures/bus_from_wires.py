@@ -140,7 +140,8 @@ class BusFromWires(ByteParty):
             self._acked = not self._sda
         if self._bits == BITS and self.index < 0:
             self.address, self.read = self._in >> 2 & 0x7F, bool(self._in >> 1 & 1)
-            self._know_parties()
+            if self._scl_wire.attached + self._sda_wire.attached != self._parties:
+                self._know_parties()
             self.ours = self._sda_pulling & self._sda_ours != 0
 
     def _falls(self, now: int) -> None:

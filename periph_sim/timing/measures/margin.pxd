@@ -1,3 +1,5 @@
+cimport cython
+
 from .bus_from_wires cimport BusFromWires
 from .measure cimport Measure
 
@@ -16,6 +18,7 @@ cdef class Margin(Measure):
     cpdef long long tag_of(self, object kind, str where, str what)
     cpdef void hear(self, long long tag, long long tick, long long value)
     cdef void _copied(self)
+    @cython.locals(written=cython.longlong, delay=cython.longlong)
     cpdef void needed(self, long long let_go, long long rose)
 
 

@@ -85,7 +85,8 @@ class Margin(Measure):
         self._copied()
         written, self._shifting = self._shifting, NO_TIME
         if written != NO_TIME:
-            self.take(let_go - self._delay.ticks() - written, written)
+            delay = self._delay.ticks()
+            self.take(let_go - delay - written, written)
 
     def finish(self, now: int) -> None:
         bus = self.bus

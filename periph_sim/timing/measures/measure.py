@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from ...bus.i2c.transfer import Transfer
+    from ...bus.receiver_listener import ReceiverListener
     from ...core.wire import Wire
     from ...devices.sensor_rounds import Round
     from ...devices.truth import Axes
@@ -46,17 +47,14 @@ class SceneEvents(Protocol):
 
     def on_stuck(self, told: Callable[[int], None]) -> None: ...
 
-    def on_sci(self, told: Callable[[int, int, bool], None]) -> None:
-        """`told(tick, words in the receive FIFO, something was overrun)` on every change."""
+    def on_sci(self, listener: ReceiverListener) -> None:
+        """`listener` is told what becomes of each SCI's receiver."""
 
     def on_character(self, told: Callable[[int], None]) -> None:
         """`told(tick)` of each character to an SCI, and when its start bit began; at the latest as the run ends.
 
         Of one that goes to several it is told for each.
         """
-
-    def on_received_character(self, told: Callable[[int], None]) -> None:
-        """`told(tick)` of each character that an SCI has received, lost or not."""
 
     def origins(self) -> Origins:
         """Which host frame the bytes of a read come from."""

@@ -5,6 +5,8 @@ cimport cython
 cdef class Sent:
     cdef public long long number, ended
     cdef public tuple values
+    cdef dict _shown
+    cpdef bytes shown_at(self, long long address)
 
 
 @cython.final
@@ -27,6 +29,7 @@ cdef class Origins:
 
 
 cdef class FrameOrigins(Origins):
+    @cython.locals(sent=Sent, wanted=bytes, youngest_first=list)
     cpdef object origin(self, long long address, bytes got)
 
 

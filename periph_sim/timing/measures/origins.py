@@ -14,14 +14,13 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from functools import lru_cache
 from itertools import combinations_with_replacement
 from typing import NamedTuple, Protocol
 
 from ...bus.i2c.transfer import Phase, Transfer
 from ...core.time import NO_TIME
-from ...devices.model_codes import Computed, ModelCodes, ModelState, register_bytes
-from ...devices.sensor_rounds import ADDRESSES, CHIPS
+from ...devices.model_codes import BY_ADDRESS, Computed, ModelCodes, ModelState, register_bytes
+from ...devices.sensor_rounds import ADDRESSES
 from ...devices.truth import shown
 
 BEFORE_ANY = -1  # instead of a frame's number: what firmware shows before a frame has come
@@ -59,12 +58,22 @@ class Sources(Protocol):
 class Sent:
     """A frame as the host sent it."""
 
-    __slots__ = ("ended", "number", "values")
+    __slots__ = ("_shown", "ended", "number", "values")
 
     def __init__(self, number: int, values: tuple[int, ...], ended: int) -> None:
         self.number = number
         self.values = values
         self.ended = ended
+        self._shown: dict[int, bytes] = {}
+
+    def shown_at(self, address: int) -> bytes:
+        """The register bytes of the chip with this address where it shows the numbers of the frame."""
+        data = self._shown.get(address)
+        if data is None:
+            name, chip = BY_ADDRESS[address]
+            x, y, z = shown(self.values)[name]
+            data = self._shown[address] = register_bytes(chip, (x, y, z))
+        return data
 
 
 NOTHING_SENT = Sent(BEFORE_ANY, ZEROS, NO_TIME)
@@ -101,7 +110,13 @@ class FrameOrigins(Origins):
     """The chips show a frame's numbers: angles, accelerations, angles again."""
 
     def origin(self, address: int, got: bytes) -> Origin:
-        return _nearest(got, [(sent, _numbers(address, sent.values)) for sent in reversed(self._sent)])
+        youngest_first = list(self._sent)
+        youngest_first.reverse()
+        for sent in youngest_first:
+            wanted = sent.shown_at(address)
+            if wanted.startswith(got):
+                return Origin(sent.number, sent.ended, wanted)
+        return _nearest(got, [(sent, sent.shown_at(address)) for sent in youngest_first])
 
 
 class Chain:
@@ -221,11 +236,3 @@ def _nearest(got: bytes, candidates: Iterable[tuple[Sent, bytes]]) -> Origin:
 def _agreement(got: bytes, wanted: bytes) -> int:
     """Bytes that are the same."""
     return sum(a == b for a, b in zip(got, wanted, strict=False))
-
-
-@lru_cache(maxsize=3 * RECENT)
-def _numbers(address: int, values: tuple[int, ...]) -> bytes:
-    """The register bytes of the chip with this address where it shows the numbers of a frame."""
-    name, chip = next((name, chip) for name, chip in CHIPS.items() if chip.address == address)
-    x, y, z = shown(values)[name]
-    return register_bytes(chip, (x, y, z))

@@ -1,9 +1,18 @@
+cimport cython
+
+from ...bus.receiver_listener cimport ReceiverListener
 from .measure cimport Measure
 
 
 cdef class OfCharacters(Measure):
     cdef long long _received
+    cpdef void received(self, long long tick)
     cpdef void changed(self, long long tick, long long words, bint overrun)
+
+
+@cython.final
+cdef class _Ear(ReceiverListener):
+    cdef OfCharacters _measure
 
 
 cdef class FifoHighWater(OfCharacters):

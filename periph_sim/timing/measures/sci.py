@@ -5,6 +5,7 @@ Their occasions are the characters on RX, whoever sent them; one that is not rec
 
 from __future__ import annotations
 
+from ...bus.receiver_listener import ReceiverListener
 from .measure import Counter, Measure, SceneEvents
 
 
@@ -23,21 +24,32 @@ class OfCharacters(Measure):
         return self._received
 
     def listen(self, scene: SceneEvents) -> None:
-        scene.on_sci(self._changed)
+        scene.on_sci(_Ear(self))
         scene.on_character(self._on_wire)
-        scene.on_received_character(self._character)
-
-    def _character(self, tick: int) -> None:
-        self._received += tick >= self.not_before
 
     def _on_wire(self, begun: int) -> None:
         self.occasion(begun)
 
-    def _changed(self, tick: int, words: int, overrun: bool) -> None:
-        self.changed(tick, words, overrun)
+    def received(self, tick: int) -> None:
+        """A character was received."""
+        if tick >= self.not_before:
+            self._received += 1
 
     def changed(self, tick: int, words: int, overrun: bool) -> None:
         """So many words wait now. overrun: something has just been lost."""
+
+
+class _Ear(ReceiverListener):
+    """What a measure hears of receivers."""
+
+    def __init__(self, measure: OfCharacters) -> None:
+        self._measure = measure
+
+    def changed(self, tick: int, words: int, overrun: bool) -> None:
+        self._measure.changed(tick, words, overrun)
+
+    def received(self, tick: int) -> None:
+        self._measure.received(tick)
 
 
 class FifoHighWater(OfCharacters):

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import pytest
 
 from periph_sim.bus.i2c.transfer import Phase, Transfer
+from periph_sim.bus.receiver_listener import ReceiverListener
 from periph_sim.core.records import Kind, Record
 from periph_sim.core.time import NO_TIME
 from periph_sim.devices.host_pc import ramp
@@ -28,9 +29,8 @@ class Told:
         self.rounds: list[Callable[[Round], None]] = []
         self.frames: list[Callable[[int, tuple[int, ...], int], None]] = []
         self.stuck: list[Callable[[int], None]] = []
-        self.sci: list[Callable[[int, int, bool], None]] = []
+        self.sci: list[ReceiverListener] = []
         self.characters: list[Callable[[int], None]] = []
-        self.received: list[Callable[[int], None]] = []
         self.due: list[Callable[[int], None]] = []
         self.missed: list[Callable[[int], None]] = []
         self.checked = True
@@ -49,15 +49,11 @@ class Told:
     def on_stuck(self, told: Callable[[int], None]) -> None:
         self.stuck.append(told)
 
-    def on_sci(self, told: Callable[[int, int, bool], None]) -> None:
-        self.sci.append(told)
+    def on_sci(self, listener: ReceiverListener) -> None:
+        self.sci.append(listener)
 
     def on_character(self, told: Callable[[int], None]) -> None:
         self.characters.append(told)
-
-    def on_received_character(self, told: Callable[[int], None]) -> int:
-        self.received.append(told)
-        return 1
 
     def origins(self) -> Origins:
         return FrameOrigins(self)
@@ -93,16 +89,18 @@ class Told:
             told(Round(1, due, due, end, nacked))
 
     def character(self, tick: int, received: bool = True) -> None:
-        for told in self.characters + self.received * received:
+        for told in self.characters:
             told(tick)
+        for listener in self.sci if received else []:
+            listener.received(tick)
 
     def frame(self, number: int, tick: int) -> None:
         for told in self.frames:
             told(number, ramp(number), tick)
 
     def look(self, tick: int, words: int, overrun: bool = False) -> None:
-        for told in self.sci:
-            told(tick, words, overrun)
+        for listener in self.sci:
+            listener.changed(tick, words, overrun)
 
     def came(self) -> tuple[int, int, int, int]:
         """worst, when, least, count"""

@@ -107,3 +107,25 @@ def test_roots_of_arrays_are_rounded_to_nearest_where_float64_cannot_tell(root: 
     square = root * root - root + beside
     assert iqmath_arrays.root_of_arrays(np.array([square], dtype=np.uint64))[0] == (root - 1 if beside < 1 else root)
     assert iqmath.root_of(square) == (root - 1 if beside < 1 else root)
+
+
+@given(st.sampled_from(range(1, 30)), RAW | st.sampled_from([LOW, HIGH, 0, -1]), RAW | st.sampled_from([LOW, HIGH, 0]))
+def test_single_numbers_and_arrays_give_the_same_to_the_last_bit(bits: int, x: int, y: int) -> None:
+    """Arrays have 64 bits as C has; `test_sine_of_a_number_of_any_width` has Python's."""
+    one, many = Q(bits), QArrays(bits)
+    xs, ys = np.array([x]), np.array([y])
+    assert one.sincos(x) == tuple(int(values[0]) for values in many.sincos(xs))
+    assert one.atan(x) == int(many.atan(xs)[0])
+    assert one.atan2(y, x) == int(many.atan2(ys, xs)[0])
+
+
+@pytest.mark.parametrize("bits", FORMATS)
+@pytest.mark.parametrize("angle", [LOW, LOW + 1, HIGH, HIGH - 1, 1, -1])
+def test_sine_of_a_number_of_any_width(bits: int, angle: int) -> None:
+    """In small formats the angle in steps of the table needs more than 64 bits: its upper ones are whole turns."""
+    steps = abs(angle) * iqmath.STEPS_PER_RADIAN
+    q32 = steps >> bits - 8 if bits >= 8 else steps << 8 - bits
+    turn = q32 % (512 << 32) / (512 << 32)
+    sine, cosine = Q(bits).sincos(angle)
+    assert abs(sine / 2**bits - np.sin(2 * np.pi * turn) * (1 if angle > 0 else -1)) <= 2.0**-bits + 2.0**-28
+    assert abs(cosine / 2**bits - np.cos(2 * np.pi * turn)) <= 2.0**-bits + 2.0**-28

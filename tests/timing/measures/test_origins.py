@@ -17,7 +17,8 @@ from periph_sim.bus.i2c.transfer import Phase, Transfer
 from periph_sim.core.time import NO_TIME
 from periph_sim.devices.model_codes import Computed, ModelCodes
 from periph_sim.sensors.models.parameters import AccelerometerParameters, ImuParameters
-from periph_sim.timing.measures.origins import BEFORE_ANY, FrameOrigins, ModelOrigins, Origin, Origins
+from periph_sim.timing.measures import origins as origins_module
+from periph_sim.timing.measures.origins import BEFORE_ANY, RECENT, FrameOrigins, ModelOrigins, Origin, Origins
 
 GYROSCOPE, ACCELEROMETER, MAGNETOMETER = 0x68, 0x53, 0x1E
 CHIPS = (GYROSCOPE, ACCELEROMETER, MAGNETOMETER)
@@ -99,6 +100,19 @@ def test_equal_numbers_are_those_of_the_youngest_frame():
         bus.frame(number, (7,) * 6)
     found = bus.read(origins, ACCELEROMETER, bytes.fromhex("0700 0700 0700"))
     assert found is not None and (found.frame, found.ended) == (3, 300)
+
+
+def test_the_bytes_of_a_frame_are_worked_out_once_for_each_chip(monkeypatch: pytest.MonkeyPatch):
+    """They were remembered in as many places as a read walks through, so that each look-up missed."""
+    made, register_bytes = [], origins_module.register_bytes
+    monkeypatch.setattr(origins_module, "register_bytes", lambda *of: made.append(of) or register_bytes(*of))
+    bus = Bus()
+    origins = FrameOrigins(bus)
+    for number in range(2 * RECENT):
+        bus.frame(number, moved(number))
+        for address in CHIPS:
+            assert bus.read(origins, address, b"no frame's") == bus.read(origins, address, b"no frame's")
+    assert len([xyz for _, xyz in made if any(xyz)]) == len(CHIPS) * 2 * RECENT
 
 
 @given(st.lists(st.tuples(st.integers(1, 3), st.integers(0, 3)), min_size=1, max_size=12), st.integers(0, 6))

@@ -22,6 +22,7 @@ class CompiledCore(BuildHookInterface[Any]):
             return
         if subprocess.run([sys.executable, "-m", "periph_sim.form.build"], cwd=self.root, check=False).returncode:
             sys.exit("no wheel with a compiled core; leave HATCH_BUILD_HOOKS_ENABLE out for one without")
-        build_data["artifacts"].append("periph_sim/compiled/*")  # which git ignores
+        for name in ("core.*", "manifest.json"):  # which git ignores; object files stay behind
+            build_data["artifacts"].append(f"periph_sim/compiled/{name}")
         build_data["pure_python"] = False
         build_data["infer_tag"] = True

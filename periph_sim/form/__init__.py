@@ -31,6 +31,7 @@ MANIFEST = "manifest.json"
 VARIABLE = "PERIPH_SIM_FORM"
 COMPILED, INTERPRETED = "compiled", "interpreted"
 SUFFIX = EXTENSION_SUFFIXES[0]
+LIBRARY = f"core{SUFFIX}"  # holds all compiled modules: loaded once, and what runs together lies together
 
 running = INTERPRETED
 note = ""  # why a build that is there does not run
@@ -53,6 +54,11 @@ def sources(package: Path, modules: Sequence[str]) -> Iterator[Path]:
         yield path.with_suffix(".pxd")
 
 
+def symbol(module: str) -> str:
+    """The C name of a module in the library: its whole path. The last part alone is that of several modules."""
+    return module.replace(".", "__")
+
+
 class DoesNotLoad(ImportError):
     """A compiled module that this system cannot load, such as one made where the C library is newer."""
 
@@ -60,10 +66,12 @@ class DoesNotLoad(ImportError):
 class _Loader(ExtensionFileLoader):
     def create_module(self, spec: ModuleSpec) -> ModuleType:
         try:
-            return super().create_module(spec)
+            module = super().create_module(ModuleSpec(symbol(spec.name), self, origin=spec.origin))
         except ImportError as error:
             said = f"the compiled core does not load here: {error}; `{way()}` builds it anew"
             raise DoesNotLoad(f"{said}, {VARIABLE}={INTERPRETED} leaves it alone") from None
+        module.__name__, module.__package__ = spec.name, spec.parent
+        return module
 
 
 def finders(package: Path, built: Path, modules: Sequence[str]) -> Callable[[str], FileFinder]:
@@ -72,14 +80,14 @@ def finders(package: Path, built: Path, modules: Sequence[str]) -> Callable[[str
     So those find it, too, who get before all other finders to rewrite assertions, as pytest does, and as cocotb does by
     it; one on `sys.meta_path` would come behind them.
     """
-    names = {f"{package.name}.{module}": built / f"{module}{SUFFIX}" for module in modules}
+    names = {f"{package.name}.{module}" for module in modules}
+    library = built / LIBRARY
 
     class Finder(FileFinder):
         def find_spec(self, fullname: str, target: ModuleType | None = None) -> ModuleSpec | None:
-            file = names.get(fullname)
-            if file is None:
+            if fullname not in names:
                 return super().find_spec(fullname, target)
-            return spec_from_file_location(fullname, file, loader=_Loader(fullname, str(file)))
+            return spec_from_file_location(fullname, library, loader=_Loader(fullname, str(library)))
 
     def finder(folder: str) -> FileFinder:
         if not Path(folder).resolve().is_relative_to(package):
@@ -94,7 +102,7 @@ def usable(package: Path, built: Path) -> tuple[list[str], str]:
     try:
         manifest = json.loads((built / MANIFEST).read_text("utf-8"))
         modules, made_of = list(manifest["modules"]), str(manifest["digest"])
-        whole = all((built / f"{module}{SUFFIX}").is_file() for module in modules)
+        whole = (built / LIBRARY).is_file()
     except (OSError, ValueError, KeyError, TypeError):
         whole = False
     if not whole:

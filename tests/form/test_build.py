@@ -5,13 +5,16 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from concurrent.futures.process import BrokenProcessPool
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from shutil import copy, which
 
 import pytest
 
-from periph_sim.form import PACKAGE, build
+from periph_sim import form
+from periph_sim.form import LIBRARY, PACKAGE, build
 
 SMALL = ("core.fifo", "core.time", "core.chip")
 COMPARE = """
@@ -88,6 +91,90 @@ def test_what_does_not_compile_is_told_with_the_compilers_words_and_the_last_bui
     with pytest.raises(build.NoBuild, match=r"(?s)one does not compile; .*'no_such_type' is not a type identifier"):
         build.build(package, built, 1)
     assert [path.name for path in built.iterdir()] == ["kept"]
+
+
+ONE = """
+from . import NAME
+
+class One:
+    def __init__(self):
+        self.count = 0
+    def more(self, by):
+        self.count += by
+        return NAME, self.count
+"""
+TYPES = "cdef class One:\n    cdef long long count\n    cpdef object more(self, long long by)\n"
+
+
+@pytest.mark.skipif(find_spec("Cython") is None or which("cc") is None, reason="Cython or a C compiler is missing")
+def test_modules_of_one_name_are_apart_in_the_library_and_only_what_changed_is_compiled(tmp_path, monkeypatch, capsys):
+    package, built = tmp_path / "rooms", tmp_path / "built"
+    for room in ("left", "right"):
+        (package / room).mkdir(parents=True)
+        (package / room / "__init__.py").write_text(f"NAME = {room!r}\n")
+        (package / room / "one.py").write_text(ONE)
+        (package / room / "one.pxd").write_text(TYPES)
+    (package / "__init__.py").touch()
+    monkeypatch.syspath_prepend(tmp_path)
+    imported = ["rooms", "rooms.left", "rooms.left.one", "rooms.right", "rooms.right.one"]
+    for name in imported:
+        monkeypatch.setitem(sys.modules, name, None)  # none of them is left behind the test
+        del sys.modules[name]
+    monkeypatch.setattr(sys, "path_importer_cache", {})
+
+    def printed() -> list[str]:
+        build.build(package, built, 1)
+        return capsys.readouterr().out.splitlines()
+
+    assert printed() == ["1/2 left.one", "2/2 right.one"]
+    assert printed() == [build.NOTHING_TO_DO]
+    (package / "right" / "one.py").write_text(ONE.replace("+= by", "+= 2 * by"))
+    assert printed() == ["1/1 right.one"]
+    modules, _ = form.usable(package, built)
+    assert modules == ["left.one", "right.one"]
+
+    for name in imported:  # the build has imported the sources
+        del sys.modules[name]
+    monkeypatch.setattr(sys, "path_importer_cache", {})
+    monkeypatch.setattr(sys, "path_hooks", [form.finders(package, built, [*modules, "left.two"]), *sys.path_hooks])
+    for room, expected in (("left", ("left", 3)), ("right", ("right", 6))):
+        module = import_module(f"rooms.{room}.one")
+        assert module.One().more(3) == expected
+        assert (module.__name__, module.__package__) == (f"rooms.{room}.one", f"rooms.{room}")
+        assert module.__file__ == str(built / LIBRARY)
+    with pytest.raises(form.DoesNotLoad, match="does not define module export function"):
+        import_module("rooms.left.two")
+
+
+def compiler_that(folder: Path, does: str) -> str:
+    """A C compiler that runs these lines of a shell."""
+    script = folder / "cc"
+    script.write_text(f"#!/bin/sh\n{does}\n")
+    script.chmod(0o755)
+    return str(script)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="a shell script is the compiler")
+def test_a_linker_that_cannot_sort_links_all_the_same(tmp_path: Path):
+    cc = compiler_that(tmp_path, f'case "$*" in *{build.SORTED}*) exit 1;; esac\necho "$@" > {LIBRARY}')
+    build.link(["core.one", "core.two"], tmp_path, cc)
+    assert (tmp_path / LIBRARY).read_text() == f"-shared core.one.o core.two.o -o {LIBRARY}\n"
+
+
+@pytest.mark.skipif(os.name != "posix", reason="a shell script is the compiler")
+def test_what_does_not_link_is_told_with_the_linkers_words(tmp_path: Path):
+    cc = compiler_that(tmp_path, "echo no space left >&2; exit 1")
+    with pytest.raises(build.NoBuild, match=r"(?s)the compiled modules do not link; .*cc says:\nno space left"):
+        build.link(["core.one"], tmp_path, cc)
+
+
+def test_a_compiler_that_is_killed_is_told(monkeypatch, capsys):
+    def killed(*given: object) -> None:
+        raise BrokenProcessPool("A process in the process pool was terminated abruptly")
+
+    monkeypatch.setattr(build, "build", killed)
+    assert build.main() == 1
+    assert capsys.readouterr().err.startswith("the core stays interpreted: A process in the process pool was term")
 
 
 def test_each_module_that_is_compiled_has_its_source():

@@ -14,7 +14,7 @@ from _pytest.assertion.rewrite import AssertionRewritingHook
 from _pytest.config import Config
 
 from periph_sim import cli, form
-from periph_sim.form import MANIFEST, SUFFIX, digest, usable
+from periph_sim.form import LIBRARY, MANIFEST, digest, usable
 
 MODULES = ["core.one", "core.two"]
 
@@ -30,8 +30,7 @@ def package(tmp_path: Path, monkeypatch) -> Path:
         (package / "core" / f"{name}.pxd").write_text("")
     built = tmp_path / "built"
     built.mkdir()
-    for module in MODULES:
-        (built / f"{module}{SUFFIX}").touch()
+    (built / LIBRARY).touch()
     (built / MANIFEST).write_text(json.dumps({"digest": digest(package, MODULES), "modules": MODULES}))
     return package
 
@@ -48,13 +47,13 @@ def test_a_build_of_other_sources_is_told_and_never_used(package: Path, file: st
     assert modules == [] and why == "the compiled core was built of other sources or for another Python"
 
 
-@pytest.mark.parametrize("change", ["no source", "no module", "no manifest", "no JSON", "no digest"])
+@pytest.mark.parametrize("change", ["no source", "no library", "no manifest", "no JSON", "no digest"])
 def test_a_build_that_is_not_whole_is_told(package: Path, change: str):
     built = package.parent / "built"
     if change == "no source":
         (package / "core" / "one.py").unlink()
-    elif change == "no module":
-        (built / f"core.two{SUFFIX}").unlink()
+    elif change == "no library":
+        (built / LIBRARY).unlink()
     elif change == "no manifest":
         (built / MANIFEST).unlink()
     else:
@@ -65,7 +64,7 @@ def test_a_build_that_is_not_whole_is_told(package: Path, change: str):
 
 @pytest.fixture
 def found_first(package: Path, monkeypatch) -> None:
-    """Of that package, the build runs. Its files have no content: what an extension of another C library comes to."""
+    """Of that package, the build runs. Its library has no content: what one of another C library comes to."""
     monkeypatch.setattr(sys, "path_importer_cache", {})
     monkeypatch.setattr(sys, "path_hooks", [form.finders(package, package.parent / "built", MODULES), *sys.path_hooks])
 

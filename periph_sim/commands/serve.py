@@ -102,7 +102,7 @@ def serve(
     if sum(place is not None for place in (link, real, tcp, bus)) != 1:
         raise click.UsageError("give one of --pty, --rfc2217, --port and --i2cdriver, where programs find the case")
     if bus is not None and (serial := _given("sci", "baud", "form")):
-        raise click.UsageError(f"{' and '.join(serial)} belong to a serial port; --i2cdriver serves the I2C bus")
+        raise click.UsageError(f"{' and '.join(serial)}: for serial ports only; --i2cdriver serves the I2C bus")
     if view and not sys.stdout.isatty():
         raise click.UsageError("--view needs a terminal; --browser shows the same on a page")
     loops: list[Loop] = []

@@ -92,7 +92,7 @@ def test_an_unmodified_i2cdriver_program_reads_the_bus(tmp_path: Path, monkeypat
         (
             ("--i2cdriver", "--sci", "scia", "--format", "8e1"),
             2,
-            "--sci and --format belong to a serial port; --i2cdriver",
+            "--sci and --format: for serial ports only; --i2cdriver",
         ),
         (("--pty", "{taken}", "--port", "/dev/ttyS0"), 2, "give one of --pty, --rfc2217, --port"),
         (("--i2cdriver",), 2, "there is no wire 'SDA'"),

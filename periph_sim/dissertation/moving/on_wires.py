@@ -51,8 +51,8 @@ class Emulated:
     runs: Ints
 
 
-class _Waiting(ReceiverListener):
-    """What the runs of the models hear of the receiver."""
+class _FifoLevel(ReceiverListener):
+    """Forwards the words in the receive FIFO to the model runs."""
 
     def __init__(self, runs: ModelRuns) -> None:
         self._runs = runs
@@ -87,7 +87,7 @@ class ModelRuns:
     def listen(self, scene: Scene) -> None:
         scene.on_frame(self._frame)
         scene.on_round(self._round)
-        scene.on_sci(_Waiting(self))
+        scene.on_sci(_FifoLevel(self))
 
     def _frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
         self._sent.append(number)

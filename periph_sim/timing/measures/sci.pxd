@@ -11,7 +11,7 @@ cdef class OfCharacters(Measure):
 
 
 @cython.final
-cdef class _Ear(ReceiverListener):
+cdef class _ReceiverForwarder(ReceiverListener):
     cdef OfCharacters _measure
 
 

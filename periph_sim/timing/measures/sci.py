@@ -24,7 +24,7 @@ class OfCharacters(Measure):
         return self._received
 
     def listen(self, scene: SceneEvents) -> None:
-        scene.on_sci(_Ear(self))
+        scene.on_sci(_ReceiverForwarder(self))
         scene.on_character(self._on_wire)
 
     def _on_wire(self, begun: int) -> None:
@@ -39,8 +39,8 @@ class OfCharacters(Measure):
         """So many words wait now. overrun: something has just been lost."""
 
 
-class _Ear(ReceiverListener):
-    """What a measure hears of receivers."""
+class _ReceiverForwarder(ReceiverListener):
+    """Forwards a receiver's events to a measure."""
 
     def __init__(self, measure: OfCharacters) -> None:
         self._measure = measure

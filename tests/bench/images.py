@@ -1,27 +1,43 @@
-"""`make bench`, firmware in machine code: instructions a second of a busy program, in both forms. Nothing is asserted.
+"""`make bench`, firmware in machine code, both forms: speed of a busy program, CPU time of programs that mostly wait.
 
-Arithmetic, calls, RPT and FPU, all from RAM, stalls counted, nothing recorded; a program that only waits is another
-matter, its polls are skipped.
+    busy            arithmetic, calls, RPT and FPU from RAM; stalls and wait states counted, nothing recorded
+    SCI echo        firmware/c28x/sci_echo.asm, 250 ms from reset, with characters back to back and with gaps between
+    imu_hil_image   the shipped case, a simulated second behind its start
+
+Nothing is asserted on time; an echo that loses a character is an error.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from fractions import Fraction
 from statistics import median
 from time import process_time
 from typing import Any
 
 from periph_sim.core.kernel import Kernel
-from periph_sim.core.records import Recorder
+from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.form import COMPILED
-from periph_sim.image.assemble import assemble
+from periph_sim.image.assemble import SHIPPED, assemble
 from periph_sim.processor.dsp import Dsp, DspPlan
 from periph_sim.processor.image.program import ImageProgram
+from periph_sim.scene.case.load import load
+from periph_sim.scene.case.model import Case
+from periph_sim.scene.scene import Scene
 
-from .child import in_form
+from .child import TIMING, in_form
+from .levels import START
+from .timed import timed
 
 Row = dict[str, Any]
+BACK_TO_BACK, WITH_GAPS = "SCI echo, back to back", "SCI echo, gaps of 300 us"
+GAPS = {BACK_TO_BACK: "0 s", WITH_GAPS: "300 us"}
+ECHO_FROM, ECHO_UNTIL = Fraction(6, 1000), Fraction(1, 4)  # the PLL locks in 4.4 ms
+BAUD = 114_329  # the firmware's own, 37.5 MHz / 8 / 41; at 115200 it would be overrun after a while
+CHARACTER = Fraction(10, BAUD)
+IMU_HIL = "imu_hil_image"
+UNTIL = {True: "1.1", False: "0.3"}  # seconds of it; compiled, or not
 TICKS = {True: 2_400_000_000, False: 30_000_000}  # compiled, or not
 BUSY = """
  .sect ".text", 0x9000
@@ -78,12 +94,58 @@ def busy(ticks: int) -> dict[str, float]:
     return {"instructions": program.instructions - before, "seconds": process_time() - began}
 
 
+def busy_speed(ticks: int) -> float:
+    """Instructions per CPU second."""
+    run = busy(ticks)
+    return run["instructions"] / run["seconds"]
+
+
+def echo(gap: str, until: str = str(ECHO_UNTIL)) -> float:
+    """CPU seconds of a run from reset until then, in which characters arrive all the time and come back."""
+    pause = Fraction(gap.split()[0]) / 1_000_000
+    count = int((Fraction(until) - ECHO_FROM) / (CHARACTER + pause)) - 2  # the last ones come back before the end
+    sent = bytes(number & 0xFF for number in range(count))
+    send = {"name": "text", "to": "dsp.SCI-A", "bytes": sent.hex(" "), "at": "6 ms", "gap": gap, "baud": BAUD}
+    unit = {"image": str(SHIPPED / "sci_echo.asm"), "modules": ["SCI-A", "GPIO"]}
+    tables = {"name": "echo", "duration": f"{until} s", "unit": {"dsp": unit}, "serial": {"send": [send]}}
+    told: list[Record] = []
+    scene = Scene(Case.model_validate(tables), lambda recorder, _: recorder.subscribe([Kind.FRAME], told.append))
+    _, time = timed(lambda: scene.run(Fraction(until)))
+    came = bytes(one.value & 0xFF for one in told if (one.where, one.what) == ("TX", "end"))
+    if came != sent:
+        raise RuntimeError(f"{count} characters were sent with gaps of {gap}; {len(came)} came back, or others")
+    return time.cpu
+
+
+def imu_hil(until: str) -> float:
+    """CPU seconds per simulated second of imu_hil_image, behind its start."""
+    scene = Scene(load(TIMING / f"{IMU_HIL}.toml"))
+    scene.advance(scene.start + scene.timebase.ticks(START, "nearest"))
+    _, time = timed(lambda: scene.run(Fraction(until)))
+    return time.cpu / float(Fraction(until) - START)
+
+
 def rows(forms: Sequence[str], repeat: int) -> Iterator[Row]:
     for form in forms:
-        runs = [in_form(form, "images", "busy", TICKS[form == COMPILED]) for _ in range(repeat)]
-        speed = median(run["instructions"] / run["seconds"] for run in runs)
-        yield {"program": "busy", "form": form, "instructions_per_s": round(speed)}
+
+        def middle(function: str, *arguments: object, form: str = form) -> float:
+            return median(in_form(form, "images", function, *arguments) for _ in range(repeat))
+
+        yield {
+            "program": "busy",
+            "form": form,
+            "instructions_per_s": round(middle("busy_speed", TICKS[form == COMPILED])),
+        }
+        for name, gap in GAPS.items():
+            yield {"program": name, "form": form, "cpu_s": middle("echo", gap)}
+        yield {"program": IMU_HIL, "form": form, "cpu_s_per_s": middle("imu_hil", UNTIL[form == COMPILED])}
 
 
 def line(row: Row) -> str:
-    return f"{row['program']}, {row['form']}: {row['instructions_per_s'] / 1e6:.2f} M instructions a second"
+    if "cpu_s" in row:
+        how = f"{row['cpu_s']:.3f} s of CPU for 250 ms"
+    elif "cpu_s_per_s" in row:
+        how = f"{row['cpu_s_per_s']:.3f} s of CPU per simulated second"
+    else:
+        how = f"{row['instructions_per_s'] / 1e6:.2f} M instructions per second"
+    return f"{row['program']}, {row['form']}: {how}"

@@ -7,6 +7,7 @@ from typing import Any
 
 from periph_sim.form import COMPILED, INTERPRETED
 
+from .images import BACK_TO_BACK, WITH_GAPS
 from .recorded import FLAGS
 from .start import SHORT
 
@@ -37,6 +38,10 @@ def recorded(way: str) -> Callable[[Parts, str], float | None]:
     return lambda parts, form: cell(parts, "recorded", "times_as_long", case="imu_hil", recorded=way, form=form)
 
 
+def image(key: str, program: str) -> Callable[[Parts, str], float | None]:
+    return lambda parts, form: cell(parts, "images", key, program=program, form=form)
+
+
 def scenarios(parts: Parts, form: str) -> float | None:
     """Of whatever differs between them, the slowest."""
     rates = [row["per_s"] for row in parts.get("schedule", ()) if "per_s" in row]
@@ -57,6 +62,9 @@ TARGETS: tuple[tuple[str, Callable[[Parts, str], float | None], str, float | Non
     ("imu_hil, .psr recorded", recorded(".psr"), "x as long", 2.0, 2.0),
     (SHORT, lambda p, f: cell(p, "start", "cpu_s", what=SHORT, form=f), "s", 0.003, 0.015),
     ("scenarios of 50 rounds, schedule", scenarios, "scenarios/s", 200_000, None),
+    ("image, busy code", image("instructions_per_s", "busy"), "instructions/s", 30_000_000, 150_000),
+    (f"image, 250 ms of {BACK_TO_BACK}", image("cpu_s", BACK_TO_BACK), "s", 1, 30),
+    (f"image, 250 ms of {WITH_GAPS}", image("cpu_s", WITH_GAPS), "s", 1, 30),
 )
 LESS_IS_BETTER = ("x as long", "s")
 

@@ -40,6 +40,13 @@ def test_slaves_that_are_not_asked_have_no_byte_of_their_own() -> None:
     assert 0 <= (many - few) / 10 < 1
 
 
+def test_an_echo_that_loses_characters_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert images.echo("300 us", "0.02") > 0
+    monkeypatch.setattr(images, "BAUD", 118_000)  # characters arrive faster than they are sent
+    with pytest.raises(RuntimeError, match="characters were sent"):
+        images.echo("0 s", "0.02")
+
+
 def test_what_is_absent_is_counted_beside_what_it_would_be(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(nothing.absent, "ROWS", {"GPIO": nothing.absent.ROWS["GPIO"]})
     (row,) = nothing.rows([INTERPRETED])

@@ -131,6 +131,7 @@ class Clock:
         period = self.timebase.per_second / hz
         self._exact = period.numerator, period.denominator
         self._wide = period < 1 or period.numerator * period.denominator > MOST
+        self._near = MOST // max(self._exact)  # a count of cycles or ticks below it fits with either factor
         return (0, 0) if self._wide else self._exact
 
     def tick(self, cycle: int) -> int:
@@ -141,9 +142,12 @@ class Clock:
         if self._wide:
             return self._tick0 + self._wide_ticks(passed)
         if cycle != self._last_cycle:
-            whole = passed // den  # divided first: the product of a long run's cycles would not fit 64 bits
             self._last_cycle = cycle
-            self._last_tick = self._tick0 + whole * self._num + (passed - whole * den) * self._num // den
+            if -self._near < passed < self._near:
+                self._last_tick = self._tick0 + passed * self._num // den
+            else:
+                whole = passed // den  # divided first: the product of a long run's cycles would not fit 64 bits
+                self._last_tick = self._tick0 + whole * self._num + (passed - whole * den) * self._num // den
         return self._last_tick
 
     def cycle_at(self, tick: int) -> int:
@@ -155,6 +159,8 @@ class Clock:
             return self._cycle0 - self._wide_cycles(left)
         if tick == self._last_tick:
             return self._last_cycle
+        if -self._near < left < self._near:
+            return self._cycle0 - left * self._den // num
         whole = left // num
         return self._cycle0 - whole * self._den - (left - whole * num) * self._den // num
 

@@ -21,6 +21,8 @@ cdef class Wire(Settles):
     cdef _Watch _watches
     cdef PullWatch _pull_watches
     cdef dict _names_of
+    cdef long long _named
+    cdef str _names
     cdef public Tape tape
     cpdef void tell_pulls(self, Sampler sampler)
     @cython.locals(last=PullWatch)
@@ -47,6 +49,7 @@ cdef class Wire(Settles):
     cdef Topic _edges, _holds
     @cython.locals(tape=Tape)
     cdef long long _record(self, Topic topic, long long level, long long cause)
+    cdef str _names_for(self, long long pulling)
 
 
 @cython.final
@@ -77,17 +80,26 @@ cdef class Pin:
 
 
 @cython.final
+cdef class _Line:
+    cdef public long long bit
+    cdef Wire wire
+
+
+@cython.final
 cdef class Sampler(Samples):
     cdef Kernel _kernel
     cdef Recorder _recorder
-    cdef dict _wires
+    cdef list _lines
     cdef long long _put_under, _seen
     cpdef void listen(self, long long line, Wire wire)
     cpdef void put(self, long long line, long long level)
     cpdef void jump(self, long long bits)
     cpdef void ask(self)
     cdef void hear(self, long long now)
-    @cython.locals(wire=Wire, moved=cython.longlong)
+    @cython.locals(moved=cython.longlong)
     cdef void _tell_under_record(self, long long now)
     cdef void _set(self, long long line, long long level)
-    cdef void _leave(self, long long line)
+    @cython.locals(line=_Line)
+    cdef long long _moved_under(self, long long moved)
+    @cython.locals(line=_Line, wire=Wire)
+    cdef _Line _leave(self, long long number)

@@ -10,6 +10,7 @@ is never seen. Whoever looks at several wires is told once of all that moved tog
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from operator import attrgetter
 
 from .kernel import BY_WIRE, NOT_DUE, Agent, Kernel, Samples, Settles
 from .records import Kind, Recorder, Topic
@@ -18,6 +19,9 @@ Watcher = Callable[[int, int], None]
 
 MOST = 62  # parties of a wire, lines of a sampler: their masks are C integers of 64 bits in the compiled form
 BITS = tuple(1 << place for place in range(MOST))
+
+
+_bit_of = attrgetter("bit")
 
 
 class TooManyParties(ValueError):
@@ -61,6 +65,8 @@ class Wire(Settles):
         self._pulling_recorded = 0  # the same when it was recorded last
         self._parties: list[str] = []
         self._names_of: dict[int, str] = {}  # of those who pull, as records tell them
+        self._named = -1  # who pulled it as the last record was made, and their names
+        self._names = ""
         self.tape: Tape | None = None
         self._watches: _Watch | None = None  # who is told: the first of a chain
         self._pull_watches: PullWatch | None = None
@@ -77,6 +83,7 @@ class Wire(Settles):
         self.attached += 1
         self._changed()
         self._names_of.clear()
+        self._named = -1
         return Pin(self, BITS[place])
 
     def watch(self, watcher: Watcher) -> Sampler:
@@ -225,15 +232,21 @@ class Wire(Settles):
         self._pulling_recorded = pulling = self._pulling
         if tape is not None and tape.again:
             return tape.again.pop(0)
-        names = self._names_of.get(pulling)
-        if names is None:
-            names = self._names_of[pulling] = ", ".join(self.held_by())
+        if pulling != self._named:
+            self._named, self._names = pulling, self._names_for(pulling)
         outer, recorder.cause = recorder.cause, cause
-        number = topic.emit(self.kernel.now, level, names)
+        number = topic.emit(self.kernel.now, level, self._names)
         recorder.cause = outer
         if tape is not None:
             tape.numbers.append(number)
         return number
+
+    def _names_for(self, pulling: int) -> str:
+        """Who pulls the line in this instant, as records tell them; `pulling` is their mask."""
+        names = self._names_of.get(pulling)
+        if names is None:
+            names = self._names_of[pulling] = ", ".join(self.held_by())
+        return names
 
     def add(self, sampler: Sampler, bit: int) -> None:
         """From now on this wire's level is this bit of the sampler's levels."""
@@ -315,6 +328,16 @@ class Pin:
         self.wire.pull(self.mask, level)
 
 
+class _Line:
+    """A line of a sampler by its bit: a wire, or None where its owner puts the level."""
+
+    __slots__ = ("bit", "wire")
+
+    def __init__(self, bit: int) -> None:
+        self.bit = bit
+        self.wire: Wire | None = None
+
+
 class Sampler(Samples):
     """The lines that one party looks at: bit i of `levels` is line i. It is told once an instant in which any moved.
 
@@ -322,7 +345,7 @@ class Sampler(Samples):
     `levels`, under the record of the first of the lines that moved.
     """
 
-    __slots__ = ("_kernel", "_put_under", "_recorder", "_seen", "_wires")
+    __slots__ = ("_kernel", "_lines", "_put_under", "_recorder", "_seen")
 
     def __init__(self, kernel: Kernel, recorder: Recorder, agent: Agent | Watcher, levels: int = 0) -> None:
         self.levels = levels
@@ -332,7 +355,7 @@ class Sampler(Samples):
         self._recorder = recorder
         self.agent = agent if isinstance(agent, Agent) else _Told(agent)
         self.plain = True  # there is no record to work under
-        self._wires: dict[int, Wire] = {}
+        self._lines: list[_Line] = []  # those that were listened to or put, the lowest first
         self._put_under = 0  # the record under which a level was put last
         self._seen = levels
 
@@ -340,8 +363,7 @@ class Sampler(Samples):
         """From now on this line is a wire. ValueError for a line too many."""
         if line >= MOST:
             raise ValueError(f"wire {wire.name} would be line {line}; who samples has lines 0 to {MOST - 1}")
-        self._leave(line)
-        self._wires[line] = wire
+        self._leave(line).wire = wire
         if wire.recorded:
             self.plain = False
         wire.add(self, BITS[line])
@@ -381,8 +403,7 @@ class Sampler(Samples):
         recorder = self._recorder
         outer = recorder.cause
         if moved:
-            wire = self._wires.get((moved & -moved).bit_length() - 1)
-            recorder.cause = self._put_under if wire is None else wire.cause
+            recorder.cause = self._moved_under(moved)
         self.agent.sampled(now, self.levels)
         recorder.cause = outer
 
@@ -391,10 +412,26 @@ class Sampler(Samples):
             self.levels ^= BITS[line]
             self.ask()
 
-    def _leave(self, line: int) -> None:
-        wire = self._wires.pop(line, None)
-        if wire is not None:
-            wire.remove(self, BITS[line])
+    def _moved_under(self, moved: int) -> int:
+        """The record under which the first of these lines has moved."""
+        for line in self._lines:
+            if moved & line.bit:
+                return self._put_under if line.wire is None else line.wire.cause
+        return self._put_under
+
+    def _leave(self, number: int) -> _Line:
+        """The line of this number, which is no wire any more."""
+        bit = BITS[number]
+        for line in self._lines:
+            if line.bit == bit:
+                wire, line.wire = line.wire, None
+                if wire is not None:
+                    wire.remove(self, bit)
+                return line
+        line = _Line(bit)
+        self._lines.append(line)
+        self._lines.sort(key=_bit_of)
+        return line
 
 
 def watch(wires: Sequence[Wire], watcher: Agent | Watcher) -> Sampler:

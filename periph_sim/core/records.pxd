@@ -16,12 +16,14 @@ cdef class Keeper:
 cdef class _Ear:
     cdef public Listener listener
     cdef public long long tag
+    cdef public _Ear following
 
 
 @cython.final
 cdef class _Pen:
     cdef public Keeper keeper
     cdef public long long tag
+    cdef public _Pen following
 
 
 @cython.final
@@ -31,7 +33,10 @@ cdef class Topic:
     cdef Recorder _recorder
     cdef object _kind
     cdef str _where, _what
-    cdef list _ears, _pens, _sinks
+    cdef _Ear _ears, _last_ear
+    cdef _Pen _pens, _last_pen
+    cdef list _sinks
+    @cython.locals(ear=_Ear, pen=_Pen)
     cpdef object add(self, object party)
     @cython.locals(ear=_Ear, pen=_Pen, number=cython.longlong, cause=cython.longlong)
     cpdef long long emit(self, long long tick, long long value=*, object text=*, object field=*)

@@ -98,21 +98,23 @@ class Keeper:
 
 
 class _Ear:
-    """A listener of a topic."""
+    """A listener of a topic. following: the next one."""
 
-    __slots__ = ("listener", "tag")
+    __slots__ = ("following", "listener", "tag")
 
     listener: Listener
     tag: int
+    following: _Ear | None
 
 
 class _Pen:
-    """A keeper of a topic."""
+    """A keeper of a topic. following: the next one."""
 
-    __slots__ = ("keeper", "tag")
+    __slots__ = ("following", "keeper", "tag")
 
     keeper: Keeper
     tag: int
+    following: _Pen | None
 
 
 _NOBODY: list[Any] = []  # stays empty
@@ -125,7 +127,20 @@ class Topic:
     of them somebody wants the place in the firmware, whose working out costs more than all else.
     """
 
-    __slots__ = ("_ears", "_kind", "_pens", "_recorder", "_sinks", "_what", "_where", "heard", "places", "told_whole")
+    __slots__ = (
+        "_ears",
+        "_kind",
+        "_last_ear",
+        "_last_pen",
+        "_pens",
+        "_recorder",
+        "_sinks",
+        "_what",
+        "_where",
+        "heard",
+        "places",
+        "told_whole",
+    )
 
     def __init__(self, recorder: Recorder, kind: Kind, where: str, what: str) -> None:
         self.heard = self.told_whole = False
@@ -134,34 +149,46 @@ class Topic:
         self._kind = kind
         self._where = where
         self._what = what
-        self._ears: list[_Ear] = _NOBODY  # most topics are heard by nobody, or by one kind of party
-        self._pens: list[_Pen] = _NOBODY
+        self._ears: _Ear | None = None  # the first of a chain
+        self._last_ear: _Ear | None = None
+        self._pens: _Pen | None = None
+        self._last_pen: _Pen | None = None
         self._sinks: list[Sink] = _NOBODY
 
     def add(self, party: Party) -> None:
         """Somebody more is told, if it has any use for these records."""
         if isinstance(party, Listener):
             ear = _Ear()
-            ear.listener, ear.tag = party, party.tag_of(self._kind, self._where, self._what)
+            ear.listener, ear.tag, ear.following = party, party.tag_of(self._kind, self._where, self._what), None
             if ear.tag == UNHEARD:
                 return
-            self._ears = [*self._ears, ear]
+            if self._last_ear is None:
+                self._ears = ear
+            else:
+                self._last_ear.following = ear
+            self._last_ear = ear
         elif isinstance(party, Keeper):
             pen = _Pen()
-            pen.keeper, pen.tag = party, party.tag_of(self._kind, self._where, self._what)
+            pen.keeper, pen.tag, pen.following = party, party.tag_of(self._kind, self._where, self._what), None
             if pen.tag == UNHEARD:
                 return
-            self._pens = [*self._pens, pen]
+            if self._last_pen is None:
+                self._pens = pen
+            else:
+                self._last_pen.following = pen
+            self._last_pen = pen
             self.places = max(self.places, party.places(pen.tag))
         else:
             self._sinks = [*self._sinks, party]
             self.places = EVERYWHERE
         self.heard = True
-        self.told_whole = bool(self._pens or self._sinks)
+        self.told_whole = self._pens is not None or bool(self._sinks)
 
     def close(self) -> None:
         """Nobody is told any more."""
-        self._ears = self._pens = self._sinks = _NOBODY
+        self._ears = self._last_ear = None
+        self._pens = self._last_pen = None
+        self._sinks = _NOBODY
         self.heard = self.told_whole = False
         self.places = NOWHERE
 
@@ -169,12 +196,16 @@ class Topic:
         """The number of the new record; its cause is the record being worked under."""
         recorder = self._recorder
         recorder.number = number = recorder.number + 1
-        for ear in self._ears:
+        ear = self._ears
+        while ear is not None:
             ear.listener.hear(ear.tag, tick, value)
+            ear = ear.following
         if self.told_whole:
             cause = recorder.cause
-            for pen in self._pens:
+            pen = self._pens
+            while pen is not None:
                 pen.keeper.keep(pen.tag, number, tick, value, text, cause, field)
+                pen = pen.following
             if self._sinks:
                 record = _made(Record, (number, tick, self._kind, self._where, self._what, value, text, cause, field))
                 for sink in self._sinks:

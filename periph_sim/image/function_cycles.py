@@ -115,7 +115,7 @@ class _Reader:
         field = found.values.get("l", 0xFF)
         if field >= 0x80:
             return None
-        place = (field & 0x3F) ^ (0x3F if field >= 0x40 else 0)
+        place = 0x40 - (field & 0x3F) if field >= 0x40 else field
         page = self._pages[SP if field >= 0x40 else DP] * 4 + (field >= 0x40)
         return page << 8 | place & ~wide, 1 + wide
 

@@ -49,6 +49,19 @@ def test_a_run_takes_as_many():
     assert ended == 10 + 4 + function_cycles(assemble(source), "_f").least + 2
 
 
+def test_32_bits_on_the_stack_are_an_even_word_and_the_one_behind_it():
+    """SP is even in functions [SPRU514, stack alignment]: *-SP[4] is that word and *-SP[3]."""
+    source = HEAD + " LCR #_f\n ESTOP0\n .global _f\n_f: ADDB SP,#6\n" + " NOP\n" * 4
+    source += (
+        " MOVL *-SP[4],ACC\n MOV AL,*-SP[5]\n MOVL *-SP[4],ACC\n MOV AL,*-SP[3]\n SUBB SP,#6\n"
+        + " NOP\n" * 4
+        + " LRETR\n"
+    )
+    found = function_cycles(assemble(source), "_f")
+    assert [row.text for row in found.rows if row.stall] == ["MOV AL,*-SP[3]"]
+    assert Rig(source, odd_32bit_target=0).run().program.returned_at == 10 + 4 + found.least
+
+
 def test_code_in_waited_memory_says_so():
     source = ' .sect "code", 0xC000\n .global _c_int00\n_c_int00: NOP\n ESTOP0\n'
     assert [row.why for row in function_cycles(assemble(source), "_c_int00").rows] == ["fetched with 1 wait state"] * 2

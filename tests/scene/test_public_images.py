@@ -1,29 +1,35 @@
 """Public images run unmodified: bytes on the wires as written, first edges as an earlier study has them, within 1 us.
 
 That study had no stalls of the pipeline, and told of I2C when the target acknowledged its address. So its times are met
-without stalls; with them the start-up is later by what the rules of docs/images.md take, which is held here, too.
+without stalls; with them the start-up is later by what the rules of docs/images.md take, held here to the cycle.
 Skipped where `PERIPH_SIM_IMAGES` names no folder of them. The rows are those of tests/image/public_images.toml.
 """
 
 from __future__ import annotations
 
 import re
+from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
 
 import pytest
 
 from periph_sim import form
+from periph_sim.core.records import Kind, Record
+from periph_sim.scene.case.load import load
+from periph_sim.scene.scene import Scene
 from tests.commands.conftest import Run, periph_sim  # noqa: F401
 from tests.image.public_images import public_image
 
 CONSOLE, CONSOLE_C, CONSOLE_B, EEPROM, CLOCK, LEDS, ECHO, SENDER = "S1", "S2", "S3", "S4", "S5", "S6", "S7", "S8"
-LAB, KEYPAD, MONITOR = "S9f", "S11", "S14"
+LAB, OVERCLOCKED, KEYPAD, MONITOR = "S9f", "S10", "S11", "S14"
 TELL = b"You will enter a character, and the DSP will echo it back! \n\r\nEnter a character: "
 BANNER = b"\r\n\n\nHello Yan Xu!\r\n" + TELL
 HELLO = b"Hello World!\r\nYou will enter a character, and the DSP will echo it back!\r\n"
 US = 1e-6
 TOLERANCE = 1.1 * US  # 1 us, and how the study rounds
+SYSCLK = 150_000_000
+STT = 1 << 13
 SCICLK = 13.1 * US  # at 9600 baud: where the first start bit is
 NO_STALLS = "\n[unit.dsp.options.system]\nstalls = false\n"
 CLEAN = '[[budget]]\nname = "clean"\nmeasure = "nacked"\nmax = 0\n'
@@ -216,6 +222,66 @@ def test_a_sender_sends_each_10_ms(periph_sim: Run, tmp_path: Path):  # noqa: F8
     assert 0 < stalled[0][0] - came[0][0] < SCICLK
     for begins in (came, stalled):
         assert {9.994e-3 <= after - before <= 10.0075e-3 for (before, _), (after, _) in pairwise(begins)} == {True}
+
+
+def test_a_senders_other_build_sets_300_mhz_so_that_all_of_it_is_twice_as_fast(periph_sim: Run, tmp_path: Path):  # noqa: F811
+    """S8's source, it is said, but not its settings: 5 ms at 19200 baud, not 10 ms at 9600, and that is right.
+
+    InitSysCtrl calls InitPll(10, 3) at 0x931a, where S8's calls InitPll(10, 2): PLLSTS.DIVSEL = 3 divides by 1, so
+    SYSCLKOUT is 300 MHz, which SPRUFB0D Table 22 forbids and the run says. delay_us(10000) makes 30 passes of 5 cycles
+    a microsecond, as if at 150 MHz, and SCILBAUD is that of S8.
+    """
+    run = recorded(periph_sim, tmp_path, OVERCLOCKED, "26 ms", "SCI-A", "", status=1)
+    came = sent(periph_sim, run, "TX", 19200)
+    assert [told for _, told in came] == [b"s"] * 5
+    assert {4.994e-3 <= after - before <= 5.0045e-3 for (before, _), (after, _) in pairwise(came)} == {True}
+    told = periph_sim("run", str(tmp_path / "case.toml")).out
+    assert "PLLSTS.DIVSEL = 3 with PLLCR = 10; it is allowed with PLLCR = 0 only" in told
+
+
+def first_send(image: str, folder: Path, module: str, more: str) -> Fraction:
+    """When the first character is written to SCITXBUF, or the first START is asked for, in seconds."""
+    accesses: list[Record] = []
+    (folder / "case.toml").write_text(CASE.format(duration="5 ms", image=public_image(image), module=module) + more)
+    scene = Scene(load(folder / "case.toml"), lambda to, _: to.subscribe({Kind.ACCESS}, accesses.append))
+    scene.run(Fraction("0.005"))
+    sends = (
+        one.tick
+        for one in accesses
+        if one.what == "W SCI-A.SCITXBUF" or (one.what == "W I2C-A.I2CMDR" and one.value & STT)
+    )
+    return Fraction(scene.timebase.seconds(next(sends)))
+
+
+@pytest.mark.parametrize(
+    ("image", "module", "more", "slow", "passes", "fast"),
+    [
+        (CONSOLE, "SCI-A", "", 22 + 6, 128 * 9, 31),
+        (EEPROM, "I2C-A", '[device.memory]\nmodel = "24c02"\n', 22 + 11, 0, 14),
+        (CLOCK, "I2C-A", '[device.clock]\nmodel = "isl12026"\n', 67 + 3, 128 * 9, 53),
+        (SENDER, "SCI-A", "", 27 + 10, 128 * 5, 19),
+    ],
+)
+def test_stalls_make_the_start_up_later_to_the_cycle(
+    tmp_path: Path, image: str, module: str, more: str, slow: int, passes: int, fast: int
+):
+    """slow: stalls before the PLL has locked, at 7.5 MHz; passes: of InitPieVectTable's loop; fast: all others.
+
+        row  _c_int00, others  at 133.3 ns   128 passes   others  at 6.67 ns        later by
+        S1            22 +  6      3.733 us    9 cycles       31    7.887 us       11.620 us
+        S4            22 + 11      4.400 us     (memcpy)      14    0.093 us        4.493 us
+        S5            67 +  3      9.333 us    9 cycles       53    8.033 us       17.367 us
+        S8            27 + 10      4.933 us    5 cycles       19    4.393 us        9.327 us
+
+    At 7.5 MHz most are of .cinit's loop, PREAD AL,*XAR7 behind MOVL XAR7,ACC (3) and BANZ AR1 behind MOVZ AR1,AL (2):
+    13 and 14 times in S5. A pass of InitPieVectTable's loop has MOVL XAR6,*XAR4++ behind a load of XAR4 (3), MOVL
+    ACC,XAR4 behind another (3) and a read of the index behind its INC (3); S8's compiler loads one pointer early and
+    leaves an instruction between the other's load and use (2). XARn is loaded in E and read in D2, as a pointer or not
+    [SPRU430F 4.4.2; TI wiki "C28x Pipeline Conflicts" 1.3, 2.1]; a word is written in W and read in R1 [SPRU430F
+    4.4.1]. TI's own counts of IQmath have the same stalls (test_published_cycles).
+    """
+    later = first_send(image, tmp_path, module, more) - first_send(image, tmp_path, module, NO_STALLS + more)
+    assert later * SYSCLK == slow * 20 + passes + fast
 
 
 def test_a_lab_that_starts_a_transfer_as_slave_puts_nothing_on_the_bus(periph_sim: Run, tmp_path: Path):  # noqa: F811

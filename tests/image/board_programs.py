@@ -2,6 +2,8 @@
 
 RS485    sends a text on SCI-B at GPIO22, the driver enable at GPIO49; then off, on TXEMPTY or TXRDY
 ECHO     SCI-A on GPIO35 and 36 at 4800 baud; timer 0's interrupt looks at it and uses the FPU, as main does
+SENDER   sends a character on SCI-A at 9600 baud each 10 ms, waiting in a loop as TI's DELAY_US
+CLOCK    sets a clock byte by byte and reads it back, each transfer ended by I2C-A's interrupt, its bytes in the FIFOs
 KEYPAD   drives a column on GPIO25 low, looks at the row on GPIO20, and says on SCI-C at GPIO63 what it saw
 LINKED   one program, linked to RAM, or to flash with a function that start-up code copies to RAM
 """
@@ -103,6 +105,135 @@ none:     MOVW  DP,#PIEACK >> 6
           MOV32 R1H,*--SP
           MOV32 R0H,*--SP
           MOV32 STF,*--SP
+          NASP
+          IRET
+          .include "start.inc"
+"""
+
+SENDER = """
+          .include "f28335.inc"
+          .reserve ".stack", 0x400, 0x300
+          .sect ".text", 0x9000
+          .global _delay
+_c_int00: MOV   @SP,#0x400
+          LCR   #_start_chip
+          EALLOW
+          MOVW  DP,#GPAMUX2 >> 6
+          OR    @GPAMUX2+1,#0x0500  ; GPIO28 SCIRXDA, GPIO29 SCITXDA
+          EDIS
+          MOVW  DP,#SCICCR >> 6
+          MOV   @SCICCR,#7
+          MOV   @SCIHBAUD,#487 >> 8 ; 37.5 MHz / 8 / 9600 - 1
+          MOV   @SCILBAUD,#487 & 0xFF
+          MOV   @SCICTL1,#0x23
+send:     MOVB  AL,#0x73
+          MOV   @SCICCR+9,AL        ; SCITXBUF
+          MOV   @AH,#PASSES >> 16
+          MOV   @AL,#PASSES & 0xFFFF
+          LCR   #_delay
+          SB    send,UNC
+_delay:   SUBB  ACC,#1
+          BF    _delay,GEQ
+          LRETR
+          .include "start.inc"
+"""
+
+CLOCK = """
+          .include "f28335.inc"
+I2CFFTX   .set  0x7920
+I2CFFRX   .set  0x7921
+ARDY_CODE .set  3                   ; I2CISRC
+SCD_CODE  .set  6
+WRITES    .set  10
+COUNT     .set  8
+          .reserve ".stack", 0x400, 0x300
+          .sect ".econst", 0x8000
+          .global _writes, _got, _busy
+_writes:  .word 0x3F, 0x02, 0x3F, 0x06                          ; WEL, then RWEL
+          .word 0x37, 0x20, 0x35, 0x12, 0x34, 0x03, 0x33, 0x01  ; 2012-03-01, the 6th day, 15:39:50
+          .word 0x36, 0x06, 0x32, 0x95, 0x31, 0x39, 0x30, 0x50
+          .sect ".ebss", 0x8040
+_got:     .space COUNT
+_busy:    .word 0
+          .sect ".text", 0x9000
+          .global _i2c_int1a, _start, _wait
+_c_int00: MOV   @SP,#0x400
+          LCR   #_start_chip
+          LCR   #_start_i2c
+          MOV   @I2CSAR,#0x6F
+          MOV   @I2CCLKL,#45        ; 10 MHz / (45 + 5 + 45 + 5)
+          MOV   @I2CCLKH,#45
+          MOV   @I2CMDR,#0x0020     ; IRS
+          MOV   @I2CIER,#0x20       ; SCD
+          MOVW  DP,#I2CFFTX >> 6
+          MOV   @I2CFFTX,#0x6000
+          MOV   @I2CFFRX,#0x2000
+          EALLOW
+          MOVL  XAR4,#_i2c_int1a
+          MOVL  XAR5,#I2CINT1A
+          MOVL  *XAR5,XAR4
+          EDIS
+          MOVW  DP,#PIECTRL >> 6
+          MOV   @PIECTRL,#1
+          MOV   @PIEIER8,#1
+          OR    IER,#0x80
+          CLRC  INTM
+          MOVL  XAR4,#_writes
+          MOVB  XAR0,#WRITES - 1
+pair:     MOVB  XAR1,#3
+          LCR   #_start
+          MOV   AL,*XAR4++
+          MOV   @I2CDXR,AL
+          MOV   AL,*XAR4++
+          MOV   @I2CDXR,AL
+          MOV   @I2CMDR,#0x6E20     ; FREE, STT, STP, MST, TRX, IRS
+          LCR   #_wait
+          BANZ  pair,AR0--
+          MOVB  XAR1,#2             ; the pointer; ARDY ends it, for there is no STOP
+          LCR   #_start
+          MOVB  AL,#0x30
+          MOV   @I2CDXR,AL
+          OR    @I2CIER,#4
+          MOV   @I2CMDR,#0x6620     ; FREE, STT, MST, TRX, IRS
+          LCR   #_wait
+          MOVL  XAR4,#_got
+          MOVB  XAR0,#COUNT - 1
+take:     MOV   AL,@I2CDRR
+          MOV   *XAR4++,AL
+          BANZ  take,AR0--
+          ESTOP0
+
+; AR1 bytes, the first of them 0, the upper half of the register's address.
+_start:   MOVW  DP,#_busy >> 6
+          MOV   @_busy,#1
+          MOVW  DP,#I2CMDR >> 6
+free:     TBIT  @I2CMDR,#11         ; STP
+          SB    free,TC
+          MOV   @I2CCNT,AR1
+          MOV   @I2CDXR,#0
+          LRETR
+
+_wait:    MOVW  DP,#_busy >> 6
+again:    MOV   AL,@_busy
+          SB    again,NEQ
+          MOVW  DP,#I2CMDR >> 6
+          LRETR
+
+_i2c_int1a:
+          ASP
+          MOVW  DP,#I2CISRC >> 6
+          MOV   AL,@I2CISRC
+          ANDB  AL,#7
+          CMPB  AL,#ARDY_CODE
+          SB    over,NEQ
+          AND   @I2CIER,#~4
+          MOV   @I2CCNT,#COUNT
+          MOV   @I2CMDR,#0x6C20     ; FREE, STT, STP, MST, IRS
+          SB    done,UNC
+over:     MOVW  DP,#_busy >> 6
+          MOV   @_busy,#0
+done:     MOVW  DP,#PIEACK >> 6
+          MOV   @PIEACK,#0x80
           NASP
           IRET
           .include "start.inc"

@@ -15,10 +15,11 @@ from periph_sim.core.records import Kind, Record
 from periph_sim.image.assemble import SHIPPED
 from periph_sim.scene.result import Result
 from periph_sim.scene.scene import Scene
-from tests.image.board_programs import ECHO, KEYPAD, LINKED, RS485
+from tests.image.board_programs import CLOCK, ECHO, KEYPAD, LINKED, RS485, SENDER
 from tests.scene.small import case
 
 TXRDY, TXEMPTY = 7, 6  # bits of SCICTL2
+PASSES_OF_10_MS = 300_000
 
 
 class Board:
@@ -88,6 +89,32 @@ def test_pins_without_a_wire_are_told_with_the_keys_to_add(tmp_path: Path):
     board = Board(program(tmp_path, RS485.replace("LAST_WAIT", "6")), "0.005", unit, [])
     [told] = [note for note in board.result.notes if "SCI-B" in note]
     assert 'SCI-B has RX on GPIO23, where the case has no wire; add pins = { "SCI-B.RX" = 23 }' in told
+
+
+def test_a_sender_sends_each_10_ms_but_for_the_phase_of_its_bit_clock(tmp_path: Path):
+    """A pass of the wait is 5 cycles; a frame begins at the SCI's next clock, each eighth of a bit."""
+    unit = {"modules": ["SCI-A", "GPIO"], "pins": {"TX": 29, "RX": 28}}
+    source = SENDER.replace("PASSES", str(PASSES_OF_10_MS))
+    board = Board(program(tmp_path, source), "0.0155", unit, [Kind.ACCESS], serial={"baud": 9600})
+    assert board.sent("TX") == b"ss"
+    cycle = board.scene.timebase.per_second // 150_000_000
+    written = [one.tick for one in board.records if one.what == "W SCI-A.SCITXBUF"]
+    assert written[1] - written[0] == ((PASSES_OF_10_MS + 1) * 5 + 16) * cycle
+    begun = [one.tick for one in board.records if (one.where, one.what) == ("TX", "begin")]
+    waits = [begins - writes for begins, writes in zip(begun, written, strict=True)]
+    assert all(0 < wait <= 4 * 488 * cycle for wait in waits) and waits[0] != waits[1]
+
+
+def test_a_clock_is_set_byte_by_byte_and_read_back_by_interrupts(tmp_path: Path):
+    """Each STOP is an interrupt, and ARDY behind the pointer, which a repeated START follows."""
+    unit = {"modules": ["I2C-A", "GPIO"]}
+    board = Board(program(tmp_path, CLOCK), "0.0125", unit, [Kind.IRQ], device={"clock": {"model": "isl12026"}})
+    dsp = board.scene.units["dsp"]
+    got = [dsp.processor.bus.ram.word(0x8040 + at) for at in range(8)]
+    assert bytes(got).hex(" ") == "50 39 95 01 03 12 06 20"
+    taken = [one.what for one in board.records if one.kind is Kind.IRQ and one.value]
+    assert taken == ["I2CINT1A"] * 12  # the STOPs of ten writes and of the read, and ARDY
+    assert dsp.program.finished and board.scene.devices["clock"].log.notes == {}
 
 
 @pytest.mark.parametrize(("key", "answer"), [([], b"u"), ([{"from": "dsp.GPIO25", "to": "dsp.GPIO20"}], b"d")])

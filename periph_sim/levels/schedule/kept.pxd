@@ -1,9 +1,12 @@
 cimport cython
 
+from .kept_margins cimport KeptMargins
+
 
 @cython.final
 cdef class Kept:
-    cdef public long long of, end, off, ready, margin_most, margin_least, cleared_most, cleared_least, asked_most, asked_least
+    cdef public long long of, end, off, ready, cleared_most, cleared_least, asked_most, asked_least
+    cdef KeptMargins margins
     cdef long long[32] landed
 
 

@@ -11,6 +11,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from .kept_margins import KeptMargins
+
 EDGES = 128  # of a round, at the most
 BYTES = 32  # of a read, at the most
 BUCKETS = 128  # in which intervals are looked for
@@ -19,14 +21,15 @@ PLACES = 1 << 18  # that are kept at the most
 
 class Kept:
     """of: the clock that it was worked out for; 0: none. In cycles from c on, where it ends, and the marks of the code
-    behind it. Of margins, of I2CSTR's writes and of waits for a START that is still to come, the largest and smallest
-    part of a value, ceil((part - r) / den). landed: of a read, the cycles from c on in which its writes landed.
+    behind it. Of I2CSTR's writes and of waits for a START that is still to come, the largest and smallest part of a
+    value, ceil((part - r) / den). landed: of a read, the cycles from c on in which its writes landed.
     """
 
     def __init__(self) -> None:
         self.of = self.end = self.off = self.ready = 0
-        self.margin_most = self.margin_least = self.cleared_most = self.cleared_least = 0
+        self.cleared_most = self.cleared_least = 0
         self.asked_most = self.asked_least = 0
+        self.margins = KeptMargins()
         self.landed = [0] * BYTES
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from .clock import Ints
 from .code import CodeTable
 from .receiver import Receiver
+from .terms import Terms
 
 FAR = 1 << 61  # a cycle that no run reaches
 
@@ -39,8 +40,9 @@ class Lane:
     mark, second_mark: of the code that ran last. by_other: the last `split` ended by the other flag.
     """
 
-    def __init__(self, service: int, waits: int, receiver: Receiver) -> None:
-        self.service, self.waits = service, waits
+    def __init__(self, terms: Terms, receiver: Receiver) -> None:
+        self.service, self.waits = terms.service, terms.waits
+        self._high, self._margin = terms.high, terms.margin
         self._edge, self._sync, self._period = receiver.edge, receiver.sync - receiver.phase, receiver.period
         self._behind = receiver.phase + receiver.due * receiver.period + receiver.extra
         self.num = self.den = 1
@@ -94,6 +96,16 @@ class Lane:
     def cycle_at(self, tick: int) -> int:
         """The first cycle that begins at or after this tick."""
         return -(-tick * self.den // self.num)
+
+    def margin(self, let_go: int, rise: int, landed: int, next_landed: int) -> int:
+        """The `margin of I2CDXR` of one byte, as `margins_of` measures it.
+
+        let_go, rise: ticks at which SCL could rise and did. landed, next_landed: cycles of this byte's write to I2CDXR
+        and of the next one's.
+        """
+        after, fall = self.tick(next_landed), rise + self._high
+        heard = self.cycle_at(min(after, fall) if after > rise else fall)
+        return let_go - (self.tick(heard + self._margin) - self.tick(heard)) - self.tick(landed)
 
     # As in `lanes` ------------------------------------------------------------------
 

@@ -6,6 +6,7 @@ Wait by wait; or, where no interrupt comes in it, as it was kept of a read that 
 from __future__ import annotations
 
 from .kept import BYTES, EDGES, NOTHING, Memory
+from .kept_margins import KeptMargins
 from .one_lane import FAR, Lane, Piece
 from .terms import Terms
 from .value_range import ValueRange
@@ -29,13 +30,14 @@ class OneRead:
         self._count = len(bus.needs)
         self._pointer, self._clear, self._first = Piece(code.pointer), Piece(code.clear), Piece(code.first)
         self._more, self._after = [Piece(each) for each in code.more], Piece(code.after)
-        self._seen, self._low, self._high = terms.seen, terms.low, terms.high
+        self._seen, self._low = terms.seen, terms.low
         self.poll, self._poll_two, self._second = terms.poll, terms.poll_two, terms.second
-        self._release, self._margin = terms.release, terms.margin
+        self._release = terms.release
         self.refused, self.eighth = bus.refused, bus.eighth
         self._let_gos, self._rises, self._landed = [0] * BYTES, [0] * BYTES, [0] * BYTES
         self._clock = 0
-        self.most = self.least = self.written = 0
+        self._kept, self._start, self._cycle = NOTHING, 0, 0  # of the last read; NOTHING: it went wait by wait
+        self.written = 0
         self.hung = self.plain = False
         self.stop = self.again = self.end = self.off = self.ready = self.held = self.response = self.let_go = 0
 
@@ -62,20 +64,20 @@ class OneRead:
         kept = self._memory.find(rest, addressed - addressed_at)
         stop = start + self._edges[self._count + NEEDS]
         if kept.of == self._clock and lane.latch > cycle + kept.end and stop <= last:
-            self.most, self.least = kept.margin_most - rest, kept.margin_least - rest
             self.hung, self.plain, self.held, self.response = False, True, 0, self._low
             self.stop, self.again, self.written = stop, start + self._edges[AGAIN], kept.cleared_most - rest
             self.end, self.off, self.ready = cycle + kept.end, cycle + kept.off, cycle + kept.ready
             self._cleared.take_part(self.written)
-            if self._margins.moved_by(self.most, self.least):
-                for byte in range(self._count + 1):
-                    self._let_gos[byte] = self._rises[byte] = start + self._edges[NEEDS + byte] + self._low
-                    self._landed[byte] = cycle + kept.landed[byte]
-                self._measure()
-            else:
-                self._margins.count += self._count
+            self._kept, self._start, self._cycle = kept, start, cycle
+            self._margins.count += self._count
+            if self._margins.moved_by(kept.margins.most - rest, kept.margins.least - rest):
+                if kept.margins.alone:
+                    kept.margins.take(self._margins, lane, start, cycle)
+                else:
+                    self._restore()
+                    self._measure()
             return
-        number = lane.number
+        number, self._kept = lane.number, NOTHING
         self._work(start, cycle, rest, addressed, last)
         self.plain = lane.number == number and not self.hung and not self.held and self.response == self._low
         if self.plain and kept is not NOTHING:
@@ -88,7 +90,8 @@ class OneRead:
             kept.cleared_most = self.written + rest
             for byte in range(self._count + 1):
                 kept.landed[byte] = self._landed[byte] - cycle
-            kept.margin_most, kept.margin_least = self.most + rest, self.least + rest
+            kept.margins.clear(lane.den)
+            self.keep_margins(kept.margins, start, cycle)
 
     def _work(self, start: int, cycle: int, rest: int, addressed: int, last: int) -> None:
         """Wait by wait, from the fetch that finds AAS on."""
@@ -112,7 +115,7 @@ class OneRead:
         landed = lane.mark
         self.held, self.response = 0, self._low
         shift = 0  # by how much SCL was held so far, and with it all that comes
-        self.most, self.least = -FAR, FAR
+        most, least = -FAR, FAR  # parts of margins
         ready = over_at = 0
         lane.by_other = False
         for byte in range(count):
@@ -126,7 +129,7 @@ class OneRead:
                 if not byte:
                     self.response = rise - needed
             part = let_go * lane.den - landed * lane.num
-            self.most, self.least = max(self.most, part), min(self.least, part)
+            most, least = max(most, part), min(least, part)
             self._let_gos[byte], self._rises[byte], self._landed[byte] = let_go, rise, landed
             free = max(from_here, landed)
             if byte + 1 < count:
@@ -145,17 +148,34 @@ class OneRead:
         self.end = lane.code(seen, self._after)
         self.off, self.ready = lane.mark, lane.second_mark
         if self.stop <= last:
-            if self._margins.moved_by(self.most, self.least):
+            self._margins.count += count
+            if self._margins.moved_by(most, least):
                 self._measure()
-            else:
-                self._margins.count += count
+
+    # Margins of I2CDXR -------------------------------------------------------------------
 
     def _measure(self) -> None:
-        """What `margins_of` tells of its bytes."""
+        """Compare those bytes whose margin may be a new worst or least one."""
         lane, margins = self._lane, self._margins
         for byte in range(self._count):
-            rise, after = self._rises[byte], lane.tick(self._landed[byte + 1])
-            fall = rise + self._high
-            heard = lane.cycle_at(min(after, fall) if after > rise else fall)
-            takes = lane.tick(heard + self._margin) - lane.tick(heard)
-            margins.take(self._let_gos[byte] - takes - lane.tick(self._landed[byte]))
+            let_go, landed = self._let_gos[byte], self._landed[byte]
+            part = let_go * lane.den - landed * lane.num
+            if margins.moved_by(part, part):
+                value = lane.margin(let_go, self._rises[byte], landed, self._landed[byte + 1])
+                margins.take_all(value, value, 0)
+
+    def _restore(self) -> None:
+        """Fill in the bytes of the last read, where it went as one that is kept."""
+        for byte in range(self._count + 1):
+            self._let_gos[byte] = self._rises[byte] = self._start + self._edges[NEEDS + byte] + self._low
+            self._landed[byte] = self._cycle + self._kept.landed[byte]
+
+    def keep_margins(self, margins: KeptMargins, start: int, cycle: int) -> None:
+        """Add the bytes of the last read, which has no interrupt. start, cycle: of the read or round that is kept."""
+        if self._kept is not NOTHING:
+            self._restore()
+        lane, rest = self._lane, cycle * self._lane.num - start * self._lane.den
+        for byte in range(self._count):
+            let_go, landed = self._let_gos[byte], self._landed[byte]
+            part = let_go * lane.den - landed * lane.num + rest
+            margins.add(part, let_go - start, landed - cycle, self._landed[byte + 1] - cycle)

@@ -1,6 +1,7 @@
 cimport cython
 
 from .kept cimport Kept, Memory
+from .kept_margins cimport KeptMargins
 from .one_lane cimport Lane, Piece
 from .one_read cimport OneRead
 from .value_range cimport ValueRange
@@ -34,7 +35,7 @@ cdef class OneScenario:
         lane=Lane, memory=Memory, kept=Kept, start=cython.longlong, cycle=cython.longlong, rest=cython.longlong, flag=cython.longlong,
         asked=cython.longlong, lasted=cython.longlong, slack=cython.longlong)
     cdef void _make(self, long long begin, long long latest, long long next_due)
-    @cython.locals(again=cython.longlong, margin=ValueRange)
+    @cython.locals(again=cython.longlong, margin=ValueRange, margins=KeptMargins)
     cdef bint _like(self, Kept kept, long long start, long long cycle, long long rest)
     @cython.locals(
         asked=ValueRange, cleared=ValueRange, age=ValueRange, since=cython.longlong, most=cython.longlong,
@@ -43,8 +44,8 @@ cdef class OneScenario:
     @cython.locals(
         lane=Lane, read=OneRead, number=cython.longlong, chips=cython.longlong, begun=cython.longlong,
         first_rest=cython.longlong, plain=cython.bint, chip=cython.longlong, asked=cython.longlong,
-        cleared_most=cython.longlong, cleared_least=cython.longlong, margin_most=cython.longlong,
-        margin_least=cython.longlong, asked_most=cython.longlong, asked_least=cython.longlong)
+        first_start=cython.longlong, cleared_most=cython.longlong, cleared_least=cython.longlong,
+        asked_most=cython.longlong, asked_least=cython.longlong)
     cdef void _by_reads(self, Kept kept, long long start, long long cycle, long long rest)
     @cython.locals(seen=cython.longlong)
     cdef void _refuse(self, OneRead read, long long chip, long long start)

@@ -34,7 +34,7 @@ class OneScenario:
     def __init__(self, terms: Terms, receiver: Receiver, line_end: int, costs: Ints, late: Ints, begins: Ints) -> None:
         self._costs, self._begins = costs, begins
         self._drawn_costs, self._drawn_begins = len(costs) > 0, len(begins) > 0
-        self._lane = Lane(terms.service, terms.waits, receiver)
+        self._lane = Lane(terms, receiver)
         self._late = late
         self._start = Piece(terms.start)
         self._response, self._round, self._slack, self._age, self._margin, self._model, self._asked, self._cleared = (
@@ -145,15 +145,14 @@ class OneScenario:
                 self._slack.take_all(slack, slack, 0)
 
     def _like(self, kept: Kept, start: int, cycle: int, rest: int) -> bool:
-        """Whether a round is like one that is kept, and no margin in it is a new one, which is told by reads."""
-        again, margin = start + self._first_again, self._margin
+        """True if a round is like one that is kept; if several margins compete to be a new extreme, it is not."""
+        again, margin, margins = start + self._first_again, self._margin, kept.margins
         return (
             self._lane.latch > cycle + kept.end
             and start + self._length <= self._end
             and self._shown + self._line_end <= again
             and self._lane.first_begun + self._line_end <= again
-            and kept.margin_most - rest <= margin.above
-            and kept.margin_least - rest > margin.below
+            and (margins.alone or (margins.most - rest <= margin.above and margins.least - rest > margin.below))
         )
 
     def _as_kept(self, kept: Kept, start: int, cycle: int, rest: int) -> None:
@@ -163,6 +162,8 @@ class OneScenario:
             asked.take_parts(kept.asked_most - rest, kept.asked_least - rest, 0)
         if kept.cleared_most - rest > cleared.above or kept.cleared_least - rest <= cleared.below:
             cleared.take_parts(kept.cleared_most - rest, kept.cleared_least - rest, 0)
+        if self._margin.moved_by(kept.margins.most - rest, kept.margins.least - rest):
+            kept.margins.take(self._margin, self._lane, start, cycle)
         since = self._shown + self._line_end
         most, least = start + self._last_again - since, start + self._first_again - since
         if most > age.worst or least < age.least:
@@ -186,14 +187,8 @@ class OneScenario:
         """One read after the other; they are kept where nothing comes between."""
         lane, number, chips = self._lane, self._lane.number, self._chips
         begun, first_rest, plain = cycle, rest, True
-        cleared_most, cleared_least, margin_most, margin_least, asked_most, asked_least = (
-            -FAR,
-            FAR,
-            -FAR,
-            FAR,
-            -FAR,
-            FAR,
-        )
+        first_start = start
+        cleared_most, cleared_least, asked_most, asked_least = -FAR, FAR, -FAR, FAR
         self._unheard = False
         for chip in range(chips):
             read: OneRead = self._reads[chip]
@@ -213,14 +208,16 @@ class OneScenario:
                 return
             plain = plain and read.plain
             cleared_most, cleared_least = max(cleared_most, read.written), min(cleared_least, read.written)
-            margin_most, margin_least = max(margin_most, read.most), min(margin_least, read.least)
         if self._chip < chips:
             return
         if plain and not self._unheard and lane.number == number and kept is not self._nothing:
             kept.of, kept.end = self._clocks, self._first - begun
             kept.asked_most, kept.asked_least = asked_most + first_rest, asked_least + first_rest
             kept.cleared_most, kept.cleared_least = cleared_most + first_rest, cleared_least + first_rest
-            kept.margin_most, kept.margin_least = margin_most + first_rest, margin_least + first_rest
+            kept.margins.clear(lane.den)
+            for chip in range(chips):
+                read = self._reads[chip]
+                read.keep_margins(kept.margins, first_start, begun)
         self._models(self._first)
 
     def _refuse(self, read: OneRead, chip: int, start: int) -> None:

@@ -326,6 +326,8 @@ def _union(converters: list[Converter], takes_none: bool) -> Converter:
         for converter, wrong in zip(converters, tried, strict=True):
             made = converter(value, place, wrong)
             if not wrong:
+                for given_up in tried:  # their errors' tracebacks lead to the frames of all who called, a whole scene
+                    given_up.clear()
                 return made
         mistakes += tried[0]
         return None

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Set
 from dataclasses import dataclass, field
 from enum import Enum
 from fractions import Fraction
 from pathlib import Path
 from typing import Annotated, Any, Literal, NotRequired, TypedDict
+from weakref import ref
 
 import msgspec
 import pytest
@@ -224,3 +226,21 @@ def test_a_misspelt_key_inside_them_is_a_mistake(tree: dict[str, object], mistak
     with pytest.raises(BadTable) as refused:
         convert(Nested, tree)
     assert refused.value.mistakes == mistakes
+
+
+def test_what_one_type_of_several_takes_holds_nothing_of_the_caller():
+    """The errors of the other types have tracebacks, and these lead to the frames of all who called."""
+
+    class Caller:
+        pass
+
+    def converted() -> ref[Caller]:
+        caller = Caller()
+        assert convert(Duration | Literal["estimate"], "estimate") == "estimate"
+        return ref(caller)
+
+    gc.disable()
+    try:
+        assert converted()() is None
+    finally:
+        gc.enable()

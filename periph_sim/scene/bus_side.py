@@ -18,6 +18,7 @@ from ..timing.rounds import Asked, BusRounds
 if TYPE_CHECKING:
     from ..bus.i2c.monitor import I2cMonitor
     from ..bus.i2c.transfer import Transfer
+    from ..bus.i2c.whole_bytes import WholeBytes
     from ..core.wire import Wire
 
 SPIKE = Fraction(50, 10**9)  # UM10204 Table 10, tSP: what lasts less on SDA is not read
@@ -26,13 +27,15 @@ SPIKE = Fraction(50, 10**9)  # UM10204 Table 10, tSP: what lasts less on SDA is 
 class BusSide:
     """asked: what the master asks, None where nobody knows. spike: ticks. before: given each transfer first.
 
-    wire_bytes, nacked: of the transfers that were counted.
+    wire_bytes, nacked: of the transfers that were counted. whole_bytes: through which bytes pass at once.
     """
 
     def __init__(self, wires: Mapping[str, Wire], spike: int) -> None:
         self.asked: Asked | None = None
         self.before: list[Callable[[Transfer], None]] = []
         self.wire_bytes = self.nacked = 0
+        self.whole_bytes: WholeBytes | None = None
+        self._passed: int | None = None
         self._wires = wires
         self._spike = spike
         self._watch: I2cMonitor | None = None
@@ -64,6 +67,15 @@ class BusSide:
         """Of those that make up the figures of the run."""
         self.wire_bytes += transfer.wire_bytes
         self.nacked += not transfer.acked
+        if self.whole_bytes is not None:
+            self._passed = self.whole_bytes.passed
+
+    @property
+    def passed(self) -> int:
+        """Bytes that passed at once: of the transfers that were counted; all if no controller agent counts any."""
+        if self.whole_bytes is None:
+            return 0
+        return self.whole_bytes.passed if self._passed is None else self._passed
 
     def finish(self, now: int) -> None:
         """The run is over."""

@@ -38,7 +38,6 @@ from .wires import SceneWires
 if TYPE_CHECKING:
     from ..bus.i2c.byte_counter import I2cByteCounter
     from ..bus.i2c.transfer import Transfer
-    from ..bus.i2c.whole_bytes import WholeBytes
     from ..bus.receiver_listener import ReceiverListener
     from ..core.wire import Wire
     from ..devices.chips.register_chip import Source
@@ -126,7 +125,6 @@ class Scene:
         self.computed: Computed | None = None  # and how it computes them
         self._origins: Origins | None = None  # of what is read, as soon as a measure asks
         self.frames: MotionFrames | None = None  # what the host sends, where it is no ramp
-        self.whole_bytes: WholeBytes | None = None  # through which bytes pass at once
         self._counter: I2cByteCounter | None = None  # where there is none
         self.bus = BusSide(self.wires, self._ticks(SPIKE))
         self.stuck = StuckLines(self.kernel, self.timebase, self.start, self.units)
@@ -148,13 +146,13 @@ class Scene:
             self.bus.asked = side.asked
             self.head.on_transfer.append(self.bus.count)
             if levels.i2c != EDGE:
-                self.whole_bytes = parts.whole_bytes_of(context, side.controller, self.units)
+                self.bus.whole_bytes = parts.whole_bytes_of(context, side.controller, self.units)
         elif "SCL" in self.wires:
             self._counter = parts.I2cByteCounter(self.wires["SCL"], self.wires["SDA"])
             if self.recorder.wants(Kind.BUS):
                 parts.BusRecorder(self.kernel, self.recorder, self.wires["SCL"], self.wires["SDA"])
             if levels.i2c != EDGE:
-                self.whole_bytes = parts.whole_bytes_of(context, None, self.units)
+                self.bus.whole_bytes = parts.whole_bytes_of(context, None, self.units)
         if case.rounds is not None:
             self.bus.asked = self._asked_by_master(context, case.rounds)
         if case.host is not None:
@@ -174,7 +172,7 @@ class Scene:
             for measure in limit.own_measures:
                 measure.listen(proxy(self))
         if levels.has_bytes:
-            parts.refuse_byte_level(context, self.whole_bytes, self._uart.whole_frames, self.wires, self.limits)
+            parts.refuse_byte_level(context, self.bus.whole_bytes, self._uart.whole_frames, self.wires, self.limits)
         if case.outside is not None:
             parts.check_outside(case, self.wires)
             if case.outside.log is not None:
@@ -265,7 +263,7 @@ class Scene:
             length = parts.STUCK_AFTER if self.case.rounds is None else self.case.rounds.stuck_after
             for name in ("SCL", "SDA"):
                 wire, limit = self.wires[name], self._ticks(length)
-                parts.StuckWatch(self.kernel, self.recorder, wire, limit, self.stuck.report, self.whole_bytes)
+                parts.StuckWatch(self.kernel, self.recorder, wire, limit, self.stuck.report, self.bus.whole_bytes)
         self.stuck.told.append(told)
 
     def on_sci(self, listener: ReceiverListener) -> None:

@@ -36,8 +36,8 @@ def result_of(scene: Scene, length: int, wall: float) -> Result:
         counts["beyond_16_bits"] = scene.frames.beyond.total()
     counts["overruns"] = sum(x.measure.count for x in scene.limits if x.budget.measure == "overruns")
     counts[SKIPPED] = sum(dsp.program.polls_skipped for dsp in scene.units.values())
-    if scene.whole_bytes is not None:
-        counts[BYTE_LEVEL] = scene.whole_bytes.passed
+    if scene.bus.whole_bytes is not None:
+        counts[BYTE_LEVEL] = min(scene.bus.passed, scene.bytes_on_bus())
     counts |= scene.frame_counts()
     counts["resets"] = sum(dsp.resets for dsp in scene.units.values())
     parts: dict[str, Dsp | RegisterChip] = {

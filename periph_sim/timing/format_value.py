@@ -48,6 +48,11 @@ def simulated(seconds: float) -> str:
     return f"{seconds * 1_000_000:.3f} us" if 0 < seconds < 0.001 else f"{seconds:g} s"
 
 
+def duration_text(seconds: float) -> str:
+    """`60 ms`, `10 s`."""
+    return f"{seconds * 1000:g} ms" if seconds < 1 else f"{seconds:g} s"
+
+
 def percentile(which: str) -> str:
     """`p99.9` of a limit's key."""
     return which.replace("_", ".")

@@ -111,7 +111,7 @@ def run(path: Path, changes: Sequence[str], seconds: Fraction) -> Run:
     if isinstance(scene, Scene):
         first = scene.start + scene.timebase.ticks(START, "nearest")
         start = timed(lambda: scene.advance(first))[1].cpu
-        wire_bytes, events, byte_level = scene.bytes_on_bus(), scene.kernel.events, passed(scene)
+        wire_bytes, events, byte_level = scene.bytes_on_bus(), scene.kernel.events, scene.bus.passed
     result, time = timed(lambda: scene.run(seconds))
     return Run(
         build,
@@ -122,11 +122,6 @@ def run(path: Path, changes: Sequence[str], seconds: Fraction) -> Run:
         result.counts.get("byte_level", 0) - byte_level,
         result.simulated_s,
     )
-
-
-def passed(scene: Scene) -> int:
-    """Bytes of which seven bits passed at once, so far."""
-    return 0 if scene.whole_bytes is None else scene.whole_bytes.passed
 
 
 def reason(message: str) -> str:

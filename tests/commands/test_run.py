@@ -231,7 +231,7 @@ def test_a_level_is_chosen_by_a_bound_and_told_with_the_verdict(periph_sim: Run)
     responder = str(Path(__file__).resolve().parents[2] / "timing" / "responder.toml")
     came = periph_sim("run", responder, "--fidelity", "auto", "--max-error", "1 us")
     first = came.out.partition("\n")[0]
-    assert first == "responder: PASS, as seen in this run; byte by measure on 60 ms, used for 100 ms"
+    assert first == "responder: PASS, as seen in this run; byte, measured on 60 ms, used for 100 ms"
     assert "within 1 us: byte is the cheapest, " in came.out and "measuring took" in came.out
     told = json.loads(periph_sim("run", responder, "--fidelity", "auto", "--max-error", "1 ns", "--json").out)
     assert told["choice"]["level"] == told["choice"]["used"] == told["fidelity"] == "adaptive"

@@ -33,7 +33,7 @@ def test_one_json_object_with_every_observable(periph_sim: Run):
     assert [level["name"] for level in (edge, adaptive, slow)] == ["edge", "adaptive", "poll_pass=21"]
     assert adaptive["cost"]["events"] < edge["cost"]["events"]
     assert len(adaptive["observables"]) == len(slow["observables"]) > 20
-    assert {each["worst"] for each in adaptive["observables"]} == {0}
+    assert {each["worst"] for each in adaptive["observables"] if each["count"]} == {0}
     assert slow["worst_cycles"] > 0
     assert told["max_error"]["level"] == "adaptive"
 
@@ -83,16 +83,30 @@ def test_a_level_that_is_off_by_more_is_not_taken(periph_sim: Run):
     assert "poll_pass=21 is off by " in " ".join(came.out.split())
 
 
-def test_nothing_observed_is_no_bound_kept(periph_sim: Run):
-    came = periph_sim("trade", RESPONDER, "--seconds", "0", "--level", "adaptive", "--max-error", "1 us")
-    assert came.status == 1 and "nothing happened in 0 s, so no error is known" in came.out
+@pytest.mark.parametrize("more", [(), ("--max-error", "1 us"), ("--json",)])
+def test_a_part_in_which_nothing_occurs_is_refused(periph_sim: Run, more: tuple[str, ...]):
+    came = periph_sim("trade", RESPONDER, "--seconds", "0", "--level", "adaptive", *more)
+    assert (came.status, came.out) == (2, "")
+    assert "nothing measured: no flag, interrupt or byte occurs in the first 0 ms of 100 ms" in came.err
+
+
+def test_observables_that_do_not_occur_are_unmeasured(periph_sim: Run):
+    short = ("trade", RESPONDER, "--seconds", "0.0005", "--level", "byte")
+    said = " ".join(periph_sim(*short).out.split())
+    assert "unmeasured, since they do not occur in it: wrong bytes, nacked rounds, missed rounds, response, " in said
+    told = json.loads(periph_sim(*short, "--json").out)
+    assert "stretch" in told["unmeasured"] and "nacked" not in told["unmeasured"]
+    shown = {each["name"]: each for each in told["levels"][1]["observables"]}
+    assert (shown["stretch"]["count"], shown["stretch"]["mean"], shown["stretch"]["worst"]) == (0, None, None)
+    exact = [each for each in shown.values() if each["worst"] == 0]
+    assert all(each["count"] for each in exact) and f"byte: all {len(exact)} observables exact" in said
 
 
 def test_schedule_lacks_what_has_no_arithmetic_and_is_exact_in_all_else(periph_sim: Run):
     published = str(TIMING / "imu_hil_published.toml")
     came = periph_sim("trade", published, "--seconds", "0.05", "--level", "schedule")
     said = " ".join(came.out.split())
-    assert "schedule: 13 of 90 observables exact; its terms took " in said
+    assert "schedule: 10 of 87 observables exact; its terms took " in said
     assert "events on 169 ms of edges; 1000 scenarios in a call: " in said
     assert "lacks altogether, each an infinite error: wrong bytes, fifo high-water, overruns, " in said
     told = json.loads(periph_sim("trade", published, "--seconds", "0.05", "--level", "schedule", "--json").out)
@@ -101,7 +115,7 @@ def test_schedule_lacks_what_has_no_arithmetic_and_is_exact_in_all_else(periph_s
     assert edge["cost"]["terms_events"] == 0 and schedule["cost"]["memory_bytes"] > 0
     exact = [each["name"] for each in schedule["observables"] if each["worst"] == 0]
     assert exact[:3] == ["span:model", "response", "stretch"] and "age" in exact and "margin of I2CDXR" in exact
-    others = [each for each in schedule["observables"] if each["worst"] != 0]
+    others = [each for each in schedule["observables"] if each["count"] and each["worst"] != 0]
     assert {each["worst"] for each in others} == {"infinite"} and all(each["lacking"] for each in others)
 
 

@@ -39,7 +39,7 @@ def cell(found: Outcome) -> str:
     """`refused`, `exact`, `values` where times are exact and something else is not, else the worst error in cycles."""
     if found.refused:
         return "refused"
-    if all(each.exact for each in found.errors):
+    if all(each.exact for each in found.errors if each.measured):
         return "exact"
     return number(found.worst) if found.worst else "values"
 

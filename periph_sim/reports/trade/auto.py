@@ -23,12 +23,14 @@ from ...levels.judged import SCHEDULE, Judged
 from ...scene.case.model import BadCase, Case
 from ...scene.result import Result
 from ...scene.scene import Scene
+from ...timing.format_value import duration_text
 from .choose import Best, best_within
-from .levels import EQUAL, REFERENCE, Level, fidelities_of
+from .levels import REFERENCE, Level, fidelities_of
 from .moments import KINDS, Met, sort_of
-from .trade import Make, trade
+from .trade import LONGER, Make, trade
 
 PART = Fraction(60, 1000)  # seconds of the scene that are measured
+ADAPTIVE = "give --fidelity adaptive, which needs no measurement"
 STRETCHED = "a stretched byte"
 SORTS = {Kind.FLAG: 2, Kind.IRQ: 2, Kind.BUS: 2, Kind.NOTE: 1}
 
@@ -37,7 +39,7 @@ SORTS = {Kind.FLAG: 2, Kind.IRQ: 2, Kind.BUS: 2, Kind.NOTE: 1}
 class Choice:
     """best: the level and why. level: what the run was made at in the end. unmet: for what it fell back to edges.
 
-    measured_s, used_s: of the scene. cpu_s: that measuring took.
+    measured_s, used_s: of the scene. cpu_s: that measuring took; total_cpu_s: with all runs of the whole scene.
     """
 
     best: Best
@@ -46,14 +48,15 @@ class Choice:
     measured_s: float
     used_s: float
     cpu_s: float
+    total_cpu_s: float
 
     def heading(self) -> str:
         """For the line of the verdict."""
-        return f"; {self.level} by measure on {_length(self.measured_s)}, used for {_length(self.used_s)}"
+        return f"; {self.level}, measured on {duration_text(self.measured_s)}, used for {duration_text(self.used_s)}"
 
     def sentence(self) -> str:
         fallen = f"; fell back to edges at {self.unmet}" if self.unmet else ""
-        return f"{self.best.why}; measuring took {self.cpu_s:.2g} s of CPU time{fallen}"
+        return f"{self.best.why}; measuring took {self.cpu_s:.2g} of {self.total_cpu_s:.2g} s of CPU time{fallen}"
 
     def as_json(self) -> dict[str, object]:
         return self.best.as_json() | {
@@ -62,6 +65,7 @@ class Choice:
             "measured_s": self.measured_s,
             "used_s": self.used_s,
             "cpu_s": self.cpu_s,
+            "total_cpu_s": self.total_cpu_s,
         }
 
 
@@ -113,7 +117,7 @@ def run_within(
     case = make(levels[0].changes)
     whole = case.duration if length is None else length
     part = min(PART, whole)
-    found = trade(make, levels, part, traced=False)
+    found = trade(make, levels, part, traced=False, remedy=ADAPTIVE if whole > part else LONGER)
     best = best_within(found, bound_s, float(whole))
     if best.level is None:
         raise BadCase(f"case {case.name}: no level within {bound_s * 1e6:g} us: {best.why}")
@@ -127,7 +131,7 @@ def run_within(
             scene = Scene(case, keep_values=keep_values)
             came = scene.run(whole, told)
         result = came
-    elif best.level.name in EQUAL or whole == part:
+    elif best.level.same_records or whole == part:
         scene = Scene(chosen, keep_values=keep_values)
         result = scene.run(whole, told)
     else:
@@ -142,7 +146,7 @@ def run_within(
             came = scene.run(whole, told)
         result = came
     level = REFERENCE if unmet else best.level.name
-    return scene, result, Choice(best, level, unmet, float(part), float(whole), cpu)
+    return scene, result, Choice(best, level, unmet, float(part), float(whole), cpu, process_time() - began)
 
 
 def _scheduled(
@@ -185,7 +189,3 @@ def _watched(
     except _Unmet:
         return scene, None
     return scene, result
-
-
-def _length(seconds: float) -> str:
-    return f"{seconds * 1000:g} ms" if seconds < 1 else f"{seconds:g} s"

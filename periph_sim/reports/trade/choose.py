@@ -1,13 +1,16 @@
 """The cheapest level within a bound: a `Trade` and seconds go in; a level, or why there is none, comes out.
 
 Cheapest is what takes the fewest events, over the whole run: CPU time differs from run to run, and the choice must not.
+A level whose records may differ from those of edge is not chosen where a budget is unmeasured in the first part.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ...core.text_table import paragraph
+from ...timing.format_value import duration_text
 from .errors import worst_of
 from .levels import Level
 from .text_report import INFINITE, number
@@ -38,15 +41,14 @@ def best_within(found: Trade, bound_s: float, whole_s: float | None = None) -> B
     times = whole / found.simulated_s if found.simulated_s else 1.0
     bound = f"{bound_s * 1e6:g} us"
     cycles = bound_s / found.cycle_s
-    if not found.moments:
-        return Best(None, bound_s, f"nothing happened in {found.simulated_s:g} s, so no error is known")
     others = found.outcomes[1:]
     if not others:
         return Best(None, bound_s, f"there is no level beside {found.reference.level.name} to choose from")
-    fitting = [outcome for outcome in found.outcomes if outcome.holds(cycles)]
+    unknown = found.unmeasured_budgets if whole > found.simulated_s else ()
+    fitting = [each for each in found.outcomes if each.holds(cycles) and (each.level.same_records or not unknown)]
     best = min(fitting, key=lambda outcome: _events(outcome, times))
     if best is found.reference:
-        told = "; ".join(_reason(outcome, cycles, found, times) for outcome in others)
+        told = "; ".join(_reason(outcome, cycles, found, times, unknown) for outcome in others)
         return Best(best.level, bound_s, f"within {bound}: {best.level.name} alone is to be had: {told}")
     assert found.reference.cost is not None
     against = f"{_told(best)} against {found.reference.cost.events} of {found.reference.level.name}"
@@ -68,16 +70,18 @@ def _told(outcome: Outcome) -> str:
     return f"{cost.once_events} events for its terms" if cost.once_events else f"{cost.events} events"
 
 
-def _reason(outcome: Outcome, cycles: float, found: Trade, times: float) -> str:
-    """Why a level was not taken."""
+def _reason(outcome: Outcome, cycles: float, found: Trade, times: float, unknown: Sequence[str]) -> str:
+    """Why a level was not taken. unknown: measures of budgets that did not occur in the first part."""
     name = outcome.level.name
     if outcome.cost is None:
         return f"{name} was refused"
+    if outcome.holds(cycles) and unknown and not outcome.level.same_records:
+        return f"{name} has no known error in {', '.join(unknown)}, unmeasured in {duration_text(found.simulated_s)}"
     if outcome.holds(cycles):
         assert found.reference.cost is not None
         return f"{name} takes {_told(outcome)}, no fewer than {found.reference.cost.events}"
     worst = max(outcome.bounded, key=lambda each: (each.worst > 0, each.worst))
     if worst_of(outcome.bounded) <= cycles:
-        worst = next(each for each in outcome.bounded if not each.exact and each.unit != "cycles")
+        worst = next(each for each in outcome.bounded if each.worst and each.unit != "cycles")
     how = "infinitely" if number(worst.worst) == INFINITE else f"by {number(worst.worst)} {worst.unit}"
     return f"{name} is off {how} ({worst.name})"

@@ -1,6 +1,7 @@
 """How far a level is off: paired occurrences go in; mean, p99 and worst error of each observable come out.
 
-An occurrence without a partner is an infinite error, and counts in each of the three.
+An occurrence without a partner is an infinite error, and counts in each of the three. An observable that occurs in
+neither run has no error: it is unmeasured, and not exact.
 """
 
 from __future__ import annotations
@@ -20,7 +21,8 @@ CYCLES = "cycles"
 class Errors:
     """Of one observable. unit: "cycles" of SYSCLKOUT; "%", "LSB", "differ" (0 equal, 1 not) or a word for a count.
 
-    count: occurrences, each pair once. lacking, added, disordered: those without a partner.
+    count: occurrences, each pair once; 0 if there is none in either run. lacking, added, disordered: those without a
+    partner.
     """
 
     name: str
@@ -34,8 +36,12 @@ class Errors:
     worst: float
 
     @property
+    def measured(self) -> bool:
+        return self.count > 0
+
+    @property
     def exact(self) -> bool:
-        return self.worst == 0
+        return self.measured and self.worst == 0
 
 
 def errors_of(name: str, unit: str, pairs: Iterable[Paired], scale: float = 1.0) -> Errors:

@@ -19,28 +19,31 @@ from ...scene.firmware_loader import BadFirmware, load_firmware
 
 FIDELITIES = LEVELS
 REFERENCE = "edge"
-EQUAL = (REFERENCE, "adaptive")  # levels with the same records in every scene (tests/scene/test_adaptive.py)
+SAME_RECORDS = (REFERENCE, "adaptive")  # as edge in every scene (tests/scene/test_adaptive.py)
 ARITHMETICS = ("bytes", "q16", "float32", "float64")
 POLL_PASSES = (7, 21)  # the shortest and the longest pass that was counted in compiled programs (docs/fidelity.md)
 
 
 @dataclass(frozen=True)
 class Level:
-    """changes: of the case, as `--set` has them."""
+    """changes: of the case, as `--set` has them. same_records: as the reference has, in every scene."""
 
     name: str
     changes: tuple[str, ...]
+    same_records: bool = False
 
 
 def level_of(fidelity: str) -> Level:
-    return Level(fidelity, (f"fidelity={fidelity}",))
+    return Level(fidelity, (f"fidelity={fidelity}",), fidelity in SAME_RECORDS)
 
 
 def fidelities_of(case: Case) -> tuple[Level, ...]:
     """The reference first, then the other words, and the case as it is where it says a level for each bus."""
-    own = () if isinstance(case.fidelity, str) else (Level(fidelity_text(case.fidelity), ()),)
     others = [level_of(name) for name in FIDELITIES if name != REFERENCE]
-    return (level_of(REFERENCE), *others, *own)
+    if isinstance(case.fidelity, str):
+        return (level_of(REFERENCE), *others)
+    same = all(level in SAME_RECORDS for level in case.fidelity.values())
+    return (level_of(REFERENCE), *others, Level(fidelity_text(case.fidelity), (), same))
 
 
 def levels_of(case: Case) -> list[Level]:
@@ -79,13 +82,13 @@ def _default(firmware: str) -> object:
 
 
 def _poll_models(case: Case) -> Iterator[Level]:
-    if not case.unit:
-        return
+    """The instructions of an image say what a pass costs, so `poll_pass` is of the other units alone."""
     if any(unit.skip_polls for unit in case.unit.values()):
         yield Level("skip_polls=false", _at_edges(*(f"unit.{name}.skip_polls=false" for name in case.unit)))
+    costed = {name: unit.code for name, unit in case.unit.items() if not unit.image}
     for cycles in POLL_PASSES:
-        if any(unit.code.poll_pass != cycles for unit in case.unit.values()):
-            changes = (f"unit.{name}.code.poll_pass={cycles}" for name in case.unit)
+        if any(code.poll_pass != cycles for code in costed.values()):
+            changes = (f"unit.{name}.code.poll_pass={cycles}" for name in costed)
             yield Level(f"poll_pass={cycles}", _at_edges(*changes))
 
 

@@ -110,10 +110,11 @@ def _more(case: Case) -> Iterator[Budget]:
 
 
 def _taken(measure: Measure) -> Ints:
-    """All values of a series; of what is one number a run, that."""
+    """All values of a series; of what is one number a run, that; empty if nothing was there to be measured."""
     if measure.series and measure.kept is not None:
         return measure.kept[0]
-    return np.array([measure.worst], np.int64)
+    nothing = measure.silent or (measure.occasions is not None and not measure.measured)
+    return np.array([] if nothing else [measure.worst], np.int64)
 
 
 def _cycle(case: Case, timebase: Timebase) -> Fraction:

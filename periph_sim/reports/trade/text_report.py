@@ -7,12 +7,14 @@ from dataclasses import asdict
 from math import inf, isinf
 
 from ...core.text_table import paragraph, text_table, together
+from ...timing.format_value import duration_text
 from .cost import TOGETHER, TRACED, Cost
 from .errors import CYCLES, Errors
 from .levels import REFERENCE
 from .trade import Outcome, Trade
 
 INFINITE = "infinite"
+MEMORY = f"most that Python had allocated in the first {duration_text(float(TRACED))} (tracemalloc)"
 
 
 def text(found: Trade) -> str:
@@ -21,15 +23,19 @@ def text(found: Trade) -> str:
 
 
 def _lines(found: Trade) -> Iterator[str]:
-    part = "" if found.simulated_s >= found.duration_s else f" the first {_length(found.simulated_s)} of"
+    part = "" if found.simulated_s >= found.duration_s else f" the first {duration_text(found.simulated_s)} of"
     yield from paragraph(
-        f"{found.case}:{part} {_length(found.duration_s)}, {found.observables} observables, {found.occurrences} "
+        f"{found.case}:{part} {duration_text(found.duration_s)}, {found.observables} observables, {found.occurrences} "
         f"occurrences; against {REFERENCE}, in SYSCLKOUT cycles of {found.cycle_s * 1e9:.3f} ns"
     )
+    if found.unmeasured:
+        yield from paragraph(f"unmeasured, since they do not occur in it: {', '.join(found.unmeasured)}")
     yield ""
     yield from _costs(found)
     yield "CPU: seconds of processor time a simulated second, without records"
-    yield from paragraph(f"memory: most that Python had allocated in the first {_length(float(TRACED))} (tracemalloc)")
+    yield from paragraph(
+        f"memory: most that Python had allocated in the first {duration_text(float(TRACED))} (tracemalloc)"
+    )
     for outcome in found.outcomes[1:]:
         yield ""
         yield from _level(outcome, found)
@@ -53,7 +59,7 @@ def _row(outcome: Outcome, is_reference: bool) -> tuple[str, ...]:
 
 def _worst(outcome: Outcome) -> str:
     """In cycles; what is no time has an error of its own."""
-    others = any(not each.exact for each in outcome.errors if each.unit != CYCLES)
+    others = any(each.worst for each in outcome.errors if each.unit != CYCLES)
     if not outcome.worst:
         return "values" if others else "exact"
     return number(outcome.worst)
@@ -64,14 +70,13 @@ def _level(outcome: Outcome, found: Trade) -> Iterator[str]:
     if cost is None:
         yield from paragraph(f"{name}: refused: {outcome.refused}")
         return
-    wrong = [each for each in outcome.errors if not each.exact]
+    measured = [each for each in outcome.errors if each.measured]
+    wrong = [each for each in measured if not each.exact]
     share = (f"; {cost.share}" if cost.share else "") + _once(cost)
     if not wrong:
-        yield from paragraph(f"{name}: all {len(outcome.errors)} observables exact{share}")
+        yield from paragraph(f"{name}: all {len(measured)} observables exact{share}")
         return
-    yield from paragraph(
-        f"{name}: {len(outcome.errors) - len(wrong)} of {len(outcome.errors)} observables exact{share}"
-    )
+    yield from paragraph(f"{name}: {len(measured) - len(wrong)} of {len(measured)} observables exact{share}")
     without_records = bool(cost.once_events)  # then lists of what it lacks are long
     there = [each for each in wrong if each.lacking < each.count or not without_records]
     if there:
@@ -92,7 +97,7 @@ def _level(outcome: Outcome, found: Trade) -> Iterator[str]:
 def _once(cost: Cost) -> str:
     if not cost.once_events:
         return ""
-    terms = f"{cost.once_cpu_s:.2g} s of CPU and {cost.once_events} events on {_length(cost.once_s)} of edges"
+    terms = f"{cost.once_cpu_s:.2g} s of CPU and {cost.once_events} events on {duration_text(cost.once_s)} of edges"
     many = f"{TOGETHER} scenarios in a call: {number(cost.together_s * 1e6)} us of CPU a simulated second"
     return f"; its terms took {terms}; {many}"
 
@@ -111,18 +116,14 @@ def number(value: float) -> str:
     return digits.rstrip("0").rstrip(".") if "." in digits and "e" not in digits else digits
 
 
-def _length(seconds: float) -> str:
-    """`60 ms`, `10 s`."""
-    return f"{seconds * 1000:g} ms" if seconds < 1 else f"{seconds:g} s"
-
-
 def as_json(found: Trade) -> dict[str, object]:
-    """Infinite errors are the text "infinite"."""
+    """Infinite errors are the text "infinite"; of what is unmeasured they are null."""
     return {
         "case": found.case,
         "simulated_s": found.simulated_s,
         "cycle_s": found.cycle_s,
-        "memory": f"most that Python had allocated in the first {_length(float(TRACED))} (tracemalloc)",
+        "unmeasured": list(found.unmeasured),
+        "memory": MEMORY,
         "levels": [_outcome_as_json(outcome) for outcome in found.outcomes],
     }
 
@@ -149,11 +150,13 @@ def _outcome_as_json(outcome: Outcome) -> dict[str, object]:
     return told | {
         "cost": costs,
         "worst_cycles": _finite(outcome.worst),
-        "observables": [
-            {key: _finite(value) if isinstance(value, float) else value for key, value in asdict(each).items()}
-            for each in outcome.errors
-        ],
+        "observables": [_errors_as_json(each) for each in outcome.errors],
     }
+
+
+def _errors_as_json(errors: Errors) -> dict[str, object]:
+    shown = {key: _finite(value) if isinstance(value, float) else value for key, value in asdict(errors).items()}
+    return shown if errors.measured else shown | dict.fromkeys(("mean", "p99", "worst"))
 
 
 def _finite(value: float) -> float | str:

@@ -12,12 +12,14 @@ from ...f28335.system.memory_map import NoSuchAddress
 from ...levels.judged import SCHEDULE
 from ...processor.error_origin import FirmwareError
 from ...scene.case.model import BadCase, Case
+from ...timing.format_value import duration_text
 from .cost import Cost, cost_of
 from .errors import Errors, within, worst_of
 from .levels import Level
 from .observe import Observed, compare, observe
 
 REFUSED = (BadCase, SimulationStuck, NoSuchAddress, FirmwareError)
+LONGER = "simulate longer with --seconds"
 Make = Callable[[Sequence[str]], Case]
 
 
@@ -53,8 +55,9 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Trade:
-    """outcomes: the reference first. observables: how many it has. occurrences: of all of them; moments: of those
-    that have a time. observed: at the reference. cycle_s: a cycle.
+    """outcomes: the reference first. observables: how many it has, occurrences: of all of them. unmeasured: names of
+    those beside them that did not occur; unmeasured_budgets: the case's own measures among these. observed: at the
+    reference. cycle_s: a cycle.
     """
 
     case: str
@@ -63,7 +66,8 @@ class Trade:
     cycle_s: float
     observables: int
     occurrences: int
-    moments: int
+    unmeasured: tuple[str, ...]
+    unmeasured_budgets: tuple[str, ...]
     observed: Observed
     outcomes: tuple[Outcome, ...]
 
@@ -78,15 +82,21 @@ def trade(
     length: Fraction,
     told: Callable[[float], None] | None = None,
     traced: bool = True,
+    remedy: str = LONGER,
 ) -> Trade:
     """Run all levels for `length` seconds. levels: the reference first. traced: memory, too.
 
-    BadCase and its like where the reference cannot be run.
+    BadCase and its like where the reference cannot be run, or where nothing occurs in it; remedy: what to do about it.
     """
     first, *others = levels
     case = make(first.changes)
     reference = observe(case, length)
+    if not reference.moments:
+        part = f"the first {duration_text(float(length))} of {duration_text(float(case.duration))}"
+        found = f"no flag, interrupt or byte occurs in {part}"
+        raise BadCase(f"case {case.name}: nothing measured: {found}, and errors need occurrences; {remedy}")
     itself = compare(reference, reference)
+    unmeasured = tuple(each.name for each in itself if not each.measured)
     outcomes = [Outcome(first, "", cost_of(case, length, traced))]
     for number, level in enumerate(others, 1):
         if told is not None:
@@ -99,9 +109,10 @@ def trade(
         simulated.simulated_s,
         float(case.duration),
         reference.cycle / reference.per_second,
-        len(itself),
+        len(itself) - len(unmeasured),
         sum(each.count for each in itself),
-        sum(map(len, reference.moments.values())),
+        unmeasured,
+        tuple(budget.measure for budget in case.budget if budget.measure in unmeasured),
         reference,
         tuple(outcomes),
     )

@@ -60,7 +60,8 @@ def test_the_cheapest_within_a_bound_runs_the_whole_scene():
     scene, result, choice = run_within(made(TIMING / "responder.toml"), US, None)
     assert (choice.level, choice.unmet, result.fidelity) == ("byte", "", "byte")
     assert (choice.measured_s, choice.used_s) == (0.06, 0.1) and choice.cpu_s > 0
-    assert "byte by measure on 60 ms, used for 100 ms" in choice.heading()
+    assert choice.heading() == "; byte, measured on 60 ms, used for 100 ms"
+    assert choice.total_cpu_s > choice.cpu_s and "CPU time" in choice.sentence()
     assert result.simulated_s == 0.1 and scene.case.fidelity == "byte"
 
 
@@ -126,9 +127,30 @@ def test_a_nack_that_the_measured_part_has_not_is_run_on_edges():
     assert result.fidelity == "edge" and result.counts["nacked"] > 0
 
 
-def test_nothing_that_happens_is_refused():
-    with pytest.raises(BadCase, match="no level within 1 us: nothing happened in 0 s"):
+def test_a_part_in_which_nothing_occurs_is_refused(tmp_path: Path):
+    nothing = "nothing measured: no flag, interrupt or byte occurs in the first"
+    with pytest.raises(BadCase, match=f"{nothing} 0 ms of 100 ms, .*; simulate longer with --seconds"):
         run_within(made(TIMING / "responder.toml"), US, Fraction(0))
+    chips = made(TIMING / "imu_chips.toml", "controller.first=70 ms")
+    with pytest.raises(BadCase, match=f"{nothing} 60 ms of .*; give --fidelity adaptive, which needs no measurement"):
+        run_within(chips, US, Fraction(1, 10))
+
+
+def test_a_budget_that_does_not_occur_in_the_first_part_keeps_byte_from_being_chosen():
+    """Nothing but set-up takes place in the first 60 ms."""
+    _, result, choice = run_within(made(TIMING / "responder.toml", "controller.first=70 ms"), US, None)
+    assert result.fidelity == "edge"
+    assert (
+        "byte has no known error in wrong bytes, nacked rounds, missed rounds, unmeasured in 60 ms" in choice.best.why
+    )
+
+
+def test_a_budget_that_does_not_occur_keeps_no_level_with_the_records_of_edge_from_being_chosen():
+    late = made(TIMING / "imu_moving.toml")  # values are judged from 60 ms on
+    found = trade(late, (level_of("edge"), level_of("adaptive"), level_of("byte")), Fraction(3, 100), traced=False)
+    assert "value error of gyroscope" in found.unmeasured_budgets and "value error" not in found.unmeasured_budgets
+    levels = [best_within(found, bound_s=1, whole_s=whole).level for whole in (0.3, 0.03)]
+    assert [level and level.name for level in levels] == ["adaptive", "byte"]  # nothing else comes in 0.03 s of 0.03 s
 
 
 def test_the_watch_hears_only_what_was_not_met():

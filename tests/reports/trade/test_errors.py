@@ -22,9 +22,10 @@ def test_errors_are_absolute_and_scaled():
     assert not found.exact
 
 
-def test_nothing_that_occurs_is_exact():
+def test_what_does_not_occur_is_unmeasured_and_not_exact():
     found = errors_of("flag", CYCLES, [paired()])
-    assert (found.count, found.mean, found.p99, found.worst, found.exact) == (0, 0.0, 0.0, 0.0, True)
+    assert (found.count, found.worst, found.measured, found.exact) == (0, 0.0, False, False)
+    assert errors_of("flag", CYCLES, [paired(0)]).measured and errors_of("flag", CYCLES, [paired(lacking=1)]).measured
 
 
 @given(st.lists(st.integers(-100, 100)), st.integers(0, 3), st.integers(0, 3), st.integers(0, 3))
@@ -33,7 +34,8 @@ def test_one_without_a_partner_is_never_left_out(differences: list[int], lacking
     beyond = lacking + added + changed
     assert found.count == len(differences) + beyond
     assert (found.mean == inf) == (found.worst == inf) == bool(beyond)
-    assert found.exact == (not beyond and not any(differences))
+    assert found.measured == (found.count > 0)
+    assert found.exact == (found.measured and not beyond and not any(differences))
 
 
 def test_p99_is_infinite_when_more_than_one_of_a_hundred_are():

@@ -30,7 +30,13 @@ def test_a_table_of_levels_for_each_bus_is_a_level_of_its_own():
     assert names("imu_hil", change)[: len(FIDELITIES) + 1] == [*FIDELITIES, own]
     assert own not in names("imu_hil")
     found = {level.name: level for level in levels_of(load(TIMING / "imu_hil.toml", [change]))}[own]
-    assert found.changes == ()
+    assert found.changes == () and not found.same_records
+
+
+def test_levels_with_the_records_of_edge_are_known():
+    change = 'fidelity={I2C-A = "adaptive", SCI-A = "edge"}'
+    same = [level.name for level in levels_of(load(TIMING / "imu_hil.toml", [change])) if level.same_records]
+    assert same == ["edge", "adaptive", "I2C-A=adaptive SCI-A=edge"]
 
 
 def test_arithmetics_are_levels_of_firmware_that_computes_only():
@@ -44,7 +50,15 @@ def test_poll_models_are_left_out_where_the_case_has_them_already():
     assert "poll_pass=7" not in names("responder", "unit.dsp.code.poll_pass=7")
 
 
-@pytest.mark.parametrize("case", ["imu_hil", "imu_hil_published", "two_dsps", "uart_logger"])
+def test_what_a_pass_costs_is_no_question_to_an_image():
+    assert names("imu_hil_image") == [*FIDELITIES, "skip_polls=false"]
+    image, python = (load(TIMING / f"{name}.toml").unit["dsp"] for name in ("imu_hil_image", "responder"))
+    mixed = load(TIMING / "responder.toml").model_copy(update={"unit": {"a": image, "b": python}})
+    slow = next(level for level in levels_of(mixed) if level.name == "poll_pass=21")
+    assert slow.changes == ("fidelity=edge", "unit.b.code.poll_pass=21")
+
+
+@pytest.mark.parametrize("case", ["imu_hil", "imu_hil_published", "two_dsps", "uart_logger", "imu_hil_image"])
 def test_all_but_refused_levels_are_changes_that_the_case_takes(case: str):
     path = TIMING / f"{case}.toml"
     for level in levels_of(load(path)):

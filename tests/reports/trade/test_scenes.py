@@ -26,7 +26,8 @@ def test_on_edges_each_scene_is_what_its_budgets_say(name: str):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_adaptive_is_exact_in_each(name: str):
-    assert all(each.exact for each in outcome(name, "adaptive").errors)
+    measured = [each for each in outcome(name, "adaptive").errors if each.measured]
+    assert measured and all(each.exact for each in measured)
 
 
 def test_the_page_has_every_scene():

@@ -62,6 +62,10 @@ class Program:
         """What it waits for that nothing models, and how the case can answer; "" if it does not."""
         return ""
 
+    def waits_for_memory(self) -> bool:
+        """Whether the wait in progress reads no register, so that only a service routine can end it."""
+        return False
+
     def ending(self, at: str) -> str:
         """What a note says of a program that is over. at: `returned_at` as a time."""
         return f"main returned at {at}; from then on only service routines run"

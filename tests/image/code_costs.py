@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 
 from periph_sim.core.records import Kind, Record
 from periph_sim.image.assemble import SHIPPED
+from periph_sim.processor.instruction_location import statement
 from periph_sim.scene.case.model import Case
 from periph_sim.scene.scene import Scene
 from tests.image.public_images import public_image
@@ -62,7 +63,9 @@ def costs(name: str) -> dict[str, int]:
     accesses = [one for one in told if one.kind is Kind.ACCESS]
     for before, after in pairwise(accesses):
         slow = after.what == "R SYS.PLLSTS"  # while the PLL locks, cycles are longer
-        if not slow and before.what.startswith("R ") and (before.what, before.text) == (after.what, after.text):
+        if slow or not before.what.startswith("R "):
+            continue
+        if (before.what, statement(before.text)) == (after.what, statement(after.text)):
             found.setdefault(f"pass {after.what[2:]}", Counter())[(after.tick - before.tick) // cycle] += 1
     entered, last = None, 0
     for one in told:

@@ -184,8 +184,12 @@ def test_a_clock_is_read_back_after_a_second(periph_sim: Run, tmp_path: Path):  
 def test_a_clock_hangs_where_pieack_is_all_ones_after_the_reset(periph_sim: Run, tmp_path: Path):  # noqa: F811
     more = '[unit.dsp.options.system]\npieack_reset = 0xFFF\n[device.clock]\nmodel = "isl12026"\n'
     more += '[[budget]]\nname = "interrupts"\nmeasure = "count of interrupt I2CINT1A enter"\nexactly = 0\n'
-    run = recorded(periph_sim, tmp_path, CLOCK, "16 ms", "I2C-A", more)
+    run = recorded(periph_sim, tmp_path, CLOCK, "16 ms", "I2C-A", more, status=1)
     assert [row for _, row in transfers(periph_sim, run)] == ["S 6F W 00 3F 02 P"]
+    told = periph_sim("run", str(tmp_path / "case.toml")).out
+    assert (
+        "dsp waits for _I2cMsgOut1 at WriteData (i2c_rtc.c:480, 0x008528) since 4494.147 us and would for ever" in told
+    )
 
 
 def test_leds_come_on_one_after_the_other_and_toggle_each_half_second(periph_sim: Run, tmp_path: Path):  # noqa: F811

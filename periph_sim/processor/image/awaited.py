@@ -1,6 +1,7 @@
 """What a wait of an image is about: the loop and what it read go in; registers with their bits, for people, come out.
 
-The bits are those that the loop's first test of a bit, or mask, names; all of a register where it has none.
+The bits are those that the loop's first test of a bit, or mask, names; all of a register where it has none. A loop that
+reads no register, and has a way out, waits for memory: its words come out by the symbols before them.
 """
 
 from __future__ import annotations
@@ -8,25 +9,39 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
+from ...c28x import flow
 from ...c28x.decoder import Instruction, decode_at
 from ...core.registers import Register
+from ...f28335.system.address_space import Content, area_at
 from ...f28335.system.register_names import full_name
+from ...image.model import Image
 from ..operand import Operand
 from .cpu import ImageCpu
 
 LONGEST = 64  # words of a loop that are looked at
 ALL = 0xFFFF
+BY_SP, BEHIND_BY_SP, BY_POINTER = 0x40, 0x80, 0xC0  # operand fields: below them by DP, *-SP[n], *+XARn[i]
+MEMORY = "memory"  # whose words are not known
 
 
 class Awaited(NamedTuple):
-    """texts: what is read, "I2C-A.I2CSTR.XRDY". unanswered: of what nothing models, as a sentence; "" if nothing is."""
+    """texts: what is read, "I2C-A.I2CSTR.XRDY". unanswered: of what nothing models, as a sentence; "" if nothing is.
+
+    memory: no register is read, so only a service routine can end the wait.
+    """
 
     texts: list[str]
     unanswered: str
+    memory: bool
 
 
-def awaited(cpu: ImageCpu, branch: int, operands: Sequence[Operand], elsewhere: Sequence[int], unit: str) -> Awaited:
+def awaited(
+    cpu: ImageCpu, branch: int, operands: Sequence[Operand], elsewhere: Sequence[int], unit: str, image: Image
+) -> Awaited:
     """branch: the address of the loop's last instruction; `cpu` stands at its first one."""
+    if not operands and not elsewhere:
+        names = [_name(image, address) for address in _memory_read(cpu, branch)] if _may_end(cpu, branch) else None
+        return Awaited([] if names is None else names or [MEMORY], "", names is not None)
     mask = mask_of(cpu, branch)
     texts = [f"{operand.name}.{fields_of(operand.register, mask)}" for operand in operands]
     names = list(dict.fromkeys(f"{full_name(address)} & {mask:#06x}" for address in elsewhere))
@@ -34,7 +49,7 @@ def awaited(cpu: ImageCpu, branch: int, operands: Sequence[Operand], elsewhere: 
     if names:
         register = full_name(elsewhere[0])
         unanswered = f'nothing models that; answer it by [[unit.{unit}.stub]] with register = "{register}" and a value'
-    return Awaited(list(dict.fromkeys([*texts, *names])), unanswered)
+    return Awaited(list(dict.fromkeys([*texts, *names])), unanswered, memory=False)
 
 
 def fields_of(register: Register, mask: int) -> str:
@@ -63,3 +78,60 @@ def _loop(cpu: ImageCpu, branch: int) -> Iterator[Instruction]:
             return
         yield found
         address += found.words
+
+
+def _may_end(cpu: ImageCpu, branch: int) -> bool:
+    """Whether the loop has a branch out; one without is how programs end."""
+    for one in _loop(cpu, branch):
+        goal = flow.target(one)
+        if goal is None or flow.is_call(one) or not flow.goes_on(one):
+            continue
+        if one.address == branch or not cpu.pc <= goal <= branch:
+            return True
+    return False
+
+
+def _memory_read(cpu: ImageCpu, branch: int) -> list[int]:
+    """Words of RAM that the loop reads, as far as its instructions say where they are."""
+    found: list[int] = []
+    dp: int | None = cpu.dp
+    changed: set[str] = set()  # registers that are no longer as they are at its start
+    for one in _loop(cpu, branch):
+        field, dp_written = one.values.get("l", -1), "DP" in _places(one.encoding.writes)
+        if "r" in one.encoding.accesses:
+            address = _address(cpu, field, dp, changed)
+            area = None if address is None else area_at(address)
+            if address is not None and area is not None and area.content is Content.RAM:
+                found.append(address)
+        if dp_written:
+            dp = one.values.get("c") if one.encoding.mnemonic in ("MOVW", "MOVZ") else None
+        changed |= {
+            f"XAR{one.values['n']}" if place in ("XARn", "ARn") else place for place in _places(one.encoding.writes)
+        }
+    return list(dict.fromkeys(found))
+
+
+def _address(cpu: ImageCpu, field: int, dp: int | None, changed: set[str]) -> int | None:
+    """Where an operand is [SPRU430F Table 5-1]; None where that is not known."""
+    if 0 <= field < BY_SP:
+        return None if dp is None else dp << 6 | field
+    if field < BEHIND_BY_SP:
+        return None if field < 0 or "SP" in changed else cpu.sp - (field - BY_SP)
+    if field >= BY_POINTER and f"XAR{field & 7}" not in changed:
+        return cpu.xar[field & 7] + (field >> 3 & 7)
+    return None
+
+
+def _places(columns: Sequence[str]) -> list[str]:
+    return [place.partition("@")[0] for place in columns]
+
+
+def _name(image: Image, address: int) -> str:
+    """A word of memory by the symbol at or before it in its section; its address where there is none."""
+    section = next((one for one in image.sections if one.runs_at(address)), None)
+    if section is not None:
+        before = [at for at in image.symbol_at if section.run <= at <= address]
+        if before:
+            offset = address - max(before)
+            return image.symbol_at[max(before)] + (f"+{offset}" if offset else "")
+    return f"{address:#06x}"

@@ -266,9 +266,13 @@ class ImageProgram(Program):
         """See `Program.unanswered`."""
         return self._awaited().unanswered
 
+    def waits_for_memory(self) -> bool:
+        """See `Program.waits_for_memory`."""
+        return self._awaited().memory
+
     def _awaited(self) -> Awaited:
         operands = [] if self.spin is None else self.spin.polls
-        return awaited(self.cpu, self._at, operands, self.cpu.polls.elsewhere, self._processor.name)
+        return awaited(self.cpu, self._at, operands, self.cpu.polls.elsewhere, self._processor.name, self.image)
 
     def _slept(self) -> bool:
         """IDLE: over once an interrupt comes that IER enables."""

@@ -17,6 +17,7 @@ from periph_sim.f28335.system.options import SystemOptions
 # The first is the default.
 ANSWERS: dict[type, dict[str, tuple[Value, ...]]] = {
     SystemOptions: {
+        "vector_fetch_waits": (0, 1, 2),
         "intr_clears_ifr": (True, False),
         "pieack_reset": (0x000, 0xFFF),
         "pf1_back_to_back_write": (1, 0),
@@ -59,6 +60,7 @@ ANSWERS: dict[type, dict[str, tuple[Value, ...]]] = {
 
 RANGES = [
     (SystemOptions, "int_latency", 14, 13, 16),
+    (SystemOptions, "idle_wake", 0, 0, 16),
     (SystemOptions, "pf2_read_ws", 2, 0, 15),
     (SystemOptions, "pf2_write_ws", 0, 0, 15),
     (SciOptions, "rx_int_extra", 3, 0, 16),

@@ -38,6 +38,30 @@ def test_open_int_latency_on_the_host(latency):
     assert entry_after(100, lambda bench: bench.cpu.compute(1000), options) == latency
 
 
+@pytest.mark.rule("SYS-138", "SYS-139")
+@pytest.mark.parametrize("waits", [0, 1, 2])
+def test_open_vector_fetch_waits_on_the_host(waits):
+    options = SystemOptions(vector_fetch_waits=waits)
+    assert entry_after(100, lambda bench: bench.cpu.compute(1000), options) == 14 + waits
+
+
+@pytest.mark.rule("SYS-150")
+@pytest.mark.parametrize("intm", [0, 1])
+@pytest.mark.parametrize("wake", [0, 1, 16])
+def test_open_idle_wake_on_the_host(wake, intm):
+    """A request at 100 wakes the CPU at 104: the service routine comes 10 cycles behind that, or else what follows."""
+
+    def main(bench: Bench) -> None:
+        if intm:
+            bench.cpu.dint()
+        bench.cpu.idle()
+        bench.note("1 in" if intm else "after IDLE")
+        bench.cpu.compute(50)
+
+    options = SystemOptions(idle_wake=wake)
+    assert entry_after(100, main, options) == (4 if intm else 14) + wake
+
+
 @pytest.mark.rule("SYS-130", "SYS-139")
 @pytest.mark.parametrize("into", range(8))
 def test_the_instruction_in_progress_completes_first(into):

@@ -250,11 +250,11 @@ class ClosedForm:
         if not handlers.per_frame or self.case.host is None:
             return []
         protected = options.pf2_read_ws + options.write_lands + WRITE_TO_READ + 3
-        longest = max(protected, cpu_costs.IRET, *map(calm.pass_cycles, calm.waits))
+        longest = max(protected, cpu_costs.IRET, *map(calm.pass_cycles, calm.waits)) + options.idle_wake
         busy = handlers.cost if handlers.apart <= handlers.cost else 0
         masked = f"{calm.masked} runs with interrupts masked" if calm.masked else self._too_early
         terms = (
-            Term("request to first instruction", calm.ticks(options.int_latency), "int_latency", masked),
+            Term("request to first instruction", calm.ticks(options.entry_latency), "int_latency", masked),
             Term("instruction under way", calm.ticks(longest), "a pass of a wait, or a read behind a write, at most"),
             Term(
                 "service routine before", busy, "none where they are asked for further apart", reasons(handlers.terms)
@@ -413,7 +413,9 @@ class ClosedForm:
         bus = min(self._bus_time(over) for over in calm.rounds)
         late = total(self.round.terms[1:]) + ceil(self.jitter)
         routines = handlers.per_frame * handlers.cost
-        latency = calm.ticks(calm.options.int_latency + max(map(calm.pass_cycles, calm.waits)))
+        latency = calm.ticks(
+            calm.options.entry_latency + calm.options.idle_wake + max(map(calm.pass_cycles, calm.waits))
+        )
         shared = (
             Term("read in its round", into, "controller.rate, order"),
             Term("late and stretched round", late, "controller.jitter, and as for round", self.round.unproven),

@@ -109,12 +109,14 @@ def observe_handlers(case: Case, unit: str, firmware: Mapping[str, Firmware] | N
         return NONE
     options = scene.units[unit].plan.system
     cycle = scene.timebase.per_second / scene.units[unit].clock.hz
-    entry = -int(-(options.int_latency - IFR_DELAY) * cycle // 1)
+    entry = -int(-(options.entry_latency - IFR_DELAY) * cycle // 1)
     source = "its code, measured without requests; isr_prologue, isr_epilogue in it"
     handlers = [scene.units[unit].cpu.program.handlers[vector] for vector in {routine.vector for routine in routines}]
     unproven = "; ".join([*_uneven(routines, cycle), *_open(handlers, Program(scene.firmware[unit].main))])
     terms = (
-        Term("interrupt entry", entry, f"int_latency {options.int_latency}, less {IFR_DELAY} to the IFR (SPRUFB0D 8)"),
+        Term(
+            "interrupt entry", entry, f"int_latency {options.entry_latency}, less {IFR_DELAY} to the IFR (SPRUFB0D 8)"
+        ),
         Term(
             "service routine and IRET",
             max(ceil(round(routine.length / cycle) * cycle) for routine in routines),

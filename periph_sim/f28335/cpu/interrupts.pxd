@@ -1,5 +1,5 @@
 cdef class CpuInterrupts:
-    cdef public long long entry_cycles, vector_delay, next_wake, ifr, ier, dbgier, st1, sp, nested, ready
+    cdef public long long entry_cycles, vector_delay, vector_waits, next_wake, ifr, ier, dbgier, st1, sp, nested, ready
     cdef public bint owes_instruction
     cdef public list notes
     cdef public set touched

@@ -22,7 +22,7 @@ Chosen:
 - The way to the IFR takes IFR_DELAY for every request: from the PIE, from PIEACK opening a
   group, from timers 1 and 2.
 - INTM changes with the start of CLRC/SETC INTM, and nothing is taken until its 2 cycles are over.
-- IDLE wakes at once on an interrupt that was already flagged and enabled in IER.
+- IDLE wakes on an interrupt that was already flagged and enabled in IER as on one that comes.
 - Real-time emulation mode is not modelled: DBGIER is only kept.
 """
 
@@ -103,8 +103,9 @@ class CpuInterrupts:
     """Times are SYSCLKOUT cycles, never falling from call to call."""
 
     def __init__(self, options: SystemOptions) -> None:
-        self.entry_cycles = options.int_latency - IFR_DELAY  # boundary to first ISR instruction
-        self.vector_delay = self.entry_cycles - VECTOR_AND_SAVE  # boundary to vector fetch
+        self.entry_cycles = options.entry_latency - IFR_DELAY  # boundary to first ISR instruction
+        self.vector_delay = options.int_latency - IFR_DELAY - VECTOR_AND_SAVE  # boundary to vector fetch
+        self.vector_waits = options.vector_fetch_waits  # of TRAP and INTR, beside their cycles
         self.next_wake = NEVER  # when a request on its way reaches the IFR
         self.ifr = 0
         self.ier = 0
@@ -230,19 +231,21 @@ class CpuInterrupts:
         self._sync(now)
         if not 0 <= number < 32:
             raise ValueError(f"there is no TRAP #{number}; expected 0 to 31")
-        return self._save(number, now + cpu_costs.TRAP)
+        self.touched.add("vector_fetch_waits")
+        return self._save(number, now + cpu_costs.TRAP + self.vector_waits)
 
     def intr(self, now: int, number: int) -> Context:
         """INTR: as the interrupt itself, but whatever the masks say. EMUINT and NMI act as TRAP."""
         self._sync(now)
+        self.touched.add("vector_fetch_waits")
         if number in (EMUINT, NMI):
-            return self._save(number, now + cpu_costs.INTR)
+            return self._save(number, now + cpu_costs.INTR + self.vector_waits)
         bit = self._bit(number)
         if self.ifr & bit:
             self.touched.add("intr_clears_ifr")
             if self._options.intr_clears_ifr:
                 self.ifr &= ~bit
-        context = self._save(number, now + cpu_costs.INTR)
+        context = self._save(number, now + cpu_costs.INTR + self.vector_waits)
         self.ier &= ~bit
         return context
 
@@ -330,11 +333,13 @@ class CpuInterrupts:
         self._next_boundary(now + cpu_costs.IDLE)
 
     def idle_ends(self, now: int) -> bool:
-        """Whether the CPU leaves IDLE now. `next_taken` then says whether a routine or the next instruction follows."""
+        """Whether the CPU leaves IDLE now. At `ready` a routine (`next_taken`) or the next instruction follows."""
         self._sync(now)
         if now < self.ready or not (self.ifr & self.ier or self._nonmaskable):
             return False
         self.st1 &= ~IDLESTAT
+        self.touched.add("idle_wake")
+        self.ready = now + self._options.idle_wake
         return True
 
     # Inside -----------------------------------------------------------------------

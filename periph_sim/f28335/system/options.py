@@ -21,7 +21,22 @@ class SystemOptions(Answers):
         16,
         unit="cycles",
         question="From a peripheral's request to the first instruction of its service routine: 14 in the field, "
-        "while the documents count spans that add up to 13 to 16.",
+        "while the documents count spans that add up to 13 to 16. vector_fetch_waits adds to it.",
+    )
+    vector_fetch_waits: int = choice(
+        0,
+        1,
+        2,
+        question="How many cycles do the wait states of the vector fetch from the PIE's memory add: none to the "
+        "cycles of int_latency, TRAP and INTR, one for a fetch of 32 bits, or two for two of 16?",
+    )
+    idle_wake: int = number(
+        0,
+        0,
+        16,
+        unit="cycles",
+        question="From the IFR bit that ends IDLE to the interrupt's entry, or to the next instruction with INTM = 1: "
+        "not stated; from an external signal 20 cycles at most (SPRS439M, td(WAKE-IDLE)).",
     )
     irq_after_iret: str = choice(
         "at_once",
@@ -33,6 +48,11 @@ class SystemOptions(Answers):
         False,
         question="Does INTR clear the IFR bit (CPU guide section 3.3.1) or not (system guide section 8.5.3 note 3)?",
     )
+
+    @property
+    def entry_latency(self) -> int:
+        """Cycles from a request to the first instruction of its service routine, if nothing is under way."""
+        return self.int_latency + self.vector_fetch_waits
 
     # PIE
     pieack_reset: int = choice(

@@ -358,6 +358,7 @@ class ImageCpu(Engine):
         self.hand_over()
         context = self.context()
         saved = self._core.trap(self._time.cycle, vector)
+        self.cycles += self._core.vector_waits
         context[8], context[10] = saved.st1, saved.ier
         self._ram.put_words(frame_of(saved.sp), context)
         self.begin_routine(self._ram.word32(VECTOR_TABLE.start + 2 * vector) & CODE)

@@ -163,6 +163,8 @@ class ImageProgram(Program):
                 if cpu.idling:
                     if not self._slept():
                         return Stop.SLEEPS
+                    if core.ready > time.cycle and not processor.reach(core.ready):
+                        return Stop.WAITS
                     continue
                 if not cpu.left and (core.ifr or core.next_wake <= time.cycle or core.owes_instruction):
                     if self._executed and core.owes_instruction:

@@ -75,6 +75,8 @@ class Instructions:
         self.go_to(time.cycle + cpu_costs.IDLE)
         while not core.idle_ends(time.cycle):
             self._rest_until(max(time.cycle, core.next_wake))
+        if core.ready > time.cycle:
+            self.go_to(core.ready)
 
     def after_main(self) -> None:
         """The endless loop that ends exit() of the run-time library, a branch to itself: service routines still run."""

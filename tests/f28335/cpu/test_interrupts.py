@@ -85,8 +85,8 @@ class Rig:
     instruction), TAKEN the group entered, LINE the line its vector stands for.
     """
 
-    def __init__(self, ier: int = 0xFFFF) -> None:
-        self.core = cpu(ier=ier)
+    def __init__(self, ier: int = 0xFFFF, **options: int) -> None:
+        self.core = cpu(ier=ier, **options)
         self.pie = Pie(SystemOptions())
         self.pie.write(0, PIECTRL.offset, 1)
         self.pie.write(0, PIEACK.offset, 0xFFF)
@@ -199,6 +199,32 @@ def test_open_int_latency(latency):
     assert core.ready == 100 + latency
     assert 104 + core.vector_delay == 100 + latency - 9
     assert core.touched == {"int_latency"}
+
+
+@pytest.mark.rule("SYS-138", "SYS-139")
+@pytest.mark.parametrize(
+    ("waits", "isr"), [(0, "0... .... .... ...1 ..."), (1, "0... .... .... .... 1.."), (2, "0... .... .... .... .1.")]
+)
+def test_open_vector_fetch_waits(waits, isr):
+    """The vector is chosen when its fetch begins; what the fetch takes longer comes behind that."""
+    diagram = f"""
+        > REQ    .1.. .... .... .... ...
+        < TAKEN  0... .9.. .... .... ...
+        < LINE   0... ..1. .... .... ...
+        < ISR    {isr}
+    """
+    assert play(diagram, Rig(vector_fetch_waits=waits), 1) == tidy(diagram)
+
+
+@pytest.mark.rule("SYS-138")
+@pytest.mark.parametrize("waits", [0, 1, 2])
+def test_open_vector_fetch_waits_of_trap_and_intr(waits):
+    trap, intr, nmi = (cpu(vector_fetch_waits=waits) for _ in range(3))
+    trap.trap(100, 20)
+    intr.intr(100, 9)
+    nmi.intr(100, NMI)
+    assert [core.ready for core in (trap, intr, nmi)] == [108 + waits] * 3
+    assert [core.touched for core in (trap, intr, nmi)] == [{"vector_fetch_waits"}] * 3
 
 
 @pytest.mark.rule("SYS-139")
@@ -544,7 +570,7 @@ def test_open_intr_clears_ifr(clears, left):
     context = core.intr(10, 5)
     assert (core.ifr, core.ier, context.ier) == (left, bit(6), bit(5) | bit(6))
     assert core.ready == 18
-    assert core.touched == {"intr_clears_ifr"}
+    assert core.touched == {"intr_clears_ifr", "vector_fetch_waits"}
 
 
 @pytest.mark.rule("SYS-149")
@@ -552,7 +578,7 @@ def test_intr_needs_no_ier_bit():
     core = cpu(ier=0, intm=True)
     assert core.intr(0, 14).number == 14
     assert core.nested == 1
-    assert not core.touched
+    assert "intr_clears_ifr" not in core.touched
 
 
 def test_intr_nmi_acts_as_trap():
@@ -586,6 +612,21 @@ def test_idle_takes_5_cycles_even_if_something_waits():
     core.or_ifr(0, bit(9))
     core.idle(10)
     assert [core.idle_ends(now) for now in (10, 14, 15)] == [False, False, True]
+
+
+@pytest.mark.rule("SYS-150")
+@pytest.mark.parametrize("wake", [0, 3, 16])
+def test_open_idle_wake(wake):
+    """IDLE from cycle 0, a request at 20: its IFR bit rises at 24, and `wake` cycles later the CPU goes on."""
+    core = cpu(ier=bit(9), idle_wake=wake)
+    core.idle(0)
+    core.raise_line(20, 9)
+    assert next(now for now in range(5, 30) if core.idle_ends(now)) == 24
+    assert (core.idlestat, core.ready, core.earliest()) == (0, 24 + wake, 24 + wake)
+    assert next(now for now in range(24, 60) if core.next_taken(now)) == 24 + wake
+    core.enter(24 + wake, 9)
+    assert core.ready == 24 + wake + 10
+    assert core.touched == {"int_latency", "idle_wake"}
 
 
 # Reset, duties -----------------------------------------------------------------------------------------

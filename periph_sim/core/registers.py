@@ -165,11 +165,6 @@ class Register(Struct, frozen=True, dict=True):
         return not self.read_acts and all(f.on_read is OnRead.KEEP for f in self.fields)
 
     @cached_property
-    def plain(self) -> bool:
-        """16 bits wide, and a CPU read changes nothing."""
-        return self.width == 16 and self.reads_are_harmless
-
-    @cached_property
     def reset(self) -> int:
         return sum(f.reset << f.lsb for f in self.fields)
 

@@ -64,15 +64,16 @@ class Operand:
         recorded: bool,
     ) -> None:
         neighbour = words == BOTH and register.width == 16 and not register.upper  # read as half of a 32-bit word
+        socket, harmless = place.socket, register.reads_are_harmless
         self.place = place
         self.register = register
         self.words = words
         self.field = field
         self.named = "" if field is None else field.name
-        self.socket = place.socket
-        self.chip = place.socket.chip
+        self.socket = socket
+        self.chip = socket.chip
         self.offset = register.offset
-        self.address = place.base + register.offset
+        self.address = place.base + self.offset
         self.mask = WORDS_MASK[words] if field is None else field.mask
         self.lsb = 0 if field is None else field.lsb
         self.shift = 16 if words == HIGH else 0
@@ -85,10 +86,10 @@ class Operand:
         self.protected = register.protected
         self.pieack = register is PIEACK
         self.recorded = recorded
-        self.harmless = register.reads_are_harmless and not neighbour
-        self.meets = not self.harmless or place.socket.before is not None
-        self.steady = register.reads_are_harmless and not register.free_running
-        self.looks = register.plain and words == LOW and place.socket.before is None
+        self.harmless = harmless and not neighbour
+        self.meets = not self.harmless or socket.before is not None
+        self.steady = harmless and not register.free_running
+        self.looks = harmless and words == LOW and register.width == 16 and socket.before is None
 
     def record(self, reads: Topic, writes: Topic) -> None:
         """The records that are made of it."""

@@ -21,6 +21,12 @@ cdef class Router(Agent):
     cdef long long _between_at, _routes, _outs, _lines
     @cython.locals(begin=cython.longlong)
     cpdef void sampled(self, long long tick, long long levels)
+    @cython.locals(socket=Socket, index=cython.longlong)
+    cdef void _reroute(self, long long cycle)
+    @cython.locals(socket=Socket, index=cython.longlong)
+    cdef void _reconnect(self)
+    @cython.locals(socket=Socket, index=cython.longlong)
+    cpdef object _between(self)
     cdef void _plan_between(self, long long begin)
     @cython.locals(levels=object, n=object)
     cdef object _levels_of(self, long long lines)

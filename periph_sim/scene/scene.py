@@ -20,6 +20,7 @@ from ..core.kernel import Kernel
 from ..core.records import Kind, Recorder
 from ..core.suggest import did_you_mean
 from ..core.time import Timebase, TimeError
+from ..core.uncollected import uncollected
 from ..processor.error_origin import FirmwareStalled
 from . import parts
 from .bus_side import SPIKE, BusSide
@@ -70,7 +71,6 @@ class Scene:
     """What is built, as long as somebody holds the scene itself: when it is let go, its firmware ends where it stands.
 
     subscribe: called while the scene is built, before anything runs; recorders subscribe there.
-
     programs: firmware given as Python functions, by unit; of these units the case's `firmware` is only a name.
     keep_values: of measures that take one value after the other, for `timing.values`.
     sources: what chips feel, given as functions of the tick, by chip; they stand in for the case's `values`.
@@ -79,6 +79,7 @@ class Scene:
 
     WIRES = SceneWires
 
+    @uncollected
     def __init__(
         self,
         case: Case,
@@ -141,9 +142,8 @@ class Scene:
         self._build_targets(context, sources or {})
         if case.controller is not None:
             side = parts.build_head(context, case.controller, self.stuck.report)
-            self.head, self.requests = side.head, side.requests
-            self.stuck.head = side.head
-            self.bus.asked = side.asked
+            self.head = self.stuck.head = side.head
+            self.requests, self.bus.asked = side.requests, side.asked
             self.head.on_transfer.append(self.bus.count)
             if levels.i2c != EDGE:
                 self.bus.whole_bytes = parts.whole_bytes_of(context, side.controller, self.units)

@@ -27,7 +27,7 @@ class _Seen(Struct, frozen=True):
 class BudgetJudge:
     """One budget with its measure in a scene; `verdict` after the run. others: the judges before it, of the scene.
 
-    parts: this one, and one for each condition that is joined to it. same_as: the one whose measure it looks at, too.
+    joined: one for each condition that is joined to it. same_as: the one whose measure it looks at, too.
     own_measures: those that it, and no other budget, has listen to a run.
     """
 
@@ -45,12 +45,16 @@ class BudgetJudge:
         self.measure.not_before = plan.not_before
         if plan.has_percentile and not self.measure.tallied:
             self.measure.tally()
-        self.parts = [self]
-        if plan.joined:
-            self.parts += [BudgetJudge(condition, timebase, part) for condition, part in plan.joined]
+        self.joined = [BudgetJudge(condition, timebase, part) for condition, part in plan.joined]
+        if self.joined:
             for part in self.parts:
                 part.measure.keep()
         self.own_measures = [part.measure for part in self.parts] if self.same_as is None else []
+
+    @property
+    def parts(self) -> list[BudgetJudge]:
+        """This one, and those of the conditions that are joined to it."""
+        return [self, *self.joined]
 
     @property
     def limits(self) -> dict[str, int]:
@@ -65,7 +69,7 @@ class BudgetJudge:
         for part in self.parts:
             part.measure.finish(now)
             part._found = part.measure.close(now)
-        if len(self.parts) > 1:
+        if self.joined:
             from .measures.combined import combine
 
             lacking = combine([part.measure for part in self.parts])
@@ -79,34 +83,41 @@ class BudgetJudge:
 
         Of joined conditions that which is broken, else that which is not judged, else the first; all of them in words.
         """
-        if len(self.parts) == 1:
+        if not self.joined:
             return self._judge(start)
-        verdicts = [part._judge(start) for part in self.parts]
-        shown = verdicts[self.parts.index(self.shown)]
-        told = [verdict.found or part._in_words(verdict) for part, verdict in zip(self.parts, verdicts, strict=True)]
+        parts = self.parts
+        verdicts = [part._judge(start) for part in parts]
+        shown = verdicts[parts.index(self.shown)]
+        told = [verdict.found or part._in_words(verdict) for part, verdict in zip(parts, verdicts, strict=True)]
         return replace(shown, name=self.budget.name, why=self.budget.why, found="; ".join(told))
 
     @property
     def shown(self) -> BudgetJudge:
         """The condition that the verdict shows: the first one that is broken, else not judged; this one if all pass."""
-        if len(self.parts) == 1:
+        if not self.joined:
             return self
-        words = [part._judge(0).verdict for part in self.parts]
-        return next((self.parts[words.index(word)] for word in (FAIL, NOT_JUDGED) if word in words), self)
+        parts = self.parts
+        words = [part._judge(0).verdict for part in parts]
+        return next((parts[words.index(word)] for word in (FAIL, NOT_JUDGED) if word in words), self)
 
     def _judge(self, start: int) -> Verdict:
         measure = self.measure
-        limits = {key: limit for key, limit in self._limits.items() if self._can_judge(key, limit)}
+        limits = [(key, limit) for key, limit in self._limits.items() if self._can_judge(key, limit)]
         silent = measure.silent or not limits
         enough = self._measured_enough()
         found = self._found or measure.refuted or (measure.missing() if silent else "")
         if not enough and not found:
             found = f"measured {measure.measured} of {measure.occasions} {measure.asked}, less than {self._coverage()}"
         if silent:
-            nearest = next(_Seen(key, limit, 0, NO_TIME, 0) for key, limit in self._limits.items())
+            key, limit = next(iter(self._limits.items()))
+            nearest = _Seen(key, limit, 0, NO_TIME, 0)
         else:
-            seen = [self._beside(key, limit) for key, limit in limits.items()]
-            nearest = seen[0] if len(seen) == 1 else min(seen, key=lambda s: s.slack)
+            key, limit = limits[0]
+            nearest = self._beside(key, limit)
+            for key, limit in limits[1:]:
+                other = self._beside(key, limit)
+                if other.slack < nearest.slack:
+                    nearest = other
         at = NO_TIME if silent else nearest.at
         until = NO_TIME
         if measure.refuted and nearest.slack >= 0:

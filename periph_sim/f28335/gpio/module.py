@@ -361,7 +361,10 @@ class Gpio(GpioSettings):
             self._sampled |= BIT[pin]
             self._update_sampler(now, pin, samples, shown >> pin & 1)
         self._qualifiers = {pin: q for pin, q in self._qualifiers.items() if self._sampled >> pin & 1}
-        self._qualified = sum(BIT[pin] for pin, q in self._qualifiers.items() if q.qualified)
+        self._qualified = 0
+        for pin, qualifier in self._qualifiers.items():
+            if qualifier.qualified:
+                self._qualified |= BIT[pin]
         self.watched = 0  # mask: pins that feed a watched XINT line
         for line in range(len(at.XINT_SELECTS)):
             if self._watching >> line & 1:

@@ -120,4 +120,7 @@ class GpioSettings(Chip):
 
     def _ports(self, offsets: tuple[int, ...]) -> int:
         """One mask of all pins from a register of each port."""
-        return ALL & sum(self._stored[offset] << 32 * i for i, offset in enumerate(offsets))
+        pins = 0
+        for i, offset in enumerate(offsets):
+            pins |= self._stored[offset] << 32 * i
+        return pins & ALL

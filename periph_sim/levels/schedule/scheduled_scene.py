@@ -85,7 +85,7 @@ class ScheduledScene:
             raise case.mistake(f'{what}; use fidelity = "edge", or "adaptive", which tell all', "budget")
         for limit in self.limits:
             if self._lacks[limit.budget.name]:
-                limit.parts = [limit]  # nobody tells them anything, so none can be the one that is shown
+                limit.joined = []  # nobody tells them anything, so none can be the one that is shown
             elif keep_values and limit.measure.series:
                 limit.measure.keep()
         self._built = perf_counter() - began

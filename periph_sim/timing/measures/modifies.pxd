@@ -73,6 +73,8 @@ cdef class ClearedRegister:
     cdef public Looks looks
     cdef public dict places
     cdef public Modify last
+    @cython.locals(flag=Flag)
+    cpdef Flag flag(self, str name)
     @cython.locals(last=cython.longlong, other=Place)
     cpdef long long looked_at(self, Flag flag, object place)
 
@@ -96,7 +98,9 @@ cdef class Modifies(Keeper):
     cdef Access _spare
     cdef public dict recent
     cdef dict _registers
+    @cython.locals(register=ClearedRegister, flag=Flag, unit=str, module=str, name=str, field=str)
     cpdef long long tag_of(self, object kind, str where, str what)
+    cdef ClearedRegister _register(self, str unit, str name)
     cpdef long long places(self, long long tag)
     @cython.locals(topic=Topic, register=ClearedRegister, recent=Recent, one=Access, newest=Access, before=cython.longlong)
     cpdef void keep(self, long long tag, long long number, long long tick, long long value, object text, long long cause, object field)

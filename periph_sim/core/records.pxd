@@ -13,17 +13,17 @@ cdef class Keeper:
 
 
 @cython.final
-cdef class _Ear:
+cdef class _ListenerEntry:
     cdef public Listener listener
     cdef public long long tag
-    cdef public _Ear following
+    cdef public _ListenerEntry following
 
 
 @cython.final
-cdef class _Pen:
+cdef class _KeeperEntry:
     cdef public Keeper keeper
     cdef public long long tag
-    cdef public _Pen following
+    cdef public _KeeperEntry following
 
 
 @cython.final
@@ -33,12 +33,12 @@ cdef class Topic:
     cdef Recorder _recorder
     cdef object _kind
     cdef str _where, _what
-    cdef _Ear _ears, _last_ear
-    cdef _Pen _pens, _last_pen
+    cdef _ListenerEntry _listeners, _last_listener
+    cdef _KeeperEntry _keepers, _last_keeper
     cdef list _sinks
-    @cython.locals(ear=_Ear, pen=_Pen)
+    @cython.locals(subscriber=_ListenerEntry, writer=_KeeperEntry)
     cpdef object add(self, object party)
-    @cython.locals(ear=_Ear, pen=_Pen, number=cython.longlong, cause=cython.longlong)
+    @cython.locals(subscriber=_ListenerEntry, writer=_KeeperEntry, number=cython.longlong, cause=cython.longlong)
     cpdef long long emit(self, long long tick, long long value=*, object text=*, object field=*)
 
 

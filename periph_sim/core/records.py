@@ -97,27 +97,27 @@ class Keeper:
         raise NotImplementedError
 
 
-class _Ear:
-    """A listener of a topic. following: the next one."""
+class _ListenerEntry:
+    """One entry in a topic's chain of listeners. following: the next entry."""
 
     __slots__ = ("following", "listener", "tag")
 
     listener: Listener
     tag: int
-    following: _Ear | None
+    following: _ListenerEntry | None
 
 
-class _Pen:
-    """A keeper of a topic. following: the next one."""
+class _KeeperEntry:
+    """One entry in a topic's chain of keepers. following: the next entry."""
 
     __slots__ = ("following", "keeper", "tag")
 
     keeper: Keeper
     tag: int
-    following: _Pen | None
+    following: _KeeperEntry | None
 
 
-_NOBODY: list[Any] = []  # stays empty
+_NO_SINKS: list[Any] = []  # stays empty
 
 
 class Topic:
@@ -128,11 +128,11 @@ class Topic:
     """
 
     __slots__ = (
-        "_ears",
+        "_keepers",
         "_kind",
-        "_last_ear",
-        "_last_pen",
-        "_pens",
+        "_last_keeper",
+        "_last_listener",
+        "_listeners",
         "_recorder",
         "_sinks",
         "_what",
@@ -149,46 +149,48 @@ class Topic:
         self._kind = kind
         self._where = where
         self._what = what
-        self._ears: _Ear | None = None  # the first of a chain
-        self._last_ear: _Ear | None = None
-        self._pens: _Pen | None = None
-        self._last_pen: _Pen | None = None
-        self._sinks: list[Sink] = _NOBODY
+        self._listeners: _ListenerEntry | None = None  # the first of a chain
+        self._last_listener: _ListenerEntry | None = None
+        self._keepers: _KeeperEntry | None = None
+        self._last_keeper: _KeeperEntry | None = None
+        self._sinks: list[Sink] = _NO_SINKS
 
     def add(self, party: Party) -> None:
         """Somebody more is told, if it has any use for these records."""
         if isinstance(party, Listener):
-            ear = _Ear()
-            ear.listener, ear.tag, ear.following = party, party.tag_of(self._kind, self._where, self._what), None
-            if ear.tag == UNHEARD:
+            subscriber = _ListenerEntry()
+            subscriber.listener, subscriber.following = party, None
+            subscriber.tag = party.tag_of(self._kind, self._where, self._what)
+            if subscriber.tag == UNHEARD:
                 return
-            if self._last_ear is None:
-                self._ears = ear
+            if self._last_listener is None:
+                self._listeners = subscriber
             else:
-                self._last_ear.following = ear
-            self._last_ear = ear
+                self._last_listener.following = subscriber
+            self._last_listener = subscriber
         elif isinstance(party, Keeper):
-            pen = _Pen()
-            pen.keeper, pen.tag, pen.following = party, party.tag_of(self._kind, self._where, self._what), None
-            if pen.tag == UNHEARD:
+            writer = _KeeperEntry()
+            writer.keeper, writer.following = party, None
+            writer.tag = party.tag_of(self._kind, self._where, self._what)
+            if writer.tag == UNHEARD:
                 return
-            if self._last_pen is None:
-                self._pens = pen
+            if self._last_keeper is None:
+                self._keepers = writer
             else:
-                self._last_pen.following = pen
-            self._last_pen = pen
-            self.places = max(self.places, party.places(pen.tag))
+                self._last_keeper.following = writer
+            self._last_keeper = writer
+            self.places = max(self.places, party.places(writer.tag))
         else:
             self._sinks = [*self._sinks, party]
             self.places = EVERYWHERE
         self.heard = True
-        self.told_whole = self._pens is not None or bool(self._sinks)
+        self.told_whole = self._keepers is not None or bool(self._sinks)
 
     def close(self) -> None:
         """Nobody is told any more."""
-        self._ears = self._last_ear = None
-        self._pens = self._last_pen = None
-        self._sinks = _NOBODY
+        self._listeners = self._last_listener = None
+        self._keepers = self._last_keeper = None
+        self._sinks = _NO_SINKS
         self.heard = self.told_whole = False
         self.places = NOWHERE
 
@@ -196,16 +198,16 @@ class Topic:
         """The number of the new record; its cause is the record being worked under."""
         recorder = self._recorder
         recorder.number = number = recorder.number + 1
-        ear = self._ears
-        while ear is not None:
-            ear.listener.hear(ear.tag, tick, value)
-            ear = ear.following
+        subscriber = self._listeners
+        while subscriber is not None:
+            subscriber.listener.hear(subscriber.tag, tick, value)
+            subscriber = subscriber.following
         if self.told_whole:
             cause = recorder.cause
-            pen = self._pens
-            while pen is not None:
-                pen.keeper.keep(pen.tag, number, tick, value, text, cause, field)
-                pen = pen.following
+            writer = self._keepers
+            while writer is not None:
+                writer.keeper.keep(writer.tag, number, tick, value, text, cause, field)
+                writer = writer.following
             if self._sinks:
                 record = _made(Record, (number, tick, self._kind, self._where, self._what, value, text, cause, field))
                 for sink in self._sinks:

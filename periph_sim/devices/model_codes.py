@@ -9,12 +9,11 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 from msgspec import Struct
 
 from ..sensors.host_frame import ACCELERATION, ANGLE
-from ..sensors.models.finite import check_sample
 from ..sensors.models.imu import State
 from ..sensors.models.parameters import ImuParameters
 from ..sensors.shared_models import ModelNoise, model_of
@@ -33,51 +32,56 @@ class Computed(Struct, frozen=True):
     noise_seed: int | None = None
 
 
-class ChipBytes(dict[int, bytes]):
-    """What the chips show, by address: each worked out when it is first asked for, as often one is enough to tell."""
+class Shown:
+    """What the chips show after a run of the models, each worked out when it is first asked for: often one is enough.
 
-    def __init__(self, codes_of: Callable[[str], tuple[Any, Any, Any]]) -> None:
-        super().__init__()
-        self._codes_of = codes_of
+    state: what the run leaves to the next.
+    """
 
-    def __missing__(self, address: int) -> bytes:
+    def __init__(self, codes: ModelCodes | None, state: ModelState, inputs: tuple[Any, ...]) -> None:
+        self.state = state
+        self._codes = codes
+        self._inputs = inputs  # of the model's codes_of, behind the chip
+        self._data: dict[int, bytes] = {}
+
+    def data(self, address: int) -> bytes:
+        """The register bytes of the chip with this address."""
+        known = self._data.get(address)
+        if known is None:
+            known = self._data[address] = self._made(address)
+        return known
+
+    def _made(self, address: int) -> bytes:
         name, chip = BY_ADDRESS[address]
-        self[address] = found = register_bytes(chip, self._codes_of(name))
-        return found
-
-
-class Shown(NamedTuple):
-    """What the chips show after a run of the models, by address, and what that run leaves to the next."""
-
-    data: ChipBytes
-    state: ModelState
+        return register_bytes(chip, (0, 0, 0) if self._codes is None else self._codes.of_chip(name, self._inputs))
 
 
 class ModelCodes:
+    """at_rest: before the first run, while the chips show zeros."""
+
     def __init__(self, computed: Computed) -> None:
         self._model = model_of(computed.arithmetic, computed.parameters)
         self._a = self._model.a
         self._warns = self._a.name == "float32"  # as numpy's arithmetic does of x/0; it says itself what that gives
         self._noise = ModelNoise(computed.arithmetic, computed.parameters, computed.noise_seed)
-        self.at_rest: ModelState = self._model.at_rest
+        self.at_rest = Shown(None, self._model.at_rest, ())
 
-    def run(self, number: int, values: tuple[int, ...], before: ModelState) -> Shown:
+    def run(self, number: int, values: tuple[int, ...], before: Shown) -> Shown:
         """Run `number` of the models, from 0, on the values of a frame."""
-        scaled = self._a.scaled
+        scaled, model, last = self._a.scaled, self._model, before.state
         roll, pitch, yaw, x, y, z = values
         attitude = scaled(roll, ANGLE), scaled(pitch, ANGLE), scaled(yaw, ANGLE)
         pushed = scaled(x, ACCELERATION), scaled(y, ACCELERATION), scaled(z, ACCELERATION)
-        noise, model = self._noise.at(number), self._model
-        check_sample(attitude, pushed, noise)
-        turned, body = self._quietly(model.motion, attitude, before.attitude)
+        noise = self._noise.at(number)
+        model.check(attitude, pushed, noise)
+        turned, body = self._quietly(model.motion, (attitude, last.attitude))
+        return Shown(self, State(attitude, body), (turned, pushed, body, last.body, noise))
 
-        def codes_of(chip: str) -> tuple[Any, Any, Any]:
-            codes: tuple[Any, Any, Any] = self._quietly(model.codes_of, chip, turned, pushed, body, before.body, noise)
-            return codes
+    def of_chip(self, name: str, inputs: tuple[Any, ...]) -> Any:
+        """The codes of one chip."""
+        return self._quietly(self._model.codes_of, (name, *inputs))
 
-        return Shown(ChipBytes(codes_of), State(attitude, body))
-
-    def _quietly(self, computed: Callable[..., Any], *inputs: Any) -> Any:
+    def _quietly(self, computed: Callable[..., Any], inputs: tuple[Any, ...]) -> Any:
         """What is computed of these inputs, without warnings."""
         if not self._warns:
             return computed(*inputs)

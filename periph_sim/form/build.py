@@ -49,6 +49,8 @@ CLASS = re.compile(r"^cdef class (\w+)", re.MULTILINE)
 CIMPORT = re.compile(r"^from (\.+)([\w.]*) cimport", re.MULTILINE)
 NOTHING_TO_DO = "all modules are built already"
 FLAGS = ("-c", "-O2", "-DNDEBUG", "-fPIC", "-fwrapv", "-fno-strict-aliasing", "-ffunction-sections", "-w")
+# Code that leads to a traceback is cold: the compiler keeps it apart from the code of each event.
+PROTOTYPE, COLD = re.compile(r"^static void __Pyx_AddTraceback\b", re.MULTILINE), r"__attribute__((cold)) \g<0>"
 SORTED = "-Wl,--sort-section=name"  # C functions of all modules first, then what wraps them for Python
 OBJECTS = "objects"
 
@@ -102,6 +104,7 @@ def shadow(package: Path, modules: list[str], folder: Path) -> None:
 def compile_one(module: str, package: str, cc: str) -> None:
     """One module, from its source to an object file in the present folder. NoBuild with what the compiler said."""
     c_file = generate(module, package)
+    c_file.write_text(PROTOTYPE.sub(COLD, c_file.read_text("utf-8"), count=1), "utf-8")
     begins = f"-DPyInit_{module.split('.')[-1]}=PyInit_{symbol(f'{package}.{module}')}"
     command = [*cc.split(), *FLAGS, begins, f"-I{sysconfig.get_path('include')}", str(c_file), "-o", f"{module}.o"]
     done = run(command, capture_output=True, text=True, check=False)
@@ -156,7 +159,8 @@ def types_of(module: str, folder: Path) -> dict[str, str]:
 def fingerprint(module: str, folder: Path, cc: str) -> str:
     """Equal for equal object files. folder: the package as it is compiled."""
     source = folder.joinpath(*module.split(".")).with_suffix(".py").read_text("utf-8")
-    made_of = [source, sorted(types_of(module, folder).items()), DIRECTIVES, FLAGS, version("cython"), cc, sys.version]
+    types = sorted(types_of(module, folder).items())
+    made_of = [source, types, DIRECTIVES, FLAGS, COLD, version("cython"), cc, sys.version]
     return hashlib.sha256(json.dumps(made_of).encode()).hexdigest()
 
 

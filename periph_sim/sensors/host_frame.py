@@ -7,6 +7,7 @@ The dissertation leaves the encoding open (section 3.4.1), so it is a named sett
 
 from __future__ import annotations
 
+import sys
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -143,7 +144,8 @@ class MotionFrames:
             del self._known[old]
 
     def _add(self, first: int, count: int) -> None:
-        if isinstance(self.motion, SingleTimes):
+        # Few frames, or those of a run that has not loaded numpy, are not worth its loading.
+        if isinstance(self.motion, SingleTimes) and (count < MOST_AHEAD or "numpy" not in sys.modules):
             plain = [self._encoding.plain_counts(self.motion.at(self._time(first + n))) for n in range(count)]
             if None not in plain:
                 self._known.update((first + n, (one, ())) for n, one in enumerate(plain) if one is not None)

@@ -14,11 +14,11 @@ from typing import Any
 
 from .imu_noise import ImuNoise
 from .models.angles import Angles
-from .models.derivative import Triple
 from .models.imu import Imu, Noise
 from .models.parameters import ImuParameters
 from .numeric import arithmetic_names as named
 from .numeric.q import Q
+from .numeric.vectors import Triple
 
 REMEMBERED = 16  # samples: more than one run of a scene's models may have been made of
 

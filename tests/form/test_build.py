@@ -161,6 +161,20 @@ def test_a_linker_that_cannot_sort_links_all_the_same(tmp_path: Path):
     assert (tmp_path / LIBRARY).read_text() == f"-shared core.one.o core.two.o -o {LIBRARY}\n"
 
 
+@pytest.mark.skipif(find_spec("Cython") is None, reason="Cython is missing")
+@pytest.mark.skipif(os.name != "posix", reason="a shell script is the compiler")
+def test_the_compiler_is_told_that_tracebacks_are_rare(tmp_path: Path, monkeypatch):
+    package = tmp_path / "rooms"
+    package.mkdir()
+    (package / "__init__.py").touch()
+    (package / "one.py").write_text(ONE)
+    (package / "one.pxd").write_text(TYPES)
+    monkeypatch.chdir(tmp_path)
+    build.compile_one("one", "rooms", compiler_that(tmp_path, "cp one.c kept.c"))
+    c_text = (tmp_path / "kept.c").read_text()
+    assert c_text.count("__attribute__((cold)) static void __Pyx_AddTraceback(") == 1
+
+
 @pytest.mark.skipif(os.name != "posix", reason="a shell script is the compiler")
 def test_what_does_not_link_is_told_with_the_linkers_words(tmp_path: Path):
     cc = compiler_that(tmp_path, "echo no space left >&2; exit 1")

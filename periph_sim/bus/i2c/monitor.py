@@ -208,7 +208,8 @@ class I2cMonitor(ByteParty):
             self._reads, self._acked = bool(byte & 1), ack
             phase.address, phase.read, phase.acked = byte >> 1, self._reads, ack
             transfer.phases.append(phase)
-            transfer.name = transfer.name or self._names.get(phase.address, f"{phase.address:#04x}")
+            if not transfer.name:
+                transfer.name = self._names.get(phase.address) or f"{phase.address:#04x}"
             if ack:
                 phase.answer_from = now
         else:

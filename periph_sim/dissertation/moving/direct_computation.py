@@ -17,11 +17,11 @@ from ...devices.host_pc import FRAME_BYTES, encode
 from ...sensors.host_frame import ACCELERATION, ANGLE
 from ...sensors.imu_noise import ImuNoise
 from ...sensors.models.arrays import codes_of
-from ...sensors.models.derivative import Triple
 from ...sensors.models.imu import Codes, Noise
 from ...sensors.models.sensed_motion import SensedMotion
 from ...sensors.numeric import arithmetic_names as named
 from ...sensors.numeric.arithmetic import Arithmetic
+from ...sensors.numeric.vectors import Triple
 from ...sensors.rotations import Floats
 from .readings import Ints, Readings
 from .subject import EmulatorUnderTest

@@ -25,7 +25,8 @@ class I2cLimits:
     def __init__(self, state: I2cRegisters) -> None:
         self.sysclk_hz = Fraction(150_000_000)
         self._state = state
-        self._clock_within = (0, self.sysclk_hz)  # I2CPSC + 1 and SYSCLKOUT that gave a module clock in order
+        self._clock_within_tm = 0  # I2CPSC + 1
+        self._clock_within_hz = self.sysclk_hz  # and SYSCLKOUT that gave a module clock in order
         self._within = (0, 0, self.sysclk_hz)  # phases of SCL and SYSCLKOUT that were in order
 
     def enabled(self) -> None:
@@ -35,12 +36,12 @@ class I2cLimits:
 
     def module_clock(self) -> None:
         tm = self._state.tm
-        if tm == self._clock_within[0] and self.sysclk_hz is self._clock_within[1]:
+        if tm == self._clock_within_tm and self.sysclk_hz is self._clock_within_hz:
             return
         least, most = MODULE_CLOCK_MHZ
         mhz = self.sysclk_hz / tm / 1_000_000
         if least <= mhz <= most:
-            self._clock_within = tm, self.sysclk_hz
+            self._clock_within_tm, self._clock_within_hz = tm, self.sysclk_hz
         else:
             given = f"I2CPSC = {tm - 1} gives a module clock of {_show(mhz)} MHz"
             at = f"at SYSCLKOUT = {_show(self.sysclk_hz / 1_000_000)} MHz"
@@ -69,7 +70,7 @@ class I2cLimits:
         if not rate_is_right:
             text = f"SCL would run at {_show(khz)} kHz; expected {least} to {most} kHz"
             self._state.duty(text, "SPRUG03B section 1.1")
-        low_us, high_us = (1_000_000 * cycles / self.sysclk_hz for cycles in (low, high))
+        low_us, high_us = 1_000_000 * low / self.sysclk_hz, 1_000_000 * high / self.sysclk_hz
         if low_us < LEAST_LOW_US or high_us < LEAST_HIGH_US:
             times = f"SCL has {_show(low_us)} us low, {_show(high_us)} us high"
             least_times = f"at least {_show(LEAST_LOW_US)} us and {_show(LEAST_HIGH_US)} us"

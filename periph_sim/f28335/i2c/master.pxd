@@ -1,11 +1,12 @@
 cimport cython
 
+from .limits cimport I2cLimits
 from .master_transmitter cimport I2cMasterTransmitter
 
 
 @cython.final
 cdef class I2cMaster(I2cMasterTransmitter):
-    cdef public object limits
+    cdef public I2cLimits limits
     cdef public bint sees_idle
     cdef bint _waits_for_bus, _starting, _stopping, _own_restart
     cdef list _addresses, _restart_next

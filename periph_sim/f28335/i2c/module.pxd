@@ -1,4 +1,5 @@
 from ...core.chip cimport Chip
+from .limits cimport I2cLimits
 from .master cimport I2cMaster
 from .noise_filter cimport I2cNoiseFilter
 from .registers cimport I2cRegisters
@@ -6,7 +7,8 @@ from .slave cimport I2cSlave
 
 
 cdef class I2c(Chip):
-    cdef public object options, limits
+    cdef public object options
+    cdef public I2cLimits limits
     cdef public I2cRegisters state
     cdef public I2cSlave target
     cdef public I2cMaster master

@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 
 from ..host_frame import ACCELERATION, ANGLE
 from ..models import parameters
-from ..models.derivative import Triple
 from ..models.imu import Imu
 from ..numeric.arithmetic import Arithmetic, Rounding
 from ..numeric.counting import Counting
 from ..numeric.iqmath_arrays import Ints
 from ..numeric.q import Q
 from ..numeric.q_arrays import QArrays
+from ..numeric.vectors import Triple
 
 T = TypeVar("T")
 

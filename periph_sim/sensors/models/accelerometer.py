@@ -14,17 +14,17 @@ from __future__ import annotations
 from typing import Generic, TypeVar
 
 from ..numeric.arithmetic import Arithmetic
+from ..numeric.vectors import Triple, vectors_of
 from . import parameters
 from .angles import Angles
-from .derivative import Triple
-from .output import Output, cross, minus, plus, triple
+from .output import Output, triple
 
 T = TypeVar("T")
 
 
 class Accelerometer(Generic[T]):
     def __init__(self, a: Arithmetic[T], sensor: parameters.AccelerometerParameters) -> None:
-        self._a = a
+        self._a, self._v = a, vectors_of(a)
         self._arm = triple(a, sensor.lever_arm)
         self._per_g = a.constant(1 / parameters.STANDARD_GRAVITY)
         self._bias = triple(a, sensor.bias)
@@ -34,16 +34,15 @@ class Accelerometer(Generic[T]):
         self, angles: Angles[T], acceleration: Triple[T], body: Triple[T], change: Triple[T], noise: Triple[T]
     ) -> Triple[T]:
         """LSB. acceleration: linear, in g; body: p, q, r in rad/s; change: of them, in rad/s^2; noise in g."""
-        a = self._a
-        system = minus(a, acceleration, gravity(a, angles))
-        measured = plus(a, system, self._lever(body, change))
-        return self._output.codes(plus(a, plus(a, measured, self._bias), noise))
+        v = self._v
+        system = v.minus(acceleration, gravity(self._a, angles))
+        measured = v.plus(system, self._lever(body, change))
+        return self._output.codes(v.plus(v.plus(measured, self._bias), noise))
 
     def _lever(self, body: Triple[T], change: Triple[T]) -> Triple[T]:
         """w x (w x d) + w' x d, in g."""
-        a, mul = self._a, self._a.mul
-        x, y, z = plus(a, cross(a, body, cross(a, body, self._arm)), cross(a, change, self._arm))
-        return mul(x, self._per_g), mul(y, self._per_g), mul(z, self._per_g)
+        v, arm = self._v, self._arm
+        return v.times(v.plus(v.cross(body, v.cross(body, arm)), v.cross(change, arm)), self._per_g)
 
 
 def gravity(a: Arithmetic[T], angles: Angles[T]) -> Triple[T]:

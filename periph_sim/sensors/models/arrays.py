@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from ..numeric.arithmetic import Arithmetic
 from ..numeric.float64_arrays import Float64Arrays, Floats
+from ..numeric.vectors import Triple
 from . import parameters
-from .derivative import Triple
 from .finite import check_arrays, check_before, inputs_of
 from .imu import Codes, Imu, Noise
 

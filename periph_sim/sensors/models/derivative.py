@@ -16,17 +16,17 @@ from math import pi
 from typing import Generic, TypeVar
 
 from ..numeric.arithmetic import Arithmetic
+from ..numeric.vectors import Triple, vectors_of
 from .parameters import Wrap
 
 T = TypeVar("T")
-Triple = tuple[T, T, T]
 
 
 class Derivative(Generic[T]):
     """period: Ts in seconds."""
 
     def __init__(self, a: Arithmetic[T], period: float, wrap: Wrap = "as built") -> None:
-        self._a = a
+        self._a, self._v = a, vectors_of(a)
         self._wrap = wrap
         self._per_second = a.constant(1 / period)
         self._half_turn, self._turn = a.constant(pi), a.constant(2 * pi)
@@ -34,20 +34,15 @@ class Derivative(Generic[T]):
 
     def rates(self, now: Triple[T], before: Triple[T]) -> Triple[T]:
         """phi', theta', psi' in rad/s from two attitudes in rad."""
-        sub = self._a.sub
-        roll, pitch, yaw = sub(now[0], before[0]), sub(now[1], before[1]), sub(now[2], before[2])
+        step = self._v.minus(now, before)
         if self._wrap == "unwrapped":
-            roll, yaw = self._short_way(roll), self._short_way(yaw)
-        return self._in_a_second((roll, pitch, yaw))
+            roll, pitch, yaw = step
+            step = self._short_way(roll), pitch, self._short_way(yaw)
+        return self._v.times(step, self._per_second)
 
     def change(self, now: Triple[T], before: Triple[T]) -> Triple[T]:
         """The change of three rates in a second: rad/s^2 from rad/s."""
-        sub = self._a.sub
-        return self._in_a_second((sub(now[0], before[0]), sub(now[1], before[1]), sub(now[2], before[2])))
-
-    def _in_a_second(self, step: Triple[T]) -> Triple[T]:
-        mul, k = self._a.mul, self._per_second
-        return mul(step[0], k), mul(step[1], k), mul(step[2], k)
+        return self._v.times(self._v.minus(now, before), self._per_second)
 
     def _short_way(self, step: T) -> T:
         a = self._a

@@ -15,17 +15,17 @@ from math import pi
 from typing import Generic, TypeVar
 
 from ..numeric.arithmetic import Arithmetic
+from ..numeric.vectors import Triple, vectors_of
 from . import parameters
 from .angles import Angles
-from .derivative import Triple
-from .output import Output, plus, triple
+from .output import Output, triple
 
 T = TypeVar("T")
 
 
 class Gyroscope(Generic[T]):
     def __init__(self, a: Arithmetic[T], sensor: parameters.GyroscopeParameters) -> None:
-        self._a = a
+        self._a, self._v = a, vectors_of(a)
         self._corrected = sensor.rates == "corrected"
         self._axes = tuple((abs(int(axis)) - 1, axis < 0) for axis in sensor.mounting)
         self._degrees = a.constant(180 / pi)
@@ -39,12 +39,10 @@ class Gyroscope(Generic[T]):
 
     def codes(self, body: Triple[T], acceleration: Triple[T], noise: Triple[T]) -> Triple[T]:
         """LSB. body: p, q, r in rad/s; acceleration: linear, in g; noise in deg/s."""
-        a, degrees, g_sens = self._a, self._degrees, self._g_sens
+        a, v = self._a, self._v
         x, y, z = [a.neg(body[axis]) if negative else body[axis] for axis, negative in self._axes]
-        rate = a.mul(x, degrees), a.mul(y, degrees), a.mul(z, degrees)
-        x, y, z = acceleration
-        pushed = a.mul(x, g_sens), a.mul(y, g_sens), a.mul(z, g_sens)
-        return self._output.codes(plus(a, plus(a, plus(a, rate, self._bias), noise), pushed))
+        rate, pushed = v.times((x, y, z), self._degrees), v.times(acceleration, self._g_sens)
+        return self._output.codes(v.plus(v.plus(v.plus(rate, self._bias), noise), pushed))
 
 
 def body_rates(a: Arithmetic[T], rates: Triple[T], angles: Angles[T]) -> Triple[T]:

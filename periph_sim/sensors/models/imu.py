@@ -15,11 +15,12 @@ from contextlib import contextmanager
 from typing import Generic, NamedTuple, TypeVar
 
 from ..numeric.arithmetic import Arithmetic
-from ..numeric.q import DoesNotFit
+from ..numeric.q import DoesNotFit, Q
+from ..numeric.vectors import Triple
 from . import parameters
 from .accelerometer import Accelerometer
 from .angles import Angles, angles
-from .derivative import Derivative, Triple
+from .derivative import Derivative
 from .finite import check_sample
 from .gyroscope import Gyroscope
 from .magnetometer import Magnetometer
@@ -78,6 +79,11 @@ class Imu(Generic[T]):
         with _constants_of("magnetometer"):
             self.magnetometer = Magnetometer(a, imu.magnetometer)
 
+    def check(self, attitude: Triple[T], acceleration: Triple[T], noise: Noise[T]) -> None:
+        """NotFinite, naming the axis, for a NaN or an infinity; a Q format has none."""
+        if not isinstance(self.a, Q):
+            check_sample(attitude, acceleration, noise)
+
     def motion(self, attitude: Triple[T], before: Triple[T]) -> tuple[Angles[T], Triple[T]]:
         """Sines and cosines, and p, q, r in rad/s, from this attitude and the one before, in rad."""
         turned = angles(self.a, attitude)
@@ -114,6 +120,6 @@ class Imu(Generic[T]):
 
         NotFinite, naming the axis, for a NaN or an infinity.
         """
-        check_sample(attitude, acceleration, noise)
+        self.check(attitude, acceleration, noise)
         turned, body = self.motion(attitude, before.attitude)
         return self.codes(turned, acceleration, body, before.body, noise), State(attitude, body)

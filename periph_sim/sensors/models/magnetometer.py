@@ -21,17 +21,17 @@ from math import cos, radians, sin
 from typing import Generic, TypeVar
 
 from ..numeric.arithmetic import Arithmetic
+from ..numeric.vectors import Triple, Vectors, vectors_of
 from . import parameters
 from .angles import Angles
-from .derivative import Triple
-from .output import Output, plus, triple
+from .output import Output, triple
 
 T = TypeVar("T")
 
 
 class Magnetometer(Generic[T]):
     def __init__(self, a: Arithmetic[T], sensor: parameters.MagnetometerParameters) -> None:
-        self._a = a
+        self._a, self._v = a, vectors_of(a)
         self._earth = triple(a, sensor.earth_field)
         self._hard_iron = triple(a, sensor.hard_iron)
         self._spherical, self._norm = sensor.spherical, sensor.norm
@@ -44,9 +44,9 @@ class Magnetometer(Generic[T]):
 
     def codes(self, angles: Angles[T], noise: Triple[T]) -> Triple[T]:
         """LSB. noise in gauss."""
-        a = self._a
-        seen = plus(a, rotated(a, angles, self._earth), self._hard_iron)
-        return self._output.codes(plus(a, self.on_board(seen), noise))
+        v = self._v
+        seen = v.plus(rotated(v, angles, self._earth), self._hard_iron)
+        return self._output.codes(v.plus(self.on_board(seen), noise))
 
     def on_board(self, field: Triple[T]) -> Triple[T]:
         """H_rp from H_rm: the field as the inclined board sees it."""
@@ -91,11 +91,10 @@ class Magnetometer(Generic[T]):
         return a.sqrt(squared), a.sqrt(a.add(squared, mul(z, z)))
 
 
-def rotated(a: Arithmetic[T], angles: Angles[T], field: Triple[T]) -> Triple[T]:
+def rotated(v: Vectors[T], angles: Angles[T], field: Triple[T]) -> Triple[T]:
     """Rx(phi) Ry(theta) Rz(psi) times a vector: about one axis after the other, as section 4.3.3 writes them."""
-    add, sub, mul = a.add, a.sub, a.mul
     x, y, z = field
-    x, y = add(mul(angles.c_psi, x), mul(angles.s_psi, y)), sub(mul(angles.c_psi, y), mul(angles.s_psi, x))
-    x, z = sub(mul(angles.c_theta, x), mul(angles.s_theta, z)), add(mul(angles.s_theta, x), mul(angles.c_theta, z))
-    y, z = add(mul(angles.c_phi, y), mul(angles.s_phi, z)), sub(mul(angles.c_phi, z), mul(angles.s_phi, y))
+    x, y = v.turned(angles.c_psi, angles.s_psi, x, y)
+    z, x = v.turned(angles.c_theta, angles.s_theta, z, x)
+    y, z = v.turned(angles.c_phi, angles.s_phi, y, z)
     return x, y, z

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from ..motion import Motion
 from ..numeric.arithmetic import Rounding
 from ..numeric.float64_arrays import Float64Arrays
+from ..numeric.vectors import Triple
 from .angles import Angles, angles
-from .derivative import Triple
 from .imu import Imu, Noise
 from .parameters import ImuParameters
 

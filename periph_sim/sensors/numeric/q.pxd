@@ -33,6 +33,15 @@ cdef class Q:
     cpdef long long select_greater(self, long long x, long long y, long long yes, long long no)
     cpdef long long clamp(self, long long x, long long low, long long high)
     cpdef long long to_integer(self, long long x, object rounding)
+    cpdef tuple plus(self, tuple u, tuple v)
+    cpdef tuple minus(self, tuple u, tuple v)
+    cpdef tuple times(self, tuple u, long long k)
+    cpdef long long dot(self, tuple u, tuple v)
+    @cython.locals(
+        x=cython.longlong, y=cython.longlong, z=cython.longlong, p=cython.longlong, q=cython.longlong, r=cython.longlong
+    )
+    cpdef tuple cross(self, tuple u, tuple v)
+    cpdef tuple turned(self, long long c, long long s, long long x, long long y)
     cdef long long _saturated(self, long long x)
     cdef long long _overflow(self, long long x)
 

@@ -19,6 +19,7 @@ from .iqmath import COSINE, SINE, atan2_of, length_of, root_of, sine_and_cosine
 
 Overflow = Literal["wrap", "saturate"]
 Product = Literal["cut", "rounded"]
+Triple = tuple[int, int, int]
 
 LOW, HIGH = -(1 << 31), (1 << 31) - 1
 
@@ -136,6 +137,34 @@ class Q:
         if rounding == "toward zero" and x < 0:
             return -(-x >> self.bits)
         return x >> self.bits
+
+    # Vectors: see vectors.py ---------------------------------------------------
+
+    def plus(self, u: Triple, v: Triple) -> Triple:
+        return self.add(u[0], v[0]), self.add(u[1], v[1]), self.add(u[2], v[2])
+
+    def minus(self, u: Triple, v: Triple) -> Triple:
+        return self.sub(u[0], v[0]), self.sub(u[1], v[1]), self.sub(u[2], v[2])
+
+    def times(self, u: Triple, k: int) -> Triple:
+        return self.mul(u[0], k), self.mul(u[1], k), self.mul(u[2], k)
+
+    def dot(self, u: Triple, v: Triple) -> int:
+        return self.add(self.add(self.mul(u[0], v[0]), self.mul(u[1], v[1])), self.mul(u[2], v[2]))
+
+    def cross(self, u: Triple, v: Triple) -> Triple:
+        x, y, z = u
+        p, q, r = v
+        return (
+            self.sub(self.mul(y, r), self.mul(z, q)),
+            self.sub(self.mul(z, p), self.mul(x, r)),
+            self.sub(self.mul(x, q), self.mul(y, p)),
+        )
+
+    def turned(self, c: int, s: int, x: int, y: int) -> tuple[int, int]:
+        return self.add(self.mul(c, x), self.mul(s, y)), self.sub(self.mul(c, y), self.mul(s, x))
+
+    # Results that do not fit ------------------------------------------------------
 
     def _saturated(self, x: int) -> int:
         if LOW <= x <= HIGH:

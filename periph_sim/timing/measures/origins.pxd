@@ -1,5 +1,7 @@
 cimport cython
 
+from ...devices.model_codes cimport ModelCodes, Shown
+
 
 @cython.final
 cdef class Sent:
@@ -12,7 +14,7 @@ cdef class Sent:
 @cython.final
 cdef class Chain:
     cdef public Sent sent
-    cdef public object data, state
+    cdef public Shown shown
 
 
 @cython.final
@@ -34,7 +36,7 @@ cdef class FrameOrigins(Origins):
 
 
 cdef class ModelOrigins(Origins):
-    cdef object _codes
+    cdef ModelCodes _codes
     cdef bint _pulled_up
     cdef list _chains, _before, _over, _may_take
     cdef long long _runs
@@ -43,7 +45,7 @@ cdef class ModelOrigins(Origins):
     cpdef object origin(self, long long address, bytes got)
     @cython.locals(chain=Chain, least=cython.longlong, sent=Sent)
     cdef list _longer(self, Run run)
-    cdef Chain _chain(self, long long number, Sent sent, object before)
+    cdef Chain _chain(self, long long number, Sent sent, Shown before)
 
 
 @cython.locals(chain=Chain, fitting=list)

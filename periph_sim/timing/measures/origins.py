@@ -19,9 +19,9 @@ from typing import NamedTuple, Protocol
 
 from ...bus.i2c.transfer import Phase, Transfer
 from ...core.time import NO_TIME
-from ...devices.model_codes import BY_ADDRESS, Computed, ModelCodes, ModelState, register_bytes
+from ...devices.model_codes import BY_ADDRESS, Computed, ModelCodes, Shown, register_bytes
 from ...devices.sensor_rounds import ADDRESSES
-from ...devices.truth import shown
+from ...devices.truth import shown as shown_numbers
 
 BEFORE_ANY = -1  # instead of a frame's number: what firmware shows before a frame has come
 ZEROS = (0,) * 6
@@ -71,7 +71,7 @@ class Sent:
         data = self._shown.get(address)
         if data is None:
             name, chip = BY_ADDRESS[address]
-            x, y, z = shown(self.values)[name]
+            x, y, z = shown_numbers(self.values)[name]
             data = self._shown[address] = register_bytes(chip, (x, y, z))
         return data
 
@@ -122,12 +122,11 @@ class FrameOrigins(Origins):
 class Chain:
     """One way in which the models may have come to where they are: the frame of their last run, and what that left."""
 
-    __slots__ = ("data", "sent", "state")
+    __slots__ = ("sent", "shown")
 
-    def __init__(self, sent: Sent, data: dict[int, bytes], state: ModelState) -> None:
+    def __init__(self, sent: Sent, shown: Shown) -> None:
         self.sent = sent
-        self.data = data
-        self.state = state
+        self.shown = shown
 
 
 class Run:
@@ -151,8 +150,7 @@ class ModelOrigins(Origins):
     def reset(self) -> None:
         """The firmware begins anew, the pin as an input."""
         self._pulled_up = True
-        silent = dict.fromkeys(ADDRESSES, bytes(6))
-        self._chains = [Chain(NOTHING_SENT, silent, self._codes.at_rest)]
+        self._chains = [Chain(NOTHING_SENT, self._codes.at_rest)]
         self._before: list[Chain] = []  # those of the run before the last
         self._runs = 0
         self._over: list[Run] = []  # runs that no chain has taken yet
@@ -177,13 +175,13 @@ class ModelOrigins(Origins):
         fitting = _fitting(self._chains, address, got)
         if not fitting and _fitting(self._before, address, got):
             return _nearest(
-                got, [(chain.sent, chain.data[address]) for chain in self._before]
+                got, [(chain.sent, chain.shown.data(address)) for chain in self._before]
             )  # the read began before the last run was over
         if not fitting:
             fitting = _fitting(self._anew(), address, got)
         if fitting:
             self._chains = fitting
-        return _nearest(got, [(chain.sent, chain.data[address]) for chain in self._chains])
+        return _nearest(got, [(chain.sent, chain.shown.data(address)) for chain in self._chains])
 
     def _longer(self, run: Run) -> list[Chain]:
         """Every chain with a frame more, youngest frames first."""
@@ -194,7 +192,7 @@ class ModelOrigins(Origins):
             for sent in reversed(may_be):
                 key = sent.number, least
                 if key not in longer:
-                    longer[key] = self._chain(run.number, sent, chain.state)
+                    longer[key] = self._chain(run.number, sent, chain.shown)
         return list(longer.values())[:MOST]
 
     def _anew(self) -> Iterator[Chain]:
@@ -202,18 +200,18 @@ class ModelOrigins(Origins):
         if self._last is not None:
             number, recent = self._last.number, self._last.sent[-PASSED_OVER - 1 :]
             for first, second, third in combinations_with_replacement(recent, 3):
-                before = self._chain(0, second, self._chain(0, first, self._codes.at_rest).state)
-                yield self._chain(number, third, before.state)
+                before = self._chain(0, second, self._chain(0, first, self._codes.at_rest).shown)
+                yield self._chain(number, third, before.shown)
 
-    def _chain(self, number: int, sent: Sent, before: ModelState) -> Chain:
-        return Chain(sent, *self._codes.run(number, sent.values, before))
+    def _chain(self, number: int, sent: Sent, before: Shown) -> Chain:
+        return Chain(sent, self._codes.run(number, sent.values, before))
 
 
 def _fitting(chains: Iterable[Chain], address: int, got: bytes) -> list[Chain]:
     """Those whose chip would have given these bytes."""
     fitting = []
     for chain in chains:
-        if chain.data[address].startswith(got):
+        if chain.shown.data(address).startswith(got):
             fitting.append(chain)
     return fitting
 

@@ -25,6 +25,7 @@ from periph_sim.sensors.models.parameters import (
     SensorParameters,
 )
 from periph_sim.sensors.numeric.float64 import Float64
+from periph_sim.sensors.numeric.vectors import vectors_of
 
 A = Float64()
 ANGLE = st.floats(-pi, pi)
@@ -46,7 +47,7 @@ def rz(a: float) -> np.ndarray:
 
 @given(ANGLE, ANGLE, ANGLE, TRIPLE)
 def test_the_field_is_turned_by_rx_ry_rz(roll: float, pitch: float, yaw: float, field: tuple) -> None:
-    turned = rotated(A, angles(A, (roll, pitch, yaw)), field)
+    turned = rotated(vectors_of(A), angles(A, (roll, pitch, yaw)), field)
     assert turned == pytest.approx(rx(roll) @ ry(pitch) @ rz(yaw) @ np.array(field), abs=1e-12)
 
 

@@ -56,13 +56,14 @@ class Models:
 
     def __init__(self, origins: ModelOrigins, computed: Computed = COMPUTED) -> None:
         self._codes, self._pin = ModelCodes(computed), origins.model_pin
-        self._state, self._runs = self._codes.at_rest, 0
+        self._shown, self._runs = self._codes.at_rest, 0
         self._pin(0, 0)  # pulled up until it becomes an output
         self.data = dict.fromkeys(CHIPS, bytes(6))
 
     def run(self, values: tuple[int, ...]) -> None:
         self._pin(0, 1)
-        self.data, self._state = self._codes.run(self._runs, values, self._state)
+        self._shown = self._codes.run(self._runs, values, self._shown)
+        self.data = {address: self._shown.data(address) for address in CHIPS}
         self._runs += 1
         self._pin(0, 0)
 

@@ -1,0 +1,78 @@
+"""Vectors of three numbers: an arithmetic of single numbers goes in, its operations on x, y, z together come out.
+
+    Arithmetic[T] --vectors_of--> plus, minus, times, dot, cross, turned
+
+Each is made of the arithmetic's own operations, in an order that is part of the result: they round and overflow.
+Q has them itself, where they cost a call instead of one for each number.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Generic, Protocol, TypeVar
+
+from .arithmetic import Arithmetic
+from .q import Q
+
+T = TypeVar("T")
+Triple = tuple[T, T, T]
+
+
+class Vectors(Protocol[T]):
+    """Operations on vectors, by their numbers x, y, z."""
+
+    def plus(self, u: Triple[T], v: Triple[T]) -> Triple[T]:
+        """u + v."""
+
+    def minus(self, u: Triple[T], v: Triple[T]) -> Triple[T]:
+        """u - v."""
+
+    def times(self, u: Triple[T], k: T) -> Triple[T]:
+        """u times a number."""
+
+    def dot(self, u: Triple[T], v: Triple[T]) -> T:
+        """u . v."""
+
+    def cross(self, u: Triple[T], v: Triple[T]) -> Triple[T]:
+        """u x v."""
+
+    def turned(self, c: T, s: T, x: T, y: T) -> tuple[T, T]:
+        """x and y in axes turned by the angle of this cosine and sine: c x + s y, c y - s x."""
+
+
+class ByNumbers(Generic[T]):
+    """Vectors of an arithmetic, number by number."""
+
+    def __init__(self, a: Arithmetic[T]) -> None:
+        self._a = a
+
+    def plus(self, u: Triple[T], v: Triple[T]) -> Triple[T]:
+        add = self._a.add
+        return add(u[0], v[0]), add(u[1], v[1]), add(u[2], v[2])
+
+    def minus(self, u: Triple[T], v: Triple[T]) -> Triple[T]:
+        sub = self._a.sub
+        return sub(u[0], v[0]), sub(u[1], v[1]), sub(u[2], v[2])
+
+    def times(self, u: Triple[T], k: T) -> Triple[T]:
+        mul = self._a.mul
+        return mul(u[0], k), mul(u[1], k), mul(u[2], k)
+
+    def dot(self, u: Triple[T], v: Triple[T]) -> T:
+        add, mul = self._a.add, self._a.mul
+        return add(add(mul(u[0], v[0]), mul(u[1], v[1])), mul(u[2], v[2]))
+
+    def cross(self, u: Triple[T], v: Triple[T]) -> Triple[T]:
+        sub, mul = self._a.sub, self._a.mul
+        (x, y, z), (p, q, r) = u, v
+        return sub(mul(y, r), mul(z, q)), sub(mul(z, p), mul(x, r)), sub(mul(x, q), mul(y, p))
+
+    def turned(self, c: T, s: T, x: T, y: T) -> tuple[T, T]:
+        mul = self._a.mul
+        return self._a.add(mul(c, x), mul(s, y)), self._a.sub(mul(c, y), mul(s, x))
+
+
+def vectors_of(a: Arithmetic[T]) -> Vectors[T]:
+    """Those of an arithmetic."""
+    vectors: Any = a if isinstance(a, Q) else ByNumbers(a)
+    found: Vectors[T] = vectors
+    return found

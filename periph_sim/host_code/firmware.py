@@ -20,7 +20,7 @@ from tempfile import TemporaryDirectory
 
 from ..f28335.system.memory_map import NoSuchAddress
 from ..processor.dsp import Dsp
-from ..processor.error_origin import FirmwareError
+from ..processor.error_origin import FirmwareError, FirmwareLost
 from ..processor.image.elsewhere import Elsewhere
 from ..processor.source_location import SourceLocation
 from .build import Sources, compiled, linked
@@ -49,7 +49,7 @@ class HostFirmware:
         linked(self._objects, FIRST_BASE, Path(self._folder.name) / "checked.so")
 
     def main(self) -> None:
-        """Run main to its end. FirmwareError for what it must not do."""
+        """Run main to its end. FirmwareError without one; FirmwareLost where it cannot go on."""
         self._begun += 1
         base = next(base for base in count(FIRST_BASE, ROOM) if base not in _taken)
         _taken.add(base)
@@ -108,7 +108,7 @@ class _Run:
         return found
 
     def _call(self, address: int) -> None:
-        """Run a function of the firmware to its end."""
+        """Run a function of the firmware to its end. FirmwareLost for a fault of the host's processor."""
         how = self._library.run(address)
         raised, self._raised = self._raised, None
         if how == UNWOUND and raised is not None:
@@ -119,7 +119,7 @@ class _Run:
             self._place = self._library.fault_pc or self._place
             name, at = signal.strsignal(self._library.signal), self._library.fault_at
             hint = "; a register is found by its structure's name, not by its address" if at < WORDS else ""
-            raise FirmwareError(f"{self._dsp.name}: {name} at {self.place()}, the host's address {at:#x}{hint}")
+            raise FirmwareLost(f"{self._dsp.name}: {name} at {self.place()}, the host's address {at:#x}{hint}")
 
     # What runtime.c asks ----------------------------------------------------------------
 
@@ -194,18 +194,18 @@ class _Run:
         self._dsp.cpu.store(address, code or 0, 32)
 
     def _assembled(self, text: str) -> None:
-        """asm("...") of the sources. FirmwareError for what nobody knows here."""
+        """asm("...") of the sources. FirmwareLost for what nobody knows here."""
         said = " ".join(text.lower().split())
         repeated = RPT_NOP.fullmatch(said)
         if repeated:
             self._dsp.cpu.compute(int(repeated[1]) + 2)
         elif said.startswith("estop0"):
-            raise FirmwareError(f"{self._dsp.name}: ESTOP0 is reached at {self.place()}")
+            raise FirmwareLost(f"{self._dsp.name}: ESTOP0 is reached at {self.place()}")
         elif said.split(",")[0] in self._assembly:
             self._assembly[said.split(",")[0]]()
         else:
             known = ", ".join(sorted(self._assembly))
-            raise FirmwareError(
+            raise FirmwareLost(
                 f"{self._dsp.name}: asm({text!r}) is not known on the host, which has {known}, rpt || nop"
             )
 

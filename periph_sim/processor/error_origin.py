@@ -38,7 +38,11 @@ class FirmwareStalled(FirmwareError):
 
 
 class FirmwareLost(FirmwareStalled):
-    """Machine code that cannot go on, as an illegal instruction. The run fails there."""
+    """Compiled code that cannot go on, as at an illegal instruction. The run fails there."""
+
+
+class InterruptFault(FirmwareError):
+    """An interrupt whose context or vector is where no memory is."""
 
 
 def flaw_of(function: Callable[..., object], arguments: int) -> str:

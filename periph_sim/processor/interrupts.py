@@ -22,7 +22,7 @@ from ..f28335.cpu.pie import Pie
 from ..f28335.cpu.pie_map import GROUPS, VECTOR_TABLE, VECTORS
 from ..f28335.system.ram import Ram, block_at
 from .cpu_time import CpuTime
-from .error_origin import FirmwareError
+from .error_origin import InterruptFault
 from .firmware_notes import FirmwareNotes
 
 NAME_OF = {address: name for name, address in VECTORS.items()}
@@ -90,7 +90,7 @@ class Interrupts:
     def take(self, cycle: int, number: int, context: Sequence[int]) -> None:
         """Interrupt `number` is taken at this boundary: the context goes to the stack.
 
-        context: 14 words as `frame_of` orders them; ST1 and IER are filled in here. FirmwareError where no memory is.
+        context: 14 words as `frame_of` orders them; ST1 and IER are filled in here. InterruptFault where no memory is.
         """
         self._number = number
         saved = self.core.enter(cycle, number)
@@ -107,7 +107,7 @@ class Interrupts:
             line, address = self._pie.vector(cycle, number)
             self.taken = f"INT{number}.{line}"
         if address not in VECTOR_TABLE:
-            raise FirmwareError(
+            raise InterruptFault(
                 f"{self._name}: INT{number} was taken at cycle {cycle} with PIECTRL.ENPIE = 0, so its vector "
                 f"comes from boot ROM ({address:#x}), where no routine of this firmware is; "
                 "set ENPIE before interrupts are enabled."
@@ -149,9 +149,9 @@ class Interrupts:
             self._notes.take(cycle, self.core.notes)
 
     def _frame(self, cycle: int, sp: int) -> int:
-        """The address of the first word of the context for SP as it was at the entry. FirmwareError if it is no RAM."""
+        """The address of the context's first word, for SP as it was at the entry. InterruptFault if it is no RAM."""
         first = frame_of(sp)
         for address in (first, first + CONTEXT_WORDS - 1):
             if block_at(address) is None:
-                raise FirmwareError(f"{self._name}: SP = {sp:#x} at cycle {cycle}; {address:#06x} is no memory")
+                raise InterruptFault(f"{self._name}: SP = {sp:#x} at cycle {cycle}; {address:#06x} is no memory")
         return first

@@ -19,7 +19,7 @@ from ...core.time import Clock
 from ...f28335.cpu import instruction_costs as cpu_costs
 from ...f28335.system.options import SystemOptions
 from ...image.model import Image
-from ..error_origin import FirmwareLost
+from ..error_origin import FirmwareLost, InterruptFault
 from ..instruction_location import instruction_location
 from ..processor import Processor
 from ..program import Program, Stop
@@ -139,9 +139,9 @@ class ImageProgram(Program):
         """See `Program.run`."""
         try:
             return self._run()
-        except IllegalOperation as error:
+        except (IllegalOperation, InterruptFault) as error:
             self._processor.time.meet()  # the run ends now
-            raise FirmwareLost(self._told(str(error))) from None
+            raise FirmwareLost(self._told(str(error).removeprefix(f"{self._processor.name}: "))) from None
 
     def _run(self) -> Stop:
         cpu, time, processor = self.cpu, self._processor.time, self._processor

@@ -21,7 +21,7 @@ from greenlet import GreenletExit, getcurrent, greenlet
 from ...core.chip import NEVER
 from ...core.kernel import Kernel
 from ...f28335.cpu.pie_map import VECTORS
-from ..error_origin import FirmwareError, FirmwareStalled, Misuse, raised_at
+from ..error_origin import FirmwareError, FirmwareLost, FirmwareStalled, Misuse, raised_at
 from ..processor import Processor
 from ..program import Program, Stop
 from ..source_location import SourceLocation, SourceLocator
@@ -90,6 +90,9 @@ class PythonProgram(Program):
             at, limit = raised_at(stopped), f"{self.stall_limit:g} s of CPU time"
             text = f"{self.name} let no simulated time pass for {limit} at {at}; give it an access, compute or spin"
             raise FirmwareStalled(text) from None
+        except FirmwareLost:
+            self._processor.time.meet()
+            raise
         except Misuse as error:
             at = raised_at(error)
             raise FirmwareError(f"{self.name}{f', {at}' if at else ''}: {error}") from error

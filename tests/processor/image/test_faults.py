@@ -8,6 +8,7 @@ from periph_sim.processor.error_origin import FirmwareLost
 from tests.processor.image.rig import HEAD, Rig
 
 STACK = ' .reserve ".stack", 0x400, 16\n' + HEAD
+TAKEN = " OR IFR,#0x1000\n OR IER,#0x1000\n CLRC INTM\n NOP\n ESTOP0"
 
 
 @pytest.mark.parametrize(
@@ -33,6 +34,11 @@ STACK = ' .reserve ".stack", 0x400, 16\n' + HEAD
             "nothing was loaded to 0x00a000, or written there; at .* XAR6=0x00000005 RPC",
         ),
         (HEAD + " NOP", "nothing was loaded to 0x009007, or written there"),
+        (
+            HEAD + TAKEN,
+            r"^dsp: INT13 was taken at cycle \d+ with PIECTRL.ENPIE = 0, .*; at .*, ACC=0x00000000 .* last jumps",
+        ),
+        (HEAD + " MOV @SP,#0x7000\n" + TAKEN, r"^dsp: SP = 0x7000 at cycle \d+; 0x7000 is no memory; at .*last jumps"),
     ],
 )
 def test_the_run_ends_with_place_registers_and_last_jumps(source: str, sentence: str):

@@ -40,13 +40,14 @@ class Memory:
     """edges: ticks from a START. poll: cycles of a pass. whole, part: of each edge, with the clock that is set."""
 
     def __init__(self, edges: Sequence[int], poll: int) -> None:
-        self._poll, self._count = poll, len(edges)
+        self._count, self._nothing = len(edges), NOTHING
         self._edges = [*edges, *[0] * (EDGES - len(edges))]
         self.whole, self.part = [0] * EDGES, [0] * EDGES
         self._ends = [0] * EDGES  # of the intervals
         self._buckets, self._shift = [0] * BUCKETS, 0
         places = (len(edges) + 1) * poll
-        self._kept: list[Kept | None] = [None] * (places if places <= PLACES else 0)
+        self._phases = poll if places <= PLACES else 0  # that are kept
+        self._kept: list[Kept | None] = [None] * (places if self._phases else 0)
 
     def of_clock(self, num: int, den: int) -> None:
         count = self._count
@@ -68,13 +69,14 @@ class Memory:
 
     def find(self, rest: int, phase: int) -> Kept:
         """rest: r. phase: cycles from the flag AAS to the fetch that finds it. NOTHING: such are not kept."""
-        if phase >= self._poll or not self._kept:
-            return NOTHING
+        if phase >= self._phases:
+            return self._nothing
         interval = self._buckets[rest >> self._shift]
         while self._ends[interval] <= rest:
             interval += 1
-        place = interval * self._poll + phase
-        found = self._kept[place]
-        if found is None:
-            self._kept[place] = found = Kept()
+        found = self._kept[interval * self._phases + phase]
+        return self._new(interval * self._phases + phase) if found is None else found
+
+    def _new(self, place: int) -> Kept:
+        self._kept[place] = found = Kept()
         return found

@@ -63,7 +63,7 @@ class OneRead:
         addressed = lane.wait(first, addressed_at, self.poll, 0)
         kept = self._memory.find(rest, addressed - addressed_at)
         stop = start + self._edges[self._count + NEEDS]
-        if kept.of == self._clock and lane.latch > cycle + kept.end and stop <= last:
+        if kept.of == self._clock and lane.calm(cycle + kept.end) and stop <= last:
             self.hung, self.plain, self.held, self.response = False, True, 0, self._low
             self.stop, self.again, self.written = stop, start + self._edges[AGAIN], kept.cleared_most - rest
             self.end, self.off, self.ready = cycle + kept.end, cycle + kept.off, cycle + kept.ready

@@ -1,7 +1,6 @@
 cimport cython
 
 from .kept cimport Kept, Memory
-from .kept_margins cimport KeptMargins
 from .one_lane cimport Lane, Piece
 from .one_read cimport OneRead
 from .value_range cimport ValueRange
@@ -32,15 +31,12 @@ cdef class OneScenario:
     @cython.locals(lane=Lane, read=OneRead, range_=ValueRange, takes=cython.longlong)
     cdef void _of_clock(self, long long num, long long den)
     @cython.locals(
-        lane=Lane, memory=Memory, kept=Kept, start=cython.longlong, cycle=cython.longlong, rest=cython.longlong, flag=cython.longlong,
+        lane=Lane, kept=Kept, start=cython.longlong, cycle=cython.longlong, rest=cython.longlong, flag=cython.longlong,
         asked=cython.longlong, lasted=cython.longlong, slack=cython.longlong)
     cdef void _make(self, long long begin, long long latest, long long next_due)
-    @cython.locals(again=cython.longlong, margin=ValueRange, margins=KeptMargins)
-    cdef bint _like(self, Kept kept, long long start, long long cycle, long long rest)
     @cython.locals(
-        asked=ValueRange, cleared=ValueRange, age=ValueRange, since=cython.longlong, most=cython.longlong,
-        least=cython.longlong)
-    cdef void _as_kept(self, Kept kept, long long start, long long cycle, long long rest)
+        lane=Lane, end=cython.longlong, stop=cython.longlong, since=cython.longlong, again=cython.longlong)
+    cdef bint _as_kept(self, Kept kept, long long start, long long cycle, long long rest)
     @cython.locals(
         lane=Lane, read=OneRead, number=cython.longlong, chips=cython.longlong, begun=cython.longlong,
         first_rest=cython.longlong, plain=cython.bint, chip=cython.longlong, asked=cython.longlong,
@@ -51,7 +47,7 @@ cdef class OneScenario:
     cdef void _refuse(self, OneRead read, long long chip, long long start)
     @cython.locals(lane=Lane, end=cython.longlong, since=cython.longlong)
     cdef void _serve(self, OneRead read, long long chip, long long start, long long cycle, long long rest)
-    @cython.locals(lane=Lane, model=ValueRange, cost=cython.longlong, end=cython.longlong, part=cython.longlong)
+    @cython.locals(lane=Lane, cost=cython.longlong, end=cython.longlong, part=cython.longlong)
     cdef void _models(self, long long begin)
     @cython.locals(chips=cython.longlong)
     cdef void _count_kept(self)

@@ -118,9 +118,9 @@ class OneScenario:
 
     def _make(self, begin: int, latest: int, next_due: int) -> None:
         """A round that is not missed. latest: when it begins as late as can be."""
-        lane, memory, kept = self._lane, self._memory, self._nothing
+        lane, kept = self._lane, self._nothing
         start = max(begin, self._stop + self._free)
-        cycle = lane.cycle_at(start)
+        cycle = -(-start * lane.den // lane.num)
         rest = cycle * lane.num - start * lane.den
         if self._chip == 0:
             asked = start * lane.den - self._first * lane.num
@@ -128,12 +128,10 @@ class OneScenario:
                 self._asked.take_parts(asked, asked, 0)
             self._asked.count += 1
             if self._ready < cycle + self._seen:
-                flag = cycle + memory.whole[0] + self._seen + (1 if memory.part[0] > rest else 0)
-                self._first = lane.wait(self._first, flag, self._poll, 0)
-                kept = memory.find(rest, self._first - flag)
-        if kept.of == self._clocks and self._like(kept, start, cycle, rest):
-            self._as_kept(kept, start, cycle, rest)
-        else:
+                flag = cycle + self._memory.whole[0] + self._seen + (1 if self._memory.part[0] > rest else 0)
+                self._first = lane.wait_from_far(self._first, flag, self._poll)
+                kept = self._memory.find(rest, self._first - flag)
+        if not self._as_kept(kept, start, cycle, rest):
             self._by_reads(kept, start, cycle, rest)
         if self._stop <= self._end and self._hung_at < 0:
             self._over += 1
@@ -144,33 +142,31 @@ class OneScenario:
             if slack > self._slack.worst or slack < self._slack.least:
                 self._slack.take_all(slack, slack, 0)
 
-    def _like(self, kept: Kept, start: int, cycle: int, rest: int) -> bool:
-        """True if a round is like one that is kept; if several margins compete to be a new extreme, it is not."""
-        again, margin, margins = start + self._first_again, self._margin, kept.margins
-        return (
-            self._lane.latch > cycle + kept.end
-            and start + self._length <= self._end
-            and self._shown + self._line_end <= again
-            and self._lane.first_begun + self._line_end <= again
-            and (margins.alone or (margins.most - rest <= margin.above and margins.least - rest > margin.below))
-        )
+    def _as_kept(self, kept: Kept, start: int, cycle: int, rest: int) -> bool:
+        """Take a round like one that is kept; False if it is not, or if several margins compete to be a new extreme.
 
-    def _as_kept(self, kept: Kept, start: int, cycle: int, rest: int) -> None:
-        """Values that are no worst and no least ones are only counted, and all of them by `_count_kept`."""
-        asked, cleared, age = self._asked, self._cleared, self._age
-        if kept.asked_most - rest > asked.above or kept.asked_least - rest <= asked.below:
-            asked.take_parts(kept.asked_most - rest, kept.asked_least - rest, 0)
-        if kept.cleared_most - rest > cleared.above or kept.cleared_least - rest <= cleared.below:
-            cleared.take_parts(kept.cleared_most - rest, kept.cleared_least - rest, 0)
-        if self._margin.moved_by(kept.margins.most - rest, kept.margins.least - rest):
-            kept.margins.take(self._margin, self._lane, start, cycle)
-        since = self._shown + self._line_end
-        most, least = start + self._last_again - since, start + self._first_again - since
-        if most > age.worst or least < age.least:
-            age.take_all(most, least, 0)
+        Values that are no new extremes are only counted, and all of them by `_count_kept`.
+        """
+        lane, end, stop = self._lane, cycle + kept.end, start + self._length
+        since, again = self._shown + self._line_end, start + self._first_again
+        if kept.of != self._clocks or stop > self._end or since > again or lane.first_begun + self._line_end > again:
+            return False
+        if lane.lowest <= end * lane.num and lane.latch() <= end:
+            return False
+        if kept.margins.most - rest > self._margin.above or kept.margins.least - rest <= self._margin.below:
+            if not kept.margins.alone:
+                return False
+            kept.margins.take(self._margin, lane, start, cycle)
+        if kept.asked_most - rest > self._asked.above or kept.asked_least - rest <= self._asked.below:
+            self._asked.take_parts(kept.asked_most - rest, kept.asked_least - rest, 0)
+        if kept.cleared_most - rest > self._cleared.above or kept.cleared_least - rest <= self._cleared.below:
+            self._cleared.take_parts(kept.cleared_most - rest, kept.cleared_least - rest, 0)
+        if start + self._last_again - since > self._age.worst or again - since < self._age.least:
+            self._age.take_all(start + self._last_again - since, again - since, 0)
         self._as_before += 1
-        self._served, self._stop, self._unheard = self._chips - 1, start + self._length, False
-        self._models(cycle + kept.end)
+        self._served, self._stop, self._unheard = self._chips - 1, stop, False
+        self._models(end)
+        return True
 
     def _count_kept(self) -> None:
         chips = self._chips * self._as_before
@@ -248,23 +244,27 @@ class OneScenario:
 
     def _models(self, begin: int) -> None:
         """They run from this cycle on, and the firmware waits for the first chip."""
-        lane, model = self._lane, self._model
-        self._shown = lane.before
-        cost = self._cost
+        lane, cost = self._lane, self._cost
+        self._shown, self._chip = lane.before, 0
         if self._drawn_costs:
             cost += self._costs[self._cost_at]
             self._cost_at += 1
-        end = begin + cost if lane.latch > begin + cost else lane.run(begin, cost)
-        self._first = lane.code(end, self._start)
-        self._off, self._ready, self._chip = lane.mark, lane.second_mark, 0
+        end = begin + cost
+        if lane.lowest > (end + self._start.last) * lane.num:  # no interrupt, neither in them nor in the code behind
+            self._first = end + self._start.length
+            self._off, self._ready = end + self._start.calm_first, end + self._start.calm_second
+        else:
+            end = lane.run(begin, cost)
+            self._first = lane.code(end, self._start)
+            self._off, self._ready = lane.mark, lane.second_mark
         if end < self._end_cycle:
             part = (end - begin) * lane.num
-            if part > model.above or part <= model.below:
-                model.take(lane.tick(end) - lane.tick(begin))
+            if part > self._model.above or part <= self._model.below:
+                self._model.take(lane.tick(end) - lane.tick(begin))
             else:
-                model.count += 1
+                self._model.count += 1
         elif begin < self._end_cycle:
-            model.take_unfinished(self._end - lane.tick(begin))
+            self._model.take_unfinished(self._end - lane.tick(begin))
 
     def _hang_on(self) -> None:
         """What the end of the run finds where SCL is held for ever."""

@@ -9,6 +9,7 @@ Only the one that is asked for is imported: `periph-sim decode` starts without c
 
 from __future__ import annotations
 
+import errno
 import gc
 import importlib
 import os
@@ -22,6 +23,8 @@ import click
 from . import __version__, form
 
 MISTAKE, FAULT = 2, 3
+CLOSED_PIPE = 141  # as of a process that SIGPIPE ends; 0 and 1 would be a verdict
+CANNOT_WRITE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 LONGEST_MESSAGE = 2000  # characters: a path and a few shortened quotes
 
 FOLDER = Path(__file__).parent / "commands"
@@ -38,6 +41,12 @@ SECTIONS = {  # of the help; a command's file says SECTION = "run"
 
 class Commands(click.Group):
     """The files of a folder as subcommands; a `_` of the file's name is a `-` of the command's."""
+
+    def invoke(self, ctx: click.Context) -> object:
+        try:
+            return super().invoke(ctx)
+        except BrokenPipeError:  # click would exit with 1, which says that a budget is broken
+            raise click.exceptions.Exit(CLOSED_PIPE) from None
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return sorted(file.stem.replace("_", "-") for file in FOLDER.glob("*.py") if _is_command(file))
@@ -121,6 +130,8 @@ def main() -> None:
         click.echo(form.note, err=True)
     try:
         status = cli.main(standalone_mode=False)
+        if status == CLOSED_PIPE:
+            _drop_output()
         sys.exit(status if isinstance(status, int) else 0)
     except click.ClickException as error:
         from io import StringIO
@@ -137,14 +148,22 @@ def main() -> None:
     except form.DoesNotLoad as error:
         click.echo(f"Error: {error}", err=True)
         sys.exit(MISTAKE)
-    except BrokenPipeError:
-        sys.exit(0)
-    except Exception:
+    except Exception as error:
+        if isinstance(error, OSError) and error.errno in CANNOT_WRITE:
+            _drop_output()
+            found = f"{error.filename or 'standard output'}: found {os.strerror(error.errno).lower()}"
+            click.echo(f"Error: {found}, expected room for the output; make room, or redirect it", err=True)
+            sys.exit(MISTAKE)
         import traceback
 
         click.echo("periph-sim: a fault of its own; please report it with the command and what follows.", err=True)
         traceback.print_exc()
         sys.exit(FAULT)
+
+
+def _drop_output() -> None:
+    """Discard what standard output still buffers, which would fail once more as the process ends."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 if __name__ == "__main__":

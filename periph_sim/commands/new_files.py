@@ -115,10 +115,14 @@ def write(files: Files) -> None:
     there = [str(path) for path in files if path.exists() or path.is_symlink()]
     if there:
         raise click.ClickException(f"{', '.join(there)}: is there already, and nothing was written; give another name")
+    written: list[Path] = []
     try:
         for path, text in files.items():
             path.parent.mkdir(parents=True, exist_ok=True)
             with path.open("x", encoding="utf-8", newline="\n") as file:
+                written.append(path)
                 file.write(text)
     except OSError as error:
-        raise click.ClickException(f"{error.filename}: cannot be written ({error.strerror})") from None
+        for path in written:
+            path.unlink()
+        raise click.ClickException(f"{error.filename or written[-1]}: cannot be written ({error.strerror})") from None

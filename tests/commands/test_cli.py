@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import inspect
 import json
+import os
 import shlex
 import subprocess
 import sys
@@ -151,3 +152,28 @@ def test_what_needs_no_chips_loads_none(arguments: tuple[str, ...]):
 def test_every_mistake_is_an_error_there_is(name: str):
     module, _, error = name.rpartition(".")
     assert issubclass(getattr(importlib.import_module(module), error), Exception)
+
+
+def started(*arguments: str, stdout: object) -> subprocess.CompletedProcess[str]:
+    code = "import periph_sim.cli; periph_sim.cli.main()"
+    return subprocess.run(
+        [sys.executable, "-c", code, *arguments], stdout=stdout, stderr=subprocess.PIPE, text=True, check=False
+    )
+
+
+def test_a_full_disk_behind_standard_output_is_one_sentence():
+    if not Path("/dev/full").is_char_device():
+        pytest.skip("there is no /dev/full")
+    with open("/dev/full", "w") as full:
+        came = started("schema", stdout=full)
+    said = "Error: standard output: found no space left on device, expected room for the output"
+    assert came.stderr == f"{said}; make room, or redirect it\n"
+    assert came.returncode == 2
+
+
+def test_a_closed_pipe_is_neither_a_verdict_nor_a_message():
+    reader, writer = os.pipe()
+    os.close(reader)
+    with os.fdopen(writer, "w") as closed:
+        came = started("schema", stdout=closed)
+    assert (came.returncode, came.stderr) == (141, "")

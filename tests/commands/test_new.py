@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import re
 from pathlib import Path
+from typing import Any
 
 import pytest
+from click import ClickException
 
-from periph_sim.commands.new_files import TEMPLATES
+from periph_sim.commands.new_files import TEMPLATES, write
 from periph_sim.reports.baselines.outcome import Outcome, run_case
 from tests.commands.conftest import Run
 
@@ -139,3 +143,21 @@ def test_an_example_with_an_image_comes_with_its_source_and_all_that_it_includes
     }  # fmt: skip
     assert 'image = "imu_hil.asm"' in Path("bench/imu_hil_image.toml").read_text(encoding="utf-8")
     assert periph_sim("run", "bench/imu_hil_image.toml", "--seconds", "0.001").status in (0, 1)
+
+
+def test_a_disk_that_fills_up_leaves_no_half_of_a_pair(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    opened = Path.open
+
+    def full(path: Path, *arguments: Any, **names: Any) -> Any:
+        file = opened(path, *arguments, **names)
+        if path.suffix == ".toml":
+            monkeypatch.setattr(file, "write", no_room, raising=False)
+        return file
+
+    def no_room(text: str) -> int:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(Path, "open", full)
+    with pytest.raises(ClickException, match=r"one\.toml: cannot be written \(No space left on device\)"):
+        write({tmp_path / "one.py": "main", tmp_path / "one.toml": "name"})
+    assert list(tmp_path.iterdir()) == []

@@ -1,10 +1,11 @@
-"""A file that appears whole or not at all: a path goes in, a temporary path beside it comes out, renamed at the end.
+"""A file that appears whole or not at all: a path goes in, a temporary path comes out, renamed at the end.
 
-with whole(path) as unfinished: ... write to `unfinished` ...
+with atomic_write(path) as unfinished: ... write to `unfinished` ...
 """
 
 from __future__ import annotations
 
+import errno
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,26 +13,47 @@ from pathlib import Path
 
 from ..capture.capture import BadCapture
 
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+
 
 @contextmanager
 def atomic_write(path: Path) -> Iterator[Path]:
-    """A path of the same suffix, in the same folder, which takes the place of `path` when the block ends well.
+    """A temporary path of the same suffix, whose file replaces `path` when the block ends without an error.
 
-    When the block raises, nothing is left and what stood at `path` before stays. BadCapture where no
-    file can be made.
+    Links are followed. A device or pipe, such as /dev/stdout, is never replaced: it takes the bytes when
+    the block ends. When the block raises, nothing is left and the file at `path` stays as it was. BadCapture
+    where no file can be made, or where the disk is full.
     """
+    import shutil
     import tempfile  # only who writes pays for its start
 
+    whole = Path(os.path.realpath(path)) if path.is_symlink() else path
+    replaced = whole.is_file() or not path.exists()
+    if path.is_dir():
+        raise _refused(path, IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR)))
     try:
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.", suffix=path.suffix)
+        folder = whole.parent if replaced else None
+        handle, name = tempfile.mkstemp(dir=folder, prefix=f".{path.stem}.", suffix=path.suffix)
     except OSError as error:
         raise _refused(path, error) from None
     os.close(handle)
     try:
-        yield Path(name)
-        os.chmod(name, 0o666 & ~_umask())
         try:
-            os.replace(name, path)
+            yield Path(name)
+        except OSError as error:
+            if error.errno in NO_ROOM:
+                raise _refused(path, error) from None
+            raise
+        try:
+            if replaced:
+                os.chmod(name, 0o666 & ~_umask())
+                os.replace(name, whole)
+            else:
+                with open(name, "rb") as source, open(path, "wb") as target:
+                    shutil.copyfileobj(source, target)
+                os.unlink(name)
+        except BrokenPipeError:
+            raise
         except OSError as error:
             raise _refused(path, error) from None
     except BaseException:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from pathlib import Path
 
@@ -48,3 +49,47 @@ def test_a_folder_in_the_way_leaves_nothing_behind(tmp_path: Path):
     with pytest.raises(BadCapture, match="its place: found is a directory"), atomic_write(tmp_path / "run.vcd"):
         pass
     assert os.listdir(tmp_path) == ["run.vcd"]
+
+
+def test_a_link_is_followed(tmp_path: Path):
+    (tmp_path / "to").mkdir()
+    target = tmp_path / "to" / "run.vcd"
+    target.write_text("old")
+    (tmp_path / "run.vcd").symlink_to(target)
+    with atomic_write(tmp_path / "run.vcd") as unfinished:
+        unfinished.write_text("new")
+    assert target.read_text() == "new"
+    assert (tmp_path / "run.vcd").is_symlink()
+
+
+def test_a_pipe_takes_the_bytes_and_stays_a_pipe(tmp_path: Path):
+    path = tmp_path / "pipe.vcd"
+    os.mkfifo(path)
+    reader = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+    try:
+        with atomic_write(path) as unfinished:
+            unfinished.write_text("new")
+        assert os.read(reader, 100) == b"new"
+    finally:
+        os.close(reader)
+    assert path.is_fifo()
+
+
+def test_a_device_that_is_full_is_refused_and_stays_a_device(tmp_path: Path):
+    link = tmp_path / "run.vcd"
+    link.symlink_to("/dev/full")  # whose folder may not be written to
+    if not link.is_char_device():
+        pytest.skip("there is no /dev/full")
+    with pytest.raises(BadCapture) as caught, atomic_write(link) as unfinished:
+        unfinished.write_text("new")
+    assert str(caught.value) == (
+        f"{link}, its place: found no space left on device, expected a place that can be written to; give another path"
+    )
+    assert link.is_char_device() and link.is_symlink()
+
+
+def test_a_disk_that_fills_up_while_the_file_is_written_is_refused(tmp_path: Path):
+    path = tmp_path / "run.vcd"
+    with pytest.raises(BadCapture, match="its place: found no space left on device"), atomic_write(path):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    assert os.listdir(tmp_path) == []

@@ -148,14 +148,15 @@ class _Lanes:
     # A unit's inside ------------------------------------------------------------------
 
     def _flags(self, unit: str) -> list[Lane]:
-        changes: dict[str, list[Record]] = {}
+        changes: dict[tuple[str, str], list[Record]] = {}
         for record in self.records:
             if record.kind is Kind.FLAG and record.where.partition(".")[0] == unit:
-                changes.setdefault(f"{record.where.partition('.')[2]}.{record.what}", []).append(record)
-        return [self._flag(unit, name, of) for name, of in changes.items()]
+                changes.setdefault((record.where.partition(".")[2], record.what), []).append(record)
+        return [self._flag(unit, module, what, of) for (module, what), of in changes.items()]
 
-    def _flag(self, unit: str, name: str, changes: list[Record]) -> Lane:
-        module, register, field_name = name.split(".")
+    def _flag(self, unit: str, module: str, what: str, changes: list[Record]) -> Lane:
+        name = f"{module}.{what}"
+        register, _, field_name = what.partition(".")  # a variable of an image may have any number of dots
         of = register_of(module, register)
         known = of[field_name] if of is not None and field_name in of else None
         before = self.before.get(changes[0][2:5])
@@ -163,7 +164,7 @@ class _Lanes:
         about = f"\n{known.doc} [{of.source}]" if of is not None and known is not None and known.doc else ""
         chosen = self.choice.flag(*changes[0][3:5])
         if known is not None and known.msb == known.lsb:
-            wave = Wave(f"{register}.{field_name}", unit, initial, chosen=chosen)
+            wave = Wave(what, unit, initial, chosen=chosen)
             for record in changes:
                 if record.value != initial:
                     initial = record.value
@@ -171,7 +172,7 @@ class _Lanes:
                     verb = "rose" if record.value else "fell"
                     wave.says.append(self.says.place(f"{name} {verb}{self._because(record)}{about}"))
             return wave
-        boxes = Boxes(f"{register}.{field_name}", unit, chosen=chosen)
+        boxes = Boxes(what, unit, chosen=chosen)
         ends = [record.tick for record in changes[1:]] + [self.kept[-1].end]
         boxes.add(
             self.kept[0].begin - self.zero,

@@ -76,6 +76,11 @@ def small_report(folder: Path) -> CaseReport:
     """Of CASE, as `periph-sim run --html` makes it, with a wall time that is always the same."""
     path = folder / "small.toml"
     path.write_text(CASE, encoding="utf-8")
+    return report_of(path)
+
+
+def report_of(path: Path) -> CaseReport:
+    """The report of a case file, with a wall time that is always the same."""
     case = load(path, [])
     scene = Scene(case, keep_values=True)
     result = replace(scene.run(), wall_s=0.25)

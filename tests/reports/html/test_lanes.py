@@ -12,7 +12,40 @@ from periph_sim.reports.html import CaseReport, gather
 from periph_sim.reports.html.timeline import Boxes, Lane, Marks, Timeline, Wave, only_chosen
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
-from tests.reports.html.made import CASE
+from tests.reports.html.made import CASE, report_of
+
+IMAGE = """
+name = "image"
+duration = "100 us"
+
+[unit.dsp]
+image = "image.asm"
+modules = ["GPIO"]
+
+[[budget]]
+name = "depth"
+measure = "stack high-water"
+max = 1
+
+[[budget]]
+name = "count"
+measure = "level of variable _count"
+max = 1
+"""
+COUNTS = """
+          .reserve ".stack", 0x400, 64
+          .sect ".data", 0x8800
+_count:   .word 0
+          .sect ".text", 0x9000
+          .global _c_int00, _step, _count
+_c_int00: MOV   SP,#0x400
+          LCR   _step
+          LCR   _step
+          ESTOP0
+_step:    MOVW  DP,#_count >> 6
+          INC   @_count
+          LRETR
+"""
 
 
 @pytest.fixture(scope="module")
@@ -173,3 +206,12 @@ def test_without_the_other_lanes_each_event_still_says_the_same(response: Timeli
     assert [one.name for one in left] == [one.name for one in kept] and len(cut.says) < len(response.says)
     for here, there in zip(left, kept, strict=True):
         assert [cut.says[n] for n in here.says] == [response.says[n] for n in there.says]
+
+
+def test_the_stack_and_the_variables_of_an_image_are_lanes(tmp_path: Path) -> None:
+    (tmp_path / "image.toml").write_text(IMAGE, encoding="utf-8")
+    (tmp_path / "image.asm").write_text(COUNTS, encoding="utf-8")
+    of_image = report_of(tmp_path / "image.toml")
+    timelines = [one.timeline for one in of_image.budgets if one.timeline is not None]
+    drawn = {one.name for timeline in timelines for _, lanes in timeline.groups for one in lanes}
+    assert {"stack", "_count"} <= drawn

@@ -109,14 +109,16 @@ def observe_handlers(case: Case, unit: str, firmware: Mapping[str, Firmware] | N
         return NONE
     options = scene.units[unit].plan.system
     cycle = scene.timebase.per_second / scene.units[unit].clock.hz
-    entry = -int(-(options.entry_latency - IFR_DELAY) * cycle // 1)
+    beside = options.vector_fetch_waits + options.idle_wake
+    entry = -int(-(options.int_latency + beside - IFR_DELAY) * cycle // 1)
+    latency = f"int_latency {options.int_latency}, less {IFR_DELAY} to the IFR (SPRUFB0D 8)"
+    if beside:
+        latency += f", and {beside} of vector_fetch_waits and idle_wake"
     source = "its code, measured without requests; isr_prologue, isr_epilogue in it"
     handlers = [scene.units[unit].cpu.program.handlers[vector] for vector in {routine.vector for routine in routines}]
     unproven = "; ".join([*_uneven(routines, cycle), *_open(handlers, Program(scene.firmware[unit].main))])
     terms = (
-        Term(
-            "interrupt entry", entry, f"int_latency {options.entry_latency}, less {IFR_DELAY} to the IFR (SPRUFB0D 8)"
-        ),
+        Term("interrupt entry", entry, latency),
         Term(
             "service routine and IRET",
             max(ceil(round(routine.length / cycle) * cycle) for routine in routines),

@@ -41,6 +41,8 @@ CHOICES = {
     "unit.dsp.code.isr_epilogue": ("0", "11", "40"),
     "unit.dsp.options.system.pf2_read_ws": ("0", "2", "15"),
     "unit.dsp.options.system.int_latency": ("13", "14", "16"),
+    "unit.dsp.options.system.vector_fetch_waits": ("0", "1", "2"),
+    "unit.dsp.options.system.idle_wake": ("0", "16"),
     "unit.dsp.options.system.gpio_out_delay": ("0", "2"),
     "unit.dsp.options.i2c.noise_filter_cycles": ("0", "1", "5"),
     "unit.dsp.options.i2c.sda_setup_before_scl_release": ("0", "1", "20"),

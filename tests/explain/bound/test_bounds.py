@@ -97,7 +97,7 @@ def in_cycles(bound: Bound) -> dict[str, int]:
 
 def test_each_term_is_what_the_cases_own_parameters_say():
     code = ("poll_pass=100", "isr_prologue=9", "isr_epilogue=4")
-    options = ("int_latency=16", "gpio_out_delay=2", "pf2_read_ws=5")
+    options = ("int_latency=16", "vector_fetch_waits=2", "idle_wake=5", "gpio_out_delay=2", "pf2_read_ws=5")
     i2c = ("noise_filter_cycles=4", "sda_setup_before_scl_release=3")
     plain = closed_form(imu_hil()).response
     of_options = {"system": options, "i2c": i2c}
@@ -109,7 +109,7 @@ def test_each_term_is_what_the_cases_own_parameters_say():
     assert moved == {
         "SDIR behind its edge": (16, 61),  # a cycle, and 1 or 4 module clocks of 15 cycles
         "poll pass for SDIR": (9, 99),
-        "interrupts by host frames: 1": (64, 64 + 2 + 9 + 4 + 14 * 3),  # 12 characters and 2 flags are read
+        "interrupts by host frames: 1": (64, 64 + 2 + 2 + 5 + 9 + 4 + 14 * 3),  # 12 characters and 2 flags are read
         "SDA set up before SCL": (15, 45),
         "pin output": (1, 2),
         "edge to the end of the address's ACK slot": (-1500, -750),

@@ -25,6 +25,8 @@ SETTINGS = {
     "unit.dsp.options.system.pf2_read_ws": st.integers(0, 15),
     "unit.dsp.code.poll_pass": st.sampled_from([7, 10, 40, 400]),
     "unit.dsp.options.system.int_latency": st.integers(13, 16),
+    "unit.dsp.options.system.vector_fetch_waits": st.integers(0, 2),
+    "unit.dsp.options.system.idle_wake": st.integers(0, 16),
     "unit.dsp.options.system.gpio_out_delay": st.integers(0, 2),
     "unit.dsp.options.i2c.noise_filter_cycles": st.integers(0, 5),
     "unit.dsp.options.i2c.sda_setup_before_scl_release": st.integers(0, 20),

@@ -37,7 +37,8 @@ class Encoding:
 
     mask, value: of the fixed bits within the two words. at_least, at_most: bounds of fields that belong to the pattern.
     objmode: "1", "0" or "X" for both. kind: core, fpu, c2xlp, c27x, emu or trap. alias_of: the form whose operand field
-    has this one as a value. shift_bias: what field s lacks of the shift it stands for.
+    has this one as a value. shift_bias: what field s lacks of the shift it stands for. latency: "2p" of a result that
+    is there one instruction later; "2p/1", "2p/2p" of the halves of a pair; else "".
     """
 
     id: str
@@ -56,6 +57,7 @@ class Encoding:
     repeatable: bool
     cycles: int
     not_taken: int
+    latency: str
     flags: str
     reads: tuple[str, ...]
     writes: tuple[str, ...]
@@ -129,6 +131,7 @@ def _encoding(row: Mapping[str, object]) -> Encoding:
         repeatable=row["rpt"] is True,
         cycles=cycles,
         not_taken=int(str(row.get("not_taken", cycles))),
+        latency=str(row.get("latency", "")),
         flags=str(row["flags"]),
         reads=_names(row["reads"]),
         writes=_names(row["writes"]),

@@ -1,6 +1,7 @@
 """The FPU. Each function is one form of `encodings.toml`, by its id.
 
-Results are written at once, as a program sees them that keeps the delay slots. Source: SPRUEO2A chapter 4.
+Results are written at once, as a program sees them that keeps the delay slots; `fpu_pipeline` has them late.
+Source: SPRUEO2A chapter 4.
 """
 
 from __future__ import annotations

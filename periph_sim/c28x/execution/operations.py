@@ -34,7 +34,7 @@ def operation(instruction: Instruction) -> Operation:
     made.next = instruction.address + encoding.words & 0x3F_FFFF
     made.encoding, made.execute = encoding, form.execute
     made.cycles, made.not_taken, made.repeatable = form.cycles, form.not_taken, form.repeatable
-    made.wide, made.byte = form.wide, form.byte
+    made.wide, made.byte, made.late = form.wide, form.byte, 0
     made.accesses, made.absolute = form.accesses, form.absolute
     if encoding.mnemonic == "MOV32" and made.absolute and fpu_moves.WINDOW <= made.c < fpu_moves.WINDOW_END:
         made.cycles = made.not_taken = 1  # a move between registers

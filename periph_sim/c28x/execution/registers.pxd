@@ -3,19 +3,21 @@ ctypedef bint (*Execute)(Cpu, Operation) except -1
 
 cdef class Operation:
     cdef public long long b, c, g, h, i, k, l, m, n, p, q, r, s, t, u, v, w, x, y, z
-    cdef public long long place, absolute, accesses, address, cycles, makes, needs, next, not_taken, tested
+    cdef public long long place, absolute, accesses, address, cycles, late, makes, needs, next, not_taken, tested
     cdef public bint byte, jumps, loops, repeatable, waited, wide
     cdef public object encoding
     cdef public Operation following, goal
-    cdef Execute execute
+    cdef Execute execute, plain
 
 
 cdef class Cpu:
     cdef public long long acc, p, xt, dp, rpc, arp, sp, pc, sxm, ovm, tc, c, z, n, v, pm, ovc
-    cdef public long long st1, ier, ifr, dbgier, dbgstat, stf, shadow_stf, rb, ea, field, cycles, repeat, passes
+    cdef public long long st1, ier, ifr, dbgier, dbgstat, stf, shadow_stf, rb, ea, field, cycles, repeat, passes, due, due_flags
     cdef public long long xar[8]
     cdef public long long r[8]
     cdef public long long shadow_r[8]
+    cdef long long before_r[8]
+    cdef long long due_r[8]
     cdef public bint high_byte
     cpdef long long load16(self, long long address)
     cpdef void store16(self, long long address, long long value)

@@ -45,13 +45,14 @@ class Operation:
     place: the address, until its words are written over. following, goal: what was executed behind it, and where it
     last jumped to. accesses: READS, WRITES, both or 0, what it does at its operand's address. absolute: likewise at
     *(0:16). needs, makes: registers early and late, see `hazards`. jumps: it may go elsewhere; loops: by a branch.
-    waited: it is in memory with wait states. tested: the bits of its operand that count, where it names them.
+    late: registers of the FPU that it writes one instruction later, as bits; plain: what it does, where `execute` heeds
+    that. waited: it is in memory with wait states. tested: the bits of its operand that count, where it names them.
     """
 
     __slots__ = (
         "absolute", "accesses", "address", "b", "byte", "c", "cycles", "encoding", "execute", "following", "g", "goal",
-        "h", "i", "jumps", "k", "l", "loops", "m", "makes", "n", "needs", "next", "not_taken", "p", "place", "q", "r",
-        "repeatable", "s", "t", "tested", "u", "v", "w", "waited", "wide", "x", "y", "z",
+        "h", "i", "jumps", "k", "l", "late", "loops", "m", "makes", "n", "needs", "next", "not_taken", "p", "place",
+        "plain", "q", "r", "repeatable", "s", "t", "tested", "u", "v", "w", "waited", "wide", "x", "y", "z",
     )  # fmt: skip
 
     b: int
@@ -82,6 +83,7 @@ class Operation:
     encoding: Encoding
     execute: Callable[[Cpu, Operation], None]
     jumps: bool
+    late: int
     loops: bool
     makes: int
     needs: int
@@ -90,6 +92,7 @@ class Operation:
     next: int
     not_taken: int
     place: int
+    plain: Callable[[Cpu, Operation], None]
     repeatable: bool
     tested: int
     waited: bool
@@ -100,7 +103,7 @@ class Cpu:
     """xar: XAR0 to XAR7. ovc: -32 to 31. pm: as in ST0. r: R0H to R7H as bits. pc: of the next instruction.
 
     st1: without ARP, which is `arp`. ea: address of the present operand. high_byte: it is the upper byte there.
-    cycles: of the present instruction. repeat: how often the next one is repeated, -1 for not.
+    cycles: of the present instruction. repeat: how often the next one is repeated, -1 for not. due: see `fpu_pipeline`.
     """
 
     def __init__(self) -> None:
@@ -117,6 +120,9 @@ class Cpu:
         self.stf = 0
         self.shadow_r = [0] * 8
         self.shadow_stf = 0
+        self.due = self.due_flags = 0
+        self.due_r = [0] * 8
+        self.before_r = [0] * 8
         self.rb = 0
         self.ea = REGISTER
         self.field = 0

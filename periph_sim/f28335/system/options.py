@@ -36,7 +36,7 @@ class SystemOptions(Answers):
         16,
         unit="cycles",
         question="From the IFR bit that ends IDLE to the interrupt's entry, or to the next instruction with INTM = 1: "
-        "not stated; from an external signal 20 cycles at most (SPRS439M, td(WAKE-IDLE)).",
+        "the page of IDLE (SPRU430F) does not say.",
     )
     irq_after_iret: str = choice(
         "at_once",
@@ -112,6 +112,12 @@ class SystemOptions(Answers):
         1,
         question="How many cycles does an access to data take in addition that lie in the block from which the program "
         "is fetched?",
+    )
+    fpu_delay_slot: str = choice(
+        "at_once",
+        "old_value",
+        question="What does an instruction read in the delay slot of an FPU operation of 2p cycles, which nothing "
+        "protects: the result already, or what the register held before?",
     )
     rptc_width: int = choice(16, 8, question="How many bits of a location does RPT take?")
 

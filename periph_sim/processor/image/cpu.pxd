@@ -1,6 +1,7 @@
 cimport cython
 
 from ...c28x.execution.engine cimport Engine
+from ...c28x.execution.fpu_pipeline cimport arrive, delay
 from ...c28x.execution.registers cimport Cpu, Operation
 from ...f28335.cpu.interrupts cimport CpuInterrupts
 from ...f28335.system.ram cimport Ram
@@ -28,7 +29,7 @@ cdef class ImageCpu(Engine):
     cdef public InstructionTiming timing
     cdef public Polls polls
     cdef Pipeline _pipeline
-    cdef bint _decoding
+    cdef bint _decoding, _delays
     cdef long long _tested
     cpdef void reset(self)
     cpdef void fill(self, long long address, long long value)

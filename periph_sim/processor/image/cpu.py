@@ -10,7 +10,10 @@ from __future__ import annotations
 
 from typing import Protocol
 
+from ...c28x.decoder import decode_at
+from ...c28x.delay_slots import late_results, not_kept
 from ...c28x.execution.engine import PAGE, Engine
+from ...c28x.execution.fpu_pipeline import arrive, delay
 from ...c28x.execution.registers import (
     ARP,
     ARP_MASK,
@@ -73,6 +76,7 @@ class ImageCpu(Engine):
         self.elsewhere = Elsewhere(self._core, processor.notes)
         self.timing = InstructionTiming(self._core, options, self.elsewhere)
         self._pipeline = self.timing.pipeline
+        self._delays = options.fpu_delay_slot == "old_value"
         self._decoding = False
         self._tested = 0  # bits that the present instruction looks at in its operand
         self._written = [0] * RAM_TO  # 1 for a word that somebody wrote
@@ -264,7 +268,20 @@ class ImageCpu(Engine):
         finally:
             self._decoding = False
         self.timing.prepare(made)
+        if made.encoding.kind == "fpu":
+            self._look_at_slots(made)
+        if self._delays:
+            delay(made)
         return made
+
+    def _look_at_slots(self, f: Operation) -> None:
+        """Which results of the FPU come late, and a note of each one that the program does not wait for."""
+        found = decode_at(f.address, self.word_at(f.address), self.word_at(f.address + 1))
+        assert found is not None
+        f.late = late_results(found)
+        for text in not_kept(found, self.word_at):
+            self._core.touched.add("fpu_delay_slot")
+            self._processor.notes.note(self._time.cycle, Note("duty", text, "SPRUEO2A section 3.2"))
 
     def _repeat(self) -> None:
         wanted = self.repeat
@@ -390,6 +407,8 @@ class ImageCpu(Engine):
         """The service routine is entered: RPTB's RA waits in RAS."""
         self.timing.drain()
         self.polls.soil()
+        if self.due or self.due_flags:
+            arrive(self)
         self.sp = self._core.sp
         for below in range(1, CONTEXT_SP + 1):
             self._written[self.sp - below & 0xFFFF] = 1

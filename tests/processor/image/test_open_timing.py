@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import struct
+
 import pytest
 
 from periph_sim.core.options import Value
@@ -62,3 +64,81 @@ def test_open_vector_fetch_waits(waits: int):
     trap = f"{HEAD}{VECTOR} TRAP #5\n ESTOP0\n .global _routine\n_routine: IRET\n".replace("0x0D4C", "0x0D0A")
     took = [Rig(trap, vector_fetch_waits=n).run().program.returned_at for n in (0, waits)]
     assert took[0] is not None and took[1] == took[0] + waits
+
+
+# The FPU ------------------------------------------------------------------------------------------------------------
+
+FLOATS = {"0x4000": 2.0, "0x4040": 3.0, "0x3F80": 1.0}
+
+
+def floats(code: str, **options: Value) -> tuple[list[float], list[str], int | None]:
+    """After R0H = 2.0, R1H = 3.0, R2H = 1.0 and code: what R0H to R7H hold, the notes, and the cycle of the end."""
+    loads = "".join(f" MOVIZ R{n}H,#{number}\n" for n, number in enumerate(FLOATS))
+    body = "\n".join(f" {line.strip()}" for line in code.split(";"))
+    rig = Rig(f"{HEAD}{loads}{body}\n ESTOP0\n", **options).run()
+    return [struct.unpack("f", struct.pack("I", bits))[0] for bits in rig.cpu.r], rig.notes(), rig.program.returned_at
+
+
+@pytest.mark.parametrize(
+    ("code", "register", "result", "before"),
+    [
+        # the result is there one instruction later, which may be any
+        ("MPYF32 R2H,R0H,R1H ; MOV32 R3H,R2H", 3, 6.0, 1.0),
+        ("MPYF32 R2H,R0H,R1H ; NOP ; MOV32 R3H,R2H", 3, 6.0, 6.0),
+        ("MPYF32 R2H,R0H,R1H ; ADDF32 R3H,R2H,R2H ; NOP ; NOP", 3, 12.0, 2.0),
+        ("ADDF32 R2H,R0H,R1H ; SUBF32 R2H,R2H,R0H ; NOP", 2, 3.0, -1.0),
+        ("ADDF32 R2H,R0H,R1H ; MOV32 R3H,R2H ; MOV32 R4H,R2H", 4, 5.0, 5.0),
+        # conversions
+        ("F32TOI16 R3H,R1H ; I16TOF32 R4H,R3H ; NOP", 4, 3.0, 0.0),
+        # one cycle: no slot
+        ("NEGF32 R2H,R1H ; MOV32 R3H,R2H", 3, -3.0, -3.0),
+        # pairs: the sum is late, what is loaded is not
+        ("MPYF32 R2H,R0H,R1H ; NOP ; MPYF32 R3H,R2H,R0H || ADDF32 R4H,R2H,R2H ; MOV32 R5H,R4H", 5, 12.0, 0.0),
+        ("MOV32 *SP++,R1H ; MPYF32 R2H,R0H,R1H || MOV32 R3H,*--SP ; MOV32 R4H,R3H", 4, 3.0, 3.0),
+        # the slot writes the same register, and is overtaken
+        ("MPYF32 R2H,R0H,R1H ; MOV32 R2H,R0H ; MOV32 R3H,R2H", 3, 2.0, 6.0),
+        # the last instruction of a block, and its first one
+        ("ZERO R3H ; RPTB end,#1 ; ADDF32 R4H,R3H,R1H ; NOP ; NOP ; NOP ; NOP ; NOP ; NOP ; NOP\nend_:"
+         " ADDF32 R3H,R3H,R0H\nend: NOP", 4, 5.0, 3.0),
+    ],
+)  # fmt: skip
+def test_open_fpu_delay_slot(code: str, register: int, result: float, before: float):
+    """Only what a program reads in the slot depends on the answer, and no cycle."""
+    at_once, notes, ended = floats(code)
+    late, notes_late, ended_late = floats(code, fpu_delay_slot="old_value")
+    assert (at_once[register], late[register]) == (result, before)
+    assert (ended, notes) == (ended_late, notes_late)
+
+
+def test_open_fpu_delay_slot_is_noted_once_a_place():
+    loop = "MOVB XAR0,#9 ; again: ; MPYF32 R2H,R0H,R1H ; MOV32 R3H,R2H ; BANZ again,AR0--"
+    rig = Rig(HEAD + loop.replace(";", "\n").replace(" again:", "again:") + "\n ESTOP0\n").run()
+    assert rig.notes() == [
+        "MOV32 at 0x009009 reads R2H in the delay slot of MPYF32 at 0x009007: fpu_delay_slot says whether it finds the "
+        "result"
+    ]
+    assert list(rig.dsp.processor.notes.counts.values()) == [1]
+    assert "fpu_delay_slot" in rig.dsp.processor.interrupts.core.touched
+
+
+def test_the_flags_of_an_overflow_come_with_the_result():
+    """MOVST0 in the slot does not see LVF; one instruction later it does."""
+    for between, seen in (("", 0), ("NOP ; ", 1)):
+        code = f"MOVIZ R0H,#0x7F00 ; MPYF32 R1H,R0H,R0H ; {between}MOVST0 LVF ; NOP ; NOP"
+        rig = Rig(HEAD + "\n".join(f" {line.strip()}" for line in code.split(";")) + "\n ESTOP0\n",
+                  fpu_delay_slot="old_value").run()  # fmt: skip
+        assert rig.cpu.v == seen
+
+
+@pytest.mark.parametrize("answer", ["at_once", "old_value"])
+def test_an_interrupt_behind_an_operation_lets_its_result_arrive(answer: str):
+    """Four instructions again and again; timer 0 comes behind each one of them."""
+    seen = []
+    for shift in range(4):
+        body = " MPYF32 R2H,R0H,R1H\n NOP\n MOV32 R2H,R3H\n NOP\n" * 60
+        routine = " .global _routine\n_routine: MOV32 R7H,R2H\n ESTOP0\n"
+        loads = " MOVIZ R0H,#0x4000\n MOVIZ R1H,#0x4040\n MOVIZ R3H,#0x3F80\n MOV32 R2H,R3H\n"
+        source = f"{HEAD}{loads}{TIMER} CLRC INTM\n" + " NOP\n" * shift + body + " ESTOP0\n" + routine
+        rig = Rig(source, "TIMER0", fpu_delay_slot=answer).run()
+        seen.append(struct.unpack("f", struct.pack("I", rig.cpu.r[7]))[0])
+    assert sorted(seen) == [1.0, 1.0, 6.0, 6.0]

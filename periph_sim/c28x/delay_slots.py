@@ -1,0 +1,98 @@
+"""Delay slots that a program does not keep: code goes in; sentences about who reads a result too early come out.
+
+    MPYF32 R0H,R1H,R2H    2p: started in this cycle, its result is there one instruction later
+    NOP                   the delay slot, which nothing protects: the assembler keeps it, not the CPU
+    ADDF32 R3H,R0H,R4H
+
+LUF and LVF come with the result. Source: SPRUEO2A 3.1, 3.2; the column `latency` of `encodings.toml`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+
+from .decoder import Instruction, decode_at
+from .execution.fpu_moves import APART, FIRST
+from .execution.registers import LUF, LVF
+
+FIELDS = {"RaH": "p", "RbH": "q", "RcH": "r", "RdH": "t", "ReH": "u", "RfH": "v"}
+ALL, EVERY = "R0H-R7H", 0xFF
+FLAGS = 1 << 8  # LUF and LVF, beside R0H to R7H
+NAMES = (*(f"R{number}H" for number in range(8)), "LUF and LVF")
+FLAG_BITS = LUF | LVF
+CONDITIONS = (12, 13)  # that look at LUF and LVF
+AT_ONCE = "RaH"  # of a pair "2p/1": what its second half loads
+BLOCKS = frozenset(("RPTB_label_RC", "RPTB_label_loc16"))
+
+
+def late_results(instruction: Instruction) -> int:
+    """The FPU registers that it writes one instruction later, as bits, and its flags."""
+    encoding = instruction.encoding
+    if not encoding.latency:
+        return 0
+    late = (place for place in encoding.writes if encoding.latency != "2p/1" or _name(place) != AT_ONCE)
+    return _registers(late, instruction.values) | (FLAGS if "LVF" in encoding.flags else 0)
+
+
+def read_registers(instruction: Instruction) -> int:
+    """The FPU registers that it reads, as bits, and those flags."""
+    encoding, values = instruction.encoding, instruction.values
+    mask = _registers(encoding.reads, values)
+    if encoding.id == "MOV32_loc32_ind_0_16":
+        number, rest = divmod(values["c"] - FIRST, APART)
+        mask |= 1 << number if number in range(8) and not rest else 0
+    if "STF@E" in encoding.reads:
+        looks = encoding.mnemonic not in ("MOVST0", "TESTTF")
+        looks |= values.get("w") in CONDITIONS or (encoding.mnemonic == "MOVST0" and values["g"] & FLAG_BITS != 0)
+        mask |= FLAGS if looks else 0
+    return mask
+
+
+def not_kept(instruction: Instruction, word_at: Callable[[int], int]) -> Iterator[str]:
+    """What is read too early behind this instruction, or around the end of the block that it begins to repeat."""
+    if instruction.encoding.id in BLOCKS:
+        yield from _around(instruction, word_at)
+    elif late_results(instruction):
+        behind = _at(instruction.address + instruction.words, word_at)
+        if behind is not None:
+            yield from _between(instruction, behind)
+
+
+def _around(block: Instruction, word_at: Callable[[int], int]) -> Iterator[str]:
+    first = found = _at(block.address + block.words, word_at)
+    end = block.address + block.words + block.values["z"]
+    while found is not None and first is not None:
+        after = found.address + found.words
+        if after >= end:
+            yield from _between(found, first)
+            return
+        found = _at(after, word_at)
+
+
+def _between(instruction: Instruction, behind: Instruction) -> Iterator[str]:
+    early = late_results(instruction) & read_registers(behind)
+    if early:
+        names = " and ".join(name for number, name in enumerate(NAMES) if early >> number & 1)
+        where = f"in the delay slot of {instruction.encoding.mnemonic} at {instruction.address:#08x}"
+        who = f"{behind.encoding.mnemonic} at {behind.address:#08x}"
+        yield f"{who} reads {names} {where}: fpu_delay_slot says whether it finds the result"
+
+
+def _at(address: int, word_at: Callable[[int], int]) -> Instruction | None:
+    return decode_at(address, word_at(address), word_at(address + 1))
+
+
+def _name(place: str) -> str:
+    return place.partition("@")[0]
+
+
+def _registers(places: Iterable[str], values: Mapping[str, int]) -> int:
+    mask = 0
+    for name in map(_name, places):
+        if name in FIELDS:
+            mask |= 1 << values[FIELDS[name]]
+        elif name == ALL:
+            mask |= EVERY
+        elif len(name) == 3 and name[0] == "R" and name[2] == "H" and name[1].isdigit():
+            mask |= 1 << int(name[1])
+    return mask

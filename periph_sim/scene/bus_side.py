@@ -63,6 +63,11 @@ class BusSide:
         """Since when others hold SCL low that the master has let go of; NO_TIME if they do not, or nobody listens."""
         return NO_TIME if self._watch is None else self._watch.held_since
 
+    @property
+    def open_transfer(self) -> Transfer | None:
+        """The transfer whose STOP has not come; None without one, or before its first address is over."""
+        return None if self._watch is None else self._watch.open_transfer
+
     def count(self, transfer: Transfer) -> None:
         """Of those that make up the figures of the run."""
         self.wire_bytes += transfer.wire_bytes

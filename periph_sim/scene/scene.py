@@ -332,6 +332,9 @@ class Scene:
         system = parts.options_of(self.case, parts.SystemOptions, given.system, unit, "system")
         return parts.ReleaseDelay(self.kernel, dsp.clock, dsp.socket("I2C-A"), i2c, system)
 
+    def open_transfer(self) -> Transfer | None:
+        return None if self.case.controller is not None else self.bus.open_transfer
+
     def held_since(self) -> int:
         return self.bus.held_since
 

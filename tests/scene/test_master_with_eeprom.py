@@ -10,10 +10,13 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim.firmware import start_i2c
+from periph_sim.processor.dsp import Dsp
 from periph_sim.records.recording import recording
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 from tests.scene.runs import TIMING, run_file
+from tests.scene.small import scene_with
 
 LOG = "eeprom_log"
 QUICK = ("unit.dsp.settings.period=8 ms", "rounds.period=8 ms", "device.eeprom.write_time=300 us")
@@ -68,3 +71,20 @@ def test_sigroks_decoder_of_eeproms_reads_the_same(tmp_path: Path):
     assert operations == ["Page write", "Page write", "Sequential random read"], told
     assert re.search(r"Page write \(addr=0038, 8 bytes\): A0 A1 A2 A3 A4 A5 A6 A7", told), told
     assert re.search(r"read \(addr=0038, 16 bytes\): A0 A1 .* AF", told), told
+
+
+@pytest.mark.parametrize("at", ["edge", "adaptive", "byte"])
+def test_a_refused_address_counts_though_the_master_hangs_without_a_stop(monkeypatch: pytest.MonkeyPatch, at: str):
+    def reads_where_nobody_is(dsp: Dsp) -> None:
+        start_i2c(dsp)
+        i2c = dsp.module("I2C-A")
+        i2c.I2CMDR.IRS = 1
+        i2c.I2CSAR.all = 0x50
+        i2c.I2CCNT.all = 2
+        i2c.I2CMDR.all = 0x6420  # FREE, STT, MST, IRS: no STOP by itself
+        dsp.spin(lambda: i2c.I2CSTR.RRDY == 1)
+
+    budget = [{"name": "there", "measure": "nacked", "max": 0}]
+    scene = scene_with(monkeypatch, reads_where_nobody_is, ["I2C-A"], duration="1 ms", budget=budget, fidelity=at)
+    (there,) = scene.run().budgets
+    assert (there.word, there.worst, there.count) == ("broken", 1, 1)

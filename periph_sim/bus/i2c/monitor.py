@@ -81,6 +81,11 @@ class I2cMonitor(ByteParty):
         """The START of the transfer under way; NO_TIME if there is none."""
         return self._began_at if self._scl_mask else NO_TIME
 
+    @property
+    def open_transfer(self) -> Transfer | None:
+        """The transfer under way, with the phases whose address is over; None if there is none."""
+        return self._transfer if self._scl_mask and self._transfer.phases else None
+
     def sampled(self, now: int, levels: int) -> None:
         before, self._levels = self._levels, levels
         if not self._scl_mask:

@@ -103,6 +103,9 @@ class Told:
     def round_period(self) -> int:
         return int(self._inputs.round_.down(1))
 
+    def open_transfer(self) -> Transfer | None:
+        return None
+
     def held_since(self) -> int:
         held = self._held()
         return NO_TIME if held is None else held

@@ -99,6 +99,9 @@ class SceneEvents(Protocol):
     def i2c_release_delay(self, unit: str) -> Delay:
         """From a write of I2CDXR that SCL is held for to its release."""
 
+    def open_transfer(self) -> Transfer | None:
+        """A firmware's transfer without a STOP yet, if it has an address; a controller agent's is None: it goes on."""
+
     def held_since(self) -> int:
         """Since when others hold SCL low that the master has let go of; NO_TIME if they do not."""
 

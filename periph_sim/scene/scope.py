@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import re
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..core.suggest import did_you_mean
 from ..timing.language.scope import MAPS, Scope
 from .case.model import Case
 from .case.wiring import Wiring, sci_lines, wiring_of
 
 if TYPE_CHECKING:
+    from ..image.model import Image
     from ..image.variables import Variable, Variables
+
+ADDRESS = re.compile(r"0x[0-9a-f]{6}")
 
 
 def scope_of_case(case: Case, wiring: Wiring | None = None) -> Scope:
@@ -35,22 +41,42 @@ def scope_of_case(case: Case, wiring: Wiring | None = None) -> Scope:
         rounds,
         tuple(dict.fromkeys(lines)),
         pairs,
-        {name: _Variables(unit.image) for name, unit in case.unit.items() if unit.image},
+        {name: _ImageNames(unit.image) for name, unit in case.unit.items() if unit.image},
     )
 
 
-class _Variables:
-    """Names of an image's variables. The image is read when the first one is asked for."""
+class _ImageNames:
+    """Names in an image, which is read when the first one is asked for. ValueError where it has none of them."""
+
+    known = True
 
     def __init__(self, path: str) -> None:
         self._path = path
-        self._known: Variables | None = None
 
-    def __call__(self, name: str) -> Variable:
-        """The variable of this name. ValueError where there is none, or no such image."""
-        if self._known is None:
-            from ..image.program_file import program_in
-            from ..image.variables import Variables
+    @cached_property
+    def _image(self) -> Image:
+        from ..image.program_file import program_in
 
-            self._known = Variables(program_in(Path(self._path)))
-        return self._known.find(name)
+        return program_in(Path(self._path))
+
+    @cached_property
+    def _variables(self) -> Variables:
+        from ..image.variables import Variables
+
+        return Variables(self._image)
+
+    @cached_property
+    def _functions(self) -> tuple[str, ...]:
+        from ..image.debug_info import DebugInfo
+        from ..image.inspection import functions_of
+
+        return tuple(function.name for function in functions_of(self._image, DebugInfo(self._image)))
+
+    def variable(self, name: str) -> Variable:
+        return self._variables.find(name)
+
+    def function(self, name: str) -> str:
+        """Code that is no function of the image, as in ROM, goes by its address."""
+        if name not in self._functions and not ADDRESS.fullmatch(name):
+            raise ValueError(f"the image has no function {name!r}; {did_you_mean(name, self._functions)}")
+        return name

@@ -126,7 +126,10 @@ def test_a_cpu_in_idle_has_no_load(tmp_path: Path):
     ("budget", "unit", "sentence"),
     [
         ("level of variable _cuont; max = 1", "", "the image has no variable '_cuont'; did you mean _count?"),
-        ("calls of _wrok; max = 1", "", ""),
+        ("calls of _wrok; max = 1", "", "the image has no function '_wrok'; did you mean _work?"),
+        ('each time in _wrok; max = "1 ms"', "", "the image has no function '_wrok'; did you mean _work?"),
+        ('from span _wrok begin to span _work end; max = "1 ms"', "", "no function '_wrok'; did you mean _work?"),
+        ('span:_wrok; max = "1 ms"', "", "the image has no function '_wrok'; did you mean _work?"),
         ("level of variable dsq:_count; max = 1", "", "there is no unit 'dsq'; did you mean dsp?"),
         ("calls of _work; max = 9", "memory = { _stpe = 1 }\n", "no variable '_stpe'; did you mean _step?"),
         ("calls of _work; max = 9", "memory = { _step = 65536 }\n", "_step has 16 bits, so 65536 does not fit"),
@@ -134,13 +137,16 @@ def test_a_cpu_in_idle_has_no_load(tmp_path: Path):
     ],
 )
 def test_names_and_values_that_an_image_does_not_have(tmp_path: Path, budget: str, unit: str, sentence: str):
-    if sentence:
-        with pytest.raises(BadCase) as refused:
-            seen(tmp_path, {"it": budget}, unit)
-        assert sentence in str(refused.value)
-        assert "own.toml, line " in str(refused.value)
-    else:  # a function's name is free text: nothing was measured, so the budget is not judged
-        assert seen(tmp_path, {"it": budget}) == {"it": None}
+    with pytest.raises(BadCase) as refused:
+        seen(tmp_path, {"it": budget}, unit)
+    assert sentence in str(refused.value)
+    assert "own.toml, line " in str(refused.value)
+
+
+def test_that_a_function_is_never_called_is_a_budget_and_one_without_a_name_goes_by_its_address(tmp_path: Path):
+    source = SOURCE + " .global _fails\n_fails: LRETR\n"
+    assert seen(tmp_path, {"fails": "calls of _fails; max = 0"}, source=source) == {"fails": 0}
+    assert seen(tmp_path, {"it": "calls of 0x380080; max = 9"}) == {"it": 0}
 
 
 def test_an_endless_loop_is_recorded_as_a_wait_of_its_own(tmp_path: Path):

@@ -358,8 +358,9 @@ def _match_interrupt(event: Event, scope: Scope) -> Matcher:
 
 
 def _match_span(event: Event, scope: Scope) -> Matcher:
-    unit = frozenset((scope.unit(event.unit),))
-    return Matcher(event.text, Kind.SPAN, unit, event.name, EVERYTHING, int(event.how == "begin"), free=True)
+    unit, known = scope.span(event.unit, event.name)
+    begins = int(event.how == "begin")
+    return Matcher(event.text, Kind.SPAN, frozenset((unit,)), event.name, EVERYTHING, begins, free=not known)
 
 
 def _match_bus(event: Event, scope: Scope) -> Matcher:

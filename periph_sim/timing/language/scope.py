@@ -7,9 +7,9 @@ It knows what could happen there, not what did: a name it lets through is a name
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from ...core.records import Kind
 from ...core.registers import Field, Register, RegisterMap
@@ -51,6 +51,27 @@ class BadEvent(ValueError):
     """A text that names no event, or one that cannot be in this scene; one sentence."""
 
 
+class ImageNames(Protocol):
+    """What an image has. A name that it has not is refused by a ValueError of one sentence."""
+
+    known: bool  # names are looked up; of a recorded run nobody knows which there were
+
+    def variable(self, name: str) -> object: ...
+    def function(self, name: str) -> object: ...
+
+
+class AnyName:
+    """See `ImageNames`; takes any."""
+
+    known = False
+
+    def variable(self, name: str) -> object:
+        return name
+
+    def function(self, name: str) -> object:
+        return name
+
+
 @dataclass(frozen=True)
 class Scope:
     """units: each with its modules. controller, host: whether the scene has that agent on its wires.
@@ -58,7 +79,7 @@ class Scope:
     lines: wires that carry frames; of a scene that names none, RX and TX where they are wires. pairs: RS-485 ones.
 
     rounds: it is known what the controller asks in rounds, whoever it is.
-    images: units that run an image, each with what refuses names that are no variable of it, by a ValueError.
+    images: units that run an image, each with the names in it.
     """
 
     units: dict[str, tuple[str, ...]] = field(default_factory=dict)
@@ -68,7 +89,7 @@ class Scope:
     rounds: bool = False
     lines: tuple[str, ...] = ()
     pairs: tuple[str, ...] = field(default=(), compare=False)
-    images: Mapping[str, Callable[[str], object]] = field(default_factory=dict, compare=False)
+    images: Mapping[str, ImageNames] = field(default_factory=dict, compare=False)
 
     def __post_init__(self) -> None:
         if not self.lines:
@@ -149,10 +170,22 @@ class Scope:
         """The unit whose image has this variable."""
         owner = self.image(unit)
         try:
-            self.images[owner](name)
+            self.images[owner].variable(name)
         except ValueError as error:
             raise BadEvent(str(error)) from None
         return owner
+
+    def span(self, unit: str, name: str) -> tuple[str, bool]:
+        """The unit of a stretch of firmware, and whether it is known that there is one, as of an image's functions."""
+        owner = self.unit(unit)
+        names = self.images.get(owner)
+        if names is None:
+            return owner, False
+        try:
+            names.function(name)
+        except ValueError as error:
+            raise BadEvent(str(error)) from None
+        return owner, names.known
 
     def places(self, unit: str) -> frozenset[str]:
         """Every place of a unit that a record can come from; of all units where none is named."""
@@ -192,5 +225,5 @@ def scope_of_table(table: RecordTable) -> Scope:
     on_bus = Kind.BUS.value in kinds
     wires = list(dict.fromkeys(wires))
     lines = tuple(wire for wire in wires if wire in LINES or wire in framed)
-    images: dict[str, Callable[[str], object]] = dict.fromkeys(units, str)  # any name: who knows what there was
+    images: dict[str, ImageNames] = dict.fromkeys(units, AnyName())
     return Scope(units, tuple(wires), on_bus, Kind.FRAME.value in kinds, on_bus, lines, lines, images)

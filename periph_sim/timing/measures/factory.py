@@ -37,11 +37,13 @@ def measure_named(text: str, scope: Scope) -> Measure:
 
 def maker_of(text: str, scope: Scope) -> Maker:
     """What makes the measure that a text names. BadEvent as for `measure_named`."""
-    return _maker_of_events(measure_of(text), scope) if is_form(text) else _called(text)
+    return _maker_of_events(measure_of(text), scope) if is_form(text) else _called(text, scope)
 
 
-def _called(name: str) -> Maker:
+def _called(name: str, scope: Scope) -> Maker:
     """Of the measure of a fixed name, of a span, a reply, or a watched wire."""
+    if name.startswith(SPAN) and len(scope.units) == 1:
+        scope.span("", name.removeprefix(SPAN))
     if name.startswith((SPAN, REPLY, WATCH)) or name in MEASURES:
         return partial(make, name)
     form = near_form(name)
@@ -89,7 +91,7 @@ def _jitter(said: Said, scope: Scope) -> Maker:
     if said.events:
         make_of = partial(Period, matcher(said.events[0], scope))
     else:
-        make_of = _called(said.name) if said.of is None else _maker_of_events(said.of, scope)
+        make_of = _called(said.name, scope) if said.of is None else _maker_of_events(said.of, scope)
         if not make_of().series:
             raise BadEvent(f"{said.text!r}: that is one number a run, so it has no jitter")
     return lambda: Jitter(make_of())

@@ -14,7 +14,7 @@ from periph_sim.core.records import Kind, Record
 from periph_sim.core.time import NO_TIME
 from periph_sim.devices.sensor_rounds import Round
 from periph_sim.timing.language.language import FORMS
-from periph_sim.timing.language.scope import BadEvent, Scope
+from periph_sim.timing.language.scope import AnyName, BadEvent, Scope
 from periph_sim.timing.measures.factory import make_of_events
 from periph_sim.timing.measures.pair import Between
 from tests.timing.events_by_hand import BARE, NO_BUS, ONE, TWO, came, records, table, tell
@@ -309,7 +309,7 @@ def test_what_the_scene_cannot_show_is_refused(text: str, scope, sentence: str):
     assert str(caught.value).startswith(sentence)
 
 
-IMAGE = replace(ONE, images={"dsp": str})
+IMAGE = replace(ONE, images={"dsp": AnyName()})
 EXAMPLES = ["from frame to frame", "period of frame", "jitter of frame", "count of frame"]
 EXAMPLES += [
     "level of I2C-A.I2CSTR.XRDY",

@@ -29,7 +29,7 @@ def hazards(encoding: Encoding, field: int, n: int, m: int) -> tuple[int, int]:
     needs = _in_phase("D2", (*encoding.reads, *encoding.writes), numbers)
     makes = _in_phase("E", encoding.writes, numbers)
     if field >= 0:
-        needs |= _addressing(field)
+        needs |= addressing(field)
         read, written = _operand(encoding.reads), _operand(encoding.writes)
         register = _register(field)
         if read:
@@ -62,7 +62,7 @@ def _operand(places: Iterable[str]) -> bool:
     return any(place.partition("@")[0] in LOCATIONS for place in places)
 
 
-def _addressing(field: int) -> int:
+def addressing(field: int) -> int:
     """What the address of an operand is made of [SPRU430F Table 5-1]."""
     if field < 0x40:
         return DP

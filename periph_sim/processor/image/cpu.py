@@ -167,7 +167,7 @@ class ImageCpu(Engine):
     def store16(self, address: int, value: int) -> None:
         if in_plain_ram(address):
             if self.polls.tracking and self._ram.word(address) != value:
-                self.polls.soil()
+                self.polls.changes(address, self._ram.word(address))
             self._pipeline.wrote(address, 1, self.cycles)
             self._ram.put(address, value)
             self._written[address] = 1
@@ -181,7 +181,8 @@ class ImageCpu(Engine):
             address = self._even(address, "written to")
         if in_plain_ram(address):
             if self.polls.tracking and self._ram.word32(address) != value:
-                self.polls.soil()
+                self.polls.changes(address, self._ram.word(address))
+                self.polls.changes(address + 1, self._ram.word(address + 1))
             self._pipeline.wrote(address, 2, self.cycles)
             self._ram.put_word32(address, value)
             self._written[address] = self._written[address + 1] = 1
@@ -223,6 +224,8 @@ class ImageCpu(Engine):
 
     def written(self, address: int) -> None:
         Engine.written(self, address)
+        if self.polls.counting:
+            self.polls.soil()  # it may be an instruction of the loop
         if L0_AGAIN <= address + MIRROR < L4_AGAIN:
             Engine.written(self, address + MIRROR)
         if self.watched is not None and address in self.watched.addresses:

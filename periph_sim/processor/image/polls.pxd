@@ -8,28 +8,36 @@ from ..polling cimport Lease, Spin
 
 @cython.final
 cdef class Polls:
-    cdef public bint asleep, clean, replaying, tracking
+    cdef public bint asleep, clean, counting, replaying, tracking
     cdef public long long live_from
     cdef public list elsewhere
+    cdef public dict changed
+    cdef dict _failed
     cdef list _values
     cdef object _before
     cdef CpuInterrupts _core
     cdef CpuTime _time
     cdef Lease _lease
     cdef Spin _spin
-    cdef long long _branch, _look_at, _next, _passes, _period, _since, _started, _step
+    cdef long long _branch, _look_at, _most, _next, _passes, _period, _since, _started, _step
     cpdef void forget(self)
     cpdef bint again(self, long long branch, long long cycle)
     @cython.locals(cycle=cython.longlong, period=cython.longlong, equal=cython.bint, seen=cython.bint)
     cpdef bint comes_out_alike(self, object state)
     cpdef bint may_be_alike(self)
     cdef void _later(self)
+    @cython.locals(cycle=cython.longlong)
+    cpdef bint may_count(self)
+    @cython.locals(cycle=cython.longlong, alike=cython.bint)
+    cpdef bint counted(self)
+    cpdef void fails(self)
+    cpdef void changes(self, long long address, long long before)
     cdef void _begin(self)
     cpdef void note(self, Operand operand, long long value)
     cpdef void note_elsewhere(self, long long address, long long value)
     cpdef void soil(self)
-    @cython.locals(time=CpuTime, lease=Lease, spin=Spin)
-    cpdef Spin sleep(self)
+    @cython.locals(time=CpuTime, lease=Lease, spin=Spin, until=cython.longlong)
+    cpdef Spin sleep(self, long long most=?)
     @cython.locals(time=CpuTime, first=cython.longlong, now=cython.longlong, skipped=cython.longlong)
     cpdef long long woken(self)
     cpdef void resume(self, long long cycle)

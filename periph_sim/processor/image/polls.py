@@ -7,6 +7,9 @@ A pass is *clean* if it stored in memory what stood there already, wrote no regi
 read changes, did not touch what decides about interrupts, and was not interrupted. If the registers, the pipeline and
 the fetch queue are equal before and after two clean passes of the same cycles, the next one comes out the same as long
 as the registers of the chip that it read do. So skipping changes no cycle and no bit.
+
+A pass that counts, in a register or in memory, may be followed by others that only count (`counting_loop`): so many are
+skipped in the same way, and the counters moved.
 """
 
 from __future__ import annotations
@@ -19,18 +22,23 @@ from ..polling import Lease, Spin
 
 FIRST_LOOK = 2  # passes of a loop before anybody looks at it
 LONGEST = 1024  # passes between two looks at a loop that is no wait
+COUNTS_FROM = 64  # passes of a loop before it is taken apart as one that counts, which takes as long as some hundred
+FEWEST = 8  # passes that are worth it
+TRIES = 3  # at a loop that does not only count
 
 
 class Polls:
-    """tracking: a pass is looked at. clean: nothing in it but what every further pass would do again.
+    """tracking: a pass is looked at. clean: nothing in it but what every further pass would do again. counting: it may
+    change words of memory, besides; changed: those, with what they held before.
 
     asleep: passes are skipped. replaying: reads are answered as they were up to the cycle `live_from`. elsewhere: words
     read that nothing models.
     """
 
     __slots__ = (
-        "_before", "_branch", "_core", "_lease", "_look_at", "_next", "_passes", "_period", "_since", "_spin",
-        "_started", "_step", "_time", "_values", "asleep", "clean", "elsewhere", "live_from", "replaying", "tracking",
+        "_before", "_branch", "_core", "_failed", "_lease", "_look_at", "_most", "_next", "_passes", "_period",
+        "_since", "_spin", "_started", "_step", "_time", "_values", "asleep", "changed", "clean", "counting",
+        "elsewhere", "live_from", "replaying", "tracking",
     )  # fmt: skip
 
     def __init__(self, time: CpuTime, core: CpuInterrupts) -> None:
@@ -39,6 +47,8 @@ class Polls:
         self._lease = Lease(time)
         self.elsewhere: list[int] = []
         self._values: list[int] = []
+        self.changed: dict[int, int] = {}
+        self._failed: dict[int, int] = {}  # by branch: how often its loop turned out to do more than count
         self._before: object = None
         self._branch = -1
         self._spin = Spin(0)
@@ -47,11 +57,12 @@ class Polls:
     def forget(self) -> None:
         """The program begins anew, or is over."""
         self._lease.end()
-        self.asleep = self.tracking = self.clean = self.replaying = False
+        self.asleep = self.tracking = self.clean = self.counting = self.replaying = False
         self.live_from = 0
         self._branch = -1
         self._passes = self._next = self._look_at = self._step = 0
         self._period = self._started = self._since = 0
+        self._most = NEVER
 
     # Passes ------------------------------------------------------------------------
 
@@ -60,7 +71,7 @@ class Polls:
         if branch != self._branch:
             self._branch, self._passes, self._since = branch, 0, cycle
             self._look_at, self._step = FIRST_LOOK, 1
-            self.tracking = False
+            self.tracking = self.counting = False
             return False
         self._passes += 1
         return self._passes >= self._look_at
@@ -95,6 +106,45 @@ class Polls:
             self._begin()
         return seen
 
+    # Passes that count -------------------------------------------------------------
+
+    def may_count(self) -> bool:
+        """At the begin of a pass, the one behind it being none that comes out alike: whether to take this one apart."""
+        if self.tracking or self._passes < COUNTS_FROM or self._failed.get(self._branch, 0) >= TRIES:
+            return False
+        cycle = self._time.cycle
+        self._period, self._started = cycle - self._spin.start, cycle
+        self._look_at = self._passes + 1
+        self.changed.clear()
+        self.counting = True
+        self._begin()
+        return True
+
+    def counted(self) -> bool:
+        """At the begin of a pass: whether the one behind it, which was taken apart, took as long as the one before."""
+        cycle = self._time.cycle
+        alike = self.clean and cycle - self._started == self._period
+        self._started = cycle
+        self.counting = False
+        self._later()
+        return alike
+
+    def fails(self) -> None:
+        """The loop does more than count."""
+        self._failed[self._branch] = self._failed.get(self._branch, 0) + 1
+
+    @property
+    def reads(self) -> bool:
+        """Whether the pass reads what may change: the loop is a wait."""
+        return self._spin.made > 0 or len(self.elsewhere) > 0
+
+    def changes(self, address: int, before: int) -> None:
+        """The pass changes a word of memory."""
+        if not self.counting:
+            self.clean = False
+        elif address not in self.changed:
+            self.changed[address] = before
+
     def _begin(self) -> None:
         """Look at the pass that begins now."""
         self.tracking = self.clean = True
@@ -125,8 +175,8 @@ class Polls:
 
     # Sleep -------------------------------------------------------------------------
 
-    def sleep(self) -> Spin | None:
-        """Sleep until a pass may come out otherwise. None if that may be now already."""
+    def sleep(self, most: int = NEVER) -> Spin | None:
+        """Sleep until a pass may come out otherwise, `most` of them at most. None if that may be now already."""
         time, lease, spin = self._time, self._lease, self._spin
         if time.lands < NEVER or self._core.earliest() < NEVER:
             return None
@@ -135,7 +185,11 @@ class Polls:
         if lease.broken(time.cycle):
             return None
         lease.begin()
-        time.sleep(NEVER)
+        self._most, until = most, NEVER
+        if most < NEVER:
+            until = self._started + most * self._period
+            time.wake_at(until)
+        time.sleep(until)
         self.asleep = True
         return spin
 
@@ -145,12 +199,14 @@ class Polls:
         self._lease.end()
         self.asleep = False
         first, now = self._started, time.cycle
-        skipped = (now - first) // self._period
+        skipped = min((now - first) // self._period, self._most)
         time.cycle = first + skipped * self._period
         self.live_from, self._next = now, 0
         self.replaying = now > time.cycle
         self.tracking = False
         self._look_at = self._passes + 1
+        if self._most < NEVER:
+            self._step = 1
         return skipped
 
     def resume(self, cycle: int) -> None:

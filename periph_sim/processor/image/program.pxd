@@ -21,8 +21,9 @@ cdef class ImageProgram(Program):
     cdef long long _counted, _pass
     cdef long long _jumps[8]
     cdef long long _jumped
-    cdef object _clock, _functions, _calls, _waits, _watch
+    cdef object _clock, _functions, _calls, _waits, _watch, _counting
     cdef bint _sleeps(self)
+    cdef object _sleeps_counting(self)
     cdef void _woken(self)
     cdef dict _places
     cdef long long _at, _entry, _asleep_at, _stack_begin, _stack_end, _sp

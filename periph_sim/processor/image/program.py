@@ -21,14 +21,17 @@ from ...f28335.system.options import SystemOptions
 from ...image.model import Image
 from ..error_origin import FirmwareLost, InterruptFault
 from ..instruction_location import instruction_location
+from ..polling import Spin
 from ..processor import Processor
 from ..program import Program, Stop
 from ..source_location import SourceLocation
 from .awaited import Awaited, awaited
 from .call_stack import CallListener, CallStack
+from .counting_loop import CountingLoop
 from .cpu import ImageCpu
 from .function_map import FunctionMap
 from .instruction_watch import InstructionWatch
+from .polls import FEWEST
 from .variable_records import VariableRecords
 from .wait_records import IDLE, WaitRecords
 
@@ -62,6 +65,7 @@ class ImageProgram(Program):
         self._skip_polls = skip_polls
         self._looks = False  # a loop has come to its begin again
         self._counted = self._pass = 0  # instructions up to there, and of a pass
+        self._counting: CountingLoop | None = None  # a pass of a loop is taken apart, or passes that count are skipped
         self._entry = entry
         self._at = entry  # the instruction that is executed, or was last
         self._stack_begin, self._stack_end = image.stack
@@ -87,7 +91,7 @@ class ImageProgram(Program):
         self.returned_at = None
         self._ready = None
         self._executed = self._idle_began = self._looks = False
-        self.spin = None
+        self.spin = self._counting = None
         self._at = self._entry
         if self._calls is not None:
             self._calls.began(self._entry, self._processor.time.cycle)
@@ -132,6 +136,11 @@ class ImageProgram(Program):
     def watch_instructions(self, watch: InstructionWatch) -> None:
         """`watch` looks at each instruction, beside those that do already."""
         watch.beside, self._watch = self._watch, watch
+
+    def unwatch_instructions(self, watch: InstructionWatch) -> None:
+        """`watch`, the last that came, looks at no more of them."""
+        if self._watch is watch:
+            self._watch = watch.beside
 
     # Turns --------------------------------------------------------------------------
 
@@ -231,16 +240,41 @@ class ImageProgram(Program):
         """At the begin of another pass of a loop: it sleeps if that can only come out as those before did."""
         polls, passed = self.cpu.polls, self.instructions - self._counted
         self._counted = self.instructions
-        if not polls.may_be_alike() or not polls.comes_out_alike(self.cpu.state()):
+        if polls.counting:
+            spin = self._sleeps_counting()
+        elif polls.may_be_alike() and polls.comes_out_alike(self.cpu.state()):
+            self._counting = None
+            spin = polls.sleep()
+        else:
+            if polls.may_count():
+                self._counting = CountingLoop(self.cpu, self._processor.bus.ram, self.unwatch_instructions)
+                self.watch_instructions(self._counting)
             return False
-        self.spin = polls.sleep()
-        if self.spin is None:
+        if spin is None:
             return False
         self._pass = passed
+        if self._counting is not None and not polls.reads:
+            return True  # it is no wait: nothing can end it before
+        self.spin = spin
         self._asleep_at = self._clock.tick(polls.began)
         if self._waits is not None:
             self._waits.begins(self.waits_for(), self._processor.time.cycle, self.place() or "")
         return True
+
+    def _sleeps_counting(self) -> Spin | None:
+        """At the end of a pass that was taken apart: sleep through those that only count, if there are some."""
+        polls, loop = self.cpu.polls, self._counting
+        assert loop is not None
+        self.unwatch_instructions(loop)
+        passes = loop.passes(polls.changed) if polls.counted() else 0
+        if passes >= FEWEST:
+            spin = polls.sleep(passes)
+            if spin is not None:
+                return spin
+        if not polls.clean or loop.does_more:
+            polls.fails()
+        self._counting = None
+        return None
 
     def _woken(self) -> None:
         """A pass may come out otherwise: the one in progress is made from its start."""
@@ -250,6 +284,11 @@ class ImageProgram(Program):
         self.polls_skipped += skipped
         self.instructions += skipped * self._pass
         self.spin = None
+        if self._counting is not None:
+            self._counting.move(skipped)
+            self._counting = None
+            if not self.cpu.polls.reads:
+                return
         if self._waits is not None:
             self._waits.ends(woken)
         if self._calls is not None:
@@ -258,7 +297,7 @@ class ImageProgram(Program):
     @property
     def asleep_since(self) -> int | None:
         """The tick since which nothing is executed, in a wait or in IDLE; None while it runs."""
-        return self._asleep_at if self.cpu.polls.asleep or self._idle_began else None
+        return self._asleep_at if self.spin is not None or self._idle_began else None
 
     def waits_for(self) -> str:
         """See `Program.waits_for`."""

@@ -1,0 +1,200 @@
+"""Loops that count: their passes are skipped, and nothing is different from executing every one of them."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+from hypothesis import given, settings
+from hypothesis.strategies import integers
+
+from periph_sim.core.records import Kind, Record
+from periph_sim.processor.image.boot import Stub
+from periph_sim.processor.image.counting_loop import FORMS, Number, passes_within
+from periph_sim.processor.image.program import ImageProgram
+from periph_sim.processor.image.wait_records import WaitRecords
+from tests.c28x.execution.random_instructions import FORMS as ENCODINGS
+from tests.processor.image.rig import HEAD, Rig
+from tests.processor.image.test_polls import ADCST, HARDWARE, ROUTINE, both, lines
+from tests.profiles import examples
+
+DATA = "MOVW DP,#0x9140 >> 6; MOVL XAR5,#0x7054; "  # words of memory, and SCICTL2
+SHORT, LONG = 1000, 100_000
+# Before the loop; its passes for a count; and the part of them that is executed, at most
+SHAPES = {
+    "DELAY_US": ("MOVL XAR3,#{count}; MOVL ACC,@XAR3", "SUBB ACC,#1; BF {n},GEQ"),
+    "BANZ": ("MOVL XAR3,#{count}", "NOP; BANZ {n},AR3--"),
+    "for, in memory": ("MOV @0,#0; MOV AL,#{count}", "INC @0; CMP AL,@0; SB {n},HI"),
+    "for, by a register": ("MOV @0,#0", "INC @0; MOV AL,@0; CMPB AL,#250; SB {n},LO"),
+    "for, by a constant": ("MOV @0,#0", "INC @0; CMP @0,#{count}; SB {n},LO"),
+    "while (n--)": ("MOV @0,#{count}", "MOV AL,@0; ADDB AL,#-1; MOV @0,AL; CMPB AL,#0; SB {n},NEQ"),
+    "while (n--), 32 bits": ("MOVL XAR3,#{count}; MOVL @0,XAR3", "MOVB ACC,#1; SUBL @0,ACC; MOVL ACC,@0; SB {n},NEQ"),
+    "up to, 32 bits": (
+        "MOVL XAR3,#{count}; MOVL @2,XAR3; ZAPA; MOVL @0,ACC",
+        "MOVL ACC,@0; ADDB ACC,#1; MOVL @0,ACC; CMPL ACC,@2; SB {n},LO",
+    ),
+    "time-out": ("MOVL XAR3,#{count}", "TBIT *XAR5,#3; SB x{n},TC; BANZ {n},AR3--; x{n}: NOP"),
+    "time-out, in memory": ("MOV @0,#{count}", "TBIT *XAR5,#3; SB x{n},TC; DEC @0; SB {n},NEQ; x{n}: NOP"),
+    "time-out, by a function": (
+        "MOV @0,#{count}", "LCR #_ready; CMPB AL,#1; SB x{n},EQ; DEC @0; SB {n},NEQ; x{n}: NOP",
+    ),
+}  # fmt: skip
+READY = " .global _ready\n_ready: ADDB SP,#2\n AND AL,*XAR5,#0x8\n MOV *-SP[1],AL\n SUBB SP,#2\n LRETR\n"
+# What follows from a counter otherwise than by counting, or is another counter's address
+OTHERS = {
+    "address": ("MOVL XAR4,#0x9180; MOVB XAR3,#200", "MOV AL,*XAR4++; BANZ {n},AR3--"),
+    "copied": (
+        "MOVL XAR4,#0x9180; MOVL XAR6,#0x9600; MOVB XAR3,#200",
+        "MOV AL,*XAR4++; MOV *XAR6++,AL; BANZ {n},AR3--",
+    ),
+    "shifted": ("MOVB XAR3,#200; MOVB ACC,#5", "ROL ACC; BANZ {n},AR3--"),
+    "a product": ("MOVB XAR3,#200", "MOV T,@0; INC @0; MPY P,T,@0; BANZ {n},AR3--"),
+    "added up": ("MOVB XAR3,#200; MOV @0,#0; MOV @1,#0", "INC @0; MOV AL,@0; ADD @1,AL; BANZ {n},AR3--"),
+    "its own code": ("MOVB XAR3,#200; MOVL XAR4,#w", "BANZ {n},AR3--"),
+}
+
+
+def source(before: str, loop: str, count: int = SHORT, end: str = "ESTOP0") -> str:
+    code = f"{DATA}{before}; {{n}}: {loop}; {end}"
+    return HEAD + lines(code.replace("#{count}", f"#{count}"), "w", count) + READY
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_a_loop_that_counts_is_skipped_but_for_some_passes(name: str):
+    skipped, came = both(source(*SHAPES[name]), ticks=60_000_000)
+    assert came["ended"] is not None
+    assert skipped > (150 if name == "for, by a register" else SHORT - 90)
+
+
+def test_counts_of_more_than_16_bits_are_skipped_from_carry_to_carry():
+    skipped, came = both(source(*SHAPES["DELAY_US"], count=3 * 65536 + 5), ticks=600_000_000)
+    assert came["ended"] is not None
+    assert skipped > 3 * 65536 - 500
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_passes_that_do_more_than_count_are_made(name: str):
+    skipped, came = both(source(*OTHERS[name]))
+    assert came["ended"] is not None
+    assert skipped > 0 if name == "its own code" else skipped == 0
+
+
+def test_interrupts_and_flags_end_it_in_the_cycle_in_which_they_would():
+    """SCI-A sends; the time-out is over before TXEMPTY, or not."""
+    for count in (600, 900, 60_000):
+        for period in (450, 1201):
+            send = "MOVL XAR5,#0x9180; MOVW DP,#0x1C1; MOV @0x7059,#0x41; MOVL XAR3,#{count}"
+            wait = "{n}: TBIT @0x7054,#6; SB x{n},TC; BANZ {n},AR3--; x{n}: MOVL *XAR5,XAR3; ESTOP0"
+            hardware = HARDWARE.format(baud=255, period=period, interrupts="CLRC INTM")
+            text = HEAD + hardware + lines(f"{send}; {wait}", "w", count) + ROUTINE.format(every=3)
+            skipped, came = both(text, ticks=60_000_000)
+            assert came["ended"] is not None and skipped > 10
+
+
+def test_a_stub_ends_it():
+    loop = (
+        f"MOVL XAR3,#60000; MOVW DP,#{ADCST} >> 6; w: TBIT @{ADCST},#0; SB x,TC; BANZ w,AR3--; x: MOVL XAR4,#0; ESTOP0"
+    )
+    for ready in range(6_000_000, 6_001_000, 241):
+        skipped, came = both(
+            HEAD + lines(loop, "w", 0), (Stub(0, ADCST, 0x10), Stub(ready, ADCST, 0x11)), ticks=9_000_000
+        )
+        assert came["ended"] is not None and skipped > 500
+
+
+def waits_of(rig: Rig) -> list[tuple[str, int]]:
+    told: list[Record] = []
+    rig.recorder.subscribe({Kind.WAIT}, told.append)
+    rig.program.record_waits(WaitRecords(rig.recorder, rig.dsp.clock, "dsp"))
+    rig.run()
+    return [(one.what, one.value) for one in told]
+
+
+def test_a_time_out_is_a_wait_and_a_delay_is_none():
+    assert waits_of(Rig(source(*SHAPES["time-out"]), "SCI-A")) == [("SCI-A.SCICTL2.all", 1), ("SCI-A.SCICTL2.all", 0)]
+    assert waits_of(Rig(source(*SHAPES["DELAY_US"]))) == []
+
+
+def test_a_reset_in_the_middle_leaves_memory_as_it_was_then():
+    loop = "MOV @0,#0; w: INC @0; SB w,UNC"
+    rigs = [Rig((HEAD + lines(DATA + loop, "w", 0)).replace("#0x68", "#0x28"), skip=skip) for skip in (True, False)]
+    counts = []
+    for rig in rigs:
+        program = rig.program
+        assert isinstance(program, ImageProgram)
+        rig.run(13_170_000)
+        counts.append((rig.dsp.resets, rig.word(0x9140)))
+    assert rigs[0].program.polls_skipped > 1000
+
+
+def test_a_number_is_known_until_it_comes_to_the_bound():
+    for value in range(-40, 40):
+        for step in (-7, -3, -1, 1, 2, 5):
+            passes = passes_within(Number(value, step), 8)
+            parts = [((value + n * step) // 8, (value + n * step) % 8 == 0) for n in range(passes + 2)]
+            assert len(set(parts[: passes + 1])) == 1
+            assert parts[passes + 1] != parts[0] or not value % 8
+    assert passes_within(Number(8, 0), 8) > 1 << 40
+
+
+def test_forms_are_those_of_the_table():
+    known = {one.id: one for one in ENCODINGS}
+    for name in FORMS:
+        assert name in known, name
+
+
+# Random loops ----------------------------------------------------------------------------
+
+COUNTING = (
+    "ADDB AL,#{k}", "ADDB AL,#-{k}", "ADDB AH,#{k}", "SUBB ACC,#{k}", "ADDB ACC,#{k}", "INC @{w}", "DEC @{w}",
+    "ADD @{w},#{k}", "ADDB XAR2,#{k}", "SUBB XAR2,#{k}", "ADDB XAR6,#1", "MOV AL,@{w}", "MOV AH,@{w}",
+    "MOV @{w},AL", "MOV @{w},AH",
+    "MOVL ACC,@{l}", "MOVL @{l},ACC", "MOVU ACC,@{w}", "ADD AL,@{w}", "SUB AL,@{w}", "ADD @{w},AL", "SUB @{w},AL",
+    "ADDL ACC,@{l}", "SUBL ACC,@{l}", "ADDL @{l},ACC", "SUBL @{l},ACC", "CMP AL,@{w}", "CMPB AL,#{k}", "CMP @{w},#{k}",
+    "CMPL ACC,@{l}", "MOVZ AR2,@{w}", "MOV @{w},AR2", "MOVL XAR2,@{l}", "MOVL @{l},XAR2", "TEST ACC", "CMP AL,@AH",
+    "MOV AL,@AH", "MOV @AL,AR2", "INC @AL", "MOVL ACC,@XAR2", "MOVZ AR2,@AL",
+)  # fmt: skip
+OTHER = (
+    "NOP", "TBIT *XAR5,#6", "MOVB AL,#{k}", "MOVB ACC,#{k}", "AND AL,*XAR5,#0x8", "MOVB AH,#{k}", "LCR #_ready",
+    "RPT #{k} || NOP", "LSL ACC,#1", "MOV T,@{w}", "MOVB @{w},#{k},EQ", "MOVB @{w},#{k},LT", "NEG ACC", "ABS ACC",
+    "MOVB AL.LSB,@{w}", "MOVB @{w},AL.MSB", "MOV *SP++,AL; MOV AH,*--SP", "MOV AL,*XAR6", "SETC C", "CLRC TC",
+    "SAT ACC",
+    "ADDCU ACC,@{w}", "NOT AL", "XOR AL,@{w}", "MOV ACC,@{w}<<4", "SETC OVM", "CLRC OVM", "ZAP OVC", "SETC SXM",
+    "MOV @{w},AL,LT", "MINL ACC,@{l}", "MOVL P,ACC", "ADDL ACC,P<<PM", "DMOV @{w}", "MOV PL,@{w}",
+)  # fmt: skip
+JUMPS = ("SB y{n},EQ", "SB y{n},GT", "SB y{n},HIS", "SB y{n},NOV", "SB y{n},LT", "SB y{n},NC", "SB y{n},TC", "NOP")
+ENDS = (0, 1, 30, 0x7F80, 0x8000, 0xFF90, 0xFFFF)
+
+
+def random_loop(draw: random.Random, n: str) -> str:
+    """A loop that counts XAR3 down and does a little besides, most of it likewise counting."""
+    w, ell = (lambda: str(draw.randrange(6))), (lambda: str(2 * draw.randrange(3)))
+    body = []
+    for at in range(draw.randrange(1, 6)):
+        pool = OTHER if draw.random() < 0.2 else COUNTING
+        one = draw.choice(pool).format(k=draw.choice((1, 1, 1, 2, 3, 17)), w=w(), l=ell())
+        if draw.random() < 0.3:
+            one = f"{draw.choice(JUMPS).format(n=f'{n}{at}')}; {one}; y{n}{at}: NOP"
+        body.append(one)
+    set_up = [f"MOV @{at},#{draw.choice(ENDS) + draw.randrange(-3, 3) & 0xFFFF}" for at in range(6)]
+    set_up += [f"MOVL XAR2,#{draw.choice(ENDS)}", "MOVL XAR6,#0x9180", f"MOVL ACC,@{ell()}"]
+    set_up.append(f"MOVL XAR3,#{draw.randrange(60, 900)}")
+    return "; ".join([*set_up, f"{n}: {'; '.join(body)}", f"BANZ {n},AR3--", "MOVL @8,ACC"])
+
+
+def random_program(draw: random.Random) -> str:
+    interrupts = draw.choice(("CLRC INTM", "NOP"))
+    hardware = HARDWARE.format(baud=draw.randrange(1, 9), period=draw.randrange(700, 9000), interrupts=interrupts)
+    loops = "".join(lines(f"{DATA}{random_loop(draw, f'l{at}')}", "", 0) for at in range(3))
+    return HEAD + hardware + loops + " ESTOP0\n" + ROUTINE.format(every=3) + READY
+
+
+@settings(max_examples=examples(12), deadline=None)
+@given(seed=integers(0, 1_000_000))
+def test_skipping_changes_nothing(seed: int):
+    assert both(random_program(random.Random(seed)), ticks=60_000_000)[1]["ended"] is not None
+
+
+def test_random_loops_are_skipped_often_enough_to_tell():
+    skipped = [both(random_program(random.Random(seed)), ticks=60_000_000)[0] > 0 for seed in range(8)]
+    assert sum(skipped) >= 4

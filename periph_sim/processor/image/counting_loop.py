@@ -21,6 +21,7 @@ from ...c28x.execution.registers import M16, M32, REGISTER, Cpu, Operation
 from ...c28x.hazards import BY_ARP, addressing
 from ...core.chip import NEVER
 from ...f28335.system.ram import Ram
+from ..cpu_time import CpuTime
 from .cpu import L0_AGAIN, L4_AGAIN, LOW_RAM, MIRROR, RAM_FROM, RAM_TO, ImageCpu
 from .instruction_watch import InstructionWatch
 
@@ -77,16 +78,29 @@ class NotCounting(Exception):
 
 
 class Traced(NamedTuple):
-    """An instruction of a pass. operand: the words that its operand field names, low one first; empty if no counter can
-    be there. pointers: address registers that the operand's address is made of, a bit each. needs: all that it needs in
-    D2. sp: before and behind it. values: of words, behind it."""
+    """An instruction of a pass.
+
+    at: the cycle in which it was executed. operand: the words that its operand field names, low one first; empty if no
+    counter can be there. pointers: address registers that the operand's address is made of, a bit each. needs: all that
+    it needs in D2. sp: before and behind it. values: of words, behind it.
+    """
 
     f: Operation
+    at: int
     operand: tuple[Place, ...]
     pointers: int
     needs: int
     sp: tuple[int, int]
     values: Mapping[Place, int]
+
+
+class Store(NamedTuple):
+    """A word of memory that an instruction writes: in which cycle, what, and by how much more in the next pass."""
+
+    at: int
+    address: int
+    value: int
+    step: int
 
 
 class Number(NamedTuple):
@@ -118,10 +132,14 @@ class CountingLoop(InstructionWatch):
     does_more: than count, so that a later pass will, too.
     """
 
-    def __init__(self, cpu: ImageCpu, memory: Ram, over: Callable[[InstructionWatch], None]) -> None:
+    def __init__(self, cpu: ImageCpu, time: CpuTime, memory: Ram, over: Callable[[InstructionWatch], None]) -> None:
         """over: told when nobody wants to know of this pass any more."""
         super().__init__()
         self.does_more = False
+        self._time = time
+        self._began = time.cycle
+        self._moved = 0  # passes
+        self._stores: list[Store] = []
         self._cpu = cpu
         self._memory = memory
         self._over = over
@@ -142,12 +160,14 @@ class CountingLoop(InstructionWatch):
         values: dict[Place, int] = {"AL": cpu.acc & M16, "AH": cpu.acc >> 16}
         for (low, high), value in zip(XAR, cpu.xar, strict=True):
             values[low], values[high] = value & M16, value >> 16
-        for place in operand:
+        for place in (*operand, *range(self._sp, cpu.sp)):
             if isinstance(place, int):
                 values[place] = self._memory.word(place)
         in_memory = f.l >= 0 and cpu.ea != REGISTER
         pointers = self._named(addressing(f.l)) if in_memory else 0
-        self._trace.append(Traced(f, operand, pointers, self._named(f.needs), (self._sp, cpu.sp), values))
+        self._trace.append(
+            Traced(f, self._time.cycle, operand, pointers, self._named(f.needs), (self._sp, cpu.sp), values)
+        )
         self._arp, self._sp = cpu.arp, cpu.sp
 
     def _named(self, mask: int) -> int:
@@ -187,6 +207,7 @@ class CountingLoop(InstructionWatch):
             self.does_more = True
             return 0
         further = {place: Number(number.value + number.step & M16, number.step) for place, number in counters.items()}
+        self._stores = walk.stores
         return walk.passes if walk.counters == further else 0
 
     def _counters(self, changed: Mapping[int, int]) -> Iterable[tuple[Place, Number]]:
@@ -204,8 +225,15 @@ class CountingLoop(InstructionWatch):
             if before != after:
                 yield place, Number(before, signed(after - before, 16))
 
+    def cut_off(self, cycles: int) -> None:
+        """A reset comes so many cycles into the pass behind those moved by: leave memory as it would by then."""
+        for store in self._stores:
+            if store.at - self._began < cycles:
+                self._memory.put(store.address, store.value + store.step * (self._moved + 1) & M16)
+
     def move(self, passes: int) -> None:
         """Let so many passes have been made."""
+        self._moved = passes
         cpu = self._cpu
         xars = list(cpu.xar)
         for place, step in self._steps.items():
@@ -226,15 +254,23 @@ class Walk:
     """Instructions of a pass, one after the other, with counters in place of values.
 
     counters: words that count, as they are at this place of the present pass. passes: for how many further ones all of
-    it holds.
+    it holds. stores: to memory.
     """
 
     def __init__(self, counters: Mapping[Place, Number]) -> None:
         self.counters = dict(counters)
         self.passes = NEVER
+        self.stores: list[Store] = []
 
     def step(self, traced: Traced) -> None:
         """The next instruction. NotCounting if it does something with a counter that is none of FORMS."""
+        self._execute(traced)
+        for place in writes(traced):
+            if isinstance(place, int):
+                number = self.counters.get(place)
+                self.stores.append(Store(traced.at, place, traced.values[place], number.step if number else 0))
+
+    def _execute(self, traced: Traced) -> None:
         if any(place in self.counters for place in _address_registers(traced.pointers)):
             raise NotCounting
         form = FORMS.get(traced.f.encoding.id)

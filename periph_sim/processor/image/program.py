@@ -102,8 +102,10 @@ class ImageProgram(Program):
         time = self._processor.time
         now = self._clock.cycle_at(time.instant()[1])
         if self.cpu.polls.asleep:
-            time.cycle = now
+            loop, time.cycle = self._counting, now
             self._woken()
+            if loop is not None:
+                loop.cut_off(now - time.cycle)
         elif self._idle_began and self._waits is not None:
             self._waits.ends(now)
         self.cpu.polls.forget()
@@ -247,7 +249,9 @@ class ImageProgram(Program):
             spin = polls.sleep()
         else:
             if polls.may_count():
-                self._counting = CountingLoop(self.cpu, self._processor.bus.ram, self.unwatch_instructions)
+                self._counting = CountingLoop(
+                    self.cpu, self._processor.time, self._processor.bus.ram, self.unwatch_instructions
+                )
                 self.watch_instructions(self._counting)
             return False
         if spin is None:

@@ -11,7 +11,6 @@ from hypothesis.strategies import integers
 from periph_sim.core.records import Kind, Record
 from periph_sim.processor.image.boot import Stub
 from periph_sim.processor.image.counting_loop import FORMS, Number, passes_within
-from periph_sim.processor.image.program import ImageProgram
 from periph_sim.processor.image.wait_records import WaitRecords
 from tests.c28x.execution.random_instructions import FORMS as ENCODINGS
 from tests.processor.image.rig import HEAD, Rig
@@ -115,16 +114,21 @@ def test_a_time_out_is_a_wait_and_a_delay_is_none():
     assert waits_of(Rig(source(*SHAPES["DELAY_US"]))) == []
 
 
-def test_a_reset_in_the_middle_leaves_memory_as_it_was_then():
-    loop = "MOV @0,#0; w: INC @0; SB w,UNC"
-    rigs = [Rig((HEAD + lines(DATA + loop, "w", 0)).replace("#0x68", "#0x28"), skip=skip) for skip in (True, False)]
-    counts = []
-    for rig in rigs:
-        program = rig.program
-        assert isinstance(program, ImageProgram)
-        rig.run(13_170_000)
-        counts.append((rig.dsp.resets, rig.word(0x9140)))
-    assert rigs[0].program.polls_skipped > 1000
+def test_a_reset_in_the_middle_of_a_pass_leaves_memory_as_it_was_then():
+    """The watchdog resets the unit after 32768 cycles; the loop goes on with the count that it finds."""
+    loop = "w: LCR #_ready; INC @0; MOV @1,#5; MOV AL,@0; MOV @2,AL; MOV @1,#6; MOV @2,#7; CMP @0,#1500; SB w,LO"
+    for late in range(0, 33, 4):
+        code = lines(f"{DATA}RPT #{late} || NOP; {loop}; ESTOP0", "w", 0)
+        rigs = [Rig(HEAD.replace("#0x68", "#0x28") + code + READY, "SCI-A", skip=skip) for skip in (True, False)]
+        found = []
+        for rig in rigs:
+            rig.run(13_040_000)
+            assert not rig.dsp.resets
+            while not rig.dsp.resets:
+                rig.run(2000)
+            found.append((rig.kernel.now, [rig.word(address) for address in (0x401, 0x9140, 0x9141, 0x9142)]))
+        assert found[0] == found[1]
+        assert rigs[0].program.polls_skipped > 500
 
 
 def test_a_number_is_known_until_it_comes_to_the_bound():

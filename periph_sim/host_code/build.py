@@ -118,7 +118,7 @@ def _places(symbols: Mapping[str, int], base: int) -> dict[str, int]:
 
 
 def _run(command: Sequence[str]) -> None:
-    came = subprocess.run(command, capture_output=True, text=True, check=False)
+    came = subprocess.run(command, capture_output=True, text=True, errors="replace", check=False)
     if not came.returncode:
         return
     complaint = COMPLAINT.search(came.stderr)

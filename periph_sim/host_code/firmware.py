@@ -24,7 +24,8 @@ from ..processor.error_origin import FirmwareError, FirmwareLost
 from ..processor.image.elsewhere import Elsewhere
 from ..processor.source_location import SourceLocation
 from .build import Sources, compiled, linked
-from .library import ASSEMBLY, DELAY, FAULT, LOOPS, READ, UNWOUND, WORDS, WRITE, Library
+from .keyboard_interrupt import enter_c, kept_in_c, leave_c
+from .library import ASSEMBLY, DELAY, FAULT, HALF_WORD, LOOPS, READ, UNWOUND, WORDS, WRITE, Library
 from .register_symbols import IER, IFR, VECTORS
 
 FIRST_BASE, ROOM = 0x2000_0000_0000, 0x100_0000  # of registers: one place for each program that runs
@@ -34,6 +35,7 @@ LOOP_CYCLES = 1_000_000  # at once, of a loop without anything in it; service ro
 DELAY_PASS, DELAY_CALL = 5, 9  # DSP28x_usDelay: cycles of a pass, and of the call
 ROUTINES = 0x31_0000  # code addresses of functions whose pointers are stored as vectors
 _taken: set[int] = set()
+LAYOUT = "declare registers of 16 bits as unsigned int, and those of 32 bits as unsigned long, as TI's headers do"
 RPT_NOP = re.compile(r"rpt\s+#(\d+)\s*\|\|\s*nop", re.IGNORECASE)
 
 
@@ -93,7 +95,8 @@ class _Run:
             main = self._library.address_of("main")
             if main is None:
                 raise FirmwareError(f"{self._dsp.name}: no source has a function main")
-            self._call(main)
+            with kept_in_c():
+                self._call(main)
         finally:
             self._dsp.cpu.program.placed = None
             self._library.close(len(_taken) == 1)
@@ -109,10 +112,12 @@ class _Run:
 
     def _call(self, address: int) -> None:
         """Run a function of the firmware to its end. FirmwareLost for a fault of the host's processor."""
+        enter_c()
         how = self._library.run(address)
         raised, self._raised = self._raised, None
         if how == UNWOUND and raised is not None:
             raise raised
+        leave_c()
         while how == LOOPS:
             self._dsp.cpu.compute(LOOP_CYCLES)
         if how == FAULT:
@@ -126,6 +131,7 @@ class _Run:
     def _asked(self, what: int, word: int, size: int, detail: int, blocks: int, pc: int) -> int:
         """0, or 1 for leaving the firmware's functions, where `_call` raises what was raised here."""
         try:
+            leave_c()
             self._place = pc
             if blocks:
                 self._dsp.cpu.compute(BLOCK_CYCLES * blocks)
@@ -137,6 +143,11 @@ class _Run:
                 self._assembled((ctypes.c_char_p(detail).value or b"").decode("latin-1"))
             elif what == DELAY:
                 self._dsp.cpu.compute(DELAY_CALL + DELAY_PASS * detail)
+            elif what == HALF_WORD:
+                raise FirmwareLost(
+                    f"{self._dsp.name}: an access of {size} bytes at {self.place()} is no register's; {LAYOUT}"
+                )
+            enter_c()
         except BaseException as raised:  # nothing may pass through C: it goes on in `_call`
             self._raised = raised
             return 1

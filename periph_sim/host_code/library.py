@@ -12,7 +12,7 @@ from elftools.elf.elffile import ELFFile
 from elftools.elf.sections import SymbolTableSection
 
 WORDS = 0x1_0000  # with registers
-READ, WRITE, TIME, ASSEMBLY, DELAY = range(5)  # what runtime.c asks
+READ, WRITE, TIME, ASSEMBLY, DELAY, HALF_WORD = range(6)  # what runtime.c asks
 ENDED, UNWOUND, FAULT, LOOPS = range(4)  # how a function ended
 
 Asked = Callable[[int, int, int, int, int, int], int]

@@ -14,7 +14,7 @@
 #include <sys/time.h>
 #include <ucontext.h>
 
-enum { READ, WRITE, TIME, ASSEMBLY, DELAY };
+enum { READ, WRITE, TIME, ASSEMBLY, DELAY, HALF_WORD };
 enum { ENDED, UNWOUND, FAULT, LOOPS };
 
 #define WORDS 0x10000u
@@ -120,6 +120,13 @@ static int register_word(const void *address, uint32_t *word) {
     return offset < 4 * (uintptr_t)WORDS;
 }
 
+/* A bit field is accessed with its word: this is a uint16_t, with which structures do not lie as on the chip. */
+static void refuse_half_words(const void *address, uint32_t size, void *pc) {
+    uint32_t word;
+    if ((uintptr_t)address % 4 && register_word(address, &word))
+        ask(HALF_WORD, word, size, 0, (uint64_t)(uintptr_t)pc);
+}
+
 static void reads(const void *address, uint32_t size, int is_volatile, void *pc) {
     uint32_t word;
     if (register_word(address, &word)) {
@@ -146,8 +153,8 @@ static void writes(const void *address, uint32_t size, void *pc) {
 #define HOOKS(size) \
     void __tsan_read##size(void *a) { reads(a, size, 0, PC); } \
     void __tsan_write##size(void *a) { writes(a, size, PC); } \
-    void __tsan_volatile_read##size(void *a) { reads(a, size, 1, PC); } \
-    void __tsan_volatile_write##size(void *a) { writes(a, size, PC); } \
+    void __tsan_volatile_read##size(void *a) { refuse_half_words(a, size, PC); reads(a, size, 1, PC); } \
+    void __tsan_volatile_write##size(void *a) { refuse_half_words(a, size, PC); writes(a, size, PC); } \
     void __tsan_unaligned_read##size(void *a) { reads(a, size, 0, PC); } \
     void __tsan_unaligned_write##size(void *a) { writes(a, size, PC); } \
     void __tsan_unaligned_volatile_read##size(void *a) { reads(a, size, 1, PC); } \

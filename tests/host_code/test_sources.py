@@ -162,6 +162,11 @@ def test_time_passes_in_loops_without_any_access(folder: Path):
         ("volatile int zero = 0; return 7 / zero;", "Floating point exception at main:2"),
         ('asm(" ITRAP0");', "asm(' ITRAP0') is not known on the host"),
         ('asm(" ESTOP0");', "ESTOP0 is reached at main:2"),
+        (
+            "((volatile unsigned short *)&SciaRegs)[1] = 3;",
+            "an access of 2 bytes at main:2 is no register's; declare registers of 16 bits as unsigned int, and those "
+            "of 32 bits as unsigned long, as TI's headers do",
+        ),
     ],
 )
 def test_what_firmware_must_not_do_ends_the_run_with_its_place(folder: Path, body: str, sentence: str):
@@ -191,6 +196,20 @@ def test_a_header_is_found_whatever_the_case_of_its_letters(folder: Path):
     text = (folder / "echo.c").read_text()
     (folder / "echo.c").write_text(text.replace("device.h", "DEVICE.H"))
     assert run(folder).verdict == "pass"
+
+
+def test_ctrl_c_while_c_code_runs_ends_the_run(folder: Path):
+    """The firmware sends the signal itself, so that it comes between two calls of Python."""
+    (folder / "echo.c").write_text("int raise(int);\n" + MAIN.format("raise(2); for (;;) SciaRegs.SCIRXST.all;"))
+    command = [sys.executable, "-m", "periph_sim", "run", "echo.toml"]
+    came = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    assert (came.returncode, came.stdout, came.stderr.strip()) == (2, "", "stopped")
+
+
+def test_a_source_that_is_no_text_is_one_sentence(folder: Path):
+    (folder / "echo.c").write_bytes(bytes(range(128, 256)))
+    with pytest.raises(BadCase, match=r"echo\.c, line 1: gcc says: "):
+        run(folder)
 
 
 def test_sources_without_main(folder: Path):

@@ -45,7 +45,7 @@ cdef class Bus:
     cpdef void note_width(self, long long cycle, Operand operand)
     cpdef long long free(self, Operand operand)
     cpdef long long fetch(self, long long at, Operand operand)
-    cpdef void tell_look(self, long long at, Operand operand, long long value)
+    cpdef void tell_look(self, long long at, Operand operand, long long value, object where)
     cdef long long _recorded(self, long long at, Operand operand, object where)
     cdef long long _read(self, long long at, Operand operand)
     cpdef long long posts_at(self, long long cycle, Operand operand)

@@ -224,9 +224,9 @@ class Bus:
             return operand.see(at) if operand.harmless else self._read(at, operand)
         return self._recorded(at, operand, self._place() if operand.tells_place() else None)
 
-    def tell_look(self, at: int, operand: Operand, value: int) -> None:
-        """The record of a read that is a look at the chip, and brought this value."""
-        operand.reads.emit(self._clock.tick(at), value, "", operand.named)
+    def tell_look(self, at: int, operand: Operand, value: int, where: SourceLocation | None) -> None:
+        """The record of a read that is a look at the chip, and brought this value. where: as of `_recorded`."""
+        operand.reads.emit(self._clock.tick(at), value, where or "", operand.named)
 
     def _recorded(self, at: int, operand: Operand, where: SourceLocation | None) -> int:
         """The same of a read that is recorded, before what it sets off. where: None where nobody wants to know."""

@@ -17,8 +17,9 @@ class Operand:
     mask: the bits that the program looks at or writes; lsb: of the field, the lowest. shift: where an access by address
     has the word moved. block: inside the protected block, where reads wait for writes. steady: a read has no effect,
     and nothing that counts by itself is read. meets: an access acts, or the module is told something first. looks: a
-    read is one look at the chip, and no more than a record of it that tells no place.
-    reads, writes: the records that are made, where `recorded`. named: the field, as they have it.
+    read is one look at the chip, and no more than a record of it.
+    reads, writes: the records that are made, where `recorded`. named: the field, as they have it. placed: those of
+    reads tell where in the firmware they are made.
     """
 
     __slots__ = (
@@ -38,6 +39,7 @@ class Operand:
         "offset",
         "pieack",
         "place",
+        "placed",
         "protected",
         "read_waits",
         "reads",
@@ -86,6 +88,7 @@ class Operand:
         self.protected = register.protected
         self.pieack = register is PIEACK
         self.recorded = recorded
+        self.placed = False
         self.harmless = harmless and not neighbour
         self.meets = not self.harmless or socket.before is not None
         self.steady = harmless and not register.free_running
@@ -94,7 +97,7 @@ class Operand:
     def record(self, reads: Topic, writes: Topic) -> None:
         """The records that are made of it."""
         self.reads, self.writes = reads, writes
-        self.looks = self.looks and not self.tells_place()
+        self.placed = self.tells_place()
 
     def tells_place(self) -> bool:
         """Whether anybody wants to know where in the firmware it is read; of a modify that is another question."""

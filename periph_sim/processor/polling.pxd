@@ -9,6 +9,7 @@ from .operand cimport Operand
 cdef class Poll:
     cdef public Operand operand
     cdef public long long value, before
+    cdef public object where
 
 
 @cython.final
@@ -21,7 +22,7 @@ cdef class Spin:
     @cython.locals(place=cython.Py_ssize_t, read=Poll)
     cpdef void take_length(self, long long cycle)
     @cython.locals(read=Poll)
-    cpdef void note(self, Operand operand, long long value)
+    cpdef void note(self, Operand operand, long long value, object where)
     @cython.locals(read=Poll)
     cpdef long long answer(self)
     @cython.locals(read=Poll)

@@ -10,16 +10,21 @@ from ..core.socket import Onlooker, Socket
 from ..f28335.cpu import instruction_costs as cpu_costs
 from .cpu_time import CpuTime
 from .operand import Operand
+from .source_location import SourceLocation
 
 
 class Poll:
-    """A read of a pass: of what, and the value that came. before: the value that came in the pass that is replayed."""
+    """A read of a pass: of what, and the value that came. before: the value that came in the pass that is replayed.
 
-    __slots__ = ("before", "operand", "value")
+    where: in the firmware, if that is known without looking.
+    """
+
+    __slots__ = ("before", "operand", "value", "where")
 
     operand: Operand
     value: int
     before: int
+    where: SourceLocation | None
 
 
 class Spin:
@@ -76,12 +81,12 @@ class Spin:
             cycle -= read.operand.read_waits + 1
         self.bare = cycle == self.start + (self.made - 1) * cpu_costs.SB_NOT_TAKEN
 
-    def note(self, operand: Operand, value: int) -> None:
-        """The present pass has read this."""
+    def note(self, operand: Operand, value: int, where: SourceLocation | None) -> None:
+        """The present pass has read this, in this place if that is known."""
         if self.made == len(self.reads):
             self.reads.append(Poll())
         read = self.reads[self.made]
-        read.operand, read.value = operand, value
+        read.operand, read.value, read.where = operand, value, where
         self.made += 1
         if not operand.steady:
             self.pure = False

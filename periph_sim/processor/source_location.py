@@ -63,6 +63,10 @@ class SourceLocator:
         places = self._places[id(code)] = {} if is_firmware(code.co_filename) else None
         return places
 
+    def of_line(self, code: CodeType, line: int) -> SourceLocation | None:
+        """A line of a code; None if that is no firmware."""
+        return self._place(code, line) if is_firmware(code.co_filename) else None
+
     def of(self, routine: Callable[[], None]) -> SourceLocation | None:
         """Where a routine begins; None if it is not written in Python."""
         code = getattr(routine, "__code__", None)

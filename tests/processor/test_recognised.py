@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from functools import partial
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -101,7 +102,7 @@ def test_recognised_or_called_in_each_pass_it_comes_out_the_same(changes, lead, 
 
 def second_wait(function, bench: Bench):
     """What is made of a function that was seen once, its register named once."""
-    recogniser = Recogniser()
+    recogniser = Recogniser(bench.cpu.program)
     assert recogniser.condition(function) is None
     bench.flags.STATUS, bench.flags.COUNT  # noqa: B018
     return recogniser.condition(function)
@@ -143,18 +144,44 @@ def test_what_is_not():
 @pytest.mark.parametrize(
     ("places", "fields", "whole"), [(NOWHERE, True, True), (OF_MODIFIES, True, False), (None, False, False)]
 )
-def test_of_reads_that_are_recorded_those_are_whose_place_nobody_wants(places, fields, whole):
+def test_a_program_with_places_of_its_own_reads_without_python_where_nobody_wants_them(places, fields, whole):
     recorder = Recorder()
     recorder.subscribe([Kind.ACCESS], (lambda record: None) if places is None else Kept(places))
     bench = Bench([], recorder=recorder)
     flags = bench.flags
+    assert second_wait(lambda: flags.STATUS.A == 1, bench) is not None
+    assert second_wait(lambda: flags.STATUS.all == 1, bench) is not None
+    bench.cpu.program.placed = lambda: None
     assert (second_wait(lambda: flags.STATUS.A == 1, bench) is not None) is fields
     assert (second_wait(lambda: flags.STATUS.all == 1, bench) is not None) is whole
 
 
+def test_a_read_has_its_line_in_the_firmware_though_no_frame_is_there():
+    found = []
+    recorder = Recorder()
+    recorder.subscribe([Kind.ACCESS], lambda record: found.append(str(record.text)))
+    bench = Bench([(400, 1, -1)], recorder=recorder)
+
+    def polls():
+        for _ in range(3):
+            bench.cpu.spin(
+                lambda: (
+                    flags.STATUS.A  # here
+                    == 1
+                ),
+                timeout=30,
+            )
+
+    flags = bench.flags
+    bench.run(polls, 600)
+    lines = Path(__file__).read_text("utf-8").splitlines()
+    line = next(n for n, text in enumerate(lines, 1) if text.endswith("STATUS.A  # here"))
+    assert len(found) == 3 and set(found) == {f"<lambda>:{line}"}
+
+
 def test_the_module_is_the_one_that_the_function_names_now():
     one, two = Bench([]), Bench([])
-    recogniser, found = Recogniser(), []
+    recogniser, found = Recogniser(one.cpu.program), []
 
     def asks(flags):
         return lambda: flags.STATUS.A == 1
@@ -166,7 +193,7 @@ def test_the_module_is_the_one_that_the_function_names_now():
 
 
 def test_a_variable_without_a_value_is_left_to_python():
-    recogniser = Recogniser()
+    recogniser = Recogniser(Bench([]).cpu.program)
 
     def asks():
         function = lambda: flags.STATUS.A == 1  # noqa: E731

@@ -13,7 +13,9 @@ cdef class Gpio(GpioSettings):
     cdef long long _edge_at, _watching, _xints, _settle_at
     cdef bint _input_clock
     cdef dict _qualifiers
-    cdef list _waiting, _outs
+    cdef list _waiting, _outs, _words_then
+    cdef object _level_then, _pads_then, _qualified_then
+    cdef list _words(self, long long now)
     cpdef void edges(self, long long now, object levels, bint exact=*)
     cpdef bint only_shows(self, object pads)
     cpdef void moved_before(self, object pads)

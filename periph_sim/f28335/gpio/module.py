@@ -61,6 +61,7 @@ def _halves() -> dict[int, Half]:
 
 
 HALVES = _halves()
+WORDS = range(0, 32 * (at.SELECT - at.DATA) // at.DATA_WORDS, 16)  # their lowest pins
 PADS = tuple(f"GPIO{n}" for n in range(PINS))
 HALF_AT = BIT[::16]  # the lowest pin of each half of a port
 
@@ -100,6 +101,9 @@ class Gpio(GpioSettings):
         self._asynchronous = 0
         self._sampled = 0
         self._dead = 0  # mask: pins whose input path is switched off
+        self._words_then: list[int] = []  # what the data registers showed last,
+        self._level_then: int | None = None  # and of what it was worked out: None where paths have changed since
+        self._pads_then = self._qualified_then = 0
         self.reset(0)
 
     # Pads and peripherals ----------------------------------------------------
@@ -186,7 +190,7 @@ class Gpio(GpioSettings):
         self._catch_up(now)
         if at.DATA <= offset < at.SELECT:
             port, word = (offset - at.DATA) // at.DATA_WORDS, (offset - at.DATA) % at.DATA_WORDS
-            return self._shown(now) >> 32 * port + 16 * (word & 1) & 0xFFFF if word < at.SET else 0
+            return self._words(now)[2 * port + (word & 1)] if word < at.SET else 0
         half = HALVES.get(offset)
         if half is None:
             return 0
@@ -307,6 +311,15 @@ class Gpio(GpioSettings):
         level = self._synchronised(now) & ~self._asynchronous | self.pads & self._asynchronous
         return (level & ~self._sampled | self._qualified & self._sampled) & ~self._dead
 
+    def _words(self, now: int) -> list[int]:
+        """These levels as GPxDAT has them, 16 of them a word; worked out anew when any has changed."""
+        level, pads, qualified = self._synchronised(now), self.pads, self._qualified
+        if level is not self._level_then or pads is not self._pads_then or qualified is not self._qualified_then:
+            self._level_then, self._pads_then, self._qualified_then = level, pads, qualified
+            shown = self._shown(now)
+            self._words_then = [shown >> shift & 0xFFFF for shift in WORDS]
+        return self._words_then
+
     def _tell_signals(self, now: int, routes: Routes, shown: int) -> None:
         """Tell in `changed` which inputs differ from those of these routes with these levels at their pins."""
         shown_now = self._shown(now)
@@ -356,6 +369,7 @@ class Gpio(GpioSettings):
         self._outputs = self._ports(DIRECTIONS) & self._routes.gpio  # general-purpose ones
         self._dead = 0 if self._input_clock else (self._outputs | self._routes.outputs) & ~NOT_GATED
         self._asynchronous = self._settings.asynchronous & ~self._routes.gpio
+        self._level_then = None
         self._sampled = 0
         for pin, samples in self._settings.sampled:
             self._sampled |= BIT[pin]

@@ -159,7 +159,7 @@ class Polls:
 
     def note(self, operand: Operand, value: int) -> None:
         """The pass reads a register of the chip."""
-        self._spin.note(operand, value << operand.shift)
+        self._spin.note(operand, value << operand.shift, None)
         self._values.append(value)
         if not operand.steady:
             self.clean = False

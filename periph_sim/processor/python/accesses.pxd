@@ -15,7 +15,7 @@ cdef class Accesses:
     cdef Instructions _instructions
     cdef PythonProgram _program
     cdef CpuTime _time
-    cpdef long long read(self, Operand operand)
+    cpdef long long read(self, Operand operand, object where=*)
     cpdef void write(self, Operand operand, long long value)
     cpdef void modify(self, Operand operand, long long number)
     cpdef long long load(self, long long address, long long width=*)

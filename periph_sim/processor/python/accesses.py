@@ -14,6 +14,7 @@ from ..cpu_time import CpuTime
 from ..operand import Operand
 from ..polling import Spin
 from ..processor import Processor
+from ..source_location import SourceLocation
 from .instructions import Instructions
 from .program import PythonProgram
 
@@ -32,8 +33,8 @@ class Accesses:
         self._program = program
         self._time: CpuTime = processor.time
 
-    def read(self, operand: Operand) -> int:
-        """The value of the operand's words, each in its place."""
+    def read(self, operand: Operand, where: SourceLocation | None = None) -> int:
+        """The value of the operand's words, each in its place. where: in the firmware, if that is known."""
         time, instructions, spin = self._time, self._instructions, self._program.spin
         if spin is None:
             instructions.run(self._between)
@@ -52,14 +53,14 @@ class Accesses:
                 time.cycle = at
             else:
                 instructions.go_to(at)
-            if operand.looks:
+            if operand.looks and (where is not None or not operand.placed):
                 value = operand.chip.see(at, operand.offset)
                 if operand.recorded:
-                    bus.tell_look(at, operand, value)
+                    bus.tell_look(at, operand, value, where)
             else:
                 value = self._fetch(operand)
         if spin is not None:
-            spin.note(operand, value)
+            spin.note(operand, value, where)
         instructions.instruction(1)
         return value
 

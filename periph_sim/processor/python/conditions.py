@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from ..error_origin import Misuse
 from ..operand import Operand
+from ..source_location import SourceLocation
 from .accesses import Accesses
 
 EQUAL, UNEQUAL, BELOW, ABOVE = range(4)  # how the bits compare with the value
@@ -16,19 +17,28 @@ EQUAL, UNEQUAL, BELOW, ABOVE = range(4)  # how the bits compare with the value
 class Condition:
     """Bits of a register that compare with a value: `holds` makes the read that a pass of a wait makes."""
 
-    __slots__ = ("_accesses", "_mask", "_operand", "_test", "_value")
+    __slots__ = ("_accesses", "_mask", "_operand", "_test", "_value", "_where")
 
-    def __init__(self, accesses: Accesses, operand: Operand, mask: int, value: int, test: int = EQUAL) -> None:
-        """mask, value: in place, as they stand in the register."""
+    def __init__(
+        self,
+        accesses: Accesses,
+        operand: Operand,
+        mask: int,
+        value: int,
+        test: int = EQUAL,
+        where: SourceLocation | None = None,
+    ) -> None:
+        """mask, value: in place, as they stand in the register. where: in the firmware it asks, if that is known."""
         self._accesses = accesses
         self._operand = operand
         self._mask = mask
         self._value = value
         self._test = test
+        self._where = where
 
     def holds(self) -> bool:
         """Read the register; its cycles pass."""
-        bits, test = self._accesses.read(self._operand) & self._mask, self._test
+        bits, test = self._accesses.read(self._operand, self._where) & self._mask, self._test
         if test == EQUAL:
             return bits == self._value
         if test == UNEQUAL:

@@ -33,7 +33,7 @@ cdef class PortField:
     cpdef object condition(self, Port port, object number)
     cpdef object in_place(self, object number)
     @cython.locals(operand=Operand)
-    cpdef object asked(self, Port port, object number, long long test)
+    cpdef object asked(self, Port port, object number, long long test, object where)
     cpdef object masked(self, Port port, object mask, object value)
     cdef object _whole(self, object what, object value, object most)
     cdef Operand _operand(self, Port port)

@@ -17,6 +17,7 @@ from ...f28335.system.memory_map import HIGH, WORDS_MASK, ModuleRange
 from ..bus import Bus
 from ..error_origin import Misuse
 from ..operand import Operand
+from ..source_location import SourceLocation
 from .accesses import Accesses
 from .conditions import Condition
 
@@ -85,10 +86,10 @@ class Port:
             f"{self.where}.when({given}): a wait reads one field; give when(mask={mask:#x}, value={value:#x})"
         )
 
-    def asked(self, name: str, number: int, test: int) -> Condition | None:
+    def asked(self, name: str, number: int, test: int, where: SourceLocation | None) -> Condition | None:
         """The condition that a field compares so with a number; None where `PortField.asked` has none."""
         found = self._fields.get(name)
-        return None if found is None else found.asked(self, number, test)
+        return None if found is None else found.asked(self, number, test, where)
 
     def _inner(self, made: type[Port], fields: dict[str, PortField]) -> Port:
         """The port of the register's halves, which is made of this class once it is asked for."""
@@ -145,13 +146,17 @@ class PortField:
         """The number as it stands in the register. Misuse where the field cannot have it."""
         return self._whole(f"{self._where} == {number!r} never holds", number, self._most) << self._lsb
 
-    def asked(self, port: Port, number: int, test: int) -> Condition | None:
-        """That this field compares so with a number that it can have. None where a read of it is more than a look at
-        the chip, or its record is to tell the place."""
+    def asked(self, port: Port, number: int, test: int, where: SourceLocation | None) -> Condition | None:
+        """That this field compares so with a number that it can have. where: in the firmware. None where a read of it
+        is more than a look at the chip, or its record is to tell a place that is not known."""
         operand = port._operands[self.number] or self._operand(port)
+        if not operand.placed:
+            where = None
+        elif where is None:
+            return None
         if not operand.looks or not 0 <= number <= self._most:
             return None
-        return Condition(port._accesses, operand, self._mask, number << self._lsb, test)
+        return Condition(port._accesses, operand, self._mask, number << self._lsb, test, where)
 
     def masked(self, port: Port, mask: object, value: object) -> Condition:
         """That these bits have this value. Misuse where they cannot."""

@@ -3,6 +3,7 @@ cimport cython
 from ...core.kernel cimport Kernel
 from ..processor cimport Processor
 from ..program cimport Program
+from ..source_location cimport SourceLocator
 
 
 @cython.final
@@ -14,7 +15,8 @@ cdef class PythonProgram(Program):
     cdef Kernel _kernel
     cdef Processor _processor
     cdef dict _code
-    cdef object _places, _greenlet, _watched
+    cdef SourceLocator _places
+    cdef object _greenlet, _watched
     cdef object __weakref__
     cdef object _switch(self)
     @cython.locals(goes_on=cython.bint)

@@ -15,6 +15,7 @@ import sys
 from collections.abc import Callable
 from contextlib import suppress
 from threading import get_ident
+from types import CodeType
 
 from greenlet import GreenletExit, getcurrent, greenlet
 
@@ -208,6 +209,10 @@ class PythonProgram(Program):
         if running is None or running.dead:
             return None
         return self._places.of_frame(sys._getframe() if getcurrent() is running else running.gr_frame)
+
+    def place_in(self, code: CodeType, line: int) -> SourceLocation | None:
+        """What `place` says as this line of a code runs; None where that is not known."""
+        return None if self.placed is not None else self._places.of_line(code, line)
 
     def handle(self, vector: str, routine: Handler) -> None:
         """Make `routine` the service routine of a vector: its address is stored in the PIE's table."""

@@ -3,7 +3,7 @@
     lambda: i2c.I2CSTR.XRDY == 1   --seen before--> its code: i2c, I2CSTR, XRDY, ==, 1 --> Condition
 
 The first wait calls the function. Recognised is only a field of a register of a module beside a number: nothing that
-firmware could give another meaning. Not where records of the read tell its place, which is in the function.
+firmware could give another meaning. Where records of the read tell its place, that is the function's line.
 """
 
 from __future__ import annotations
@@ -14,8 +14,10 @@ from functools import lru_cache
 from types import CodeType, FunctionType
 from typing import NamedTuple
 
+from ..source_location import SourceLocation
 from .conditions import ABOVE, BELOW, EQUAL, UNEQUAL, Condition
 from .port_fields import Port, Registers
+from .program import PythonProgram
 
 TESTS = {"==": EQUAL, "!=": UNEQUAL, "<": BELOW, ">": ABOVE}
 NOTHING = frozenset(("RESUME", "COPY_FREE_VARS", "NOP", "CACHE", "PRECALL"))  # opcodes that do nothing here
@@ -23,13 +25,17 @@ FORM = ("LOAD_DEREF", "LOAD_ATTR", "LOAD_ATTR", "LOAD_CONST", "COMPARE_OP", "RET
 
 
 class Asked(NamedTuple):
-    """A field of a register beside a number. place: of the module among the variables from around the function."""
+    """A field of a register beside a number. place: of the module among the variables from around the function.
+
+    line: in which the field is read.
+    """
 
     place: int
     register: str
     field: str
     test: int
     number: int
+    line: int
 
 
 @lru_cache(maxsize=256)  # what a code asks is in the code alone, so the firmware of all scenes shares it
@@ -44,31 +50,34 @@ def asked_by(code: CodeType) -> Asked | None:
     module, register, field, number, test, _ = [step.argval for step in steps]
     if test not in TESTS or type(number) is not int or module not in code.co_freevars:
         return None
-    return Asked(code.co_freevars.index(module), register, field, TESTS[test], number)
+    at = steps[2].positions
+    line = at.lineno if at is not None and at.lineno is not None else code.co_firstlineno
+    return Asked(code.co_freevars.index(module), register, field, TESTS[test], number, line)
 
 
 class Question:
     """What a code asks. condition: about the module that the function named last."""
 
-    __slots__ = ("code", "condition", "field", "known", "module", "number", "place", "register", "test")
+    __slots__ = ("code", "condition", "field", "known", "module", "number", "place", "register", "test", "where")
 
     def __init__(self, code: CodeType) -> None:
         self.code = code  # kept, so that its id is nobody else's
         self.known = False  # it was taken apart
-        self.place = (
-            -1
-        )  # of the module among the variables that the function takes from around it; -1: it asks otherwise
+        # Of the module among the variables that the function takes from around it; -1: it asks otherwise.
+        self.place = -1
         self.register = self.field = ""
         self.test = EQUAL
         self.number = 0
+        self.where: SourceLocation | None = None  # in the firmware
         self.module: Registers | None = None
         self.condition: Condition | None = None
 
-    def take_apart(self) -> None:
+    def take_apart(self, program: PythonProgram) -> None:
         self.known = True
         asked = None if sys.gettrace() is not None else asked_by(self.code)
         if asked is not None:
-            self.place, self.register, self.field, self.test, self.number = asked
+            self.place, self.register, self.field, self.test, self.number, line = asked
+            self.where = program.place_in(self.code, line)
 
     def about(self, module: object) -> Condition | None:
         """The condition on this module's register; None where there is none."""
@@ -76,16 +85,17 @@ class Question:
         if isinstance(module, Registers):
             port = vars(module).get(self.register)
             if isinstance(port, Port):
-                self.module, self.condition = module, port.asked(self.field, self.number, self.test)
+                self.module, self.condition = module, port.asked(self.field, self.number, self.test, self.where)
         return self.condition
 
 
 class Recogniser:
     """One CPU's: what was seen of its firmware's functions."""
 
-    __slots__ = ("_earlier", "_latest", "_questions")
+    __slots__ = ("_earlier", "_latest", "_program", "_questions")
 
-    def __init__(self) -> None:
+    def __init__(self, program: PythonProgram) -> None:
+        self._program = program
         self._questions: dict[int, Question] = {}
         self._latest: Question | None = None  # asked last; a loop asks the same one or two again and again
         self._earlier: Question | None = None  # before it
@@ -106,7 +116,7 @@ class Recogniser:
                     return None
             self._latest = question
         if not question.known:
-            question.take_apart()
+            question.take_apart(self._program)
         if question.place < 0:
             return None
         try:

@@ -72,7 +72,7 @@ class Waits:
         self._skip_polls = skip_polls
         self._time: CpuTime = processor.time
         self._lease = Lease(processor.time)
-        self._recogniser = Recogniser()
+        self._recogniser = Recogniser(program)
         self._spare: Spin | None = None  # of a wait that is over
 
     def spin(self, condition: Callable[[], object], pass_cycles: int | None = None, timeout: int | None = None) -> bool:
@@ -186,7 +186,7 @@ class Waits:
                 cycle += cpu_costs.SB_NOT_TAKEN  # the test of the value before, in the same pass
                 if not self._passes(cycle):
                     break
-            if not operand.looks or cycle < self._bus.free(operand):
+            if not operand.looks or (operand.placed and read.where is None) or cycle < self._bus.free(operand):
                 break
             cycle += operand.read_waits
             if cycle >= spin.live_from:
@@ -196,7 +196,7 @@ class Waits:
                 if (value ^ read.value) & operand.mask:
                     break
                 if operand.recorded:
-                    self._bus.tell_look(cycle, operand, value)
+                    self._bus.tell_look(cycle, operand, value, read.where)
             cycle += 1
             if not self._passes(cycle):
                 break

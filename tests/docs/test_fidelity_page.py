@@ -28,6 +28,15 @@ def test_every_test_that_the_page_names_is_there():
     assert [name for name in named if f"def {name}(" not in sources] == []
 
 
+def test_each_row_that_is_to_be_proved_names_a_test():
+    """A row without one would be a promise that nothing guards."""
+    tables = re.findall(r"^\|.*\| proved by \|\n\|[-|]+\n((?:\|.*\n)+)", PAGE, flags=re.MULTILINE)
+    rows_of_both = [row for table in tables for row in table.splitlines()]
+    assert len(tables) == 2 and len(rows_of_both) > 25
+    named = re.compile(r"`(?:tests/[\w/.]+|test_\w+)`")
+    assert [row for row in rows_of_both if not named.search(row.rstrip("| ").rpartition("|")[2])] == []
+
+
 def test_the_table_of_scenes_is_made_anew_with_what_people_wrote_of_each(monkeypatch: pytest.MonkeyPatch):
     """That its figures are those of a measurement is `tests/reports/trade/test_scenes.py`."""
     monkeypatch.setattr(scene_table, "cell", lambda found: "measured")

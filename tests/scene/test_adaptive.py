@@ -183,6 +183,58 @@ def test_meddling_in_the_middle_of_a_byte_gives_what_edges_give(seed: int, kinds
     assert told(adaptive[0]) == told(edge[0])
 
 
+class OwnRate(Meddler):
+    """The same with another module clock."""
+
+    def __init__(self, seed: int, prescaler: int) -> None:
+        super().__init__(seed)
+        self.prescaler = prescaler
+
+    def start(self, dsp: Dsp) -> None:
+        super().start(dsp)
+        i2c = dsp.module("I2C-A")
+        i2c.I2CMDR.IRS = 0
+        i2c.I2CPSC.all = self.prescaler
+        i2c.I2CMDR.IRS = 1
+
+
+def near_the_filter(seed: int, level: str, kinds: tuple[Kind, ...]):
+    """The meddler, where one of SCL's and SDA's times lasts about as long as the noise filter, or a module clock."""
+    random = Random(f"near the filter {seed}")
+    prescaler, width = random.choice((0, 1, 5, 14, 29)), random.choice((1, 1, 2, 5))
+    module_clock = 20 * (prescaler + 1)  # ticks of 1/3 ns
+    filtered = width * module_clock
+    short = random.choice(("high", "low behind hold", "low behind filter", "hold", "none"))
+
+    def length(name: str, usual: int) -> int:
+        if name != short:
+            return usual
+        return max(60, random.choice((filtered, module_clock)) + random.randrange(-100, 60))
+
+    def ample() -> int:
+        return filtered + random.randrange(2 * module_clock, 6 * module_clock + 400)
+
+    high, hold = length("high", ample()), length("hold", module_clock + random.randrange(60, 400))
+    low = max(hold + length("low behind hold", ample()), filtered + length("low behind filter", ample()))
+    times = {name: f"{ticks / 3:.3f} ns" for name, ticks in (("high", high), ("hold", hold), ("low", low))}
+    request = [{"address": 0x50, "count": 6}, {"address": 0x50, "pointer": 3, "count": 2}]
+    table = {**times, "first": "300 us", "period": "700 us", "request": request, "on_nack": "give up"}
+    options = {"noise_filter_cycles": width, "unequal_arrival": random.choice(("in_order", "one_sample"))}
+    unit = {"firmware": "meddler", "modules": ["I2C-A", "GPIO"], "ppm": random.choice((0, 37, -61))}
+    meddler = OwnRate(seed, prescaler)
+    made = small.case(unit={"dsp": {**unit, "options": {"i2c": options}}}, controller=table)
+    return *run(made, level, kinds, "0.006", {"dsp": Firmware("meddler", meddler, None)}), meddler.seen
+
+
+@RECORDED
+@pytest.mark.parametrize("seed", range(200) if explores() else [*range(22), 39])
+def test_times_that_the_noise_filter_just_sees_give_what_edges_give(seed: int, kinds: tuple[Kind, ...]):
+    edge, adaptive = near_the_filter(seed, "edge", kinds), near_the_filter(seed, "adaptive", kinds)
+    assert adaptive[2] == edge[2]
+    assert adaptive[1] == edge[1]
+    assert told(adaptive[0]) == told(edge[0])
+
+
 def beside_devices(seed: int, level: str, kinds: tuple[Kind, ...]):
     """The meddler, an EEPROM and a register map, which stretch, refuse and lose their power as a seed says."""
     random = Random(seed)

@@ -176,6 +176,12 @@ class Controller(Table, frozen=True, kw_only=True):
     def check_together(self, given: Set[str]) -> None:
         if self.initialise is not None and self.initialise > self.first:
             raise ValueError("initialise is longer than first, so it would begin before the run; make first later")
+        low = Fraction(1, 2) / self.rate if self.low is None else self.low
+        if self.hold > low:
+            raise ValueError(
+                f"hold is {float(self.hold) * 1e9:g} ns, longer than SCL is low, {float(low) * 1e9:g} ns, so SDA would move "
+                "while SCL is high; shorten hold"
+            )
         _begins_in_order(self)
 
 

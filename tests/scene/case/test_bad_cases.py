@@ -161,6 +161,12 @@ def edited(path: Path, line: str, by: str) -> Path:
         ),
         (
             'order = ["gyroscope"]',
+            'order = []\nrate = "2 MHz"',
+            "small.toml, line 11: controller: hold is 300 ns, longer than SCL is low, 250 ns, so SDA would move "
+            "while SCL is high; shorten hold",
+        ),
+        (
+            'order = ["gyroscope"]',
             'pointer_by = "start"',
             "small.toml, line 12: controller.pointer_by: expected 'repeated START' or 'STOP', but it is 'start'",
         ),

@@ -178,10 +178,9 @@ class Controller(Table, frozen=True, kw_only=True):
             raise ValueError("initialise is longer than first, so it would begin before the run; make first later")
         low = Fraction(1, 2) / self.rate if self.low is None else self.low
         if self.hold > low:
-            raise ValueError(
-                f"hold is {float(self.hold) * 1e9:g} ns, longer than SCL is low, {float(low) * 1e9:g} ns, so SDA would move "
-                "while SCL is high; shorten hold"
-            )
+            hold_ns, low_ns = float(self.hold) * 1e9, float(low) * 1e9
+            longer = f"hold is {hold_ns:g} ns, longer than SCL is low, {low_ns:g} ns"
+            raise ValueError(f"{longer}, so SDA would move while SCL is high; shorten hold")
         _begins_in_order(self)
 
 

@@ -83,3 +83,14 @@ def test_a_mistake_is_a_sentence(call, sentence: str):
     with pytest.raises(BadCase) as error:
         call()
     assert sentence in str(error.value) and "\n" not in str(error.value)
+
+
+def test_why_and_lint_take_the_file_of_a_run(tmp_path: Path) -> None:
+    file = tmp_path / "run.psr"
+    periph_sim.run("timing/responder.toml", record=file, seconds="2 ms")
+    recorded = Run.read(file)
+    asked = "SCL@1.9 ms"
+    assert periph_sim.why(file, asked).back == periph_sim.why(recorded, asked).back
+    assert periph_sim.lint(str(file)) == periph_sim.lint(recorded)
+    with pytest.raises(periph_sim.NotInRun, match="there is no such file"):
+        periph_sim.why("none.psr", asked)

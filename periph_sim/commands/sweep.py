@@ -54,6 +54,7 @@ def sweep(
     Exit status 0: every run passes; 1: not so; 2: a run could not be made (the others were).
     """
     from ..reports.sweep import sweep as swept
+    from ..scene.case.model import BadCase
     from ..traces.formats.atomic_write import atomic_write
     from .progress import progress
 
@@ -65,7 +66,10 @@ def sweep(
         length = None if seconds is None else length_given(seconds)
         unfinished = None if csv_file is None else outputs.enter_context(atomic_write(csv_file))
         with progress(case.stem) as told:
-            came = swept(case, fixed | varied, seconds=length, proven=proven, jobs=jobs, told=told)
+            try:
+                came = swept(case, fixed | varied, seconds=length, proven=proven, jobs=jobs, told=told)
+            except BadCase as error:
+                raise click.ClickException(_as_varied(str(error), varied)) from None
         if unfinished is not None:
             _write_csv(came, unfinished)
     if as_json:
@@ -93,6 +97,16 @@ def _varied(vary: tuple[str, ...]) -> dict[str, list[str]]:
             raise click.ClickException(f"--vary {key} is given twice; give all its values at once")
         found[key] = values_of(key, values)
     return found
+
+
+def _as_varied(sentence: str, varied: Mapping[str, list[str]]) -> str:
+    """An error of a case, which knows changes by --set, in terms of the option that the user gave."""
+    for key, values in varied.items():
+        if f"--set '{key}=" in sentence:
+            sentence = sentence.replace(f"--set '{key}=", f"--vary '{key}=")
+            if len(values) == 1 and " to " in values[0]:
+                sentence += "; a range needs a step: 'FIRST to LAST step STEP'"
+    return sentence
 
 
 def _write_csv(came: Sweep, file: Path) -> None:

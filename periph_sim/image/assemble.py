@@ -288,7 +288,7 @@ def included(name: str, folder: Path) -> Path:
 
 def text_of(path: Path) -> str:
     try:
-        return path.read_text(encoding="utf-8")
+        return path.read_text(encoding="utf-8-sig")
     except OSError as error:
         raise BadImage(f"{path}: {error.strerror}") from None
     except UnicodeDecodeError:

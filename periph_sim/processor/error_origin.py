@@ -15,7 +15,7 @@ from inspect import (
 from pathlib import Path
 from types import CodeType, FunctionType
 
-from .source_location import is_firmware, is_ours
+from .source_location import is_firmware, is_helper, is_ours
 from .stall_watch import NoProgress
 
 FIRMWARE_VIEW = (
@@ -90,7 +90,7 @@ def raised_at(error: BaseException) -> str:
     while step is not None:
         code = step.tb_frame.f_code
         ours = is_ours(code.co_filename) and not code.co_filename.endswith(FIRMWARE_VIEW)
-        if is_firmware(code.co_filename):
+        if is_firmware(code.co_filename) and not (place and is_helper(code.co_filename)):  # its caller is to blame
             place = f"line {step.tb_lineno} of {Path(code.co_filename).name}"
         step = step.tb_next
     return "" if ours and not refused else place

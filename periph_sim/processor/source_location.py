@@ -85,6 +85,11 @@ def is_ours(file: str) -> bool:
     return file.startswith((PACKAGE, COMPILED)) and not file.startswith(FIRMWARE_ROOMS)
 
 
+def is_helper(file: str) -> bool:
+    """True for the start-up code that firmware imports, such as `start_i2c`."""
+    return file.startswith(FIRMWARE_ROOMS[0])
+
+
 def is_firmware(file: str) -> bool:
     """True if code of this file is neither ours nor Python's own."""
     if is_ours(file) or file.startswith("<frozen "):

@@ -6,6 +6,7 @@ Run --each lint--> rows at fault --> findings, one a place and fault
 from __future__ import annotations
 
 from functools import cache
+from pathlib import Path
 from typing import cast
 
 from ..core.discover import modules_with
@@ -21,8 +22,10 @@ def all_lints() -> dict[str, Lint]:
     return {name.replace("_", "-"): cast(Lint, module) for name, module in found.items()}
 
 
-def lint(run: Run, options: Options | None = None) -> list[Finding]:
-    """What all lints find, in the order of first times."""
+def lint(run: Run | Path | str, options: Options | None = None) -> list[Finding]:
+    """Findings of all lints, in the order of first times. run: recorded, or the file of one."""
+    if not isinstance(run, Run):
+        run = Run.read(run)
     found = []
     for name, one in all_lints().items():
         for fault in one.faults(run, options or Options()):

@@ -80,7 +80,11 @@ def test_seconds_replaces_the_duration(periph_sim: Run, desk: Path, seconds: str
         ),
         (
             ["small.toml", "--set", "unit.dsp.firmware=crash.py", "--set", "unit.dsp.modules=[]"],
-            "dsp: KeyError at line 2 of crash.py: dsp has no module 'I2C-A'; it has SYS, PIE",
+            "dsp: KeyError at line 2 of crash.py: dsp has no module 'I2C-A'; name it in modules of [unit.dsp]",
+        ),
+        (
+            ["small.toml", "--set", "unit.dsp.firmware=starts.py", "--set", "unit.dsp.modules=[]"],
+            "dsp: KeyError at line 4 of starts.py: dsp has no module 'I2C-A'; name it in modules of [unit.dsp]",
         ),
     ],
 )
@@ -88,11 +92,18 @@ def test_a_mistake_is_one_sentence_on_standard_error_and_2(
     periph_sim: Run, desk: Path, arguments: list[str], sentence: str
 ):
     (desk / "crash.py").write_text(CRASH, encoding="utf-8")
+    (desk / "starts.py").write_text(STARTS, encoding="utf-8")
     before = sorted(desk.iterdir())
     assert periph_sim("run", *arguments) == (2, "", f"Error: {sentence}\n")
     assert sorted(desk.iterdir()) == before
 
 
+STARTS = """\
+from periph_sim.firmware import start_i2c
+
+def main(dsp, settings):
+    start_i2c(dsp)
+"""
 CRASH = """\
 def main(dsp, settings):
     i2c = dsp.module("I2C-A")

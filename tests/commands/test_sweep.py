@@ -106,14 +106,15 @@ def test_of_many_that_fail_some_are_told_and_the_others_counted(periph_sim: Run)
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (["--vary", "seeed=1, 2"], "small.toml, --set 'seeed=1': there is no key 'seeed'; did you mean seed?"),
+        (["--vary", "seeed=1, 2"], "small.toml, --vary 'seeed=1': there is no key 'seeed'; did you mean seed?"),
         (["--vary", "seed"], "--vary 'seed': expected KEY=VALUE, for instance controller.period=10 ms"),
         (["--vary", "seed=1", "--vary", "seed=2"], "--vary seed is given twice; give all its values at once"),
         (["--vary", "seed=1,"], "--vary seed=1,: a value is missing"),
         (["--vary", "seed=1", "--set", "seed=2"], "--set and --vary both name seed; leave one of them out"),
         (["--vary", "seed=1", "--set", "x"], "--set 'x': expected KEY=VALUE"),
         (["--vary", "seed=1", "--seconds", "x"], "--seconds: "),
-        (["--vary", f"{WORK}=x"], f"small.toml, --set '{WORK}=x': {WORK}: "),
+        (["--vary", f"{WORK}=x"], f"small.toml, --vary '{WORK}=x': {WORK}: "),
+        (["--vary", "seed=1 to 3"], "but it is '1 to 3'; a range needs a step: 'FIRST to LAST step STEP'"),
         ([], "Missing option '--vary'"),
         (["--vary", "seed=1", "--csv", "no/all.csv"], "no/all.csv, its place: found no such file or directory"),
     ],

@@ -7,6 +7,7 @@ question --> value, the record that gave it --> causes back
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -43,8 +44,13 @@ class Answer:
     changed: Step | None
 
 
-def why(run: Run, question: str, depth: int = DEPTH) -> Answer:
-    """The answer to "I2C-A.I2CSTR.XRDY@12.345ms". NotInRun for an unknown name or a time outside the run."""
+def why(run: Run | Path | str, question: str, depth: int = DEPTH) -> Answer:
+    """The answer to "I2C-A.I2CSTR.XRDY@12.345ms". NotInRun for an unknown name or a time outside the run.
+
+    run: recorded, or the file of one.
+    """
+    if not isinstance(run, Run):
+        run = Run.read(run)
     subject, tick = asked(run, question)
     rows = run.rows(subject.kind, subject.where, subject.what)
     row = run.last(rows, tick)

@@ -97,7 +97,7 @@ def text_of(path: Path, what: str) -> str:
     except OSError as error:
         raise BadCase(f"{path}: cannot be read ({error.strerror}); give the path of a {what} file") from None
     try:
-        return data.decode("utf-8")
+        return data.decode("utf-8-sig")  # Notepad begins a file with a byte order mark
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
         found = f"byte {data[error.start]:#04x}"

@@ -181,3 +181,8 @@ def test_option_that_is_called_by_digits_can_be_set():
     loaded = load(path, ["unit.dsp.options.sci.stop_vote_samples=3_4_5", "seed=1_000"])
     assert loaded.unit["dsp"].options.sci == {"stop_vote_samples": "3_4_5"}
     assert loaded.seed == 1000
+
+
+def test_a_byte_order_mark_is_no_part_of_a_case(tmp_path: Path):
+    (tmp_path / "marked.toml").write_text('name = "marked"\nduration = "1 ms"\n', encoding="utf-8-sig")
+    assert load(tmp_path / "marked.toml").name == "marked"

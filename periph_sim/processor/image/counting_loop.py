@@ -121,16 +121,17 @@ def passes_within(number: Number, unit: int) -> int:
     return (unit - 1 - rest) // step if step > 0 else (rest - 1) // -step
 
 
+def in_plain_ram(address: int) -> bool:
+    return any(address in zone for zone in PLAIN_RAM)
+
+
 def signed(value: int, bits: int) -> int:
     half = 1 << bits - 1
     return (value & 2 * half - 1 ^ half) - half
 
 
 class CountingLoop(InstructionWatch):
-    """The present pass of a loop. changed: words of memory that stores of it have changed, with what they held before.
-
-    does_more: than count, so that a later pass will, too.
-    """
+    """A pass of a loop, from here on. does_more: it does more than count, so that later passes will, too."""
 
     def __init__(self, cpu: ImageCpu, time: CpuTime, memory: Ram, over: Callable[[InstructionWatch], None]) -> None:
         """over: told when nobody wants to know of this pass any more."""
@@ -161,7 +162,7 @@ class CountingLoop(InstructionWatch):
         for (low, high), value in zip(XAR, cpu.xar, strict=True):
             values[low], values[high] = value & M16, value >> 16
         for place in (*operand, *range(self._sp, cpu.sp)):
-            if isinstance(place, int):
+            if isinstance(place, int) and in_plain_ram(place):
                 values[place] = self._memory.word(place)
         in_memory = f.l >= 0 and cpu.ea != REGISTER
         pointers = self._named(addressing(f.l)) if in_memory else 0
@@ -183,7 +184,7 @@ class CountingLoop(InstructionWatch):
         address = self._cpu.ea
         if L0_AGAIN <= address < L4_AGAIN:
             address -= MIRROR
-        if not any(address in zone for zone in PLAIN_RAM):
+        if not in_plain_ram(address):
             return ()
         return (address & ~1, address | 1) if f.wide else (address,)
 
@@ -266,7 +267,7 @@ class Walk:
         """The next instruction. NotCounting if it does something with a counter that is none of FORMS."""
         self._execute(traced)
         for place in writes(traced):
-            if isinstance(place, int):
+            if place in traced.values and isinstance(place, int):
                 number = self.counters.get(place)
                 self.stores.append(Store(traced.at, place, traced.values[place], number.step if number else 0))
 

@@ -66,9 +66,9 @@ def test_a_loop_that_counts_is_skipped_but_for_some_passes(name: str):
 
 
 def test_counts_of_more_than_16_bits_are_skipped_from_carry_to_carry():
-    skipped, came = both(source(*SHAPES["DELAY_US"], count=3 * 65536 + 5), ticks=600_000_000)
+    skipped, came = both(source(*SHAPES["DELAY_US"], count=65536 + 500), ticks=200_000_000)
     assert came["ended"] is not None
-    assert skipped > 3 * 65536 - 500
+    assert skipped > 65536 - 300
 
 
 @pytest.mark.parametrize("name", OTHERS)
@@ -101,6 +101,15 @@ def test_a_stub_ends_it():
         assert came["ended"] is not None and skipped > 500
 
 
+def test_the_pll_locks_within_a_time_out():
+    """The clock changes as the wait ends, or as the time-out is still counted."""
+    for count in (400, 60_000):
+        lock = f"EALLOW; MOVL XAR3,#{count}; MOVW DP,#0x7011 >> 6; MOV @0x7021,#10"
+        wait = "w: TBIT @0x7011,#0; SB x,TC; BANZ w,AR3--; x: RPT #200 || NOP; MOVL XAR3,#9000; d: BANZ d,AR3--; ESTOP0"
+        skipped, came = both(HEAD + lines(f"{lock}; {wait}", "w", 0), ticks=40_000_000)
+        assert came["ended"] is not None and skipped > 8000
+
+
 def waits_of(rig: Rig) -> list[tuple[str, int]]:
     told: list[Record] = []
     rig.recorder.subscribe({Kind.WAIT}, told.append)
@@ -117,7 +126,7 @@ def test_a_time_out_is_a_wait_and_a_delay_is_none():
 def test_a_reset_in_the_middle_of_a_pass_leaves_memory_as_it_was_then():
     """The watchdog resets the unit after 32768 cycles; the loop goes on with the count that it finds."""
     loop = "w: LCR #_ready; INC @0; MOV @1,#5; MOV AL,@0; MOV @2,AL; MOV @1,#6; MOV @2,#7; CMP @0,#1500; SB w,LO"
-    for late in range(0, 33, 4):
+    for late in range(0, 33, 8):
         code = lines(f"{DATA}RPT #{late} || NOP; {loop}; ESTOP0", "w", 0)
         rigs = [Rig(HEAD.replace("#0x68", "#0x28") + code + READY, "SCI-A", skip=skip) for skip in (True, False)]
         found = []
@@ -193,12 +202,12 @@ def random_program(draw: random.Random) -> str:
     return HEAD + hardware + loops + " ESTOP0\n" + ROUTINE.format(every=3) + READY
 
 
-@settings(max_examples=examples(12), deadline=None)
+@settings(max_examples=examples(8), deadline=None)
 @given(seed=integers(0, 1_000_000))
 def test_skipping_changes_nothing(seed: int):
     assert both(random_program(random.Random(seed)), ticks=60_000_000)[1]["ended"] is not None
 
 
 def test_random_loops_are_skipped_often_enough_to_tell():
-    skipped = [both(random_program(random.Random(seed)), ticks=60_000_000)[0] > 0 for seed in range(8)]
-    assert sum(skipped) >= 4
+    skipped = [both(random_program(random.Random(seed)), ticks=60_000_000)[0] > 0 for seed in range(5)]
+    assert sum(skipped) >= 3

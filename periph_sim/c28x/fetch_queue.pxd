@@ -5,9 +5,12 @@ cimport cython
 cdef class FetchQueue:
     cdef public long long expected
     cdef long long _consumed[4]
-    cdef long long _newest, _ready, _bits, _cycles, _issued
-    cpdef void begin(self, long long cycle, long long address, long long bits, long long first, long long later)
+    cdef long long _newest, _ready, _bits, _cycles, _issued, _place
+    cpdef void begin(self, long long cycle, long long address, long long bits, long long first, long long later, long long depth)
     @cython.locals(ready=cython.longlong)
     cpdef long long wait(self, long long cycle, long long address, long long behind)
-    @cython.locals(free=cython.longlong)
+    @cython.locals(free=cython.longlong, place=cython.longlong)
     cdef long long _need(self, long long unit)
+    @cython.locals(place=cython.longlong, ready=cython.longlong, unit=cython.longlong, free=cython.longlong,
+                   begins=cython.longlong)
+    cpdef long long read(self, long long cycle, long long waits)

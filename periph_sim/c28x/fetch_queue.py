@@ -3,7 +3,8 @@
     program memory --units of 32 or 64 bits, one each so many cycles--> queue of four --> D2
 
 Fetching goes on while instructions execute, until the queue is full; a discontinuity empties it. Only for memory with
-wait states: without them a unit comes each cycle, which no instruction can outrun.
+wait states: without them a unit comes each cycle, which no instruction can outrun. A read of data in the same memory
+may take its turn between two fetches.
 
 Source: SPRU430F 4.2, 4.3; SPRUFB0D 2.2 (flash).
 """
@@ -11,17 +12,17 @@ Source: SPRU430F 4.2, 4.3; SPRUFB0D 2.2 (flash).
 from __future__ import annotations
 
 DEPTH = 4  # units: the queue's; of flash with its prefetch two of 64 bits, and what the queue holds of a third
-PLACE = DEPTH - 1
 LONG_AGO = 1 << 7  # cycles: nothing waits for what was then; a full queue takes 4 * 17 at most
 
 
 class FetchQueue:
     """expected: where the next instruction would stand without a discontinuity."""
 
-    __slots__ = ("_bits", "_consumed", "_cycles", "_issued", "_newest", "_ready", "expected")
+    __slots__ = ("_bits", "_consumed", "_cycles", "_issued", "_newest", "_place", "_ready", "expected")
 
     def __init__(self) -> None:
         self._consumed = [0] * DEPTH  # when each unit's place was free again
+        self._place = DEPTH - 1  # bits of a unit's number that name its place
         self._newest = 0  # the last unit that was needed
         self._ready = 0  # when that one was there
         self._bits = 1  # of an address within a unit
@@ -36,12 +37,13 @@ class FetchQueue:
             ages.append(max(self._consumed[place] - cycle, -LONG_AGO))
         return self.expected, self._newest, self._bits, self._cycles, tuple(ages)
 
-    def begin(self, cycle: int, address: int, bits: int, first: int, later: int) -> None:
+    def begin(self, cycle: int, address: int, bits: int, first: int, later: int, depth: int) -> None:
         """A discontinuity, in memory whose units have 2**bits words. first, later: wait states of the units.
 
-        cycle: in which the instruction there would be executed, had its memory no wait states.
+        depth: how many units come ahead, a power of 2. cycle: in which the instruction there would be executed, had its
+        memory no wait states.
         """
-        self._bits, self._cycles = bits, later + 1
+        self._bits, self._cycles, self._place = bits, later + 1, depth - 1
         self._newest = address >> bits
         self._ready = cycle + first
         self._issued = cycle
@@ -57,9 +59,27 @@ class FetchQueue:
 
     def _need(self, unit: int) -> int:
         """When a unit is there. What lies before it has been taken out of the queue by then."""
+        place = self._place
         while self._newest < unit:
-            self._consumed[self._newest & PLACE] = self._issued
+            if self._consumed[self._newest & place] < self._issued:
+                self._consumed[self._newest & place] = self._issued
             self._newest += 1
-            free = self._consumed[self._newest & PLACE]
+            free = self._consumed[self._newest & place]
             self._ready = (free if free > self._ready else self._ready) + self._cycles
         return self._ready
+
+    def read(self, cycle: int, waits: int) -> int:
+        """Data are read from this memory in this cycle: for how long the read waits for a fetch that is under way.
+
+        waits: its own wait states. The next fetch begins behind it.
+        """
+        place, ready, unit = self._place, self._ready, self._newest + 1
+        while ready <= cycle and unit <= self._newest + place:
+            free = self._consumed[unit & place]
+            if free >= cycle or ready == cycle:
+                break
+            ready = (free if free > ready else ready) + self._cycles
+            unit += 1
+        begins = ready if ready > cycle else cycle
+        self._consumed[unit & place] = begins + waits + 1
+        return begins - cycle

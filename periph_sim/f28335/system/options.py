@@ -119,6 +119,14 @@ class SystemOptions(Answers):
         question="What does an instruction read in the delay slot of an FPU operation of 2p cycles, which nothing "
         "protects: the result already, or what the register held before?",
     )
+    flash_model: str = choice(
+        "beside_reads",
+        "shared_with_reads",
+        "two_words_ahead",
+        question="With FOPT.ENPIPE = 1, does the flash's prefetch fill its two words of 64 bits and the CPU's queue, "
+        "whatever data are read meanwhile; or does a read of data wait for a fetch under way, and the next fetch for "
+        "it; or do two words come ahead and no more? SPRUFB0D section 2 draws no cycles.",
+    )
     rptc_width: int = choice(16, 8, question="How many bits of a location does RPT take?")
 
     # GPIO

@@ -234,7 +234,8 @@ class ImageCpu(Engine):
 
     def program16(self, address: int) -> int:
         if not self._decoding and (address >= WAITED_FROM or not in_plain_ram(address)):
-            self.timing.late += self.elsewhere.fetches(address)[1]
+            waits = self.elsewhere.fetches(address)[1]
+            self.timing.late += waits + self.timing.read(self.pc, address, self._time.cycle, waits)
         if in_plain_ram(address):
             return self._ram.word(address)
         if L0_AGAIN <= address < L4_AGAIN:
@@ -307,13 +308,17 @@ class ImageCpu(Engine):
     def _access_at(self, cycle: int, address: int, reads: bool, wide: bool) -> int:
         width = 32 if wide else 16
         if address >= RAM_TO:
-            return cycle + (self.elsewhere.read_waits(address) if reads else 0)
+            return self._read_elsewhere_at(cycle, address) if reads else cycle
         try:
             if reads:
                 return self._bus.reads_at(cycle, address, width)
             return self._bus.writes_at(cycle, address, width)
         except NoSuchAddress:
-            return cycle + (self.elsewhere.read_waits(address) if reads else 0)
+            return self._read_elsewhere_at(cycle, address) if reads else cycle
+
+    def _read_elsewhere_at(self, cycle: int, address: int) -> int:
+        waits = self.elsewhere.read_waits(address)
+        return cycle + waits + self.timing.read(self.pc, address, cycle, waits)
 
     # Status, which the interrupt logic holds --------------------------------------------
 

@@ -3,6 +3,7 @@
     flash, OTP       what the image loaded, else erased
     ADC_cal, PARTID  as on the chip; ADC_cal returns at once, since it sets trims of the ADC
     boot ROM         reads 0, which is noted; its math tables, its routines and TI's flash API's check end the run
+    XINTF zones      memory with one wait state, the least, whatever XTIMING says, which is noted
     frames           of modules that nothing models, or that the unit does not name, keep what is written; each module
                      is noted once
     stubs            say what a register answers with, whatever is written
@@ -152,6 +153,13 @@ class Elsewhere:
             self._noted.add(area.name)
             text = f"{area.name}: {address:#08x} is read as 0; what is there is not modelled"
             self._notes.note(cycle, Note("unknown", text, "SPRUI07 section 2.4"))
+        if area.content is Content.EXTERNAL and area.name not in self._noted:
+            self._noted.add(area.name)
+            text = (
+                f"{area.name}: {address:#08x} is taken as memory with {EXTERNAL_WAITS} wait state, the least that "
+                "XINTF has; what XTIMING says is not modelled"
+            )
+            self._notes.note(cycle, Note("unknown", text, "SPRS439M Table 3-5"))
         if area.content is not Content.REGISTERS:
             return
         module = register_name(address)[0]

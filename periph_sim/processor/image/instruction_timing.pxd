@@ -13,7 +13,8 @@ cdef class InstructionTiming:
     cdef CpuInterrupts _core
     cdef FetchQueue _queue
     cdef object _options, _elsewhere
-    cdef public bint conflicts
+    cdef public bint conflicts, shared
+    cdef long long _ahead
     cpdef void drain(self)
     cpdef void prepare(self, Operation f)
     @cython.locals(waits=cython.longlong)
@@ -21,6 +22,7 @@ cdef class InstructionTiming:
     @cython.locals(late=cython.longlong)
     cpdef long long taken(self, Operation f, Cpu cpu)
     cpdef long long landing(self, Operation f)
+    cpdef long long read(self, long long code, long long address, long long cycle, long long waits)
     cpdef long long repeats(self, long long count)
     @cython.locals(bits=cython.longlong, first=cython.longlong, later=cython.longlong)
     cdef long long _fetch(self, Operation f, long long cycle)

@@ -11,16 +11,18 @@ from __future__ import annotations
 
 from ...c28x import flow
 from ...c28x.execution.registers import REGISTER, Cpu, Operation
-from ...c28x.fetch_queue import FetchQueue
+from ...c28x.fetch_queue import DEPTH, FetchQueue
 from ...c28x.hazards import hazards
 from ...c28x.pipeline import Pipeline
 from ...f28335.cpu.interrupts import CpuInterrupts
 from ...f28335.system.options import SystemOptions
 from ...f28335.system.ram import block_at
-from .elsewhere import Elsewhere
+from .elsewhere import FLASH, FLASH_END, Elsewhere
 
 UNC = 15
 BRANCHES = flow.RELATIVE | {"LB", "XB", "XBANZ"}
+PREFETCHED = 2  # address bits of a unit: flash with FOPT.ENPIPE
+ALL_FLASH = range(FLASH, FLASH_END)
 PUSH_FIELD = 0xBD  # *SP++
 WITHOUT_WAITS = (range(0x800), range(0x8000, 0xC000), range(0x3F_8000, 0x3F_C000))  # M0, M1, L0 to L3
 
@@ -28,10 +30,12 @@ WITHOUT_WAITS = (range(0x800), range(0x8000, 0xC000), range(0x3F_8000, 0x3F_C000
 class InstructionTiming:
     """pipeline: stalls between instructions. late: cycles that the present instruction takes in addition.
 
-    conflicts: a fetch and an access of one block of memory may meet.
+    conflicts: a fetch and an access of one block of memory may meet. shared: fetches and reads of flash take turns.
     """
 
-    __slots__ = ("_core", "_elsewhere", "_options", "_queue", "conflicts", "late", "pipeline")
+    __slots__ = (
+        "_ahead", "_core", "_elsewhere", "_options", "_queue", "conflicts", "late", "pipeline", "shared",
+    )  # fmt: skip
 
     def __init__(self, core: CpuInterrupts, options: SystemOptions, elsewhere: Elsewhere) -> None:
         self.pipeline = Pipeline()
@@ -41,6 +45,8 @@ class InstructionTiming:
         self._core = core
         self._options = options
         self.conflicts = options.saram_conflict > 0
+        self.shared = options.flash_model == "shared_with_reads"
+        self._ahead = DEPTH // 2 if options.flash_model == "two_words_ahead" else DEPTH
         self._elsewhere = elsewhere
         core.touched.add("stalls")
 
@@ -90,6 +96,15 @@ class InstructionTiming:
             return self._options.odd_32bit_target
         return 0
 
+    def read(self, code: int, address: int, cycle: int, waits: int) -> int:
+        """Data are read where memory has wait states, by the instruction at `code`: for how long they wait for fetches.
+
+        Only in flash, from where fetches go on meanwhile.
+        """
+        if self.shared and address in ALL_FLASH and code in ALL_FLASH:
+            return self._queue.read(cycle, waits)
+        return 0
+
     def repeats(self, count: int) -> int:
         """How often RPT repeats, of what it took from a location."""
         if count > 0xFF:
@@ -99,7 +114,9 @@ class InstructionTiming:
     def _fetch(self, f: Operation, cycle: int) -> int:
         if f.address != self._queue.expected:
             bits, first, later = self._elsewhere.fetches(f.address)
-            self._queue.begin(cycle, f.address, bits, first, later)
+            if bits == PREFETCHED:
+                self._core.touched.add("flash_model")
+            self._queue.begin(cycle, f.address, bits, first, later, self._ahead if bits == PREFETCHED else DEPTH)
         return self._queue.wait(cycle, f.address, f.next)
 
 

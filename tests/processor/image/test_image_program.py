@@ -243,3 +243,16 @@ def test_an_instruction_that_names_bits_names_their_field(read: str, what: str, 
     reads = [record for record in rig.records if record.kind is Kind.ACCESS and record.what == what]
     assert [record.field for record in reads] == [field, ""]
     assert reads[0].value == reads[1].value
+
+
+def test_external_memory_is_noted_once_a_zone():
+    zone = (
+        " MOVL XAR4,#0x100000\n MOV *XAR4,#5\n MOV AL,*XAR4\n MOVL XAR5,#0x4000\n MOV AH,*XAR5\n MOV AH,*XAR5\n ESTOP0"
+    )
+    rig = Rig(HEAD + zone).run()
+    assert rig.cpu.acc == 5
+    assert rig.notes() == [
+        f"{name}: {address} is taken as memory with 1 wait state, the least that XINTF has; what XTIMING says is not "
+        "modelled"
+        for name, address in (("XINTF zone 6", "0x100000"), ("XINTF zone 0", "0x004000"))
+    ]

@@ -142,3 +142,106 @@ def test_an_interrupt_behind_an_operation_lets_its_result_arrive(answer: str):
         rig = Rig(source, "TIMER0", fpu_delay_slot=answer).run()
         seen.append(struct.unpack("f", struct.pack("I", rig.cpu.r[7]))[0])
     assert sorted(seen) == [1.0, 1.0, 6.0, 6.0]
+
+
+# Flash --------------------------------------------------------------------------------------------------------------
+
+PAGE, RAND = 5, 5  # wait states, those of 150 MHz
+ROW = 0x30_0000
+CONSTANT = 0x30_0800
+
+
+def from_flash(code: str, *, enpipe: int = 1, **options: Value) -> int:
+    """The cycles that code in flash takes from the jump to it to ESTOP0, beyond those that it takes in L1."""
+
+    def at(base: int, constant: int) -> int:
+        body = "\n".join(f" {line.strip()}" for line in code.split(";"))
+        source = (
+            f"{HEAD} EALLOW\n MOVW DP,#0x0A80 >> 6\n MOV @0x0A86,#{PAGE << 8 | RAND}\n MOV @0x0A80,#{enpipe}\n EDIS\n"
+            f" MOVL XAR4,#{constant:#x}\n MOVL XAR7,@XAR4\n LB #there\n"
+            f' .sect "code", {base:#x}\nthere:\n{body}\n ESTOP0\n .space 8\n'
+            f' .sect "constant", {constant:#x}\n .word 7, 8\n'
+        )
+        rig = Rig(source, **options).run()
+        assert rig.program.returned_at is not None
+        return rig.program.returned_at
+
+    return at(ROW, CONSTANT) - at(0x9800, 0x9F00)
+
+
+def nops(count: int) -> str:
+    return " ; ".join(["NOP"] * count)
+
+
+@pytest.mark.rule("SYS-039")
+@pytest.mark.parametrize("model", ["beside_reads", "shared_with_reads", "two_words_ahead"])
+@pytest.mark.parametrize(
+    ("code", "more"),
+    [
+        (nops(3), 5),  # a first word of four instructions: there in cycle 5
+        (nops(4), 11 - 4),  # the second in cycle 11
+        (nops(8), 17 - 8),
+        (nops(24), 41 - 24),
+        ("RPT #40 || NOP ; " + nops(2 + 3), 5),  # what was fetched meanwhile
+        ("LB #there + 4 ; NOP ; NOP ; " + nops(3), 5 + 5),  # a jump, here to the next word, waits anew
+    ],
+)
+def test_flash_brings_64_bits_at_a_time(model: str, code: str, more: int):
+    assert from_flash(code, flash_model=model) == more
+
+
+@pytest.mark.rule("SYS-039")
+@pytest.mark.parametrize("model", ["beside_reads", "shared_with_reads", "two_words_ahead"])
+@pytest.mark.parametrize(("code", "more"), [(nops(1), 5), (nops(2), 11 - 2), (nops(8), 29 - 8)])
+def test_flash_without_prefetch_brings_32_bits_at_a_time(model: str, code: str, more: int):
+    assert from_flash(code, enpipe=0, flash_model=model) == more
+
+
+@pytest.mark.rule("SYS-039")
+@pytest.mark.parametrize(("model", "more"), [("beside_reads", 5), ("shared_with_reads", 5), ("two_words_ahead", 5 + 1)])
+def test_open_flash_model_how_far_it_runs_ahead(model: str, more: int):
+    """A repeated NOP to cycle 46; two more end the first word in 48, four the second in 52.
+
+    beside_reads       the third word was fetched long ago
+    two_words_ahead    its fetch begins as the first one's place is free, in 48: there in 54, for 53
+    """
+    assert from_flash("RPT #40 || NOP ; " + nops(2 + 4), flash_model=model) == more
+
+
+@pytest.mark.rule("SYS-039")
+@pytest.mark.parametrize(
+    ("model", "eighth", "ninth"),
+    [("beside_reads", 17, 18), ("shared_with_reads", 20, 23), ("two_words_ahead", 17, 18)],
+)
+def test_open_flash_model_a_read_of_data(model: str, eighth: int, ninth: int):
+    """Three NOPs in 5 to 7, a load of a constant in flash in 8, whose wait states are 5.
+
+    cycle               5 6 7 8 9 10 11      14  16 17    18        23
+    fetches             word 1 ----->| word 2 ------>|
+    beside_reads        . . . load waits ----> next in 14 ... the ninth instruction in 18: word 2 is there in 17
+    shared_with_reads   . . . waits  | load waits --->| next in 17 to 20; word 2 from 17 on, there in 23
+    """
+    load = f"{nops(3)} ; MOV AL,*XAR4"
+    assert from_flash(f"{load} ; {nops(3)}", flash_model=model) == eighth - 7
+    assert from_flash(f"{load} ; {nops(4)}", flash_model=model) == ninth - 8
+
+
+@pytest.mark.rule("SYS-039")
+@pytest.mark.parametrize(("model", "waits"), [("beside_reads", 0), ("shared_with_reads", 4), ("two_words_ahead", 0)])
+def test_open_flash_model_a_read_of_program_memory(model: str, waits: int):
+    """PREAD in 7 finds a fetch that ends in 11; then it takes its 2 cycles and 5 wait states."""
+    assert from_flash(f"{nops(2)} ; PREAD @AL,*XAR7", flash_model=model) == 5 + 5 + waits
+
+
+@pytest.mark.rule("SYS-039")
+def test_code_elsewhere_reads_flash_without_waiting_for_fetches_that_its_jump_ended():
+    source = (
+        f"{HEAD} EALLOW\n MOVW DP,#0x0A80 >> 6\n MOV @0x0A86,#0x505\n MOV @0x0A80,#1\n EDIS\n"
+        f" MOVL XAR4,#{CONSTANT:#x}\n LB #there\nback: MOV AL,*XAR4\n ESTOP0\n"
+        f' .sect "code", {ROW:#x}\nthere: LB #back\n .space 8\n'
+        f' .sect "constant", {CONSTANT:#x}\n .word 7, 8\n'
+    )
+    ended = [
+        Rig(source, flash_model=model).run().program.returned_at for model in ("beside_reads", "shared_with_reads")
+    ]
+    assert ended[0] is not None and ended[0] == ended[1]

@@ -20,21 +20,32 @@ ROOM = 24  # a column as wide as this sets off where a cell goes on, by two blan
 Cells = Sequence[str]
 
 
-def text_table(titles: Cells, rows: Sequence[Cells], right: Collection[int] = (), width: int = WIDTH) -> list[str]:
+def text_table(
+    titles: Cells,
+    rows: Sequence[Cells],
+    right: Collection[int] = (),
+    width: int = WIDTH,
+    names: Collection[int] = (),
+) -> list[str]:
     """The lines of a table: titles, a rule, and the rows.
 
     right: the columns of numbers, whose cells are never broken. A cell may hold several lines. Cells are broken between
-    words, and within one only where the table would be wider than `width` without that.
+    words, and within one only where the table would be wider than `width` without that; those of the columns `names`,
+    which a reader searches for or copies, last.
     """
-    head, *body = table_rows(titles, rows, right, width)
+    head, *body = table_rows(titles, rows, right, width, names)
     return [*head, *(line for row in body for line in row)]
 
 
 def table_rows(
-    titles: Cells, rows: Sequence[Cells], right: Collection[int] = (), width: int = WIDTH
+    titles: Cells,
+    rows: Sequence[Cells],
+    right: Collection[int] = (),
+    width: int = WIDTH,
+    names: Collection[int] = (),
 ) -> list[list[str]]:
     """The same by rows: the lines of the titles and the rule, then those of each row."""
-    widths = _fitted([titles, *rows], titles, right, width)
+    widths = _fitted([titles, *rows], titles, right, width, names)
     head, *body = [_lines(row, widths, right, " ") for row in (titles, *rows)]
     longest = max(len(line) for row in (head, *body) for line in row)
     return [[*head, f" {'─' * (longest - 1)}"], *body]
@@ -64,7 +75,9 @@ def together(text: str) -> str:
     return text.replace(" ", KEPT)
 
 
-def _fitted(rows: Sequence[Cells], titles: Cells, right: Collection[int], width: int) -> list[int]:
+def _fitted(
+    rows: Sequence[Cells], titles: Cells, right: Collection[int], width: int, names: Collection[int] = ()
+) -> list[int]:
     """The width of each column. First titles are broken between words, then the widest cells, then their words."""
     places = range(len(rows[0]))
     widths = [max(_longest(row[n]) for row in rows) for n in places]
@@ -73,7 +86,8 @@ def _fitted(rows: Sequence[Cells], titles: Cells, right: Collection[int], width:
     whole = [max(cells[n], _longest_word(titles[n]) if titles else 0) for n in places]
     between = [whole[n] if n in right else words[n] for n in places]
     within = [whole[n] if n in right else min(words[n], FOLD) for n in places]
-    for least in (whole, between, within):
+    others = [between[n] if n in names else within[n] for n in places]
+    for least in (whole, between, others, within):
         while 1 + sum(widths) + len(GAP) * (len(widths) - 1) > width:
             wide = max(places, key=lambda n: widths[n] if widths[n] > least[n] else 0)
             if widths[wide] <= least[wide]:

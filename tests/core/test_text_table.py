@@ -80,3 +80,13 @@ def test_a_column_with_nothing_in_it_has_no_width() -> None:
         " ─────────────",
         " a           3",
     ]
+
+
+def test_names_are_broken_last():
+    rows = [("InitPeripheralClocks", "7", "DSP2833x_SysCtrl.c:235")]
+    assert text_table(("function", "calls", "begins at"), rows, right=(1,), width=46, names=(0,)) == [
+        " function              calls  begins at",
+        " ─────────────────────────────────────────────",
+        " InitPeripheralClocks      7  DSP2833x_SysCtrl",
+        "                              .c:235",
+    ]

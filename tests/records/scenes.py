@@ -46,13 +46,13 @@ def asks(address: int = ADDRESS, **request: Any) -> dict[str, Any]:
     return {"controller": {"first": "1 ms", "rounds": 1, "request": [{"address": address, **request}]}}
 
 
-def by_hand(*rows: tuple[Any, ...], end: int = 10_000) -> Run:
+def by_hand(*rows: tuple[Any, ...], end: int = 10_000, modules: tuple[str, ...] = ("I2C-A",)) -> Run:
     """A run of given records: cycle, kind, where, what, value, text, cause, and of an access the field that was named;
     numbered from 1."""
     columns = Columns()
     for number, (cycle, *of) in enumerate(rows, 1):
         columns.add(Record(number, cycle * CYCLE, *of))
-    return Run(columns.table(PER_SECOND, end * CYCLE, {"dsp": ("I2C-A",)}))
+    return Run(columns.table(PER_SECOND, end * CYCLE, {"dsp": modules}))
 
 
 def line_of(function: Callable[..., object], below: int = 1) -> str:

@@ -99,7 +99,7 @@ def _meaning(answer: Answer) -> list[str]:
     register, f = answer.subject.register, answer.subject.field
     if register is None or f is None:
         return []
-    return paragraph(f"{f.name}, {f.access}: {f.doc} [{register.source}]", "  ", "    ")
+    return paragraph(f"{f.name}, {f.access}{f': {f.doc}' if f.doc else ''} [{register.source}]", "  ", "    ")
 
 
 def _forward(answer: Answer) -> list[str]:

@@ -35,7 +35,7 @@ def text(profiles: Mapping[str, Profile], ticks_per_second: int, place_of: Place
         ]
         lines += [f"{unit}: {whole / per_us:.3f} us in {len(found)} functions", ""]
         head = ("function", "self us", "%", "total", "waits", "calls", "begins at")
-        lines += text_table(head, rows, right=(1, 2, 3, 4, 5))
+        lines += text_table(head, rows, right=(1, 2, 3, 4, 5), names=(0,))
         if len(found) > len(shown):
             lines.append(f"and {len(found) - len(shown)} with less; -v lists them all")
         lines.append("")

@@ -88,6 +88,11 @@ def test_an_answer_about_a_wire_knows_no_reads_and_tells_who_let_go():
     assert high[-1] == "  it did not change again"
 
 
+def test_a_field_without_a_description_has_its_access_and_source():
+    run = by_hand((1000, Kind.FLAG, "dsp.GPIO", "GPADAT.GPIO3", 1, "", 0), modules=("GPIO",))
+    assert text(why(run, "GPADAT.GPIO3@7us")).splitlines()[1] == "  GPIO3, R/W [SPRUFB0D Figures 65 to 67]"
+
+
 def test_the_steps_of_an_answer_as_json(run: Run):
     found = as_json(why(run, "ICDC@7.22us"))
     first = 1033 * CYCLE

@@ -33,6 +33,7 @@ from subprocess import run
 
 from . import BUILT, LIBRARY, MANIFEST, PACKAGE, digest, sources, symbol, usable
 from .fold import declared, folded
+from .freelists import with_freelists
 from .functions import by_name, cimported, without_imports
 from .members import with_members_bound
 from .outcome import resultless, returning, telling
@@ -93,6 +94,7 @@ def shadow(package: Path, modules: list[str], folder: Path) -> None:
         text = folded(source.read_text("utf-8"), names, CLASS.findall(pxd))
         text = returning(by_name(text, pxd), resultless(types_of(module, package).values()))
         text = with_members_bound(without_imports(text, cimported(pxd)), names)
+        text = with_freelists(text, pxd)
         copy = folder / package.name / source.relative_to(package)
         copy.parent.mkdir(parents=True, exist_ok=True)
         copy.write_text(text, "utf-8")

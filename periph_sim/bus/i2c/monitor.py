@@ -164,7 +164,8 @@ class I2cMonitor(ByteParty):
         return self._ended_at != NO_TIME and now - self._pulled_at > 2 * self._clock_length
 
     def _phase_begins(self, at: int) -> None:
-        self._phase = Phase(0, False, start_at=at)
+        self._phase = Phase(0, False)
+        self._phase.start_at = at
         self._stretch = 0
         self._acked, self._acks, self._got = False, self._phase.acks, self._phase.got
         self._index, self._bits, self._in = -1, 0, 0

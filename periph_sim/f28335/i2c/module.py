@@ -41,7 +41,6 @@ from .register_map import (
 from .registers import I2cRegisters
 from .slave import I2cSlave
 
-I2CSTR = I2C_MAP["I2CSTR"]
 BOTH = SCL | SDA
 
 
@@ -341,7 +340,7 @@ class I2c(Chip):
         state = self.state
         if value & state.str & at.STR_RRDY:
             state.rrdy_cleared()
-        state.str, _ = I2CSTR.write(state.str, value)
+        state.str &= ~(value & at.STR_CLEARS)
         if value & state.str & STR_XRDY:
             self.touched.add("xrdy_w1c")
             if self.options.xrdy_w1c == "yes":

@@ -7,7 +7,7 @@ TI SPRUG03B, tables 4 to 22; I2CEMDR also in the C header, but not in the data m
 
 from __future__ import annotations
 
-from ...core.registers import Register, RegisterMap, field
+from ...core.registers import OnWrite, Register, RegisterMap, field
 
 BASE = 0x7900
 
@@ -169,6 +169,8 @@ WORDS = 0x22  # length of a list indexed by offset
 STR_SDIR = I2CSTR["SDIR"].mask
 STR_NACKSNT = I2CSTR["NACKSNT"].mask
 STR_BB = I2CSTR["BB"].mask
+STR_RESET = I2CSTR.reset
+STR_CLEARS = I2CSTR.mask(OnWrite.ONE_CLEARS)  # a write has no other effect
 STR_RSFULL = I2CSTR["RSFULL"].mask
 STR_XSMT = I2CSTR["XSMT"].mask
 STR_AAS = I2CSTR["AAS"].mask

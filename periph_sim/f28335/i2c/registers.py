@@ -28,7 +28,6 @@ from .register_map import (
     STR_XSMT,
 )
 
-I2CSTR = I2C_MAP["I2CSTR"]
 COMMANDS = MDR_STT | MDR_STP | MDR_NACKMOD
 
 
@@ -85,7 +84,7 @@ class I2cRegisters(I2cFifos):
 
     def irs_reset(self, now: int) -> None:
         """IRS went to 0: status to its defaults; what survives is the options' business."""
-        keep_bb = self.str & I2CSTR["BB"].mask if self.options.bb_on_irs_reset == "keep" else 0
+        keep_bb = self.str & i2c_map.STR_BB if self.options.bb_on_irs_reset == "keep" else 0
         self.touched.add("bb_on_irs_reset")
         if self.dxr_full or self.xsr_full:
             self.touched.add("dxr_survives_irs")
@@ -94,7 +93,7 @@ class I2cRegisters(I2cFifos):
             self.dxr_behind.clear()
         self.xsr_full = False
         self.wanted = False
-        self.str = I2CSTR.reset | keep_bb
+        self.str = i2c_map.STR_RESET | keep_bb
         self.forget_requests(now)
         self.drr_unread = False
         if self.mdr & COMMANDS:

@@ -18,18 +18,14 @@ T = TypeVar("T")
 
 class Output(Generic[T]):
     def __init__(self, a: Arithmetic[T], sensor: SensorParameters) -> None:
-        self._a, self._dot = a, vectors_of(a).dot
+        self._v = vectors_of(a)
         self._rows = tuple(triple(a, row) for row in sensor.matrix)
         self._low, self._high = (a.constant(limit) for limit in sensor.limits)
         self._rounding = sensor.rounding
 
     def codes(self, felt: Triple[T]) -> Triple[T]:
         """LSB on each axis, within the converter's codes."""
-        first, second, third = self._rows
-        return self._code(first, felt), self._code(second, felt), self._code(third, felt)
-
-    def _code(self, row: Triple[T], felt: Triple[T]) -> T:
-        return self._a.to_integer(self._a.clamp(self._dot(row, felt), self._low, self._high), self._rounding)
+        return self._v.whole(self._v.transformed(self._rows, felt), self._low, self._high, self._rounding)
 
 
 def triple(a: Arithmetic[T], values: tuple[float, float, float]) -> Triple[T]:

@@ -36,12 +36,16 @@ cdef class Q:
     cpdef tuple plus(self, tuple u, tuple v)
     cpdef tuple minus(self, tuple u, tuple v)
     cpdef tuple times(self, tuple u, long long k)
-    cpdef long long dot(self, tuple u, tuple v)
+    @cython.locals(first=tuple, second=tuple, third=tuple)
+    cpdef tuple transformed(self, tuple rows, tuple u)
+    cdef long long _dot(self, tuple u, tuple v)
     @cython.locals(
         x=cython.longlong, y=cython.longlong, z=cython.longlong, p=cython.longlong, q=cython.longlong, r=cython.longlong
     )
     cpdef tuple cross(self, tuple u, tuple v)
     cpdef tuple turned(self, long long c, long long s, long long x, long long y)
+    @cython.locals(x=cython.longlong, y=cython.longlong, z=cython.longlong)
+    cpdef tuple whole(self, tuple u, long long low, long long high, object rounding)
     cdef long long _saturated(self, long long x)
     cdef long long _overflow(self, long long x)
 

@@ -149,7 +149,11 @@ class Q:
     def times(self, u: Triple, k: int) -> Triple:
         return self.mul(u[0], k), self.mul(u[1], k), self.mul(u[2], k)
 
-    def dot(self, u: Triple, v: Triple) -> int:
+    def transformed(self, rows: tuple[Triple, ...], u: Triple) -> Triple:
+        first, second, third = rows
+        return self._dot(first, u), self._dot(second, u), self._dot(third, u)
+
+    def _dot(self, u: Triple, v: Triple) -> int:
         return self.add(self.add(self.mul(u[0], v[0]), self.mul(u[1], v[1])), self.mul(u[2], v[2]))
 
     def cross(self, u: Triple, v: Triple) -> Triple:
@@ -163,6 +167,10 @@ class Q:
 
     def turned(self, c: int, s: int, x: int, y: int) -> tuple[int, int]:
         return self.add(self.mul(c, x), self.mul(s, y)), self.sub(self.mul(c, y), self.mul(s, x))
+
+    def whole(self, u: Triple, low: int, high: int, rounding: Rounding) -> Triple:
+        x, y, z = self.clamp(u[0], low, high), self.clamp(u[1], low, high), self.clamp(u[2], low, high)
+        return self.to_integer(x, rounding), self.to_integer(y, rounding), self.to_integer(z, rounding)
 
     # Results that do not fit ------------------------------------------------------
 

@@ -1,6 +1,6 @@
 """Vectors of three numbers: an arithmetic of single numbers goes in, its operations on x, y, z together come out.
 
-    Arithmetic[T] --vectors_of--> plus, minus, times, dot, cross, turned
+    Arithmetic[T] --vectors_of--> plus, minus, times, transformed, cross, turned, whole
 
 Each is made of the arithmetic's own operations, in an order that is part of the result: they round and overflow.
 Q has them itself, where they cost a call instead of one for each number.
@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Any, Generic, Protocol, TypeVar
 
-from .arithmetic import Arithmetic
+from .arithmetic import Arithmetic, Rounding
 from .q import Q
 
 T = TypeVar("T")
@@ -29,14 +29,17 @@ class Vectors(Protocol[T]):
     def times(self, u: Triple[T], k: T) -> Triple[T]:
         """u times a number."""
 
-    def dot(self, u: Triple[T], v: Triple[T]) -> T:
-        """u . v."""
+    def transformed(self, rows: tuple[Triple[T], ...], u: Triple[T]) -> Triple[T]:
+        """A matrix of three rows times u."""
 
     def cross(self, u: Triple[T], v: Triple[T]) -> Triple[T]:
         """u x v."""
 
     def turned(self, c: T, s: T, x: T, y: T) -> tuple[T, T]:
         """x and y in axes turned by the angle of this cosine and sine: c x + s y, c y - s x."""
+
+    def whole(self, u: Triple[T], low: T, high: T, rounding: Rounding) -> Triple[T]:
+        """The nearest vector to u with numbers from low to high, as whole numbers: counts of LSB."""
 
 
 class ByNumbers(Generic[T]):
@@ -57,7 +60,11 @@ class ByNumbers(Generic[T]):
         mul = self._a.mul
         return mul(u[0], k), mul(u[1], k), mul(u[2], k)
 
-    def dot(self, u: Triple[T], v: Triple[T]) -> T:
+    def transformed(self, rows: tuple[Triple[T], ...], u: Triple[T]) -> Triple[T]:
+        first, second, third = rows
+        return self._dot(first, u), self._dot(second, u), self._dot(third, u)
+
+    def _dot(self, u: Triple[T], v: Triple[T]) -> T:
         add, mul = self._a.add, self._a.mul
         return add(add(mul(u[0], v[0]), mul(u[1], v[1])), mul(u[2], v[2]))
 
@@ -69,6 +76,11 @@ class ByNumbers(Generic[T]):
     def turned(self, c: T, s: T, x: T, y: T) -> tuple[T, T]:
         mul = self._a.mul
         return self._a.add(mul(c, x), mul(s, y)), self._a.sub(mul(c, y), mul(s, x))
+
+    def whole(self, u: Triple[T], low: T, high: T, rounding: Rounding) -> Triple[T]:
+        clamp, to_integer = self._a.clamp, self._a.to_integer
+        x, y, z = clamp(u[0], low, high), clamp(u[1], low, high), clamp(u[2], low, high)
+        return to_integer(x, rounding), to_integer(y, rounding), to_integer(z, rounding)
 
 
 def vectors_of(a: Arithmetic[T]) -> Vectors[T]:

@@ -46,17 +46,17 @@ class Load(Measure):
     def begins(self, at: int) -> None:
         """It gets busy. Told twice, it has been all along."""
         if self._since == NO_TIME:
-            self._pass(at)
-            self._since = at
             if self._window:
+                self._pass(at)
                 self._begins.append(at)
+            self._since = at
 
     def ends(self, at: int) -> None:
         if self._since == NO_TIME:
             return
-        self._pass(at)
         self._busy += at - self._since
         if self._window:
+            self._pass(at)
             self._stretches.append((self._since, at))
         self._since = NO_TIME
         if self._window:

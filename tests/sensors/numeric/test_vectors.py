@@ -22,11 +22,12 @@ def test_q_has_the_operations_number_by_number(kind: type[Q], overflow: str, u: 
     vectors = vectors_of(own)
     assert vectors is own
     by_numbers = ByNumbers(plain)
-    for name, given_ in (("plus", (u, v)), ("minus", (u, v)), ("dot", (u, v)), ("cross", (u, v)), ("times", (u, k))):
+    low, high = sorted(u[:2])
+    of = {"plus": (u, v), "minus": (u, v), "times": (u, k), "transformed": ((u, v, u), v), "cross": (u, v)}
+    of |= {"turned": (*u, k), "whole": (v, low, high, "nearest")}
+    for name, given_ in of.items():
         assert getattr(vectors, name)(*given_) == getattr(by_numbers, name)(*given_), name
         assert own.overflows == plain.overflows, name
-    assert vectors.turned(*u, k) == by_numbers.turned(*u, k)
-    assert own.overflows == plain.overflows
 
 
 def test_vectors_of_floats_by_hand() -> None:
@@ -35,6 +36,7 @@ def test_vectors_of_floats_by_hand() -> None:
     assert vectors.plus(u, v) == (5.0, -3.0, 9.0)
     assert vectors.minus(u, v) == (-3.0, 7.0, -3.0)
     assert vectors.times(u, 2.0) == (2.0, 4.0, 6.0)
-    assert vectors.dot(u, v) == 12.0
+    assert vectors.transformed((u, v, u), v) == (12.0, 77.0, 12.0)
+    assert vectors.whole((1.2, -7.0, 2.5), -5.0, 9.0, "nearest") == (1.0, -5.0, 3.0)
     assert vectors.cross(u, v) == (27.0, 6.0, -13.0)
     assert vectors.turned(0.6, 0.8, 1.0, 2.0) == pytest.approx((2.2, 0.4))

@@ -24,6 +24,13 @@ class UartFormat(Struct, frozen=True):
         """Bits of a frame, start and stop bits included."""
         return 1 + self.bits + self.address + (self.parity != "none") + self.stop
 
+    def is_kept_by(self, levels: list[int]) -> bool:
+        """Whether these levels of a frame's bits have its start bit, its stop bits and its parity."""
+        end = len(levels) - self.stop
+        if levels[0] or 0 in levels[end:]:
+            return False
+        return self.parity == "none" or sum(levels[1:end]) & 1 == (self.parity == "odd")
+
     def levels(self, byte: int, address: int = 0) -> list[int]:
         """The levels of one frame, bit by bit, start bit first. address: the address bit, where there is one."""
         data = [byte >> i & 1 for i in range(self.bits)] + [address] * self.address

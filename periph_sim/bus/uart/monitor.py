@@ -15,14 +15,15 @@ class UartMonitor:
     """line: as of a `UartReader`."""
 
     def __init__(self, kernel: Kernel, recorder: Recorder, wire: Wire, line: Line) -> None:
-        self._recorder = recorder
-        self._wire = wire
+        self._begins, self._ends, self._errors = (
+            recorder.topic(Kind.FRAME, wire.name, what) for what in ("begin", "end", "error")
+        )
         reader = UartReader(kernel, wire, line)
         reader.on_begin.append(self._begin)
         reader.on_end.append(self._end)
 
     def _begin(self, now: int) -> None:
-        self._recorder.emit(now, Kind.FRAME, self._wire.name, "begin")
+        self._begins.emit(now)
 
     def _end(self, heard: Heard) -> None:
-        self._recorder.emit(heard.end, Kind.FRAME, self._wire.name, "end" if heard.good else "error", heard.value)
+        (self._ends if heard.good else self._errors).emit(heard.end, heard.value)

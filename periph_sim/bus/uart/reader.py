@@ -122,6 +122,6 @@ class UartReader(FrameParty):
         for bit in range(form.bits):
             value |= levels[1 + bit] << bit
         address = levels[1 + form.bits] if form.address else 0
-        heard = Heard(self._start, self._kernel.now, value, levels == form.levels(value, address), address)
+        heard = Heard(self._start, self._kernel.now, value, form.is_kept_by(levels), address)
         for told in self.on_end:
             told(heard)

@@ -1,0 +1,19 @@
+"""A frame's levels by its format: what is sent is kept, and any other start bit, parity or stop bit is told."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import pytest
+
+from periph_sim.bus.uart.frame_format import UartFormat
+
+
+@pytest.mark.parametrize("parity", ["none", "even", "odd"])
+@pytest.mark.parametrize("stop", [1, 2])
+@pytest.mark.parametrize("address", [False, True])
+def test_a_format_is_kept_by_the_frames_that_it_makes_and_no_others(parity: str, stop: int, address: bool) -> None:
+    form = UartFormat(3, parity, stop, address)
+    made = {tuple(form.levels(byte, bit)) for byte in range(8) for bit in range(1 + address)}
+    for levels in product((0, 1), repeat=form.length):
+        assert form.is_kept_by(list(levels)) == (levels in made)

@@ -100,7 +100,7 @@ def inspect(image: Image) -> Inspection:
     return Inspection(
         image=image,
         functions=functions,
-        vectors=tuple(_vectors(image, named)),
+        vectors=tuple(_vectors(image, functions, named)),
         registers=tuple(_registers(named)),
         unknown=tuple(unknown),
         instructions=instructions,
@@ -137,12 +137,13 @@ def _function_at(functions: tuple[Function, ...], address: int) -> str:
     return f"{address:#08x}"
 
 
-def _vectors(image: Image, named: list[tuple[Access, str]]) -> Iterator[Vector]:
+def _vectors(image: Image, functions: tuple[Function, ...], named: list[tuple[Access, str]]) -> Iterator[Vector]:
+    names = image.symbol_at | {function.address: function.name for function in functions}
     found = {}
     for access, function in named:
         if access.address in VECTOR_TABLE and access.value is not None and "w" in access.how:
             name = VECTOR_NAMES.get(access.address, f"+{access.address - VECTOR_TABLE.start:#04x}")
-            handler = image.symbol_at.get(access.value, f"{access.value:#08x}")
+            handler = names.get(access.value, f"{access.value:#08x}")
             found[access.address, handler] = Vector(name, access.address, handler, function)
     yield from sorted(found.values(), key=lambda vector: vector.address)
 

@@ -99,7 +99,7 @@ def test_lint_exits_with_0_where_nothing_is(desk: Path, periph_sim: Run):
         ("nack.sr", "nack.sr: not a recorded run; record one with periph-sim run CASE --record RUN.psr"),
         ("none.psr", "none.psr: there is no such file; record one with"),
         ("bare.psr", "bare.psr: a capture of wires, with no accesses or flags; record one with"),
-        ("cut.psr", "cut.psr, the zip"),
+        ("cut.psr", "cut.psr, the archive: found a broken zip ("),
     ],
 )
 def test_what_is_no_recorded_run_is_refused(desk: Path, periph_sim: Run, command: list[str], name: str, said: str):

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from periph_sim.image.inspection import Inspection, inspect
+import pytest
+
+from periph_sim.image import inspection
+from periph_sim.image.inspection import Function, Inspection, inspect
 from periph_sim.image.model import Image, Symbol
 from tests.image.own_images import CODE, ENTRY, HANDLER, image, text
 
@@ -93,3 +96,10 @@ def test_code_that_is_copied_runs_elsewhere():
     found = inspect(image(text(address=0x320000, run=ENTRY), entry=0x320000))
     assert touched(found) == [("I2C-A", "I2CSTR", 1, 1), ("I2C-A", "I2CMDR", 0, 1)]
     assert found.vectors[0].handler == f"{HANDLER:#08x}"
+
+
+def test_a_handler_has_the_name_that_budgets_know_and_not_its_symbol(monkeypatch: pytest.MonkeyPatch):
+    of_debug_data = Function("on_transfer", HANDLER, 1, ".text", None)
+    monkeypatch.setattr(inspection, "functions_of", lambda image, debug: (of_debug_data,))
+    (vector,) = inspect(image()).vectors
+    assert vector.handler == "on_transfer"

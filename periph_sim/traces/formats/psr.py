@@ -174,7 +174,7 @@ def _load(path: Path) -> tuple[dict[str, Any], RecordTable]:
             else:
                 columns = {name: _column(path, archive, name, WIDTHS) for name in STORED}
     except (zipfile.BadZipFile, zlib.error, EOFError, OSError, NotImplementedError, RuntimeError) as error:
-        raise BadCapture(path, "the zip", _said(error), "an undamaged file", COPY) from error
+        raise BadCapture(path, "the archive", f"a broken zip ({_said(error)})", "an undamaged file", COPY) from error
     lengths = {name: len(values) for name, values in columns.items()}
     if len(set(lengths.values())) != 1:
         _bad(path, "its columns", f"lengths {lengths}", "one length")

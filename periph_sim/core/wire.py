@@ -65,7 +65,7 @@ class Wire(Settles):
         self._pulling_recorded = 0  # the same when it was recorded last
         self._parties: list[str] = []
         self._names_of: dict[int, str] = {}  # of those who pull, as records tell them
-        self._named = -1  # who pulled it as the last record was made, and their names
+        self._named = 0  # who pulled it as somebody did when a record was made last, and their names
         self._names = ""
         self.tape: Tape | None = None
         self._watches: _Watch | None = None  # who is told: the first of a chain
@@ -83,7 +83,7 @@ class Wire(Settles):
         self.attached += 1
         self._changed()
         self._names_of.clear()
-        self._named = -1
+        self._named = 0
         return Pin(self, BITS[place])
 
     def watch(self, watcher: Watcher) -> Sampler:
@@ -232,10 +232,10 @@ class Wire(Settles):
         self._pulling_recorded = pulling = self._pulling
         if tape is not None and tape.again:
             return tape.again.pop(0)
-        if pulling != self._named:
+        if pulling and pulling != self._named:
             self._named, self._names = pulling, self._names_for(pulling)
         outer, recorder.cause = recorder.cause, cause
-        number = topic.emit(self.kernel.now, level, self._names)
+        number = topic.emit(self.kernel.now, level, self._names if pulling else "")
         recorder.cause = outer
         if tape is not None:
             tape.numbers.append(number)

@@ -41,6 +41,7 @@ BLOCK = 2048  # records
 # What is collected of a record: array's type code, and bytes. topic: its number stands for kind, where and what.
 COLLECTED = {"topic": ("I", 4), "number": ("q", 8), "tick": ("q", 8), "value": ("q", 8)}
 COLLECTED |= {"cause": ("q", 8), "text": ("I", 4), "field": ("I", 4)}
+EMPTY = {name: array(code, bytes(BLOCK * size)) for name, (code, size) in COLLECTED.items()}
 TABLES = ("kind", "where", "what", "text", "field")
 TOPIC = TABLES[:3]
 
@@ -167,7 +168,7 @@ class Columns(Keeper):
     def _begin(self) -> None:
         """An empty block."""
         self._filled = 0
-        self._block = {name: array(code, bytes(BLOCK * size)) for name, (code, size) in COLLECTED.items()}
+        self._block = {name: column[:] for name, column in EMPTY.items()}
         block = self._block
         self._tags, self._text_places, self._field_places = block["topic"], block["text"], block["field"]
         self._numbers, self._ticks = block["number"], block["tick"]

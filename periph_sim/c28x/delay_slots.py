@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from .decoder import Instruction, decode_at
+from .encodings import Encoding
 from .execution.fpu_moves import APART, FIRST
 from .execution.registers import LUF, LVF
 
@@ -41,11 +42,15 @@ def read_registers(instruction: Instruction) -> int:
     if encoding.id == "MOV32_loc32_ind_0_16":
         number, rest = divmod(values["c"] - FIRST, APART)
         mask |= 1 << number if number in range(8) and not rest else 0
-    if "STF@E" in encoding.reads:
-        looks = encoding.mnemonic not in ("MOVST0", "TESTTF")
-        looks |= values.get("w") in CONDITIONS or (encoding.mnemonic == "MOVST0" and values["g"] & FLAG_BITS != 0)
-        mask |= FLAGS if looks else 0
-    return mask
+    return mask | FLAGS if _reads_flags(encoding, values) else mask
+
+
+def _reads_flags(encoding: Encoding, values: Mapping[str, int]) -> bool:
+    if "w" in values:
+        return values["w"] in CONDITIONS
+    if encoding.mnemonic == "MOVST0":
+        return values["g"] & FLAG_BITS != 0
+    return "STF@E" in encoding.reads
 
 
 def not_kept(instruction: Instruction, word_at: Callable[[int], int]) -> Iterator[str]:

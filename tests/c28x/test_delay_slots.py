@@ -65,7 +65,16 @@ def test_a_slot_is_one_instruction_long():
 
 @pytest.mark.parametrize(
     ("reader", "found"),
-    [("MOVST0 LVF", 1), ("MOVST0 ZF", 0), ("TESTTF LU", 1), ("TESTTF EQ", 0), ("MOV32 *SP++,STF", 1), ("NOP", 0)],
+    [
+        ("MOV32 R3H,R4H,LV", 1),
+        ("MOV32 R3H,R4H,EQ", 0),
+        ("MOVST0 LVF", 1),
+        ("MOVST0 ZF", 0),
+        ("TESTTF LU", 1),
+        ("TESTTF EQ", 0),
+        ("MOV32 *SP++,STF", 1),
+        ("NOP", 0),
+    ],
 )
 def test_flags_of_a_result_come_with_it(reader: str, found: int):
     texts = told(f" MPYF32 R0H,R1H,R2H\n {reader}")

@@ -147,8 +147,22 @@ def test_an_interrupt_behind_an_operation_lets_its_result_arrive(answer: str):
 # Flash --------------------------------------------------------------------------------------------------------------
 
 PAGE, RAND = 5, 5  # wait states, those of 150 MHz
-ROW = 0x30_0000
+ROW, OTP = 0x30_0000, 0x38_0400
 CONSTANT = 0x30_0800
+
+
+@pytest.mark.rule("SYS-039")
+@pytest.mark.parametrize(
+    ("base", "instructions", "more"),
+    [(ROW, 1, 15), (ROW, 3, 15 + 16 - 2), (OTP, 1, 31), (OTP, 3, 31 + 32 - 2), (0x9800, 3, 0)],
+)
+def test_flash_and_otp_after_reset(base: int, instructions: int, more: int):
+    """32 bits at a time, the first ones after 15 or 31 cycles; two instructions of them were executed meanwhile."""
+    body = " NOP\n" * instructions
+    rig = Rig(f'{HEAD} LB #there\n .sect "code", {base:#x}\nthere:{body} ESTOP0\n .space 8\n').run()
+    bare = Rig(f"{HEAD} LB #there\nthere:{body} ESTOP0\n").run()
+    assert rig.program.returned_at is not None and bare.program.returned_at is not None
+    assert rig.program.returned_at - bare.program.returned_at == more
 
 
 def from_flash(code: str, *, enpipe: int = 1, **options: Value) -> int:
